@@ -1,0 +1,123 @@
+//! `comminute check SCENE`
+
+use super::{Overrides, print};
+use comminute::error::Result;
+use comminute::model::Model;
+use comminute::scene::{self, Estimate, Scene};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Validate a scene and say what the run would be
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example, from the repository root:\n  comminute check experiments/petroleum_coke/h-c-2.toml")]
+pub struct Args {
+    /// Scene file (TOML)
+    #[arg(required_unless_present = "keys")]
+    scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    overrides: Overrides,
+
+    /// Print every key of scenes and materials instead, with its default and meaning
+    #[arg(long)]
+    keys: bool,
+
+    /// Only say what is wrong
+    #[arg(long)]
+    quiet: bool,
+
+    /// Print as JSON to standard output
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn call(args: &Args) -> Result<()> {
+    let path = match &args.scene {
+        Some(path) if !args.keys => path,
+        _ => return print(scene::key_reference().trim_end()),
+    };
+    let scene = args.overrides.load(path)?;
+    let model = scene::model(&scene)?;
+    let estimate = scene::estimate(&model);
+    if args.json {
+        print(&as_json(&scene, &model, &estimate))?;
+    } else if !args.quiet {
+        eprint!("{}", as_text(&scene, &model, &estimate));
+    }
+    Ok(())
+}
+
+fn as_json(scene: &Scene, model: &Model, estimate: &Estimate) -> String {
+    let object = json!({
+        "scene": model.name,
+        "description": scene.description(),
+        "out": scene.default_out(),
+        "materials": model.materials.iter().map(|m| &m.name).collect::<Vec<_>>(),
+        "crushing": model.crush.is_some(),
+        "seed": model.seeds,
+        "estimate": estimate,
+        "assumed": scene::assumptions(scene),
+        "decisions": scene::decisions(scene),
+    });
+    format!("{object:#}")
+}
+
+fn as_text(scene: &Scene, model: &Model, estimate: &Estimate) -> String {
+    let mut text = String::new();
+    // writing to a String does not fail
+    let _ = facts(&mut text, scene, model, estimate);
+    let assumed = scene::assumptions(scene);
+    if !assumed.is_empty() {
+        text += "\nassumed values (no paper gives them):\n";
+        for a in assumed {
+            let _ = writeln!(text, "  {} = {}  ({})", a.key, scene::shown(&a.value), a.source);
+        }
+    }
+    text += "\ndecisions where the papers are silent:\n";
+    for d in scene::decisions(scene) {
+        let _ = match d.key {
+            "" => writeln!(text, "  {}: {} (fixed)", d.matter, d.value.as_str().unwrap_or("")),
+            key => writeln!(text, "  {}: {key} = {}", d.matter, scene::shown(&d.value)),
+        };
+    }
+    for (i, warning) in estimate.warnings.iter().enumerate() {
+        let gap = if i == 0 { "\n" } else { "" };
+        let _ = writeln!(text, "{gap}warning: {warning}");
+    }
+    text
+}
+
+fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::fmt::Result {
+    writeln!(text, "{}: {}", model.name, scene.description())?;
+    let names: Vec<&str> = model.materials.iter().map(|m| m.name.as_str()).collect();
+    writeln!(text, "  material        {}", names.join(", "))?;
+    writeln!(text, "  grains          {}", e.grains)?;
+    match &model.crush {
+        None => writeln!(text, "  crushing        off")?,
+        Some(c) => writeln!(
+            text,
+            "  crushing        {}-ball pattern above {:.4} mm; perhaps {:.0} grains at the end (if every grain breaks twice)",
+            c.pattern.count(),
+            1e3 * c.d_limit,
+            e.grains_final
+        )?,
+    }
+    if let Some(s) = &e.specimen {
+        writeln!(
+            text,
+            "  specimen        D = {:.2} mm, H = {:.2} mm (estimate); D = {:.1} d50 = {:.1} d_max, H = {:.1} d_max",
+            s.diameter_mm, s.height_mm, s.diameter_over_d50, s.diameter_over_largest, s.height_over_largest
+        )?;
+        writeln!(text, "  loading steps   {:.0} (eq. 18, estimate)", e.steps)?;
+    } else {
+        writeln!(text, "  steps           {:.0} (estimate)", e.steps)?;
+    }
+    match e.time_step {
+        Some(dt) => writeln!(text, "  time step       {dt:.3e} s (estimate): {}", e.time_step_limit)?,
+        None => writeln!(text, "  time step       {}", e.time_step_limit)?,
+    }
+    writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
+    writeln!(text, "  seeds           packing {}, strength {}", model.seeds.packing, model.seeds.strength)?;
+    writeln!(text, "  folder          {}", scene.default_out().display())
+}

@@ -1,0 +1,121 @@
+//! One file per verb.
+
+mod bench;
+mod check;
+mod plot;
+mod resume;
+mod run;
+
+use clap::{Args, Parser, Subcommand};
+use comminute::error::{Error, Result};
+use comminute::scene::{self, Scene};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Crushable-grain discrete element method: grains that break, gradations that evolve, compression curves.
+#[derive(Debug, Parser)]
+#[command(version, after_help = "Example:\n  comminute run experiments/petroleum_coke/h-c-2.toml")]
+pub struct Cli {
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Run a scene and draw its figures
+    Run(run::Args),
+    /// Validate a scene and say what the run would be
+    Check(check::Args),
+    /// Draw runs and data files into common figures
+    Plot(plot::Args),
+    /// Continue a run that was stopped
+    Resume(resume::Args),
+    /// Measure the speed of the engine
+    Bench(bench::Args),
+}
+
+impl Verb {
+    pub fn call(self) -> Result<()> {
+        match self {
+            Verb::Run(args) => run::call(args),
+            Verb::Check(args) => check::call(&args),
+            Verb::Plot(args) => plot::call(&args),
+            Verb::Resume(args) => resume::call(args),
+            Verb::Bench(args) => bench::call(&args),
+        }
+    }
+}
+
+/// What `run` and `check` change in a scene.
+#[derive(Debug, Args)]
+pub struct Overrides {
+    /// Replace a value of the scene or its material, as in loading.max_stress_kPa=2000
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub sets: Vec<String>,
+
+    /// Seed of both random streams
+    #[arg(long, value_name = "N", conflicts_with_all = ["seed_packing", "seed_strength"])]
+    pub seed: Option<u64>,
+
+    /// Seed of the specimen
+    #[arg(long, value_name = "N")]
+    pub seed_packing: Option<u64>,
+
+    /// Seed of the strengths
+    #[arg(long, value_name = "N")]
+    pub seed_strength: Option<u64>,
+}
+
+impl Overrides {
+    /// The scene with everything that the command line changes.
+    pub fn load(&self, path: &Path) -> Result<Scene> {
+        let mut sets = self.sets.clone();
+        let packing = self.seed.or(self.seed_packing);
+        let strength = self.seed.or(self.seed_strength);
+        sets.extend(packing.map(|n| format!("seed.packing={n}")));
+        sets.extend(strength.map(|n| format!("seed.strength={n}")));
+        scene::load(path, &sets)
+    }
+}
+
+/// Print what a program reads.
+pub fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    let done = writeln!(out, "{text}").and_then(|()| out.flush());
+    match done {
+        // the reader has seen enough
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        done => done.map_err(Error::write("standard output")),
+    }
+}
+
+/// The closing lines of a run: what happened and where it lies.
+pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Result<()> {
+    if json {
+        let text = serde_json::to_string_pretty(&outcome.summary).unwrap_or_default();
+        print(&text)?;
+    }
+    if quiet {
+        return Ok(());
+    }
+    let number = |key: &str| outcome.summary.get(key).and_then(serde_json::Value::as_f64);
+    let count = |key: &str| number(key).map_or("?".into(), |x| format!("{x}"));
+    eprintln!(
+        "{} steps, {} crush events, {} grains from {}, {} s",
+        count("steps"),
+        count("crush_events"),
+        count("grains_final"),
+        count("grains_initial"),
+        number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}")),
+    );
+    eprintln!("records in {}", outcome.out.display());
+    list_files(&outcome.figures);
+    Ok(())
+}
+
+/// Name the files that were drawn.
+pub fn list_files(files: &[PathBuf]) {
+    for file in files {
+        eprintln!("  {}", file.display());
+    }
+}

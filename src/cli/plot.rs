@@ -1,0 +1,58 @@
+//! `comminute plot DIR…`
+
+use comminute::error::{Error, Result};
+use comminute::figure;
+use std::path::PathBuf;
+
+/// Draw runs and data files into common figures
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example, after the two runs:\n  comminute plot runs/h-c-2 runs/h-c-2-nc --out figures/h-c-2")]
+pub struct Args {
+    /// Folders of runs; the figures of one go into its own figures/ if --out is not given
+    #[arg(required = true, value_name = "DIR")]
+    runs: Vec<PathBuf>,
+
+    /// Measurements to overlay, drawn as symbols (CSV)
+    #[arg(long, value_name = "CSV")]
+    data: Vec<PathBuf>,
+
+    /// Folder for the figures
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Do not list the files drawn
+    #[arg(long)]
+    quiet: bool,
+
+    /// Print the files drawn as JSON to standard output
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn call(args: &Args) -> Result<()> {
+    for dir in &args.runs {
+        if !dir.is_dir() {
+            let message = "is no folder";
+            return Err(Error::input(dir.display(), "", None, message));
+        }
+    }
+    for file in &args.data {
+        std::fs::File::open(file).map_err(Error::read(file))?;
+    }
+    let files = match (&args.out, args.runs.as_slice()) {
+        (None, [one]) if args.data.is_empty() => figure::draw_run(one)?,
+        (None, [one]) => figure::overlay(&args.runs, &args.data, &one.join("figures"))?,
+        (None, _) => {
+            let message = "must name a folder for the figures of several runs";
+            return Err(Error::input("--out", "", None, message));
+        }
+        (Some(out), _) => figure::overlay(&args.runs, &args.data, out)?,
+    };
+    if args.json {
+        super::print(&serde_json::json!({ "files": files }).to_string())?;
+    }
+    if !args.quiet {
+        super::list_files(&files);
+    }
+    Ok(())
+}

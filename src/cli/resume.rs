@@ -1,0 +1,36 @@
+//! `comminute resume DIR`
+
+use comminute::error::Result;
+use comminute::run::{ResumeOptions, resume};
+use std::path::PathBuf;
+
+/// Continue a run that was stopped
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  comminute resume runs/h-c-2")]
+pub struct Args {
+    /// Folder of the run
+    dir: PathBuf,
+
+    /// Threads; all cores if not given. Results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+
+    /// Stop again after this many steps, those of the first part included
+    #[arg(long, value_name = "STEPS")]
+    stop_after: Option<u64>,
+
+    /// No progress and no closing summary
+    #[arg(long)]
+    quiet: bool,
+
+    /// Print the summary as JSON to standard output
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn call(args: Args) -> Result<()> {
+    let options =
+        ResumeOptions { threads: args.threads.map(usize::from), quiet: args.quiet, json: args.json, stop_after: args.stop_after };
+    let outcome = resume(&args.dir, options)?;
+    super::close(&outcome, args.quiet, args.json)
+}

@@ -1,0 +1,92 @@
+//! `comminute run SCENE`
+
+use super::Overrides;
+use comminute::error::{Error, Result};
+use comminute::run::{RunRequest, run};
+use comminute::scene;
+use std::path::{Path, PathBuf};
+
+/// Run a scene and draw its figures
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example, from the repository root:\n  comminute run experiments/petroleum_coke/h-c-2.toml --set loading.max_stress_kPa=500 --out runs/try"
+)]
+pub struct Args {
+    /// Scene file (TOML)
+    scene: PathBuf,
+
+    /// Folder for everything the run leaves; runs/ and the name of the scene file if not given
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    #[command(flatten)]
+    overrides: Overrides,
+
+    /// Threads; all cores if not given. Results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+
+    /// Begin with a prepared specimen (specimen.csv of another run) instead of making one
+    #[arg(long, value_name = "FILE")]
+    specimen: Option<PathBuf>,
+
+    /// Overwrite the run that the folder holds
+    #[arg(long)]
+    force: bool,
+
+    /// Stop after this many steps, preparation included; `comminute resume` goes on from there
+    #[arg(long, value_name = "STEPS")]
+    stop_after: Option<u64>,
+
+    /// No progress and no closing summary
+    #[arg(long)]
+    quiet: bool,
+
+    /// Print the summary as JSON to standard output
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn call(args: Args) -> Result<()> {
+    let scene = args.overrides.load(&args.scene)?;
+    let model = scene::model(&scene)?;
+    let out = args.out.unwrap_or_else(|| scene.default_out());
+    free(&out, args.force)?;
+    if let Some(specimen) = &args.specimen {
+        std::fs::File::open(specimen).map_err(Error::read(specimen))?;
+    }
+    if !args.quiet {
+        for warning in scene::estimate(&model).warnings {
+            eprintln!("warning: {warning}");
+        }
+    }
+    let outcome = run(RunRequest {
+        model,
+        scene_resolved: scene::resolved(&scene),
+        out,
+        force: args.force,
+        threads: args.threads.map(usize::from),
+        specimen: args.specimen,
+        quiet: args.quiet,
+        json: args.json,
+        stop_after: args.stop_after,
+    })?;
+    super::close(&outcome, args.quiet, args.json)
+}
+
+/// A folder that holds anything is not written into unasked.
+fn free(out: &Path, force: bool) -> Result<()> {
+    if out.is_file() {
+        let message = "is a file; --out needs a folder";
+        return Err(Error::input(out.display(), "", None, message));
+    }
+    let mut entries = match std::fs::read_dir(out) {
+        Ok(entries) => entries,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(source) => return Err(Error::Read { path: out.into(), source }),
+    };
+    if entries.next().is_some() && !force {
+        return Err(Error::Exists { path: out.into() });
+    }
+    Ok(())
+}

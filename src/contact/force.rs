@@ -1,0 +1,224 @@
+//! The force of one contact: normal law, tangential spring with Coulomb limit, viscous and rolling parts, and the work of
+//! each. A pure function; it knows neither arrays nor grains.
+//!
+//! Signs: `normal` points from the first end to the second; forces are those on the first end; the relative velocity is that
+//! of the first end's surface against the second's; compression is positive overlap.
+
+use super::law::{Law, Pair};
+use super::pairs::Touch;
+use crate::model::TangentialUnloading;
+
+/// Relative motion of two bodies near each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// Velocity of the first centre relative to the second (or to the wall), m/s.
+    pub centres: [f64; 3],
+    /// r_1 ω_1 + r_2 ω_2, m/s.
+    pub turning: [f64; 3],
+    /// Mean spin of the two ends, rad/s (on a wall: the grain's spin).
+    pub mean_spin: [f64; 3],
+    /// Spin of the first end less that of the second, rad/s.
+    pub spin_difference: [f64; 3],
+}
+
+impl Motion {
+    /// Σ arm × spin, with arms that end in the middle of the overlap: (r_1 − δ/2) ω_1 + (r_2 − δ/2) ω_2; on a wall (r − δ) ω.
+    #[inline(always)]
+    fn arms(&self, overlap: f64) -> [f64; 3] {
+        std::array::from_fn(|a| self.turning[a] - overlap * self.mean_spin[a])
+    }
+
+    /// Velocity of the first surface against the second at the contact point.
+    #[inline(always)]
+    fn slip(&self, normal: [f64; 3], overlap: f64) -> [f64; 3] {
+        let c = cross(self.arms(overlap), normal);
+        [self.centres[0] + c[0], self.centres[1] + c[1], self.centres[2] + c[2]]
+    }
+
+    /// Power of a contact's force and torque on both ends, W.
+    #[inline(always)]
+    pub fn power(&self, touch: &Touch) -> f64 {
+        dot(touch.force, self.centres) + dot(touch.torque, self.arms(touch.overlap))
+    }
+}
+
+/// Where and how two bodies touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    /// Unit vector from the first to the second end.
+    pub normal: [f64; 3],
+    /// Overlap, m (> 0).
+    pub overlap: f64,
+    /// R*, m.
+    pub r_eff: f64,
+    /// Reduced inertial mass, kg (viscous laws only).
+    pub m_eff: f64,
+    pub motion: Motion,
+}
+
+/// What does not change during one sweep.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules {
+    pub dt: f64,
+    pub unloading: TangentialUnloading,
+    /// Whether the area model is Hertzian: the load is then F (E'/r')^2 (see `AreaModel::load_weight`).
+    pub hertz_area: bool,
+}
+
+/// The history one contact keeps.
+pub struct Memory<'a> {
+    pub history: &'a mut [f64; 4],
+    pub touch: &'a mut Touch,
+    /// Path, slip, viscous work of this step, J.
+    pub work: Option<&'a mut [f64; 3]>,
+    pub rolling: Option<&'a mut [f64; 3]>,
+}
+
+#[inline(always)]
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Turns a vector of the contact plane with the contact: about the normal with the mean spin, then into the new plane,
+/// keeping its length.
+#[inline(always)]
+fn carried(v: [f64; 3], m: &Meeting, dt: f64) -> [f64; 3] {
+    let n = m.normal;
+    let length2 = dot(v, v);
+    if length2 == 0.0 {
+        return v;
+    }
+    let twist = dot(m.motion.mean_spin, n) * dt;
+    let c = cross(n, v);
+    let mut u = [v[0] + twist * c[0], v[1] + twist * c[1], v[2] + twist * c[2]];
+    let out = dot(u, n);
+    u = [u[0] - out * n[0], u[1] - out * n[1], u[2] - out * n[2]];
+    let after2 = dot(u, u);
+    if after2 == 0.0 {
+        return [0.0; 3];
+    }
+    let s = (length2 / after2).sqrt();
+    [u[0] * s, u[1] * s, u[2] * s]
+}
+
+/// Force, torque, history and work of a touching contact.
+///
+/// The tangential spring is incremental: F_t ← F_t − k_t Δu_t, turned with the contact, capped at μ F_n. Path work is the trapezium
+/// ½ (F_old + F_new) · Δu of the step, torques likewise, slip the work of the capped force over the part of Δu that the spring does not take.
+#[inline(always)]
+pub fn touching<L: Law, const LEDGER: bool, const EXTRA: bool>(m: &Meeting, pair: &Pair, rules: &Rules, memory: Memory<'_>) {
+    let n = m.normal;
+    let v = m.motion.slip(n, m.overlap);
+    let e = L::elastic(m.overlap, m.r_eff, pair);
+    let approach = dot(v, n);
+    let slip = [v[0] - approach * n[0], v[1] - approach * n[1], v[2] - approach * n[2]];
+
+    let mut normal_force = e.force;
+    let mut viscous_t = 0.0;
+    if L::VISCOUS {
+        let c_n = pair.viscous * (e.k_n * m.m_eff).sqrt();
+        viscous_t = pair.viscous * (e.k_t * m.m_eff).sqrt();
+        normal_force += c_n * approach;
+    }
+
+    let old = [memory.history[0], memory.history[1], memory.history[2]];
+    let mut t = carried(old, m, rules.dt);
+    if EXTRA && rules.unloading == TangentialUnloading::Rescale && e.k_t < memory.history[3] {
+        let s = e.k_t / memory.history[3];
+        t = [t[0] * s, t[1] * s, t[2] * s];
+    }
+    let spring = e.k_t * rules.dt;
+    t = [t[0] - spring * slip[0], t[1] - spring * slip[1], t[2] - spring * slip[2]];
+    let size2 = dot(t, t);
+    let limit = pair.friction * normal_force.max(0.0);
+    let mut slip_work = 0.0;
+    let mut sticks = true;
+    if size2 > limit * limit {
+        sticks = false;
+        let size = size2.sqrt();
+        let s = limit / size;
+        t = [t[0] * s, t[1] * s, t[2] * s];
+        if LEDGER {
+            slip_work = limit * (size - limit) / e.k_t;
+        }
+    }
+    *memory.history = [t[0], t[1], t[2], e.k_t];
+
+    let mut f = [t[0] - normal_force * n[0], t[1] - normal_force * n[1], t[2] - normal_force * n[2]];
+    let mut torque = cross(n, t);
+    let mut viscous_work = 0.0;
+    if L::VISCOUS {
+        if LEDGER {
+            viscous_work = (normal_force - e.force) * approach * rules.dt;
+        }
+        if sticks {
+            let d = [-viscous_t * slip[0], -viscous_t * slip[1], -viscous_t * slip[2]];
+            f = [f[0] + d[0], f[1] + d[1], f[2] + d[2]];
+            let c = cross(n, d);
+            torque = [torque[0] + c[0], torque[1] + c[1], torque[2] + c[2]];
+            if LEDGER {
+                viscous_work -= dot(d, slip) * rules.dt;
+            }
+        }
+    }
+    if EXTRA && let Some(moment) = memory.rolling {
+        roll(m, pair, e.k_t, normal_force, rules.dt, moment);
+    }
+
+    let load = if EXTRA && rules.hertz_area {
+        let w = pair.e_eff / m.r_eff;
+        normal_force * (w * w)
+    } else {
+        normal_force
+    };
+    let touch = Touch { force: f, overlap: m.overlap, torque, load };
+    if LEDGER && let Some(work) = memory.work {
+        let power = m.motion.power(memory.touch) + m.motion.power(&touch);
+        *work = [-0.5 * power * rules.dt, slip_work, viscous_work];
+    }
+    *memory.touch = touch;
+}
+
+/// Rolling resistance, elastic–plastic (the spring of Iwashita & Oda 1998 without dashpot): stiffness k_t R*², moment limit
+/// μ_r R* F_n. `moment` is the moment on the first end; the second gets the opposite.
+#[inline(always)]
+fn roll(m: &Meeting, pair: &Pair, k_t: f64, normal_force: f64, dt: f64, moment: &mut [f64; 3]) {
+    let n = m.normal;
+    let carried = carried(*moment, m, dt);
+    let w = m.motion.spin_difference;
+    let twist = dot(w, n);
+    let k = k_t * m.r_eff * m.r_eff * dt;
+    let mut r = [0.0; 3];
+    for a in 0..3 {
+        r[a] = carried[a] - k * (w[a] - twist * n[a]);
+    }
+    let limit = pair.rolling * m.r_eff * normal_force.max(0.0);
+    let size2 = dot(r, r);
+    if size2 > limit * limit {
+        let s = limit / size2.sqrt();
+        r = [r[0] * s, r[1] * s, r[2] * s];
+    }
+    *moment = r;
+}
+
+/// Ends the contact of a pair that does not touch (any more).
+#[inline(always)]
+pub fn apart<const LEDGER: bool>(motion: impl Fn() -> Motion, dt: f64, memory: Memory<'_>) {
+    if memory.touch.overlap > 0.0 {
+        if LEDGER && let Some(work) = memory.work {
+            *work = [-0.5 * motion().power(memory.touch) * dt, 0.0, 0.0];
+        }
+        *memory.history = [0.0; 4];
+        *memory.touch = Touch::default();
+        if let Some(moment) = memory.rolling {
+            *moment = [0.0; 3];
+        }
+    } else if LEDGER && let Some(work) = memory.work {
+        *work = [0.0; 3];
+    }
+}

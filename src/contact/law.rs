@@ -1,0 +1,198 @@
+//! Contact laws: the elastic force of one contact from its overlap. Pure functions of one contact.
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `overlap` | depth of the overlap of two spheres, > 0 in contact | m |
+//! | `r_eff` R* | r1 r2 / (r1 + r2); the grain's own radius on a wall | m |
+//! | E*, G* | 1/E* = Σ (1 − ν²)/E; 1/G* = Σ (2 − ν)/G | Pa |
+//!
+//! On a wall the law is that of a mirrored identical grain (NOTES.md): R* = r, E* = E/(1 − ν²), G* = G/(2 − ν).
+
+use crate::model::{ContactLaw, Material, Model};
+
+/// Parameters of the contacts between two materials. Prefactors `a` (normal) and `b` (tangential) are per law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// Linear: 4 K_eff, Pa. Hertz: 4/3 E*, Pa.
+    pub a: f64,
+    /// Linear: 4 alpha_S K_eff, Pa. Hertz: 8 G*, Pa.
+    pub b: f64,
+    /// Coulomb coefficient mu.
+    pub friction: f64,
+    /// Viscous coefficient 2 sqrt(5/6) beta(restitution).
+    pub viscous: f64,
+    /// Rolling friction mu_r.
+    pub rolling: f64,
+    /// E' of eq. (11) for the Hertzian contact area, Pa.
+    pub e_eff: f64,
+}
+
+/// What a law answers for one overlap.
+#[derive(Clone, Copy, Debug)]
+pub struct Elastic {
+    /// Normal force, N.
+    pub force: f64,
+    /// Tangent normal stiffness dF/d(overlap), N/m.
+    pub k_n: f64,
+    /// Tangential stiffness, N/m.
+    pub k_t: f64,
+    /// Elastic energy of the normal compression, J.
+    pub energy: f64,
+}
+
+/// A normal law with its tangential stiffness.
+pub trait Law: Copy + Send + Sync + 'static {
+    /// Whether the law adds viscous forces.
+    const VISCOUS: bool;
+    fn elastic(overlap: f64, r_eff: f64, pair: &Pair) -> Elastic;
+}
+
+/// Linear law, Ciantia et al. 2015 eq. (13): k_N = 2 K_eff D1 D2/(D1 + D2) = 4 K_eff R*, F = k_N U, k_S = alpha_S k_N.
+#[derive(Clone, Copy)]
+pub struct Linear;
+
+impl Law for Linear {
+    const VISCOUS: bool = false;
+    #[inline(always)]
+    fn elastic(overlap: f64, r_eff: f64, pair: &Pair) -> Elastic {
+        let k_n = pair.a * r_eff;
+        let force = k_n * overlap;
+        Elastic { force, k_n, k_t: pair.b * r_eff, energy: 0.5 * force * overlap }
+    }
+}
+
+/// Simplified Hertz–Mindlin law, Ciantia et al. 2015 eq. (14), which for equal grains is Hertz' F = 4/3 E* √R* U^{3/2} with
+/// the no-slip tangential stiffness k_S = 8 G* √(R* U); written with E*, G* (Li et al. 2023 eqs 20, 21), which also hold for
+/// different materials.
+#[derive(Clone, Copy)]
+pub struct Hertz;
+
+impl Law for Hertz {
+    const VISCOUS: bool = false;
+    #[inline(always)]
+    fn elastic(overlap: f64, r_eff: f64, pair: &Pair) -> Elastic {
+        let contact_radius = (r_eff * overlap).sqrt();
+        let force = pair.a * contact_radius * overlap;
+        Elastic { force, k_n: 1.5 * pair.a * contact_radius, k_t: pair.b * contact_radius, energy: 0.4 * force * overlap }
+    }
+}
+
+/// Hertz–Mindlin with viscous damping, Li et al. 2023 eqs (18)–(21). The damping constants are those of Tsuji's form,
+/// η = 2 √(5/6) β √(S m*), S_n = 2 E* √(R* U), S_t = 8 G* √(R* U), with β = −ln e / √(π² + ln² e): the restitution is exactly e when
+/// the force may turn tensile at the end of an impact, and so it may here.
+#[derive(Clone, Copy)]
+pub struct HertzViscous;
+
+impl Law for HertzViscous {
+    const VISCOUS: bool = true;
+    #[inline(always)]
+    fn elastic(overlap: f64, r_eff: f64, pair: &Pair) -> Elastic {
+        Hertz::elastic(overlap, r_eff, pair)
+    }
+}
+
+/// Viscous coefficient 2 √(5/6) β of a restitution e in (0, 1].
+pub fn viscous_coefficient(restitution: f64) -> f64 {
+    let l = restitution.ln();
+    let beta = -l / (std::f64::consts::PI.powi(2) + l * l).sqrt();
+    2.0 * (5.0f64 / 6.0).sqrt() * beta
+}
+
+impl Pair {
+    /// Between two materials.
+    pub fn between(law: ContactLaw, m1: &Material, m2: &Material) -> Pair {
+        let e_eff = 1.0 / ((1.0 - m1.poisson * m1.poisson) / m1.young + (1.0 - m2.poisson * m2.poisson) / m2.young);
+        let shear = |m: &Material| m.young / (2.0 * (1.0 + m.poisson));
+        let g_eff = 1.0 / ((2.0 - m1.poisson) / shear(m1) + (2.0 - m2.poisson) / shear(m2));
+        let k_eff = 2.0 / (1.0 / m1.k_eff + 1.0 / m2.k_eff);
+        let alpha = 0.5 * (m1.alpha_s + m2.alpha_s);
+        Pair::new(law, e_eff, g_eff, k_eff, alpha, m1, m2)
+    }
+
+    /// A grain of one material on a rigid wall with its own friction coefficient.
+    pub fn on_wall(law: ContactLaw, m: &Material, friction: f64) -> Pair {
+        let e_eff = m.young / (1.0 - m.poisson * m.poisson);
+        let g_eff = m.young / (2.0 * (1.0 + m.poisson)) / (2.0 - m.poisson);
+        Pair { friction, ..Pair::new(law, e_eff, g_eff, m.k_eff, m.alpha_s, m, m) }
+    }
+
+    fn new(law: ContactLaw, e_eff: f64, g_eff: f64, k_eff: f64, alpha: f64, m1: &Material, m2: &Material) -> Pair {
+        let (a, b) = match law {
+            ContactLaw::Linear => (4.0 * k_eff, 4.0 * alpha * k_eff),
+            ContactLaw::Hertz | ContactLaw::HertzViscous => (4.0 / 3.0 * e_eff, 8.0 * g_eff),
+        };
+        Pair {
+            a,
+            b,
+            friction: m1.friction.min(m2.friction),
+            viscous: viscous_coefficient((m1.restitution * m2.restitution).sqrt()),
+            rolling: m1.rolling_friction.min(m2.rolling_friction),
+            e_eff,
+        }
+    }
+}
+
+/// All pairs of a run: between materials, and of each material on each wall.
+#[derive(Clone, Debug)]
+pub struct PairTable {
+    materials: usize,
+    grains: Vec<Pair>,
+    walls: Vec<Pair>,
+}
+
+impl PairTable {
+    /// `friction` replaces the friction between grains during preparation.
+    pub fn new(model: &Model, walls: &[crate::boundary::Wall], friction: Option<f64>) -> PairTable {
+        let m = &model.materials;
+        let law = model.contact.law;
+        let mut grains = Vec::with_capacity(m.len() * m.len());
+        for m1 in m {
+            for m2 in m {
+                let mut pair = Pair::between(law, m1, m2);
+                pair.friction = friction.unwrap_or(pair.friction);
+                grains.push(pair);
+            }
+        }
+        let mut on_walls = Vec::with_capacity(walls.len() * m.len());
+        for w in walls {
+            for m1 in m {
+                on_walls.push(match w.material {
+                    Some(k) => Pair { friction: w.friction, ..Pair::between(law, m1, &m[k as usize]) },
+                    None => Pair::on_wall(law, m1, w.friction),
+                });
+            }
+        }
+        PairTable { materials: m.len(), grains, walls: on_walls }
+    }
+
+    #[inline(always)]
+    pub fn grains(&self, m1: u8, m2: u8) -> &Pair {
+        &self.grains[m1 as usize * self.materials + m2 as usize]
+    }
+
+    #[inline(always)]
+    pub fn wall(&self, wall: usize, m: u8) -> &Pair {
+        &self.walls[wall * self.materials + m as usize]
+    }
+}
+
+/// Calls `$body` with `$L` bound to the law type: the one match over laws.
+#[macro_export]
+macro_rules! with_law {
+    ($law:expr, $L:ident => $body:expr) => {
+        match $law {
+            $crate::model::ContactLaw::Linear => {
+                type $L = $crate::contact::law::Linear;
+                $body
+            }
+            $crate::model::ContactLaw::Hertz => {
+                type $L = $crate::contact::law::Hertz;
+                $body
+            }
+            $crate::model::ContactLaw::HertzViscous => {
+                type $L = $crate::contact::law::HertzViscous;
+                $body
+            }
+        }
+    };
+}

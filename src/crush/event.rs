@@ -1,0 +1,265 @@
+//! Breakage: a grain whose load exceeds its limit is replaced by its daughters.
+//!
+//! All grains that exceed in a step are judged on that step's forces, then broken in the order of ids (NOTES.md). Daughters inherit the
+//! mother's rigid-body motion and material, draw fresh strengths keyed by lineage, and start without history.
+
+use super::strength::{lineage_child, random_perpendicular};
+use crate::contact::force::{cross, dot};
+use crate::contact::law::PairTable;
+use crate::contact::sweep;
+use crate::grains::sphere_volume;
+use crate::model::{CrushModel, Model};
+use crate::neighbours::{Neighbours, Pools};
+use crate::record::measure;
+use crate::step::{State, stability};
+use serde::{Deserialize, Serialize};
+
+/// One breakage, as recorded.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Breakage {
+    /// Number of the event, from 1.
+    pub event: u64,
+    pub step: u64,
+    /// Persistent id, generation and lineage key of the mother.
+    pub mother: u32,
+    pub generation: u8,
+    pub lineage: u64,
+    /// Diameter, m.
+    pub diameter: f64,
+    /// Decisive normal force and its limit, N, on the contact area, m^2.
+    pub force: f64,
+    pub limit_force: f64,
+    pub area: f64,
+    /// Limit strength, Pa.
+    pub strength: f64,
+    /// Direction of the decisive force.
+    pub axis: [f64; 3],
+    pub position: [f64; 3],
+    /// Mass lost, kg, and diameter of the smallest daughter, m.
+    pub lost_mass: f64,
+    pub smallest: f64,
+    /// Elastic energy of the contacts around the event, J.
+    pub stored_before: f64,
+    pub stored_after: f64,
+}
+
+/// The decisive contact of a failing grain.
+struct Verdict {
+    grain: usize,
+    axis: [f64; 3],
+    force: f64,
+    limit_force: f64,
+    area: f64,
+}
+
+/// Breaks the grains listed (indices in the order of ids).
+pub fn break_grains(
+    model: &Model,
+    state: &mut State,
+    neighbours: &mut Neighbours,
+    table: &PairTable,
+    failing: &[u32],
+    out: &mut Vec<Breakage>,
+) {
+    let crush = model.crush.as_ref().expect("only judged grains fail");
+    // all verdicts before any change
+    let verdicts: Vec<Verdict> = failing.iter().map(|&i| judge(crush, state, neighbours, table, i as usize)).collect();
+    for verdict in verdicts {
+        out.push(break_one(model, crush, state, neighbours, table, &verdict));
+    }
+}
+
+/// The contact with the largest load decides; among equals the first in the order of ids.
+fn judge(crush: &CrushModel, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> Verdict {
+    let (mut best, mut load) = (None, f64::NEG_INFINITY);
+    for e in neighbours.adjacency.of(i) {
+        let pool = if e.is_wall() { &state.wall_pairs } else { &state.pairs };
+        let l = pool.touch[e.slot() as usize].load;
+        if l > load {
+            (best, load) = (Some(*e), l);
+        }
+    }
+    let e = best.expect("a failing grain has a contact");
+    let slot = e.slot() as usize;
+    let (r_eff, pair) = measure::pair_from(state, table, slot, e.is_wall());
+    let g = &state.grains;
+    let d = 2.0 * g.pos[i][3];
+    let force = load / crush.area.load_weight(r_eff, pair.e_eff);
+    Verdict {
+        grain: i,
+        axis: measure::normal(state, slot, e.is_wall()),
+        force,
+        limit_force: crush.area.limit_force(g.strength[i], d, r_eff, pair.e_eff),
+        area: crush.area.area(force, d, r_eff, pair.e_eff),
+    }
+}
+
+fn break_one(
+    model: &Model,
+    crush: &CrushModel,
+    state: &mut State,
+    neighbours: &mut Neighbours,
+    table: &PairTable,
+    verdict: &Verdict,
+) -> Breakage {
+    let m = verdict.grain;
+    let g = &state.grains;
+    let mother = Mother {
+        pos: g.pos[m],
+        vel: g.vel[m],
+        spin: g.spin[m],
+        mass: g.mass[m],
+        lineage: g.lineage[m],
+        generation: g.generation[m],
+        material: g.material[m],
+    };
+    let mut event = Breakage {
+        event: state.crush_events + 1,
+        step: state.step,
+        mother: g.id[m],
+        generation: mother.generation,
+        lineage: mother.lineage,
+        diameter: 2.0 * mother.pos[3],
+        force: verdict.force,
+        limit_force: verdict.limit_force,
+        area: verdict.area,
+        strength: g.strength[m],
+        axis: verdict.axis,
+        position: [mother.pos[0], mother.pos[1], mother.pos[2]],
+        lost_mass: 0.0,
+        smallest: 2.0 * mother.pos[3] * crush.pattern.smallest(),
+        stored_before: energy_around(model, state, neighbours, table, m),
+        stored_after: 0.0,
+    };
+    close_contacts(state, neighbours, m);
+    let kinetic = kinetic_energy(state, m);
+    for k in 0..4 {
+        state.ledger.gone[k] += state.grains.work[m][k];
+    }
+    let mut pools = Pools { pairs: &mut state.pairs, wall_pairs: &mut state.wall_pairs };
+    neighbours.detach(m, &state.grains, &mut pools);
+
+    let centre = event.position;
+    let perpendicular = random_perpendicular(model.seeds.strength, mother.lineage, verdict.axis);
+    let mut kept = 0.0;
+    let mut daughters_kinetic = 0.0;
+    let mut born = Vec::with_capacity(crush.pattern.count());
+    for (k, (position, radius)) in crush.pattern.daughters(centre, mother.pos[3], verdict.axis, perpendicular).enumerate() {
+        let i = if k == 0 { m } else { state.grains.len() };
+        place(model, crush, state, i, &mother, k as u32, position, radius);
+        kept += state.grains.mass[i];
+        let mut pools = Pools { pairs: &mut state.pairs, wall_pairs: &mut state.wall_pairs };
+        if k == 0 {
+            neighbours.refresh(i, &state.grains, &mut pools);
+        } else {
+            neighbours.append(i, &state.grains, &mut pools);
+        }
+        born.push(i);
+    }
+    for &i in &born {
+        stability::birth(i, model, state, neighbours, table);
+        daughters_kinetic += kinetic_energy(state, i);
+        // siblings only touch, so each new contact is counted once
+        event.stored_after += energy_around(model, state, neighbours, table, i);
+    }
+    event.lost_mass = mother.mass - kept;
+    let l = &mut state.ledger;
+    l.lost_kinetic += kinetic - daughters_kinetic;
+    l.lost_potential -= event.lost_mass * dot(model.gravity, centre);
+    l.removed += event.stored_before;
+    l.made += event.stored_after;
+    l.rises += u64::from(event.stored_after > event.stored_before);
+    state.crush_events += 1;
+    state.lost.push((event.lost_mass, event.smallest));
+    event
+}
+
+/// What daughters inherit.
+struct Mother {
+    pos: [f64; 4],
+    vel: [f64; 4],
+    spin: [f64; 4],
+    mass: f64,
+    lineage: u64,
+    generation: u8,
+    material: u8,
+}
+
+/// Puts daughter `k` at index `i`.
+#[allow(clippy::too_many_arguments)]
+fn place(model: &Model, crush: &CrushModel, state: &mut State, i: usize, mother: &Mother, k: u32, position: [f64; 3], radius: f64) {
+    let g = &mut state.grains;
+    if i == g.len() {
+        g.add(position, radius, mother.material, &model.materials);
+    } else {
+        g.pos[i] = [position[0], position[1], position[2], radius];
+        g.mass[i] = model.materials[mother.material as usize].density * sphere_volume(radius);
+        g.id[i] = g.next_id;
+        g.next_id += 1;
+        g.work[i] = [0.0; 4];
+    }
+    let arm = [position[0] - mother.pos[0], position[1] - mother.pos[1], position[2] - mother.pos[2]];
+    let c = cross([mother.spin[0], mother.spin[1], mother.spin[2]], arm);
+    g.vel[i] = [mother.vel[0] + c[0], mother.vel[1] + c[1], mother.vel[2] + c[2], 1.0 / g.mass[i]];
+    g.spin[i] = mother.spin;
+    g.lineage[i] = lineage_child(mother.lineage, k);
+    g.generation[i] = mother.generation.saturating_add(1);
+    arm_grain(model, crush, state, i);
+}
+
+/// Draws a grain's strength and sets its limit; grains at or below the comminution limit cannot break.
+pub fn arm_grain(model: &Model, crush: &CrushModel, state: &mut State, i: usize) {
+    let g = &mut state.grains;
+    let d = 2.0 * g.pos[i][3];
+    g.strength[i] = crush.strength.draw(model.seeds.strength, g.lineage[i], d);
+    g.limit[i] = if d > crush.d_limit { crush.area.limit(g.strength[i], d) } else { f64::INFINITY };
+}
+
+/// Kinetic energy with the inertia in use, J.
+fn kinetic_energy(state: &State, i: usize) -> f64 {
+    let g = &state.grains;
+    let (v, w, r) = (g.vel[i], g.spin[i], g.pos[i][3]);
+    let v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    let w2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+    0.5 * g.inertia(i) * (v2 + 0.4 * r * r * w2)
+}
+
+/// Elastic energy of a grain's contacts at the present positions, J.
+fn energy_around(model: &Model, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> f64 {
+    let mut sum = 0.0;
+    for e in neighbours.adjacency.of(i) {
+        let slot = e.slot() as usize;
+        let (overlap, pool) = if e.is_wall() {
+            (-state.walls[e.wall_index()].shape.towards(state.grains.pos[i]).1, &state.wall_pairs)
+        } else {
+            let [a, b] = state.pairs.ends[slot];
+            let (p, q) = (state.grains.pos[a as usize], state.grains.pos[b as usize]);
+            let d = crate::contact::sweep::difference(p, q);
+            (p[3] + q[3] - dot(d, d).sqrt(), &state.pairs)
+        };
+        if overlap > 0.0 {
+            let (r_eff, pair) = measure::pair_from(state, table, slot, e.is_wall());
+            let elastic = stability::elastic(model, overlap, r_eff, pair);
+            sum += elastic.energy + measure::tangential_energy(&pool.history[slot], elastic.k_t);
+        }
+    }
+    sum
+}
+
+/// The trapezium of path work is left open by contacts that vanish after the kick: −½ F·v of the last half step is theirs.
+fn close_contacts(state: &mut State, neighbours: &Neighbours, m: usize) {
+    let g = &state.grains;
+    let mut open = 0.0;
+    for e in neighbours.adjacency.of(m) {
+        let slot = e.slot() as usize;
+        let power = if e.is_wall() {
+            let normal = measure::normal(state, slot, true);
+            sweep::motion_on_wall(g, m, normal, state.walls[e.wall_index()].speed).power(&state.wall_pairs.touch[slot])
+        } else {
+            let [a, b] = state.pairs.ends[slot];
+            sweep::motion(g, a as usize, b as usize).power(&state.pairs.touch[slot])
+        };
+        open -= 0.5 * power * state.dt;
+    }
+    state.ledger.gone[0] += open;
+}

@@ -1,0 +1,11 @@
+//! How a grain breaks, after Ciantia, Arroyo, Calvetti & Gens (2015): when (`criterion`, `strength`), into what
+//! (`pattern`), and what becomes of the mass that the daughters do not hold (`lost_mass`).
+//!
+//! Laws only: they take and return plain values and know no arrays of grains, files or clocks.
+
+pub mod criterion;
+pub mod event;
+pub mod lost_mass;
+pub mod pattern;
+mod portable;
+pub mod strength;

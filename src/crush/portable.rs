@@ -1,0 +1,97 @@
+//! Power and sine from + - * / in a stated order, so that strengths and limits drawn while a run steps are the same
+//! bytes on every machine; the system library picks its own variant by instruction set.
+
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
+/// ln 2 in two parts; the first has trailing zeros, so that an exponent times it is exact.
+const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
+const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+
+/// `base^exponent` for a positive `base`, to a few units in the last place while the result is not extreme.
+/// A `base` that is not a positive normal number gives NaN.
+pub(super) fn pow(base: f64, exponent: f64) -> f64 {
+    exp(exponent * ln(base))
+}
+
+/// Natural logarithm of a positive normal number (else NaN): ln m = 2 artanh((m - 1) / (m + 1)), m in 0.7..1.42.
+fn ln(x: f64) -> f64 {
+    if !(x.is_normal() && x > 0.0) {
+        return f64::NAN;
+    }
+    let bits = x.to_bits();
+    let mut exponent = ((bits >> 52) as i32) - 1023;
+    let mut mantissa = f64::from_bits((bits & ((1 << 52) - 1)) | (1023 << 52));
+    if mantissa > SQRT_2 {
+        mantissa *= 0.5;
+        exponent += 1;
+    }
+    debug_assert!(mantissa > 0.999 * FRAC_1_SQRT_2);
+    let s = (mantissa - 1.0) / (mantissa + 1.0);
+    let s2 = s * s;
+    let mut sum = 0.0;
+    for k in (1..=12).rev() {
+        sum = (sum + 1.0 / f64::from(2 * k + 1)) * s2;
+    }
+    let e = f64::from(exponent);
+    e * LN2_HIGH + (e * LN2_LOW + 2.0 * s * (1.0 + sum))
+}
+
+/// Exponential: 2^n times the Taylor series of the remainder, |remainder| <= ln 2 / 2.
+fn exp(x: f64) -> f64 {
+    if x.is_nan() {
+        return x;
+    }
+    if x > 709.0 {
+        return f64::INFINITY;
+    }
+    if x < -708.0 {
+        return 0.0;
+    }
+    let n = (x / (LN2_HIGH + LN2_LOW)).round();
+    let r = (x - n * LN2_HIGH) - n * LN2_LOW;
+    let mut sum = 1.0;
+    for k in (1..=16).rev() {
+        sum = 1.0 + sum * r / f64::from(k);
+    }
+    // n is within -1022..=1023 by the bounds above.
+    sum * f64::from_bits(((n as i64 + 1023) as u64) << 52)
+}
+
+/// Sine of an angle within -pi/2..pi/2, rad, by its Taylor series.
+pub(super) fn sin(angle: f64) -> f64 {
+    let square = angle * angle;
+    let mut sum = 1.0;
+    for k in (1..=12).rev() {
+        sum = 1.0 - sum * square / f64::from(2 * k * (2 * k + 1));
+    }
+    angle * sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn power_follows_the_library() {
+        for i in 1..2000 {
+            let base = 1e-4 * f64::from(i) * f64::from(i);
+            for exponent in [-1.5, -1.0, -0.3, -0.017, 0.0, 2.0 / 3.0, 3.0] {
+                let expected = base.powf(exponent);
+                let error = (pow(base, exponent) / expected - 1.0).abs();
+                assert!(error < 1e-14, "{base}^{exponent}: {error:e}");
+            }
+        }
+        assert_eq!(pow(1.0, -1.5), 1.0);
+        assert!(pow(0.0, 2.0).is_nan() && pow(-1.0, 2.0).is_nan() && pow(f64::NAN, 1.0).is_nan());
+        assert_eq!(pow(1e300, 3.0), f64::INFINITY);
+        assert_eq!(pow(1e-300, 3.0), 0.0);
+    }
+
+    #[test]
+    fn sine_follows_the_library() {
+        for i in 0..=1000 {
+            let angle = f64::from(i) * 1e-3 * std::f64::consts::FRAC_PI_2;
+            assert!((sin(angle) - angle.sin()).abs() < 4e-16, "{angle}");
+        }
+    }
+}

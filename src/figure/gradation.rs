@@ -1,0 +1,220 @@
+//! Evolving gradation: per cent passing by mass against log size, coarse on the right (Ciantia et al. 2015, Fig. 10).
+
+use super::Input;
+use super::axis::{Axis, significant};
+use super::canvas::Point;
+use super::colour;
+use super::curves::title;
+use super::error::Result;
+use super::group::{Group, interpolate};
+use super::plot::{Plot, Series};
+use super::run::{Branch, Run};
+use super::table::Table;
+
+/// At most this many gradations of one run are drawn.
+const MOST: usize = 7;
+/// Gradations closer than this (largest difference, per cent) are drawn once.
+const SAME: f64 = 1.0;
+
+/// The gradation of one record.
+#[derive(Clone, Debug, PartialEq)]
+struct Gradation {
+    sigma_v_mpa: f64,
+    /// Size in mm and per cent passing.
+    points: Vec<Point>,
+}
+
+/// The gradations of one run, or the first and last of several.
+pub fn plot(input: &Input) -> Result<Option<Plot>> {
+    let mut series = Vec::new();
+    let one = match &input.groups[..] {
+        [g] if g.runs.len() == 1 => Some(&g.runs[0]),
+        _ => None,
+    };
+    let mut heading = title(input);
+    if let Some(run) = one {
+        series.extend(evolution(&read(run)?));
+        heading.insert(0, run.label());
+    } else {
+        for (i, group) in input.groups.iter().enumerate() {
+            series.extend(ends(group, i)?);
+        }
+    }
+    let simulated = !series.is_empty();
+    for data in &input.data {
+        series.extend(data.gradation()?);
+    }
+    if series.is_empty() {
+        return Ok(None);
+    }
+    let legend_title = (one.is_some() && simulated).then(|| "σ_{v} (MPa)".to_string());
+    Ok(Some(Plot {
+        name: "gradation".into(),
+        title: heading,
+        legend_title,
+        x: Axis::log("grain size (mm)", "diameter_mm"),
+        y: Axis::linear("passing by mass (%)", "passing_percent").including(&[0.0, 100.0]),
+        series,
+        equal: false,
+    }))
+}
+
+/// The chosen gradations of one run in the order of stress, dark to light.
+fn evolution(all: &[Gradation]) -> Vec<Series> {
+    let chosen = choose(all);
+    let last = chosen.len().saturating_sub(1).max(1) as f64;
+    chosen
+        .iter()
+        .enumerate()
+        .map(|(i, g)| {
+            let name = significant(g.sigma_v_mpa, 2);
+            let tone = colour::sequence(i as f64 / last * 0.92);
+            Series::line(&name, tone, colour::dash(i), g.points.clone())
+        })
+        .collect()
+}
+
+/// First (dashed) and last gradation of a group.
+fn ends(group: &Group, i: usize) -> Result<Vec<Series>> {
+    let mut reached = f64::NAN;
+    let mut first = f64::NAN;
+    for run in &group.runs {
+        if let (Some(a), Some(b)) = (read(run)?.first(), loaded(&read(run)?).last()) {
+            first = a.sigma_v_mpa;
+            reached = reached.max(b.sigma_v_mpa);
+        }
+    }
+    let tone = colour::kind(i);
+    let name = |s| format!("{}: {} MPa", group.label, significant(s, 2));
+    let branch = |g: Option<&Gradation>| {
+        let points = g.map(|g| g.points.clone());
+        points.into_iter().map(|points| Branch { stage: String::new(), points })
+    };
+    let dash = |k| colour::dash(2 * i + k);
+    let mut out =
+        group.series(&name(reached), tone, dash(0), true, |run| Ok(branch(loaded(&read(run)?).last().copied()).collect()))?;
+    out.extend(group.series(&name(first), tone, dash(1), true, |run| Ok(branch(read(run)?.first()).collect()))?);
+    Ok(out)
+}
+
+/// The records of first loading: those with a larger stress than any before.
+fn loaded(all: &[Gradation]) -> Vec<&Gradation> {
+    let mut most = f64::NEG_INFINITY;
+    let rising = all.iter().filter(|g| {
+        let higher = g.sigma_v_mpa > most;
+        most = most.max(g.sigma_v_mpa);
+        higher
+    });
+    rising.collect()
+}
+
+/// First, last, and those between that differ most from the ones already chosen.
+fn choose(all: &[Gradation]) -> Vec<&Gradation> {
+    let all = loaded(all);
+    let Some(last) = all.len().checked_sub(1) else {
+        return Vec::new();
+    };
+    let mut chosen = vec![0];
+    if last > 0 {
+        chosen.push(last);
+    }
+    while chosen.len() < MOST {
+        let distance = |i: usize| {
+            let to = chosen.iter().map(|j| difference(all[i], all[*j]));
+            to.fold(f64::INFINITY, f64::min)
+        };
+        let best = (0..all.len()).map(|i| (distance(i), i)).max_by(|a, b| a.0.total_cmp(&b.0));
+        match best {
+            Some((d, i)) if d > SAME && d.is_finite() => chosen.push(i),
+            _ => break,
+        }
+    }
+    chosen.sort_unstable();
+    chosen.into_iter().map(|i| all[i]).collect()
+}
+
+/// Largest difference in per cent passing at any size.
+fn difference(a: &Gradation, b: &Gradation) -> f64 {
+    let one_way = |a: &Gradation, b: &Gradation| {
+        let gaps = a.points.iter().map(|p| (p.1 - interpolate(&b.points, p.0)).abs());
+        gaps.filter(|g| g.is_finite()).fold(0.0, f64::max)
+    };
+    one_way(a, b).max(one_way(b, a))
+}
+
+/// The gradations of a run in file order, without the sizes below all and above all grains.
+fn read(run: &Run) -> Result<Vec<Gradation>> {
+    let Some(table) = Table::read_if_there(&run.dir.join("gsd.csv"))? else {
+        return Ok(Vec::new());
+    };
+    let steps = table.numbers("step")?;
+    let stress = table.numbers("sigma_v_kPa")?;
+    let (size, passing) = (table.numbers("diameter_mm")?, table.numbers("passing_percent")?);
+    let mut out: Vec<Gradation> = Vec::new();
+    let mut last = f64::NAN;
+    let start = run.loading_step()?;
+    for i in 0..table.len() {
+        if start.is_some_and(|s| steps[i] < s) {
+            continue;
+        }
+        if !(size[i] > 0.0 && passing[i].is_finite() && stress[i].is_finite()) {
+            continue;
+        }
+        let new = steps[i] != last;
+        last = steps[i];
+        let point = (size[i], passing[i]);
+        match out.last_mut() {
+            Some(g) if !new => g.points.push(point),
+            _ => out.push(Gradation { sigma_v_mpa: stress[i] * 1e-3, points: vec![point] }),
+        }
+    }
+    for g in &mut out {
+        g.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        trim(&mut g.points);
+    }
+    Ok(out)
+}
+
+/// Leaves one point at 0 % and one at 100 %.
+fn trim(points: &mut Vec<Point>) {
+    let full = points.iter().position(|p| p.1 >= 100.0 - 1e-9);
+    points.truncate(full.map_or(points.len(), |i| i + 1));
+    let zeros = points.iter().take_while(|p| p.1 <= 1e-9).count();
+    points.drain(..zeros.saturating_sub(1));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gradation(sigma: f64, at_one: f64) -> Gradation {
+        Gradation { sigma_v_mpa: sigma, points: vec![(0.1, 0.0), (1.0, at_one), (10.0, 100.0)] }
+    }
+
+    #[test]
+    fn first_last_and_the_most_different_are_chosen() {
+        let all: Vec<Gradation> = (0..40).map(|i| gradation(0.1 * f64::from(i + 1), 2.0 * f64::from(i))).collect();
+        let chosen = choose(&all);
+        assert_eq!(chosen.len(), MOST);
+        assert_eq!((chosen[0], chosen[MOST - 1]), (&all[0], &all[39]));
+        assert!(chosen.windows(2).all(|w| w[1].points[1].1 - w[0].points[1].1 > 5.0));
+    }
+
+    #[test]
+    fn equal_gradations_and_unloading_are_drawn_once() {
+        let mut all: Vec<Gradation> = (1..6).map(|i| gradation(f64::from(i), 20.0)).collect();
+        all.push(gradation(0.5, 90.0));
+        let chosen = choose(&all);
+        let stresses: Vec<f64> = chosen.iter().map(|g| g.sigma_v_mpa).collect();
+        assert_eq!(stresses, [1.0, 5.0]);
+        assert!(choose(&[]).is_empty());
+        assert_eq!(choose(&all[..1]).len(), 1);
+    }
+
+    #[test]
+    fn ends_at_zero_and_hundred_are_kept_once() {
+        let mut p = vec![(0.1, 0.0), (0.2, 0.0), (1.0, 50.0), (5.0, 100.0), (9.0, 100.0)];
+        trim(&mut p);
+        assert_eq!(p, [(0.2, 0.0), (1.0, 50.0), (5.0, 100.0)]);
+    }
+}

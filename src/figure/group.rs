@@ -1,0 +1,291 @@
+//! Runs of one scene with different seeds are drawn together: the median and the spread over the seeds.
+
+use super::canvas::Point;
+use super::colour::Colour;
+use super::error::Result;
+use super::plot::{Mark, Series};
+use super::run::{Branch, Run, Seed};
+
+/// Points on which a band is computed.
+const GRID: usize = 90;
+/// From this many seeds on, a band spans 10-90 % instead of everything.
+const MANY: usize = 10;
+
+/// One run, or the runs of one scene and scale with different seeds.
+#[derive(Clone, Debug)]
+pub struct Group {
+    pub label: String,
+    pub runs: Vec<Run>,
+}
+
+/// Median and spread of several curves over common abscissae.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    pub x: Vec<f64>,
+    pub median: Vec<f64>,
+    pub low: Vec<f64>,
+    pub high: Vec<f64>,
+}
+
+/// Collects runs in the order given.
+pub fn group(runs: Vec<Run>) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for run in runs {
+        let fits = |g: &&mut Group| {
+            let first = &g.runs[0];
+            run.seed.is_some()
+                && first.name == run.name
+                && first.scale == run.scale
+                && g.runs.iter().all(|r| r.seed.is_some() && r.seed != run.seed)
+        };
+        match groups.iter_mut().find(fits) {
+            Some(g) => g.runs.push(run),
+            None => groups.push(Group { label: String::new(), runs: vec![run] }),
+        }
+    }
+    let scales = |g: &Group| g.runs[0].scale;
+    let one_scale = groups.windows(2).all(|w| scales(&w[0]) == scales(&w[1]));
+    for g in &mut groups {
+        g.label = label(&g.runs);
+        if let (false, Some(n)) = (one_scale, g.runs[0].scale) {
+            g.label += &format!(" (N = {n})");
+        }
+    }
+    tell_apart(&mut groups);
+    groups
+}
+
+/// Groups that would have the same legend are told apart by their folders.
+fn tell_apart(groups: &mut [Group]) {
+    let labels: Vec<String> = groups.iter().map(|g| g.label.clone()).collect();
+    for g in groups {
+        if labels.iter().filter(|l| **l == g.label).count() > 1 {
+            let folder = g.runs[0].dir.file_name();
+            let folder = folder.map_or_else(String::new, |f| f.to_string_lossy().into_owned());
+            g.label += &format!(" [{folder}]");
+        }
+    }
+}
+
+fn label(runs: &[Run]) -> String {
+    if let [run] = runs {
+        return run.label();
+    }
+    let mut seeds: Vec<Seed> = runs.iter().filter_map(|r| r.seed).collect();
+    seeds.sort();
+    let twins = seeds.iter().all(|s| s.packing == s.strength);
+    let follow = seeds.windows(2).all(|w| w[1].packing == w[0].packing.wrapping_add(1));
+    let name = &runs[0].name;
+    match (seeds.first(), seeds.last()) {
+        (Some(a), Some(b)) if twins && follow => {
+            format!("{name}, seeds {}–{}", a.packing, b.packing)
+        }
+        _ if twins && seeds.len() <= 4 => {
+            let list: Vec<String> = seeds.iter().map(|s| s.packing.to_string()).collect();
+            format!("{name}, seeds {}", list.join(", "))
+        }
+        _ => format!("{name}, {} seeds", runs.len()),
+    }
+}
+
+/// What a band spans, for the title; empty without bands.
+pub fn band_note(groups: &[Group]) -> Option<&'static str> {
+    let most = groups.iter().map(|g| g.runs.len()).max().unwrap_or(0);
+    match most {
+        0 | 1 => None,
+        n if n < MANY => Some("line: median, band: range"),
+        _ => Some("line: median, band: 10–90 %"),
+    }
+}
+
+impl Group {
+    /// The group's series of one quantity: a line for one run, a band for each branch that all its runs have.
+    pub fn series(
+        &self,
+        name: &str,
+        colour: Colour,
+        dash: &'static [f64],
+        log_x: bool,
+        branches: impl Fn(&Run) -> Result<Vec<Branch>>,
+    ) -> Result<Vec<Series>> {
+        let mut runs = Vec::new();
+        for run in &self.runs {
+            runs.push(branches(run)?);
+        }
+        runs.retain(|b| !b.is_empty());
+        if let [one] = &runs[..] {
+            return Ok(vec![Series::line(name, colour, dash, joined(one))]);
+        }
+        let common =
+            (0..runs.iter().map(Vec::len).min().unwrap_or(0)).take_while(|i| runs.iter().all(|r| r[*i].stage == runs[0][*i].stage));
+        let mut out = Vec::new();
+        for i in common {
+            let curves: Vec<&[Point]> = runs.iter().map(|r| &r[i].points[..]).collect();
+            if let Some(band) = band(&curves, log_x) {
+                out.push(Series {
+                    label: out.is_empty().then(|| name.to_string()),
+                    name: name.into(),
+                    colour,
+                    x: band.x,
+                    y: band.median,
+                    mark: Mark::Band { low: band.low, high: band.high, dash },
+                });
+            }
+        }
+        Ok(out)
+    }
+}
+
+/// The branches as one line in file order, without repeating their joints.
+fn joined(branches: &[Branch]) -> Vec<Point> {
+    let mut out: Vec<Point> = branches.iter().flat_map(|b| b.points.clone()).collect();
+    out.dedup();
+    out
+}
+
+/// Median and spread of curves over the abscissae that all of them have; `None` if there are none.
+pub fn band(curves: &[&[Point]], log_x: bool) -> Option<Band> {
+    let curves: Vec<Vec<Point>> = curves.iter().map(|c| rising(c, log_x)).collect();
+    let lo = curves.iter().map(|c| c.first().map_or(f64::INFINITY, |p| p.0)).fold(f64::NEG_INFINITY, f64::max);
+    let hi = curves.iter().map(|c| c.last().map_or(f64::NEG_INFINITY, |p| p.0)).fold(f64::INFINITY, f64::min);
+    if curves.is_empty() || !(lo.is_finite() && hi.is_finite() && lo < hi) {
+        return None;
+    }
+    let spread = if curves.len() < MANY { 0.0 } else { 0.1 };
+    let mut out = Band { x: Vec::new(), median: Vec::new(), low: Vec::new(), high: Vec::new() };
+    for i in 0..GRID {
+        let x = lo + (hi - lo) * i as f64 / (GRID - 1) as f64;
+        let mut at: Vec<f64> = curves.iter().map(|c| interpolate(c, x)).collect();
+        at.sort_by(f64::total_cmp);
+        out.x.push(if log_x { x.exp() } else { x });
+        out.median.push(quantile(&at, 0.5));
+        out.low.push(quantile(&at, spread));
+        out.high.push(quantile(&at, 1.0 - spread));
+    }
+    Some(out)
+}
+
+/// Points in rising order of x (its logarithm if asked), one for each x.
+fn rising(points: &[Point], log_x: bool) -> Vec<Point> {
+    let mut out: Vec<Point> =
+        points.iter().map(|p| (if log_x { p.0.ln() } else { p.0 }, p.1)).filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
+    out.sort_by(|a, b| a.0.total_cmp(&b.0));
+    out.dedup_by(|b, a| b.0 == a.0);
+    out
+}
+
+/// Linear interpolation on rising points, constant outside.
+pub fn interpolate(points: &[Point], x: f64) -> f64 {
+    let i = points.partition_point(|p| p.0 < x);
+    match (i.checked_sub(1).and_then(|j| points.get(j)), points.get(i)) {
+        (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (x - a.0) / (b.0 - a.0),
+        (Some(p), None) | (None, Some(p)) => p.1,
+        (None, None) => f64::NAN,
+    }
+}
+
+/// Quantile of sorted values with linear interpolation.
+fn quantile(sorted: &[f64], q: f64) -> f64 {
+    let at = q * sorted.len().saturating_sub(1) as f64;
+    let i = at as usize;
+    match (sorted.get(i), sorted.get(i + 1)) {
+        (Some(a), Some(b)) => a + (b - a) * (at - i as f64),
+        (Some(a), None) => *a,
+        _ => f64::NAN,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    fn run(name: &str, seed: Option<u64>) -> Run {
+        Run {
+            dir: PathBuf::from(format!("runs/{name}-{seed:?}")),
+            name: name.into(),
+            seed: seed.map(|n| Seed { packing: n, strength: n }),
+            scale: Some(2.0),
+            d50_mm: None,
+            grains: None,
+            events: None,
+            history: None,
+        }
+    }
+
+    fn labels(runs: Vec<Run>) -> Vec<String> {
+        group(runs).into_iter().map(|g| g.label).collect()
+    }
+
+    #[test]
+    fn seeds_of_one_scene_are_one_group() {
+        let runs = [3, 1, 2].map(|s| run("H-C-2", Some(s))).to_vec();
+        assert_eq!(labels(runs), ["H-C-2, seeds 1–3"]);
+        let runs = [1, 5].map(|s| run("H-C-2", Some(s)));
+        let mut runs = runs.to_vec();
+        runs.insert(1, run("H-V-2", Some(1)));
+        assert_eq!(labels(runs), ["H-C-2, seeds 1, 5", "H-V-2, seed 1"]);
+    }
+
+    #[test]
+    fn the_same_seed_twice_is_no_band() {
+        let runs = vec![run("a", Some(1)), run("a", Some(1)), run("b", None)];
+        let labels = labels(runs);
+        assert_eq!(labels.len(), 3);
+        assert_eq!(labels[0], "a, seed 1 [a-Some(1)]");
+    }
+
+    #[test]
+    fn different_scales_stand_in_the_label() {
+        let mut other = run("H-C", Some(1));
+        other.scale = Some(1.0);
+        let labels = labels(vec![run("H-C", Some(1)), other]);
+        assert_eq!(labels, ["H-C, seed 1 (N = 2)", "H-C, seed 1 (N = 1)"]);
+    }
+
+    #[test]
+    fn a_band_holds_every_curve_and_its_median() {
+        let curves: Vec<Vec<Point>> =
+            [1.0, 2.0, 6.0].iter().map(|k| (1..=10).map(|i| (f64::from(i), k * f64::from(i))).collect()).collect();
+        let views: Vec<&[Point]> = curves.iter().map(|c| &c[..]).collect();
+        let b = band(&views, false).expect("band");
+        assert_eq!((b.x[0], b.x[GRID - 1]), (1.0, 10.0));
+        assert!((b.median[GRID - 1] - 20.0).abs() < 1e-9);
+        assert!((b.low[GRID - 1] - 10.0).abs() < 1e-9 && (b.high[GRID - 1] - 60.0).abs() < 1e-9);
+        let many: Vec<&[Point]> = (0..11).map(|i| &curves[usize::from(i == 10) * 2][..]).collect();
+        let b = band(&many, true).expect("band");
+        assert!(b.high[40] < b.x[40] * 1.05, "one outlier of eleven is outside 10-90 %");
+    }
+
+    #[test]
+    fn curves_without_a_common_range_have_no_band() {
+        let (a, b) = ([(1.0, 1.0), (2.0, 1.0)], [(3.0, 1.0), (4.0, 1.0)]);
+        assert_eq!(band(&[&a, &b], false), None);
+        assert_eq!(band(&[&a, &[]], false), None);
+        assert_eq!(band(&[], true), None);
+    }
+
+    #[test]
+    fn interpolation_and_quantiles() {
+        let p = [(0.0, 0.0), (1.0, 10.0)];
+        assert_eq!(interpolate(&p, 0.25), 2.5);
+        assert_eq!(interpolate(&p, 7.0), 10.0);
+        assert!(interpolate(&[], 1.0).is_nan());
+        assert_eq!(quantile(&[1.0, 2.0, 3.0, 4.0], 0.5), 2.5);
+        assert_eq!(quantile(&[1.0], 0.9), 1.0);
+    }
+
+    #[test]
+    fn seeds_with_different_branches_share_what_they_have() {
+        let g = Group { label: "g".into(), runs: vec![run("a", Some(1)), run("a", Some(2))] };
+        let branch = |stage: &str| Branch { stage: stage.into(), points: vec![(1.0, 1.0), (2.0, 2.0)] };
+        let series = g.series("g", Colour(0, 0, 0), &[], true, |r| {
+            let mut b = vec![branch("load")];
+            if r.seed.map(|s| s.packing) == Some(2) {
+                b.push(branch("unload"));
+            }
+            Ok(b)
+        });
+        assert_eq!(series.expect("series").len(), 1);
+    }
+}

@@ -1,0 +1,163 @@
+//! Figures from the files that runs leave: compression curves, gradations, stress paths, ledgers and views of the
+//! specimen, each as SVG (84 mm wide), PNG (1600 pixels wide) and the CSV of what was drawn. Reads record files only
+//! and never sees a simulation.
+
+mod assembly;
+mod axis;
+mod balls;
+mod canvas;
+mod colour;
+mod curves;
+mod data;
+mod energy;
+mod error;
+mod gradation;
+mod group;
+mod legend;
+mod plot;
+mod run;
+mod specimen;
+mod stress_path;
+mod table;
+mod text;
+
+pub use error::{FigureError, Result};
+pub use specimen::Colouring;
+
+use data::Measured;
+use group::Group;
+use plot::Plot;
+use run::Run;
+use std::path::{Path, PathBuf};
+
+/// What the figures of one call are drawn from.
+struct Input {
+    groups: Vec<Group>,
+    data: Vec<Measured>,
+}
+
+/// Draws every figure that the records of one run allow into `dir/figures` and returns the files written.
+pub fn draw_run(dir: &Path) -> Result<Vec<PathBuf>> {
+    let run = Run::read(dir)?;
+    let out = dir.join("figures");
+    let input = Input { groups: group::group(vec![run.clone()]), data: Vec::new() };
+    let mut files = draw_all(&input, &out)?;
+    files.extend(specimen::draw(&run, &Colouring::Generation, &out)?);
+    if files.is_empty() {
+        let why = "nothing to draw: no records in history.csv, gsd.csv, tracks.csv, specimen.csv or grains_final.csv";
+        return Err(FigureError::nothing(dir, why));
+    }
+    Ok(files)
+}
+
+/// Draws several runs together into `out`, with measured data as symbols. Runs of one scene and scale with different
+/// seeds become a band with its median, all others lines.
+pub fn overlay(dirs: &[PathBuf], data: &[PathBuf], out: &Path) -> Result<Vec<PathBuf>> {
+    let runs: Result<Vec<Run>> = dirs.iter().map(|d| Run::read(d)).collect();
+    let data: Result<Vec<Measured>> = data.iter().enumerate().map(|(i, path)| Measured::read(path, i)).collect();
+    let input = Input { groups: group::group(runs?), data: data? };
+    let files = draw_all(&input, out)?;
+    if files.is_empty() {
+        let why = "nothing to draw: the runs given have no records";
+        return Err(FigureError::nothing(out, why));
+    }
+    Ok(files)
+}
+
+/// Draws the view of a run's specimen with grains coloured by `colouring` into `out`.
+pub fn draw_specimen(dir: &Path, colouring: &Colouring, out: &Path) -> Result<Vec<PathBuf>> {
+    let files = specimen::draw(&Run::read(dir)?, colouring, out)?;
+    if files.is_empty() {
+        let why = "no grains in specimen.csv or grains_final.csv";
+        return Err(FigureError::nothing(dir, why));
+    }
+    Ok(files)
+}
+
+fn draw_all(input: &Input, out: &Path) -> Result<Vec<PathBuf>> {
+    let mut plots: Vec<Plot> = curves::plots(input)?;
+    plots.extend(gradation::plot(input)?);
+    plots.extend(stress_path::plot(input)?);
+    plots.extend(energy::plot(input)?);
+    plots.extend(assembly::plots(input)?);
+    let mut files = Vec::new();
+    for plot in plots {
+        files.extend(plot.draw(out)?);
+    }
+    Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = "step,stage,sigma_v_kPa,k0,q_kPa,p_kPa,axial_strain,porosity,crush_events";
+
+    fn folder(seed: u64, rows: &str) -> tempfile::TempDir {
+        let dir = tempfile::tempdir().expect("folder");
+        let summary = format!("{{\"scene\":\"H-C-2\",\"seed\":{{\"packing\":{seed},\"strength\":{seed}}}}}");
+        std::fs::write(dir.path().join("summary.json"), summary).expect("summary");
+        std::fs::write(dir.path().join("history.csv"), format!("{HEADER}\n{rows}")).expect("history");
+        dir
+    }
+
+    const ROWS: &str = "1,load,10,0.6,4,7,0.001,0.42,0\n2,load,1000,0.5,500,667,0.1,0.35,20\n\
+                        3,unload,100,0.9,10,93,0.09,0.36,20\n";
+
+    fn names(files: &[PathBuf], extension: &str) -> Vec<String> {
+        files
+            .iter()
+            .filter(|f| f.extension().is_some_and(|e| e == extension))
+            .filter_map(|f| Some(f.file_stem()?.to_string_lossy().into_owned()))
+            .collect()
+    }
+
+    #[test]
+    fn a_run_is_drawn_from_the_columns_that_it_has() {
+        let dir = folder(1, ROWS);
+        let files = draw_run(dir.path()).expect("drawn");
+        let want = ["compression", "axial_strain", "k0", "crush_events", "stress_path"];
+        for kind in ["svg", "png", "csv"] {
+            assert_eq!(names(&files, kind), want);
+        }
+        assert!(files.iter().all(|f| f.is_file()));
+    }
+
+    #[test]
+    fn unloading_stays_in_file_order() {
+        let dir = folder(1, ROWS);
+        draw_run(dir.path()).expect("drawn");
+        let csv = std::fs::read_to_string(dir.path().join("figures/compression.csv")).expect("csv");
+        let x: Vec<&str> = csv.lines().skip(1).filter_map(|l| l.rsplit(',').nth(1)).collect();
+        assert_eq!(x, ["0.01", "1", "0.1"]);
+    }
+
+    #[test]
+    fn seeds_make_a_band_and_data_symbols() {
+        let (a, b) = (folder(1, ROWS), folder(2, &ROWS.replace("0.35", "0.33")));
+        let out = tempfile::tempdir().expect("out");
+        let data = out.path().join("measured.csv");
+        std::fs::write(&data, "sigma_v_MPa,porosity\n0.5,0.37\n").expect("data");
+        let dirs = [a.path().to_path_buf(), b.path().to_path_buf()];
+        overlay(&dirs, &[data], out.path()).expect("drawn");
+        let csv = std::fs::read_to_string(out.path().join("compression.csv")).expect("csv");
+        let at_one = csv.lines().find(|l| l.contains("band,0.99999") || l.contains("band,1,"));
+        let end: Vec<f64> = at_one.expect("end of loading").rsplit(',').take(3).filter_map(|v| v.parse().ok()).collect();
+        assert!((end[0] - 0.35).abs() < 1e-6 && (end[1] - 0.33).abs() < 1e-6, "{end:?}");
+        assert!((end[2] - 0.34).abs() < 1e-6);
+        assert!(csv.contains("measured,data,0.5,0.37"));
+    }
+
+    #[test]
+    fn empty_and_broken_folders_are_told_not_panicked_over() {
+        let bare = tempfile::tempdir().expect("folder");
+        let error = draw_run(bare.path()).expect_err("empty").to_string();
+        assert!(error.contains("nothing to draw"), "{error}");
+        assert!(draw_run(folder(1, "").path()).is_err());
+        let settle = folder(1, "1,settle,5,1,0,5,0,0.42,0\n");
+        assert!(draw_run(settle.path()).is_ok(), "one record is a point");
+        let odd = draw_run(folder(1, "1,load,ten,0.6,4,7,0,0.4,0\n").path());
+        assert!(odd.expect_err("text").to_string().contains("column `sigma_v_kPa`"));
+        assert!(overlay(&[], &[], bare.path()).is_err());
+    }
+}

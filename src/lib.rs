@@ -1,0 +1,17 @@
+//! Crushable-grain discrete element method for geotechnical research.
+
+pub mod boundary;
+pub mod contact;
+pub mod crush;
+pub mod error;
+pub mod figure;
+pub mod gradation;
+pub mod grains;
+pub mod model;
+pub mod neighbours;
+pub mod packing;
+pub mod record;
+pub mod rig;
+pub mod run;
+pub mod scene;
+pub mod step;

@@ -1,0 +1,245 @@
+//! What a run needs to know and never changes: a [`Model`] is made from a [`crate::scene::Scene`] by
+//! [`crate::scene::model`], the only gate, and is in SI units, finite and consistent by construction.
+
+use crate::crush::criterion::AreaModel;
+use crate::crush::lost_mass::Fines;
+use crate::crush::pattern::Pattern;
+use crate::crush::strength::StrengthModel;
+use serde::{Deserialize, Serialize};
+
+/// Everything immutable about one run. Lengths m, masses kg, stresses Pa, angles rad.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Name of the scene, used for the run folder and legends.
+    pub name: String,
+    pub seeds: Seeds,
+    /// Index 0 is the material of generated grains.
+    pub materials: Vec<Material>,
+    pub contact: ContactModel,
+    /// `None`: grains do not break, and nothing is tracked for it.
+    pub crush: Option<CrushModel>,
+    /// How lost mass is distributed over sizes in the reconstructed gradation (eq. 12).
+    pub fines: Fines,
+    /// Scale N (eqs 13-15): gradations are divided by it before they are reported.
+    pub scale: f64,
+    /// Cundall's local non-viscous damping coefficient, 0..1.
+    pub damping: f64,
+    /// Gravity, m/s^2.
+    pub gravity: [f64; 3],
+    pub stepping: Stepping,
+    pub rig: Rig,
+    /// Records and outputs.
+    pub records: Records,
+}
+
+/// Seeds of the two independent random streams.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Seeds {
+    pub packing: u64,
+    pub strength: u64,
+}
+
+/// What is true of a grain material.
+#[derive(Clone, Debug)]
+pub struct Material {
+    pub name: String,
+    /// Density of the grain including its internal pores, kg/m^3.
+    pub density: f64,
+    /// Internal porosity n_int (eq. 19).
+    pub internal_porosity: f64,
+    /// Young's modulus, Pa, and Poisson ratio. Used by the Hertzian laws and the Hertzian contact area.
+    pub young: f64,
+    pub poisson: f64,
+    /// K_eff of the linear law, Pa, and alpha_S = k_S / k_N (eq. 13).
+    pub k_eff: f64,
+    pub alpha_s: f64,
+    /// Sliding friction mu = tan(phi) between grains of this material.
+    pub friction: f64,
+    /// Coefficient of restitution (law `hertz_viscous`); 1 = no viscous damping.
+    pub restitution: f64,
+    /// Rolling friction (torque limit mu_r R* F_n); 0 = none.
+    pub rolling_friction: f64,
+}
+
+/// The law of every contact of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactModel {
+    pub law: ContactLaw,
+    pub unloading: TangentialUnloading,
+    /// Whether any material has rolling friction.
+    pub rolling: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactLaw {
+    /// Ciantia et al. 2015 eq. (13).
+    Linear,
+    /// Ciantia et al. 2015 eq. (14); Li et al. 2023 eqs (20), (21) for pairs of different materials.
+    Hertz,
+    /// Li et al. 2023 eqs (18)-(21): Hertz-Mindlin with viscous damping.
+    HertzViscous,
+}
+
+/// What the tangential force does when the normal force falls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TangentialUnloading {
+    /// The tangential force stays (the paper).
+    Keep,
+    /// The tangential force falls in proportion to k_S.
+    Rescale,
+}
+
+#[derive(Clone, Debug)]
+pub struct CrushModel {
+    pub area: AreaModel,
+    pub strength: StrengthModel,
+    pub pattern: Pattern,
+    /// Comminution limit, m, already multiplied by the scale N: only grains with a diameter above it break.
+    pub d_limit: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepping {
+    /// Fraction of the stable step (sufficient bound, see `step::stability`), 0..1.
+    pub safety: f64,
+    /// Quasi-static inertia scaling: every grain gets the inertia for which the step is stable; time is counted in steps.
+    pub inertia_scaling: bool,
+    /// A fixed time step, s (free scenes); `None`: computed from contact stiffness and inertia.
+    pub dt: Option<f64>,
+    /// Neighbour skin of a grain over its radius.
+    pub skin: f64,
+}
+
+/// The laboratory.
+#[derive(Clone, Debug)]
+pub enum Rig {
+    Oedometer(Oedometer),
+    Assembly(Assembly),
+}
+
+#[derive(Clone, Debug)]
+pub struct Oedometer {
+    /// Diameter at the start, m.
+    pub diameter: f64,
+    pub grains: usize,
+    /// Target porosity at the isotropic stress.
+    pub porosity: f64,
+    /// Initial gradation, diameters in m already multiplied by N: points (diameter, mass fraction finer), increasing, 0 to 1;
+    /// mass is uniform in diameter between two points.
+    pub gradation: Vec<(f64, f64)>,
+    /// Wall friction coefficients: platens (bottom, top) and cylinder.
+    pub wall_friction: WallFriction,
+    /// Isotropic stress of the prepared specimen, Pa (5 kPa).
+    pub isotropic_stress: f64,
+    /// Friction during radius expansion and the start of the isotropic stage.
+    pub preparation: Preparation,
+    pub loading: Loading,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallFriction {
+    pub bottom: f64,
+    pub top: f64,
+    pub cylinder: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preparation {
+    /// Friction coefficient between grains during radius expansion.
+    pub growth_friction: f64,
+    /// Steps of radius expansion.
+    pub growth_steps: u64,
+    /// Local damping during preparation.
+    pub damping: f64,
+    /// Relative tolerance on the target porosity.
+    pub porosity_tolerance: f64,
+    /// Give up after this many steps.
+    pub max_steps: u64,
+}
+
+#[derive(Clone, Debug)]
+pub struct Loading {
+    /// Stages in order: (target vertical stress, Pa). The first rises from the isotropic stress; a lower value unloads, a higher reloads.
+    pub stages: Vec<f64>,
+    /// L_C of eq. (18), natural logarithm, sigma_ref 1 kPa.
+    pub rate: f64,
+    pub sigma_ref: f64,
+    /// Servo gain, fraction of the imbalance removed per step by the wall's own contacts.
+    pub servo_gain: f64,
+    /// Largest inertial number the platen may impose.
+    pub max_inertial_number: f64,
+    /// The programme waits while measured and target stress differ by more than this share.
+    pub max_lag: f64,
+    /// Steps of rest at the isotropic stress before loading.
+    pub settle_steps: u64,
+}
+
+/// A free scene.
+#[derive(Clone, Debug)]
+pub struct Assembly {
+    pub grains: Vec<GrainSpec>,
+    pub walls: Vec<WallSpec>,
+    pub steps: Option<u64>,
+    pub duration: Option<f64>,
+    /// Grains whose tracks are written, by position in `grains`.
+    pub tracks: Vec<u32>,
+    /// Record every this many steps.
+    pub record_every: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrainSpec {
+    pub position: [f64; 3],
+    pub radius: f64,
+    pub velocity: [f64; 3],
+    pub spin: [f64; 3],
+    pub material: u8,
+}
+
+#[derive(Clone, Debug)]
+pub struct WallSpec {
+    pub shape: WallShape,
+    pub friction: f64,
+    pub drive: Drive,
+    /// Material of the wall; `None`: rigid (NOTES.md).
+    pub material: Option<u8>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum WallShape {
+    /// Grains are on the side to which `normal` points.
+    Plane { point: [f64; 3], normal: [f64; 3] },
+    /// Vertical cylinder (axis z), grains inside.
+    Cylinder { centre: [f64; 2], radius: f64 },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Drive {
+    Fixed,
+    /// Velocity along the wall's normal direction into the grains, m/s (cylinder: inwards).
+    Velocity(f64),
+    /// Held at a normal stress, Pa, over `area`, m^2 (cylinder: its own current area).
+    Stress {
+        stress: f64,
+        area: f64,
+        gain: f64,
+    },
+}
+
+#[derive(Clone, Debug)]
+pub struct Records {
+    /// Records per decade of vertical stress.
+    pub per_decade: u32,
+    /// Vertical stresses, Pa, at which a gradation and a snapshot are recorded besides the first and the last.
+    pub at: Vec<f64>,
+    /// Whether the energy ledger is kept.
+    pub energy: bool,
+    /// Whether ParaView snapshots are written at `at`.
+    pub snapshots: bool,
+    /// Whether figures are drawn at the end.
+    pub figures: bool,
+    /// Seconds of wall-clock time between checkpoints.
+    pub checkpoint_seconds: f64,
+}

@@ -1,0 +1,193 @@
+//! Multi-level cells: a grain lives in the level whose cells fit its reach, levels a factor of two apart, so that a search costs the
+//! same whatever the ratio of sizes. Cells are linked lists; memory follows the number of grains, not the box.
+
+const NONE: u32 = u32::MAX;
+
+struct Level {
+    /// Largest reach a grain of this level has, m.
+    reach: f64,
+    /// 1 / cell size.
+    inverse: f64,
+    dims: [usize; 3],
+    heads: Vec<u32>,
+    /// Number of grains, and the number at which the cells are made finer.
+    count: usize,
+    capacity: usize,
+}
+
+pub struct Grid {
+    low: [f64; 3],
+    size: [f64; 3],
+    levels: Vec<Level>,
+    /// Largest reach of level 1.
+    base: f64,
+    next: Vec<u32>,
+    previous: Vec<u32>,
+    /// Level and cell of each grain (`NONE` = not placed).
+    home: Vec<(u32, u32)>,
+}
+
+impl Level {
+    fn new(reach: f64, size: &[f64; 3], grains: usize) -> Level {
+        let mut cell = 2.0 * reach;
+        let capacity = (grains * 2).max(64);
+        let cells = |cell: f64| size.map(|s| ((s / cell).ceil().max(1.0)).min(1e6));
+        while cells(cell).iter().product::<f64>() > (2 * capacity) as f64 {
+            cell *= 1.25;
+        }
+        let dims = cells(cell).map(|c| c as usize);
+        Level { reach, inverse: 1.0 / cell, dims, heads: vec![NONE; dims.iter().product()], count: 0, capacity }
+    }
+
+    /// Cell coordinate along one axis, clamped to the box (monotone, so searches with clamped bounds miss nothing).
+    fn coordinate(&self, axis: usize, x: f64, low: f64) -> usize {
+        (((x - low) * self.inverse) as i64).clamp(0, self.dims[axis] as i64 - 1) as usize
+    }
+
+    fn cell(&self, p: &[f64; 4], low: &[f64; 3]) -> usize {
+        let c: [usize; 3] = std::array::from_fn(|a| self.coordinate(a, p[a], low[a]));
+        (c[2] * self.dims[1] + c[1]) * self.dims[0] + c[0]
+    }
+}
+
+impl Grid {
+    /// A grid around the reference spheres given (x, y, z, reach), with all of them placed.
+    pub fn new(reference: &[[f64; 4]]) -> Grid {
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        let mut largest = 0.0f64;
+        for p in reference {
+            for a in 0..3 {
+                low[a] = low[a].min(p[a]);
+                high[a] = high[a].max(p[a]);
+            }
+            largest = largest.max(p[3]);
+        }
+        if reference.is_empty() {
+            (low, high, largest) = ([0.0; 3], [1.0; 3], 1.0);
+        }
+        let size = std::array::from_fn(|a| (high[a] - low[a]).max(largest));
+        let n = reference.len();
+        let mut grid = Grid {
+            low,
+            size,
+            levels: vec![Level::new(largest * 1.0001, &size, n)],
+            base: 0.5 * largest,
+            next: vec![NONE; n],
+            previous: vec![NONE; n],
+            home: vec![(NONE, NONE); n],
+        };
+        for i in 0..n {
+            grid.place(i, reference);
+        }
+        grid
+    }
+
+    pub fn append(&mut self) {
+        self.next.push(NONE);
+        self.previous.push(NONE);
+        self.home.push((NONE, NONE));
+    }
+
+    /// Level for a reach: level 0 takes all above `base`, each further one half of the last. Levels are added as grains get
+    /// smaller; a reach above level 0's makes its cells larger.
+    fn level(&mut self, reach: f64, reference: &[[f64; 4]]) -> usize {
+        if reach > self.levels[0].reach {
+            self.rebuild(0, reach * 1.25, reference);
+        }
+        let (mut l, mut bound) = (0, self.base);
+        while reach <= bound && l < 40 {
+            l += 1;
+            if l == self.levels.len() {
+                self.levels.push(Level::new(bound, &self.size, 64));
+            }
+            bound *= 0.5;
+        }
+        l
+    }
+
+    /// Puts grain `i` into the cell of its reference.
+    pub fn place(&mut self, i: usize, reference: &[[f64; 4]]) {
+        let l = self.level(reference[i][3], reference);
+        let cell = self.levels[l].cell(&reference[i], &self.low) as u32;
+        if self.home[i] == (l as u32, cell) {
+            return;
+        }
+        self.unplace(i);
+        self.link(i, l, cell);
+        if self.levels[l].count > 4 * self.levels[l].capacity {
+            self.rebuild(l, self.levels[l].reach, reference);
+        }
+    }
+
+    fn link(&mut self, i: usize, l: usize, cell: u32) {
+        let level = &mut self.levels[l];
+        let head = level.heads[cell as usize];
+        self.next[i] = head;
+        self.previous[i] = NONE;
+        if head != NONE {
+            self.previous[head as usize] = i as u32;
+        }
+        level.heads[cell as usize] = i as u32;
+        level.count += 1;
+        self.home[i] = (l as u32, cell);
+    }
+
+    fn unplace(&mut self, i: usize) {
+        let (l, cell) = self.home[i];
+        if l == NONE {
+            return;
+        }
+        let (before, after) = (self.previous[i], self.next[i]);
+        let level = &mut self.levels[l as usize];
+        match before {
+            NONE => level.heads[cell as usize] = after,
+            b => self.next[b as usize] = after,
+        }
+        if after != NONE {
+            self.previous[after as usize] = before;
+        }
+        level.count -= 1;
+        self.home[i] = (NONE, NONE);
+    }
+
+    /// Makes the cells of level `l` anew, for the number of grains it now has.
+    fn rebuild(&mut self, l: usize, reach: f64, reference: &[[f64; 4]]) {
+        let members: Vec<usize> = (0..self.home.len()).filter(|&i| self.home[i].0 == l as u32).collect();
+        self.levels[l] = Level::new(reach, &self.size, members.len());
+        for i in members {
+            let cell = self.levels[l].cell(&reference[i], &self.low) as u32;
+            self.link(i, l, cell);
+        }
+    }
+
+    /// Calls `visit` with every grain whose cell can hold one that the sphere `here` reaches.
+    #[inline]
+    pub fn for_each_near(&self, here: &[f64; 4], mut visit: impl FnMut(u32)) {
+        for level in &self.levels {
+            if level.count == 0 {
+                continue;
+            }
+            let reach = here[3] + level.reach;
+            let from: [usize; 3] = std::array::from_fn(|a| level.coordinate(a, here[a] - reach, self.low[a]));
+            let to: [usize; 3] = std::array::from_fn(|a| level.coordinate(a, here[a] + reach, self.low[a]));
+            for z in from[2]..=to[2] {
+                for y in from[1]..=to[1] {
+                    let row = (z * level.dims[1] + y) * level.dims[0];
+                    for &head in &level.heads[row + from[0]..=row + to[0]] {
+                        let mut j = head;
+                        while j != NONE {
+                            visit(j);
+                            j = self.next[j as usize];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.next.capacity() * 16 + self.levels.iter().map(|l| l.heads.capacity() * 4).sum::<usize>()
+    }
+}

@@ -1,0 +1,11 @@
+//! What is recorded of a run: measures of the state, the energy ledger, tables, snapshots, checkpoints. The physics compiles without
+//! it, but for the ledger's counters.
+
+pub mod assembly;
+pub mod checkpoint;
+pub mod ledger;
+pub mod measure;
+pub mod oedometer;
+pub mod specimen;
+pub mod table;
+pub mod vtk;

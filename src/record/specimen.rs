@@ -1,0 +1,114 @@
+//! Specimens as CSV: `specimen.csv` (prepared) and `grains_final.csv`. Numbers are written so that reading them gives the same
+//! bits; a checksum guards against edits that were not meant.
+
+use crate::error::{Error, Result};
+use crate::grains::Grains;
+use crate::model::{Material, Model};
+use crate::rig::oedometer::Walls;
+use crate::step::State;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Writes grains at rest with the walls around them (the prepared specimen: no velocities, no contact history).
+pub fn write(path: &Path, grains: &Grains, materials: &[Material], walls: Option<Walls>) -> Result<()> {
+    save(path, grains, materials, walls, false)
+}
+
+/// Writes the grains as they are, with velocities and spins.
+pub fn write_final(path: &Path, state: &State, model: &Model, walls: Option<Walls>) -> Result<()> {
+    save(path, &state.grains, &model.materials, walls, true)
+}
+
+fn save(path: &Path, g: &Grains, materials: &[Material], walls: Option<Walls>, moving: bool) -> Result<()> {
+    let mut rows = String::from("x_m,y_m,z_m,r_m,generation,material");
+    rows += if moving { ",vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s\n" } else { "\n" };
+    for &i in &g.by_id() {
+        let i = i as usize;
+        let p = g.pos[i];
+        let name = &materials[g.material[i] as usize].name;
+        let _ = write!(rows, "{:?},{:?},{:?},{:?},{},{name}", p[0], p[1], p[2], p[3], g.generation[i]);
+        if moving {
+            let (v, w) = (g.vel[i], g.spin[i]);
+            let _ = write!(rows, ",{:?},{:?},{:?},{:?},{:?},{:?}", v[0], v[1], v[2], w[0], w[1], w[2]);
+        }
+        rows.push('\n');
+    }
+    let mut text = String::new();
+    if let Some(w) = walls {
+        let _ = writeln!(text, "# cylinder_radius_m = {:?}\n# height_m = {:?}\n# bottom_m = {:?}", w.radius, w.height, w.bottom);
+    }
+    let _ = writeln!(text, "# hash = {:016x}", checksum(&(text.clone() + &rows)));
+    text += &rows;
+    std::fs::write(path, text).map_err(Error::write(path))
+}
+
+/// FNV-1a of 64 bits.
+pub fn checksum(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// Reads a prepared specimen.
+///
+/// # Errors
+/// A file that is not a specimen, has changed since it was written, or names a material the run does not have.
+pub fn read(path: &Path, materials: &[Material]) -> Result<(Grains, Walls)> {
+    let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
+    let wrong = |key: &str, value: Option<String>, message: &str| Error::input(path.display(), key, value, message);
+    let note = |key: &str| -> Result<f64> {
+        let start = format!("# {key} = ");
+        let line = text.lines().find_map(|l| l.strip_prefix(&start));
+        let line =
+            line.ok_or_else(|| wrong(key, None, "missing: a specimen of an oedometer begins with `# cylinder_radius_m = …`"))?;
+        line.parse::<f64>()
+            .ok()
+            .filter(|x| x.is_finite())
+            .ok_or_else(|| wrong(key, Some(line.into()), "must be a finite number, m"))
+    };
+    let walls = Walls { radius: note("cylinder_radius_m")?, height: note("height_m")?, bottom: note("bottom_m")? };
+    if walls.radius <= 0.0 || walls.height <= 0.0 {
+        return Err(wrong("height_m", None, "radius and height must be > 0"));
+    }
+    if let Some(line) = text.lines().find(|l| l.starts_with("# hash = ")) {
+        let rest = text.replacen(&format!("{line}\n"), "", 1);
+        let hash = line.trim_start_matches("# hash = ");
+        if hash != format!("{:016x}", checksum(&rest)) {
+            let message = "does not fit the file: it was changed after it was written (delete this line to use it all the same)";
+            return Err(wrong("hash", Some(hash.into()), message));
+        }
+    }
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
+    let header = reader.headers().map_err(|e| wrong("", None, &e.to_string()))?.clone();
+    let column = |name: &str| {
+        header.iter().position(|h| h == name).ok_or_else(|| wrong(name, None, "missing column; needed: x_m, y_m, z_m, r_m"))
+    };
+    let places = [column("x_m")?, column("y_m")?, column("z_m")?, column("r_m")?];
+    let (generation, material) = (column("generation").ok(), column("material").ok());
+    let mut grains = Grains::default();
+    for record in reader.records() {
+        let record = record.map_err(|e| wrong("", None, &e.to_string()))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let mut p = [0.0; 4];
+        for (x, (&c, name)) in p.iter_mut().zip(places.iter().zip(["x_m", "y_m", "z_m", "r_m"])) {
+            let field = record.get(c).unwrap_or("");
+            *x =
+                field.parse().ok().filter(|x: &f64| x.is_finite() && (name != "r_m" || *x > 0.0)).ok_or_else(|| {
+                    wrong(name, Some(field.into()), &format!("line {line}: must be a finite number, a radius > 0"))
+                })?;
+        }
+        let name = material.and_then(|c| record.get(c)).unwrap_or("");
+        let m = if name.is_empty() { Some(0) } else { materials.iter().position(|m| m.name == name) };
+        let m = m.ok_or_else(|| {
+            let known: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
+            wrong("material", Some(name.into()), &format!("line {line}: not a material of the scene ({})", known.join(", ")))
+        })?;
+        let i = grains.add([p[0], p[1], p[2]], p[3], m as u8, materials);
+        let born = generation.and_then(|c| record.get(c)).unwrap_or("0");
+        grains.generation[i] = born
+            .parse()
+            .map_err(|_| wrong("generation", Some(born.into()), &format!("line {line}: must be a whole number 0..255")))?;
+    }
+    if grains.is_empty() {
+        return Err(wrong("", None, "holds no grains"));
+    }
+    Ok((grains, walls))
+}

@@ -1,0 +1,212 @@
+//! ParaView snapshots: one `.vtp` (VTK XML PolyData, one vertex per grain, arrays appended as raw little-endian
+//! binary) per instant, and one `.pvd` that lists them against stress or time.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use thiserror::Error;
+
+/// Why a snapshot could not be written.
+#[derive(Debug, Error)]
+pub enum VtkError {
+    #[error("{path}: snapshot array {array} has {have} values, {want} expected")]
+    Length { path: String, array: &'static str, have: usize, want: usize },
+    #[error("{path}: {source}")]
+    Io { path: String, source: io::Error },
+}
+
+/// The grains of one snapshot, one entry a grain in every array.
+#[derive(Clone, Debug, Default)]
+pub struct SnapshotData {
+    /// Centres, m.
+    pub position: Vec<[f64; 3]>,
+    /// Radii, m.
+    pub radius: Vec<f64>,
+    /// 0 = initial grain, 1 = its daughters, and so on.
+    pub generation: Vec<u32>,
+    /// Limit strength of the grain, Pa (infinite for a grain that cannot break).
+    pub strength: Vec<f64>,
+    /// Largest normal contact force on the grain, N.
+    pub force: Vec<f64>,
+    /// Velocity of the centre, m/s.
+    pub velocity: Vec<[f64; 3]>,
+    /// Persistent grain number.
+    pub id: Vec<u64>,
+}
+
+impl SnapshotData {
+    /// Number of grains.
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.position.is_empty()
+    }
+
+    fn check(&self, path: &Path) -> Result<(), VtkError> {
+        let want = self.len();
+        for (array, have) in [
+            ("radius", self.radius.len()),
+            ("generation", self.generation.len()),
+            ("strength", self.strength.len()),
+            ("force", self.force.len()),
+            ("velocity", self.velocity.len()),
+            ("id", self.id.len()),
+        ] {
+            if have != want {
+                let path = path.display().to_string();
+                return Err(VtkError::Length { path, array, have, want });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Writes one snapshot as `.vtp` with the point data `radius` (m), `generation`, `strength` (Pa), `force` (N),
+/// `velocity` (m/s, 3 components) and `id`.
+pub fn write_snapshot(path: &Path, points: &SnapshotData) -> Result<(), VtkError> {
+    points.check(path)?;
+    let n = points.len();
+    let (xml, blobs) = document(points, n);
+    let write = || -> io::Result<()> {
+        let mut out = BufWriter::new(File::create(path)?);
+        out.write_all(xml.as_bytes())?;
+        for blob in &blobs {
+            out.write_all(&(blob.len() as u64).to_le_bytes())?;
+            out.write_all(blob)?;
+        }
+        out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
+        out.flush()
+    };
+    write().map_err(|source| VtkError::Io { path: path.display().to_string(), source })
+}
+
+/// Writes a `.pvd` collection: for each snapshot its value on the time axis (stress in kPa, or seconds) and its file
+/// name relative to the collection.
+pub fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Result<(), VtkError> {
+    let mut xml = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\">\n<Collection>\n",
+    );
+    for (value, name) in snapshots {
+        let _ = writeln!(xml, "<DataSet timestep=\"{value}\" group=\"\" part=\"0\" file=\"{}\"/>", escape(name));
+    }
+    xml.push_str("</Collection>\n</VTKFile>\n");
+    std::fs::write(path, xml).map_err(|source| VtkError::Io { path: path.display().to_string(), source })
+}
+
+/// The XML up to the start of the appended bytes, and the arrays in the order of their offsets.
+fn document(points: &SnapshotData, n: usize) -> (String, Vec<Vec<u8>>) {
+    let mut blobs: Vec<Vec<u8>> = Vec::new();
+    let mut offset = 0usize;
+    let mut array = |kind: &str, name: &str, components: usize, blob: Vec<u8>| {
+        let line = format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" \
+             offset=\"{offset}\"/>\n"
+        );
+        offset += 8 + blob.len();
+        blobs.push(blob);
+        line
+    };
+    let mut xml = format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"{n}\" NumberOfVerts=\"{n}\" NumberOfLines=\"0\" \
+         NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<PointData Scalars=\"generation\" Vectors=\"velocity\">\n"
+    );
+    xml += &array("Float64", "radius", 1, bytes(&points.radius));
+    xml += &array("UInt32", "generation", 1, points.generation.iter().flat_map(|v| v.to_le_bytes()).collect());
+    xml += &array("Float64", "strength", 1, bytes(&points.strength));
+    xml += &array("Float64", "force", 1, bytes(&points.force));
+    xml += &array("Float64", "velocity", 3, bytes(points.velocity.as_flattened()));
+    xml += &array("UInt64", "id", 1, points.id.iter().flat_map(|v| v.to_le_bytes()).collect());
+    xml += "</PointData>\n<Points>\n";
+    xml += &array("Float64", "Points", 3, bytes(points.position.as_flattened()));
+    xml += "</Points>\n<Verts>\n";
+    xml += &array("Int64", "connectivity", 1, counting(0, n));
+    xml += &array("Int64", "offsets", 1, counting(1, n));
+    xml += "</Verts>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
+    (xml, blobs)
+}
+
+fn bytes(values: &[f64]) -> Vec<u8> {
+    values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+fn counting(first: i64, n: usize) -> Vec<u8> {
+    (first..).take(n).flat_map(|v: i64| v.to_le_bytes()).collect()
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn two_grains() -> SnapshotData {
+        SnapshotData {
+            position: vec![[0.1, 0.2, 0.3], [-1.0, -2.0, -3.0]],
+            radius: vec![0.5, 0.25],
+            generation: vec![0, 3],
+            strength: vec![2e6, f64::INFINITY],
+            force: vec![10.0, 0.0],
+            velocity: vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
+            id: vec![7, u64::from(u32::MAX) + 5],
+        }
+    }
+
+    /// Finds the array by its name in the XML and reads its bytes at the stated offset.
+    fn array(file: &[u8], name: &str) -> Vec<u8> {
+        let text = String::from_utf8_lossy(file);
+        let tag = text.split("<DataArray ").find(|t| t.contains(&format!("Name=\"{name}\""))).expect("array is declared");
+        let offset = tag.split("offset=\"").nth(1).and_then(|t| t.split('"').next());
+        let offset: usize = offset.expect("offset").parse().expect("number");
+        let mark = b"encoding=\"raw\">\n_";
+        let start = file.windows(mark.len()).position(|w| w == mark).expect("mark") + mark.len();
+        let at = start + offset;
+        let n = u64::from_le_bytes(file[at..at + 8].try_into().expect("8 bytes")) as usize;
+        file[at + 8..at + 8 + n].to_vec()
+    }
+
+    fn numbers(bytes: &[u8]) -> Vec<f64> {
+        let (chunks, rest) = bytes.as_chunks::<8>();
+        assert!(rest.is_empty());
+        chunks.iter().map(|c| f64::from_le_bytes(*c)).collect()
+    }
+
+    #[test]
+    fn every_array_is_found_at_its_stated_offset() {
+        let dir = tempfile::tempdir().expect("folder");
+        let path = dir.path().join("a.vtp");
+        write_snapshot(&path, &two_grains()).expect("written");
+        let file = std::fs::read(&path).expect("read");
+        assert_eq!(numbers(&array(&file, "radius")), [0.5, 0.25]);
+        assert_eq!(numbers(&array(&file, "Points")), [0.1, 0.2, 0.3, -1.0, -2.0, -3.0]);
+        assert_eq!(numbers(&array(&file, "velocity")), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!(array(&file, "generation"), [0, 0, 0, 0, 3, 0, 0, 0]);
+        assert_eq!(array(&file, "id")[8..], 4_294_967_300u64.to_le_bytes());
+        assert_eq!(array(&file, "offsets")[..8], 1i64.to_le_bytes());
+        assert!(file.ends_with(b"</AppendedData>\n</VTKFile>\n"));
+    }
+
+    #[test]
+    fn unequal_arrays_are_refused_by_name() {
+        let mut data = two_grains();
+        data.force.pop();
+        let error = write_snapshot(Path::new("unused.vtp"), &data).expect_err("refused");
+        assert_eq!(error.to_string(), "unused.vtp: snapshot array force has 1 values, 2 expected");
+    }
+
+    #[test]
+    fn collection_names_are_escaped() {
+        let dir = tempfile::tempdir().expect("folder");
+        let path = dir.path().join("a.pvd");
+        write_collection(&path, &[(5.0, "a&b.vtp".into()), (12.5, "c.vtp".into())]).expect("ok");
+        let text = std::fs::read_to_string(&path).expect("read");
+        assert!(text.contains("timestep=\"12.5\""));
+        assert!(text.contains("file=\"a&amp;b.vtp\""));
+    }
+}

@@ -1,0 +1,262 @@
+//! Preparation of a cylindrical specimen (Ciantia et al. 2015, Model application; NOTES.md): radius expansion, isotropic
+//! compression under the platen's servo with friction lowered until the target porosity is reached, rest at final friction with platen and
+//! cylinder under servo.
+
+use super::oedometer::{BOTTOM, CYLINDER, TOP, Walls, inertial_time};
+use crate::boundary::servo_speed;
+use crate::error::Error;
+use crate::grains::{Grains, sphere_volume};
+use crate::model::{Model, Oedometer};
+use crate::packing;
+use crate::record::measure;
+use crate::step::{self, State, Work};
+use serde::{Deserialize, Serialize};
+
+/// Where preparation is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Stage {
+    /// Radii grow to their final size.
+    Growth,
+    /// Isotropic servo at growth friction until at rest.
+    Compaction,
+    /// Friction falls until the porosity is reached.
+    Densification,
+    /// Still looser without friction: pressed by the platen and let go, again and again, each time harder.
+    Pressing {
+        cycle: u32,
+    },
+    Release {
+        cycle: u32,
+    },
+    /// Rest at final friction.
+    Rest,
+}
+
+impl Stage {
+    pub fn name(&self) -> &'static str {
+        match self {
+            Stage::Growth => "growth",
+            Stage::Compaction => "compaction",
+            Stage::Densification => "densification",
+            Stage::Pressing { .. } => "pressing",
+            Stage::Release { .. } => "release",
+            Stage::Rest => "rest",
+        }
+    }
+}
+
+/// Progress of a preparation; with the [`State`] it is all that a restart needs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Preparation {
+    pub stage: Stage,
+    /// Steps done in this stage, and in all.
+    pub stage_steps: u64,
+    pub steps: u64,
+    /// Final radii by id, m.
+    radii: Vec<f64>,
+    /// Largest wall speed, m per unit time.
+    limit: f64,
+}
+
+/// Radii at the start of growth over final radii.
+const START: f64 = 0.35;
+/// Inertia during growth is that of grains under this many times the isotropic stress: overlaps come and go fast.
+const GROWTH_STRESS: f64 = 100.0;
+/// Porosity above the target in which grains grow: the diameter then hardly changes under the servo.
+const ROOM: f64 = -0.001;
+/// Inertial number of wall motion during compaction: a fast but orderly preparation.
+const INERTIAL: f64 = 3e-3;
+/// Steps between looks at equilibrium.
+const LOOK: u64 = 64;
+/// Friction factor per step during densification, and the friction below which it is zero.
+const FADE: f64 = 0.9995;
+const FRICTIONLESS: f64 = 1e-3;
+/// Stress of the first pressing over that of the specimen; doubled each time up to the last.
+const PRESS_FIRST: f64 = 4.0;
+const PRESS_LAST: f64 = 512.0;
+/// At rest: stresses within this of the target, and unbalanced ratio below.
+const STRESS_AT_REST: f64 = 0.01;
+const UNBALANCED_AT_REST: f64 = 2e-3;
+
+impl Preparation {
+    /// The first state: grains at a fraction of their size, at random in a cylinder with some room.
+    pub fn start(model: &Model, rig: &Oedometer) -> (Preparation, State) {
+        let radii = packing::radii(rig, model.seeds.packing);
+        let volume: f64 = radii.iter().map(|&r| sphere_volume(r)).sum();
+        let radius = 0.5 * rig.diameter;
+        let height = packing::height_for(rig.porosity + ROOM, volume, radius);
+        let points = packing::random_points(radius, height, &radii, model.seeds.packing);
+        let mut grains = Grains::default();
+        for (&r, &p) in radii.iter().zip(&points) {
+            grains.add(p, START * r, 0, &model.materials);
+        }
+        let walls = super::oedometer::walls(rig, radius, 0.0, height, [0.0; 3]);
+        let mut state = State::new(model, grains, walls, false);
+        state.friction = Some(rig.preparation.growth_friction);
+        state.damping = rig.preparation.damping;
+        state.reference_stress = GROWTH_STRESS * rig.isotropic_stress;
+        state.stability_interval = 1;
+        (Preparation { stage: Stage::Growth, stage_steps: 0, steps: 0, radii, limit: 0.0 }, state)
+    }
+
+    /// One step. True when the specimen is ready.
+    pub fn advance(&mut self, model: &Model, rig: &Oedometer, state: &mut State, work: &mut Work) -> Result<bool, Error> {
+        if self.stage == Stage::Growth {
+            self.grow(model, rig, state, work);
+        }
+        step::step(model, state, work, |state, _| {
+            if self.stage != Stage::Growth {
+                self.servo(rig, state);
+            }
+            Ok::<(), Error>(())
+        })?;
+        self.stage_steps += 1;
+        self.steps += 1;
+        if self.steps > rig.preparation.max_steps {
+            return Err(self.failure(rig, state, "did not come to rest within preparation.max_steps"));
+        }
+        match self.stage {
+            Stage::Growth if self.stage_steps >= rig.preparation.growth_steps => {
+                self.still(state);
+                state.reference_stress = rig.isotropic_stress;
+                state.stability_interval = LOOK / 4;
+                self.enter(Stage::Compaction);
+            }
+            Stage::Compaction if self.at_rest(model, rig, state, work) => {
+                let n = porosity(state);
+                if n < rig.porosity * (1.0 - rig.preparation.porosity_tolerance) {
+                    return Err(self.failure(
+                        rig,
+                        state,
+                        "the loosest packing is already denser; raise preparation.growth_friction",
+                    ));
+                }
+                self.enter(Stage::Densification);
+            }
+            Stage::Densification => {
+                let mu = state.friction.unwrap_or(0.0);
+                if self.dense_enough(rig, state) {
+                    self.finish(state);
+                } else if mu > FRICTIONLESS {
+                    state.friction = Some(mu * FADE);
+                } else if mu > 0.0 {
+                    state.friction = Some(0.0);
+                    self.stage_steps = 0;
+                } else if self.at_rest(model, rig, state, work) {
+                    self.enter(Stage::Pressing { cycle: 0 });
+                }
+            }
+            Stage::Pressing { cycle } if self.at_rest(model, rig, state, work) => self.enter(Stage::Release { cycle }),
+            Stage::Release { cycle } if self.at_rest(model, rig, state, work) => {
+                if self.dense_enough(rig, state) {
+                    self.finish(state);
+                } else {
+                    self.enter(Stage::Pressing { cycle: cycle + 1 });
+                }
+            }
+            Stage::Rest if self.at_rest(model, rig, state, work) => {
+                let n = porosity(state);
+                if (n - rig.porosity).abs() > rig.preparation.porosity_tolerance * rig.porosity {
+                    return Err(self.failure(rig, state, "came to rest outside preparation.porosity_tolerance"));
+                }
+                return Ok(true);
+            }
+            _ => {}
+        }
+        Ok(false)
+    }
+
+    /// Slightly above the target still serves: rest at final friction changes porosity little.
+    fn dense_enough(&self, rig: &Oedometer, state: &State) -> bool {
+        porosity(state) <= rig.porosity * (1.0 + 0.7 * rig.preparation.porosity_tolerance)
+    }
+
+    /// Final friction from here on.
+    fn finish(&mut self, state: &mut State) {
+        state.friction = None;
+        self.enter(Stage::Rest);
+    }
+
+    /// Isotropic stress of the present stage, Pa.
+    fn stress(&self, rig: &Oedometer) -> f64 {
+        match self.stage {
+            Stage::Pressing { cycle } => rig.isotropic_stress * (PRESS_FIRST * 2.0f64.powi(cycle.min(30) as i32)).min(PRESS_LAST),
+            _ => rig.isotropic_stress,
+        }
+    }
+
+    fn enter(&mut self, stage: Stage) {
+        self.stage = stage;
+        self.stage_steps = 0;
+    }
+
+    /// Radii of this step: fast at first, gently at the end.
+    fn grow(&self, model: &Model, rig: &Oedometer, state: &mut State, work: &mut Work) {
+        let left = 1.0 - (self.stage_steps + 1) as f64 / rig.preparation.growth_steps as f64;
+        let scale = START + (1.0 - START) * (1.0 - left * left);
+        let g = &mut state.grains;
+        for i in 0..g.len() {
+            let r = scale * self.radii[g.id[i] as usize];
+            g.pos[i][3] = r;
+            g.mass[i] = model.materials[g.material[i] as usize].density * sphere_volume(r);
+        }
+        work.neighbours.account_for_growth(g);
+    }
+
+    /// All velocities to zero.
+    fn still(&self, state: &mut State) {
+        let g = &mut state.grains;
+        for i in 0..g.len() {
+            g.vel[i] = [0.0, 0.0, 0.0, g.vel[i][3]];
+            g.spin[i] = [0.0; 4];
+        }
+    }
+
+    fn servo(&mut self, rig: &Oedometer, state: &mut State) {
+        let size = Walls::of(state);
+        if self.stage_steps.is_multiple_of(LOOK) || self.limit == 0.0 {
+            state.reference_stress = self.stress(rig);
+            self.limit = INERTIAL * size.height / inertial_time(state, self.stress(rig));
+        }
+        let stress = self.stress(rig);
+        // the cylinder keeps its radius until the porosity is reached, then joins in
+        let shell_limit = if self.stage == Stage::Rest { self.limit * size.radius / size.height } else { 0.0 };
+        for (k, area, limit) in [(TOP, size.platen_area(), self.limit), (CYLINDER, size.shell_area(), shell_limit)] {
+            let w = &mut state.walls[k];
+            w.speed = servo_speed(stress * area, w.reaction, w.stiffness, rig.loading.servo_gain, state.dt, limit);
+        }
+    }
+
+    fn at_rest(&self, model: &Model, rig: &Oedometer, state: &State, work: &Work) -> bool {
+        if !self.stage_steps.is_multiple_of(LOOK) || self.stage_steps < 4 * LOOK {
+            return false;
+        }
+        let size = Walls::of(state);
+        let close = |stress: f64| (stress / self.stress(rig) - 1.0).abs() < STRESS_AT_REST;
+        if !(close(state.walls[TOP].reaction / size.platen_area())
+            && close(state.walls[BOTTOM].reaction / size.platen_area())
+            && (self.stage != Stage::Rest || close(state.walls[CYLINDER].reaction / size.shell_area())))
+        {
+            return false;
+        }
+        measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < UNBALANCED_AT_REST
+    }
+
+    fn failure(&self, rig: &Oedometer, state: &State, what: &str) -> Error {
+        Error::Failed {
+            step: self.steps,
+            what: format!(
+                "preparation ({}) {what}: porosity {:.4}, target {:.4} (specimen.porosity)",
+                self.stage.name(),
+                porosity(state),
+                rig.porosity
+            ),
+        }
+    }
+}
+
+/// Porosity of the grains in the space between the walls (overlaps not subtracted).
+pub fn porosity(state: &State) -> f64 {
+    let (_, volume) = state.grains.mass_and_volume();
+    1.0 - volume / Walls::of(state).volume()
+}

@@ -1,0 +1,199 @@
+//! The files of a run that grow while it runs, and the folder they lie in.
+
+use super::Progress;
+use crate::crush::event::Breakage;
+use crate::error::{Error, Result};
+use crate::gradation::Gradation;
+use crate::model::{Assembly, Model, Oedometer, Rig};
+use crate::record::oedometer::{self as records, Due, Recorder};
+use crate::record::table::Table;
+use crate::record::{assembly as assembly_records, checkpoint, measure, specimen, vtk};
+use crate::rig::oedometer::{Loading, Stresses};
+use crate::step::{State, Work};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+pub const SPECIMEN: &str = "specimen.csv";
+pub const SUMMARY: &str = "summary.json";
+const SNAPSHOTS: &str = "snapshots";
+const COLLECTION: &str = "snapshots.pvd";
+/// What a run leaves: these are removed by `--force`, and nothing else.
+const OURS: [&str; 12] = [
+    SPECIMEN,
+    SUMMARY,
+    COLLECTION,
+    "history.csv",
+    "gsd.csv",
+    "breakage.csv",
+    "tracks.csv",
+    "grains_final.csv",
+    checkpoint::FILE,
+    "checkpoint.tmp",
+    crate::scene::RESOLVED,
+    "README.txt",
+];
+
+/// Makes the folder, or empties it of an old run's files when forced.
+pub fn claim(out: &Path, force: bool) -> Result<()> {
+    let occupied = out.read_dir().is_ok_and(|mut entries| entries.next().is_some());
+    if occupied && !force {
+        return Err(Error::Exists { path: out.into() });
+    }
+    if occupied {
+        for name in OURS {
+            let path = out.join(name);
+            if path.exists() {
+                std::fs::remove_file(&path).map_err(Error::write(&path))?;
+            }
+        }
+        for name in [SNAPSHOTS, "figures"] {
+            let path = out.join(name);
+            if path.is_dir() {
+                std::fs::remove_dir_all(&path).map_err(Error::write(&path))?;
+            }
+        }
+    }
+    std::fs::create_dir_all(out).map_err(Error::write(out))
+}
+
+/// Tables and snapshots with what is needed to continue them.
+#[derive(Serialize, Deserialize)]
+pub struct Files {
+    history: Table,
+    gsd: Table,
+    breakage: Table,
+    tracks: Table,
+    pub recorder: Recorder,
+    /// Snapshots written: stress, kPa, or time, s, and file name.
+    snapshots: Vec<(f64, String)>,
+    /// Gradation before loading; read again from the specimen when a run is resumed.
+    #[serde(skip)]
+    pub initial: Option<Gradation>,
+}
+
+impl Default for Files {
+    fn default() -> Files {
+        Files {
+            history: Table::new("history.csv"),
+            gsd: Table::new("gsd.csv"),
+            breakage: Table::new("breakage.csv"),
+            tracks: Table::new("tracks.csv"),
+            recorder: Recorder::default(),
+            snapshots: Vec::new(),
+            initial: None,
+        }
+    }
+}
+
+impl Files {
+    /// Gets ready to record; `specimen` says whether there is one whose gradation is the initial one.
+    pub fn open(&mut self, out: &Path, model: &Model, specimen: bool) -> Result<()> {
+        if specimen {
+            let (grains, _) = specimen::read(&out.join(SPECIMEN), &model.materials)?;
+            self.recorder.mass = grains.mass_and_volume().0;
+            self.initial = Some(records::initial_gradation(model, &grains));
+        }
+        Ok(())
+    }
+
+    /// Records of an oedometer, when due.
+    pub fn observe(
+        &mut self,
+        out: &Path,
+        model: &Model,
+        rig: &Oedometer,
+        loading: &Loading,
+        state: &State,
+        work: &Work,
+    ) -> Result<()> {
+        let due = self.recorder.due(model, rig, loading);
+        let due = if self.recorder.stage_end(rig, loading) { Some(Due::Full) } else { due };
+        let (Some(due), Some(initial)) = (due, &self.initial) else { return Ok(()) };
+        let row = self.recorder.row(model, rig, loading, state, work, initial);
+        self.history.push(out, &row)?;
+        if due == Due::Full {
+            let sigma_v = Stresses::of(state).vertical();
+            for row in records::gradation_rows(model, state, sigma_v, initial) {
+                self.gsd.push(out, &row)?;
+            }
+            if model.records.snapshots {
+                self.snapshot(out, state, work, sigma_v * 1e-3)?;
+            }
+        }
+        if model.records.energy && !self.recorder.energy_error.is_finite() {
+            return Err(Error::Unstable { step: state.step, what: "the energy ledger is not a number".into(), grain: None });
+        }
+        Ok(())
+    }
+
+    /// Records of a free scene, when due.
+    pub fn observe_assembly(
+        &mut self,
+        out: &Path,
+        model: &Model,
+        rig: &Assembly,
+        state: &State,
+        work: &Work,
+        last: bool,
+    ) -> Result<()> {
+        if !last && !state.step.is_multiple_of(rig.record_every) {
+            return Ok(());
+        }
+        self.history.push(out, &assembly_records::history_row(model, state, work))?;
+        for row in assembly_records::track_rows(model, rig, state, work) {
+            self.tracks.push(out, &row)?;
+        }
+        if model.records.snapshots && (last || state.step == 0) {
+            self.snapshot(out, state, work, state.time)?;
+        }
+        Ok(())
+    }
+
+    /// Rows for the breakages of a step.
+    pub fn breakages(&mut self, out: &Path, breakages: &[Breakage], state: &State) -> Result<()> {
+        if breakages.is_empty() {
+            return Ok(());
+        }
+        let sigma_v = if state.walls.len() == 3 { Stresses::of(state).vertical() } else { f64::NAN };
+        for b in breakages {
+            self.breakage.push(out, &records::breakage_row(b, sigma_v))?;
+        }
+        Ok(())
+    }
+
+    fn snapshot(&mut self, out: &Path, state: &State, work: &Work, at: f64) -> Result<()> {
+        let dir = out.join(SNAPSHOTS);
+        std::fs::create_dir_all(&dir).map_err(Error::write(&dir))?;
+        let name = format!("{SNAPSHOTS}/step_{:08}.vtp", state.step);
+        let g = &state.grains;
+        let order = g.by_id();
+        let forces = measure::largest_forces(state, work);
+        let pick = |f: &dyn Fn(usize) -> f64| order.iter().map(|&i| f(i as usize)).collect::<Vec<f64>>();
+        let data = vtk::SnapshotData {
+            position: order.iter().map(|&i| [g.pos[i as usize][0], g.pos[i as usize][1], g.pos[i as usize][2]]).collect(),
+            radius: pick(&|i| g.pos[i][3]),
+            generation: order.iter().map(|&i| u32::from(g.generation[i as usize])).collect(),
+            strength: pick(&|i| g.strength[i]),
+            force: pick(&|i| forces[i]),
+            velocity: order.iter().map(|&i| [g.vel[i as usize][0], g.vel[i as usize][1], g.vel[i as usize][2]]).collect(),
+            id: order.iter().map(|&i| u64::from(g.id[i as usize])).collect(),
+        };
+        let failed = |e: vtk::VtkError| Error::Failed { step: state.step, what: e.to_string() };
+        vtk::write_snapshot(&out.join(&name), &data).map_err(failed)?;
+        self.snapshots.push((at, name));
+        vtk::write_collection(&out.join(COLLECTION), &self.snapshots).map_err(failed)
+    }
+
+    pub fn flush(&mut self, out: &Path) -> Result<()> {
+        for table in [&mut self.history, &mut self.gsd, &mut self.breakage, &mut self.tracks] {
+            table.flush(out)?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes the last grains of a run.
+pub fn write_final(out: &Path, model: &Model, progress: &Progress) -> Result<()> {
+    let walls = matches!(model.rig, Rig::Oedometer(_)).then(|| crate::rig::oedometer::Walls::of(&progress.state));
+    specimen::write_final(&out.join("grains_final.csv"), &progress.state, model, walls)
+}

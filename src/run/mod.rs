@@ -1,0 +1,295 @@
+//! The loop around steps: phases, records, watchdog, checkpoints, stop. Only this module knows schedules.
+
+mod files;
+mod progress_bar;
+mod summary;
+
+use crate::error::{Error, Result};
+use crate::model::{Model, Rig};
+use crate::record::{checkpoint, specimen};
+use crate::rig::oedometer::{Loading, Phase, Walls};
+use crate::rig::{assembly, preparation::Preparation};
+use crate::step::{State, Work};
+use files::Files;
+use progress_bar::Bar;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// What to run and where to leave it.
+pub struct RunRequest {
+    pub model: Model,
+    /// The scene with every default, as TOML; running it repeats the run.
+    pub scene_resolved: String,
+    pub out: PathBuf,
+    /// Overwrite a run that `out` holds.
+    pub force: bool,
+    /// `None`: all cores.
+    pub threads: Option<usize>,
+    /// A prepared specimen to start from.
+    pub specimen: Option<PathBuf>,
+    pub quiet: bool,
+    pub json: bool,
+    /// Stop, resumable, after this many steps in all.
+    pub stop_after: Option<u64>,
+}
+
+/// How a resumed run behaves.
+#[derive(Clone, Debug, Default)]
+pub struct ResumeOptions {
+    pub threads: Option<usize>,
+    pub quiet: bool,
+    pub json: bool,
+    pub stop_after: Option<u64>,
+}
+
+/// A finished run.
+#[derive(Debug)]
+pub struct Outcome {
+    /// What `summary.json` holds.
+    pub summary: serde_json::Value,
+    pub out: PathBuf,
+    pub figures: Vec<PathBuf>,
+}
+
+/// What the rig is doing.
+#[derive(Debug, Serialize, Deserialize)]
+enum Activity {
+    Preparing(Preparation),
+    Loading(Loading),
+    Assembly,
+}
+
+/// Everything a restart needs.
+#[derive(Serialize, Deserialize)]
+struct Progress {
+    activity: Activity,
+    state: State,
+    files: Files,
+    /// Steps in all, preparation included.
+    steps: u64,
+    preparation_steps: u64,
+    grains_initial: usize,
+    /// Σ grains over loading steps, for the speed.
+    grain_steps: u64,
+    /// Wall-clock seconds in all, and during loading.
+    seconds: f64,
+    loading_seconds: f64,
+}
+
+/// Set by Ctrl-C (and SIGTERM): the run stops at the next step, everything kept.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+fn listen() {
+    use std::sync::Once;
+    static ONCE: Once = Once::new();
+    // a second handler cannot be installed; a library user who has one keeps it
+    ONCE.call_once(|| {
+        let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+    });
+}
+
+/// Runs a model from the start.
+///
+/// # Errors
+/// Whatever keeps the run from starting (nothing is written then) or from ending (records and checkpoint are kept).
+pub fn run(request: RunRequest) -> Result<Outcome> {
+    let RunRequest { model, scene_resolved, out, force, threads, specimen, quiet, stop_after, .. } = request;
+    let given = specimen.map(|path| specimen::read(&path, &model.materials)).transpose()?;
+    files::claim(&out, force)?;
+    let resolved = out.join(crate::scene::RESOLVED);
+    std::fs::write(&resolved, scene_resolved).map_err(Error::write(&resolved))?;
+    in_pool(threads, move || {
+        let (activity, state) = match &model.rig {
+            Rig::Oedometer(rig) => match given {
+                Some((grains, walls)) => {
+                    specimen::write(&out.join(files::SPECIMEN), &grains, &model.materials, Some(walls))?;
+                    let (loading, state) = Loading::start(&model, rig, grains, walls);
+                    (Activity::Loading(loading), state)
+                }
+                None => {
+                    let (preparation, state) = Preparation::start(&model, rig);
+                    (Activity::Preparing(preparation), state)
+                }
+            },
+            Rig::Assembly(rig) => {
+                let state = assembly::start(&model, rig);
+                specimen::write(&out.join(files::SPECIMEN), &state.grains, &model.materials, None)?;
+                (Activity::Assembly, state)
+            }
+        };
+        let grains_initial = state.grains.len();
+        let progress = Progress {
+            activity,
+            state,
+            files: Files::default(),
+            steps: 0,
+            preparation_steps: 0,
+            grains_initial,
+            grain_steps: 0,
+            seconds: 0.0,
+            loading_seconds: 0.0,
+        };
+        Runner::new(&model, &out, progress, quiet)?.go(stop_after)
+    })
+}
+
+/// Continues the run that `dir` holds from its checkpoint.
+///
+/// # Errors
+/// A folder without a checkpoint, or whatever ends the run.
+pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
+    if dir.join(files::SUMMARY).exists() && !dir.join(checkpoint::FILE).exists() {
+        return Err(Error::Checkpoint { path: dir.into(), what: "the run is finished".into() });
+    }
+    let scene = crate::scene::load(&dir.join(crate::scene::RESOLVED), &[])?;
+    let model = crate::scene::model(&scene)?;
+    let progress: Progress = checkpoint::load(dir)?;
+    in_pool(options.threads, move || Runner::new(&model, dir, progress, options.quiet)?.go(options.stop_after))
+}
+
+/// Runs inside a pool of its own, so that the loop's thread is one of the workers.
+fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .build()
+        .map_err(|e| Error::Failed { step: 0, what: format!("cannot start threads: {e}") })?;
+    listen();
+    pool.install(job)
+}
+
+/// Steps between looks at the clock, the watchdog and Ctrl-C's flag (the flag itself at every step).
+const LOOK: u64 = 64;
+
+struct Runner<'a> {
+    model: &'a Model,
+    out: &'a Path,
+    progress: Progress,
+    work: Work,
+    bar: Bar,
+    started: Instant,
+    last_checkpoint: Instant,
+}
+
+impl<'a> Runner<'a> {
+    fn new(model: &'a Model, out: &'a Path, mut progress: Progress, quiet: bool) -> Result<Runner<'a>> {
+        progress.files.open(out, model, matches!(progress.activity, Activity::Loading(_)))?;
+        let work = Work::new(model, &mut progress.state);
+        let now = Instant::now();
+        Ok(Runner { model, out, progress, work, bar: Bar::new(quiet), started: now, last_checkpoint: now })
+    }
+
+    fn go(mut self, stop_after: Option<u64>) -> Result<Outcome> {
+        let before = self.progress.seconds;
+        let loading_before = self.progress.loading_seconds;
+        let mut loading_since = (!matches!(self.progress.activity, Activity::Preparing(_))).then(Instant::now);
+        loop {
+            let step = self.advance();
+            let p = &mut self.progress;
+            p.seconds = before + self.started.elapsed().as_secs_f64();
+            if loading_since.is_none() && !matches!(p.activity, Activity::Preparing(_)) {
+                loading_since = Some(Instant::now());
+            }
+            p.loading_seconds = loading_before + loading_since.map_or(0.0, |t| t.elapsed().as_secs_f64());
+            match step {
+                Ok(false) => {}
+                Ok(true) => break,
+                Err(e) => {
+                    // keep what there is
+                    self.progress.files.flush(self.out)?;
+                    self.bar.abandon();
+                    return Err(e);
+                }
+            }
+            if STOP.load(Ordering::Relaxed) || stop_after.is_some_and(|n| self.progress.steps >= n) {
+                self.checkpoint()?;
+                self.bar.abandon();
+                return Err(Error::Interrupted { step: self.progress.steps, out: self.out.into() });
+            }
+            if self.progress.steps.is_multiple_of(LOOK) {
+                self.watch()?;
+                self.bar.show(self.model, &self.progress);
+                if self.last_checkpoint.elapsed() > Duration::from_secs_f64(self.model.records.checkpoint_seconds) {
+                    self.checkpoint()?;
+                }
+            }
+        }
+        self.bar.finish();
+        summary::finish(self.model, self.out, &mut self.progress, &self.work)
+    }
+
+    /// One step of whatever the rig is doing. True when the run is done.
+    fn advance(&mut self) -> Result<bool> {
+        let Runner { model, out, progress, work, .. } = self;
+        let Progress { activity, state, files, .. } = progress;
+        progress.steps += 1;
+        match (activity, &model.rig) {
+            (Activity::Preparing(preparation), Rig::Oedometer(rig)) => {
+                progress.preparation_steps += 1;
+                if preparation.advance(model, rig, state, work)? {
+                    self.load()?;
+                }
+                Ok(false)
+            }
+            (Activity::Loading(loading), Rig::Oedometer(rig)) => {
+                progress.grain_steps += state.grains.len() as u64;
+                loading.advance(model, rig, state, work, |loading, state, work| {
+                    files.observe(out, model, rig, loading, state, work)
+                })?;
+                files.breakages(out, &work.breakages, state)?;
+                Ok(loading.phase == Phase::Done)
+            }
+            (_, Rig::Assembly(rig)) => {
+                progress.grain_steps += state.grains.len() as u64;
+                let last = assembly::done(rig, state);
+                assembly::advance(model, state, work, |state, work| files.observe_assembly(out, model, rig, state, work, last))?;
+                files.breakages(out, &work.breakages, state)?;
+                Ok(last)
+            }
+            _ => unreachable!("a preparation and a loading belong to an oedometer"),
+        }
+    }
+
+    /// From a prepared specimen to loading: what is kept is what `specimen.csv` holds.
+    fn load(&mut self) -> Result<()> {
+        let Rig::Oedometer(rig) = &self.model.rig else { return Ok(()) };
+        let path = self.out.join(files::SPECIMEN);
+        let state = &self.progress.state;
+        specimen::write(&path, &state.grains, &self.model.materials, Some(Walls::of(state)))?;
+        let (grains, walls) = specimen::read(&path, &self.model.materials)?;
+        let (loading, state) = Loading::start(self.model, rig, grains, walls);
+        self.progress.activity = Activity::Loading(loading);
+        self.progress.state = state;
+        self.progress.files.open(self.out, self.model, true)?;
+        self.work = Work::new(self.model, &mut self.progress.state);
+        Ok(())
+    }
+
+    fn checkpoint(&mut self) -> Result<()> {
+        self.progress.files.flush(self.out)?;
+        checkpoint::save(self.out, &self.progress)?;
+        self.last_checkpoint = Instant::now();
+        Ok(())
+    }
+
+    /// Stops a run that has lost its meaning, with a diagnosis.
+    fn watch(&mut self) -> Result<()> {
+        let state = &self.progress.state;
+        let bad = |i: usize, what: String| Error::Unstable { step: state.step, what, grain: Some(u64::from(state.grains.id[i])) };
+        for (i, p) in state.grains.pos.iter().enumerate() {
+            if !(p[0] + p[1] + p[2]).is_finite() {
+                self.progress.files.flush(self.out)?;
+                return Err(bad(i, "a grain's position is not a number: the time step is too large for the stiffness; lower stepping.safety or stepping.dt_s".into()));
+            }
+            for (k, w) in state.walls.iter().enumerate() {
+                let (_, gap) = w.shape.towards(*p);
+                if gap < -2.0 * p[3] {
+                    self.progress.files.flush(self.out)?;
+                    return Err(bad(i, format!("a grain of diameter {:.3e} m has left through wall {k}", 2.0 * p[3])));
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,108 @@
+//! What a person sees while a run goes on: a bar on a terminal, a line now and then elsewhere.
+
+use super::{Activity, Progress};
+use crate::model::{Model, Rig};
+use crate::rig::oedometer::Stresses;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// Seconds between plain lines when standard error is no terminal, and before the first sign of life.
+const PLAIN: Duration = Duration::from_secs(15);
+const FIRST: Duration = Duration::from_secs(2);
+const REDRAW: Duration = Duration::from_millis(150);
+
+pub struct Bar {
+    /// `None` when quiet.
+    bar: Option<ProgressBar>,
+    terminal: bool,
+    begun: Instant,
+    last: Instant,
+    last_steps: u64,
+}
+
+impl Bar {
+    pub fn new(quiet: bool) -> Bar {
+        let terminal = std::io::stderr().is_terminal();
+        let bar = (!quiet).then(|| {
+            let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::hidden());
+            bar.set_style(
+                ProgressStyle::with_template("{bar:24} {percent:>3}% {msg}").unwrap_or_else(|_| ProgressStyle::default_bar()),
+            );
+            bar
+        });
+        let now = Instant::now();
+        Bar { bar, terminal, begun: now, last: now, last_steps: 0 }
+    }
+
+    pub fn show(&mut self, model: &Model, p: &Progress) {
+        let Some(bar) = &self.bar else { return };
+        let since = self.last.elapsed();
+        if since < if self.terminal { REDRAW } else { PLAIN } || self.begun.elapsed() < FIRST {
+            return;
+        }
+        let speed = (p.steps - self.last_steps) as f64 / since.as_secs_f64();
+        (self.last, self.last_steps) = (Instant::now(), p.steps);
+        let (share, message) = describe(model, p);
+        let elapsed = self.begun.elapsed().as_secs_f64();
+        let mut line = format!("{message}  {speed:.0} steps/s");
+        if elapsed > 10.0 && share > 0.02 && share < 1.0 && !matches!(p.activity, Activity::Preparing(_)) {
+            line += &format!("  about {} left", human(p.loading_seconds * (1.0 - share) / share));
+        }
+        if self.terminal {
+            bar.set_draw_target(ProgressDrawTarget::stderr());
+            bar.set_position((share * 1000.0) as u64);
+            bar.set_message(line);
+        } else {
+            eprintln!("{:>3.0}%  {line}", share * 100.0);
+        }
+    }
+
+    pub fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+
+    pub fn abandon(&self) {
+        if let Some(bar) = &self.bar {
+            bar.abandon();
+        }
+    }
+}
+
+/// Share done and what is going on.
+fn describe(model: &Model, p: &Progress) -> (f64, String) {
+    let n = p.state.grains.len();
+    match (&p.activity, &model.rig) {
+        (Activity::Preparing(prep), Rig::Oedometer(rig)) => {
+            let share = p.steps as f64 / rig.preparation.max_steps as f64;
+            let porosity = crate::rig::preparation::porosity(&p.state);
+            (share, format!("preparing ({}), porosity {porosity:.4}, {n} grains", prep.stage.name()))
+        }
+        (Activity::Loading(loading), Rig::Oedometer(rig)) => {
+            // eq. (18) makes steps grow nearly in proportion to stress
+            let end = rig.loading.stages.iter().copied().fold(0.0, f64::max);
+            let v = Stresses::of(&p.state).vertical();
+            let share = (loading.target / end).clamp(0.0, 1.0);
+            (share, format!("σ_v {:.1} kPa of {:.0}, {n} grains, {} events", v * 1e-3, end * 1e-3, p.state.crush_events))
+        }
+        (_, Rig::Assembly(rig)) => {
+            let share = match (rig.steps, rig.duration) {
+                (Some(steps), _) => p.state.step as f64 / steps.max(1) as f64,
+                (None, Some(t)) => p.state.time / t,
+                (None, None) => 0.0,
+            };
+            (share, format!("t = {:.4e} s, {n} grains, {} events", p.state.time, p.state.crush_events))
+        }
+        _ => (0.0, String::new()),
+    }
+}
+
+fn human(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{s:.0} s"),
+        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}

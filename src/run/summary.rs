@@ -1,0 +1,113 @@
+//! The end of a run: `grains_final.csv`, figures, `summary.json`. Clocks, host facts and versions stand here only.
+
+use super::{Activity, Outcome, Progress, files};
+use crate::crush::lost_mass::excluded_grains;
+use crate::error::{Error, Result};
+use crate::figure;
+use crate::model::{Model, Rig};
+use crate::record::checkpoint;
+use crate::step::Work;
+use serde_json::{Map, Value, json};
+use std::path::Path;
+
+/// Writes what closes a run and removes its checkpoint.
+pub fn finish(model: &Model, out: &Path, progress: &mut Progress, work: &Work) -> Result<Outcome> {
+    progress.files.flush(out)?;
+    files::write_final(out, model, progress)?;
+    let mut summary = summary(model, progress, work);
+    let path = out.join(files::SUMMARY);
+    let save = |summary: &Value| {
+        let text = serde_json::to_string_pretty(summary).unwrap_or_default() + "\n";
+        std::fs::write(&path, text).map_err(Error::write(&path))
+    };
+    save(&summary)?;
+    checkpoint::remove(out)?;
+    let drawing = std::time::Instant::now();
+    let figures = if model.records.figures { figure::draw_run(out)? } else { Vec::new() };
+    summary["figure_seconds"] = json!(drawing.elapsed().as_secs_f64());
+    save(&summary)?;
+    Ok(Outcome { summary, out: out.into(), figures })
+}
+
+fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
+    let state = &progress.state;
+    let recorder = &progress.files.recorder;
+    let mut s = Map::new();
+    let mut put = |key: &str, value: Value| s.insert(key.into(), value);
+    put("scene", json!(model.name));
+    put("seed", json!({"packing": model.seeds.packing, "strength": model.seeds.strength}));
+    put("scale", json!(model.scale));
+    put("grains_initial", json!(progress.grains_initial));
+    put("grains_final", json!(state.grains.len()));
+    put("crush_events", json!(state.crush_events));
+    if let Some(crush) = &model.crush {
+        let excluded = excluded_grains(state.crush_events, &crush.pattern);
+        put("excluded_grains", json!(excluded.paper));
+        put("excluded_grains_smallest", json!(excluded.smallest));
+        put("strength_ratio_initial", strengths(model, progress));
+    }
+    put("steps", json!(state.step));
+    put("preparation_steps", json!(progress.preparation_steps));
+    if let (Activity::Loading(loading), Rig::Oedometer(rig)) = (&progress.activity, &model.rig) {
+        let largest = rig.loading.stages.iter().copied().fold(rig.isotropic_stress, f64::max);
+        put("max_stress_kPa", json!(largest * 1e-3));
+        put("max_measured_stress_kPa", json!(recorder.max_stress * 1e-3));
+        put("diameter_mm", json!(2e3 * loading.start.1));
+        put("height_mm", json!(1e3 * loading.start.0));
+        put("porosity_final", json!(recorder.porosity));
+        put("k0_final", json!(recorder.k0));
+        put("mass_error", json!(recorder.mass_error));
+        if model.records.energy {
+            put("energy_error", json!(recorder.energy_error));
+            put("energy_nonconservative", json!(recorder.energy_nonconservative));
+        }
+        put(
+            "quasi_static",
+            json!({
+                "above_kPa": 50.0,
+                "largest_platen_difference": recorder.worst[0],
+                "largest_distance_from_target": recorder.worst[1],
+                "largest_inertial_number": recorder.worst[2],
+            }),
+        );
+        if let Some(initial) = &progress.files.initial {
+            put("d50_mm", json!(initial.diameter_at(0.5).map(|d| d * 1e3)));
+        }
+    }
+    put("energy_rises", json!(state.ledger.rises));
+    let lost: f64 = state.lost.iter().map(|l| l.0).sum();
+    put("mass_lost_kg", json!(lost));
+    // clocks, host and versions
+    put("wall_seconds", json!(progress.seconds));
+    put("loading_seconds", json!(progress.loading_seconds));
+    put("particle_steps_per_second", json!(progress.grain_steps as f64 / progress.loading_seconds.max(1e-9)));
+    put("bytes_per_grain", json!(work.bytes(state) as f64 / state.grains.len().max(1) as f64));
+    put("threads", json!(rayon::current_num_threads()));
+    put("version", json!(env!("CARGO_PKG_VERSION")));
+    put("host", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
+    Value::Object(s)
+}
+
+/// Realised mean and coefficient of variation of the initial grains' strength over its size-dependent mean.
+fn strengths(model: &Model, progress: &Progress) -> Value {
+    let Some(crush) = &model.crush else { return Value::Null };
+    let radii: Vec<f64> = match &model.rig {
+        Rig::Oedometer(rig) => crate::packing::radii(rig, model.seeds.packing),
+        Rig::Assembly(rig) => rig.grains.iter().map(|g| g.radius).collect(),
+    };
+    let ratios: Vec<f64> = radii
+        .iter()
+        .take(progress.grains_initial)
+        .enumerate()
+        .map(|(k, &r)| {
+            let d = 2.0 * r;
+            let lineage = crate::crush::strength::lineage_root(k as u32);
+            let mean = crush.strength.sigma_lim0 * crate::crush::criterion::size_factor(d, crush.strength.d0, crush.strength.m);
+            crush.strength.draw(model.seeds.strength, lineage, d) / mean
+        })
+        .collect();
+    let n = ratios.len().max(1) as f64;
+    let mean = ratios.iter().sum::<f64>() / n;
+    let variance = ratios.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;
+    json!({"mean": mean, "coefficient_of_variation": variance.sqrt() / mean})
+}

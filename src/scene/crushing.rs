@@ -1,0 +1,166 @@
+//! From the keys of crushing, strength, comminution and fines to [`CrushModel`] and [`Fines`].
+
+use super::material::Named;
+use super::view::View;
+use crate::crush::criterion::{AreaModel, limit_strength, size_factor};
+use crate::crush::lost_mass::Fines;
+use crate::crush::pattern::Pattern;
+use crate::crush::strength::{StrengthModel, Truncation};
+use crate::model::{CrushModel, Rig};
+
+impl View<'_> {
+    /// Whether and how grains break, and how lost mass is spread.
+    pub fn crushing(&self, named: &[Named], rig: &Rig) -> Option<(Option<CrushModel>, Fines)> {
+        let (smallest, largest) = extremes(rig);
+        let of = &named[self.grain_material(rig)?];
+        let fines = self.fines(of, smallest);
+        if !self.flag("crushing.enabled") {
+            return Some((None, fines));
+        }
+        let pattern = self.pattern();
+        let d_limit = self.d_limit(of);
+        let strength = self.strength(of);
+        let (pattern, d_limit, (area, strength)) = (pattern?, d_limit?, strength?);
+        if !self.has(&of.key("fines")) {
+            let message = "is missing: lost mass needs d_min_mm, the smallest sieve after crushing (eq. 12)";
+            self.refuse(&of.key("fines"), message);
+            return None;
+        }
+        let finest = pattern.smallest() * d_limit;
+        self.check(
+            fines.d_min < finest,
+            &of.key("fines.d_min_mm"),
+            format!(
+                "must be < {:.4}, below every possible daughter ({:.4} of the comminution limit; eq. 12)",
+                1e3 * finest / self.scale(),
+                pattern.smallest()
+            ),
+        );
+        let firm = [d_limit, largest.max(d_limit)].iter().all(|d| {
+            let s = strength.sigma_lim0 * size_factor(*d, strength.d0, strength.m);
+            s.is_finite() && s > 0.0 && s < 1e18
+        });
+        let table = match area {
+            AreaModel::Hertz => "strength.hertz_area.m",
+            AreaModel::FixedAngle { .. } => "strength.fixed_angle.m",
+        };
+        self.check(firm, &of.key(table), "gives strengths without limit at the sizes of this scene (eq. 7)");
+        let crush = CrushModel { area, strength, pattern, d_limit };
+        Some((Some(crush), fines))
+    }
+
+    /// The one material of all grains, by number, where grains break.
+    fn grain_material(&self, rig: &Rig) -> Option<usize> {
+        let Rig::Assembly(assembly) = rig else {
+            return Some(0);
+        };
+        let first = assembly.grains.first()?.material;
+        let mixed = assembly.grains.iter().any(|g| g.material != first);
+        if mixed && self.flag("crushing.enabled") {
+            self.refuse(
+                "crushing.enabled",
+                "must be false where grains are of several materials: one strength law serves all grains",
+            );
+            return None;
+        }
+        Some(usize::from(first))
+    }
+
+    fn pattern(&self) -> Option<Pattern> {
+        let count = self.whole("crushing.pattern")?;
+        Pattern::new(u32::try_from(count).ok()?).map_err(|message| self.refuse("crushing.pattern", message)).ok()
+    }
+
+    /// m, times the scale.
+    fn d_limit(&self, of: &Named) -> Option<f64> {
+        let table = of.key("comminution");
+        if !self.has(&table) {
+            let message = "is missing: crushing needs d_limit_over_d50 (and d50_mm where there is no gradation)";
+            self.refuse(&table, message);
+            return None;
+        }
+        let d50 = of.key("comminution.d50_mm");
+        let Some(d50) = self.number(&d50) else {
+            self.refuse(&d50, "is missing: without a gradation the d50 of the comminution limit must be given");
+            return None;
+        };
+        let ratio = self.number("crushing.d_limit_over_d50").unwrap_or(self.si(&of.key("comminution.d_limit_over_d50")));
+        Some(ratio * d50 * self.scale())
+    }
+
+    fn strength(&self, of: &Named) -> Option<(AreaModel, StrengthModel)> {
+        let name = match self.text("crushing.area") {
+            "hertz" => "strength.hertz_area",
+            _ => "strength.fixed_angle",
+        };
+        let table = of.key(name);
+        if !self.has(&table) {
+            let area = self.text("crushing.area");
+            self.refuse(&table, format!("is missing: crushing.area = \"{area}\" needs it"));
+            return None;
+        }
+        let area = match self.number(&format!("{table}.theta0_rad")) {
+            Some(theta0) => AreaModel::FixedAngle { theta0 },
+            None => AreaModel::Hertz,
+        };
+        let model = StrengthModel {
+            sigma_lim0: self.sigma_lim0(of, &table)?,
+            d0: self.si(&of.key("strength.d0_mm")) * self.scale(),
+            m: self.si(&format!("{table}.m")),
+            var: self.si(&format!("{table}.var")),
+            truncation: match self.text(&of.key("strength.truncation")) {
+                "clamp" => Truncation::Clamp,
+                _ => Truncation::Redraw,
+            },
+            min_ratio: self.si(&of.key("strength.min_ratio")),
+        };
+        Some((area, model))
+    }
+
+    /// Given, or from uniaxial strengths (eqs 2, 4, 6).
+    fn sigma_lim0(&self, of: &Named, table: &str) -> Option<f64> {
+        let given = self.number(&format!("{table}.sigma_lim0_MPa"));
+        let compressive = self.number(&format!("{table}.sigma_c_MPa"));
+        let tensile = self.number(&format!("{table}.sigma_t_MPa"));
+        match (given, compressive, tensile) {
+            (Some(sigma), None, None) => Some(sigma),
+            (None, Some(c), Some(t)) => {
+                let (_, nu) = self.elastic(of, true, "the limit strength from sigma_c and sigma_t")?;
+                if c <= t {
+                    let message = "must be larger than sigma_t_MPa (chi > 0, eq. 2)";
+                    self.refuse(&format!("{table}.sigma_c_MPa"), message);
+                    return None;
+                }
+                Some(limit_strength(c, t, nu))
+            }
+            _ => {
+                let message = "must have sigma_lim0_MPa, or sigma_c_MPa with sigma_t_MPa";
+                self.refuse(table, message);
+                None
+            }
+        }
+    }
+
+    /// Without crushing no mass is lost, and a size below every grain will do.
+    fn fines(&self, of: &Named, smallest: f64) -> Fines {
+        let d_min = self.number(&of.key("fines.d_min_mm"));
+        Fines {
+            alpha: self.number(&of.key("fines.alpha")).unwrap_or(2.6),
+            d_min: d_min.map_or(0.01 * smallest, |d| d * self.scale()),
+        }
+    }
+}
+
+/// Smallest and largest diameter of the scene, m.
+pub fn extremes(rig: &Rig) -> (f64, f64) {
+    match rig {
+        Rig::Oedometer(o) => {
+            let first = o.gradation.first().map_or(f64::NAN, |p| p.0);
+            (first, o.gradation.last().map_or(f64::NAN, |p| p.0))
+        }
+        Rig::Assembly(a) => {
+            let sizes = a.grains.iter().map(|g| 2.0 * g.radius);
+            sizes.fold((f64::INFINITY, 0.0), |(low, high), d| (f64::min(low, d), f64::max(high, d)))
+        }
+    }
+}

@@ -1,0 +1,315 @@
+//! What a run would be, before it is started. Rough on purpose: orders of magnitude for a person to judge.
+
+use super::crushing::extremes;
+use super::oedometer::height;
+use crate::model::{Assembly, ContactLaw, Drive, Model, Oedometer, Rig};
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// Bytes of one grain with its contacts.
+const BYTES_PER_GRAIN: f64 = 600.0;
+/// Crush events per initial grain that the growth guess takes: petroleum coke at 5 MPa (Ciantia et al. 2015, Table 4).
+const EVENTS_PER_GRAIN: f64 = 2.0;
+
+/// Expected size, step and duration of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Estimate {
+    pub grains: usize,
+    /// If every initial grain broke twice, as petroleum coke does at 5 MPa; equal to `grains` without crushing.
+    pub grains_final: f64,
+    #[serde(rename = "memory_MB")]
+    pub memory_mb: f64,
+    pub specimen: Option<Specimen>,
+    /// Time step, s; `None` where time counts steps.
+    #[serde(rename = "time_step_s")]
+    pub time_step: Option<f64>,
+    /// What limits the time step.
+    pub time_step_limit: String,
+    /// Loading steps (eq. 18), or steps of a free scene.
+    pub steps: f64,
+    pub warnings: Vec<String>,
+}
+
+/// Geometry of an oedometer specimen, and its ratios to grain sizes.
+#[derive(Clone, Debug, Serialize)]
+pub struct Specimen {
+    pub diameter_mm: f64,
+    pub height_mm: f64,
+    pub diameter_over_d50: f64,
+    pub diameter_over_largest: f64,
+    pub height_over_largest: f64,
+}
+
+/// Estimate the run of `model`.
+pub fn estimate(model: &Model) -> Estimate {
+    let (smallest, largest) = extremes(&model.rig);
+    let grains = match &model.rig {
+        Rig::Oedometer(o) => o.grains,
+        Rig::Assembly(a) => a.grains.len(),
+    };
+    let daughters = model.crush.as_ref().map_or(1, |c| c.pattern.count());
+    let grains_final = grains as f64 * (1.0 + EVENTS_PER_GRAIN * (daughters - 1) as f64);
+    let finest = match &model.crush {
+        Some(c) if c.d_limit < largest => smallest.min(c.pattern.smallest() * c.d_limit),
+        _ => smallest,
+    };
+    let (time_step, time_step_limit) = time_step(model, finest);
+    let steps = match &model.rig {
+        Rig::Oedometer(o) => loading_steps(o),
+        Rig::Assembly(a) => match (a.steps, a.duration, time_step) {
+            (Some(steps), ..) => steps as f64,
+            (None, Some(t), Some(dt)) => (t / dt).ceil(),
+            _ => 0.0,
+        },
+    };
+    let mut estimate = Estimate {
+        grains,
+        grains_final,
+        memory_mb: 1e-6 * BYTES_PER_GRAIN * grains_final,
+        specimen: None,
+        time_step,
+        time_step_limit,
+        steps,
+        warnings: Vec::new(),
+    };
+    if let Rig::Oedometer(o) = &model.rig {
+        let specimen = specimen(o);
+        size_warnings(&specimen, &mut estimate.warnings);
+        quasi_static_warnings(model, o, &mut estimate);
+        let never = unreached(o, &model.records.at);
+        if !never.is_empty() {
+            let list = never.join(", ");
+            estimate.warnings.push(format!("records.at_kPa: {list} will not be reached"));
+        }
+        estimate.specimen = Some(specimen);
+    }
+    if let Some(crush) = &model.crush
+        && crush.d_limit >= largest
+    {
+        estimate.warnings.push(format!(
+            "nothing can break: the comminution limit is {:.4} mm and the largest grain {:.4} mm",
+            1e3 * crush.d_limit,
+            1e3 * largest
+        ));
+    }
+    estimate
+}
+
+/// Stresses, kPa, of `at` that the loading does not pass.
+fn unreached(o: &Oedometer, at: &[f64]) -> Vec<String> {
+    let stages = o.loading.stages.iter().copied();
+    let low = stages.clone().fold(o.isotropic_stress, f64::min);
+    let high = stages.fold(0.0, f64::max);
+    let outside = at.iter().filter(|s| !(low..=high).contains(*s));
+    outside.map(|s| format!("{}", 1e-3 * s)).collect()
+}
+
+fn specimen(o: &Oedometer) -> Specimen {
+    let height = height(o);
+    let largest = o.gradation.last().map_or(f64::NAN, |p| p.0);
+    Specimen {
+        diameter_mm: 1e3 * o.diameter,
+        height_mm: 1e3 * height,
+        diameter_over_d50: o.diameter / median(&o.gradation),
+        diameter_over_largest: o.diameter / largest,
+        height_over_largest: height / largest,
+    }
+}
+
+fn median(points: &[(f64, f64)]) -> f64 {
+    let half = points.windows(2).find(|w| w[1].1 >= 0.5);
+    half.map_or(f64::NAN, |w| w[0].0 + (0.5 - w[0].1) / (w[1].1 - w[0].1) * (w[1].0 - w[0].0))
+}
+
+fn size_warnings(s: &Specimen, warnings: &mut Vec<String>) {
+    let small = 10.0 * (1.0 - 1e-9);
+    if s.diameter_over_largest < small {
+        warnings.push(format!(
+            "the specimen is {:.1} largest grains wide (d50: {:.1}); below 10 it may no longer be representative (the paper keeps one order of magnitude)",
+            s.diameter_over_largest, s.diameter_over_d50
+        ));
+    }
+    if s.height_over_largest < 5.0 {
+        warnings.push(format!(
+            "the specimen is {:.1} largest grains high; below 5 the platens order the grains",
+            s.height_over_largest
+        ));
+    }
+}
+
+fn quasi_static_warnings(model: &Model, o: &Oedometer, estimate: &mut Estimate) {
+    let l = &o.loading;
+    // increment at 50 kPa over the stress; the thresholds of quasi-static loading hold above that
+    let s = 50e3 / l.sigma_ref;
+    let jump = l.rate * (1.0 + s.ln()) / s;
+    let warnings = &mut estimate.warnings;
+    if jump > 0.02 {
+        warnings.push(format!(
+            "loading.rate = {}: at 50 kPa one increment is {:.1} % of the stress; quasi-static loading keeps within 2 %",
+            l.rate,
+            100.0 * jump
+        ));
+    } else if l.rate > 0.1 {
+        warnings.push(format!("loading.rate = {} is above 0.1, the largest that the paper uses", l.rate));
+    }
+    if l.max_inertial_number > 1e-3 {
+        warnings.push(format!("loading.max_inertial_number = {}: quasi-static loading keeps below 0.001", l.max_inertial_number));
+    }
+    if model.damping == 0.0 && model.contact.law != ContactLaw::HertzViscous {
+        warnings.push("damping.local = 0: only sliding takes energy out of the specimen".into());
+    }
+    if let Some(dt) = estimate.time_step {
+        // a strain of 0.3 over the whole loading
+        let duration = estimate.steps * dt;
+        let size = o.gradation.last().map_or(0.0, |p| p.0);
+        let density = model.materials.first().map_or(0.0, |m| m.density);
+        let inertial = 0.3 / duration * size * (density / 50e3).sqrt();
+        if inertial > 1e-3 {
+            warnings.push(format!(
+                "not quasi-static: {:.3} s of loading give an inertial number near {inertial:.1e} at 50 kPa, above 0.001; set stepping.inertia_scaling = true, or lower loading.rate",
+                duration
+            ));
+        }
+    }
+}
+
+/// Steps of the loading stages by eq. (18): the increment is L_C (sigma_ref + sigma_ref ln(sigma/sigma_ref)).
+fn loading_steps(o: &Oedometer) -> f64 {
+    let l = &o.loading;
+    let mut from = o.isotropic_stress;
+    let mut steps = 0.0;
+    for to in &l.stages {
+        let (a, b) = ((from / l.sigma_ref).ln(), (to / l.sigma_ref).ln());
+        let integrand = |u: f64| u.exp() / (l.rate * (1.0 + u));
+        steps += simpson(integrand, a.min(b), a.max(b));
+        from = *to;
+    }
+    steps.ceil()
+}
+
+fn simpson(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
+    const N: usize = 2000;
+    let h = (b - a) / N as f64;
+    let inner = (1..N).map(|i| f(a + i as f64 * h) * if i % 2 == 1 { 4.0 } else { 2.0 });
+    (f(a) + inner.sum::<f64>() + f(b)) * h / 3.0
+}
+
+/// Time step, s, and what limits it.
+fn time_step(model: &Model, finest: f64) -> (Option<f64>, String) {
+    if model.stepping.inertia_scaling {
+        let text = "inertia scaled: every grain has the same stable step, and time counts steps";
+        return (None, text.into());
+    }
+    if let Some(dt) = model.stepping.dt {
+        return (Some(dt), "stepping.dt_s".into());
+    }
+    let r = 0.5 * finest;
+    let (load, why) = load(model, r);
+    let m = model.materials.iter().map(|m| m.density).fold(f64::INFINITY, f64::min) * 4.0 / 3.0 * PI * r * r * r;
+    let share = model.materials.iter().map(|material| share(model.contact.law, material, r, load)).fold(0.0, f64::max);
+    // two contacts bear the load
+    let dt = model.stepping.safety * 2.0 / (2.0 * share / m).sqrt();
+    let text = format!("stiffness of contacts of the smallest grain ({:.4} mm), {why}", 1e3 * finest);
+    (Some(dt), text)
+}
+
+/// max(2 k_n, 7 k_t), N/m, of a contact of two grains of radius `r` under `force`: what bounds the step.
+fn share(law: ContactLaw, material: &crate::model::Material, r: f64, force: f64) -> f64 {
+    let (k_n, k_t) = match law {
+        ContactLaw::Linear => {
+            let k = 2.0 * material.k_eff * r;
+            (k, material.alpha_s * k)
+        }
+        ContactLaw::Hertz | ContactLaw::HertzViscous => {
+            let (r_eff, nu) = (0.5 * r, material.poisson);
+            let e_eff = material.young / (2.0 * (1.0 - nu * nu));
+            let g_eff = material.young / (4.0 * (1.0 + nu) * (2.0 - nu));
+            let overlap = (0.75 * force / (e_eff * r_eff.sqrt())).powf(2.0 / 3.0);
+            let width = (r_eff * overlap).sqrt();
+            (2.0 * e_eff * width, 8.0 * g_eff * width)
+        }
+    };
+    (2.0 * k_n).max(7.0 * k_t)
+}
+
+/// Force, N, that a contact of a grain of radius `r` may bear.
+fn load(model: &Model, r: f64) -> (f64, String) {
+    let section = PI * r * r;
+    match &model.rig {
+        Rig::Oedometer(o) => {
+            let stress = o.loading.stages.iter().copied().fold(0.0, f64::max);
+            let text = format!("its section under {} kPa", 1e-3 * stress);
+            (stress * section, text)
+        }
+        Rig::Assembly(a) => {
+            let pressed = a.walls.iter().filter_map(|w| match w.drive {
+                Drive::Stress { stress, .. } => Some(stress),
+                _ => None,
+            });
+            let pressed = pressed.fold(0.0, f64::max) * section;
+            let speed = speed(model, a);
+            let struck = impact(model, r, speed);
+            if struck >= pressed {
+                (struck, format!("impact at {speed:.3} m/s"))
+            } else {
+                (pressed, "its section under the stress of a wall".into())
+            }
+        }
+    }
+}
+
+/// Peak force, N, of two grains of radius `r` that meet at `speed` (Hertz), as a scale for every law.
+fn impact(model: &Model, r: f64, speed: f64) -> f64 {
+    let Some(material) = model.materials.iter().max_by(|a, b| a.young.total_cmp(&b.young)) else {
+        return 0.0;
+    };
+    let (r_eff, m_eff) = (0.5 * r, 0.5 * material.density * 4.0 / 3.0 * PI * r * r * r);
+    let e_eff = material.young / (2.0 * (1.0 - material.poisson * material.poisson));
+    if e_eff == 0.0 {
+        return 0.0;
+    }
+    let k = e_eff * r_eff.sqrt();
+    let overlap = (15.0 * m_eff * speed * speed / (16.0 * k)).powf(0.4);
+    4.0 / 3.0 * k * overlap.powf(1.5)
+}
+
+/// Largest speed of approach that the scene can have, m/s; never zero.
+fn speed(model: &Model, a: &Assembly) -> f64 {
+    let norm = |v: [f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    let grains = a.grains.iter().map(|g| norm(g.velocity) + g.radius * norm(g.spin));
+    let walls = a.walls.iter().map(|w| match w.drive {
+        Drive::Velocity(v) => v.abs(),
+        _ => 0.0,
+    });
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for g in &a.grains {
+        for k in 0..3 {
+            low[k] = low[k].min(g.position[k] - g.radius);
+            high[k] = high[k].max(g.position[k] + g.radius);
+        }
+    }
+    let extent = norm([high[0] - low[0], high[1] - low[1], high[2] - low[2]]);
+    let fall = (2.0 * norm(model.gravity) * extent).sqrt();
+    let moving = 2.0 * grains.fold(0.0, f64::max) + walls.fold(0.0, f64::max);
+    (moving + fall).max(1e-3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eq_18_takes_sixty_thousand_steps_to_5_mpa() {
+        let mut sigma = 5.0_f64;
+        let mut steps = 0.0;
+        while sigma < 5000.0 {
+            sigma += 0.01 * (1.0 + sigma.ln());
+            steps += 1.0;
+        }
+        let f = |u: f64| u.exp() / (0.01 * (1.0 + u));
+        let estimate = simpson(f, 5.0_f64.ln(), 5000.0_f64.ln());
+        assert!((estimate / steps - 1.0).abs() < 1e-3, "{estimate} {steps}");
+        assert!((5e4..7e4).contains(&steps));
+    }
+}

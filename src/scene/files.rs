@@ -1,0 +1,188 @@
+//! Scene and material files, with what they are based on and the materials they name.
+
+use super::layers::{Layer, join, shown};
+use super::sources::spread_sources;
+use super::suggest::nearest;
+use crate::error::{Error, Result};
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+use toml::{Table, Value};
+
+/// A scene file with everything it refers to.
+pub fn scene_file(path: &Path) -> Result<Layer> {
+    file(path, &mut Vec::new())
+}
+
+/// A material file with everything it refers to.
+pub fn material_file(path: &Path) -> Result<Layer> {
+    file(path, &mut Vec::new())
+}
+
+fn file(path: &Path, below: &mut Vec<PathBuf>) -> Result<Layer> {
+    let path = tidy(path);
+    let text = read_text(&path)?;
+    if below.contains(&path) {
+        let chain: Vec<String> = below.iter().map(|p| p.display().to_string()).collect();
+        let message = format!("is based on itself ({} → it)", chain.join(" → "));
+        return Err(Error::input(path.display(), "", None, message));
+    }
+    below.push(path.clone());
+    let table = parse(&path, &text)?;
+    let layer = resolve(table, &path, "", below)?;
+    below.pop();
+    Ok(layer)
+}
+
+/// A table of `path` with its base and its materials; `at` is its place in the file.
+fn resolve(mut table: Table, path: &Path, at: &str, below: &mut Vec<PathBuf>) -> Result<Layer> {
+    let mut base = match table.remove("base") {
+        Some(Value::String(name)) => file_near(path, &join(at, "base"), &name, below)?,
+        Some(other) => {
+            let message = "must be the path of a file, in quotes";
+            return Err(wrong(path, &join(at, "base"), &other, message));
+        }
+        None => Layer::default(),
+    };
+    if at.is_empty() {
+        base.table.remove("description");
+        if is_scene(&base.table) || is_scene(&table) {
+            base.table.remove("name");
+        }
+    }
+    spread_sources(&mut table, None);
+    if let Some(Value::String(name)) = table.get_mut("grains_csv") {
+        *name = beside(path, name).display().to_string();
+    }
+    let mut materials = Vec::new();
+    if let Some(value) = table.remove("material").filter(|_| at.is_empty()) {
+        materials.push(("material".to_string(), value));
+    }
+    if let Some(Value::Table(named)) = table.get_mut("materials").filter(|_| at.is_empty()) {
+        for (name, value) in std::mem::take(named) {
+            materials.push((format!("materials.{name}"), value));
+        }
+    }
+    let mut own = Layer::of(table, &path.display().to_string(), at);
+    for (key, value) in materials {
+        let (layer, replaces) = material(value, path, &key, below)?;
+        if replaces {
+            base.remove(&key);
+        }
+        own.mount(&key, layer);
+    }
+    let by = path.file_name().unwrap_or_default().to_string_lossy();
+    base.merge(own, &format!("in {by}"));
+    Ok(base)
+}
+
+/// A material that is named or written at `key`, and whether it stands for a whole material.
+fn material(value: Value, path: &Path, key: &str, below: &mut Vec<PathBuf>) -> Result<(Layer, bool)> {
+    match value {
+        Value::String(name) => Ok((file_near(path, key, &name, below)?, true)),
+        Value::Table(table) => {
+            let replaces = table.contains_key("base");
+            Ok((resolve(table, path, key, below)?, replaces))
+        }
+        other => {
+            let message = "must be the path of a material file, in quotes, or a table";
+            Err(wrong(path, key, &other, message))
+        }
+    }
+}
+
+/// The file `name` written at `key` of `path`.
+fn file_near(path: &Path, key: &str, name: &str, below: &mut Vec<PathBuf>) -> Result<Layer> {
+    let target = beside(path, name);
+    if !target.exists() {
+        let value = Value::String(name.into());
+        return Err(wrong(path, key, &value, &missing(&target)));
+    }
+    file(&target, below)
+}
+
+fn is_scene(table: &Table) -> bool {
+    table.contains_key("kind")
+}
+
+fn wrong(path: &Path, key: &str, value: &Value, message: &str) -> Error {
+    Error::input(path.display(), key, Some(shown(value)), message)
+}
+
+/// A whole text file, with errors that say what it is instead.
+pub fn read_text(path: &Path) -> Result<String> {
+    if path.is_dir() {
+        return Err(Error::input(path.display(), "", None, "is a folder, not a file"));
+    }
+    if !path.exists() {
+        return Err(Error::input(path.display(), "", None, missing(path)));
+    }
+    let bytes = fs::read(path).map_err(Error::read(path))?;
+    String::from_utf8(bytes).map_err(|e| {
+        let at = e.utf8_error().valid_up_to();
+        Error::input(path.display(), "", None, format!("is not UTF-8 text (byte {at})"))
+    })
+}
+
+fn parse(path: &Path, text: &str) -> Result<Table> {
+    toml::from_str(text.strip_prefix('\u{feff}').unwrap_or(text)).map_err(|e: toml::de::Error| {
+        let line = e.span().map_or(String::new(), |span| {
+            let line = text[..span.start.min(text.len())].matches('\n').count() + 1;
+            let written = text.lines().nth(line - 1).unwrap_or("").trim();
+            format!("line {line} (`{written}`): ")
+        });
+        let mut message = e.message().trim().replace('\n', ", ");
+        if message.contains("type string with a dotted key") {
+            message += "; to change single values of a material write [material] with base = \"…\"";
+        }
+        Error::input(path.display(), "", None, format!("{line}not TOML: {message}"))
+    })
+}
+
+/// "no such file", and the one that was perhaps meant.
+fn missing(path: &Path) -> String {
+    let wanted = path.file_name().and_then(|n| n.to_str()).unwrap_or("");
+    let folder = match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    };
+    let Ok(entries) = fs::read_dir(folder) else {
+        return format!("no such file (there is no folder {})", folder.display());
+    };
+    let mut names: Vec<String> = entries.flatten().filter_map(|e| e.file_name().into_string().ok()).collect();
+    names.sort();
+    match nearest(wanted, names.iter().map(String::as_str)) {
+        Some(name) => format!("no such file; did you mean {}?", tidy(&folder.join(name)).display()),
+        None => "no such file".into(),
+    }
+}
+
+/// `name` as written in the file `path`.
+fn beside(path: &Path, name: &str) -> PathBuf {
+    tidy(&path.parent().unwrap_or(Path::new("")).join(name))
+}
+
+/// The path without `.` and with `x/..` taken out, as a person would write it.
+fn tidy(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
+                out.pop();
+            }
+            other => out.push(other),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_shown_as_a_person_would_write_them() {
+        assert_eq!(tidy(Path::new("experiments/coke/../../materials/./x.toml")), Path::new("materials/x.toml"));
+        assert_eq!(tidy(Path::new("../x.toml")), Path::new("../x.toml"));
+    }
+}

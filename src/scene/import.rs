@@ -1,0 +1,190 @@
+//! Grains from a CSV file: `x_m,y_m,z_m,r_m`, optional velocity, spin and material; lines that begin with `#` are comments.
+
+use super::files::read_text;
+use super::layers::{Layer, Origin};
+use super::suggest::nearest;
+use crate::error::{Error, Result};
+use std::path::Path;
+use toml::{Table, Value};
+
+/// What a column holds: the key of a grain, the component, and the SI value of its unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Column {
+    Vector(&'static str, usize, f64),
+    Radius(f64),
+    Material,
+    /// Written by a run and not needed to begin one.
+    Ignored,
+}
+
+const IGNORED: [&str; 4] = ["generation", "lineage", "id", "strength_MPa"];
+const LENGTHS: [(&str, f64); 3] = [("", 1.0), ("_m", 1.0), ("_mm", 1e-3)];
+const NEEDED: &str = "x_m, y_m, z_m and r_m (or _mm; without a unit: m)";
+
+/// Replace `grains_csv` of a free scene by the grains of that file.
+pub fn grains(layer: &mut Layer) -> Result<()> {
+    let free = layer.table.get("kind").and_then(Value::as_str) == Some("assembly");
+    let Some(Value::String(name)) = layer.table.get("grains_csv").cloned().filter(|_| free) else {
+        return Ok(());
+    };
+    let origin = layer.origin("grains_csv");
+    if layer.table.contains_key("grain") {
+        let message = "must not stand beside [[grain]]";
+        return Err(Error::input(origin.place, origin.key, Some(name), message));
+    }
+    let list = read(Path::new(&name)).map_err(|e| match e {
+        Error::Input { place, key, message, .. } if key.is_empty() && place == name => {
+            Error::input(origin.place, origin.key, Some(format!("{name:?}")), message)
+        }
+        other => other,
+    })?;
+    layer.table.remove("grains_csv");
+    layer.table.insert("grain".into(), Value::Array(list));
+    layer.note("grain", Origin { place: name, key: "grain".into() });
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<Vec<Value>> {
+    let text = read_text(path)?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
+    let broken = |e: csv::Error| Error::input(at(path, text, e.position()), "", None, cause(&e));
+    let header: Vec<String> = reader.headers().map_err(broken)?.iter().map(String::from).collect();
+    let columns = columns(path, &header)?;
+    let mut grains = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(broken)?;
+        let place = at(path, text, record.position());
+        grains.push(grain(&place, &header, &columns, &record)?);
+    }
+    if grains.is_empty() {
+        let message = "holds no grains below its header";
+        return Err(Error::input(path.display(), "", None, message));
+    }
+    Ok(grains)
+}
+
+/// The line of a record: its position is that of the comments and empty lines before it.
+fn at(path: &Path, text: &str, position: Option<&csv::Position>) -> String {
+    let Some(position) = position else {
+        return path.display().to_string();
+    };
+    let start = usize::try_from(position.byte()).unwrap_or(0);
+    let rest = text.get(start..).unwrap_or("");
+    let skipped = rest.lines().take_while(|line| line.is_empty() || line.starts_with('#')).count();
+    let line = position.line() + skipped as u64;
+    format!("{} line {line}", path.display())
+}
+
+fn cause(e: &csv::Error) -> String {
+    match e.kind() {
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => format!("has {len} values; the header has {expected_len}"),
+        _ => e.to_string(),
+    }
+}
+
+fn columns(path: &Path, header: &[String]) -> Result<Vec<Column>> {
+    let known = known();
+    let wrong = |key: &str, message: String| Error::input(path.display(), key, None, message);
+    let mut columns = Vec::with_capacity(header.len());
+    for name in header {
+        let Some((_, column)) = known.iter().find(|(k, _)| k == name) else {
+            let near = nearest(name, known.iter().map(|(k, _)| k.as_str()));
+            let hint = match near {
+                Some(near) => format!("did you mean {near}?"),
+                None if name.contains(';') => "columns are separated by commas".into(),
+                None => {
+                    format!("there must be {NEEDED}, and may be vx_m_s, vy_m_s, vz_m_s, wx_rad_s, wy_rad_s, wz_rad_s, material")
+                }
+            };
+            return Err(wrong(name, format!("unknown column; {hint}")));
+        };
+        let again = columns.iter().any(|c| same(c, column));
+        if again && *column != Column::Ignored {
+            return Err(wrong(name, "this quantity has two columns".into()));
+        }
+        columns.push(*column);
+    }
+    for (k, axis) in ["x", "y", "z"].iter().enumerate() {
+        let here = |c: &Column| matches!(c, Column::Vector("position_m", i, _) if *i == k);
+        if !columns.iter().any(here) {
+            return Err(wrong("", format!("has no column {axis}_m; there must be {NEEDED}")));
+        }
+    }
+    if !columns.iter().any(|c| matches!(c, Column::Radius(_))) {
+        return Err(wrong("", format!("has no column r_m; there must be {NEEDED}")));
+    }
+    Ok(columns)
+}
+
+fn same(a: &Column, b: &Column) -> bool {
+    match (a, b) {
+        (Column::Vector(n, i, _), Column::Vector(m, j, _)) => n == m && i == j,
+        (Column::Radius(_), Column::Radius(_)) => true,
+        _ => a == b,
+    }
+}
+
+fn known() -> Vec<(String, Column)> {
+    let mut known = Vec::new();
+    for (k, axis) in ["x", "y", "z"].iter().enumerate() {
+        for (suffix, si) in LENGTHS {
+            known.push((format!("{axis}{suffix}"), Column::Vector("position_m", k, si)));
+        }
+        for (letter, suffix, key) in [("v", "_m_s", "velocity_m_s"), ("w", "_rad_s", "spin_rad_s")] {
+            known.push((format!("{letter}{axis}{suffix}"), Column::Vector(key, k, 1.0)));
+            known.push((format!("{letter}{axis}"), Column::Vector(key, k, 1.0)));
+        }
+    }
+    for (suffix, si) in LENGTHS {
+        known.push((format!("r{suffix}"), Column::Radius(si)));
+        known.push((format!("radius{suffix}"), Column::Radius(si)));
+        known.push((format!("d{suffix}"), Column::Radius(0.5 * si)));
+        known.push((format!("diameter{suffix}"), Column::Radius(0.5 * si)));
+    }
+    known.push(("material".into(), Column::Material));
+    known.extend(IGNORED.map(|name| (name.to_string(), Column::Ignored)));
+    known
+}
+
+fn grain(place: &str, header: &[String], columns: &[Column], record: &csv::StringRecord) -> Result<Value> {
+    let mut vectors = [("position_m", [0.0; 3]), ("velocity_m_s", [0.0; 3]), ("spin_rad_s", [0.0; 3])];
+    let mut grain = Table::new();
+    for ((name, column), text) in header.iter().zip(columns).zip(record) {
+        let number = || match text.parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(x),
+            _ => {
+                let message = "must be a finite number";
+                Err(Error::input(place, name.as_str(), Some(text.into()), message))
+            }
+        };
+        match *column {
+            Column::Vector(key, k, si) => {
+                let value = number()? * si;
+                let slot = vectors.iter_mut().find(|(name, _)| *name == key);
+                if let Some((_, vector)) = slot {
+                    vector[k] = value;
+                }
+            }
+            Column::Radius(si) => {
+                let radius = number()?;
+                if radius <= 0.0 {
+                    let message = "must be > 0";
+                    return Err(Error::input(place, name.as_str(), Some(text.into()), message));
+                }
+                grain.insert("radius_m".into(), Value::Float(radius * si));
+            }
+            Column::Material => {
+                if !text.is_empty() {
+                    grain.insert("material".into(), Value::String(text.into()));
+                }
+            }
+            Column::Ignored => {}
+        }
+    }
+    for (key, vector) in vectors {
+        let list = vector.map(Value::Float).to_vec();
+        grain.insert(key.into(), Value::Array(list));
+    }
+    Ok(Value::Table(grain))
+}

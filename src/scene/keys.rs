@@ -1,0 +1,377 @@
+//! Every key of scenes and materials: what it holds, its default and what it means. `comminute check --keys` prints this.
+
+use super::schema::{Default, Key, Of, Range, Shape};
+
+use Default::{Absent, ByKind, Is, Required};
+use Shape::{Choice, Flag, IndicesOr, Integer, Name, Number, NumberOr, Numbers, Points, Text};
+
+const ANY: Range = Range::ANY;
+const POSITIVE: Range = Range::POSITIVE;
+const NOT_NEGATIVE: Range = Range::NOT_NEGATIVE;
+const COUNT: Shape = Integer { low: 1, high: 1_000_000_000_000 };
+const FROM_ZERO: Shape = Integer { low: 0, high: i64::MAX };
+const VECTOR: Shape = Numbers(ANY, Some(3));
+const RATIO: Range = Range::below(0.0, 1.0);
+const FRICTION: Range = Range::closed(0.0, 100.0);
+const ANGLE: Range = Range::between(0.0, 1.57);
+
+const fn both(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { path, shape, default, of: Of::Both, what }
+}
+
+const fn oedometer(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Oedometer, ..both(path, shape, default, what) }
+}
+
+const fn assembly(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Assembly, ..both(path, shape, default, what) }
+}
+
+/// Tables that a scene or material may leave out; the keys in them are asked for only when the table is there.
+pub const OPTIONAL_TABLES: &[&str] = &[
+    "material",
+    "material.elastic",
+    "material.linear",
+    "material.gradation",
+    "material.strength",
+    "material.strength.fixed_angle",
+    "material.strength.hertz_area",
+    "material.comminution",
+    "material.fines",
+];
+
+/// Tables written as lists (`[[grain]]`).
+pub const LIST_TABLES: &[&str] = &["grain", "wall"];
+
+/// Keys of which only one is meant: writing one replaces the other of a base or a file.
+pub const RIVALS: &[(&str, &str)] = &[
+    ("G_GPa", "E_GPa"),
+    ("friction_angle_rad", "friction"),
+    ("sigma_lim0_MPa", "sigma_c_MPa"),
+    ("sigma_lim0_MPa", "sigma_t_MPa"),
+    ("steps", "duration_s"),
+    ("grain", "grains_csv"),
+    ("material", "materials"),
+];
+
+/// The vocabulary, in the order in which `scene.resolved.toml` is written.
+pub const KEYS: &[Key] = &[
+    both("kind", Choice(&["oedometer", "assembly"]), Required, "what is done: one-dimensional compression, or a free scene"),
+    both("name", Name, Absent, "name in legends and records; the file's own name if not written"),
+    both("description", Text, Is("\"\""), "one line about the scene"),
+    assembly("gravity_m_s2", VECTOR, Is("[0, 0, 0]"), "gravity"),
+    assembly("duration_s", Number(POSITIVE), Absent, "time simulated; or `steps`"),
+    assembly("steps", COUNT, Absent, "steps simulated; or `duration_s`"),
+    assembly(
+        "grains_csv",
+        Text,
+        Absent,
+        "grains from a file with x_m,y_m,z_m,r_m (or _mm, or x,y,z,r in m) and optional vx_m_s…, wx_rad_s…, material; or [[grain]]",
+    ),
+    assembly("grain.position_m", VECTOR, Required, "centre"),
+    assembly("grain.radius_m", Number(POSITIVE), Required, "radius"),
+    assembly("grain.velocity_m_s", VECTOR, Is("[0, 0, 0]"), "velocity"),
+    assembly("grain.spin_rad_s", VECTOR, Is("[0, 0, 0]"), "angular velocity"),
+    assembly("grain.material", Text, Absent, "name of one of `materials`; needed when there are several"),
+    assembly(
+        "wall.kind",
+        Choice(&["plane", "cylinder", "box"]),
+        Required,
+        "shape: a plane, an upright cylinder around the grains, or six planes around them",
+    ),
+    assembly("wall.point_m", VECTOR, Absent, "plane: a point on it"),
+    assembly("wall.normal", VECTOR, Absent, "plane: direction to the grains"),
+    assembly("wall.centre_m", Numbers(ANY, Some(2)), Absent, "cylinder: x and y of its axis"),
+    assembly("wall.radius_m", Number(POSITIVE), Absent, "cylinder: radius"),
+    assembly("wall.min_m", VECTOR, Absent, "box: lower corner"),
+    assembly("wall.max_m", VECTOR, Absent, "box: upper corner"),
+    assembly("wall.friction", Number(FRICTION), Is("0.0"), "sliding friction coefficient"),
+    assembly("wall.velocity_m_s", Number(ANY), Absent, "plane, cylinder: velocity into the grains"),
+    assembly("wall.stress_kPa", Number(NOT_NEGATIVE), Absent, "plane, cylinder: normal stress held by a servo"),
+    assembly("wall.area_m2", Number(POSITIVE), Absent, "plane with a stress: area it acts on"),
+    assembly("wall.gain", Number(Range::above(0.0, 1.0)), Is("0.2"), "wall with a stress: share of the imbalance removed per step"),
+    assembly("wall.material", Text, Is("\"rigid\""), "\"rigid\" (a mirrored grain) or one of `materials`"),
+    both(
+        "specimen.scale",
+        Number(POSITIVE),
+        Is("1.0"),
+        "scale N of eqs 13-15: sizes, d0 and the comminution limit are multiplied by it, gradations divided",
+    ),
+    oedometer("specimen.grains", Integer { low: 1, high: 100_000_000 }, Required, "grains at the start"),
+    oedometer("specimen.diameter_mm", Number(POSITIVE), Required, "diameter of the oedometer"),
+    oedometer("specimen.porosity", Number(Range::between(0.0, 1.0)), Required, "intergranular porosity at the isotropic stress"),
+    oedometer("specimen.isotropic_stress_kPa", Number(POSITIVE), Is("5.0"), "stress of the prepared specimen"),
+    both(
+        "contact.law",
+        Choice(&["linear", "hertz", "hertz_viscous"]),
+        Is("\"hertz\""),
+        "eq. 13; eq. 14 (Hertz-Mindlin); Hertz-Mindlin with viscous damping",
+    ),
+    both(
+        "contact.unloading",
+        Choice(&["keep", "rescale"]),
+        Is("\"keep\""),
+        "tangential force when the normal force falls: kept (the paper), or in proportion to its stiffness (cyclic loading)",
+    ),
+    oedometer("walls.friction.bottom", Number(FRICTION), Is("0.0"), "friction coefficient of the lower platen"),
+    oedometer("walls.friction.top", Number(FRICTION), Is("0.0"), "friction coefficient of the upper platen"),
+    oedometer("walls.friction.cylinder", Number(FRICTION), Is("0.0"), "friction coefficient of the ring"),
+    both("crushing.enabled", Flag, Is("false"), "whether grains break"),
+    both("crushing.area", Choice(&["fixed_angle", "hertz"]), Is("\"fixed_angle\""), "contact area at failure: eq. 8, or eq. 9"),
+    both("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
+    both("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
+    oedometer("preparation.growth_friction", Number(FRICTION), Is("0.0"), "friction between grains while their radii grow"),
+    oedometer("preparation.growth_steps", COUNT, Is("3000"), "steps of radius growth"),
+    oedometer("preparation.damping", Number(RATIO), Is("0.7"), "local damping during preparation"),
+    oedometer(
+        "preparation.porosity_tolerance",
+        Number(Range::between(0.0, 1.0)),
+        Is("0.005"),
+        "relative distance to the target porosity that is accepted",
+    ),
+    oedometer("preparation.max_steps", COUNT, Is("200000"), "steps after which preparation gives up"),
+    oedometer("loading.max_stress_kPa", Number(POSITIVE), Required, "vertical stress of the first loading"),
+    oedometer(
+        "loading.stages_kPa",
+        Numbers(POSITIVE, None),
+        Is("[]"),
+        "vertical stresses after that: a lower one unloads, a higher one reloads",
+    ),
+    oedometer(
+        "loading.rate",
+        Number(Range::above(0.0, 1e3)),
+        Is("0.01"),
+        "load increase coefficient L_C of eq. 18: natural logarithm, one increment per step",
+    ),
+    oedometer("loading.sigma_ref_kPa", Number(POSITIVE), Is("1.0"), "reference stress of eq. 18"),
+    oedometer(
+        "loading.servo_gain",
+        Number(Range::above(0.0, 1.0)),
+        Is("0.2"),
+        "share of the load imbalance that a platen removes per step",
+    ),
+    oedometer("loading.max_inertial_number", Number(POSITIVE), Is("0.001"), "largest inertial number that the platen may impose"),
+    oedometer(
+        "loading.max_lag",
+        Number(Range::above(0.0, 1.0)),
+        Is("0.02"),
+        "share by which measured and target stress may differ before the programme waits",
+    ),
+    oedometer("loading.settle_steps", FROM_ZERO, Is("2000"), "steps of rest at the isotropic stress before loading"),
+    both("damping.local", Number(RATIO), ByKind("0.05", "0.0"), "local non-viscous damping (Cundall 1987)"),
+    both("stepping.safety", Number(Range::above(0.0, 1.0)), Is("0.8"), "share of the stable time step"),
+    both(
+        "stepping.inertia_scaling",
+        Flag,
+        Is("false"),
+        "quasi-static: inertia so that every grain has the same stable step; time counts steps",
+    ),
+    both("stepping.dt_s", NumberOr(POSITIVE, "auto"), Is("\"auto\""), "time step"),
+    both(
+        "stepping.skin",
+        Number(Range::above(0.0, 2.0)),
+        Is("0.1"),
+        "neighbour skin over a grain's radius; changes speed, never results",
+    ),
+    oedometer("records.per_decade", Integer { low: 1, high: 10_000 }, Is("40"), "rows of history per decade of vertical stress"),
+    oedometer(
+        "records.at_kPa",
+        Numbers(POSITIVE, None),
+        Is("[]"),
+        "vertical stresses with a gradation and a snapshot, besides the first and the last",
+    ),
+    assembly("records.every", COUNT, Is("100"), "steps between rows of history and tracks"),
+    assembly("records.tracks", IndicesOr("all"), Is("[]"), "grains (from 0) whose motion is recorded"),
+    both("records.energy", Flag, Is("true"), "whether the energy ledger is kept"),
+    both("records.snapshots", Flag, Is("true"), "whether ParaView snapshots are written"),
+    both("records.figures", Flag, Is("true"), "whether figures are drawn"),
+    both("records.checkpoint_seconds", Number(POSITIVE), Is("60.0"), "seconds of wall-clock time between checkpoints"),
+    both("seed.packing", FROM_ZERO, Is("1"), "random stream of the specimen"),
+    both("seed.strength", FROM_ZERO, Is("1"), "random stream of strengths and pattern azimuths, keyed by lineage"),
+    both("material.name", Text, Required, "name of the material"),
+    both("material.grain.density_kg_m3", Number(POSITIVE), Required, "density of a grain with its pores"),
+    both("material.grain.internal_porosity", Number(RATIO), Is("0.0"), "porosity of a grain (eqs 19, 20)"),
+    both("material.elastic.G_GPa", Number(POSITIVE), Absent, "shear modulus; or `E_GPa`"),
+    both("material.elastic.E_GPa", Number(POSITIVE), Absent, "Young's modulus; or `G_GPa`"),
+    both("material.elastic.nu", Number(Range::between(-1.0, 0.5)), Required, "Poisson ratio"),
+    both("material.linear.K_eff_MPa", Number(POSITIVE), Required, "stiffness of the linear law (eq. 13)"),
+    both("material.linear.alpha_s", Number(Range::closed(0.0, 10.0)), Is("0.25"), "tangential over normal stiffness (eq. 13)"),
+    both(
+        "material.contact.friction_angle_rad",
+        Number(Range::below(0.0, 1.55)),
+        Absent,
+        "angle of sliding friction between grains; or `friction`",
+    ),
+    both(
+        "material.contact.friction",
+        Number(FRICTION),
+        Absent,
+        "coefficient of sliding friction between grains; or `friction_angle_rad`",
+    ),
+    both("material.contact.restitution", Number(Range::above(0.0, 1.0)), Is("1.0"), "restitution of the law hertz_viscous"),
+    both("material.contact.rolling_friction", Number(Range::closed(0.0, 10.0)), Is("0.0"), "coefficient of rolling friction"),
+    both("material.gradation.points", Points, Required, "[diameter in mm, mass fraction finer] from 0 to 1, unscaled"),
+    both("material.strength.d0_mm", Number(POSITIVE), Is("2.0"), "reference diameter of size hardening (eq. 7), unscaled"),
+    both(
+        "material.strength.truncation",
+        Choice(&["redraw", "clamp"]),
+        Is("\"redraw\""),
+        "what is done with a strength below `min_ratio`",
+    ),
+    both("material.strength.min_ratio", Number(RATIO), Is("0.0"), "smallest strength over the mean at its size"),
+    both(
+        "material.strength.fixed_angle.sigma_lim0_MPa",
+        Number(POSITIVE),
+        Absent,
+        "mean limit strength at d0 (eq. 7); or `sigma_c_MPa` and `sigma_t_MPa`",
+    ),
+    both("material.strength.fixed_angle.sigma_c_MPa", Number(POSITIVE), Absent, "uniaxial compressive strength (eq. 2)"),
+    both("material.strength.fixed_angle.sigma_t_MPa", Number(POSITIVE), Absent, "uniaxial tensile strength (eq. 2)"),
+    both("material.strength.fixed_angle.theta0_rad", Number(ANGLE), Required, "angle of the contact area (eq. 8)"),
+    both("material.strength.fixed_angle.m", Number(POSITIVE), Required, "Weibull modulus, eq. 7"),
+    both(
+        "material.strength.fixed_angle.var",
+        Number(Range::closed(0.0, 10.0)),
+        Required,
+        "coefficient of variation of the limit strength",
+    ),
+    both(
+        "material.strength.hertz_area.sigma_lim0_MPa",
+        Number(POSITIVE),
+        Absent,
+        "mean limit strength at d0 (eq. 7); or `sigma_c_MPa` and `sigma_t_MPa`",
+    ),
+    both("material.strength.hertz_area.sigma_c_MPa", Number(POSITIVE), Absent, "uniaxial compressive strength (eq. 2)"),
+    both("material.strength.hertz_area.sigma_t_MPa", Number(POSITIVE), Absent, "uniaxial tensile strength (eq. 2)"),
+    both("material.strength.hertz_area.m", Number(POSITIVE), Required, "Weibull modulus, eq. 7"),
+    both(
+        "material.strength.hertz_area.var",
+        Number(Range::closed(0.0, 10.0)),
+        Required,
+        "coefficient of variation of the limit strength",
+    ),
+    both(
+        "material.comminution.d_limit_over_d50",
+        Number(POSITIVE),
+        Required,
+        "comminution limit over d50: smaller grains do not break",
+    ),
+    both(
+        "material.comminution.d50_mm",
+        Number(POSITIVE),
+        Absent,
+        "d50 of that ratio, unscaled; the gradation's median if not written",
+    ),
+    both("material.fines.alpha", Number(Range::closed(0.0, 10.0)), Is("2.6"), "fractal dimension of the lost mass (eq. 12)"),
+    both(
+        "material.fines.d_min_mm",
+        Number(POSITIVE),
+        Required,
+        "smallest size of the lost mass (eq. 12), unscaled, below every daughter",
+    ),
+];
+
+/// Whether the schema has keys below the table `path`.
+pub fn is_table(path: &str) -> bool {
+    KEYS.iter().any(|k| k.path.strip_prefix(path).is_some_and(|rest| rest.starts_with('.')))
+}
+
+/// Names that may stand directly in the table `path` ("" for the top) of a scene of this kind: keys, then sub-tables.
+pub fn names_in(path: &str, of: Of) -> Vec<&'static str> {
+    let fits = |k: &&Key| k.of == Of::Both || of == Of::Both || k.of == of;
+    let mut names: Vec<&str> = Vec::new();
+    for key in KEYS.iter().filter(fits) {
+        let rest = match path {
+            "" => Some(key.path),
+            _ => key.path.strip_prefix(path).and_then(|r| r.strip_prefix('.')),
+        };
+        let Some(rest) = rest else { continue };
+        let name = rest.split('.').next().unwrap_or(rest);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    if path.is_empty() && of != Of::Oedometer {
+        names.push("materials");
+    }
+    names
+}
+
+/// The key with this schema path.
+pub fn find(path: &str) -> Option<&'static Key> {
+    KEYS.iter().find(|k| k.path == path)
+}
+
+/// The reference that `comminute check --keys` prints.
+pub fn reference() -> String {
+    const HEAD: &str = "\
+Keys of scenes and materials. A key that holds a dimension ends in its unit (_mm, _m, _kPa, _MPa, _GPa, _rad, _s, …).
+A scene names its material by a path relative to itself (material = \"../../materials/x.toml\"), or holds it
+as a table [material], whose keys are those listed under material. ; an assembly with several materials
+holds them as [materials.NAME]. `base = \"other.toml\"` takes every key of another file, and what is
+written beside it replaces them; it works in scenes, materials and [material]. Every table may hold
+`source`, a text for the whole table or one per key (source.nu = \"…\"); a source that begins with
+\"assumed\" is listed by `comminute check`.
+";
+    let mut text = HEAD.to_string();
+    let mut table = "-";
+    for key in KEYS {
+        let (parent, name) = key.split();
+        if parent != table {
+            table = parent;
+            let list = LIST_TABLES.contains(&table);
+            text += &match (table, list) {
+                ("", _) => "\n".to_string(),
+                (_, true) => format!("\n[[{table}]]\n"),
+                _ => format!("\n[{table}]\n"),
+            };
+        }
+        let default = match key.default {
+            Required => "required".to_string(),
+            Absent => "optional".to_string(),
+            Is(v) => format!("default {v}"),
+            ByKind(a, b) => format!("default {a}, in an assembly {b}"),
+        };
+        let of = match key.of {
+            Of::Both => "",
+            Of::Oedometer => "; oedometer",
+            Of::Assembly => "; assembly",
+        };
+        text += &format!("  {name}: {}\n      {} ({default}{of})\n", key.what, key.shape.text());
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_default_is_allowed_by_its_own_key() {
+        for key in KEYS {
+            for assembly in [false, true] {
+                if let Some(value) = key.default_for(assembly) {
+                    assert!(key.shape.accept(value).is_ok(), "{}", key.path);
+                } else {
+                    assert!(matches!(key.default, Required | Absent), "{}", key.path);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn keys_are_unique_and_tables_stand_together() {
+        let mut seen: Vec<&str> = Vec::new();
+        for key in KEYS {
+            let (table, _) = key.split();
+            match seen.last() {
+                Some(last) if *last == table => {}
+                _ => {
+                    assert!(!seen.contains(&table), "{table} is scattered");
+                    seen.push(table);
+                }
+            }
+            assert_eq!(KEYS.iter().filter(|k| k.path == key.path).count(), 1);
+        }
+    }
+}

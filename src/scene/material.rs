@@ -1,0 +1,214 @@
+//! From the keys of a material to [`Material`].
+
+use super::view::View;
+use crate::model::{ContactLaw, Material};
+use toml::{Table, Value};
+
+/// A material of the scene: its name there and the table that holds it.
+pub struct Named {
+    pub name: String,
+    pub at: String,
+}
+
+impl Named {
+    pub fn key(&self, key: &str) -> String {
+        format!("{}.{key}", self.at)
+    }
+}
+
+impl View<'_> {
+    /// The materials of the scene, in the order of their numbers.
+    pub fn materials(&self) -> Option<Vec<Named>> {
+        if self.has("material") {
+            let several = self.has("materials");
+            self.check(!several, "materials", "must not stand beside `material`");
+            return (!several).then(|| vec![Named { name: self.text("material.name").into(), at: "material".into() }]);
+        }
+        let named: Vec<Named> = self
+            .table("materials")
+            .into_iter()
+            .flat_map(Table::keys)
+            .map(|name| Named { name: name.clone(), at: format!("materials.{name}") })
+            .collect();
+        if named.is_empty() {
+            let example = "material = \"../../materials/petroleum_coke.toml\"";
+            self.refuse("material", format!("is missing: write {example}"));
+            return None;
+        }
+        if named.len() > 256 {
+            self.refuse("materials", "must be at most 256");
+            return None;
+        }
+        Some(named)
+    }
+
+    /// Young's modulus, Pa, and Poisson ratio; noted as missing when they are `needed`.
+    pub fn elastic(&self, of: &Named, needed: bool, why: &str) -> Option<(f64, f64)> {
+        let table = of.key("elastic");
+        if !self.has(&table) {
+            if needed {
+                self.refuse(&table, format!("is missing: {why} needs G_GPa and nu"));
+                return None;
+            }
+            return Some((0.0, 0.0));
+        }
+        let nu = self.si(&of.key("elastic.nu"));
+        let g = self.number(&of.key("elastic.G_GPa"));
+        let e = self.number(&of.key("elastic.E_GPa"));
+        match (g, e) {
+            (Some(g), None) => Some((2.0 * g * (1.0 + nu), nu)),
+            (None, Some(e)) => Some((e, nu)),
+            _ => {
+                self.refuse(&table, "must have G_GPa or E_GPa, one of them");
+                None
+            }
+        }
+    }
+
+    pub fn material(&self, of: &Named) -> Option<Material> {
+        let law = self.law();
+        let hertzian_area = self.flag("crushing.enabled") && self.text("crushing.area") == "hertz";
+        let why = if law == ContactLaw::Linear {
+            "crushing.area = \"hertz\"".to_string()
+        } else {
+            format!("contact.law = \"{}\"", self.text("contact.law"))
+        };
+        let elastic = self.elastic(of, law != ContactLaw::Linear || hertzian_area, &why);
+        let linear = of.key("linear");
+        if law == ContactLaw::Linear && !self.has(&linear) {
+            self.refuse(&linear, "is missing: contact.law = \"linear\" needs K_eff_MPa");
+        }
+        let friction = self.friction(of);
+        let (young, poisson) = elastic?;
+        Some(Material {
+            name: self.text(&of.key("name")).into(),
+            density: self.si(&of.key("grain.density_kg_m3")),
+            internal_porosity: self.si(&of.key("grain.internal_porosity")),
+            young,
+            poisson,
+            k_eff: self.number(&of.key("linear.K_eff_MPa")).unwrap_or(0.0),
+            alpha_s: self.number(&of.key("linear.alpha_s")).unwrap_or(0.0),
+            friction: friction?,
+            restitution: self.si(&of.key("contact.restitution")),
+            rolling_friction: self.si(&of.key("contact.rolling_friction")),
+        })
+    }
+
+    /// mu = tan(phi) between grains.
+    fn friction(&self, of: &Named) -> Option<f64> {
+        let angle = self.number(&of.key("contact.friction_angle_rad"));
+        let friction = self.number(&of.key("contact.friction"));
+        match (angle, friction) {
+            (Some(angle), None) => Some(angle.tan()),
+            (None, Some(friction)) => Some(friction),
+            _ => {
+                self.refuse(&of.key("contact"), "must have friction_angle_rad or friction, one of them");
+                None
+            }
+        }
+    }
+
+    /// Points (diameter in m times the scale, mass fraction finer).
+    pub fn gradation(&self, of: &Named) -> Option<Vec<(f64, f64)>> {
+        let key = of.key("gradation.points");
+        let Some(value) = self.get(&key) else {
+            self.refuse(
+                &of.key("gradation"),
+                "is missing: an oedometer needs the sizes of its grains, points = [[d_mm, fraction finer], …]",
+            );
+            return None;
+        };
+        let points = pairs(value);
+        if let Some(message) = not_a_gradation(&points) {
+            self.refuse(&key, message);
+            return None;
+        }
+        let scale = 1e-3 * self.scale();
+        Some(points.iter().map(|p| (p.0 * scale, p.1)).collect())
+    }
+}
+
+/// Write the median of the gradation where the comminution limit needs a d50 that is not given.
+pub fn fill_d50(scene: &mut Table) {
+    if let Some(Value::Table(material)) = scene.get_mut("material") {
+        fill(material);
+    }
+    if let Some(Value::Table(named)) = scene.get_mut("materials") {
+        for (_, material) in named.iter_mut() {
+            if let Value::Table(material) = material {
+                fill(material);
+            }
+        }
+    }
+}
+
+fn fill(material: &mut Table) {
+    let points = material.get("gradation").and_then(|g| g.get("points")).map(pairs);
+    let Some(points) = points.filter(|p| not_a_gradation(p).is_none()) else {
+        return;
+    };
+    if let Some(Value::Table(table)) = material.get_mut("comminution")
+        && !table.contains_key("d50_mm")
+    {
+        table.insert("d50_mm".into(), Value::Float(median(&points)));
+    }
+}
+
+fn pairs(value: &Value) -> Vec<(f64, f64)> {
+    let list = value.as_array().into_iter().flatten();
+    list.filter_map(|pair| Some((pair.get(0)?.as_float()?, pair.get(1)?.as_float()?))).collect()
+}
+
+/// Diameter below which half of the mass is.
+fn median(points: &[(f64, f64)]) -> f64 {
+    points.windows(2).find(|w| w[1].1 >= 0.5).map_or(f64::NAN, |w| {
+        let share = (0.5 - w[0].1) / (w[1].1 - w[0].1);
+        w[0].0 + share * (w[1].0 - w[0].0)
+    })
+}
+
+fn not_a_gradation(points: &[(f64, f64)]) -> Option<String> {
+    let (first, last) = (points.first(), points.last());
+    if points.len() < 2 {
+        return Some("must have at least two points".into());
+    }
+    if let Some(i) = points.windows(2).position(|w| w[1].0 <= w[0].0) {
+        return Some(format!("diameters must rise from point to point; point {} does not", i + 2));
+    }
+    if let Some(i) = points.windows(2).position(|w| w[1].1 < w[0].1) {
+        return Some(format!("fractions finer must not fall; that of point {} does", i + 2));
+    }
+    if first.is_none_or(|p| p.0 <= 0.0) {
+        return Some("diameters must be > 0".into());
+    }
+    if first.is_none_or(|p| p.1 != 0.0) || last.is_none_or(|p| p.1 != 1.0) {
+        return Some("fractions finer must begin with 0 and end with 1".into());
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gradations_rise_from_zero_to_one() {
+        assert_eq!(not_a_gradation(&[(5.0, 0.0), (10.0, 1.0)]), None);
+        for bad in [
+            vec![(5.0, 0.0)],
+            vec![(5.0, 0.0), (5.0, 1.0)],
+            vec![(5.0, 0.0), (7.0, 0.6), (8.0, 0.5), (10.0, 1.0)],
+            vec![(0.0, 0.0), (10.0, 1.0)],
+            vec![(5.0, 0.1), (10.0, 1.0)],
+            vec![(5.0, 0.0), (10.0, 0.9)],
+        ] {
+            assert!(not_a_gradation(&bad).is_some(), "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn the_median_of_a_uniform_gradation_is_its_middle() {
+        assert_eq!(median(&[(5.0, 0.0), (10.0, 1.0)]), 7.5);
+        assert_eq!(median(&[(1.0, 0.0), (2.0, 0.5), (4.0, 1.0)]), 2.0);
+    }
+}

@@ -1,0 +1,116 @@
+//! What the user wrote: scene and material files with overrides ([`load`]), and the one gate from there to a
+//! [`Model`] ([`model`]).
+
+mod assembly;
+mod crushing;
+mod estimate;
+mod files;
+mod import;
+mod keys;
+mod layers;
+mod material;
+mod oedometer;
+mod overrides;
+mod provenance;
+mod schema;
+mod sources;
+mod suggest;
+mod validate;
+mod view;
+mod write;
+
+pub use estimate::{Estimate, Specimen, estimate};
+pub use keys::reference as key_reference;
+pub use layers::shown;
+pub use provenance::{Assumption, Decision, assumptions, decisions};
+
+use crate::error::{Error, Result};
+use crate::model::Model;
+use layers::Layer;
+use std::path::{Path, PathBuf};
+use toml::Value;
+
+/// Name of the file of a run that repeats it.
+pub const RESOLVED: &str = "scene.resolved.toml";
+
+/// A scene as written, with its base, material, imported grains, overrides and defaults: every key is known and in its
+/// own range, and nothing is said yet about whether they agree.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    path: PathBuf,
+    layer: Layer,
+}
+
+impl Scene {
+    /// The file it was read from.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Name for legends and records.
+    pub fn name(&self) -> &str {
+        self.text("name")
+    }
+
+    /// One line about the scene.
+    pub fn description(&self) -> &str {
+        self.text("description")
+    }
+
+    /// The run folder when none is asked for: `runs/` and the name of the scene file.
+    pub fn default_out(&self) -> PathBuf {
+        let resolved = self.path.file_name().is_some_and(|n| n == RESOLVED);
+        let stem = self.path.file_stem().and_then(|s| s.to_str());
+        Path::new("runs").join(stem.filter(|_| !resolved).unwrap_or(self.name()))
+    }
+
+    fn text(&self, key: &str) -> &str {
+        self.layer.table.get(key).and_then(Value::as_str).unwrap_or("")
+    }
+}
+
+/// Read the scene file `path` and lay the overrides `sets` (`key=value`) over it.
+///
+/// # Errors
+/// Every mistake in files and overrides, with file, key, value and what is allowed.
+pub fn load(path: impl AsRef<Path>, sets: &[String]) -> Result<Scene> {
+    let path = path.as_ref();
+    let mut layer = files::scene_file(path)?;
+    // a whole material first, so that its own values can be overridden in any order
+    let (whole, rest): (Vec<_>, Vec<_>) = sets.iter().partition(|s| s.starts_with("material="));
+    for set in whole.into_iter().chain(rest) {
+        overrides::apply(&mut layer, set)?;
+    }
+    if !layer.table.contains_key("name") {
+        layer.table.insert("name".into(), Value::String(stem(path)));
+    }
+    import::grains(&mut layer)?;
+    validate::validate(&mut layer)?;
+    material::fill_d50(&mut layer.table);
+    Ok(Scene { path: path.to_path_buf(), layer })
+}
+
+/// The run that the scene describes, in SI units; refuses what does not agree.
+pub fn model(scene: &Scene) -> Result<Model> {
+    let view = view::View::of(&scene.layer);
+    let model = view.model();
+    Error::all(view.into_errors())?;
+    model.ok_or_else(|| Error::input(scene.path.display(), "", None, "is not a complete scene"))
+}
+
+/// The scene with every default filled in, its material and grains written out: running it repeats the run.
+pub fn resolved(scene: &Scene) -> String {
+    write::write(&scene.layer.table)
+}
+
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or("");
+    let plain = |c: char| {
+        if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '-' }
+    };
+    let name: String = stem.chars().map(plain).take(100).collect();
+    match name.trim_start_matches('.') {
+        "" => "scene".into(),
+        name => name.into(),
+    }
+}

@@ -1,0 +1,95 @@
+//! Where values come from: assumptions that no paper backs, and decisions where the papers are silent.
+
+use super::Scene;
+use super::layers::join;
+use super::view::View;
+use serde::Serialize;
+use toml::{Table, Value};
+
+/// A value whose source begins with "assumed".
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Assumption {
+    pub key: String,
+    pub value: Value,
+    pub source: String,
+}
+
+/// A matter that the papers leave open, the key that settles it and its value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Decision {
+    pub matter: &'static str,
+    pub key: &'static str,
+    pub value: Value,
+}
+
+/// Every assumed value of a scene and its materials.
+pub fn assumptions(scene: &Scene) -> Vec<Assumption> {
+    let mut found = Vec::new();
+    collect(&scene.layer.table, "", &mut found);
+    found
+}
+
+fn collect(table: &Table, at: &str, found: &mut Vec<Assumption>) {
+    let assumed = |s: &str| s.trim_start().to_lowercase().starts_with("assumed");
+    for (name, value) in table {
+        let key = join(at, name);
+        if name == "source" {
+            continue;
+        }
+        if let Value::Table(inner) = value {
+            collect(inner, &key, found);
+            continue;
+        }
+        let source = match table.get("source") {
+            Some(Value::String(s)) => s.as_str(),
+            Some(Value::Table(by_key)) => by_key.get(name).and_then(Value::as_str).unwrap_or(""),
+            _ => "",
+        };
+        if assumed(source) {
+            found.push(Assumption { key, value: value.clone(), source: source.into() });
+        }
+    }
+}
+
+/// Matters settled by keys; a key that stands in no scene of this kind is left out.
+const SETTLED: &[(&str, &str)] = &[
+    ("wall friction", "walls.friction.bottom"),
+    ("wall friction", "walls.friction.top"),
+    ("wall friction", "walls.friction.cylinder"),
+    ("strength draw below min_ratio", "material.strength.truncation"),
+    ("strength draw below min_ratio", "material.strength.min_ratio"),
+    ("random streams", "seed.packing"),
+    ("random streams", "seed.strength"),
+    ("load programme, L_C of eq. 18", "loading.rate"),
+    ("load programme, eq. 18", "loading.sigma_ref_kPa"),
+    ("platen servo", "loading.servo_gain"),
+    ("preparation, friction while growing", "preparation.growth_friction"),
+    ("preparation, damping", "preparation.damping"),
+    ("preparation, distance to the target porosity", "preparation.porosity_tolerance"),
+    ("quasi-static, inertial number of the platen", "loading.max_inertial_number"),
+    ("quasi-static, measured against target stress", "loading.max_lag"),
+    ("inertia scaling", "stepping.inertia_scaling"),
+    ("tangential force on unloading", "contact.unloading"),
+    ("daughters of a broken grain", "crushing.pattern"),
+    ("smallest size of the lost mass", "material.fines.d_min_mm"),
+    ("energy ledger", "records.energy"),
+];
+
+/// Matters that no key changes in this version.
+const FIXED: &[(&str, &str)] = &[
+    ("when grains are judged", "every step of loading, on that step's forces; all that exceed break, in id order"),
+    ("azimuth of the pattern", "random, keyed by lineage"),
+    ("logarithm and increment of eq. 18", "natural, one increment per step; lower platen fixed, upper moves"),
+    ("oedometer stresses", "mean platen force over area; radial force over current height"),
+    ("volumes", "grains without subtracting overlaps; specimen from current walls"),
+    ("a wall", "rigid: a grain meets its mirror image"),
+];
+
+/// Every decision of a scene, with the key that holds it (empty: fixed in this version).
+pub fn decisions(scene: &Scene) -> Vec<Decision> {
+    let view = View::of(&scene.layer);
+    let settled =
+        SETTLED.iter().filter_map(|(matter, key)| view.get(key).map(|value| Decision { matter, key, value: value.clone() }));
+    let fixed = FIXED.iter().map(|(matter, value)| Decision { matter, key: "", value: Value::String((*value).into()) });
+    settled.chain(fixed).collect()
+}

@@ -1,0 +1,330 @@
+//! The vocabulary of scene and material files: what a key may hold, its default, and how it is refused.
+//!
+//! A key that holds a dimension ends in its unit (`_mm`, `_kPa`, `_rad`, …); see [`unit`] for the one conversion.
+
+use toml::Value;
+
+/// Which scenes a key belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    Both,
+    Oedometer,
+    Assembly,
+}
+
+/// Limits of a number; `open` ends are excluded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    pub low: f64,
+    pub low_open: bool,
+    pub high: f64,
+    pub high_open: bool,
+}
+
+impl Range {
+    pub const ANY: Range = Range::closed(f64::NEG_INFINITY, f64::INFINITY);
+    pub const POSITIVE: Range = Range::above(0.0, f64::INFINITY);
+    pub const NOT_NEGATIVE: Range = Range::closed(0.0, f64::INFINITY);
+
+    /// low ..= high
+    pub const fn closed(low: f64, high: f64) -> Range {
+        Range { low, low_open: false, high, high_open: false }
+    }
+
+    /// above low, up to and with high
+    pub const fn above(low: f64, high: f64) -> Range {
+        Range { low_open: true, ..Range::closed(low, high) }
+    }
+
+    /// low up to, but not, high
+    pub const fn below(low: f64, high: f64) -> Range {
+        Range { high_open: true, ..Range::closed(low, high) }
+    }
+
+    /// strictly between
+    pub const fn between(low: f64, high: f64) -> Range {
+        Range { low_open: true, ..Range::below(low, high) }
+    }
+
+    fn holds(&self, x: f64) -> bool {
+        let above = if self.low_open { x > self.low } else { x >= self.low };
+        let below = if self.high_open { x < self.high } else { x <= self.high };
+        above && below
+    }
+
+    /// `> 0 and <= 1`; empty for any number.
+    pub fn text(&self) -> String {
+        let mut parts = Vec::new();
+        if self.low.is_finite() {
+            let sign = if self.low_open { ">" } else { ">=" };
+            parts.push(format!("{sign} {}", self.low));
+        }
+        if self.high.is_finite() {
+            let sign = if self.high_open { "<" } else { "<=" };
+            parts.push(format!("{sign} {}", self.high));
+        }
+        parts.join(" and ")
+    }
+}
+
+/// Larger or (unless zero) smaller magnitudes are refused: squares and cubes of them must stay finite in SI units.
+const LARGEST: f64 = 1e15;
+const SMALLEST: f64 = 1e-15;
+
+/// What a key may hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    Number(Range),
+    /// A number, or this word.
+    NumberOr(Range, &'static str),
+    Integer {
+        low: i64,
+        high: i64,
+    },
+    Flag,
+    Text,
+    /// Text that can name a folder.
+    Name,
+    Choice(&'static [&'static str]),
+    /// A list of numbers; with a count when it must have one.
+    Numbers(Range, Option<usize>),
+    /// A list of pairs of numbers.
+    Points,
+    /// A list of whole numbers from 0, or this word.
+    IndicesOr(&'static str),
+}
+
+/// What stands in for a key that is not written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Default {
+    Required,
+    /// Nothing: the key may be absent.
+    Absent,
+    /// A TOML literal.
+    Is(&'static str),
+    /// TOML literals for an oedometer and for an assembly.
+    ByKind(&'static str, &'static str),
+}
+
+/// One key of a scene; those of a material begin with `material.`.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// Dotted path; `grain.` and `wall.` stand for each entry of a list.
+    pub path: &'static str,
+    pub shape: Shape,
+    pub default: Default,
+    pub of: Of,
+    pub what: &'static str,
+}
+
+impl Key {
+    /// The table the key stands in and its own name.
+    pub fn split(&self) -> (&'static str, &'static str) {
+        self.path.rsplit_once('.').unwrap_or(("", self.path))
+    }
+
+    /// The default for a kind of scene.
+    pub fn default_for(&self, assembly: bool) -> Option<Value> {
+        let literal = match self.default {
+            Default::Is(text) => text,
+            Default::ByKind(oedometer, free) => {
+                if assembly {
+                    free
+                } else {
+                    oedometer
+                }
+            }
+            Default::Required | Default::Absent => return None,
+        };
+        parse_literal(literal)
+    }
+}
+
+/// A TOML value from its text.
+pub fn parse_literal(text: &str) -> Option<Value> {
+    let mut table: toml::Table = toml::from_str(&format!("v = {text}")).ok()?;
+    if table.len() != 1 {
+        return None;
+    }
+    table.remove("v")
+}
+
+/// SI value of one unit of `key`, read from its suffix; 1 without one.
+pub fn unit(key: &str) -> f64 {
+    const SUFFIXES: [(&str, f64); 4] = [("_mm", 1e-3), ("_kPa", 1e3), ("_MPa", 1e6), ("_GPa", 1e9)];
+    SUFFIXES.iter().find(|(suffix, _)| key.ends_with(suffix)).map_or(1.0, |(_, si)| *si)
+}
+
+impl Shape {
+    /// The value in its canonical form (whole numbers become decimals where a decimal is meant), or what is allowed.
+    pub fn accept(&self, value: Value) -> Result<Value, String> {
+        match (self, value) {
+            (Shape::Number(range), v) => number(&v, range).map(Value::Float),
+            (Shape::NumberOr(_, word), Value::String(s)) if s == *word => Ok(Value::String(s)),
+            (Shape::NumberOr(range, word), v) => number(&v, range).map(Value::Float).map_err(|m| format!("{m}, or \"{word}\"")),
+            (Shape::Integer { low, high }, v) => integer(&v, *low, *high).map(Value::Integer),
+            (Shape::Flag, Value::Boolean(b)) => Ok(Value::Boolean(b)),
+            (Shape::Flag, _) => Err("must be true or false".into()),
+            (Shape::Text, Value::String(s)) => Ok(Value::String(s)),
+            (Shape::Text, _) => Err("must be text in quotes".into()),
+            (Shape::Name, Value::String(s)) if names_a_folder(&s) => Ok(Value::String(s)),
+            (Shape::Name, _) => Err("must be text of letters, digits, '-', '_' and '.', not beginning with '.'".into()),
+            (Shape::Choice(words), Value::String(s)) if words.contains(&s.as_str()) => Ok(Value::String(s)),
+            (Shape::Choice(words), v) => Err(choice(words, &v)),
+            (Shape::Numbers(range, count), v) => numbers(v, range, *count),
+            (Shape::Points, v) => points(v),
+            (Shape::IndicesOr(word), Value::String(s)) if s == *word => Ok(Value::String(s)),
+            (Shape::IndicesOr(word), v) => indices(v).ok_or(format!("must be a list of grain numbers from 0, or \"{word}\"")),
+        }
+    }
+
+    /// What is allowed, for the key reference.
+    pub fn text(&self) -> String {
+        let ranged = |kind: &str, range: &Range| format!("{kind} {}", range.text());
+        match self {
+            Shape::Number(r) => ranged("number", r).trim_end().into(),
+            Shape::NumberOr(r, word) => format!("{} or \"{word}\"", ranged("number", r)),
+            Shape::Integer { low, .. } => format!("whole number >= {low}"),
+            Shape::Flag => "true or false".into(),
+            Shape::Text => "text".into(),
+            Shape::Name => "name".into(),
+            Shape::Choice(words) => words.join(" | "),
+            Shape::Numbers(_, Some(n)) => format!("list of {n} numbers"),
+            Shape::Numbers(r, None) => ranged("list of numbers", r).trim_end().into(),
+            Shape::Points => "list of [number, number]".into(),
+            Shape::IndicesOr(word) => format!("list of grain numbers, or \"{word}\""),
+        }
+    }
+}
+
+fn number(value: &Value, range: &Range) -> Result<f64, String> {
+    let x = match value {
+        Value::Float(x) => *x,
+        Value::Integer(i) => *i as f64,
+        _ => return Err(format!("must be a number {}", range.text()).trim_end().into()),
+    };
+    if !x.is_finite() {
+        return Err("must be a finite number".into());
+    }
+    if !range.holds(x) {
+        return Err(format!("must be {}", range.text()));
+    }
+    if x.abs() > LARGEST {
+        return Err(format!("must not be larger than {LARGEST:e}"));
+    }
+    if x != 0.0 && x.abs() < SMALLEST {
+        return Err(format!("must be 0 or at least {SMALLEST:e} in size"));
+    }
+    Ok(x)
+}
+
+fn integer(value: &Value, low: i64, high: i64) -> Result<i64, String> {
+    let limit = if high == i64::MAX { format!(">= {low}") } else { format!(">= {low} and <= {high}") };
+    match value {
+        Value::Integer(i) if (low..=high).contains(i) => Ok(*i),
+        Value::Integer(_) => Err(format!("must be {limit}")),
+        _ => Err(format!("must be a whole number {limit}")),
+    }
+}
+
+fn numbers(value: Value, range: &Range, count: Option<usize>) -> Result<Value, String> {
+    let wanted = match count {
+        Some(n) => format!("a list of {n} numbers {}", range.text()),
+        None => format!("a list of numbers {}", range.text()),
+    };
+    let wanted = format!("must be {}", wanted.trim_end());
+    let Value::Array(list) = value else {
+        return Err(wanted);
+    };
+    if count.is_some_and(|n| n != list.len()) {
+        return Err(format!("{wanted}; it has {}", list.len()));
+    }
+    let mut out = Vec::with_capacity(list.len());
+    for (i, item) in list.iter().enumerate() {
+        let x = number(item, range).map_err(|m| format!("{wanted}; entry {} {m}", i + 1))?;
+        out.push(Value::Float(x));
+    }
+    Ok(Value::Array(out))
+}
+
+fn points(value: Value) -> Result<Value, String> {
+    const WANTED: &str = "must be a list of pairs of numbers, [[x, y], …]";
+    let Value::Array(list) = value else {
+        return Err(WANTED.into());
+    };
+    list.into_iter()
+        .enumerate()
+        .map(|(i, pair)| numbers(pair, &Range::ANY, Some(2)).map_err(|m| format!("{WANTED}; entry {} {m}", i + 1)))
+        .collect::<Result<Vec<_>, _>>()
+        .map(Value::Array)
+}
+
+fn indices(value: Value) -> Option<Value> {
+    let Value::Array(list) = value else {
+        return None;
+    };
+    let whole = |v: &Value| matches!(v, Value::Integer(i) if (0..=u32::MAX as i64).contains(i));
+    list.iter().all(whole).then_some(Value::Array(list))
+}
+
+fn names_a_folder(s: &str) -> bool {
+    let plain = |c: char| c.is_alphanumeric() || "-_.+".contains(c);
+    !s.is_empty() && s.len() <= 100 && !s.starts_with('.') && s.chars().all(plain)
+}
+
+fn choice(words: &[&str], value: &Value) -> String {
+    let list: Vec<String> = words.iter().map(|w| format!("\"{w}\"")).collect();
+    let mut text = format!("must be {}", list.join(" or "));
+    if let Value::String(s) = value
+        && let Some(near) = super::suggest::nearest(s, words.iter().copied())
+    {
+        text += &format!("; did you mean \"{near}\"?");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_finite_and_in_range() {
+        let shape = Shape::Number(Range::POSITIVE);
+        assert_eq!(shape.accept(Value::Integer(3)), Ok(Value::Float(3.0)));
+        for (bad, says) in [
+            (Value::Float(f64::NAN), "finite"),
+            (Value::Float(f64::INFINITY), "finite"),
+            (Value::Float(0.0), "> 0"),
+            (Value::Float(-1.0), "> 0"),
+            (Value::Float(1e300), "larger"),
+            (Value::Float(1e-300), "at least"),
+            (Value::String("5".into()), "number"),
+            (Value::Boolean(true), "number"),
+        ] {
+            let message = shape.accept(bad.clone()).unwrap_err();
+            assert!(message.contains(says), "{bad:?}: {message}");
+        }
+    }
+
+    #[test]
+    fn lists_say_which_entry_is_wrong() {
+        let shape = Shape::Numbers(Range::POSITIVE, None);
+        let message = shape.accept(parse_literal("[1, 2, -3]").unwrap());
+        assert!(message.unwrap_err().contains("entry 3"));
+        let message = Shape::Points.accept(parse_literal("[[1, 2], [3]]").unwrap());
+        assert!(message.unwrap_err().contains("entry 2"));
+    }
+
+    #[test]
+    fn a_literal_is_one_value() {
+        assert_eq!(parse_literal("1\nb = 2"), None);
+        assert_eq!(parse_literal("2000"), Some(Value::Integer(2000)));
+    }
+
+    #[test]
+    fn suffixes_are_units() {
+        assert_eq!(unit("diameter_mm"), 1e-3);
+        assert_eq!(unit("G_GPa"), 1e9);
+        assert_eq!(unit("radius_m"), 1.0);
+    }
+}

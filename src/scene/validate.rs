@@ -1,0 +1,229 @@
+//! Every key known, of the right type, in its range; every default filled in.
+
+use super::keys::{KEYS, LIST_TABLES, OPTIONAL_TABLES, find, is_table, names_in};
+use super::layers::{Layer, join, shown};
+use super::schema::{Default, Of};
+use super::suggest::nearest;
+use crate::error::{Error, Result};
+use toml::{Table, Value};
+
+/// Check the merged table of a scene and fill in its defaults. All mistakes are reported together.
+pub fn validate(layer: &mut Layer) -> Result<()> {
+    let of = match layer.table.get("kind").and_then(Value::as_str) {
+        Some("assembly") => Of::Assembly,
+        Some("oedometer") => Of::Oedometer,
+        _ => Of::Both,
+    };
+    let mut table = std::mem::take(&mut layer.table);
+    let mut walk = Walk { layer, of, errors: Vec::new() };
+    walk.table(&mut table, "", "");
+    let errors = walk.errors;
+    layer.table = table;
+    Error::all(errors)
+}
+
+struct Walk<'a> {
+    layer: &'a Layer,
+    of: Of,
+    errors: Vec<Error>,
+}
+
+impl Walk<'_> {
+    fn refuse(&mut self, key: &str, value: Option<&Value>, message: String) {
+        let origin = self.layer.origin(key);
+        self.errors.push(Error::input(origin.place, origin.key, value.map(shown), message));
+    }
+
+    /// One table; `at` is where it stands, `path` its place in the schema.
+    fn table(&mut self, table: &mut Table, at: &str, path: &str) {
+        let names: Vec<String> = table.keys().cloned().collect();
+        for name in names {
+            let Some(value) = table.remove(&name) else {
+                continue;
+            };
+            if let Some(value) = self.entry(table, at, path, &name, value) {
+                table.insert(name, value);
+            }
+        }
+        // without a kind nothing can be said about what is missing, except the kind itself
+        self.fill(table, at, path);
+        for name in names_in(path, self.of) {
+            let inner = join(path, name);
+            let wanted = is_table(&inner) && !OPTIONAL_TABLES.contains(&inner.as_str()) && !LIST_TABLES.contains(&inner.as_str());
+            if wanted && self.of != Of::Both && !table.contains_key(name) {
+                let mut new = Table::new();
+                self.table(&mut new, &join(at, name), &inner);
+                table.insert(name.into(), Value::Table(new));
+            }
+        }
+    }
+
+    /// One key of a table; gives back what is kept.
+    fn entry(&mut self, table: &Table, at: &str, path: &str, name: &str, value: Value) -> Option<Value> {
+        let (key, inner) = (join(at, name), join(path, name));
+        if name == "source" && !LIST_TABLES.contains(&path) {
+            self.source(&value, table, at, path);
+            return Some(value);
+        }
+        if path.is_empty() && name == "materials" && self.of != Of::Oedometer {
+            return Some(self.materials(value));
+        }
+        if let Some(schema) = find(&inner) {
+            if schema.of != Of::Both && self.of != Of::Both && schema.of != self.of {
+                self.refuse(&key, Some(&value), self.foreign());
+                return None;
+            }
+            match schema.shape.accept(value.clone()) {
+                Ok(value) => return Some(value),
+                Err(message) => {
+                    let message = format!("{message} ({})", schema.what);
+                    self.refuse(&key, Some(&value), message);
+                    return Some(value);
+                }
+            }
+        }
+        if !is_table(&inner) {
+            let message = self.unknown(at, path, name);
+            self.refuse(&key, None, message);
+            return None;
+        }
+        let foreign = |k: &&super::schema::Key| k.path.starts_with(&format!("{inner}.")) && (k.of == Of::Both || k.of == self.of);
+        if self.of != Of::Both && !KEYS.iter().any(|k| foreign(&k)) {
+            self.refuse(&key, None, self.foreign());
+            return None;
+        }
+        if LIST_TABLES.contains(&inner.as_str()) {
+            return Some(self.list(value, &key, &inner));
+        }
+        match value {
+            Value::Table(mut below) => {
+                self.table(&mut below, &key, &inner);
+                Some(Value::Table(below))
+            }
+            other => {
+                let message = format!("must be a table with {}", list(&names_in(&inner, self.of)));
+                self.refuse(&key, Some(&other), message);
+                Some(other)
+            }
+        }
+    }
+
+    fn list(&mut self, value: Value, key: &str, path: &str) -> Value {
+        let Value::Array(mut entries) = value else {
+            let message = format!("must be a list of tables, written [[{key}]]");
+            self.refuse(key, Some(&value), message);
+            return value;
+        };
+        for (i, entry) in entries.iter_mut().enumerate() {
+            let at = format!("{key}[{i}]");
+            match entry {
+                Value::Table(table) => self.table(table, &at, path),
+                other => {
+                    let other = other.clone();
+                    let message = format!("must be a table with {}", list(&names_in(path, self.of)));
+                    self.refuse(&at, Some(&other), message);
+                }
+            }
+        }
+        Value::Array(entries)
+    }
+
+    fn materials(&mut self, value: Value) -> Value {
+        let Value::Table(mut named) = value else {
+            let message = "must be a table of materials by name, [materials.NAME]".to_string();
+            self.refuse("materials", Some(&value), message);
+            return value;
+        };
+        for (name, value) in named.iter_mut() {
+            let at = format!("materials.{name}");
+            if !name.chars().all(|c| c.is_alphanumeric() || "-_".contains(c)) {
+                let message = "a name must be of letters, digits, '-' and '_'".to_string();
+                self.refuse(&at, None, message);
+                continue;
+            }
+            match value {
+                Value::Table(material) => self.table(material, &at, "material"),
+                other => {
+                    let other = other.clone();
+                    let message = "must be the path of a material file or a table".to_string();
+                    self.refuse(&at, Some(&other), message);
+                }
+            }
+        }
+        Value::Table(named)
+    }
+
+    /// `source = "…"` or `source.KEY = "…"`.
+    fn source(&mut self, value: &Value, table: &Table, at: &str, path: &str) {
+        let key = join(at, "source");
+        match value {
+            Value::String(_) => {}
+            Value::Table(by_key) => {
+                for (name, text) in by_key {
+                    let inner = join(&key, name);
+                    let known = names_in(path, Of::Both).contains(&name.as_str());
+                    if !known && !table.contains_key(name) {
+                        let message = self.unknown(&key, path, name);
+                        self.refuse(&inner, None, message);
+                    } else if !text.is_str() {
+                        self.refuse(&inner, Some(text), "must be text in quotes".into());
+                    }
+                }
+            }
+            other => {
+                let message = "must be text, or a table of texts by key".to_string();
+                self.refuse(&key, Some(other), message);
+            }
+        }
+    }
+
+    fn fill(&mut self, table: &mut Table, at: &str, path: &str) {
+        for key in KEYS.iter().filter(|k| k.split().0 == path) {
+            let (_, name) = key.split();
+            let kind_unknown = self.of == Of::Both && key.path != "kind";
+            let foreign = key.of != Of::Both && key.of != self.of;
+            if table.contains_key(name) || kind_unknown || foreign {
+                continue;
+            }
+            if key.default == Default::Required {
+                let message = format!("is missing: {} ({})", key.what, key.shape.text());
+                self.refuse(&join(at, name), None, message);
+            } else if let Some(value) = key.default_for(self.of == Of::Assembly)
+                && let Ok(value) = key.shape.accept(value)
+            {
+                table.insert(name.into(), value);
+            }
+        }
+    }
+
+    fn foreign(&self) -> String {
+        let kind = match self.of {
+            Of::Assembly => "an assembly",
+            _ => "an oedometer",
+        };
+        format!("has no meaning in {kind}")
+    }
+
+    fn unknown(&self, at: &str, path: &str, name: &str) -> String {
+        let here = names_in(path, self.of);
+        if let Some(near) = nearest(name, here.iter().copied()) {
+            let written = self.layer.origin(&join(at, name)).key;
+            let table = written.rsplit_once('.').map_or("", |(table, _)| table);
+            return format!("unknown key; did you mean {}?", join(table, near));
+        }
+        let elsewhere = KEYS
+            .iter()
+            .filter(|k| k.of == Of::Both || k.of == self.of)
+            .filter(|k| k.split().1.eq_ignore_ascii_case(name))
+            .map(|k| k.path)
+            .next();
+        match elsewhere {
+            Some(path) => format!("unknown key here; did you mean {path}?"),
+            None => format!("unknown key; there are {}", list(&here)),
+        }
+    }
+}
+
+fn list(names: &[&str]) -> String {
+    names.join(", ")
+}

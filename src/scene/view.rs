@@ -1,0 +1,183 @@
+//! Typed reading of a validated scene, in SI units, and the list of what does not agree.
+
+use super::layers::{Layer, shown};
+use super::schema::unit;
+use crate::error::Error;
+use crate::model::{ContactLaw, ContactModel, Material, Model, Records, Rig, Seeds, Stepping, TangentialUnloading};
+use std::cell::RefCell;
+use toml::{Table, Value};
+
+pub struct View<'a> {
+    layer: &'a Layer,
+    errors: RefCell<Vec<Error>>,
+}
+
+impl<'a> View<'a> {
+    pub fn of(layer: &'a Layer) -> Self {
+        View { layer, errors: RefCell::new(Vec::new()) }
+    }
+
+    pub fn into_errors(self) -> Vec<Error> {
+        self.errors.into_inner()
+    }
+
+    /// Note that the value at `key` does not go with the rest.
+    pub fn refuse(&self, key: &str, message: impl Into<String>) {
+        let origin = self.layer.origin(key);
+        let value = self.get(key).map(shown);
+        self.errors.borrow_mut().push(Error::input(origin.place, origin.key, value, message));
+    }
+
+    /// Note it unless `good`.
+    pub fn check(&self, good: bool, key: &str, message: impl Into<String>) {
+        if !good {
+            self.refuse(key, message);
+        }
+    }
+
+    pub fn get(&self, key: &str) -> Option<&'a Value> {
+        let mut table = Some(&self.layer.table);
+        let mut value = None;
+        for step in key.split('.') {
+            let (name, entry) = step.split_once('[').unwrap_or((step, ""));
+            value = table?.get(name);
+            if let Some(index) = entry.strip_suffix(']') {
+                value = value?.get(index.parse::<usize>().ok()?);
+            }
+            table = value.and_then(Value::as_table);
+        }
+        value
+    }
+
+    pub fn has(&self, key: &str) -> bool {
+        self.get(key).is_some()
+    }
+
+    pub fn table(&self, key: &str) -> Option<&'a Table> {
+        self.get(key).and_then(Value::as_table)
+    }
+
+    /// The tables of a list, empty if it is not there.
+    pub fn list(&self, key: &str) -> Vec<&'a Table> {
+        let list = self.get(key).and_then(Value::as_array);
+        list.into_iter().flatten().filter_map(Value::as_table).collect()
+    }
+
+    /// A number in SI units.
+    pub fn number(&self, key: &str) -> Option<f64> {
+        self.get(key).and_then(Value::as_float).map(|x| x * unit(key))
+    }
+
+    /// A number that has a default or is required; NaN only where validation has refused already.
+    pub fn si(&self, key: &str) -> f64 {
+        self.number(key).unwrap_or(f64::NAN)
+    }
+
+    pub fn numbers(&self, key: &str) -> Vec<f64> {
+        let list = self.get(key).and_then(Value::as_array);
+        let list = list.into_iter().flatten();
+        list.filter_map(Value::as_float).map(|x| x * unit(key)).collect()
+    }
+
+    pub fn whole(&self, key: &str) -> Option<u64> {
+        self.get(key).and_then(Value::as_integer).and_then(|i| u64::try_from(i).ok())
+    }
+
+    pub fn flag(&self, key: &str) -> bool {
+        self.get(key).and_then(Value::as_bool).unwrap_or(false)
+    }
+
+    pub fn text(&self, key: &str) -> &'a str {
+        self.get(key).and_then(Value::as_str).unwrap_or("")
+    }
+
+    pub fn is_assembly(&self) -> bool {
+        self.text("kind") == "assembly"
+    }
+
+    pub fn scale(&self) -> f64 {
+        self.si("specimen.scale")
+    }
+
+    pub fn law(&self) -> ContactLaw {
+        match self.text("contact.law") {
+            "linear" => ContactLaw::Linear,
+            "hertz_viscous" => ContactLaw::HertzViscous,
+            _ => ContactLaw::Hertz,
+        }
+    }
+
+    /// Everything, or `None` with the reasons noted.
+    pub fn model(&self) -> Option<Model> {
+        let named = self.materials()?;
+        let materials: Vec<Material> = named.iter().filter_map(|m| self.material(m)).collect();
+        if materials.len() != named.len() {
+            return None;
+        }
+        let stepping = self.stepping();
+        let rig =
+            if self.is_assembly() { Rig::Assembly(self.assembly(&named)?) } else { Rig::Oedometer(self.oedometer(&named[0])?) };
+        let (crush, fines) = self.crushing(&named, &rig)?;
+        Some(Model {
+            name: self.text("name").into(),
+            seeds: Seeds { packing: self.whole("seed.packing")?, strength: self.whole("seed.strength")? },
+            contact: ContactModel {
+                law: self.law(),
+                unloading: match self.text("contact.unloading") {
+                    "rescale" => TangentialUnloading::Rescale,
+                    _ => TangentialUnloading::Keep,
+                },
+                rolling: materials.iter().any(|m| m.rolling_friction > 0.0),
+            },
+            materials,
+            crush,
+            fines,
+            scale: self.scale(),
+            damping: self.si("damping.local"),
+            gravity: self.gravity(),
+            stepping,
+            rig,
+            records: self.records()?,
+        })
+    }
+
+    fn gravity(&self) -> [f64; 3] {
+        self.numbers("gravity_m_s2").try_into().unwrap_or([0.0; 3])
+    }
+
+    fn stepping(&self) -> Stepping {
+        let stepping = Stepping {
+            safety: self.si("stepping.safety"),
+            inertia_scaling: self.flag("stepping.inertia_scaling"),
+            dt: self.number("stepping.dt_s"),
+            skin: self.si("stepping.skin"),
+        };
+        if stepping.inertia_scaling {
+            let counts = "time counts steps with stepping.inertia_scaling = true";
+            self.check(
+                self.gravity() == [0.0; 3],
+                "gravity_m_s2",
+                format!("must be [0, 0, 0]: weight has no meaning when inertia is scaled; {counts}"),
+            );
+            self.check(
+                self.law() != ContactLaw::HertzViscous,
+                "contact.law",
+                format!("must be \"linear\" or \"hertz\": a rate-dependent law has no meaning where {counts}"),
+            );
+            self.check(stepping.dt.is_none(), "stepping.dt_s", format!("must be \"auto\": {counts}"));
+            self.check(!self.has("duration_s"), "duration_s", format!("must be given as `steps`: {counts}"));
+        }
+        stepping
+    }
+
+    fn records(&self) -> Option<Records> {
+        Some(Records {
+            per_decade: self.whole("records.per_decade").unwrap_or(1) as u32,
+            at: self.numbers("records.at_kPa"),
+            energy: self.flag("records.energy"),
+            snapshots: self.flag("records.snapshots"),
+            figures: self.flag("records.figures"),
+            checkpoint_seconds: self.si("records.checkpoint_seconds"),
+        })
+    }
+}

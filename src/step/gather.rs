@@ -1,0 +1,197 @@
+//! The pass over grains: each sums its contacts in the order of its partners' ids (walls last), is judged against its
+//! limit, gets local damping and gravity, is kicked and drifted. Parallel over grains; each writes only itself.
+
+use super::State;
+use crate::contact::pairs::{Pairs, Touch};
+use crate::model::Model;
+use crate::neighbours::Neighbours;
+
+/// Flag: the grain has used up its skin.
+pub const MOVED: u8 = 1;
+/// Flag: the grain's load exceeds its limit.
+pub const FAILED: u8 = 2;
+
+const CHUNK: usize = 256;
+const SERIAL: usize = 512;
+
+/// Sum of the contacts of grain `i`: force, torque, largest load.
+#[inline(always)]
+pub fn sum(i: usize, radius: f64, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) -> ([f64; 3], [f64; 3], f64) {
+    let (mut f, mut t, mut load) = ([0.0; 3], [0.0; 3], 0.0f64);
+    for e in neighbours.adjacency.of(i) {
+        let slot = e.slot() as usize;
+        let (touch, sign, arm): (&Touch, f64, f64) = if e.is_wall() {
+            let touch = &wall_pairs.touch[slot];
+            (touch, 1.0, radius - touch.overlap)
+        } else {
+            let touch = &pairs.touch[slot];
+            (touch, if e.second_end() { -1.0 } else { 1.0 }, radius - 0.5 * touch.overlap)
+        };
+        for a in 0..3 {
+            f[a] += sign * touch.force[a];
+            t[a] += arm * touch.torque[a];
+        }
+        load = if touch.load > load { touch.load } else { load };
+    }
+    (f, t, load)
+}
+
+/// Adds rolling moments, where the run has them.
+fn add_rolling(t: &mut [f64; 3], i: usize, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) {
+    for e in neighbours.adjacency.of(i) {
+        let slot = e.slot() as usize;
+        let (moment, sign) = match (e.is_wall(), e.second_end()) {
+            (true, _) => (wall_pairs.rolling[slot], 1.0),
+            (false, false) => (pairs.rolling[slot], 1.0),
+            (false, true) => (pairs.rolling[slot], -1.0),
+        };
+        for a in 0..3 {
+            t[a] += sign * moment[a];
+        }
+    }
+}
+
+/// Force and torque on grain `i` from contacts and gravity (before damping), with rolling where the run has it.
+pub fn force_and_torque(i: usize, model: &Model, state: &State, neighbours: &Neighbours) -> ([f64; 3], [f64; 3]) {
+    let (mut f, mut t, _) = sum(i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
+    if model.contact.rolling {
+        add_rolling(&mut t, i, neighbours, &state.pairs, &state.wall_pairs);
+    }
+    for (f, g) in f.iter_mut().zip(model.gravity) {
+        *f += state.grains.mass[i] * g;
+    }
+    (f, t)
+}
+
+/// Cundall's local non-viscous damping of one component (Ciantia et al. 2015, after Cundall 1987): −α |F| sign(v).
+#[inline(always)]
+fn damping_force(force: f64, velocity: f64, coefficient: f64) -> f64 {
+    if velocity == 0.0 { 0.0 } else { -coefficient * force.abs() * 1.0f64.copysign(velocity) }
+}
+
+struct Part<'a> {
+    first: usize,
+    pos: &'a mut [[f64; 4]],
+    vel: &'a mut [[f64; 4]],
+    spin: &'a mut [[f64; 4]],
+    work: &'a mut [[f64; 4]],
+    flags: &'a mut [u8],
+}
+
+/// What the pass reads.
+struct Input<'a> {
+    neighbours: &'a Neighbours,
+    pairs: &'a Pairs,
+    wall_pairs: &'a Pairs,
+    limit: &'a [f64],
+    mass: &'a [f64],
+    gravity: [f64; 3],
+    damping: f64,
+    /// Step of the drift, and of the kick (half of it on the first step).
+    dt: f64,
+    kick: f64,
+}
+
+/// Judges, kicks and drifts all grains; leaves a flag per grain.
+pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags: &mut [u8]) {
+    let ledger = !state.pairs.work.is_empty() || !state.wall_pairs.work.is_empty();
+    let crush = state.crushing;
+    let State { grains, pairs, wall_pairs, .. } = state;
+    let input = Input {
+        neighbours,
+        pairs,
+        wall_pairs,
+        limit: &grains.limit,
+        mass: &grains.mass,
+        gravity: model.gravity,
+        damping: state.damping,
+        dt: state.dt,
+        kick: if state.fresh { 0.5 * state.dt } else { state.dt },
+    };
+    let part = Part { first: 0, pos: &mut grains.pos, vel: &mut grains.vel, spin: &mut grains.spin, work: &mut grains.work, flags };
+    match (ledger, crush, model.contact.rolling) {
+        (false, false, false) => run::<false, false, false>(&input, part),
+        (true, false, false) => run::<true, false, false>(&input, part),
+        (false, true, false) => run::<false, true, false>(&input, part),
+        (true, true, false) => run::<true, true, false>(&input, part),
+        (false, false, true) => run::<false, false, true>(&input, part),
+        (true, false, true) => run::<true, false, true>(&input, part),
+        (false, true, true) => run::<false, true, true>(&input, part),
+        (true, true, true) => run::<true, true, true>(&input, part),
+    }
+}
+
+fn run<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
+    if part.pos.len() <= SERIAL || rayon::current_num_threads() == 1 {
+        return chunk::<LEDGER, CRUSH, ROLLING>(input, part);
+    }
+    split::<LEDGER, CRUSH, ROLLING>(input, part);
+}
+
+fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
+    let n = part.pos.len();
+    if n <= CHUNK {
+        return chunk::<LEDGER, CRUSH, ROLLING>(input, part);
+    }
+    let half = n.div_ceil(CHUNK).div_ceil(2) * CHUNK;
+    let (p0, p1) = part.pos.split_at_mut(half);
+    let (v0, v1) = part.vel.split_at_mut(half);
+    let (s0, s1) = part.spin.split_at_mut(half);
+    let (w0, w1) = part.work.split_at_mut(half);
+    let (f0, f1) = part.flags.split_at_mut(half);
+    let left = Part { first: part.first, pos: p0, vel: v0, spin: s0, work: w0, flags: f0 };
+    let right = Part { first: part.first + half, pos: p1, vel: v1, spin: s1, work: w1, flags: f1 };
+    rayon::join(|| split::<LEDGER, CRUSH, ROLLING>(input, left), || split::<LEDGER, CRUSH, ROLLING>(input, right));
+}
+
+fn chunk<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
+    let references = input.neighbours.references();
+    for k in 0..part.pos.len() {
+        let i = part.first + k;
+        let (p, v, s) = (&mut part.pos[k], &mut part.vel[k], &mut part.spin[k]);
+        let (mut f, mut t, load) = sum(i, p[3], input.neighbours, input.pairs, input.wall_pairs);
+        if ROLLING {
+            add_rolling(&mut t, i, input.neighbours, input.pairs, input.wall_pairs);
+        }
+        for (f, g) in f.iter_mut().zip(input.gravity) {
+            *f += input.mass[i] * g;
+        }
+        let inverse_mass = v[3];
+        // I = 2/5 m r^2
+        let inverse_inertia = 2.5 * inverse_mass / (p[3] * p[3]);
+        let mut damped = 0.0;
+        for a in 0..3 {
+            let d = damping_force(f[a], v[a], input.damping);
+            let before = v[a];
+            v[a] += (f[a] + d) * input.kick * inverse_mass;
+            p[a] += v[a] * input.dt;
+            let dt = damping_force(t[a], s[a], input.damping);
+            let spin_before = s[a];
+            s[a] += (t[a] + dt) * input.kick * inverse_inertia;
+            if LEDGER {
+                damped -= 0.5 * (d * (before + v[a]) + dt * (spin_before + s[a])) * input.dt;
+            }
+        }
+        if LEDGER {
+            let w = &mut part.work[k];
+            w[3] += damped;
+            for e in input.neighbours.adjacency.of(i) {
+                if !e.second_end() {
+                    let slot = e.slot() as usize;
+                    let d = if e.is_wall() { input.wall_pairs.work[slot] } else { input.pairs.work[slot] };
+                    w[0] += d[0];
+                    w[1] += d[1];
+                    w[2] += d[2];
+                }
+            }
+        }
+        let mut flag = 0;
+        if Neighbours::moved2(&references[i], *p) > input.neighbours.allowed2[i] {
+            flag = MOVED;
+        }
+        if CRUSH && load > input.limit[i] {
+            flag |= FAILED;
+        }
+        part.flags[k] = flag;
+    }
+}

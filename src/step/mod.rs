@@ -1,0 +1,339 @@
+//! One time step: the stages in order. Nothing else knows the order.
+//!
+//! Leapfrog: positions and forces at full steps, velocities at half steps. A step is
+//!
+//! 1. neighbours of what has moved too far,
+//! 2. contacts: force of every pair from positions and half-step velocities,
+//! 3. reactions of the walls, inertia or time step when due,
+//! 4. control: what the rig does with the forces of this instant (records, wall speeds),
+//! 5. grains: each sums its contacts in the order of its partners' ids, is judged, kicked and drifted; walls advance,
+//! 6. crush: grains whose load exceeded their limit are replaced by daughters, in id order.
+//!
+//! Only + − × ÷ √ in a stated order reach the results.
+
+pub mod gather;
+pub mod stability;
+
+use crate::boundary::Wall;
+use crate::contact::force::Rules;
+use crate::contact::law::PairTable;
+use crate::contact::{pairs::Pairs, sweep};
+use crate::crush::criterion::AreaModel;
+use crate::crush::event::{self, Breakage};
+use crate::grains::Grains;
+use crate::model::Model;
+use crate::neighbours::{Neighbours, Pools};
+use crate::record::ledger::Ledger;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Everything a restart needs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct State {
+    /// Steps done.
+    pub step: u64,
+    /// Time, s (in inertia-scaled runs: steps).
+    pub time: f64,
+    pub dt: f64,
+    pub grains: Grains,
+    pub pairs: Pairs,
+    pub walls: Vec<Wall>,
+    pub wall_pairs: Pairs,
+    /// Friction between grains that replaces the materials' (preparation).
+    pub friction: Option<f64>,
+    /// Local damping coefficient in force.
+    pub damping: f64,
+    /// Whether grains may break now.
+    pub crushing: bool,
+    /// A stress, Pa, from which grains without contacts get their inertia (inertia scaling).
+    pub reference_stress: f64,
+    /// Steps between two looks at inertia or time step.
+    pub stability_interval: u64,
+    pub ledger: Ledger,
+    pub crush_events: u64,
+    /// (lost mass, kg; smallest daughter's diameter, m) of each event, for the reconstructed gradation.
+    pub lost: Vec<(f64, f64)>,
+    /// The next kick is a half one: velocities are those of the full step.
+    pub fresh: bool,
+}
+
+/// Scratch: may be dropped and made anew between any two steps.
+pub struct Work {
+    pub neighbours: Neighbours,
+    pub table: PairTable,
+    moved: Vec<u32>,
+    failing: Vec<u32>,
+    flags: Vec<u8>,
+    /// Breakages of the last step.
+    pub breakages: Vec<Breakage>,
+    /// Friction the table was made for.
+    table_friction: Option<f64>,
+    births_since_reorder: usize,
+    /// Force a path in tests: lists anew at every step, or a random order in memory.
+    pub rebuild_always: bool,
+    /// Nanoseconds per stage (`bench`): neighbours, contacts, grains, crush.
+    pub clock: Option<[u64; 4]>,
+}
+
+impl Work {
+    pub fn new(model: &Model, state: &mut State) -> Work {
+        let State { grains, walls, pairs, wall_pairs, .. } = state;
+        let neighbours = Neighbours::new(grains, walls, &mut Pools { pairs, wall_pairs }, model.stepping.skin);
+        Work {
+            neighbours,
+            table: PairTable::new(model, walls, state.friction),
+            moved: Vec::new(),
+            failing: Vec::new(),
+            flags: vec![0; state.grains.len()],
+            breakages: Vec::new(),
+            table_friction: state.friction,
+            births_since_reorder: 0,
+            rebuild_always: false,
+            clock: None,
+        }
+    }
+
+    /// Bytes held by lists and pools, state included.
+    pub fn bytes(&self, state: &State) -> usize {
+        let n = state.grains.pos.capacity();
+        n * (3 * 32 + 8 * 4 + 8 + 4 + 2 + 32) + state.pairs.bytes() + state.wall_pairs.bytes() + self.neighbours.bytes()
+    }
+}
+
+impl State {
+    /// A state without preparation: the given grains and walls at rest or moving, ledger open.
+    pub fn new(model: &Model, grains: Grains, walls: Vec<Wall>, energy: bool) -> State {
+        State {
+            step: 0,
+            time: 0.0,
+            dt: 0.0,
+            grains,
+            pairs: Pairs::new(energy, model.contact.rolling),
+            walls,
+            wall_pairs: Pairs::new(energy, model.contact.rolling),
+            friction: None,
+            damping: model.damping,
+            crushing: false,
+            reference_stress: 0.0,
+            stability_interval: STABILITY_INTERVAL,
+            ledger: Ledger::default(),
+            crush_events: 0,
+            lost: Vec::new(),
+            fresh: true,
+        }
+    }
+}
+
+/// Steps between two looks at inertia or time step, unless a rig asks for more.
+const STABILITY_INTERVAL: u64 = 32;
+
+/// Advances by one step. `control` runs when the forces of this instant are known; it may change wall speeds.
+pub fn step<E>(
+    model: &Model,
+    state: &mut State,
+    work: &mut Work,
+    control: impl FnOnce(&mut State, &mut Work) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut watch = Stopwatch::new(&mut work.clock);
+    neighbours(state, work);
+    watch.lap(&mut work.clock, 0);
+    contacts(model, state, work);
+    watch.lap(&mut work.clock, 1);
+    control(state, work)?;
+    watch.skip();
+    gather::advance(model, state, &work.neighbours, &mut work.flags);
+    collect(&work.flags, &mut work.moved, &mut work.failing);
+    for w in &mut state.walls {
+        w.advance(state.dt);
+    }
+    watch.lap(&mut work.clock, 2);
+    crush(model, state, work);
+    watch.lap(&mut work.clock, 3);
+    state.step += 1;
+    state.time += state.dt;
+    state.fresh = false;
+    Ok(())
+}
+
+fn neighbours(state: &mut State, work: &mut Work) {
+    let State { grains, walls, pairs, wall_pairs, .. } = state;
+    let mut pools = Pools { pairs, wall_pairs };
+    if work.rebuild_always {
+        let all: Vec<u32> = (0..grains.len() as u32).collect();
+        work.neighbours.update(&all, grains, walls, &mut pools);
+    } else {
+        work.neighbours.update(&work.moved, grains, walls, &mut pools);
+    }
+    work.moved.clear();
+    if work.births_since_reorder * 3 > state.grains.len() || work.neighbours.searches > 12 * state.grains.len() as u64 {
+        reorder(state, work);
+    }
+}
+
+/// Forces of all contacts at the present positions, the walls' reactions, and, when due, inertia or time step.
+pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
+    if work.table_friction != state.friction {
+        work.table = PairTable::new(model, &state.walls, state.friction);
+        work.table_friction = state.friction;
+    }
+    let hertz_area = model.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz);
+    if state.dt == 0.0 {
+        state.dt = stability::first_step(model, state);
+    }
+    let rules = Rules { dt: state.dt, unloading: model.contact.unloading, hertz_area };
+    sweep::grains(model, &work.table, &rules, &state.grains, &mut state.pairs);
+    sweep::walls(model, &work.table, &rules, &state.grains, &state.walls, &mut state.wall_pairs);
+    reactions(model, state, work);
+    if state.step.is_multiple_of(state.stability_interval) {
+        stability::refresh(model, state, work);
+    }
+}
+
+fn reactions(model: &Model, state: &mut State, work: &Work) {
+    let dt = state.dt;
+    for (k, wall) in state.walls.iter_mut().enumerate() {
+        let (mut sum, mut stiffness, mut shear) = (0.0, 0.0, 0.0);
+        for &(_, slot) in &work.neighbours.wall_lists[k] {
+            let touch = &state.wall_pairs.touch[slot as usize];
+            if touch.overlap > 0.0 {
+                let i = state.wall_pairs.ends[slot as usize][0] as usize;
+                let (n, _) = wall.shape.towards(state.grains.pos[i]);
+                sum -= crate::contact::force::dot(touch.force, n);
+                shear -= touch.force[2] - crate::contact::force::dot(touch.force, n) * n[2];
+                let pair = work.table.wall(k, state.grains.material[i]);
+                stiffness += stability::elastic(model, touch.overlap, state.grains.pos[i][3], pair).k_n;
+            }
+        }
+        wall.work += 0.5 * (wall.reaction + sum) * wall.speed * dt;
+        wall.reaction = sum;
+        wall.stiffness = stiffness;
+        wall.shear_z = shear;
+    }
+}
+
+/// Indices of flagged grains.
+fn collect(flags: &[u8], moved: &mut Vec<u32>, failing: &mut Vec<u32>) {
+    moved.clear();
+    failing.clear();
+    let (chunks, rest) = flags.as_chunks::<8>();
+    for (c, chunk) in chunks.iter().enumerate() {
+        if u64::from_ne_bytes(*chunk) != 0 {
+            for (k, f) in chunk.iter().enumerate() {
+                sort_flag(*f, (8 * c + k) as u32, moved, failing);
+            }
+        }
+    }
+    for (k, f) in rest.iter().enumerate() {
+        sort_flag(*f, (8 * chunks.len() + k) as u32, moved, failing);
+    }
+}
+
+fn sort_flag(flag: u8, i: u32, moved: &mut Vec<u32>, failing: &mut Vec<u32>) {
+    if flag & gather::MOVED != 0 {
+        moved.push(i);
+    }
+    if flag & gather::FAILED != 0 {
+        failing.push(i);
+    }
+}
+
+fn crush(model: &Model, state: &mut State, work: &mut Work) {
+    work.breakages.clear();
+    if work.failing.is_empty() {
+        return;
+    }
+    work.failing.sort_unstable_by_key(|&i| state.grains.id[i as usize]);
+    let before = state.grains.len();
+    let Work { neighbours, failing, breakages, table, .. } = work;
+    event::break_grains(model, state, neighbours, table, failing, breakages);
+    work.births_since_reorder += state.grains.len() - before;
+    work.flags.resize(state.grains.len(), 0);
+}
+
+/// Puts grains near in space near in memory (Z-order), and slots in the order of their first grain. Changes no result.
+pub fn reorder(state: &mut State, work: &mut Work) {
+    let g = &state.grains;
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for p in &g.pos {
+        for a in 0..3 {
+            low[a] = low[a].min(p[a]);
+            high[a] = high[a].max(p[a]);
+        }
+    }
+    let longest = (0..3).map(|a| high[a] - low[a]).fold(f64::MIN_POSITIVE, f64::max);
+    let mut keyed: Vec<(u64, u32)> = g
+        .pos
+        .par_iter()
+        .enumerate()
+        .map(|(i, p)| {
+            let cell: [u64; 3] = std::array::from_fn(|a| ((p[a] - low[a]) / longest * 1023.0) as u64);
+            (spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2, i as u32)
+        })
+        .collect();
+    keyed.par_sort_unstable_by_key(|&(key, i)| (key, g.id[i as usize]));
+    let order: Vec<u32> = keyed.into_iter().map(|(_, i)| i).collect();
+    permute(state, work, &order);
+}
+
+/// Permutes memory: new index `k` holds the grain that was at `order[k]`.
+pub fn permute(state: &mut State, work: &mut Work, order: &[u32]) {
+    let mut place = vec![0u32; order.len()];
+    for (k, &i) in order.iter().enumerate() {
+        place[i as usize] = k as u32;
+    }
+    state.grains.permute(order);
+    let slot_order = |pairs: &Pairs| {
+        let mut slots: Vec<u32> =
+            (0..pairs.slots() as u32).filter(|&s| pairs.ends[s as usize][0] != crate::contact::pairs::FREE).collect();
+        slots.sort_unstable_by_key(|&s| {
+            let [i, j] = pairs.ends[s as usize];
+            (place[i as usize], place.get(j as usize).copied().unwrap_or(j), s)
+        });
+        slots
+    };
+    let order_pairs = slot_order(&state.pairs);
+    state.pairs.permute(&order_pairs, |[i, j]| [place[i as usize], place[j as usize]]);
+    let mut order_walls: Vec<u32> = (0..state.wall_pairs.slots() as u32)
+        .filter(|&s| state.wall_pairs.ends[s as usize][0] != crate::contact::pairs::FREE)
+        .collect();
+    order_walls.sort_unstable_by_key(|&s| {
+        let [i, k] = state.wall_pairs.ends[s as usize];
+        (k, place[i as usize])
+    });
+    state.wall_pairs.permute(&order_walls, |[i, k]| [place[i as usize], k]);
+    let State { grains, pairs, wall_pairs, .. } = state;
+    work.neighbours.permute(order, grains, &Pools { pairs, wall_pairs });
+    work.births_since_reorder = 0;
+}
+
+/// Spreads the low ten bits three apart.
+fn spread(x: u64) -> u64 {
+    let mut x = x & 0x3ff;
+    x = (x | x << 16) & 0x0300_00ff;
+    x = (x | x << 8) & 0x0300_f00f;
+    x = (x | x << 4) & 0x030c_30c3;
+    (x | x << 2) & 0x0924_9249
+}
+
+/// Times the stages when asked to; otherwise reads no clock.
+struct Stopwatch(Option<std::time::Instant>);
+
+impl Stopwatch {
+    fn new(clock: &mut Option<[u64; 4]>) -> Stopwatch {
+        Stopwatch(clock.as_ref().map(|_| std::time::Instant::now()))
+    }
+
+    fn lap(&mut self, clock: &mut Option<[u64; 4]>, stage: usize) {
+        if let (Some(since), Some(clock)) = (&mut self.0, clock.as_mut()) {
+            let now = std::time::Instant::now();
+            clock[stage] += (now - *since).as_nanos() as u64;
+            *since = now;
+        }
+    }
+
+    fn skip(&mut self) {
+        if let Some(since) = &mut self.0 {
+            *since = std::time::Instant::now();
+        }
+    }
+}

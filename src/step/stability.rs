@@ -1,0 +1,165 @@
+//! The stable step. For the leapfrog, dt < 2/ω_max; with the work of a contact bounded by Cauchy–Schwarz over the four motions that
+//! feed it (two translations, two rotations of spheres, I = 2/5 m r²), ω² of grain i is at most
+//!
+//! ```text
+//! ω_i² = Σ_contacts max(2 k_n, 7 k_t) / m_i
+//! ```
+//!
+//! a sufficient bound. Unscaled: dt = safety · min 2/ω_i. Inertia-scaled: every grain's inertia is what makes dt = 1 the stable step,
+//! m_i = Σ max(2 k_n, 7 k_t) dt² / (4 safety²).
+
+use super::{State, Work};
+use crate::contact::law::{Elastic, Law, Pair};
+use crate::grains::Grains;
+use crate::model::{ContactLaw, Model};
+use crate::neighbours::Neighbours;
+use crate::with_law;
+use rayon::prelude::*;
+
+/// Elastic answer of the run's law.
+#[inline]
+pub fn elastic(model: &Model, overlap: f64, r_eff: f64, pair: &Pair) -> Elastic {
+    with_law!(model.contact.law, L => L::elastic(overlap, r_eff, pair))
+}
+
+fn share(e: &Elastic) -> f64 {
+    (2.0 * e.k_n).max(7.0 * e.k_t)
+}
+
+/// Σ max(2 k_n, 7 k_t) over the contacts of grain `i`, from current overlaps, N/m.
+pub fn stiffness(i: usize, model: &Model, state: &State, neighbours: &Neighbours, table: &crate::contact::law::PairTable) -> f64 {
+    let g = &state.grains;
+    let mut sum = 0.0;
+    for e in neighbours.adjacency.of(i) {
+        let slot = e.slot() as usize;
+        let (overlap, r_eff, pair) = if e.is_wall() {
+            let (_, gap) = state.walls[e.wall_index()].shape.towards(g.pos[i]);
+            (-gap, g.pos[i][3], table.wall(e.wall_index(), g.material[i]))
+        } else {
+            let [a, b] = state.pairs.ends[slot];
+            let (p, q) = (g.pos[a as usize], g.pos[b as usize]);
+            let d = crate::contact::sweep::difference(p, q);
+            let overlap = p[3] + q[3] - crate::contact::force::dot(d, d).sqrt();
+            (overlap, p[3] * q[3] / (p[3] + q[3]), table.grains(g.material[a as usize], g.material[b as usize]))
+        };
+        if overlap > 0.0 {
+            sum += share(&elastic(model, overlap, r_eff, pair));
+        }
+    }
+    sum
+}
+
+/// Stiffness a grain of this size has when two contacts bear the reference stress on its cross-section.
+fn stiffness_at_rest(i: usize, model: &Model, g: &Grains, stress: f64, table: &crate::contact::law::PairTable) -> f64 {
+    let r = g.pos[i][3];
+    let pair = table.grains(g.material[i], g.material[i]);
+    let r_eff = 0.5 * r;
+    let force = stress * std::f64::consts::PI * r * r;
+    let overlap = match model.contact.law {
+        ContactLaw::Linear => force / (pair.a * r_eff),
+        _ => (force / (pair.a * r_eff.sqrt())).powf(2.0 / 3.0),
+    };
+    2.0 * share(&elastic(model, overlap, r_eff, pair))
+}
+
+/// Inertia for which the step is stable under stiffness `k`, kg (time in steps).
+fn scaled_inertia(k: f64, dt: f64, safety: f64) -> f64 {
+    k * dt * dt / (4.0 * safety * safety)
+}
+
+/// Margin by which stiffness may grow before inertia is looked at again.
+const MARGIN: f64 = 1.2;
+
+/// Inertia that a new grain or one out of bounds gets, or `None` while the present one serves.
+fn new_inertia(
+    i: usize,
+    model: &Model,
+    state: &State,
+    neighbours: &Neighbours,
+    table: &crate::contact::law::PairTable,
+) -> Option<f64> {
+    let floor = stiffness_at_rest(i, model, &state.grains, state.reference_stress, table);
+    let needed = stiffness(i, model, state, neighbours, table).max(floor);
+    let inertia = scaled_inertia(needed, state.dt, model.stepping.safety);
+    let present = state.grains.inertia(i);
+    (present < inertia || present > 2.0 * MARGIN * inertia).then_some(MARGIN * inertia)
+}
+
+/// The step before any contact is known: what the scene asks, 1 (inertia-scaled), or a tenth of the Rayleigh step
+/// Δt = π r √(ρ/G) / (0.163 ν + 0.877) of the most delicate grain (Li et al. 2023 eq. 38); for the linear law a tenth of the free
+/// oscillation √(m/k).
+pub fn first_step(model: &Model, state: &State) -> f64 {
+    if model.stepping.inertia_scaling {
+        return 1.0;
+    }
+    model.stepping.dt.unwrap_or_else(|| rayleigh(model, &state.grains))
+}
+
+fn rayleigh(model: &Model, g: &Grains) -> f64 {
+    let mut least = f64::INFINITY;
+    for i in 0..g.len() {
+        let m = &model.materials[g.material[i] as usize];
+        let r = g.pos[i][3];
+        let dt = match model.contact.law {
+            ContactLaw::Linear => (g.mass[i] / (4.0 * m.k_eff * r)).sqrt(),
+            _ => {
+                let shear = m.young / (2.0 * (1.0 + m.poisson));
+                std::f64::consts::PI * r * (m.density / shear).sqrt() / (0.163 * m.poisson + 0.877)
+            }
+        };
+        least = least.min(dt);
+    }
+    0.1 * least
+}
+
+/// Looks at inertia (scaled runs) or the time step (unscaled) again.
+pub fn refresh(model: &Model, state: &mut State, work: &Work) {
+    if model.stepping.inertia_scaling {
+        let frozen: &State = state;
+        let changes: Vec<Option<f64>> = (0..frozen.grains.len())
+            .into_par_iter()
+            .with_min_len(256)
+            .map(|i| new_inertia(i, model, frozen, &work.neighbours, &work.table))
+            .collect();
+        // the ledger's sum in id order
+        let mut changed: Vec<(u32, usize, f64)> =
+            changes.into_iter().enumerate().filter_map(|(i, m)| m.map(|m| (state.grains.id[i], i, m))).collect();
+        changed.sort_unstable_by_key(|c| c.0);
+        for (_, i, inertia) in changed {
+            set_inertia(state, i, inertia);
+        }
+    } else if model.stepping.dt.is_none() {
+        let frozen: &State = state;
+        let least = (0..frozen.grains.len())
+            .into_par_iter()
+            .with_min_len(256)
+            .map(|i| {
+                let k = stiffness(i, model, frozen, &work.neighbours, &work.table);
+                if k > 0.0 { 2.0 * (frozen.grains.mass[i] / (k * MARGIN)).sqrt() } else { f64::INFINITY }
+            })
+            .reduce(|| f64::INFINITY, f64::min);
+        state.dt = (model.stepping.safety * least).min(rayleigh(model, &state.grains));
+    }
+}
+
+fn set_inertia(state: &mut State, i: usize, inertia: f64) {
+    let g = &mut state.grains;
+    let before = g.inertia(i);
+    let (v, s, r) = (g.vel[i], g.spin[i], g.pos[i][3]);
+    let v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    let s2 = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
+    state.ledger.inertia += 0.5 * (inertia - before) * (v2 + 0.4 * r * r * s2);
+    g.vel[i][3] = 1.0 / inertia;
+}
+
+/// Gives a newborn grain its inertia, from the contacts it is born into.
+pub fn birth(i: usize, model: &Model, state: &mut State, neighbours: &Neighbours, table: &crate::contact::law::PairTable) {
+    if model.stepping.inertia_scaling
+        && let Some(inertia) = {
+            state.grains.vel[i][3] = f64::INFINITY;
+            new_inertia(i, model, state, neighbours, table)
+        }
+    {
+        state.grains.vel[i][3] = 1.0 / inertia;
+    }
+}

@@ -1,0 +1,183 @@
+//! The command line as a user types it, from the repository root.
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::contains;
+use std::fs;
+use tempfile::TempDir;
+
+const COKE: &str = "experiments/petroleum_coke/h-c-2.toml";
+
+fn comminute(args: &[&str]) -> assert_cmd::assert::Assert {
+    Command::cargo_bin("comminute").expect("the binary").current_dir(env!("CARGO_MANIFEST_DIR")).args(args).assert()
+}
+
+/// Refused before any work: exit code 2, and this on standard error.
+fn refused(args: &[&str], says: &str) {
+    comminute(args).code(2).stdout("").stderr(contains(says));
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+/// A copy of the coke material with `from` replaced, and a scene that uses it.
+fn scene_with(folder: &TempDir, from: &str, to: &str) -> String {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let coke = fs::read_to_string(format!("{root}/materials/petroleum_coke.toml")).expect("coke");
+    assert!(coke.contains(from));
+    fs::write(folder.path().join("coke.toml"), coke.replacen(from, to, 1)).expect("written");
+    let scene = fs::read_to_string(format!("{root}/{COKE}")).expect("scene");
+    let scene = scene.replace("../../materials/petroleum_coke.toml", "coke.toml");
+    let path = folder.path().join("scene.toml");
+    fs::write(&path, scene).expect("written");
+    path.display().to_string()
+}
+
+#[test]
+fn check_says_what_the_run_would_be() {
+    comminute(&["check", COKE])
+        .success()
+        .stdout("")
+        .stderr(contains("grains          680"))
+        .stderr(contains("H = 51.8"))
+        .stderr(contains("eq. 18"))
+        .stderr(contains("assumed"))
+        .stderr(contains("walls.friction.cylinder = 0"));
+}
+
+#[test]
+fn check_as_json_is_one_object() {
+    let assert = comminute(&["check", COKE, "--json", "--seed", "7"]).success().stderr("");
+    let out = String::from_utf8(assert.get_output().stdout.clone()).expect("text");
+    let value: serde_json::Value = serde_json::from_str(&out).expect("json");
+    assert_eq!(value["scene"], "H-C-2");
+    assert_eq!(value["estimate"]["grains"], 680);
+    assert_eq!(value["seed"]["packing"], 7);
+    assert_eq!(value["seed"]["strength"], 7);
+    assert!(value["assumed"].as_array().is_some_and(|a| a.len() > 3));
+    assert!(value["decisions"].as_array().is_some_and(|a| a.len() > 10));
+}
+
+#[test]
+fn the_key_reference_is_printed() {
+    comminute(&["check", "--keys"]).success().stdout(contains("[loading]").and(contains("max_stress_kPa")));
+}
+
+#[test]
+fn help_shows_an_example_that_works_as_typed() {
+    for verb in ["run", "check"] {
+        comminute(&[verb, "--help"]).success().stdout(contains(COKE));
+    }
+    comminute(&["--help"]).success().stdout(contains(COKE));
+    comminute(&["check", COKE]).success();
+}
+
+#[test]
+fn unknown_verbs_and_missing_arguments_are_refused() {
+    refused(&["crush"], "unrecognized subcommand");
+    refused(&["run"], "required");
+    refused(&["check"], "required");
+    refused(&["run", COKE, "--threads", "0"], "0");
+    refused(&["check", COKE, "--seed", "-1"], "-1");
+}
+
+#[test]
+fn a_misspelt_key_gets_a_suggestion() {
+    refused(
+        &["check", COKE, "--set", "loading.max_stres_kPa=2000"],
+        "--set loading.max_stres_kPa=2000: unknown key; did you mean loading.max_stress_kPa?",
+    );
+    let folder = folder();
+    let scene = scene_with(&folder, "theta0_rad", "theta_rad");
+    refused(
+        &["check", &scene],
+        "coke.toml: strength.fixed_angle.theta_rad: unknown key; did you mean strength.fixed_angle.theta0_rad?",
+    );
+}
+
+#[test]
+fn values_out_of_range_name_file_key_value_and_limit() {
+    let folder = folder();
+    for (to, says) in [
+        ("m = -2.0", "coke.toml: strength.fixed_angle.m = -2: must be > 0 (Weibull modulus, eq. 7)"),
+        ("m = nan", "coke.toml: strength.fixed_angle.m = nan: must be a finite number"),
+        ("m = inf", "strength.fixed_angle.m = inf: must be a finite number"),
+        ("m = \"2\"", "strength.fixed_angle.m = \"2\": must be a number > 0"),
+        ("m = 1e-9", "strength.fixed_angle.m = 1e-9: gives strengths without limit"),
+        ("", "coke.toml: strength.fixed_angle.m: is missing"),
+        ("m = 2.0\nm = 2.0", "duplicate key"),
+        ("m 2.0", "coke.toml: line 42 (`m 2.0`): not TOML"),
+    ] {
+        let scene = scene_with(&folder, "\nm = 2.0", &format!("\n{to}"));
+        refused(&["check", &scene], says);
+    }
+    let scene = scene_with(&folder, "[[5.0, 0.0], [10.0, 1.0]]", "[]");
+    refused(&["check", &scene], "coke.toml: gradation.points = []: must have at least two points");
+    let scene = scene_with(&folder, "d_min_mm = 0.1", "d_min_mm = 0.5");
+    refused(&["check", &scene], "coke.toml: fines.d_min_mm = 0.5: must be < 0.4200");
+}
+
+#[test]
+fn all_mistakes_are_said_at_once() {
+    let sets = ["--set", "loading.rate=-1", "--set", "contact.law=hert"];
+    let args: Vec<&str> = ["check", COKE].into_iter().chain(sets).collect();
+    comminute(&args).code(2).stderr(contains("loading.rate=-1: must be > 0")).stderr(contains("did you mean \"hertz\"?"));
+}
+
+#[test]
+fn overrides_are_refused_by_their_own_text() {
+    for (set, says) in [
+        ("loading.rate", "must be KEY=VALUE"),
+        ("loading.rate=", "has no value"),
+        (".rate=1", "is not a key"),
+        ("loading.rate=nan", "must be a finite number"),
+        ("specimen.grains=1.5", "must be a whole number"),
+        ("specimen=3", "must be a table with scale"),
+        ("loading.stages_kPa=[100, -1]", "entry 2 must be > 0"),
+        ("loading.max_stress_kPa=1", "must be > 5, the isotropic stress"),
+        ("loading.stages_kPa=[5000]", "must each differ"),
+        ("contact.law=hertz_viscous", "rate-dependent"),
+        ("crushing.pattern=57", "2, 5, 14, 26, 38, 50, 68"),
+        ("specimen.diameter_mm=15", "the largest grain"),
+        ("records.at_kPa=[0]", "entry 1 must be > 0"),
+        ("material=materials/petroleum_cok.toml", "did you mean materials/petroleum_coke.toml?"),
+        ("new.table=1", "unknown key"),
+    ] {
+        let place = format!("--set {set}");
+        comminute(&["check", COKE, "--set", set]).code(2).stderr(contains(says).and(contains(place).or(contains("materials/"))));
+    }
+}
+
+#[test]
+fn an_override_reaches_the_run() {
+    comminute(&["check", COKE, "--set", "loading.max_stress_kPa=500", "--json"])
+        .success()
+        .stdout(contains("\"steps\": 8123").and(contains("4000 will not be reached")));
+    comminute(&["check", COKE, "--set", "walls.friction.cylinder=0.1"]).success().stderr(contains("walls.friction.cylinder = 0.1"));
+}
+
+#[test]
+fn files_that_are_none_are_refused() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    refused(&["check", "experiments/petroleum_coke/h-c-3.toml"], "no such file; did you mean");
+    refused(&["check", &path("none/at/all.toml")], "no such file");
+    refused(&["check", "experiments"], "is a folder");
+    fs::write(folder.path().join("binary.toml"), [0x6b, 0x69, 0xff, 0xfe]).expect("written");
+    refused(&["check", &path("binary.toml")], "is not UTF-8 text (byte 2)");
+    fs::write(folder.path().join("empty.toml"), "").expect("written");
+    refused(&["check", &path("empty.toml")], "kind: is missing");
+    refused(&["run", COKE, "--specimen", &path("none.csv"), "--out", &path("out")], "no such file");
+    refused(&["plot", &path("none")], "is no folder");
+}
+
+#[test]
+fn an_existing_run_is_not_overwritten() {
+    let out = folder();
+    fs::write(out.path().join("history.csv"), "step\n").expect("written");
+    let dir = out.path().display().to_string();
+    refused(&["run", COKE, "--out", &dir], "--force");
+    assert_eq!(fs::read_to_string(out.path().join("history.csv")).expect("kept"), "step\n");
+    refused(&["run", COKE, "--out", &format!("{dir}/history.csv")], "is a file");
+}
