@@ -1,5 +1,6 @@
 //! Crushable-grain discrete element method for geotechnical research.
 
+pub mod bench;
 pub mod boundary;
 pub mod contact;
 pub mod crush;

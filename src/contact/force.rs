@@ -84,26 +84,26 @@ pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// Squared angle of one step's turn below which the length lost in it (half of this) is let go: 10⁵ such steps lose 5·10⁻⁶.
+const SMALL_TURN2: f64 = 1e-10;
+
 /// Turns a vector of the contact plane with the contact: about the normal with the mean spin, then into the new plane,
 /// keeping its length.
 #[inline(always)]
 fn carried(v: [f64; 3], m: &Meeting, dt: f64) -> [f64; 3] {
     let n = m.normal;
-    let length2 = dot(v, v);
-    if length2 == 0.0 {
-        return v;
-    }
     let twist = dot(m.motion.mean_spin, n) * dt;
     let c = cross(n, v);
     let mut u = [v[0] + twist * c[0], v[1] + twist * c[1], v[2] + twist * c[2]];
     let out = dot(u, n);
     u = [u[0] - out * n[0], u[1] - out * n[1], u[2] - out * n[2]];
-    let after2 = dot(u, u);
-    if after2 == 0.0 {
-        return [0.0; 3];
+    let length2 = dot(v, v);
+    if out * out + twist * twist * length2 > SMALL_TURN2 * length2 {
+        let after2 = dot(u, u);
+        let s = if after2 > 0.0 { (length2 / after2).sqrt() } else { 0.0 };
+        u = [u[0] * s, u[1] * s, u[2] * s];
     }
-    let s = (length2 / after2).sqrt();
-    [u[0] * s, u[1] * s, u[2] * s]
+    u
 }
 
 /// Force, torque, history and work of a touching contact.

@@ -111,11 +111,13 @@ fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(table: &PairTable
                 continue;
             }
             let distance = distance2.sqrt();
-            let inverse = 1.0 / distance;
+            // one division for 1/distance and 1/(r_i + r_j)
+            let both = 1.0 / (distance * reach);
+            let inverse = both * reach;
             let meeting = Meeting {
                 normal: [d[0] * inverse, d[1] * inverse, d[2] * inverse],
                 overlap: reach - distance,
-                r_eff: p[3] * q[3] / reach,
+                r_eff: p[3] * q[3] * (both * distance),
                 m_eff: if L::VISCOUS { 1.0 / (g.vel[i][3] + g.vel[j][3]) } else { 0.0 },
                 motion: motion(g, i, j),
             };

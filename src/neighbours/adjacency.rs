@@ -34,6 +34,12 @@ impl Entry {
         self.slot & GRAIN_END != 0
     }
 
+    /// 1 if this grain is the slot's first end, else 0.
+    #[inline(always)]
+    pub fn first_end(self) -> f64 {
+        f64::from(1 - (self.slot >> 31))
+    }
+
     #[inline(always)]
     pub fn is_wall(self) -> bool {
         self.slot & WALL != 0

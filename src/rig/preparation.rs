@@ -62,8 +62,8 @@ pub struct Preparation {
 const START: f64 = 0.35;
 /// Inertia during growth is that of grains under this many times the isotropic stress: overlaps come and go fast.
 const GROWTH_STRESS: f64 = 100.0;
-/// Porosity above the target in which grains grow: the diameter then hardly changes under the servo.
-const ROOM: f64 = -0.001;
+/// Porosity above the target in which grains grow.
+const ROOM: f64 = 0.01;
 /// Inertial number of wall motion during compaction: a fast but orderly preparation.
 const INERTIAL: f64 = 3e-3;
 /// Steps between looks at equilibrium.

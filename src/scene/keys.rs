@@ -120,8 +120,8 @@ pub const KEYS: &[Key] = &[
     both("crushing.area", Choice(&["fixed_angle", "hertz"]), Is("\"fixed_angle\""), "contact area at failure: eq. 8, or eq. 9"),
     both("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
     both("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
-    oedometer("preparation.growth_friction", Number(FRICTION), Is("0.0"), "friction between grains while their radii grow"),
-    oedometer("preparation.growth_steps", COUNT, Is("3000"), "steps of radius growth"),
+    oedometer("preparation.growth_friction", Number(FRICTION), Is("0.4"), "friction between grains while their radii grow: it sets the loosest porosity that can be reached"),
+    oedometer("preparation.growth_steps", COUNT, Is("8000"), "steps of radius growth"),
     oedometer("preparation.damping", Number(RATIO), Is("0.7"), "local damping during preparation"),
     oedometer(
         "preparation.porosity_tolerance",
@@ -147,17 +147,17 @@ pub const KEYS: &[Key] = &[
     oedometer(
         "loading.servo_gain",
         Number(Range::above(0.0, 1.0)),
-        Is("0.2"),
+        Is("0.5"),
         "share of the load imbalance that a platen removes per step",
     ),
-    oedometer("loading.max_inertial_number", Number(POSITIVE), Is("0.001"), "largest inertial number that the platen may impose"),
+    oedometer("loading.max_inertial_number", Number(POSITIVE), Is("0.0008"), "largest inertial number that the platen may impose"),
     oedometer(
         "loading.max_lag",
         Number(Range::above(0.0, 1.0)),
-        Is("0.02"),
+        Is("0.015"),
         "share by which measured and target stress may differ before the programme waits",
     ),
-    oedometer("loading.settle_steps", FROM_ZERO, Is("2000"), "steps of rest at the isotropic stress before loading"),
+    oedometer("loading.settle_steps", FROM_ZERO, Is("1000"), "steps of rest at the isotropic stress before loading"),
     both("damping.local", Number(RATIO), ByKind("0.05", "0.0"), "local non-viscous damping (Cundall 1987)"),
     both("stepping.safety", Number(Range::above(0.0, 1.0)), Is("0.8"), "share of the stable time step"),
     both(

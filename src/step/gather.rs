@@ -14,26 +14,40 @@ pub const FAILED: u8 = 2;
 const CHUNK: usize = 256;
 const SERIAL: usize = 512;
 
-/// Sum of the contacts of grain `i`: force, torque, largest load.
+/// Sums over the contacts of one grain.
+#[derive(Clone, Copy, Default)]
+pub struct Sums {
+    /// Force, N, and torque, N m.
+    force: [f64; 3],
+    torque: [f64; 3],
+    /// Largest load, in the units of the area model.
+    load: f64,
+    /// Path, slip, viscous work of the contacts whose first end the grain is, J (with the ledger).
+    work: [f64; 3],
+}
+
+/// Sums the contacts of grain `i` in the order of its partners' ids. Without branches but for walls, which come last.
 #[inline(always)]
-pub fn sum(i: usize, radius: f64, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) -> ([f64; 3], [f64; 3], f64) {
-    let (mut f, mut t, mut load) = ([0.0; 3], [0.0; 3], 0.0f64);
+fn sum<const LEDGER: bool>(i: usize, radius: f64, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) -> Sums {
+    let mut s = Sums::default();
     for e in neighbours.adjacency.of(i) {
         let slot = e.slot() as usize;
-        let (touch, sign, arm): (&Touch, f64, f64) = if e.is_wall() {
-            let touch = &wall_pairs.touch[slot];
-            (touch, 1.0, radius - touch.overlap)
-        } else {
-            let touch = &pairs.touch[slot];
-            (touch, if e.second_end() { -1.0 } else { 1.0 }, radius - 0.5 * touch.overlap)
-        };
+        let (pool, first, sink) = if e.is_wall() { (wall_pairs, 1.0, 1.0) } else { (pairs, e.first_end(), 0.5) };
+        let touch: &Touch = &pool.touch[slot];
+        let sign = 2.0 * first - 1.0;
+        let arm = radius - sink * touch.overlap;
         for a in 0..3 {
-            f[a] += sign * touch.force[a];
-            t[a] += arm * touch.torque[a];
+            s.force[a] += sign * touch.force[a];
+            s.torque[a] += arm * touch.torque[a];
         }
-        load = if touch.load > load { touch.load } else { load };
+        s.load = if touch.load > s.load { touch.load } else { s.load };
+        if LEDGER {
+            for (sum, work) in s.work.iter_mut().zip(pool.work[slot]) {
+                *sum += first * work;
+            }
+        }
     }
-    (f, t, load)
+    s
 }
 
 /// Adds rolling moments, where the run has them.
@@ -53,7 +67,8 @@ fn add_rolling(t: &mut [f64; 3], i: usize, neighbours: &Neighbours, pairs: &Pair
 
 /// Force and torque on grain `i` from contacts and gravity (before damping), with rolling where the run has it.
 pub fn force_and_torque(i: usize, model: &Model, state: &State, neighbours: &Neighbours) -> ([f64; 3], [f64; 3]) {
-    let (mut f, mut t, _) = sum(i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
+    let Sums { force: mut f, torque: mut t, .. } =
+        sum::<false>(i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
     if model.contact.rolling {
         add_rolling(&mut t, i, neighbours, &state.pairs, &state.wall_pairs);
     }
@@ -66,7 +81,8 @@ pub fn force_and_torque(i: usize, model: &Model, state: &State, neighbours: &Nei
 /// Cundall's local non-viscous damping of one component (Ciantia et al. 2015, after Cundall 1987): −α |F| sign(v).
 #[inline(always)]
 fn damping_force(force: f64, velocity: f64, coefficient: f64) -> f64 {
-    if velocity == 0.0 { 0.0 } else { -coefficient * force.abs() * 1.0f64.copysign(velocity) }
+    let opposed = (-coefficient * force.abs()).copysign(-velocity);
+    if velocity == 0.0 { 0.0 } else { opposed }
 }
 
 struct Part<'a> {
@@ -149,7 +165,8 @@ fn chunk<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
     for k in 0..part.pos.len() {
         let i = part.first + k;
         let (p, v, s) = (&mut part.pos[k], &mut part.vel[k], &mut part.spin[k]);
-        let (mut f, mut t, load) = sum(i, p[3], input.neighbours, input.pairs, input.wall_pairs);
+        let Sums { force: mut f, torque: mut t, load, work } =
+            sum::<LEDGER>(i, p[3], input.neighbours, input.pairs, input.wall_pairs);
         if ROLLING {
             add_rolling(&mut t, i, input.neighbours, input.pairs, input.wall_pairs);
         }
@@ -174,16 +191,7 @@ fn chunk<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
         }
         if LEDGER {
             let w = &mut part.work[k];
-            w[3] += damped;
-            for e in input.neighbours.adjacency.of(i) {
-                if !e.second_end() {
-                    let slot = e.slot() as usize;
-                    let d = if e.is_wall() { input.wall_pairs.work[slot] } else { input.pairs.work[slot] };
-                    w[0] += d[0];
-                    w[1] += d[1];
-                    w[2] += d[2];
-                }
-            }
+            *w = [w[0] + work[0], w[1] + work[1], w[2] + work[2], w[3] + damped];
         }
         let mut flag = 0;
         if Neighbours::moved2(&references[i], *p) > input.neighbours.allowed2[i] {

@@ -1,0 +1,146 @@
+//! The engine's speed: a dense frictional Hertz–Mindlin oedometer at real inertia, the case other codes are measured with
+//! (E 0.8 GPa, ν 0.12, μ 0.35, r 0.95–1.05 mm, porosity 0.40, about 90 kPa, frictionless walls, top platen at 5 mm/s).
+//!
+//! Clocks are read here and nowhere else in the library but in `run` and, when asked to, by `step`.
+
+mod burst;
+mod packing;
+mod speed;
+
+pub use burst::{Burst, burst};
+pub use packing::{Packing, packing};
+pub use speed::{Plan, Speed, load_average, measure};
+
+use crate::boundary::Wall;
+use crate::crush::criterion::AreaModel;
+use crate::crush::lost_mass::Fines;
+use crate::crush::pattern::Pattern;
+use crate::crush::strength::{StrengthModel, Truncation};
+use crate::error::{Error, Result};
+use crate::model::{
+    ContactLaw, ContactModel, CrushModel, Loading, Material, Model, Oedometer, Preparation, Records, Rig, Seeds, Stepping,
+    TangentialUnloading, WallFriction,
+};
+use crate::rig::oedometer::{TOP, walls};
+use crate::step::{State, Work, reorder};
+use std::f64::consts::PI;
+
+/// Time step, s: 15 % of the Rayleigh step.
+pub const TIME_STEP: f64 = 1.4e-6;
+/// Speed of the top platen, m/s.
+pub const PLATEN_SPEED: f64 = 5e-3;
+/// Porosity and isotropic stress, Pa, of the packing.
+pub const POROSITY: f64 = 0.40;
+pub const STRESS: f64 = 90e3;
+/// Restitution where the law is viscous.
+pub const RESTITUTION: f64 = 0.3;
+/// Neighbour skin over radius: surfaces up to a tenth of a radius apart are listed, as in the other codes.
+pub const SKIN: f64 = 0.05;
+/// Radii, m, uniform by number.
+const RADII: (f64, f64) = (0.95e-3, 1.05e-3);
+/// Height over diameter of the packing.
+const SLENDERNESS: f64 = 1.15;
+/// Points of the gradation, mass finer against diameter.
+const GRADATION_POINTS: usize = 21;
+
+/// The case with `grains` grains: a model for stepping at real inertia.
+///
+/// # Panics
+/// Never: the pattern exists.
+pub fn model(grains: usize, law: ContactLaw, skin: f64) -> Model {
+    let material = Material {
+        name: "bench".into(),
+        density: 2600.0,
+        internal_porosity: 0.0,
+        young: 0.8e9,
+        poisson: 0.12,
+        k_eff: 0.8e9,
+        alpha_s: 0.25,
+        friction: 0.35,
+        restitution: RESTITUTION,
+        rolling_friction: 0.0,
+    };
+    Model {
+        name: format!("bench-{grains}"),
+        seeds: Seeds { packing: 1, strength: 1 },
+        materials: vec![material],
+        contact: ContactModel { law, unloading: TangentialUnloading::Keep, rolling: false },
+        crush: None,
+        fines: Fines { alpha: 2.6, d_min: 1e-5 },
+        scale: 1.0,
+        damping: 0.0,
+        gravity: [0.0; 3],
+        stepping: Stepping { safety: 0.8, inertia_scaling: false, dt: Some(TIME_STEP), skin },
+        rig: Rig::Oedometer(rig(grains)),
+        records: Records {
+            per_decade: 1,
+            at: Vec::new(),
+            energy: false,
+            snapshots: false,
+            figures: false,
+            checkpoint_seconds: f64::INFINITY,
+        },
+    }
+}
+
+/// The same case with grains that may break, none of them by itself.
+fn breakable(model: &Model) -> Result<Model> {
+    let pattern = Pattern::new(14).map_err(|what| Error::Failed { step: 0, what })?;
+    let strength =
+        StrengthModel { sigma_lim0: 1e15, d0: 2e-3, m: 10.0, var: 0.0, truncation: Truncation::Redraw, min_ratio: 0.0 };
+    let crush = CrushModel { area: AreaModel::FixedAngle { theta0: PI / 9.0 }, strength, pattern, d_limit: 1e-3 };
+    Ok(Model { crush: Some(crush), ..model.clone() })
+}
+
+fn rig(grains: usize) -> Oedometer {
+    let (low, high) = RADII;
+    let volume = |r: f64| 4.0 / 3.0 * PI * r * r * r;
+    // mean of r^3 over uniform r
+    let mean = volume(1.0) * (high.powi(4) - low.powi(4)) / (4.0 * (high - low));
+    let diameter = (grains as f64 * mean / ((1.0 - POROSITY) * 0.25 * PI * SLENDERNESS)).cbrt();
+    let gradation = (0..GRADATION_POINTS)
+        .map(|k| {
+            let r = low + (high - low) * k as f64 / (GRADATION_POINTS - 1) as f64;
+            (2.0 * r, (r.powi(4) - low.powi(4)) / (high.powi(4) - low.powi(4)))
+        })
+        .collect();
+    Oedometer {
+        diameter,
+        grains,
+        porosity: POROSITY,
+        gradation,
+        wall_friction: WallFriction { bottom: 0.0, top: 0.0, cylinder: 0.0 },
+        isotropic_stress: STRESS,
+        preparation: Preparation {
+            growth_friction: 0.35,
+            growth_steps: 2000,
+            damping: 0.7,
+            porosity_tolerance: 0.005,
+            max_steps: 100_000,
+        },
+        loading: Loading {
+            stages: vec![2.0 * STRESS],
+            rate: 0.01,
+            sigma_ref: 1e3,
+            servo_gain: 0.2,
+            max_inertial_number: 1e-3,
+            max_lag: 0.02,
+            settle_steps: 0,
+        },
+    }
+}
+
+/// A state to step from: the packing at rest, walls of the grains' own material without friction (as the other codes have
+/// them), the top one moving, memory in the order of space.
+pub fn start(model: &Model, packing: &Packing) -> (State, Work) {
+    let size = packing.walls;
+    let mut around: Vec<Wall> = walls(&rig(packing.grains.len()), size.radius, size.bottom, size.height, [0.0; 3]);
+    for wall in &mut around {
+        wall.material = Some(0);
+    }
+    around[TOP].speed = PLATEN_SPEED;
+    let mut state = State::new(model, packing.grains.clone(), around, false);
+    let mut work = Work::new(model, &mut state);
+    reorder(&mut state, &mut work);
+    (state, work)
+}

@@ -1,0 +1,88 @@
+//! Packings of the bench: made once by the toolkit itself (radius growth, inertia-scaled, isotropic servo), then kept as
+//! specimen files.
+
+use super::{POROSITY, RADII, STRESS, model};
+use crate::error::{Error, Result};
+use crate::grains::Grains;
+use crate::model::{ContactLaw, Model, Rig};
+use crate::record::specimen;
+use crate::rig::oedometer::{BOTTOM, TOP, Walls};
+use crate::rig::preparation::{self, Preparation};
+use crate::step::Work;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A packing at rest.
+pub struct Packing {
+    pub grains: Grains,
+    pub walls: Walls,
+    pub path: PathBuf,
+    /// Seconds it took to make; `None` when it was there already.
+    pub seconds: Option<f64>,
+}
+
+impl Packing {
+    pub fn porosity(&self) -> f64 {
+        1.0 - self.grains.mass_and_volume().1 / self.walls.volume()
+    }
+}
+
+/// Steps between two reports of progress.
+const REPORT: u64 = 256;
+
+/// The packing of `grains` grains that the folder holds, or a new one, left there. `progress` hears what goes on.
+///
+/// # Errors
+/// A file that cannot be read or written or is not this packing, or a preparation that fails.
+pub fn packing(grains: usize, folder: &Path, mut progress: impl FnMut(&str)) -> Result<Packing> {
+    let model = model(grains, ContactLaw::Hertz, 0.1);
+    let path = folder.join(format!("oedometer-{grains}.csv"));
+    let seconds = if path.exists() { None } else { Some(make(&model, &path, &mut progress)?) };
+    let (found, walls) = specimen::read(&path, &model.materials)?;
+    let (low, high) = RADII;
+    if found.len() != grains || found.pos.iter().any(|p| p[3] < 0.999 * low || p[3] > 1.001 * high) {
+        let message = format!("is not the bench's packing of {grains} grains: delete it to have it made anew");
+        return Err(Error::input(path.display(), "", None, message));
+    }
+    Ok(Packing { grains: found, walls, path, seconds })
+}
+
+/// Makes a packing and writes it in one piece.
+fn make(model: &Model, path: &Path, progress: &mut impl FnMut(&str)) -> Result<f64> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(Error::write(folder))?;
+    }
+    let scaled = scaled(model);
+    let Rig::Oedometer(rig) = &scaled.rig else { unreachable!("the bench is an oedometer") };
+    let since = Instant::now();
+    let (mut preparation, mut state) = Preparation::start(&scaled, rig);
+    let mut work = Work::new(&scaled, &mut state);
+    while !preparation.advance(&scaled, rig, &mut state, &mut work)? {
+        if preparation.steps.is_multiple_of(REPORT) {
+            let area = Walls::of(&state).platen_area();
+            progress(&format!(
+                "packing of {} grains: {}, step {}, porosity {:.4}, stress {:.1} kPa, {:.0} s",
+                state.grains.len(),
+                preparation.stage.name(),
+                preparation.steps,
+                preparation::porosity(&state),
+                0.5e-3 * (state.walls[TOP].reaction + state.walls[BOTTOM].reaction) / area,
+                since.elapsed().as_secs_f64(),
+            ));
+        }
+    }
+    let unfinished = path.with_extension("tmp");
+    specimen::write(&unfinished, &state.grains, &scaled.materials, Some(Walls::of(&state)))?;
+    std::fs::rename(&unfinished, path).map_err(Error::write(path))?;
+    Ok(since.elapsed().as_secs_f64())
+}
+
+/// The model with scaled inertia, for making the packing.
+fn scaled(model: &Model) -> Model {
+    let mut scaled = model.clone();
+    scaled.stepping.inertia_scaling = true;
+    scaled.stepping.dt = None;
+    scaled.stepping.skin = 0.15;
+    debug_assert!((POROSITY - 0.4).abs() < 0.1 && STRESS > 0.0);
+    scaled
+}

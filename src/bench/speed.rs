@@ -1,0 +1,192 @@
+//! Grain-steps per second, memory and the share of each stage.
+
+use super::{Packing, TIME_STEP, start};
+use crate::contact::pairs::{FREE, Pairs};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::record::measure::{love_weber, sums};
+use crate::rig::oedometer::{Stresses, Walls};
+use crate::step::{self, State, Work};
+use std::convert::Infallible;
+use std::time::Instant;
+
+/// How long to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    pub warm_up: u64,
+    /// Steps of one timed block, and the number of blocks.
+    pub steps: u64,
+    pub repeats: usize,
+    /// Steps of the pass with clocks.
+    pub clocked: u64,
+}
+
+/// What was measured.
+#[derive(Clone, Debug)]
+pub struct Speed {
+    /// Grain-steps per second of each block, in their order.
+    pub blocks: Vec<f64>,
+    /// Steps done when the checks below were taken.
+    pub steps: u64,
+    pub bytes_per_grain: f64,
+    /// Per grain: touching pairs, listed pairs, touching and listed wall contacts.
+    pub touching: f64,
+    pub near: f64,
+    pub wall_touching: f64,
+    pub wall_near: f64,
+    /// Nanoseconds per grain-step: neighbours, contacts, grains, crush (from the pass with clocks).
+    pub stages: [f64; 4],
+    /// Searches of single grains' neighbourhoods during the timed blocks.
+    pub searches: u64,
+    /// Vertical stress averaged over the volume (grain contacts only), at the platens, radial at the cylinder, Pa.
+    pub stress_volume: f64,
+    pub stress_platens: f64,
+    pub stress_radial: f64,
+    /// Hash of every position and velocity, in the order of ids: the same for any number of threads.
+    pub hash: u64,
+    /// Load average of the last minute before and after, where the system tells.
+    pub load: [Option<f64>; 2],
+}
+
+impl Speed {
+    /// Median grain-steps per second.
+    pub fn median(&self) -> f64 {
+        median(&self.blocks)
+    }
+
+    /// Share of each stage in the step.
+    pub fn shares(&self) -> [f64; 4] {
+        let all: f64 = self.stages.iter().sum();
+        self.stages.map(|s| if all > 0.0 { s / all } else { 0.0 })
+    }
+}
+
+/// Middle value (mean of the two middle ones); 0 of nothing.
+pub(super) fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let n = sorted.len();
+    match n {
+        0 => 0.0,
+        _ if n % 2 == 1 => sorted[n / 2],
+        _ => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
+    }
+}
+
+/// Steps the packing on `threads` threads; gives back the state it ends with.
+///
+/// # Errors
+/// Threads that cannot be started, or a state that is lost.
+pub fn measure(model: &Model, packing: &Packing, threads: usize, plan: &Plan) -> Result<(Speed, State)> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Error::Failed { step: 0, what: format!("cannot start {threads} threads: {e}") })?;
+    pool.install(|| timed(model, packing, plan))
+}
+
+fn timed(model: &Model, packing: &Packing, plan: &Plan) -> Result<(Speed, State)> {
+    let before = load_average();
+    let (mut state, mut work) = start(model, packing);
+    let n = state.grains.len() as f64;
+    run(model, &mut state, &mut work, plan.warm_up);
+    let mut searches = 0;
+    let blocks = (0..plan.repeats)
+        .map(|_| {
+            let since = Instant::now();
+            searches += run(model, &mut state, &mut work, plan.steps);
+            n * plan.steps as f64 / since.elapsed().as_secs_f64()
+        })
+        .collect();
+    let after = load_average();
+    let hash = hash(&state);
+    let steps = state.step;
+
+    let mut ended = state.clone();
+    // forces of this instant, for the checks
+    step::contacts(model, &mut state, &mut work);
+    let size = Walls::of(&state);
+    let (vertical, _) = love_weber(&state, &work, size.radius, size.bottom, size.bottom + size.height);
+    let stresses = Stresses::of(&state);
+    let sums = sums(model, &state, &work);
+    if !(vertical.is_finite() && stresses.vertical().is_finite()) {
+        let what = format!("the bench has lost its packing (dt {TIME_STEP:e} s)");
+        return Err(Error::Unstable { step: state.step, what, grain: None });
+    }
+    let bytes = work.bytes(&state) as f64;
+
+    let mut work = Work::new(model, &mut ended);
+    run(model, &mut ended, &mut work, 50);
+    work.clock = Some([0; 4]);
+    run(model, &mut ended, &mut work, plan.clocked);
+    let clocked = n * plan.clocked.max(1) as f64;
+    let stages = work.clock.unwrap_or_default().map(|ns| ns as f64 / clocked);
+
+    let speed = Speed {
+        blocks,
+        steps,
+        bytes_per_grain: bytes / n,
+        touching: sums.contacts as f64 / n,
+        near: listed(&state.pairs) / n,
+        wall_touching: sums.wall_contacts as f64 / n,
+        wall_near: listed(&state.wall_pairs) / n,
+        stages,
+        searches,
+        stress_volume: vertical,
+        stress_platens: stresses.vertical(),
+        stress_radial: stresses.horizontal,
+        hash,
+        load: [before, after],
+    };
+    Ok((speed, ended))
+}
+
+/// Steps, and the number of searches they took.
+fn run(model: &Model, state: &mut State, work: &mut Work, steps: u64) -> u64 {
+    let (mut searches, mut last) = (0, work.neighbours.searches);
+    for _ in 0..steps {
+        let Ok(()) = step::step(model, state, work, |_, _| Ok::<(), Infallible>(()));
+        let now = work.neighbours.searches;
+        // a re-ordering of memory begins the count anew
+        searches += now.checked_sub(last).unwrap_or(now);
+        last = now;
+    }
+    searches
+}
+
+fn listed(pairs: &Pairs) -> f64 {
+    pairs.ends.iter().filter(|e| e[0] != FREE).count() as f64
+}
+
+/// FNV-1a over the bits of positions, velocities and spins in the order of ids.
+fn hash(state: &State) -> u64 {
+    let g = &state.grains;
+    let mut h = 0xcbf2_9ce4_8422_2325_u64;
+    for &i in &g.by_id() {
+        let i = i as usize;
+        for x in g.pos[i].iter().chain(&g.vel[i]).chain(&g.spin[i]) {
+            for byte in x.to_bits().to_le_bytes() {
+                h = (h ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+            }
+        }
+    }
+    h
+}
+
+/// Load average of the last minute (Linux).
+pub fn load_average() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/loadavg").ok()?;
+    text.split_whitespace().next()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::median;
+
+    #[test]
+    fn the_median_is_in_the_middle() {
+        assert_eq!(median(&[3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), 2.5);
+        assert_eq!(median(&[]), 0.0);
+    }
+}
