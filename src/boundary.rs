@@ -26,21 +26,6 @@ pub struct Wall {
     pub work: f64,
 }
 
-/// Position and speed of a wall, for the sweep.
-#[derive(Clone, Copy, Debug)]
-pub struct WallMotion {
-    shape: WallShape,
-    pub speed: f64,
-}
-
-impl WallMotion {
-    /// Unit normal from the grain towards the wall, and the gap between grain and wall (negative: overlap), m.
-    #[inline(always)]
-    pub fn towards(&self, p: [f64; 4]) -> ([f64; 3], f64) {
-        self.shape.towards(p)
-    }
-}
-
 impl WallShape {
     /// Unit normal from the grain `p` towards the wall, and the gap between them (negative: overlap), m.
     #[inline(always)]
@@ -73,10 +58,6 @@ impl Wall {
             stiffness: 0.0,
             work: 0.0,
         }
-    }
-
-    pub fn motion(&self) -> WallMotion {
-        WallMotion { shape: self.shape, speed: self.speed }
     }
 
     /// Moves the wall by its speed over `dt`.

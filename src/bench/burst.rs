@@ -1,7 +1,6 @@
 //! The cost of breakages: one grain a step is broken into 14, with neighbours, history and ledger.
 
-use super::speed::median;
-use super::breakable;
+use super::{breakable, speed::median};
 use crate::error::Result;
 use crate::model::Model;
 use crate::step::{self, State, Work};
@@ -28,7 +27,7 @@ const PLAIN: usize = 50;
 pub fn burst(model: &Model, mut state: State, events: usize) -> Result<Burst> {
     let model = &breakable(model)?;
     let mut work = Work::new(model, &mut state);
-    let mut advance = |state: &mut State, work: &mut Work| {
+    let advance = |state: &mut State, work: &mut Work| {
         let Ok(()) = step::step(model, state, work, |_, _| Ok::<(), Infallible>(()));
     };
     state.crushing = true;
@@ -44,18 +43,19 @@ pub fn burst(model: &Model, mut state: State, events: usize) -> Result<Burst> {
     let victims = victims(&state, &work, events);
     let mut broken = Vec::with_capacity(victims.len());
     work.clock = Some([0; 4]);
-    let since = Instant::now();
+    let mut whole = 0.0;
     for id in victims {
         // re-ordering may have moved it
         let Some(i) = state.grains.id.iter().position(|&j| j == id) else { continue };
         state.grains.limit[i] = 0.0;
         let before = work.clock.unwrap_or_default()[3];
+        let since = Instant::now();
         advance(&mut state, &mut work);
+        whole += since.elapsed().as_secs_f64();
         if work.breakages.len() == 1 {
             broken.push(1e-9 * (work.clock.unwrap_or_default()[3] - before) as f64);
         }
     }
-    let whole = since.elapsed().as_secs_f64();
     let steps = broken.len().max(1) as f64;
     Ok(Burst { events: broken.len(), each: median(&broken), extra: whole / steps - plain })
 }
@@ -65,9 +65,8 @@ fn victims(state: &State, work: &Work, events: usize) -> Vec<u32> {
     let n = state.grains.len();
     let loaded: Vec<u32> = (0..n)
         .filter(|&i| {
-            let touching = |e: &&crate::neighbours::adjacency::Entry| {
-                !e.is_wall() && state.pairs.touch[e.slot() as usize].load > 0.0
-            };
+            let touching =
+                |e: &&crate::neighbours::adjacency::Entry| !e.is_wall() && state.pairs.touch[e.slot() as usize].load > 0.0;
             work.neighbours.adjacency.of(i).iter().filter(touching).count() >= 4
         })
         .map(|i| state.grains.id[i])

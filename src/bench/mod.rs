@@ -44,9 +44,6 @@ const SLENDERNESS: f64 = 1.15;
 const GRADATION_POINTS: usize = 21;
 
 /// The case with `grains` grains: a model for stepping at real inertia.
-///
-/// # Panics
-/// Never: the pattern exists.
 pub fn model(grains: usize, law: ContactLaw, skin: f64) -> Model {
     let material = Material {
         name: "bench".into(),
@@ -84,10 +81,12 @@ pub fn model(grains: usize, law: ContactLaw, skin: f64) -> Model {
 }
 
 /// The same case with grains that may break, none of them by itself.
-fn breakable(model: &Model) -> Result<Model> {
+///
+/// # Errors
+/// None: the pattern exists.
+pub fn breakable(model: &Model) -> Result<Model> {
     let pattern = Pattern::new(14).map_err(|what| Error::Failed { step: 0, what })?;
-    let strength =
-        StrengthModel { sigma_lim0: 1e15, d0: 2e-3, m: 10.0, var: 0.0, truncation: Truncation::Redraw, min_ratio: 0.0 };
+    let strength = StrengthModel { sigma_lim0: 1e15, d0: 2e-3, m: 10.0, var: 0.0, truncation: Truncation::Redraw, min_ratio: 0.0 };
     let crush = CrushModel { area: AreaModel::FixedAngle { theta0: PI / 9.0 }, strength, pattern, d_limit: 1e-3 };
     Ok(Model { crush: Some(crush), ..model.clone() })
 }

@@ -26,6 +26,9 @@ pub struct Plan {
 pub struct Speed {
     /// Grain-steps per second of each block, in their order.
     pub blocks: Vec<f64>,
+    /// Grain-steps per second of processor time of each block, all threads together, where the system tells: on a busy machine
+    /// the better figure for one thread (waiting threads spin, so for several it says less).
+    pub cpu_blocks: Vec<f64>,
     /// Steps done when the checks below were taken.
     pub steps: u64,
     pub bytes_per_grain: f64,
@@ -52,6 +55,11 @@ impl Speed {
     /// Median grain-steps per second.
     pub fn median(&self) -> f64 {
         median(&self.blocks)
+    }
+
+    /// Median grain-steps per second of processor time; `None` where the system does not tell.
+    pub fn cpu_median(&self) -> Option<f64> {
+        (!self.cpu_blocks.is_empty()).then(|| median(&self.cpu_blocks))
     }
 
     /// Share of each stage in the step.
@@ -90,14 +98,14 @@ fn timed(model: &Model, packing: &Packing, plan: &Plan) -> Result<(Speed, State)
     let (mut state, mut work) = start(model, packing);
     let n = state.grains.len() as f64;
     run(model, &mut state, &mut work, plan.warm_up);
-    let mut searches = 0;
-    let blocks = (0..plan.repeats)
-        .map(|_| {
-            let since = Instant::now();
-            searches += run(model, &mut state, &mut work, plan.steps);
-            n * plan.steps as f64 / since.elapsed().as_secs_f64()
-        })
-        .collect();
+    let (mut searches, mut blocks, mut cpu_blocks) = (0, Vec::new(), Vec::new());
+    for _ in 0..plan.repeats {
+        let (since, cpu) = (Instant::now(), cpu_seconds());
+        searches += run(model, &mut state, &mut work, plan.steps);
+        let grain_steps = n * plan.steps as f64;
+        blocks.push(grain_steps / since.elapsed().as_secs_f64());
+        cpu_blocks.extend(cpu.zip(cpu_seconds()).map(|(from, to)| grain_steps / (to - from)));
+    }
     let after = load_average();
     let hash = hash(&state);
     let steps = state.step;
@@ -124,6 +132,7 @@ fn timed(model: &Model, packing: &Packing, plan: &Plan) -> Result<(Speed, State)
 
     let speed = Speed {
         blocks,
+        cpu_blocks,
         steps,
         bytes_per_grain: bytes / n,
         touching: sums.contacts as f64 / n,
@@ -171,6 +180,16 @@ fn hash(state: &State) -> u64 {
         }
     }
     h
+}
+
+/// Processor time of all threads of this process, s (Linux).
+fn cpu_seconds() -> Option<f64> {
+    let mut sum = 0.0;
+    for task in std::fs::read_dir("/proc/self/task").ok()? {
+        let text = std::fs::read_to_string(task.ok()?.path().join("schedstat")).ok()?;
+        sum += text.split_whitespace().next()?.parse::<f64>().ok()?;
+    }
+    (sum > 0.0).then_some(1e-9 * sum)
 }
 
 /// Load average of the last minute (Linux).

@@ -1,11 +1,336 @@
 //! `comminute bench`: the engine's speed on this machine.
 
-use comminute::error::Result;
+use comminute::bench::{self, Burst, Packing, Plan, Speed};
+use comminute::error::{Error, Result};
+use comminute::model::ContactLaw;
+use serde_json::{Value, json};
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 /// Measure the engine's speed on this machine
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+#[command(
+    after_help = "The case: an oedometer with r = 0.95-1.05 mm at porosity 0.40 and about 90 kPa, E 0.8 GPa, nu 0.12, mu 0.35, frictionless walls,\n\
+        dt 1.4 us, top platen 5 mm/s. Packings are made once (50 000 grains: a few minutes) and kept in the cache folder.\n\n\
+        Example:\n  comminute bench --grains 5000 --threads 1,2"
+)]
+pub struct Args {
+    /// Grains of the packings
+    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [5000, 50_000], value_parser = clap::value_parser!(u32).range(200..=2_000_000))]
+    grains: Vec<u32>,
 
-pub fn call(_: &Args) -> Result<()> {
+    /// Numbers of threads; all that this machine has and half of them if not given
+    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Vec<u16>,
+
+    /// Contact laws: Hertz-Mindlin, and the same with viscous damping (restitution 0.3) as the other codes are measured with
+    #[arg(long, value_name = "LAW,LAW", value_delimiter = ',', default_values_t = [Law::Hertz, Law::HertzViscous])]
+    law: Vec<Law>,
+
+    /// Steps of one timed block
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
+    steps: u64,
+
+    /// Timed blocks; the median is reported
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..))]
+    repeats: u16,
+
+    /// Steps before the first timed block
+    #[arg(long, value_name = "N", default_value_t = 500)]
+    warm_up: u64,
+
+    /// Neighbour skin over radius
+    #[arg(long, value_name = "X", default_value_t = bench::SKIN, value_parser = skin)]
+    skin: f64,
+
+    /// Grains to break, one a step, after the timed blocks (0: none)
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u16))]
+    breakages: u16,
+
+    /// Folder of the packings
+    #[arg(long, value_name = "DIR", default_value = "runs/bench")]
+    cache: PathBuf,
+
+    /// No progress and no table
+    #[arg(long)]
+    quiet: bool,
+
+    /// Print as JSON to standard output
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum Law {
+    Hertz,
+    HertzViscous,
+}
+
+impl Law {
+    fn name(self) -> &'static str {
+        match self {
+            Law::Hertz => "hertz",
+            Law::HertzViscous => "hertz_viscous",
+        }
+    }
+}
+
+impl std::fmt::Display for Law {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl From<Law> for ContactLaw {
+    fn from(law: Law) -> ContactLaw {
+        match law {
+            Law::Hertz => ContactLaw::Hertz,
+            Law::HertzViscous => ContactLaw::HertzViscous,
+        }
+    }
+}
+
+fn skin(text: &str) -> std::result::Result<f64, String> {
+    let x: f64 = text.parse().map_err(|_| "must be a number".to_string())?;
+    if x > 0.0 && x <= 2.0 { Ok(x) } else { Err("must be above 0 and at most 2".into()) }
+}
+
+/// One line of the table.
+struct Row {
+    grains: usize,
+    threads: usize,
+    law: Law,
+    speed: Speed,
+    burst: Option<Burst>,
+}
+
+pub fn call(args: &Args) -> Result<()> {
+    let threads: Vec<usize> =
+        if args.threads.is_empty() { some_threads() } else { args.threads.iter().map(|&n| n.into()).collect() };
+    let plan = Plan { warm_up: args.warm_up, steps: args.steps, repeats: args.repeats.into(), clocked: args.steps.min(500) };
+    let mut told = Told::new(args.quiet);
+    let mut packings = Vec::new();
+    for &grains in &args.grains {
+        packings.push(bench::packing(grains as usize, &args.cache, |text| told.now_and_then(text))?);
+        told.clear();
+    }
+    if !args.quiet {
+        head(&packings);
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    for packing in &packings {
+        for &law in &args.law {
+            for &threads in &threads {
+                let row = measured(args, packing, law, threads, &plan)?;
+                if !args.quiet {
+                    line(&row);
+                }
+                rows.push(row);
+            }
+        }
+    }
+    if !args.quiet {
+        foot(&rows);
+    }
+    if args.json {
+        super::print(&format!("{:#}", as_json(args, &packings, &rows)))?;
+    }
+    same_bits(&rows)
+}
+
+fn measured(args: &Args, packing: &Packing, law: Law, threads: usize, plan: &Plan) -> Result<Row> {
+    let grains = packing.grains.len();
+    let model = bench::model(grains, law.into(), args.skin);
+    let (speed, state) = bench::measure(&model, packing, threads, plan)?;
+    let burst = match usize::from(args.breakages) {
+        0 => None,
+        // one thread: a breakage has none to share
+        n => Some(bench::burst(&model, state, n.min(grains / 100))?),
+    };
+    Ok(Row { grains, threads, law, speed, burst })
+}
+
+/// One thread and all of the machine's.
+fn some_threads() -> Vec<usize> {
+    match std::thread::available_parallelism().map_or(1, usize::from) {
+        1 => vec![1],
+        n => vec![1, n],
+    }
+}
+
+/// The engine promises the same bits for any number of threads.
+fn same_bits(rows: &[Row]) -> Result<()> {
+    for row in rows {
+        let first = rows.iter().find(|r| (r.grains, r.law) == (row.grains, row.law));
+        if let Some(first) = first
+            && first.speed.hash != row.speed.hash
+        {
+            let what =
+                format!("{} grains, {}: {} threads end with other bits than {}", row.grains, row.law, row.threads, first.threads);
+            return Err(Error::Failed { step: row.speed.steps, what });
+        }
+    }
     Ok(())
+}
+
+fn head(packings: &[Packing]) {
+    eprintln!("{}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
+    for p in packings {
+        let made = p.seconds.map_or(String::new(), |s| format!(", made in {s:.0} s"));
+        eprintln!("{} grains: porosity {:.4}{made}, {}", p.grains.len(), p.porosity(), p.path.display());
+    }
+    eprintln!(
+        "\n{:>7} {:>3} {:>13}  {:>16} {:>13} {:>8} {:>7}  {:>13}  {:>22}  {:>8} {:>9} {:>9}",
+        "grains",
+        "thr",
+        "law",
+        "M grain-steps/s",
+        "min - max",
+        "/cpu-s",
+        "B/grain",
+        "pairs/grain",
+        "ns: list/contact/grain",
+        "searches",
+        "kPa (vol)",
+        "us/break"
+    );
+}
+
+fn line(row: &Row) {
+    let s = &row.speed;
+    let least = s.blocks.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = s.blocks.iter().copied().fold(0.0, f64::max);
+    eprintln!(
+        "{:>7} {:>3} {:>13}  {:>16.2} {:>13} {:>8} {:>7.0}  {:>13}  {:>22}  {:>8} {:>9.3} {:>9}",
+        row.grains,
+        row.threads,
+        row.law.name(),
+        1e-6 * s.median(),
+        format!("{:.2} - {:.2}", 1e-6 * least, 1e-6 * most),
+        s.cpu_median().map_or("-".into(), |x| format!("{:.2}", 1e-6 * x)),
+        s.bytes_per_grain,
+        format!("{:.2} / {:.2}", s.touching, s.near),
+        format!("{:.1} / {:.1} / {:.1}", s.stages[0], s.stages[1], s.stages[2]),
+        s.searches,
+        1e-3 * s.stress_volume,
+        row.burst.as_ref().map_or("-".into(), |b| format!("{:.1}", 1e6 * b.each)),
+    );
+}
+
+fn foot(rows: &[Row]) {
+    eprintln!(
+        "\n/cpu-s: per second of processor time, all threads together. pairs: touching / listed. ns: per grain-step in neighbour lists, contacts, grains (a pass with clocks). us/break: one grain into 14."
+    );
+    if let Some(row) = rows.first() {
+        eprintln!(
+            "stress: mean over the volume after {} steps; load now {}",
+            row.speed.steps,
+            bench::load_average().unwrap_or(0.0)
+        );
+    }
+}
+
+fn as_json(args: &Args, packings: &[Packing], rows: &[Row]) -> Value {
+    let packings: Vec<Value> = packings
+        .iter()
+        .map(|p| {
+            json!({
+                "grains": p.grains.len(),
+                "porosity": p.porosity(),
+                "radius_m": p.walls.radius,
+                "height_m": p.walls.height,
+                "file": p.path,
+                "made_in_seconds": p.seconds,
+            })
+        })
+        .collect();
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "machine": {
+            "processor": processor(),
+            "cores": std::thread::available_parallelism().map_or(1, usize::from),
+            "load_average": bench::load_average(),
+        },
+        "case": {
+            "time_step_s": bench::TIME_STEP,
+            "platen_speed_m_s": bench::PLATEN_SPEED,
+            "skin": args.skin,
+            "warm_up": args.warm_up,
+            "steps": args.steps,
+            "repeats": args.repeats,
+            "restitution_hertz_viscous": bench::RESTITUTION,
+        },
+        "packings": packings,
+        "rows": rows.iter().map(row_as_json).collect::<Vec<_>>(),
+    })
+}
+
+fn row_as_json(row: &Row) -> Value {
+    let s = &row.speed;
+    let named = |x: [f64; 4]| json!({ "neighbours": x[0], "contacts": x[1], "grains": x[2], "crush": x[3] });
+    json!({
+        "grains": row.grains,
+        "threads": row.threads,
+        "law": row.law.name(),
+        "grain_steps_per_second": s.median(),
+        "blocks": s.blocks,
+        "grain_steps_per_cpu_second": s.cpu_median(),
+        "cpu_blocks": s.cpu_blocks,
+        "bytes_per_grain": s.bytes_per_grain,
+        "pairs_per_grain": { "touching": s.touching, "listed": s.near },
+        "wall_contacts_per_grain": { "touching": s.wall_touching, "listed": s.wall_near },
+        "stage_ns_per_grain_step": named(s.stages),
+        "stage_shares": named(s.shares()),
+        "searches": s.searches,
+        "steps": s.steps,
+        "stress_kPa": { "volume": 1e-3 * s.stress_volume, "platens": 1e-3 * s.stress_platens, "radial": 1e-3 * s.stress_radial },
+        "hash": format!("{:016x}", s.hash),
+        "load_average": s.load,
+        "breakage": row.burst.as_ref().map(|b| json!({
+            "events": b.events,
+            "microseconds": 1e6 * b.each,
+            "step_longer_by_microseconds": 1e6 * b.extra,
+        })),
+    })
+}
+
+/// Name of the processor (Linux).
+fn processor() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = text.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(':'));
+    name.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())
+}
+
+/// Progress: one line that changes on a terminal, a line now and then elsewhere.
+struct Told {
+    quiet: bool,
+    terminal: bool,
+    last: Instant,
+}
+
+impl Told {
+    fn new(quiet: bool) -> Told {
+        Told { quiet, terminal: std::io::stderr().is_terminal(), last: Instant::now() }
+    }
+
+    fn now_and_then(&mut self, text: &str) {
+        let wait = Duration::from_millis(if self.terminal { 200 } else { 15_000 });
+        if self.quiet || self.last.elapsed() < wait {
+            return;
+        }
+        self.last = Instant::now();
+        if self.terminal {
+            eprint!("\r{text}\x1b[K");
+        } else {
+            eprintln!("{text}");
+        }
+    }
+
+    fn clear(&self) {
+        if self.terminal && !self.quiet {
+            eprint!("\r\x1b[K");
+        }
+    }
 }

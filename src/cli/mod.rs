@@ -108,6 +108,9 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
         count("grains_initial"),
         number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}")),
     );
+    if let Some(rises) = number("energy_rises").filter(|&n| n > 0.0) {
+        eprintln!("warning: after {rises} breakages more elastic energy was stored around the event than before");
+    }
     eprintln!("records in {}", outcome.out.display());
     list_files(&outcome.figures);
     Ok(())

@@ -4,7 +4,7 @@
 use super::force::{self, Meeting, Memory, Motion, Rules};
 use super::law::{Law, PairTable};
 use super::pairs::{FREE, Pairs};
-use crate::boundary::{Wall, WallMotion};
+use crate::boundary::Wall;
 use crate::grains::Grains;
 use crate::model::{ContactModel, Model, TangentialUnloading};
 use crate::with_law;
@@ -161,7 +161,6 @@ pub fn motion_on_wall(g: &Grains, i: usize, normal: [f64; 3], speed: f64) -> Mot
 }
 
 fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
-    let motions: Vec<WallMotion> = walls.iter().map(Wall::motion).collect();
     for_each_part(pairs, |part| {
         for (s, &[i, k]) in part.ends.iter().enumerate() {
             if i == FREE {
@@ -169,7 +168,7 @@ fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: 
             }
             let (i, k) = (i as usize, k as usize);
             let p = g.pos[i];
-            let (normal, gap) = motions[k].towards(p);
+            let (normal, gap) = walls[k].shape.towards(p);
             let mut memory = Memory {
                 history: &mut part.history[s],
                 touch: &mut part.touch[s],
@@ -179,7 +178,7 @@ fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: 
             if !part.rolling.is_empty() {
                 memory.rolling = Some(&mut part.rolling[s]);
             }
-            let motion = motion_on_wall(g, i, normal, motions[k].speed);
+            let motion = motion_on_wall(g, i, normal, walls[k].speed);
             if gap >= 0.0 {
                 force::apart::<LEDGER>(|| motion, rules.dt, memory);
                 continue;

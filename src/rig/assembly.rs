@@ -2,8 +2,9 @@
 
 use crate::boundary::{Wall, servo_speed};
 use crate::error::Error;
-use crate::grains::Grains;
+use crate::grains::{Grains, sphere_volume};
 use crate::model::{Assembly, Drive, Model, WallShape};
+use crate::record::measure;
 use crate::step::{self, State, Work};
 
 /// The first state of a free scene.
@@ -16,8 +17,7 @@ pub fn start(model: &Model, rig: &Assembly) -> State {
         grains.spin[i] = [s.spin[0], s.spin[1], s.spin[2], 0.0];
     }
     let mut state = State::new(model, grains, rig.walls.iter().map(Wall::new).collect(), model.records.energy);
-    // without a load there is no stress to scale inertia by: weight of nothing, so a stiffness at 1 kPa
-    state.reference_stress = 1e3;
+    state.reference_stress = LEAST_STRESS;
     if let Some(crush) = &model.crush {
         state.crushing = true;
         for i in 0..state.grains.len() {
@@ -44,7 +44,7 @@ pub fn advance(
             open(model, state, work);
         }
         observe(state, work)?;
-        drive(state);
+        drive(model, state, work);
         Ok(())
     })
 }
@@ -56,27 +56,68 @@ fn open(model: &Model, state: &mut State, work: &Work) {
     for w in state.pairs.work.iter_mut().chain(&mut state.wall_pairs.work) {
         *w = [0.0; 3];
     }
-    let sums = crate::record::measure::sums(model, state, work);
+    let sums = measure::sums(model, state, work);
     state.ledger.start = [sums.stored, sums.kinetic, sums.potential];
 }
 
 /// Largest servo speed: this share of the mean radius per step.
 const SERVO_STRIDE: f64 = 1e-3;
+/// Stress, Pa, by which inertia is scaled where nothing is loaded yet.
+const LEAST_STRESS: f64 = 1e3;
+/// Steps between looks at the stress by which inertia is scaled.
+const LOOK: u64 = 32;
 
-fn drive(state: &mut State) {
+fn drive(model: &Model, state: &mut State, work: &Work) {
+    if model.stepping.inertia_scaling && state.step.is_multiple_of(LOOK) {
+        state.reference_stress = contact_pressure(state, work).max(LEAST_STRESS);
+    }
     let mean_radius = state.grains.pos.iter().map(|p| p[3]).sum::<f64>() / state.grains.len().max(1) as f64;
     let limit = SERVO_STRIDE * mean_radius / state.dt;
-    for w in &mut state.walls {
-        w.speed = match w.drive {
+    for k in 0..state.walls.len() {
+        let w = &state.walls[k];
+        let speed = match w.drive {
             Drive::Fixed => 0.0,
             Drive::Velocity(v) => v,
             Drive::Stress { stress, area, gain } => {
                 let area = match w.shape {
                     WallShape::Plane { .. } => area,
-                    WallShape::Cylinder { radius, .. } => 2.0 * std::f64::consts::PI * radius * area,
+                    WallShape::Cylinder { radius, .. } => crate::boundary::shell_area(radius, extent_z(state)),
                 };
                 servo_speed(stress * area, w.reaction, w.stiffness, gain, state.dt, limit)
             }
         };
+        state.walls[k].speed = speed;
     }
+}
+
+/// Height between the lowest and the highest point of all grains, m: a cylinder's stress acts on its shell over this height.
+fn extent_z(state: &State) -> f64 {
+    let (low, high) = state
+        .grains
+        .pos
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[2] - p[3]), high.max(p[2] + p[3])));
+    (high - low).max(0.0)
+}
+
+/// Mean stress of the contacts over the grains' own volume, Pa: Σ F_n (r_1 + r_2) / (3 V).
+fn contact_pressure(state: &State, work: &Work) -> f64 {
+    let g = &state.grains;
+    let (mut sum, mut volume) = (0.0, 0.0);
+    for &i in &g.by_id() {
+        let i = i as usize;
+        volume += sphere_volume(g.pos[i][3]);
+        for e in work.neighbours.adjacency.of(i).iter().filter(|e| !e.second_end()) {
+            let slot = e.slot() as usize;
+            let (pool, length) = if e.is_wall() {
+                (&state.wall_pairs, g.pos[i][3])
+            } else {
+                (&state.pairs, g.pos[i][3] + g.pos[state.pairs.ends[slot][1] as usize][3])
+            };
+            if pool.touch[slot].overlap > 0.0 {
+                sum += measure::normal_force(state, slot, e.is_wall()) * length;
+            }
+        }
+    }
+    sum / (3.0 * volume)
 }

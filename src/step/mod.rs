@@ -49,6 +49,8 @@ pub struct State {
     pub reference_stress: f64,
     /// Steps between two looks at inertia or time step.
     pub stability_interval: u64,
+    /// Grains were born in the last step: the time step is looked at again.
+    pub births: bool,
     pub ledger: Ledger,
     pub crush_events: u64,
     /// (lost mass, kg; smallest daughter's diameter, m) of each event, for the reconstructed gradation.
@@ -64,6 +66,7 @@ pub struct Work {
     moved: Vec<u32>,
     failing: Vec<u32>,
     flags: Vec<u8>,
+    scratch: stability::Scratch,
     /// Breakages of the last step.
     pub breakages: Vec<Breakage>,
     /// Friction the table was made for.
@@ -85,6 +88,7 @@ impl Work {
             moved: Vec::new(),
             failing: Vec::new(),
             flags: vec![0; state.grains.len()],
+            scratch: stability::Scratch::default(),
             breakages: Vec::new(),
             table_friction: state.friction,
             births_since_reorder: 0,
@@ -116,6 +120,7 @@ impl State {
             crushing: false,
             reference_stress: 0.0,
             stability_interval: STABILITY_INTERVAL,
+            births: false,
             ledger: Ledger::default(),
             crush_events: 0,
             lost: Vec::new(),
@@ -184,7 +189,9 @@ pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
     sweep::grains(model, &work.table, &rules, &state.grains, &mut state.pairs);
     sweep::walls(model, &work.table, &rules, &state.grains, &state.walls, &mut state.wall_pairs);
     reactions(model, state, work);
-    if state.step.is_multiple_of(state.stability_interval) {
+    // newborn grains get their scaled inertia at birth; an unscaled time step has to follow them
+    let born = std::mem::take(&mut state.births) && !model.stepping.inertia_scaling;
+    if born || state.step.is_multiple_of(state.stability_interval) {
         stability::refresh(model, state, work);
     }
 }
@@ -244,6 +251,7 @@ fn crush(model: &Model, state: &mut State, work: &mut Work) {
     }
     work.failing.sort_unstable_by_key(|&i| state.grains.id[i as usize]);
     let before = state.grains.len();
+    state.births = true;
     let Work { neighbours, failing, breakages, table, .. } = work;
     event::break_grains(model, state, neighbours, table, failing, breakages);
     work.births_since_reorder += state.grains.len() - before;

@@ -113,21 +113,9 @@ fn rayleigh(model: &Model, g: &Grains) -> f64 {
 }
 
 /// Looks at inertia (scaled runs) or the time step (unscaled) again.
-pub fn refresh(model: &Model, state: &mut State, work: &Work) {
+pub fn refresh(model: &Model, state: &mut State, work: &mut Work) {
     if model.stepping.inertia_scaling {
-        let frozen: &State = state;
-        let changes: Vec<Option<f64>> = (0..frozen.grains.len())
-            .into_par_iter()
-            .with_min_len(256)
-            .map(|i| new_inertia(i, model, frozen, &work.neighbours, &work.table))
-            .collect();
-        // the ledger's sum in id order
-        let mut changed: Vec<(u32, usize, f64)> =
-            changes.into_iter().enumerate().filter_map(|(i, m)| m.map(|m| (state.grains.id[i], i, m))).collect();
-        changed.sort_unstable_by_key(|c| c.0);
-        for (_, i, inertia) in changed {
-            set_inertia(state, i, inertia);
-        }
+        rescale(model, state, work);
     } else if model.stepping.dt.is_none() {
         let frozen: &State = state;
         let least = (0..frozen.grains.len())
@@ -140,6 +128,38 @@ pub fn refresh(model: &Model, state: &mut State, work: &Work) {
             .reduce(|| f64::INFINITY, f64::min);
         state.dt = (model.stepping.safety * least).min(rayleigh(model, &state.grains));
     }
+}
+
+/// New inertia for the grains whose present one is out of bounds; the ledger's sum in the order of ids.
+fn rescale(model: &Model, state: &mut State, work: &mut Work) {
+    let Work { neighbours, table, scratch, .. } = work;
+    scratch.inertia.resize(state.grains.len(), None);
+    let frozen: &State = state;
+    scratch
+        .inertia
+        .par_iter_mut()
+        .with_min_len(256)
+        .enumerate()
+        .for_each(|(i, new)| *new = new_inertia(i, model, frozen, neighbours, table));
+    scratch.changed.clear();
+    for (i, new) in scratch.inertia.iter().enumerate() {
+        if new.is_some() {
+            scratch.changed.push((frozen.grains.id[i], i as u32));
+        }
+    }
+    scratch.changed.sort_unstable();
+    for &(_, i) in &scratch.changed {
+        if let Some(inertia) = scratch.inertia[i as usize] {
+            set_inertia(state, i as usize, inertia);
+        }
+    }
+}
+
+/// Buffers of [`rescale`].
+#[derive(Default)]
+pub struct Scratch {
+    inertia: Vec<Option<f64>>,
+    changed: Vec<(u32, u32)>,
 }
 
 fn set_inertia(state: &mut State, i: usize, inertia: f64) {
