@@ -30,19 +30,19 @@ seeds() {
 }
 twins() { for k in l-c-2 h-c-2 h-v-2 l-c-1 h-c-1 h-v-1; do run "$k-nc" "$k-nc"; done; }
 rate() {
-    for s in 1 2 3 4 5; do variant "half-rate-s$s" "$s" --set loading.rate=0.005 --set 'name="H-C-2, half the rate"'; done
+    for s in 1 2 3 4 5; do variant "half-rate-s$s" "$s" --set loading.rate=0.005 --set 'name="H-C-2-half-rate"'; done
 }
 walls() {
     for s in 1 2 3; do
         for mu in 0.1 0.4228; do
             variant "walls-$mu-s$s" "$s" --set walls.friction.bottom=$mu --set walls.friction.top=$mu \
-                --set walls.friction.cylinder=$mu --set "name=\"H-C-2, wall friction $mu\""
+                --set walls.friction.cylinder=$mu --set "name=\"H-C-2-walls-$mu\""
         done
     done
 }
 truncation() {
     for s in 1 2 3 4 5; do
-        variant "clamp-s$s" "$s" --set strength.truncation=clamp --set 'name="H-C-2, strengths clamped at zero"'
+        variant "clamp-s$s" "$s" --set material.strength.truncation=clamp --set 'name="H-C-2-clamp"'
     done
 }
 scale1() { for k in h-c-1 l-c-1 h-v-1; do run "$k" "$k"; done; }

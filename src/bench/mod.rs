@@ -111,10 +111,10 @@ fn rig(grains: usize) -> Oedometer {
         wall_friction: WallFriction { bottom: 0.0, top: 0.0, cylinder: 0.0 },
         isotropic_stress: STRESS,
         preparation: Preparation {
-            growth_friction: 0.35,
-            growth_steps: 2000,
+            growth_friction: 0.13,
+            growth_steps: 1500,
             damping: 0.7,
-            porosity_tolerance: 0.005,
+            porosity_tolerance: 0.02,
             max_steps: 100_000,
         },
         loading: Loading {

@@ -106,11 +106,12 @@ fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(table: &PairTable
             if EXTRA && !part.rolling.is_empty() {
                 memory.rolling = Some(&mut part.rolling[s]);
             }
-            if distance2 >= reach * reach {
+            // without the root where it is not needed; an overlap that rounds to nothing is none
+            let distance = if distance2 < reach * reach { distance2.sqrt() } else { reach };
+            if distance >= reach {
                 force::apart::<LEDGER>(|| motion(g, i, j), rules.dt, memory);
                 continue;
             }
-            let distance = distance2.sqrt();
             // one division for 1/distance and 1/(r_i + r_j)
             let both = 1.0 / (distance * reach);
             let inverse = both * reach;

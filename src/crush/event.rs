@@ -43,6 +43,9 @@ pub struct Breakage {
     pub stored_after: f64,
 }
 
+/// Siblings touch to rounding; a rise of stored energy below this share of force times radius is none.
+const ROUNDING: f64 = 1e-12;
+
 /// The decisive contact of a failing grain.
 struct Verdict {
     grain: usize,
@@ -168,7 +171,8 @@ fn break_one(
     l.lost_potential -= event.lost_mass * dot(model.gravity, centre);
     l.removed += event.stored_before;
     l.made += event.stored_after;
-    l.rises += u64::from(event.stored_after > event.stored_before);
+    let rounding = ROUNDING * verdict.force * mother.pos[3];
+    l.rises += u64::from(event.stored_after > event.stored_before + rounding);
     state.crush_events += 1;
     state.lost.push((event.lost_mass, event.smallest));
     event

@@ -117,11 +117,15 @@ impl Neighbours {
         self.search(i, g, pools);
     }
 
-    /// After a change of radii only: what is left of each grain's allowance.
-    pub fn account_for_growth(&mut self, g: &Grains) {
+    /// After a change of radii: what is left of each grain's allowance, and in `moved` the grains that have none left.
+    pub fn account_for_growth(&mut self, g: &Grains, moved: &mut Vec<u32>) {
+        moved.clear();
         for (i, p) in g.pos.iter().enumerate() {
-            let left = (self.reference[i][3] - p[3]).max(0.0);
+            let left = self.reference[i][3] - p[3];
             self.allowed2[i] = left * left;
+            if left <= 0.0 || Self::moved2(&self.reference[i], *p) > self.allowed2[i] {
+                moved.push(i as u32);
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 //! compression under the platen's servo with friction lowered until the target porosity is reached, rest at final friction with platen and
 //! cylinder under servo.
 
-use super::oedometer::{BOTTOM, CYLINDER, TOP, Walls, inertial_time};
+use super::oedometer::{BOTTOM, CYLINDER, Stresses, TOP, Walls, inertial_time};
 use crate::boundary::servo_speed;
 use crate::error::Error;
 use crate::grains::{Grains, sphere_volume};
@@ -119,7 +119,7 @@ impl Preparation {
             Stage::Growth if self.stage_steps >= rig.preparation.growth_steps => {
                 self.still(state);
                 state.reference_stress = rig.isotropic_stress;
-                state.stability_interval = LOOK / 4;
+                state.stability_interval = LOOK / 8;
                 self.enter(Stage::Compaction);
             }
             Stage::Compaction if self.at_rest(model, rig, state, work) => {
@@ -200,7 +200,7 @@ impl Preparation {
             g.pos[i][3] = r;
             g.mass[i] = model.materials[g.material[i] as usize].density * sphere_volume(r);
         }
-        work.neighbours.account_for_growth(g);
+        work.grown(g);
     }
 
     /// All velocities to zero.
@@ -214,9 +214,11 @@ impl Preparation {
 
     fn servo(&mut self, rig: &Oedometer, state: &mut State) {
         let size = Walls::of(state);
-        if self.stage_steps.is_multiple_of(LOOK) || self.limit == 0.0 {
-            state.reference_stress = self.stress(rig);
-            self.limit = INERTIAL * size.height / inertial_time(state, self.stress(rig));
+        if self.stage_steps.is_multiple_of(LOOK / 4) {
+            // by the stress there is, not the one to come: a pressing starts as gently as the specimen is soft
+            let now = Stresses::of(state).top.clamp(rig.isotropic_stress, self.stress(rig));
+            state.reference_stress = now;
+            self.limit = INERTIAL * size.height / inertial_time(state, now);
         }
         let stress = self.stress(rig);
         // the cylinder keeps its radius until the porosity is reached, then joins in

@@ -120,7 +120,12 @@ pub const KEYS: &[Key] = &[
     both("crushing.area", Choice(&["fixed_angle", "hertz"]), Is("\"fixed_angle\""), "contact area at failure: eq. 8, or eq. 9"),
     both("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
     both("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
-    oedometer("preparation.growth_friction", Number(FRICTION), Is("0.4"), "friction between grains while their radii grow: it sets the loosest porosity that can be reached"),
+    oedometer(
+        "preparation.growth_friction",
+        Number(FRICTION),
+        Is("0.4"),
+        "friction between grains while their radii grow: it sets the loosest porosity that can be reached",
+    ),
     oedometer("preparation.growth_steps", COUNT, Is("8000"), "steps of radius growth"),
     oedometer("preparation.damping", Number(RATIO), Is("0.7"), "local damping during preparation"),
     oedometer(

@@ -97,6 +97,11 @@ impl Work {
         }
     }
 
+    /// The radii have changed: grains that have outgrown their neighbourhood are searched before the next forces.
+    pub fn grown(&mut self, grains: &Grains) {
+        self.neighbours.account_for_growth(grains, &mut self.moved);
+    }
+
     /// Bytes held by lists and pools, state included.
     pub fn bytes(&self, state: &State) -> usize {
         let n = state.grains.pos.capacity();
@@ -170,7 +175,7 @@ fn neighbours(state: &mut State, work: &mut Work) {
         work.neighbours.update(&work.moved, grains, walls, &mut pools);
     }
     work.moved.clear();
-    if work.births_since_reorder * 3 > state.grains.len() || work.neighbours.searches > 12 * state.grains.len() as u64 {
+    if work.births_since_reorder * 16 > state.grains.len() || work.neighbours.searches > 2 * state.grains.len() as u64 {
         reorder(state, work);
     }
 }
@@ -288,6 +293,9 @@ pub fn permute(state: &mut State, work: &mut Work, order: &[u32]) {
     let mut place = vec![0u32; order.len()];
     for (k, &i) in order.iter().enumerate() {
         place[i as usize] = k as u32;
+    }
+    for i in &mut work.moved {
+        *i = place[*i as usize];
     }
     state.grains.permute(order);
     let slot_order = |pairs: &Pairs| {

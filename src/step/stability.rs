@@ -2,11 +2,11 @@
 //! feed it (two translations, two rotations of spheres, I = 2/5 m r²), ω² of grain i is at most
 //!
 //! ```text
-//! ω_i² = Σ_contacts max(2 k_n, 7 k_t) / m_i
+//! ω_i² = (1 + α) Σ_contacts max(2 k_n, 7 k_t) / m_i
 //! ```
 //!
-//! a sufficient bound. Unscaled: dt = safety · min 2/ω_i. Inertia-scaled: every grain's inertia is what makes dt = 1 the stable step,
-//! m_i = Σ max(2 k_n, 7 k_t) dt² / (4 safety²).
+//! a sufficient bound (α: local damping). Unscaled: dt = safety · min 2/ω_i. Inertia-scaled: every grain's inertia is what makes dt = 1 the stable step,
+//! m_i = (1 + α) Σ max(2 k_n, 7 k_t) dt² / (4 safety²).
 
 use super::{State, Work};
 use crate::contact::law::{Elastic, Law, Pair};
@@ -62,9 +62,10 @@ fn stiffness_at_rest(i: usize, model: &Model, g: &Grains, stress: f64, table: &c
     2.0 * share(&elastic(model, overlap, r_eff, pair))
 }
 
-/// Inertia for which the step is stable under stiffness `k`, kg (time in steps).
-fn scaled_inertia(k: f64, dt: f64, safety: f64) -> f64 {
-    k * dt * dt / (4.0 * safety * safety)
+/// Inertia for which the step is stable under stiffness `k`, kg (time in steps). Local damping α adds up to α |F| to a force, as
+/// if contacts were stiffer by 1 + α.
+fn scaled_inertia(k: f64, damping: f64, dt: f64, safety: f64) -> f64 {
+    (1.0 + damping) * k * dt * dt / (4.0 * safety * safety)
 }
 
 /// Margin by which stiffness may grow before inertia is looked at again.
@@ -80,7 +81,7 @@ fn new_inertia(
 ) -> Option<f64> {
     let floor = stiffness_at_rest(i, model, &state.grains, state.reference_stress, table);
     let needed = stiffness(i, model, state, neighbours, table).max(floor);
-    let inertia = scaled_inertia(needed, state.dt, model.stepping.safety);
+    let inertia = scaled_inertia(needed, state.damping, state.dt, model.stepping.safety);
     let present = state.grains.inertia(i);
     (present < inertia || present > 2.0 * MARGIN * inertia).then_some(MARGIN * inertia)
 }
@@ -123,7 +124,7 @@ pub fn refresh(model: &Model, state: &mut State, work: &mut Work) {
             .with_min_len(256)
             .map(|i| {
                 let k = stiffness(i, model, frozen, &work.neighbours, &work.table);
-                if k > 0.0 { 2.0 * (frozen.grains.mass[i] / (k * MARGIN)).sqrt() } else { f64::INFINITY }
+                if k > 0.0 { 2.0 * (frozen.grains.mass[i] / ((1.0 + frozen.damping) * k * MARGIN)).sqrt() } else { f64::INFINITY }
             })
             .reduce(|| f64::INFINITY, f64::min);
         state.dt = (model.stepping.safety * least).min(rayleigh(model, &state.grains));
