@@ -3,6 +3,7 @@
 use comminute::bench::{self, Packing};
 use comminute::crush::event;
 use comminute::model::{ContactLaw, Model};
+use comminute::neighbours::adjacency::Entry;
 use comminute::neighbours::{Neighbours, Pools};
 use comminute::step::{self, State, Work, gather};
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
@@ -93,20 +94,19 @@ fn crushing(c: &mut Criterion) {
         b.iter_batched(
             || {
                 let mut state = state.clone();
-                let work = Work::new(&model, &mut state);
-                // a grain that bears load
-                loop {
+                let mut work = Work::new(&model, &mut state);
+                // one before, so that the arrays have room
+                let mut out = Vec::with_capacity(2);
+                let mut next = || loop {
                     i = (i + 617) % GRAINS;
-                    if work
-                        .neighbours
-                        .adjacency
-                        .of(i)
-                        .iter()
-                        .any(|e| !e.is_wall() && state.pairs.touch[e.slot() as usize].load > 0.0)
-                    {
-                        return (state, work, i as u32, Vec::with_capacity(1));
+                    let loaded = |e: &Entry| !e.is_wall() && state.pairs.touch[e.slot() as usize].load > 0.0;
+                    if work.neighbours.adjacency.of(i).iter().any(loaded) {
+                        return i as u32;
                     }
-                }
+                };
+                let (first, second) = (next(), next());
+                event::break_grains(&model, &mut state, &mut work.neighbours, &work.table, &[first], &mut out);
+                (state, work, second, out)
             },
             |(mut state, mut work, i, mut out)| {
                 event::break_grains(&model, &mut state, &mut work.neighbours, &work.table, &[i], &mut out);

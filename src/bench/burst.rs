@@ -11,8 +11,11 @@ use std::time::Instant;
 #[derive(Clone, Debug)]
 pub struct Burst {
     pub events: usize,
-    /// Seconds of the breakage itself (median of events).
+    /// Seconds of the breakage itself: median and mean of events (arrays that grow are in the mean).
     pub each: f64,
+    pub mean: f64,
+    /// Seconds of neighbour work per step while grains break (mean).
+    pub neighbours: f64,
     /// Seconds by which a step with a breakage is longer than one without (mean: what daughters cost afterwards is in it).
     pub extra: f64,
 }
@@ -57,7 +60,8 @@ pub fn burst(model: &Model, mut state: State, events: usize) -> Result<Burst> {
         }
     }
     let steps = broken.len().max(1) as f64;
-    Ok(Burst { events: broken.len(), each: median(&broken), extra: whole / steps - plain })
+    let clock = work.clock.unwrap_or_default().map(|ns| 1e-9 * ns as f64 / steps);
+    Ok(Burst { events: broken.len(), each: median(&broken), mean: clock[3], neighbours: clock[0], extra: whole / steps - plain })
 }
 
 /// Ids of loaded grains, spread over the specimen.

@@ -20,7 +20,7 @@ pub struct Args {
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [5000, 50_000], value_parser = clap::value_parser!(u32).range(200..=2_000_000))]
     grains: Vec<u32>,
 
-    /// Numbers of threads; all that this machine has and half of them if not given
+    /// Numbers of threads; one, and all that this machine has, if not given
     #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
     threads: Vec<u16>,
 
@@ -291,6 +291,8 @@ fn row_as_json(row: &Row) -> Value {
         "breakage": row.burst.as_ref().map(|b| json!({
             "events": b.events,
             "microseconds": 1e6 * b.each,
+            "mean_microseconds": 1e6 * b.mean,
+            "neighbours_microseconds_per_step": 1e6 * b.neighbours,
             "step_longer_by_microseconds": 1e6 * b.extra,
         })),
     })

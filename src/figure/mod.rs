@@ -16,6 +16,7 @@ mod group;
 mod legend;
 mod plot;
 mod run;
+mod runs_table;
 mod specimen;
 mod stress_path;
 mod table;
@@ -56,7 +57,10 @@ pub fn overlay(dirs: &[PathBuf], data: &[PathBuf], out: &Path) -> Result<Vec<Pat
     let runs: Result<Vec<Run>> = dirs.iter().map(|d| Run::read(d)).collect();
     let data: Result<Vec<Measured>> = data.iter().enumerate().map(|(i, path)| Measured::read(path, i)).collect();
     let input = Input { groups: group::group(runs?), data: data? };
-    let files = draw_all(&input, out)?;
+    let mut files = draw_all(&input, out)?;
+    if !files.is_empty() {
+        files.extend(runs_table::write(dirs, out)?);
+    }
     if files.is_empty() {
         let why = "nothing to draw: the runs given have no records";
         return Err(FigureError::nothing(out, why));

@@ -149,7 +149,7 @@ impl Run {
 }
 
 /// The summary as JSON, or null if there is none.
-fn read_summary(path: &Path) -> Result<Value> {
+pub(super) fn read_summary(path: &Path) -> Result<Value> {
     if !path.is_file() {
         return Ok(Value::Null);
     }

@@ -1,0 +1,81 @@
+//! One line per run: what `summary.json` says, as a table beside overlaid figures.
+
+use super::error::{FigureError, Result};
+use super::run::read_summary;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Column and where its value stands in `summary.json`.
+const COLUMNS: [(&str, &str); 20] = [
+    ("scene", "/scene"),
+    ("seed_packing", "/seed/packing"),
+    ("seed_strength", "/seed/strength"),
+    ("scale", "/scale"),
+    ("height_mm", "/height_mm"),
+    ("max_stress_kPa", "/max_stress_kPa"),
+    ("grains_initial", "/grains_initial"),
+    ("crush_events", "/crush_events"),
+    ("grains_final", "/grains_final"),
+    ("excluded_grains", "/excluded_grains"),
+    ("porosity_final", "/porosity_final"),
+    ("k0_final", "/k0_final"),
+    ("mass_error", "/mass_error"),
+    ("energy_error", "/energy_error"),
+    ("energy_nonconservative", "/energy_nonconservative"),
+    ("largest_platen_difference", "/quasi_static/largest_platen_difference"),
+    ("largest_distance_from_target", "/quasi_static/largest_distance_from_target"),
+    ("largest_inertial_number", "/quasi_static/largest_inertial_number"),
+    ("steps", "/steps"),
+    ("wall_seconds", "/wall_seconds"),
+];
+
+/// Writes `runs.csv` for the runs that have a summary; returns its path, or `None` when none has.
+pub fn write(dirs: &[PathBuf], out: &Path) -> Result<Option<PathBuf>> {
+    let mut rows = Vec::new();
+    for dir in dirs {
+        let summary = read_summary(&dir.join("summary.json"))?;
+        if summary.is_object() {
+            rows.push(COLUMNS.map(|(_, at)| text(summary.pointer(at))).join(","));
+        }
+    }
+    if rows.is_empty() {
+        return Ok(None);
+    }
+    let path = out.join("runs.csv");
+    let header = COLUMNS.map(|(name, _)| name).join(",");
+    let body = format!("{header}\n{}\n", rows.join("\n"));
+    std::fs::write(&path, body).map_err(|e| FigureError::io(&path, e))?;
+    Ok(Some(path))
+}
+
+/// A value as it stands in a table: whole numbers as they are, others to six digits, nothing for what is absent.
+fn text(value: Option<&Value>) -> String {
+    match value {
+        Some(Value::String(s)) => s.clone(),
+        Some(Value::Number(n)) if n.is_f64() => {
+            let x = n.as_f64().unwrap_or(f64::NAN);
+            if x != 0.0 && x.abs() < 1e-3 { format!("{x:.2e}") } else { format!("{}", (x * 1e6).round() / 1e6) }
+        }
+        Some(Value::Number(n)) => n.to_string(),
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_is_a_line_and_a_folder_without_summary_is_none() {
+        let dir = tempfile::tempdir().expect("folder");
+        let run = dir.path().join("a");
+        std::fs::create_dir(&run).expect("folder");
+        std::fs::write(run.join("summary.json"), r#"{"scene":"H-C-2","crush_events":3,"k0_final":0.5,"mass_error":1e-15}"#).expect("file");
+        let path = write(&[run, dir.path().join("b")], dir.path()).expect("table").expect("one run");
+        let text = std::fs::read_to_string(path).expect("text");
+        assert_eq!(text.lines().count(), 2);
+        assert!(text.lines().nth(1).expect("row").starts_with("H-C-2,,,,,,,3,"));
+        assert!(text.contains("0.5") && text.contains("1.00e-15"));
+        assert!(write(&[dir.path().join("b")], dir.path()).expect("none").is_none());
+    }
+}
