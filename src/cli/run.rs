@@ -47,14 +47,14 @@ pub struct Args {
     json: bool,
 }
 
-pub fn call(args: Args) -> Result<()> {
+pub fn call(mut args: Args) -> Result<()> {
+    if let Some(specimen) = &args.specimen {
+        args.overrides.sets.push(format!("specimen.file={:?}", specimen.display().to_string()));
+    }
     let scene = args.overrides.load(&args.scene)?;
     let model = scene::model(&scene)?;
     let out = args.out.unwrap_or_else(|| scene.default_out());
     free(&out, args.force)?;
-    if let Some(specimen) = &args.specimen {
-        std::fs::File::open(specimen).map_err(Error::read(specimen))?;
-    }
     if !args.quiet {
         for warning in scene::estimate(&model).warnings {
             eprintln!("warning: {warning}");
@@ -66,7 +66,7 @@ pub fn call(args: Args) -> Result<()> {
         out,
         force: args.force,
         threads: args.threads.map(usize::from),
-        specimen: args.specimen,
+        specimen: scene.specimen(),
         quiet: args.quiet,
         json: args.json,
         stop_after: args.stop_after,

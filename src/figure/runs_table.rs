@@ -70,7 +70,8 @@ mod tests {
         let dir = tempfile::tempdir().expect("folder");
         let run = dir.path().join("a");
         std::fs::create_dir(&run).expect("folder");
-        std::fs::write(run.join("summary.json"), r#"{"scene":"H-C-2","crush_events":3,"k0_final":0.5,"mass_error":1e-15}"#).expect("file");
+        std::fs::write(run.join("summary.json"), r#"{"scene":"H-C-2","crush_events":3,"k0_final":0.5,"mass_error":1e-15}"#)
+            .expect("file");
         let path = write(&[run, dir.path().join("b")], dir.path()).expect("table").expect("one run");
         let text = std::fs::read_to_string(path).expect("text");
         assert_eq!(text.lines().count(), 2);

@@ -13,7 +13,7 @@ use crate::step::{State, Work};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-pub const SPECIMEN: &str = "specimen.csv";
+pub use crate::scene::SPECIMEN;
 pub const SUMMARY: &str = "summary.json";
 const SNAPSHOTS: &str = "snapshots";
 const COLLECTION: &str = "snapshots.pvd";

@@ -53,6 +53,9 @@ fn resolve(mut table: Table, path: &Path, at: &str, below: &mut Vec<PathBuf>) ->
     if let Some(Value::String(name)) = table.get_mut("grains_csv") {
         *name = beside(path, name).display().to_string();
     }
+    if let Some(Value::String(name)) = table.get_mut("specimen").and_then(|t| t.get_mut("file")) {
+        *name = beside(path, name).display().to_string();
+    }
     let mut materials = Vec::new();
     if let Some(value) = table.remove("material").filter(|_| at.is_empty()) {
         materials.push(("material".to_string(), value));

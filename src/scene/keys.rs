@@ -97,6 +97,7 @@ pub const KEYS: &[Key] = &[
         Is("1.0"),
         "scale N of eqs 13-15: sizes, d0 and the comminution limit are multiplied by it, gradations divided",
     ),
+    oedometer("specimen.file", Text, Absent, "a prepared specimen (specimen.csv of a run) to begin with; option --specimen"),
     oedometer("specimen.grains", Integer { low: 1, high: 100_000_000 }, Required, "grains at the start"),
     oedometer("specimen.diameter_mm", Number(POSITIVE), Required, "diameter of the oedometer"),
     oedometer("specimen.porosity", Number(Range::between(0.0, 1.0)), Required, "intergranular porosity at the isotropic stress"),

@@ -33,6 +33,9 @@ use toml::Value;
 /// Name of the file of a run that repeats it.
 pub const RESOLVED: &str = "scene.resolved.toml";
 
+/// Name of the file of a run that holds the specimen before loading.
+pub const SPECIMEN: &str = "specimen.csv";
+
 /// A scene as written, with its base, material, imported grains, overrides and defaults: every key is known and in its
 /// own range, and nothing is said yet about whether they agree.
 #[derive(Clone, Debug)]
@@ -62,6 +65,11 @@ impl Scene {
         let resolved = self.path.file_name().is_some_and(|n| n == RESOLVED);
         let stem = self.path.file_stem().and_then(|s| s.to_str());
         Path::new("runs").join(stem.filter(|_| !resolved).unwrap_or(self.name()))
+    }
+
+    /// The prepared specimen that the scene begins with, if it names one.
+    pub fn specimen(&self) -> Option<PathBuf> {
+        self.layer.table.get("specimen")?.get("file")?.as_str().map(PathBuf::from)
     }
 
     fn text(&self, key: &str) -> &str {
@@ -100,7 +108,12 @@ pub fn model(scene: &Scene) -> Result<Model> {
 
 /// The scene with every default filled in, its material and grains written out: running it repeats the run.
 pub fn resolved(scene: &Scene) -> String {
-    write::write(&scene.layer.table)
+    let mut table = scene.layer.table.clone();
+    // a run keeps the specimen it began with beside the scene
+    if let Some(file) = table.get_mut("specimen").and_then(|t| t.get_mut("file")) {
+        *file = Value::String(SPECIMEN.into());
+    }
+    write::write(&table)
 }
 
 fn stem(path: &Path) -> String {
