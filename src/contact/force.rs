@@ -84,11 +84,9 @@ pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Squared angle of one step's turn below which the length lost in it (half of this) is let go: 10⁵ such steps lose 5·10⁻⁶.
-const SMALL_TURN2: f64 = 1e-10;
-
 /// Turns a vector of the contact plane with the contact: about the normal with the mean spin, then into the new plane,
-/// keeping its length.
+/// keeping its length. The length is restored by the series of (|v|/|u|) about 1, which needs no root and no branch; a turn by θ in one
+/// step leaves an error of θ⁴/8.
 #[inline(always)]
 fn carried(v: [f64; 3], m: &Meeting, dt: f64) -> [f64; 3] {
     let n = m.normal;
@@ -97,13 +95,8 @@ fn carried(v: [f64; 3], m: &Meeting, dt: f64) -> [f64; 3] {
     let mut u = [v[0] + twist * c[0], v[1] + twist * c[1], v[2] + twist * c[2]];
     let out = dot(u, n);
     u = [u[0] - out * n[0], u[1] - out * n[1], u[2] - out * n[2]];
-    let length2 = dot(v, v);
-    if out * out + twist * twist * length2 > SMALL_TURN2 * length2 {
-        let after2 = dot(u, u);
-        let s = if after2 > 0.0 { (length2 / after2).sqrt() } else { 0.0 };
-        u = [u[0] * s, u[1] * s, u[2] * s];
-    }
-    u
+    let s = 1.5 - 0.5 * (dot(u, u) / dot(v, v).max(f64::MIN_POSITIVE));
+    [u[0] * s, u[1] * s, u[2] * s]
 }
 
 /// Force, torque, history and work of a touching contact.

@@ -57,6 +57,7 @@ impl Pairs {
             }
             return slot;
         }
+        self.make_room();
         self.ends.push([first, second]);
         self.history.push([0.0; 4]);
         self.touch.push(Touch::default());
@@ -67,6 +68,23 @@ impl Pairs {
             self.rolling.push([0.0; 3]);
         }
         self.ends.len() as u32 - 1
+    }
+
+    /// Grows by an eighth, not by doubling: slots are most of a run's memory.
+    fn make_room(&mut self) {
+        let n = self.ends.len();
+        if n == self.ends.capacity() {
+            let more = n / 8 + 64;
+            self.ends.reserve_exact(more);
+            self.history.reserve_exact(more);
+            self.touch.reserve_exact(more);
+            if self.with_work {
+                self.work.reserve_exact(more);
+            }
+            if self.with_rolling {
+                self.rolling.reserve_exact(more);
+            }
+        }
     }
 
     pub fn remove(&mut self, slot: u32) {

@@ -31,7 +31,7 @@ impl Level {
     fn new(reach: f64, size: &[f64; 3], grains: usize) -> Level {
         let mut cell = 2.0 * reach;
         let capacity = (grains * 2).max(64);
-        let cells = |cell: f64| size.map(|s| ((s / cell).ceil().max(1.0)).min(1e6));
+        let cells = |cell: f64| size.map(|s| (s / cell).ceil().clamp(1.0, 1e6));
         while cells(cell).iter().product::<f64>() > (2 * capacity) as f64 {
             cell *= 1.25;
         }

@@ -95,9 +95,9 @@ impl Neighbours {
 
     /// Searches the neighbourhoods of the grains listed, and of walls that have moved by more than their skin.
     pub fn update(&mut self, moved: &[u32], g: &Grains, walls: &[Wall], pools: &mut Pools<'_>) {
-        for k in 0..walls.len() {
-            if walls[k].moved_since(&self.wall_reference[k]) > self.wall_skin {
-                self.wall_reference[k] = walls[k].shape;
+        for (k, wall) in walls.iter().enumerate() {
+            if wall.moved_since(&self.wall_reference[k]) > self.wall_skin {
+                self.wall_reference[k] = wall.shape;
                 for i in 0..g.len() {
                     self.search_wall(i, k, g, pools);
                 }

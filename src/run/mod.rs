@@ -143,7 +143,7 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
     if dir.join(files::SUMMARY).exists() && !dir.join(checkpoint::FILE).exists() {
         return Err(Error::Checkpoint { path: dir.into(), what: "the run is finished".into() });
     }
-    let scene = crate::scene::load(&dir.join(crate::scene::RESOLVED), &[])?;
+    let scene = crate::scene::load(dir.join(crate::scene::RESOLVED), &[])?;
     let model = crate::scene::model(&scene)?;
     let progress: Progress = checkpoint::load(dir)?;
     in_pool(options.threads, move || Runner::new(&model, dir, progress, options.quiet)?.go(options.stop_after))
@@ -157,6 +157,13 @@ fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> + Se
         .map_err(|e| Error::Failed { step: 0, what: format!("cannot start threads: {e}") })?;
     listen();
     pool.install(job)
+}
+
+/// Scratch for a state, with grains near in space put near in memory.
+fn fresh_work(model: &Model, state: &mut State) -> Work {
+    let mut work = Work::new(model, state);
+    crate::step::reorder(state, &mut work);
+    work
 }
 
 /// Steps between looks at the clock, the watchdog and Ctrl-C's flag (the flag itself at every step).
@@ -175,7 +182,7 @@ struct Runner<'a> {
 impl<'a> Runner<'a> {
     fn new(model: &'a Model, out: &'a Path, mut progress: Progress, quiet: bool) -> Result<Runner<'a>> {
         progress.files.open(out, model, matches!(progress.activity, Activity::Loading(_)))?;
-        let work = Work::new(model, &mut progress.state);
+        let work = fresh_work(model, &mut progress.state);
         let now = Instant::now();
         Ok(Runner { model, out, progress, work, bar: Bar::new(quiet), started: now, last_checkpoint: now })
     }
@@ -262,7 +269,7 @@ impl<'a> Runner<'a> {
         self.progress.activity = Activity::Loading(loading);
         self.progress.state = state;
         self.progress.files.open(self.out, self.model, true)?;
-        self.work = Work::new(self.model, &mut self.progress.state);
+        self.work = fresh_work(self.model, &mut self.progress.state);
         Ok(())
     }
 

@@ -1,0 +1,211 @@
+//! A run can be stopped at any moment and goes on with the same bytes; a run repeats itself from what it leaves.
+
+use assert_cmd::cargo::cargo_bin;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::OnceLock;
+use std::time::Duration;
+
+/// What may differ between two runs of the same: clocks and host.
+const CLOCK_AND_HOST: [&str; 8] = [
+    "wall_seconds",
+    "loading_seconds",
+    "particle_steps_per_second",
+    "figure_seconds",
+    "bytes_per_grain",
+    "threads",
+    "host",
+    "version",
+];
+
+struct Finished {
+    dir: PathBuf,
+    files: BTreeMap<String, Vec<u8>>,
+    preparation: u64,
+    steps: u64,
+}
+
+fn comminute() -> Command {
+    let mut command = Command::new(cargo_bin("comminute"));
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    command
+}
+
+fn folder() -> PathBuf {
+    static DIR: OnceLock<tempfile::TempDir> = OnceLock::new();
+    DIR.get_or_init(|| tempfile::tempdir().expect("folder")).path().to_path_buf()
+}
+
+/// A small crushable specimen: breakages from the start of loading.
+fn scene() -> PathBuf {
+    let path = folder().join("small.toml");
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/petroleum_coke/h-c-2.toml");
+    let text = format!(
+        "base = {:?}\n[specimen]\nscale = 4.0\ngrains = 120\nporosity = 0.45\n[preparation]\ngrowth_friction = 0.4\n\
+         [loading]\nmax_stress_kPa = 150.0\n[records]\nat_kPa = [50.0]\nfigures = false\ncheckpoint_seconds = 0.05\n\
+         [material]\nbase = {:?}\n[material.strength.fixed_angle]\nsigma_lim0_MPa = 100.0\n",
+        base.display().to_string(),
+        base.with_file_name("../../materials/petroleum_coke.toml").display().to_string()
+    );
+    // several tests write the same bytes: whole or not at all
+    let own = folder().join(format!("small.{:?}.tmp", std::thread::current().id()));
+    std::fs::write(&own, text).expect("scene");
+    std::fs::rename(&own, &path).expect("scene");
+    path
+}
+
+fn files(dir: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut open = vec![dir.to_path_buf()];
+    while let Some(d) = open.pop() {
+        for entry in std::fs::read_dir(&d).expect("folder") {
+            let path = entry.expect("entry").path();
+            if path.is_dir() {
+                open.push(path);
+                continue;
+            }
+            let name = path.strip_prefix(dir).expect("inside").display().to_string();
+            let mut bytes = std::fs::read(&path).expect("file");
+            if name == "summary.json" {
+                let mut summary: serde_json::Value = serde_json::from_slice(&bytes).expect("summary");
+                for key in CLOCK_AND_HOST {
+                    summary.as_object_mut().expect("object").remove(key);
+                }
+                bytes = summary.to_string().into_bytes();
+            }
+            found.insert(name, bytes);
+        }
+    }
+    found
+}
+
+/// The run without any interruption, on one thread.
+fn whole() -> &'static Finished {
+    static RUN: OnceLock<Finished> = OnceLock::new();
+    RUN.get_or_init(|| {
+        let dir = folder().join("whole");
+        let status = comminute().arg("run").arg(scene()).arg("--out").arg(&dir).args(["--threads", "1"]).status().expect("start");
+        assert!(status.success());
+        let files = files(&dir);
+        let summary: serde_json::Value = serde_json::from_slice(&files["summary.json"]).expect("summary");
+        let count = |key: &str| summary[key].as_u64().expect("count");
+        assert!(count("crush_events") >= 5, "the scene breaks grains");
+        assert!(files.keys().any(|k| k.ends_with(".vtp")), "the scene leaves snapshots");
+        let (preparation, steps) = (count("preparation_steps"), count("steps"));
+        Finished { dir, files, preparation, steps }
+    })
+}
+
+fn breakage_step(k: usize) -> u64 {
+    let text = String::from_utf8(whole().files["breakage.csv"].clone()).expect("text");
+    text.lines().nth(k + 1).expect("row").split(',').nth(1).expect("step").parse().expect("number")
+}
+
+#[track_caller]
+fn same_as_whole(dir: &Path) {
+    let now = files(dir);
+    let names: Vec<&String> = now.keys().collect();
+    assert_eq!(names, whole().files.keys().collect::<Vec<_>>());
+    for (name, bytes) in &now {
+        assert!(*bytes == whole().files[name], "{name} differs");
+    }
+}
+
+/// Stops after the steps given, one after the other, each time on another number of threads, then runs to the end.
+fn cut(name: &str, after: &[u64]) {
+    let dir = folder().join(name);
+    for (k, steps) in after.iter().enumerate() {
+        let mut command = comminute();
+        if k == 0 {
+            command.arg("run").arg(scene()).arg("--out").arg(&dir);
+        } else {
+            command.arg("resume").arg(&dir);
+        }
+        let threads = (1 + (k + 1) % 2).to_string();
+        let status = command.args(["--threads", &threads, "--stop-after", &steps.to_string()]).status().expect("start");
+        assert_eq!(status.code(), Some(130), "a stopped run can be resumed");
+        assert!(!dir.join("summary.json").exists());
+    }
+    assert!(comminute().arg("resume").arg(&dir).status().expect("start").success());
+    same_as_whole(&dir);
+}
+
+#[test]
+fn cut_in_sample_generation() {
+    let p = whole().preparation;
+    cut("generation", &[1, p / 2, p - 1]);
+}
+
+#[test]
+fn cut_before_in_and_after_a_breakage() {
+    let (p, first) = (whole().preparation, breakage_step(0));
+    // step numbers count from 0: after `first + 1` steps the breakage has just been made
+    cut("breakage", &[p + first, p + first + 1, p + first + 2, p + breakage_step(3) + 1]);
+}
+
+#[test]
+fn cut_at_the_seams() {
+    let p = whole().preparation;
+    cut("seams", &[p, p + 1, p + 1000, p + whole().steps - 1]);
+}
+
+#[test]
+fn killed_and_interrupted_runs_go_on() {
+    for (name, signal) in [("killed", "KILL"), ("interrupted", "INT")] {
+        let dir = folder().join(name);
+        let mut child = comminute().arg("run").arg(scene()).arg("--out").arg(&dir).spawn().expect("start");
+        // some way into the run: a checkpoint is there and has been replaced
+        let mut seen = 0;
+        while seen < 4 {
+            std::thread::sleep(Duration::from_millis(20));
+            seen += usize::from(dir.join("checkpoint.bin").exists());
+            assert!(child.try_wait().expect("child").is_none() || dir.join("summary.json").exists());
+            if dir.join("summary.json").exists() {
+                break;
+            }
+        }
+        let kill = Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status().expect("kill");
+        let status = child.wait().expect("child");
+        if kill.success() && signal == "INT" && !dir.join("summary.json").exists() {
+            assert_eq!(status.code(), Some(130));
+        }
+        if !dir.join("summary.json").exists() {
+            assert!(comminute().arg("resume").arg(&dir).status().expect("start").success());
+        }
+        same_as_whole(&dir);
+    }
+}
+
+#[test]
+fn the_resolved_scene_repeats_the_run() {
+    let dir = folder().join("repeated");
+    let scene = whole().dir.join("scene.resolved.toml");
+    assert!(comminute().arg("run").arg(scene).arg("--out").arg(&dir).status().expect("start").success());
+    same_as_whole(&dir);
+}
+
+#[test]
+fn a_specimen_used_again_gives_the_same_loading() {
+    let dir = folder().join("specimen");
+    let specimen = whole().dir.join("specimen.csv");
+    let mut command = comminute();
+    command.arg("run").arg(scene()).arg("--out").arg(&dir).arg("--specimen").arg(specimen);
+    assert!(command.status().expect("start").success());
+    let now = files(&dir);
+    for name in ["specimen.csv", "history.csv", "gsd.csv", "breakage.csv", "grains_final.csv"] {
+        assert!(now[name] == whole().files[name], "{name} differs");
+    }
+    // and the scene it leaves names its specimen
+    let again = folder().join("specimen_again");
+    let resolved = dir.join("scene.resolved.toml");
+    assert!(comminute().arg("run").arg(resolved).arg("--out").arg(&again).status().expect("start").success());
+    assert!(files(&again) == now);
+}
+
+#[test]
+fn a_finished_run_is_not_resumed_and_a_folder_without_checkpoint_neither() {
+    for dir in [whole().dir.clone(), folder()] {
+        assert_eq!(comminute().arg("resume").arg(dir).status().expect("start").code(), Some(2));
+    }
+}
