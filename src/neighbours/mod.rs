@@ -93,8 +93,12 @@ impl Neighbours {
         }
     }
 
-    /// Searches the neighbourhoods of the grains listed, and of walls that have moved by more than their skin.
+    /// Searches the neighbourhoods of the grains listed, and of walls that have moved by more than their skin. All references are
+    /// taken before any search: against a stale one a touching pair could look far apart and lose its history.
     pub fn update(&mut self, moved: &[u32], g: &Grains, walls: &[Wall], pools: &mut Pools<'_>) {
+        for &i in moved {
+            self.refer(i as usize, g);
+        }
         for (k, wall) in walls.iter().enumerate() {
             if wall.moved_since(&self.wall_reference[k]) > self.wall_skin {
                 self.wall_reference[k] = wall.shape;
@@ -104,17 +108,21 @@ impl Neighbours {
             }
         }
         for &i in moved {
-            self.refresh(i as usize, g, pools);
+            self.search(i as usize, g, pools);
         }
     }
 
     /// Takes a grain's present position as its reference and searches its neighbourhood.
     pub fn refresh(&mut self, i: usize, g: &Grains, pools: &mut Pools<'_>) {
+        self.refer(i, g);
+        self.search(i, g, pools);
+    }
+
+    fn refer(&mut self, i: usize, g: &Grains) {
         let p = g.pos[i];
         self.reference[i] = [p[0], p[1], p[2], p[3] * (1.0 + self.skin)];
         self.allowed2[i] = (self.skin * p[3]) * (self.skin * p[3]);
         self.grid.place(i, &self.reference);
-        self.search(i, g, pools);
     }
 
     /// After a change of radii: what is left of each grain's allowance, and in `moved` the grains that have none left.

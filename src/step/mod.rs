@@ -166,6 +166,14 @@ pub fn step<E>(
 }
 
 fn neighbours(state: &mut State, work: &mut Work) {
+    search(state, work);
+    if work.births_since_reorder * 16 > state.grains.len() || work.neighbours.searches > 2 * state.grains.len() as u64 {
+        reorder(state, work);
+    }
+}
+
+/// Searches the neighbourhoods of what has moved too far.
+fn search(state: &mut State, work: &mut Work) {
     let State { grains, walls, pairs, wall_pairs, .. } = state;
     let mut pools = Pools { pairs, wall_pairs };
     if work.rebuild_always {
@@ -175,9 +183,6 @@ fn neighbours(state: &mut State, work: &mut Work) {
         work.neighbours.update(&work.moved, grains, walls, &mut pools);
     }
     work.moved.clear();
-    if work.births_since_reorder * 16 > state.grains.len() || work.neighbours.searches > 2 * state.grains.len() as u64 {
-        reorder(state, work);
-    }
 }
 
 /// Forces of all contacts at the present positions, the walls' reactions, and, when due, inertia or time step.
@@ -254,6 +259,8 @@ fn crush(model: &Model, state: &mut State, work: &mut Work) {
     if work.failing.is_empty() {
         return;
     }
+    // what has just moved out of its skin is searched before daughters look for whom they touch
+    search(state, work);
     work.failing.sort_unstable_by_key(|&i| state.grains.id[i as usize]);
     let before = state.grains.len();
     state.births = true;

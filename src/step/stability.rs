@@ -57,7 +57,7 @@ fn stiffness_at_rest(i: usize, model: &Model, g: &Grains, stress: f64, table: &c
     let force = stress * std::f64::consts::PI * r * r;
     let overlap = match model.contact.law {
         ContactLaw::Linear => force / (pair.a * r_eff),
-        _ => (force / (pair.a * r_eff.sqrt())).powf(2.0 / 3.0),
+        _ => (force / (pair.a * r_eff.sqrt())).cbrt().powi(2),
     };
     2.0 * share(&elastic(model, overlap, r_eff, pair))
 }

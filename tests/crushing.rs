@@ -1,0 +1,310 @@
+//! Breakage in the engine itself: when a grain breaks, into what, and what that leaves alone.
+
+mod common;
+
+use common::*;
+use comminute::crush::event::Breakage;
+use comminute::crush::strength::lineage_child;
+use std::f64::consts::PI;
+
+const COKE: Stuff = Stuff { young: 0.858e9, poisson: 0.3, density: 1040.0, friction: 0.4, restitution: 1.0 };
+const THETA: f64 = PI / 9.0;
+
+/// Keys of a crushing material: area model, mean strength at 2 mm in MPa, Weibull modulus, spread.
+fn crushing(area: &str, strength: f64, m: f64, var: f64) -> String {
+    let own = if area == "hertz" { "" } else { "material.strength.fixed_angle.theta0_rad = 0.3490658503988659\n" };
+    let table = if area == "hertz" { "hertz_area" } else { "fixed_angle" };
+    format!(
+        "crushing.enabled = true\ncrushing.area = \"{area}\"\nmaterial.strength.d0_mm = 2.0\n{own}\
+         material.strength.{table}.sigma_lim0_MPa = {strength:?}\nmaterial.strength.{table}.m = {m:?}\n\
+         material.strength.{table}.var = {var:?}\nmaterial.comminution.d_limit_over_d50 = 0.25\n\
+         material.comminution.d50_mm = 2.0\nmaterial.fines.d_min_mm = 1e-3\n"
+    )
+}
+
+/// A grain of diameter `d` at the origin between platens that close along `axis`, each with `speed`.
+fn pressed(head: &str, d: f64, axis: [f64; 3], speed: f64) -> Lab {
+    let r = 0.5 * d;
+    let plane = |sign: f64| Plane {
+        point: axis.map(|a| -sign * r * a),
+        normal: axis.map(|a| sign * a),
+        velocity: speed,
+        ..Plane::default()
+    };
+    let ball = Ball { radius: r, ..Ball::default() };
+    Lab::new(&assembly_text(head, &COKE, &[ball], &[plane(1.0), plane(-1.0)]))
+}
+
+/// Steps until the first breakage; the walls' reactions before it.
+fn until_broken(lab: &mut Lab) -> (Breakage, Vec<f64>) {
+    loop {
+        let reactions = lab.see(|_, state, _| state.walls.iter().map(|w| w.reaction).collect());
+        if let Some(b) = lab.work.breakages.first() {
+            return (b.clone(), reactions);
+        }
+        assert!(lab.state.step < 200_000, "it does not break");
+    }
+}
+
+/// Eqs (7), (16), (17): between platens a grain breaks at σ_lim π/4 d² sin²θ0, or at (σ_lim π)³ (3 r'/4E')² with the Hertzian area, r' = r and
+/// E' = E/(1 − ν²) on a rigid platen, σ_lim = σ_lim,0 (d/d0)^(−3/m).
+#[test]
+fn a_grain_between_platens_breaks_at_its_limit_force() {
+    for (area, strength, m) in [("fixed_angle", 300.0, 2.0), ("fixed_angle", 300.0, 10.0), ("hertz", 200.0, 10.0)] {
+        for d in [1e-3f64, 2e-3, 8e-3] {
+            for scale in [1.0f64, 4.0] {
+                let sigma = strength * 1e6 * f64::powf(d / (2e-3 * scale), -3.0 / m);
+                let limit = match area {
+                    "hertz" => (sigma * PI).powi(3) * (3.0 * 0.5 * d / (4.0 * COKE.plane_modulus())).powi(2),
+                    _ => sigma * PI / 4.0 * d * d * THETA.sin().powi(2),
+                };
+                // the comminution limit follows the scale: it must not hold the grain
+                let head = crushing(area, strength, m, 0.0).replace("d50_mm = 2.0", "d50_mm = 0.5");
+                let overlap = (limit / (4.0 / 3.0 * COKE.plane_modulus() * (0.5 * d).sqrt())).powf(2.0 / 3.0);
+                let steps = 20_000.0;
+                let dt = 5e-9;
+                let head = format!("{head}specimen.scale = {scale:?}\nstepping.dt_s = {dt:?}\nrecords.energy = false");
+                let mut lab = pressed(&head, d, [0.0, 0.0, 1.0], overlap / (steps * dt));
+                let (b, reactions) = until_broken(&mut lab);
+                let what = format!("{area}, d = {d}, N = {scale}");
+                // the force passes its limit within one step, 3/2 of a step's share of the overlap
+                let over = b.force / limit - 1.0;
+                assert!((-1e-9..2.0 * 1.5 / steps).contains(&over), "{what}: broke at {} of {limit}", b.force);
+                close(&format!("{what}: limit"), b.limit_force, limit, 1e-9);
+                close(&format!("{what}: strength"), b.strength, sigma, 1e-9);
+                close("bottom platen", reactions[0], b.force, 1e-12);
+                close("top platen", reactions[1], b.force, 1e-6);
+                let area = if area == "hertz" { PI * (3.0 * b.force * 0.5 * d / (4.0 * COKE.plane_modulus())).powf(2.0 / 3.0) } else { PI / 4.0 * d * d * THETA.sin().powi(2) };
+                close("area", b.area, area, 1e-9);
+                close("stress on it is the strength", b.force / b.area, sigma, 1e-3);
+            }
+        }
+    }
+}
+
+/// Below the comminution limit nothing breaks.
+#[test]
+fn grains_below_the_comminution_limit_bear_anything() {
+    let head = crushing("fixed_angle", 20.0, 2.0, 0.0) + "stepping.dt_s = 5e-9\n";
+    for (d, breaks) in [(0.51e-3, true), (0.49e-3, false)] {
+        let mut lab = pressed(&head, d, [0.0, 0.0, 1.0], 1.0);
+        // 7 N in the end, the limit of the larger is 4 N
+        lab.steps(10_000);
+        assert_eq!(lab.state.crush_events > 0, breaks, "{d}: {:?} N", lab.state.walls[0].reaction);
+        assert!(breaks || lab.state.walls[0].reaction > 6.0);
+    }
+}
+
+/// A flying, spinning grain breaks on a wall; its twin that cannot break is what it was in that instant.
+fn impact(pattern: u32, normal: [f64; 3], velocity: [f64; 3], spin: [f64; 3]) -> (Lab, Lab, Breakage) {
+    let (d, weak) = (4e-3, crushing("fixed_angle", 10.0, 2.0, 0.0));
+    let ball = Ball { at: [1.0, 2.0, 3.0].map(|x| 1e-3 * x), radius: 0.5 * d, velocity, spin, ..Ball::default() };
+    let wall = Plane { point: std::array::from_fn(|a| ball.at[a] - 0.500_001 * d * normal[a]), normal, friction: 0.3, ..Plane::default() };
+    let text = |head: &str| assembly_text(&format!("{head}\ncrushing.pattern = {pattern}\nstepping.dt_s = 5e-8"), &COKE, &[ball], &[wall]);
+    let mut lab = Lab::new(&text(&weak));
+    let mut twin = Lab::new(&text(&weak.replace("enabled = true", "enabled = false")));
+    loop {
+        lab.step();
+        twin.step();
+        if let Some(b) = lab.work.breakages.first() {
+            let b = b.clone();
+            return (lab, twin, b);
+        }
+        assert!(lab.state.step < 20_000, "it does not break");
+    }
+}
+
+fn lead(v: [f64; 4]) -> [f64; 3] {
+    [v[0], v[1], v[2]]
+}
+
+#[test]
+fn daughters_keep_the_motion_of_the_mass_that_is_kept() {
+    let diagonal = [1.0, -2.0, 0.5].map(|x: f64| x / 5.25f64.sqrt());
+    let axes = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], diagonal];
+    for pattern in [2, 5, 14, 26, 38, 50, 68] {
+        for normal in axes {
+            let velocity: [f64; 3] = std::array::from_fn(|a| -4.0 * normal[a] + [0.3, -0.2, 0.5][a]);
+            let (lab, twin, b) = impact(pattern, normal, velocity, [40.0, -300.0, 90.0]);
+            let (g, t) = (&lab.state.grains, &twin.state.grains);
+            let (centre, radius, v, w) = (lead(t.pos[0]), t.pos[0][3], lead(t.vel[0]), lead(t.spin[0]));
+            assert_eq!(g.len(), pattern as usize);
+            assert!(length(v) > 0.3 && length(w) > 100.0);
+            // the decisive force points along the axis
+            near("axis", dot(b.axis, normal).abs(), 1.0, 1e-14);
+
+            let (mut kept, mut p, mut l, mut rigid) = (0.0, [0.0; 3], [0.0; 3], [0.0; 3]);
+            let (mut deepest, mut reach) = (f64::NEG_INFINITY, 0.0f64);
+            for i in 0..g.len() {
+                let (m, r) = (g.mass[i], g.pos[i][3]);
+                close("mass", m, COKE.mass(r), 1e-13);
+                let arm = minus(lead(g.pos[i]), centre);
+                let moment = cross(arm, minus(lead(g.vel[i]), v));
+                let about = cross(arm, cross(w, arm));
+                kept += m;
+                for a in 0..3 {
+                    p[a] += m * g.vel[i][a];
+                    l[a] += m * moment[a] + 0.4 * m * r * r * g.spin[i][a];
+                    rigid[a] += m * about[a] + 0.4 * m * r * r * w[a];
+                }
+                reach = reach.max((length(arm) + r) / radius);
+                assert!((length(arm) + r) / radius > 1.0 - 1e-12 || pattern != 14, "each of the 14 touches the mother's sphere");
+                for j in 0..i {
+                    let gap = length(minus(lead(g.pos[i]), lead(g.pos[j]))) - r - g.pos[j][3];
+                    deepest = deepest.max(-gap / radius);
+                }
+                assert_eq!(g.generation[i], 1);
+                assert!(g.id[i] > 0, "daughters are new");
+            }
+            near("inscribed", reach, 1.0, 1e-12);
+            near("siblings only touch", deepest, 0.0, 1e-12);
+            close("mass kept and lost", kept + b.lost_mass, t.mass[0], 1e-13);
+            for a in 0..3 {
+                near("momentum", p[a] / kept, v[a], 1e-12 * length(v));
+                near("angular momentum", l[a] / length(rigid), rigid[a] / length(rigid), 1e-11);
+            }
+            // without history and without new elastic energy
+            assert!(b.stored_after <= b.stored_before, "{} J after {} J", b.stored_after, b.stored_before);
+            assert!(b.stored_before > 0.0);
+            assert_eq!(lab.state.ledger.rises, 0);
+            for s in 0..lab.state.pairs.slots() {
+                assert_eq!(lab.state.pairs.history[s][..3], [0.0; 3]);
+            }
+            if pattern >= 5 {
+                // the three largest lie across the force
+                let mut order: Vec<usize> = (0..g.len()).collect();
+                order.sort_by(|&a, &b| g.pos[b][3].total_cmp(&g.pos[a][3]));
+                for &i in &order[..3] {
+                    near("across the force", dot(minus(lead(g.pos[i]), centre), b.axis) / radius, 0.0, 1e-12);
+                }
+            }
+        }
+    }
+}
+
+/// Grains in a row between the same platens, apart from each other.
+fn row(diameters: &[f64], head: &str, speed: f64) -> Lab {
+    let balls: Vec<Ball> = diameters
+        .iter()
+        .enumerate()
+        .map(|(k, d)| Ball { at: [0.01 * k as f64, 0.0, 0.5 * d], radius: 0.5 * d, ..Ball::default() })
+        .collect();
+    let top = diameters.iter().copied().fold(0.0, f64::max);
+    let planes = [
+        Plane { normal: [0.0, 0.0, 1.0], ..Plane::default() },
+        Plane { point: [0.0, 0.0, top], normal: [0.0, 0.0, -1.0], velocity: speed, ..Plane::default() },
+    ];
+    Lab::new(&assembly_text(&format!("{head}stepping.dt_s = 1e-8\n"), &COKE, &balls, &planes))
+}
+
+/// All that exceed break in the same step, in the order of ids whatever their place in memory, each by the forces of before.
+#[test]
+fn grains_that_fail_together_break_in_the_order_of_ids() {
+    let head = crushing("fixed_angle", 300.0, 2.0, 0.0);
+    let run = |shuffle: bool| {
+        let mut lab = row(&[2e-3; 5], &head, 2.0);
+        if shuffle {
+            comminute::step::permute(&mut lab.state, &mut lab.work, &[3, 0, 4, 2, 1]);
+        }
+        until_broken(&mut lab);
+        let events = lab.work.breakages.clone();
+        (lab, events)
+    };
+    let (lab, events) = run(false);
+    assert_eq!(events.iter().map(|b| b.mother).collect::<Vec<_>>(), [0, 1, 2, 3, 4]);
+    assert_eq!(events.iter().map(|b| b.event).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
+    assert!(events.iter().all(|b| b.force == events[0].force && b.step == events[0].step));
+    assert_eq!(lab.state.grains.len(), 5 + 13 * 5);
+    // daughters of the first mother have the first new ids
+    let g = &lab.state.grains;
+    for i in 0..g.len() {
+        let mother = (g.id[i] - 5) / 14;
+        assert!((g.pos[i][0] - 0.01 * f64::from(mother)).abs() < 1e-3, "grain {} lies where mother {mother} was", g.id[i]);
+    }
+    let (other, again) = run(true);
+    assert_eq!(events, again);
+    assert_eq!(print(&lab.state), print(&other.state));
+}
+
+/// Two that touch each other and fail in the same step are both judged by the force between them, which the first breakage ends.
+#[test]
+fn forces_are_not_looked_at_again_between_breakages_of_a_step() {
+    let head = crushing("fixed_angle", 30.0, 2.0, 0.0) + "stepping.dt_s = 1e-8\n";
+    let ball = |z: f64| Ball { at: [0.0, 0.0, z], radius: 1e-3, velocity: [0.0, 0.0, -z * 3e4], ..Ball::default() };
+    let mut lab = Lab::new(&assembly_text(&head, &COKE, &[ball(-1e-3), ball(1e-3)], &[]));
+    until_broken(&mut lab);
+    let events = &lab.work.breakages;
+    assert_eq!(events.iter().map(|b| b.mother).collect::<Vec<_>>(), [0, 1]);
+    assert_eq!(events[0].force, events[1].force);
+    near("one line", dot(events[0].axis, events[1].axis).abs(), 1.0, 1e-14);
+    assert_eq!(lab.state.grains.len(), 28);
+}
+
+/// Strengths are keyed by lineage: whether another grain has broken before moves neither those of the mother nor of her daughters.
+#[test]
+fn an_unrelated_earlier_breakage_moves_no_strength() {
+    let spread = crushing("fixed_angle", 300.0, 2.0, 1.0);
+    // strengths and radii of grain 1's daughters, and who broke, with a left neighbour of this size
+    let line = |first: f64| {
+        let mut lab = row(&[first, 2e-3], &spread, 2.0);
+        let mine = lab.state.grains.lineage[1];
+        let mut order = Vec::new();
+        while !order.contains(&1) {
+            lab.step();
+            order.extend(lab.work.breakages.iter().map(|b| b.mother));
+            assert!(lab.state.step < 100_000);
+        }
+        let g = &lab.state.grains;
+        let daughters: Vec<_> = (0..14)
+            .map(|k| {
+                let lineage = lineage_child(mine, k);
+                let i = g.lineage.iter().position(|&l| l == lineage).expect("a daughter");
+                (g.strength[i].to_bits(), g.pos[i][3].to_bits())
+            })
+            .collect();
+        assert!(daughters.windows(2).any(|d| d[0].0 != d[1].0), "strengths are spread");
+        (daughters, order)
+    };
+    // a large neighbour is touched first; a small one is not touched at all
+    let (with, order_with) = line(2.2e-3);
+    let (without, order_without) = line(1.0e-3);
+    assert_eq!(order_with[0], 0, "the neighbour breaks first");
+    assert_eq!(order_without, [1], "the neighbour does not break");
+    assert_eq!(with, without);
+}
+
+/// Table 4: N_final = N_initial + 13 events, and no mass goes astray, on a small crushing oedometer with several failures in a step.
+#[test]
+fn a_crushing_oedometer_obeys_the_identities_of_table_4() {
+    let sets = ["crushing.enabled=true", "material.strength.fixed_angle.sigma_lim0_MPa=100"].map(String::from);
+    let model = model(&oedometer_text(120, 400.0, ""), &sets);
+    let (prepared, _) = prepare(&model, |_, _| ());
+    let mut press = Press::new(model, &prepared);
+    let (mass, _) = press.state.grains.mass_and_volume();
+    let (mut events, mut most, mut ids) = (0u64, 0, std::collections::HashSet::new());
+    ids.extend(press.state.grains.id.iter().copied());
+    while !press.done() {
+        press.step();
+        let broken = &press.work.breakages;
+        assert!(broken.windows(2).all(|b| b[0].mother < b[1].mother && b[0].event + 1 == b[1].event));
+        for b in broken {
+            assert!(b.force > b.limit_force, "only what exceeds its limit breaks");
+            assert!(b.stored_after <= b.stored_before * (1.0 + 1e-9) || b.stored_before == 0.0);
+        }
+        events += broken.len() as u64;
+        most = most.max(broken.len());
+    }
+    let g = &press.state.grains;
+    println!("{events} events, {} grains, at most {most} in a step, {} rises", g.len(), press.state.ledger.rises);
+    assert!(events > 30);
+    assert_eq!(press.state.crush_events, events);
+    assert_eq!(g.len() as u64, 120 + 13 * events);
+    assert_eq!(u64::from(g.next_id), 120 + 14 * events);
+    let lost: f64 = press.state.lost.iter().map(|l| l.0).sum();
+    let (kept, _) = g.mass_and_volume();
+    near("mass error", (kept + lost - mass) / mass, 0.0, 1e-12);
+    // whoever is over the comminution limit can break, and nobody else
+    for i in 0..g.len() {
+        assert_eq!(g.limit[i].is_finite(), 2.0 * g.pos[i][3] > 0.25 * 7.5e-3 * 4.0);
+    }
+}

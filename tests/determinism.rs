@@ -1,0 +1,157 @@
+//! The same bytes whatever the number of threads, the age of neighbour lists, the place of grains in memory or the instruction set.
+
+mod common;
+
+use common::*;
+use comminute::model::Model;
+use comminute::step::{State, Work, permute};
+use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::sync::OnceLock;
+
+/// Coke weak enough for many breakages: from 120 grains to more than a thousand, enough for several tasks per sweep.
+const WEAK: [&str; 2] = ["crushing.enabled=true", "material.strength.fixed_angle.sigma_lim0_MPa=100"];
+
+fn scene(more: &[&str]) -> Model {
+    let sets: Vec<String> = WEAK.iter().chain(more).map(|s| s.to_string()).collect();
+    model(&oedometer_text(120, 350.0, ""), &sets)
+}
+
+/// Preparation and loading, with prints on the way; `each` may tamper with memory before every step.
+fn run(model: Model, mut each: impl FnMut(&mut State, &mut Work)) -> Vec<Print> {
+    let (prepared, steps) = prepare(&model, &mut each);
+    let mut prints = vec![print(&prepared)];
+    prints[0].counters += &format!(" {steps} steps");
+    let mut press = Press::new(model, &prepared);
+    while !press.done() {
+        each(&mut press.state, &mut press.work);
+        press.step();
+        if press.state.step.is_multiple_of(3000) {
+            prints.push(print(&press.state));
+        }
+    }
+    prints.push(print(&press.state));
+    let s = &press.state;
+    println!("{steps} + {} steps, {} events, {} slots", s.step, s.crush_events, s.pairs.slots());
+    assert!(s.crush_events > 40 && s.grains.len() > 600, "enough breaks");
+    assert!(s.pairs.slots() > 1600, "enough contacts to share among threads");
+    prints
+}
+
+/// The run as it is, on one thread.
+fn reference() -> &'static [Print] {
+    static RUN: OnceLock<Vec<Print>> = OnceLock::new();
+    RUN.get_or_init(|| on_threads(1, || run(scene(&[]), |_, _| ())))
+}
+
+fn on_threads<T: Send>(n: usize, job: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads").install(job)
+}
+
+#[track_caller]
+fn same(a: &[Print], b: &[Print]) {
+    for (k, (a, b)) in a.iter().zip(b).enumerate() {
+        assert_eq!(a.counters, b.counters, "print {k}");
+        assert_eq!((&a.walls, &a.ledger), (&b.walls, &b.ledger), "print {k}");
+        for (x, y) in a.grains.iter().zip(&b.grains) {
+            assert_eq!(x, y, "print {k}: grain {}", x.0);
+        }
+        for (x, y) in a.contacts.iter().zip(&b.contacts) {
+            assert_eq!(x, y, "print {k}: contact {:?}", x.0);
+        }
+        assert!(a == b, "print {k}: numbers of grains or contacts");
+    }
+    assert_eq!(a.len(), b.len());
+}
+
+#[test]
+fn two_threads_give_the_same_bytes() {
+    same(reference(), &on_threads(2, || run(scene(&[]), |_, _| ())));
+}
+
+#[test]
+fn seven_threads_give_the_same_bytes() {
+    same(reference(), &on_threads(7, || run(scene(&[]), |_, _| ())));
+}
+
+#[test]
+fn skins_of_half_and_twice_the_size_give_the_same_bytes() {
+    for skin in ["stepping.skin=0.05", "stepping.skin=0.2"] {
+        same(reference(), &on_threads(1, || run(scene(&[skin]), |_, _| ())));
+    }
+}
+
+#[test]
+fn lists_made_anew_at_every_step_give_the_same_bytes() {
+    same(reference(), &on_threads(1, || run(scene(&[]), |_, work| work.rebuild_always = true)));
+}
+
+/// Dropping the scratch now and then is what a resumed run does.
+#[test]
+fn scratch_dropped_now_and_then_gives_the_same_bytes() {
+    let model = scene(&[]);
+    let again = scene(&[]);
+    let mut steps = 0u32;
+    same(
+        reference(),
+        &on_threads(1, || {
+            run(model, |state, work| {
+                steps += 1;
+                if steps.is_multiple_of(101) {
+                    *work = Work::new(&again, state);
+                }
+            })
+        }),
+    );
+}
+
+/// A random order in memory, at random steps.
+fn shuffled(seed: u64) -> impl FnMut(&mut State, &mut Work) + Send {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    move |state, work| {
+        if rng.random_range(0..50) == 0 {
+            let mut order: Vec<u32> = (0..state.grains.len() as u32).collect();
+            order.shuffle(&mut rng);
+            permute(state, work, &order);
+        }
+    }
+}
+
+#[test]
+fn random_orders_in_memory_give_the_same_bytes() {
+    same(reference(), &on_threads(1, || run(scene(&[]), shuffled(1))));
+    same(reference(), &on_threads(2, || run(scene(&["stepping.skin=0.07"]), shuffled(2))));
+}
+
+/// The other laws, shorter: linear, Hertzian area, rescaled tangential force.
+#[test]
+fn other_laws_give_the_same_bytes() {
+    for more in [
+        ["contact.law=linear", "contact.unloading=keep", "records.energy=false"],
+        ["contact.law=hertz", "contact.unloading=rescale", "material.contact.rolling_friction=0.1"],
+    ] {
+        let short = |skin: &str, threads: usize, seed: Option<u64>| {
+            let mut all = more.to_vec();
+            all.extend([skin, "preparation.growth_steps=300"]);
+            let mut each: Box<dyn FnMut(&mut State, &mut Work) + Send> = match seed {
+                Some(seed) => Box::new(shuffled(seed)),
+                None => Box::new(|_, _| ()),
+            };
+            on_threads(threads, || {
+                let model = scene(&all);
+                let (prepared, _) = prepare(&model, &mut each);
+                let mut press = Press::new(model, &prepared);
+                while press.state.step < 9000 {
+                    each(&mut press.state, &mut press.work);
+                    press.step();
+                }
+                println!("{more:?}: {} events", press.state.crush_events);
+                vec![print(&prepared), print(&press.state)]
+            })
+        };
+        let reference = short("stepping.skin=0.1", 1, None);
+        same(&reference, &short("stepping.skin=0.2", 2, Some(3)));
+        same(&reference, &short("stepping.skin=0.04", 7, None));
+    }
+}
