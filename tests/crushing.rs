@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::*;
 use comminute::crush::event::Breakage;
 use comminute::crush::strength::lineage_child;
+use common::*;
 use std::f64::consts::PI;
 
 const COKE: Stuff = Stuff { young: 0.858e9, poisson: 0.3, density: 1040.0, friction: 0.4, restitution: 1.0 };
@@ -74,7 +74,11 @@ fn a_grain_between_platens_breaks_at_its_limit_force() {
                 close(&format!("{what}: strength"), b.strength, sigma, 1e-9);
                 close("bottom platen", reactions[0], b.force, 1e-12);
                 close("top platen", reactions[1], b.force, 1e-6);
-                let area = if area == "hertz" { PI * (3.0 * b.force * 0.5 * d / (4.0 * COKE.plane_modulus())).powf(2.0 / 3.0) } else { PI / 4.0 * d * d * THETA.sin().powi(2) };
+                let area = if area == "hertz" {
+                    PI * (3.0 * b.force * 0.5 * d / (4.0 * COKE.plane_modulus())).powf(2.0 / 3.0)
+                } else {
+                    PI / 4.0 * d * d * THETA.sin().powi(2)
+                };
                 close("area", b.area, area, 1e-9);
                 close("stress on it is the strength", b.force / b.area, sigma, 1e-3);
             }
@@ -99,8 +103,10 @@ fn grains_below_the_comminution_limit_bear_anything() {
 fn impact(pattern: u32, normal: [f64; 3], velocity: [f64; 3], spin: [f64; 3]) -> (Lab, Lab, Breakage) {
     let (d, weak) = (4e-3, crushing("fixed_angle", 10.0, 2.0, 0.0));
     let ball = Ball { at: [1.0, 2.0, 3.0].map(|x| 1e-3 * x), radius: 0.5 * d, velocity, spin, ..Ball::default() };
-    let wall = Plane { point: std::array::from_fn(|a| ball.at[a] - 0.500_001 * d * normal[a]), normal, friction: 0.3, ..Plane::default() };
-    let text = |head: &str| assembly_text(&format!("{head}\ncrushing.pattern = {pattern}\nstepping.dt_s = 5e-8"), &COKE, &[ball], &[wall]);
+    let wall =
+        Plane { point: std::array::from_fn(|a| ball.at[a] - 0.500_001 * d * normal[a]), normal, friction: 0.3, ..Plane::default() };
+    let text =
+        |head: &str| assembly_text(&format!("{head}\ncrushing.pattern = {pattern}\nstepping.dt_s = 5e-8"), &COKE, &[ball], &[wall]);
     let mut lab = Lab::new(&text(&weak));
     let mut twin = Lab::new(&text(&weak.replace("enabled = true", "enabled = false")));
     loop {

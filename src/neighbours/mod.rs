@@ -204,7 +204,9 @@ impl Neighbours {
             if !e.is_wall() {
                 let [a, b] = pools.pairs.ends[e.slot() as usize];
                 let other = if a as usize == i { b } else { a } as usize;
-                if !Self::near(&here, &self.reference[other]) {
+                // a touching pair stays until a sweep has ended it: the other's reference may be the older one
+                let touches = pools.pairs.touch[e.slot() as usize].overlap > 0.0;
+                if !touches && !Self::near(&here, &self.reference[other]) {
                     gone.push(*e);
                 }
             }
@@ -248,7 +250,9 @@ impl Neighbours {
             list.insert(at, (g.id[i], slot));
         } else if gap >= self.wall_skin && has {
             let e = *self.adjacency.find(i, entry.id).expect("contained");
-            self.unlink(i, e, g, pools);
+            if pools.wall_pairs.touch[e.slot() as usize].overlap <= 0.0 {
+                self.unlink(i, e, g, pools);
+            }
         }
     }
 

@@ -13,9 +13,8 @@ const STUFF: Stuff = Stuff { young: 1e9, poisson: 0.3, density: 2650.0, friction
 fn chain(n: usize, dt: f64, velocity: impl Fn(usize) -> f64) -> (Lab, Vec<f64>) {
     let spacing = 2.0 * R * (1.0 - 0.005);
     let at: Vec<f64> = (0..n).map(|j| spacing * (j as f64 + 0.5)).collect();
-    let balls: Vec<Ball> = (0..n)
-        .map(|j| Ball { at: [at[j], 0.0, 0.0], radius: R, velocity: [velocity(j), 0.0, 0.0], ..Ball::default() })
-        .collect();
+    let balls: Vec<Ball> =
+        (0..n).map(|j| Ball { at: [at[j], 0.0, 0.0], radius: R, velocity: [velocity(j), 0.0, 0.0], ..Ball::default() }).collect();
     let walls = [
         Plane { normal: [1.0, 0.0, 0.0], ..Plane::default() },
         Plane { normal: [-1.0, 0.0, 0.0], point: [spacing * n as f64, 0.0, 0.0], ..Plane::default() },
@@ -44,7 +43,11 @@ fn a_linear_chain_swings_in_its_modes() {
             let phase = (discrete * lab.state.time).sin();
             for (j, x) in at.iter().enumerate() {
                 let u = lab.position(j as u32)[0] - x;
-                assert!((u - amplitude * shape(j) * phase).abs() < 1e-8 * amplitude, "mode {p}, grain {j}, step {}: {u:e}", lab.state.step);
+                assert!(
+                    (u - amplitude * shape(j) * phase).abs() < 1e-8 * amplitude,
+                    "mode {p}, grain {j}, step {}: {u:e}",
+                    lab.state.step
+                );
             }
         }
         assert!(omega * lab.state.time > 20.0, "several periods");

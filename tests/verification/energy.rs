@@ -74,7 +74,9 @@ fn momentum_and_angular_momentum_are_kept() {
                     ..Ball::default()
                 })
                 .collect();
-            let head = format!("contact.law = \"{law}\"\nmaterial.linear.K_eff_MPa = 3.0\nmaterial.contact.rolling_friction = {rolling:?}\nstepping.dt_s = 2e-6");
+            let head = format!(
+                "contact.law = \"{law}\"\nmaterial.linear.K_eff_MPa = 3.0\nmaterial.contact.rolling_friction = {rolling:?}\nstepping.dt_s = 2e-6"
+            );
             let mut lab = Lab::new(&assembly_text(&head, &stuff, &balls, &[]));
             let (p0, l0, p_scale, l_scale) = momenta(&lab);
             let mut fell = false;
@@ -82,7 +84,11 @@ fn momentum_and_angular_momentum_are_kept() {
                 lab.steps(20);
                 let (p, l, _, _) = momenta(&lab);
                 assert!(length(minus(p, p0)) < 1e-12 * p_scale, "{law}: momentum changed by {:?} of {p_scale:e}", minus(p, p0));
-                assert!(length(minus(l, l0)) < 1e-11 * l_scale, "{law}: angular momentum changed by {:?} of {l_scale:e}", minus(l, l0));
+                assert!(
+                    length(minus(l, l0)) < 1e-11 * l_scale,
+                    "{law}: angular momentum changed by {:?} of {l_scale:e}",
+                    minus(l, l0)
+                );
                 let turned = lab.state.grains.spin.iter().zip(&balls).any(|(s, b)| (s[0] - b.spin[0]).abs() > 10.0);
                 fell |= turned;
             }

@@ -14,7 +14,9 @@ struct Impact {
 /// Lets grain 0 fly into grain 1 (or, without, into the plane x = 0 from the left) and measures. Instants of touching and parting come from free
 /// flight, so that they are not bound to steps.
 fn impact(lab: &mut Lab, radii: [f64; 2], partner: bool) -> Impact {
-    let gap = |lab: &Lab| if partner { lab.position(1)[0] - lab.position(0)[0] - radii[0] - radii[1] } else { -lab.position(0)[0] - radii[0] };
+    let gap = |lab: &Lab| {
+        if partner { lab.position(1)[0] - lab.position(0)[0] - radii[0] - radii[1] } else { -lab.position(0)[0] - radii[0] }
+    };
     let speed = |lab: &Lab| lab.velocity(0)[0] - if partner { lab.velocity(1)[0] } else { 0.0 };
     let touched = gap(lab) / speed(lab);
     let (mut overlap, mut force) = (0.0f64, 0.0f64);
@@ -117,7 +119,13 @@ fn different_materials_meet_by_their_reduced_modulus() {
     let named = |name: &str, s: &Stuff| s.toml().lines().map(|l| format!("materials.{name}.{l}\n")).collect::<String>();
     let head = |dt: f64| format!("stepping.dt_s = {dt:?}\n{}{}", named("coke", &coke), named("steel", &steel));
     let (r, v) = (0.01, 1.0);
-    let ball = |x: f64, name| Ball { at: [x, 0.0, 0.0], radius: r, velocity: [-0.5 * v * x.signum(), 0.0, 0.0], material: Some(name), ..Ball::default() };
+    let ball = |x: f64, name| Ball {
+        at: [x, 0.0, 0.0],
+        radius: r,
+        velocity: [-0.5 * v * x.signum(), 0.0, 0.0],
+        material: Some(name),
+        ..Ball::default()
+    };
     let [m1, m2] = [coke.mass(r), steel.mass(r)];
     let closed = hertz(modulus, 0.5 * r, m1 * m2 / (m1 + m2), v);
     let dt = closed[2] / 4000.0;
@@ -128,7 +136,11 @@ fn different_materials_meet_by_their_reduced_modulus() {
     // and on a steel wall, R* = r
     let closed = hertz(modulus, r, m1, v);
     let dt = closed[2] / 4000.0;
-    let text = assembly_text_of(&head(dt), &[Ball { velocity: [v, 0.0, 0.0], ..ball(-r - 0.5 * v * dt, "coke") }], &[Plane { normal: [-1.0, 0.0, 0.0], ..Plane::default() }]);
+    let text = assembly_text_of(
+        &head(dt),
+        &[Ball { velocity: [v, 0.0, 0.0], ..ball(-r - 0.5 * v * dt, "coke") }],
+        &[Plane { normal: [-1.0, 0.0, 0.0], ..Plane::default() }],
+    );
     let got = impact(&mut Lab::new(&(text + "material = \"steel\"\n")), [r; 2], false);
     check("coke on a steel wall", &got, closed, v);
 }
@@ -164,7 +176,8 @@ fn restitution_is_the_one_that_is_set() {
         for speed in [0.01, 1.0, 30.0] {
             let (stuff, radii) = (Stuff { restitution: e, ..GLASS }, [0.003, 0.011]);
             let [m1, m2] = radii.map(|r| stuff.mass(r));
-            let duration = hertz(0.5 * stuff.plane_modulus(), radii[0] * radii[1] / (radii[0] + radii[1]), m1 * m2 / (m1 + m2), speed)[2];
+            let duration =
+                hertz(0.5 * stuff.plane_modulus(), radii[0] * radii[1] / (radii[0] + radii[1]), m1 * m2 / (m1 + m2), speed)[2];
             let mut lab = pair(&stuff, radii, speed, duration / 4000.0, VISCOUS);
             near(&format!("two spheres at {speed} m/s, {e}"), impact(&mut lab, radii, true).rebound / speed, e, 2e-4);
         }

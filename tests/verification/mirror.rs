@@ -14,11 +14,8 @@ fn both(head: &str, friction: f64, velocity: [f64; 3], spin: [f64; 3], mirrored:
     (Lab::new(&assembly_text(&head, &stuff, &[grain], &[wall])), Lab::new(&assembly_text(&head, &stuff, &[grain, image], &[])))
 }
 
-const LAWS: [&str; 3] = [
-    "contact.law = \"hertz\"",
-    "contact.law = \"hertz_viscous\"",
-    "contact.law = \"linear\"\nmaterial.linear.K_eff_MPa = 3000.0",
-];
+const LAWS: [&str; 3] =
+    ["contact.law = \"hertz\"", "contact.law = \"hertz_viscous\"", "contact.law = \"linear\"\nmaterial.linear.K_eff_MPa = 3000.0"];
 
 /// Mirrored motion, tangential velocity and spin included: both see no slip but the same normal motion, all along.
 #[test]
@@ -47,8 +44,7 @@ fn a_wall_is_a_turned_grain_in_tangential_motion() {
         // sticking, and slipping for good
         for friction in [0.4, 0.06] {
             let (speed, vx, wy) = (2e-3, 3e-4, -1e-3);
-            let (mut one, mut two) =
-                both(law, friction, [vx, 0.0, -speed], [0.0, wy, 0.0], [[-vx, 0.0, speed], [0.0, wy, 0.0]]);
+            let (mut one, mut two) = both(law, friction, [vx, 0.0, -speed], [0.0, wy, 0.0], [[-vx, 0.0, speed], [0.0, wy, 0.0]]);
             let (mut impulse, mut off) = (0.0f64, 0.0f64);
             while one.velocity(0)[2] < 0.0 || one.position(0)[2] < R {
                 let [a] = one.watch([0]);
