@@ -42,7 +42,7 @@ fn scene() -> PathBuf {
     let path = folder().join("small.toml");
     let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/petroleum_coke/h-c-2.toml");
     let text = format!(
-        "base = {:?}\n[specimen]\nscale = 4.0\ngrains = 120\nporosity = 0.45\n[preparation]\ngrowth_friction = 0.4\n\
+        "base = {:?}\n[specimen]\nscale = 4.0\ngrains = 120\nporosity = 0.48\n[preparation]\ngrowth_friction = 0.4\n\
          [loading]\nmax_stress_kPa = 150.0\n[records]\nat_kPa = [50.0]\nfigures = false\ncheckpoint_seconds = 0.05\n\
          [material]\nbase = {:?}\n[material.strength.fixed_angle]\nsigma_lim0_MPa = 100.0\n",
         base.display().to_string(),

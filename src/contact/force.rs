@@ -86,7 +86,7 @@ pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 /// Turns a vector of the contact plane with the contact: about the normal with the mean spin, then into the new plane,
 /// keeping its length. The length is restored by the series of (|v|/|u|) about 1, which needs no root and no branch; a turn by θ in one
-/// step leaves an error of θ⁴/8.
+/// step leaves an error of θ⁴/8, and a contact that turns by more than a radian lets go.
 #[inline(always)]
 fn carried(v: [f64; 3], m: &Meeting, dt: f64) -> [f64; 3] {
     let n = m.normal;
@@ -95,7 +95,7 @@ fn carried(v: [f64; 3], m: &Meeting, dt: f64) -> [f64; 3] {
     let mut u = [v[0] + twist * c[0], v[1] + twist * c[1], v[2] + twist * c[2]];
     let out = dot(u, n);
     u = [u[0] - out * n[0], u[1] - out * n[1], u[2] - out * n[2]];
-    let s = 1.5 - 0.5 * (dot(u, u) / dot(v, v).max(f64::MIN_POSITIVE));
+    let s = (1.5 - 0.5 * (dot(u, u) / dot(v, v).max(f64::MIN_POSITIVE))).max(0.0);
     [u[0] * s, u[1] * s, u[2] * s]
 }
 
