@@ -107,6 +107,9 @@ fn scratch_dropped_now_and_then_gives_the_same_bytes() {
     );
 }
 
+/// What a test does to memory before a step.
+type Tamper = Box<dyn FnMut(&mut State, &mut Work) + Send>;
+
 /// A random order in memory, at random steps.
 fn shuffled(seed: u64) -> impl FnMut(&mut State, &mut Work) + Send {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -135,7 +138,7 @@ fn other_laws_give_the_same_bytes() {
         let short = |skin: &str, threads: usize, seed: Option<u64>| {
             let mut all = more.to_vec();
             all.extend([skin, "preparation.growth_steps=300"]);
-            let mut each: Box<dyn FnMut(&mut State, &mut Work) + Send> = match seed {
+            let mut each: Tamper = match seed {
                 Some(seed) => Box::new(shuffled(seed)),
                 None => Box::new(|_, _| ()),
             };

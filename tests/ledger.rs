@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::*;
 use comminute::record::ledger::Balance;
+use common::*;
 
 const STUFF: Stuff = Stuff { young: 1e8, poisson: 0.25, density: 2000.0, friction: 0.4, restitution: 1.0 };
 const CRUSHING: &str = "crushing.enabled = true\nmaterial.strength.fixed_angle.theta0_rad = 0.35\n\
@@ -81,7 +81,8 @@ fn grains_on_a_floor_close() {
 /// A platen strikes grains at rest.
 #[test]
 fn a_moving_wall_closes() {
-    let balls: Vec<Ball> = (0..3).map(|k| Ball { at: [0.0, 0.001 * f64::from(k), 0.02 * f64::from(k)], radius: 0.01, ..Ball::default() }).collect();
+    let balls: Vec<Ball> =
+        (0..3).map(|k| Ball { at: [0.0, 0.001 * f64::from(k), 0.02 * f64::from(k)], radius: 0.01, ..Ball::default() }).collect();
     let floor = Plane { point: [0.0, 0.0, -0.01], normal: [0.0, 0.0, 1.0], friction: 0.3, velocity: 0.0 };
     let lid = Plane { point: [0.0, 0.0, 0.0501], normal: [0.0, 0.0, -1.0], friction: 0.3, velocity: 0.5 };
     let mut lab = lab("damping.local = 0.1\nstepping.dt_s = 2e-6", &STUFF, &balls, &[floor, lid]);
@@ -99,7 +100,13 @@ fn a_breakage_closes() {
     lab.steps(20_000);
     assert!(lab.state.crush_events >= 1);
     let b = lab.balance();
-    closes("balance", &b, Balance::residual, 1e-3, &["kinetic", "kinetic at the start", "potential", "potential at the start", "lost kinetic", "lost potential"]);
+    closes(
+        "balance",
+        &b,
+        Balance::residual,
+        1e-3,
+        &["kinetic", "kinetic at the start", "potential", "potential at the start", "lost kinetic", "lost potential"],
+    );
 }
 
 /// A grain swings between platens that close in: its contacts stiffen and its scaled inertia follows while it moves.
@@ -181,7 +188,11 @@ fn a_crushing_oedometer_closes() {
             }
         });
     }
-    println!("{} events, worst error {worst:.1e}, not conserved {:.1e}: {last:?}", press.state.crush_events, last.nonconservative() / last.scale());
+    println!(
+        "{} events, worst error {worst:.1e}, not conserved {:.1e}: {last:?}",
+        press.state.crush_events,
+        last.nonconservative() / last.scale()
+    );
     assert!(press.state.crush_events > 20);
     assert!(worst < 1e-3);
     closes("balance", &last, Balance::residual, 1e-3, &["wall", "path", "damping"]);
