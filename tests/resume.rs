@@ -203,6 +203,26 @@ fn a_specimen_used_again_gives_the_same_loading() {
     assert!(files(&again) == now);
 }
 
+/// A free scene takes up the last grains of a run as they are.
+#[test]
+fn final_grains_begin_a_free_scene() {
+    let (path, dir) = (folder().join("imported.toml"), folder().join("imported"));
+    let text = format!(
+        "kind = \"assembly\"\nsteps = 20\ngrains_csv = {:?}\nmaterial = {:?}\nrecords.figures = false\n",
+        whole().dir.join("grains_final.csv"),
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("materials/petroleum_coke.toml"),
+    );
+    std::fs::write(&path, text).expect("scene");
+    assert!(comminute().arg("run").arg(&path).arg("--out").arg(&dir).status().expect("start").success());
+    let places = |dir: &Path, name: &str| -> Vec<String> {
+        let text = std::fs::read_to_string(dir.join(name)).expect("grains");
+        let rows = text.lines().filter(|l| !l.starts_with('#')).skip(1);
+        rows.map(|l| l.split(',').take(4).collect::<Vec<_>>().join(",")).collect()
+    };
+    let (last, first) = (places(&whole().dir, "grains_final.csv"), places(&dir, "specimen.csv"));
+    assert!(last.len() > 150 && last == first);
+}
+
 #[test]
 fn a_finished_run_is_not_resumed_and_a_folder_without_checkpoint_neither() {
     for dir in [whole().dir.clone(), folder()] {
