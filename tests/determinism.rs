@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use std::sync::OnceLock;
 
 /// Coke weak enough for many breakages: from 120 grains to more than a thousand, enough for several tasks per sweep.
-const WEAK: [&str; 2] = ["crushing.enabled=true", "material.strength.fixed_angle.sigma_lim0_MPa=100"];
+const WEAK: [&str; 2] = ["crushing.enabled=true", "material.strength.fixed_angle.sigma_lim0_MPa=60"];
 
 fn scene(more: &[&str]) -> Model {
     let sets: Vec<String> = WEAK.iter().chain(more).map(|s| s.to_string()).collect();
