@@ -99,8 +99,8 @@ fn crushing(c: &mut Criterion) {
                 let mut out = Vec::with_capacity(2);
                 let mut next = || loop {
                     i = (i + 617) % GRAINS;
-                    let loaded = |e: &Entry| !e.is_wall() && state.pairs.touch[e.slot() as usize].load > 0.0;
-                    if work.neighbours.adjacency.of(i).iter().any(loaded) {
+                    let loaded = |e: Entry| !e.is_wall() && state.pairs.touch[e.slot()].overlap > 0.0;
+                    if work.neighbours.adjacency.of(i).any(loaded) {
                         return i as u32;
                     }
                 };

@@ -174,7 +174,7 @@ fn daughters_keep_the_motion_of_the_mass_that_is_kept() {
             assert!(b.stored_before > 0.0);
             assert_eq!(lab.state.ledger.rises, 0);
             for s in 0..lab.state.pairs.slots() {
-                assert_eq!(lab.state.pairs.history[s][..3], [0.0; 3]);
+                assert_eq!(lab.state.pairs.spring(s), [0.0; 3]);
             }
             if pattern >= 5 {
                 // the three largest lie across the force

@@ -69,9 +69,8 @@ fn victims(state: &State, work: &Work, events: usize) -> Vec<u32> {
     let n = state.grains.len();
     let loaded: Vec<u32> = (0..n)
         .filter(|&i| {
-            let touching =
-                |e: &&crate::neighbours::adjacency::Entry| !e.is_wall() && state.pairs.touch[e.slot() as usize].load > 0.0;
-            work.neighbours.adjacency.of(i).iter().filter(touching).count() >= 4
+            let touching = |e: &crate::neighbours::adjacency::Entry| !e.is_wall() && state.pairs.touch[e.slot()].overlap > 0.0;
+            work.neighbours.adjacency.of(i).filter(touching).count() >= 4
         })
         .map(|i| state.grains.id[i])
         .collect();

@@ -38,7 +38,7 @@ impl Motion {
     /// Power of a contact's force and torque on both ends, W.
     #[inline(always)]
     pub fn power(&self, touch: &Touch) -> f64 {
-        dot(touch.force, self.centres) + dot(touch.torque, self.arms(touch.overlap))
+        dot(touch.force(), self.centres) + dot(touch.torque(), self.arms(touch.overlap))
     }
 }
 
@@ -61,17 +61,18 @@ pub struct Meeting {
 pub struct Rules {
     pub dt: f64,
     pub unloading: TangentialUnloading,
-    /// Whether the area model is Hertzian: the load is then F (E'/r')^2 (see `AreaModel::load_weight`).
-    pub hertz_area: bool,
 }
 
-/// The history one contact keeps.
+/// What one contact keeps.
 pub struct Memory<'a> {
-    pub history: &'a mut [f64; 4],
     pub touch: &'a mut Touch,
     /// Path, slip, viscous work of this step, J.
     pub work: Option<&'a mut [f64; 3]>,
     pub rolling: Option<&'a mut [f64; 3]>,
+    /// Tangential spring force (viscous laws), N.
+    pub spring: Option<&'a mut [f64; 3]>,
+    /// Weighted load (Hertzian contact area).
+    pub load: Option<&'a mut f64>,
 }
 
 #[inline(always)]
@@ -119,10 +120,10 @@ pub fn touching<L: Law, const LEDGER: bool, const EXTRA: bool>(m: &Meeting, pair
         normal_force += c_n * approach;
     }
 
-    let old = [memory.history[0], memory.history[1], memory.history[2]];
+    let old = if L::VISCOUS { memory.spring.as_deref().copied().unwrap_or_default() } else { memory.touch.tangential };
     let mut t = carried(old, m, rules.dt);
-    if EXTRA && rules.unloading == TangentialUnloading::Rescale && e.k_t < memory.history[3] {
-        let s = e.k_t / memory.history[3];
+    if EXTRA && rules.unloading == TangentialUnloading::Rescale && m.overlap < memory.touch.overlap {
+        let s = e.k_t / L::elastic(memory.touch.overlap, m.r_eff, pair).k_t;
         t = [t[0] * s, t[1] * s, t[2] * s];
     }
     let spring = e.k_t * rules.dt;
@@ -140,20 +141,18 @@ pub fn touching<L: Law, const LEDGER: bool, const EXTRA: bool>(m: &Meeting, pair
             slip_work = limit * (size - limit) / e.k_t;
         }
     }
-    *memory.history = [t[0], t[1], t[2], e.k_t];
 
-    let mut f = [t[0] - normal_force * n[0], t[1] - normal_force * n[1], t[2] - normal_force * n[2]];
-    let mut torque = cross(n, t);
     let mut viscous_work = 0.0;
     if L::VISCOUS {
+        if let Some(spring) = memory.spring {
+            *spring = t;
+        }
         if LEDGER {
             viscous_work = (normal_force - e.force) * approach * rules.dt;
         }
         if sticks {
             let d = [-viscous_t * slip[0], -viscous_t * slip[1], -viscous_t * slip[2]];
-            f = [f[0] + d[0], f[1] + d[1], f[2] + d[2]];
-            let c = cross(n, d);
-            torque = [torque[0] + c[0], torque[1] + c[1], torque[2] + c[2]];
+            t = [t[0] + d[0], t[1] + d[1], t[2] + d[2]];
             if LEDGER {
                 viscous_work -= dot(d, slip) * rules.dt;
             }
@@ -163,13 +162,11 @@ pub fn touching<L: Law, const LEDGER: bool, const EXTRA: bool>(m: &Meeting, pair
         roll(m, pair, e.k_t, normal_force, rules.dt, moment);
     }
 
-    let load = if EXTRA && rules.hertz_area {
+    if EXTRA && let Some(load) = memory.load {
         let w = pair.e_eff / m.r_eff;
-        normal_force * (w * w)
-    } else {
-        normal_force
-    };
-    let touch = Touch { force: f, overlap: m.overlap, torque, load };
+        *load = normal_force * (w * w);
+    }
+    let touch = Touch { tangential: t, normal_force, normal: n, overlap: m.overlap };
     if LEDGER && let Some(work) = memory.work {
         let power = m.motion.power(memory.touch) + m.motion.power(&touch);
         *work = [-0.5 * power * rules.dt, slip_work, viscous_work];
@@ -206,8 +203,13 @@ pub fn apart<const LEDGER: bool>(motion: impl Fn() -> Motion, dt: f64, memory: M
         if LEDGER && let Some(work) = memory.work {
             *work = [-0.5 * motion().power(memory.touch) * dt, 0.0, 0.0];
         }
-        *memory.history = [0.0; 4];
         *memory.touch = Touch::default();
+        if let Some(spring) = memory.spring {
+            *spring = [0.0; 3];
+        }
+        if let Some(load) = memory.load {
+            *load = 0.0;
+        }
         if let Some(moment) = memory.rolling {
             *moment = [0.0; 3];
         }

@@ -1,23 +1,107 @@
 //! Storage of contacts: one slot per pair that is near enough to touch soon. Slots are re-used; the contacts of a grain are
-//! found through `neighbours::adjacency`.
+//! found through `neighbours::adjacency`. Memory is what a large run waits for, so a contact is one cache line, and what only some
+//! runs need stands in columns that the others do not have.
 
+use super::force::cross;
 use serde::{Deserialize, Serialize};
+use std::ops::{Deref, DerefMut};
 
 /// First end of a slot that holds no pair.
 pub const FREE: u32 = u32::MAX;
 
-/// What the sweep leaves for the gather, one cache line per contact. All zero when the pair does not touch.
+/// What a sweep leaves for the grains and for the next sweep. All zero when the pair does not touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub struct Touch {
-    /// Force on the first grain, N.
-    pub force: [f64; 3],
+    /// Tangential force on the first end, N.
+    pub tangential: [f64; 3],
+    /// Normal force, N, compression positive.
+    pub normal_force: f64,
+    /// Unit normal from the first to the second end.
+    pub normal: [f64; 3],
     /// Overlap, m.
     pub overlap: f64,
-    /// normal × tangential force; times each grain's own arm it is that grain's torque (same sign for both).
-    pub torque: [f64; 3],
-    /// Normal force times the area model's weight: compared with the limits of both grains.
-    pub load: f64,
+}
+
+impl Touch {
+    /// Force on the first end, N.
+    #[inline(always)]
+    pub fn force(&self) -> [f64; 3] {
+        std::array::from_fn(|a| self.tangential[a] - self.normal_force * self.normal[a])
+    }
+
+    /// normal × tangential force, N; times each grain's own arm it is that grain's torque (same sign for both).
+    #[inline(always)]
+    pub fn torque(&self) -> [f64; 3] {
+        cross(self.normal, self.tangential)
+    }
+}
+
+/// A value per slot, in the runs that need it; empty in the others.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Column<T> {
+    kept: bool,
+    values: Vec<T>,
+}
+
+impl<T: Copy + Default> Column<T> {
+    fn new(kept: bool) -> Column<T> {
+        Column { kept, values: Vec::new() }
+    }
+
+    fn push(&mut self) {
+        if self.kept {
+            self.values.push(T::default());
+        }
+    }
+
+    fn clear(&mut self, slot: usize) {
+        if self.kept {
+            self.values[slot] = T::default();
+        }
+    }
+
+    fn reserve(&mut self, more: usize) {
+        if self.kept {
+            self.values.reserve_exact(more);
+        }
+    }
+
+    fn permute(&mut self, order: &[u32]) {
+        if self.kept {
+            self.values = order.iter().map(|&s| self.values[s as usize]).collect();
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.values.capacity() * size_of::<T>()
+    }
+}
+
+impl<T> Deref for Column<T> {
+    type Target = [T];
+    fn deref(&self) -> &[T] {
+        &self.values
+    }
+}
+
+impl<T> DerefMut for Column<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.values
+    }
+}
+
+/// Which columns a run keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    /// With the energy ledger.
+    pub work: bool,
+    /// With rolling friction.
+    pub rolling: bool,
+    /// With a viscous law.
+    pub spring: bool,
+    /// With the Hertzian contact area.
+    pub load: bool,
 }
 
 /// Pairs of grains, or of a grain and a wall (the second end is then the wall's index).
@@ -25,48 +109,59 @@ pub struct Touch {
 pub struct Pairs {
     /// Indices of both ends; between grains the one with the lower id is first.
     pub ends: Vec<[u32; 2]>,
-    /// Tangential force on the first end, N, and the tangential stiffness it was last computed with, N/m.
-    pub history: Vec<[f64; 4]>,
     pub touch: Vec<Touch>,
-    /// Work of the last step, J: contact path, slip, viscous (kept only with the energy ledger).
-    pub work: Vec<[f64; 3]>,
-    /// Rolling moment on the first end, N m (kept only with rolling friction).
-    pub rolling: Vec<[f64; 3]>,
+    /// Work of the last step, J: contact path, slip, viscous.
+    pub work: Column<[f64; 3]>,
+    /// Rolling moment on the first end, N m.
+    pub rolling: Column<[f64; 3]>,
+    /// Tangential spring force on the first end where it is not the whole tangential force, N.
+    pub spring: Column<[f64; 3]>,
+    /// Normal force times the area model's weight, where that is not 1: compared with the limits of both grains.
+    pub load: Column<f64>,
     free: Vec<u32>,
-    with_work: bool,
-    with_rolling: bool,
 }
 
 impl Pairs {
-    pub fn new(with_work: bool, with_rolling: bool) -> Pairs {
-        Pairs { with_work, with_rolling, ..Pairs::default() }
+    pub fn new(kept: Kept) -> Pairs {
+        Pairs {
+            work: Column::new(kept.work),
+            rolling: Column::new(kept.rolling),
+            spring: Column::new(kept.spring),
+            load: Column::new(kept.load),
+            ..Pairs::default()
+        }
+    }
+
+    /// Which columns there are.
+    pub fn kept(&self) -> Kept {
+        Kept { work: self.work.kept, rolling: self.rolling.kept, spring: self.spring.kept, load: self.load.kept }
+    }
+
+    /// The load that counts for breakage.
+    #[inline(always)]
+    pub fn load(&self, slot: usize) -> f64 {
+        if self.load.is_empty() { self.touch[slot].normal_force } else { self.load[slot] }
+    }
+
+    /// Tangential spring force on the first end, N.
+    #[inline(always)]
+    pub fn spring(&self, slot: usize) -> [f64; 3] {
+        if self.spring.is_empty() { self.touch[slot].tangential } else { self.spring[slot] }
     }
 
     /// A slot for the pair, without history.
     pub fn add(&mut self, first: u32, second: u32) -> u32 {
         if let Some(slot) = self.free.pop() {
-            let s = slot as usize;
-            self.ends[s] = [first, second];
-            self.history[s] = [0.0; 4];
-            self.touch[s] = Touch::default();
-            if self.with_work {
-                self.work[s] = [0.0; 3];
-            }
-            if self.with_rolling {
-                self.rolling[s] = [0.0; 3];
-            }
+            self.ends[slot as usize] = [first, second];
             return slot;
         }
         self.make_room();
         self.ends.push([first, second]);
-        self.history.push([0.0; 4]);
         self.touch.push(Touch::default());
-        if self.with_work {
-            self.work.push([0.0; 3]);
-        }
-        if self.with_rolling {
-            self.rolling.push([0.0; 3]);
-        }
+        self.work.push();
+        self.rolling.push();
+        self.spring.push();
+        self.load.push();
         self.ends.len() as u32 - 1
     }
 
@@ -76,24 +171,23 @@ impl Pairs {
         if n == self.ends.capacity() {
             let more = n / 8 + 64;
             self.ends.reserve_exact(more);
-            self.history.reserve_exact(more);
             self.touch.reserve_exact(more);
-            if self.with_work {
-                self.work.reserve_exact(more);
-            }
-            if self.with_rolling {
-                self.rolling.reserve_exact(more);
-            }
+            self.work.reserve(more);
+            self.rolling.reserve(more);
+            self.spring.reserve(more);
+            self.load.reserve(more);
         }
     }
 
+    /// Frees a slot and forgets its history.
     pub fn remove(&mut self, slot: u32) {
         let s = slot as usize;
         self.ends[s] = [FREE, FREE];
         self.touch[s] = Touch::default();
-        if self.with_work {
-            self.work[s] = [0.0; 3];
-        }
+        self.work.clear(s);
+        self.rolling.clear(s);
+        self.spring.clear(s);
+        self.load.clear(s);
         self.free.push(slot);
     }
 
@@ -104,27 +198,23 @@ impl Pairs {
 
     /// Slots in the order given; the ends are renumbered by `renumber`. What is not listed is dropped.
     pub fn permute(&mut self, order: &[u32], renumber: impl Fn([u32; 2]) -> [u32; 2]) {
-        fn pick<T: Copy>(v: &mut Vec<T>, order: &[u32]) {
-            if !v.is_empty() {
-                *v = order.iter().map(|&s| v[s as usize]).collect();
-            }
-        }
         self.ends = order.iter().map(|&s| renumber(self.ends[s as usize])).collect();
-        pick(&mut self.history, order);
-        pick(&mut self.touch, order);
-        pick(&mut self.work, order);
-        pick(&mut self.rolling, order);
+        self.touch = order.iter().map(|&s| self.touch[s as usize]).collect();
+        self.work.permute(order);
+        self.rolling.permute(order);
+        self.spring.permute(order);
+        self.load.permute(order);
         self.free.clear();
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        use std::mem::size_of;
         self.ends.capacity() * size_of::<[u32; 2]>()
-            + self.history.capacity() * size_of::<[f64; 4]>()
             + self.touch.capacity() * size_of::<Touch>()
-            + self.work.capacity() * size_of::<[f64; 3]>()
-            + self.rolling.capacity() * size_of::<[f64; 3]>()
+            + self.work.bytes()
+            + self.rolling.bytes()
+            + self.spring.bytes()
+            + self.load.bytes()
             + self.free.capacity() * 4
     }
 }

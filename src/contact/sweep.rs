@@ -3,7 +3,7 @@
 
 use super::force::{self, Meeting, Memory, Motion, Rules};
 use super::law::{Law, PairTable};
-use super::pairs::{FREE, Pairs};
+use super::pairs::{FREE, Pairs, Touch};
 use crate::boundary::Wall;
 use crate::grains::Grains;
 use crate::model::{ContactModel, Model, TangentialUnloading};
@@ -16,7 +16,7 @@ const SERIAL: usize = 1536;
 /// All contacts of grains with grains.
 pub fn grains(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs) {
     let ledger = !pairs.work.is_empty();
-    let extra = needs_extra(&model.contact, rules, model.materials.len());
+    let extra = needs_extra(&model.contact, pairs, rules, model.materials.len());
     with_law!(model.contact.law, L => match (ledger, extra) {
         (false, false) => sweep_grains::<L, false, false>(table, rules, g, pairs),
         (true, false) => sweep_grains::<L, true, false>(table, rules, g, pairs),
@@ -35,32 +35,66 @@ pub fn walls(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, walls:
 }
 
 /// Whether the contacts need more than one material's normal and tangential law with a kept tangential force.
-fn needs_extra(contact: &ContactModel, rules: &Rules, materials: usize) -> bool {
-    contact.rolling || rules.unloading == TangentialUnloading::Rescale || rules.hertz_area || materials > 1
+fn needs_extra(contact: &ContactModel, pairs: &Pairs, rules: &Rules, materials: usize) -> bool {
+    contact.rolling || rules.unloading == TangentialUnloading::Rescale || pairs.kept().load || materials > 1
 }
 
-/// One chunk of slots, each array's part.
+/// One chunk of slots, each array's part; columns that the run does not keep are empty.
 struct Part<'a> {
     ends: &'a [[u32; 2]],
-    history: &'a mut [[f64; 4]],
-    touch: &'a mut [super::pairs::Touch],
+    touch: &'a mut [Touch],
     work: &'a mut [[f64; 3]],
     rolling: &'a mut [[f64; 3]],
+    spring: &'a mut [[f64; 3]],
+    load: &'a mut [f64],
+}
+
+impl<'a> Part<'a> {
+    fn all(p: &'a mut Pairs) -> Part<'a> {
+        Part {
+            ends: &p.ends,
+            touch: &mut p.touch,
+            work: &mut p.work,
+            rolling: &mut p.rolling,
+            spring: &mut p.spring,
+            load: &mut p.load,
+        }
+    }
+
+    fn halves(self, at: usize) -> (Part<'a>, Part<'a>) {
+        fn cut<T>(v: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
+            v.split_at_mut(at.min(v.len()))
+        }
+        let (e0, e1) = self.ends.split_at(at);
+        let (t0, t1) = cut(self.touch, at);
+        let (w0, w1) = cut(self.work, at);
+        let (r0, r1) = cut(self.rolling, at);
+        let (s0, s1) = cut(self.spring, at);
+        let (l0, l1) = cut(self.load, at);
+        (
+            Part { ends: e0, touch: t0, work: w0, rolling: r0, spring: s0, load: l0 },
+            Part { ends: e1, touch: t1, work: w1, rolling: r1, spring: s1, load: l1 },
+        )
+    }
+
+    /// What slot `s` keeps. `EXTRA`: the run may have rolling moments or weighted loads.
+    #[inline(always)]
+    fn memory<L: Law, const LEDGER: bool, const EXTRA: bool>(&mut self, s: usize) -> Memory<'_> {
+        Memory {
+            touch: &mut self.touch[s],
+            work: if LEDGER { Some(&mut self.work[s]) } else { None },
+            rolling: if EXTRA { self.rolling.get_mut(s) } else { None },
+            spring: if L::VISCOUS { self.spring.get_mut(s) } else { None },
+            load: if EXTRA { self.load.get_mut(s) } else { None },
+        }
+    }
 }
 
 /// Cuts the slots into chunks and runs `body` on each, in parallel where there are enough.
 fn for_each_part(p: &mut Pairs, body: impl Fn(Part<'_>) + Sync) {
-    let slots = p.slots();
-    if slots <= SERIAL || rayon::current_num_threads() == 1 {
-        return body(Part {
-            ends: &p.ends,
-            history: &mut p.history,
-            touch: &mut p.touch,
-            work: &mut p.work,
-            rolling: &mut p.rolling,
-        });
-    }
-    split(Part { ends: &p.ends, history: &mut p.history, touch: &mut p.touch, work: &mut p.work, rolling: &mut p.rolling }, &body);
+    let serial = p.slots() <= SERIAL || rayon::current_num_threads() == 1;
+    let all = Part::all(p);
+    if serial { body(all) } else { split(all, &body) }
 }
 
 /// Halves a part until it is small, the halves joined in parallel.
@@ -69,26 +103,15 @@ fn split(part: Part<'_>, body: &(impl Fn(Part<'_>) + Sync)) {
     if n <= CHUNK {
         return body(part);
     }
-    let half = n.div_ceil(CHUNK).div_ceil(2) * CHUNK;
-    fn at<T>(v: &mut [T], k: usize) -> (&mut [T], &mut [T]) {
-        let k = k.min(v.len());
-        v.split_at_mut(k)
-    }
-    let (e0, e1) = part.ends.split_at(half);
-    let (h0, h1) = at(part.history, half);
-    let (t0, t1) = at(part.touch, half);
-    let (w0, w1) = at(part.work, half);
-    let (r0, r1) = at(part.rolling, half);
-    rayon::join(
-        || split(Part { ends: e0, history: h0, touch: t0, work: w0, rolling: r0 }, body),
-        || split(Part { ends: e1, history: h1, touch: t1, work: w1, rolling: r1 }, body),
-    );
+    let (left, right) = part.halves(n.div_ceil(CHUNK).div_ceil(2) * CHUNK);
+    rayon::join(|| split(left, body), || split(right, body));
 }
 
 fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs) {
     let single = *table.grains(0, 0);
-    for_each_part(pairs, |part| {
-        for (s, &[i, j]) in part.ends.iter().enumerate() {
+    for_each_part(pairs, |mut part| {
+        let ends = part.ends;
+        for (s, &[i, j]) in ends.iter().enumerate() {
             if i == FREE {
                 continue;
             }
@@ -97,15 +120,7 @@ fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(table: &PairTable
             let d = difference(p, q);
             let reach = p[3] + q[3];
             let distance2 = force::dot(d, d);
-            let mut memory = Memory {
-                history: &mut part.history[s],
-                touch: &mut part.touch[s],
-                work: if LEDGER { Some(&mut part.work[s]) } else { None },
-                rolling: None,
-            };
-            if EXTRA && !part.rolling.is_empty() {
-                memory.rolling = Some(&mut part.rolling[s]);
-            }
+            let memory = part.memory::<L, LEDGER, EXTRA>(s);
             // without the root where it is not needed; an overlap that rounds to nothing is none
             let distance = if distance2 < reach * reach { distance2.sqrt() } else { reach };
             if distance >= reach {
@@ -162,23 +177,16 @@ pub fn motion_on_wall(g: &Grains, i: usize, normal: [f64; 3], speed: f64) -> Mot
 }
 
 fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
-    for_each_part(pairs, |part| {
-        for (s, &[i, k]) in part.ends.iter().enumerate() {
+    for_each_part(pairs, |mut part| {
+        let ends = part.ends;
+        for (s, &[i, k]) in ends.iter().enumerate() {
             if i == FREE {
                 continue;
             }
             let (i, k) = (i as usize, k as usize);
             let p = g.pos[i];
             let (normal, gap) = walls[k].shape.towards(p);
-            let mut memory = Memory {
-                history: &mut part.history[s],
-                touch: &mut part.touch[s],
-                work: if LEDGER { Some(&mut part.work[s]) } else { None },
-                rolling: None,
-            };
-            if !part.rolling.is_empty() {
-                memory.rolling = Some(&mut part.rolling[s]);
-            }
+            let memory = part.memory::<L, LEDGER, true>(s);
             let motion = motion_on_wall(g, i, normal, walls[k].speed);
             if gap >= 0.0 {
                 force::apart::<LEDGER>(|| motion, rules.dt, memory);

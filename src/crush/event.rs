@@ -77,13 +77,13 @@ fn judge(crush: &CrushModel, state: &State, neighbours: &Neighbours, table: &Pai
     let (mut best, mut load) = (None, f64::NEG_INFINITY);
     for e in neighbours.adjacency.of(i) {
         let pool = if e.is_wall() { &state.wall_pairs } else { &state.pairs };
-        let l = pool.touch[e.slot() as usize].load;
+        let l = pool.load(e.slot());
         if l > load {
-            (best, load) = (Some(*e), l);
+            (best, load) = (Some(e), l);
         }
     }
     let e = best.expect("a failing grain has a contact");
-    let slot = e.slot() as usize;
+    let slot = e.slot();
     let (r_eff, pair) = measure::pair_from(state, table, slot, e.is_wall());
     let g = &state.grains;
     let d = 2.0 * g.pos[i][3];
@@ -232,7 +232,7 @@ fn kinetic_energy(state: &State, i: usize) -> f64 {
 fn energy_around(model: &Model, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> f64 {
     let mut sum = 0.0;
     for e in neighbours.adjacency.of(i) {
-        let slot = e.slot() as usize;
+        let slot = e.slot();
         let (overlap, pool) = if e.is_wall() {
             (-state.walls[e.wall_index()].shape.towards(state.grains.pos[i]).1, &state.wall_pairs)
         } else {
@@ -244,7 +244,7 @@ fn energy_around(model: &Model, state: &State, neighbours: &Neighbours, table: &
         if overlap > 0.0 {
             let (r_eff, pair) = measure::pair_from(state, table, slot, e.is_wall());
             let elastic = stability::elastic(model, overlap, r_eff, pair);
-            sum += elastic.energy + measure::tangential_energy(&pool.history[slot], elastic.k_t);
+            sum += elastic.energy + measure::tangential_energy(pool.spring(slot), elastic.k_t);
         }
     }
     sum
@@ -255,7 +255,7 @@ fn close_contacts(state: &mut State, neighbours: &Neighbours, m: usize) {
     let g = &state.grains;
     let mut open = 0.0;
     for e in neighbours.adjacency.of(m) {
-        let slot = e.slot() as usize;
+        let slot = e.slot();
         let power = if e.is_wall() {
             let normal = measure::normal(state, slot, true);
             sweep::motion_on_wall(g, m, normal, state.walls[e.wall_index()].speed).power(&state.wall_pairs.touch[slot])

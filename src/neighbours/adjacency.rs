@@ -1,48 +1,67 @@
 //! The contacts of each grain, sorted by the partner's persistent id with walls last: the order in which it sums forces.
-//! One arena; each grain owns a block whose capacity is a power of two.
+//! One arena; each grain owns a block whose capacity is a multiple of [`UNIT`]. Ids, which only searches read, and links, which every step
+//! reads, stand apart.
 
 const GRAIN_END: u32 = 1 << 31;
 const WALL: u32 = 1 << 30;
 /// Ids from here on are walls.
 const WALL_IDS: u32 = u32::MAX - 0xffff;
 
+/// Where a contact's slot is and which end of it the grain is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Link(u32);
+
+impl Link {
+    #[inline(always)]
+    pub fn slot(self) -> usize {
+        (self.0 & !(GRAIN_END | WALL)) as usize
+    }
+
+    /// Whether the grain is the second end of the slot (forces then change sign).
+    #[inline(always)]
+    pub fn second_end(self) -> bool {
+        self.0 & GRAIN_END != 0
+    }
+
+    /// 1 if the grain is the slot's first end, else 0.
+    #[inline(always)]
+    pub fn first_end(self) -> f64 {
+        f64::from(1 - (self.0 >> 31))
+    }
+
+    #[inline(always)]
+    pub fn is_wall(self) -> bool {
+        self.0 & WALL != 0
+    }
+}
+
 /// One contact as seen from one grain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// Persistent id of the partner; walls have ids above every grain.
     pub id: u32,
-    slot: u32,
+    pub link: Link,
 }
 
 impl Entry {
     pub fn grain(id: u32, slot: u32, second_end: bool) -> Entry {
-        Entry { id, slot: slot | if second_end { GRAIN_END } else { 0 } }
+        Entry { id, link: Link(slot | if second_end { GRAIN_END } else { 0 }) }
     }
 
     pub fn wall(k: u32, slot: u32) -> Entry {
-        Entry { id: WALL_IDS + k, slot: slot | WALL }
+        Entry { id: WALL_IDS + k, link: Link(slot | WALL) }
     }
 
-    #[inline(always)]
-    pub fn slot(self) -> u32 {
-        self.slot & !(GRAIN_END | WALL)
+    pub fn slot(self) -> usize {
+        self.link.slot()
     }
 
-    /// Whether this grain is the second end of the slot (forces then change sign).
-    #[inline(always)]
     pub fn second_end(self) -> bool {
-        self.slot & GRAIN_END != 0
+        self.link.second_end()
     }
 
-    /// 1 if this grain is the slot's first end, else 0.
-    #[inline(always)]
-    pub fn first_end(self) -> f64 {
-        f64::from(1 - (self.slot >> 31))
-    }
-
-    #[inline(always)]
     pub fn is_wall(self) -> bool {
-        self.slot & WALL != 0
+        self.link.is_wall()
     }
 
     pub fn wall_index(self) -> usize {
@@ -54,29 +73,36 @@ impl Entry {
 struct Block {
     start: u32,
     len: u32,
-    /// log2 of the capacity plus one; 0 = no block.
-    class: u32,
+    /// Capacity in units.
+    units: u32,
+}
+
+impl Block {
+    fn range(self) -> std::ops::Range<usize> {
+        self.start as usize..self.start as usize + self.len as usize
+    }
 }
 
 /// All adjacency lists.
 #[derive(Default)]
 pub struct Adjacency {
     blocks: Vec<Block>,
-    arena: Vec<Entry>,
-    /// Starts of free blocks by class.
+    ids: Vec<u32>,
+    links: Vec<Link>,
+    /// Starts of free blocks by units.
     free: Vec<Vec<u32>>,
 }
 
-const EMPTY: Entry = Entry { id: 0, slot: 0 };
-/// Smallest block: 8 entries.
-const SMALLEST: u32 = 4;
+/// Entries by which blocks grow, at first; large ones grow by a quarter.
+const UNIT: usize = 4;
 
 impl Adjacency {
     /// Empty lists for `n` grains.
     pub fn clear(&mut self, n: usize) {
         self.blocks.clear();
         self.blocks.resize(n, Block::default());
-        self.arena.clear();
+        self.ids.clear();
+        self.links.clear();
         self.free.clear();
     }
 
@@ -85,79 +111,100 @@ impl Adjacency {
     }
 
     /// Contacts of grain `i`.
-    #[inline(always)]
-    pub fn of(&self, i: usize) -> &[Entry] {
-        let b = self.blocks[i];
-        &self.arena[b.start as usize..(b.start + b.len) as usize]
+    #[inline]
+    pub fn of(&self, i: usize) -> impl Iterator<Item = Entry> + '_ {
+        self.ids(i).iter().zip(self.links(i)).map(|(&id, &link)| Entry { id, link })
     }
 
-    fn position(&self, i: usize, id: u32) -> Result<usize, usize> {
-        self.of(i).binary_search_by_key(&id, |e| e.id)
+    /// Links of grain `i`'s contacts, in the same order.
+    #[inline(always)]
+    pub fn links(&self, i: usize) -> &[Link] {
+        &self.links[self.blocks[i].range()]
+    }
+
+    fn ids(&self, i: usize) -> &[u32] {
+        &self.ids[self.blocks[i].range()]
     }
 
     pub fn contains(&self, i: usize, id: u32) -> bool {
-        self.position(i, id).is_ok()
+        self.ids(i).binary_search(&id).is_ok()
     }
 
-    pub fn find(&self, i: usize, id: u32) -> Option<&Entry> {
-        self.position(i, id).ok().map(|at| &self.of(i)[at])
+    pub fn find(&self, i: usize, id: u32) -> Option<Entry> {
+        self.ids(i).binary_search(&id).ok().map(|at| Entry { id, link: self.links(i)[at] })
     }
 
     pub fn insert(&mut self, i: usize, e: Entry) {
-        if let Err(at) = self.position(i, e.id) {
+        if let Err(at) = self.ids(i).binary_search(&e.id) {
             self.push(i, e);
-            let b = self.blocks[i];
-            let (start, end) = (b.start as usize, (b.start + b.len) as usize);
-            self.arena[start + at..end].rotate_right(1);
+            let range = self.blocks[i].range();
+            self.ids[range.start + at..range.end].rotate_right(1);
+            self.links[range.start + at..range.end].rotate_right(1);
         }
     }
 
-    /// Appends without sorting; call [`Self::sort_all`] afterwards.
-    pub fn push(&mut self, i: usize, e: Entry) {
+    fn push(&mut self, i: usize, e: Entry) {
         let b = self.blocks[i];
-        if b.class == 0 || b.len == 1 << (b.class - 1) {
+        if b.len as usize == b.units as usize * UNIT {
             self.grow(i);
         }
         let b = &mut self.blocks[i];
-        self.arena[(b.start + b.len) as usize] = e;
         b.len += 1;
+        let end = b.range().end - 1;
+        self.ids[end] = e.id;
+        self.links[end] = e.link;
     }
 
     pub fn remove(&mut self, i: usize, id: u32) {
-        if let Ok(at) = self.position(i, id) {
-            let b = self.blocks[i];
-            let (start, end) = (b.start as usize, (b.start + b.len) as usize);
-            self.arena[start + at..end].rotate_left(1);
+        if let Ok(at) = self.ids(i).binary_search(&id) {
+            let range = self.blocks[i].range();
+            self.ids[range.start + at..range.end].rotate_left(1);
+            self.links[range.start + at..range.end].rotate_left(1);
             self.blocks[i].len -= 1;
-        }
-    }
-
-    pub fn sort_all(&mut self) {
-        for b in &self.blocks {
-            self.arena[b.start as usize..(b.start + b.len) as usize].sort_unstable_by_key(|e| e.id);
         }
     }
 
     fn grow(&mut self, i: usize) {
         let old = self.blocks[i];
-        let class = (old.class + 1).max(SMALLEST);
-        if self.free.len() <= class as usize {
-            self.free.resize(class as usize + 1, Vec::new());
+        let units = old.units + 1 + old.units / 4;
+        if self.free.len() <= units as usize {
+            self.free.resize(units as usize + 1, Vec::new());
         }
-        let start = self.free[class as usize].pop().unwrap_or_else(|| {
-            let start = self.arena.len() as u32;
-            self.arena.resize(self.arena.len() + (1 << (class - 1)), EMPTY);
-            start
-        });
-        self.arena.copy_within(old.start as usize..(old.start + old.len) as usize, start as usize);
-        if old.class > 0 {
-            self.free[old.class as usize].push(old.start);
+        let start = self.free[units as usize].pop().unwrap_or_else(|| self.reserve(units as usize * UNIT));
+        self.ids.copy_within(old.range(), start as usize);
+        self.links.copy_within(old.range(), start as usize);
+        if old.units > 0 {
+            self.free[old.units as usize].push(old.start);
         }
-        self.blocks[i] = Block { start, len: old.len, class };
+        self.blocks[i] = Block { start, units, ..old };
+    }
+
+    fn reserve(&mut self, more: usize) -> u32 {
+        let start = self.ids.len();
+        self.ids.resize(start + more, 0);
+        self.links.resize(start + more, Link::default());
+        start as u32
+    }
+
+    /// Fills the lists of all grains anew from `(grain, entry)`, blocks in the order of grains with room to spare.
+    pub fn fill(&mut self, n: usize, entries: impl Iterator<Item = (u32, Entry)> + Clone) {
+        self.clear(n);
+        for (i, _) in entries.clone() {
+            self.blocks[i as usize].len += 1;
+        }
+        for i in 0..n {
+            let units = self.blocks[i].len as usize / UNIT + 1;
+            self.blocks[i] = Block { start: self.reserve(units * UNIT), len: 0, units: units as u32 };
+        }
+        for (i, e) in entries {
+            self.insert(i as usize, e);
+        }
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.blocks.capacity() * 12 + self.arena.capacity() * 8 + self.free.iter().map(|f| f.capacity() * 4).sum::<usize>()
+        self.blocks.capacity() * size_of::<Block>()
+            + (self.ids.capacity() + self.links.capacity()) * 4
+            + self.free.iter().map(|f| f.capacity() * 4).sum::<usize>()
     }
 }

@@ -1,6 +1,8 @@
 //! Multi-level cells: a grain lives in the level whose cells fit its reach, levels a factor of two apart, so that a search costs the
 //! same whatever the ratio of sizes. Cells are linked lists; memory follows the number of grains, not the box.
 
+use super::Reference;
+
 const NONE: u32 = u32::MAX;
 
 struct Level {
@@ -44,19 +46,20 @@ impl Level {
         (((x - low) * self.inverse) as i64).clamp(0, self.dims[axis] as i64 - 1) as usize
     }
 
-    fn cell(&self, p: &[f64; 4], low: &[f64; 3]) -> usize {
-        let c: [usize; 3] = std::array::from_fn(|a| self.coordinate(a, p[a], low[a]));
+    fn cell(&self, p: &Reference, low: &[f64; 3]) -> usize {
+        let c: [usize; 3] = std::array::from_fn(|a| self.coordinate(a, f64::from(p[a]), low[a]));
         (c[2] * self.dims[1] + c[1]) * self.dims[0] + c[0]
     }
 }
 
 impl Grid {
     /// A grid around the reference spheres given (x, y, z, reach), with all of them placed.
-    pub fn new(reference: &[[f64; 4]]) -> Grid {
+    pub fn new(reference: &[Reference]) -> Grid {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         let mut largest = 0.0f64;
         for p in reference {
+            let p = p.map(f64::from);
             for a in 0..3 {
                 low[a] = low[a].min(p[a]);
                 high[a] = high[a].max(p[a]);
@@ -91,7 +94,7 @@ impl Grid {
 
     /// Level for a reach: level 0 takes all above `base`, each further one half of the last. Levels are added as grains get
     /// smaller; a reach above level 0's makes its cells larger.
-    fn level(&mut self, reach: f64, reference: &[[f64; 4]]) -> usize {
+    fn level(&mut self, reach: f64, reference: &[Reference]) -> usize {
         if reach > self.levels[0].reach {
             self.rebuild(0, reach * 1.25, reference);
         }
@@ -107,8 +110,8 @@ impl Grid {
     }
 
     /// Puts grain `i` into the cell of its reference.
-    pub fn place(&mut self, i: usize, reference: &[[f64; 4]]) {
-        let l = self.level(reference[i][3], reference);
+    pub fn place(&mut self, i: usize, reference: &[Reference]) {
+        let l = self.level(f64::from(reference[i][3]), reference);
         let cell = self.levels[l].cell(&reference[i], &self.low) as u32;
         if self.home[i] == (l as u32, cell) {
             return;
@@ -152,7 +155,7 @@ impl Grid {
     }
 
     /// Makes the cells of level `l` anew, for the number of grains it now has.
-    fn rebuild(&mut self, l: usize, reach: f64, reference: &[[f64; 4]]) {
+    fn rebuild(&mut self, l: usize, reach: f64, reference: &[Reference]) {
         let members: Vec<usize> = (0..self.home.len()).filter(|&i| self.home[i].0 == l as u32).collect();
         self.levels[l] = Level::new(reach, &self.size, members.len());
         for i in members {
@@ -163,7 +166,8 @@ impl Grid {
 
     /// Calls `visit` with every grain whose cell can hold one that the sphere `here` reaches.
     #[inline]
-    pub fn for_each_near(&self, here: &[f64; 4], mut visit: impl FnMut(u32)) {
+    pub fn for_each_near(&self, here: &Reference, mut visit: impl FnMut(u32)) {
+        let here = here.map(f64::from);
         for level in &self.levels {
             if level.count == 0 {
                 continue;

@@ -21,9 +21,7 @@ pub struct Neighbours {
     /// Skin over radius.
     skin: f64,
     /// Reference position and reach.
-    reference: Vec<[f64; 4]>,
-    /// Square of the distance a grain may yet move from its reference.
-    pub allowed2: Vec<f64>,
+    reference: Vec<Reference>,
     grid: Grid,
     pub adjacency: Adjacency,
     wall_reference: Vec<WallShape>,
@@ -36,6 +34,10 @@ pub struct Neighbours {
     pub searches: u64,
 }
 
+/// Centre x, y, z and reach of a grain when its neighbourhood was last searched, m. Single precision halves what every step reads; no
+/// result depends on it, and the reach makes up for what rounding took from the centre.
+pub type Reference = [f32; 4];
+
 /// The contact pools the lists look after.
 pub struct Pools<'a> {
     pub pairs: &'a mut Pairs,
@@ -45,14 +47,12 @@ pub struct Pools<'a> {
 impl Neighbours {
     /// Lists for the state as it is: the pairs it has are kept with their history, missing ones are added.
     pub fn new(g: &Grains, walls: &[Wall], pools: &mut Pools<'_>, skin: f64) -> Neighbours {
-        let reference: Vec<[f64; 4]> = g.pos.iter().map(|p| [p[0], p[1], p[2], p[3] * (1.0 + skin)]).collect();
-        let allowed2 = g.pos.iter().map(|p| (skin * p[3]) * (skin * p[3])).collect();
+        let reference: Vec<Reference> = g.pos.iter().map(|p| Self::reference(p, skin)).collect();
         let mean_radius = g.pos.iter().map(|p| p[3]).sum::<f64>() / g.len().max(1) as f64;
         let mut n = Neighbours {
             skin,
             grid: Grid::new(&reference),
             reference,
-            allowed2,
             adjacency: Adjacency::default(),
             wall_reference: walls.iter().map(|w| w.shape).collect(),
             wall_skin: skin * mean_radius,
@@ -71,23 +71,20 @@ impl Neighbours {
 
     /// Makes adjacency and wall lists from the slots there are.
     fn adopt(&mut self, g: &Grains, pools: &Pools<'_>) {
-        self.adjacency.clear(g.len());
+        let Pools { pairs, wall_pairs } = pools;
+        let used = |ends: &[u32; 2]| ends[0] != FREE;
+        let of_grains = pairs.ends.iter().enumerate().filter(|(_, e)| used(e)).flat_map(|(slot, &[i, j])| {
+            let end = |k: u32, other: u32, second| (k, Entry::grain(g.id[other as usize], slot as u32, second));
+            [end(i, j, false), end(j, i, true)]
+        });
+        let of_walls = wall_pairs.ends.iter().enumerate().filter(|(_, e)| used(e));
+        self.adjacency.fill(g.len(), of_grains.chain(of_walls.clone().map(|(slot, &[i, k])| (i, Entry::wall(k, slot as u32)))));
         for l in &mut self.wall_lists {
             l.clear();
         }
-        for (slot, &[i, j]) in pools.pairs.ends.iter().enumerate() {
-            if i != FREE {
-                self.adjacency.push(i as usize, Entry::grain(g.id[j as usize], slot as u32, false));
-                self.adjacency.push(j as usize, Entry::grain(g.id[i as usize], slot as u32, true));
-            }
+        for (slot, &[i, k]) in of_walls {
+            self.wall_lists[k as usize].push((g.id[i as usize], slot as u32));
         }
-        for (slot, &[i, k]) in pools.wall_pairs.ends.iter().enumerate() {
-            if i != FREE {
-                self.adjacency.push(i as usize, Entry::wall(k, slot as u32));
-                self.wall_lists[k as usize].push((g.id[i as usize], slot as u32));
-            }
-        }
-        self.adjacency.sort_all();
         for l in &mut self.wall_lists {
             l.sort_unstable();
         }
@@ -119,40 +116,38 @@ impl Neighbours {
     }
 
     fn refer(&mut self, i: usize, g: &Grains) {
-        let p = g.pos[i];
-        self.reference[i] = [p[0], p[1], p[2], p[3] * (1.0 + self.skin)];
-        self.allowed2[i] = (self.skin * p[3]) * (self.skin * p[3]);
+        self.reference[i] = Self::reference(&g.pos[i], self.skin);
         self.grid.place(i, &self.reference);
     }
 
-    /// After a change of radii: what is left of each grain's allowance, and in `moved` the grains that have none left.
-    pub fn account_for_growth(&mut self, g: &Grains, moved: &mut Vec<u32>) {
-        moved.clear();
-        for (i, p) in g.pos.iter().enumerate() {
-            let left = self.reference[i][3] - p[3];
-            self.allowed2[i] = left * left;
-            if left <= 0.0 || Self::moved2(&self.reference[i], *p) > self.allowed2[i] {
-                moved.push(i as u32);
-            }
-        }
+    fn reference(p: &[f64; 4], skin: f64) -> Reference {
+        let centre = [p[0] as f32, p[1] as f32, p[2] as f32];
+        let rounding = (0..3).map(|a| (p[a] - f64::from(centre[a])).abs()).sum::<f64>();
+        [centre[0], centre[1], centre[2], (p[3] * (1.0 + skin) + rounding) as f32]
     }
 
-    /// Distance squared that a grain at `p` has moved from its reference.
+    /// Whether a grain (centre, radius) has left its reference sphere of reach.
     #[inline(always)]
-    pub fn moved2(reference: &[f64; 4], p: [f64; 4]) -> f64 {
-        let (x, y, z) = (p[0] - reference[0], p[1] - reference[1], p[2] - reference[2]);
-        x * x + y * y + z * z
+    pub fn outside(reference: &Reference, p: &[f64; 4]) -> bool {
+        let [x, y, z, reach] = reference.map(f64::from);
+        let (x, y, z, left) = (p[0] - x, p[1] - y, p[2] - z, reach - p[3]);
+        left <= 0.0 || x * x + y * y + z * z > left * left
+    }
+
+    /// After a change of radii: in `moved` the grains that have left their spheres.
+    pub fn account_for_growth(&self, g: &Grains, moved: &mut Vec<u32>) {
+        moved.clear();
+        moved.extend((0..g.len() as u32).filter(|&i| Self::outside(&self.reference[i as usize], &g.pos[i as usize])));
     }
 
     /// References of all grains, for the pass that moves them.
-    pub fn references(&self) -> &[[f64; 4]] {
+    pub fn references(&self) -> &[Reference] {
         &self.reference
     }
 
     /// A grain was appended to the arrays.
     pub fn append(&mut self, i: usize, g: &Grains, pools: &mut Pools<'_>) {
         self.reference.push([0.0; 4]);
-        self.allowed2.push(0.0);
         self.adjacency.append();
         self.grid.append();
         debug_assert_eq!(self.reference.len(), i + 1);
@@ -163,7 +158,7 @@ impl Neighbours {
     pub fn detach(&mut self, i: usize, g: &Grains, pools: &mut Pools<'_>) {
         let mut gone = std::mem::take(&mut self.gone);
         gone.clear();
-        gone.extend_from_slice(self.adjacency.of(i));
+        gone.extend(self.adjacency.of(i));
         for e in &gone {
             self.unlink(i, *e, g, pools);
         }
@@ -178,18 +173,19 @@ impl Neighbours {
             if let Ok(at) = list.binary_search_by_key(&g.id[i], |&(id, _)| id) {
                 list.remove(at);
             }
-            pools.wall_pairs.remove(slot);
+            pools.wall_pairs.remove(slot as u32);
         } else {
-            let [a, b] = pools.pairs.ends[slot as usize];
+            let [a, b] = pools.pairs.ends[slot];
             let other = if a as usize == i { b } else { a } as usize;
             self.adjacency.remove(other, g.id[i]);
-            pools.pairs.remove(slot);
+            pools.pairs.remove(slot as u32);
         }
     }
 
     /// Whether two reference spheres overlap.
     #[inline]
-    fn near(a: &[f64; 4], b: &[f64; 4]) -> bool {
+    fn near(a: &Reference, b: &Reference) -> bool {
+        let (a, b) = (a.map(f64::from), b.map(f64::from));
         let (x, y, z) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
         let reach = a[3] + b[3];
         x * x + y * y + z * z < reach * reach
@@ -202,12 +198,12 @@ impl Neighbours {
         gone.clear();
         for e in self.adjacency.of(i) {
             if !e.is_wall() {
-                let [a, b] = pools.pairs.ends[e.slot() as usize];
+                let [a, b] = pools.pairs.ends[e.slot()];
                 let other = if a as usize == i { b } else { a } as usize;
                 // a touching pair stays until a sweep has ended it: the other's reference may be the older one
-                let touches = pools.pairs.touch[e.slot() as usize].overlap > 0.0;
+                let touches = pools.pairs.touch[e.slot()].overlap > 0.0;
                 if !touches && !Self::near(&here, &self.reference[other]) {
-                    gone.push(*e);
+                    gone.push(e);
                 }
             }
         }
@@ -239,7 +235,7 @@ impl Neighbours {
     }
 
     fn search_wall(&mut self, i: usize, k: usize, g: &Grains, pools: &mut Pools<'_>) {
-        let (_, gap) = self.wall_reference[k].towards(self.reference[i]);
+        let (_, gap) = self.wall_reference[k].towards(self.reference[i].map(f64::from));
         let entry = Entry::wall(k as u32, 0);
         let has = self.adjacency.contains(i, entry.id);
         if gap < self.wall_skin && !has {
@@ -249,8 +245,8 @@ impl Neighbours {
             let at = list.partition_point(|&(id, _)| id < g.id[i]);
             list.insert(at, (g.id[i], slot));
         } else if gap >= self.wall_skin && has {
-            let e = *self.adjacency.find(i, entry.id).expect("contained");
-            if pools.wall_pairs.touch[e.slot() as usize].overlap <= 0.0 {
+            let e = self.adjacency.find(i, entry.id).expect("contained");
+            if pools.wall_pairs.touch[e.slot()].overlap <= 0.0 {
                 self.unlink(i, e, g, pools);
             }
         }
@@ -259,7 +255,6 @@ impl Neighbours {
     /// After grains and slots were permuted: `order` is the grains' new order.
     pub fn permute(&mut self, order: &[u32], g: &Grains, pools: &Pools<'_>) {
         self.reference = order.iter().map(|&i| self.reference[i as usize]).collect();
-        self.allowed2 = order.iter().map(|&i| self.allowed2[i as usize]).collect();
         self.grid = Grid::new(&self.reference);
         self.adopt(g, pools);
         self.searches = 0;
@@ -267,8 +262,7 @@ impl Neighbours {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.reference.capacity() * 32
-            + self.allowed2.capacity() * 8
+        self.reference.capacity() * size_of::<Reference>()
             + self.grid.bytes()
             + self.adjacency.bytes()
             + self.wall_lists.iter().map(|l| l.capacity() * 8).sum::<usize>()

@@ -85,7 +85,7 @@ pub fn sums(model: &Model, state: &State, work: &Work) -> Sums {
         s.net_force += dot(f, f).sqrt();
         let mut touching = 0;
         for e in work.neighbours.adjacency.of(i) {
-            let slot = e.slot() as usize;
+            let slot = e.slot();
             let pool = if e.is_wall() { &state.wall_pairs } else { &state.pairs };
             if !e.second_end() && !pool.work.is_empty() {
                 for k in 0..3 {
@@ -154,7 +154,7 @@ pub fn normal(state: &State, slot: usize, wall: bool) -> [f64; 3] {
 /// Normal force of a touching slot, N.
 pub fn normal_force(state: &State, slot: usize, wall: bool) -> f64 {
     let pool = if wall { &state.wall_pairs } else { &state.pairs };
-    -dot(pool.touch[slot].force, normal(state, slot, wall))
+    -dot(pool.touch[slot].force(), normal(state, slot, wall))
 }
 
 /// R* of a slot and its pair law.
@@ -186,12 +186,12 @@ pub fn stored(model: &Model, state: &State, work: &Work, slot: usize, wall: bool
     let pool = if wall { &state.wall_pairs } else { &state.pairs };
     let (r_eff, pair) = pair_of(state, work, slot, wall);
     let e = stability::elastic(model, pool.touch[slot].overlap, r_eff, pair);
-    e.energy + tangential_energy(&pool.history[slot], e.k_t)
+    e.energy + tangential_energy(pool.spring(slot), e.k_t)
 }
 
 /// F_t² / (2 k_t), J.
-pub fn tangential_energy(history: &[f64; 4], k_t: f64) -> f64 {
-    let t2 = history[0] * history[0] + history[1] * history[1] + history[2] * history[2];
+pub fn tangential_energy(spring: [f64; 3], k_t: f64) -> f64 {
+    let t2 = dot(spring, spring);
     if t2 > 0.0 { 0.5 * t2 / k_t } else { 0.0 }
 }
 
@@ -205,7 +205,7 @@ pub fn love_weber(state: &State, work: &Work, radius: f64, low: f64, high: f64) 
             if e.is_wall() || e.second_end() {
                 continue;
             }
-            let slot = e.slot() as usize;
+            let slot = e.slot();
             let touch = &state.pairs.touch[slot];
             if touch.overlap <= 0.0 {
                 continue;
@@ -216,9 +216,10 @@ pub fn love_weber(state: &State, work: &Work, radius: f64, low: f64, high: f64) 
             let at = p[3] / (p[3] + g.pos[j][3]);
             let c = [p[0] + at * d[0], p[1] + at * d[1], p[2] + at * d[2]];
             if c[0] * c[0] + c[1] * c[1] < radius * radius && c[2] > low && c[2] < high {
-                xx -= touch.force[0] * d[0];
-                yy -= touch.force[1] * d[1];
-                zz -= touch.force[2] * d[2];
+                let force = touch.force();
+                xx -= force[0] * d[0];
+                yy -= force[1] * d[1];
+                zz -= force[2] * d[2];
             }
         }
     }
@@ -230,13 +231,9 @@ pub fn love_weber(state: &State, work: &Work, radius: f64, low: f64, high: f64) 
 pub fn largest_forces(state: &State, work: &Work) -> Vec<f64> {
     (0..state.grains.len())
         .map(|i| {
-            work.neighbours.adjacency.of(i).iter().fold(0.0f64, |largest, e| {
+            work.neighbours.adjacency.of(i).fold(0.0f64, |largest, e| {
                 let pool = if e.is_wall() { &state.wall_pairs } else { &state.pairs };
-                if pool.touch[e.slot() as usize].overlap > 0.0 {
-                    largest.max(normal_force(state, e.slot() as usize, e.is_wall()))
-                } else {
-                    largest
-                }
+                if pool.touch[e.slot()].overlap > 0.0 { largest.max(normal_force(state, e.slot(), e.is_wall())) } else { largest }
             })
         })
         .collect()

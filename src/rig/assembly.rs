@@ -53,7 +53,7 @@ pub fn advance(
 fn open(model: &Model, state: &mut State, work: &Work) {
     let State { ledger, grains, walls, .. } = state;
     ledger.open(grains, walls);
-    for w in state.pairs.work.iter_mut().chain(&mut state.wall_pairs.work) {
+    for w in state.pairs.work.iter_mut().chain(state.wall_pairs.work.iter_mut()) {
         *w = [0.0; 3];
     }
     let sums = measure::sums(model, state, work);
@@ -107,8 +107,8 @@ fn contact_pressure(state: &State, work: &Work) -> f64 {
     for &i in &g.by_id() {
         let i = i as usize;
         volume += sphere_volume(g.pos[i][3]);
-        for e in work.neighbours.adjacency.of(i).iter().filter(|e| !e.second_end()) {
-            let slot = e.slot() as usize;
+        for e in work.neighbours.adjacency.of(i).filter(|e| !e.second_end()) {
+            let slot = e.slot();
             let (pool, length) = if e.is_wall() {
                 (&state.wall_pairs, g.pos[i][3])
             } else {

@@ -186,7 +186,7 @@ impl Loading {
                 let sums = crate::record::measure::sums(model, state, work);
                 state.ledger.start = [sums.stored, sums.kinetic, sums.potential];
                 // the sweep of this instant belongs to what was before
-                for w in state.pairs.work.iter_mut().chain(&mut state.wall_pairs.work) {
+                for w in state.pairs.work.iter_mut().chain(state.wall_pairs.work.iter_mut()) {
                     *w = [0.0; 3];
                 }
                 self.start = (Walls::of(state).height, Walls::of(state).radius);

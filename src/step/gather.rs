@@ -2,7 +2,7 @@
 //! limit, gets local damping and gravity, is kicked and drifted. Parallel over grains; each writes only itself.
 
 use super::State;
-use crate::contact::pairs::{Pairs, Touch};
+use crate::contact::pairs::Pairs;
 use crate::model::Model;
 use crate::neighbours::Neighbours;
 
@@ -30,17 +30,19 @@ pub struct Sums {
 #[inline(always)]
 fn sum<const LEDGER: bool>(i: usize, radius: f64, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) -> Sums {
     let mut s = Sums::default();
-    for e in neighbours.adjacency.of(i) {
-        let slot = e.slot() as usize;
+    for &e in neighbours.adjacency.links(i) {
+        let slot = e.slot();
         let (pool, first, sink) = if e.is_wall() { (wall_pairs, 1.0, 1.0) } else { (pairs, e.first_end(), 0.5) };
-        let touch: &Touch = &pool.touch[slot];
+        let touch = &pool.touch[slot];
+        let (force, torque) = (touch.force(), touch.torque());
         let sign = 2.0 * first - 1.0;
         let arm = radius - sink * touch.overlap;
         for a in 0..3 {
-            s.force[a] += sign * touch.force[a];
-            s.torque[a] += arm * touch.torque[a];
+            s.force[a] += sign * force[a];
+            s.torque[a] += arm * torque[a];
         }
-        s.load = if touch.load > s.load { touch.load } else { s.load };
+        let load = pool.load(slot);
+        s.load = if load > s.load { load } else { s.load };
         if LEDGER {
             for (sum, work) in s.work.iter_mut().zip(pool.work[slot]) {
                 *sum += first * work;
@@ -52,8 +54,8 @@ fn sum<const LEDGER: bool>(i: usize, radius: f64, neighbours: &Neighbours, pairs
 
 /// Adds rolling moments, where the run has them.
 fn add_rolling(t: &mut [f64; 3], i: usize, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) {
-    for e in neighbours.adjacency.of(i) {
-        let slot = e.slot() as usize;
+    for &e in neighbours.adjacency.links(i) {
+        let slot = e.slot();
         let (moment, sign) = match (e.is_wall(), e.second_end()) {
             (true, _) => (wall_pairs.rolling[slot], 1.0),
             (false, false) => (pairs.rolling[slot], 1.0),
@@ -65,6 +67,12 @@ fn add_rolling(t: &mut [f64; 3], i: usize, neighbours: &Neighbours, pairs: &Pair
     }
 }
 
+fn weigh(force: &mut [f64; 3], mass: f64, gravity: [f64; 3]) {
+    for (f, g) in force.iter_mut().zip(gravity) {
+        *f += mass * g;
+    }
+}
+
 /// Force and torque on grain `i` from contacts and gravity (before damping), with rolling where the run has it.
 pub fn force_and_torque(i: usize, model: &Model, state: &State, neighbours: &Neighbours) -> ([f64; 3], [f64; 3]) {
     let Sums { force: mut f, torque: mut t, .. } =
@@ -72,8 +80,8 @@ pub fn force_and_torque(i: usize, model: &Model, state: &State, neighbours: &Nei
     if model.contact.rolling {
         add_rolling(&mut t, i, neighbours, &state.pairs, &state.wall_pairs);
     }
-    for (f, g) in f.iter_mut().zip(model.gravity) {
-        *f += state.grains.mass[i] * g;
+    if model.gravity != [0.0; 3] {
+        weigh(&mut f, state.grains.mass[i], model.gravity);
     }
     (f, t)
 }
@@ -162,6 +170,7 @@ fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
 
 fn chunk<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
     let references = input.neighbours.references();
+    let gravity = input.gravity != [0.0; 3];
     for k in 0..part.pos.len() {
         let i = part.first + k;
         let (p, v, s) = (&mut part.pos[k], &mut part.vel[k], &mut part.spin[k]);
@@ -170,8 +179,8 @@ fn chunk<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
         if ROLLING {
             add_rolling(&mut t, i, input.neighbours, input.pairs, input.wall_pairs);
         }
-        for (f, g) in f.iter_mut().zip(input.gravity) {
-            *f += input.mass[i] * g;
+        if gravity {
+            weigh(&mut f, input.mass[i], input.gravity);
         }
         let inverse_mass = v[3];
         // I = 2/5 m r^2
@@ -194,7 +203,7 @@ fn chunk<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
             *w = [w[0] + work[0], w[1] + work[1], w[2] + work[2], w[3] + damped];
         }
         let mut flag = 0;
-        if Neighbours::moved2(&references[i], *p) > input.neighbours.allowed2[i] {
+        if Neighbours::outside(&references[i], p) {
             flag = MOVED;
         }
         if CRUSH && load > input.limit[i] {

@@ -16,14 +16,17 @@ pub mod stability;
 
 use crate::boundary::Wall;
 use crate::contact::force::Rules;
-use crate::contact::law::PairTable;
-use crate::contact::{pairs::Pairs, sweep};
+use crate::contact::force::dot;
+use crate::contact::law::{Law, PairTable};
+use crate::contact::pairs::{FREE, Kept, Pairs};
+use crate::contact::sweep;
 use crate::crush::criterion::AreaModel;
 use crate::crush::event::{self, Breakage};
 use crate::grains::Grains;
 use crate::model::Model;
 use crate::neighbours::{Neighbours, Pools};
 use crate::record::ledger::Ledger;
+use crate::with_law;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -112,14 +115,20 @@ impl Work {
 impl State {
     /// A state without preparation: the given grains and walls at rest or moving, ledger open.
     pub fn new(model: &Model, grains: Grains, walls: Vec<Wall>, energy: bool) -> State {
+        let kept = Kept {
+            work: energy,
+            rolling: model.contact.rolling,
+            spring: with_law!(model.contact.law, L => L::VISCOUS),
+            load: model.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz),
+        };
         State {
             step: 0,
             time: 0.0,
             dt: 0.0,
             grains,
-            pairs: Pairs::new(energy, model.contact.rolling),
+            pairs: Pairs::new(kept),
             walls,
-            wall_pairs: Pairs::new(energy, model.contact.rolling),
+            wall_pairs: Pairs::new(kept),
             friction: None,
             damping: model.damping,
             crushing: false,
@@ -191,11 +200,10 @@ pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
         work.table = PairTable::new(model, &state.walls, state.friction);
         work.table_friction = state.friction;
     }
-    let hertz_area = model.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz);
     if state.dt == 0.0 {
         state.dt = stability::first_step(model, state);
     }
-    let rules = Rules { dt: state.dt, unloading: model.contact.unloading, hertz_area };
+    let rules = Rules { dt: state.dt, unloading: model.contact.unloading };
     sweep::grains(model, &work.table, &rules, &state.grains, &mut state.pairs);
     sweep::walls(model, &work.table, &rules, &state.grains, &state.walls, &mut state.wall_pairs);
     reactions(model, state, work);
@@ -215,8 +223,9 @@ fn reactions(model: &Model, state: &mut State, work: &Work) {
             if touch.overlap > 0.0 {
                 let i = state.wall_pairs.ends[slot as usize][0] as usize;
                 let (n, _) = wall.shape.towards(state.grains.pos[i]);
-                sum -= crate::contact::force::dot(touch.force, n);
-                shear -= touch.force[2] - crate::contact::force::dot(touch.force, n) * n[2];
+                let force = touch.force();
+                sum -= dot(force, n);
+                shear -= force[2] - dot(force, n) * n[2];
                 let pair = work.table.wall(k, state.grains.material[i]);
                 stiffness += stability::elastic(model, touch.overlap, state.grains.pos[i][3], pair).k_n;
             }
@@ -305,20 +314,19 @@ pub fn permute(state: &mut State, work: &mut Work, order: &[u32]) {
         *i = place[*i as usize];
     }
     state.grains.permute(order);
+    // slots in the order in which the pass over grains first meets them
     let slot_order = |pairs: &Pairs| {
-        let mut slots: Vec<u32> =
-            (0..pairs.slots() as u32).filter(|&s| pairs.ends[s as usize][0] != crate::contact::pairs::FREE).collect();
+        let mut slots: Vec<u32> = (0..pairs.slots() as u32).filter(|&s| pairs.ends[s as usize][0] != FREE).collect();
         slots.sort_unstable_by_key(|&s| {
-            let [i, j] = pairs.ends[s as usize];
-            (place[i as usize], place.get(j as usize).copied().unwrap_or(j), s)
+            let [a, b] = pairs.ends[s as usize].map(|i| place[i as usize]);
+            (a.min(b), a.max(b))
         });
         slots
     };
     let order_pairs = slot_order(&state.pairs);
     state.pairs.permute(&order_pairs, |[i, j]| [place[i as usize], place[j as usize]]);
-    let mut order_walls: Vec<u32> = (0..state.wall_pairs.slots() as u32)
-        .filter(|&s| state.wall_pairs.ends[s as usize][0] != crate::contact::pairs::FREE)
-        .collect();
+    let mut order_walls: Vec<u32> =
+        (0..state.wall_pairs.slots() as u32).filter(|&s| state.wall_pairs.ends[s as usize][0] != FREE).collect();
     order_walls.sort_unstable_by_key(|&s| {
         let [i, k] = state.wall_pairs.ends[s as usize];
         (k, place[i as usize])

@@ -31,7 +31,7 @@ pub fn stiffness(i: usize, model: &Model, state: &State, neighbours: &Neighbours
     let g = &state.grains;
     let mut sum = 0.0;
     for e in neighbours.adjacency.of(i) {
-        let slot = e.slot() as usize;
+        let slot = e.slot();
         let (overlap, r_eff, pair) = if e.is_wall() {
             let (_, gap) = state.walls[e.wall_index()].shape.towards(g.pos[i]);
             (-gap, g.pos[i][3], table.wall(e.wall_index(), g.material[i]))

@@ -344,8 +344,8 @@ pub fn print(state: &State) -> Print {
             if touch.overlap > 0.0 {
                 let [i, j] = pairs.ends[s];
                 let other = if walls { u32::MAX - j } else { g.id[j as usize] };
-                let mut b = bits(&pairs.history[s]);
-                b.extend(bits(&touch.force));
+                let mut b = bits(&pairs.spring(s));
+                b.extend(bits(&touch.force()));
                 b.push(touch.overlap.to_bits());
                 contacts.push(((g.id[i as usize], other), b));
             }
