@@ -71,8 +71,8 @@ fn neighbours(c: &mut Criterion) {
     group.bench_function("search of one grain", |b| {
         b.iter(|| {
             i = (i + 617) % GRAINS;
-            let State { grains, pairs, wall_pairs, .. } = &mut state;
-            work.neighbours.refresh(i, grains, &mut Pools { pairs, wall_pairs });
+            let State { grains, wall_pairs, .. } = &mut state;
+            work.neighbours.refresh(i, grains, wall_pairs);
         });
     });
     group.bench_function("lists anew", |b| {
@@ -100,7 +100,7 @@ fn crushing(c: &mut Criterion) {
                 let mut next = || loop {
                     i = (i + 617) % GRAINS;
                     let loaded = |e: Entry| !e.is_wall() && state.pairs.touch[e.slot()].overlap > 0.0;
-                    if work.neighbours.adjacency.of(i).any(loaded) {
+                    if work.neighbours.contacts.of(i).any(loaded) {
                         return i as u32;
                     }
                 };

@@ -70,7 +70,7 @@ fn victims(state: &State, work: &Work, events: usize) -> Vec<u32> {
     let loaded: Vec<u32> = (0..n)
         .filter(|&i| {
             let touching = |e: &crate::neighbours::adjacency::Entry| !e.is_wall() && state.pairs.touch[e.slot()].overlap > 0.0;
-            work.neighbours.adjacency.of(i).filter(touching).count() >= 4
+            work.neighbours.contacts.of(i).filter(touching).count() >= 4
         })
         .map(|i| state.grains.id[i])
         .collect();

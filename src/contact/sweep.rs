@@ -11,17 +11,24 @@ use crate::with_law;
 
 /// Slots per parallel task, and the number of slots below which threads cost more than they bring.
 const CHUNK: usize = 1024;
-const SERIAL: usize = 1536;
+pub const SERIAL: usize = 1536;
 
-/// All contacts of grains with grains.
-pub fn grains(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs) {
+/// Which slots a sweep takes.
+#[derive(Clone, Copy)]
+pub enum Slots<'a> {
+    All,
+    These(&'a [u32]),
+}
+
+/// Contacts of grains with grains.
+pub fn grains(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs, slots: Slots<'_>) {
     let ledger = !pairs.work.is_empty();
     let extra = needs_extra(&model.contact, pairs, rules, model.materials.len());
     with_law!(model.contact.law, L => match (ledger, extra) {
-        (false, false) => sweep_grains::<L, false, false>(table, rules, g, pairs),
-        (true, false) => sweep_grains::<L, true, false>(table, rules, g, pairs),
-        (false, true) => sweep_grains::<L, false, true>(table, rules, g, pairs),
-        (true, true) => sweep_grains::<L, true, true>(table, rules, g, pairs),
+        (false, false) => sweep_grains::<L, false, false>(table, rules, g, pairs, slots),
+        (true, false) => sweep_grains::<L, true, false>(table, rules, g, pairs, slots),
+        (false, true) => sweep_grains::<L, false, true>(table, rules, g, pairs, slots),
+        (true, true) => sweep_grains::<L, true, true>(table, rules, g, pairs, slots),
     })
 }
 
@@ -90,8 +97,15 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Cuts the slots into chunks and runs `body` on each, in parallel where there are enough.
-fn for_each_part(p: &mut Pairs, body: impl Fn(Part<'_>) + Sync) {
+/// Runs `body` on the slots, cut into chunks and in parallel where there are enough.
+fn for_each_part(p: &mut Pairs, slots: Slots<'_>, body: impl Fn(Part<'_>) + Sync) {
+    if let Slots::These(slots) = slots {
+        for &s in slots {
+            let (_, from) = Part::all(p).halves(s as usize);
+            body(from.halves(1).0);
+        }
+        return;
+    }
     let serial = p.slots() <= SERIAL || rayon::current_num_threads() == 1;
     let all = Part::all(p);
     if serial { body(all) } else { split(all, &body) }
@@ -107,9 +121,15 @@ fn split(part: Part<'_>, body: &(impl Fn(Part<'_>) + Sync)) {
     rayon::join(|| split(left, body), || split(right, body));
 }
 
-fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs) {
+fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(
+    table: &PairTable,
+    rules: &Rules,
+    g: &Grains,
+    pairs: &mut Pairs,
+    slots: Slots<'_>,
+) {
     let single = *table.grains(0, 0);
-    for_each_part(pairs, |mut part| {
+    for_each_part(pairs, slots, |mut part| {
         let ends = part.ends;
         for (s, &[i, j]) in ends.iter().enumerate() {
             if i == FREE {
@@ -177,7 +197,7 @@ pub fn motion_on_wall(g: &Grains, i: usize, normal: [f64; 3], speed: f64) -> Mot
 }
 
 fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
-    for_each_part(pairs, |mut part| {
+    for_each_part(pairs, Slots::All, |mut part| {
         let ends = part.ends;
         for (s, &[i, k]) in ends.iter().enumerate() {
             if i == FREE {

@@ -75,7 +75,7 @@ pub fn break_grains(
 /// The contact with the largest load decides; among equals the first in the order of ids.
 fn judge(crush: &CrushModel, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> Verdict {
     let (mut best, mut load) = (None, f64::NEG_INFINITY);
-    for e in neighbours.adjacency.of(i) {
+    for e in neighbours.contacts.of(i) {
         let pool = if e.is_wall() { &state.wall_pairs } else { &state.pairs };
         let l = pool.load(e.slot());
         if l > load {
@@ -151,11 +151,10 @@ fn break_one(
         let i = if k == 0 { m } else { state.grains.len() };
         place(model, crush, state, i, &mother, k as u32, position, radius);
         kept += state.grains.mass[i];
-        let mut pools = Pools { pairs: &mut state.pairs, wall_pairs: &mut state.wall_pairs };
         if k == 0 {
-            neighbours.refresh(i, &state.grains, &mut pools);
+            neighbours.refresh(i, &state.grains, &mut state.wall_pairs);
         } else {
-            neighbours.append(i, &state.grains, &mut pools);
+            neighbours.append(i, &state.grains, &mut state.wall_pairs);
         }
         born.push(i);
     }
@@ -231,22 +230,10 @@ fn kinetic_energy(state: &State, i: usize) -> f64 {
 /// Elastic energy of a grain's contacts at the present positions, J.
 fn energy_around(model: &Model, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> f64 {
     let mut sum = 0.0;
-    for e in neighbours.adjacency.of(i) {
-        let slot = e.slot();
-        let (overlap, pool) = if e.is_wall() {
-            (-state.walls[e.wall_index()].shape.towards(state.grains.pos[i]).1, &state.wall_pairs)
-        } else {
-            let [a, b] = state.pairs.ends[slot];
-            let (p, q) = (state.grains.pos[a as usize], state.grains.pos[b as usize]);
-            let d = crate::contact::sweep::difference(p, q);
-            (p[3] + q[3] - dot(d, d).sqrt(), &state.pairs)
-        };
-        if overlap > 0.0 {
-            let (r_eff, pair) = measure::pair_from(state, table, slot, e.is_wall());
-            let elastic = stability::elastic(model, overlap, r_eff, pair);
-            sum += elastic.energy + measure::tangential_energy(pool.spring(slot), elastic.k_t);
-        }
-    }
+    stability::overlaps(i, state, neighbours, table, |o| {
+        let elastic = stability::elastic(model, o.depth, o.r_eff, o.pair);
+        sum += elastic.energy + measure::tangential_energy(o.spring, elastic.k_t);
+    });
     sum
 }
 
@@ -254,7 +241,7 @@ fn energy_around(model: &Model, state: &State, neighbours: &Neighbours, table: &
 fn close_contacts(state: &mut State, neighbours: &Neighbours, m: usize) {
     let g = &state.grains;
     let mut open = 0.0;
-    for e in neighbours.adjacency.of(m) {
+    for e in neighbours.contacts.of(m) {
         let slot = e.slot();
         let power = if e.is_wall() {
             let normal = measure::normal(state, slot, true);

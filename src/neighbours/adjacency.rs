@@ -1,20 +1,21 @@
-//! The contacts of each grain, sorted by the partner's persistent id with walls last: the order in which it sums forces.
+//! Partners of each grain, sorted by their persistent ids with walls last: the order in which it sums forces.
 //! One arena; each grain owns a block whose capacity is a multiple of [`UNIT`]. Ids, which only searches read, and links, which every step
 //! reads, stand apart.
 
 const GRAIN_END: u32 = 1 << 31;
 const WALL: u32 = 1 << 30;
+const APART: u32 = 1 << 29;
 /// Ids from here on are walls.
 const WALL_IDS: u32 = u32::MAX - 0xffff;
 
-/// Where a contact's slot is and which end of it the grain is.
+/// Where a pair's slot is and which end of it the grain is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Link(u32);
 
 impl Link {
     #[inline(always)]
     pub fn slot(self) -> usize {
-        (self.0 & !(GRAIN_END | WALL)) as usize
+        (self.0 & !(GRAIN_END | WALL | APART)) as usize
     }
 
     /// Whether the grain is the second end of the slot (forces then change sign).
@@ -33,9 +34,14 @@ impl Link {
     pub fn is_wall(self) -> bool {
         self.0 & WALL != 0
     }
+
+    /// Whether the slot is one of pairs that do not touch (`near`).
+    pub fn is_apart(self) -> bool {
+        self.0 & APART != 0
+    }
 }
 
-/// One contact as seen from one grain.
+/// One partner of a grain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// Persistent id of the partner; walls have ids above every grain.
@@ -46,6 +52,11 @@ pub struct Entry {
 impl Entry {
     pub fn grain(id: u32, slot: u32, second_end: bool) -> Entry {
         Entry { id, link: Link(slot | if second_end { GRAIN_END } else { 0 }) }
+    }
+
+    /// A pair that does not touch.
+    pub fn apart(id: u32, slot: u32) -> Entry {
+        Entry { id, link: Link(slot | APART) }
     }
 
     pub fn wall(k: u32, slot: u32) -> Entry {
@@ -110,13 +121,13 @@ impl Adjacency {
         self.blocks.push(Block::default());
     }
 
-    /// Contacts of grain `i`.
+    /// Partners of grain `i`.
     #[inline]
     pub fn of(&self, i: usize) -> impl Iterator<Item = Entry> + '_ {
         self.ids(i).iter().zip(self.links(i)).map(|(&id, &link)| Entry { id, link })
     }
 
-    /// Links of grain `i`'s contacts, in the same order.
+    /// Links to grain `i`'s partners, in the same order.
     #[inline(always)]
     pub fn links(&self, i: usize) -> &[Link] {
         &self.links[self.blocks[i].range()]
@@ -132,6 +143,12 @@ impl Adjacency {
 
     pub fn find(&self, i: usize, id: u32) -> Option<Entry> {
         self.ids(i).binary_search(&id).ok().map(|at| Entry { id, link: self.links(i)[at] })
+    }
+
+    /// Points the entry of a partner that is there to another slot.
+    pub fn relink(&mut self, i: usize, e: Entry) {
+        let at = self.ids(i).binary_search(&e.id).expect("a partner");
+        self.links[self.blocks[i].start as usize + at] = e.link;
     }
 
     pub fn insert(&mut self, i: usize, e: Entry) {

@@ -1,13 +1,17 @@
 //! Who may touch whom: a local Verlet scheme without global rebuilds.
 //!
+//! Pairs that touch have a slot among the contacts, with their forces and history; pairs that are only near are listed apart ([`near`])
+//! and change over when they meet or part.
+//!
 //! Every grain has a *reference*: the position and reach (radius + skin) it had when its own neighbourhood was last searched.
-//! A pair has a slot exactly while the two reference spheres of reach overlap, so no contact can be missed until one of the two has
+//! A pair is listed exactly while it touches or its two reference spheres of reach overlap, so no contact can be missed until one of the two has
 //! moved by more than its skin; then that grain alone is searched again. Skins are in proportion to the radius, so
 //! that a fast small fragment costs its own search and nothing else, and a breakage costs the daughters' searches.
 //! What the lists hold beyond touching pairs never reaches a result.
 
 pub mod adjacency;
 mod grid;
+mod near;
 
 use crate::boundary::Wall;
 use crate::contact::pairs::{FREE, Pairs};
@@ -15,6 +19,7 @@ use crate::grains::Grains;
 use crate::model::WallShape;
 use adjacency::{Adjacency, Entry};
 use grid::Grid;
+use near::Near;
 
 /// The lists. Scratch: can be dropped and made again from the state at any time without changing a bit of the results.
 pub struct Neighbours {
@@ -23,7 +28,11 @@ pub struct Neighbours {
     /// Reference position and reach.
     reference: Vec<Reference>,
     grid: Grid,
-    pub adjacency: Adjacency,
+    near: Near,
+    /// All listed grains around each grain, near or touching.
+    around: Adjacency,
+    /// The contacts of each grain, and the walls near it: what it sums.
+    pub contacts: Adjacency,
     wall_reference: Vec<WallShape>,
     wall_skin: f64,
     /// Contacts of each wall in the order of grain ids: (grain id, slot).
@@ -45,7 +54,7 @@ pub struct Pools<'a> {
 }
 
 impl Neighbours {
-    /// Lists for the state as it is: the pairs it has are kept with their history, missing ones are added.
+    /// Lists for the state as it is, with the contacts it has.
     pub fn new(g: &Grains, walls: &[Wall], pools: &mut Pools<'_>, skin: f64) -> Neighbours {
         let reference: Vec<Reference> = g.pos.iter().map(|p| Self::reference(p, skin)).collect();
         let mean_radius = g.pos.iter().map(|p| p[3]).sum::<f64>() / g.len().max(1) as f64;
@@ -53,7 +62,9 @@ impl Neighbours {
             skin,
             grid: Grid::new(&reference),
             reference,
-            adjacency: Adjacency::default(),
+            near: Near::default(),
+            around: Adjacency::default(),
+            contacts: Adjacency::default(),
             wall_reference: walls.iter().map(|w| w.shape).collect(),
             wall_skin: skin * mean_radius,
             wall_lists: vec![Vec::new(); walls.len()],
@@ -63,27 +74,32 @@ impl Neighbours {
         };
         n.adopt(g, pools);
         for i in 0..g.len() {
-            n.search(i, g, pools);
+            n.search(i, g, pools.wall_pairs);
         }
         n.searches = 0;
         n
     }
 
-    /// Makes adjacency and wall lists from the slots there are.
+    /// Makes the grains' and walls' lists from the slots there are.
     fn adopt(&mut self, g: &Grains, pools: &Pools<'_>) {
-        let Pools { pairs, wall_pairs } = pools;
-        let used = |ends: &[u32; 2]| ends[0] != FREE;
-        let of_grains = pairs.ends.iter().enumerate().filter(|(_, e)| used(e)).flat_map(|(slot, &[i, j])| {
-            let end = |k: u32, other: u32, second| (k, Entry::grain(g.id[other as usize], slot as u32, second));
+        let used = |(slot, e): (usize, &[u32; 2])| (e[0] != FREE).then_some((slot as u32, *e));
+        let pairs = pools.pairs.ends.iter().enumerate().filter_map(used);
+        let walls = pools.wall_pairs.ends.iter().enumerate().filter_map(used);
+        let touching = pairs.flat_map(|(slot, [i, j])| {
+            let end = |k: u32, other: u32, second| (k, Entry::grain(g.id[other as usize], slot, second));
             [end(i, j, false), end(j, i, true)]
         });
-        let of_walls = wall_pairs.ends.iter().enumerate().filter(|(_, e)| used(e));
-        self.adjacency.fill(g.len(), of_grains.chain(of_walls.clone().map(|(slot, &[i, k])| (i, Entry::wall(k, slot as u32)))));
+        let apart = self.near.pairs().flat_map(|(slot, [i, j])| {
+            let end = |k: u32, other: u32| (k, Entry::apart(g.id[other as usize], slot as u32));
+            [end(i, j), end(j, i)]
+        });
+        self.around.fill(g.len(), touching.clone().chain(apart));
+        self.contacts.fill(g.len(), touching.chain(walls.clone().map(|(slot, [i, k])| (i, Entry::wall(k, slot)))));
         for l in &mut self.wall_lists {
             l.clear();
         }
-        for (slot, &[i, k]) in of_walls {
-            self.wall_lists[k as usize].push((g.id[i as usize], slot as u32));
+        for (slot, [i, k]) in walls {
+            self.wall_lists[k as usize].push((g.id[i as usize], slot));
         }
         for l in &mut self.wall_lists {
             l.sort_unstable();
@@ -91,8 +107,8 @@ impl Neighbours {
     }
 
     /// Searches the neighbourhoods of the grains listed, and of walls that have moved by more than their skin. All references are
-    /// taken before any search: against a stale one a touching pair could look far apart and lose its history.
-    pub fn update(&mut self, moved: &[u32], g: &Grains, walls: &[Wall], pools: &mut Pools<'_>) {
+    /// taken before any search, so that each is done with the latest. Contacts are neither read nor changed: this may run beside their sweep.
+    pub fn update(&mut self, moved: &[u32], g: &Grains, walls: &[Wall], wall_pairs: &mut Pairs) {
         for &i in moved {
             self.refer(i as usize, g);
         }
@@ -100,19 +116,19 @@ impl Neighbours {
             if wall.moved_since(&self.wall_reference[k]) > self.wall_skin {
                 self.wall_reference[k] = wall.shape;
                 for i in 0..g.len() {
-                    self.search_wall(i, k, g, pools);
+                    self.search_wall(i, k, g, wall_pairs);
                 }
             }
         }
         for &i in moved {
-            self.search(i as usize, g, pools);
+            self.search(i as usize, g, wall_pairs);
         }
     }
 
     /// Takes a grain's present position as its reference and searches its neighbourhood.
-    pub fn refresh(&mut self, i: usize, g: &Grains, pools: &mut Pools<'_>) {
+    pub fn refresh(&mut self, i: usize, g: &Grains, wall_pairs: &mut Pairs) {
         self.refer(i, g);
-        self.search(i, g, pools);
+        self.search(i, g, wall_pairs);
     }
 
     fn refer(&mut self, i: usize, g: &Grains) {
@@ -146,40 +162,98 @@ impl Neighbours {
     }
 
     /// A grain was appended to the arrays.
-    pub fn append(&mut self, i: usize, g: &Grains, pools: &mut Pools<'_>) {
+    pub fn append(&mut self, i: usize, g: &Grains, wall_pairs: &mut Pairs) {
         self.reference.push([0.0; 4]);
-        self.adjacency.append();
+        self.around.append();
+        self.contacts.append();
         self.grid.append();
         debug_assert_eq!(self.reference.len(), i + 1);
-        self.refresh(i, g, pools);
+        self.refresh(i, g, wall_pairs);
     }
 
-    /// Drops every contact of a grain, with its history.
+    /// Drops every pair of a grain, with its history.
     pub fn detach(&mut self, i: usize, g: &Grains, pools: &mut Pools<'_>) {
         let mut gone = std::mem::take(&mut self.gone);
         gone.clear();
-        gone.extend(self.adjacency.of(i));
+        gone.extend(self.around.of(i));
+        gone.extend(self.contacts.of(i).filter(|e| e.is_wall()));
         for e in &gone {
-            self.unlink(i, *e, g, pools);
+            if e.is_wall() {
+                self.unlink_wall(i, *e, g, pools.wall_pairs);
+            } else if e.link.is_apart() {
+                self.forget(*e, g);
+            } else {
+                let [a, b] = pools.pairs.ends[e.slot()];
+                for (k, other) in [(a as usize, b as usize), (b as usize, a as usize)] {
+                    self.around.remove(k, g.id[other]);
+                    self.contacts.remove(k, g.id[other]);
+                }
+                pools.pairs.remove(e.slot() as u32);
+            }
         }
         self.gone = gone;
     }
 
-    fn unlink(&mut self, i: usize, e: Entry, g: &Grains, pools: &mut Pools<'_>) {
-        self.adjacency.remove(i, e.id);
-        let slot = e.slot();
-        if e.is_wall() {
-            let list = &mut self.wall_lists[e.wall_index()];
-            if let Ok(at) = list.binary_search_by_key(&g.id[i], |&(id, _)| id) {
-                list.remove(at);
-            }
-            pools.wall_pairs.remove(slot as u32);
-        } else {
-            let [a, b] = pools.pairs.ends[slot];
-            let other = if a as usize == i { b } else { a } as usize;
-            self.adjacency.remove(other, g.id[i]);
-            pools.pairs.remove(slot as u32);
+    /// Drops a near pair.
+    fn forget(&mut self, e: Entry, g: &Grains) {
+        let [a, b] = self.near.ends(e.slot());
+        self.around.remove(a as usize, g.id[b as usize]);
+        self.around.remove(b as usize, g.id[a as usize]);
+        self.near.remove(e.slot());
+    }
+
+    fn unlink_wall(&mut self, i: usize, e: Entry, g: &Grains, wall_pairs: &mut Pairs) {
+        self.contacts.remove(i, e.id);
+        let list = &mut self.wall_lists[e.wall_index()];
+        if let Ok(at) = list.binary_search_by_key(&g.id[i], |&(id, _)| id) {
+            list.remove(at);
         }
+        wall_pairs.remove(e.slot() as u32);
+    }
+
+    /// Index of every grain listed around grain `i`, in the order of ids.
+    pub fn around<'a>(&'a self, i: usize, pairs: &'a Pairs) -> impl Iterator<Item = (Entry, usize)> + 'a {
+        self.around.of(i).map(move |e| {
+            let [a, b] = if e.link.is_apart() { self.near.ends(e.slot()) } else { pairs.ends[e.slot()] };
+            (e, if a as usize == i { b } else { a } as usize)
+        })
+    }
+
+    /// Marks the near pairs that touch now: reads positions only, so that it may run beside the sweep.
+    pub fn meet(&mut self, pos: &[[f64; 4]]) {
+        self.near.meet(pos);
+    }
+
+    /// Makes contacts of the pairs marked; their slots are in `slots`.
+    pub fn join(&mut self, g: &Grains, pairs: &mut Pairs, slots: &mut Vec<u32>) {
+        self.near.met(slots);
+        for s in slots {
+            let [i, j] = self.near.ends(*s as usize);
+            self.near.remove(*s as usize);
+            *s = pairs.add(i, j);
+            for (k, other, second) in [(i as usize, j as usize, false), (j as usize, i as usize, true)] {
+                let e = Entry::grain(g.id[other], *s, second);
+                self.around.relink(k, e);
+                self.contacts.insert(k, e);
+            }
+        }
+    }
+
+    /// Ends the contacts of grain `i` that have parted; the pairs stay listed.
+    pub fn part(&mut self, i: usize, g: &Grains, pairs: &mut Pairs) {
+        let mut gone = std::mem::take(&mut self.gone);
+        gone.clear();
+        gone.extend(self.contacts.of(i).filter(|e| !e.is_wall() && pairs.touch[e.slot()].overlap == 0.0));
+        for e in &gone {
+            let [a, b] = pairs.ends[e.slot()];
+            pairs.remove(e.slot() as u32);
+            let slot = self.near.add(a, b);
+            for (k, other) in [(a as usize, b as usize), (b as usize, a as usize)] {
+                self.contacts.remove(k, g.id[other]);
+                self.around.relink(k, Entry::apart(g.id[other], slot));
+            }
+        }
+        self.gone = gone;
     }
 
     /// Whether two reference spheres overlap.
@@ -191,24 +265,20 @@ impl Neighbours {
         x * x + y * y + z * z < reach * reach
     }
 
-    fn search(&mut self, i: usize, g: &Grains, pools: &mut Pools<'_>) {
+    fn search(&mut self, i: usize, g: &Grains, wall_pairs: &mut Pairs) {
         self.searches += 1;
         let here = self.reference[i];
         let mut gone = std::mem::take(&mut self.gone);
         gone.clear();
-        for e in self.adjacency.of(i) {
-            if !e.is_wall() {
-                let [a, b] = pools.pairs.ends[e.slot()];
-                let other = if a as usize == i { b } else { a } as usize;
-                // a touching pair stays until a sweep has ended it: the other's reference may be the older one
-                let touches = pools.pairs.touch[e.slot()].overlap > 0.0;
-                if !touches && !Self::near(&here, &self.reference[other]) {
-                    gone.push(e);
-                }
+        // contacts stay: the other's reference may be the older one
+        gone.extend(self.around.of(i).filter(|e| {
+            e.link.is_apart() && {
+                let [a, b] = self.near.ends(e.slot());
+                !Self::near(&self.reference[a as usize], &self.reference[b as usize])
             }
-        }
+        }));
         for e in &gone {
-            self.unlink(i, *e, g, pools);
+            self.forget(*e, g);
         }
         self.gone = gone;
 
@@ -221,39 +291,40 @@ impl Neighbours {
         });
         for &j in &found {
             let j = j as usize;
-            if !self.adjacency.contains(i, g.id[j]) {
+            if !self.around.contains(i, g.id[j]) {
                 let (first, second) = if g.id[i] < g.id[j] { (i, j) } else { (j, i) };
-                let slot = pools.pairs.add(first as u32, second as u32);
-                self.adjacency.insert(first, Entry::grain(g.id[second], slot, false));
-                self.adjacency.insert(second, Entry::grain(g.id[first], slot, true));
+                let slot = self.near.add(first as u32, second as u32);
+                self.around.insert(i, Entry::apart(g.id[j], slot));
+                self.around.insert(j, Entry::apart(g.id[i], slot));
             }
         }
         self.found = found;
         for k in 0..self.wall_reference.len() {
-            self.search_wall(i, k, g, pools);
+            self.search_wall(i, k, g, wall_pairs);
         }
     }
 
-    fn search_wall(&mut self, i: usize, k: usize, g: &Grains, pools: &mut Pools<'_>) {
+    fn search_wall(&mut self, i: usize, k: usize, g: &Grains, wall_pairs: &mut Pairs) {
         let (_, gap) = self.wall_reference[k].towards(self.reference[i].map(f64::from));
         let entry = Entry::wall(k as u32, 0);
-        let has = self.adjacency.contains(i, entry.id);
+        let has = self.contacts.contains(i, entry.id);
         if gap < self.wall_skin && !has {
-            let slot = pools.wall_pairs.add(i as u32, k as u32);
-            self.adjacency.insert(i, Entry::wall(k as u32, slot));
+            let slot = wall_pairs.add(i as u32, k as u32);
+            self.contacts.insert(i, Entry::wall(k as u32, slot));
             let list = &mut self.wall_lists[k];
             let at = list.partition_point(|&(id, _)| id < g.id[i]);
             list.insert(at, (g.id[i], slot));
         } else if gap >= self.wall_skin && has {
-            let e = self.adjacency.find(i, entry.id).expect("contained");
-            if pools.wall_pairs.touch[e.slot()].overlap <= 0.0 {
-                self.unlink(i, e, g, pools);
+            let e = self.contacts.find(i, entry.id).expect("contained");
+            if wall_pairs.touch[e.slot()].overlap <= 0.0 {
+                self.unlink_wall(i, e, g, wall_pairs);
             }
         }
     }
 
-    /// After grains and slots were permuted: `order` is the grains' new order.
-    pub fn permute(&mut self, order: &[u32], g: &Grains, pools: &Pools<'_>) {
+    /// After grains and slots were permuted: `order` is the grains' new order, `place` the new index of each.
+    pub fn permute(&mut self, order: &[u32], place: &[u32], g: &Grains, pools: &Pools<'_>) {
+        self.near.permute(place);
         self.reference = order.iter().map(|&i| self.reference[i as usize]).collect();
         self.grid = Grid::new(&self.reference);
         self.adopt(g, pools);
@@ -264,7 +335,9 @@ impl Neighbours {
     pub fn bytes(&self) -> usize {
         self.reference.capacity() * size_of::<Reference>()
             + self.grid.bytes()
-            + self.adjacency.bytes()
+            + self.near.bytes()
+            + self.around.bytes()
+            + self.contacts.bytes()
             + self.wall_lists.iter().map(|l| l.capacity() * 8).sum::<usize>()
     }
 }

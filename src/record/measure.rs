@@ -84,7 +84,7 @@ pub fn sums(model: &Model, state: &State, work: &Work) -> Sums {
         }
         s.net_force += dot(f, f).sqrt();
         let mut touching = 0;
-        for e in work.neighbours.adjacency.of(i) {
+        for e in work.neighbours.contacts.of(i) {
             let slot = e.slot();
             let pool = if e.is_wall() { &state.wall_pairs } else { &state.pairs };
             if !e.second_end() && !pool.work.is_empty() {
@@ -201,7 +201,7 @@ pub fn love_weber(state: &State, work: &Work, radius: f64, low: f64, high: f64) 
     let (mut zz, mut xx, mut yy) = (0.0, 0.0, 0.0);
     for &i in &g.by_id() {
         let i = i as usize;
-        for e in work.neighbours.adjacency.of(i) {
+        for e in work.neighbours.contacts.of(i) {
             if e.is_wall() || e.second_end() {
                 continue;
             }
@@ -231,7 +231,7 @@ pub fn love_weber(state: &State, work: &Work, radius: f64, low: f64, high: f64) 
 pub fn largest_forces(state: &State, work: &Work) -> Vec<f64> {
     (0..state.grains.len())
         .map(|i| {
-            work.neighbours.adjacency.of(i).fold(0.0f64, |largest, e| {
+            work.neighbours.contacts.of(i).fold(0.0f64, |largest, e| {
                 let pool = if e.is_wall() { &state.wall_pairs } else { &state.pairs };
                 if pool.touch[e.slot()].overlap > 0.0 { largest.max(normal_force(state, e.slot(), e.is_wall())) } else { largest }
             })

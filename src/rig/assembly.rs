@@ -107,7 +107,7 @@ fn contact_pressure(state: &State, work: &Work) -> f64 {
     for &i in &g.by_id() {
         let i = i as usize;
         volume += sphere_volume(g.pos[i][3]);
-        for e in work.neighbours.adjacency.of(i).filter(|e| !e.second_end()) {
+        for e in work.neighbours.contacts.of(i).filter(|e| !e.second_end()) {
             let slot = e.slot();
             let (pool, length) = if e.is_wall() {
                 (&state.wall_pairs, g.pos[i][3])

@@ -10,6 +10,8 @@ use crate::neighbours::Neighbours;
 pub const MOVED: u8 = 1;
 /// Flag: the grain's load exceeds its limit.
 pub const FAILED: u8 = 2;
+/// Flag: a contact of the grain has ended.
+pub const PARTED: u8 = 4;
 
 const CHUNK: usize = 256;
 const SERIAL: usize = 512;
@@ -24,13 +26,15 @@ pub struct Sums {
     load: f64,
     /// Path, slip, viscous work of the contacts whose first end the grain is, J (with the ledger).
     work: [f64; 3],
+    /// Whether a contact with a grain has ended.
+    parted: bool,
 }
 
 /// Sums the contacts of grain `i` in the order of its partners' ids. Without branches but for walls, which come last.
 #[inline(always)]
 fn sum<const LEDGER: bool>(i: usize, radius: f64, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) -> Sums {
     let mut s = Sums::default();
-    for &e in neighbours.adjacency.links(i) {
+    for &e in neighbours.contacts.links(i) {
         let slot = e.slot();
         let (pool, first, sink) = if e.is_wall() { (wall_pairs, 1.0, 1.0) } else { (pairs, e.first_end(), 0.5) };
         let touch = &pool.touch[slot];
@@ -41,6 +45,7 @@ fn sum<const LEDGER: bool>(i: usize, radius: f64, neighbours: &Neighbours, pairs
             s.force[a] += sign * force[a];
             s.torque[a] += arm * torque[a];
         }
+        s.parted |= touch.overlap == 0.0 && !e.is_wall();
         let load = pool.load(slot);
         s.load = if load > s.load { load } else { s.load };
         if LEDGER {
@@ -54,7 +59,7 @@ fn sum<const LEDGER: bool>(i: usize, radius: f64, neighbours: &Neighbours, pairs
 
 /// Adds rolling moments, where the run has them.
 fn add_rolling(t: &mut [f64; 3], i: usize, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) {
-    for &e in neighbours.adjacency.links(i) {
+    for &e in neighbours.contacts.links(i) {
         let slot = e.slot();
         let (moment, sign) = match (e.is_wall(), e.second_end()) {
             (true, _) => (wall_pairs.rolling[slot], 1.0),
@@ -174,7 +179,7 @@ fn chunk<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
     for k in 0..part.pos.len() {
         let i = part.first + k;
         let (p, v, s) = (&mut part.pos[k], &mut part.vel[k], &mut part.spin[k]);
-        let Sums { force: mut f, torque: mut t, load, work } =
+        let Sums { force: mut f, torque: mut t, load, work, parted } =
             sum::<LEDGER>(i, p[3], input.neighbours, input.pairs, input.wall_pairs);
         if ROLLING {
             add_rolling(&mut t, i, input.neighbours, input.pairs, input.wall_pairs);
@@ -202,9 +207,9 @@ fn chunk<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
             let w = &mut part.work[k];
             *w = [w[0] + work[0], w[1] + work[1], w[2] + work[2], w[3] + damped];
         }
-        let mut flag = 0;
+        let mut flag = if parted { PARTED } else { 0 };
         if Neighbours::outside(&references[i], p) {
-            flag = MOVED;
+            flag |= MOVED;
         }
         if CRUSH && load > input.limit[i] {
             flag |= FAILED;

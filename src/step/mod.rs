@@ -2,8 +2,8 @@
 //!
 //! Leapfrog: positions and forces at full steps, velocities at half steps. A step is
 //!
-//! 1. neighbours of what has moved too far,
-//! 2. contacts: force of every pair from positions and half-step velocities,
+//! 1. contacts: force of every pair from positions and half-step velocities,
+//! 2. beside it the lists: neighbours of what has moved too far, near pairs that meet,
 //! 3. reactions of the walls, inertia or time step when due,
 //! 4. control: what the rig does with the forces of this instant (records, wall speeds),
 //! 5. grains: each sums its contacts in the order of its partners' ids, is judged, kicked and drifted; walls advance,
@@ -19,7 +19,7 @@ use crate::contact::force::Rules;
 use crate::contact::force::dot;
 use crate::contact::law::{Law, PairTable};
 use crate::contact::pairs::{FREE, Kept, Pairs};
-use crate::contact::sweep;
+use crate::contact::sweep::{self, Slots};
 use crate::crush::criterion::AreaModel;
 use crate::crush::event::{self, Breakage};
 use crate::grains::Grains;
@@ -29,6 +29,7 @@ use crate::record::ledger::Ledger;
 use crate::with_law;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Everything a restart needs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -68,6 +69,9 @@ pub struct Work {
     pub table: PairTable,
     moved: Vec<u32>,
     failing: Vec<u32>,
+    /// Grains a contact of which has ended, and slots of contacts that have begun.
+    parted: Vec<u32>,
+    begun: Vec<u32>,
     flags: Vec<u8>,
     scratch: stability::Scratch,
     /// Breakages of the last step.
@@ -90,6 +94,8 @@ impl Work {
             table: PairTable::new(model, walls, state.friction),
             moved: Vec::new(),
             failing: Vec::new(),
+            parted: Vec::new(),
+            begun: Vec::new(),
             flags: vec![0; state.grains.len()],
             scratch: stability::Scratch::default(),
             breakages: Vec::new(),
@@ -154,19 +160,24 @@ pub fn step<E>(
     control: impl FnOnce(&mut State, &mut Work) -> Result<(), E>,
 ) -> Result<(), E> {
     let mut watch = Stopwatch::new(&mut work.clock);
-    neighbours(state, work);
+    tidy(state, work);
+    if watch.0.is_some() {
+        // apart from the sweep, to be timed
+        let State { grains, walls, wall_pairs, .. } = state;
+        search(&mut work.neighbours, &mut work.moved, work.rebuild_always, grains, walls, wall_pairs);
+    }
     watch.lap(&mut work.clock, 0);
     contacts(model, state, work);
     watch.lap(&mut work.clock, 1);
     control(state, work)?;
     watch.skip();
     gather::advance(model, state, &work.neighbours, &mut work.flags);
-    collect(&work.flags, &mut work.moved, &mut work.failing);
+    alone(small(state), || collect(state, work));
     for w in &mut state.walls {
         w.advance(state.dt);
     }
     watch.lap(&mut work.clock, 2);
-    crush(model, state, work);
+    alone(small(state), || crush(model, state, work));
     watch.lap(&mut work.clock, 3);
     state.step += 1;
     state.time += state.dt;
@@ -174,24 +185,46 @@ pub fn step<E>(
     Ok(())
 }
 
-fn neighbours(state: &mut State, work: &mut Work) {
-    search(state, work);
+/// Runs what one thread has to do alone while the others stay awake: waking a sleeping worker costs as much as a sweep of a thousand
+/// contacts.
+fn alone<R: Send>(small: bool, job: impl FnOnce() -> R + Send) -> R {
+    if small {
+        return job();
+    }
+    let done = AtomicBool::new(false);
+    let spin = || {
+        while !done.load(Ordering::Acquire) {
+            std::hint::spin_loop();
+        }
+    };
+    let job = || {
+        let result = job();
+        done.store(true, Ordering::Release);
+        result
+    };
+    rayon::join(job, spin).0
+}
+
+/// Whether a step is too small for threads to bring anything.
+fn small(state: &State) -> bool {
+    rayon::current_num_threads() == 1 || state.pairs.slots() <= sweep::SERIAL
+}
+
+/// Grains in space order again once many were born or moved about.
+fn tidy(state: &mut State, work: &mut Work) {
     if work.births_since_reorder * 16 > state.grains.len() || work.neighbours.searches > 2 * state.grains.len() as u64 {
         reorder(state, work);
     }
 }
 
 /// Searches the neighbourhoods of what has moved too far.
-fn search(state: &mut State, work: &mut Work) {
-    let State { grains, walls, pairs, wall_pairs, .. } = state;
-    let mut pools = Pools { pairs, wall_pairs };
-    if work.rebuild_always {
-        let all: Vec<u32> = (0..grains.len() as u32).collect();
-        work.neighbours.update(&all, grains, walls, &mut pools);
-    } else {
-        work.neighbours.update(&work.moved, grains, walls, &mut pools);
+fn search(lists: &mut Neighbours, moved: &mut Vec<u32>, all: bool, grains: &Grains, walls: &[Wall], wall_pairs: &mut Pairs) {
+    if all {
+        moved.clear();
+        moved.extend(0..grains.len() as u32);
     }
-    work.moved.clear();
+    lists.update(moved, grains, walls, wall_pairs);
+    moved.clear();
 }
 
 /// Forces of all contacts at the present positions, the walls' reactions, and, when due, inertia or time step.
@@ -204,9 +237,27 @@ pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
         state.dt = stability::first_step(model, state);
     }
     let rules = Rules { dt: state.dt, unloading: model.contact.unloading };
-    sweep::grains(model, &work.table, &rules, &state.grains, &mut state.pairs);
-    sweep::walls(model, &work.table, &rules, &state.grains, &state.walls, &mut state.wall_pairs);
-    reactions(model, state, work);
+    let small = small(state);
+    let State { grains, walls, pairs, wall_pairs, .. } = state;
+    let Work { table, neighbours, begun, moved, rebuild_always, .. } = work;
+    let table = &*table;
+    // the lists change only what does not touch, which the sweep of contacts leaves alone
+    let mut sweep = || sweep::grains(model, table, &rules, grains, pairs, Slots::All);
+    let mut lists = || {
+        search(neighbours, moved, *rebuild_always, grains, walls, wall_pairs);
+        neighbours.meet(&grains.pos);
+        sweep::walls(model, table, &rules, grains, walls, wall_pairs);
+    };
+    if small {
+        (sweep(), lists())
+    } else {
+        rayon::join(sweep, lists)
+    };
+    alone(small, || {
+        neighbours.join(grains, pairs, begun);
+        sweep::grains(model, table, &rules, grains, pairs, Slots::These(begun));
+        reactions(model, table, &rules, grains, walls, wall_pairs, neighbours);
+    });
     // newborn grains get their scaled inertia at birth; an unscaled time step has to follow them
     let born = std::mem::take(&mut state.births) && !model.stepping.inertia_scaling;
     if born || state.step.is_multiple_of(state.stability_interval) {
@@ -214,52 +265,65 @@ pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
     }
 }
 
-fn reactions(model: &Model, state: &mut State, work: &Work) {
-    let dt = state.dt;
-    for (k, wall) in state.walls.iter_mut().enumerate() {
+fn reactions(
+    model: &Model,
+    table: &PairTable,
+    rules: &Rules,
+    grains: &Grains,
+    walls: &mut [Wall],
+    pairs: &Pairs,
+    neighbours: &Neighbours,
+) {
+    for (k, wall) in walls.iter_mut().enumerate() {
         let (mut sum, mut stiffness, mut shear) = (0.0, 0.0, 0.0);
-        for &(_, slot) in &work.neighbours.wall_lists[k] {
-            let touch = &state.wall_pairs.touch[slot as usize];
+        for &(_, slot) in &neighbours.wall_lists[k] {
+            let touch = &pairs.touch[slot as usize];
             if touch.overlap > 0.0 {
-                let i = state.wall_pairs.ends[slot as usize][0] as usize;
-                let (n, _) = wall.shape.towards(state.grains.pos[i]);
-                let force = touch.force();
+                let i = pairs.ends[slot as usize][0] as usize;
+                let (force, n) = (touch.force(), touch.normal);
                 sum -= dot(force, n);
                 shear -= force[2] - dot(force, n) * n[2];
-                let pair = work.table.wall(k, state.grains.material[i]);
-                stiffness += stability::elastic(model, touch.overlap, state.grains.pos[i][3], pair).k_n;
+                let pair = table.wall(k, grains.material[i]);
+                stiffness += stability::elastic(model, touch.overlap, grains.pos[i][3], pair).k_n;
             }
         }
-        wall.work += 0.5 * (wall.reaction + sum) * wall.speed * dt;
+        wall.work += 0.5 * (wall.reaction + sum) * wall.speed * rules.dt;
         wall.reaction = sum;
         wall.stiffness = stiffness;
         wall.shear_z = shear;
     }
 }
 
-/// Indices of flagged grains.
-fn collect(flags: &[u8], moved: &mut Vec<u32>, failing: &mut Vec<u32>) {
-    moved.clear();
-    failing.clear();
-    let (chunks, rest) = flags.as_chunks::<8>();
-    for (c, chunk) in chunks.iter().enumerate() {
-        if u64::from_ne_bytes(*chunk) != 0 {
-            for (k, f) in chunk.iter().enumerate() {
-                sort_flag(*f, (8 * c + k) as u32, moved, failing);
+/// Sorts out what the grains' pass flagged; contacts that have ended go back to the near pairs.
+fn collect(state: &mut State, work: &mut Work) {
+    let Work { flags, moved, failing, parted, neighbours, .. } = work;
+    for list in [&mut *moved, failing, parted] {
+        list.clear();
+    }
+    flagged(flags, |i, flag| {
+        for (bit, list) in [(gather::MOVED, &mut *moved), (gather::FAILED, failing), (gather::PARTED, parted)] {
+            if flag & bit != 0 {
+                list.push(i);
             }
         }
-    }
-    for (k, f) in rest.iter().enumerate() {
-        sort_flag(*f, (8 * chunks.len() + k) as u32, moved, failing);
+    });
+    for &i in &*parted {
+        neighbours.part(i as usize, &state.grains, &mut state.pairs);
     }
 }
 
-fn sort_flag(flag: u8, i: u32, moved: &mut Vec<u32>, failing: &mut Vec<u32>) {
-    if flag & gather::MOVED != 0 {
-        moved.push(i);
+/// Calls `each` with the index and value of every flag that is not zero.
+pub fn flagged(flags: &[u8], mut each: impl FnMut(u32, u8)) {
+    let (chunks, rest) = flags.as_chunks::<8>();
+    for (c, chunk) in chunks.iter().enumerate() {
+        if u64::from_ne_bytes(*chunk) != 0 {
+            for (k, &f) in chunk.iter().enumerate().filter(|(_, f)| **f != 0) {
+                each((8 * c + k) as u32, f);
+            }
+        }
     }
-    if flag & gather::FAILED != 0 {
-        failing.push(i);
+    for (k, &f) in rest.iter().enumerate().filter(|(_, f)| **f != 0) {
+        each((8 * chunks.len() + k) as u32, f);
     }
 }
 
@@ -269,7 +333,8 @@ fn crush(model: &Model, state: &mut State, work: &mut Work) {
         return;
     }
     // what has just moved out of its skin is searched before daughters look for whom they touch
-    search(state, work);
+    let State { grains, walls, wall_pairs, .. } = state;
+    search(&mut work.neighbours, &mut work.moved, false, grains, walls, wall_pairs);
     work.failing.sort_unstable_by_key(|&i| state.grains.id[i as usize]);
     let before = state.grains.len();
     state.births = true;
@@ -333,7 +398,7 @@ pub fn permute(state: &mut State, work: &mut Work, order: &[u32]) {
     });
     state.wall_pairs.permute(&order_walls, |[i, k]| [place[i as usize], k]);
     let State { grains, pairs, wall_pairs, .. } = state;
-    work.neighbours.permute(order, grains, &Pools { pairs, wall_pairs });
+    work.neighbours.permute(order, &place, grains, &Pools { pairs, wall_pairs });
     work.births_since_reorder = 0;
 }
 

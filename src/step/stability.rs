@@ -9,7 +9,9 @@
 //! m_i = (1 + α) Σ max(2 k_n, 7 k_t) dt² / (4 safety²).
 
 use super::{State, Work};
-use crate::contact::law::{Elastic, Law, Pair};
+use crate::contact::force::dot;
+use crate::contact::law::{Elastic, Law, Pair, PairTable};
+use crate::contact::sweep::difference;
 use crate::grains::Grains;
 use crate::model::{ContactLaw, Model};
 use crate::neighbours::Neighbours;
@@ -26,31 +28,47 @@ fn share(e: &Elastic) -> f64 {
     (2.0 * e.k_n).max(7.0 * e.k_t)
 }
 
-/// Σ max(2 k_n, 7 k_t) over the contacts of grain `i`, from current overlaps, N/m.
-pub fn stiffness(i: usize, model: &Model, state: &State, neighbours: &Neighbours, table: &crate::contact::law::PairTable) -> f64 {
+/// What grain `i` overlaps at the present positions.
+pub struct Overlap<'a> {
+    pub depth: f64,
+    /// R*, m.
+    pub r_eff: f64,
+    pub pair: &'a Pair,
+    /// Tangential spring force of the contact, N; zero where the next sweep will find the two in contact for the first time.
+    pub spring: [f64; 3],
+}
+
+/// Calls `visit` with all that grain `i` overlaps at the present positions, in the order of ids, walls last.
+pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a PairTable, mut visit: impl FnMut(Overlap<'a>)) {
     let g = &state.grains;
-    let mut sum = 0.0;
-    for e in neighbours.adjacency.of(i) {
-        let slot = e.slot();
-        let (overlap, r_eff, pair) = if e.is_wall() {
-            let (_, gap) = state.walls[e.wall_index()].shape.towards(g.pos[i]);
-            (-gap, g.pos[i][3], table.wall(e.wall_index(), g.material[i]))
-        } else {
-            let [a, b] = state.pairs.ends[slot];
-            let (p, q) = (g.pos[a as usize], g.pos[b as usize]);
-            let d = crate::contact::sweep::difference(p, q);
-            let overlap = p[3] + q[3] - crate::contact::force::dot(d, d).sqrt();
-            (overlap, p[3] * q[3] / (p[3] + q[3]), table.grains(g.material[a as usize], g.material[b as usize]))
-        };
-        if overlap > 0.0 {
-            sum += share(&elastic(model, overlap, r_eff, pair));
+    let p = g.pos[i];
+    for (e, j) in neighbours.around(i, &state.pairs) {
+        let q = g.pos[j];
+        let d = difference(p, q);
+        let depth = p[3] + q[3] - dot(d, d).sqrt();
+        if depth > 0.0 {
+            let spring = if e.link.is_apart() { [0.0; 3] } else { state.pairs.spring(e.slot()) };
+            visit(Overlap { depth, r_eff: p[3] * q[3] / (p[3] + q[3]), pair: table.grains(g.material[i], g.material[j]), spring });
         }
     }
+    for e in neighbours.contacts.of(i).filter(|e| e.is_wall()) {
+        let (_, gap) = state.walls[e.wall_index()].shape.towards(p);
+        if gap < 0.0 {
+            let pair = table.wall(e.wall_index(), g.material[i]);
+            visit(Overlap { depth: -gap, r_eff: p[3], pair, spring: state.wall_pairs.spring(e.slot()) });
+        }
+    }
+}
+
+/// Σ max(2 k_n, 7 k_t) over the contacts of grain `i`, from current overlaps, N/m.
+fn stiffness(i: usize, model: &Model, state: &State, neighbours: &Neighbours, table: &PairTable) -> f64 {
+    let mut sum = 0.0;
+    overlaps(i, state, neighbours, table, |o| sum += share(&elastic(model, o.depth, o.r_eff, o.pair)));
     sum
 }
 
 /// Stiffness a grain of this size has when two contacts bear the reference stress on its cross-section.
-fn stiffness_at_rest(i: usize, model: &Model, g: &Grains, stress: f64, table: &crate::contact::law::PairTable) -> f64 {
+fn stiffness_at_rest(i: usize, model: &Model, g: &Grains, stress: f64, table: &PairTable) -> f64 {
     let r = g.pos[i][3];
     let pair = table.grains(g.material[i], g.material[i]);
     let r_eff = 0.5 * r;
@@ -72,13 +90,7 @@ fn scaled_inertia(k: f64, damping: f64, dt: f64, safety: f64) -> f64 {
 const MARGIN: f64 = 1.2;
 
 /// Inertia that a new grain or one out of bounds gets, or `None` while the present one serves.
-fn new_inertia(
-    i: usize,
-    model: &Model,
-    state: &State,
-    neighbours: &Neighbours,
-    table: &crate::contact::law::PairTable,
-) -> Option<f64> {
+fn new_inertia(i: usize, model: &Model, state: &State, neighbours: &Neighbours, table: &PairTable) -> Option<f64> {
     let floor = stiffness_at_rest(i, model, &state.grains, state.reference_stress, table);
     let needed = stiffness(i, model, state, neighbours, table).max(floor);
     let inertia = scaled_inertia(needed, state.damping, state.dt, model.stepping.safety);
@@ -174,7 +186,7 @@ fn set_inertia(state: &mut State, i: usize, inertia: f64) {
 }
 
 /// Gives a newborn grain its inertia, from the contacts it is born into.
-pub fn birth(i: usize, model: &Model, state: &mut State, neighbours: &Neighbours, table: &crate::contact::law::PairTable) {
+pub fn birth(i: usize, model: &Model, state: &mut State, neighbours: &Neighbours, table: &PairTable) {
     if model.stepping.inertia_scaling
         && let Some(inertia) = {
             state.grains.vel[i][3] = f64::INFINITY;
