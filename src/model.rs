@@ -170,7 +170,7 @@ pub struct Loading {
     pub servo_gain: f64,
     /// Largest inertial number the platen may impose.
     pub max_inertial_number: f64,
-    /// The programme waits while measured and target stress differ by more than this share.
+    /// The programme waits while a platen's stress differs from the target by more than this share (`Stresses::lag`).
     pub max_lag: f64,
     /// Steps of rest at the isotropic stress before loading.
     pub settle_steps: u64,

@@ -17,11 +17,11 @@ run() {
     "$program" run "$scene" --threads 1 --quiet --force --out "$folder" "$@"
 }
 
-# the specimen of a seed, so that a variant starts from the same bytes
+# variant FOLDER SCENE SEED OPTION…: starts from the specimen of the scene's own run with that seed
 variant() {
-    local folder=$1 seed=$2
-    shift 2
-    run "$folder" h-c-2 --seed "$seed" --specimen "$out/h-c-2-s$seed/specimen.csv" "$@"
+    local folder=$1 scene=$2 seed=$3
+    shift 3
+    run "$folder" "$scene" --seed "$seed" --specimen "$out/$scene-s$seed/specimen.csv" "$@"
 }
 
 seeds() {
@@ -30,20 +30,21 @@ seeds() {
 }
 twins() { for k in l-c-2 h-c-2 h-v-2 l-c-1 h-c-1 h-v-1; do run "$k-nc" "$k-nc"; done; }
 rate() {
-    for s in 1 2 3 4 5; do variant "half-rate-s$s" "$s" --set loading.rate=0.005 --set 'name="H-C-2-half-rate"'; done
+    for s in 1 2 3 4 5; do variant "half-rate-s$s" h-c-2 "$s" --set loading.rate=0.005 --set 'name="H-C-2-half-rate"'; done
 }
 walls() {
-    for s in 1 2 3; do
+    for s in 1 2; do
         for mu in 0.1 0.4228; do
-            variant "walls-$mu-s$s" "$s" --set walls.friction.bottom=$mu --set walls.friction.top=$mu \
+            variant "walls-$mu-s$s" h-c-2 "$s" --set walls.friction.bottom=$mu --set walls.friction.top=$mu \
                 --set walls.friction.cylinder=$mu --set "name=\"H-C-2-walls-$mu\""
         done
     done
 }
+clamp() { variant "$1-clamp-s$2" "$1" "$2" --set material.strength.truncation=clamp --set "name=\"$3-clamp\""; }
 truncation() {
-    for s in 1 2 3 4 5; do
-        variant "clamp-s$s" "$s" --set material.strength.truncation=clamp --set 'name="H-C-2-clamp"'
-    done
+    for s in 1 2 3 4 5; do clamp h-c-2 "$s" H-C-2; done
+    clamp l-c-2 1 L-C-2
+    clamp h-v-2 1 H-V-2
 }
 scale1() { for k in h-c-1 l-c-1 h-v-1; do run "$k" "$k"; done; }
 all() { seeds; twins; rate; walls; truncation; scale1; }

@@ -35,10 +35,11 @@ impl Motion {
         [self.centres[0] + c[0], self.centres[1] + c[1], self.centres[2] + c[2]]
     }
 
-    /// Power of a contact's force and torque on both ends, W.
+    /// Power of a contact's force and torque on both ends, W: (t − N n) · (velocity at the contact point).
     #[inline(always)]
     pub fn power(&self, touch: &Touch) -> f64 {
-        dot(touch.force(), self.centres) + dot(touch.torque(), self.arms(touch.overlap))
+        let v = self.slip(touch.normal, touch.overlap);
+        dot(touch.tangential, v) - touch.normal_force * dot(touch.normal, v)
     }
 }
 
@@ -61,6 +62,8 @@ pub struct Meeting {
 pub struct Rules {
     pub dt: f64,
     pub unloading: TangentialUnloading,
+    /// Contacts per parallel task.
+    pub task: usize,
 }
 
 /// What one contact keeps.
@@ -168,7 +171,7 @@ pub fn touching<L: Law, const LEDGER: bool, const EXTRA: bool>(m: &Meeting, pair
     }
     let touch = Touch { tangential: t, normal_force, normal: n, overlap: m.overlap };
     if LEDGER && let Some(work) = memory.work {
-        let power = m.motion.power(memory.touch) + m.motion.power(&touch);
+        let power = m.motion.power(memory.touch) + (dot(t, v) - normal_force * approach);
         *work = [-0.5 * power * rules.dt, slip_work, viscous_work];
     }
     *memory.touch = touch;

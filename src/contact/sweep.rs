@@ -9,9 +9,8 @@ use crate::grains::Grains;
 use crate::model::{ContactModel, Model, TangentialUnloading};
 use crate::with_law;
 
-/// Slots per parallel task, and the number of slots below which threads cost more than they bring.
-const CHUNK: usize = 1024;
-pub const SERIAL: usize = 1536;
+/// Contacts per parallel task; up to one and a half of them threads cost more than they bring.
+pub const TASK: usize = 1024;
 
 /// Which slots a sweep takes.
 #[derive(Clone, Copy)]
@@ -22,7 +21,7 @@ pub enum Slots<'a> {
 
 /// Contacts of grains with grains.
 pub fn grains(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs, slots: Slots<'_>) {
-    let ledger = !pairs.work.is_empty();
+    let ledger = pairs.kept().work;
     let extra = needs_extra(&model.contact, pairs, rules, model.materials.len());
     with_law!(model.contact.law, L => match (ledger, extra) {
         (false, false) => sweep_grains::<L, false, false>(table, rules, g, pairs, slots),
@@ -34,7 +33,7 @@ pub fn grains(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, pairs
 
 /// All contacts of grains with walls.
 pub fn walls(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
-    let ledger = !pairs.work.is_empty();
+    let ledger = pairs.kept().work;
     with_law!(model.contact.law, L => match ledger {
         false => sweep_walls::<L, false>(table, rules, g, walls, pairs),
         true => sweep_walls::<L, true>(table, rules, g, walls, pairs),
@@ -97,8 +96,13 @@ impl<'a> Part<'a> {
     }
 }
 
+/// Whether so many items are best done by one thread.
+pub fn few(items: usize, task: usize) -> bool {
+    2 * items <= 3 * task || rayon::current_num_threads() == 1
+}
+
 /// Runs `body` on the slots, cut into chunks and in parallel where there are enough.
-fn for_each_part(p: &mut Pairs, slots: Slots<'_>, body: impl Fn(Part<'_>) + Sync) {
+fn for_each_part(p: &mut Pairs, slots: Slots<'_>, task: usize, body: impl Fn(Part<'_>) + Sync) {
     if let Slots::These(slots) = slots {
         for &s in slots {
             let (_, from) = Part::all(p).halves(s as usize);
@@ -106,19 +110,19 @@ fn for_each_part(p: &mut Pairs, slots: Slots<'_>, body: impl Fn(Part<'_>) + Sync
         }
         return;
     }
-    let serial = p.slots() <= SERIAL || rayon::current_num_threads() == 1;
+    let serial = few(p.slots(), task);
     let all = Part::all(p);
-    if serial { body(all) } else { split(all, &body) }
+    if serial { body(all) } else { split(all, task, &body) }
 }
 
 /// Halves a part until it is small, the halves joined in parallel.
-fn split(part: Part<'_>, body: &(impl Fn(Part<'_>) + Sync)) {
+fn split(part: Part<'_>, task: usize, body: &(impl Fn(Part<'_>) + Sync)) {
     let n = part.ends.len();
-    if n <= CHUNK {
+    if n <= task {
         return body(part);
     }
-    let (left, right) = part.halves(n.div_ceil(CHUNK).div_ceil(2) * CHUNK);
-    rayon::join(|| split(left, body), || split(right, body));
+    let (left, right) = part.halves(n.div_ceil(task).div_ceil(2) * task);
+    rayon::join(|| split(left, task, body), || split(right, task, body));
 }
 
 fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(
@@ -129,7 +133,7 @@ fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(
     slots: Slots<'_>,
 ) {
     let single = *table.grains(0, 0);
-    for_each_part(pairs, slots, |mut part| {
+    for_each_part(pairs, slots, rules.task, |mut part| {
         let ends = part.ends;
         for (s, &[i, j]) in ends.iter().enumerate() {
             if i == FREE {
@@ -197,7 +201,7 @@ pub fn motion_on_wall(g: &Grains, i: usize, normal: [f64; 3], speed: f64) -> Mot
 }
 
 fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
-    for_each_part(pairs, Slots::All, |mut part| {
+    for_each_part(pairs, Slots::All, rules.task, |mut part| {
         let ends = part.ends;
         for (s, &[i, k]) in ends.iter().enumerate() {
             if i == FREE {

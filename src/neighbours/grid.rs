@@ -58,7 +58,8 @@ impl Grid {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         let mut largest = 0.0f64;
-        for p in reference {
+        // a grain that has flown off to infinity (the watchdog will say so) sets no extent
+        for p in reference.iter().filter(|p| p.iter().all(|x| x.is_finite())) {
             let p = p.map(f64::from);
             for a in 0..3 {
                 low[a] = low[a].min(p[a]);
@@ -66,7 +67,7 @@ impl Grid {
             }
             largest = largest.max(p[3]);
         }
-        if reference.is_empty() {
+        if largest == 0.0 {
             (low, high, largest) = ([0.0; 3], [1.0; 3], 1.0);
         }
         let size = std::array::from_fn(|a| (high[a] - low[a]).max(largest));

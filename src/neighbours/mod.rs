@@ -139,7 +139,8 @@ impl Neighbours {
     fn reference(p: &[f64; 4], skin: f64) -> Reference {
         let centre = [p[0] as f32, p[1] as f32, p[2] as f32];
         let rounding = (0..3).map(|a| (p[a] - f64::from(centre[a])).abs()).sum::<f64>();
-        [centre[0], centre[1], centre[2], (p[3] * (1.0 + skin) + rounding) as f32]
+        let reach = (p[3] * (1.0 + skin) + rounding) as f32;
+        [centre[0], centre[1], centre[2], reach.next_up()]
     }
 
     /// Whether a grain (centre, radius) has left its reference sphere of reach.
@@ -219,9 +220,9 @@ impl Neighbours {
         })
     }
 
-    /// Marks the near pairs that touch now: reads positions only, so that it may run beside the sweep.
-    pub fn meet(&mut self, pos: &[[f64; 4]]) {
-        self.near.meet(pos);
+    /// Marks the near pairs that touch now, so many to a parallel task: reads positions only, so that it may run beside the sweep.
+    pub fn meet(&mut self, pos: &[[f64; 4]], task: usize) {
+        self.near.meet(pos, task);
     }
 
     /// Makes contacts of the pairs marked; their slots are in `slots`.

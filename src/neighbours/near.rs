@@ -2,12 +2,11 @@
 //! contacts by far.
 
 use crate::contact::pairs::FREE;
-use crate::contact::{force::dot, sweep::difference};
+use crate::contact::{
+    force::dot,
+    sweep::{difference, few},
+};
 use rayon::prelude::*;
-
-/// Pairs per parallel task, and the number below which threads cost more than they bring.
-const CHUNK: usize = 4096;
-const SERIAL: usize = 6144;
 
 #[derive(Default)]
 pub struct Near {
@@ -42,12 +41,12 @@ impl Near {
         self.ends.iter().copied().enumerate().filter(|(_, e)| e[0] != FREE)
     }
 
-    /// Marks the pairs that touch now.
-    pub fn meet(&mut self, pos: &[[f64; 4]]) {
-        if self.ends.len() <= SERIAL || rayon::current_num_threads() == 1 {
+    /// Marks the pairs that touch now, so many to a parallel task.
+    pub fn meet(&mut self, pos: &[[f64; 4]], task: usize) {
+        if few(self.ends.len(), task) {
             return mark(pos, &self.ends, &mut self.met);
         }
-        self.ends.par_chunks(CHUNK).zip(self.met.par_chunks_mut(CHUNK)).for_each(|(ends, met)| mark(pos, ends, met));
+        self.ends.par_chunks(task).zip(self.met.par_chunks_mut(task)).for_each(|(ends, met)| mark(pos, ends, met));
     }
 
     /// Slots marked by [`Self::meet`].

@@ -78,6 +78,12 @@ impl Stresses {
         0.5 * (self.top + self.bottom)
     }
 
+    /// How far the platens are from the target, over the target: both of them, but the driven one alone where friction on the shell carries a part.
+    pub fn lag(&self, target: f64, rig: &Oedometer) -> f64 {
+        let of = |stress: f64| (stress / target - 1.0).abs();
+        if rig.wall_friction.cylinder > 0.0 { of(self.top) } else { of(self.top).max(of(self.bottom)) }
+    }
+
     /// Difference of the platens over their mean.
     pub fn platen_difference(&self) -> f64 {
         let v = self.vertical();
@@ -127,7 +133,7 @@ pub struct Loading {
 
 /// Steps between two looks at the platen's speed limit.
 const LOOK: u64 = 64;
-/// A stage ends when the driven platen is this close to its target and, without friction on the shell, the platens to each other ...
+/// A stage ends when the platens are this close to their target ...
 const CLOSE: f64 = 0.005;
 /// ... or after this many steps.
 const HOLD_AT_MOST: u64 = 4000;
@@ -196,8 +202,7 @@ impl Loading {
                 let sigma_ref = rig.loading.sigma_ref;
                 let increment = rig.loading.rate * sigma_ref * (1.0 + (self.target / sigma_ref).max(1.0).ln());
                 let end = stages[k];
-                // the driven platen: with wall friction the fixed one bears less, and the mean never reaches the target
-                if (Stresses::of(state).top / self.target - 1.0).abs() > rig.loading.max_lag {
+                if Stresses::of(state).lag(self.target, rig) > rig.loading.max_lag {
                     return;
                 }
                 if self.rising(k, rig) {
@@ -211,9 +216,7 @@ impl Loading {
                 }
             }
             Phase::Hold(k) => {
-                let s = Stresses::of(state);
-                let level = rig.wall_friction.cylinder > 0.0 || s.platen_difference() < CLOSE;
-                let close = (s.top / self.target - 1.0).abs() < CLOSE && level;
+                let close = Stresses::of(state).lag(self.target, rig) < CLOSE;
                 if (close && self.phase_steps > LOOK) || self.phase_steps > HOLD_AT_MOST {
                     self.enter(if k + 1 < stages.len() { Phase::Load(k + 1) } else { Phase::Done });
                 }

@@ -222,6 +222,7 @@ impl<'a> Runner<'a> {
                 }
             }
         }
+        self.watch()?;
         self.bar.finish();
         summary::finish(self.model, self.out, &mut self.progress, &self.work)
     }

@@ -161,7 +161,7 @@ pub const KEYS: &[Key] = &[
         "loading.max_lag",
         Number(Range::above(0.0, 1.0)),
         Is("0.015"),
-        "share by which measured and target stress may differ before the programme waits",
+        "share by which a platen's stress may differ from the target before the programme waits (with friction on the cylinder the driven platen's)",
     ),
     oedometer("loading.settle_steps", FROM_ZERO, Is("1000"), "steps of rest at the isotropic stress before loading"),
     both("damping.local", Number(RATIO), ByKind("0.05", "0.0"), "local non-viscous damping (Cundall 1987)"),
@@ -176,7 +176,7 @@ pub const KEYS: &[Key] = &[
     both(
         "stepping.skin",
         Number(Range::above(0.0, 2.0)),
-        Is("0.1"),
+        Is("0.2"),
         "neighbour skin over a grain's radius; changes speed, never results",
     ),
     oedometer("records.per_decade", Integer { low: 1, high: 10_000 }, Is("40"), "rows of history per decade of vertical stress"),

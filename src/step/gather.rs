@@ -3,6 +3,7 @@
 
 use super::State;
 use crate::contact::pairs::Pairs;
+use crate::contact::sweep::few;
 use crate::model::Model;
 use crate::neighbours::Neighbours;
 
@@ -12,9 +13,6 @@ pub const MOVED: u8 = 1;
 pub const FAILED: u8 = 2;
 /// Flag: a contact of the grain has ended.
 pub const PARTED: u8 = 4;
-
-const CHUNK: usize = 256;
-const SERIAL: usize = 512;
 
 /// Sums over the contacts of one grain.
 #[derive(Clone, Copy, Default)]
@@ -119,11 +117,12 @@ struct Input<'a> {
     /// Step of the drift, and of the kick (half of it on the first step).
     dt: f64,
     kick: f64,
+    task: usize,
 }
 
-/// Judges, kicks and drifts all grains; leaves a flag per grain.
-pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags: &mut [u8]) {
-    let ledger = !state.pairs.work.is_empty() || !state.wall_pairs.work.is_empty();
+/// Judges, kicks and drifts all grains, so many to a parallel task; leaves a flag per grain.
+pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags: &mut [u8], task: usize) {
+    let ledger = state.pairs.kept().work;
     let crush = state.crushing;
     let State { grains, pairs, wall_pairs, .. } = state;
     let input = Input {
@@ -136,6 +135,7 @@ pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags:
         damping: state.damping,
         dt: state.dt,
         kick: if state.fresh { 0.5 * state.dt } else { state.dt },
+        task,
     };
     let part = Part { first: 0, pos: &mut grains.pos, vel: &mut grains.vel, spin: &mut grains.spin, work: &mut grains.work, flags };
     match (ledger, crush, model.contact.rolling) {
@@ -151,7 +151,7 @@ pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags:
 }
 
 fn run<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
-    if part.pos.len() <= SERIAL || rayon::current_num_threads() == 1 {
+    if few(part.pos.len(), input.task) {
         return chunk::<LEDGER, CRUSH, ROLLING>(input, part);
     }
     split::<LEDGER, CRUSH, ROLLING>(input, part);
@@ -159,10 +159,10 @@ fn run<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input
 
 fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
     let n = part.pos.len();
-    if n <= CHUNK {
+    if n <= input.task {
         return chunk::<LEDGER, CRUSH, ROLLING>(input, part);
     }
-    let half = n.div_ceil(CHUNK).div_ceil(2) * CHUNK;
+    let half = n.div_ceil(input.task).div_ceil(2) * input.task;
     let (p0, p1) = part.pos.split_at_mut(half);
     let (v0, v1) = part.vel.split_at_mut(half);
     let (s0, s1) = part.spin.split_at_mut(half);
@@ -179,6 +179,14 @@ fn chunk<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
     for k in 0..part.pos.len() {
         let i = part.first + k;
         let (p, v, s) = (&mut part.pos[k], &mut part.vel[k], &mut part.spin[k]);
+        if !gravity && input.neighbours.contacts.links(i).is_empty() {
+            // most fragments fly free: nothing but their place changes, and nothing else is read
+            for a in 0..3 {
+                p[a] += v[a] * input.dt;
+            }
+            part.flags[k] = if Neighbours::outside(&references[i], p) { MOVED } else { 0 };
+            continue;
+        }
         let Sums { force: mut f, torque: mut t, load, work, parted } =
             sum::<LEDGER>(i, p[3], input.neighbours, input.pairs, input.wall_pairs);
         if ROLLING {

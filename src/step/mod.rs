@@ -81,6 +81,8 @@ pub struct Work {
     births_since_reorder: usize,
     /// Force a path in tests: lists anew at every step, or a random order in memory.
     pub rebuild_always: bool,
+    /// Contacts per parallel task; a near pair costs a quarter of a contact, a grain four times one.
+    pub task: usize,
     /// Nanoseconds per stage (`bench`): neighbours, contacts, grains, crush.
     pub clock: Option<[u64; 4]>,
 }
@@ -102,6 +104,7 @@ impl Work {
             table_friction: state.friction,
             births_since_reorder: 0,
             rebuild_always: false,
+            task: sweep::TASK,
             clock: None,
         }
     }
@@ -171,13 +174,13 @@ pub fn step<E>(
     watch.lap(&mut work.clock, 1);
     control(state, work)?;
     watch.skip();
-    gather::advance(model, state, &work.neighbours, &mut work.flags);
-    alone(small(state), || collect(state, work));
+    gather::advance(model, state, &work.neighbours, &mut work.flags, work.task / 4);
+    alone(small(state, work), || collect(state, work));
     for w in &mut state.walls {
         w.advance(state.dt);
     }
     watch.lap(&mut work.clock, 2);
-    alone(small(state), || crush(model, state, work));
+    alone(small(state, work), || crush(model, state, work));
     watch.lap(&mut work.clock, 3);
     state.step += 1;
     state.time += state.dt;
@@ -206,8 +209,8 @@ fn alone<R: Send>(small: bool, job: impl FnOnce() -> R + Send) -> R {
 }
 
 /// Whether a step is too small for threads to bring anything.
-fn small(state: &State) -> bool {
-    rayon::current_num_threads() == 1 || state.pairs.slots() <= sweep::SERIAL
+fn small(state: &State, work: &Work) -> bool {
+    sweep::few(state.pairs.slots(), work.task)
 }
 
 /// Grains in space order again once many were born or moved about.
@@ -236,8 +239,9 @@ pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
     if state.dt == 0.0 {
         state.dt = stability::first_step(model, state);
     }
-    let rules = Rules { dt: state.dt, unloading: model.contact.unloading };
-    let small = small(state);
+    let rules = Rules { dt: state.dt, unloading: model.contact.unloading, task: work.task };
+    let small = small(state, work);
+    let task = work.task;
     let State { grains, walls, pairs, wall_pairs, .. } = state;
     let Work { table, neighbours, begun, moved, rebuild_always, .. } = work;
     let table = &*table;
@@ -245,7 +249,7 @@ pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
     let mut sweep = || sweep::grains(model, table, &rules, grains, pairs, Slots::All);
     let mut lists = || {
         search(neighbours, moved, *rebuild_always, grains, walls, wall_pairs);
-        neighbours.meet(&grains.pos);
+        neighbours.meet(&grains.pos, 4 * task);
         sweep::walls(model, table, &rules, grains, walls, wall_pairs);
     };
     if small {

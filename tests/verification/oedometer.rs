@@ -3,7 +3,7 @@
 use crate::common::*;
 use comminute::boundary::Wall;
 use comminute::model::WallShape;
-use comminute::rig::oedometer::{Stresses, Walls};
+use comminute::rig::oedometer::{CYLINDER, Stresses, Walls};
 use comminute::step::State;
 
 const WEAK: &[&str] = &["material.strength.fixed_angle.sigma_lim0_MPa=100", "crushing.enabled=true"];
@@ -114,4 +114,24 @@ fn scaled_and_real_inertia_agree() {
             assert!(mean.abs() < 0.5 * spread(k, j), "the means differ by {mean:e}, specimens by {:e}", spread(k, j));
         }
     }
+}
+
+/// With friction on the cylinder the fixed platen bears less than the driven one, loading still follows its programme to the end, and the platens'
+/// difference is what the wall carries.
+#[test]
+fn wall_friction_carries_the_difference_of_the_platens() {
+    let mut press = coke(120, 4.0, 100.0, &["walls.friction.cylinder=0.3"], 2);
+    while !press.done() {
+        press.step();
+        assert!(press.state.step < 30_000, "loading stands still at {:.0} Pa", press.loading.target);
+    }
+    let s = Stresses::of(&press.state);
+    close("the driven platen", s.top, press.loading.target, 0.01);
+    let area = Walls::of(&press.state).platen_area();
+    let carried = -press.state.walls[CYLINDER].shear_z / area;
+    println!("top {:.1} kPa, bottom {:.1} kPa, wall {:.1} kPa", 1e-3 * s.top, 1e-3 * s.bottom, 1e-3 * carried);
+    assert!(s.bottom < 0.95 * s.top && s.bottom > 0.5 * s.top);
+    close("the wall", carried, s.top - s.bottom, 0.03);
+    // no more than Coulomb allows
+    assert!(carried * area <= 0.3 * press.state.walls[CYLINDER].reaction * (1.0 + 1e-9));
 }
