@@ -47,6 +47,15 @@ fn check_says_what_the_run_would_be() {
 }
 
 #[test]
+fn check_warns_of_unloading_with_a_kept_tangential_force() {
+    let stages = ["check", COKE, "--set", "loading.stages_kPa=[100.0, 4000.0]"];
+    comminute(&stages).success().stderr(contains("creates energy").and(contains("rescale")));
+    let rescaled = [&stages[..], &["--set", "contact.unloading=rescale"]].concat();
+    comminute(&rescaled).success().stderr(contains("creates energy").not());
+    comminute(&["check", COKE]).success().stderr(contains("creates energy").not());
+}
+
+#[test]
 fn check_as_json_is_one_object() {
     let assert = comminute(&["check", COKE, "--json", "--seed", "7"]).success().stderr("");
     let out = String::from_utf8(assert.get_output().stdout.clone()).expect("text");

@@ -1,6 +1,6 @@
 //! Who may touch whom: a local Verlet scheme without global rebuilds.
 //!
-//! Pairs that touch have a slot among the contacts, with their forces and history; pairs that are only near are listed apart ([`near`])
+//! Pairs that touch have a slot among the contacts, with their forces and history; pairs that are only near are listed apart (`near.rs`)
 //! and change over when they meet or part.
 //!
 //! Every grain has a *reference*: the position and reach (radius + skin) it had when its own neighbourhood was last searched.

@@ -2,7 +2,7 @@
 
 use super::crushing::extremes;
 use super::oedometer::height;
-use crate::model::{Assembly, ContactLaw, Drive, Model, Oedometer, Rig};
+use crate::model::{Assembly, ContactLaw, Drive, Model, Oedometer, Rig, TangentialUnloading};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -81,6 +81,9 @@ pub fn estimate(model: &Model) -> Estimate {
             let list = never.join(", ");
             estimate.warnings.push(format!("records.at_kPa: {list} will not be reached"));
         }
+        if !o.loading.stages.is_sorted() && model.contact.unloading == TangentialUnloading::Keep {
+            estimate.warnings.push(UNLOADING.into());
+        }
         estimate.specimen = Some(specimen);
     }
     if let Some(crush) = &model.crush
@@ -94,6 +97,9 @@ pub fn estimate(model: &Model) -> Estimate {
     }
     estimate
 }
+
+const UNLOADING: &str = "loading.stages_kPa unload the specimen, and a tangential force that is kept on unloading creates energy; \
+                         contact.unloading = \"rescale\" does not";
 
 /// Stresses, kPa, of `at` that the loading does not pass.
 fn unreached(o: &Oedometer, at: &[f64]) -> Vec<String> {
