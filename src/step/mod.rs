@@ -190,7 +190,7 @@ pub fn step<E>(
 
 /// Runs what one thread has to do alone while the others stay awake: waking a sleeping worker costs as much as a sweep of a thousand
 /// contacts.
-fn alone<R: Send>(small: bool, job: impl FnOnce() -> R + Send) -> R {
+fn alone(small: bool, job: impl FnOnce() + Send) {
     if small {
         return job();
     }
@@ -201,11 +201,19 @@ fn alone<R: Send>(small: bool, job: impl FnOnce() -> R + Send) -> R {
         }
     };
     let job = || {
-        let result = job();
-        done.store(true, Ordering::Release);
-        result
+        let _ends = Ends(&done);
+        job();
     };
-    rayon::join(job, spin).0
+    rayon::join(job, spin);
+}
+
+/// Tells the waiting workers that a job has ended, even by a panic.
+struct Ends<'a>(&'a AtomicBool);
+
+impl Drop for Ends<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
 }
 
 /// Whether a step is too small for threads to bring anything.
@@ -435,5 +443,18 @@ impl Stopwatch {
         if let Some(since) = &mut self.0 {
             *since = std::time::Instant::now();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_alone_does_not_leave_the_others_waiting() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
+        let run = || pool.install(|| alone(false, || panic!("on purpose")));
+        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
+        assert!(outcome.is_err());
     }
 }
