@@ -49,7 +49,7 @@ fn loops(c: &mut Criterion) {
     let mut still = state.clone();
     still.dt = STILL;
     group.bench_function("gather and advance", |b| {
-        one.install(|| b.iter(|| gather::advance(&model, &mut still, &work.neighbours, &mut flags, work.task / 4)));
+        one.install(|| b.iter(|| gather::advance(&model, &mut still, &work.neighbours, &mut flags, work.task / 4, work.arch)));
     });
     let mut moving = state.clone();
     group.bench_function("whole step", |b| {

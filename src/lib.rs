@@ -11,6 +11,7 @@ pub mod grains;
 pub mod model;
 pub mod neighbours;
 pub mod packing;
+pub mod real;
 pub mod record;
 pub mod rig;
 pub mod run;

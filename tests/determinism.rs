@@ -3,6 +3,7 @@
 mod common;
 
 use comminute::model::Model;
+use comminute::real::at_best;
 use comminute::step::{State, Work, permute};
 use common::*;
 use rand::seq::SliceRandom;
@@ -134,6 +135,48 @@ fn random_orders_in_memory_give_the_same_bytes() {
     same(reference(), &on_threads(2, || run(scene(&["stepping.skin=0.14"]), shuffled(2))));
 }
 
+#[test]
+fn every_instruction_set_gives_the_same_bytes() {
+    for name in ["scalar", "avx2"] {
+        same(reference(), &on_threads(1, || run(scene(&[]), |_, work| work.arch = at_best(name))));
+    }
+}
+
+/// Two materials that roll and bounce: what an oedometer's contacts do not have.
+#[test]
+fn every_instruction_set_gives_the_same_bytes_in_a_free_scene() {
+    let named = |name: &str, young: f64| {
+        let stuff = Stuff { young, poisson: 0.2, density: 2600.0, friction: 0.3, restitution: 0.6 };
+        let toml = stuff.toml() + "contact.rolling_friction = 0.1\n";
+        toml.lines().map(|l| format!("materials.{name}.{l}\n")).collect::<String>()
+    };
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let balls: Vec<Ball> = (0..200)
+        .map(|k| Ball {
+            at: [k % 6, k / 6 % 6, k / 36].map(|a| 2e-3 * f64::from(a)),
+            radius: rng.random_range(1.0e-3..1.06e-3),
+            velocity: std::array::from_fn(|_| rng.random_range(-0.3..0.3)),
+            spin: std::array::from_fn(|_| rng.random_range(-50.0..50.0)),
+            material: Some(if k % 3 == 0 { "hard" } else { "soft" }),
+        })
+        .collect();
+    let head = "contact.law = \"hertz_viscous\"\ngravity_m_s2 = [0, 0, -9.81]\n";
+    let text = assembly_text_of(&format!("{head}{}{}", named("hard", 1e9), named("soft", 2e8)), &balls, &[]);
+    let text =
+        text + "[[wall]]\nkind = \"box\"\nmin_m = [-0.0015, -0.0015, -0.0015]\nmax_m = [0.0115, 0.0115, 0.0115]\nfriction = 0.2\n";
+    let run = |name: &str| {
+        let mut lab = Lab::new(&text);
+        lab.work.arch = at_best(name);
+        lab.steps(3000);
+        assert!(lab.state.pairs.slots() > 200, "enough contacts: {}", lab.state.pairs.slots());
+        vec![print(&lab.state)]
+    };
+    let reference = run("");
+    for name in ["scalar", "avx2"] {
+        same(&reference, &run(name));
+    }
+}
+
 /// The other laws, shorter: linear, Hertzian area, rescaled tangential force.
 #[test]
 fn other_laws_give_the_same_bytes() {
@@ -141,7 +184,7 @@ fn other_laws_give_the_same_bytes() {
         ["contact.law=linear", "contact.unloading=keep", "records.energy=false"],
         ["contact.law=hertz", "contact.unloading=rescale", "material.contact.rolling_friction=0.1"],
     ] {
-        let short = |skin: &str, threads: usize, seed: Option<u64>| {
+        let short = |skin: &str, threads: usize, arch: &str, seed: Option<u64>| {
             let mut all = more.to_vec();
             all.extend([skin, "preparation.growth_steps=300"]);
             let mut each: Tamper = match seed {
@@ -153,6 +196,7 @@ fn other_laws_give_the_same_bytes() {
                 let (prepared, _) = prepare(&model, &mut each);
                 let mut press = Press::new(model, &prepared);
                 while press.state.step < 9000 {
+                    press.work.arch = at_best(arch);
                     each(&mut press.state, &mut press.work);
                     press.step();
                 }
@@ -160,8 +204,8 @@ fn other_laws_give_the_same_bytes() {
                 vec![print(&prepared), print(&press.state)]
             })
         };
-        let reference = short("stepping.skin=0.1", 1, None);
-        same(&reference, &short("stepping.skin=0.2", 2, Some(3)));
-        same(&reference, &short("stepping.skin=0.04", 7, None));
+        let reference = short("stepping.skin=0.1", 1, "", None);
+        same(&reference, &short("stepping.skin=0.2", 2, "avx2", Some(3)));
+        same(&reference, &short("stepping.skin=0.04", 7, "scalar", None));
     }
 }

@@ -1,5 +1,5 @@
-//! The force of one contact: normal law, tangential spring with Coulomb limit, viscous and rolling parts, and the work of
-//! each. A pure function; it knows neither arrays nor grains.
+//! The force of one contact, or of several side by side: normal law, tangential spring with Coulomb limit, viscous and rolling parts,
+//! and the work of each. Pure functions of numbers ([`Real`]); they know neither arrays nor grains.
 //!
 //! Signs: `normal` points from the first end to the second; forces are those on the first end; the relative velocity is that
 //! of the first end's surface against the second's; compression is positive overlap.
@@ -7,37 +7,37 @@
 use super::law::{Law, Pair};
 use super::pairs::Touch;
 use crate::model::TangentialUnloading;
+use crate::real::Real;
 
 /// Relative motion of two bodies near each other.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion {
+pub struct Motion<R = f64> {
     /// Velocity of the first centre relative to the second (or to the wall), m/s.
-    pub centres: [f64; 3],
+    pub centres: [R; 3],
     /// r_1 ω_1 + r_2 ω_2, m/s.
-    pub turning: [f64; 3],
+    pub turning: [R; 3],
     /// Mean spin of the two ends, rad/s (on a wall: the grain's spin).
-    pub mean_spin: [f64; 3],
+    pub mean_spin: [R; 3],
     /// Spin of the first end less that of the second, rad/s.
-    pub spin_difference: [f64; 3],
+    pub spin_difference: [R; 3],
 }
 
-impl Motion {
+impl<R: Real> Motion<R> {
     /// Σ arm × spin, with arms that end in the middle of the overlap: (r_1 − δ/2) ω_1 + (r_2 − δ/2) ω_2; on a wall (r − δ) ω.
     #[inline(always)]
-    fn arms(&self, overlap: f64) -> [f64; 3] {
-        std::array::from_fn(|a| self.turning[a] - overlap * self.mean_spin[a])
+    fn arms(&self, overlap: R) -> [R; 3] {
+        less(self.turning, scaled(self.mean_spin, overlap))
     }
 
     /// Velocity of the first surface against the second at the contact point.
     #[inline(always)]
-    fn slip(&self, normal: [f64; 3], overlap: f64) -> [f64; 3] {
-        let c = cross(self.arms(overlap), normal);
-        [self.centres[0] + c[0], self.centres[1] + c[1], self.centres[2] + c[2]]
+    fn slip(&self, normal: [R; 3], overlap: R) -> [R; 3] {
+        plus(self.centres, cross(self.arms(overlap), normal))
     }
 
     /// Power of a contact's force and torque on both ends, W: (t − N n) · (velocity at the contact point).
     #[inline(always)]
-    pub fn power(&self, touch: &Touch) -> f64 {
+    pub fn power(&self, touch: &Touch<R>) -> R {
         let v = self.slip(touch.normal, touch.overlap);
         dot(touch.tangential, v) - touch.normal_force * dot(touch.normal, v)
     }
@@ -45,16 +45,16 @@ impl Motion {
 
 /// Where and how two bodies touch.
 #[derive(Clone, Copy, Debug)]
-pub struct Meeting {
+pub struct Meeting<R = f64> {
     /// Unit vector from the first to the second end.
-    pub normal: [f64; 3],
+    pub normal: [R; 3],
     /// Overlap, m (> 0).
-    pub overlap: f64,
+    pub overlap: R,
     /// R*, m.
-    pub r_eff: f64,
+    pub r_eff: R,
     /// Reduced inertial mass, kg (viscous laws only).
-    pub m_eff: f64,
-    pub motion: Motion,
+    pub m_eff: R,
+    pub motion: Motion<R>,
 }
 
 /// What does not change during one sweep.
@@ -64,159 +64,158 @@ pub struct Rules {
     pub unloading: TangentialUnloading,
     /// Contacts per parallel task.
     pub task: usize,
+    /// The instruction set in use.
+    pub arch: pulp::Arch,
 }
 
-/// What one contact keeps.
-pub struct Memory<'a> {
-    pub touch: &'a mut Touch,
-    /// Path, slip, viscous work of this step, J.
-    pub work: Option<&'a mut [f64; 3]>,
-    pub rolling: Option<&'a mut [f64; 3]>,
+/// What a contact has kept from the last step, or leaves to the next. `None`: the run does not keep it.
+#[derive(Clone, Copy)]
+pub struct Memory<R = f64> {
+    pub touch: Touch<R>,
     /// Tangential spring force (viscous laws), N.
-    pub spring: Option<&'a mut [f64; 3]>,
+    pub spring: Option<[R; 3]>,
+    pub rolling: Option<[R; 3]>,
     /// Weighted load (Hertzian contact area).
-    pub load: Option<&'a mut f64>,
+    pub load: Option<R>,
+    /// Path, slip, viscous work of this step, J.
+    pub work: Option<[R; 3]>,
 }
 
 #[inline(always)]
-pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
-pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub fn cross<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[inline(always)]
+pub fn plus<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+pub fn less<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+pub fn scaled<R: Real>(a: [R; 3], s: R) -> [R; 3] {
+    [a[0] * s, a[1] * s, a[2] * s]
 }
 
 /// Turns a vector of the contact plane with the contact: about the normal with the mean spin, then into the new plane,
 /// keeping its length. The length is restored by the series of (|v|/|u|) about 1, which needs no root and no branch; a turn by θ in one
 /// step leaves an error of θ⁴/8, and a contact that turns by more than a radian lets go.
 #[inline(always)]
-fn carried(v: [f64; 3], m: &Meeting, dt: f64) -> [f64; 3] {
+fn carried<R: Real>(v: [R; 3], m: &Meeting<R>, dt: f64) -> [R; 3] {
     let n = m.normal;
     let twist = dot(m.motion.mean_spin, n) * dt;
-    let c = cross(n, v);
-    let mut u = [v[0] + twist * c[0], v[1] + twist * c[1], v[2] + twist * c[2]];
-    let out = dot(u, n);
-    u = [u[0] - out * n[0], u[1] - out * n[1], u[2] - out * n[2]];
-    let s = (1.5 - 0.5 * (dot(u, u) / dot(v, v).max(f64::MIN_POSITIVE))).max(0.0);
-    [u[0] * s, u[1] * s, u[2] * s]
+    let u = plus(v, scaled(cross(n, v), twist));
+    let u = less(u, scaled(n, dot(u, n)));
+    let ratio = dot(u, u) / dot(v, v).at_least(f64::MIN_POSITIVE);
+    scaled(u, (ratio.constant(1.5) - ratio * 0.5).at_least(0.0))
 }
 
-/// Force, torque, history and work of a touching contact.
+/// Shortens a vector to a length, where it is longer: the vector, where it was, and its length before (where it was).
+#[inline(always)]
+fn capped<R: Real>(v: [R; 3], limit: R) -> ([R; 3], R::Mask, R) {
+    let size2 = dot(v, v);
+    let longer = size2.above(limit * limit);
+    if R::may_skip(longer) {
+        return (v, longer, limit);
+    }
+    let size = size2.sqrt();
+    (scaled(v, (limit / size).where_else(longer, size.constant(1.0))), longer, size)
+}
+
+/// Force, history and work of a touching contact.
 ///
 /// The tangential spring is incremental: F_t ← F_t − k_t Δu_t, turned with the contact, capped at μ F_n. Path work is the trapezium
 /// ½ (F_old + F_new) · Δu of the step, torques likewise, slip the work of the capped force over the part of Δu that the spring does not take.
 #[inline(always)]
-pub fn touching<L: Law, const LEDGER: bool, const EXTRA: bool>(m: &Meeting, pair: &Pair, rules: &Rules, memory: Memory<'_>) {
+pub fn touching<R: Real, L: Law, const LEDGER: bool, const EXTRA: bool>(
+    m: &Meeting<R>,
+    pair: &Pair<R>,
+    rules: &Rules,
+    old: &Memory<R>,
+) -> Memory<R> {
     let n = m.normal;
+    let dt = rules.dt;
     let v = m.motion.slip(n, m.overlap);
     let e = L::elastic(m.overlap, m.r_eff, pair);
     let approach = dot(v, n);
-    let slip = [v[0] - approach * n[0], v[1] - approach * n[1], v[2] - approach * n[2]];
+    let slip = less(v, scaled(n, approach));
+    let none = approach.constant(0.0);
 
     let mut normal_force = e.force;
-    let mut viscous_t = 0.0;
     if L::VISCOUS {
-        let c_n = pair.viscous * (e.k_n * m.m_eff).sqrt();
-        viscous_t = pair.viscous * (e.k_t * m.m_eff).sqrt();
-        normal_force += c_n * approach;
+        normal_force = normal_force + pair.viscous * (e.k_n * m.m_eff).sqrt() * approach;
     }
 
-    let old = if L::VISCOUS { memory.spring.as_deref().copied().unwrap_or_default() } else { memory.touch.tangential };
-    let mut t = carried(old, m, rules.dt);
-    if EXTRA && rules.unloading == TangentialUnloading::Rescale && m.overlap < memory.touch.overlap {
-        let s = e.k_t / L::elastic(memory.touch.overlap, m.r_eff, pair).k_t;
-        t = [t[0] * s, t[1] * s, t[2] * s];
+    let mut spring = carried(old.spring.unwrap_or(old.touch.tangential), m, dt);
+    if EXTRA && rules.unloading == TangentialUnloading::Rescale {
+        // a contact that begins has no tangential force to rescale
+        let before = old.touch.overlap;
+        let s = e.k_t / L::elastic(before, m.r_eff, pair).k_t;
+        spring = scaled(spring, s.where_else(before.above(m.overlap), s.constant(1.0)));
     }
-    let spring = e.k_t * rules.dt;
-    t = [t[0] - spring * slip[0], t[1] - spring * slip[1], t[2] - spring * slip[2]];
-    let size2 = dot(t, t);
-    let limit = pair.friction * normal_force.max(0.0);
-    let mut slip_work = 0.0;
-    let mut sticks = true;
-    if size2 > limit * limit {
-        sticks = false;
-        let size = size2.sqrt();
-        let s = limit / size;
-        t = [t[0] * s, t[1] * s, t[2] * s];
-        if LEDGER {
-            slip_work = limit * (size - limit) / e.k_t;
-        }
-    }
+    spring = less(spring, scaled(slip, e.k_t * dt));
+    let limit = pair.friction * normal_force.at_least(0.0);
+    let (spring, slides, size) = capped(spring, limit);
 
-    let mut viscous_work = 0.0;
+    let mut t = spring;
+    let mut viscous_work = none;
     if L::VISCOUS {
-        if let Some(spring) = memory.spring {
-            *spring = t;
-        }
+        let d = scaled(slip, -(pair.viscous * (e.k_t * m.m_eff).sqrt()));
+        let damped = plus(spring, d);
+        t = std::array::from_fn(|a| spring[a].where_else(slides, damped[a]));
         if LEDGER {
-            viscous_work = (normal_force - e.force) * approach * rules.dt;
+            let normal = (normal_force - e.force) * approach * dt;
+            viscous_work = normal.where_else(slides, normal - dot(d, slip) * dt);
         }
-        if sticks {
-            let d = [-viscous_t * slip[0], -viscous_t * slip[1], -viscous_t * slip[2]];
-            t = [t[0] + d[0], t[1] + d[1], t[2] + d[2]];
-            if LEDGER {
-                viscous_work -= dot(d, slip) * rules.dt;
-            }
-        }
-    }
-    if EXTRA && let Some(moment) = memory.rolling {
-        roll(m, pair, e.k_t, normal_force, rules.dt, moment);
-    }
-
-    if EXTRA && let Some(load) = memory.load {
-        let w = pair.e_eff / m.r_eff;
-        *load = normal_force * (w * w);
     }
     let touch = Touch { tangential: t, normal_force, normal: n, overlap: m.overlap };
-    if LEDGER && let Some(work) = memory.work {
-        let power = m.motion.power(memory.touch) + (dot(t, v) - normal_force * approach);
-        *work = [-0.5 * power * rules.dt, slip_work, viscous_work];
+    let weight = pair.e_eff / m.r_eff;
+    Memory {
+        touch,
+        spring: old.spring.map(|_| spring),
+        rolling: if EXTRA { old.rolling.map(|moment| rolled(m, pair, e.k_t, normal_force, dt, moment)) } else { None },
+        load: if EXTRA { old.load.map(|_| normal_force * (weight * weight)) } else { None },
+        work: if LEDGER {
+            let power = m.motion.power(&old.touch) + (dot(t, v) - normal_force * approach);
+            let slip_work = limit * (size - limit) / e.k_t;
+            Some([power * -0.5 * dt, slip_work.where_else(slides, none), viscous_work])
+        } else {
+            None
+        },
     }
-    *memory.touch = touch;
 }
 
 /// Rolling resistance, elastic–plastic (the spring of Iwashita & Oda 1998 without dashpot): stiffness k_t R*², moment limit
 /// μ_r R* F_n. `moment` is the moment on the first end; the second gets the opposite.
 #[inline(always)]
-fn roll(m: &Meeting, pair: &Pair, k_t: f64, normal_force: f64, dt: f64, moment: &mut [f64; 3]) {
+fn rolled<R: Real>(m: &Meeting<R>, pair: &Pair<R>, k_t: R, normal_force: R, dt: f64, moment: [R; 3]) -> [R; 3] {
     let n = m.normal;
-    let carried = carried(*moment, m, dt);
     let w = m.motion.spin_difference;
-    let twist = dot(w, n);
+    let bending = less(w, scaled(n, dot(w, n)));
     let k = k_t * m.r_eff * m.r_eff * dt;
-    let mut r = [0.0; 3];
-    for a in 0..3 {
-        r[a] = carried[a] - k * (w[a] - twist * n[a]);
-    }
-    let limit = pair.rolling * m.r_eff * normal_force.max(0.0);
-    let size2 = dot(r, r);
-    if size2 > limit * limit {
-        let s = limit / size2.sqrt();
-        r = [r[0] * s, r[1] * s, r[2] * s];
-    }
-    *moment = r;
+    let moment = less(carried(moment, m, dt), scaled(bending, k));
+    capped(moment, pair.rolling * m.r_eff * normal_force.at_least(0.0)).0
 }
 
-/// Ends the contact of a pair that does not touch (any more).
+/// What is left of a pair that does not touch (any more).
 #[inline(always)]
-pub fn apart<const LEDGER: bool>(motion: impl Fn() -> Motion, dt: f64, memory: Memory<'_>) {
-    if memory.touch.overlap > 0.0 {
-        if LEDGER && let Some(work) = memory.work {
-            *work = [-0.5 * motion().power(memory.touch) * dt, 0.0, 0.0];
-        }
-        *memory.touch = Touch::default();
-        if let Some(spring) = memory.spring {
-            *spring = [0.0; 3];
-        }
-        if let Some(load) = memory.load {
-            *load = 0.0;
-        }
-        if let Some(moment) = memory.rolling {
-            *moment = [0.0; 3];
-        }
-    } else if LEDGER && let Some(work) = memory.work {
-        *work = [0.0; 3];
+pub fn apart<const LEDGER: bool>(motion: impl Fn() -> Motion, dt: f64, old: &Memory) -> Memory {
+    let ended = old.touch.overlap > 0.0;
+    let path = if LEDGER && ended { -0.5 * motion().power(&old.touch) * dt } else { 0.0 };
+    Memory {
+        touch: Touch::default(),
+        spring: old.spring.map(|_| [0.0; 3]),
+        rolling: old.rolling.map(|_| [0.0; 3]),
+        load: old.load.map(|_| 0.0),
+        work: LEDGER.then_some([path, 0.0, 0.0]),
     }
 }

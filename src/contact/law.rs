@@ -9,42 +9,44 @@
 //! On a wall the law is that of a mirrored identical grain (NOTES.md): R* = r, E* = E/(1 − ν²), G* = G/(2 − ν).
 
 use crate::model::{ContactLaw, Material, Model};
+use crate::real::{Lanes, Real};
+use pulp::Simd;
 
 /// Parameters of the contacts between two materials. Prefactors `a` (normal) and `b` (tangential) are per law.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct Pair<R = f64> {
     /// Linear: 4 K_eff, Pa. Hertz: 4/3 E*, Pa.
-    pub a: f64,
+    pub a: R,
     /// Linear: 4 alpha_S K_eff, Pa. Hertz: 8 G*, Pa.
-    pub b: f64,
+    pub b: R,
     /// Coulomb coefficient mu.
-    pub friction: f64,
+    pub friction: R,
     /// Viscous coefficient 2 sqrt(5/6) beta(restitution).
-    pub viscous: f64,
+    pub viscous: R,
     /// Rolling friction mu_r.
-    pub rolling: f64,
+    pub rolling: R,
     /// E' of eq. (11) for the Hertzian contact area, Pa.
-    pub e_eff: f64,
+    pub e_eff: R,
 }
 
 /// What a law answers for one overlap.
 #[derive(Clone, Copy, Debug)]
-pub struct Elastic {
+pub struct Elastic<R = f64> {
     /// Normal force, N.
-    pub force: f64,
+    pub force: R,
     /// Tangent normal stiffness dF/d(overlap), N/m.
-    pub k_n: f64,
+    pub k_n: R,
     /// Tangential stiffness, N/m.
-    pub k_t: f64,
+    pub k_t: R,
     /// Elastic energy of the normal compression, J.
-    pub energy: f64,
+    pub energy: R,
 }
 
 /// A normal law with its tangential stiffness.
 pub trait Law: Copy + Send + Sync + 'static {
     /// Whether the law adds viscous forces.
     const VISCOUS: bool;
-    fn elastic(overlap: f64, r_eff: f64, pair: &Pair) -> Elastic;
+    fn elastic<R: Real>(overlap: R, r_eff: R, pair: &Pair<R>) -> Elastic<R>;
 }
 
 /// Linear law, Ciantia et al. 2015 eq. (13): k_N = 2 K_eff D1 D2/(D1 + D2) = 4 K_eff R*, F = k_N U, k_S = alpha_S k_N.
@@ -54,10 +56,10 @@ pub struct Linear;
 impl Law for Linear {
     const VISCOUS: bool = false;
     #[inline(always)]
-    fn elastic(overlap: f64, r_eff: f64, pair: &Pair) -> Elastic {
+    fn elastic<R: Real>(overlap: R, r_eff: R, pair: &Pair<R>) -> Elastic<R> {
         let k_n = pair.a * r_eff;
         let force = k_n * overlap;
-        Elastic { force, k_n, k_t: pair.b * r_eff, energy: 0.5 * force * overlap }
+        Elastic { force, k_n, k_t: pair.b * r_eff, energy: force * overlap * 0.5 }
     }
 }
 
@@ -70,10 +72,10 @@ pub struct Hertz;
 impl Law for Hertz {
     const VISCOUS: bool = false;
     #[inline(always)]
-    fn elastic(overlap: f64, r_eff: f64, pair: &Pair) -> Elastic {
+    fn elastic<R: Real>(overlap: R, r_eff: R, pair: &Pair<R>) -> Elastic<R> {
         let contact_radius = (r_eff * overlap).sqrt();
         let force = pair.a * contact_radius * overlap;
-        Elastic { force, k_n: 1.5 * pair.a * contact_radius, k_t: pair.b * contact_radius, energy: 0.4 * force * overlap }
+        Elastic { force, k_n: pair.a * 1.5 * contact_radius, k_t: pair.b * contact_radius, energy: force * 0.4 * overlap }
     }
 }
 
@@ -86,7 +88,7 @@ pub struct HertzViscous;
 impl Law for HertzViscous {
     const VISCOUS: bool = true;
     #[inline(always)]
-    fn elastic(overlap: f64, r_eff: f64, pair: &Pair) -> Elastic {
+    fn elastic<R: Real>(overlap: R, r_eff: R, pair: &Pair<R>) -> Elastic<R> {
         Hertz::elastic(overlap, r_eff, pair)
     }
 }
@@ -99,6 +101,13 @@ pub fn viscous_coefficient(restitution: f64) -> f64 {
 }
 
 impl Pair {
+    /// Each parameter by itself.
+    #[inline(always)]
+    pub fn map<R>(&self, f: impl Fn(f64) -> R) -> Pair<R> {
+        let Pair { a, b, friction, viscous, rolling, e_eff } = *self;
+        Pair { a: f(a), b: f(b), friction: f(friction), viscous: f(viscous), rolling: f(rolling), e_eff: f(e_eff) }
+    }
+
     /// Between two materials.
     pub fn between(law: ContactLaw, m1: &Material, m2: &Material) -> Pair {
         let e_eff = 1.0 / ((1.0 - m1.poisson * m1.poisson) / m1.young + (1.0 - m2.poisson * m2.poisson) / m2.young);
@@ -168,6 +177,23 @@ impl PairTable {
     #[inline(always)]
     pub fn grains(&self, m1: u8, m2: u8) -> &Pair {
         &self.grains[m1 as usize * self.materials + m2 as usize]
+    }
+
+    /// The parameters of as many pairs as there are lanes; `materials` of the pair in each.
+    #[inline(always)]
+    pub fn lanes<S: Simd>(&self, simd: S, materials: impl Fn(usize) -> [u8; 2]) -> Pair<Lanes<S>> {
+        let pair = |k| {
+            let [m1, m2] = materials(k);
+            self.grains(m1, m2)
+        };
+        let [a, b, friction, viscous] = Lanes::columns(simd, |k| [pair(k).a, pair(k).b, pair(k).friction, pair(k).viscous]);
+        let [rolling, e_eff, ..] = Lanes::columns(simd, |k| [pair(k).rolling, pair(k).e_eff, 0.0, 0.0]);
+        Pair { a, b, friction, viscous, rolling, e_eff }
+    }
+
+    /// Whether all grains are of one material.
+    pub fn is_single(&self) -> bool {
+        self.materials == 1
     }
 
     #[inline(always)]

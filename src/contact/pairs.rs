@@ -12,18 +12,44 @@ pub const FREE: u32 = u32::MAX;
 /// What a sweep leaves for the grains and for the next sweep. All zero when the pair does not touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(C, align(64))]
-pub struct Touch {
+pub struct Touch<R = f64> {
     /// Tangential force on the first end, N.
-    pub tangential: [f64; 3],
+    pub tangential: [R; 3],
     /// Normal force, N, compression positive.
-    pub normal_force: f64,
+    pub normal_force: R,
     /// Unit normal from the first to the second end.
-    pub normal: [f64; 3],
+    pub normal: [R; 3],
     /// Overlap, m.
-    pub overlap: f64,
+    pub overlap: R,
 }
 
 impl Touch {
+    /// The first half: tangential and normal force.
+    #[inline(always)]
+    pub fn first(&self) -> [f64; 4] {
+        let [x, y, z] = self.tangential;
+        [x, y, z, self.normal_force]
+    }
+
+    #[inline(always)]
+    pub fn set_first(&mut self, [x, y, z, normal_force]: [f64; 4]) {
+        self.tangential = [x, y, z];
+        self.normal_force = normal_force;
+    }
+
+    /// The second half: normal and overlap.
+    #[inline(always)]
+    pub fn second(&self) -> [f64; 4] {
+        let [x, y, z] = self.normal;
+        [x, y, z, self.overlap]
+    }
+
+    #[inline(always)]
+    pub fn set_second(&mut self, [x, y, z, overlap]: [f64; 4]) {
+        self.normal = [x, y, z];
+        self.overlap = overlap;
+    }
+
     /// Force on the first end, N.
     #[inline(always)]
     pub fn force(&self) -> [f64; 3] {
@@ -110,8 +136,8 @@ pub struct Pairs {
     /// Indices of both ends; between grains the one with the lower id is first.
     pub ends: Vec<[u32; 2]>,
     pub touch: Vec<Touch>,
-    /// Work of the last step, J: contact path, slip, viscous.
-    pub work: Column<[f64; 3]>,
+    /// Work of the last step, J: contact path, slip, viscous, and a lane to spare.
+    pub work: Column<[f64; 4]>,
     /// Rolling moment on the first end, N m.
     pub rolling: Column<[f64; 3]>,
     /// Tangential spring force on the first end where it is not the whole tangential force, N.

@@ -2,12 +2,15 @@
 //! so no result depends on threads or on the order of slots.
 
 use super::force::{self, Meeting, Memory, Motion, Rules};
-use super::law::{Law, PairTable};
+use super::law::{Law, Pair, PairTable};
 use super::pairs::{FREE, Pairs, Touch};
 use crate::boundary::Wall;
 use crate::grains::Grains;
 use crate::model::{ContactModel, Model, TangentialUnloading};
+use crate::real::{Lanes, Real};
 use crate::with_law;
+use pulp::{Simd, WithSimd};
+use std::marker::PhantomData;
 
 /// Contacts per parallel task; up to one and a half of them threads cost more than they bring.
 pub const TASK: usize = 1024;
@@ -49,7 +52,7 @@ fn needs_extra(contact: &ContactModel, pairs: &Pairs, rules: &Rules, materials: 
 struct Part<'a> {
     ends: &'a [[u32; 2]],
     touch: &'a mut [Touch],
-    work: &'a mut [[f64; 3]],
+    work: &'a mut [[f64; 4]],
     rolling: &'a mut [[f64; 3]],
     spring: &'a mut [[f64; 3]],
     load: &'a mut [f64],
@@ -85,13 +88,69 @@ impl<'a> Part<'a> {
 
     /// What slot `s` keeps. `EXTRA`: the run may have rolling moments or weighted loads.
     #[inline(always)]
-    fn memory<L: Law, const LEDGER: bool, const EXTRA: bool>(&mut self, s: usize) -> Memory<'_> {
+    fn read<L: Law, const EXTRA: bool>(&self, s: usize) -> Memory {
         Memory {
-            touch: &mut self.touch[s],
-            work: if LEDGER { Some(&mut self.work[s]) } else { None },
-            rolling: if EXTRA { self.rolling.get_mut(s) } else { None },
-            spring: if L::VISCOUS { self.spring.get_mut(s) } else { None },
-            load: if EXTRA { self.load.get_mut(s) } else { None },
+            touch: self.touch[s],
+            spring: if L::VISCOUS { Some(self.spring[s]) } else { None },
+            rolling: if EXTRA { self.rolling.get(s).copied() } else { None },
+            load: if EXTRA { self.load.get(s).copied() } else { None },
+            work: None,
+        }
+    }
+
+    #[inline(always)]
+    fn write(&mut self, s: usize, m: Memory) {
+        self.touch[s] = m.touch;
+        for (column, value) in [(&mut *self.spring, m.spring), (&mut *self.rolling, m.rolling)] {
+            if let Some(value) = value {
+                column[s] = value;
+            }
+        }
+        if let Some([path, slip, viscous]) = m.work {
+            self.work[s] = [path, slip, viscous, 0.0];
+        }
+        if let Some(load) = m.load {
+            self.load[s] = load;
+        }
+    }
+
+    /// What as many slots as there are lanes keep, from slot `s` on.
+    #[inline(always)]
+    fn read_lanes<S: Simd, L: Law, const EXTRA: bool>(&self, simd: S, s: usize) -> Memory<Lanes<S>> {
+        let [x, y, z, normal_force] = Lanes::columns(simd, |k| self.touch[s + k].first());
+        let [nx, ny, nz, overlap] = Lanes::columns(simd, |k| self.touch[s + k].second());
+        let vectors = |column: &[[f64; 3]]| {
+            let [x, y, z, _] = Lanes::columns(simd, |k| {
+                let [x, y, z] = column[s + k];
+                [x, y, z, 0.0]
+            });
+            [x, y, z]
+        };
+        Memory {
+            touch: Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap },
+            spring: if L::VISCOUS { Some(vectors(self.spring)) } else { None },
+            rolling: if EXTRA && !self.rolling.is_empty() { Some(vectors(self.rolling)) } else { None },
+            // an outcome only: its old value is not read
+            load: if EXTRA && !self.load.is_empty() { Some(overlap) } else { None },
+            work: None,
+        }
+    }
+
+    #[inline(always)]
+    fn write_lanes<S: Simd>(&mut self, simd: S, s: usize, m: &Memory<Lanes<S>>) {
+        let Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = m.touch;
+        Lanes::rows(simd, [x, y, z, normal_force], |k, row| self.touch[s + k].set_first(row));
+        Lanes::rows(simd, [nx, ny, nz, overlap], |k, row| self.touch[s + k].set_second(row));
+        for (column, value) in [(&mut *self.spring, m.spring), (&mut *self.rolling, m.rolling)] {
+            if let Some([x, y, z]) = value {
+                Lanes::rows(simd, [x, y, z, x], |k, [x, y, z, _]| column[s + k] = [x, y, z]);
+            }
+        }
+        if let Some([path, slip, viscous]) = m.work {
+            Lanes::rows(simd, [path, slip, viscous, path.constant(0.0)], |k, row| self.work[s + k] = row);
+        }
+        if let Some(load) = m.load {
+            Lanes::rows(simd, [load; 4], |k, [load, ..]| self.load[s + k] = load);
         }
     }
 }
@@ -132,58 +191,137 @@ fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(
     pairs: &mut Pairs,
     slots: Slots<'_>,
 ) {
-    let single = *table.grains(0, 0);
-    for_each_part(pairs, slots, rules.task, |mut part| {
-        let ends = part.ends;
-        for (s, &[i, j]) in ends.iter().enumerate() {
-            if i == FREE {
-                continue;
-            }
-            let (i, j) = (i as usize, j as usize);
-            let (p, q) = (g.pos[i], g.pos[j]);
-            let d = difference(p, q);
-            let reach = p[3] + q[3];
-            let distance2 = force::dot(d, d);
-            let memory = part.memory::<L, LEDGER, EXTRA>(s);
-            // without the root where it is not needed; an overlap that rounds to nothing is none
-            let distance = if distance2 < reach * reach { distance2.sqrt() } else { reach };
-            if distance >= reach {
-                force::apart::<LEDGER>(|| motion(g, i, j), rules.dt, memory);
-                continue;
-            }
-            // one division for 1/distance and 1/(r_i + r_j)
-            let both = 1.0 / (distance * reach);
-            let inverse = both * reach;
-            let meeting = Meeting {
-                normal: [d[0] * inverse, d[1] * inverse, d[2] * inverse],
-                overlap: reach - distance,
-                r_eff: p[3] * q[3] * (both * distance),
-                m_eff: if L::VISCOUS { 1.0 / (g.vel[i][3] + g.vel[j][3]) } else { 0.0 },
-                motion: motion(g, i, j),
-            };
-            let pair = if EXTRA { table.grains(g.material[i], g.material[j]) } else { &single };
-            force::touching::<L, LEDGER, EXTRA>(&meeting, pair, rules, memory);
-        }
+    for_each_part(pairs, slots, rules.task, |part| {
+        rules.arch.dispatch(Sweep::<L, LEDGER, EXTRA> { table, rules, g, part, law: PhantomData });
     });
+}
+
+/// A part of the contacts of grains with grains, as many at once as the processor has lanes.
+struct Sweep<'a, L, const LEDGER: bool, const EXTRA: bool> {
+    table: &'a PairTable,
+    rules: &'a Rules,
+    g: &'a Grains,
+    part: Part<'a>,
+    law: PhantomData<L>,
+}
+
+impl<L: Law, const LEDGER: bool, const EXTRA: bool> WithSimd for Sweep<'_, L, LEDGER, EXTRA> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let n = self.part.ends.len();
+        let lanes = Lanes::<S>::COUNT;
+        let one_pair = self.table.grains(0, 0).map(|x| Lanes::constants(simd, x));
+        let mut s = 0;
+        while lanes > 1 && s + lanes <= n {
+            if !self.together(simd, s, &one_pair) {
+                for k in s..s + lanes {
+                    self.alone(k);
+                }
+            }
+            s += lanes;
+        }
+        for k in s..n {
+            self.alone(k);
+        }
+    }
+}
+
+impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> {
+    /// The contact in slot `s`.
+    #[inline(always)]
+    fn alone(&mut self, s: usize) {
+        let Sweep { table, rules, g, part, .. } = self;
+        let [i, j] = part.ends[s];
+        if i == FREE {
+            return;
+        }
+        let (i, j) = (i as usize, j as usize);
+        let (p, q) = (g.pos[i], g.pos[j]);
+        let d = difference(p, q);
+        let reach = p[3] + q[3];
+        let distance = force::dot(d, d).sqrt();
+        let old = part.read::<L, EXTRA>(s);
+        // an overlap that rounds to nothing is none
+        if distance < reach {
+            let m_eff = if L::VISCOUS { 1.0 / (g.vel[i][3] + g.vel[j][3]) } else { 0.0 };
+            let meeting = meeting(d, distance, [p[3], q[3]], m_eff, motion(g, i, j));
+            let pair = if EXTRA { table.grains(g.material[i], g.material[j]) } else { table.grains(0, 0) };
+            part.write(s, force::touching::<f64, L, LEDGER, EXTRA>(&meeting, pair, rules, &old));
+        } else {
+            part.write(s, force::apart::<LEDGER>(|| motion(g, i, j), rules.dt, &old));
+        }
+    }
+
+    /// The contacts from slot `s` on, one in each lane; false, and nothing done, unless all of them touch.
+    #[inline(always)]
+    fn together<S: Simd>(&mut self, simd: S, s: usize, one_pair: &Pair<Lanes<S>>) -> bool {
+        let Sweep { table, rules, g, part, .. } = self;
+        let n = g.pos.len();
+        let (pos, vel, spin) = (&g.pos[..n], &g.vel[..n], &g.spin[..n]);
+        let ends = &part.ends[s..s + Lanes::<S>::COUNT];
+        if ends.iter().any(|e| e[0] == FREE) {
+            return false;
+        }
+        let first = |k: usize| ends[k][0] as usize;
+        let second = |k: usize| ends[k][1] as usize;
+        let p = Lanes::columns(simd, |k| pos[first(k)]);
+        let q = Lanes::columns(simd, |k| pos[second(k)]);
+        let d = difference(p, q);
+        let distance = force::dot(d, d).sqrt();
+        if !Lanes::all(simd, (p[3] + q[3]).above(distance)) {
+            return false;
+        }
+        let v = [Lanes::columns(simd, |k| vel[first(k)]), Lanes::columns(simd, |k| vel[second(k)])];
+        let w = [Lanes::columns(simd, |k| spin[first(k)]), Lanes::columns(simd, |k| spin[second(k)])];
+        let motion = relative(v, w, [p[3], q[3]]);
+        let m_eff = if L::VISCOUS { d[0].constant(1.0) / (v[0][3] + v[1][3]) } else { d[0] };
+        let meeting = meeting(d, distance, [p[3], q[3]], m_eff, motion);
+        let old = part.read_lanes::<S, L, EXTRA>(simd, s);
+        let pair = if EXTRA && !table.is_single() {
+            &table.lanes(simd, |k| [g.material[first(k)], g.material[second(k)]])
+        } else {
+            one_pair
+        };
+        let new = force::touching::<Lanes<S>, L, LEDGER, EXTRA>(&meeting, pair, rules, &old);
+        part.write_lanes(simd, s, &new);
+        true
+    }
 }
 
 /// From the centre of `p` to that of `q`: the one place where displacement differences are taken.
 #[inline(always)]
-pub fn difference(p: [f64; 4], q: [f64; 4]) -> [f64; 3] {
+pub fn difference<R: Real>(p: [R; 4], q: [R; 4]) -> [R; 3] {
     [q[0] - p[0], q[1] - p[1], q[2] - p[2]]
+}
+
+/// Two spheres of radii `r` that overlap: `d` from the first centre to the second, `distance` its length.
+#[inline(always)]
+fn meeting<R: Real>(d: [R; 3], distance: R, r: [R; 2], m_eff: R, motion: Motion<R>) -> Meeting<R> {
+    let reach = r[0] + r[1];
+    // one division for 1/distance and 1/(r_i + r_j)
+    let both = distance.constant(1.0) / (distance * reach);
+    let normal = force::scaled(d, both * reach);
+    Meeting { normal, overlap: reach - distance, r_eff: r[0] * r[1] * (both * distance), m_eff, motion }
 }
 
 /// Motion of grain i against grain j.
 #[inline(always)]
 pub fn motion(g: &Grains, i: usize, j: usize) -> Motion {
-    let (v, w) = (g.vel[i], g.vel[j]);
-    let (a, b) = (g.spin[i], g.spin[j]);
-    let (ri, rj) = (g.pos[i][3], g.pos[j][3]);
+    relative([g.vel[i], g.vel[j]], [g.spin[i], g.spin[j]], [g.pos[i][3], g.pos[j][3]])
+}
+
+/// Motion of the first of two spheres against the second, from their velocities, spins and radii.
+#[inline(always)]
+fn relative<R: Real>(v: [[R; 4]; 2], w: [[R; 4]; 2], r: [R; 2]) -> Motion<R> {
+    let xyz = |u: [R; 4]| [u[0], u[1], u[2]];
+    let ([v0, v1], [w0, w1]) = (v.map(xyz), w.map(xyz));
     Motion {
-        centres: [v[0] - w[0], v[1] - w[1], v[2] - w[2]],
-        turning: [ri * a[0] + rj * b[0], ri * a[1] + rj * b[1], ri * a[2] + rj * b[2]],
-        mean_spin: [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2])],
-        spin_difference: [a[0] - b[0], a[1] - b[1], a[2] - b[2]],
+        centres: force::less(v0, v1),
+        turning: force::plus(force::scaled(w0, r[0]), force::scaled(w1, r[1])),
+        mean_spin: force::plus(w0, w1).map(|x| x * 0.5),
+        spin_difference: force::less(w0, w1),
     }
 }
 
@@ -210,14 +348,15 @@ fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: 
             let (i, k) = (i as usize, k as usize);
             let p = g.pos[i];
             let (normal, gap) = walls[k].shape.towards(p);
-            let memory = part.memory::<L, LEDGER, true>(s);
             let motion = motion_on_wall(g, i, normal, walls[k].speed);
-            if gap >= 0.0 {
-                force::apart::<LEDGER>(|| motion, rules.dt, memory);
-                continue;
-            }
-            let meeting = Meeting { normal, overlap: -gap, r_eff: p[3], m_eff: 1.0 / g.vel[i][3], motion };
-            force::touching::<L, LEDGER, true>(&meeting, table.wall(k, g.material[i]), rules, memory);
+            let old = part.read::<L, true>(s);
+            let new = if gap >= 0.0 {
+                force::apart::<LEDGER>(|| motion, rules.dt, &old)
+            } else {
+                let meeting = Meeting { normal, overlap: -gap, r_eff: p[3], m_eff: 1.0 / g.vel[i][3], motion };
+                force::touching::<f64, L, LEDGER, true>(&meeting, table.wall(k, g.material[i]), rules, &old)
+            };
+            part.write(s, new);
         }
     });
 }

@@ -27,7 +27,13 @@ impl Link {
     /// 1 if the grain is the slot's first end, else 0.
     #[inline(always)]
     pub fn first_end(self) -> f64 {
-        f64::from(1 - (self.0 >> 31))
+        [1.0, 0.0][(self.0 >> 31) as usize]
+    }
+
+    /// What the force in the slot is to be multiplied with: it acts on the first end.
+    #[inline(always)]
+    pub fn sign(self) -> f64 {
+        [1.0, -1.0][(self.0 >> 31) as usize]
     }
 
     #[inline(always)]

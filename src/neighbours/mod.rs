@@ -17,6 +17,7 @@ use crate::boundary::Wall;
 use crate::contact::pairs::{FREE, Pairs};
 use crate::grains::Grains;
 use crate::model::WallShape;
+use crate::real::{Four, Plain};
 use adjacency::{Adjacency, Entry};
 use grid::Grid;
 use near::Near;
@@ -145,16 +146,17 @@ impl Neighbours {
 
     /// Whether a grain (centre, radius) has left its reference sphere of reach.
     #[inline(always)]
-    pub fn outside(reference: &Reference, p: &[f64; 4]) -> bool {
-        let [x, y, z, reach] = reference.map(f64::from);
-        let (x, y, z, left) = (p[0] - x, p[1] - y, p[2] - z, reach - p[3]);
-        left <= 0.0 || x * x + y * y + z * z > left * left
+    pub fn outside<F: Four>(reference: &Reference, p: F, token: F::Token) -> bool {
+        let [x, y, z, growth] = (p - F::of(token, reference.map(f64::from))).xyzw();
+        // the skin that is left is the reach less the radius
+        growth >= 0.0 || x * x + y * y + z * z > growth * growth
     }
 
     /// After a change of radii: in `moved` the grains that have left their spheres.
     pub fn account_for_growth(&self, g: &Grains, moved: &mut Vec<u32>) {
         moved.clear();
-        moved.extend((0..g.len() as u32).filter(|&i| Self::outside(&self.reference[i as usize], &g.pos[i as usize])));
+        let outside = |&i: &u32| Self::outside(&self.reference[i as usize], Plain::of((), g.pos[i as usize]), ());
+        moved.extend((0..g.len() as u32).filter(outside));
     }
 
     /// References of all grains, for the pass that moves them.

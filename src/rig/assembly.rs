@@ -54,7 +54,7 @@ fn open(model: &Model, state: &mut State, work: &Work) {
     let State { ledger, grains, walls, .. } = state;
     ledger.open(grains, walls);
     for w in state.pairs.work.iter_mut().chain(state.wall_pairs.work.iter_mut()) {
-        *w = [0.0; 3];
+        *w = [0.0; 4];
     }
     let sums = measure::sums(model, state, work);
     state.ledger.start = [sums.stored, sums.kinetic, sums.potential];

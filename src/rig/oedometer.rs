@@ -193,7 +193,7 @@ impl Loading {
                 state.ledger.start = [sums.stored, sums.kinetic, sums.potential];
                 // the sweep of this instant belongs to what was before
                 for w in state.pairs.work.iter_mut().chain(state.wall_pairs.work.iter_mut()) {
-                    *w = [0.0; 3];
+                    *w = [0.0; 4];
                 }
                 self.start = (Walls::of(state).height, Walls::of(state).radius);
                 self.enter(Phase::Load(0));

@@ -22,12 +22,8 @@ pub enum Stage {
     /// Friction falls until the porosity is reached.
     Densification,
     /// Still looser without friction: pressed by the platen and let go, again and again, each time harder.
-    Pressing {
-        cycle: u32,
-    },
-    Release {
-        cycle: u32,
-    },
+    Pressing,
+    Release,
     /// Rest at final friction.
     Rest,
 }
@@ -38,8 +34,8 @@ impl Stage {
             Stage::Growth => "growth",
             Stage::Compaction => "compaction",
             Stage::Densification => "densification",
-            Stage::Pressing { .. } => "pressing",
-            Stage::Release { .. } => "release",
+            Stage::Pressing => "pressing",
+            Stage::Release => "release",
             Stage::Rest => "rest",
         }
     }
@@ -56,6 +52,19 @@ pub struct Preparation {
     radii: Vec<f64>,
     /// Largest wall speed, m per unit time.
     limit: f64,
+    /// What pressing has been tried.
+    press: Press,
+}
+
+/// Pressing: by which stress, over that of the specimen, and what is known of the stress that it takes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Press {
+    stress: f64,
+    /// Left the specimen too loose; made it too dense.
+    weak: f64,
+    strong: Option<f64>,
+    /// The assembly before it was last pressed.
+    before: Option<Box<State>>,
 }
 
 /// Radii at the start of growth over final radii.
@@ -71,9 +80,11 @@ const LOOK: u64 = 64;
 /// Friction factor per step during densification, and the friction below which it is zero.
 const FADE: f64 = 0.9995;
 const FRICTIONLESS: f64 = 1e-3;
-/// Stress of the first pressing over that of the specimen; doubled each time up to the last.
+/// Stress of the first pressing over that of the specimen; doubled each time up to the last. One that was too strong is taken back
+/// for one in between, until what is known is within the last factor.
 const PRESS_FIRST: f64 = 4.0;
 const PRESS_LAST: f64 = 512.0;
+const PRESS_SAME: f64 = 1.02;
 /// At rest: stresses within this of the target, and unbalanced ratio below.
 const STRESS_AT_REST: f64 = 0.01;
 const UNBALANCED_AT_REST: f64 = 2e-3;
@@ -96,7 +107,8 @@ impl Preparation {
         state.damping = rig.preparation.damping;
         state.reference_stress = GROWTH_STRESS * rig.isotropic_stress;
         state.stability_interval = 1;
-        (Preparation { stage: Stage::Growth, stage_steps: 0, steps: 0, radii, limit: 0.0 }, state)
+        let press = Press { stress: PRESS_FIRST, weak: 1.0, strong: None, before: None };
+        (Preparation { stage: Stage::Growth, stage_steps: 0, steps: 0, radii, limit: 0.0, press }, state)
     }
 
     /// One step. True when the specimen is ready.
@@ -143,23 +155,30 @@ impl Preparation {
                     state.friction = Some(0.0);
                     self.stage_steps = 0;
                 } else if self.at_rest(model, rig, state, work) {
-                    self.enter(Stage::Pressing { cycle: 0 });
+                    self.press(state);
                 }
             }
-            Stage::Pressing { cycle } if self.at_rest(model, rig, state, work) => self.enter(Stage::Release { cycle }),
-            Stage::Release { cycle } if self.at_rest(model, rig, state, work) => {
+            Stage::Pressing if self.at_rest(model, rig, state, work) => self.enter(Stage::Release),
+            Stage::Release if self.at_rest(model, rig, state, work) => {
                 if self.dense_enough(rig, state) {
                     self.finish(state);
                 } else {
-                    self.enter(Stage::Pressing { cycle: cycle + 1 });
+                    self.press.harder();
+                    self.press(state);
                 }
             }
             Stage::Rest if self.at_rest(model, rig, state, work) => {
-                let n = porosity(state);
-                if (n - rig.porosity).abs() > rig.preparation.porosity_tolerance * rig.porosity {
-                    return Err(self.failure(rig, state, "came to rest outside preparation.porosity_tolerance"));
+                let (n, tolerance) = (porosity(state), rig.preparation.porosity_tolerance * rig.porosity);
+                if (n - rig.porosity).abs() <= tolerance {
+                    return Ok(true);
                 }
-                return Ok(true);
+                let before = if n < rig.porosity && self.press.softer() { self.press.before.take() } else { None };
+                let Some(before) = before else {
+                    return Err(self.failure(rig, state, "came to rest outside preparation.porosity_tolerance"));
+                };
+                *state = State { step: state.step, time: state.time, ..*before };
+                work.restart(model, state);
+                self.press(state);
             }
             _ => {}
         }
@@ -180,9 +199,14 @@ impl Preparation {
     /// Isotropic stress of the present stage, Pa.
     fn stress(&self, rig: &Oedometer) -> f64 {
         match self.stage {
-            Stage::Pressing { cycle } => rig.isotropic_stress * (PRESS_FIRST * 2.0f64.powi(cycle.min(30) as i32)).min(PRESS_LAST),
+            Stage::Pressing => rig.isotropic_stress * self.press.stress,
             _ => rig.isotropic_stress,
         }
+    }
+
+    fn press(&mut self, state: &State) {
+        self.press.before = Some(Box::new(state.clone()));
+        self.enter(Stage::Pressing);
     }
 
     fn enter(&mut self, stage: Stage) {
@@ -254,6 +278,22 @@ impl Preparation {
                 rig.porosity
             ),
         }
+    }
+}
+
+impl Press {
+    /// The present stress was too weak.
+    fn harder(&mut self) {
+        self.weak = self.stress;
+        self.stress = self.strong.map_or((2.0 * self.stress).min(PRESS_LAST), |strong| (self.weak * strong).sqrt());
+    }
+
+    /// The present stress was too strong; false if there is none in between.
+    fn softer(&mut self) -> bool {
+        self.strong = Some(self.stress);
+        let between = self.stress > PRESS_SAME * self.weak;
+        self.stress = (self.weak * self.stress).sqrt();
+        between
     }
 }
 

@@ -2,10 +2,15 @@
 //! limit, gets local damping and gravity, is kicked and drifted. Parallel over grains; each writes only itself.
 
 use super::State;
-use crate::contact::pairs::Pairs;
+use crate::contact::pairs::{Pairs, Touch};
 use crate::contact::sweep::few;
 use crate::model::Model;
 use crate::neighbours::Neighbours;
+use crate::neighbours::adjacency::Link;
+#[cfg(target_arch = "x86_64")]
+use crate::real::Quad;
+use crate::real::{Four, Plain, quads};
+use pulp::Arch;
 
 /// Flag: the grain has used up its skin.
 pub const MOVED: u8 = 1;
@@ -15,48 +20,78 @@ pub const FAILED: u8 = 2;
 pub const PARTED: u8 = 4;
 
 /// Sums over the contacts of one grain.
-#[derive(Clone, Copy, Default)]
-pub struct Sums {
+#[derive(Clone, Copy)]
+struct Sums<F> {
     /// Force, N, and torque, N m.
-    force: [f64; 3],
-    torque: [f64; 3],
+    force: F,
+    torque: F,
     /// Largest load, in the units of the area model.
     load: f64,
     /// Path, slip, viscous work of the contacts whose first end the grain is, J (with the ledger).
-    work: [f64; 3],
+    work: F,
     /// Whether a contact with a grain has ended.
     parted: bool,
 }
 
-/// Sums the contacts of grain `i` in the order of its partners' ids. Without branches but for walls, which come last.
+/// Sums the contacts of grain `i` in the order of its partners' ids, walls last.
 #[inline(always)]
-fn sum<const LEDGER: bool>(i: usize, radius: f64, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) -> Sums {
-    let mut s = Sums::default();
-    for &e in neighbours.contacts.links(i) {
-        let slot = e.slot();
-        let (pool, first, sink) = if e.is_wall() { (wall_pairs, 1.0, 1.0) } else { (pairs, e.first_end(), 0.5) };
-        let touch = &pool.touch[slot];
-        let (force, torque) = (touch.force(), touch.torque());
-        let sign = 2.0 * first - 1.0;
-        let arm = radius - sink * touch.overlap;
-        for a in 0..3 {
-            s.force[a] += sign * force[a];
-            s.torque[a] += arm * torque[a];
+fn sum<F: Four, const LEDGER: bool>(
+    token: F::Token,
+    i: usize,
+    radius: f64,
+    neighbours: &Neighbours,
+    pairs: &Pairs,
+    wall_pairs: &Pairs,
+) -> Sums<F> {
+    let (half, radius) = (F::all(token, 0.5), F::all(token, radius));
+    let (mut force, mut torque, mut work) = (F::all(token, 0.0), F::all(token, 0.0), F::all(token, 0.0));
+    // of the fourth numbers: largest normal force and smallest overlap
+    let (mut largest, mut smallest) = (F::all(token, 0.0), F::all(token, f64::INFINITY));
+    let links = neighbours.contacts.links(i);
+    let mut touching = links.len();
+    for (k, &e) in links.iter().enumerate() {
+        if e.is_wall() {
+            touching = k;
+            break;
         }
-        s.parted |= touch.overlap == 0.0 && !e.is_wall();
-        let load = pool.load(slot);
-        s.load = if load > s.load { load } else { s.load };
+        let slot = e.slot();
+        let (t, n) = halves::<F>(token, &pairs.touch[slot]);
+        largest = t.max(largest);
+        smallest = n.min(smallest);
+        force = force + (t - t.w() * n) * F::all(token, e.sign());
+        torque = torque + (radius - n.w() * half) * (n * t.turned() - n.turned() * t);
         if LEDGER {
-            for (sum, work) in s.work.iter_mut().zip(pool.work[slot]) {
-                *sum += first * work;
-            }
+            work = work + F::of(token, pairs.work[slot]) * F::all(token, e.first_end());
         }
     }
-    s
+    let mut load = if pairs.load.is_empty() { largest.xyzw()[3] } else { heaviest(&links[..touching], &pairs.load) };
+    for &e in &links[touching..] {
+        let slot = e.slot();
+        let (t, n) = halves::<F>(token, &wall_pairs.touch[slot]);
+        force = force + (t - t.w() * n);
+        torque = torque + (radius - n.w()) * (n * t.turned() - n.turned() * t);
+        load = load.max(wall_pairs.load(slot));
+        if LEDGER {
+            work = work + F::of(token, wall_pairs.work[slot]);
+        }
+    }
+    // n t' − n' t is the cross product in the order z, x, y
+    Sums { force, torque: torque.turned(), load, work, parted: smallest.xyzw()[3] == 0.0 }
+}
+
+/// Tangential and normal force; normal and overlap.
+#[inline(always)]
+fn halves<F: Four>(token: F::Token, touch: &Touch) -> (F, F) {
+    (F::of(token, touch.first()), F::of(token, touch.second()))
+}
+
+/// The largest of the weighted loads.
+fn heaviest(links: &[Link], loads: &[f64]) -> f64 {
+    links.iter().map(|e| loads[e.slot()]).fold(0.0, f64::max)
 }
 
 /// Adds rolling moments, where the run has them.
-fn add_rolling(t: &mut [f64; 3], i: usize, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) {
+fn add_rolling(t: &mut [f64; 4], i: usize, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) {
     for &e in neighbours.contacts.links(i) {
         let slot = e.slot();
         let (moment, sign) = match (e.is_wall(), e.second_end()) {
@@ -70,7 +105,7 @@ fn add_rolling(t: &mut [f64; 3], i: usize, neighbours: &Neighbours, pairs: &Pair
     }
 }
 
-fn weigh(force: &mut [f64; 3], mass: f64, gravity: [f64; 3]) {
+fn weigh(force: &mut [f64; 4], mass: f64, gravity: [f64; 3]) {
     for (f, g) in force.iter_mut().zip(gravity) {
         *f += mass * g;
     }
@@ -78,22 +113,15 @@ fn weigh(force: &mut [f64; 3], mass: f64, gravity: [f64; 3]) {
 
 /// Force and torque on grain `i` from contacts and gravity (before damping), with rolling where the run has it.
 pub fn force_and_torque(i: usize, model: &Model, state: &State, neighbours: &Neighbours) -> ([f64; 3], [f64; 3]) {
-    let Sums { force: mut f, torque: mut t, .. } =
-        sum::<false>(i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
+    let s = sum::<Plain, false>((), i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
+    let (mut f, mut t) = (s.force.xyzw(), s.torque.xyzw());
     if model.contact.rolling {
         add_rolling(&mut t, i, neighbours, &state.pairs, &state.wall_pairs);
     }
     if model.gravity != [0.0; 3] {
         weigh(&mut f, state.grains.mass[i], model.gravity);
     }
-    (f, t)
-}
-
-/// Cundall's local non-viscous damping of one component (Ciantia et al. 2015, after Cundall 1987): −α |F| sign(v).
-#[inline(always)]
-fn damping_force(force: f64, velocity: f64, coefficient: f64) -> f64 {
-    let opposed = (-coefficient * force.abs()).copysign(-velocity);
-    if velocity == 0.0 { 0.0 } else { opposed }
+    ([f[0], f[1], f[2]], [t[0], t[1], t[2]])
 }
 
 struct Part<'a> {
@@ -118,10 +146,11 @@ struct Input<'a> {
     dt: f64,
     kick: f64,
     task: usize,
+    arch: Arch,
 }
 
 /// Judges, kicks and drifts all grains, so many to a parallel task; leaves a flag per grain.
-pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags: &mut [u8], task: usize) {
+pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags: &mut [u8], task: usize, arch: Arch) {
     let ledger = state.pairs.kept().work;
     let crush = state.crushing;
     let State { grains, pairs, wall_pairs, .. } = state;
@@ -136,6 +165,7 @@ pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags:
         dt: state.dt,
         kick: if state.fresh { 0.5 * state.dt } else { state.dt },
         task,
+        arch,
     };
     let part = Part { first: 0, pos: &mut grains.pos, vel: &mut grains.vel, spin: &mut grains.spin, work: &mut grains.work, flags };
     match (ledger, crush, model.contact.rolling) {
@@ -152,7 +182,7 @@ pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags:
 
 fn run<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
     if few(part.pos.len(), input.task) {
-        return chunk::<LEDGER, CRUSH, ROLLING>(input, part);
+        return dispatch::<LEDGER, CRUSH, ROLLING>(input, part);
     }
     split::<LEDGER, CRUSH, ROLLING>(input, part);
 }
@@ -160,7 +190,7 @@ fn run<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input
 fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
     let n = part.pos.len();
     if n <= input.task {
-        return chunk::<LEDGER, CRUSH, ROLLING>(input, part);
+        return dispatch::<LEDGER, CRUSH, ROLLING>(input, part);
     }
     let half = n.div_ceil(input.task).div_ceil(2) * input.task;
     let (p0, p1) = part.pos.split_at_mut(half);
@@ -173,55 +203,68 @@ fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
     rayon::join(|| split::<LEDGER, CRUSH, ROLLING>(input, left), || split::<LEDGER, CRUSH, ROLLING>(input, right));
 }
 
-fn chunk<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
-    let references = input.neighbours.references();
+fn dispatch<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
+    match quads(input.arch) {
+        #[cfg(target_arch = "x86_64")]
+        Some(v3) => v3.vectorize(
+            #[inline(always)]
+            || chunk::<Quad, LEDGER, CRUSH, ROLLING>(v3, input, part),
+        ),
+        _ => chunk::<Plain, LEDGER, CRUSH, ROLLING>((), input, part),
+    }
+}
+
+#[inline(always)]
+fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(token: F::Token, input: &Input<'_>, part: Part<'_>) {
+    let references = &input.neighbours.references()[part.first..][..part.pos.len()];
     let gravity = input.gravity != [0.0; 3];
-    for k in 0..part.pos.len() {
+    let all = |x| F::all(token, x);
+    let (drift, kick, damping) = (all(input.dt), all(input.kick), all(input.damping));
+    let rows = part.pos.iter_mut().zip(part.vel).zip(part.spin).zip(part.flags).zip(references).enumerate();
+    for (k, ((((pos, vel), spin), flag), reference)) in rows {
         let i = part.first + k;
-        let (p, v, s) = (&mut part.pos[k], &mut part.vel[k], &mut part.spin[k]);
+        let (p, v) = (F::of(token, *pos), F::of(token, *vel));
         if !gravity && input.neighbours.contacts.links(i).is_empty() {
             // most fragments fly free: nothing but their place changes, and nothing else is read
-            for a in 0..3 {
-                p[a] += v[a] * input.dt;
-            }
-            part.flags[k] = if Neighbours::outside(&references[i], p) { MOVED } else { 0 };
+            let p = (p + v * drift).with_w_of(p);
+            *pos = p.xyzw();
+            *flag = if Neighbours::outside(reference, p, token) { MOVED } else { 0 };
             continue;
         }
-        let Sums { force: mut f, torque: mut t, load, work, parted } =
-            sum::<LEDGER>(i, p[3], input.neighbours, input.pairs, input.wall_pairs);
+        let mut sums = sum::<F, LEDGER>(token, i, pos[3], input.neighbours, input.pairs, input.wall_pairs);
         if ROLLING {
+            let mut t = sums.torque.xyzw();
             add_rolling(&mut t, i, input.neighbours, input.pairs, input.wall_pairs);
+            sums.torque = F::of(token, t);
         }
         if gravity {
+            let mut f = sums.force.xyzw();
             weigh(&mut f, input.mass[i], input.gravity);
+            sums.force = F::of(token, f);
         }
-        let inverse_mass = v[3];
+        let (f, t, s) = (sums.force, sums.torque, F::of(token, *spin));
+        let inverse_mass = v.w();
         // I = 2/5 m r^2
-        let inverse_inertia = 2.5 * inverse_mass / (p[3] * p[3]);
-        let mut damped = 0.0;
-        for a in 0..3 {
-            let d = damping_force(f[a], v[a], input.damping);
-            let before = v[a];
-            v[a] += (f[a] + d) * input.kick * inverse_mass;
-            p[a] += v[a] * input.dt;
-            let dt = damping_force(t[a], s[a], input.damping);
-            let spin_before = s[a];
-            s[a] += (t[a] + dt) * input.kick * inverse_inertia;
-            if LEDGER {
-                damped -= 0.5 * (d * (before + v[a]) + dt * (spin_before + s[a])) * input.dt;
-            }
-        }
+        let inverse_inertia = all(2.5) * inverse_mass / (p.w() * p.w());
+        // local non-viscous damping of each component, −α |F| sign(v) (Ciantia et al. 2015, after Cundall 1987)
+        let (df, dt) = ((f * damping).against(v), (t * damping).against(s));
+        let new_v = (v + (f + df) * kick * inverse_mass).with_w_of(v);
+        let new_s = (s + (t + dt) * kick * inverse_inertia).with_w_of(s);
+        let p = (p + new_v * drift).with_w_of(p);
+        (*pos, *vel, *spin) = (p.xyzw(), new_v.xyzw(), new_s.xyzw());
         if LEDGER {
-            let w = &mut part.work[k];
-            *w = [w[0] + work[0], w[1] + work[1], w[2] + work[2], w[3] + damped];
+            let [x, y, z, _] = (all(0.5) * (df * (v + new_v) + dt * (s + new_s)) * drift).xyzw();
+            let [path, slip, viscous, _] = sums.work.xyzw();
+            let work = &mut part.work[k];
+            *work = [work[0] + path, work[1] + slip, work[2] + viscous, work[3] + (0.0 - x - y - z)];
         }
-        let mut flag = if parted { PARTED } else { 0 };
-        if Neighbours::outside(&references[i], p) {
-            flag |= MOVED;
+        let mut flags = if sums.parted { PARTED } else { 0 };
+        if Neighbours::outside(reference, p, token) {
+            flags |= MOVED;
         }
-        if CRUSH && load > input.limit[i] {
-            flag |= FAILED;
+        if CRUSH && sums.load > input.limit[i] {
+            flags |= FAILED;
         }
-        part.flags[k] = flag;
+        *flag = flags;
     }
 }

@@ -83,6 +83,8 @@ pub struct Work {
     pub rebuild_always: bool,
     /// Contacts per parallel task; a near pair costs a quarter of a contact, a grain four times one.
     pub task: usize,
+    /// The instruction set of the inner loops; changes no bit of the results.
+    pub arch: pulp::Arch,
     /// Nanoseconds per stage (`bench`): neighbours, contacts, grains, crush.
     pub clock: Option<[u64; 4]>,
 }
@@ -105,7 +107,19 @@ impl Work {
             births_since_reorder: 0,
             rebuild_always: false,
             task: sweep::TASK,
+            arch: crate::real::arch(),
             clock: None,
+        }
+    }
+
+    /// The state has become another one: lists anew.
+    pub fn restart(&mut self, model: &Model, state: &mut State) {
+        let State { grains, walls, pairs, wall_pairs, .. } = state;
+        self.neighbours = Neighbours::new(grains, walls, &mut Pools { pairs, wall_pairs }, model.stepping.skin);
+        self.flags.clear();
+        self.flags.resize(state.grains.len(), 0);
+        for list in [&mut self.moved, &mut self.failing, &mut self.parted, &mut self.begun] {
+            list.clear();
         }
     }
 
@@ -174,7 +188,7 @@ pub fn step<E>(
     watch.lap(&mut work.clock, 1);
     control(state, work)?;
     watch.skip();
-    gather::advance(model, state, &work.neighbours, &mut work.flags, work.task / 4);
+    gather::advance(model, state, &work.neighbours, &mut work.flags, work.task / 4, work.arch);
     alone(small(state, work), || collect(state, work));
     for w in &mut state.walls {
         w.advance(state.dt);
@@ -247,7 +261,7 @@ pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
     if state.dt == 0.0 {
         state.dt = stability::first_step(model, state);
     }
-    let rules = Rules { dt: state.dt, unloading: model.contact.unloading, task: work.task };
+    let rules = Rules { dt: state.dt, unloading: model.contact.unloading, task: work.task, arch: work.arch };
     let small = small(state, work);
     let task = work.task;
     let State { grains, walls, pairs, wall_pairs, .. } = state;
