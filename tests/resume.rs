@@ -16,6 +16,7 @@ const CLOCK_AND_HOST: [&str; 8] = [
     "bytes_per_grain",
     "threads",
     "host",
+    "simd",
     "version",
 ];
 

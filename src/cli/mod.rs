@@ -18,6 +18,18 @@ use std::path::{Path, PathBuf};
 pub struct Cli {
     #[command(subcommand)]
     pub verb: Verb,
+
+    /// Instructions of the inner loops, at best; changes no bit of the results
+    #[arg(long, global = true, value_name = "SET", env = "COMMINUTE_SIMD", hide_env_values = true, default_value = "best")]
+    #[arg(value_parser = comminute::real::ARCHS)]
+    simd: String,
+}
+
+impl Cli {
+    pub fn call(self) -> Result<()> {
+        comminute::real::choose(&self.simd);
+        self.verb.call()
+    }
 }
 
 #[derive(Debug, Subcommand)]

@@ -179,13 +179,9 @@ impl PairTable {
         &self.grains[m1 as usize * self.materials + m2 as usize]
     }
 
-    /// The parameters of as many pairs as there are lanes; `materials` of the pair in each.
+    /// The parameters of a pair in each lane.
     #[inline(always)]
-    pub fn lanes<S: Simd>(&self, simd: S, materials: impl Fn(usize) -> [u8; 2]) -> Pair<Lanes<S>> {
-        let pair = |k| {
-            let [m1, m2] = materials(k);
-            self.grains(m1, m2)
-        };
+    pub fn lanes<'a, S: Simd>(&'a self, simd: S, pair: impl Fn(usize) -> &'a Pair) -> Pair<Lanes<S>> {
         let [a, b, friction, viscous] = Lanes::columns(simd, |k| [pair(k).a, pair(k).b, pair(k).friction, pair(k).viscous]);
         let [rolling, e_eff, ..] = Lanes::columns(simd, |k| [pair(k).rolling, pair(k).e_eff, 0.0, 0.0]);
         Pair { a, b, friction, viscous, rolling, e_eff }

@@ -114,14 +114,14 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// What as many slots as there are lanes keep, from slot `s` on.
+    /// What the slots keep, one in each lane.
     #[inline(always)]
-    fn read_lanes<S: Simd, L: Law, const EXTRA: bool>(&self, simd: S, s: usize) -> Memory<Lanes<S>> {
-        let [x, y, z, normal_force] = Lanes::columns(simd, |k| self.touch[s + k].first());
-        let [nx, ny, nz, overlap] = Lanes::columns(simd, |k| self.touch[s + k].second());
+    fn read_lanes<S: Simd, L: Law, const EXTRA: bool>(&self, simd: S, slot: impl Fn(usize) -> usize) -> Memory<Lanes<S>> {
+        let [x, y, z, normal_force] = Lanes::columns(simd, |k| self.touch[slot(k)].first());
+        let [nx, ny, nz, overlap] = Lanes::columns(simd, |k| self.touch[slot(k)].second());
         let vectors = |column: &[[f64; 3]]| {
             let [x, y, z, _] = Lanes::columns(simd, |k| {
-                let [x, y, z] = column[s + k];
+                let [x, y, z] = column[slot(k)];
                 [x, y, z, 0.0]
             });
             [x, y, z]
@@ -137,20 +137,20 @@ impl<'a> Part<'a> {
     }
 
     #[inline(always)]
-    fn write_lanes<S: Simd>(&mut self, simd: S, s: usize, m: &Memory<Lanes<S>>) {
+    fn write_lanes<S: Simd>(&mut self, simd: S, slot: impl Fn(usize) -> usize, m: &Memory<Lanes<S>>) {
         let Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = m.touch;
-        Lanes::rows(simd, [x, y, z, normal_force], |k, row| self.touch[s + k].set_first(row));
-        Lanes::rows(simd, [nx, ny, nz, overlap], |k, row| self.touch[s + k].set_second(row));
+        Lanes::rows(simd, [x, y, z, normal_force], |k, row| self.touch[slot(k)].set_first(row));
+        Lanes::rows(simd, [nx, ny, nz, overlap], |k, row| self.touch[slot(k)].set_second(row));
         for (column, value) in [(&mut *self.spring, m.spring), (&mut *self.rolling, m.rolling)] {
             if let Some([x, y, z]) = value {
-                Lanes::rows(simd, [x, y, z, x], |k, [x, y, z, _]| column[s + k] = [x, y, z]);
+                Lanes::rows(simd, [x, y, z, x], |k, [x, y, z, _]| column[slot(k)] = [x, y, z]);
             }
         }
         if let Some([path, slip, viscous]) = m.work {
-            Lanes::rows(simd, [path, slip, viscous, path.constant(0.0)], |k, row| self.work[s + k] = row);
+            Lanes::rows(simd, [path, slip, viscous, path.constant(0.0)], |k, row| self.work[slot(k)] = row);
         }
         if let Some(load) = m.load {
-            Lanes::rows(simd, [load; 4], |k, [load, ..]| self.load[s + k] = load);
+            Lanes::rows(simd, [load; 4], |k, [load, ..]| self.load[slot(k)] = load);
         }
     }
 }
@@ -278,14 +278,14 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> 
         let motion = relative(v, w, [p[3], q[3]]);
         let m_eff = if L::VISCOUS { d[0].constant(1.0) / (v[0][3] + v[1][3]) } else { d[0] };
         let meeting = meeting(d, distance, [p[3], q[3]], m_eff, motion);
-        let old = part.read_lanes::<S, L, EXTRA>(simd, s);
+        let old = part.read_lanes::<S, L, EXTRA>(simd, |k| s + k);
         let pair = if EXTRA && !table.is_single() {
-            &table.lanes(simd, |k| [g.material[first(k)], g.material[second(k)]])
+            &table.lanes(simd, |k| table.grains(g.material[first(k)], g.material[second(k)]))
         } else {
             one_pair
         };
         let new = force::touching::<Lanes<S>, L, LEDGER, EXTRA>(&meeting, pair, rules, &old);
-        part.write_lanes(simd, s, &new);
+        part.write_lanes(simd, |k| s + k, &new);
         true
     }
 }
@@ -328,35 +328,116 @@ fn relative<R: Real>(v: [[R; 4]; 2], w: [[R; 4]; 2], r: [R; 2]) -> Motion<R> {
 /// Motion of grain i against a wall that moves against `normal` (into the grains) with `speed`.
 #[inline(always)]
 pub fn motion_on_wall(g: &Grains, i: usize, normal: [f64; 3], speed: f64) -> Motion {
-    let (v, w, r) = (g.vel[i], g.spin[i], g.pos[i][3]);
+    relative_to_wall(g.vel[i], g.spin[i], g.pos[i][3], normal, speed)
+}
+
+#[inline(always)]
+fn relative_to_wall<R: Real>(v: [R; 4], w: [R; 4], r: R, normal: [R; 3], speed: R) -> Motion<R> {
     let spin = [w[0], w[1], w[2]];
     Motion {
-        centres: [v[0] + speed * normal[0], v[1] + speed * normal[1], v[2] + speed * normal[2]],
-        turning: [r * w[0], r * w[1], r * w[2]],
+        centres: force::plus([v[0], v[1], v[2]], force::scaled(normal, speed)),
+        turning: force::scaled(spin, r),
         mean_spin: spin,
         spin_difference: spin,
     }
 }
 
 fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
-    for_each_part(pairs, Slots::All, rules.task, |mut part| {
-        let ends = part.ends;
-        for (s, &[i, k]) in ends.iter().enumerate() {
+    for_each_part(pairs, Slots::All, rules.task, |part| {
+        rules.arch.dispatch(WallSweep::<L, LEDGER> { table, rules, g, walls, part, law: PhantomData });
+    });
+}
+
+/// A part of the contacts of grains with walls. Most of those listed do not touch: those that do are collected until they fill the lanes.
+struct WallSweep<'a, L, const LEDGER: bool> {
+    table: &'a PairTable,
+    rules: &'a Rules,
+    g: &'a Grains,
+    walls: &'a [Wall],
+    part: Part<'a>,
+    law: PhantomData<L>,
+}
+
+/// A contact with a wall: its slot, and its normal and overlap.
+#[derive(Clone, Copy, Default)]
+struct OnWall {
+    slot: usize,
+    at: [f64; 4],
+}
+
+impl<L: Law, const LEDGER: bool> WithSimd for WallSweep<'_, L, LEDGER> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let lanes = Lanes::<S>::COUNT;
+        let mut waiting = [OnWall::default(); MOST_LANES];
+        let mut n = 0;
+        for slot in 0..self.part.ends.len() {
+            let [i, k] = self.part.ends[slot];
             if i == FREE {
                 continue;
             }
-            let (i, k) = (i as usize, k as usize);
-            let p = g.pos[i];
-            let (normal, gap) = walls[k].shape.towards(p);
-            let motion = motion_on_wall(g, i, normal, walls[k].speed);
-            let old = part.read::<L, true>(s);
-            let new = if gap >= 0.0 {
-                force::apart::<LEDGER>(|| motion, rules.dt, &old)
-            } else {
-                let meeting = Meeting { normal, overlap: -gap, r_eff: p[3], m_eff: 1.0 / g.vel[i][3], motion };
-                force::touching::<f64, L, LEDGER, true>(&meeting, table.wall(k, g.material[i]), rules, &old)
-            };
-            part.write(s, new);
+            let ([x, y, z], gap) = self.walls[k as usize].shape.towards(self.g.pos[i as usize]);
+            if gap >= 0.0 {
+                self.apart(slot, [x, y, z]);
+                continue;
+            }
+            waiting[n] = OnWall { slot, at: [x, y, z, -gap] };
+            n += 1;
+            if n == lanes {
+                n = 0;
+                if lanes == 1 { self.alone(waiting[0]) } else { self.together(simd, &waiting[..lanes]) }
+            }
         }
-    });
+        for &one in &waiting[..n] {
+            self.alone(one);
+        }
+    }
+}
+
+/// No instruction set has more lanes.
+const MOST_LANES: usize = 8;
+
+impl<L: Law, const LEDGER: bool> WallSweep<'_, L, LEDGER> {
+    #[inline(always)]
+    fn apart(&mut self, slot: usize, normal: [f64; 3]) {
+        let [i, k] = self.part.ends[slot];
+        let old = self.part.read::<L, true>(slot);
+        // only what has just ended leaves anything to write
+        if old.touch.overlap > 0.0 || LEDGER && self.part.work[slot][0] != 0.0 {
+            let motion = || motion_on_wall(self.g, i as usize, normal, self.walls[k as usize].speed);
+            self.part.write(slot, force::apart::<LEDGER>(motion, self.rules.dt, &old));
+        }
+    }
+
+    #[inline(always)]
+    fn alone(&mut self, OnWall { slot, at: [x, y, z, overlap] }: OnWall) {
+        let WallSweep { table, rules, g, walls, part, .. } = self;
+        let [i, k] = part.ends[slot].map(|e| e as usize);
+        let normal = [x, y, z];
+        let motion = motion_on_wall(g, i, normal, walls[k].speed);
+        let meeting = Meeting { normal, overlap, r_eff: g.pos[i][3], m_eff: 1.0 / g.vel[i][3], motion };
+        let pair = table.wall(k, g.material[i]);
+        part.write(slot, force::touching::<f64, L, LEDGER, true>(&meeting, pair, rules, &part.read::<L, true>(slot)));
+    }
+
+    #[inline(always)]
+    fn together<S: Simd>(&mut self, simd: S, those: &[OnWall]) {
+        let WallSweep { table, rules, g, walls, part, .. } = self;
+        let slot = |k: usize| those[k].slot;
+        let ends = part.ends;
+        let (grain, wall) = (|k: usize| ends[slot(k)][0] as usize, |k: usize| ends[slot(k)][1] as usize);
+        let [x, y, z, overlap] = Lanes::columns(simd, |k| those[k].at);
+        let [.., r] = Lanes::columns(simd, |k| g.pos[grain(k)]);
+        let v = Lanes::columns(simd, |k| g.vel[grain(k)]);
+        let w = Lanes::columns(simd, |k| g.spin[grain(k)]);
+        let [speed, ..] = Lanes::columns(simd, |k| [walls[wall(k)].speed; 4]);
+        let normal = [x, y, z];
+        let motion = relative_to_wall(v, w, r, normal, speed);
+        let meeting = Meeting { normal, overlap, r_eff: r, m_eff: r.constant(1.0) / v[3], motion };
+        let pair = table.lanes(simd, |k| table.wall(wall(k), g.material[grain(k)]));
+        let old = part.read_lanes::<S, L, true>(simd, slot);
+        part.write_lanes(simd, slot, &force::touching::<Lanes<S>, L, LEDGER, true>(&meeting, &pair, rules, &old));
+    }
 }

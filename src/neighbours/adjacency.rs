@@ -27,13 +27,15 @@ impl Link {
     /// 1 if the grain is the slot's first end, else 0.
     #[inline(always)]
     pub fn first_end(self) -> f64 {
-        [1.0, 0.0][(self.0 >> 31) as usize]
+        static SHARES: [f64; 2] = [1.0, 0.0];
+        SHARES[(self.0 >> 31) as usize]
     }
 
     /// What the force in the slot is to be multiplied with: it acts on the first end.
     #[inline(always)]
     pub fn sign(self) -> f64 {
-        [1.0, -1.0][(self.0 >> 31) as usize]
+        static SIGNS: [f64; 2] = [1.0, -1.0];
+        SIGNS[(self.0 >> 31) as usize]
     }
 
     #[inline(always)]

@@ -69,13 +69,19 @@ impl Real for f64 {
     }
 }
 
-/// Names the instruction set to use at best: `scalar`, `avx2` or `avx512`.
-pub const ARCH_VARIABLE: &str = "COMMINUTE_SIMD";
+/// Names of instruction sets: the best that the machine has, or at best the one named.
+pub const ARCHS: [&str; 4] = ["best", "avx512", "avx2", "scalar"];
 
-/// The instruction set of the inner loops: the best that the machine has, or less if [`ARCH_VARIABLE`] says so. It changes no bit.
+static ARCH: OnceLock<Arch> = OnceLock::new();
+
+/// The instruction set of the inner loops. It changes no bit of the results.
 pub fn arch() -> Arch {
-    static ARCH: OnceLock<Arch> = OnceLock::new();
-    *ARCH.get_or_init(|| at_best(&std::env::var(ARCH_VARIABLE).unwrap_or_default()))
+    *ARCH.get_or_init(Arch::new)
+}
+
+/// Settles what [`arch`] answers, unless it has been asked before.
+pub fn choose(name: &str) {
+    ARCH.get_or_init(|| at_best(name));
 }
 
 /// The best instruction set that the machine has up to the one named.

@@ -162,6 +162,12 @@ impl Preparation {
             Stage::Release if self.at_rest(model, rig, state, work) => {
                 if self.dense_enough(rig, state) {
                     self.finish(state);
+                } else if self.press.in_vain(porosity(state), rig) {
+                    return Err(self.failure(
+                        rig,
+                        state,
+                        "cannot make so few grains as dense as asked, even pressed without friction; raise specimen.porosity or specimen.grains",
+                    ));
                 } else {
                     self.press.harder();
                     self.press(state);
@@ -286,6 +292,12 @@ impl Press {
     fn harder(&mut self) {
         self.weak = self.stress;
         self.stress = self.strong.map_or((2.0 * self.stress).min(PRESS_LAST), |strong| (self.weak * strong).sqrt());
+    }
+
+    /// Whether the last stress of all brought less than a twentieth of the tolerance.
+    fn in_vain(&self, n: f64, rig: &Oedometer) -> bool {
+        let least = 0.05 * rig.preparation.porosity_tolerance * rig.porosity;
+        self.stress >= PRESS_LAST && self.before.as_ref().is_some_and(|before| porosity(before) - n < least)
     }
 
     /// The present stress was too strong; false if there is none in between.
