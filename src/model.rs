@@ -166,6 +166,8 @@ pub struct Loading {
     /// L_C of eq. (18), natural logarithm, sigma_ref 1 kPa.
     pub rate: f64,
     pub sigma_ref: f64,
+    /// Rise of the target in one step over the target while the platens are in balance (adaptive programme); `None`: eq. (18).
+    pub pace: Option<f64>,
     /// Servo gain, fraction of the imbalance removed per step by the wall's own contacts.
     pub servo_gain: f64,
     /// Largest inertial number the platen may impose.

@@ -25,12 +25,12 @@ variant() {
 }
 
 seeds() {
-    for s in 1 2 3 4 5; do run "h-c-2-s$s" h-c-2 --seed "$s"; done
+    for s in {1..20}; do run "h-c-2-s$s" h-c-2 --seed "$s"; done
     for s in 1 2 3; do run "l-c-2-s$s" l-c-2 --seed "$s"; run "h-v-2-s$s" h-v-2 --seed "$s"; done
 }
 twins() { for k in l-c-2 h-c-2 h-v-2 l-c-1 h-c-1 h-v-1; do run "$k-nc" "$k-nc"; done; }
 rate() {
-    for s in 1 2 3 4 5; do variant "half-rate-s$s" h-c-2 "$s" --set loading.rate=0.005 --set 'name="H-C-2-half-rate"'; done
+    for s in {1..20}; do variant "half-rate-s$s" h-c-2 "$s" --set loading.rate=0.005 --set 'name="H-C-2-half-rate"'; done
 }
 walls() {
     for s in 1 2; do

@@ -121,6 +121,7 @@ fn rig(grains: usize) -> Oedometer {
             stages: vec![2.0 * STRESS],
             rate: 0.01,
             sigma_ref: 1e3,
+            pace: None,
             servo_gain: 0.2,
             max_inertial_number: 1e-3,
             max_lag: 0.02,

@@ -109,7 +109,7 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
             "  specimen        D = {:.2} mm, H = {:.2} mm (estimate); D = {:.1} d50 = {:.1} d_max, H = {:.1} d_max",
             s.diameter_mm, s.height_mm, s.diameter_over_d50, s.diameter_over_largest, s.height_over_largest
         )?;
-        writeln!(text, "  loading steps   {:.0} (eq. 18, estimate)", e.steps)?;
+        writeln!(text, "  loading steps   {:.0} or more (the programme without waiting)", e.steps)?;
     } else {
         writeln!(text, "  steps           {:.0} (estimate)", e.steps)?;
     }

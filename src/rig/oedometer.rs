@@ -84,6 +84,12 @@ impl Stresses {
         if rig.wall_friction.cylinder > 0.0 { of(self.top) } else { of(self.top).max(of(self.bottom)) }
     }
 
+    /// How far the specimen is from balance: the lag, or where it is larger the platens' difference (if the cylinder carries nothing).
+    fn imbalance(&self, target: f64, rig: &Oedometer) -> f64 {
+        let difference = if rig.wall_friction.cylinder > 0.0 { 0.0 } else { self.platen_difference() };
+        self.lag(target, rig).max(difference)
+    }
+
     /// Difference of the platens over their mean.
     pub fn platen_difference(&self) -> f64 {
         let v = self.vertical();
@@ -199,12 +205,12 @@ impl Loading {
                 self.enter(Phase::Load(0));
             }
             Phase::Load(k) => {
-                let sigma_ref = rig.loading.sigma_ref;
-                let increment = rig.loading.rate * sigma_ref * (1.0 + (self.target / sigma_ref).max(1.0).ln());
-                let end = stages[k];
-                if Stresses::of(state).lag(self.target, rig) > rig.loading.max_lag {
+                let stresses = Stresses::of(state);
+                let increment = self.increment(&stresses, rig);
+                if stresses.lag(self.target, rig) > rig.loading.max_lag {
                     return;
                 }
+                let end = stages[k];
                 if self.rising(k, rig) {
                     self.target = (self.target + increment).min(end);
                 } else {
@@ -222,6 +228,16 @@ impl Loading {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// What the target changes by in one step, Pa: by eq. (18), or the faster the nearer the specimen is to balance, so that a run with a
+    /// given error takes few steps: quick while it is elastic, slow while grains break.
+    fn increment(&self, stresses: &Stresses, rig: &Oedometer) -> f64 {
+        let asked = &rig.loading;
+        match asked.pace {
+            None => asked.rate * asked.sigma_ref * (1.0 + (self.target / asked.sigma_ref).max(1.0).ln()),
+            Some(pace) => pace * self.target * (1.0 - stresses.imbalance(self.target, rig) / asked.max_lag).max(0.0),
         }
     }
 

@@ -147,15 +147,17 @@ fn quasi_static_warnings(model: &Model, o: &Oedometer, estimate: &mut Estimate) 
     let l = &o.loading;
     // increment at 50 kPa over the stress; the thresholds of quasi-static loading hold above that
     let s = 50e3 / l.sigma_ref;
-    let jump = l.rate * (1.0 + s.ln()) / s;
+    let (key, value, jump) = match l.pace {
+        Some(pace) => ("loading.pace", pace, pace),
+        None => ("loading.rate", l.rate, l.rate * (1.0 + s.ln()) / s),
+    };
     let warnings = &mut estimate.warnings;
     if jump > 0.02 {
         warnings.push(format!(
-            "loading.rate = {}: at 50 kPa one increment is {:.1} % of the stress; quasi-static loading keeps within 2 %",
-            l.rate,
+            "{key} = {value}: at 50 kPa one increment is {:.1} % of the stress; quasi-static loading keeps within 2 %",
             100.0 * jump
         ));
-    } else if l.rate > 0.1 {
+    } else if l.pace.is_none() && l.rate > 0.1 {
         warnings.push(format!("loading.rate = {} is above 0.1, the largest that the paper uses", l.rate));
     }
     if l.max_inertial_number > 1e-3 {
@@ -179,14 +181,15 @@ fn quasi_static_warnings(model: &Model, o: &Oedometer, estimate: &mut Estimate) 
     }
 }
 
-/// Steps of the loading stages by eq. (18): the increment is L_C (sigma_ref + sigma_ref ln(sigma/sigma_ref)).
+/// Steps of the loading stages by eq. (18): the increment is L_C (sigma_ref + sigma_ref ln(sigma/sigma_ref)); of an adaptive programme, if
+/// nothing held it back.
 fn loading_steps(o: &Oedometer) -> f64 {
     let l = &o.loading;
     let mut from = o.isotropic_stress;
     let mut steps = 0.0;
     for to in &l.stages {
         let (a, b) = ((from / l.sigma_ref).ln(), (to / l.sigma_ref).ln());
-        let integrand = |u: f64| u.exp() / (l.rate * (1.0 + u));
+        let integrand = |u: f64| l.pace.map_or_else(|| u.exp() / (l.rate * (1.0 + u)), |pace| 1.0 / pace);
         steps += simpson(integrand, a.min(b), a.max(b));
         from = *to;
     }

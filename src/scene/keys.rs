@@ -151,6 +151,18 @@ pub const KEYS: &[Key] = &[
     ),
     oedometer("loading.sigma_ref_kPa", Number(POSITIVE), Is("1.0"), "reference stress of eq. 18"),
     oedometer(
+        "loading.programme",
+        Choice(&["eq18", "adaptive"]),
+        Is("\"eq18\""),
+        "how the target stress changes in a step: by eq. 18, or in proportion to itself and to how little the platens' stresses differ from it and from each other",
+    ),
+    oedometer(
+        "loading.pace",
+        Number(Range::above(0.0, 1.0)),
+        Is("0.002"),
+        "adaptive programme: change of the target in one step over the target, while the platens are in balance",
+    ),
+    oedometer(
         "loading.servo_gain",
         Number(Range::above(0.0, 1.0)),
         Is("0.5"),
@@ -161,7 +173,7 @@ pub const KEYS: &[Key] = &[
         "loading.max_lag",
         Number(Range::above(0.0, 1.0)),
         Is("0.015"),
-        "share by which a platen's stress may differ from the target before the programme waits (with friction on the cylinder the driven platen's)",
+        "share by which a platen's stress may differ from the target before the programme waits, and from which an adaptive one slows down (with friction on the cylinder the driven platen's)",
     ),
     oedometer("loading.settle_steps", FROM_ZERO, Is("1000"), "steps of rest at the isotropic stress before loading"),
     both("damping.local", Number(RATIO), ByKind("0.05", "0.0"), "local non-viscous damping (Cundall 1987)"),

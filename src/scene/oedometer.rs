@@ -40,6 +40,7 @@ impl View<'_> {
             stages,
             rate: self.si("loading.rate"),
             sigma_ref: self.si("loading.sigma_ref_kPa"),
+            pace: (self.text("loading.programme") == "adaptive").then(|| self.si("loading.pace")),
             servo_gain: self.si("loading.servo_gain"),
             max_inertial_number: self.si("loading.max_inertial_number"),
             max_lag: self.si("loading.max_lag"),

@@ -62,6 +62,7 @@ const SETTLED: &[(&str, &str)] = &[
     ("random streams", "seed.strength"),
     ("load programme, L_C of eq. 18", "loading.rate"),
     ("load programme, eq. 18", "loading.sigma_ref_kPa"),
+    ("load programme", "loading.programme"),
     ("platen servo", "loading.servo_gain"),
     ("preparation, friction while growing", "preparation.growth_friction"),
     ("preparation, damping", "preparation.damping"),

@@ -135,3 +135,27 @@ fn wall_friction_carries_the_difference_of_the_platens() {
     // no more than Coulomb allows
     assert!(carried * area <= 0.3 * press.state.walls[CYLINDER].reaction * (1.0 + 1e-9));
 }
+
+/// An adaptive programme takes far fewer steps than eq. (18) to stay as near to its target, and unloads too.
+#[test]
+fn an_adaptive_programme_is_quicker_at_no_larger_error() {
+    let run = |programme: &str| {
+        let mut press = coke(120, 4.0, 2000.0, &["loading.stages_kPa=[100]", programme], 2);
+        let mut off = Vec::new();
+        while !press.done() {
+            press.step();
+            if press.loading.target > 50e3 {
+                off.push((Stresses::of(&press.state).vertical() / press.loading.target - 1.0).abs());
+            }
+        }
+        off.sort_unstable_by(f64::total_cmp);
+        let most = off[off.len() * 99 / 100];
+        println!("{programme}: {} steps, {most:.4} off in all but a hundredth of them", press.state.step);
+        (press.state.step, most, Walls::of(&press.state).height)
+    };
+    let fixed = run("loading.programme=eq18");
+    let adaptive = run("loading.programme=adaptive");
+    assert!(2 * adaptive.0 < fixed.0, "{} steps instead of {}", adaptive.0, fixed.0);
+    assert!(adaptive.1 < fixed.1, "{} off the target instead of {}", adaptive.1, fixed.1);
+    close("height at the end", adaptive.2, fixed.2, 1e-3);
+}
