@@ -1,6 +1,6 @@
 //! The hot loops by themselves, on the bench's packing of 5 000 grains (made on first use, kept in `runs/bench`).
 
-use comminute::bench::{self, Packing};
+use comminute::bench::{self, Case, Packing};
 use comminute::crush::event;
 use comminute::model::{ContactLaw, Model};
 use comminute::neighbours::adjacency::Entry;
@@ -16,7 +16,7 @@ const GRAINS: usize = 5000;
 const STILL: f64 = 1e-18;
 
 fn packing() -> Packing {
-    bench::packing(GRAINS, Path::new("runs/bench"), |text| eprintln!("{text}")).expect("the packing can be made")
+    bench::packing(Case::Uniform, GRAINS, Path::new("runs/bench"), |text| eprintln!("{text}")).expect("the packing can be made")
 }
 
 /// A state after some steps.
@@ -35,7 +35,7 @@ fn loops(c: &mut Criterion) {
     group.throughput(Throughput::Elements(GRAINS as u64));
 
     for (name, law) in [("hertz", ContactLaw::Hertz), ("hertz_viscous", ContactLaw::HertzViscous), ("linear", ContactLaw::Linear)] {
-        let model = bench::model(GRAINS, law, bench::SKIN);
+        let model = bench::model(Case::Uniform, GRAINS, law, bench::SKIN);
         let (mut state, mut work) = ready(&model, &packing);
         state.dt = STILL;
         group.bench_function(format!("contacts, {name}"), |b| {
@@ -43,7 +43,7 @@ fn loops(c: &mut Criterion) {
         });
     }
 
-    let model = bench::model(GRAINS, ContactLaw::Hertz, bench::SKIN);
+    let model = bench::model(Case::Uniform, GRAINS, ContactLaw::Hertz, bench::SKIN);
     let (state, mut work) = ready(&model, &packing);
     let mut flags = vec![0; GRAINS];
     let mut still = state.clone();
@@ -64,7 +64,7 @@ fn loops(c: &mut Criterion) {
 
 fn neighbours(c: &mut Criterion) {
     let packing = packing();
-    let model = bench::model(GRAINS, ContactLaw::Hertz, bench::SKIN);
+    let model = bench::model(Case::Uniform, GRAINS, ContactLaw::Hertz, bench::SKIN);
     let (mut state, mut work) = ready(&model, &packing);
     let mut group = c.benchmark_group("neighbours, 5000 grains");
     let mut i = 0;
@@ -87,7 +87,7 @@ fn neighbours(c: &mut Criterion) {
 
 fn crushing(c: &mut Criterion) {
     let packing = packing();
-    let model = bench::breakable(&bench::model(GRAINS, ContactLaw::Hertz, bench::SKIN)).expect("a pattern of 14");
+    let model = bench::breakable(&bench::model(Case::Uniform, GRAINS, ContactLaw::Hertz, bench::SKIN)).expect("a pattern of 14");
     let (state, _) = ready(&model, &packing);
     let mut i = 0;
     c.bench_function("one grain into 14, 5000 grains", |b| {

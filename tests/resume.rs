@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use std::time::Duration;
 
 /// What may differ between two runs of the same: clocks and host.
-const CLOCK_AND_HOST: [&str; 8] = [
+const CLOCK_AND_HOST: [&str; 9] = [
     "wall_seconds",
     "loading_seconds",
     "particle_steps_per_second",

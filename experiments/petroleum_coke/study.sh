@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Runs behind the tables and figures of figures/petroleum_coke: seeds, twins without crushing, half the loading rate, wall friction,
+# Runs behind the tables and figures of figures/petroleum_coke: seeds, twins without crushing, half the loading rate, the adaptive programme, wall friction,
 # truncation of the strength draw. From the repository root: experiments/petroleum_coke/study.sh PART [FOLDER]
-# with PART one of seeds, twins, rate, walls, truncation, scale1, all. What is finished is skipped.
+# with PART one of seeds, twins, rate, adaptive, walls, truncation, scale1, all. What is finished is skipped.
 set -u
-part=${1:?part: seeds, twins, rate, walls, truncation, scale1 or all}
+part=${1:?part: seeds, twins, rate, adaptive, walls, truncation, scale1 or all}
 out=${2:-runs/study}
 program=${COMMINUTE:-target/release/comminute}
 scenes=experiments/petroleum_coke
@@ -32,6 +32,9 @@ twins() { for k in l-c-2 h-c-2 h-v-2 l-c-1 h-c-1 h-v-1; do run "$k-nc" "$k-nc"; 
 rate() {
     for s in {1..20}; do variant "half-rate-s$s" h-c-2 "$s" --set loading.rate=0.005 --set 'name="H-C-2-half-rate"'; done
 }
+adaptive() {
+    for s in {1..20}; do variant "adaptive-s$s" h-c-2 "$s" --set loading.programme=adaptive --set 'name="H-C-2-adaptive"'; done
+}
 walls() {
     for s in 1 2; do
         for mu in 0.1 0.4228; do
@@ -47,5 +50,5 @@ truncation() {
     clamp h-v-2 1 H-V-2
 }
 scale1() { for k in h-c-1 l-c-1 h-v-1; do run "$k" "$k"; done; }
-all() { seeds; twins; rate; walls; truncation; scale1; }
+all() { seeds; twins; rate; adaptive; walls; truncation; scale1; }
 "$part"

@@ -4,12 +4,14 @@
 //! Clocks are read here and nowhere else in the library but in `run` and, when asked to, by `step`.
 
 mod burst;
+mod machine;
 mod packing;
 mod speed;
 
 pub use burst::{Burst, burst};
+pub use machine::{Demand, Machine};
 pub use packing::{Packing, packing};
-pub use speed::{Plan, Speed, load_average, measure};
+pub use speed::{Plan, Speed, load_average, measure, pool};
 
 use crate::boundary::Wall;
 use crate::crush::criterion::AreaModel;
@@ -17,6 +19,7 @@ use crate::crush::lost_mass::Fines;
 use crate::crush::pattern::Pattern;
 use crate::crush::strength::{StrengthModel, Truncation};
 use crate::error::{Error, Result};
+use crate::gradation::mean_cubed_diameter;
 use crate::model::{
     ContactLaw, ContactModel, CrushModel, Loading, Material, Model, Oedometer, Preparation, Records, Rig, Seeds, Stepping,
     TangentialUnloading, WallFriction,
@@ -43,8 +46,64 @@ const SLENDERNESS: f64 = 1.15;
 /// Points of the gradation, mass finer against diameter.
 const GRADATION_POINTS: usize = 21;
 
+/// Grains of the packing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Case {
+    /// Of about one size.
+    Uniform,
+    /// A tenth of the mass in grains thirty times smaller.
+    Wide,
+}
+
+impl Case {
+    /// Sizes in this case are multiplied by this for the small grains; share of the mass that they have.
+    const FINES: (f64, f64) = (1.0 / 30.0, 0.1);
+
+    /// Also the stem of the packing's file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Case::Uniform => "oedometer",
+            Case::Wide => "wide",
+        }
+    }
+
+    /// Smallest and largest radius, m.
+    fn radii(self) -> (f64, f64) {
+        let (low, high) = RADII;
+        match self {
+            Case::Uniform => (low, high),
+            Case::Wide => (Self::FINES.0 * low, high),
+        }
+    }
+
+    /// Mass finer against diameter, m.
+    fn gradation(self) -> Vec<(f64, f64)> {
+        let (low, high) = RADII;
+        match self {
+            Case::Uniform => (0..GRADATION_POINTS)
+                .map(|k| {
+                    let r = low + (high - low) * k as f64 / (GRADATION_POINTS - 1) as f64;
+                    (2.0 * r, (r.powi(4) - low.powi(4)) / (high.powi(4) - low.powi(4)))
+                })
+                .collect(),
+            Case::Wide => {
+                let (small, share) = Self::FINES;
+                vec![(2.0 * small * low, 0.0), (2.0 * small * high, share), (2.0 * low, share), (2.0 * high, 1.0)]
+            }
+        }
+    }
+
+    /// Porosity of the packing: in the wide one the fines stand in the pores of the others.
+    fn porosity(self) -> f64 {
+        match self {
+            Case::Uniform => POROSITY,
+            Case::Wide => 1.0 - (1.0 - POROSITY) / (1.0 - Self::FINES.1),
+        }
+    }
+}
+
 /// The case with `grains` grains: a model for stepping at real inertia.
-pub fn model(grains: usize, law: ContactLaw, skin: f64) -> Model {
+pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
     let material = Material {
         name: "bench".into(),
         density: 2600.0,
@@ -58,7 +117,7 @@ pub fn model(grains: usize, law: ContactLaw, skin: f64) -> Model {
         rolling_friction: 0.0,
     };
     Model {
-        name: format!("bench-{grains}"),
+        name: format!("bench-{}-{grains}", case.name()),
         seeds: Seeds { packing: 1, strength: 1 },
         materials: vec![material],
         contact: ContactModel { law, unloading: TangentialUnloading::Keep, rolling: false },
@@ -68,7 +127,7 @@ pub fn model(grains: usize, law: ContactLaw, skin: f64) -> Model {
         damping: 0.0,
         gravity: [0.0; 3],
         stepping: Stepping { safety: 0.8, inertia_scaling: false, dt: Some(TIME_STEP), skin },
-        rig: Rig::Oedometer(rig(grains)),
+        rig: Rig::Oedometer(rig(case, grains)),
         records: Records {
             per_decade: 1,
             at: Vec::new(),
@@ -91,22 +150,14 @@ pub fn breakable(model: &Model) -> Result<Model> {
     Ok(Model { crush: Some(crush), ..model.clone() })
 }
 
-fn rig(grains: usize) -> Oedometer {
-    let (low, high) = RADII;
-    let volume = |r: f64| 4.0 / 3.0 * PI * r * r * r;
-    // mean of r^3 over uniform r
-    let mean = volume(1.0) * (high.powi(4) - low.powi(4)) / (4.0 * (high - low));
-    let diameter = (grains as f64 * mean / ((1.0 - POROSITY) * 0.25 * PI * SLENDERNESS)).cbrt();
-    let gradation = (0..GRADATION_POINTS)
-        .map(|k| {
-            let r = low + (high - low) * k as f64 / (GRADATION_POINTS - 1) as f64;
-            (2.0 * r, (r.powi(4) - low.powi(4)) / (high.powi(4) - low.powi(4)))
-        })
-        .collect();
+fn rig(case: Case, grains: usize) -> Oedometer {
+    let gradation = case.gradation();
+    let solid = grains as f64 * PI / 6.0 * mean_cubed_diameter(&gradation);
+    let diameter = (solid / ((1.0 - case.porosity()) * 0.25 * PI * SLENDERNESS)).cbrt();
     Oedometer {
         diameter,
         grains,
-        porosity: POROSITY,
+        porosity: case.porosity(),
         gradation,
         wall_friction: WallFriction { bottom: 0.0, top: 0.0, cylinder: 0.0 },
         isotropic_stress: STRESS,
@@ -134,7 +185,7 @@ fn rig(grains: usize) -> Oedometer {
 /// them), the top one moving, memory in the order of space.
 pub fn start(model: &Model, packing: &Packing) -> (State, Work) {
     let size = packing.walls;
-    let mut around: Vec<Wall> = walls(&rig(packing.grains.len()), size.radius, size.bottom, size.height, [0.0; 3]);
+    let mut around: Vec<Wall> = walls(&rig(packing.case, packing.grains.len()), size.radius, size.bottom, size.height, [0.0; 3]);
     for wall in &mut around {
         wall.material = Some(0);
     }

@@ -1,7 +1,7 @@
 //! Packings of the bench: made once by the toolkit itself (radius growth, inertia-scaled, isotropic servo), then kept as
 //! specimen files.
 
-use super::{RADII, model};
+use super::{Case, model};
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::model::{ContactLaw, Model, Rig};
@@ -14,6 +14,7 @@ use std::time::Instant;
 
 /// A packing at rest.
 pub struct Packing {
+    pub case: Case,
     pub grains: Grains,
     pub walls: Walls,
     pub path: PathBuf,
@@ -34,17 +35,17 @@ const REPORT: u64 = 256;
 ///
 /// # Errors
 /// A file that cannot be read or written or is not this packing, or a preparation that fails.
-pub fn packing(grains: usize, folder: &Path, mut progress: impl FnMut(&str)) -> Result<Packing> {
-    let model = model(grains, ContactLaw::Hertz, 0.1);
-    let path = folder.join(format!("oedometer-{grains}.csv"));
+pub fn packing(case: Case, grains: usize, folder: &Path, mut progress: impl FnMut(&str)) -> Result<Packing> {
+    let model = model(case, grains, ContactLaw::Hertz, 0.1);
+    let path = folder.join(format!("{}-{grains}.csv", case.name()));
     let seconds = if path.exists() { None } else { Some(make(&model, &path, &mut progress)?) };
     let (found, walls) = specimen::read(&path, &model.materials)?;
-    let (low, high) = RADII;
+    let (low, high) = case.radii();
     if found.len() != grains || found.pos.iter().any(|p| p[3] < 0.999 * low || p[3] > 1.001 * high) {
         let message = format!("is not the bench's packing of {grains} grains: delete it to have it made anew");
         return Err(Error::input(path.display(), "", None, message));
     }
-    Ok(Packing { grains: found, walls, path, seconds })
+    Ok(Packing { case, grains: found, walls, path, seconds })
 }
 
 /// Makes a packing and writes it in one piece.

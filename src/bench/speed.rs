@@ -1,6 +1,6 @@
 //! Grain-steps per second, memory and the share of each stage.
 
-use super::{Packing, TIME_STEP, start};
+use super::{Demand, Machine, Packing, TIME_STEP, start};
 use crate::contact::pairs::{FREE, Pairs};
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -47,6 +47,8 @@ pub struct Speed {
     pub stress_radial: f64,
     /// Hash of every position and velocity, in the order of ids: the same for any number of threads.
     pub hash: u64,
+    /// Of the contacts' and of the grains' stage: share of the machine's operations and of its bandwidth at which it runs.
+    pub roofline: [[f64; 2]; 2],
     /// Load average of the last minute before and after, where the system tells.
     pub load: [Option<f64>; 2],
 }
@@ -81,19 +83,26 @@ pub(super) fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// Steps the packing on `threads` threads; gives back the state it ends with.
+/// Steps the packing on as many threads as the machine was measured with; gives back the state it ends with.
 ///
 /// # Errors
 /// Threads that cannot be started, or a state that is lost.
-pub fn measure(model: &Model, packing: &Packing, threads: usize, plan: &Plan) -> Result<(Speed, State)> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| Error::Failed { step: 0, what: format!("cannot start {threads} threads: {e}") })?;
-    pool.install(|| timed(model, packing, plan))
+pub fn measure(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Result<(Speed, State)> {
+    pool(machine.threads)?.install(|| timed(model, packing, machine, plan))
 }
 
-fn timed(model: &Model, packing: &Packing, plan: &Plan) -> Result<(Speed, State)> {
+/// Threads to measure on.
+///
+/// # Errors
+/// Threads that cannot be started.
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Error::Failed { step: 0, what: format!("cannot start {threads} threads: {e}") })
+}
+
+fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Result<(Speed, State)> {
     let before = load_average();
     let (mut state, mut work) = start(model, packing);
     let n = state.grains.len() as f64;
@@ -130,12 +139,16 @@ fn timed(model: &Model, packing: &Packing, plan: &Plan) -> Result<(Speed, State)
     let clocked = n * plan.clocked.max(1) as f64;
     let stages = work.clock.unwrap_or_default().map(|ns| ns as f64 / clocked);
 
+    let touching = sums.contacts as f64 / n;
+    let demands = [Demand::contacts(touching), Demand::grains(touching)];
+    let roofline = std::array::from_fn(|k| machine.shares(demands[k], 1e-9 * stages[k + 1]));
+
     let speed = Speed {
         blocks,
         cpu_blocks,
         steps,
         bytes_per_grain: bytes / n,
-        touching: sums.contacts as f64 / n,
+        touching,
         near: listed(&state.pairs) / n,
         wall_touching: sums.wall_contacts as f64 / n,
         wall_near: listed(&state.wall_pairs) / n,
@@ -145,6 +158,7 @@ fn timed(model: &Model, packing: &Packing, plan: &Plan) -> Result<(Speed, State)
         stress_platens: stresses.vertical(),
         stress_radial: stresses.horizontal,
         hash,
+        roofline,
         load: [before, after],
     };
     Ok((speed, ended))

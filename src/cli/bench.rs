@@ -1,6 +1,6 @@
 //! `comminute bench`: the engine's speed on this machine.
 
-use comminute::bench::{self, Burst, Packing, Plan, Speed};
+use comminute::bench::{self, Burst, Machine, Packing, Plan, Speed};
 use comminute::error::{Error, Result};
 use comminute::model::ContactLaw;
 use serde_json::{Value, json};
@@ -16,7 +16,11 @@ use std::time::{Duration, Instant};
         Example:\n  comminute bench --grains 5000 --threads 1,2"
 )]
 pub struct Args {
-    /// Grains of the packings
+    /// Packings: of about one size, or with a tenth of the mass in grains thirty times smaller
+    #[arg(long = "case", value_name = "CASE,CASE", value_delimiter = ',', default_values_t = [Case::Uniform])]
+    cases: Vec<Case>,
+
+    /// Grains of each packing
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [5000, 50_000], value_parser = clap::value_parser!(u32).range(200..=2_000_000))]
     grains: Vec<u32>,
 
@@ -62,6 +66,36 @@ pub struct Args {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Case {
+    Uniform,
+    Wide,
+}
+
+impl Case {
+    fn name(self) -> &'static str {
+        match self {
+            Case::Uniform => "uniform",
+            Case::Wide => "wide",
+        }
+    }
+}
+
+impl std::fmt::Display for Case {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl From<Case> for bench::Case {
+    fn from(case: Case) -> bench::Case {
+        match case {
+            Case::Uniform => bench::Case::Uniform,
+            Case::Wide => bench::Case::Wide,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 enum Law {
     Hertz,
@@ -99,6 +133,7 @@ fn skin(text: &str) -> std::result::Result<f64, String> {
 
 /// One line of the table.
 struct Row {
+    case: Case,
     grains: usize,
     threads: usize,
     law: Law,
@@ -111,19 +146,23 @@ pub fn call(args: &Args) -> Result<()> {
         if args.threads.is_empty() { some_threads() } else { args.threads.iter().map(|&n| n.into()).collect() };
     let plan = Plan { warm_up: args.warm_up, steps: args.steps, repeats: args.repeats.into(), clocked: args.steps.min(500) };
     let mut told = Told::new(args.quiet);
+    let machines: Vec<Machine> = threads.iter().map(|&n| Ok(bench::pool(n)?.install(Machine::measure))).collect::<Result<_>>()?;
     let mut packings = Vec::new();
-    for &grains in &args.grains {
-        packings.push(bench::packing(grains as usize, &args.cache, |text| told.now_and_then(text))?);
-        told.clear();
+    for &case in &args.cases {
+        for &grains in &args.grains {
+            let packing = bench::packing(case.into(), grains as usize, &args.cache, |text| told.now_and_then(text))?;
+            packings.push((case, packing));
+            told.clear();
+        }
     }
     if !args.quiet {
-        head(&packings);
+        head(&machines, &packings);
     }
     let mut rows: Vec<Row> = Vec::new();
-    for packing in &packings {
+    for (case, packing) in &packings {
         for &law in &args.law {
-            for &threads in &threads {
-                let row = measured(args, packing, law, threads, &plan)?;
+            for machine in &machines {
+                let row = measured(args, *case, packing, law, machine, &plan)?;
                 if !args.quiet {
                     line(&row);
                 }
@@ -135,21 +174,21 @@ pub fn call(args: &Args) -> Result<()> {
         foot(&rows);
     }
     if args.json {
-        super::print(&format!("{:#}", as_json(args, &packings, &rows)))?;
+        super::print(&format!("{:#}", as_json(args, &machines, &packings, &rows)))?;
     }
     same_bits(&rows)
 }
 
-fn measured(args: &Args, packing: &Packing, law: Law, threads: usize, plan: &Plan) -> Result<Row> {
+fn measured(args: &Args, case: Case, packing: &Packing, law: Law, machine: &Machine, plan: &Plan) -> Result<Row> {
     let grains = packing.grains.len();
-    let model = bench::model(grains, law.into(), args.skin);
-    let (speed, state) = bench::measure(&model, packing, threads, plan)?;
+    let model = bench::model(case.into(), grains, law.into(), args.skin);
+    let (speed, state) = bench::measure(&model, packing, machine, plan)?;
     let burst = match usize::from(args.breakages) {
         0 => None,
         // one thread: a breakage has none to share
         n => Some(bench::burst(&model, state, n.min(grains / 100))?),
     };
-    Ok(Row { grains, threads, law, speed, burst })
+    Ok(Row { case, grains, threads: machine.threads, law, speed, burst })
 }
 
 /// One thread and all of the machine's.
@@ -163,7 +202,7 @@ fn some_threads() -> Vec<usize> {
 /// The engine promises the same bits for any number of threads.
 fn same_bits(rows: &[Row]) -> Result<()> {
     for row in rows {
-        let first = rows.iter().find(|r| (r.grains, r.law) == (row.grains, row.law));
+        let first = rows.iter().find(|r| (r.case, r.grains, r.law) == (row.case, row.grains, row.law));
         if let Some(first) = first
             && first.speed.hash != row.speed.hash
         {
@@ -175,14 +214,19 @@ fn same_bits(rows: &[Row]) -> Result<()> {
     Ok(())
 }
 
-fn head(packings: &[Packing]) {
-    eprintln!("{}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
-    for p in packings {
+fn head(machines: &[Machine], packings: &[(Case, Packing)]) {
+    let simd = comminute::real::name(comminute::real::arch());
+    eprintln!("{}, {simd}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
+    for m in machines {
+        eprintln!("{} threads: memory {:.1} GB/s, {:.1} Gflop/s (f64, not fused)", m.threads, 1e-9 * m.bandwidth, 1e-9 * m.flops);
+    }
+    for (case, p) in packings {
         let made = p.seconds.map_or(String::new(), |s| format!(", made in {s:.0} s"));
-        eprintln!("{} grains: porosity {:.4}{made}, {}", p.grains.len(), p.porosity(), p.path.display());
+        eprintln!("{case}, {} grains: porosity {:.4}{made}, {}", p.grains.len(), p.porosity(), p.path.display());
     }
     eprintln!(
-        "\n{:>7} {:>3} {:>13}  {:>16} {:>13} {:>8} {:>7}  {:>13}  {:>22}  {:>8} {:>9} {:>9}",
+        "\n{:>7} {:>7} {:>3} {:>13}  {:>16} {:>13} {:>8} {:>7}  {:>13}  {:>22} {:>15}  {:>8} {:>9} {:>9}",
+        "case",
         "grains",
         "thr",
         "law",
@@ -192,6 +236,7 @@ fn head(packings: &[Packing]) {
         "B/grain",
         "pairs/grain",
         "ns: list/contact/grain",
+        "% flops, memory",
         "searches",
         "kPa (vol)",
         "us/break"
@@ -202,8 +247,10 @@ fn line(row: &Row) {
     let s = &row.speed;
     let least = s.blocks.iter().copied().fold(f64::INFINITY, f64::min);
     let most = s.blocks.iter().copied().fold(0.0, f64::max);
+    let [contacts, grains] = s.roofline.map(|r| r.map(|x| 100.0 * x));
     eprintln!(
-        "{:>7} {:>3} {:>13}  {:>16.2} {:>13} {:>8} {:>7.0}  {:>13}  {:>22}  {:>8} {:>9.3} {:>9}",
+        "{:>7} {:>7} {:>3} {:>13}  {:>16.2} {:>13} {:>8} {:>7.0}  {:>13}  {:>22} {:>15}  {:>8} {:>9.3} {:>9}",
+        row.case,
         row.grains,
         row.threads,
         row.law.name(),
@@ -213,6 +260,7 @@ fn line(row: &Row) {
         s.bytes_per_grain,
         format!("{:.2} / {:.2}", s.touching, s.near),
         format!("{:.1} / {:.1} / {:.1}", s.stages[0], s.stages[1], s.stages[2]),
+        format!("{:.0},{:.0} / {:.0},{:.0}", contacts[0], contacts[1], grains[0], grains[1]),
         s.searches,
         1e-3 * s.stress_volume,
         row.burst.as_ref().map_or("-".into(), |b| format!("{:.1}", 1e6 * b.each)),
@@ -221,7 +269,7 @@ fn line(row: &Row) {
 
 fn foot(rows: &[Row]) {
     eprintln!(
-        "\n/cpu-s: per second of processor time, all threads together. pairs: touching / listed. ns: per grain-step in neighbour lists, contacts, grains (a pass with clocks). us/break: one grain into 14."
+        "\n/cpu-s: per second of processor time, all threads together. pairs: touching / listed. ns: per grain-step in neighbour lists, contacts, grains (a pass with clocks). %: of the machine's operations and bandwidth, contacts / grains (a packing in the caches may pass 100). us/break: one grain into 14."
     );
     if let Some(row) = rows.first() {
         eprintln!(
@@ -232,11 +280,12 @@ fn foot(rows: &[Row]) {
     }
 }
 
-fn as_json(args: &Args, packings: &[Packing], rows: &[Row]) -> Value {
+fn as_json(args: &Args, machines: &[Machine], packings: &[(Case, Packing)], rows: &[Row]) -> Value {
     let packings: Vec<Value> = packings
         .iter()
-        .map(|p| {
+        .map(|(case, p)| {
             json!({
+                "case": case.name(),
                 "grains": p.grains.len(),
                 "porosity": p.porosity(),
                 "radius_m": p.walls.radius,
@@ -252,6 +301,11 @@ fn as_json(args: &Args, packings: &[Packing], rows: &[Row]) -> Value {
             "processor": processor(),
             "cores": std::thread::available_parallelism().map_or(1, usize::from),
             "load_average": bench::load_average(),
+            "simd": comminute::real::name(comminute::real::arch()),
+            "limits": machines
+                .iter()
+                .map(|m| json!({ "threads": m.threads, "bytes_per_second": m.bandwidth, "flops": m.flops }))
+                .collect::<Vec<_>>(),
         },
         "case": {
             "time_step_s": bench::TIME_STEP,
@@ -270,7 +324,9 @@ fn as_json(args: &Args, packings: &[Packing], rows: &[Row]) -> Value {
 fn row_as_json(row: &Row) -> Value {
     let s = &row.speed;
     let named = |x: [f64; 4]| json!({ "neighbours": x[0], "contacts": x[1], "grains": x[2], "crush": x[3] });
+    let shares = |x: [f64; 2]| json!({ "operations": x[0], "bandwidth": x[1] });
     json!({
+        "case": row.case.name(),
         "grains": row.grains,
         "threads": row.threads,
         "law": row.law.name(),
@@ -283,6 +339,7 @@ fn row_as_json(row: &Row) -> Value {
         "wall_contacts_per_grain": { "touching": s.wall_touching, "listed": s.wall_near },
         "stage_ns_per_grain_step": named(s.stages),
         "stage_shares": named(s.shares()),
+        "roofline": { "contacts": shares(s.roofline[0]), "grains": shares(s.roofline[1]) },
         "searches": s.searches,
         "steps": s.steps,
         "stress_kPa": { "volume": 1e-3 * s.stress_volume, "platens": 1e-3 * s.stress_platens, "radial": 1e-3 * s.stress_radial },

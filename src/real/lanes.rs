@@ -76,6 +76,12 @@ impl<S: Simd> Lanes<S> {
         Lanes { simd, values: simd.splat_f64s(x) }
     }
 
+    /// The number in the first lane.
+    #[inline(always)]
+    pub fn first(self) -> f64 {
+        bytemuck::cast_slice::<S::f64s, f64>(std::slice::from_ref(&self.values))[0]
+    }
+
     /// Whether the mask holds in every lane.
     #[inline(always)]
     pub fn all(simd: S, mask: S::m64s) -> bool {

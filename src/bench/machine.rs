@@ -1,0 +1,118 @@
+//! What the machine itself can do: the limits against which the stages of a step are held (a roofline).
+
+use crate::real::{self, Lanes};
+use pulp::{Simd, WithSimd};
+use rayon::prelude::*;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Measured limits of so many threads together.
+#[derive(Clone, Copy, Debug)]
+pub struct Machine {
+    pub threads: usize,
+    /// Bytes per second read and written in a triad a = b + s c far larger than the caches.
+    pub bandwidth: f64,
+    /// Multiplications and additions of f64 per second, not fused, in the widest registers in use.
+    pub flops: f64,
+}
+
+/// Numbers in each array of the triad: 3 × 64 MB.
+const TRIAD: usize = 8 << 20;
+/// Rounds; the best counts.
+const ROUNDS: usize = 5;
+/// Multiply-adds of one chain.
+const CHAIN: usize = 1 << 21;
+
+impl Machine {
+    /// Measures on the calling thread's pool.
+    pub fn measure() -> Machine {
+        Machine { threads: rayon::current_num_threads(), bandwidth: bandwidth(), flops: flops() }
+    }
+
+    /// Shares of the machine's limits at which a stage runs that does `work` in so many seconds: of its operations, of its bandwidth. The second
+    /// is above 1 where caches hold the packing.
+    pub fn shares(&self, work: Demand, seconds: f64) -> [f64; 2] {
+        [work.operations / seconds / self.flops, work.bytes / seconds / self.bandwidth]
+    }
+}
+
+/// What a stage of a step has to do per grain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Demand {
+    /// Additions, multiplications, divisions and roots, each counted once.
+    pub operations: f64,
+    /// Bytes read and written, each line once.
+    pub bytes: f64,
+}
+
+/// Operations of one contact (Hertz, without ledger) as `contact::force` writes them, and of one end of it in the grains' pass.
+const CONTACT: f64 = 145.0;
+const END: f64 = 30.0;
+/// Operations of one grain in the grains' pass.
+const GRAIN: f64 = 60.0;
+
+impl Demand {
+    /// Of the contacts, with so many per grain.
+    pub fn contacts(per_grain: f64) -> Demand {
+        // ends, the contact read and written, position, velocity, spin
+        Demand { operations: CONTACT * per_grain, bytes: (8.0 + 2.0 * 64.0) * per_grain + 3.0 * 32.0 }
+    }
+
+    /// Of the pass over grains.
+    pub fn grains(contacts_per_grain: f64) -> Demand {
+        // the contact, a link at each end; position, velocity, spin read and written, reference, place of the links
+        let bytes = (64.0 + 2.0 * 4.0) * contacts_per_grain + 6.0 * 32.0 + 16.0 + 12.0;
+        Demand { operations: 2.0 * END * contacts_per_grain + GRAIN, bytes }
+    }
+}
+
+fn bandwidth() -> f64 {
+    let (b, c) = (vec![1.0f64; TRIAD], vec![2.0f64; TRIAD]);
+    let mut a = vec![0.0f64; TRIAD];
+    let part = TRIAD / rayon::current_num_threads();
+    let best = (0..ROUNDS).map(|_| {
+        let since = Instant::now();
+        a.par_chunks_mut(part).zip(b.par_chunks(part)).zip(c.par_chunks(part)).for_each(|((a, b), c)| {
+            for ((a, b), c) in a.iter_mut().zip(b).zip(c) {
+                *a = b + 3.0 * c;
+            }
+        });
+        black_box(&a);
+        since.elapsed().as_secs_f64()
+    });
+    // a line that is written is read first
+    (4 * TRIAD * size_of::<f64>()) as f64 / best.fold(f64::INFINITY, f64::min)
+}
+
+fn flops() -> f64 {
+    let threads = rayon::current_num_threads();
+    let best = (0..ROUNDS).map(|_| {
+        let since = Instant::now();
+        let operations: usize = (0..threads).into_par_iter().map(|_| real::arch().dispatch(Chains)).sum();
+        operations as f64 / since.elapsed().as_secs_f64()
+    });
+    best.fold(0.0, f64::max)
+}
+
+/// Independent chains of multiplications and additions, as many as hide each other's latency; the number of operations.
+struct Chains;
+
+impl WithSimd for Chains {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> usize {
+        const CHAINS: usize = 12;
+        let (factor, term) = (Lanes::constants(simd, 0.999_999), Lanes::constants(simd, 1e-6));
+        let mut x = [Lanes::constants(simd, black_box(1.0)); CHAINS];
+        for _ in 0..CHAIN {
+            for x in &mut x {
+                *x = *x * factor + term;
+            }
+        }
+        for x in x {
+            black_box(x.first());
+        }
+        2 * CHAIN * CHAINS * Lanes::<S>::COUNT
+    }
+}
