@@ -3,7 +3,7 @@
 Two of its numbers mean something else than in the other codes; the script writes those that make the law the same:
 
 - Tsuji damping takes a restitution through a polynomial fit, and is weaker than the law of the case at the same number;
-- walls are too stiff in older versions (E / 2 (1 - nu) instead of E / 2 (1 - nu^2): 12 % here, and 1.2 % of the stress after 3500
+- walls are too stiff in older versions (E / 2 (1 - nu) instead of E / 2 (1 - nu^2): 12 % here, and 1.1 % of the stress after 3500
   steps), so one grain is pressed on a wall first, and Young's modulus of the walls divided by the excess of its force.
 """
 
@@ -69,7 +69,8 @@ def contact(young, friction):
     """Parameters of pairs or of walls."""
     # sqrt(8 G* / 2 E*): both dampings are the same share of the critical one of their spring
     tangential = math.sqrt(4.0 * (1.0 - POISSON) / (2.0 - POISSON))
-    return f"hertz/material {young!r} {damping_number():.9f} {POISSON} tangential mindlin NULL {tangential:.9f} {friction} damping tsuji"
+    normal = f"hertz/material {young!r} {damping_number():.9f} {POISSON}"
+    return f"{normal} tangential mindlin NULL {tangential:.9f} {friction} damping tsuji"
 
 
 def wall_excess(program, folder):

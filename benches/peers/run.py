@@ -35,7 +35,7 @@ def main():
     report = {
         "date": now.strftime("%Y-%m-%d %H:%M UTC"),
         "machine": machine(),
-        "versions": {name: CODES[name].version(programs[name]) if programs[name] else None for name in options.codes},
+        "versions": {name: version(CODES[name], programs[name]) for name in options.codes},
         "runs": [],
     }
     for name in options.codes:
@@ -43,7 +43,10 @@ def main():
     packings = {}
     for grains in options.grains:
         tell(f"packing of {grains} grains")
-        packings[grains] = comminute.packing(programs["comminute"], grains, options.cache)
+        try:
+            packings[grains] = comminute.packing(programs["comminute"], grains, options.cache)
+        except Failed as error:
+            sys.exit(f"no packing of {grains} grains: {error}")
     for turn in range(options.repeats):
         for grains in options.grains:
             for cores in options.threads:
@@ -69,7 +72,8 @@ def arguments():
     add("--codes", type=names, default=list(CODES), metavar="CODE,CODE", help=f"[{','.join(CODES)}]")
     add("--comminute", metavar="PATH", help="the program [target/release/comminute, or that of the path]")
     add("--cache", type=Path, default=Path("runs/bench"), metavar="DIR", help="folder of the packings [runs/bench]")
-    add("--yade-steps", type=int, default=STEPS, metavar="N", help=f"timed steps of Yade; its stress is checked at {STEPS} only [{STEPS}]")
+    add("--yade-steps", type=int, default=STEPS, metavar="N", help=f"timed steps of Yade; no check of its stress below [{STEPS}]")
+    add("--wait", type=float, default=0.0, metavar="SECONDS", help="before a run, wait so long for other programs to end [0]")
     add("--work", type=Path, metavar="DIR", help="folder to keep inputs and logs of the last round in")
     add("--out", type=Path, metavar="NAME", help="writes NAME.md and NAME.json after each round")
     options = parser.parse_args()
@@ -82,9 +86,17 @@ def arguments():
     return options
 
 
+def version(code, program):
+    try:
+        return code.version(program) if program else None
+    except Failed:
+        return "unknown version"
+
+
 def one(name, program, packing, cores, turn, options):
     """One run of one code, as an entry of the report."""
     run = {"code": name, "grains": len(packing), "cores": cores, "round": turn, "load": load()}
+    wait_for_others(options.wait)
     meter = Others()
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.work / f"{name}-{len(packing)}-{cores}" if options.work else Path(temporary)
@@ -233,6 +245,16 @@ class Others:
             return None
         seconds, busy, own = (after - before for before, after in zip(self.start, self.now()))
         return max(0.0, busy - own) / seconds
+
+
+def wait_for_others(seconds):
+    """Waits until other programs keep less than a tenth of a core busy, or for so long."""
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        meter = Others()
+        time.sleep(2.0)
+        if (meter.cores() or 0.0) < 0.1:
+            return
 
 
 def tell(text):

@@ -1,4 +1,7 @@
-"""What Yade runs: reads task.json, steps the case, writes told.json. Yade gives a script its names (O, FrictMat, sphere, ...) as globals."""
+"""What Yade runs: reads task.json, steps the case, writes told.json.
+
+Yade gives a script its names (O, FrictMat, sphere, ...) as globals.
+"""
 
 import json
 import math
@@ -13,11 +16,8 @@ from common import DENSITY, FRICTION, PLATEN_SPEED, POISSON, RESTITUTION, SKIN, 
 def material(radius_share, friction):
     """On a wall Yade takes a share (1/2 on a plane, 2/3 on a facet) of the radius for the effective one; Young's modulus makes up for
     it, so that the force is that of Hertz on a wall of the grains' own material."""
-    return O.materials.append(
-        FrictMat(
-            young=YOUNG / (2.0 * math.sqrt(radius_share) - 1.0), poisson=POISSON, density=DENSITY, frictionAngle=math.atan(friction)
-        )
-    )
+    young = YOUNG / (2.0 * math.sqrt(radius_share) - 1.0)
+    return O.materials.append(FrictMat(young=young, poisson=POISSON, density=DENSITY, frictionAngle=math.atan(friction)))
 
 
 def stress_sum():
