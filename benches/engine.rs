@@ -51,6 +51,10 @@ fn loops(c: &mut Criterion) {
     group.bench_function("gather and advance", |b| {
         one.install(|| b.iter(|| gather::advance(&model, &mut still, &work.neighbours, &mut flags, work.task / 4, work.arch)));
     });
+    still.crushing = true;
+    group.bench_function("gather and advance, judging every grain", |b| {
+        one.install(|| b.iter(|| gather::advance(&model, &mut still, &work.neighbours, &mut flags, work.task / 4, work.arch)));
+    });
     let mut moving = state.clone();
     group.bench_function("whole step", |b| {
         one.install(|| {

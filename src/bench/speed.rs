@@ -149,7 +149,7 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
         steps,
         bytes_per_grain: bytes / n,
         touching,
-        near: listed(&state.pairs) / n,
+        near: (listed(&state.pairs) + work.neighbours.near_pairs() as f64) / n,
         wall_touching: sums.wall_contacts as f64 / n,
         wall_near: listed(&state.wall_pairs) / n,
         stages,

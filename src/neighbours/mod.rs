@@ -334,6 +334,11 @@ impl Neighbours {
         self.searches = 0;
     }
 
+    /// Number of pairs listed that do not touch.
+    pub fn near_pairs(&self) -> usize {
+        self.near.len()
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.reference.capacity() * size_of::<Reference>()

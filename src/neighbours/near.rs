@@ -36,6 +36,11 @@ impl Near {
         self.ends[slot]
     }
 
+    /// Number of pairs.
+    pub fn len(&self) -> usize {
+        self.ends.len() - self.free.len()
+    }
+
     /// All pairs, with their slots.
     pub fn pairs(&self) -> impl Iterator<Item = (usize, [u32; 2])> + Clone + '_ {
         self.ends.iter().copied().enumerate().filter(|(_, e)| e[0] != FREE)
