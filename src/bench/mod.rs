@@ -93,6 +93,16 @@ impl Case {
         }
     }
 
+    /// Whether a grain of this radius is not one of the fines.
+    fn is_large(self, r: f64) -> bool {
+        r > 0.5 * RADII.0
+    }
+
+    /// Time step, s: in proportion to the smallest grain.
+    fn time_step(self) -> f64 {
+        TIME_STEP * self.radii().0 / RADII.0
+    }
+
     /// Porosity of the packing: in the wide one the fines stand in the pores of the others.
     fn porosity(self) -> f64 {
         match self {
@@ -126,7 +136,7 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
         scale: 1.0,
         damping: 0.0,
         gravity: [0.0; 3],
-        stepping: Stepping { safety: 0.8, inertia_scaling: false, dt: Some(TIME_STEP), skin },
+        stepping: Stepping { safety: 0.8, inertia_scaling: false, dt: Some(case.time_step()), skin },
         rig: Rig::Oedometer(rig(case, grains)),
         records: Records {
             per_decade: 1,
@@ -148,6 +158,16 @@ pub fn breakable(model: &Model) -> Result<Model> {
     let strength = StrengthModel { sigma_lim0: 1e15, d0: 2e-3, m: 10.0, var: 0.0, truncation: Truncation::Redraw, min_ratio: 0.0 };
     let crush = CrushModel { area: AreaModel::FixedAngle { theta0: PI / 9.0 }, strength, pattern, d_limit: 1e-3 };
     Ok(Model { crush: Some(crush), ..model.clone() })
+}
+
+/// The large grains of a wide packing by themselves: so few that the walls keep them looser.
+fn skeleton(grains: usize) -> Model {
+    let mut model = model(Case::Uniform, grains, ContactLaw::Hertz, SKIN);
+    if let Rig::Oedometer(rig) = &mut model.rig {
+        rig.porosity = 0.44;
+        rig.preparation.porosity_tolerance = 0.08;
+    }
+    model
 }
 
 fn rig(case: Case, grains: usize) -> Oedometer {

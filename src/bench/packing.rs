@@ -1,14 +1,18 @@
 //! Packings of the bench: made once by the toolkit itself (radius growth, inertia-scaled, isotropic servo), then kept as
-//! specimen files.
+//! specimen files. A tenth of the mass in fines does not fill the pores of the others: there they are put at random, touching nothing, as most fragments
+//! of a crushed specimen are.
 
-use super::{Case, model};
+use super::{Case, model, skeleton};
+use crate::contact::force::dot;
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::model::{ContactLaw, Model, Rig};
+use crate::packing as sampling;
 use crate::record::specimen;
 use crate::rig::oedometer::{BOTTOM, TOP, Walls};
 use crate::rig::preparation::{self, Preparation};
-use crate::step::Work;
+use crate::step::{State, Work};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -38,7 +42,7 @@ const REPORT: u64 = 256;
 pub fn packing(case: Case, grains: usize, folder: &Path, mut progress: impl FnMut(&str)) -> Result<Packing> {
     let model = model(case, grains, ContactLaw::Hertz, 0.1);
     let path = folder.join(format!("{}-{grains}.csv", case.name()));
-    let seconds = if path.exists() { None } else { Some(make(&model, &path, &mut progress)?) };
+    let seconds = if path.exists() { None } else { Some(make(case, &model, &path, &mut progress)?) };
     let (found, walls) = specimen::read(&path, &model.materials)?;
     let (low, high) = case.radii();
     if found.len() != grains || found.pos.iter().any(|p| p[3] < 0.999 * low || p[3] > 1.001 * high) {
@@ -49,10 +53,30 @@ pub fn packing(case: Case, grains: usize, folder: &Path, mut progress: impl FnMu
 }
 
 /// Makes a packing and writes it in one piece.
-fn make(model: &Model, path: &Path, progress: &mut impl FnMut(&str)) -> Result<f64> {
+fn make(case: Case, model: &Model, path: &Path, progress: &mut impl FnMut(&str)) -> Result<f64> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(Error::write(folder))?;
     }
+    let since = Instant::now();
+    let state = match case {
+        Case::Uniform => at_rest(model, progress)?,
+        Case::Wide => {
+            let Rig::Oedometer(rig) = &model.rig else { unreachable!("the bench is an oedometer") };
+            let (large, fines): (Vec<f64>, Vec<f64>) =
+                sampling::radii(rig, model.seeds.packing).into_iter().partition(|&r| case.is_large(r));
+            let mut state = at_rest(&skeleton(large.len()), progress)?;
+            strew(&mut state, &fines, model);
+            state
+        }
+    };
+    let unfinished = path.with_extension("tmp");
+    specimen::write(&unfinished, &state.grains, &model.materials, Some(Walls::of(&state)))?;
+    std::fs::rename(&unfinished, path).map_err(Error::write(path))?;
+    Ok(since.elapsed().as_secs_f64())
+}
+
+/// The model's specimen, prepared with scaled inertia.
+fn at_rest(model: &Model, progress: &mut impl FnMut(&str)) -> Result<State> {
     let scaled = scaled(model);
     let Rig::Oedometer(rig) = &scaled.rig else { unreachable!("the bench is an oedometer") };
     let since = Instant::now();
@@ -75,10 +99,35 @@ fn make(model: &Model, path: &Path, progress: &mut impl FnMut(&str)) -> Result<f
             ));
         }
     }
-    let unfinished = path.with_extension("tmp");
-    specimen::write(&unfinished, &state.grains, &scaled.materials, Some(Walls::of(&state)))?;
-    std::fs::rename(&unfinished, path).map_err(Error::write(path))?;
-    Ok(since.elapsed().as_secs_f64())
+    Ok(state)
+}
+
+/// Puts small grains at random where they touch nothing.
+fn strew(state: &mut State, radii: &[f64], model: &Model) {
+    let walls = Walls::of(state);
+    let large = state.grains.pos.clone();
+    let cell = 2.0 * radii.iter().copied().fold(0.0, f64::max);
+    let place = |p: [f64; 3]| p.map(|x| (x / cell).floor() as i64);
+    let mut cells: HashMap<[i64; 3], Vec<[f64; 4]>> = HashMap::new();
+    let apart = |p: [f64; 3], r: f64, q: &[f64; 4]| {
+        let d: [f64; 3] = std::array::from_fn(|a| p[a] - q[a]);
+        dot(d, d) > (r + q[3]) * (r + q[3])
+    };
+    let mut seed = model.seeds.packing;
+    for &r in radii {
+        loop {
+            seed += 1;
+            let [x, y, z] = sampling::random_points(walls.radius, walls.height, &[r], seed)[0];
+            let p = [x, y, z + walls.bottom];
+            let [i, j, k] = place(p);
+            let near = (0..27).filter_map(|n| cells.get(&[i + n % 3 - 1, j + n / 3 % 3 - 1, k + n / 9 - 1]));
+            if large.iter().chain(near.flatten()).all(|q| apart(p, r, q)) {
+                cells.entry(place(p)).or_default().push([p[0], p[1], p[2], r]);
+                state.grains.add(p, r, 0, &model.materials);
+                break;
+            }
+        }
+    }
 }
 
 /// The model with scaled inertia, for making the packing.

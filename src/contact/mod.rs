@@ -3,4 +3,6 @@
 pub mod force;
 pub mod law;
 pub mod pairs;
+pub mod part;
 pub mod sweep;
+pub mod wall_sweep;

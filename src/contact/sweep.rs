@@ -1,26 +1,16 @@
-//! The sweep: every pair's geometry, then its force. Parallel over slots; each slot writes only itself and reads the grains,
-//! so no result depends on threads or on the order of slots.
+//! The sweep over contacts between grains: every pair's geometry, then its force, as many at once as the processor has lanes. Parallel over
+//! slots; each slot writes only itself and reads the grains, so no result depends on threads or on the order of slots.
 
-use super::force::{self, Meeting, Memory, Motion, Rules};
+use super::force::{self, Meeting, Motion, Rules};
 use super::law::{Law, Pair, PairTable};
-use super::pairs::{FREE, Pairs, Touch};
-use crate::boundary::Wall;
+use super::pairs::{FREE, Pairs};
+use super::part::{Part, Slots, for_each_part};
 use crate::grains::Grains;
 use crate::model::{ContactModel, Model, TangentialUnloading};
 use crate::real::{Lanes, Real};
 use crate::with_law;
 use pulp::{Simd, WithSimd};
 use std::marker::PhantomData;
-
-/// Contacts per parallel task; up to one and a half of them threads cost more than they bring.
-pub const TASK: usize = 1024;
-
-/// Which slots a sweep takes.
-#[derive(Clone, Copy)]
-pub enum Slots<'a> {
-    All,
-    These(&'a [u32]),
-}
 
 /// Contacts of grains with grains.
 pub fn grains(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs, slots: Slots<'_>) {
@@ -34,154 +24,9 @@ pub fn grains(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, pairs
     })
 }
 
-/// All contacts of grains with walls.
-pub fn walls(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
-    let ledger = pairs.kept().work;
-    with_law!(model.contact.law, L => match ledger {
-        false => sweep_walls::<L, false>(table, rules, g, walls, pairs),
-        true => sweep_walls::<L, true>(table, rules, g, walls, pairs),
-    })
-}
-
 /// Whether the contacts need more than one material's normal and tangential law with a kept tangential force.
 fn needs_extra(contact: &ContactModel, pairs: &Pairs, rules: &Rules, materials: usize) -> bool {
     contact.rolling || rules.unloading == TangentialUnloading::Rescale || pairs.kept().load || materials > 1
-}
-
-/// One chunk of slots, each array's part; columns that the run does not keep are empty.
-struct Part<'a> {
-    ends: &'a [[u32; 2]],
-    touch: &'a mut [Touch],
-    work: &'a mut [[f64; 4]],
-    rolling: &'a mut [[f64; 3]],
-    spring: &'a mut [[f64; 3]],
-    load: &'a mut [f64],
-}
-
-impl<'a> Part<'a> {
-    fn all(p: &'a mut Pairs) -> Part<'a> {
-        Part {
-            ends: &p.ends,
-            touch: &mut p.touch,
-            work: &mut p.work,
-            rolling: &mut p.rolling,
-            spring: &mut p.spring,
-            load: &mut p.load,
-        }
-    }
-
-    fn halves(self, at: usize) -> (Part<'a>, Part<'a>) {
-        fn cut<T>(v: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
-            v.split_at_mut(at.min(v.len()))
-        }
-        let (e0, e1) = self.ends.split_at(at);
-        let (t0, t1) = cut(self.touch, at);
-        let (w0, w1) = cut(self.work, at);
-        let (r0, r1) = cut(self.rolling, at);
-        let (s0, s1) = cut(self.spring, at);
-        let (l0, l1) = cut(self.load, at);
-        (
-            Part { ends: e0, touch: t0, work: w0, rolling: r0, spring: s0, load: l0 },
-            Part { ends: e1, touch: t1, work: w1, rolling: r1, spring: s1, load: l1 },
-        )
-    }
-
-    /// What slot `s` keeps. `EXTRA`: the run may have rolling moments or weighted loads.
-    #[inline(always)]
-    fn read<L: Law, const EXTRA: bool>(&self, s: usize) -> Memory {
-        Memory {
-            touch: self.touch[s],
-            spring: if L::VISCOUS { Some(self.spring[s]) } else { None },
-            rolling: if EXTRA { self.rolling.get(s).copied() } else { None },
-            load: if EXTRA { self.load.get(s).copied() } else { None },
-            work: None,
-        }
-    }
-
-    #[inline(always)]
-    fn write(&mut self, s: usize, m: Memory) {
-        self.touch[s] = m.touch;
-        for (column, value) in [(&mut *self.spring, m.spring), (&mut *self.rolling, m.rolling)] {
-            if let Some(value) = value {
-                column[s] = value;
-            }
-        }
-        if let Some([path, slip, viscous]) = m.work {
-            self.work[s] = [path, slip, viscous, 0.0];
-        }
-        if let Some(load) = m.load {
-            self.load[s] = load;
-        }
-    }
-
-    /// What the slots keep, one in each lane.
-    #[inline(always)]
-    fn read_lanes<S: Simd, L: Law, const EXTRA: bool>(&self, simd: S, slot: impl Fn(usize) -> usize) -> Memory<Lanes<S>> {
-        let [x, y, z, normal_force] = Lanes::columns(simd, |k| self.touch[slot(k)].first());
-        let [nx, ny, nz, overlap] = Lanes::columns(simd, |k| self.touch[slot(k)].second());
-        let vectors = |column: &[[f64; 3]]| {
-            let [x, y, z, _] = Lanes::columns(simd, |k| {
-                let [x, y, z] = column[slot(k)];
-                [x, y, z, 0.0]
-            });
-            [x, y, z]
-        };
-        Memory {
-            touch: Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap },
-            spring: if L::VISCOUS { Some(vectors(self.spring)) } else { None },
-            rolling: if EXTRA && !self.rolling.is_empty() { Some(vectors(self.rolling)) } else { None },
-            // an outcome only: its old value is not read
-            load: if EXTRA && !self.load.is_empty() { Some(overlap) } else { None },
-            work: None,
-        }
-    }
-
-    #[inline(always)]
-    fn write_lanes<S: Simd>(&mut self, simd: S, slot: impl Fn(usize) -> usize, m: &Memory<Lanes<S>>) {
-        let Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = m.touch;
-        Lanes::rows(simd, [x, y, z, normal_force], |k, row| self.touch[slot(k)].set_first(row));
-        Lanes::rows(simd, [nx, ny, nz, overlap], |k, row| self.touch[slot(k)].set_second(row));
-        for (column, value) in [(&mut *self.spring, m.spring), (&mut *self.rolling, m.rolling)] {
-            if let Some([x, y, z]) = value {
-                Lanes::rows(simd, [x, y, z, x], |k, [x, y, z, _]| column[slot(k)] = [x, y, z]);
-            }
-        }
-        if let Some([path, slip, viscous]) = m.work {
-            Lanes::rows(simd, [path, slip, viscous, path.constant(0.0)], |k, row| self.work[slot(k)] = row);
-        }
-        if let Some(load) = m.load {
-            Lanes::rows(simd, [load; 4], |k, [load, ..]| self.load[slot(k)] = load);
-        }
-    }
-}
-
-/// Whether so many items are best done by one thread.
-pub fn few(items: usize, task: usize) -> bool {
-    2 * items <= 3 * task || rayon::current_num_threads() == 1
-}
-
-/// Runs `body` on the slots, cut into chunks and in parallel where there are enough.
-fn for_each_part(p: &mut Pairs, slots: Slots<'_>, task: usize, body: impl Fn(Part<'_>) + Sync) {
-    if let Slots::These(slots) = slots {
-        for &s in slots {
-            let (_, from) = Part::all(p).halves(s as usize);
-            body(from.halves(1).0);
-        }
-        return;
-    }
-    let serial = few(p.slots(), task);
-    let all = Part::all(p);
-    if serial { body(all) } else { split(all, task, &body) }
-}
-
-/// Halves a part until it is small, the halves joined in parallel.
-fn split(part: Part<'_>, task: usize, body: &(impl Fn(Part<'_>) + Sync)) {
-    let n = part.ends.len();
-    if n <= task {
-        return body(part);
-    }
-    let (left, right) = part.halves(n.div_ceil(task).div_ceil(2) * task);
-    rayon::join(|| split(left, task, body), || split(right, task, body));
 }
 
 fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(
@@ -196,7 +41,7 @@ fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(
     });
 }
 
-/// A part of the contacts of grains with grains, as many at once as the processor has lanes.
+/// A part of the contacts between grains.
 struct Sweep<'a, L, const LEDGER: bool, const EXTRA: bool> {
     table: &'a PairTable,
     rules: &'a Rules,
@@ -322,122 +167,5 @@ fn relative<R: Real>(v: [[R; 4]; 2], w: [[R; 4]; 2], r: [R; 2]) -> Motion<R> {
         turning: force::plus(force::scaled(w0, r[0]), force::scaled(w1, r[1])),
         mean_spin: force::plus(w0, w1).map(|x| x * 0.5),
         spin_difference: force::less(w0, w1),
-    }
-}
-
-/// Motion of grain i against a wall that moves against `normal` (into the grains) with `speed`.
-#[inline(always)]
-pub fn motion_on_wall(g: &Grains, i: usize, normal: [f64; 3], speed: f64) -> Motion {
-    relative_to_wall(g.vel[i], g.spin[i], g.pos[i][3], normal, speed)
-}
-
-#[inline(always)]
-fn relative_to_wall<R: Real>(v: [R; 4], w: [R; 4], r: R, normal: [R; 3], speed: R) -> Motion<R> {
-    let spin = [w[0], w[1], w[2]];
-    Motion {
-        centres: force::plus([v[0], v[1], v[2]], force::scaled(normal, speed)),
-        turning: force::scaled(spin, r),
-        mean_spin: spin,
-        spin_difference: spin,
-    }
-}
-
-fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
-    for_each_part(pairs, Slots::All, rules.task, |part| {
-        rules.arch.dispatch(WallSweep::<L, LEDGER> { table, rules, g, walls, part, law: PhantomData });
-    });
-}
-
-/// A part of the contacts of grains with walls. Most of those listed do not touch: those that do are collected until they fill the lanes.
-struct WallSweep<'a, L, const LEDGER: bool> {
-    table: &'a PairTable,
-    rules: &'a Rules,
-    g: &'a Grains,
-    walls: &'a [Wall],
-    part: Part<'a>,
-    law: PhantomData<L>,
-}
-
-/// A contact with a wall: its slot, and its normal and overlap.
-#[derive(Clone, Copy, Default)]
-struct OnWall {
-    slot: usize,
-    at: [f64; 4],
-}
-
-impl<L: Law, const LEDGER: bool> WithSimd for WallSweep<'_, L, LEDGER> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        let lanes = Lanes::<S>::COUNT;
-        let mut waiting = [OnWall::default(); MOST_LANES];
-        let mut n = 0;
-        for slot in 0..self.part.ends.len() {
-            let [i, k] = self.part.ends[slot];
-            if i == FREE {
-                continue;
-            }
-            let ([x, y, z], gap) = self.walls[k as usize].shape.towards(self.g.pos[i as usize]);
-            if gap >= 0.0 {
-                self.apart(slot, [x, y, z]);
-                continue;
-            }
-            waiting[n] = OnWall { slot, at: [x, y, z, -gap] };
-            n += 1;
-            if n == lanes {
-                n = 0;
-                if lanes == 1 { self.alone(waiting[0]) } else { self.together(simd, &waiting[..lanes]) }
-            }
-        }
-        for &one in &waiting[..n] {
-            self.alone(one);
-        }
-    }
-}
-
-/// No instruction set has more lanes.
-const MOST_LANES: usize = 8;
-
-impl<L: Law, const LEDGER: bool> WallSweep<'_, L, LEDGER> {
-    #[inline(always)]
-    fn apart(&mut self, slot: usize, normal: [f64; 3]) {
-        let [i, k] = self.part.ends[slot];
-        let old = self.part.read::<L, true>(slot);
-        // only what has just ended leaves anything to write
-        if old.touch.overlap > 0.0 || LEDGER && self.part.work[slot][0] != 0.0 {
-            let motion = || motion_on_wall(self.g, i as usize, normal, self.walls[k as usize].speed);
-            self.part.write(slot, force::apart::<LEDGER>(motion, self.rules.dt, &old));
-        }
-    }
-
-    #[inline(always)]
-    fn alone(&mut self, OnWall { slot, at: [x, y, z, overlap] }: OnWall) {
-        let WallSweep { table, rules, g, walls, part, .. } = self;
-        let [i, k] = part.ends[slot].map(|e| e as usize);
-        let normal = [x, y, z];
-        let motion = motion_on_wall(g, i, normal, walls[k].speed);
-        let meeting = Meeting { normal, overlap, r_eff: g.pos[i][3], m_eff: 1.0 / g.vel[i][3], motion };
-        let pair = table.wall(k, g.material[i]);
-        part.write(slot, force::touching::<f64, L, LEDGER, true>(&meeting, pair, rules, &part.read::<L, true>(slot)));
-    }
-
-    #[inline(always)]
-    fn together<S: Simd>(&mut self, simd: S, those: &[OnWall]) {
-        let WallSweep { table, rules, g, walls, part, .. } = self;
-        let slot = |k: usize| those[k].slot;
-        let ends = part.ends;
-        let (grain, wall) = (|k: usize| ends[slot(k)][0] as usize, |k: usize| ends[slot(k)][1] as usize);
-        let [x, y, z, overlap] = Lanes::columns(simd, |k| those[k].at);
-        let [.., r] = Lanes::columns(simd, |k| g.pos[grain(k)]);
-        let v = Lanes::columns(simd, |k| g.vel[grain(k)]);
-        let w = Lanes::columns(simd, |k| g.spin[grain(k)]);
-        let [speed, ..] = Lanes::columns(simd, |k| [walls[wall(k)].speed; 4]);
-        let normal = [x, y, z];
-        let motion = relative_to_wall(v, w, r, normal, speed);
-        let meeting = Meeting { normal, overlap, r_eff: r, m_eff: r.constant(1.0) / v[3], motion };
-        let pair = table.lanes(simd, |k| table.wall(wall(k), g.material[grain(k)]));
-        let old = part.read_lanes::<S, L, true>(simd, slot);
-        part.write_lanes(simd, slot, &force::touching::<Lanes<S>, L, LEDGER, true>(&meeting, &pair, rules, &old));
     }
 }

@@ -6,7 +6,7 @@
 use super::strength::{lineage_child, random_perpendicular};
 use crate::contact::force::{cross, dot};
 use crate::contact::law::PairTable;
-use crate::contact::sweep;
+use crate::contact::{sweep, wall_sweep};
 use crate::grains::sphere_volume;
 use crate::model::{CrushModel, Model};
 use crate::neighbours::{Neighbours, Pools};
@@ -245,7 +245,7 @@ fn close_contacts(state: &mut State, neighbours: &Neighbours, m: usize) {
         let slot = e.slot();
         let power = if e.is_wall() {
             let normal = measure::normal(state, slot, true);
-            sweep::motion_on_wall(g, m, normal, state.walls[e.wall_index()].speed).power(&state.wall_pairs.touch[slot])
+            wall_sweep::motion_on_wall(g, m, normal, state.walls[e.wall_index()].speed).power(&state.wall_pairs.touch[slot])
         } else {
             let [a, b] = state.pairs.ends[slot];
             sweep::motion(g, a as usize, b as usize).power(&state.pairs.touch[slot])

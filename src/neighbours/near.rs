@@ -2,10 +2,7 @@
 //! contacts by far.
 
 use crate::contact::pairs::FREE;
-use crate::contact::{
-    force::dot,
-    sweep::{difference, few},
-};
+use crate::contact::{force::dot, part::few, sweep::difference};
 use rayon::prelude::*;
 
 #[derive(Default)]

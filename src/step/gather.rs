@@ -3,7 +3,7 @@
 
 use super::State;
 use crate::contact::pairs::{Pairs, Touch};
-use crate::contact::sweep::few;
+use crate::contact::part::few;
 use crate::model::Model;
 use crate::neighbours::Neighbours;
 use crate::neighbours::adjacency::Link;

@@ -19,7 +19,8 @@ use crate::contact::force::Rules;
 use crate::contact::force::dot;
 use crate::contact::law::{Law, PairTable};
 use crate::contact::pairs::{FREE, Kept, Pairs};
-use crate::contact::sweep::{self, Slots};
+use crate::contact::part::{self, Slots};
+use crate::contact::{sweep, wall_sweep};
 use crate::crush::criterion::AreaModel;
 use crate::crush::event::{self, Breakage};
 use crate::grains::Grains;
@@ -106,7 +107,7 @@ impl Work {
             table_friction: state.friction,
             births_since_reorder: 0,
             rebuild_always: false,
-            task: sweep::TASK,
+            task: part::TASK,
             arch: crate::real::arch(),
             clock: None,
         }
@@ -232,7 +233,7 @@ impl Drop for Ends<'_> {
 
 /// Whether a step is too small for threads to bring anything.
 fn small(state: &State, work: &Work) -> bool {
-    sweep::few(state.pairs.slots(), work.task)
+    part::few(state.pairs.slots(), work.task)
 }
 
 /// Grains in space order again once many were born or moved about.
@@ -272,7 +273,7 @@ pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
     let mut lists = || {
         search(neighbours, moved, *rebuild_always, grains, walls, wall_pairs);
         neighbours.meet(&grains.pos, 4 * task);
-        sweep::walls(model, table, &rules, grains, walls, wall_pairs);
+        wall_sweep::walls(model, table, &rules, grains, walls, wall_pairs);
     };
     if small {
         (sweep(), lists())

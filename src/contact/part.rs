@@ -1,0 +1,153 @@
+//! The slots of a sweep, cut into parts that threads share; reading and writing one contact, or one in each lane.
+
+use super::force::Memory;
+use super::law::Law;
+use super::pairs::{Pairs, Touch};
+use crate::real::{Lanes, Real};
+use pulp::Simd;
+
+/// Contacts per parallel task; up to one and a half of them threads cost more than they bring.
+pub const TASK: usize = 1024;
+
+/// Which slots a sweep takes.
+#[derive(Clone, Copy)]
+pub enum Slots<'a> {
+    All,
+    These(&'a [u32]),
+}
+
+/// One chunk of slots, each array's part; columns that the run does not keep are empty.
+pub struct Part<'a> {
+    pub ends: &'a [[u32; 2]],
+    pub touch: &'a mut [Touch],
+    pub work: &'a mut [[f64; 4]],
+    rolling: &'a mut [[f64; 3]],
+    spring: &'a mut [[f64; 3]],
+    load: &'a mut [f64],
+}
+
+impl<'a> Part<'a> {
+    fn all(p: &'a mut Pairs) -> Part<'a> {
+        Part {
+            ends: &p.ends,
+            touch: &mut p.touch,
+            work: &mut p.work,
+            rolling: &mut p.rolling,
+            spring: &mut p.spring,
+            load: &mut p.load,
+        }
+    }
+
+    fn halves(self, at: usize) -> (Part<'a>, Part<'a>) {
+        fn cut<T>(v: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
+            v.split_at_mut(at.min(v.len()))
+        }
+        let (e0, e1) = self.ends.split_at(at);
+        let (t0, t1) = cut(self.touch, at);
+        let (w0, w1) = cut(self.work, at);
+        let (r0, r1) = cut(self.rolling, at);
+        let (s0, s1) = cut(self.spring, at);
+        let (l0, l1) = cut(self.load, at);
+        (
+            Part { ends: e0, touch: t0, work: w0, rolling: r0, spring: s0, load: l0 },
+            Part { ends: e1, touch: t1, work: w1, rolling: r1, spring: s1, load: l1 },
+        )
+    }
+
+    /// What slot `s` keeps. `EXTRA`: the run may have rolling moments or weighted loads.
+    #[inline(always)]
+    pub fn read<L: Law, const EXTRA: bool>(&self, s: usize) -> Memory {
+        Memory {
+            touch: self.touch[s],
+            spring: if L::VISCOUS { Some(self.spring[s]) } else { None },
+            rolling: if EXTRA { self.rolling.get(s).copied() } else { None },
+            load: if EXTRA { self.load.get(s).copied() } else { None },
+            work: None,
+        }
+    }
+
+    #[inline(always)]
+    pub fn write(&mut self, s: usize, m: Memory) {
+        self.touch[s] = m.touch;
+        for (column, value) in [(&mut *self.spring, m.spring), (&mut *self.rolling, m.rolling)] {
+            if let Some(value) = value {
+                column[s] = value;
+            }
+        }
+        if let Some([path, slip, viscous]) = m.work {
+            self.work[s] = [path, slip, viscous, 0.0];
+        }
+        if let Some(load) = m.load {
+            self.load[s] = load;
+        }
+    }
+
+    /// What the slots keep, one in each lane.
+    #[inline(always)]
+    pub fn read_lanes<S: Simd, L: Law, const EXTRA: bool>(&self, simd: S, slot: impl Fn(usize) -> usize) -> Memory<Lanes<S>> {
+        let [x, y, z, normal_force] = Lanes::columns(simd, |k| self.touch[slot(k)].first());
+        let [nx, ny, nz, overlap] = Lanes::columns(simd, |k| self.touch[slot(k)].second());
+        let vectors = |column: &[[f64; 3]]| {
+            let [x, y, z, _] = Lanes::columns(simd, |k| {
+                let [x, y, z] = column[slot(k)];
+                [x, y, z, 0.0]
+            });
+            [x, y, z]
+        };
+        Memory {
+            touch: Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap },
+            spring: if L::VISCOUS { Some(vectors(self.spring)) } else { None },
+            rolling: if EXTRA && !self.rolling.is_empty() { Some(vectors(self.rolling)) } else { None },
+            // an outcome only: its old value is not read
+            load: if EXTRA && !self.load.is_empty() { Some(overlap) } else { None },
+            work: None,
+        }
+    }
+
+    #[inline(always)]
+    pub fn write_lanes<S: Simd>(&mut self, simd: S, slot: impl Fn(usize) -> usize, m: &Memory<Lanes<S>>) {
+        let Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = m.touch;
+        Lanes::rows(simd, [x, y, z, normal_force], |k, row| self.touch[slot(k)].set_first(row));
+        Lanes::rows(simd, [nx, ny, nz, overlap], |k, row| self.touch[slot(k)].set_second(row));
+        for (column, value) in [(&mut *self.spring, m.spring), (&mut *self.rolling, m.rolling)] {
+            if let Some([x, y, z]) = value {
+                Lanes::rows(simd, [x, y, z, x], |k, [x, y, z, _]| column[slot(k)] = [x, y, z]);
+            }
+        }
+        if let Some([path, slip, viscous]) = m.work {
+            Lanes::rows(simd, [path, slip, viscous, path.constant(0.0)], |k, row| self.work[slot(k)] = row);
+        }
+        if let Some(load) = m.load {
+            Lanes::rows(simd, [load; 4], |k, [load, ..]| self.load[slot(k)] = load);
+        }
+    }
+}
+
+/// Whether so many items are best done by one thread.
+pub fn few(items: usize, task: usize) -> bool {
+    2 * items <= 3 * task || rayon::current_num_threads() == 1
+}
+
+/// Runs `body` on the slots, cut into chunks and in parallel where there are enough.
+pub fn for_each_part(p: &mut Pairs, slots: Slots<'_>, task: usize, body: impl Fn(Part<'_>) + Sync) {
+    if let Slots::These(slots) = slots {
+        for &s in slots {
+            let (_, from) = Part::all(p).halves(s as usize);
+            body(from.halves(1).0);
+        }
+        return;
+    }
+    let serial = few(p.slots(), task);
+    let all = Part::all(p);
+    if serial { body(all) } else { split(all, task, &body) }
+}
+
+/// Halves a part until it is small, the halves joined in parallel.
+fn split(part: Part<'_>, task: usize, body: &(impl Fn(Part<'_>) + Sync)) {
+    let n = part.ends.len();
+    if n <= task {
+        return body(part);
+    }
+    let (left, right) = part.halves(n.div_ceil(task).div_ceil(2) * task);
+    rayon::join(|| split(left, task, body), || split(right, task, body));
+}
