@@ -164,8 +164,8 @@ pub fn breakable(model: &Model) -> Result<Model> {
 fn skeleton(grains: usize) -> Model {
     let mut model = model(Case::Uniform, grains, ContactLaw::Hertz, SKIN);
     if let Rig::Oedometer(rig) = &mut model.rig {
-        rig.porosity = 0.44;
-        rig.preparation.porosity_tolerance = 0.08;
+        rig.porosity = 0.48;
+        rig.preparation.porosity_tolerance = 0.1;
     }
     model
 }
