@@ -132,7 +132,7 @@ fn shuffled(seed: u64) -> impl FnMut(&mut State, &mut Work) + Send {
 #[test]
 fn random_orders_in_memory_give_the_same_bytes() {
     same(reference(), &on_threads(1, || run(scene(&[]), shuffled(1))));
-    same(reference(), &on_threads(2, || run(scene(&["stepping.skin=0.14"]), shuffled(2))));
+    same(reference(), &on_threads(3, || run(scene(&["stepping.skin=0.14"]), shuffled(2))));
 }
 
 #[test]
