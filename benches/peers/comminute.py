@@ -38,7 +38,7 @@ def packing(program, grains, cache):
 def run(program, packing, cores, folder, options):
     plan = ["--warm-up", WARM_UP, "--steps", STEPS // BLOCKS, "--repeats", BLOCKS]
     told = bench(program, len(packing), cores, packing.path.parent, [*plan, "--skin", SKIN_OVER_RADIUS])
-    case, row = told["case"], told["rows"][0]
+    case, row = {**told["case"], **told["packings"][0]}, told["rows"][0]
     same = {"time_step_s": TIME_STEP, "platen_speed_m_s": PLATEN_SPEED, "restitution_hertz_viscous": RESTITUTION}
     for key, value in same.items():
         if not math.isclose(case[key], value):

@@ -28,8 +28,8 @@ use crate::rig::oedometer::{TOP, walls};
 use crate::step::{State, Work, reorder};
 use std::f64::consts::PI;
 
-/// Time step, s: 15 % of the Rayleigh step.
-pub const TIME_STEP: f64 = 1.4e-6;
+/// Time step of the uniform packing, s: 15 % of the Rayleigh step.
+const TIME_STEP: f64 = 1.4e-6;
 /// Speed of the top platen, m/s.
 pub const PLATEN_SPEED: f64 = 5e-3;
 /// Porosity and isotropic stress, Pa, of the packing.
@@ -47,7 +47,7 @@ const SLENDERNESS: f64 = 1.15;
 const GRADATION_POINTS: usize = 21;
 
 /// Grains of the packing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Case {
     /// Of about one size.
     Uniform,
@@ -59,8 +59,23 @@ impl Case {
     /// Sizes in this case are multiplied by this for the small grains; share of the mass that they have.
     const FINES: (f64, f64) = (1.0 / 30.0, 0.1);
 
-    /// Also the stem of the packing's file.
     pub fn name(self) -> &'static str {
+        match self {
+            Case::Uniform => "uniform",
+            Case::Wide => "wide",
+        }
+    }
+
+    /// Fewest grains that make a specimen: some thirty large ones.
+    pub fn least(self) -> usize {
+        match self {
+            Case::Uniform => 200,
+            Case::Wide => 100_000,
+        }
+    }
+
+    /// Stem of the packing's file.
+    fn stem(self) -> &'static str {
         match self {
             Case::Uniform => "oedometer",
             Case::Wide => "wide",
@@ -99,7 +114,7 @@ impl Case {
     }
 
     /// Time step, s: in proportion to the smallest grain.
-    fn time_step(self) -> f64 {
+    pub fn time_step(self) -> f64 {
         TIME_STEP * self.radii().0 / RADII.0
     }
 
@@ -109,6 +124,13 @@ impl Case {
             Case::Uniform => POROSITY,
             Case::Wide => 1.0 - (1.0 - POROSITY) / (1.0 - Self::FINES.1),
         }
+    }
+}
+
+impl std::fmt::Display for Case {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        // with the width that a table asks for
+        f.pad(self.name())
     }
 }
 
@@ -205,7 +227,7 @@ fn rig(case: Case, grains: usize) -> Oedometer {
 /// them), the top one moving, memory in the order of space.
 pub fn start(model: &Model, packing: &Packing) -> (State, Work) {
     let size = packing.walls;
-    let mut around: Vec<Wall> = walls(&rig(packing.case, packing.grains.len()), size.radius, size.bottom, size.height, [0.0; 3]);
+    let mut around: Vec<Wall> = walls(&rig(packing.case, packing.grains.len()), size.radius, size.bottom, size.height);
     for wall in &mut around {
         wall.material = Some(0);
     }

@@ -41,7 +41,7 @@ const REPORT: u64 = 256;
 /// A file that cannot be read or written or is not this packing, or a preparation that fails.
 pub fn packing(case: Case, grains: usize, folder: &Path, mut progress: impl FnMut(&str)) -> Result<Packing> {
     let model = model(case, grains, ContactLaw::Hertz, 0.1);
-    let path = folder.join(format!("{}-{grains}.csv", case.name()));
+    let path = folder.join(format!("{}-{grains}.csv", case.stem()));
     let seconds = if path.exists() { None } else { Some(make(case, &model, &path, &mut progress)?) };
     let (found, walls) = specimen::read(&path, &model.materials)?;
     let (low, high) = case.radii();

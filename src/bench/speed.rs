@@ -1,6 +1,6 @@
 //! Grain-steps per second, memory and the share of each stage.
 
-use super::{Demand, Machine, Packing, TIME_STEP, start};
+use super::{Demand, Machine, Packing, start};
 use crate::contact::pairs::{FREE, Pairs};
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -127,7 +127,7 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
     let stresses = Stresses::of(&state);
     let sums = sums(model, &state, &work);
     if !(vertical.is_finite() && stresses.vertical().is_finite()) {
-        let what = format!("the bench has lost its packing (dt {TIME_STEP:e} s)");
+        let what = format!("the bench has lost its packing (dt {:e} s)", state.dt);
         return Err(Error::Unstable { step: state.step, what, grain: None });
     }
     let bytes = work.bytes(&state) as f64;

@@ -1,6 +1,6 @@
 //! `comminute bench`: the engine's speed on this machine.
 
-use comminute::bench::{self, Burst, Machine, Packing, Plan, Speed};
+use comminute::bench::{self, Burst, Case, Machine, Packing, Plan, Speed};
 use comminute::error::{Error, Result};
 use comminute::model::ContactLaw;
 use serde_json::{Value, json};
@@ -20,7 +20,7 @@ pub struct Args {
     #[arg(long = "case", value_name = "CASE,CASE", value_delimiter = ',', default_values_t = [Case::Uniform])]
     cases: Vec<Case>,
 
-    /// Grains of each packing
+    /// Grains of each packing (wide: 100000 at least)
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [5000, 50_000], value_parser = clap::value_parser!(u32).range(200..=2_000_000))]
     grains: Vec<u32>,
 
@@ -63,36 +63,6 @@ pub struct Args {
     /// Print as JSON to standard output
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Case {
-    Uniform,
-    Wide,
-}
-
-impl Case {
-    fn name(self) -> &'static str {
-        match self {
-            Case::Uniform => "uniform",
-            Case::Wide => "wide",
-        }
-    }
-}
-
-impl std::fmt::Display for Case {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl From<Case> for bench::Case {
-    fn from(case: Case) -> bench::Case {
-        match case {
-            Case::Uniform => bench::Case::Uniform,
-            Case::Wide => bench::Case::Wide,
-        }
-    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -145,13 +115,19 @@ pub fn call(args: &Args) -> Result<()> {
     let threads: Vec<usize> =
         if args.threads.is_empty() { some_threads() } else { args.threads.iter().map(|&n| n.into()).collect() };
     let plan = Plan { warm_up: args.warm_up, steps: args.steps, repeats: args.repeats.into(), clocked: args.steps.min(500) };
+    for &case in &args.cases {
+        if let Some(few) = args.grains.iter().find(|&&n| (n as usize) < case.least()) {
+            let message = format!("must be at least {} for the {case} packing", case.least());
+            return Err(Error::input("bench", "--grains", Some(few.to_string()), message));
+        }
+    }
     let mut told = Told::new(args.quiet);
     let machines: Vec<Machine> = threads.iter().map(|&n| Ok(bench::pool(n)?.install(Machine::measure))).collect::<Result<_>>()?;
     let mut packings = Vec::new();
     for &case in &args.cases {
         for &grains in &args.grains {
-            let packing = bench::packing(case.into(), grains as usize, &args.cache, |text| told.now_and_then(text))?;
-            packings.push((case, packing));
+            let packing = bench::packing(case, grains as usize, &args.cache, |text| told.now_and_then(text))?;
+            packings.push(packing);
             told.clear();
         }
     }
@@ -159,10 +135,10 @@ pub fn call(args: &Args) -> Result<()> {
         head(&machines, &packings);
     }
     let mut rows: Vec<Row> = Vec::new();
-    for (case, packing) in &packings {
+    for packing in &packings {
         for &law in &args.law {
             for machine in &machines {
-                let row = measured(args, *case, packing, law, machine, &plan)?;
+                let row = measured(args, packing, law, machine, &plan)?;
                 if !args.quiet {
                     line(&row);
                 }
@@ -179,9 +155,9 @@ pub fn call(args: &Args) -> Result<()> {
     same_bits(&rows)
 }
 
-fn measured(args: &Args, case: Case, packing: &Packing, law: Law, machine: &Machine, plan: &Plan) -> Result<Row> {
-    let grains = packing.grains.len();
-    let model = bench::model(case.into(), grains, law.into(), args.skin);
+fn measured(args: &Args, packing: &Packing, law: Law, machine: &Machine, plan: &Plan) -> Result<Row> {
+    let (case, grains) = (packing.case, packing.grains.len());
+    let model = bench::model(case, grains, law.into(), args.skin);
     let (speed, state) = bench::measure(&model, packing, machine, plan)?;
     let burst = match usize::from(args.breakages) {
         0 => None,
@@ -214,15 +190,15 @@ fn same_bits(rows: &[Row]) -> Result<()> {
     Ok(())
 }
 
-fn head(machines: &[Machine], packings: &[(Case, Packing)]) {
+fn head(machines: &[Machine], packings: &[Packing]) {
     let simd = comminute::real::name(comminute::real::arch());
     eprintln!("{}, {simd}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
     for m in machines {
         eprintln!("{} threads: memory {:.1} GB/s, {:.1} Gflop/s (f64, not fused)", m.threads, 1e-9 * m.bandwidth, 1e-9 * m.flops);
     }
-    for (case, p) in packings {
+    for p in packings {
         let made = p.seconds.map_or(String::new(), |s| format!(", made in {s:.0} s"));
-        eprintln!("{case}, {} grains: porosity {:.4}{made}, {}", p.grains.len(), p.porosity(), p.path.display());
+        eprintln!("{}, {} grains: porosity {:.4}{made}, {}", p.case, p.grains.len(), p.porosity(), p.path.display());
     }
     eprintln!(
         "\n{:>7} {:>7} {:>3} {:>13}  {:>16} {:>13} {:>8} {:>7}  {:>13}  {:>22} {:>15}  {:>8} {:>9} {:>9}",
@@ -280,12 +256,13 @@ fn foot(rows: &[Row]) {
     }
 }
 
-fn as_json(args: &Args, machines: &[Machine], packings: &[(Case, Packing)], rows: &[Row]) -> Value {
+fn as_json(args: &Args, machines: &[Machine], packings: &[Packing], rows: &[Row]) -> Value {
     let packings: Vec<Value> = packings
         .iter()
-        .map(|(case, p)| {
+        .map(|p| {
             json!({
-                "case": case.name(),
+                "case": p.case.name(),
+                "time_step_s": p.case.time_step(),
                 "grains": p.grains.len(),
                 "porosity": p.porosity(),
                 "radius_m": p.walls.radius,
@@ -308,7 +285,6 @@ fn as_json(args: &Args, machines: &[Machine], packings: &[(Case, Packing)], rows
                 .collect::<Vec<_>>(),
         },
         "case": {
-            "time_step_s": bench::TIME_STEP,
             "platen_speed_m_s": bench::PLATEN_SPEED,
             "skin": args.skin,
             "warm_up": args.warm_up,

@@ -2,7 +2,6 @@
 //! found through `neighbours::adjacency`. Memory is what a large run waits for, so a contact is one cache line, and what only some
 //! runs need stands in columns that the others do not have.
 
-use super::force::cross;
 use serde::{Deserialize, Serialize};
 use std::ops::{Deref, DerefMut};
 
@@ -54,12 +53,6 @@ impl Touch {
     #[inline(always)]
     pub fn force(&self) -> [f64; 3] {
         std::array::from_fn(|a| self.tangential[a] - self.normal_force * self.normal[a])
-    }
-
-    /// normal × tangential force, N; times each grain's own arm it is that grain's torque (same sign for both).
-    #[inline(always)]
-    pub fn torque(&self) -> [f64; 3] {
-        cross(self.normal, self.tangential)
     }
 }
 

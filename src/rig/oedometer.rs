@@ -15,7 +15,7 @@ pub const TOP: usize = 1;
 pub const CYLINDER: usize = 2;
 
 /// The three walls, with the material's or the scene's friction.
-pub fn walls(rig: &Oedometer, radius: f64, bottom: f64, height: f64, _velocity: [f64; 3]) -> Vec<Wall> {
+pub fn walls(rig: &Oedometer, radius: f64, bottom: f64, height: f64) -> Vec<Wall> {
     let wall = |shape, friction| Wall::new(&WallSpec { shape, friction, drive: Drive::Fixed, material: None });
     vec![
         wall(WallShape::Plane { point: [0.0, 0.0, bottom], normal: [0.0, 0.0, 1.0] }, rig.wall_friction.bottom),
@@ -147,7 +147,7 @@ const HOLD_AT_MOST: u64 = 4000;
 impl Loading {
     /// Starts from a specimen: strengths drawn, no history, at rest.
     pub fn start(model: &Model, rig: &Oedometer, grains: Grains, size: Walls) -> (Loading, State) {
-        let walls = walls(rig, size.radius, size.bottom, size.height, [0.0; 3]);
+        let walls = walls(rig, size.radius, size.bottom, size.height);
         let mut state = State::new(model, grains, walls, model.records.energy);
         state.reference_stress = rig.isotropic_stress;
         state.damping = rig.preparation.damping;
@@ -206,11 +206,10 @@ impl Loading {
             }
             Phase::Load(k) => {
                 let stresses = Stresses::of(state);
-                let increment = self.increment(&stresses, rig);
                 if stresses.lag(self.target, rig) > rig.loading.max_lag {
                     return;
                 }
-                let end = stages[k];
+                let (increment, end) = (self.increment(&stresses, rig), stages[k]);
                 if self.rising(k, rig) {
                     self.target = (self.target + increment).min(end);
                 } else {

@@ -101,7 +101,7 @@ impl Preparation {
         for (&r, &p) in radii.iter().zip(&points) {
             grains.add(p, START * r, 0, &model.materials);
         }
-        let walls = super::oedometer::walls(rig, radius, 0.0, height, [0.0; 3]);
+        let walls = super::oedometer::walls(rig, radius, 0.0, height);
         let mut state = State::new(model, grains, walls, false);
         state.friction = Some(rig.preparation.growth_friction);
         state.damping = rig.preparation.damping;

@@ -113,15 +113,10 @@ impl Work {
         }
     }
 
-    /// The state has become another one: lists anew.
+    /// The state has become another one: all anew but what was asked for.
     pub fn restart(&mut self, model: &Model, state: &mut State) {
-        let State { grains, walls, pairs, wall_pairs, .. } = state;
-        self.neighbours = Neighbours::new(grains, walls, &mut Pools { pairs, wall_pairs }, model.stepping.skin);
-        self.flags.clear();
-        self.flags.resize(state.grains.len(), 0);
-        for list in [&mut self.moved, &mut self.failing, &mut self.parted, &mut self.begun] {
-            list.clear();
-        }
+        let Work { rebuild_always, task, arch, clock, .. } = *self;
+        *self = Work { rebuild_always, task, arch, clock, ..Work::new(model, state) };
     }
 
     /// The radii have changed: grains that have outgrown their neighbourhood are searched before the next forces.

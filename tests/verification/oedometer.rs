@@ -136,9 +136,10 @@ fn wall_friction_carries_the_difference_of_the_platens() {
     assert!(carried * area <= 0.3 * press.state.walls[CYLINDER].reaction * (1.0 + 1e-9));
 }
 
-/// An adaptive programme takes far fewer steps than eq. (18) to stay as near to its target, and unloads too.
+/// An adaptive programme takes far fewer steps than eq. (18) and stays as near to its target in 99 of 100 steps; where grains rearrange, the furthest
+/// single step is further off (2.4 % against 1.9 % here). It unloads too.
 #[test]
-fn an_adaptive_programme_is_quicker_at_no_larger_error() {
+fn an_adaptive_programme_is_quicker_and_stays_near_its_target() {
     let run = |programme: &str| {
         let mut press = coke(120, 4.0, 2000.0, &["loading.stages_kPa=[100]", programme], 2);
         let mut off = Vec::new();
