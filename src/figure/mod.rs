@@ -14,6 +14,7 @@ mod error;
 mod gradation;
 mod group;
 mod legend;
+mod mean;
 mod plot;
 mod run;
 mod runs_table;
@@ -23,6 +24,7 @@ mod table;
 mod text;
 
 pub use error::{FigureError, Result};
+pub use mean::write as write_means;
 pub use specimen::Colouring;
 
 use data::Measured;
