@@ -1,6 +1,8 @@
 //! One file per verb.
 
 mod bench;
+mod calibrate;
+mod calibrate_curve;
 mod campaign;
 mod check;
 mod ensemble;
@@ -49,6 +51,9 @@ pub enum Verb {
     Ensemble(ensemble::Args),
     /// Run a table of parameters, each in a process and a folder of its own
     Sweep(sweep::Args),
+    /// Find parameters from laboratory data
+    #[command(subcommand)]
+    Calibrate(calibrate::Calibrate),
     /// Measure the speed of the engine
     Bench(bench::Args),
 }
@@ -62,6 +67,7 @@ impl Verb {
             Verb::Resume(args) => resume::call(args),
             Verb::Ensemble(args) => ensemble::call(&args),
             Verb::Sweep(args) => sweep::call(&args),
+            Verb::Calibrate(what) => calibrate::call(&what),
             Verb::Bench(args) => bench::call(&args),
         }
     }

@@ -16,6 +16,7 @@ mod group;
 mod legend;
 mod mean;
 mod plot;
+mod posterior;
 mod run;
 mod runs_table;
 mod specimen;
@@ -25,6 +26,7 @@ mod text;
 
 pub use error::{FigureError, Result};
 pub use mean::write as write_means;
+pub use posterior::{FittedLine, Input as PosteriorInput, draw_convergence, draw_corner, draw_fitted, draw_sensitivity};
 pub use specimen::Colouring;
 
 use data::Measured;

@@ -61,6 +61,11 @@ impl Emulator {
         self.gps.len()
     }
 
+    /// The size of each output by which it is scaled.
+    pub fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
     /// Scores of a curve.
     pub fn project(&self, y: &[f64]) -> DVector<f64> {
         self.basis.tr_mul(&DVector::from_vec(self.scaled(y)))

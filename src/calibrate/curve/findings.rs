@@ -156,10 +156,6 @@ pub fn bands(emulator: &Emulator, chain: &Chain, curve: &Measured, rng: &mut imp
     let m = curve.values.len();
     let lower = emulator.scatter.clone().cholesky().map(|c| c.l());
     let mut normal = |n: usize| DVector::from_fn(n, |_, _| -> f64 { StandardNormal.sample(&mut *rng) });
-    let unit: Vec<f64> = {
-        let (zero, one) = (emulator.scaled(&vec![0.0; m]), emulator.scaled(&vec![1.0; m]));
-        one.iter().zip(zero).map(|(a, b)| 1.0 / (a - b)).collect()
-    };
     let (mut means, mut specimens) = (vec![Vec::new(); m], vec![Vec::new(); m]);
     for u in chain.thinned(BAND) {
         let (mean, variance) = emulator.predict(&u);
@@ -173,7 +169,7 @@ pub fn bands(emulator: &Emulator, chain: &Chain, curve: &Measured, rng: &mut imp
             means[j].push(y);
         }
         for (j, y) in emulator.curve(&of_seed).into_iter().enumerate() {
-            specimens[j].push(y + rest[j] * emulator.rest[j].sqrt() * unit[j]);
+            specimens[j].push(y + rest[j] * emulator.rest[j].sqrt() * emulator.scale()[j]);
         }
     }
     let at = |all: &mut Vec<Vec<f64>>, q: f64| -> Vec<f64> {
@@ -207,7 +203,11 @@ mod tests {
         };
         let all = |c: &Chain, p: &[Parameter]| estimates(p, c, &correlations(c));
         let tied = all(&chain(&|t| [0.5 + 0.1 * t, 1.0 - t]), &parameters);
-        assert!(tied[0].remark.starts_with("found; only together with stiffness: the larger one, the smaller"), "{}", tied[0].remark);
+        assert!(
+            tied[0].remark.starts_with("found; only together with stiffness: the larger one, the smaller"),
+            "{}",
+            tied[0].remark
+        );
         assert!(tied[1].remark.starts_with("not found"));
         let edge = all(&chain(&|t| [0.1 * t * t, (37.0 * t).fract() * 0.5 + 0.3]), &parameters);
         assert!(edge[0].remark.contains("below the lower bound"), "{}", edge[0].remark);

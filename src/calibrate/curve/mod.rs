@@ -42,9 +42,7 @@ pub struct Request {
     pub files: Files,
     /// Instead of the `[[calibrate]]` tables of the scene.
     pub parameters: Vec<Calibrated>,
-    /// Gives the settings for a number of parameters.
-    pub settings: fn(usize) -> Settings,
-    /// Changes of those settings; `None` leaves them.
+    /// Changes of the usual [`Settings`]; `None` leaves them.
     pub budget: Option<usize>,
     pub design: Option<usize>,
     pub batch: Option<usize>,
@@ -114,11 +112,29 @@ pub fn calibrate(request: &Request, tell: &dyn Fn(&str)) -> Result<Outcome> {
     let (chain, findings) = findings(&parameters, &emulator, &curve, &target, &search);
     search.note(&chain)?;
     let checks = search.check(chain.mode())?;
-    report::write(&request.out, &report::Parts { request, parameters: &parameters, target: &target, curve: &curve, settings: &settings, search: &search, findings: &findings, checks: &checks })
+    report::write(
+        &request.out,
+        &report::Parts {
+            request,
+            parameters: &parameters,
+            target: &target,
+            curve: &curve,
+            settings: &settings,
+            search: &search,
+            findings: &findings,
+            checks: &checks,
+        },
+    )
 }
 
 /// The posterior of the parameters and everything that is told of it.
-fn findings(parameters: &[Parameter], emulator: &emulator::Emulator, curve: &Measured, target: &Target, search: &Search<'_>) -> (Chain, Findings) {
+fn findings(
+    parameters: &[Parameter],
+    emulator: &emulator::Emulator,
+    curve: &Measured,
+    target: &Target,
+    search: &Search<'_>,
+) -> (Chain, Findings) {
     // a stream of its own, far from those of the batches
     let mut rng = search.rng(1 << 32);
     let mut chain = Posterior::new(parameters, emulator, curve, 1.0).sample(LONG.0, LONG.1, LONG.2, 1.0, &mut rng);
@@ -131,13 +147,11 @@ fn findings(parameters: &[Parameter], emulator: &emulator::Emulator, curve: &Mea
     let correlations = findings::correlations(&chain);
     let draws = chain.thinned(DRAWS).iter().map(|u| parameters.iter().zip(u).map(|(p, u)| p.value(*u)).collect()).collect();
     let variance = emulator.outputs(&emulator.scatter).diagonal();
-    let zero = emulator.scaled(&vec![0.0; curve.values.len()]);
-    let one = emulator.scaled(&vec![1.0; curve.values.len()]);
     let mut first = 0;
     let scatter = target.blocks.iter().map(|b| {
         let own = first..first + b.at.len();
         first = own.end;
-        let square = |j: usize| (variance[j] + emulator.rest[j]) / (one[j] - zero[j]).powi(2);
+        let square = |j: usize| (variance[j] + emulator.rest[j]) * emulator.scale()[j].powi(2);
         (own.clone().map(square).sum::<f64>() / own.len() as f64).sqrt()
     });
     let found = Findings {
@@ -189,7 +203,7 @@ fn sets(request: &Request, target: &Target, from: f64) -> Result<Vec<String>> {
 }
 
 fn settings(request: &Request, parameters: usize) -> Result<Settings> {
-    let mut s = (request.settings)(parameters);
+    let mut s = Settings::usual(parameters);
     s.seed = request.seed;
     s.specimens = request.specimens;
     s.design = request.design.unwrap_or(s.design);

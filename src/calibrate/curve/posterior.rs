@@ -158,13 +158,8 @@ impl Misfit {
         let (mean, variance) = emulator.predict(u);
         let scores = &emulator.scatter / curve.specimens + DMatrix::from_diagonal(&variance);
         let mut covariance = emulator.outputs(&scores);
-        let ones = emulator.scaled(&curve.values);
-        let size = {
-            // sd of the measurement in the emulator's scale
-            let base = emulator.scaled(&vec![0.0; curve.sd.len()]);
-            let with = emulator.scaled(&curve.sd);
-            with.iter().zip(base).map(|(a, b)| a - b).collect::<Vec<f64>>()
-        };
+        let measured = emulator.scaled(&curve.values);
+        let size: Vec<f64> = curve.sd.iter().zip(emulator.scale()).map(|(sd, s)| sd / s).collect();
         for j in 0..size.len() {
             covariance[(j, j)] += emulator.rest[j] / curve.specimens + size[j] * size[j];
         }
@@ -173,7 +168,7 @@ impl Misfit {
         let mut square = 0.0;
         let mut correlations = 0.0;
         for j in 0..m {
-            square += (ones[j] - predicted[j]).powi(2) / covariance[(j, j)] / m as f64;
+            square += (measured[j] - predicted[j]).powi(2) / covariance[(j, j)] / m as f64;
             for l in 0..m {
                 correlations += covariance[(j, l)].powi(2) / (covariance[(j, j)] * covariance[(l, l)]);
             }

@@ -321,7 +321,8 @@ fn read_trace(dir: &Path, parameters: &[Parameter]) -> Result<Vec<Trace>> {
         return Ok(Vec::new());
     }
     let file = Columns::read(&path)?;
-    let column = |name: &str| -> Result<Vec<f64>> { Ok(file.numbers(name, 1.0)?.into_iter().map(|x| x.unwrap_or(f64::NAN)).collect()) };
+    let column =
+        |name: &str| -> Result<Vec<f64>> { Ok(file.numbers(name, 1.0)?.into_iter().map(|x| x.unwrap_or(f64::NAN)).collect()) };
     let counts = column("evaluations")?;
     let mut trace: Vec<Trace> = counts.iter().map(|&n| Trace { evaluations: n as usize, quantiles: Vec::new() }).collect();
     for p in parameters {
