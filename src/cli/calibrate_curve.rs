@@ -39,11 +39,11 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     budget: Option<usize>,
 
-    /// Of them, runs that fill the space between the bounds (10 for each parameter)
+    /// Of them, runs that fill the space between the bounds (14 for each parameter)
     #[arg(long, value_name = "N")]
     design: Option<usize>,
 
-    /// Runs between two looks at the results (4)
+    /// Runs between two looks at the results (5)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     batch: Option<u16>,
 

@@ -16,7 +16,7 @@ const NARROWED: f64 = 0.75;
 /// Share of the draws this near to a bound that makes one think of values beyond it.
 const EDGE: (f64, f64) = (0.02, 0.10);
 /// Correlation above which two parameters are told only together.
-const TOGETHER: f64 = 0.9;
+const TOGETHER: f64 = 0.8;
 
 /// One parameter.
 #[derive(Clone, Debug)]

@@ -209,8 +209,7 @@ fn settings(request: &Request, parameters: usize) -> Result<Settings> {
     s.design = request.design.unwrap_or(s.design);
     s.batch = request.batch.unwrap_or(s.batch);
     s.check = request.check.unwrap_or(s.check);
-    // a design of another size changes what is left for the search, not the search
-    s.budget = request.budget.unwrap_or(s.design + s.centre + 8 * parameters);
+    s.budget = request.budget.unwrap_or(s.design + s.centre + 10 * parameters);
     let least = s.design + s.centre;
     if s.budget < least {
         let message = format!("is less than the {} runs of the design and the {} in its middle; see --design", s.design, s.centre);

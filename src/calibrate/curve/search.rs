@@ -34,17 +34,19 @@ pub struct Settings {
 impl Settings {
     /// For this many parameters.
     pub fn usual(parameters: usize) -> Settings {
-        let (design, centre) = ((10 * parameters).max(12), 4);
-        Settings { budget: design + centre + 8 * parameters, design, centre, batch: 4, check: 4, seed: 1, specimens: 1.0 }
+        let (design, centre) = ((14 * parameters).max(16), 4);
+        Settings { budget: design + centre + 10 * parameters, design, centre, batch: 5, check: 4, seed: 1, specimens: 1.0 }
     }
 }
 
 /// Walkers, steps before and steps of a chain that guides the search, and of the final one.
 const QUICK: (usize, usize, usize) = (24, 100, 200);
-pub const LONG: (usize, usize, usize) = (40, 400, 1500);
+pub const LONG: (usize, usize, usize) = (40, 500, 2000);
 /// Power of the likelihood with which runs are chosen: wider than the posterior, whose edges matter.
-const SEARCH_HEAT: f64 = 0.35;
-const CANDIDATES: usize = 600;
+const SEARCH_HEAT: f64 = 0.5;
+const CANDIDATES: usize = 400;
+/// Draws of the posterior at which the curves are to be known.
+const REFERENCE: usize = 150;
 /// Share of a block's range that stands for its scatter when the repeats show none.
 const NO_SCATTER: f64 = 0.01;
 
@@ -121,7 +123,7 @@ impl<'a> Search<'a> {
             let wide = posterior.sample(QUICK.0, QUICK.1, QUICK.2, SEARCH_HEAT, &mut rng);
             self.note(&chain)?;
             let candidates: Vec<Vec<f64>> = wide.thinned(CANDIDATES).into_iter().filter(|u| !self.near_failure(u)).collect();
-            for u in emulator.choose(&candidates, s.batch.min(s.budget - n)) {
+            for u in emulator.choose(&candidates, &chain.thinned(REFERENCE), s.batch.min(s.budget - n)) {
                 self.plan(Stage::Search, &u);
             }
             if self.evaluations.len() == n {
