@@ -6,10 +6,11 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
 /// Components are looked at until they hold this share of the runs' variance, at most so many.
-const SHARE: f64 = 0.995;
+const SHARE: f64 = 0.9995;
 const MOST: usize = 8;
-/// A component whose variance is scatter to this share says nothing about the parameters, and is left out.
-const SCATTER: f64 = 0.8;
+/// A component of which the other runs do not predict each run better than to this share of its variance says nothing about the
+/// parameters, and is left out.
+const UNTOLD: f64 = 0.8;
 /// Weight of the correlations of the scatter between components; the rest goes to none, as few runs show them only roughly.
 const CORRELATED: f64 = 0.8;
 
@@ -54,7 +55,10 @@ impl Emulator {
         let gps: Option<Vec<Gp>> =
             (0..components).into_par_iter().map(|k| Gp::fit(x, scores.column(k).clone_owned().as_slice())).collect();
         let gps = gps?;
-        let told = |k: usize| gps[k].noise() < SCATTER * eigen.eigenvalues[order[k]];
+        let told = |k: usize| {
+            let square: f64 = gps[k].left_out().iter().map(|v| v * v).sum();
+            square < UNTOLD * n as f64 * eigen.eigenvalues[order[k]]
+        };
         let mut kept: Vec<usize> = (0..components).filter(|k| told(*k)).collect();
         if kept.is_empty() {
             kept.push(0);

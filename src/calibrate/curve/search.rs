@@ -439,3 +439,58 @@ mod tests {
         assert!(error.to_string().contains("no floor") && error.exit_code() == 1, "{error}");
     }
 }
+
+#[cfg(test)]
+mod scratch {
+    use super::*;
+    use crate::calibrate::curve::{outputs, target::{Files, Target}, parameter::Parameter};
+    #[test]
+    fn scratch() {
+        let Ok(cals) = std::env::var("CAL") else { return };
+        let scene = crate::scene::load("experiments/calibration/coke_small.toml", &[]).unwrap();
+        let ps: Vec<Parameter> = scene.calibrated().unwrap().iter().map(|c| Parameter::new(c).unwrap()).collect();
+        let t = Target::read(&Files { curve: std::env::var("CURVE").unwrap().into(), ..Default::default() }, 5.0).unwrap();
+        let mut x = vec![]; let mut y = vec![]; let mut c = vec![];
+        for cal in cals.split(',') {
+        for e in log::read(Path::new(cal), &ps).unwrap() {
+            if e.stage == Stage::Check { continue; }
+            if let Ok(o) = outputs::of_run(&Path::new(cal).join(e.folder()), &t) {
+                if e.stage == Stage::Centre { c.push(o.clone()); }
+                x.push(e.values.iter().zip(&ps).map(|(v, p)| p.unit(*v)).collect::<Vec<f64>>()); y.push(o);
+            }
+        }}
+        let m = y[0].len();
+        let sd: f64 = ((0..m).map(|j| { let mu = c.iter().map(|o| o[j]).sum::<f64>() / c.len() as f64; c.iter().map(|o| (o[j]-mu).powi(2)).sum::<f64>()/(c.len() as f64-1.0) }).sum::<f64>() / m as f64).sqrt();
+        println!("{} runs, centre sd {sd}", x.len());
+        let em = Emulator::fit(&x, &y, &vec![sd; m]).unwrap();
+        
+        let rows = std::fs::read_to_string("/tmp/curve-try/truths.csv").unwrap();
+        let sweep = std::fs::read_to_string("/tmp/curve-try/truths/sweep.csv").unwrap();
+        let mut tests: Vec<(Vec<f64>, Vec<f64>)> = rows.lines().skip(1).zip(sweep.lines().skip(1)).map(|(r, s)| {
+            let v: Vec<f64> = r.split(',').take(3).map(|v| v.parse().unwrap()).collect();
+            (v, outputs::of_run(&Path::new("/tmp/curve-try/truths").join(s.split(',').next().unwrap()), &t).unwrap())
+        }).collect();
+        for s in 101..109 { tests.push((vec![300.0, 2.0, 0.33], outputs::of_run(Path::new(&format!("/tmp/curve-try/ens8/seed-{s}")), &t).unwrap())); }
+        let k = em.components();
+        let mut rms = vec![0.0; k];
+        for (v, o) in &tests {
+            let u: Vec<f64> = v.iter().zip(&ps).map(|(v, p)| p.unit(*v)).collect();
+            let (mean, var) = em.predict(&u);
+            let z = em.project(o);
+            let zz: Vec<f64> = (0..k).map(|i| (z[i]-mean[i])/(var[i]+em.scatter[(i,i)]).sqrt()).collect();
+            for i in 0..k { rms[i] += zz[i]*zz[i]/tests.len() as f64; }
+            println!("{zz:.1?}");
+        }
+        println!("mean square {rms:.2?}");
+        let mut held = [0;3];
+        for (i, (v, o)) in tests.iter().enumerate() {
+            let cv = Measured { sd: vec![0.0; m], values: o.clone(), specimens: 1.0 };
+            let mut rng = ChaCha8Rng::seed_from_u64(1);
+            let ch = Posterior::new(&ps, &em, &cv, 1.0).sample(40, 400, 400, 1.0, &mut rng);
+            print!("{i} acc {:.2} ", ch.accepted);
+            for k in 0..3 { let q = ch.quantiles(k, [0.025, 0.5, 0.975]).map(|u| ps[k].value(u)); let ok = q[0] <= v[k] && v[k] <= q[2]; held[k] += usize::from(ok && i < 12); print!(" [{:.3} {:.3} {:.3}]{:.3}{}", q[0], q[1], q[2], v[k], if ok {""} else {"!!"}); }
+            println!(" misfit {:.2} {:.2}", super::super::posterior::Misfit::at(ch.mode(), &em, &cv).ratio, super::super::posterior::Misfit::at(ch.mode(), &em, &cv).probability);
+        }
+        println!("held of 12 {held:?}");
+    }
+}
