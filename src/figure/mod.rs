@@ -21,6 +21,7 @@ mod specimen;
 mod stress_path;
 mod table;
 mod text;
+mod triaxial;
 
 pub use error::{FigureError, Result};
 pub use specimen::Colouring;
@@ -79,7 +80,7 @@ pub fn draw_specimen(dir: &Path, colouring: &Colouring, out: &Path) -> Result<Ve
 }
 
 fn draw_all(input: &Input, out: &Path) -> Result<Vec<PathBuf>> {
-    let mut plots: Vec<Plot> = curves::plots(input)?;
+    let mut plots: Vec<Plot> = if triaxial::is(input) { triaxial::plots(input)? } else { curves::plots(input)? };
     plots.extend(gradation::plot(input)?);
     plots.extend(stress_path::plot(input)?);
     plots.extend(energy::plot(input)?);

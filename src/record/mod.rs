@@ -3,9 +3,11 @@
 
 pub mod assembly;
 pub mod checkpoint;
+pub mod cylinder;
 pub mod ledger;
 pub mod measure;
 pub mod oedometer;
 pub mod specimen;
 pub mod table;
+pub mod triaxial;
 pub mod vtk;

@@ -2,7 +2,7 @@
 
 use super::{Activity, Progress};
 use crate::model::{Model, Rig};
-use crate::rig::oedometer::Stresses;
+use crate::rig::cylinder::Stresses;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -75,8 +75,9 @@ impl Bar {
 fn describe(model: &Model, p: &Progress) -> (f64, String) {
     let n = p.state.grains.len();
     match (&p.activity, &model.rig) {
-        (Activity::Preparing(prep), Rig::Oedometer(rig)) => {
-            let share = p.steps as f64 / rig.preparation.max_steps as f64;
+        (Activity::Preparing(prep), rig) => {
+            let most = rig.specimen().map_or(1, |s| s.preparation.max_steps);
+            let share = p.steps as f64 / most as f64;
             let porosity = crate::rig::preparation::porosity(&p.state);
             (share, format!("preparing ({}), porosity {porosity:.4}, {n} grains", prep.stage.name()))
         }
@@ -86,6 +87,12 @@ fn describe(model: &Model, p: &Progress) -> (f64, String) {
             let v = Stresses::of(&p.state).vertical();
             let share = (loading.target / end).clamp(0.0, 1.0);
             (share, format!("σ_v {:.1} kPa of {:.0}, {n} grains, {} events", v * 1e-3, end * 1e-3, p.state.crush_events))
+        }
+        (Activity::Shearing(shearing), Rig::Triaxial(rig)) => {
+            let (strain, s) = (shearing.axial_strain(&p.state), Stresses::of(&p.state));
+            let share = (strain / rig.shear.axial_strain).clamp(0.0, 1.0);
+            let q = 1e-3 * (s.vertical() - s.horizontal);
+            (share, format!("ε_a {:.2} % of {:.0}, q {q:.1} kPa, {n} grains", 100.0 * strain, 100.0 * rig.shear.axial_strain))
         }
         (_, Rig::Assembly(rig)) => {
             let share = match (rig.steps, rig.duration) {

@@ -6,7 +6,7 @@ use crate::crush::criterion::{AreaModel, limit_strength, size_factor};
 use crate::crush::lost_mass::Fines;
 use crate::crush::pattern::Pattern;
 use crate::crush::strength::{StrengthModel, Truncation};
-use crate::model::{CrushModel, Rig};
+use crate::model::{CrushModel, Oedometer, Rig, Triaxial};
 
 impl View<'_> {
     /// Whether and how grains break, and how lost mass is spread.
@@ -154,9 +154,9 @@ impl View<'_> {
 /// Smallest and largest diameter of the scene, m.
 pub fn extremes(rig: &Rig) -> (f64, f64) {
     match rig {
-        Rig::Oedometer(o) => {
-            let first = o.gradation.first().map_or(f64::NAN, |p| p.0);
-            (first, o.gradation.last().map_or(f64::NAN, |p| p.0))
+        Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => {
+            let first = specimen.gradation.first().map_or(f64::NAN, |p| p.0);
+            (first, specimen.gradation.last().map_or(f64::NAN, |p| p.0))
         }
         Rig::Assembly(a) => {
             let sizes = a.grains.iter().map(|g| 2.0 * g.radius);

@@ -23,6 +23,14 @@ const fn oedometer(path: &'static str, shape: Shape, default: Default, what: &'s
     Key { of: Of::Oedometer, ..both(path, shape, default, what) }
 }
 
+const fn cylinder(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Cylinder, ..both(path, shape, default, what) }
+}
+
+const fn triaxial(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Triaxial, ..both(path, shape, default, what) }
+}
+
 const fn assembly(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
     Key { of: Of::Assembly, ..both(path, shape, default, what) }
 }
@@ -56,7 +64,12 @@ pub const RIVALS: &[(&str, &str)] = &[
 
 /// The vocabulary, in the order in which `scene.resolved.toml` is written.
 pub const KEYS: &[Key] = &[
-    both("kind", Choice(&["oedometer", "assembly"]), Required, "what is done: one-dimensional compression, or a free scene"),
+    both(
+        "kind",
+        Choice(&["oedometer", "triaxial", "assembly"]),
+        Required,
+        "what is done: one-dimensional compression, drained triaxial compression, or a free scene",
+    ),
     both("name", Name, Absent, "name in legends and records; the file's own name if not written"),
     both("description", Text, Is("\"\""), "one line about the scene"),
     assembly("gravity_m_s2", VECTOR, Is("[0, 0, 0]"), "gravity"),
@@ -97,11 +110,11 @@ pub const KEYS: &[Key] = &[
         Is("1.0"),
         "scale N of eqs 13-15: sizes, d0 and the comminution limit are multiplied by it, gradations divided",
     ),
-    oedometer("specimen.file", Text, Absent, "a prepared specimen (specimen.csv of a run) to begin with; option --specimen"),
-    oedometer("specimen.grains", Integer { low: 1, high: 100_000_000 }, Required, "grains at the start"),
-    oedometer("specimen.diameter_mm", Number(POSITIVE), Required, "diameter of the oedometer"),
-    oedometer("specimen.porosity", Number(Range::between(0.0, 1.0)), Required, "intergranular porosity at the isotropic stress"),
-    oedometer("specimen.isotropic_stress_kPa", Number(POSITIVE), Is("5.0"), "stress of the prepared specimen"),
+    cylinder("specimen.file", Text, Absent, "a prepared specimen (specimen.csv of a run) to begin with; option --specimen"),
+    cylinder("specimen.grains", Integer { low: 1, high: 100_000_000 }, Required, "grains at the start"),
+    cylinder("specimen.diameter_mm", Number(POSITIVE), Required, "diameter of the oedometer"),
+    cylinder("specimen.porosity", Number(Range::between(0.0, 1.0)), Required, "intergranular porosity at the isotropic stress"),
+    cylinder("specimen.isotropic_stress_kPa", Number(POSITIVE), Is("5.0"), "stress of the prepared specimen"),
     both(
         "contact.law",
         Choice(&["linear", "hertz", "hertz_viscous"]),
@@ -114,28 +127,29 @@ pub const KEYS: &[Key] = &[
         Is("\"keep\""),
         "tangential force when the normal force falls: kept (the paper), or in proportion to its stiffness (cyclic loading)",
     ),
-    oedometer("walls.friction.bottom", Number(FRICTION), Is("0.0"), "friction coefficient of the lower platen"),
-    oedometer("walls.friction.top", Number(FRICTION), Is("0.0"), "friction coefficient of the upper platen"),
-    oedometer("walls.friction.cylinder", Number(FRICTION), Is("0.0"), "friction coefficient of the ring"),
+    both("contact.rotation", Choice(&["free", "fixed"]), Is("\"free\""), "whether grains turn; fixed, they stand for angular ones"),
+    cylinder("walls.friction.bottom", Number(FRICTION), Is("0.0"), "friction coefficient of the lower platen"),
+    cylinder("walls.friction.top", Number(FRICTION), Is("0.0"), "friction coefficient of the upper platen"),
+    cylinder("walls.friction.cylinder", Number(FRICTION), Is("0.0"), "friction coefficient of the ring"),
     both("crushing.enabled", Flag, Is("false"), "whether grains break"),
     both("crushing.area", Choice(&["fixed_angle", "hertz"]), Is("\"fixed_angle\""), "contact area at failure: eq. 8, or eq. 9"),
     both("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
     both("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
-    oedometer(
+    cylinder(
         "preparation.growth_friction",
         Number(FRICTION),
         Is("0.4"),
         "friction between grains while their radii grow: it sets the loosest porosity that can be reached",
     ),
-    oedometer("preparation.growth_steps", COUNT, Is("8000"), "steps of radius growth"),
-    oedometer("preparation.damping", Number(RATIO), Is("0.7"), "local damping during preparation"),
-    oedometer(
+    cylinder("preparation.growth_steps", COUNT, Is("8000"), "steps of radius growth"),
+    cylinder("preparation.damping", Number(RATIO), Is("0.7"), "local damping during preparation"),
+    cylinder(
         "preparation.porosity_tolerance",
         Number(Range::between(0.0, 1.0)),
         Is("0.005"),
         "relative distance to the target porosity that is accepted",
     ),
-    oedometer("preparation.max_steps", COUNT, Is("200000"), "steps after which preparation gives up"),
+    cylinder("preparation.max_steps", COUNT, Is("200000"), "steps after which preparation gives up"),
     oedometer("loading.max_stress_kPa", Number(POSITIVE), Required, "vertical stress of the first loading"),
     oedometer(
         "loading.stages_kPa",
@@ -162,7 +176,7 @@ pub const KEYS: &[Key] = &[
         Is("0.002"),
         "adaptive programme: change of the target in one step over the target, while the platens are in balance",
     ),
-    oedometer(
+    cylinder(
         "loading.servo_gain",
         Number(Range::above(0.0, 1.0)),
         Is("0.5"),
@@ -175,7 +189,14 @@ pub const KEYS: &[Key] = &[
         Is("0.015"),
         "share by which a platen's stress may differ from the target before the programme waits, and from which an adaptive one slows down (with friction on the cylinder the driven platen's)",
     ),
-    oedometer("loading.settle_steps", FROM_ZERO, Is("1000"), "steps of rest at the isotropic stress before loading"),
+    cylinder("loading.settle_steps", FROM_ZERO, Is("1000"), "steps of rest at the isotropic stress before loading"),
+    triaxial(
+        "loading.axial_strain",
+        Number(Range::between(0.0, 1.0)),
+        Is("0.15"),
+        "axial strain at the end of shear; the cell pressure is specimen.isotropic_stress_kPa",
+    ),
+    triaxial("loading.inertial_number", Number(POSITIVE), Is("0.0003"), "inertial number at which the top platen moves"),
     both("damping.local", Number(RATIO), ByKind("0.05", "0.0"), "local non-viscous damping (Cundall 1987)"),
     both("stepping.safety", Number(Range::above(0.0, 1.0)), Is("0.8"), "share of the stable time step"),
     both(
@@ -197,6 +218,13 @@ pub const KEYS: &[Key] = &[
         Numbers(POSITIVE, None),
         Is("[]"),
         "vertical stresses with a gradation and a snapshot, besides the first and the last",
+    ),
+    triaxial("records.every_strain", Number(Range::between(0.0, 1.0)), Is("0.001"), "axial strain between rows of history"),
+    triaxial(
+        "records.at_strain",
+        Numbers(Range::between(0.0, 1.0), None),
+        Is("[]"),
+        "axial strains with a gradation and a snapshot, besides the first and the last",
     ),
     assembly("records.every", COUNT, Is("100"), "steps between rows of history and tracks"),
     assembly("records.tracks", IndicesOr("all"), Is("[]"), "grains (from 0) whose motion is recorded"),
@@ -296,7 +324,7 @@ pub fn is_table(path: &str) -> bool {
 
 /// Names that may stand directly in the table `path` ("" for the top) of a scene of this kind: keys, then sub-tables.
 pub fn names_in(path: &str, of: Of) -> Vec<&'static str> {
-    let fits = |k: &&Key| k.of == Of::Both || of == Of::Both || k.of == of;
+    let fits = |k: &&Key| k.of.holds(of);
     let mut names: Vec<&str> = Vec::new();
     for key in KEYS.iter().filter(fits) {
         let rest = match path {
@@ -309,7 +337,7 @@ pub fn names_in(path: &str, of: Of) -> Vec<&'static str> {
             names.push(name);
         }
     }
-    if path.is_empty() && of != Of::Oedometer {
+    if path.is_empty() && !matches!(of, Of::Oedometer | Of::Triaxial) {
         names.push("materials");
     }
     names
@@ -352,7 +380,9 @@ written beside it replaces them; it works in scenes, materials and [material]. E
         };
         let of = match key.of {
             Of::Both => "",
+            Of::Cylinder => "; oedometer, triaxial",
             Of::Oedometer => "; oedometer",
+            Of::Triaxial => "; triaxial",
             Of::Assembly => "; assembly",
         };
         text += &format!("  {name}: {}\n      {} ({default}{of})\n", key.what, key.shape.text());

@@ -71,6 +71,7 @@ const SETTLED: &[(&str, &str)] = &[
     ("quasi-static, measured against target stress", "loading.max_lag"),
     ("inertia scaling", "stepping.inertia_scaling"),
     ("tangential force on unloading", "contact.unloading"),
+    ("rotation of grains", "contact.rotation"),
     ("daughters of a broken grain", "crushing.pattern"),
     ("smallest size of the lost mass", "material.fines.d_min_mm"),
     ("energy ledger", "records.energy"),

@@ -8,8 +8,19 @@ use toml::Value;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Of {
     Both,
+    /// Tests of a cylindrical specimen.
+    Cylinder,
     Oedometer,
+    Triaxial,
     Assembly,
+}
+
+impl Of {
+    /// Whether keys of this group stand in scenes of the kind (`Both`: a kind not known yet).
+    pub fn holds(self, kind: Of) -> bool {
+        let cylinder = matches!(kind, Of::Oedometer | Of::Triaxial);
+        self == Of::Both || kind == Of::Both || self == kind || (self == Of::Cylinder && cylinder)
+    }
 }
 
 /// Limits of a number; `open` ends are excluded.
@@ -102,7 +113,7 @@ pub enum Default {
     Absent,
     /// A TOML literal.
     Is(&'static str),
-    /// TOML literals for an oedometer and for an assembly.
+    /// TOML literals for a specimen under test and for an assembly.
     ByKind(&'static str, &'static str),
 }
 

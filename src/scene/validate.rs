@@ -12,6 +12,7 @@ pub fn validate(layer: &mut Layer) -> Result<()> {
     let of = match layer.table.get("kind").and_then(Value::as_str) {
         Some("assembly") => Of::Assembly,
         Some("oedometer") => Of::Oedometer,
+        Some("triaxial") => Of::Triaxial,
         _ => Of::Both,
     };
     let mut table = std::mem::take(&mut layer.table);
@@ -65,11 +66,11 @@ impl Walk<'_> {
             self.source(&value, table, at, path);
             return Some(value);
         }
-        if path.is_empty() && name == "materials" && self.of != Of::Oedometer {
+        if path.is_empty() && name == "materials" && !matches!(self.of, Of::Oedometer | Of::Triaxial) {
             return Some(self.materials(value));
         }
         if let Some(schema) = find(&inner) {
-            if schema.of != Of::Both && self.of != Of::Both && schema.of != self.of {
+            if !schema.of.holds(self.of) {
                 self.refuse(&key, Some(&value), self.foreign());
                 return None;
             }
@@ -87,7 +88,7 @@ impl Walk<'_> {
             self.refuse(&key, None, message);
             return None;
         }
-        let foreign = |k: &&super::schema::Key| k.path.starts_with(&format!("{inner}.")) && (k.of == Of::Both || k.of == self.of);
+        let foreign = |k: &&super::schema::Key| k.path.starts_with(&format!("{inner}.")) && k.of.holds(self.of);
         if self.of != Of::Both && !KEYS.iter().any(|k| foreign(&k)) {
             self.refuse(&key, None, self.foreign());
             return None;
@@ -181,7 +182,7 @@ impl Walk<'_> {
         for key in KEYS.iter().filter(|k| k.split().0 == path) {
             let (_, name) = key.split();
             let kind_unknown = self.of == Of::Both && key.path != "kind";
-            let foreign = key.of != Of::Both && key.of != self.of;
+            let foreign = !key.of.holds(self.of);
             if table.contains_key(name) || kind_unknown || foreign {
                 continue;
             }
@@ -199,6 +200,7 @@ impl Walk<'_> {
     fn foreign(&self) -> String {
         let kind = match self.of {
             Of::Assembly => "an assembly",
+            Of::Triaxial => "a triaxial test",
             _ => "an oedometer",
         };
         format!("has no meaning in {kind}")
@@ -211,12 +213,8 @@ impl Walk<'_> {
             let table = written.rsplit_once('.').map_or("", |(table, _)| table);
             return format!("unknown key; did you mean {}?", join(table, near));
         }
-        let elsewhere = KEYS
-            .iter()
-            .filter(|k| k.of == Of::Both || k.of == self.of)
-            .filter(|k| k.split().1.eq_ignore_ascii_case(name))
-            .map(|k| k.path)
-            .next();
+        let elsewhere =
+            KEYS.iter().filter(|k| k.of.holds(self.of)).filter(|k| k.split().1.eq_ignore_ascii_case(name)).map(|k| k.path).next();
         match elsewhere {
             Some(path) => format!("unknown key here; did you mean {path}?"),
             None => format!("unknown key; there are {}", list(&here)),

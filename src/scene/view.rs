@@ -3,7 +3,9 @@
 use super::layers::{Layer, shown};
 use super::schema::unit;
 use crate::error::Error;
-use crate::model::{ContactLaw, ContactModel, Material, Model, Records, Rig, Seeds, Stepping, TangentialUnloading};
+use crate::model::{
+    ContactLaw, ContactModel, Material, Model, Oedometer, Records, Rig, Seeds, Stepping, TangentialUnloading, Triaxial,
+};
 use std::cell::RefCell;
 use toml::{Table, Value};
 
@@ -91,8 +93,9 @@ impl<'a> View<'a> {
         self.get(key).and_then(Value::as_str).unwrap_or("")
     }
 
-    pub fn is_assembly(&self) -> bool {
-        self.text("kind") == "assembly"
+    /// Whether grains turn.
+    pub fn turning(&self) -> bool {
+        self.text("contact.rotation") != "fixed"
     }
 
     pub fn scale(&self) -> f64 {
@@ -115,8 +118,11 @@ impl<'a> View<'a> {
             return None;
         }
         let stepping = self.stepping();
-        let rig =
-            if self.is_assembly() { Rig::Assembly(self.assembly(&named)?) } else { Rig::Oedometer(self.oedometer(&named[0])?) };
+        let rig = match self.text("kind") {
+            "assembly" => Rig::Assembly(self.assembly(&named)?),
+            "triaxial" => Rig::Triaxial(Triaxial { specimen: self.specimen(&named[0])?, shear: self.shear() }),
+            _ => Rig::Oedometer(Oedometer { specimen: self.specimen(&named[0])?, loading: self.loading() }),
+        };
         let (crush, fines) = self.crushing(&named, &rig)?;
         Some(Model {
             name: self.text("name").into(),
@@ -128,6 +134,7 @@ impl<'a> View<'a> {
                     _ => TangentialUnloading::Keep,
                 },
                 rolling: materials.iter().any(|m| m.rolling_friction > 0.0),
+                turning: self.turning(),
             },
             materials,
             crush,
