@@ -6,6 +6,7 @@ pub mod checkpoint;
 pub mod ledger;
 pub mod measure;
 pub mod oedometer;
+pub mod platen;
 pub mod specimen;
 pub mod table;
 pub mod vtk;

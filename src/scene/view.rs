@@ -91,12 +91,9 @@ impl<'a> View<'a> {
         self.get(key).and_then(Value::as_str).unwrap_or("")
     }
 
-    pub fn is_assembly(&self) -> bool {
-        self.text("kind") == "assembly"
-    }
-
     pub fn scale(&self) -> f64 {
-        self.si("specimen.scale")
+        // single grains have no scale
+        self.number("specimen.scale").unwrap_or(1.0)
     }
 
     pub fn law(&self) -> ContactLaw {
@@ -115,8 +112,11 @@ impl<'a> View<'a> {
             return None;
         }
         let stepping = self.stepping();
-        let rig =
-            if self.is_assembly() { Rig::Assembly(self.assembly(&named)?) } else { Rig::Oedometer(self.oedometer(&named[0])?) };
+        let rig = match self.text("kind") {
+            "assembly" => Rig::Assembly(self.assembly(&named)?),
+            "platen" => Rig::Platen(self.platen(&named)?),
+            _ => Rig::Oedometer(self.oedometer(&named[0])?),
+        };
         let (crush, fines) = self.crushing(&named, &rig)?;
         Some(Model {
             name: self.text("name").into(),
@@ -133,7 +133,7 @@ impl<'a> View<'a> {
             crush,
             fines,
             scale: self.scale(),
-            damping: self.si("damping.local"),
+            damping: self.number("damping.local").unwrap_or(0.0),
             gravity: self.gravity(),
             stepping,
             rig,
@@ -148,9 +148,9 @@ impl<'a> View<'a> {
     fn stepping(&self) -> Stepping {
         let stepping = Stepping {
             safety: self.si("stepping.safety"),
-            inertia_scaling: self.flag("stepping.inertia_scaling"),
+            inertia_scaling: self.flag("stepping.inertia_scaling") || self.is_platen(),
             dt: self.number("stepping.dt_s"),
-            skin: self.si("stepping.skin"),
+            skin: self.number("stepping.skin").unwrap_or(0.2),
         };
         if stepping.inertia_scaling {
             let counts = "time counts steps with stepping.inertia_scaling = true";
@@ -177,7 +177,7 @@ impl<'a> View<'a> {
             energy: self.flag("records.energy"),
             snapshots: self.flag("records.snapshots"),
             figures: self.flag("records.figures"),
-            checkpoint_seconds: self.si("records.checkpoint_seconds"),
+            checkpoint_seconds: self.number("records.checkpoint_seconds").unwrap_or(60.0),
         })
     }
 }

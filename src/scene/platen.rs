@@ -1,0 +1,132 @@
+//! From the keys of a platen test to [`Platen`].
+
+use super::material::Named;
+use super::schema::unit;
+use super::view::View;
+use crate::crush::criterion::size_factor;
+use crate::gradation::stratified_diameters;
+use crate::model::{Model, Platen};
+use crate::rig::platen::{hertz_displacement, pair};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use toml::Value;
+
+/// Curves that are written of a gradation, where no grain is the first of its diameter.
+const OF_GRADATION: u32 = 4;
+const MOST: usize = 1_000_000;
+
+impl View<'_> {
+    pub fn is_platen(&self) -> bool {
+        self.text("kind") == "platen"
+    }
+
+    pub fn platen(&self, named: &[Named]) -> Option<Platen> {
+        let (grain, platen) = self.roles(named)?;
+        let (diameters, graded) = self.batch(&named[usize::from(grain)])?;
+        Some(Platen {
+            curves: self.curves(&diameters, graded),
+            diameters,
+            graded,
+            grain,
+            platen,
+            step: self.si("loading.step"),
+            max_displacement: self.si("loading.max_displacement_over_d"),
+            max_force: self.number("loading.max_force_N"),
+        })
+    }
+
+    /// The material of the grains and that of the platens; a single one is that of grains between rigid platens.
+    fn roles(&self, named: &[Named]) -> Option<(u8, Option<u8>)> {
+        if self.has("material") {
+            return Some((0, None));
+        }
+        let at = |name: &str| named.iter().position(|n| n.name == name).and_then(|i| u8::try_from(i).ok());
+        let (grain, platen) = (at("grain"), at("platen"));
+        if let Some(other) = named.iter().find(|n| n.name != "grain" && n.name != "platen") {
+            self.refuse(&other.at, "has no part in a platen test: its materials are materials.grain and materials.platen");
+            return None;
+        }
+        if grain.is_none() {
+            self.refuse("materials.grain", "is missing: a platen test needs the material of its grains");
+        }
+        Some((grain?, platen))
+    }
+
+    /// Diameters, m, in the order of the grains' numbers, and whether they come from a gradation.
+    fn batch(&self, of: &Named) -> Option<(Vec<f64>, bool)> {
+        let count = usize::try_from(self.whole("batch.grains")?).ok()?;
+        if !self.has("batch.diameters_mm") {
+            let points = self.gradation(of)?;
+            let mut rng = ChaCha8Rng::seed_from_u64(self.whole("seed.packing")?);
+            return Some((stratified_diameters(&points, count, &mut rng), true));
+        }
+        let key = "batch.diameters_mm";
+        let list = self.get(key).and_then(Value::as_array);
+        let sizes: Vec<f64> = list.into_iter().flatten().filter_map(Value::as_float).map(|d| d * unit(key)).collect();
+        if sizes.is_empty() {
+            self.refuse(key, "must hold a diameter, or be left out for a gradation");
+            return None;
+        }
+        if let Some(i) = (1..sizes.len()).find(|&i| sizes[..i].contains(&sizes[i])) {
+            self.refuse(key, format!("must differ from each other; entry {} stands there already", i + 1));
+            return None;
+        }
+        if sizes.len() * count > MOST {
+            self.refuse("batch.grains", format!("would make {} tests; at most {MOST} are made", sizes.len() * count));
+            return None;
+        }
+        Some((sizes.iter().flat_map(|d| std::iter::repeat_n(*d, count)).collect(), false))
+    }
+
+    fn curves(&self, diameters: &[f64], graded: bool) -> Vec<u32> {
+        let count = diameters.len() as u32;
+        let Some(Value::Array(list)) = self.get("records.curves") else {
+            let first = |i: &u32| *i == 0 || diameters[*i as usize] != diameters[*i as usize - 1];
+            return if graded { (0..count.min(OF_GRADATION)).collect() } else { (0..count).filter(first).collect() };
+        };
+        let mut curves: Vec<u32> =
+            list.iter().filter_map(Value::as_integer).filter_map(|i| u32::try_from(i).ok()).collect();
+        if let Some(bad) = curves.iter().find(|i| **i >= count) {
+            let last = count.saturating_sub(1);
+            self.refuse("records.curves", format!("there is no grain {bad}; they go from 0 to {last}"));
+        }
+        curves.sort_unstable();
+        curves.dedup();
+        curves
+    }
+}
+
+/// Largest share by which a force may pass its limit before it is pointed out.
+const OVERSHOOT: f64 = 1e-3;
+
+/// What a batch will not show as one might expect.
+pub fn warnings(model: &Model, rig: &Platen, out: &mut Vec<String>) {
+    let Some(crush) = &model.crush else {
+        out.push("crushing.enabled = false: every grain is pressed to the end of its test".into());
+        return;
+    };
+    let mut sizes = rig.diameters.clone();
+    sizes.sort_by(f64::total_cmp);
+    sizes.dedup();
+    let below = rig.diameters.iter().filter(|d| **d <= crush.d_limit).count();
+    if below > 0 && below < rig.diameters.len() {
+        out.push(format!("{below} grains are not above the comminution limit, {:.4} mm, and cannot break", 1e3 * crush.d_limit));
+    }
+    let e_eff = pair(model, rig).e_eff;
+    let far = |d: &&f64| {
+        let strength = crush.strength.sigma_lim0 * size_factor(**d, crush.strength.d0, crush.strength.m);
+        let force = crush.area.limit_force(strength, **d, 0.5 * **d, e_eff);
+        let unmoved = hertz_displacement(e_eff, 0.5 * **d, force) < rig.max_displacement * **d;
+        **d > crush.d_limit && !(unmoved && rig.max_force.is_none_or(|most| force < most))
+    };
+    if let Some(d) = sizes.iter().rfind(far) {
+        out.push(format!(
+            "a grain of {:.4} mm and of the mean strength of its size does not break before its test ends (loading.max_displacement_over_d, loading.max_force_N)",
+            1e3 * d
+        ));
+    }
+    let overshoot = (1.0 + rig.step).powf(1.5) - 1.0;
+    if overshoot > OVERSHOOT {
+        out.push(format!("loading.step = {}: the force of a breakage may pass its limit by {:.2} %", rig.step, 100.0 * overshoot));
+    }
+}
