@@ -16,9 +16,10 @@ use crate::step::{self, State, Work};
 use std::f64::consts::PI;
 
 /// Displacement at the first step over the diameter: what seats the grain.
-pub const SEATING: f64 = 1e-6;
-/// Local damping of the grain while it is pressed: it makes it follow the platen without swinging.
-const DAMPING: f64 = 0.5;
+pub const SEATING: f64 = 1e-8;
+/// Steps in which the platen comes to its pace: many times the grain's own period, so that it follows without swinging (local damping,
+/// which opposes the velocity, does not end a swing about a steady motion).
+const START: u64 = 1000;
 /// Points of a curve per decade of displacement.
 const PER_DECADE: f64 = 60.0;
 /// Inertia is scaled by at least this share of the seating force.
@@ -38,6 +39,7 @@ pub struct Test {
     pub force: f64,
     pub displacement: f64,
     pub broken: bool,
+    /// As many steps; a grain that broke in the first one did so on being seated.
     pub steps: u64,
     /// Largest relative distance of a platen's force from Hertz', and of the platens' forces from each other, at any step.
     pub deviation: f64,
@@ -79,7 +81,7 @@ pub fn hertz_displacement(e_eff: f64, r: f64, force: f64) -> f64 {
 
 /// Steps from seating to the largest displacement.
 pub fn most_steps(rig: &Platen) -> f64 {
-    ((rig.max_displacement / SEATING).ln() / rig.step.ln_1p()).ceil()
+    ((rig.max_displacement / SEATING).ln() / rig.step.ln_1p() + 0.5 * START as f64).ceil()
 }
 
 /// The seated grain between its platens.
@@ -95,7 +97,6 @@ fn seated(model: &Model, rig: &Platen, number: u32) -> State {
         Wall::new(&WallSpec { shape, friction: 0.0, drive: Drive::Fixed, material: rig.platen })
     };
     let mut state = State::new(model, grains, vec![platen(-1.0), platen(1.0)], false);
-    state.damping = DAMPING;
     state.reference_stress = FLOOR * hertz(pair(model, rig).e_eff, r, SEATING * d) / (PI * r * r);
     if let Some(crush) = &model.crush {
         state.crushing = true;
@@ -147,7 +148,8 @@ pub fn press(model: &Model, rig: &Platen, number: u32, stop: impl Fn() -> bool) 
                 test.curve.push(point);
                 next = delta * 10f64.powf(1.0 / PER_DECADE);
             }
-            state.walls[1].speed = rig.step * delta / state.dt;
+            let pace = rig.step * (state.step.min(START) as f64 / START as f64);
+            state.walls[1].speed = pace * delta / state.dt;
             Ok::<(), Error>(())
         })?;
         test.steps = state.step;

@@ -87,7 +87,9 @@ fn press_all(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Vec
 fn summary(model: &Model, rig: &Platen, tests: &[Test]) -> Value {
     let broken = tests.iter().filter(|t| t.broken);
     let largest = |f: &dyn Fn(&Test) -> f64| tests.iter().map(f).fold(0.0, f64::max);
-    let overshoot = |t: &Test| t.limit_force.filter(|_| t.broken).map_or(0.0, |limit| t.force / limit - 1.0);
+    // what breaks on being seated has met its limit at an unknown force
+    let seated = |t: &Test| t.broken && t.steps == 1;
+    let overshoot = |t: &Test| t.limit_force.filter(|_| t.broken && !seated(t)).map_or(0.0, |limit| t.force / limit - 1.0);
     let name = |k: u8| model.materials[usize::from(k)].name.clone();
     let pair = pair(model, rig);
     json!({
@@ -104,6 +106,7 @@ fn summary(model: &Model, rig: &Platen, tests: &[Test]) -> Value {
         "tests": tests.len(),
         "crush_events": broken.clone().count(),
         "censored": tests.len() - broken.count(),
+        "broken_on_seating": tests.iter().filter(|t| seated(t)).count(),
         "cannot_break": tests.iter().filter(|t| t.limit_force.is_none()).count(),
         "steps": tests.iter().map(|t| t.steps).sum::<u64>(),
         "largest_overshoot": largest(&overshoot),
