@@ -1,8 +1,8 @@
 //! `comminute check SCENE`
 
 use super::{Overrides, print};
-use comminute::error::Result;
 use comminute::crush::criterion::AreaModel;
+use comminute::error::Result;
 use comminute::model::{Model, Rig};
 use comminute::scene::{self, Estimate, Scene};
 use serde_json::json;

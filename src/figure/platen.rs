@@ -13,8 +13,10 @@ use serde_json::Value;
 
 /// Forces that differ by more than this stand on logarithmic axes.
 const WIDE: f64 = 30.0;
-/// There a curve begins at this share of its largest displacement.
+/// A curve is drawn from this share of its largest displacement on.
 const SHORT: f64 = 1e-3;
+/// Survival is drawn from this share of the largest force on.
+const TAIL: f64 = 1e-4;
 /// Up to so many tests of a diameter each is a symbol; of more, their median and spread.
 const FEW: usize = 10;
 /// From this many curves on they share one legend entry.
@@ -93,7 +95,7 @@ fn force_displacement(batch: &Batch) -> Result<Option<Plot>> {
     let mut ends = (Vec::new(), Vec::new());
     for (i, c) in curves.iter().enumerate() {
         let last = c.end - 1;
-        let from = if log { SHORT * x[last] } else { 0.0 };
+        let from = SHORT * x[last];
         let shown: Vec<usize> = c.clone().filter(|&k| x[k] >= from).collect();
         let points = |y: &[f64]| shown.iter().map(|&k| (x[k], y[k])).collect();
         let name = format!("grain {}, {}", grain[last], of_size(d[last]));
@@ -144,13 +146,14 @@ fn peak_force(batches: &[Batch]) -> Result<Option<Plot>> {
             let line = Series::line(&name, tone, &[], Vec::new());
             series.push(Series { mark: band, x: x.clone(), y: law.numbers("median_N")?, ..line });
             if batches.len() == 1 {
-                let name = format!("{}, strength σ_{{lim,0}} at d_{{0}}", batch.equation());
+                let name = format!("{}, no spread", batch.equation());
                 let line = Series::line(&name, INK, &[], Vec::new());
                 series.push(Series { mark: Mark::Guide, x, y: law.numbers("at_mean_strength_N")?, ..line });
             }
         }
         series.extend(measured(batch, &prefix, if batches.len() == 1 { INK } else { tone })?);
     }
+    let lowest = series.iter().flat_map(|s| &s.y).copied().filter(|f| *f > 0.0).fold(f64::INFINITY, f64::min);
     let title = match batches {
         [] => return Ok(None),
         [one] => one.title(),
@@ -161,7 +164,7 @@ fn peak_force(batches: &[Batch]) -> Result<Option<Plot>> {
         title,
         legend_title: None,
         x: Axis::log("diameter d (mm)", "diameter_mm"),
-        y: force_axis(true, "peak force"),
+        y: force_axis(true, "peak force").including(&[0.75 * lowest]),
         series,
         equal: false,
     }))
@@ -211,11 +214,14 @@ fn survival(batch: &Batch) -> Result<Option<Plot>> {
     let (force, share, law) = (table.numbers("force_N")?, table.numbers("survival")?, table.numbers("survival_law")?);
     let mut classes: Vec<(f64, f64)> = from.iter().copied().zip(to.iter().copied()).collect();
     classes.dedup();
+    // of the weakest grains the table tells
+    let least = TAIL * force.iter().copied().fold(0.0, f64::max);
     let (mut series, mut laws) = (Vec::new(), Vec::new());
     for (i, class) in classes.iter().enumerate() {
-        let own: Vec<usize> = (0..force.len()).filter(|&k| (from[k], to[k]) == *class).collect();
-        let mut before = 1.0;
-        let mut steps = Vec::new();
+        let mut own: Vec<usize> = (0..force.len()).filter(|&k| (from[k], to[k]) == *class).collect();
+        let mut before = own.iter().rfind(|&&k| force[k] < least).map_or(1.0, |&k| share[k]);
+        let mut steps: Vec<_> = (before < 1.0).then_some((least, before)).into_iter().collect();
+        own.retain(|&k| force[k] >= least);
         for &k in &own {
             steps.extend([(force[k], before), (force[k], share[k])]);
             before = share[k];

@@ -138,8 +138,7 @@ fn mean_limit(crush: &CrushModel, d: f64, e_eff: f64) -> f64 {
 
 /// Limit force against diameter: at the mean strength, and quantiles of its spread.
 fn limit_rows(crush: &CrushModel, rig: &Platen, e_eff: f64) -> Vec<Row> {
-    let (low, high) =
-        rig.diameters.iter().fold((f64::INFINITY, 0.0f64), |(low, high), d| (low.min(*d), high.max(*d)));
+    let (low, high) = rig.diameters.iter().fold((f64::INFINITY, 0.0f64), |(low, high), d| (low.min(*d), high.max(*d)));
     let (low, high) = ((low / BEYOND).max(crush.d_limit), high * BEYOND);
     if low >= high {
         return Vec::new();

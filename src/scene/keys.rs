@@ -240,9 +240,9 @@ pub const KEYS: &[Key] = &[
     assembly("records.tracks", IndicesOr("all"), Is("[]"), "grains (from 0) whose motion is recorded"),
     platen(
         "records.curves",
-        IndicesOr("first"),
-        Is("\"first\""),
-        "grains (from 0) whose force-displacement curves are written, or \"first\": one of each diameter (four of a gradation)",
+        IndicesOr("typical"),
+        Is("\"typical\""),
+        "grains (from 0) whose force-displacement curves are written, or the one of median strength of each diameter (four of a gradation)",
     ),
     both("records.energy", Flag, Is("true"), "whether the energy ledger is kept"),
     both("records.snapshots", Flag, Is("true"), "whether ParaView snapshots are written"),

@@ -4,15 +4,16 @@ use super::material::Named;
 use super::schema::unit;
 use super::view::View;
 use crate::crush::criterion::size_factor;
+use crate::crush::strength::lineage_root;
 use crate::gradation::stratified_diameters;
-use crate::model::{Model, Platen};
+use crate::model::{CrushModel, Model, Platen, Rig, Seeds};
 use crate::rig::platen::{hertz_displacement, pair};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use toml::Value;
 
-/// Curves that are written of a gradation, where no grain is the first of its diameter.
-const OF_GRADATION: u32 = 4;
+/// Curves that are written of a gradation.
+const OF_GRADATION: usize = 4;
 const MOST: usize = 1_000_000;
 
 impl View<'_> {
@@ -24,7 +25,7 @@ impl View<'_> {
         let (grain, platen) = self.roles(named)?;
         let (diameters, graded) = self.batch(&named[usize::from(grain)])?;
         Some(Platen {
-            curves: self.curves(&diameters, graded),
+            curves: self.curves(diameters.len()),
             diameters,
             graded,
             grain,
@@ -78,15 +79,12 @@ impl View<'_> {
         Some((sizes.iter().flat_map(|d| std::iter::repeat_n(*d, count)).collect(), false))
     }
 
-    fn curves(&self, diameters: &[f64], graded: bool) -> Vec<u32> {
-        let count = diameters.len() as u32;
-        let Some(Value::Array(list)) = self.get("records.curves") else {
-            let first = |i: &u32| *i == 0 || diameters[*i as usize] != diameters[*i as usize - 1];
-            return if graded { (0..count.min(OF_GRADATION)).collect() } else { (0..count).filter(first).collect() };
-        };
+    /// The grains that are listed; none where they are to be typical ones.
+    fn curves(&self, count: usize) -> Vec<u32> {
+        let list = self.get("records.curves").and_then(Value::as_array);
         let mut curves: Vec<u32> =
-            list.iter().filter_map(Value::as_integer).filter_map(|i| u32::try_from(i).ok()).collect();
-        if let Some(bad) = curves.iter().find(|i| **i >= count) {
+            list.into_iter().flatten().filter_map(Value::as_integer).filter_map(|i| u32::try_from(i).ok()).collect();
+        if let Some(bad) = curves.iter().find(|i| **i as usize >= count) {
             let last = count.saturating_sub(1);
             self.refuse("records.curves", format!("there is no grain {bad}; they go from 0 to {last}"));
         }
@@ -94,6 +92,33 @@ impl View<'_> {
         curves.dedup();
         curves
     }
+
+    /// Chooses typical curves where none are listed: the median strength of each diameter, or sizes spread over a gradation.
+    pub fn typical(&self, rig: &mut Rig, crush: Option<&CrushModel>, seeds: Seeds) {
+        let Rig::Platen(rig) = rig else { return };
+        if !self.text("records.curves").is_empty() {
+            rig.curves = typical(rig, crush, seeds);
+        }
+    }
+}
+
+fn typical(rig: &Platen, crush: Option<&CrushModel>, seeds: Seeds) -> Vec<u32> {
+    let d = |i: u32| rig.diameters[i as usize];
+    let mut order: Vec<u32> = (0..rig.diameters.len() as u32).collect();
+    let mut chosen: Vec<u32> = if rig.graded {
+        order.sort_by(|&a, &b| d(a).total_cmp(&d(b)).then(a.cmp(&b)));
+        let parts = OF_GRADATION.min(order.len());
+        (0..parts).map(|k| order[(2 * k + 1) * order.len() / (2 * parts)]).collect()
+    } else {
+        let strength = |i: u32| crush.map_or(0.0, |c| c.strength.draw(seeds.strength, lineage_root(i), d(i)));
+        let middle = |same: &mut [u32]| {
+            same.sort_by(|&a, &b| strength(a).total_cmp(&strength(b)).then(a.cmp(&b)));
+            same[same.len() / 2]
+        };
+        order.chunk_by_mut(|&a, &b| d(a) == d(b)).map(middle).collect()
+    };
+    chosen.sort_unstable();
+    chosen
 }
 
 /// Largest share by which a force may pass its limit before it is pointed out.

@@ -213,12 +213,8 @@ impl Walk<'_> {
             let table = written.rsplit_once('.').map_or("", |(table, _)| table);
             return format!("unknown key; did you mean {}?", join(table, near));
         }
-        let elsewhere = KEYS
-            .iter()
-            .filter(|k| k.of.fits(self.of))
-            .filter(|k| k.split().1.eq_ignore_ascii_case(name))
-            .map(|k| k.path)
-            .next();
+        let elsewhere =
+            KEYS.iter().filter(|k| k.of.fits(self.of)).filter(|k| k.split().1.eq_ignore_ascii_case(name)).map(|k| k.path).next();
         match elsewhere {
             Some(path) => format!("unknown key here; did you mean {path}?"),
             None => format!("unknown key; there are {}", list(&here)),

@@ -112,15 +112,17 @@ impl<'a> View<'a> {
             return None;
         }
         let stepping = self.stepping();
-        let rig = match self.text("kind") {
+        let mut rig = match self.text("kind") {
             "assembly" => Rig::Assembly(self.assembly(&named)?),
             "platen" => Rig::Platen(self.platen(&named)?),
             _ => Rig::Oedometer(self.oedometer(&named[0])?),
         };
         let (crush, fines) = self.crushing(&named, &rig)?;
+        let seeds = Seeds { packing: self.whole("seed.packing")?, strength: self.whole("seed.strength")? };
+        self.typical(&mut rig, crush.as_ref(), seeds);
         Some(Model {
             name: self.text("name").into(),
-            seeds: Seeds { packing: self.whole("seed.packing")?, strength: self.whole("seed.strength")? },
+            seeds,
             contact: ContactModel {
                 law: self.law(),
                 unloading: match self.text("contact.unloading") {
