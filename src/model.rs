@@ -120,6 +120,27 @@ pub enum Rig {
     Oedometer(Oedometer),
     Triaxial(Triaxial),
     Assembly(Assembly),
+    Platen(Platen),
+}
+
+/// Single grains, each pressed by itself between two platens.
+#[derive(Clone, Debug)]
+pub struct Platen {
+    /// Diameter of each grain, m, in the order of their numbers.
+    pub diameters: Vec<f64>,
+    /// Whether the diameters were given, or drawn from a gradation.
+    pub graded: bool,
+    /// Material of the grains.
+    pub grain: u8,
+    /// Material of the platens; `None`: rigid (NOTES.md).
+    pub platen: Option<u8>,
+    /// Displacement of the platen in one step over its displacement so far.
+    pub step: f64,
+    /// Displacement over the grain's diameter, and force, N, at which a test stops unbroken.
+    pub max_displacement: f64,
+    pub max_force: Option<f64>,
+    /// Grains whose force-displacement curves are written, by number.
+    pub curves: Vec<u32>,
 }
 
 impl Rig {
@@ -128,7 +149,7 @@ impl Rig {
         match self {
             Rig::Oedometer(rig) => Some(&rig.specimen),
             Rig::Triaxial(rig) => Some(&rig.specimen),
-            Rig::Assembly(_) => None,
+            Rig::Assembly(_) | Rig::Platen(_) => None,
         }
     }
 }

@@ -112,6 +112,20 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
     }
     let number = |key: &str| outcome.summary.get(key).and_then(serde_json::Value::as_f64);
     let count = |key: &str| number(key).map_or("?".into(), |x| format!("{x}"));
+    if outcome.summary.get("tests").is_some() {
+        let worst = |key: &str| number(key).map_or("?".into(), |x| format!("{:.2e}", x));
+        eprintln!(
+            "{} grains pressed, {} broke; forces within {} of Hertz and {} of their limits, {} s",
+            count("tests"),
+            count("crush_events"),
+            worst("largest_hertz_deviation"),
+            worst("largest_overshoot"),
+            number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}")),
+        );
+        eprintln!("records in {}", outcome.out.display());
+        list_files(&outcome.figures);
+        return Ok(());
+    }
     eprintln!(
         "{} steps, {} crush events, {} grains from {}, {} s",
         count("steps"),

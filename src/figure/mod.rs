@@ -14,6 +14,7 @@ mod error;
 mod gradation;
 mod group;
 mod legend;
+mod platen;
 mod plot;
 mod run;
 mod runs_table;
@@ -46,7 +47,7 @@ pub fn draw_run(dir: &Path) -> Result<Vec<PathBuf>> {
     let mut files = draw_all(&input, &out)?;
     files.extend(specimen::draw(&run, &Colouring::Generation, &out)?);
     if files.is_empty() {
-        let why = "nothing to draw: no records in history.csv, gsd.csv, tracks.csv, specimen.csv or grains_final.csv";
+        let why = "nothing to draw: no records in history.csv, gsd.csv, platen.csv, tracks.csv, specimen.csv or grains_final.csv";
         return Err(FigureError::nothing(dir, why));
     }
     Ok(files)
@@ -85,6 +86,7 @@ fn draw_all(input: &Input, out: &Path) -> Result<Vec<PathBuf>> {
     plots.extend(stress_path::plot(input)?);
     plots.extend(energy::plot(input)?);
     plots.extend(assembly::plots(input)?);
+    plots.extend(platen::plots(input)?);
     let mut files = Vec::new();
     for plot in plots {
         files.extend(plot.draw(out)?);

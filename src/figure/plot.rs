@@ -268,7 +268,8 @@ impl Plot {
             let length = if t.label.is_some() { 20.0 } else { 11.0 };
             canvas.line(&[(x, b.bottom), (x, b.bottom - length)], INK, FRAME, &[]);
             if let Some(label) = t.label {
-                let at = (x, b.bottom + 42.0);
+                // the last label stays on the page
+                let at = (x.min(WIDTH - 4.0 - text::room(&label, TICK_SIZE) / 2.0), b.bottom + 42.0);
                 canvas.text(text(at, label, TICK_SIZE, Anchor::Middle, false));
             }
         }

@@ -7,6 +7,7 @@ pub mod cylinder;
 pub mod ledger;
 pub mod measure;
 pub mod oedometer;
+pub mod platen;
 pub mod specimen;
 pub mod table;
 pub mod triaxial;

@@ -18,7 +18,7 @@ pub const SUMMARY: &str = "summary.json";
 const SNAPSHOTS: &str = "snapshots";
 const COLLECTION: &str = "snapshots.pvd";
 /// What a run leaves: these are removed by `--force`, and nothing else.
-const OURS: [&str; 12] = [
+const OURS: [&str; 16] = [
     SPECIMEN,
     SUMMARY,
     COLLECTION,
@@ -26,6 +26,10 @@ const OURS: [&str; 12] = [
     "gsd.csv",
     "breakage.csv",
     "tracks.csv",
+    crate::record::platen::TESTS,
+    crate::record::platen::CURVES,
+    crate::record::platen::SURVIVAL,
+    crate::record::platen::LIMITS,
     "grains_final.csv",
     checkpoint::FILE,
     "checkpoint.tmp",

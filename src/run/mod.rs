@@ -1,6 +1,7 @@
 //! The loop around steps: phases, records, watchdog, checkpoints, stop. Only this module knows schedules.
 
 mod files;
+mod platen;
 mod progress_bar;
 mod summary;
 
@@ -102,11 +103,17 @@ fn listen() {
 /// Whatever keeps the run from starting (nothing is written then) or from ending (records and checkpoint are kept).
 pub fn run(request: RunRequest) -> Result<Outcome> {
     let RunRequest { model, scene_resolved, out, force, threads, specimen, quiet, stop_after, .. } = request;
+    if matches!(model.rig, Rig::Platen(_)) {
+        never_halfway(stop_after)?;
+    }
     let given = specimen.map(|path| specimen::read(&path, &model.materials)).transpose()?;
     files::claim(&out, force)?;
     let resolved = out.join(crate::scene::RESOLVED);
     std::fs::write(&resolved, scene_resolved).map_err(Error::write(&resolved))?;
     in_pool(threads, move || {
+        if let Rig::Platen(rig) = &model.rig {
+            return platen::run(&model, rig, &out, quiet);
+        }
         let (activity, state) = match (&model.rig, model.rig.specimen(), given) {
             (_, Some(_), Some((grains, walls))) => {
                 specimen::write(&out.join(files::SPECIMEN), &grains, &model.materials, Some(walls))?;
@@ -149,8 +156,20 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
     }
     let scene = crate::scene::load(dir.join(crate::scene::RESOLVED), &[])?;
     let model = crate::scene::model(&scene)?;
+    if let Rig::Platen(rig) = &model.rig {
+        never_halfway(options.stop_after)?;
+        return in_pool(options.threads, || platen::run(&model, rig, dir, options.quiet));
+    }
     let progress: Progress = checkpoint::load(dir)?;
     in_pool(options.threads, move || Runner::new(&model, dir, progress, options.quiet)?.go(options.stop_after))
+}
+
+/// A batch of platen tests has no state between its tests that could be kept.
+fn never_halfway(stop_after: Option<u64>) -> Result<()> {
+    match stop_after {
+        None => Ok(()),
+        Some(n) => Err(Error::input(format!("--stop-after {n}"), "", None, "has no meaning in a platen test")),
+    }
 }
 
 /// Runs inside a pool of its own, so that the loop's thread is one of the workers.
@@ -174,7 +193,7 @@ fn test(model: &Model, grains: Grains, walls: Walls) -> (Activity, State) {
             let (shearing, state) = Shearing::start(model, rig, grains, walls);
             (Activity::Shearing(shearing), state)
         }
-        Rig::Assembly(_) => unreachable!("an assembly has no specimen"),
+        Rig::Assembly(_) | Rig::Platen(_) => unreachable!("an assembly and single grains are no specimen"),
     }
 }
 

@@ -36,19 +36,37 @@ impl Bar {
     }
 
     pub fn show(&mut self, model: &Model, p: &Progress) {
-        let Some(bar) = &self.bar else { return };
-        let since = self.last.elapsed();
-        if since < if self.terminal { REDRAW } else { PLAIN } || self.begun.elapsed() < FIRST {
+        if !self.due() {
             return;
         }
+        let since = self.last.elapsed();
         let speed = (p.steps - self.last_steps) as f64 / since.as_secs_f64();
-        (self.last, self.last_steps) = (Instant::now(), p.steps);
+        self.last_steps = p.steps;
         let (share, message) = describe(model, p);
         let elapsed = self.begun.elapsed().as_secs_f64();
         let mut line = format!("{message}  {speed:.0} steps/s");
         if elapsed > 10.0 && share > 0.02 && share < 1.0 && !matches!(p.activity, Activity::Preparing(_)) {
             line += &format!("  about {} left", human(p.loading_seconds * (1.0 - share) / share));
         }
+        self.draw(share, line);
+    }
+
+    /// So many of so many.
+    pub fn show_count(&mut self, done: usize, count: usize, what: &str) {
+        if self.due() {
+            self.draw(done as f64 / count.max(1) as f64, format!("{done} of {count} {what}"));
+        }
+    }
+
+    /// Whether something is to be shown now.
+    fn due(&self) -> bool {
+        let pause = if self.terminal { REDRAW } else { PLAIN };
+        self.bar.is_some() && self.last.elapsed() >= pause && self.begun.elapsed() >= FIRST
+    }
+
+    fn draw(&mut self, share: f64, line: String) {
+        let Some(bar) = &self.bar else { return };
+        self.last = Instant::now();
         if self.terminal {
             bar.set_draw_target(ProgressDrawTarget::stderr());
             bar.set_position((share * 1000.0) as u64);

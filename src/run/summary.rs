@@ -104,6 +104,7 @@ fn strengths(model: &Model, progress: &Progress) -> Value {
             crate::packing::radii(specimen, model.seeds.packing)
         }
         Rig::Assembly(rig) => rig.grains.iter().map(|g| g.radius).collect(),
+        Rig::Platen(_) => return Value::Null,
     };
     let ratios: Vec<f64> = radii
         .iter()
@@ -116,6 +117,11 @@ fn strengths(model: &Model, progress: &Progress) -> Value {
             crush.strength.draw(model.seeds.strength, lineage, d) / mean
         })
         .collect();
+    moments(&ratios)
+}
+
+/// Mean and coefficient of variation.
+pub fn moments(ratios: &[f64]) -> Value {
     let n = ratios.len().max(1) as f64;
     let mean = ratios.iter().sum::<f64>() / n;
     let variance = ratios.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;

@@ -3,6 +3,7 @@
 use super::crushing::extremes;
 use super::specimen::height;
 use crate::model::{self, Assembly, ContactLaw, Drive, Model, Oedometer, Rig, TangentialUnloading, Triaxial};
+use crate::rig::platen::most_steps;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -46,8 +47,12 @@ pub fn estimate(model: &Model) -> Estimate {
     let grains = match &model.rig {
         Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => specimen.grains,
         Rig::Assembly(a) => a.grains.len(),
+        Rig::Platen(p) => p.diameters.len(),
     };
-    let daughters = model.crush.as_ref().map_or(1, |c| c.pattern.count());
+    let daughters = match model.rig {
+        Rig::Platen(_) => 1,
+        _ => model.crush.as_ref().map_or(1, |c| c.pattern.count()),
+    };
     let grains_final = grains as f64 * (1.0 + EVENTS_PER_GRAIN * (daughters - 1) as f64);
     let finest = match &model.crush {
         Some(c) if c.d_limit < largest => smallest.min(c.pattern.smallest() * c.d_limit),
@@ -62,6 +67,7 @@ pub fn estimate(model: &Model) -> Estimate {
             (None, Some(t), Some(dt)) => (t / dt).ceil(),
             _ => 0.0,
         },
+        Rig::Platen(p) => most_steps(p) * grains as f64,
     };
     let mut estimate = Estimate {
         grains,
@@ -94,6 +100,9 @@ pub fn estimate(model: &Model) -> Estimate {
         if !o.loading.stages.is_sorted() && model.contact.unloading == TangentialUnloading::Keep {
             estimate.warnings.push(UNLOADING.into());
         }
+    }
+    if let Rig::Platen(p) = &model.rig {
+        super::platen::warnings(model, p, &mut estimate.warnings);
     }
     if let Some(crush) = &model.crush
         && crush.d_limit >= largest
@@ -272,6 +281,7 @@ fn share(law: ContactLaw, material: &crate::model::Material, r: f64, force: f64)
 fn load(model: &Model, r: f64) -> (f64, String) {
     let section = PI * r * r;
     match &model.rig {
+        Rig::Platen(_) => (0.0, "the force on a platen".into()),
         Rig::Oedometer(o) => {
             let stress = o.loading.stages.iter().copied().fold(0.0, f64::max);
             let text = format!("its section under {} kPa", 1e-3 * stress);

@@ -11,6 +11,7 @@ mod layers;
 mod material;
 mod oedometer;
 mod overrides;
+mod platen;
 mod provenance;
 mod schema;
 mod sources;

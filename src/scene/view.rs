@@ -99,7 +99,8 @@ impl<'a> View<'a> {
     }
 
     pub fn scale(&self) -> f64 {
-        self.si("specimen.scale")
+        // single grains have no scale
+        self.number("specimen.scale").unwrap_or(1.0)
     }
 
     pub fn law(&self) -> ContactLaw {
@@ -118,15 +119,18 @@ impl<'a> View<'a> {
             return None;
         }
         let stepping = self.stepping();
-        let rig = match self.text("kind") {
+        let mut rig = match self.text("kind") {
             "assembly" => Rig::Assembly(self.assembly(&named)?),
+            "platen" => Rig::Platen(self.platen(&named)?),
             "triaxial" => Rig::Triaxial(Triaxial { specimen: self.specimen(&named[0])?, shear: self.shear() }),
             _ => Rig::Oedometer(Oedometer { specimen: self.specimen(&named[0])?, loading: self.loading() }),
         };
         let (crush, fines) = self.crushing(&named, &rig)?;
+        let seeds = Seeds { packing: self.whole("seed.packing")?, strength: self.whole("seed.strength")? };
+        self.typical(&mut rig, crush.as_ref(), seeds);
         Some(Model {
             name: self.text("name").into(),
-            seeds: Seeds { packing: self.whole("seed.packing")?, strength: self.whole("seed.strength")? },
+            seeds,
             contact: ContactModel {
                 law: self.law(),
                 unloading: match self.text("contact.unloading") {
@@ -140,7 +144,7 @@ impl<'a> View<'a> {
             crush,
             fines,
             scale: self.scale(),
-            damping: self.si("damping.local"),
+            damping: self.number("damping.local").unwrap_or(0.0),
             gravity: self.gravity(),
             stepping,
             rig,
@@ -155,9 +159,9 @@ impl<'a> View<'a> {
     fn stepping(&self) -> Stepping {
         let stepping = Stepping {
             safety: self.si("stepping.safety"),
-            inertia_scaling: self.flag("stepping.inertia_scaling"),
+            inertia_scaling: self.flag("stepping.inertia_scaling") || self.is_platen(),
             dt: self.number("stepping.dt_s"),
-            skin: self.si("stepping.skin"),
+            skin: self.number("stepping.skin").unwrap_or(0.2),
         };
         if stepping.inertia_scaling {
             let counts = "time counts steps with stepping.inertia_scaling = true";
@@ -184,7 +188,7 @@ impl<'a> View<'a> {
             energy: self.flag("records.energy"),
             snapshots: self.flag("records.snapshots"),
             figures: self.flag("records.figures"),
-            checkpoint_seconds: self.si("records.checkpoint_seconds"),
+            checkpoint_seconds: self.number("records.checkpoint_seconds").unwrap_or(60.0),
         })
     }
 }
