@@ -39,6 +39,22 @@ pub enum Error {
         .path.display()
     )]
     Exists { path: PathBuf },
+    /// The output folder holds a run of another scene.
+    #[error("{}: holds a run of another scene ({what}): choose another folder with --out, or --force to overwrite it", .path.display())]
+    Other { path: PathBuf, what: String },
+    /// Somebody else is at work in the folder.
+    #[error("{}: another process is running there", .path.display())]
+    Busy { path: PathBuf },
+    /// Some runs of a campaign failed; the others are done.
+    #[error("{}{} of {of} runs failed", failures(.failed), .failed.len())]
+    Campaign {
+        /// Folder and reason of each.
+        failed: Vec<(PathBuf, String)>,
+        of: usize,
+    },
+    /// A campaign was stopped from outside; what is done and the checkpoints of the rest are kept.
+    #[error("stopped with {done} of {of} runs done; the same command goes on")]
+    Stopped { done: usize, of: usize },
     /// The state left the range in which it means anything.
     #[error("step {step}: {what}{}", of_grain(.grain))]
     Unstable {
@@ -92,10 +108,11 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Input { .. } | Error::Several(_) | Error::Read { .. } | Error::Exists { .. } | Error::Checkpoint { .. } => 2,
+            Error::Other { .. } | Error::Busy { .. } => 2,
             Error::Figure(FigureError::Io { .. } | FigureError::Draw { .. }) => 1,
             Error::Figure(_) => 2,
-            Error::Write { .. } | Error::Unstable { .. } | Error::Failed { .. } => 1,
-            Error::Interrupted { .. } => 130,
+            Error::Write { .. } | Error::Unstable { .. } | Error::Failed { .. } | Error::Campaign { .. } => 1,
+            Error::Interrupted { .. } | Error::Stopped { .. } => 130,
         }
     }
 }
@@ -109,6 +126,10 @@ fn input_line(place: &str, key: &str, value: Option<&str>, message: &str) -> Str
         Some(value) => format!("{place}: {key} = {value}: {message}"),
         None => format!("{place}: {key}: {message}"),
     }
+}
+
+fn failures(failed: &[(PathBuf, String)]) -> String {
+    failed.iter().map(|(out, reason)| format!("{}: {reason}\n", out.display())).collect()
 }
 
 fn lines(errors: &[Error]) -> String {

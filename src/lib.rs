@@ -2,6 +2,8 @@
 
 pub mod bench;
 pub mod boundary;
+pub mod calibrate;
+pub mod campaign;
 pub mod contact;
 pub mod crush;
 pub mod error;

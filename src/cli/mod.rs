@@ -1,10 +1,15 @@
 //! One file per verb.
 
 mod bench;
+mod calibrate;
+mod calibrate_curve;
+mod campaign;
 mod check;
+mod ensemble;
 mod plot;
 mod resume;
 mod run;
+mod sweep;
 
 use clap::{Args, Parser, Subcommand};
 use comminute::error::{Error, Result};
@@ -42,6 +47,13 @@ pub enum Verb {
     Plot(plot::Args),
     /// Continue a run that was stopped
     Resume(resume::Args),
+    /// Run a scene with several seeds; mean and band of every curve
+    Ensemble(ensemble::Args),
+    /// Run a table of parameters, each in a process and a folder of its own
+    Sweep(sweep::Args),
+    /// Find parameters from laboratory data
+    #[command(subcommand)]
+    Calibrate(calibrate::Calibrate),
     /// Measure the speed of the engine
     Bench(bench::Args),
 }
@@ -53,6 +65,9 @@ impl Verb {
             Verb::Check(args) => check::call(&args),
             Verb::Plot(args) => plot::call(&args),
             Verb::Resume(args) => resume::call(args),
+            Verb::Ensemble(args) => ensemble::call(&args),
+            Verb::Sweep(args) => sweep::call(&args),
+            Verb::Calibrate(what) => calibrate::call(&what),
             Verb::Bench(args) => bench::call(&args),
         }
     }

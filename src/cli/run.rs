@@ -2,7 +2,7 @@
 
 use super::Overrides;
 use comminute::error::{Error, Result};
-use comminute::run::{RunRequest, run};
+use comminute::run::{Found, Outcome, ResumeOptions, RunRequest, look, resume, run};
 use comminute::scene;
 use std::path::{Path, PathBuf};
 
@@ -34,6 +34,11 @@ pub struct Args {
     #[arg(long)]
     force: bool,
 
+    /// Do only what is left: nothing if the folder holds this run finished, go on from its checkpoint, or begin. With --force a run of
+    /// another scene is overwritten
+    #[arg(long = "continue")]
+    left: bool,
+
     /// Stop after this many steps, preparation included; `comminute resume` goes on from there
     #[arg(long, value_name = "STEPS")]
     stop_after: Option<u64>,
@@ -54,6 +59,23 @@ pub fn call(mut args: Args) -> Result<()> {
     let scene = args.overrides.load(&args.scene)?;
     let model = scene::model(&scene)?;
     let out = args.out.unwrap_or_else(|| scene.default_out());
+    if args.left {
+        let found = look(&out, &scene, &model)?;
+        let options = ResumeOptions {
+            threads: args.threads.map(usize::from),
+            quiet: args.quiet,
+            json: args.json,
+            stop_after: args.stop_after,
+        };
+        match found {
+            Found::Finished(summary) => return super::close(&Outcome { summary, out, figures: Vec::new() }, args.quiet, args.json),
+            Found::Unfinished => return super::close(&resume(&out, options)?, args.quiet, args.json),
+            Found::Busy => return Err(Error::Busy { path: out }),
+            Found::Other(what) if !args.force => return Err(Error::Other { path: out, what }),
+            Found::Broken | Found::Other(_) => args.force = true,
+            Found::Nothing => {}
+        }
+    }
     free(&out, args.force)?;
     if !args.quiet {
         for warning in scene::estimate(&model).warnings {

@@ -151,22 +151,27 @@ pub fn band(curves: &[&[Point]], log_x: bool) -> Option<Band> {
     if curves.is_empty() || !(lo.is_finite() && hi.is_finite() && lo < hi) {
         return None;
     }
-    let spread = if curves.len() < MANY { 0.0 } else { 0.1 };
     let mut out = Band { x: Vec::new(), median: Vec::new(), low: Vec::new(), high: Vec::new() };
     for i in 0..GRID {
         let x = lo + (hi - lo) * i as f64 / (GRID - 1) as f64;
-        let mut at: Vec<f64> = curves.iter().map(|c| interpolate(c, x)).collect();
-        at.sort_by(f64::total_cmp);
+        let [low, median, high] = edges(curves.iter().map(|c| interpolate(c, x)).collect());
         out.x.push(if log_x { x.exp() } else { x });
-        out.median.push(quantile(&at, 0.5));
-        out.low.push(quantile(&at, spread));
-        out.high.push(quantile(&at, 1.0 - spread));
+        out.median.push(median);
+        out.low.push(low);
+        out.high.push(high);
     }
     Some(out)
 }
 
+/// Lower edge, median and upper edge of a band at the values of several curves.
+pub(super) fn edges(mut values: Vec<f64>) -> [f64; 3] {
+    values.sort_by(f64::total_cmp);
+    let spread = if values.len() < MANY { 0.0 } else { 0.1 };
+    [spread, 0.5, 1.0 - spread].map(|q| quantile(&values, q))
+}
+
 /// Points in rising order of x (its logarithm if asked), one for each x.
-fn rising(points: &[Point], log_x: bool) -> Vec<Point> {
+pub(super) fn rising(points: &[Point], log_x: bool) -> Vec<Point> {
     let mut out: Vec<Point> =
         points.iter().map(|p| (if log_x { p.0.ln() } else { p.0 }, p.1)).filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
     out.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -14,8 +14,10 @@ mod error;
 mod gradation;
 mod group;
 mod legend;
+mod mean;
 mod platen;
 mod plot;
+mod posterior;
 mod run;
 mod runs_table;
 mod specimen;
@@ -25,6 +27,8 @@ mod text;
 mod triaxial;
 
 pub use error::{FigureError, Result};
+pub use mean::write as write_means;
+pub use posterior::{FittedLine, Input as PosteriorInput, draw_convergence, draw_corner, draw_fitted, draw_sensitivity};
 pub use specimen::Colouring;
 
 use data::Measured;

@@ -48,6 +48,10 @@ impl Table {
         self.rows.len()
     }
 
+    pub fn headers(&self) -> &[String] {
+        &self.headers
+    }
+
     pub fn has(&self, column: &str) -> bool {
         self.headers.iter().any(|h| h == column)
     }

@@ -1,6 +1,7 @@
 //! The loop around steps: phases, records, watchdog, checkpoints, stop. Only this module knows schedules.
 
 mod files;
+mod folder;
 mod platen;
 mod progress_bar;
 mod summary;
@@ -17,7 +18,9 @@ use crate::rig::triaxial::{self as shear, Shearing};
 use crate::rig::{assembly, preparation::Preparation};
 use crate::step::{State, Work};
 use files::Files;
+pub use folder::{Found, Lock, lock, look};
 use progress_bar::Bar;
+pub(crate) use progress_bar::human;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -88,13 +91,19 @@ struct Progress {
 /// Set by Ctrl-C (and SIGTERM): the run stops at the next step, everything kept.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-fn listen() {
+/// Takes Ctrl-C and SIGTERM as a wish to stop, which [`stop_asked`] tells.
+pub fn listen() {
     use std::sync::Once;
     static ONCE: Once = Once::new();
     // a second handler cannot be installed; a library user who has one keeps it
     ONCE.call_once(|| {
         let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
     });
+}
+
+/// Whether Ctrl-C or SIGTERM has come since [`listen`].
+pub fn stop_asked() -> bool {
+    STOP.load(Ordering::Relaxed)
 }
 
 /// Runs a model from the start.
@@ -107,9 +116,11 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
         never_halfway(stop_after)?;
     }
     let given = specimen.map(|path| specimen::read(&path, &model.materials)).transpose()?;
+    lock(&out)?;
     files::claim(&out, force)?;
     let resolved = out.join(crate::scene::RESOLVED);
     std::fs::write(&resolved, scene_resolved).map_err(Error::write(&resolved))?;
+    let _lock = lock(&out)?;
     in_pool(threads, move || {
         if let Rig::Platen(rig) = &model.rig {
             return platen::run(&model, rig, &out, quiet);
@@ -156,6 +167,7 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
     }
     let scene = crate::scene::load(dir.join(crate::scene::RESOLVED), &[])?;
     let model = crate::scene::model(&scene)?;
+    let _lock = lock(dir)?;
     if let Rig::Platen(rig) = &model.rig {
         never_halfway(options.stop_after)?;
         return in_pool(options.threads, || platen::run(&model, rig, dir, options.quiet));
@@ -248,7 +260,7 @@ impl<'a> Runner<'a> {
                     return Err(e);
                 }
             }
-            if STOP.load(Ordering::Relaxed) || stop_after.is_some_and(|n| self.progress.steps >= n) {
+            if stop_asked() || stop_after.is_some_and(|n| self.progress.steps >= n) {
                 self.checkpoint()?;
                 self.bar.abandon();
                 return Err(Error::Interrupted { step: self.progress.steps, out: self.out.into() });

@@ -57,7 +57,7 @@ pub const OPTIONAL_TABLES: &[&str] = &[
 ];
 
 /// Tables written as lists (`[[grain]]`).
-pub const LIST_TABLES: &[&str] = &["grain", "wall"];
+pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate"];
 
 /// Keys of which only one is meant: writing one replaces the other of a base or a file.
 pub const RIVALS: &[(&str, &str)] = &[
@@ -271,6 +271,17 @@ pub const KEYS: &[Key] = &[
     both("records.snapshots", Flag, Is("true"), "whether ParaView snapshots are written"),
     every("records.figures", Flag, Is("true"), "whether figures are drawn"),
     both("records.checkpoint_seconds", Number(POSITIVE), Is("60.0"), "seconds of wall-clock time between checkpoints"),
+    oedometer("calibrate.key", Text, Required, "key that `comminute calibrate curve` finds; no run looks at this table"),
+    oedometer("calibrate.lower", Number(ANY), Required, "smallest value of the key"),
+    oedometer("calibrate.upper", Number(ANY), Required, "largest value of the key"),
+    oedometer(
+        "calibrate.prior",
+        Choice(&["uniform", "log_uniform", "normal"]),
+        Is("\"uniform\""),
+        "what is known of it before: nothing between the bounds, nothing of its order of magnitude, or a normal distribution",
+    ),
+    oedometer("calibrate.mean", Number(ANY), Absent, "mean of a normal prior"),
+    oedometer("calibrate.sd", Number(POSITIVE), Absent, "standard deviation of a normal prior"),
     every("seed.packing", FROM_ZERO, Is("1"), "random stream of the specimen"),
     every("seed.strength", FROM_ZERO, Is("1"), "random stream of strengths and pattern azimuths, keyed by lineage"),
     every("material.name", Text, Required, "name of the material"),

@@ -2,6 +2,7 @@
 //! [`Model`] ([`model`]).
 
 mod assembly;
+mod calibrate;
 mod crushing;
 mod estimate;
 mod files;
@@ -22,6 +23,7 @@ mod validate;
 mod view;
 mod write;
 
+pub use calibrate::{Calibrated, Prior};
 pub use estimate::{Estimate, Specimen, estimate};
 pub use keys::reference as key_reference;
 pub use layers::shown;
@@ -112,6 +114,8 @@ pub fn model(scene: &Scene) -> Result<Model> {
 /// The scene with every default filled in, its material and grains written out: running it repeats the run.
 pub fn resolved(scene: &Scene) -> String {
     let mut table = scene.layer.table.clone();
+    // what a calibration may change says nothing about a run
+    table.remove("calibrate");
     // a run keeps the specimen it began with beside the scene
     if let Some(file) = table.get_mut("specimen").and_then(|t| t.get_mut("file")) {
         *file = Value::String(SPECIMEN.into());

@@ -1,0 +1,83 @@
+//! Columns of a CSV file by name, with errors that say file, line and column.
+
+use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
+
+pub struct Columns {
+    pub path: PathBuf,
+    pub headers: Vec<String>,
+    /// Line of the file, and cells.
+    pub rows: Vec<(u64, Vec<String>)>,
+}
+
+impl Columns {
+    /// Reads a file with a header line and `#` comments.
+    ///
+    /// # Errors
+    /// A file that cannot be read, without rows, or with rows of another length than the header.
+    pub fn read(path: &Path) -> Result<Columns> {
+        let bytes = std::fs::read(path).map_err(Error::read(path))?;
+        let wrong = |place: String, message: String| Error::input(format!("{}{place}", path.display()), "", None, message);
+        let text = String::from_utf8(bytes).map_err(|_| wrong(String::new(), "is not UTF-8 text".into()))?;
+        let text = text.trim_start_matches('\u{feff}');
+        let mut reader =
+            csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
+        let headers: Vec<String> =
+            reader.headers().map_err(|e| wrong(String::new(), e.to_string()))?.iter().map(str::to_string).collect();
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            let record = record.map_err(|e| wrong(String::new(), e.to_string()))?;
+            let line = record.position().map_or(0, csv::Position::line);
+            if record.len() != headers.len() {
+                let message = format!("has {} values; the header has {}", record.len(), headers.len());
+                return Err(wrong(format!(" line {line}"), message));
+            }
+            rows.push((line, record.iter().map(str::to_string).collect()));
+        }
+        if headers.len() == 1 && headers[0].contains([';', '\t']) {
+            return Err(wrong(String::new(), "values must be separated by commas".into()));
+        }
+        if rows.is_empty() {
+            return Err(wrong(String::new(), "holds no rows".into()));
+        }
+        Ok(Columns { path: path.to_path_buf(), headers, rows })
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.headers.iter().any(|h| h == name)
+    }
+
+    /// An error about this file.
+    pub fn wrong(&self, message: impl Into<String>) -> Error {
+        Error::input(self.path.display(), "", None, message)
+    }
+
+    /// An error about a value in a row.
+    pub fn wrong_value(&self, row: usize, column: &str, message: impl Into<String>) -> Error {
+        let at = self.headers.iter().position(|h| h == column);
+        let value = at.and_then(|i| self.rows[row].1.get(i)).cloned();
+        Error::input(format!("{} line {}", self.path.display(), self.rows[row].0), column, value, message)
+    }
+
+    /// A column as text.
+    pub fn texts(&self, name: &str) -> Vec<&str> {
+        let at = self.headers.iter().position(|h| h == name);
+        self.rows.iter().map(|(_, cells)| at.and_then(|i| cells.get(i)).map_or("", String::as_str)).collect()
+    }
+
+    /// A column as finite numbers times `factor`; empty cells are `None`.
+    ///
+    /// # Errors
+    /// A cell that is no finite number.
+    pub fn numbers(&self, name: &str, factor: f64) -> Result<Vec<Option<f64>>> {
+        self.texts(name)
+            .iter()
+            .enumerate()
+            .map(|(row, cell)| match cell.parse::<f64>() {
+                _ if cell.is_empty() => Ok(None),
+                Ok(x) if x.is_finite() => Ok(Some(x * factor)),
+                _ => Err(self.wrong_value(row, name, "must be a finite number")),
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,138 @@
+//! A fast stand-in for the runs: their curves as a few principal components, each a Gaussian process over the parameters (Higdon et al.
+//! 2008, J. Am. Stat. Assoc. 103, 570), with the scatter of the seeds found beside it.
+
+use super::gp::Gp;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use rayon::prelude::*;
+
+/// Components are taken until they hold this share of the runs' variance, at most so many.
+const SHARE: f64 = 0.995;
+const MOST: usize = 8;
+/// Weight of the correlations of the scatter between components; the rest goes to none, as few runs show them only roughly.
+const CORRELATED: f64 = 0.8;
+
+/// Curves as functions of parameters in the unit cube.
+#[derive(Clone, Debug)]
+pub struct Emulator {
+    /// Mean of each output over the runs, and the scale that it is divided by.
+    centre: Vec<f64>,
+    scale: Vec<f64>,
+    /// Outputs × components, orthonormal.
+    basis: DMatrix<f64>,
+    gps: Vec<Gp>,
+    /// Covariance of the components between seeds.
+    pub scatter: DMatrix<f64>,
+    /// Variance of each scaled output outside of the components.
+    pub rest: Vec<f64>,
+    /// Share of the variance that the components hold.
+    pub share: f64,
+}
+
+impl Emulator {
+    /// Fits runs with outputs `y` at parameters `x`. `scale` is a size of each output by which they are made comparable, at best
+    /// its scatter. `None` if the runs do not differ.
+    pub fn fit(x: &[Vec<f64>], y: &[Vec<f64>], scale: &[f64]) -> Option<Emulator> {
+        let (n, m) = (y.len(), scale.len());
+        let centre: Vec<f64> = (0..m).map(|j| y.iter().map(|run| run[j]).sum::<f64>() / n as f64).collect();
+        let scaled = DMatrix::from_fn(n, m, |i, j| (y[i][j] - centre[j]) / scale[j]);
+        let eigen = SymmetricEigen::new(scaled.tr_mul(&scaled) / n as f64);
+        let mut order: Vec<usize> = (0..m).collect();
+        order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+        let total: f64 = eigen.eigenvalues.iter().filter(|v| **v > 0.0).sum();
+        if !(total > 0.0 && total.is_finite()) {
+            return None;
+        }
+        let (mut held, mut components) = (0.0, 0);
+        while components < MOST.min(m).min(n - 1) && held < SHARE * total {
+            held += eigen.eigenvalues[order[components]];
+            components += 1;
+        }
+        let basis = DMatrix::from_fn(m, components, |j, k| eigen.eigenvectors[(j, order[k])]);
+        let scores = &scaled * &basis;
+        let gps: Option<Vec<Gp>> =
+            (0..components).into_par_iter().map(|k| Gp::fit(x, scores.column(k).clone_owned().as_slice())).collect();
+        let gps = gps?;
+        let rest = scaled - &scores * basis.transpose();
+        let rest = (0..m).map(|j| rest.column(j).norm_squared() / n as f64).collect();
+        Some(Emulator { scatter: scatter(&gps), centre, scale: scale.to_vec(), basis, gps, rest, share: held / total })
+    }
+
+    pub fn components(&self) -> usize {
+        self.gps.len()
+    }
+
+    /// The size of each output by which it is scaled.
+    pub fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
+    /// Scores of a curve.
+    pub fn project(&self, y: &[f64]) -> DVector<f64> {
+        self.basis.tr_mul(&DVector::from_vec(self.scaled(y)))
+    }
+
+    /// A curve over its scales, from the mean of the runs.
+    pub fn scaled(&self, y: &[f64]) -> Vec<f64> {
+        y.iter().zip(&self.centre).zip(&self.scale).map(|((y, c), s)| (y - c) / s).collect()
+    }
+
+    /// The curve of scores.
+    pub fn curve(&self, scores: &DVector<f64>) -> Vec<f64> {
+        let scaled = &self.basis * scores;
+        scaled.iter().zip(&self.centre).zip(&self.scale).map(|((v, c), s)| c + s * v).collect()
+    }
+
+    /// Covariance of scores from a variance of each output.
+    pub fn covariance(&self, variance: &[f64]) -> DMatrix<f64> {
+        let scaled = DMatrix::from_diagonal(&DVector::from_iterator(
+            variance.len(),
+            variance.iter().zip(&self.scale).map(|(v, s)| v / (s * s)),
+        ));
+        self.basis.tr_mul(&(scaled * &self.basis))
+    }
+
+    /// Covariance of the scaled outputs from one of the scores.
+    pub fn outputs(&self, scores: &DMatrix<f64>) -> DMatrix<f64> {
+        &self.basis * scores * self.basis.transpose()
+    }
+
+    /// Mean scores at parameters.
+    pub fn mean(&self, u: &[f64]) -> DVector<f64> {
+        DVector::from_iterator(self.gps.len(), self.gps.iter().map(|gp| gp.mean(u)))
+    }
+
+    /// Mean scores at parameters, and how far each may be off (variance; the seeds' scatter not counted).
+    pub fn predict(&self, u: &[f64]) -> (DVector<f64>, DVector<f64>) {
+        let both: Vec<(f64, f64)> = self.gps.iter().map(|gp| gp.predict(u)).collect();
+        let n = both.len();
+        (DVector::from_iterator(n, both.iter().map(|b| b.0)), DVector::from_iterator(n, both.iter().map(|b| b.1)))
+    }
+
+    /// Of `candidates`, the `count` runs that would tell most of the curves there: one after the other the one with the largest
+    /// variance over the scatter, given the runs that are done and those already chosen (Krause et al. 2008).
+    pub fn choose(&self, candidates: &[Vec<f64>], count: usize) -> Vec<Vec<f64>> {
+        let mut gps = self.gps.clone();
+        let mut chosen: Vec<Vec<f64>> = Vec::new();
+        for _ in 0..count.min(candidates.len()) {
+            let gain = |u: &Vec<f64>| gps.iter().map(|gp| gp.predict(u).1 / gp.noise()).sum::<f64>();
+            let gains: Vec<f64> = candidates.par_iter().map(gain).collect();
+            let open = (0..candidates.len()).filter(|i| !chosen.contains(&candidates[*i]));
+            let Some(best) = open.max_by(|a, b| gains[*a].total_cmp(&gains[*b]).then(b.cmp(a))) else { break };
+            let at = candidates[best].clone();
+            gps = gps.iter().map(|gp| gp.with_pending(&at)).collect();
+            chosen.push(at);
+        }
+        chosen
+    }
+}
+
+/// Covariance between seeds: each component's own noise, with the correlations of what each run is off.
+fn scatter(gps: &[Gp]) -> DMatrix<f64> {
+    let left: Vec<Vec<f64>> = gps.iter().map(Gp::left_out).collect();
+    let size = |k: usize| left[k].iter().map(|v| v * v).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+    DMatrix::from_fn(gps.len(), gps.len(), |k, l| {
+        let together = left[k].iter().zip(&left[l]).map(|(a, b)| a * b).sum::<f64>() / (size(k) * size(l));
+        let correlation = if k == l { 1.0 } else { CORRELATED * together };
+        correlation * (gps[k].noise() * gps[l].noise()).sqrt()
+    })
+}

@@ -1,0 +1,221 @@
+//! What a calibration has found, in numbers.
+
+use super::emulator::Emulator;
+use super::parameter::Parameter;
+use super::posterior::{Chain, Measured, Misfit, quantile};
+use super::sensitivity::Share;
+use nalgebra::DVector;
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Draws that bands are made from.
+const BAND: usize = 1000;
+/// Width of an interval over that of the prior below which a parameter is called found, and above which it is not.
+const FOUND: f64 = 0.35;
+const NARROWED: f64 = 0.75;
+/// Share of the draws this near to a bound that makes one think of values beyond it.
+const EDGE: (f64, f64) = (0.02, 0.10);
+/// Correlation above which two parameters are told only together.
+const TOGETHER: f64 = 0.9;
+
+/// One parameter.
+#[derive(Clone, Debug)]
+pub struct Estimate {
+    /// Median of the draws.
+    pub estimate: f64,
+    pub mean: f64,
+    pub sd: f64,
+    /// 95 % interval.
+    pub lower: f64,
+    pub upper: f64,
+    /// Value of the likeliest draw.
+    pub mode: f64,
+    /// Width of the interval over that of the prior.
+    pub width_over_prior: f64,
+    pub remark: String,
+}
+
+/// A curve with a band at each point of the target.
+#[derive(Clone, Debug, Default)]
+pub struct Bands {
+    pub median: Vec<f64>,
+    /// 95 % of the curves' means over seeds.
+    pub mean: [Vec<f64>; 2],
+    /// 95 % of single specimens.
+    pub specimen: [Vec<f64>; 2],
+}
+
+/// Everything found.
+#[derive(Clone, Debug)]
+pub struct Findings {
+    pub estimates: Vec<Estimate>,
+    /// Rank correlations of the draws.
+    pub correlations: Vec<Vec<f64>>,
+    /// Draws, as values.
+    pub draws: Vec<Vec<f64>>,
+    pub bands: Bands,
+    pub misfit: Misfit,
+    pub inflation: f64,
+    pub shares: Vec<Share>,
+    /// Share of the seeds in the variance of a run over the prior.
+    pub seeds_share: f64,
+    pub components: usize,
+    /// Share of the runs' variance in the components.
+    pub held: f64,
+    /// Root mean square scatter between seeds of each block of outputs.
+    pub scatter: Vec<f64>,
+}
+
+/// Estimates with intervals and remarks from draws.
+pub fn estimates(parameters: &[Parameter], chain: &Chain, correlations: &[Vec<f64>]) -> Vec<Estimate> {
+    parameters
+        .iter()
+        .enumerate()
+        .map(|(k, p)| {
+            let values: Vec<f64> = chain.u.iter().map(|u| p.value(u[k])).collect();
+            let n = values.len() as f64;
+            let mean = values.iter().sum::<f64>() / n;
+            let sd = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+            let [low, middle, high] = chain.quantiles(k, [0.025, 0.5, 0.975]);
+            let [prior_low, prior_high] = prior_interval(p);
+            let width = (high - low) / (prior_high - prior_low);
+            Estimate {
+                estimate: p.value(middle),
+                mean,
+                sd,
+                lower: p.value(low),
+                upper: p.value(high),
+                mode: p.value(chain.mode()[k]),
+                width_over_prior: width,
+                remark: remark(parameters, k, width, chain, correlations),
+            }
+        })
+        .collect()
+}
+
+/// 95 % interval of a prior in unit coordinates.
+fn prior_interval(p: &Parameter) -> [f64; 2] {
+    const CELLS: usize = 4000;
+    let middles = (0..CELLS).map(|i| (i as f64 + 0.5) / CELLS as f64);
+    let weights: Vec<f64> = middles.map(|u| p.log_prior(u).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    [0.025, 0.975].map(|q| {
+        let mut sum = 0.0;
+        let at = weights.iter().position(|w| {
+            sum += w;
+            sum >= q * total
+        });
+        (at.unwrap_or(CELLS - 1) as f64 + 0.5) / CELLS as f64
+    })
+}
+
+fn remark(parameters: &[Parameter], k: usize, width: f64, chain: &Chain, correlations: &[Vec<f64>]) -> String {
+    let mut text = match width {
+        w if w < FOUND => "found".to_string(),
+        w if w < NARROWED => "narrowed".to_string(),
+        _ => "not found: the curve says hardly more than the prior".to_string(),
+    };
+    let share = |near: &dyn Fn(f64) -> bool| chain.u.iter().filter(|u| near(u[k])).count() as f64 / chain.u.len() as f64;
+    if share(&|u| u < EDGE.0) > EDGE.1 {
+        text += "; may lie below the lower bound";
+    }
+    if share(&|u| u > 1.0 - EDGE.0) > EDGE.1 {
+        text += "; may lie above the upper bound";
+    }
+    for (l, other) in parameters.iter().enumerate() {
+        if l != k && correlations[k][l].abs() > TOGETHER {
+            let sign = if correlations[k][l] > 0.0 { "the larger" } else { "the smaller" };
+            text += &format!("; only together with {}: the larger one, {sign} the other", other.short());
+        }
+    }
+    text
+}
+
+/// Rank correlations (Spearman) of the coordinates.
+pub fn correlations(chain: &Chain) -> Vec<Vec<f64>> {
+    let d = chain.u.first().map_or(0, Vec::len);
+    let n = chain.u.len();
+    let ranks: Vec<Vec<f64>> = (0..d)
+        .map(|k| {
+            let mut order: Vec<usize> = (0..n).collect();
+            order.sort_by(|a, b| chain.u[*a][k].total_cmp(&chain.u[*b][k]));
+            let mut rank = vec![0.0; n];
+            for (r, i) in order.into_iter().enumerate() {
+                rank[i] = r as f64 - 0.5 * (n as f64 - 1.0);
+            }
+            rank
+        })
+        .collect();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let one = |a: &[f64], b: &[f64]| dot(a, b) / (dot(a, a) * dot(b, b)).sqrt();
+    ranks.iter().map(|a| ranks.iter().map(|b| one(a, b)).collect()).collect()
+}
+
+/// Bands of the curve over the draws.
+pub fn bands(emulator: &Emulator, chain: &Chain, curve: &Measured, rng: &mut impl Rng) -> Bands {
+    let m = curve.values.len();
+    let lower = emulator.scatter.clone().cholesky().map(|c| c.l());
+    let mut normal = |n: usize| DVector::from_fn(n, |_, _| -> f64 { StandardNormal.sample(&mut *rng) });
+    let (mut means, mut specimens) = (vec![Vec::new(); m], vec![Vec::new(); m]);
+    for u in chain.thinned(BAND) {
+        let (mean, variance) = emulator.predict(&u);
+        let scores = &mean + variance.map(f64::sqrt).component_mul(&normal(mean.len()));
+        let of_seed = match &lower {
+            Some(l) => &scores + l * normal(mean.len()),
+            None => scores.clone(),
+        };
+        let rest = normal(m);
+        for (j, y) in emulator.curve(&scores).into_iter().enumerate() {
+            means[j].push(y);
+        }
+        for (j, y) in emulator.curve(&of_seed).into_iter().enumerate() {
+            specimens[j].push(y + rest[j] * emulator.rest[j].sqrt() * emulator.scale()[j]);
+        }
+    }
+    let at = |all: &mut Vec<Vec<f64>>, q: f64| -> Vec<f64> {
+        all.iter_mut()
+            .map(|v| {
+                v.sort_by(f64::total_cmp);
+                quantile(v, q)
+            })
+            .collect()
+    };
+    Bands {
+        median: at(&mut means, 0.5),
+        mean: [at(&mut means, 0.025), at(&mut means, 0.975)],
+        specimen: [at(&mut specimens, 0.025), at(&mut specimens, 0.975)],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::curve::stand_in;
+    use crate::scene::Prior;
+
+    #[test]
+    fn remarks_tell_found_narrowed_bounded_and_tied() {
+        let mut parameters = stand_in::parameters();
+        let chain = |f: &dyn Fn(f64) -> [f64; 2]| Chain {
+            u: (0..1000).map(|i| f(i as f64 / 999.0).to_vec()).collect(),
+            log: vec![0.0; 1000],
+            accepted: 0.5,
+        };
+        let all = |c: &Chain, p: &[Parameter]| estimates(p, c, &correlations(c));
+        let tied = all(&chain(&|t| [0.5 + 0.1 * t, 1.0 - t]), &parameters);
+        assert!(
+            tied[0].remark.starts_with("found; only together with stiffness: the larger one, the smaller"),
+            "{}",
+            tied[0].remark
+        );
+        assert!(tied[1].remark.starts_with("not found"));
+        let edge = all(&chain(&|t| [0.1 * t * t, (37.0 * t).fract() * 0.5 + 0.3]), &parameters);
+        assert!(edge[0].remark.contains("below the lower bound"), "{}", edge[0].remark);
+        assert!(edge[1].remark.starts_with("narrowed") && (edge[1].estimate - 0.55).abs() < 0.02, "{:?}", edge[1]);
+        // as wide as a narrow prior: the curve has added nothing
+        parameters[1].prior = Prior::Normal { mean: 0.5, sd: 0.05 };
+        assert!((prior_interval(&parameters[1])[0] - 0.402).abs() < 0.002);
+        let same = all(&chain(&|t| [(37.0 * t).fract(), 0.4 + 0.2 * t]), &parameters);
+        assert!(same[1].remark.starts_with("not found"), "{:?}", same[1]);
+    }
+}

@@ -1,0 +1,265 @@
+//! Gaussian process regression of one noisy output over the unit cube: a linear trend, a Matérn 5/2 kernel with a length for each
+//! input, and a noise whose size is found with them (Rasmussen & Williams 2006, eqs 2.25, 2.26, 4.17, 5.8, 5.12).
+
+use argmin::core::{CostFunction, Executor};
+use argmin::solver::neldermead::NelderMead;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// Variance of the trend's constant and slopes, over that of the outputs.
+const TREND: f64 = 4.0;
+/// Priors of the logarithms of length (cube = −1 … 1), signal and noise variance: mean and standard deviation.
+const LENGTH: (f64, f64) = (0.4, 0.8);
+const SIGNAL: (f64, f64) = (-0.5, 1.5);
+const NOISE: (f64, f64) = (-3.0, 2.5);
+const NOISE_FLOOR: f64 = 1e-6;
+
+/// Logarithms of the kernel's lengths, of the signal variance and of the noise variance (outputs standardised).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hyper(Vec<f64>);
+
+impl Hyper {
+    /// Where the search begins: a smooth function with some noise, and a rough one with little.
+    fn starts(inputs: usize) -> [Hyper; 2] {
+        let start = |length: f64, signal: f64, noise: f64| {
+            let mut h = vec![length; inputs];
+            h.extend([signal, noise]);
+            Hyper(h)
+        };
+        [start(LENGTH.0, SIGNAL.0, NOISE.0), start(LENGTH.0 - 1.0, SIGNAL.0 + 0.5, NOISE.0 - 2.0)]
+    }
+
+    fn signal(&self) -> f64 {
+        self.0[self.0.len() - 2].exp()
+    }
+
+    fn noise(&self) -> f64 {
+        self.0[self.0.len() - 1].exp() + NOISE_FLOOR
+    }
+
+    /// Kernel between two points of the unit cube, without noise.
+    fn kernel(&self, a: &[f64], b: &[f64]) -> f64 {
+        let (mut square, mut trend) = (0.0, 1.0);
+        for (k, (x, y)) in a.iter().zip(b).enumerate() {
+            let d = 2.0 * (x - y) * (-self.0[k]).exp();
+            square += d * d;
+            trend += (2.0 * x - 1.0) * (2.0 * y - 1.0);
+        }
+        let r = (5.0 * square).sqrt();
+        self.signal() * (1.0 + r + r * r / 3.0) * (-r).exp() + TREND * trend
+    }
+
+    fn log_prior(&self) -> f64 {
+        let n = self.0.len();
+        let one = |x: f64, (mean, sd): (f64, f64)| -0.5 * ((x - mean) / sd).powi(2);
+        let lengths: f64 = self.0[..n - 2].iter().map(|&x| one(x, LENGTH)).sum();
+        lengths + one(self.0[n - 2], SIGNAL) + one(self.0[n - 1], NOISE)
+    }
+}
+
+/// A fitted process.
+#[derive(Clone, Debug)]
+pub struct Gp {
+    x: Vec<Vec<f64>>,
+    hyper: Hyper,
+    chol: Cholesky<f64, Dyn>,
+    /// K⁻¹ y.
+    weights: DVector<f64>,
+    mean: f64,
+    scale: f64,
+}
+
+fn factor(x: &[Vec<f64>], hyper: &Hyper) -> Option<Cholesky<f64, Dyn>> {
+    let n = x.len();
+    let mut k = DMatrix::zeros(n, n);
+    for i in 0..n {
+        for j in 0..=i {
+            let v = hyper.kernel(&x[i], &x[j]);
+            k[(i, j)] = v;
+            k[(j, i)] = v;
+        }
+        k[(i, i)] += hyper.noise();
+    }
+    Cholesky::new(k)
+}
+
+/// − log posterior density of the hyperparameters.
+struct Cost<'a> {
+    x: &'a [Vec<f64>],
+    y: &'a DVector<f64>,
+}
+
+impl CostFunction for Cost<'_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, p: &Vec<f64>) -> Result<f64, argmin::core::Error> {
+        const WORST: f64 = 1e12;
+        if p.iter().any(|v| !v.is_finite() || v.abs() > 20.0) {
+            return Ok(WORST);
+        }
+        let hyper = Hyper(p.clone());
+        let Some(chol) = factor(self.x, &hyper) else { return Ok(WORST) };
+        let half_log: f64 = chol.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
+        let fit = self.y.dot(&chol.solve(self.y));
+        Ok(0.5 * fit + half_log - hyper.log_prior())
+    }
+}
+
+impl Gp {
+    /// Fits a process to outputs `y` at points `x` of the unit cube. `None` if the points are such that nothing can be fitted.
+    pub fn fit(x: &[Vec<f64>], y: &[f64]) -> Option<Gp> {
+        let n = y.len() as f64;
+        let mean = y.iter().sum::<f64>() / n;
+        let sd = (y.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let scale = if sd > 0.0 { sd } else { 1.0 };
+        let standard = DVector::from_iterator(y.len(), y.iter().map(|v| (v - mean) / scale));
+        let inputs = x.first().map_or(0, Vec::len);
+        let starts = Hyper::starts(inputs);
+        let mut best: Option<(f64, Hyper)> = None;
+        for start in &starts {
+            if let Some((cost, p)) = minimum(Cost { x, y: &standard }, &start.0)
+                && best.as_ref().is_none_or(|(c, _)| cost < *c)
+            {
+                best = Some((cost, Hyper(p)));
+            }
+        }
+        let [smooth, _] = starts;
+        let hyper = best.map_or(smooth, |b| b.1);
+        let chol = factor(x, &hyper)?;
+        let weights = chol.solve(&standard);
+        Some(Gp { x: x.to_vec(), hyper, chol, weights, mean, scale })
+    }
+
+    /// Variance of the noise.
+    pub fn noise(&self) -> f64 {
+        self.hyper.noise() * self.scale * self.scale
+    }
+
+    fn cross(&self, at: &[f64]) -> DVector<f64> {
+        DVector::from_iterator(self.x.len(), self.x.iter().map(|x| self.hyper.kernel(x, at)))
+    }
+
+    /// Mean of the output at a point.
+    pub fn mean(&self, at: &[f64]) -> f64 {
+        self.mean + self.scale * self.cross(at).dot(&self.weights)
+    }
+
+    /// Mean of the output at a point and the variance of that mean (noise not counted).
+    pub fn predict(&self, at: &[f64]) -> (f64, f64) {
+        let cross = self.cross(at);
+        let mean = self.mean + self.scale * cross.dot(&self.weights);
+        (mean, self.reduced(at, cross))
+    }
+
+    fn reduced(&self, at: &[f64], mut cross: DVector<f64>) -> f64 {
+        let own = self.hyper.kernel(at, at);
+        if !self.chol.l_dirty().solve_lower_triangular_mut(&mut cross) {
+            return own * self.scale * self.scale;
+        }
+        (own - cross.norm_squared()).max(0.0) * self.scale * self.scale
+    }
+
+    /// The process with one more point, whose output is not known yet: only its variances mean anything.
+    pub fn with_pending(&self, at: &[f64]) -> Gp {
+        let mut x = self.x.clone();
+        x.push(at.to_vec());
+        match factor(&x, &self.hyper) {
+            Some(chol) => Gp { weights: DVector::zeros(x.len()), x, chol, ..self.clone() },
+            None => self.clone(),
+        }
+    }
+
+    /// Difference of each output from what all others predict (eq. 5.12).
+    pub fn left_out(&self) -> Vec<f64> {
+        let inverse = self.chol.inverse();
+        (0..self.x.len()).map(|i| self.scale * self.weights[i] / inverse[(i, i)]).collect()
+    }
+}
+
+/// Nelder–Mead from a simplex around `start`.
+fn minimum(cost: Cost<'_>, start: &[f64]) -> Option<(f64, Vec<f64>)> {
+    let mut simplex = vec![start.to_vec()];
+    for k in 0..start.len() {
+        let mut corner = start.to_vec();
+        corner[k] += 1.0;
+        simplex.push(corner);
+    }
+    let solver = NelderMead::new(simplex).with_sd_tolerance(1e-3).ok()?;
+    let done = Executor::new(cost, solver).configure(|state| state.max_iters(60 * start.len() as u64)).run().ok()?;
+    Some((done.state.best_cost, done.state.best_param?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::curve::design::latin;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn truth(u: &[f64]) -> f64 {
+        10.0 + 3.0 * (2.5 * u[0]).sin() + 2.0 * u[1]
+    }
+
+    /// A noisy smooth function: the process finds the function, the noise, and says how well it knows the function.
+    #[test]
+    fn function_noise_and_error_are_found() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let x = latin(60, 3, &mut rng);
+        let sd = 0.2;
+        let y: Vec<f64> = x
+            .iter()
+            .map(|u| {
+                truth(u)
+                    + sd * {
+                        let z: f64 = StandardNormal.sample(&mut rng);
+                        z
+                    }
+            })
+            .collect();
+        let gp = Gp::fit(&x, &y).expect("fit");
+        let ratio = gp.noise().sqrt() / sd;
+        assert!((0.75..1.3).contains(&ratio), "{ratio}");
+        let (mut square, mut inside) = (0.0, 0);
+        let test = latin(200, 3, &mut rng);
+        for u in &test {
+            let (mean, variance) = gp.predict(u);
+            square += (mean - truth(u)).powi(2) / 200.0;
+            inside += usize::from((mean - truth(u)).abs() < 2.0 * variance.sqrt());
+        }
+        // better than a single run by far, and 95 % within two standard deviations
+        assert!(square.sqrt() < 0.7 * sd && (176..=200).contains(&inside), "{} {inside}", square.sqrt());
+        // an input without influence gets the longest length
+        assert!(gp.hyper.0[2] > gp.hyper.0[0]);
+    }
+
+    #[test]
+    fn left_out_differences_are_those_of_a_process_without_the_point() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let x = latin(12, 2, &mut rng);
+        let y: Vec<f64> = x.iter().map(|u| truth(u)).collect();
+        let gp = Gp::fit(&x, &y).expect("fit");
+        let left = gp.left_out();
+        let (k, keep) = (4, |i: &usize| *i != 4);
+        let others: Vec<Vec<f64>> = (0..12).filter(keep).map(|i| x[i].clone()).collect();
+        let values: Vec<f64> = (0..12).filter(keep).map(|i| (y[i] - gp.mean) / gp.scale).collect();
+        let chol = factor(&others, &gp.hyper).expect("factor");
+        let weights = chol.solve(&DVector::from_vec(values));
+        let cross = DVector::from_iterator(11, others.iter().map(|o| gp.hyper.kernel(o, &x[k])));
+        let predicted = gp.mean + gp.scale * cross.dot(&weights);
+        assert!((left[k] - (y[k] - predicted)).abs() < 1e-6 * gp.scale, "{} {}", left[k], y[k] - predicted);
+    }
+
+    #[test]
+    fn a_pending_point_takes_away_the_variance_around_it() {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let x = latin(10, 2, &mut rng);
+        let y: Vec<f64> = x.iter().map(|u| truth(u)).collect();
+        let gp = Gp::fit(&x, &y).expect("fit");
+        let at = [0.99, 0.01];
+        assert!(gp.with_pending(&at).predict(&at).1 < 0.5 * gp.predict(&at).1);
+        // outputs that are all the same are no trouble
+        let flat = Gp::fit(&x, &[2.0; 10]).expect("fit");
+        assert!((flat.mean(&at) - 2.0).abs() < 1e-9);
+    }
+}

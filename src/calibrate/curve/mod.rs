@@ -1,0 +1,293 @@
+//! Parameters of a scene from an oedometer curve: the runs that it takes, and what the curve says about the parameters.
+//!
+//! A run costs seconds and scatters with its seeds, and there are few parameters, so the runs' curves are emulated by Gaussian
+//! processes whose noise is found with them, and the emulator, not the runs, is sampled: a design that fills the space between the
+//! bounds ([`design`]), batches of runs where the curve speaks for the parameters and the emulator knows least ([`search`]),
+//! Bayes' rule with the seeds' scatter and the emulator's own error ([`posterior`]), shares of the parameters in the curve
+//! ([`sensitivity`]). Optimisers (Bayesian optimisation of a misfit, CMA-ES) would give the best point without its
+//! uncertainty for as many runs.
+
+mod columns;
+pub mod design;
+pub mod emulator;
+pub mod findings;
+pub mod gp;
+pub mod log;
+mod outputs;
+pub mod parameter;
+pub mod posterior;
+mod report;
+pub mod search;
+pub mod sensitivity;
+pub mod simulator;
+#[cfg(test)]
+pub mod stand_in;
+pub mod target;
+
+use crate::error::{Error, Result};
+use crate::model::Rig;
+use crate::scene::{self, Calibrated};
+use findings::Findings;
+use parameter::Parameter;
+use posterior::{Chain, Measured, Misfit, Posterior};
+use search::{LONG, Search, Settings};
+use std::path::{Path, PathBuf};
+use target::{Files, Kind, Target};
+
+/// What to calibrate, against what, and how.
+#[derive(Clone, Debug)]
+pub struct Request {
+    pub scene: PathBuf,
+    pub sets: Vec<String>,
+    pub files: Files,
+    /// Instead of the `[[calibrate]]` tables of the scene.
+    pub parameters: Vec<Calibrated>,
+    /// Changes of the usual [`Settings`]; `None` leaves them.
+    pub budget: Option<usize>,
+    pub design: Option<usize>,
+    pub batch: Option<usize>,
+    pub check: Option<usize>,
+    pub seed: u64,
+    pub specimens: f64,
+    /// Folder of the calibration.
+    pub out: PathBuf,
+    pub parallel: usize,
+    pub threads: Option<usize>,
+    pub quiet: bool,
+    /// Begin again where the folder holds another calibration.
+    pub force: bool,
+}
+
+/// A calibration that is done.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// What `calibration.json` holds.
+    pub json: serde_json::Value,
+    /// The table of the report.
+    pub table: String,
+    pub files: Vec<PathBuf>,
+}
+
+/// A run goes on this far beyond the last point of the curve.
+const BEYOND: f64 = 1.02;
+/// Draws in `posterior.csv`.
+const DRAWS: usize = 4000;
+
+/// Calibrates, or goes on with a calibration that the folder holds. `tell` is told what goes on.
+///
+/// # Errors
+/// Whatever is wrong with scene, parameters and data (nothing is run then), a folder with another calibration, too many runs that
+/// fail, or a wish to stop.
+pub fn calibrate(request: &Request, tell: &dyn Fn(&str)) -> Result<Outcome> {
+    let scene = scene::load(&request.scene, &request.sets)?;
+    let model = scene::model(&scene)?;
+    let Rig::Oedometer(rig) = &model.rig else {
+        return Err(Error::input(request.scene.display(), "kind", None, "a curve is that of an oedometer"));
+    };
+    let given = if request.parameters.is_empty() { scene.calibrated()? } else { request.parameters.clone() };
+    let parameters = given.iter().map(Parameter::new).collect::<Result<Vec<_>>>()?;
+    let from = rig.specimen.isotropic_stress * 1e-3;
+    let target = Target::read(&request.files, from)?;
+    let sets = sets(request, &target, from)?;
+    parameter::check(&parameters, &request.scene, &sets)?;
+    let settings = settings(request, parameters.len())?;
+    for note in &target.notes {
+        tell(note);
+    }
+    setup(request, &scene::resolved(&scene::load(&request.scene, &sets)?), &parameters, &target, &settings)?;
+    let curve = target.measured(settings.specimens);
+    let simulator = simulator::Runs {
+        scene: request.scene.clone(),
+        sets,
+        parameters: &parameters,
+        target: &target,
+        dir: request.out.clone(),
+        parallel: request.parallel,
+        threads: request.threads,
+        quiet: request.quiet,
+    };
+    let blocks = target.blocks.iter().map(|b| b.at.len()).collect();
+    let mut search = Search::new(&parameters, &curve, blocks, &settings, &simulator, &request.out, tell)?;
+    let emulator = search.run()?;
+    let (chain, findings) = findings(&parameters, &emulator, &curve, &target, &search);
+    search.note(&chain)?;
+    let checks = search.check(chain.mode())?;
+    report::write(
+        &request.out,
+        &report::Parts {
+            request,
+            parameters: &parameters,
+            target: &target,
+            curve: &curve,
+            settings: &settings,
+            search: &search,
+            findings: &findings,
+            checks: &checks,
+        },
+    )
+}
+
+/// The posterior of the parameters and everything that is told of it.
+fn findings(
+    parameters: &[Parameter],
+    emulator: &emulator::Emulator,
+    curve: &Measured,
+    target: &Target,
+    search: &Search<'_>,
+) -> (Chain, Findings) {
+    // a stream of its own, far from those of the batches
+    let mut rng = search.rng(1 << 32);
+    let mut chain = Posterior::new(parameters, emulator, curve, 1.0).sample(LONG.0, LONG.1, LONG.2, 1.0, &mut rng);
+    let misfit = Misfit::at(chain.mode(), emulator, curve);
+    let inflation = misfit.inflation();
+    if inflation > 1.0 {
+        chain = Posterior::new(parameters, emulator, curve, inflation).sample(LONG.0, LONG.1, LONG.2, 1.0, &mut rng);
+    }
+    let (shares, seeds_share) = sensitivity::sobol(parameters, emulator, &mut rng);
+    let correlations = findings::correlations(&chain);
+    let draws = chain.thinned(DRAWS).iter().map(|u| parameters.iter().zip(u).map(|(p, u)| p.value(*u)).collect()).collect();
+    let variance = emulator.outputs(&emulator.scatter).diagonal();
+    let mut first = 0;
+    let scatter = target.blocks.iter().map(|b| {
+        let own = first..first + b.at.len();
+        first = own.end;
+        let square = |j: usize| (variance[j] + emulator.rest[j]) * emulator.scale()[j].powi(2);
+        (own.clone().map(square).sum::<f64>() / own.len() as f64).sqrt()
+    });
+    let found = Findings {
+        scatter: scatter.collect(),
+        estimates: findings::estimates(parameters, &chain, &correlations),
+        correlations,
+        draws,
+        bands: findings::bands(emulator, &chain, curve, &mut rng),
+        misfit,
+        inflation,
+        shares,
+        seeds_share,
+        components: emulator.components(),
+        held: emulator.share,
+    };
+    (chain, found)
+}
+
+/// What every run is given besides the user's own: it ends just beyond the curve, and records what is needed.
+fn sets(request: &Request, target: &Target, from: f64) -> Result<Vec<String>> {
+    let own = |key: &str| request.sets.iter().any(|s| s.split('=').next().is_some_and(|k| k.trim() == key));
+    let end = BEYOND * target.largest_stress();
+    let mut sets = request.sets.clone();
+    if !own("loading.max_stress_kPa") {
+        sets.push(format!("loading.max_stress_kPa={end:?}"));
+    }
+    let scene = scene::load(&request.scene, &sets)?;
+    let model = scene::model(&scene)?;
+    if let Rig::Oedometer(rig) = &model.rig {
+        let reached = rig.loading.stages.first().copied().unwrap_or(0.0) * 1e-3;
+        if reached < target.largest_stress() {
+            let message = format!("is below the last point of the curve, {} kPa", target.largest_stress());
+            return Err(Error::input("--set", "", None, format!("loading.max_stress_kPa = {reached} {message}")));
+        }
+    }
+    let at: Vec<f64> = target.gradation_stresses().into_iter().filter(|s| *s > 1.01 * from && *s < end).collect();
+    for (key, value) in [
+        ("loading.stages_kPa", "[]".to_string()),
+        ("records.at_kPa", format!("{at:?}")),
+        ("records.figures", "false".into()),
+        ("records.snapshots", "false".into()),
+        ("records.energy", "false".into()),
+    ] {
+        if !own(key) {
+            sets.push(format!("{key}={value}"));
+        }
+    }
+    Ok(sets)
+}
+
+fn settings(request: &Request, parameters: usize) -> Result<Settings> {
+    let mut s = Settings::usual(parameters);
+    s.seed = request.seed;
+    s.specimens = request.specimens;
+    s.design = request.design.unwrap_or(s.design);
+    s.batch = request.batch.unwrap_or(s.batch);
+    s.check = request.check.unwrap_or(s.check);
+    // a design of another size changes what is left for the search, not the search
+    s.budget = request.budget.unwrap_or(s.design + s.centre + 8 * parameters);
+    let least = s.design + s.centre;
+    if s.budget < least {
+        let message = format!("is less than the {} runs of the design and the {} in its middle; see --design", s.design, s.centre);
+        return Err(Error::input(format!("--budget {}", s.budget), "", None, message));
+    }
+    if s.design < 3 * parameters + 2 {
+        let message = format!("is too few to emulate {parameters} parameters: at least {}", 3 * parameters + 2);
+        return Err(Error::input(format!("--design {}", s.design), "", None, message));
+    }
+    Ok(s)
+}
+
+/// Name of the file that says which calibration a folder holds.
+const SETUP: &str = "setup.json";
+
+/// Makes sure that the folder holds this calibration or none, and says so in it.
+fn setup(request: &Request, resolved: &str, parameters: &[Parameter], target: &Target, settings: &Settings) -> Result<()> {
+    let out = &request.out;
+    if out.is_file() {
+        return Err(Error::input(out.display(), "", None, "is a file; --out needs a folder"));
+    }
+    let setup = serde_json::json!({
+        "scene": format!("{:016x}", crate::record::specimen::checksum(resolved)),
+        "parameters": parameters.iter().map(|p| format!("{p:?}")).collect::<Vec<_>>(),
+        "curve": format!("{:016x}", crate::record::specimen::checksum(&format!("{:?}", target.blocks))),
+        "seed": settings.seed,
+        "design": settings.design,
+        "centre": settings.centre,
+        "batch": settings.batch,
+        "specimens": settings.specimens,
+    });
+    let path = out.join(SETUP);
+    match std::fs::read_to_string(&path) {
+        Ok(text) => {
+            let there: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+            let keys = setup.as_object().into_iter().flatten();
+            let differs: Vec<&str> = keys.filter(|(k, v)| there.get(k) != Some(v)).map(|(k, _)| k.as_str()).collect();
+            if differs.is_empty() {
+                return Ok(());
+            }
+            if !request.force {
+                let what = format!("it is a calibration with another {}", differs.join(" and "));
+                return Err(Error::Other { path: out.clone(), what });
+            }
+            let runs = out.join("runs");
+            for old in [out.join(log::FILE), out.join("convergence.csv")] {
+                if old.exists() {
+                    std::fs::remove_file(&old).map_err(Error::write(&old))?;
+                }
+            }
+            if runs.is_dir() {
+                std::fs::remove_dir_all(&runs).map_err(Error::write(&runs))?;
+            }
+        }
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+            let occupied = out.read_dir().is_ok_and(|entries| entries.flatten().any(|e| e.file_name() != "runs"));
+            if occupied && !request.force {
+                return Err(Error::Exists { path: out.clone() });
+            }
+        }
+        Err(source) => return Err(Error::Read { path, source }),
+    }
+    std::fs::create_dir_all(out).map_err(Error::write(out))?;
+    let text = serde_json::to_string_pretty(&setup).unwrap_or_default() + "\n";
+    log::replace(&path, text.as_bytes())
+}
+
+/// How a block is called.
+fn block_name(kind: &Kind) -> String {
+    match kind {
+        Kind::History(column) => (*column).to_string(),
+        Kind::Gradation(sigma) => format!("gradation at {sigma} kPa"),
+    }
+}
+
+/// The folder of a calibration when none is asked for.
+pub fn default_out(curve: &Path) -> PathBuf {
+    let stem = curve.file_stem().map_or_else(|| "curve".into(), |s| s.to_string_lossy());
+    Path::new("runs").join(format!("{stem}-calibration"))
+}

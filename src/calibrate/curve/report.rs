@@ -1,0 +1,254 @@
+//! What a calibration leaves: `calibration.json`, `posterior.csv`, `report.md` and its figures.
+
+use super::findings::Findings;
+use super::parameter::Parameter;
+use super::posterior::Measured;
+use super::search::{Search, Settings};
+use super::target::{Kind, Target};
+use super::{Outcome, Request, block_name, log};
+use crate::error::{Error, Result};
+use crate::figure::{self, FittedLine, PosteriorInput};
+use crate::record::table::number;
+use crate::scene::Prior;
+use serde_json::{Map, Value, json};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Everything that is told.
+pub struct Parts<'a> {
+    pub request: &'a Request,
+    pub parameters: &'a [Parameter],
+    pub target: &'a Target,
+    pub curve: &'a Measured,
+    pub settings: &'a Settings,
+    pub search: &'a Search<'a>,
+    pub findings: &'a Findings,
+    /// Curves of the runs with the parameters found.
+    pub checks: &'a [Vec<f64>],
+}
+
+/// Draws in the corner figure.
+const CORNER: usize = 2000;
+
+/// Writes all of it into `out`.
+///
+/// # Errors
+/// Files that cannot be written.
+pub fn write(out: &Path, parts: &Parts<'_>) -> Result<Outcome> {
+    let json = json(parts);
+    let text = serde_json::to_string_pretty(&json).unwrap_or_default() + "\n";
+    let mut files = Vec::new();
+    let table = table(parts);
+    let save = |name: &str, text: &str| log::replace(&out.join(name), text.as_bytes()).map(|()| out.join(name));
+    files.push(save("calibration.json", &text)?);
+    files.push(save("posterior.csv", &draws(parts))?);
+    files.push(save("report.md", &report(parts, &table))?);
+    files.push(out.join(log::FILE));
+    files.extend(figures(&out.join("figures"), parts).map_err(Error::from)?);
+    Ok(Outcome { json, table, files })
+}
+
+fn prior_text(p: &Parameter) -> String {
+    match p.prior {
+        Prior::Uniform => "uniform".into(),
+        Prior::LogUniform => "log-uniform".into(),
+        Prior::Normal { mean, sd } => format!("normal ({mean}, {sd})"),
+    }
+}
+
+fn json(parts: &Parts<'_>) -> Value {
+    let f = parts.findings;
+    let mut parameters = Map::new();
+    for ((p, e), share) in parts.parameters.iter().zip(&f.estimates).zip(&f.shares) {
+        parameters.insert(
+            p.key.clone(),
+            json!({
+                "estimate": e.estimate, "lower": e.lower, "upper": e.upper, "mean": e.mean, "sd": e.sd, "mode": e.mode,
+                "prior": { "kind": prior_text(p), "lower": p.lower, "upper": p.upper },
+                "interval_over_prior": e.width_over_prior,
+                "variance_share_alone": share.first, "variance_share_with_others": share.total,
+                "remark": e.remark,
+            }),
+        );
+    }
+    let scatter: Map<String, Value> =
+        parts.target.blocks.iter().zip(&f.scatter).map(|(b, s)| (block_name(&b.kind), json!(s))).collect();
+    json!({
+        "scene": parts.request.scene.display().to_string(),
+        "curve": parts.request.files.curve.display().to_string(),
+        "parameters": parameters,
+        "rank_correlations": f.correlations,
+        "runs": { "done": parts.search.done().count(), "failed": parts.search.failed(), "budget": parts.settings.budget },
+        "misfit": { "mean_square": f.misfit.ratio, "probability": f.misfit.probability, "inflation": f.inflation },
+        "scatter_between_seeds": scatter,
+        "variance_share_seeds": f.seeds_share,
+        "check_rms": check_rms(parts),
+        "seed": parts.settings.seed,
+        "version": env!("CARGO_PKG_VERSION"),
+    })
+}
+
+/// Root mean square difference of the mean of the checks from the curve, block by block.
+fn check_rms(parts: &Parts<'_>) -> Value {
+    if parts.checks.is_empty() {
+        return Value::Null;
+    }
+    let mut first = 0;
+    let blocks = parts.target.blocks.iter().map(|b| {
+        let own = first..first + b.at.len();
+        first = own.end;
+        let square = |j: usize| {
+            let mean = parts.checks.iter().map(|c| c[j]).sum::<f64>() / parts.checks.len() as f64;
+            (mean - parts.curve.values[j]).powi(2)
+        };
+        (block_name(&b.kind), json!((own.clone().map(square).sum::<f64>() / own.len() as f64).sqrt()))
+    });
+    Value::Object(blocks.collect())
+}
+
+fn draws(parts: &Parts<'_>) -> String {
+    let keys: Vec<&str> = parts.parameters.iter().map(|p| p.key.as_str()).collect();
+    let mut text = keys.join(",") + "\n";
+    for draw in &parts.findings.draws {
+        text += &draw.iter().map(|v| number(*v)).collect::<Vec<_>>().join(",");
+        text.push('\n');
+    }
+    text
+}
+
+/// Four digits are more than any interval here says.
+fn short(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return format!("{x}");
+    }
+    let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
+    number(rounded)
+}
+
+fn table(parts: &Parts<'_>) -> String {
+    let mut text = String::from("| parameter | estimate | 95 % interval | prior | |\n|---|---|---|---|---|\n");
+    for (p, e) in parts.parameters.iter().zip(&parts.findings.estimates) {
+        let (low, high) = (short(p.lower), short(p.upper));
+        let _ = writeln!(
+            text,
+            "| `{}` | {} | {} – {} | {low} – {high}, {} | {} |",
+            p.key,
+            short(e.estimate),
+            short(e.lower),
+            short(e.upper),
+            prior_text(p),
+            e.remark
+        );
+    }
+    text
+}
+
+fn report(parts: &Parts<'_>, table: &str) -> String {
+    let (f, s) = (parts.findings, parts.settings);
+    let mut text = format!(
+        "# Calibration of `{}` against `{}`\n\n{table}\n",
+        parts.request.scene.display(),
+        parts.request.files.curve.display()
+    );
+    let _ = writeln!(
+        text,
+        "Estimates are medians of the posterior; `posterior.csv` holds {} draws. {} runs were made and {} of them failed: {} fill the space between the \
+         bounds, {} repeat its middle with other seeds, the others lie where they told most. Each has seeds of its own.\n",
+        f.draws.len(),
+        s.budget,
+        parts.search.failed(),
+        s.design,
+        s.centre,
+    );
+    let _ = writeln!(
+        text,
+        "The curve is taken as the mean of {} specimen{} that scatter{} like the runs' seeds. Scatter between seeds (root mean square): {}. The seeds \
+         make {:.0} % of the variance of a single run over the prior.\n",
+        s.specimens,
+        if s.specimens == 1.0 { "" } else { "s" },
+        if s.specimens == 1.0 { "s" } else { "" },
+        parts
+            .target
+            .blocks
+            .iter()
+            .zip(&f.scatter)
+            .map(|(b, s)| format!("{} {}", block_name(&b.kind), short(*s)))
+            .collect::<Vec<_>>()
+            .join(", "),
+        100.0 * f.seeds_share,
+    );
+    let _ = writeln!(
+        text,
+        "Differences from the curve are {:.2} times as large (mean square) as seeds, measurement and emulator let expect; a true model would \
+         exceed that with probability {:.3}. {}\n",
+        f.misfit.ratio,
+        f.misfit.probability,
+        if f.inflation > 1.0 {
+            "**The scene cannot give this curve with any of these parameters within its scatter.** The covariance was multiplied by that ratio, \
+             so the intervals are wider, but they hold for the best of a wrong model."
+        } else {
+            "Nothing speaks against the scene."
+        }
+    );
+    let _ =
+        writeln!(text, "The emulator has {} components, which hold {:.1} % of the runs' variance.\n", f.components, 100.0 * f.held);
+    if let Value::Object(rms) = check_rms(parts) {
+        let parts_text: Vec<String> = rms.iter().map(|(k, v)| format!("{k} {}", short(v.as_f64().unwrap_or(f64::NAN)))).collect();
+        let _ = writeln!(
+            text,
+            "{} runs with the likeliest parameters, which the emulator never saw, are on the average off the curve by (root mean square): {}.\n",
+            parts.checks.len(),
+            parts_text.join(", ")
+        );
+    }
+    text += "Figures: `curve` (bands), `corner` (draws two by two), `sensitivity`, `convergence`.\n";
+    text
+}
+
+fn figures(out: &Path, parts: &Parts<'_>) -> figure::Result<Vec<std::path::PathBuf>> {
+    let f = parts.findings;
+    let inputs: Vec<PosteriorInput> = parts
+        .parameters
+        .iter()
+        .map(|p| PosteriorInput { name: p.short(), log: p.prior == Prior::LogUniform, lower: p.lower, upper: p.upper })
+        .collect();
+    let mut files = Vec::new();
+    let mut first = 0;
+    for (i, block) in parts.target.blocks.iter().enumerate() {
+        let own = first..first + block.at.len();
+        first = own.end;
+        let cut = |v: &Vec<f64>| v[own.clone()].to_vec();
+        let (quantity, name, fact) = match block.kind {
+            Kind::History(column) => (column.to_string(), if i == 0 { "curve".into() } else { column.to_string() }, None),
+            Kind::Gradation(s) => ("gradation".into(), format!("gradation_{s}_kPa"), Some(format!("σ_{{v}} = {} MPa", s * 1e-3))),
+        };
+        let mut title = vec![format!("{} runs", parts.search.done().count())];
+        title.extend(fact);
+        let line = FittedLine {
+            quantity,
+            name,
+            x: block.at.clone(),
+            measured: block.values.clone(),
+            median: cut(&f.bands.median),
+            mean: [cut(&f.bands.mean[0]), cut(&f.bands.mean[1])],
+            specimen: [cut(&f.bands.specimen[0]), cut(&f.bands.specimen[1])],
+            checks: parts.checks.iter().map(cut).collect(),
+            title,
+        };
+        files.extend(figure::draw_fitted(&line, out)?);
+    }
+    let every = (f.draws.len() / CORNER).max(1);
+    let draws: Vec<Vec<f64>> = f.draws.iter().step_by(every).cloned().collect();
+    files.extend(figure::draw_corner(&inputs, &draws, out)?);
+    let mut names: Vec<String> = inputs.iter().map(|p| p.name.clone()).collect();
+    names.push("seeds (of a single run)".into());
+    let mut alone: Vec<f64> = f.shares.iter().map(|s| s.first).collect();
+    let mut total: Vec<f64> = f.shares.iter().map(|s| s.total).collect();
+    alone.push(f.seeds_share);
+    total.push(f.seeds_share);
+    files.extend(figure::draw_sensitivity(&names, &alone, &total, out)?);
+    let runs: Vec<f64> = parts.search.trace.iter().map(|t| t.evaluations as f64).collect();
+    let quantiles: Vec<Vec<[f64; 3]>> = parts.search.trace.iter().map(|t| t.quantiles.clone()).collect();
+    files.extend(figure::draw_convergence(&inputs, &runs, &quantiles, out)?);
+    Ok(files)
+}

@@ -1,0 +1,439 @@
+//! The course of a calibration: a design that fills the space, repeats in its middle, then batches of runs where they tell most.
+
+use super::columns::Columns;
+use super::design::latin;
+use super::emulator::Emulator;
+use super::log::{self, Evaluation, Stage, Status};
+use super::parameter::Parameter;
+use super::posterior::{Chain, Measured, Posterior};
+use super::simulator::{Ran, Simulator};
+use crate::error::{Error, Result};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use std::path::{Path, PathBuf};
+
+/// How many runs, and for what.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Runs that the emulator may see, failed ones included.
+    pub budget: usize,
+    /// Runs that fill the space between the bounds.
+    pub design: usize,
+    /// Runs in its middle that differ only in their seeds.
+    pub centre: usize,
+    /// Runs between two looks at the results.
+    pub batch: usize,
+    /// Runs at the parameters found.
+    pub check: usize,
+    /// Seed of everything that is random; the runs' own seeds follow from it.
+    pub seed: u64,
+    /// Specimens whose mean the curve is.
+    pub specimens: f64,
+}
+
+impl Settings {
+    /// For this many parameters.
+    pub fn usual(parameters: usize) -> Settings {
+        let (design, centre) = ((10 * parameters).max(12), 4);
+        Settings { budget: design + centre + 8 * parameters, design, centre, batch: 4, check: 4, seed: 1, specimens: 1.0 }
+    }
+}
+
+/// Walkers, steps before and steps of a chain that guides the search, and of the final one.
+const QUICK: (usize, usize, usize) = (24, 100, 200);
+pub const LONG: (usize, usize, usize) = (40, 400, 1500);
+/// Power of the likelihood with which runs are chosen: wider than the posterior, whose edges matter.
+const SEARCH_HEAT: f64 = 0.35;
+const CANDIDATES: usize = 600;
+/// Share of a block's range that stands for its scatter when the repeats show none.
+const NO_SCATTER: f64 = 0.01;
+
+/// What is known of one parameter after so many runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    pub evaluations: usize,
+    /// 2.5 %, 50 %, 97.5 % of each parameter.
+    pub quantiles: Vec<[f64; 3]>,
+}
+
+/// A calibration under way.
+pub struct Search<'a> {
+    pub parameters: &'a [Parameter],
+    pub curve: &'a Measured,
+    /// Lengths of the blocks of outputs, which each have a scale of their own.
+    pub blocks: Vec<usize>,
+    pub settings: &'a Settings,
+    pub simulator: &'a dyn Simulator,
+    pub dir: PathBuf,
+    /// Told what goes on.
+    pub tell: &'a dyn Fn(&str),
+    evaluations: Vec<Evaluation>,
+    outputs: Vec<Option<Vec<f64>>>,
+    pub trace: Vec<Trace>,
+}
+
+impl<'a> Search<'a> {
+    /// Takes up what the log of the folder holds.
+    ///
+    /// # Errors
+    /// A log of another calibration.
+    pub fn new(
+        parameters: &'a [Parameter],
+        curve: &'a Measured,
+        blocks: Vec<usize>,
+        settings: &'a Settings,
+        simulator: &'a dyn Simulator,
+        dir: &Path,
+        tell: &'a dyn Fn(&str),
+    ) -> Result<Search<'a>> {
+        let evaluations = log::read(dir, parameters)?.into_iter().filter(|e| e.stage != Stage::Check).collect::<Vec<_>>();
+        let outputs = vec![None; evaluations.len()];
+        let mut trace = read_trace(dir, parameters)?;
+        trace.retain(|t| t.evaluations <= evaluations.len());
+        Ok(Search { parameters, curve, blocks, settings, simulator, dir: dir.into(), tell, evaluations, outputs, trace })
+    }
+
+    /// Runs everything up to the budget and gives the emulator of it.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] when it was stopped; [`Error::Campaign`] when too few runs are left to say anything.
+    pub fn run(&mut self) -> Result<Emulator> {
+        let s = self.settings;
+        if self.evaluations.is_empty() {
+            let d = self.parameters.len();
+            for u in latin(s.design, d, &mut self.rng(0)) {
+                self.plan(Stage::Design, &u);
+            }
+            for _ in 0..s.centre {
+                self.plan(Stage::Centre, &vec![0.5; d]);
+            }
+        }
+        self.evaluate()?;
+        loop {
+            let n = self.evaluations.len();
+            let emulator = self.emulator()?;
+            if n >= s.budget {
+                return Ok(emulator);
+            }
+            let mut rng = self.rng(n as u64);
+            let posterior = Posterior::new(self.parameters, &emulator, self.curve, 1.0);
+            let chain = posterior.sample(QUICK.0, QUICK.1, QUICK.2, 1.0, &mut rng);
+            let wide = posterior.sample(QUICK.0, QUICK.1, QUICK.2, SEARCH_HEAT, &mut rng);
+            self.note(&chain)?;
+            let candidates: Vec<Vec<f64>> = wide.thinned(CANDIDATES).into_iter().filter(|u| !self.near_failure(u)).collect();
+            for u in emulator.choose(&candidates, s.batch.min(s.budget - n)) {
+                self.plan(Stage::Search, &u);
+            }
+            if self.evaluations.len() == n {
+                return Ok(emulator);
+            }
+            self.evaluate()?;
+        }
+    }
+
+    /// A random stream for the state after `n` runs.
+    pub fn rng(&self, n: u64) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.settings.seed);
+        rng.set_stream(n);
+        rng
+    }
+
+    /// Runs that the emulator sees, with what they gave.
+    pub fn done(&self) -> impl Iterator<Item = (&Evaluation, &Vec<f64>)> {
+        self.evaluations.iter().zip(&self.outputs).filter_map(|(e, y)| Some((e, y.as_ref()?)))
+    }
+
+    pub fn failed(&self) -> usize {
+        self.evaluations.iter().filter(|e| matches!(e.status, Status::Failed(_))).count()
+    }
+
+    /// Notes what is known now, here and in `convergence.csv`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn note(&mut self, chain: &Chain) -> Result<()> {
+        let evaluations = self.evaluations.len();
+        let quantiles =
+            self.parameters.iter().enumerate().map(|(k, p)| chain.quantiles(k, [0.025, 0.5, 0.975]).map(|u| p.value(u)));
+        let trace = Trace { evaluations, quantiles: quantiles.collect() };
+        self.trace.retain(|t| t.evaluations < evaluations);
+        self.trace.push(trace);
+        let columns = self.parameters.iter().map(|p| format!(",{0}_lower,{0}_median,{0}_upper", p.key));
+        let mut text = format!("evaluations{}\n", columns.collect::<String>());
+        for t in &self.trace {
+            let cells = t.quantiles.iter().flatten().map(|q| format!(",{q:?}"));
+            text += &format!("{}{}\n", t.evaluations, cells.collect::<String>());
+        }
+        log::replace(&self.dir.join(TRACE), text.as_bytes())
+    }
+
+    /// Runs at parameters that were found, which the emulator never sees.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] when it was stopped.
+    pub fn check(&mut self, u: &[f64]) -> Result<Vec<Vec<f64>>> {
+        let values: Vec<f64> = self.parameters.iter().zip(u).map(|(p, u)| p.rounded(*u)).collect();
+        let first = 10_000 * self.settings.seed + 9_000;
+        let mut checks: Vec<Evaluation> = (1..=self.settings.check)
+            .map(|number| Evaluation {
+                number,
+                stage: Stage::Check,
+                values: values.clone(),
+                seed: first + number as u64,
+                status: Status::Planned,
+            })
+            .collect();
+        if checks.is_empty() {
+            return Ok(Vec::new());
+        }
+        let ran = self.simulator.run(&checks.iter().collect::<Vec<_>>())?;
+        if ran.contains(&Ran::Stopped) {
+            return Err(self.stopped());
+        }
+        let mut curves = Vec::new();
+        for (e, ran) in checks.iter_mut().zip(ran) {
+            match ran {
+                Ran::Done { outputs, seconds } => {
+                    e.status = Status::Done { seconds };
+                    curves.push(outputs);
+                }
+                Ran::Failed(reason) => e.status = Status::Failed(reason),
+                Ran::Stopped => {}
+            }
+        }
+        self.save(&checks)?;
+        Ok(curves)
+    }
+
+    fn plan(&mut self, stage: Stage, u: &[f64]) {
+        let number = self.evaluations.len() + 1;
+        let values = self.parameters.iter().zip(u).map(|(p, u)| p.rounded(*u)).collect();
+        let seed = 10_000 * self.settings.seed + number as u64;
+        self.evaluations.push(Evaluation { number, stage, values, seed, status: Status::Planned });
+        self.outputs.push(None);
+    }
+
+    /// Runs whatever is planned, and reads again what was done before.
+    fn evaluate(&mut self) -> Result<()> {
+        std::fs::create_dir_all(&self.dir).map_err(Error::write(&self.dir))?;
+        self.save(&[])?;
+        let open: Vec<usize> = (0..self.evaluations.len())
+            .filter(|&i| self.outputs[i].is_none() && !matches!(self.evaluations[i].status, Status::Failed(_)))
+            .collect();
+        if open.is_empty() {
+            return Ok(());
+        }
+        (self.tell)(&format!("runs {} to {} of {}", open[0] + 1, open[open.len() - 1] + 1, self.settings.budget));
+        let wanted: Vec<&Evaluation> = open.iter().map(|&i| &self.evaluations[i]).collect();
+        let ran = self.simulator.run(&wanted)?;
+        let mut stopped = false;
+        for (i, ran) in open.into_iter().zip(ran) {
+            match ran {
+                Ran::Done { outputs, seconds } => {
+                    self.evaluations[i].status = Status::Done { seconds };
+                    self.outputs[i] = Some(outputs);
+                }
+                Ran::Failed(reason) => self.evaluations[i].status = Status::Failed(reason),
+                Ran::Stopped => stopped = true,
+            }
+        }
+        self.save(&[])?;
+        if stopped { Err(self.stopped()) } else { Ok(()) }
+    }
+
+    fn stopped(&self) -> Error {
+        Error::Stopped { done: self.done().count() + self.failed(), of: self.settings.budget }
+    }
+
+    fn save(&self, checks: &[Evaluation]) -> Result<()> {
+        let all: Vec<Evaluation> = self.evaluations.iter().chain(checks).cloned().collect();
+        let scale = self.scale();
+        let misfit = |i: usize| {
+            let y = self.outputs.get(i)?.as_ref()?;
+            let parts = y.iter().zip(&self.curve.values).zip(&scale).map(|((a, b), s)| ((a - b) / s).powi(2));
+            Some((parts.sum::<f64>() / y.len() as f64).sqrt())
+        };
+        log::write(&self.dir, self.parameters, &all, misfit)
+    }
+
+    /// The size of each output: the scatter of the repeats with the error of measurement, one size for a block.
+    fn scale(&self) -> Vec<f64> {
+        let repeats: Vec<&Vec<f64>> = self.done().filter(|(e, _)| e.stage == Stage::Centre).map(|d| d.1).collect();
+        let all: Vec<&Vec<f64>> = self.done().map(|d| d.1).collect();
+        let mut scale = Vec::new();
+        for &length in &self.blocks {
+            let own = scale.len()..scale.len() + length;
+            let n = repeats.len() as f64;
+            let variance = |j: usize| {
+                let mean = repeats.iter().map(|y| y[j]).sum::<f64>() / n;
+                repeats.iter().map(|y| (y[j] - mean).powi(2)).sum::<f64>() / (n - 1.0)
+            };
+            let scatter: f64 = if repeats.len() > 1 { own.clone().map(variance).sum() } else { 0.0 };
+            let measured: f64 = own.clone().map(|j| self.curve.sd[j].powi(2)).sum();
+            let mut size = ((scatter + measured) / length as f64).sqrt();
+            if size <= 0.0 || !size.is_finite() {
+                let values = all.iter().flat_map(|y| &y[own.clone()]).chain(&self.curve.values[own.clone()]);
+                let (low, high) = values.fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+                size = NO_SCATTER * (high - low).max(f64::MIN_POSITIVE);
+            }
+            scale.extend(std::iter::repeat_n(size, length));
+        }
+        scale
+    }
+
+    fn unit(&self, e: &Evaluation) -> Vec<f64> {
+        self.parameters.iter().zip(&e.values).map(|(p, v)| p.unit(*v)).collect()
+    }
+
+    /// Whether the run nearest to a point has failed.
+    fn near_failure(&self, u: &[f64]) -> bool {
+        let distance = |e: &Evaluation| super::design::distance(&self.unit(e), u);
+        let nearest = self.evaluations.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.is_some_and(|e| matches!(e.status, Status::Failed(_)))
+    }
+
+    fn emulator(&self) -> Result<Emulator> {
+        let (x, y): (Vec<_>, Vec<_>) = self.done().map(|(e, y)| (self.unit(e), y.clone())).unzip();
+        let needed = 3 * self.parameters.len() + 2;
+        let fitted = if x.len() < needed { None } else { Emulator::fit(&x, &y, &self.scale()) };
+        fitted.ok_or_else(|| {
+            let mut failed: Vec<(PathBuf, String)> = Vec::new();
+            for e in &self.evaluations {
+                if let Status::Failed(reason) = &e.status {
+                    failed.push((self.dir.join(e.folder()), reason.clone()));
+                }
+            }
+            if failed.is_empty() {
+                let message = "the runs do not differ at the points of the curve: nothing can be found from it";
+                return Error::input(self.dir.display(), "", None, message);
+            }
+            Error::Campaign { failed, of: self.evaluations.len() }
+        })
+    }
+}
+
+/// Name of the file with what was known of the parameters after so many runs.
+const TRACE: &str = "convergence.csv";
+
+fn read_trace(dir: &Path, parameters: &[Parameter]) -> Result<Vec<Trace>> {
+    let path = dir.join(TRACE);
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let file = Columns::read(&path)?;
+    let column =
+        |name: &str| -> Result<Vec<f64>> { Ok(file.numbers(name, 1.0)?.into_iter().map(|x| x.unwrap_or(f64::NAN)).collect()) };
+    let counts = column("evaluations")?;
+    let mut trace: Vec<Trace> = counts.iter().map(|&n| Trace { evaluations: n as usize, quantiles: Vec::new() }).collect();
+    for p in parameters {
+        let [low, middle, high] = ["lower", "median", "upper"].map(|which| column(&format!("{}_{which}", p.key)));
+        let (low, middle, high) = (low?, middle?, high?);
+        for (i, t) in trace.iter_mut().enumerate() {
+            t.quantiles.push([low[i], middle[i], high[i]]);
+        }
+    }
+    Ok(trace)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::curve::stand_in::{self, StandIn};
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// The stand-in as a simulator that fails where the second parameter is small, and may be stopped.
+    struct Fake {
+        stand_in: StandIn,
+        calls: AtomicUsize,
+        stop_after: usize,
+    }
+
+    impl Fake {
+        fn new(stop_after: usize) -> Fake {
+            Fake { stand_in: StandIn::default(), calls: AtomicUsize::new(0), stop_after }
+        }
+    }
+
+    impl Simulator for Fake {
+        fn run(&self, wanted: &[&Evaluation]) -> Result<Vec<Ran>> {
+            Ok(wanted
+                .iter()
+                .map(|e| match self.calls.fetch_add(1, Ordering::Relaxed) {
+                    n if n >= self.stop_after => Ran::Stopped,
+                    _ if e.values[1] < 0.1 => Ran::Failed("did not come to rest".into()),
+                    _ => Ran::Done { outputs: self.stand_in.curve(&e.values, e.seed), seconds: 1.0 },
+                })
+                .collect())
+        }
+    }
+
+    const TRUTH: [f64; 2] = [0.35, 0.7];
+
+    fn target() -> Measured {
+        let values = StandIn::default().curve(&TRUTH, 77);
+        Measured { sd: vec![0.0; values.len()], values, specimens: 1.0 }
+    }
+
+    fn settings(budget: usize) -> Settings {
+        Settings { budget, design: 14, ..Settings::usual(2) }
+    }
+
+    fn go(dir: &Path, fake: &Fake, budget: usize) -> Result<(Vec<[f64; 2]>, usize)> {
+        let (parameters, curve, settings) = (stand_in::parameters(), target(), settings(budget));
+        let mut search = Search::new(&parameters, &curve, vec![15], &settings, fake, dir, &|_| ())?;
+        let emulator = search.run()?;
+        let mut rng = search.rng(1 << 40);
+        let chain = Posterior::new(&parameters, &emulator, &curve, 1.0).sample(24, 100, 200, 1.0, &mut rng);
+        search.check(chain.mode())?;
+        Ok(((0..2).map(|k| chain.quantiles(k, [0.025, 0.975])).collect(), search.failed()))
+    }
+
+    #[test]
+    fn known_parameters_are_found_with_runs_that_fail_on_the_way() {
+        let dir = tempfile::tempdir().expect("folder");
+        let (intervals, failed) = go(dir.path(), &Fake::new(usize::MAX), 30).expect("found");
+        assert!(failed > 0, "the design reaches where runs fail");
+        for (interval, truth) in intervals.iter().zip(TRUTH) {
+            assert!(interval[0] < truth && truth < interval[1], "{intervals:?}");
+            assert!(interval[1] - interval[0] < 0.6, "{intervals:?}");
+        }
+        let log = std::fs::read_to_string(dir.path().join(log::FILE)).expect("log");
+        assert_eq!(log.lines().count(), 1 + 30 + 4, "a failed run costs one evaluation");
+        assert!(log.contains("did not come to rest"));
+    }
+
+    /// Stopped wherever it may be, a calibration ends with the same log.
+    #[test]
+    fn a_stopped_calibration_goes_on_to_the_same_end() {
+        let whole = tempfile::tempdir().expect("folder");
+        let once = go(whole.path(), &Fake::new(usize::MAX), 26).expect("found");
+        let log = |dir: &Path| std::fs::read_to_string(dir.join(log::FILE)).expect("log");
+        for stop in [5, 20, 23] {
+            let dir = tempfile::tempdir().expect("folder");
+            assert!(matches!(go(dir.path(), &Fake::new(stop), 26), Err(Error::Stopped { .. })));
+            assert!(log(dir.path()).contains("planned"));
+            assert_eq!(go(dir.path(), &Fake::new(usize::MAX), 26).expect("found"), once);
+            assert!(log(dir.path()) == log(whole.path()), "stopped after {stop}");
+            let trace = |dir: &Path| std::fs::read_to_string(dir.join(TRACE)).expect("trace");
+            assert!(trace(dir.path()) == trace(whole.path()) && trace(dir.path()).lines().count() == 3);
+        }
+        // more runs go on from what there is
+        go(whole.path(), &Fake::new(usize::MAX), 30).expect("found");
+        assert_eq!(log(whole.path()).lines().count(), 1 + 30 + 4);
+    }
+
+    #[test]
+    fn too_many_failures_end_it_with_their_reasons() {
+        struct Broken;
+        impl Simulator for Broken {
+            fn run(&self, wanted: &[&Evaluation]) -> Result<Vec<Ran>> {
+                Ok(wanted.iter().map(|_| Ran::Failed("no floor".into())).collect())
+            }
+        }
+        let dir = tempfile::tempdir().expect("folder");
+        let (parameters, curve, settings) = (stand_in::parameters(), target(), settings(30));
+        let mut search = Search::new(&parameters, &curve, vec![15], &settings, &Broken, dir.path(), &|_| ()).expect("new");
+        let error = search.run().expect_err("nothing to go by");
+        assert!(error.to_string().contains("no floor") && error.exit_code() == 1, "{error}");
+    }
+}

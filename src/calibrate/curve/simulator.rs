@@ -1,0 +1,82 @@
+//! Where curves come from: runs of the scene, or anything that stands in for them.
+
+use super::log::{Evaluation, Stage};
+use super::outputs;
+use super::parameter::Parameter;
+use super::target::Target;
+use crate::campaign::{self, Job, Outcome, Vary};
+use crate::error::Result;
+use std::path::PathBuf;
+
+/// What became of an evaluation.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ran {
+    /// A value for each point of the target.
+    Done {
+        outputs: Vec<f64>,
+        seconds: f64,
+    },
+    Failed(String),
+    /// Stopped from outside; goes on when it is asked for again.
+    Stopped,
+}
+
+/// Gives curves for parameters and seeds.
+pub trait Simulator: Sync {
+    /// Evaluates all of `wanted`; asked twice for the same, it gives the same.
+    ///
+    /// # Errors
+    /// What is wrong with the calibration as a whole. An evaluation that fails is no error.
+    fn run(&self, wanted: &[&Evaluation]) -> Result<Vec<Ran>>;
+}
+
+/// Runs of a scene, each a process in a folder of its own.
+pub struct Runs<'a> {
+    pub scene: PathBuf,
+    pub sets: Vec<String>,
+    pub parameters: &'a [Parameter],
+    pub target: &'a Target,
+    /// Folder of the calibration.
+    pub dir: PathBuf,
+    pub parallel: usize,
+    pub threads: Option<usize>,
+    pub quiet: bool,
+}
+
+impl Runs<'_> {
+    fn job(&self, e: &Evaluation) -> Job {
+        let values = self.parameters.iter().zip(&e.values).map(|(p, v)| format!("{}={v:?}", p.key));
+        let values: Vec<String> = values.collect();
+        let job = Job::new(&self.scene, self.dir.join(e.folder())).with(&self.sets).with(&values);
+        Job { threads: self.threads, ..job.seeded(Vary::Both, e.seed) }
+    }
+}
+
+impl Simulator for Runs<'_> {
+    fn run(&self, wanted: &[&Evaluation]) -> Result<Vec<Ran>> {
+        let jobs: Vec<Job> = wanted.iter().map(|e| self.job(e)).collect();
+        let options = campaign::Options {
+            parallel: self.parallel,
+            quiet: self.quiet,
+            // parameters found with more runs are checked in the folders of the earlier check
+            force: wanted.iter().all(|e| e.stage == Stage::Check),
+            program: None,
+        };
+        let outcomes = campaign::run(&jobs, &options)?;
+        Ok(jobs
+            .iter()
+            .zip(outcomes)
+            .map(|(job, outcome)| match outcome {
+                Outcome::Stopped => Ran::Stopped,
+                Outcome::Failed { reason, .. } => Ran::Failed(reason),
+                Outcome::Done { summary, .. } => match outputs::of_run(&job.out, self.target) {
+                    Ok(outputs) => {
+                        let seconds = summary.get("wall_seconds").and_then(serde_json::Value::as_f64);
+                        Ran::Done { outputs, seconds: seconds.unwrap_or(0.0) }
+                    }
+                    Err(reason) => Ran::Failed(reason),
+                },
+            })
+            .collect())
+    }
+}

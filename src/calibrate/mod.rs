@@ -1,0 +1,3 @@
+//! Parameters from laboratory data.
+
+pub mod curve;

@@ -1,0 +1,102 @@
+//! The one line that shows how a campaign goes.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// How many runs are where.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    /// Done before this call.
+    before: usize,
+    done: usize,
+    failed: usize,
+    running: usize,
+    waiting: usize,
+}
+
+pub struct Progress {
+    /// `None` when quiet.
+    bar: Option<ProgressBar>,
+    terminal: bool,
+    of: usize,
+    begun: Instant,
+    counts: Mutex<Counts>,
+}
+
+/// A change of one run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Change {
+    DoneBefore,
+    Started,
+    /// Another process is running it.
+    Waits,
+    WaitsNoMore,
+    Ended {
+        well: bool,
+    },
+}
+
+impl Progress {
+    pub fn new(of: usize, quiet: bool) -> Progress {
+        let terminal = std::io::stderr().is_terminal();
+        let bar = (!quiet).then(|| {
+            let target = if terminal { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+            let bar = ProgressBar::with_draw_target(Some(of as u64), target);
+            let style = ProgressStyle::with_template("{bar:24} {msg}  {elapsed}");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar.enable_steady_tick(Duration::from_secs(1));
+            bar
+        });
+        Progress { bar, terminal, of, begun: Instant::now(), counts: Mutex::default() }
+    }
+
+    pub fn tell(&self, change: Change) {
+        // a worker that panicked leaves counts that are good enough to show
+        let mut c = self.counts.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        match change {
+            Change::DoneBefore => c.before += 1,
+            Change::Started => c.running += 1,
+            Change::Waits => c.waiting += 1,
+            Change::WaitsNoMore => c.waiting -= 1,
+            Change::Ended { well } => {
+                c.running -= 1;
+                if well {
+                    c.done += 1;
+                } else {
+                    c.failed += 1;
+                }
+            }
+        }
+        let Some(bar) = &self.bar else { return };
+        let line = self.line(&c);
+        bar.set_position((c.before + c.done + c.failed) as u64);
+        if !self.terminal && matches!(change, Change::Ended { .. } | Change::Waits) {
+            eprintln!("{line}");
+        }
+        bar.set_message(line);
+    }
+
+    fn line(&self, c: &Counts) -> String {
+        let mut line = format!("{} of {} done", c.before + c.done, self.of);
+        for (count, what) in [(c.running, "running"), (c.failed, "failed"), (c.waiting, "waiting for another process")] {
+            if count > 0 {
+                line += &format!(", {count} {what}");
+            }
+        }
+        let left = self.of - c.before - c.done - c.failed;
+        let ended = c.done + c.failed;
+        if ended > 0 && left > 0 {
+            let seconds = self.begun.elapsed().as_secs_f64() * left as f64 / ended as f64;
+            line += &format!(", about {} left", crate::run::human(seconds));
+        }
+        line
+    }
+
+    pub fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

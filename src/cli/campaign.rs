@@ -1,0 +1,117 @@
+//! What `ensemble` and `sweep` have in common: their options, running or listing jobs, and the closing lines.
+
+use comminute::campaign::{self, Job, Outcome};
+use comminute::error::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// How a list of runs is worked through.
+#[derive(Debug, clap::Args)]
+pub struct Options {
+    /// Runs at a time; one for each core if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+
+    /// Threads of each run; the cores shared out if not given, and 1 in a list
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+
+    /// Print one shell command a line for each run instead of running them; what is done already is skipped when they are run
+    #[arg(long)]
+    list: bool,
+
+    /// Measurements to overlay, drawn as symbols (CSV)
+    #[arg(long, value_name = "CSV")]
+    pub data: Vec<PathBuf>,
+
+    /// Overwrite runs of other scenes
+    #[arg(long)]
+    force: bool,
+
+    /// No progress and no closing lines
+    #[arg(long)]
+    quiet: bool,
+
+    /// Print what became of each run as JSON to standard output
+    #[arg(long)]
+    json: bool,
+}
+
+impl Options {
+    /// Lists or runs the jobs; `None` when they were listed.
+    pub fn run(&self, jobs: &mut [Job]) -> Result<Option<Vec<Outcome>>> {
+        for file in &self.data {
+            std::fs::File::open(file).map_err(Error::read(file))?;
+        }
+        let threads = self.threads.map(usize::from);
+        for job in &mut *jobs {
+            job.threads = threads.or(self.list.then_some(1));
+        }
+        if self.list {
+            super::print(&list(jobs, self.force)?)?;
+            return Ok(None);
+        }
+        let options =
+            campaign::Options { parallel: self.jobs.map_or(0, usize::from), quiet: self.quiet, force: self.force, program: None };
+        campaign::run(jobs, &options).map(Some)
+    }
+
+    /// Says what there is, and fails if a run did.
+    pub fn close(&self, jobs: &[Job], outcomes: &[Outcome], files: &[PathBuf]) -> Result<()> {
+        if self.json {
+            let runs: Vec<serde_json::Value> = jobs
+                .iter()
+                .zip(outcomes)
+                .map(|(job, outcome)| {
+                    let (status, reason) = status(outcome);
+                    serde_json::json!({ "folder": job.out, "status": status, "reason": reason, "summary": outcome.summary() })
+                })
+                .collect();
+            super::print(&serde_json::json!({ "runs": runs, "files": files }).to_string())?;
+        }
+        if !self.quiet {
+            let done = outcomes.iter().filter(|o| o.summary().is_some()).count();
+            let before = outcomes.iter().filter(|o| matches!(o, Outcome::Done { before: true, .. })).count();
+            let note = if before > 0 { format!(", {before} of them before") } else { String::new() };
+            eprintln!("{done} of {} runs done{note}", jobs.len());
+            let (drawn, tables): (Vec<_>, Vec<_>) = files.iter().partition(|f| f.parent().is_some_and(|p| p.ends_with("figures")));
+            if let Some(folder) = drawn.first().and_then(|f| f.parent()) {
+                eprintln!("  {} files in {}", drawn.len(), folder.display());
+            }
+            super::list_files(&tables.into_iter().cloned().collect::<Vec<_>>());
+        }
+        campaign::close(jobs, outcomes)
+    }
+}
+
+/// One word about an outcome, and why.
+pub fn status(outcome: &Outcome) -> (&'static str, Option<&str>) {
+    match outcome {
+        Outcome::Done { .. } => ("done", None),
+        Outcome::Failed { reason, .. } => ("failed", Some(reason)),
+        Outcome::Stopped => ("stopped", None),
+    }
+}
+
+/// Folders of the runs that are done.
+pub fn done(jobs: &[Job], outcomes: &[Outcome]) -> Vec<PathBuf> {
+    jobs.iter().zip(outcomes).filter(|(_, o)| o.summary().is_some()).map(|(job, _)| job.out.clone()).collect()
+}
+
+/// One command a line; every scene has been found valid.
+fn list(jobs: &[Job], force: bool) -> Result<String> {
+    // as it was called, so that the list runs where it was made
+    let program = std::env::args().next().unwrap_or_else(|| "comminute".into());
+    let mut lines = Vec::new();
+    for job in jobs {
+        job.load()?;
+        let more = if force { " --force" } else { "" };
+        lines.push(job.command_line(&program) + more);
+    }
+    Ok(lines.join("\n"))
+}
+
+/// `runs/NAME-KIND` for a scene file.
+pub fn default_out(scene: &Path, kind: &str) -> PathBuf {
+    let stem = scene.file_stem().map_or_else(|| "scene".into(), |s| s.to_string_lossy());
+    Path::new("runs").join(format!("{stem}-{kind}"))
+}
