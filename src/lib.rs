@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod boundary;
+pub mod calibrate;
 pub mod contact;
 pub mod crush;
 pub mod error;

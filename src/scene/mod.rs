@@ -19,6 +19,7 @@ mod validate;
 mod view;
 mod write;
 
+pub use files::read_text;
 pub use estimate::{Estimate, Specimen, estimate};
 pub use keys::reference as key_reference;
 pub use layers::shown;
@@ -114,6 +115,11 @@ pub fn resolved(scene: &Scene) -> String {
         *file = Value::String(SPECIMEN.into());
     }
     write::write(&table)
+}
+
+/// Every key of a material file, with those of the files it is based on. Nothing is checked yet.
+pub fn material_keys(path: impl AsRef<Path>) -> Result<toml::Table> {
+    Ok(files::material_file(path.as_ref())?.table)
 }
 
 fn stem(path: &Path) -> String {

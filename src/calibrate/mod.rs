@@ -1,0 +1,3 @@
+//! Strength parameters from laboratory data.
+
+pub mod grains;
