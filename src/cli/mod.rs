@@ -1,6 +1,9 @@
 //! One file per verb.
 
 mod bench;
+mod calibrate;
+mod calibrate_grains;
+mod calibrate_study;
 mod check;
 mod plot;
 mod resume;
@@ -44,6 +47,8 @@ pub enum Verb {
     Resume(resume::Args),
     /// Measure the speed of the engine
     Bench(bench::Args),
+    /// Find parameters from laboratory data
+    Calibrate(calibrate::Args),
 }
 
 impl Verb {
@@ -54,6 +59,7 @@ impl Verb {
             Verb::Plot(args) => plot::call(&args),
             Verb::Resume(args) => resume::call(args),
             Verb::Bench(args) => bench::call(&args),
+            Verb::Calibrate(args) => calibrate::call(&args),
         }
     }
 }

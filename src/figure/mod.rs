@@ -5,6 +5,7 @@
 mod assembly;
 mod axis;
 mod balls;
+mod calibration;
 mod canvas;
 mod colour;
 mod curves;
@@ -22,6 +23,8 @@ mod stress_path;
 mod table;
 mod text;
 
+pub use axis::significant;
+pub use calibration::{Drawn, Graph, Look, Quantity, Tone};
 pub use error::{FigureError, Result};
 pub use specimen::Colouring;
 

@@ -19,8 +19,8 @@ mod validate;
 mod view;
 mod write;
 
-pub use files::read_text;
 pub use estimate::{Estimate, Specimen, estimate};
+pub use files::read_text;
 pub use keys::reference as key_reference;
 pub use layers::shown;
 pub use provenance::{Assumption, Decision, assumptions, decisions};

@@ -122,8 +122,12 @@ impl Columns {
     /// Columns that are not used.
     fn notes(&self, header: &[String]) -> Vec<String> {
         let used = [Some(self.diameter.0), Some(self.force.0), self.censored, self.series];
-        let unused: Vec<&str> =
-            header.iter().enumerate().filter(|(i, h)| !used.contains(&Some(*i)) && !h.is_empty()).map(|(_, h)| h.as_str()).collect();
+        let unused: Vec<&str> = header
+            .iter()
+            .enumerate()
+            .filter(|(i, h)| !used.contains(&Some(*i)) && !h.is_empty())
+            .map(|(_, h)| h.as_str())
+            .collect();
         if unused.is_empty() { Vec::new() } else { vec![format!("columns not used: {}", unused.join(", "))] }
     }
 
@@ -264,7 +268,8 @@ fn doubts(data: &mut Data) {
     let nominal = data.grains.iter().map(|g| g.force / (g.diameter * g.diameter) * 1e-6);
     let (least, most) = nominal.fold((f64::INFINITY, 0.0), |(a, b), s| (f64::min(a, s), f64::max(b, s)));
     if least < 1e-3 || most > 1e4 {
-        notes.push(format!("F/d² from {least:.3e} to {most:.3e} MPa, where sands and rocks have 0.1 to 1000: are the units right?"));
+        notes
+            .push(format!("F/d² from {least:.3e} to {most:.3e} MPa, where sands and rocks have 0.1 to 1000: are the units right?"));
     }
     let broken = data.broken();
     if broken < 30 {
@@ -301,7 +306,9 @@ mod tests {
     fn units_are_those_of_the_header() {
         let plain = from(&format!("diameter_mm,force_N\n{ROWS}")).expect("data");
         assert_eq!(plain.grains[0], Grain { diameter: 1e-3, force: 10.0, censored: false, series: 0 });
-        let other = from("note,F_kN,censored,d_cm,series\na,0.01,,0.1,x\na,0.012,0,0.1,y\nb,0.03,yes,0.2,x\nb,1,0,0.2,x\nb,1.1,0,0.2,x\nb,1.2,no,1,x\n");
+        let other = from(
+            "note,F_kN,censored,d_cm,series\na,0.01,,0.1,x\na,0.012,0,0.1,y\nb,0.03,yes,0.2,x\nb,1,0,0.2,x\nb,1.1,0,0.2,x\nb,1.2,no,1,x\n",
+        );
         let other = other.expect("data");
         assert!((other.grains[0].force - 10.0).abs() < 1e-12 && (other.grains[0].diameter - 1e-3).abs() < 1e-15);
         assert!(other.grains[2].censored && other.broken() == 5);

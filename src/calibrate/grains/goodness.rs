@@ -2,7 +2,7 @@
 //! the share of samples drawn from that law, and fitted again, that lie as far from it.
 
 use super::fit::Fit;
-use super::likelihood::{Held, Sample, Params};
+use super::likelihood::{Held, Params, Sample};
 use super::simulate::{generator, unit};
 use super::spread::{Law, Spread};
 use rayon::prelude::*;

@@ -83,7 +83,8 @@ impl Sample {
 
     /// Where a search begins, and how far apart its first points are: least squares of the logarithms.
     pub fn start(&self, spread: Spread) -> (Params, Params) {
-        let points: Vec<(f64, f64)> = (0..self.len()).filter(|&i| !self.censored[i]).map(|i| (self.x[i], self.ln_strength[i])).collect();
+        let points: Vec<(f64, f64)> =
+            (0..self.len()).filter(|&i| !self.censored[i]).map(|i| (self.x[i], self.ln_strength[i])).collect();
         let n = points.len() as f64;
         let (slope, rest) = line(&points);
         let slope = if self.sized { slope } else { 0.0 };

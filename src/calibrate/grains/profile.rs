@@ -89,11 +89,19 @@ impl Search<'_> {
                 return Err((p, l));
             }
             if self.top - l > self.loss {
-                return Ok(Some(self.root(inside, value, near, 2e-3 * width)));
+                let root = self.root(inside, value, near, 2e-3 * width);
+                let (p, _) = self.profile(root, &near);
+                return Ok(Some(root).filter(|_| self.which == Which::Shape || self.free(&p)));
             }
             (inside, near) = (value, p);
             reach *= 1.5;
         }
+    }
+
+    /// Whether the shape is off the ends of its range: there the range, not the data, would bound the others.
+    fn free(&self, p: &Params) -> bool {
+        let (low, high) = self.spread.limits();
+        p.t > low + 0.02 && p.t < high - 0.02
     }
 
     fn profile(&self, value: f64, near: &Params) -> (Params, f64) {
@@ -121,7 +129,11 @@ impl CostFunction for Crossing<'_, '_> {
     fn cost(&self, value: &f64) -> Result<f64, Error> {
         let near = *self.near.borrow();
         let (p, l) = self.search.profile(*value, &near);
-        *self.near.borrow_mut() = p;
-        Ok(self.search.top - l - self.search.loss)
+        let loss = self.search.top - l;
+        // the next search begins where this one ended, unless that is nowhere
+        if loss < 10.0 * self.search.loss {
+            *self.near.borrow_mut() = p;
+        }
+        Ok(loss - self.search.loss)
     }
 }

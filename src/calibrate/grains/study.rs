@@ -27,8 +27,7 @@ pub struct Case {
 
 impl Case {
     fn new(name: &'static str, area: Area, sigma_mpa: f64, m: f64, var: f64) -> Case {
-        let law =
-            StrengthModel { sigma_lim0: 1e6 * sigma_mpa, d0: 2e-3, m, var, truncation: Truncation::Redraw, min_ratio: 0.0 };
+        let law = StrengthModel { sigma_lim0: 1e6 * sigma_mpa, d0: 2e-3, m, var, truncation: Truncation::Redraw, min_ratio: 0.0 };
         Case { name, area, law, sizes: [1e-3, 2e-3, 4e-3, 8e-3].to_vec() }
     }
 
@@ -123,8 +122,7 @@ pub fn repeat(case: &Case, grains: usize, seed: u64) -> Repeat {
     let three = |f: &Fit| [f.sigma_lim0_mpa(), f.m(), f.var()];
     let estimates = three(&drawn);
     let preferred_spread = fits[best].spread;
-    let preferred =
-        if best == 0 { estimates } else { three(&fits.swap_remove(best).with_intervals(&data, Intervals::Profile)) };
+    let preferred = if best == 0 { estimates } else { three(&fits.swap_remove(best).with_intervals(&data, Intervals::Profile)) };
     Repeat { seed, estimates, preferred, preferred_spread }
 }
 
