@@ -29,21 +29,43 @@ pub struct Class {
 }
 
 /// Number of the size class of each grain: its diameter where few diameters occur, else a sieve class whose bounds are
-/// a factor of the square root of two apart.
+/// a factor of the square root of two apart, laid so that the fullest classes are as full as they can be.
 pub fn numbers(data: &Data) -> Vec<usize> {
+    const PHASES: u32 = 16;
     let mut sizes: Vec<f64> = data.grains.iter().map(|g| g.diameter).collect();
     sizes.sort_by(f64::total_cmp);
     sizes.dedup_by(|a, b| *a / *b < 1.001);
-    let nth = |d: f64| sizes.partition_point(|s| s * 1.001 <= d).min(sizes.len() - 1);
     if sizes.len() <= 1.max(data.grains.len() / 5) {
+        let nth = |d: f64| sizes.partition_point(|s| s * 1.001 <= d).min(sizes.len() - 1);
         return data.grains.iter().map(|g| nth(g.diameter)).collect();
     }
-    let sieve = |d: f64| (2.0 * (d / sizes[0]).log2()).floor() as usize;
-    let mut used: Vec<usize> = data.grains.iter().map(|g| sieve(g.diameter)).collect();
-    let raw = used.clone();
+    let steps: Vec<f64> = data.grains.iter().map(|g| 2.0 * (g.diameter / sizes[0]).log2()).collect();
+    let mut best = (0, Vec::new());
+    for phase in 0..PHASES {
+        let numbers = dense(steps.iter().map(|s| (s + f64::from(phase) / f64::from(PHASES)) as usize).collect());
+        let full = fullness(&numbers);
+        if full > best.0 {
+            best = (full, numbers);
+        }
+    }
+    best.1
+}
+
+/// The same classes numbered without gaps.
+fn dense(raw: Vec<usize>) -> Vec<usize> {
+    let mut used = raw.clone();
     used.sort_unstable();
     used.dedup();
     raw.iter().map(|n| used.partition_point(|u| u < n)).collect()
+}
+
+/// Sum of the squares of the classes' counts.
+fn fullness(numbers: &[usize]) -> usize {
+    let mut counts = vec![0; numbers.iter().max().map_or(0, |n| n + 1)];
+    for n in numbers {
+        counts[*n] += 1;
+    }
+    counts.iter().map(|n| n * n).sum()
 }
 
 /// The classes of a file, small sizes first.

@@ -4,6 +4,7 @@
 use super::Calibration;
 use super::area::Model;
 use super::classes::survival;
+use super::data::Grain;
 use super::fit::Fit;
 use super::spread::Law;
 use crate::error::Result;
@@ -81,25 +82,17 @@ fn forces(c: &Calibration) -> Graph {
         });
     }
     let several = c.data.series.len() > 1;
-    for (n, label) in c.data.series.iter().enumerate() {
-        for censored in [false, true] {
-            let grains = c.data.grains.iter().filter(|g| g.series == n && g.censored == censored);
-            let points: Vec<(f64, f64)> = grains.map(|g| (1e3 * g.diameter, g.force)).collect();
-            let what = if censored { "did not break" } else { "broke" };
-            let label = if several { format!("{label}: {what}") } else { what.into() };
-            if !points.is_empty() {
-                let tone = if censored { Tone::Kind(4) } else { Tone::Grey };
-                let look = Look::Symbols(if censored { 2 } else { [0, 1, 3][n % 3] });
-                series.push(Drawn { label: Some(label.clone()), name: label, tone, look, points });
-            }
-        }
+    for (n, name) in c.data.series.iter().enumerate() {
+        let label = if several { name.clone() } else { "broke".into() };
+        series.extend(tests(c, &label, Tone::Grey, [0, 1, 3][n % 3], |g| g.series == n && !g.censored));
     }
+    series.extend(tests(c, "did not break", Tone::Kind(4), 2, |g| g.censored));
     let means: Vec<(f64, f64)> = c.classes.iter().filter_map(|k| Some((k.diameter_mm, k.mean_force_n?))).collect();
     series.push(Drawn {
         label: Some("mean of the broken".into()),
         name: "mean".into(),
         tone: Tone::Kind(1),
-        look: Look::Symbols(1),
+        look: Look::Symbols(3),
         points: means,
     });
     Graph {
@@ -112,13 +105,21 @@ fn forces(c: &Calibration) -> Graph {
     }
 }
 
-/// Indices of at most `SIZES` classes, evenly among those with enough grains.
+/// Single grains as symbols.
+fn tests(c: &Calibration, label: &str, tone: Tone, symbol: usize, which: impl Fn(&Grain) -> bool) -> Option<Drawn> {
+    let points: Vec<(f64, f64)> = c.data.grains.iter().filter(|g| which(g)).map(|g| (1e3 * g.diameter, g.force)).collect();
+    let label = label.to_string();
+    (!points.is_empty()).then(|| Drawn { label: Some(label.clone()), name: label, tone, look: Look::Symbols(symbol), points })
+}
+
+/// Indices of at most `SIZES` classes, those with most broken grains.
 fn shown(c: &Calibration) -> Vec<usize> {
-    let all: Vec<usize> = (0..c.classes.len()).filter(|&i| c.classes[i].grains - c.classes[i].censored >= 3).collect();
-    if all.len() <= SIZES {
-        return all;
-    }
-    (0..SIZES).map(|i| all[i * (all.len() - 1) / (SIZES - 1)]).collect()
+    let broken = |i: usize| c.classes[i].grains - c.classes[i].censored;
+    let mut all: Vec<usize> = (0..c.classes.len()).filter(|&i| broken(i) >= 3).collect();
+    all.sort_by_key(|&i| std::cmp::Reverse(broken(i)));
+    all.truncate(SIZES);
+    all.sort_unstable();
+    all
 }
 
 fn survivals(c: &Calibration) -> Graph {

@@ -26,6 +26,8 @@ pub mod simulate;
 pub mod spread;
 pub mod study;
 pub mod study_report;
+#[cfg(test)]
+mod tests;
 
 use classes::Class;
 use data::Data;
@@ -75,8 +77,8 @@ impl Calibration {
         notes.extend(self.best().notes().into_iter().filter(|n| !n.starts_with("one size: m")));
         if self.best().spread != Spread::TruncatedNormal {
             let scene = match self.drawn().any(|f| !f.at_limit()) {
-                true => "for them the truncated normal fitted to the same data is to be taken, as in material.toml",
-                false => "and the truncated normal that they draw cannot be as wide as these data",
+                true => "material.toml has the truncated normal fitted to the same data",
+                false => "the truncated normal that they draw cannot be as wide as these data",
             };
             notes.push(format!("the preferred spread ({}) is not one that scenes draw: {scene}", self.best().spread.name()));
         }
