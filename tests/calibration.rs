@@ -99,7 +99,16 @@ fn a_scene_runs_with_the_material_that_was_written() {
     let path = folder.path().join("scene.toml");
     fs::write(&path, scene).expect("written");
     let out = text(&folder.path().join("run"));
-    let small = ["--set", "specimen.grains=60", "--set", "specimen.diameter_mm=60", "--set", "specimen.porosity=0.5", "--set", "preparation.growth_friction=0.4"];
+    let small = [
+        "--set",
+        "specimen.grains=60",
+        "--set",
+        "specimen.diameter_mm=60",
+        "--set",
+        "specimen.porosity=0.5",
+        "--set",
+        "preparation.growth_friction=0.4",
+    ];
     let load = ["--set", "loading.max_stress_kPa=10", "--quiet", "--out", &out];
     comminute(&[&["run", &text(&path)], &small[..], &load].concat()).success();
     let resolved: toml::Table =

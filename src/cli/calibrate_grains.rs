@@ -20,7 +20,9 @@ use std::path::PathBuf;
         optional: censored (1: it did not break at this force), series (a name).\n\n\
         Forces alone identify sigma_lim0 sin²(theta0), or sigma_lim0³/E'²: give --theta0, or --grain-E-GPa and --grain-nu, or a\n\
         --material that has them. Without, m and var. are found and sigma_lim0 is left open.\n\n\
-        Example, from the repository root:\n  comminute calibrate grains figures/calibration/grains/simulated.csv --theta0 0.1309"
+        Preferred is the smallest AIC; a truncated normal, which scenes draw, unless another spread is better by 2.\n\n\
+        Examples, from the repository root:\n  comminute calibrate grains figures/calibration/grains/simulated.csv --theta0 0.1309\n  \
+        comminute calibrate grains figures/calibration/grains/simulated.csv --material materials/silica_sand.toml --out runs/silica"
 )]
 pub struct Args {
     /// Crushing tests (CSV)

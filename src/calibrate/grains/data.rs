@@ -50,6 +50,16 @@ impl Data {
         sizes.fold((f64::INFINITY, 0.0), |(low, high), d| (f64::min(low, d), f64::max(high, d)))
     }
 
+    /// ln diameter and ln force of the broken grains.
+    fn logarithms(&self) -> Vec<(f64, f64)> {
+        self.grains.iter().filter(|g| !g.censored).map(|g| (g.diameter.ln(), g.force.ln())).collect()
+    }
+
+    /// Whether there are enough broken grains, and forces that are more than a power of the size.
+    pub fn has_spread(&self) -> bool {
+        self.broken() >= LEAST && line(&self.logarithms()).1 >= 1e-6
+    }
+
     /// Whether all grains are of one size, to a tenth of a per cent: then m cannot be found.
     pub fn one_size(&self) -> bool {
         let (low, high) = self.extent();
@@ -64,7 +74,11 @@ impl Data {
 /// few broken grains, values without any spread; each says what is allowed or what can still be estimated.
 pub fn read(path: &Path) -> Result<Data> {
     let text = read_text(path)?;
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
     let header: Vec<String> = reader.headers().map_err(|e| bad(path, e))?.iter().map(str::to_string).collect();
     let columns = Columns::find(path, &header)?;
     let mut data = Data { path: path.into(), grains: Vec::new(), series: Vec::new(), notes: columns.notes(&header) };
@@ -228,10 +242,9 @@ fn enough(data: &Data) -> Result<()> {
             broken.len()
         ));
     }
-    // what is left of the forces beside a power of the size
-    let points: Vec<(f64, f64)> = broken.iter().map(|g| (g.diameter.ln(), g.force.ln())).collect();
-    let (slope, residual) = line(&points);
-    if residual < 1e-6 {
+    if !data.has_spread() {
+        let points = data.logarithms();
+        let (slope, _) = line(&points);
         let constant = points.iter().all(|p| (p.1 - points[0].1).abs() < 1e-9);
         let what = if constant {
             format!("every grain broke at {} N: constant values", broken[0].force)
@@ -304,7 +317,7 @@ mod tests {
 
     #[test]
     fn units_are_those_of_the_header() {
-        let plain = from(&format!("diameter_mm,force_N\n{ROWS}")).expect("data");
+        let plain = from(&format!("\u{feff}diameter_mm,force_N\r\n{ROWS}")).expect("data");
         assert_eq!(plain.grains[0], Grain { diameter: 1e-3, force: 10.0, censored: false, series: 0 });
         let other = from(
             "note,F_kN,censored,d_cm,series\na,0.01,,0.1,x\na,0.012,0,0.1,y\nb,0.03,yes,0.2,x\nb,1,0,0.2,x\nb,1.1,0,0.2,x\nb,1.2,no,1,x\n",

@@ -35,6 +35,7 @@ use fit::{Fit, Intervals, preferred};
 use goodness::Goodness;
 use inputs::Inputs;
 use spread::Spread;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// How a calibration is done.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +60,8 @@ pub struct Calibration {
     /// Why it is preferred.
     pub why: String,
     pub classes: Vec<Class>,
+    /// Where the file has several series: the probability that they differ so much by chance under one law.
+    pub series_p_value: Option<f64>,
 }
 
 impl Calibration {
@@ -92,8 +95,30 @@ impl Calibration {
         if self.goodness[self.best].p_value.is_some_and(|p| p < 0.05) {
             notes.push("no law fitted may be right: the preferred one does not describe the data (p < 0.05)".into());
         }
+        match self.series_p_value {
+            Some(p) if p < 0.05 => {
+                notes.push(format!("the series do not have one law (likelihood ratio, p = {p:.4}): calibrate them one by one"));
+            }
+            None if self.data.series.len() > 1 => notes.push("the series are fitted as one; some are too small to compare".into()),
+            _ => {}
+        }
         notes
     }
+}
+
+/// Probability of so large a likelihood ratio between a law for each series and one for all; nothing for one series, or
+/// where one has too few broken grains.
+fn compare_series(data: &Data, best: &Fit, d0: f64) -> Option<f64> {
+    let parts: Vec<Data> = (0..data.series.len())
+        .map(|n| Data { grains: data.grains.iter().filter(|g| g.series == n).copied().collect(), ..data.clone() })
+        .collect();
+    if parts.len() < 2 || parts.iter().any(|p| !p.has_spread()) {
+        return None;
+    }
+    let fits: Vec<Fit> = parts.iter().map(|p| Fit::new(p, best.area, best.spread, d0)).collect();
+    let more = fits.iter().map(Fit::parameters).sum::<usize>().checked_sub(best.parameters()).filter(|n| *n > 0)?;
+    let ratio = 2.0 * (fits.iter().map(|f| f.ln_likelihood).sum::<f64>() - best.ln_likelihood);
+    ChiSquared::new(more as f64).ok().map(|c| c.sf(ratio.max(0.0)))
 }
 
 /// Fits all spreads with all area models of `inputs`. `done` is called after each.
@@ -110,5 +135,6 @@ pub fn calibrate(data: Data, inputs: Inputs, settings: Settings, done: impl Fn()
     }
     let (best, why) = preferred(&fits).unwrap_or((0, String::new()));
     let classes = classes::classes(&data);
-    Calibration { data, inputs, settings, fits, goodness, best, why, classes }
+    let series_p_value = fits.get(best).and_then(|f| compare_series(&data, f, inputs.d0));
+    Calibration { series_p_value, data, inputs, settings, fits, goodness, best, why, classes }
 }

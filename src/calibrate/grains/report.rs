@@ -93,6 +93,7 @@ pub fn json(c: &Calibration) -> Value {
         "models": (0..c.fits.len()).map(|i| model(c, i)).collect::<Vec<_>>(),
         "per_size": c.classes.iter().map(class).collect::<Vec<_>>(),
         "size_effect": { "exponent_of_sigma_37": size_exponent.map(rounded), "modulus": size_modulus.map(rounded) },
+        "series_p_value": c.series_p_value,
         "notes": c.notes(),
     })
 }
@@ -220,6 +221,9 @@ fn body(t: &mut String, c: &Calibration, material: Option<&str>) -> std::fmt::Re
          (truncated) normal are those of the normal before truncation, as in scenes; of log-normal and Weibull, the mean and the \
          coefficient of variation of the strengths at d0."
     )?;
+    if let Some(p) = c.series_p_value {
+        writeln!(t, "\nOne law for all {} series against a law for each: likelihood ratio, p = {p:.4}.", data.series.len())?;
+    }
     let notes = c.notes();
     if !notes.is_empty() {
         writeln!(t, "\n## To be noted\n")?;

@@ -264,3 +264,22 @@ fn everything_is_written_and_a_second_calibration_asks_before_it_overwrites() {
     let left: Vec<_> = std::fs::read_dir(&out).expect("folder").flatten().map(|e| e.file_name()).collect();
     assert_eq!(left, ["mine.txt"]);
 }
+
+#[test]
+fn series_of_two_materials_are_told_apart() {
+    let law = Law::new(Spread::TruncatedNormal, 0.4_f64.ln());
+    let two = |factor: f64| {
+        let mut data = drawn(&law, 3.0, &SIZES, 40, 13);
+        data.series = vec!["dry".into(), "wet".into()];
+        for (i, g) in data.grains.iter_mut().enumerate().filter(|(i, _)| i % 2 == 1) {
+            (g.series, g.force) = (i % 2, g.force * factor);
+        }
+        calibrated(data, &given())
+    };
+    let (same, other) = (two(1.0), two(0.6));
+    assert!(same.series_p_value.expect("two series") > 0.05);
+    assert!(other.series_p_value.expect("two series") < 1e-3);
+    assert!(other.notes().iter().any(|n| n.contains("do not have one law")));
+    let one = calibrated(drawn(&law, 3.0, &SIZES, 40, 13), &given());
+    assert_eq!(one.series_p_value, None);
+}
