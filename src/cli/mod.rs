@@ -3,6 +3,8 @@
 mod bench;
 mod calibrate;
 mod calibrate_curve;
+mod calibrate_grains;
+mod calibrate_study;
 mod campaign;
 mod check;
 mod ensemble;
@@ -51,11 +53,10 @@ pub enum Verb {
     Ensemble(ensemble::Args),
     /// Run a table of parameters, each in a process and a folder of its own
     Sweep(sweep::Args),
-    /// Find parameters from laboratory data
-    #[command(subcommand)]
-    Calibrate(calibrate::Calibrate),
     /// Measure the speed of the engine
     Bench(bench::Args),
+    /// Find parameters from laboratory data
+    Calibrate(calibrate::Args),
 }
 
 impl Verb {
@@ -67,8 +68,8 @@ impl Verb {
             Verb::Resume(args) => resume::call(args),
             Verb::Ensemble(args) => ensemble::call(&args),
             Verb::Sweep(args) => sweep::call(&args),
-            Verb::Calibrate(what) => calibrate::call(&what),
             Verb::Bench(args) => bench::call(&args),
+            Verb::Calibrate(args) => calibrate::call(&args),
         }
     }
 }

@@ -5,6 +5,7 @@
 mod assembly;
 mod axis;
 mod balls;
+mod calibration;
 mod canvas;
 mod colour;
 mod curves;
@@ -26,6 +27,8 @@ mod table;
 mod text;
 mod triaxial;
 
+pub use axis::significant;
+pub use calibration::{Drawn, Graph, Look, Quantity, Tone};
 pub use error::{FigureError, Result};
 pub use mean::write as write_means;
 pub use posterior::{FittedLine, Input as PosteriorInput, draw_convergence, draw_corner, draw_fitted, draw_sensitivity};
