@@ -68,6 +68,8 @@ pub struct ContactModel {
     pub unloading: TangentialUnloading,
     /// Whether any material has rolling friction.
     pub rolling: bool,
+    /// Whether grains turn. Grains kept from turning stand for angular ones.
+    pub turning: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -116,11 +118,59 @@ pub struct Stepping {
 #[derive(Clone, Debug)]
 pub enum Rig {
     Oedometer(Oedometer),
+    Triaxial(Triaxial),
     Assembly(Assembly),
+    Platen(Platen),
 }
 
+/// Single grains, each pressed by itself between two platens.
+#[derive(Clone, Debug)]
+pub struct Platen {
+    /// Diameter of each grain, m, in the order of their numbers.
+    pub diameters: Vec<f64>,
+    /// Whether the diameters were given, or drawn from a gradation.
+    pub graded: bool,
+    /// Material of the grains.
+    pub grain: u8,
+    /// Material of the platens; `None`: rigid (NOTES.md).
+    pub platen: Option<u8>,
+    /// Displacement of the platen in one step over its displacement so far.
+    pub step: f64,
+    /// Displacement over the grain's diameter, and force, N, at which a test stops unbroken.
+    pub max_displacement: f64,
+    pub max_force: Option<f64>,
+    /// Grains whose force-displacement curves are written, by number.
+    pub curves: Vec<u32>,
+}
+
+impl Rig {
+    /// The cylindrical specimen, where there is one.
+    pub fn specimen(&self) -> Option<&Specimen> {
+        match self {
+            Rig::Oedometer(rig) => Some(&rig.specimen),
+            Rig::Triaxial(rig) => Some(&rig.specimen),
+            Rig::Assembly(_) | Rig::Platen(_) => None,
+        }
+    }
+}
+
+/// One-dimensional compression of a specimen in a ring of fixed radius.
 #[derive(Clone, Debug)]
 pub struct Oedometer {
+    pub specimen: Specimen,
+    pub loading: Loading,
+}
+
+/// Drained shear of a specimen at constant cell pressure, which is the specimen's isotropic stress.
+#[derive(Clone, Debug)]
+pub struct Triaxial {
+    pub specimen: Specimen,
+    pub shear: Shear,
+}
+
+/// A cylinder of grains and how it is made.
+#[derive(Clone, Debug)]
+pub struct Specimen {
     /// Diameter at the start, m.
     pub diameter: f64,
     pub grains: usize,
@@ -133,9 +183,11 @@ pub struct Oedometer {
     pub wall_friction: WallFriction,
     /// Isotropic stress of the prepared specimen, Pa (5 kPa).
     pub isotropic_stress: f64,
-    /// Friction during radius expansion and the start of the isotropic stage.
     pub preparation: Preparation,
-    pub loading: Loading,
+    /// Servo gain of platens and cylinder: fraction of the imbalance removed per step by the wall's own contacts.
+    pub servo_gain: f64,
+    /// Steps of rest at the isotropic stress before loading.
+    pub settle_steps: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,14 +220,22 @@ pub struct Loading {
     pub sigma_ref: f64,
     /// Rise of the target in one step over the target while the platens are in balance (adaptive programme); `None`: eq. (18).
     pub pace: Option<f64>,
-    /// Servo gain, fraction of the imbalance removed per step by the wall's own contacts.
-    pub servo_gain: f64,
     /// Largest inertial number the platen may impose.
     pub max_inertial_number: f64,
     /// The programme waits while a platen's stress differs from the target by more than this share (`Stresses::lag`).
     pub max_lag: f64,
-    /// Steps of rest at the isotropic stress before loading.
-    pub settle_steps: u64,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shear {
+    /// Axial strain at the end, compression positive.
+    pub axial_strain: f64,
+    /// Inertial number at which the top platen moves.
+    pub inertial_number: f64,
+    /// Axial strain between two rows of the history.
+    pub record_every: f64,
+    /// Axial strains at which a gradation and a snapshot are recorded besides the first and the last.
+    pub record_at: Vec<f64>,
 }
 
 /// A free scene.

@@ -2,7 +2,7 @@
 
 mod common;
 
-use comminute::model::{Model, Rig};
+use comminute::model::Model;
 use comminute::rig::preparation::{Preparation, porosity};
 use comminute::step::Work;
 use common::*;
@@ -27,7 +27,7 @@ fn a_pressing_that_was_too_strong_is_taken_back() {
 #[test]
 fn a_porosity_out_of_reach_is_told_as_such() {
     let model = small(0.42, 0.004, 17);
-    let Rig::Oedometer(rig) = &model.rig else { panic!("an oedometer") };
+    let Some(rig) = model.rig.specimen() else { panic!("a specimen") };
     let (mut preparation, mut state) = Preparation::start(&model, rig);
     let mut work = Work::new(&model, &mut state);
     let error = loop {

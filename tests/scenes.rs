@@ -98,7 +98,7 @@ fn a_base_gives_everything_that_is_not_written_beside_it() {
     assert_eq!(m.scale, 1.0);
     let Rig::Oedometer(o) = &m.rig else { panic!() };
     assert_eq!(o.loading.stages, [1e7]);
-    assert_eq!(o.gradation, [(5.0 * 1e-3, 0.0), (10.0 * 1e-3, 1.0)]);
+    assert_eq!(o.specimen.gradation, [(5.0 * 1e-3, 0.0), (10.0 * 1e-3, 1.0)]);
 }
 
 #[test]

@@ -21,10 +21,10 @@ use crate::crush::strength::{StrengthModel, Truncation};
 use crate::error::{Error, Result};
 use crate::gradation::mean_cubed_diameter;
 use crate::model::{
-    ContactLaw, ContactModel, CrushModel, Loading, Material, Model, Oedometer, Preparation, Records, Rig, Seeds, Stepping,
-    TangentialUnloading, WallFriction,
+    ContactLaw, ContactModel, CrushModel, Loading, Material, Model, Oedometer, Preparation, Records, Rig, Seeds, Specimen,
+    Stepping, TangentialUnloading, WallFriction,
 };
-use crate::rig::oedometer::{TOP, walls};
+use crate::rig::cylinder::{TOP, walls};
 use crate::step::{State, Work, reorder};
 use std::f64::consts::PI;
 
@@ -152,7 +152,7 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
         name: format!("bench-{}-{grains}", case.name()),
         seeds: Seeds { packing: 1, strength: 1 },
         materials: vec![material],
-        contact: ContactModel { law, unloading: TangentialUnloading::Keep, rolling: false },
+        contact: ContactModel { law, unloading: TangentialUnloading::Keep, rolling: false, turning: true },
         crush: None,
         fines: Fines { alpha: 2.6, d_min: 1e-5 },
         scale: 1.0,
@@ -186,8 +186,8 @@ pub fn breakable(model: &Model) -> Result<Model> {
 fn skeleton(grains: usize) -> Model {
     let mut model = model(Case::Uniform, grains, ContactLaw::Hertz, SKIN);
     if let Rig::Oedometer(rig) = &mut model.rig {
-        rig.porosity = 0.48;
-        rig.preparation.porosity_tolerance = 0.1;
+        rig.specimen.porosity = 0.48;
+        rig.specimen.preparation.porosity_tolerance = 0.1;
     }
     model
 }
@@ -196,7 +196,7 @@ fn rig(case: Case, grains: usize) -> Oedometer {
     let gradation = case.gradation();
     let solid = grains as f64 * PI / 6.0 * mean_cubed_diameter(&gradation);
     let diameter = (solid / ((1.0 - case.porosity()) * 0.25 * PI * SLENDERNESS)).cbrt();
-    Oedometer {
+    let specimen = Specimen {
         diameter,
         grains,
         porosity: case.porosity(),
@@ -210,15 +210,18 @@ fn rig(case: Case, grains: usize) -> Oedometer {
             porosity_tolerance: 0.02,
             max_steps: 100_000,
         },
+        servo_gain: 0.2,
+        settle_steps: 0,
+    };
+    Oedometer {
+        specimen,
         loading: Loading {
             stages: vec![2.0 * STRESS],
             rate: 0.01,
             sigma_ref: 1e3,
             pace: None,
-            servo_gain: 0.2,
             max_inertial_number: 1e-3,
             max_lag: 0.02,
-            settle_steps: 0,
         },
     }
 }
@@ -227,7 +230,7 @@ fn rig(case: Case, grains: usize) -> Oedometer {
 /// them), the top one moving, memory in the order of space.
 pub fn start(model: &Model, packing: &Packing) -> (State, Work) {
     let size = packing.walls;
-    let mut around: Vec<Wall> = walls(&rig(packing.case, packing.grains.len()), size.radius, size.bottom, size.height);
+    let mut around: Vec<Wall> = walls(&rig(packing.case, packing.grains.len()).specimen, size.radius, size.bottom, size.height);
     for wall in &mut around {
         wall.material = Some(0);
     }

@@ -9,7 +9,7 @@ use crate::grains::Grains;
 use crate::model::{ContactLaw, Model, Rig};
 use crate::packing as sampling;
 use crate::record::specimen;
-use crate::rig::oedometer::{BOTTOM, TOP, Walls};
+use crate::rig::cylinder::{BOTTOM, TOP, Walls};
 use crate::rig::preparation::{self, Preparation};
 use crate::step::{State, Work};
 use std::collections::HashMap;
@@ -63,7 +63,7 @@ fn make(case: Case, model: &Model, path: &Path, progress: &mut impl FnMut(&str))
         Case::Wide => {
             let Rig::Oedometer(rig) = &model.rig else { unreachable!("the bench is an oedometer") };
             let (large, fines): (Vec<f64>, Vec<f64>) =
-                sampling::radii(rig, model.seeds.packing).into_iter().partition(|&r| case.is_large(r));
+                sampling::radii(&rig.specimen, model.seeds.packing).into_iter().partition(|&r| case.is_large(r));
             let mut state = at_rest(&skeleton(large.len()), progress)?;
             strew(&mut state, &fines, model);
             state
@@ -80,12 +80,12 @@ fn at_rest(model: &Model, progress: &mut impl FnMut(&str)) -> Result<State> {
     let scaled = scaled(model);
     let Rig::Oedometer(rig) = &scaled.rig else { unreachable!("the bench is an oedometer") };
     let since = Instant::now();
-    let (mut preparation, mut state) = Preparation::start(&scaled, rig);
+    let (mut preparation, mut state) = Preparation::start(&scaled, &rig.specimen);
     for wall in &mut state.walls {
         wall.material = Some(0);
     }
     let mut work = Work::new(&scaled, &mut state);
-    while !preparation.advance(&scaled, rig, &mut state, &mut work)? {
+    while !preparation.advance(&scaled, &rig.specimen, &mut state, &mut work)? {
         if preparation.steps.is_multiple_of(REPORT) {
             let area = Walls::of(&state).platen_area();
             progress(&format!(

@@ -5,7 +5,7 @@ use crate::contact::pairs::{FREE, Pairs};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::record::measure::{love_weber, sums};
-use crate::rig::oedometer::{Stresses, Walls};
+use crate::rig::cylinder::{Stresses, Walls};
 use crate::step::{self, State, Work};
 use std::convert::Infallible;
 use std::time::Instant;

@@ -1,3 +1,4 @@
 //! Parameters from laboratory data.
 
 pub mod curve;
+pub mod grains;

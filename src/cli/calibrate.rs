@@ -1,17 +1,32 @@
-//! `comminute calibrate`: parameters from laboratory data.
+//! `comminute calibrate …`: parameters from laboratory data.
 
-use super::calibrate_curve as curve;
+use super::{calibrate_curve, calibrate_grains, calibrate_study};
 use comminute::error::Result;
 
 /// Find parameters from laboratory data
-#[derive(Debug, clap::Subcommand)]
-pub enum Calibrate {
-    /// Parameters of a scene from an oedometer curve
-    Curve(curve::Args),
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example, from the repository root:\n  comminute calibrate grains figures/calibration/grains/simulated.csv --theta0 0.1309"
+)]
+pub struct Args {
+    #[command(subcommand)]
+    of: Of,
 }
 
-pub fn call(what: &Calibrate) -> Result<()> {
-    match what {
-        Calibrate::Curve(args) => curve::call(args),
+#[derive(Debug, clap::Subcommand)]
+enum Of {
+    /// Strength of grains from the forces that crushed them between platens
+    Grains(calibrate_grains::Args),
+    /// Parameters of a scene from an oedometer curve
+    Curve(calibrate_curve::Args),
+    /// Whether the calibration of grains gives back what simulated tests were made with
+    GrainsStudy(calibrate_study::Args),
+}
+
+pub fn call(args: &Args) -> Result<()> {
+    match &args.of {
+        Of::Grains(args) => calibrate_grains::call(args),
+        Of::Curve(args) => calibrate_curve::call(args),
+        Of::GrainsStudy(args) => calibrate_study::call(args),
     }
 }

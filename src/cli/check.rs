@@ -1,8 +1,9 @@
 //! `comminute check SCENE`
 
 use super::{Overrides, print};
+use comminute::crush::criterion::AreaModel;
 use comminute::error::Result;
-use comminute::model::Model;
+use comminute::model::{Model, Rig};
 use comminute::scene::{self, Estimate, Scene};
 use serde_json::json;
 use std::fmt::Write;
@@ -95,6 +96,10 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
     writeln!(text, "  grains          {}", e.grains)?;
     match &model.crush {
         None => writeln!(text, "  crushing        off")?,
+        Some(c) if matches!(model.rig, Rig::Platen(_)) => match c.area {
+            AreaModel::FixedAngle { theta0 } => writeln!(text, "  crushing        fixed contact angle {theta0:.4} rad (eq. 16)")?,
+            AreaModel::Hertz => writeln!(text, "  crushing        Hertzian contact area (eq. 17)")?,
+        },
         Some(c) => writeln!(
             text,
             "  crushing        {}-ball pattern above {:.4} mm; perhaps {:.0} grains at the end (if every grain breaks twice)",

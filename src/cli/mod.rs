@@ -3,6 +3,8 @@
 mod bench;
 mod calibrate;
 mod calibrate_curve;
+mod calibrate_grains;
+mod calibrate_study;
 mod campaign;
 mod check;
 mod ensemble;
@@ -51,11 +53,10 @@ pub enum Verb {
     Ensemble(ensemble::Args),
     /// Run a table of parameters, each in a process and a folder of its own
     Sweep(sweep::Args),
-    /// Find parameters from laboratory data
-    #[command(subcommand)]
-    Calibrate(calibrate::Calibrate),
     /// Measure the speed of the engine
     Bench(bench::Args),
+    /// Find parameters from laboratory data
+    Calibrate(calibrate::Args),
 }
 
 impl Verb {
@@ -67,8 +68,8 @@ impl Verb {
             Verb::Resume(args) => resume::call(args),
             Verb::Ensemble(args) => ensemble::call(&args),
             Verb::Sweep(args) => sweep::call(&args),
-            Verb::Calibrate(what) => calibrate::call(&what),
             Verb::Bench(args) => bench::call(&args),
+            Verb::Calibrate(args) => calibrate::call(&args),
         }
     }
 }
@@ -127,6 +128,20 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
     }
     let number = |key: &str| outcome.summary.get(key).and_then(serde_json::Value::as_f64);
     let count = |key: &str| number(key).map_or("?".into(), |x| format!("{x}"));
+    if outcome.summary.get("tests").is_some() {
+        let worst = |key: &str| number(key).map_or("?".into(), |x| format!("{:.2e}", x));
+        eprintln!(
+            "{} grains pressed, {} broke; forces within {} of Hertz and {} of their limits, {} s",
+            count("tests"),
+            count("crush_events"),
+            worst("largest_hertz_deviation"),
+            worst("largest_overshoot"),
+            number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}")),
+        );
+        eprintln!("records in {}", outcome.out.display());
+        list_files(&outcome.figures);
+        return Ok(());
+    }
     eprintln!(
         "{} steps, {} crush events, {} grains from {}, {} s",
         count("steps"),

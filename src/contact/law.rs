@@ -8,6 +8,7 @@
 //!
 //! On a wall the law is that of a mirrored identical grain (NOTES.md): R* = r, E* = E/(1 − ν²), G* = G/(2 − ν).
 
+use crate::crush::criterion::effective_modulus;
 use crate::model::{ContactLaw, Material, Model};
 use crate::real::{Lanes, Real};
 use pulp::Simd;
@@ -110,7 +111,7 @@ impl Pair {
 
     /// Between two materials.
     pub fn between(law: ContactLaw, m1: &Material, m2: &Material) -> Pair {
-        let e_eff = 1.0 / ((1.0 - m1.poisson * m1.poisson) / m1.young + (1.0 - m2.poisson * m2.poisson) / m2.young);
+        let e_eff = effective_modulus((m1.young, m1.poisson), (m2.young, m2.poisson));
         let shear = |m: &Material| m.young / (2.0 * (1.0 + m.poisson));
         let g_eff = 1.0 / ((2.0 - m1.poisson) / shear(m1) + (2.0 - m2.poisson) / shear(m2));
         let k_eff = 2.0 / (1.0 / m1.k_eff + 1.0 / m2.k_eff);

@@ -8,4 +8,5 @@ pub mod event;
 pub mod lost_mass;
 pub mod pattern;
 mod portable;
+pub mod spread;
 pub mod strength;

@@ -11,6 +11,10 @@ const STRESS: [(&str, f64); 2] = [("sigma_v_MPa", 1.0), ("sigma_v_kPa", 1e-3)];
 /// Quantities that can stand against stress.
 const QUANTITIES: [&str; 6] = ["porosity", "porosity_star", "void_ratio", "axial_strain", "k0", "crush_events"];
 
+/// Axial strain in percent, and what can stand against it (triaxial tests).
+const STRAIN: (&str, f64) = ("axial_strain", 100.0);
+const OF_STRAIN: [&str; 2] = ["q_kPa", "volumetric_strain"];
+
 /// One data file. Its legend is the comment `# label = ...` or its file name; an optional column `series` splits it.
 #[derive(Clone, Debug)]
 pub struct Measured {
@@ -29,13 +33,14 @@ impl Measured {
         let stress = STRESS.iter().any(|(c, _)| data.table.has(c));
         let curve = stress && QUANTITIES.iter().any(|c| data.table.has(c));
         let gradation = data.table.has("diameter_mm") && data.table.has("passing_percent");
-        if curve || gradation {
+        let strain = data.table.has(STRAIN.0) && OF_STRAIN.iter().any(|c| data.table.has(c));
+        if curve || gradation || strain {
             return Ok(data);
         }
         Err(FigureError::nothing(
             path,
             "no columns to draw: need sigma_v_kPa or sigma_v_MPa with any of porosity, porosity_star, void_ratio, \
-             axial_strain, k0, crush_events, or diameter_mm with passing_percent",
+             axial_strain, k0, crush_events; axial_strain with q_kPa or volumetric_strain; or diameter_mm with passing_percent",
         ))
     }
 
@@ -45,6 +50,14 @@ impl Measured {
             Some(stress) if self.table.has(column) => self.symbols(*stress, (column, factor), "series"),
             _ => Ok(Vec::new()),
         }
+    }
+
+    /// Symbols of a quantity against axial strain in percent; empty if the file does not have both.
+    pub fn against_strain(&self, column: &str, factor: f64) -> Result<Vec<Series>> {
+        if !(self.table.has(STRAIN.0) && self.table.has(column)) {
+            return Ok(Vec::new());
+        }
+        self.symbols(STRAIN, (column, factor), "series")
     }
 
     /// Symbols of a gradation, one series for each stress if the file has stresses.

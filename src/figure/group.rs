@@ -190,7 +190,7 @@ pub fn interpolate(points: &[Point], x: f64) -> f64 {
 }
 
 /// Quantile of sorted values with linear interpolation.
-fn quantile(sorted: &[f64], q: f64) -> f64 {
+pub fn quantile(sorted: &[f64], q: f64) -> f64 {
     let at = q * sorted.len().saturating_sub(1) as f64;
     let i = at as usize;
     match (sorted.get(i), sorted.get(i + 1)) {

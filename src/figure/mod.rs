@@ -5,6 +5,7 @@
 mod assembly;
 mod axis;
 mod balls;
+mod calibration;
 mod canvas;
 mod colour;
 mod curves;
@@ -15,6 +16,7 @@ mod gradation;
 mod group;
 mod legend;
 mod mean;
+mod platen;
 mod plot;
 mod posterior;
 mod run;
@@ -23,7 +25,10 @@ mod specimen;
 mod stress_path;
 mod table;
 mod text;
+mod triaxial;
 
+pub use axis::significant;
+pub use calibration::{Drawn, Graph, Look, Quantity, Tone};
 pub use error::{FigureError, Result};
 pub use mean::write as write_means;
 pub use posterior::{FittedLine, Input as PosteriorInput, draw_convergence, draw_corner, draw_fitted, draw_sensitivity};
@@ -49,7 +54,7 @@ pub fn draw_run(dir: &Path) -> Result<Vec<PathBuf>> {
     let mut files = draw_all(&input, &out)?;
     files.extend(specimen::draw(&run, &Colouring::Generation, &out)?);
     if files.is_empty() {
-        let why = "nothing to draw: no records in history.csv, gsd.csv, tracks.csv, specimen.csv or grains_final.csv";
+        let why = "nothing to draw: no records in history.csv, gsd.csv, platen.csv, tracks.csv, specimen.csv or grains_final.csv";
         return Err(FigureError::nothing(dir, why));
     }
     Ok(files)
@@ -83,11 +88,12 @@ pub fn draw_specimen(dir: &Path, colouring: &Colouring, out: &Path) -> Result<Ve
 }
 
 fn draw_all(input: &Input, out: &Path) -> Result<Vec<PathBuf>> {
-    let mut plots: Vec<Plot> = curves::plots(input)?;
+    let mut plots: Vec<Plot> = if triaxial::is(input) { triaxial::plots(input)? } else { curves::plots(input)? };
     plots.extend(gradation::plot(input)?);
     plots.extend(stress_path::plot(input)?);
     plots.extend(energy::plot(input)?);
     plots.extend(assembly::plots(input)?);
+    plots.extend(platen::plots(input)?);
     let mut files = Vec::new();
     for plot in plots {
         files.extend(plot.draw(out)?);

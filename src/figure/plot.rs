@@ -162,10 +162,13 @@ impl Plot {
     fn frame(&self, x: Range, y: Range, top: f64) -> Frame {
         let ticks = y.ticks();
         let widest = ticks.iter().filter_map(|t| t.label.as_ref()).map(|l| text::room(l, TICK_SIZE)).fold(0.0, f64::max);
+        // the last label of the x axis stays on the page
+        let last = x.ticks().into_iter().rev().find_map(|t| Some((x.place(t.value), t.label?)));
+        let beyond = last.filter(|(place, _)| *place > 0.98).map_or(0.0, |(_, label)| text::room(&label, TICK_SIZE) / 2.0);
         let inner = Box2 {
             left: 18.0 + 1.3 * LABEL_SIZE + 18.0 + widest + 16.0,
             top: top.max(40.0),
-            right: WIDTH - 46.0,
+            right: WIDTH - beyond.max(46.0),
             bottom: HEIGHT - 150.0,
         };
         let (mut x, mut y) = (x, y);
@@ -268,7 +271,8 @@ impl Plot {
             let length = if t.label.is_some() { 20.0 } else { 11.0 };
             canvas.line(&[(x, b.bottom), (x, b.bottom - length)], INK, FRAME, &[]);
             if let Some(label) = t.label {
-                let at = (x, b.bottom + 42.0);
+                // the last label stays on the page
+                let at = (x.min(WIDTH - 4.0 - text::room(&label, TICK_SIZE) / 2.0), b.bottom + 42.0);
                 canvas.text(text(at, label, TICK_SIZE, Anchor::Middle, false));
             }
         }

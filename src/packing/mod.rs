@@ -1,16 +1,16 @@
 //! Where grains come from: random filling with radius expansion (rig::preparation), or a file (scene, record::specimen).
 
 use crate::gradation::stratified_diameters;
-use crate::model::Oedometer;
+use crate::model::Specimen;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 
 /// Radii, m, of a specimen's grains in the order of their ids: stratified draws from the gradation, so that the gradation is met
 /// whatever the seed.
-pub fn radii(rig: &Oedometer, seed: u64) -> Vec<f64> {
+pub fn radii(specimen: &Specimen, seed: u64) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    stratified_diameters(&rig.gradation, rig.grains, &mut rng).into_iter().map(|d| 0.5 * d).collect()
+    stratified_diameters(&specimen.gradation, specimen.grains, &mut rng).into_iter().map(|d| 0.5 * d).collect()
 }
 
 /// Random points in a vertical cylinder about the z axis (bottom at 0), each at least `margins[i]` from its surface where there is room.

@@ -3,9 +3,12 @@
 
 pub mod assembly;
 pub mod checkpoint;
+pub mod cylinder;
 pub mod ledger;
 pub mod measure;
 pub mod oedometer;
+pub mod platen;
 pub mod specimen;
 pub mod table;
+pub mod triaxial;
 pub mod vtk;

@@ -1,54 +1,13 @@
-//! Records of an oedometer run: which columns, and when a record is due.
+//! Records of an oedometer run: which are due, and its own columns.
 
-use super::measure;
-use super::table::Row;
-use crate::crush::event::Breakage;
-use crate::gradation::{Gradation, Indices, sieve_sizes};
-use crate::grains::Grains;
+use super::cylinder::{Due, Moment, Recorder};
 use crate::model::{Model, Oedometer};
-use crate::rig::oedometer::{Loading, Phase, Stresses, TOP, Walls, inertial_time};
-use crate::step::{State, Work};
-use serde::{Deserialize, Serialize};
-
-/// Sizes at which a gradation is written.
-const SIEVES: usize = 121;
-/// Records below this stress, Pa, are not held to the quasi-static thresholds (NOTES.md).
-const QUASI_STATIC_FROM: f64 = 50e3;
-
-/// What the recorder carries along; part of the checkpoint.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Recorder {
-    /// Stage and position in the series of levels of the last record.
-    last: Option<(usize, i64)>,
-    /// Position in `records.at` for the present stage.
-    next_at: usize,
-    ended_stages: usize,
-    /// Largest measured vertical stress at a record, Pa.
-    pub max_stress: f64,
-    /// Initial mass, kg.
-    pub mass: f64,
-    /// Worst values at records above 50 kPa: platen difference, distance from the target, inertial number.
-    pub worst: [f64; 3],
-    /// Energy error and non-conservative share at the last record.
-    pub energy_error: f64,
-    pub energy_nonconservative: f64,
-    pub mass_error: f64,
-    /// Last recorded values for the summary: porosity, k0.
-    pub porosity: f64,
-    pub k0: f64,
-}
-
-/// What a record is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Due {
-    /// A row of the history.
-    Row,
-    /// A row, a gradation and a snapshot.
-    Full,
-}
+use crate::rig::cylinder::Stresses;
+use crate::rig::oedometer::{Loading, Phase};
+use crate::step::State;
 
 impl Recorder {
-    /// Whether a record is due now.
+    /// Whether a record of an oedometer is due now.
     pub fn due(&mut self, model: &Model, rig: &Oedometer, loading: &Loading) -> Option<Due> {
         let (k, holding) = match loading.phase {
             Phase::Settle => return None,
@@ -56,7 +15,8 @@ impl Recorder {
             Phase::Hold(k) => (k, true),
             Phase::Done => (rig.loading.stages.len() - 1, true),
         };
-        let level = ((loading.target / rig.isotropic_stress).log10() * f64::from(model.records.per_decade) + 1e-9).floor() as i64;
+        let level =
+            ((loading.target / rig.specimen.isotropic_stress).log10() * f64::from(model.records.per_decade) + 1e-9).floor() as i64;
         let first = self.last.is_none();
         if first || self.last.is_some_and(|(stage, _)| stage != k) {
             self.next_at = 0;
@@ -69,7 +29,7 @@ impl Recorder {
         }
         let at = &model.records.at;
         if loading.rising(k, rig) {
-            let start = if k == 0 { rig.isotropic_stress } else { rig.loading.stages[k - 1] };
+            let start = if k == 0 { rig.specimen.isotropic_stress } else { rig.loading.stages[k - 1] };
             let end = rig.loading.stages[k];
             let passed = at.iter().filter(|&&s| s > start && s < end && s <= loading.target).count();
             if passed > self.next_at {
@@ -96,111 +56,17 @@ impl Recorder {
         self.ended_stages = self.ended_stages.max(ended);
         new
     }
+}
 
-    /// The row of this instant.
-    pub fn row(
-        &mut self,
-        model: &Model,
-        rig: &Oedometer,
-        loading: &Loading,
-        state: &State,
-        work: &Work,
-        initial: &Gradation,
-    ) -> Row {
-        let size = Walls::of(state);
-        let s = Stresses::of(state);
-        let sums = measure::sums(model, state, work);
-        let n = state.grains.len();
-        let (v, h) = (s.vertical(), s.horizontal);
-        let (q, p) = (v - h, (v + 2.0 * h) / 3.0);
-        let internal = model.materials[0].internal_porosity;
-        let lost: f64 = state.lost.iter().map(|l| l.0).sum();
-        let lost_volume = lost / model.materials[0].density;
-        let porosity = 1.0 - sums.volume / size.volume();
-        let restored = 1.0 - (sums.volume + lost_volume) / size.volume();
-        // n* = 1 − (1 − n)(1 − n_int), eq. (20)
-        let star = |n: f64| 1.0 - (1.0 - n) * (1.0 - internal);
-        let void_ratio = |n: f64| n / (1.0 - n);
-        let rate = state.walls[TOP].speed.abs() / size.height;
-        let inertial = rate * inertial_time(state, v.max(f64::MIN_POSITIVE));
-        let lag = v / loading.target - 1.0;
-        let balance = state.ledger.balance(&state.walls, &sums);
-        let inner = 0.8;
-        let low = size.bottom + 0.5 * (1.0 - inner) * size.height;
-        let (lw_v, lw_h) = measure::love_weber(state, work, inner * size.radius, low, low + inner * size.height);
-        let mass_error = (sums.mass + lost - self.mass) / self.mass;
-        let indices = Indices::between(initial, &gradation(model, state));
-        let mm = |x: f64| x * 1e3;
-        let of = |f: fn(&Indices) -> f64| indices.as_ref().map_or(f64::NAN, f);
-
-        self.max_stress = self.max_stress.max(v);
-        if v >= QUASI_STATIC_FROM {
-            for (worst, now) in self.worst.iter_mut().zip([s.platen_difference(), lag.abs(), inertial]) {
-                *worst = worst.max(now);
-            }
-        }
-        (self.energy_error, self.energy_nonconservative) = (balance.error(), balance.nonconservative() / balance.scale());
-        (self.mass_error, self.porosity, self.k0) = (mass_error, porosity, h / v);
-
-        let mut row: Row = vec![
-            ("step", state.step.into()),
-            ("stage", stage_name(loading, rig).into()),
-            ("target_kPa", (loading.target * 1e-3).into()),
-            ("sigma_v_kPa", (v * 1e-3).into()),
-            ("sigma_h_kPa", (h * 1e-3).into()),
-            ("k0", (h / v).into()),
-            ("q_kPa", (q * 1e-3).into()),
-            ("p_kPa", (p * 1e-3).into()),
-            ("axial_strain", (1.0 - size.height / loading.start.0).into()),
-            ("height_mm", mm(size.height).into()),
-            ("porosity", porosity.into()),
-            ("void_ratio", void_ratio(porosity).into()),
-            ("porosity_star", star(porosity).into()),
-            ("porosity_restored", restored.into()),
-            ("void_ratio_restored", void_ratio(restored).into()),
-            ("porosity_star_restored", star(restored).into()),
-            ("platen_difference", s.platen_difference().into()),
-            ("coordination_number", sums.coordination(n).into()),
-            ("coordination_number_no_rattlers", sums.mechanical_coordination(n).into()),
-            ("rattlers", (sums.without + sums.with_one).into()),
-            ("unbalanced_ratio", sums.unbalanced_ratio(n).into()),
-            ("inertial_number", inertial.into()),
-            ("grains", n.into()),
-            ("crush_events", state.crush_events.into()),
-            ("love_weber_sigma_v_kPa", (lw_v * 1e-3).into()),
-            ("love_weber_sigma_h_kPa", (lw_h * 1e-3).into()),
-            ("overlap_fraction", (sums.overlap_volume / sums.volume).into()),
-            ("largest_overlap_ratio", sums.worst_overlap.into()),
-            ("mass_grains_kg", sums.mass.into()),
-            ("mass_lost_kg", lost.into()),
-            ("mass_error", mass_error.into()),
-            ("d10_mm", mm(of(|i| i.d10)).into()),
-            ("d30_mm", mm(of(|i| i.d30)).into()),
-            ("d50_mm", mm(of(|i| i.d50)).into()),
-            ("d60_mm", mm(of(|i| i.d60)).into()),
-            ("cu", of(|i| i.cu).into()),
-            ("cc", of(|i| i.cc).into()),
-            ("hardin_br", of(|i| i.hardin_br.unwrap_or(f64::NAN)).into()),
-            ("einav_br", of(|i| i.einav_br.unwrap_or(f64::NAN)).into()),
-        ];
-        if model.records.energy {
-            row.extend([
-                ("energy_wall_J", balance.wall.into()),
-                ("energy_path_J", balance.path.into()),
-                ("energy_stored_J", balance.stored.into()),
-                ("energy_slip_J", balance.slip.into()),
-                ("energy_viscous_J", balance.viscous.into()),
-                ("energy_damping_J", balance.damping.into()),
-                ("energy_kinetic_J", balance.kinetic.into()),
-                ("energy_lost_kinetic_J", balance.lost_kinetic.into()),
-                ("energy_contacts_removed_J", balance.removed.into()),
-                ("energy_contacts_made_J", balance.made.into()),
-                ("energy_inertia_J", balance.inertia.into()),
-                ("energy_error", balance.error().into()),
-                ("energy_nonconservative", (balance.nonconservative() / balance.scale()).into()),
-            ]);
-        }
-        row
+/// This instant of an oedometer.
+pub fn moment(rig: &Oedometer, loading: &Loading, state: &State) -> Moment {
+    let s = Stresses::of(state);
+    Moment {
+        stage: stage_name(loading, rig),
+        target: loading.target,
+        held: s.vertical(),
+        start_height: loading.start.0,
+        own: vec![("k0", (s.horizontal / s.vertical()).into())],
     }
 }
 
@@ -215,64 +81,4 @@ fn stage_name(loading: &Loading, rig: &Oedometer) -> &'static str {
         (_, false) => "unload",
         (_, true) => "reload",
     }
-}
-
-/// Present gradation, lost mass reconstructed (eq. 12).
-pub fn gradation(model: &Model, state: &State) -> Gradation {
-    let g = &state.grains;
-    let grains = g.by_id().into_iter().map(|i| (2.0 * g.pos[i as usize][3], g.mass[i as usize]));
-    Gradation::new(grains, state.lost.iter().copied(), model.fines, model.scale)
-}
-
-/// Gradation of a specimen before loading.
-pub fn initial_gradation(model: &Model, g: &Grains) -> Gradation {
-    let grains = (0..g.len()).map(|i| (2.0 * g.pos[i][3], g.mass[i]));
-    Gradation::new(grains, std::iter::empty(), model.fines, model.scale)
-}
-
-/// Rows of `gsd.csv` for this instant.
-pub fn gradation_rows(model: &Model, state: &State, sigma_v: f64, initial: &Gradation) -> Vec<Row> {
-    let now = gradation(model, state);
-    let sizes = sieve_sizes(model.fines.d_min / model.scale, initial.largest().unwrap_or(model.fines.d_min), SIEVES);
-    let (all, grains) = (now.curve(&sizes), now.curve_grains(&sizes));
-    sizes
-        .iter()
-        .zip(all.iter().zip(&grains))
-        .map(|(&d, (&a, &g))| -> Row {
-            vec![
-                ("step", state.step.into()),
-                ("sigma_v_kPa", (sigma_v * 1e-3).into()),
-                ("diameter_mm", (d * 1e3).into()),
-                ("passing_percent", (a * 100.0).into()),
-                ("passing_percent_grains", (g * 100.0).into()),
-            ]
-        })
-        .collect()
-}
-
-/// Row of `breakage.csv`.
-pub fn breakage_row(b: &Breakage, sigma_v: f64) -> Row {
-    vec![
-        ("event", b.event.into()),
-        ("step", b.step.into()),
-        ("sigma_v_kPa", (sigma_v * 1e-3).into()),
-        ("mother", u64::from(b.mother).into()),
-        ("generation", u64::from(b.generation).into()),
-        ("lineage", format!("{:016x}", b.lineage).as_str().into()),
-        ("diameter_mm", (b.diameter * 1e3).into()),
-        ("force_N", b.force.into()),
-        ("limit_force_N", b.limit_force.into()),
-        ("area_mm2", (b.area * 1e6).into()),
-        ("strength_MPa", (b.strength * 1e-6).into()),
-        ("axis_x", b.axis[0].into()),
-        ("axis_y", b.axis[1].into()),
-        ("axis_z", b.axis[2].into()),
-        ("x_mm", (b.position[0] * 1e3).into()),
-        ("y_mm", (b.position[1] * 1e3).into()),
-        ("z_mm", (b.position[2] * 1e3).into()),
-        ("lost_mass_g", (b.lost_mass * 1e3).into()),
-        ("smallest_daughter_mm", (b.smallest * 1e3).into()),
-        ("stored_before_J", b.stored_before.into()),
-        ("stored_after_J", b.stored_after.into()),
-    ]
 }

@@ -4,7 +4,7 @@
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::model::{Material, Model};
-use crate::rig::oedometer::Walls;
+use crate::rig::cylinder::Walls;
 use crate::step::State;
 use std::fmt::Write as _;
 use std::path::Path;

@@ -1,5 +1,8 @@
-//! What a laboratory does: preparation of a specimen, the oedometer, free assemblies.
+//! What is done to the grains: making a specimen and testing it, single grains between platens, or a free scene.
 
 pub mod assembly;
+pub mod cylinder;
 pub mod oedometer;
+pub mod platen;
 pub mod preparation;
+pub mod triaxial;

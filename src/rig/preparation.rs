@@ -2,11 +2,11 @@
 //! compression under the platen's servo with friction lowered until the target porosity is reached, rest at final friction with platen and
 //! cylinder under servo.
 
-use super::oedometer::{BOTTOM, CYLINDER, Stresses, TOP, Walls, inertial_time};
+use super::cylinder::{BOTTOM, CYLINDER, Stresses, TOP, Walls, inertial_time, walls};
 use crate::boundary::servo_speed;
 use crate::error::Error;
 use crate::grains::{Grains, sphere_volume};
-use crate::model::{Model, Oedometer};
+use crate::model::{Model, Specimen};
 use crate::packing;
 use crate::record::measure;
 use crate::step::{self, State, Work};
@@ -91,7 +91,7 @@ const UNBALANCED_AT_REST: f64 = 2e-3;
 
 impl Preparation {
     /// The first state: grains at a fraction of their size, at random in a cylinder with some room.
-    pub fn start(model: &Model, rig: &Oedometer) -> (Preparation, State) {
+    pub fn start(model: &Model, rig: &Specimen) -> (Preparation, State) {
         let radii = packing::radii(rig, model.seeds.packing);
         let volume: f64 = radii.iter().map(|&r| sphere_volume(r)).sum();
         let radius = 0.5 * rig.diameter;
@@ -101,7 +101,7 @@ impl Preparation {
         for (&r, &p) in radii.iter().zip(&points) {
             grains.add(p, START * r, 0, &model.materials);
         }
-        let walls = super::oedometer::walls(rig, radius, 0.0, height);
+        let walls = walls(rig, radius, 0.0, height);
         let mut state = State::new(model, grains, walls, false);
         state.friction = Some(rig.preparation.growth_friction);
         state.damping = rig.preparation.damping;
@@ -112,7 +112,7 @@ impl Preparation {
     }
 
     /// One step. True when the specimen is ready.
-    pub fn advance(&mut self, model: &Model, rig: &Oedometer, state: &mut State, work: &mut Work) -> Result<bool, Error> {
+    pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> Result<bool, Error> {
         if self.stage == Stage::Growth {
             self.grow(model, rig, state, work);
         }
@@ -192,7 +192,7 @@ impl Preparation {
     }
 
     /// Slightly above the target still serves: rest at final friction changes porosity little.
-    fn dense_enough(&self, rig: &Oedometer, state: &State) -> bool {
+    fn dense_enough(&self, rig: &Specimen, state: &State) -> bool {
         porosity(state) <= rig.porosity * (1.0 + 0.7 * rig.preparation.porosity_tolerance)
     }
 
@@ -203,7 +203,7 @@ impl Preparation {
     }
 
     /// Isotropic stress of the present stage, Pa.
-    fn stress(&self, rig: &Oedometer) -> f64 {
+    fn stress(&self, rig: &Specimen) -> f64 {
         match self.stage {
             Stage::Pressing => rig.isotropic_stress * self.press.stress,
             _ => rig.isotropic_stress,
@@ -221,7 +221,7 @@ impl Preparation {
     }
 
     /// Radii of this step: fast at first, gently at the end.
-    fn grow(&self, model: &Model, rig: &Oedometer, state: &mut State, work: &mut Work) {
+    fn grow(&self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) {
         let left = 1.0 - (self.stage_steps + 1) as f64 / rig.preparation.growth_steps as f64;
         let scale = START + (1.0 - START) * (1.0 - left * left);
         let g = &mut state.grains;
@@ -242,7 +242,7 @@ impl Preparation {
         }
     }
 
-    fn servo(&mut self, rig: &Oedometer, state: &mut State) {
+    fn servo(&mut self, rig: &Specimen, state: &mut State) {
         let size = Walls::of(state);
         if self.stage_steps.is_multiple_of(LOOK / 4) {
             // by the stress there is, not the one to come: a pressing starts as gently as the specimen is soft
@@ -255,11 +255,11 @@ impl Preparation {
         let shell_limit = if self.stage == Stage::Rest { self.limit * size.radius / size.height } else { 0.0 };
         for (k, area, limit) in [(TOP, size.platen_area(), self.limit), (CYLINDER, size.shell_area(), shell_limit)] {
             let w = &mut state.walls[k];
-            w.speed = servo_speed(stress * area, w.reaction, w.stiffness, rig.loading.servo_gain, state.dt, limit);
+            w.speed = servo_speed(stress * area, w.reaction, w.stiffness, rig.servo_gain, state.dt, limit);
         }
     }
 
-    fn at_rest(&self, model: &Model, rig: &Oedometer, state: &State, work: &Work) -> bool {
+    fn at_rest(&self, model: &Model, rig: &Specimen, state: &State, work: &Work) -> bool {
         if !self.stage_steps.is_multiple_of(LOOK) || self.stage_steps < 4 * LOOK {
             return false;
         }
@@ -274,7 +274,7 @@ impl Preparation {
         measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < UNBALANCED_AT_REST
     }
 
-    fn failure(&self, rig: &Oedometer, state: &State, what: &str) -> Error {
+    fn failure(&self, rig: &Specimen, state: &State, what: &str) -> Error {
         Error::Failed {
             step: self.steps,
             what: format!(
@@ -295,7 +295,7 @@ impl Press {
     }
 
     /// Whether the last stress of all brought less than a twentieth of the tolerance.
-    fn in_vain(&self, n: f64, rig: &Oedometer) -> bool {
+    fn in_vain(&self, n: f64, rig: &Specimen) -> bool {
         let least = 0.05 * rig.preparation.porosity_tolerance * rig.porosity;
         self.stress >= PRESS_LAST && self.before.as_ref().is_some_and(|before| porosity(before) - n < least)
     }

@@ -4,11 +4,11 @@ use super::Progress;
 use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::gradation::Gradation;
-use crate::model::{Assembly, Model, Oedometer, Rig};
-use crate::record::oedometer::{self as records, Due, Recorder};
+use crate::model::{Assembly, Model};
+use crate::record::cylinder::{self as records, Due, Moment, Recorder};
 use crate::record::table::Table;
 use crate::record::{assembly as assembly_records, checkpoint, measure, specimen, vtk};
-use crate::rig::oedometer::{Loading, Stresses};
+use crate::rig::cylinder::{Stresses, Walls};
 use crate::step::{State, Work};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -18,7 +18,7 @@ pub const SUMMARY: &str = "summary.json";
 const SNAPSHOTS: &str = "snapshots";
 const COLLECTION: &str = "snapshots.pvd";
 /// What a run leaves: these are removed by `--force`, and nothing else.
-const OURS: [&str; 12] = [
+const OURS: [&str; 16] = [
     SPECIMEN,
     SUMMARY,
     COLLECTION,
@@ -26,6 +26,10 @@ const OURS: [&str; 12] = [
     "gsd.csv",
     "breakage.csv",
     "tracks.csv",
+    crate::record::platen::TESTS,
+    crate::record::platen::CURVES,
+    crate::record::platen::SURVIVAL,
+    crate::record::platen::LIMITS,
     "grains_final.csv",
     checkpoint::FILE,
     "checkpoint.tmp",
@@ -96,20 +100,17 @@ impl Files {
         Ok(())
     }
 
-    /// Records of an oedometer, when due.
+    /// A record of a specimen under test, if one is due.
     pub fn observe(
         &mut self,
         out: &Path,
         model: &Model,
-        rig: &Oedometer,
-        loading: &Loading,
-        state: &State,
-        work: &Work,
+        (state, work): (&State, &Work),
+        due: Option<Due>,
+        moment: impl FnOnce() -> Moment,
     ) -> Result<()> {
-        let due = self.recorder.due(model, rig, loading);
-        let due = if self.recorder.stage_end(rig, loading) { Some(Due::Full) } else { due };
         let (Some(due), Some(initial)) = (due, &self.initial) else { return Ok(()) };
-        let row = self.recorder.row(model, rig, loading, state, work, initial);
+        let row = self.recorder.row(model, moment(), state, work, initial);
         self.history.push(out, &row)?;
         if due == Due::Full {
             let sigma_v = Stresses::of(state).vertical();
@@ -194,6 +195,6 @@ impl Files {
 
 /// Writes the last grains of a run.
 pub fn write_final(out: &Path, model: &Model, progress: &Progress) -> Result<()> {
-    let walls = matches!(model.rig, Rig::Oedometer(_)).then(|| crate::rig::oedometer::Walls::of(&progress.state));
+    let walls = model.rig.specimen().map(|_| Walls::of(&progress.state));
     specimen::write_final(&out.join("grains_final.csv"), &progress.state, model, walls)
 }

@@ -2,13 +2,19 @@
 
 mod files;
 mod folder;
+mod platen;
 mod progress_bar;
 mod summary;
 
 use crate::error::{Error, Result};
+use crate::grains::Grains;
 use crate::model::{Model, Rig};
+use crate::record::cylinder::Due;
 use crate::record::{checkpoint, specimen};
-use crate::rig::oedometer::{Loading, Phase, Walls};
+use crate::record::{oedometer, triaxial};
+use crate::rig::cylinder::Walls;
+use crate::rig::oedometer::{Loading, Phase};
+use crate::rig::triaxial::{self as shear, Shearing};
 use crate::rig::{assembly, preparation::Preparation};
 use crate::step::{State, Work};
 use files::Files;
@@ -61,6 +67,7 @@ pub struct Outcome {
 enum Activity {
     Preparing(Preparation),
     Loading(Loading),
+    Shearing(Shearing),
     Assembly,
 }
 
@@ -105,6 +112,9 @@ pub fn stop_asked() -> bool {
 /// Whatever keeps the run from starting (nothing is written then) or from ending (records and checkpoint are kept).
 pub fn run(request: RunRequest) -> Result<Outcome> {
     let RunRequest { model, scene_resolved, out, force, threads, specimen, quiet, stop_after, .. } = request;
+    if matches!(model.rig, Rig::Platen(_)) {
+        never_halfway(stop_after)?;
+    }
     let given = specimen.map(|path| specimen::read(&path, &model.materials)).transpose()?;
     lock(&out)?;
     files::claim(&out, force)?;
@@ -112,23 +122,24 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
     std::fs::write(&resolved, scene_resolved).map_err(Error::write(&resolved))?;
     let _lock = lock(&out)?;
     in_pool(threads, move || {
-        let (activity, state) = match &model.rig {
-            Rig::Oedometer(rig) => match given {
-                Some((grains, walls)) => {
-                    specimen::write(&out.join(files::SPECIMEN), &grains, &model.materials, Some(walls))?;
-                    let (loading, state) = Loading::start(&model, rig, grains, walls);
-                    (Activity::Loading(loading), state)
-                }
-                None => {
-                    let (preparation, state) = Preparation::start(&model, rig);
-                    (Activity::Preparing(preparation), state)
-                }
-            },
-            Rig::Assembly(rig) => {
+        if let Rig::Platen(rig) = &model.rig {
+            return platen::run(&model, rig, &out, quiet);
+        }
+        let (activity, state) = match (&model.rig, model.rig.specimen(), given) {
+            (_, Some(_), Some((grains, walls))) => {
+                specimen::write(&out.join(files::SPECIMEN), &grains, &model.materials, Some(walls))?;
+                test(&model, grains, walls)
+            }
+            (_, Some(rig), None) => {
+                let (preparation, state) = Preparation::start(&model, rig);
+                (Activity::Preparing(preparation), state)
+            }
+            (Rig::Assembly(rig), ..) => {
                 let state = assembly::start(&model, rig);
                 specimen::write(&out.join(files::SPECIMEN), &state.grains, &model.materials, None)?;
                 (Activity::Assembly, state)
             }
+            _ => unreachable!("a rig has a specimen or is an assembly"),
         };
         let grains_initial = state.grains.len();
         let progress = Progress {
@@ -157,8 +168,20 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
     let scene = crate::scene::load(dir.join(crate::scene::RESOLVED), &[])?;
     let model = crate::scene::model(&scene)?;
     let _lock = lock(dir)?;
+    if let Rig::Platen(rig) = &model.rig {
+        never_halfway(options.stop_after)?;
+        return in_pool(options.threads, || platen::run(&model, rig, dir, options.quiet));
+    }
     let progress: Progress = checkpoint::load(dir)?;
     in_pool(options.threads, move || Runner::new(&model, dir, progress, options.quiet)?.go(options.stop_after))
+}
+
+/// A batch of platen tests has no state between its tests that could be kept.
+fn never_halfway(stop_after: Option<u64>) -> Result<()> {
+    match stop_after {
+        None => Ok(()),
+        Some(n) => Err(Error::input(format!("--stop-after {n}"), "", None, "has no meaning in a platen test")),
+    }
 }
 
 /// Runs inside a pool of its own, so that the loop's thread is one of the workers.
@@ -169,6 +192,21 @@ fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> + Se
         .map_err(|e| Error::Failed { step: 0, what: format!("cannot start threads: {e}") })?;
     listen();
     pool.install(job)
+}
+
+/// The test of a prepared specimen.
+fn test(model: &Model, grains: Grains, walls: Walls) -> (Activity, State) {
+    match &model.rig {
+        Rig::Oedometer(rig) => {
+            let (loading, state) = Loading::start(model, rig, grains, walls);
+            (Activity::Loading(loading), state)
+        }
+        Rig::Triaxial(rig) => {
+            let (shearing, state) = Shearing::start(model, rig, grains, walls);
+            (Activity::Shearing(shearing), state)
+        }
+        Rig::Assembly(_) | Rig::Platen(_) => unreachable!("an assembly and single grains are no specimen"),
+    }
 }
 
 /// Scratch for a state, with grains near in space put near in memory.
@@ -193,7 +231,8 @@ struct Runner<'a> {
 
 impl<'a> Runner<'a> {
     fn new(model: &'a Model, out: &'a Path, mut progress: Progress, quiet: bool) -> Result<Runner<'a>> {
-        progress.files.open(out, model, matches!(progress.activity, Activity::Loading(_)))?;
+        let specimen = matches!(progress.activity, Activity::Loading(_) | Activity::Shearing(_));
+        progress.files.open(out, model, specimen)?;
         let work = fresh_work(model, &mut progress.state);
         let now = Instant::now();
         Ok(Runner { model, out, progress, work, bar: Bar::new(quiet), started: now, last_checkpoint: now })
@@ -245,9 +284,10 @@ impl<'a> Runner<'a> {
         let Progress { activity, state, files, .. } = progress;
         progress.steps += 1;
         match (activity, &model.rig) {
-            (Activity::Preparing(preparation), Rig::Oedometer(rig)) => {
+            (Activity::Preparing(preparation), rig) => {
                 progress.preparation_steps += 1;
-                if preparation.advance(model, rig, state, work)? {
+                let Some(specimen) = rig.specimen() else { unreachable!("only a specimen is prepared") };
+                if preparation.advance(model, specimen, state, work)? {
                     self.load()?;
                 }
                 Ok(false)
@@ -255,10 +295,21 @@ impl<'a> Runner<'a> {
             (Activity::Loading(loading), Rig::Oedometer(rig)) => {
                 progress.grain_steps += state.grains.len() as u64;
                 loading.advance(model, rig, state, work, |loading, state, work| {
-                    files.observe(out, model, rig, loading, state, work)
+                    let due = files.recorder.due(model, rig, loading);
+                    let due = if files.recorder.stage_end(rig, loading) { Some(Due::Full) } else { due };
+                    files.observe(out, model, (state, work), due, || oedometer::moment(rig, loading, state))
                 })?;
                 files.breakages(out, &work.breakages, state)?;
                 Ok(loading.phase == Phase::Done)
+            }
+            (Activity::Shearing(shearing), Rig::Triaxial(rig)) => {
+                progress.grain_steps += state.grains.len() as u64;
+                shearing.advance(model, rig, state, work, |shearing, state, work| {
+                    let due = files.recorder.due_in_shear(rig, shearing, state);
+                    files.observe(out, model, (state, work), due, || triaxial::moment(rig, shearing, state))
+                })?;
+                files.breakages(out, &work.breakages, state)?;
+                Ok(shearing.phase == shear::Phase::Done)
             }
             (_, Rig::Assembly(rig)) => {
                 progress.grain_steps += state.grains.len() as u64;
@@ -267,20 +318,17 @@ impl<'a> Runner<'a> {
                 files.breakages(out, &work.breakages, state)?;
                 Ok(last)
             }
-            _ => unreachable!("a preparation and a loading belong to an oedometer"),
+            _ => unreachable!("a test belongs to its rig"),
         }
     }
 
-    /// From a prepared specimen to loading: what is kept is what `specimen.csv` holds.
+    /// From a prepared specimen to its test: what is kept is what `specimen.csv` holds.
     fn load(&mut self) -> Result<()> {
-        let Rig::Oedometer(rig) = &self.model.rig else { return Ok(()) };
         let path = self.out.join(files::SPECIMEN);
         let state = &self.progress.state;
         specimen::write(&path, &state.grains, &self.model.materials, Some(Walls::of(state)))?;
         let (grains, walls) = specimen::read(&path, &self.model.materials)?;
-        let (loading, state) = Loading::start(self.model, rig, grains, walls);
-        self.progress.activity = Activity::Loading(loading);
-        self.progress.state = state;
+        (self.progress.activity, self.progress.state) = test(self.model, grains, walls);
         self.progress.files.open(self.out, self.model, true)?;
         self.work = fresh_work(self.model, &mut self.progress.state);
         Ok(())

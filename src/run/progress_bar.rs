@@ -2,7 +2,7 @@
 
 use super::{Activity, Progress};
 use crate::model::{Model, Rig};
-use crate::rig::oedometer::Stresses;
+use crate::rig::cylinder::Stresses;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -36,19 +36,37 @@ impl Bar {
     }
 
     pub fn show(&mut self, model: &Model, p: &Progress) {
-        let Some(bar) = &self.bar else { return };
-        let since = self.last.elapsed();
-        if since < if self.terminal { REDRAW } else { PLAIN } || self.begun.elapsed() < FIRST {
+        if !self.due() {
             return;
         }
+        let since = self.last.elapsed();
         let speed = (p.steps - self.last_steps) as f64 / since.as_secs_f64();
-        (self.last, self.last_steps) = (Instant::now(), p.steps);
+        self.last_steps = p.steps;
         let (share, message) = describe(model, p);
         let elapsed = self.begun.elapsed().as_secs_f64();
         let mut line = format!("{message}  {speed:.0} steps/s");
         if elapsed > 10.0 && share > 0.02 && share < 1.0 && !matches!(p.activity, Activity::Preparing(_)) {
             line += &format!("  about {} left", human(p.loading_seconds * (1.0 - share) / share));
         }
+        self.draw(share, line);
+    }
+
+    /// So many of so many.
+    pub fn show_count(&mut self, done: usize, count: usize, what: &str) {
+        if self.due() {
+            self.draw(done as f64 / count.max(1) as f64, format!("{done} of {count} {what}"));
+        }
+    }
+
+    /// Whether something is to be shown now.
+    fn due(&self) -> bool {
+        let pause = if self.terminal { REDRAW } else { PLAIN };
+        self.bar.is_some() && self.last.elapsed() >= pause && self.begun.elapsed() >= FIRST
+    }
+
+    fn draw(&mut self, share: f64, line: String) {
+        let Some(bar) = &self.bar else { return };
+        self.last = Instant::now();
         if self.terminal {
             bar.set_draw_target(ProgressDrawTarget::stderr());
             bar.set_position((share * 1000.0) as u64);
@@ -75,8 +93,9 @@ impl Bar {
 fn describe(model: &Model, p: &Progress) -> (f64, String) {
     let n = p.state.grains.len();
     match (&p.activity, &model.rig) {
-        (Activity::Preparing(prep), Rig::Oedometer(rig)) => {
-            let share = p.steps as f64 / rig.preparation.max_steps as f64;
+        (Activity::Preparing(prep), rig) => {
+            let most = rig.specimen().map_or(1, |s| s.preparation.max_steps);
+            let share = p.steps as f64 / most as f64;
             let porosity = crate::rig::preparation::porosity(&p.state);
             (share, format!("preparing ({}), porosity {porosity:.4}, {n} grains", prep.stage.name()))
         }
@@ -86,6 +105,12 @@ fn describe(model: &Model, p: &Progress) -> (f64, String) {
             let v = Stresses::of(&p.state).vertical();
             let share = (loading.target / end).clamp(0.0, 1.0);
             (share, format!("σ_v {:.1} kPa of {:.0}, {n} grains, {} events", v * 1e-3, end * 1e-3, p.state.crush_events))
+        }
+        (Activity::Shearing(shearing), Rig::Triaxial(rig)) => {
+            let (strain, s) = (shearing.axial_strain(&p.state), Stresses::of(&p.state));
+            let share = (strain / rig.shear.axial_strain).clamp(0.0, 1.0);
+            let q = 1e-3 * (s.vertical() - s.horizontal);
+            (share, format!("ε_a {:.2} % of {:.0}, q {q:.1} kPa, {n} grains", 100.0 * strain, 100.0 * rig.shear.axial_strain))
         }
         (_, Rig::Assembly(rig)) => {
             let share = match (rig.steps, rig.duration) {

@@ -4,7 +4,7 @@ use super::{Activity, Outcome, Progress, files};
 use crate::crush::lost_mass::excluded_grains;
 use crate::error::{Error, Result};
 use crate::figure;
-use crate::model::{Model, Rig};
+use crate::model::{Model, Oedometer, Rig, Triaxial};
 use crate::record::checkpoint;
 use crate::step::Work;
 use serde_json::{Map, Value, json};
@@ -49,13 +49,20 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
     put("steps", json!(state.step));
     put("preparation_steps", json!(progress.preparation_steps));
     if let (Activity::Loading(loading), Rig::Oedometer(rig)) = (&progress.activity, &model.rig) {
-        let largest = rig.loading.stages.iter().copied().fold(rig.isotropic_stress, f64::max);
+        let largest = rig.loading.stages.iter().copied().fold(rig.specimen.isotropic_stress, f64::max);
         put("max_stress_kPa", json!(largest * 1e-3));
-        put("max_measured_stress_kPa", json!(recorder.max_stress * 1e-3));
         put("diameter_mm", json!(2e3 * loading.start.1));
         put("height_mm", json!(1e3 * loading.start.0));
-        put("porosity_final", json!(recorder.porosity));
         put("k0_final", json!(recorder.k0));
+    }
+    if let (Activity::Shearing(shearing), Rig::Triaxial(rig)) = (&progress.activity, &model.rig) {
+        put("cell_pressure_kPa", json!(rig.specimen.isotropic_stress * 1e-3));
+        put("diameter_mm", json!(2e3 * shearing.start.1));
+        put("height_mm", json!(1e3 * shearing.start.0));
+    }
+    if model.rig.specimen().is_some() {
+        put("max_measured_stress_kPa", json!(recorder.max_stress * 1e-3));
+        put("porosity_final", json!(recorder.porosity));
         put("mass_error", json!(recorder.mass_error));
         if model.records.energy {
             put("energy_error", json!(recorder.energy_error));
@@ -93,8 +100,11 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
 fn strengths(model: &Model, progress: &Progress) -> Value {
     let Some(crush) = &model.crush else { return Value::Null };
     let radii: Vec<f64> = match &model.rig {
-        Rig::Oedometer(rig) => crate::packing::radii(rig, model.seeds.packing),
+        Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => {
+            crate::packing::radii(specimen, model.seeds.packing)
+        }
         Rig::Assembly(rig) => rig.grains.iter().map(|g| g.radius).collect(),
+        Rig::Platen(_) => return Value::Null,
     };
     let ratios: Vec<f64> = radii
         .iter()
@@ -107,6 +117,11 @@ fn strengths(model: &Model, progress: &Progress) -> Value {
             crush.strength.draw(model.seeds.strength, lineage, d) / mean
         })
         .collect();
+    moments(&ratios)
+}
+
+/// Mean and coefficient of variation.
+pub fn moments(ratios: &[f64]) -> Value {
     let n = ratios.len().max(1) as f64;
     let mean = ratios.iter().sum::<f64>() / n;
     let variance = ratios.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;

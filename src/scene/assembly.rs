@@ -42,6 +42,10 @@ impl View<'_> {
                 spin: vector(table, "spin_rad_s")?,
                 material: self.material_of(i, table, named)?,
             };
+            if !self.turning() && grain.spin != [0.0; 3] {
+                self.refuse(&format!("grain[{i}].spin_rad_s"), "must be [0, 0, 0] where contact.rotation = \"fixed\"");
+                return None;
+            }
             if let Some(first) = places.insert(grain.position.map(f64::to_bits), i) {
                 self.refuse(&format!("grain[{i}].position_m"), format!("is also that of grain {first}"));
                 return None;

@@ -6,7 +6,7 @@ use crate::crush::criterion::{AreaModel, limit_strength, size_factor};
 use crate::crush::lost_mass::Fines;
 use crate::crush::pattern::Pattern;
 use crate::crush::strength::{StrengthModel, Truncation};
-use crate::model::{CrushModel, Rig};
+use crate::model::{CrushModel, Oedometer, Rig, Triaxial};
 
 impl View<'_> {
     /// Whether and how grains break, and how lost mass is spread.
@@ -18,17 +18,19 @@ impl View<'_> {
             return Some((None, fines));
         }
         let pattern = self.pattern();
-        let d_limit = self.d_limit(of);
+        // a test ends where its grain breaks: nothing need be known of what becomes of it
+        let single = matches!(rig, Rig::Platen(_));
+        let d_limit = if single && !self.has(&of.key("comminution")) { Some(0.0) } else { self.d_limit(of) };
         let strength = self.strength(of);
         let (pattern, d_limit, (area, strength)) = (pattern?, d_limit?, strength?);
-        if !self.has(&of.key("fines")) {
+        if !single && !self.has(&of.key("fines")) {
             let message = "is missing: lost mass needs d_min_mm, the smallest sieve after crushing (eq. 12)";
             self.refuse(&of.key("fines"), message);
             return None;
         }
         let finest = pattern.smallest() * d_limit;
         self.check(
-            fines.d_min < finest,
+            single || fines.d_min < finest,
             &of.key("fines.d_min_mm"),
             format!(
                 "must be < {:.4}, below every possible daughter ({:.4} of the comminution limit; eq. 12)",
@@ -36,7 +38,8 @@ impl View<'_> {
                 pattern.smallest()
             ),
         );
-        let firm = [d_limit, largest.max(d_limit)].iter().all(|d| {
+        let weakest = if single { smallest } else { d_limit };
+        let firm = [weakest, largest.max(weakest)].iter().all(|d| {
             let s = strength.sigma_lim0 * size_factor(*d, strength.d0, strength.m);
             s.is_finite() && s > 0.0 && s < 1e18
         });
@@ -51,8 +54,10 @@ impl View<'_> {
 
     /// The one material of all grains, by number, where grains break.
     fn grain_material(&self, rig: &Rig) -> Option<usize> {
-        let Rig::Assembly(assembly) = rig else {
-            return Some(0);
+        let assembly = match rig {
+            Rig::Oedometer(_) | Rig::Triaxial(_) => return Some(0),
+            Rig::Platen(platen) => return Some(usize::from(platen.grain)),
+            Rig::Assembly(assembly) => assembly,
         };
         let first = assembly.grains.first()?.material;
         let mixed = assembly.grains.iter().any(|g| g.material != first);
@@ -154,13 +159,15 @@ impl View<'_> {
 /// Smallest and largest diameter of the scene, m.
 pub fn extremes(rig: &Rig) -> (f64, f64) {
     match rig {
-        Rig::Oedometer(o) => {
-            let first = o.gradation.first().map_or(f64::NAN, |p| p.0);
-            (first, o.gradation.last().map_or(f64::NAN, |p| p.0))
+        Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => {
+            let first = specimen.gradation.first().map_or(f64::NAN, |p| p.0);
+            (first, specimen.gradation.last().map_or(f64::NAN, |p| p.0))
         }
-        Rig::Assembly(a) => {
-            let sizes = a.grains.iter().map(|g| 2.0 * g.radius);
-            sizes.fold((f64::INFINITY, 0.0), |(low, high), d| (f64::min(low, d), f64::max(high, d)))
-        }
+        Rig::Assembly(a) => span(a.grains.iter().map(|g| 2.0 * g.radius)),
+        Rig::Platen(p) => span(p.diameters.iter().copied()),
     }
+}
+
+fn span(sizes: impl Iterator<Item = f64>) -> (f64, f64) {
+    sizes.fold((f64::INFINITY, 0.0), |(low, high), d| (low.min(d), high.max(d)))
 }

@@ -1,8 +1,9 @@
 //! What a run would be, before it is started. Rough on purpose: orders of magnitude for a person to judge.
 
 use super::crushing::extremes;
-use super::oedometer::height;
-use crate::model::{Assembly, ContactLaw, Drive, Model, Oedometer, Rig, TangentialUnloading};
+use super::specimen::height;
+use crate::model::{self, Assembly, ContactLaw, Drive, Model, Oedometer, Rig, TangentialUnloading, Triaxial};
+use crate::rig::platen::most_steps;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -44,10 +45,14 @@ pub struct Specimen {
 pub fn estimate(model: &Model) -> Estimate {
     let (smallest, largest) = extremes(&model.rig);
     let grains = match &model.rig {
-        Rig::Oedometer(o) => o.grains,
+        Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => specimen.grains,
         Rig::Assembly(a) => a.grains.len(),
+        Rig::Platen(p) => p.diameters.len(),
     };
-    let daughters = model.crush.as_ref().map_or(1, |c| c.pattern.count());
+    let daughters = match model.rig {
+        Rig::Platen(_) => 1,
+        _ => model.crush.as_ref().map_or(1, |c| c.pattern.count()),
+    };
     let grains_final = grains as f64 * (1.0 + EVENTS_PER_GRAIN * (daughters - 1) as f64);
     let finest = match &model.crush {
         Some(c) if c.d_limit < largest => smallest.min(c.pattern.smallest() * c.d_limit),
@@ -56,11 +61,13 @@ pub fn estimate(model: &Model) -> Estimate {
     let (time_step, time_step_limit) = time_step(model, finest);
     let steps = match &model.rig {
         Rig::Oedometer(o) => loading_steps(o),
+        Rig::Triaxial(t) => shear_steps(model, t, time_step),
         Rig::Assembly(a) => match (a.steps, a.duration, time_step) {
             (Some(steps), ..) => steps as f64,
             (None, Some(t), Some(dt)) => (t / dt).ceil(),
             _ => 0.0,
         },
+        Rig::Platen(p) => most_steps(p) * grains as f64,
     };
     let mut estimate = Estimate {
         grains,
@@ -72,9 +79,18 @@ pub fn estimate(model: &Model) -> Estimate {
         steps,
         warnings: Vec::new(),
     };
-    if let Rig::Oedometer(o) = &model.rig {
-        let specimen = specimen(o);
+    if let Some(s) = model.rig.specimen() {
+        let specimen = specimen(s);
         size_warnings(&specimen, &mut estimate.warnings);
+        if model.damping == 0.0 && model.contact.law != ContactLaw::HertzViscous {
+            estimate.warnings.push("damping.local = 0: only sliding takes energy out of the specimen".into());
+        }
+        estimate.specimen = Some(specimen);
+    }
+    if let Rig::Triaxial(t) = &model.rig {
+        inertial_warning("loading.inertial_number", t.shear.inertial_number, &mut estimate.warnings);
+    }
+    if let Rig::Oedometer(o) = &model.rig {
         quasi_static_warnings(model, o, &mut estimate);
         let never = unreached(o, &model.records.at);
         if !never.is_empty() {
@@ -84,7 +100,9 @@ pub fn estimate(model: &Model) -> Estimate {
         if !o.loading.stages.is_sorted() && model.contact.unloading == TangentialUnloading::Keep {
             estimate.warnings.push(UNLOADING.into());
         }
-        estimate.specimen = Some(specimen);
+    }
+    if let Rig::Platen(p) = &model.rig {
+        super::platen::warnings(model, p, &mut estimate.warnings);
     }
     if let Some(crush) = &model.crush
         && crush.d_limit >= largest
@@ -104,13 +122,13 @@ const UNLOADING: &str = "loading.stages_kPa unload the specimen, and a tangentia
 /// Stresses, kPa, of `at` that the loading does not pass.
 fn unreached(o: &Oedometer, at: &[f64]) -> Vec<String> {
     let stages = o.loading.stages.iter().copied();
-    let low = stages.clone().fold(o.isotropic_stress, f64::min);
+    let low = stages.clone().fold(o.specimen.isotropic_stress, f64::min);
     let high = stages.fold(0.0, f64::max);
     let outside = at.iter().filter(|s| !(low..=high).contains(*s));
     outside.map(|s| format!("{}", 1e-3 * s)).collect()
 }
 
-fn specimen(o: &Oedometer) -> Specimen {
+fn specimen(o: &model::Specimen) -> Specimen {
     let height = height(o);
     let largest = o.gradation.last().map_or(f64::NAN, |p| p.0);
     Specimen {
@@ -160,16 +178,11 @@ fn quasi_static_warnings(model: &Model, o: &Oedometer, estimate: &mut Estimate) 
     } else if l.pace.is_none() && l.rate > 0.1 {
         warnings.push(format!("loading.rate = {} is above 0.1, the largest that the paper uses", l.rate));
     }
-    if l.max_inertial_number > 1e-3 {
-        warnings.push(format!("loading.max_inertial_number = {}: quasi-static loading keeps below 0.001", l.max_inertial_number));
-    }
-    if model.damping == 0.0 && model.contact.law != ContactLaw::HertzViscous {
-        warnings.push("damping.local = 0: only sliding takes energy out of the specimen".into());
-    }
+    inertial_warning("loading.max_inertial_number", l.max_inertial_number, warnings);
     if let Some(dt) = estimate.time_step {
         // a strain of 0.3 over the whole loading
         let duration = estimate.steps * dt;
-        let size = o.gradation.last().map_or(0.0, |p| p.0);
+        let size = o.specimen.gradation.last().map_or(0.0, |p| p.0);
         let density = model.materials.first().map_or(0.0, |m| m.density);
         let inertial = 0.3 / duration * size * (density / 50e3).sqrt();
         if inertial > 1e-3 {
@@ -185,7 +198,7 @@ fn quasi_static_warnings(model: &Model, o: &Oedometer, estimate: &mut Estimate) 
 /// nothing held it back.
 fn loading_steps(o: &Oedometer) -> f64 {
     let l = &o.loading;
-    let mut from = o.isotropic_stress;
+    let mut from = o.specimen.isotropic_stress;
     let mut steps = 0.0;
     for to in &l.stages {
         let (a, b) = ((from / l.sigma_ref).ln(), (to / l.sigma_ref).ln());
@@ -194,6 +207,29 @@ fn loading_steps(o: &Oedometer) -> f64 {
         from = *to;
     }
     steps.ceil()
+}
+
+/// Steps of shear at the inertial number asked for. With scaled inertia the time scale d √(ρ/p) of rearrangement follows from the inertia for which
+/// a step is stable under contact forces of p d².
+fn shear_steps(model: &Model, t: &Triaxial, time_step: Option<f64>) -> f64 {
+    let p = t.specimen.isotropic_stress;
+    let d = median(&t.specimen.gradation);
+    let Some(material) = model.materials.first() else { return 0.0 };
+    let time = if model.stepping.inertia_scaling {
+        // m = Σ k dt²/ω² with some six contacts
+        let stiffness = 3.0 * share(model.contact.law, material, 0.5 * d, p * d * d);
+        (stiffness / (p * d)).sqrt()
+    } else {
+        d * (material.density / p).sqrt()
+    };
+    let strain_time = t.shear.axial_strain / t.shear.inertial_number * time;
+    (strain_time / time_step.unwrap_or(1.0)).ceil()
+}
+
+fn inertial_warning(key: &str, value: f64, warnings: &mut Vec<String>) {
+    if value > 1e-3 {
+        warnings.push(format!("{key} = {value}: quasi-static loading keeps below 0.001"));
+    }
 }
 
 fn simpson(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
@@ -245,10 +281,16 @@ fn share(law: ContactLaw, material: &crate::model::Material, r: f64, force: f64)
 fn load(model: &Model, r: f64) -> (f64, String) {
     let section = PI * r * r;
     match &model.rig {
+        Rig::Platen(_) => (0.0, "the force on a platen".into()),
         Rig::Oedometer(o) => {
             let stress = o.loading.stages.iter().copied().fold(0.0, f64::max);
             let text = format!("its section under {} kPa", 1e-3 * stress);
             (stress * section, text)
+        }
+        Rig::Triaxial(t) => {
+            // dense sand bears some four times the cell pressure
+            let stress = 4.0 * t.specimen.isotropic_stress;
+            (stress * section, format!("its section under {} kPa", 1e-3 * stress))
         }
         Rig::Assembly(a) => {
             let pressed = a.walls.iter().filter_map(|w| match w.drive {

@@ -19,8 +19,24 @@ const fn both(path: &'static str, shape: Shape, default: Default, what: &'static
     Key { path, shape, default, of: Of::Both, what }
 }
 
+const fn every(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Every, ..both(path, shape, default, what) }
+}
+
+const fn platen(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Platen, ..both(path, shape, default, what) }
+}
+
 const fn oedometer(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
     Key { of: Of::Oedometer, ..both(path, shape, default, what) }
+}
+
+const fn cylinder(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Cylinder, ..both(path, shape, default, what) }
+}
+
+const fn triaxial(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Triaxial, ..both(path, shape, default, what) }
 }
 
 const fn assembly(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
@@ -56,9 +72,14 @@ pub const RIVALS: &[(&str, &str)] = &[
 
 /// The vocabulary, in the order in which `scene.resolved.toml` is written.
 pub const KEYS: &[Key] = &[
-    both("kind", Choice(&["oedometer", "assembly"]), Required, "what is done: one-dimensional compression, or a free scene"),
-    both("name", Name, Absent, "name in legends and records; the file's own name if not written"),
-    both("description", Text, Is("\"\""), "one line about the scene"),
+    every(
+        "kind",
+        Choice(&["oedometer", "triaxial", "assembly", "platen"]),
+        Required,
+        "what is done: one-dimensional compression, drained triaxial compression, a free scene, or single grains crushed between platens",
+    ),
+    every("name", Name, Absent, "name in legends and records; the file's own name if not written"),
+    every("description", Text, Is("\"\""), "one line about the scene"),
     assembly("gravity_m_s2", VECTOR, Is("[0, 0, 0]"), "gravity"),
     assembly("duration_s", Number(POSITIVE), Absent, "time simulated; or `steps`"),
     assembly("steps", COUNT, Absent, "steps simulated; or `duration_s`"),
@@ -97,11 +118,23 @@ pub const KEYS: &[Key] = &[
         Is("1.0"),
         "scale N of eqs 13-15: sizes, d0 and the comminution limit are multiplied by it, gradations divided",
     ),
-    oedometer("specimen.file", Text, Absent, "a prepared specimen (specimen.csv of a run) to begin with; option --specimen"),
-    oedometer("specimen.grains", Integer { low: 1, high: 100_000_000 }, Required, "grains at the start"),
-    oedometer("specimen.diameter_mm", Number(POSITIVE), Required, "diameter of the oedometer"),
-    oedometer("specimen.porosity", Number(Range::between(0.0, 1.0)), Required, "intergranular porosity at the isotropic stress"),
-    oedometer("specimen.isotropic_stress_kPa", Number(POSITIVE), Is("5.0"), "stress of the prepared specimen"),
+    cylinder("specimen.file", Text, Absent, "a prepared specimen (specimen.csv of a run) to begin with; option --specimen"),
+    cylinder("specimen.grains", Integer { low: 1, high: 100_000_000 }, Required, "grains at the start"),
+    cylinder("specimen.diameter_mm", Number(POSITIVE), Required, "diameter of the oedometer"),
+    cylinder("specimen.porosity", Number(Range::between(0.0, 1.0)), Required, "intergranular porosity at the isotropic stress"),
+    cylinder("specimen.isotropic_stress_kPa", Number(POSITIVE), Is("5.0"), "stress of the prepared specimen"),
+    platen(
+        "batch.diameters_mm",
+        Numbers(POSITIVE, None),
+        Absent,
+        "diameters that are tested; without them sizes are drawn from the gradation of the grains' material",
+    ),
+    platen(
+        "batch.grains",
+        Integer { low: 1, high: 1_000_000 },
+        Required,
+        "grains of each diameter, or drawn from the gradation; each has its own strength",
+    ),
     both(
         "contact.law",
         Choice(&["linear", "hertz", "hertz_viscous"]),
@@ -114,28 +147,29 @@ pub const KEYS: &[Key] = &[
         Is("\"keep\""),
         "tangential force when the normal force falls: kept (the paper), or in proportion to its stiffness (cyclic loading)",
     ),
-    oedometer("walls.friction.bottom", Number(FRICTION), Is("0.0"), "friction coefficient of the lower platen"),
-    oedometer("walls.friction.top", Number(FRICTION), Is("0.0"), "friction coefficient of the upper platen"),
-    oedometer("walls.friction.cylinder", Number(FRICTION), Is("0.0"), "friction coefficient of the ring"),
-    both("crushing.enabled", Flag, Is("false"), "whether grains break"),
-    both("crushing.area", Choice(&["fixed_angle", "hertz"]), Is("\"fixed_angle\""), "contact area at failure: eq. 8, or eq. 9"),
-    both("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
-    both("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
-    oedometer(
+    both("contact.rotation", Choice(&["free", "fixed"]), Is("\"free\""), "whether grains turn; fixed, they stand for angular ones"),
+    cylinder("walls.friction.bottom", Number(FRICTION), Is("0.0"), "friction coefficient of the lower platen"),
+    cylinder("walls.friction.top", Number(FRICTION), Is("0.0"), "friction coefficient of the upper platen"),
+    cylinder("walls.friction.cylinder", Number(FRICTION), Is("0.0"), "friction coefficient of the ring"),
+    every("crushing.enabled", Flag, ByKind("false", "false", "true"), "whether grains break"),
+    every("crushing.area", Choice(&["fixed_angle", "hertz"]), Is("\"fixed_angle\""), "contact area at failure: eq. 8, or eq. 9"),
+    every("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
+    every("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
+    cylinder(
         "preparation.growth_friction",
         Number(FRICTION),
         Is("0.4"),
         "friction between grains while their radii grow: it sets the loosest porosity that can be reached",
     ),
-    oedometer("preparation.growth_steps", COUNT, Is("8000"), "steps of radius growth"),
-    oedometer("preparation.damping", Number(RATIO), Is("0.7"), "local damping during preparation"),
-    oedometer(
+    cylinder("preparation.growth_steps", COUNT, Is("8000"), "steps of radius growth"),
+    cylinder("preparation.damping", Number(RATIO), Is("0.7"), "local damping during preparation"),
+    cylinder(
         "preparation.porosity_tolerance",
         Number(Range::between(0.0, 1.0)),
         Is("0.005"),
         "relative distance to the target porosity that is accepted",
     ),
-    oedometer("preparation.max_steps", COUNT, Is("200000"), "steps after which preparation gives up"),
+    cylinder("preparation.max_steps", COUNT, Is("200000"), "steps after which preparation gives up"),
     oedometer("loading.max_stress_kPa", Number(POSITIVE), Required, "vertical stress of the first loading"),
     oedometer(
         "loading.stages_kPa",
@@ -162,7 +196,7 @@ pub const KEYS: &[Key] = &[
         Is("0.002"),
         "adaptive programme: change of the target in one step over the target, while the platens are in balance",
     ),
-    oedometer(
+    cylinder(
         "loading.servo_gain",
         Number(Range::above(0.0, 1.0)),
         Is("0.5"),
@@ -175,9 +209,29 @@ pub const KEYS: &[Key] = &[
         Is("0.015"),
         "share by which a platen's stress may differ from the target before the programme waits, and from which an adaptive one slows down (with friction on the cylinder the driven platen's)",
     ),
-    oedometer("loading.settle_steps", FROM_ZERO, Is("1000"), "steps of rest at the isotropic stress before loading"),
-    both("damping.local", Number(RATIO), ByKind("0.05", "0.0"), "local non-viscous damping (Cundall 1987)"),
-    both("stepping.safety", Number(Range::above(0.0, 1.0)), Is("0.8"), "share of the stable time step"),
+    cylinder("loading.settle_steps", FROM_ZERO, Is("1000"), "steps of rest at the isotropic stress before loading"),
+    triaxial(
+        "loading.axial_strain",
+        Number(Range::between(0.0, 1.0)),
+        Is("0.15"),
+        "axial strain at the end of shear; the cell pressure is specimen.isotropic_stress_kPa",
+    ),
+    triaxial("loading.inertial_number", Number(POSITIVE), Is("0.0003"), "inertial number at which the top platen moves"),
+    platen(
+        "loading.step",
+        Number(Range::closed(1e-6, 1e-2)),
+        Is("0.0005"),
+        "displacement of the platen in one step over its displacement so far; the force rises by up to 1.5 times this share in a step",
+    ),
+    platen(
+        "loading.max_displacement_over_d",
+        Number(Range::between(1e-3, 1.0)),
+        Is("0.5"),
+        "displacement over the diameter at which a test ends with an unbroken grain",
+    ),
+    platen("loading.max_force_N", Number(POSITIVE), Absent, "force at which a test ends with an unbroken grain"),
+    both("damping.local", Number(RATIO), ByKind("0.05", "0.0", "0.0"), "local non-viscous damping (Cundall 1987)"),
+    every("stepping.safety", Number(Range::above(0.0, 1.0)), Is("0.8"), "share of the stable time step"),
     both(
         "stepping.inertia_scaling",
         Flag,
@@ -198,11 +252,24 @@ pub const KEYS: &[Key] = &[
         Is("[]"),
         "vertical stresses with a gradation and a snapshot, besides the first and the last",
     ),
+    triaxial("records.every_strain", Number(Range::between(0.0, 1.0)), Is("0.001"), "axial strain between rows of history"),
+    triaxial(
+        "records.at_strain",
+        Numbers(Range::between(0.0, 1.0), None),
+        Is("[]"),
+        "axial strains with a gradation and a snapshot, besides the first and the last",
+    ),
     assembly("records.every", COUNT, Is("100"), "steps between rows of history and tracks"),
     assembly("records.tracks", IndicesOr("all"), Is("[]"), "grains (from 0) whose motion is recorded"),
+    platen(
+        "records.curves",
+        IndicesOr("typical"),
+        Is("\"typical\""),
+        "grains (from 0) whose force-displacement curves are written, or the one of median strength of each diameter (four of a gradation)",
+    ),
     both("records.energy", Flag, Is("true"), "whether the energy ledger is kept"),
     both("records.snapshots", Flag, Is("true"), "whether ParaView snapshots are written"),
-    both("records.figures", Flag, Is("true"), "whether figures are drawn"),
+    every("records.figures", Flag, Is("true"), "whether figures are drawn"),
     both("records.checkpoint_seconds", Number(POSITIVE), Is("60.0"), "seconds of wall-clock time between checkpoints"),
     oedometer("calibrate.key", Text, Required, "key that `comminute calibrate curve` finds; no run looks at this table"),
     oedometer("calibrate.lower", Number(ANY), Required, "smallest value of the key"),
@@ -215,84 +282,84 @@ pub const KEYS: &[Key] = &[
     ),
     oedometer("calibrate.mean", Number(ANY), Absent, "mean of a normal prior"),
     oedometer("calibrate.sd", Number(POSITIVE), Absent, "standard deviation of a normal prior"),
-    both("seed.packing", FROM_ZERO, Is("1"), "random stream of the specimen"),
-    both("seed.strength", FROM_ZERO, Is("1"), "random stream of strengths and pattern azimuths, keyed by lineage"),
-    both("material.name", Text, Required, "name of the material"),
-    both("material.grain.density_kg_m3", Number(POSITIVE), Required, "density of a grain with its pores"),
-    both("material.grain.internal_porosity", Number(RATIO), Is("0.0"), "porosity of a grain (eqs 19, 20)"),
-    both("material.elastic.G_GPa", Number(POSITIVE), Absent, "shear modulus; or `E_GPa`"),
-    both("material.elastic.E_GPa", Number(POSITIVE), Absent, "Young's modulus; or `G_GPa`"),
-    both("material.elastic.nu", Number(Range::between(-1.0, 0.5)), Required, "Poisson ratio"),
-    both("material.linear.K_eff_MPa", Number(POSITIVE), Required, "stiffness of the linear law (eq. 13)"),
-    both("material.linear.alpha_s", Number(Range::closed(0.0, 10.0)), Is("0.25"), "tangential over normal stiffness (eq. 13)"),
-    both(
+    every("seed.packing", FROM_ZERO, Is("1"), "random stream of the specimen"),
+    every("seed.strength", FROM_ZERO, Is("1"), "random stream of strengths and pattern azimuths, keyed by lineage"),
+    every("material.name", Text, Required, "name of the material"),
+    every("material.grain.density_kg_m3", Number(POSITIVE), Required, "density of a grain with its pores"),
+    every("material.grain.internal_porosity", Number(RATIO), Is("0.0"), "porosity of a grain (eqs 19, 20)"),
+    every("material.elastic.G_GPa", Number(POSITIVE), Absent, "shear modulus; or `E_GPa`"),
+    every("material.elastic.E_GPa", Number(POSITIVE), Absent, "Young's modulus; or `G_GPa`"),
+    every("material.elastic.nu", Number(Range::between(-1.0, 0.5)), Required, "Poisson ratio"),
+    every("material.linear.K_eff_MPa", Number(POSITIVE), Required, "stiffness of the linear law (eq. 13)"),
+    every("material.linear.alpha_s", Number(Range::closed(0.0, 10.0)), Is("0.25"), "tangential over normal stiffness (eq. 13)"),
+    every(
         "material.contact.friction_angle_rad",
         Number(Range::below(0.0, 1.55)),
         Absent,
         "angle of sliding friction between grains; or `friction`",
     ),
-    both(
+    every(
         "material.contact.friction",
         Number(FRICTION),
         Absent,
         "coefficient of sliding friction between grains; or `friction_angle_rad`",
     ),
-    both("material.contact.restitution", Number(Range::above(0.0, 1.0)), Is("1.0"), "restitution of the law hertz_viscous"),
-    both("material.contact.rolling_friction", Number(Range::closed(0.0, 10.0)), Is("0.0"), "coefficient of rolling friction"),
-    both("material.gradation.points", Points, Required, "[diameter in mm, mass fraction finer] from 0 to 1, unscaled"),
-    both("material.strength.d0_mm", Number(POSITIVE), Is("2.0"), "reference diameter of size hardening (eq. 7), unscaled"),
-    both(
+    every("material.contact.restitution", Number(Range::above(0.0, 1.0)), Is("1.0"), "restitution of the law hertz_viscous"),
+    every("material.contact.rolling_friction", Number(Range::closed(0.0, 10.0)), Is("0.0"), "coefficient of rolling friction"),
+    every("material.gradation.points", Points, Required, "[diameter in mm, mass fraction finer] from 0 to 1, unscaled"),
+    every("material.strength.d0_mm", Number(POSITIVE), Is("2.0"), "reference diameter of size hardening (eq. 7), unscaled"),
+    every(
         "material.strength.truncation",
         Choice(&["redraw", "clamp"]),
         Is("\"redraw\""),
         "what is done with a strength below `min_ratio`",
     ),
-    both("material.strength.min_ratio", Number(RATIO), Is("0.0"), "smallest strength over the mean at its size"),
-    both(
+    every("material.strength.min_ratio", Number(RATIO), Is("0.0"), "smallest strength over the mean at its size"),
+    every(
         "material.strength.fixed_angle.sigma_lim0_MPa",
         Number(POSITIVE),
         Absent,
         "mean limit strength at d0 (eq. 7); or `sigma_c_MPa` and `sigma_t_MPa`",
     ),
-    both("material.strength.fixed_angle.sigma_c_MPa", Number(POSITIVE), Absent, "uniaxial compressive strength (eq. 2)"),
-    both("material.strength.fixed_angle.sigma_t_MPa", Number(POSITIVE), Absent, "uniaxial tensile strength (eq. 2)"),
-    both("material.strength.fixed_angle.theta0_rad", Number(ANGLE), Required, "angle of the contact area (eq. 8)"),
-    both("material.strength.fixed_angle.m", Number(POSITIVE), Required, "Weibull modulus, eq. 7"),
-    both(
+    every("material.strength.fixed_angle.sigma_c_MPa", Number(POSITIVE), Absent, "uniaxial compressive strength (eq. 2)"),
+    every("material.strength.fixed_angle.sigma_t_MPa", Number(POSITIVE), Absent, "uniaxial tensile strength (eq. 2)"),
+    every("material.strength.fixed_angle.theta0_rad", Number(ANGLE), Required, "angle of the contact area (eq. 8)"),
+    every("material.strength.fixed_angle.m", Number(POSITIVE), Required, "Weibull modulus, eq. 7"),
+    every(
         "material.strength.fixed_angle.var",
         Number(Range::closed(0.0, 10.0)),
         Required,
         "coefficient of variation of the limit strength",
     ),
-    both(
+    every(
         "material.strength.hertz_area.sigma_lim0_MPa",
         Number(POSITIVE),
         Absent,
         "mean limit strength at d0 (eq. 7); or `sigma_c_MPa` and `sigma_t_MPa`",
     ),
-    both("material.strength.hertz_area.sigma_c_MPa", Number(POSITIVE), Absent, "uniaxial compressive strength (eq. 2)"),
-    both("material.strength.hertz_area.sigma_t_MPa", Number(POSITIVE), Absent, "uniaxial tensile strength (eq. 2)"),
-    both("material.strength.hertz_area.m", Number(POSITIVE), Required, "Weibull modulus, eq. 7"),
-    both(
+    every("material.strength.hertz_area.sigma_c_MPa", Number(POSITIVE), Absent, "uniaxial compressive strength (eq. 2)"),
+    every("material.strength.hertz_area.sigma_t_MPa", Number(POSITIVE), Absent, "uniaxial tensile strength (eq. 2)"),
+    every("material.strength.hertz_area.m", Number(POSITIVE), Required, "Weibull modulus, eq. 7"),
+    every(
         "material.strength.hertz_area.var",
         Number(Range::closed(0.0, 10.0)),
         Required,
         "coefficient of variation of the limit strength",
     ),
-    both(
+    every(
         "material.comminution.d_limit_over_d50",
         Number(POSITIVE),
         Required,
         "comminution limit over d50: smaller grains do not break",
     ),
-    both(
+    every(
         "material.comminution.d50_mm",
         Number(POSITIVE),
         Absent,
         "d50 of that ratio, unscaled; the gradation's median if not written",
     ),
-    both("material.fines.alpha", Number(Range::closed(0.0, 10.0)), Is("2.6"), "fractal dimension of the lost mass (eq. 12)"),
-    both(
+    every("material.fines.alpha", Number(Range::closed(0.0, 10.0)), Is("2.6"), "fractal dimension of the lost mass (eq. 12)"),
+    every(
         "material.fines.d_min_mm",
         Number(POSITIVE),
         Required,
@@ -307,7 +374,7 @@ pub fn is_table(path: &str) -> bool {
 
 /// Names that may stand directly in the table `path` ("" for the top) of a scene of this kind: keys, then sub-tables.
 pub fn names_in(path: &str, of: Of) -> Vec<&'static str> {
-    let fits = |k: &&Key| k.of == Of::Both || of == Of::Both || k.of == of;
+    let fits = |k: &&Key| k.of.fits(of);
     let mut names: Vec<&str> = Vec::new();
     for key in KEYS.iter().filter(fits) {
         let rest = match path {
@@ -320,7 +387,7 @@ pub fn names_in(path: &str, of: Of) -> Vec<&'static str> {
             names.push(name);
         }
     }
-    if path.is_empty() && of != Of::Oedometer {
+    if path.is_empty() && !matches!(of, Of::Oedometer | Of::Triaxial) {
         names.push("materials");
     }
     names
@@ -337,7 +404,7 @@ pub fn reference() -> String {
 Keys of scenes and materials. A key that holds a dimension ends in its unit (_mm, _m, _kPa, _MPa, _GPa, _rad, _s, …).
 A scene names its material by a path relative to itself (material = \"../../materials/x.toml\"), or holds it
 as a table [material], whose keys are those listed under material. ; an assembly with several materials
-holds them as [materials.NAME]. `base = \"other.toml\"` takes every key of another file, and what is
+holds them as [materials.NAME], a platen test of elastic platens as [materials.grain] and [materials.platen]. `base = \"other.toml\"` takes every key of another file, and what is
 written beside it replaces them; it works in scenes, materials and [material]. Every table may hold
 `source`, a text for the whole table or one per key (source.nu = \"…\"); a source that begins with
 \"assumed\" is listed by `comminute check`.
@@ -359,12 +426,17 @@ written beside it replaces them; it works in scenes, materials and [material]. E
             Required => "required".to_string(),
             Absent => "optional".to_string(),
             Is(v) => format!("default {v}"),
-            ByKind(a, b) => format!("default {a}, in an assembly {b}"),
+            ByKind(a, b, c) if a == b => format!("default {a}, between platens {c}"),
+            ByKind(a, b, _) => format!("default {a}, in an assembly {b}"),
         };
         let of = match key.of {
-            Of::Both => "",
+            Of::Every => "",
+            Of::Both => "; oedometer, triaxial, assembly",
+            Of::Cylinder => "; oedometer, triaxial",
             Of::Oedometer => "; oedometer",
+            Of::Triaxial => "; triaxial",
             Of::Assembly => "; assembly",
+            Of::Platen => "; platen",
         };
         text += &format!("  {name}: {}\n      {} ({default}{of})\n", key.what, key.shape.text());
     }
@@ -378,8 +450,8 @@ mod tests {
     #[test]
     fn every_default_is_allowed_by_its_own_key() {
         for key in KEYS {
-            for assembly in [false, true] {
-                if let Some(value) = key.default_for(assembly) {
+            for kind in [Of::Oedometer, Of::Assembly, Of::Platen] {
+                if let Some(value) = key.default_for(kind) {
                     assert!(key.shape.accept(value).is_ok(), "{}", key.path);
                 } else {
                     assert!(matches!(key.default, Required | Absent), "{}", key.path);

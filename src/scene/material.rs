@@ -70,6 +70,8 @@ impl View<'_> {
         let hertzian_area = self.flag("crushing.enabled") && self.text("crushing.area") == "hertz";
         let why = if law == ContactLaw::Linear {
             "crushing.area = \"hertz\"".to_string()
+        } else if self.is_platen() {
+            "a platen test".into()
         } else {
             format!("contact.law = \"{}\"", self.text("contact.law"))
         };

@@ -12,16 +12,20 @@ mod layers;
 mod material;
 mod oedometer;
 mod overrides;
+mod platen;
 mod provenance;
 mod schema;
 mod sources;
+mod specimen;
 mod suggest;
+mod triaxial;
 mod validate;
 mod view;
 mod write;
 
 pub use calibrate::{Calibrated, Prior};
 pub use estimate::{Estimate, Specimen, estimate};
+pub use files::read_text;
 pub use keys::reference as key_reference;
 pub use layers::shown;
 pub use provenance::{Assumption, Decision, assumptions, decisions};
@@ -118,6 +122,11 @@ pub fn resolved(scene: &Scene) -> String {
         *file = Value::String(SPECIMEN.into());
     }
     write::write(&table)
+}
+
+/// Every key of a material file, with those of the files it is based on. Nothing is checked yet.
+pub fn material_keys(path: impl AsRef<Path>) -> Result<toml::Table> {
+    Ok(files::material_file(path.as_ref())?.table)
 }
 
 fn stem(path: &Path) -> String {

@@ -58,6 +58,8 @@ const SETTLED: &[(&str, &str)] = &[
     ("wall friction", "walls.friction.cylinder"),
     ("strength draw below min_ratio", "material.strength.truncation"),
     ("strength draw below min_ratio", "material.strength.min_ratio"),
+    ("strength draw below min_ratio", "materials.grain.strength.truncation"),
+    ("strength draw below min_ratio", "materials.grain.strength.min_ratio"),
     ("random streams", "seed.packing"),
     ("random streams", "seed.strength"),
     ("load programme, L_C of eq. 18", "loading.rate"),
@@ -71,6 +73,7 @@ const SETTLED: &[(&str, &str)] = &[
     ("quasi-static, measured against target stress", "loading.max_lag"),
     ("inertia scaling", "stepping.inertia_scaling"),
     ("tangential force on unloading", "contact.unloading"),
+    ("rotation of grains", "contact.rotation"),
     ("daughters of a broken grain", "crushing.pattern"),
     ("smallest size of the lost mass", "material.fines.d_min_mm"),
     ("energy ledger", "records.energy"),
@@ -86,11 +89,21 @@ const FIXED: &[(&str, &str)] = &[
     ("a wall", "rigid: a grain meets its mirror image"),
 ];
 
+/// As [`FIXED`], of single grains between platens.
+const FIXED_OF_PLATENS: &[(&str, &str)] = &[
+    ("when grains are judged", "every step, on that step's forces; a test ends where its grain breaks"),
+    ("platens", "lower one fixed, upper one moves; without friction"),
+    ("displacement", "approach of the platens, both contacts together"),
+    ("force", "the larger of the two platens'"),
+    ("platens without a material", "rigid: a grain meets its mirror image"),
+];
+
 /// Every decision of a scene, with the key that holds it (empty: fixed in this version).
 pub fn decisions(scene: &Scene) -> Vec<Decision> {
     let view = View::of(&scene.layer);
     let settled =
         SETTLED.iter().filter_map(|(matter, key)| view.get(key).map(|value| Decision { matter, key, value: value.clone() }));
-    let fixed = FIXED.iter().map(|(matter, value)| Decision { matter, key: "", value: Value::String((*value).into()) });
+    let fixed = if view.is_platen() { FIXED_OF_PLATENS } else { FIXED };
+    let fixed = fixed.iter().map(|(matter, value)| Decision { matter, key: "", value: Value::String((*value).into()) });
     settled.chain(fixed).collect()
 }

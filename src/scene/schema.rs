@@ -4,12 +4,30 @@
 
 use toml::Value;
 
-/// Which scenes a key belongs to.
+/// Which scenes a key belongs to; of a scene: its kind, `Every` while it is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Of {
+    Every,
+    /// All but platens.
     Both,
+    /// Tests of a cylindrical specimen.
+    Cylinder,
     Oedometer,
+    Triaxial,
     Assembly,
+    Platen,
+}
+
+impl Of {
+    /// Whether a key of this kind may stand in a scene of that one.
+    pub fn fits(self, scene: Of) -> bool {
+        match (self, scene) {
+            (Of::Every, _) | (_, Of::Every) => true,
+            (Of::Both, kind) => kind != Of::Platen,
+            (Of::Cylinder, kind) => matches!(kind, Of::Oedometer | Of::Triaxial),
+            (own, kind) => own == kind,
+        }
+    }
 }
 
 /// Limits of a number; `open` ends are excluded.
@@ -102,8 +120,8 @@ pub enum Default {
     Absent,
     /// A TOML literal.
     Is(&'static str),
-    /// TOML literals for an oedometer and for an assembly.
-    ByKind(&'static str, &'static str),
+    /// TOML literals for an oedometer, an assembly and platens.
+    ByKind(&'static str, &'static str, &'static str),
 }
 
 /// One key of a scene; those of a material begin with `material.`.
@@ -124,16 +142,14 @@ impl Key {
     }
 
     /// The default for a kind of scene.
-    pub fn default_for(&self, assembly: bool) -> Option<Value> {
+    pub fn default_for(&self, kind: Of) -> Option<Value> {
         let literal = match self.default {
             Default::Is(text) => text,
-            Default::ByKind(oedometer, free) => {
-                if assembly {
-                    free
-                } else {
-                    oedometer
-                }
-            }
+            Default::ByKind(oedometer, free, platen) => match kind {
+                Of::Assembly => free,
+                Of::Platen => platen,
+                _ => oedometer,
+            },
             Default::Required | Default::Absent => return None,
         };
         parse_literal(literal)

@@ -12,7 +12,9 @@ pub fn validate(layer: &mut Layer) -> Result<()> {
     let of = match layer.table.get("kind").and_then(Value::as_str) {
         Some("assembly") => Of::Assembly,
         Some("oedometer") => Of::Oedometer,
-        _ => Of::Both,
+        Some("triaxial") => Of::Triaxial,
+        Some("platen") => Of::Platen,
+        _ => Of::Every,
     };
     let mut table = std::mem::take(&mut layer.table);
     let mut walk = Walk { layer, of, errors: Vec::new() };
@@ -50,7 +52,7 @@ impl Walk<'_> {
         for name in names_in(path, self.of) {
             let inner = join(path, name);
             let wanted = is_table(&inner) && !OPTIONAL_TABLES.contains(&inner.as_str()) && !LIST_TABLES.contains(&inner.as_str());
-            if wanted && self.of != Of::Both && !table.contains_key(name) {
+            if wanted && self.of != Of::Every && !table.contains_key(name) {
                 let mut new = Table::new();
                 self.table(&mut new, &join(at, name), &inner);
                 table.insert(name.into(), Value::Table(new));
@@ -65,11 +67,11 @@ impl Walk<'_> {
             self.source(&value, table, at, path);
             return Some(value);
         }
-        if path.is_empty() && name == "materials" && self.of != Of::Oedometer {
+        if path.is_empty() && name == "materials" && !matches!(self.of, Of::Oedometer | Of::Triaxial) {
             return Some(self.materials(value));
         }
         if let Some(schema) = find(&inner) {
-            if schema.of != Of::Both && self.of != Of::Both && schema.of != self.of {
+            if !schema.of.fits(self.of) {
                 self.refuse(&key, Some(&value), self.foreign());
                 return None;
             }
@@ -87,8 +89,8 @@ impl Walk<'_> {
             self.refuse(&key, None, message);
             return None;
         }
-        let foreign = |k: &&super::schema::Key| k.path.starts_with(&format!("{inner}.")) && (k.of == Of::Both || k.of == self.of);
-        if self.of != Of::Both && !KEYS.iter().any(|k| foreign(&k)) {
+        let own = |k: &super::schema::Key| k.path.starts_with(&format!("{inner}.")) && k.of.fits(self.of);
+        if !KEYS.iter().any(own) {
             self.refuse(&key, None, self.foreign());
             return None;
         }
@@ -161,7 +163,7 @@ impl Walk<'_> {
             Value::Table(by_key) => {
                 for (name, text) in by_key {
                     let inner = join(&key, name);
-                    let known = names_in(path, Of::Both).contains(&name.as_str());
+                    let known = names_in(path, Of::Every).contains(&name.as_str());
                     if !known && !table.contains_key(name) {
                         let message = self.unknown(&key, path, name);
                         self.refuse(&inner, None, message);
@@ -180,15 +182,15 @@ impl Walk<'_> {
     fn fill(&mut self, table: &mut Table, at: &str, path: &str) {
         for key in KEYS.iter().filter(|k| k.split().0 == path) {
             let (_, name) = key.split();
-            let kind_unknown = self.of == Of::Both && key.path != "kind";
-            let foreign = key.of != Of::Both && key.of != self.of;
+            let kind_unknown = self.of == Of::Every && key.path != "kind";
+            let foreign = !key.of.fits(self.of);
             if table.contains_key(name) || kind_unknown || foreign {
                 continue;
             }
             if key.default == Default::Required {
                 let message = format!("is missing: {} ({})", key.what, key.shape.text());
                 self.refuse(&join(at, name), None, message);
-            } else if let Some(value) = key.default_for(self.of == Of::Assembly)
+            } else if let Some(value) = key.default_for(self.of)
                 && let Ok(value) = key.shape.accept(value)
             {
                 table.insert(name.into(), value);
@@ -199,6 +201,8 @@ impl Walk<'_> {
     fn foreign(&self) -> String {
         let kind = match self.of {
             Of::Assembly => "an assembly",
+            Of::Platen => "a platen test",
+            Of::Triaxial => "a triaxial test",
             _ => "an oedometer",
         };
         format!("has no meaning in {kind}")
@@ -211,12 +215,8 @@ impl Walk<'_> {
             let table = written.rsplit_once('.').map_or("", |(table, _)| table);
             return format!("unknown key; did you mean {}?", join(table, near));
         }
-        let elsewhere = KEYS
-            .iter()
-            .filter(|k| k.of == Of::Both || k.of == self.of)
-            .filter(|k| k.split().1.eq_ignore_ascii_case(name))
-            .map(|k| k.path)
-            .next();
+        let elsewhere =
+            KEYS.iter().filter(|k| k.of.fits(self.of)).filter(|k| k.split().1.eq_ignore_ascii_case(name)).map(|k| k.path).next();
         match elsewhere {
             Some(path) => format!("unknown key here; did you mean {path}?"),
             None => format!("unknown key; there are {}", list(&here)),

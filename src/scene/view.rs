@@ -3,7 +3,9 @@
 use super::layers::{Layer, shown};
 use super::schema::unit;
 use crate::error::Error;
-use crate::model::{ContactLaw, ContactModel, Material, Model, Records, Rig, Seeds, Stepping, TangentialUnloading};
+use crate::model::{
+    ContactLaw, ContactModel, Material, Model, Oedometer, Records, Rig, Seeds, Stepping, TangentialUnloading, Triaxial,
+};
 use std::cell::RefCell;
 use toml::{Table, Value};
 
@@ -91,12 +93,14 @@ impl<'a> View<'a> {
         self.get(key).and_then(Value::as_str).unwrap_or("")
     }
 
-    pub fn is_assembly(&self) -> bool {
-        self.text("kind") == "assembly"
+    /// Whether grains turn.
+    pub fn turning(&self) -> bool {
+        self.text("contact.rotation") != "fixed"
     }
 
     pub fn scale(&self) -> f64 {
-        self.si("specimen.scale")
+        // single grains have no scale
+        self.number("specimen.scale").unwrap_or(1.0)
     }
 
     pub fn law(&self) -> ContactLaw {
@@ -115,12 +119,18 @@ impl<'a> View<'a> {
             return None;
         }
         let stepping = self.stepping();
-        let rig =
-            if self.is_assembly() { Rig::Assembly(self.assembly(&named)?) } else { Rig::Oedometer(self.oedometer(&named[0])?) };
+        let mut rig = match self.text("kind") {
+            "assembly" => Rig::Assembly(self.assembly(&named)?),
+            "platen" => Rig::Platen(self.platen(&named)?),
+            "triaxial" => Rig::Triaxial(Triaxial { specimen: self.specimen(&named[0])?, shear: self.shear() }),
+            _ => Rig::Oedometer(Oedometer { specimen: self.specimen(&named[0])?, loading: self.loading() }),
+        };
         let (crush, fines) = self.crushing(&named, &rig)?;
+        let seeds = Seeds { packing: self.whole("seed.packing")?, strength: self.whole("seed.strength")? };
+        self.typical(&mut rig, crush.as_ref(), seeds);
         Some(Model {
             name: self.text("name").into(),
-            seeds: Seeds { packing: self.whole("seed.packing")?, strength: self.whole("seed.strength")? },
+            seeds,
             contact: ContactModel {
                 law: self.law(),
                 unloading: match self.text("contact.unloading") {
@@ -128,12 +138,13 @@ impl<'a> View<'a> {
                     _ => TangentialUnloading::Keep,
                 },
                 rolling: materials.iter().any(|m| m.rolling_friction > 0.0),
+                turning: self.turning(),
             },
             materials,
             crush,
             fines,
             scale: self.scale(),
-            damping: self.si("damping.local"),
+            damping: self.number("damping.local").unwrap_or(0.0),
             gravity: self.gravity(),
             stepping,
             rig,
@@ -148,9 +159,9 @@ impl<'a> View<'a> {
     fn stepping(&self) -> Stepping {
         let stepping = Stepping {
             safety: self.si("stepping.safety"),
-            inertia_scaling: self.flag("stepping.inertia_scaling"),
+            inertia_scaling: self.flag("stepping.inertia_scaling") || self.is_platen(),
             dt: self.number("stepping.dt_s"),
-            skin: self.si("stepping.skin"),
+            skin: self.number("stepping.skin").unwrap_or(0.2),
         };
         if stepping.inertia_scaling {
             let counts = "time counts steps with stepping.inertia_scaling = true";
@@ -177,7 +188,7 @@ impl<'a> View<'a> {
             energy: self.flag("records.energy"),
             snapshots: self.flag("records.snapshots"),
             figures: self.flag("records.figures"),
-            checkpoint_seconds: self.si("records.checkpoint_seconds"),
+            checkpoint_seconds: self.number("records.checkpoint_seconds").unwrap_or(60.0),
         })
     }
 }

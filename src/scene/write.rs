@@ -61,7 +61,7 @@ fn table(text: &mut String, values: &Table, at: &str, path: &str) {
 /// Names of the tables in the table `path`, in the order of the key list; lists first, for they are written as values.
 fn tables_in(path: &str) -> Vec<&'static str> {
     let mut names: Vec<&str> =
-        super::keys::names_in(path, super::schema::Of::Both).into_iter().filter(|name| is_table(&join(path, name))).collect();
+        super::keys::names_in(path, super::schema::Of::Every).into_iter().filter(|name| is_table(&join(path, name))).collect();
     names.sort_by_key(|name| !LIST_TABLES.contains(name));
     names
 }

@@ -111,7 +111,8 @@ fn weigh(force: &mut [f64; 4], mass: f64, gravity: [f64; 3]) {
     }
 }
 
-/// Force and torque on grain `i` from contacts and gravity (before damping), with rolling where the run has it.
+/// Force and torque on grain `i` from contacts and gravity (before damping), with rolling where the run has it. Where grains do not turn,
+/// what keeps them from it takes the torque.
 pub fn force_and_torque(i: usize, model: &Model, state: &State, neighbours: &Neighbours) -> ([f64; 3], [f64; 3]) {
     let s = sum::<Plain, false>((), i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
     let (mut f, mut t) = (s.force.xyzw(), s.torque.xyzw());
@@ -120,6 +121,9 @@ pub fn force_and_torque(i: usize, model: &Model, state: &State, neighbours: &Nei
     }
     if model.gravity != [0.0; 3] {
         weigh(&mut f, state.grains.mass[i], model.gravity);
+    }
+    if !model.contact.turning {
+        t = [0.0; 4];
     }
     ([f[0], f[1], f[2]], [t[0], t[1], t[2]])
 }
@@ -142,6 +146,8 @@ struct Input<'a> {
     mass: &'a [f64],
     gravity: [f64; 3],
     damping: f64,
+    /// m r² / I of a sphere, or nothing where grains do not turn.
+    turning: f64,
     /// Step of the drift, and of the kick (half of it on the first step).
     dt: f64,
     kick: f64,
@@ -162,6 +168,7 @@ pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags:
         mass: &grains.mass,
         gravity: model.gravity,
         damping: state.damping,
+        turning: if model.contact.turning { 2.5 } else { 0.0 },
         dt: state.dt,
         kick: if state.fresh { 0.5 * state.dt } else { state.dt },
         task,
@@ -219,7 +226,7 @@ fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(to
     let references = &input.neighbours.references()[part.first..][..part.pos.len()];
     let gravity = input.gravity != [0.0; 3];
     let all = |x| F::all(token, x);
-    let (drift, kick, damping) = (all(input.dt), all(input.kick), all(input.damping));
+    let (drift, kick, damping, turning) = (all(input.dt), all(input.kick), all(input.damping), all(input.turning));
     let rows = part.pos.iter_mut().zip(part.vel).zip(part.spin).zip(part.flags).zip(references).enumerate();
     for (k, ((((pos, vel), spin), flag), reference)) in rows {
         let i = part.first + k;
@@ -245,7 +252,7 @@ fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(to
         let (f, t, s) = (sums.force, sums.torque, F::of(token, *spin));
         let inverse_mass = v.w();
         // I = 2/5 m r^2
-        let inverse_inertia = all(2.5) * inverse_mass / (p.w() * p.w());
+        let inverse_inertia = turning * inverse_mass / (p.w() * p.w());
         // local non-viscous damping of each component, −α |F| sign(v) (Ciantia et al. 2015, after Cundall 1987)
         let (df, dt) = ((f * damping).against(v), (t * damping).against(s));
         let new_v = (v + (f + df) * kick * inverse_mass).with_w_of(v);

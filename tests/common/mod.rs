@@ -4,7 +4,8 @@
 use comminute::model::{Model, Rig};
 use comminute::record::ledger::Balance;
 use comminute::record::{measure, specimen};
-use comminute::rig::oedometer::{Loading, Phase, Walls};
+use comminute::rig::cylinder::Walls;
+use comminute::rig::oedometer::{Loading, Phase};
 use comminute::rig::{assembly, preparation::Preparation};
 use comminute::scene;
 use comminute::step::{State, Work, gather};
@@ -253,7 +254,7 @@ pub fn oedometer_text(grains: u32, max_stress: f64, more: &str) -> String {
 
 /// A prepared specimen and the number of steps it took; `each` may tamper with memory before every step.
 pub fn prepare(model: &Model, mut each: impl FnMut(&mut State, &mut Work)) -> (State, u64) {
-    let Rig::Oedometer(rig) = &model.rig else { panic!("an oedometer") };
+    let Some(rig) = model.rig.specimen() else { panic!("a specimen") };
     let (mut preparation, mut state) = Preparation::start(model, rig);
     let mut work = Work::new(model, &mut state);
     loop {

@@ -9,10 +9,14 @@ const STUFF: Stuff = Stuff { young: 1e9, poisson: 0.25, density: 2500.0, frictio
 
 /// A sphere at rest in the overlap that bears its weight on the plane z = 0, `slope` rad steep along x.
 fn sphere(slope: f64, friction: f64, speed: f64) -> Lab {
+    sphere_with("", slope, friction, speed)
+}
+
+fn sphere_with(more: &str, slope: f64, friction: f64, speed: f64) -> Lab {
     let weight = STUFF.mass(R) * G * slope.cos();
     let overlap = (3.0 * weight / (4.0 * STUFF.plane_modulus() * R.sqrt())).powf(2.0 / 3.0);
     let ball = Ball { at: [0.0, 0.0, R - overlap], radius: R, velocity: [speed, 0.0, 0.0], ..Ball::default() };
-    let head = format!("gravity_m_s2 = [{:?}, 0.0, {:?}]\nstepping.dt_s = 4e-6", G * slope.sin(), -G * slope.cos());
+    let head = format!("gravity_m_s2 = [{:?}, 0.0, {:?}]\nstepping.dt_s = 4e-6\n{more}", G * slope.sin(), -G * slope.cos());
     Lab::new(&assembly_text(&head, &STUFF, &[ball], &[Plane { normal: [0.0, 0.0, 1.0], friction, ..Plane::default() }]))
 }
 
@@ -85,5 +89,29 @@ fn the_limit_of_rolling_is_where_it_should_be() {
         let now = lab.watch([0])[0];
         let slip = now.velocity[0] - R * now.spin[1];
         assert_eq!(slip / now.velocity[0] < 2e-3, rolls, "slip {slip} at {slope} degrees");
+    }
+}
+
+/// A grain that does not turn is a block: it slides to rest within v²/(2 μ g), and holds on a slope up to tan θ = μ.
+#[test]
+fn a_sphere_that_cannot_turn_slides_like_a_block() {
+    const FIXED: &str = "contact.rotation = \"fixed\"";
+    let (v0, mu) = (0.2, 0.3);
+    let mut lab = sphere_with(FIXED, 0.0, mu, v0);
+    let start = lab.position(0)[0];
+    while lab.watch([0])[0].velocity[0] > 0.0 {
+        assert!(lab.state.time < 0.2);
+    }
+    close("sliding distance", lab.position(0)[0] - start, v0 * v0 / (2.0 * mu * G), 2e-3);
+    for (slope, holds) in [(16.2f64, true), (17.2, false)] {
+        let mut lab = sphere_with(FIXED, slope.to_radians(), mu, 0.0);
+        let start = lab.position(0)[0];
+        while lab.state.time < 0.3 {
+            lab.step();
+        }
+        let now = lab.watch([0])[0];
+        let way = lab.position(0)[0] - start;
+        assert_eq!(now.spin, [0.0; 3]);
+        assert_eq!(way < 1e-5, holds, "slope {slope}: slid {way:e} m");
     }
 }

@@ -3,7 +3,7 @@
 use crate::common::*;
 use comminute::boundary::Wall;
 use comminute::model::WallShape;
-use comminute::rig::oedometer::{CYLINDER, Stresses, Walls};
+use comminute::rig::cylinder::{CYLINDER, Stresses, Walls};
 use comminute::step::State;
 
 const WEAK: &[&str] = &["material.strength.fixed_angle.sigma_lim0_MPa=100", "crushing.enabled=true"];

@@ -86,7 +86,7 @@ pub fn calibrate(request: &Request, tell: &dyn Fn(&str)) -> Result<Outcome> {
     };
     let given = if request.parameters.is_empty() { scene.calibrated()? } else { request.parameters.clone() };
     let parameters = given.iter().map(Parameter::new).collect::<Result<Vec<_>>>()?;
-    let from = rig.isotropic_stress * 1e-3;
+    let from = rig.specimen.isotropic_stress * 1e-3;
     let target = Target::read(&request.files, from)?;
     let sets = sets(request, &target, from)?;
     parameter::check(&parameters, &request.scene, &sets)?;

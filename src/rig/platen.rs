@@ -1,0 +1,185 @@
+//! Single grains between two platens (Ciantia et al. 2015, eqs 16, 17; Figs 7, 8).
+//!
+//! Each grain is a state of its own: one grain, two planes. The lower platen stays, the upper one comes down; the grain
+//! follows by the forces of its two contacts, its inertia scaled. The displacement δ of the upper platen grows by the same
+//! share of itself in every step, so that the force at which a grain breaks is known to the same share whatever the
+//! grain's size and strength. δ is the sum of both contacts' overlaps; of Hertz' closed form each bears
+//! F = 4/3 E* √r (δ/2)^{3/2}.
+
+use crate::boundary::Wall;
+use crate::contact::law::Pair;
+use crate::crush::event::arm_grain;
+use crate::error::Error;
+use crate::grains::Grains;
+use crate::model::{Drive, Model, Platen, WallShape, WallSpec};
+use crate::step::{self, State, Work};
+use std::f64::consts::PI;
+
+/// Displacement at the first step over the diameter: what seats the grain.
+pub const SEATING: f64 = 1e-8;
+/// Steps in which the platen comes to its pace: many times the grain's own period, so that it follows without swinging (local damping,
+/// which opposes the velocity, does not end a swing about a steady motion).
+const START: u64 = 1000;
+/// Points of a curve per decade of displacement.
+const PER_DECADE: f64 = 60.0;
+/// Inertia is scaled by at least this share of the seating force.
+const FLOOR: f64 = 0.1;
+
+/// What became of one grain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Test {
+    /// Number in the batch, from 0: the key of the strength's draw.
+    pub grain: u32,
+    /// m
+    pub diameter: f64,
+    /// Strength as drawn, Pa, and the force at which the grain would break, N (eqs 16, 17); `None` where it cannot break.
+    pub strength: f64,
+    pub limit_force: Option<f64>,
+    /// Largest force, N, and the displacement, m, at it: those of breakage, or of the end of the test.
+    pub force: f64,
+    pub displacement: f64,
+    pub broken: bool,
+    /// As many steps; a grain that broke in the first one did so on being seated.
+    pub steps: u64,
+    /// Largest relative distance of a platen's force from Hertz', and of the platens' forces from each other, at any step.
+    pub deviation: f64,
+    pub difference: f64,
+    /// Points of the curve, where it was asked for.
+    pub curve: Vec<Point>,
+}
+
+/// One point of a force-displacement curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// m
+    pub displacement: f64,
+    /// Force on the lower and the upper platen, N.
+    pub bottom: f64,
+    pub top: f64,
+}
+
+/// Contact parameters of grain and platen.
+pub fn pair(model: &Model, rig: &Platen) -> Pair {
+    let m = &model.materials;
+    let grain = &m[usize::from(rig.grain)];
+    match rig.platen {
+        Some(k) => Pair::between(model.contact.law, grain, &m[usize::from(k)]),
+        None => Pair::on_wall(model.contact.law, grain, 0.0),
+    }
+}
+
+/// Hertz' force, N, of a sphere of radius `r` under a displacement `delta` shared by two contacts, m.
+pub fn hertz(e_eff: f64, r: f64, delta: f64) -> f64 {
+    let overlap = 0.5 * delta;
+    4.0 / 3.0 * e_eff * (r * overlap).sqrt() * overlap
+}
+
+/// Displacement at which Hertz' force is `force`, m.
+pub fn hertz_displacement(e_eff: f64, r: f64, force: f64) -> f64 {
+    2.0 * (0.75 * force / (e_eff * r.sqrt())).cbrt().powi(2)
+}
+
+/// Steps from seating to the largest displacement.
+pub fn most_steps(rig: &Platen) -> f64 {
+    ((rig.max_displacement / SEATING).ln() / rig.step.ln_1p() + 0.5 * START as f64).ceil()
+}
+
+/// The seated grain between its platens.
+fn seated(model: &Model, rig: &Platen, number: u32) -> State {
+    let d = rig.diameters[number as usize];
+    let r = 0.5 * d;
+    // the number is the identity: by it the strength is drawn
+    let mut grains = Grains { next_id: number, ..Grains::default() };
+    grains.add([0.0; 3], r, rig.grain, &model.materials);
+    let at = r - 0.5 * SEATING * d;
+    let platen = |side: f64| {
+        let shape = WallShape::Plane { point: [0.0, 0.0, side * at], normal: [0.0, 0.0, -side] };
+        Wall::new(&WallSpec { shape, friction: 0.0, drive: Drive::Fixed, material: rig.platen })
+    };
+    let mut state = State::new(model, grains, vec![platen(-1.0), platen(1.0)], false);
+    state.reference_stress = FLOOR * hertz(pair(model, rig).e_eff, r, SEATING * d) / (PI * r * r);
+    if let Some(crush) = &model.crush {
+        state.crushing = true;
+        arm_grain(model, crush, &mut state, 0);
+    }
+    state
+}
+
+fn height(wall: &Wall) -> f64 {
+    match wall.shape {
+        WallShape::Plane { point, .. } => point[2],
+        WallShape::Cylinder { .. } => f64::NAN,
+    }
+}
+
+/// Presses grain `number` until it breaks or its test ends; `stop` is asked now and then whether to give up (`None`).
+///
+/// # Errors
+/// A state that is no number.
+pub fn press(model: &Model, rig: &Platen, number: u32, stop: impl Fn() -> bool) -> Result<Option<Test>, Error> {
+    let d = rig.diameters[number as usize];
+    let e_eff = pair(model, rig).e_eff;
+    let mut state = seated(model, rig, number);
+    let mut work = Work::new(model, &mut state);
+    let limit_force = model.crush.as_ref().filter(|c| d > c.d_limit);
+    let mut test = Test {
+        grain: number,
+        diameter: d,
+        strength: state.grains.strength[0],
+        limit_force: limit_force.map(|c| c.area.limit_force(state.grains.strength[0], d, 0.5 * d, e_eff)),
+        force: 0.0,
+        displacement: 0.0,
+        broken: false,
+        steps: 0,
+        deviation: 0.0,
+        difference: 0.0,
+        curve: Vec::new(),
+    };
+    let wanted = rig.curves.binary_search(&number).is_ok();
+    let mut next = 0.0;
+    let mut over = false;
+    loop {
+        step::step(model, &mut state, &mut work, |state, _| {
+            let delta = d - (height(&state.walls[1]) - height(&state.walls[0]));
+            let point = Point { displacement: delta, bottom: state.walls[0].reaction, top: state.walls[1].reaction };
+            observe(&mut test, &point, hertz(e_eff, 0.5 * d, delta), state.step)?;
+            over = delta >= rig.max_displacement * d || rig.max_force.is_some_and(|most| test.force >= most);
+            if wanted && (delta >= next || over) {
+                test.curve.push(point);
+                next = delta * 10f64.powf(1.0 / PER_DECADE);
+            }
+            let pace = rig.step * (state.step.min(START) as f64 / START as f64);
+            state.walls[1].speed = pace * delta / state.dt;
+            Ok::<(), Error>(())
+        })?;
+        test.steps = state.step;
+        if let Some(event) = work.breakages.first() {
+            (test.broken, test.force) = (true, event.force);
+            let last = Point { displacement: test.displacement, bottom: state.walls[0].reaction, top: state.walls[1].reaction };
+            if wanted && test.curve.last() != Some(&last) {
+                test.curve.push(last);
+            }
+            return Ok(Some(test));
+        }
+        if over {
+            return Ok(Some(test));
+        }
+        if state.step.is_multiple_of(256) && stop() {
+            return Ok(None);
+        }
+    }
+}
+
+/// Takes one instant into the test.
+fn observe(test: &mut Test, now: &Point, hertz: f64, step: u64) -> Result<(), Error> {
+    let (low, high) = (now.bottom.min(now.top), now.bottom.max(now.top));
+    let deviation = (low / hertz - 1.0).abs().max((high / hertz - 1.0).abs());
+    if !deviation.is_finite() {
+        let what = "the force on a platen is not a number: lower stepping.safety".into();
+        return Err(Error::Unstable { step, what, grain: Some(u64::from(test.grain)) });
+    }
+    test.deviation = test.deviation.max(deviation);
+    test.difference = test.difference.max(high / low - 1.0);
+    (test.force, test.displacement) = (high, now.displacement);
+    Ok(())
+}

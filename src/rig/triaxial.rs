@@ -1,0 +1,133 @@
+//! Drained triaxial compression of a cylindrical specimen: the shell holds the cell pressure under servo, the bottom platen is fixed and the top
+//! one moves at a speed that keeps the inertial number (Ciantia et al. 2015, Fig. 12).
+
+use super::cylinder::{self, Stresses, TOP, Walls, inertial_time};
+use crate::boundary::servo_speed;
+use crate::error::Error;
+use crate::grains::Grains;
+use crate::model::{Model, Triaxial};
+use crate::record::measure;
+use crate::step::{self, State, Work};
+use serde::{Deserialize, Serialize};
+
+/// Where a test is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    /// Rest at the cell pressure on all sides.
+    Settle,
+    /// The top platen moves.
+    Shear,
+    Done,
+}
+
+/// The test's state.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Shearing {
+    pub phase: Phase,
+    phase_steps: u64,
+    /// Height and radius at the start of shear, m.
+    pub start: (f64, f64),
+    /// Strain per unit time at the inertial number asked for.
+    rate: f64,
+}
+
+/// Steps between two looks at the rate.
+const LOOK: u64 = 64;
+/// Steps in which the platen takes up its speed.
+const RAMP: u64 = 2048;
+/// The shell may move this many times as fast as the platens strain the specimen.
+const SHELL: f64 = 4.0;
+/// At rest: stresses within this of the cell pressure, and unbalanced ratio below.
+const STRESS_AT_REST: f64 = 0.005;
+const UNBALANCED_AT_REST: f64 = 2e-3;
+/// Steps of rest at most, over those asked for.
+const SETTLE_AT_MOST: u64 = 100;
+
+impl Shearing {
+    /// Starts from a specimen: strengths drawn, no history, at rest.
+    pub fn start(model: &Model, rig: &Triaxial, grains: Grains, size: Walls) -> (Shearing, State) {
+        let state = cylinder::start(model, &rig.specimen, grains, size);
+        (Shearing { phase: Phase::Settle, phase_steps: 0, start: (size.height, size.radius), rate: 0.0 }, state)
+    }
+
+    /// One step; `observe` sees the state when its forces are known.
+    ///
+    /// # Errors
+    /// A specimen that does not come to rest at the cell pressure; what `observe` returns.
+    pub fn advance(
+        &mut self,
+        model: &Model,
+        rig: &Triaxial,
+        state: &mut State,
+        work: &mut Work,
+        observe: impl FnOnce(&Shearing, &State, &Work) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let this = &mut *self;
+        step::step(model, state, work, |state, work| {
+            this.programme(model, rig, state, work)?;
+            observe(this, state, work)?;
+            this.servo(rig, state);
+            Ok::<(), Error>(())
+        })?;
+        self.phase_steps += 1;
+        Ok(())
+    }
+
+    /// Axial strain since the start of shear, compression positive.
+    pub fn axial_strain(&self, state: &State) -> f64 {
+        1.0 - Walls::of(state).height / self.start.0
+    }
+
+    fn programme(&mut self, model: &Model, rig: &Triaxial, state: &mut State, work: &Work) -> Result<(), Error> {
+        match self.phase {
+            Phase::Settle if self.at_rest(model, rig, state, work) => {
+                cylinder::begin(model, state, work);
+                let size = Walls::of(state);
+                self.start = (size.height, size.radius);
+                (self.phase, self.phase_steps) = (Phase::Shear, 0);
+            }
+            Phase::Settle if self.phase_steps > SETTLE_AT_MOST * rig.specimen.settle_steps.max(LOOK) => {
+                let Stresses { top, bottom, horizontal } = Stresses::of(state);
+                let what = format!(
+                    "the specimen did not come to rest at the cell pressure of {:.1} kPa: platens {:.1} and {:.1} kPa, shell {:.1} kPa",
+                    1e-3 * rig.specimen.isotropic_stress,
+                    1e-3 * top,
+                    1e-3 * bottom,
+                    1e-3 * horizontal
+                );
+                return Err(Error::Failed { step: state.step, what });
+            }
+            Phase::Shear if self.axial_strain(state) >= rig.shear.axial_strain => self.phase = Phase::Done,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn at_rest(&self, model: &Model, rig: &Triaxial, state: &State, work: &Work) -> bool {
+        if self.phase_steps < rig.specimen.settle_steps || !self.phase_steps.is_multiple_of(LOOK) || self.phase_steps == 0 {
+            return false;
+        }
+        let Stresses { top, bottom, horizontal } = Stresses::of(state);
+        [top, bottom, horizontal].iter().all(|s| (s / rig.specimen.isotropic_stress - 1.0).abs() < STRESS_AT_REST)
+            && measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < UNBALANCED_AT_REST
+    }
+
+    fn servo(&mut self, rig: &Triaxial, state: &mut State) {
+        let (size, stresses) = (Walls::of(state), Stresses::of(state));
+        let cell = rig.specimen.isotropic_stress;
+        if self.phase_steps.is_multiple_of(LOOK) || self.rate == 0.0 {
+            let mean = (stresses.vertical() + 2.0 * stresses.horizontal) / 3.0;
+            self.rate = rig.shear.inertial_number / inertial_time(state, mean.max(0.1 * cell));
+        }
+        let (gain, dt) = (rig.specimen.servo_gain, state.dt);
+        let limit = SHELL * self.rate;
+        let shell = &mut state.walls[cylinder::CYLINDER];
+        shell.speed = servo_speed(cell * size.shell_area(), shell.reaction, shell.stiffness, gain, dt, limit * size.radius);
+        let top = &mut state.walls[TOP];
+        top.speed = match self.phase {
+            Phase::Settle => servo_speed(cell * size.platen_area(), top.reaction, top.stiffness, gain, dt, limit * size.height),
+            Phase::Shear => self.rate * size.height * (self.phase_steps as f64 / RAMP as f64).min(1.0),
+            Phase::Done => 0.0,
+        };
+    }
+}

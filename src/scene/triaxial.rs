@@ -1,0 +1,15 @@
+//! From the keys of shear to [`Shear`].
+
+use super::view::View;
+use crate::model::Shear;
+
+impl View<'_> {
+    pub fn shear(&self) -> Shear {
+        Shear {
+            axial_strain: self.si("loading.axial_strain"),
+            inertial_number: self.si("loading.inertial_number"),
+            record_every: self.si("records.every_strain"),
+            record_at: self.numbers("records.at_strain"),
+        }
+    }
+}
