@@ -280,30 +280,3 @@ mod tests {
         assert!((0.2..0.95).contains(&chain.accepted));
     }
 }
-#[cfg(test)]
-mod scratch {
-    use super::*;
-    use crate::calibrate::curve::stand_in::{self, StandIn};
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    #[test]
-    fn scratch() {
-        let stand_in = StandIn::default();
-        let parameters = stand_in::parameters();
-        for (n, seed) in [(18, 1), (30, 1), (30, 2), (30, 3), (60, 1)] {
-            let (x, y) = stand_in.runs(n, seed);
-            let e = Emulator::fit(&x, &y, &stand_in.scale()).unwrap();
-            print!("n {n} comps {} share {:.3} scatter {:.2?} ", e.components(), e.share, e.scatter.diagonal().map(f64::sqrt).as_slice());
-            let mut rng = ChaCha8Rng::seed_from_u64(11);
-            let mut w = [0.0; 2];
-            for k in 0..20 {
-                let truth = [rng.random::<f64>(), rng.random::<f64>()];
-                let values = stand_in.curve(&truth, 1000 + k as u64);
-                let curve = Measured { sd: vec![0.0; values.len()], values, specimens: 1.0 };
-                let chain = Posterior::new(&parameters, &e, &curve, 1.0).sample(20, 60, 60, 1.0, &mut rng);
-                for p in 0..2 { let [a, b] = chain.quantiles(p, [0.025, 0.975]); w[p] += (b - a) / 20.0; }
-            }
-            println!("{w:.2?}");
-        }
-    }
-}
