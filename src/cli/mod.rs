@@ -3,6 +3,7 @@
 mod bench;
 mod calibrate;
 mod calibrate_curve;
+mod calibrate_curve_study;
 mod calibrate_grains;
 mod calibrate_study;
 mod campaign;

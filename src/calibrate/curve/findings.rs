@@ -1,6 +1,7 @@
 //! What a calibration has found, in numbers.
 
 use super::emulator::Emulator;
+use super::left_out::LeftOut;
 use super::parameter::Parameter;
 use super::posterior::{Chain, Measured, Misfit, quantile};
 use super::sensitivity::Share;
@@ -64,6 +65,8 @@ pub struct Findings {
     pub held: f64,
     /// Root mean square scatter between seeds of each block of outputs.
     pub scatter: Vec<f64>,
+    /// How the intervals did with curves whose parameters are known; `None` with too few runs.
+    pub left_out: Option<LeftOut>,
 }
 
 /// Estimates with intervals and remarks from draws.

@@ -12,6 +12,7 @@ pub mod design;
 pub mod emulator;
 pub mod findings;
 pub mod gp;
+pub mod left_out;
 pub mod log;
 mod outputs;
 pub mod parameter;
@@ -22,6 +23,7 @@ pub mod sensitivity;
 pub mod simulator;
 #[cfg(test)]
 pub mod stand_in;
+pub mod study;
 pub mod target;
 
 use crate::error::{Error, Result};
@@ -154,7 +156,9 @@ fn findings(
         let square = |j: usize| (variance[j] + emulator.rest[j]) * emulator.scale()[j].powi(2);
         (own.clone().map(square).sum::<f64>() / own.len() as f64).sqrt()
     });
+    let left_out = left_out::left_out(parameters, &search.runs(), emulator.scale(), &mut search.rng(1 << 33));
     let found = Findings {
+        left_out,
         scatter: scatter.collect(),
         estimates: findings::estimates(parameters, &chain, &correlations),
         correlations,

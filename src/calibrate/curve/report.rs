@@ -82,10 +82,20 @@ fn json(parts: &Parts<'_>) -> Value {
         "misfit": { "mean_square": f.misfit.ratio, "probability": f.misfit.probability, "inflation": f.inflation },
         "scatter_between_seeds": scatter,
         "variance_share_seeds": f.seeds_share,
+        "left_out": left_out(parts),
         "check_rms": check_rms(parts),
         "seed": parts.settings.seed,
         "version": env!("CARGO_PKG_VERSION"),
     })
+}
+
+/// How the intervals did with runs that were left out.
+fn left_out(parts: &Parts<'_>) -> Value {
+    let Some(l) = &parts.findings.left_out else { return Value::Null };
+    let keys = parts.parameters.iter().map(|p| p.key.clone());
+    let held: Map<String, Value> = keys.clone().zip(l.held.iter().map(|h| json!(h))).collect();
+    let width: Map<String, Value> = keys.zip(l.width.iter().map(|w| json!(w))).collect();
+    json!({ "curves": l.curves, "held": held, "mean_interval_over_bounds": width })
 }
 
 /// Root mean square difference of the mean of the checks from the curve, block by block.
@@ -192,6 +202,23 @@ fn report(parts: &Parts<'_>, table: &str) -> String {
     );
     let _ =
         writeln!(text, "The emulator has {} components, which hold {:.1} % of the runs' variance.\n", f.components, 100.0 * f.held);
+    if let Some(l) = &f.left_out {
+        let each = |text: &dyn Fn(usize) -> String| (0..l.held.len()).map(text).collect::<Vec<_>>().join(", ");
+        let doubt = (0..l.held.len()).any(|k| l.doubtful(k));
+        let _ = writeln!(
+            text,
+            "A test: each run of the design was left out (a sixth of them at a time) and its curve taken for the measured one. The 95 % intervals held \
+             what it was made with in {} of {} cases ({}). {}\n",
+            each(&|k| l.held[k].to_string()),
+            l.curves,
+            each(&|k| parts.parameters[k].short()),
+            if doubt {
+                "**That is too few: intervals of this scene are too narrow; more runs may help.**"
+            } else {
+                "That is as it should be."
+            },
+        );
+    }
     if let Value::Object(rms) = check_rms(parts) {
         let parts_text: Vec<String> = rms.iter().map(|(k, v)| format!("{k} {}", short(v.as_f64().unwrap_or(f64::NAN)))).collect();
         let _ = writeln!(

@@ -3,6 +3,7 @@
 use super::columns::Columns;
 use super::design::latin;
 use super::emulator::Emulator;
+use super::left_out;
 use super::log::{self, Evaluation, Stage, Status};
 use super::parameter::Parameter;
 use super::posterior::{Chain, Measured, Posterior};
@@ -145,6 +146,16 @@ impl<'a> Search<'a> {
         self.evaluations.iter().zip(&self.outputs).filter_map(|(e, y)| Some((e, y.as_ref()?)))
     }
 
+    /// The same, to be left out in turn.
+    pub fn runs(&self) -> Vec<left_out::Run> {
+        let run = |(e, y): (&Evaluation, &Vec<f64>)| left_out::Run {
+            u: self.unit(e),
+            outputs: y.clone(),
+            design: e.stage == Stage::Design,
+        };
+        self.done().map(run).collect()
+    }
+
     pub fn failed(&self) -> usize {
         self.evaluations.iter().filter(|e| matches!(e.status, Status::Failed(_))).count()
     }
@@ -195,8 +206,8 @@ impl<'a> Search<'a> {
         let mut curves = Vec::new();
         for (e, ran) in checks.iter_mut().zip(ran) {
             match ran {
-                Ran::Done { outputs, seconds } => {
-                    e.status = Status::Done { seconds };
+                Ran::Done(outputs) => {
+                    e.status = Status::Done;
                     curves.push(outputs);
                 }
                 Ran::Failed(reason) => e.status = Status::Failed(reason),
@@ -231,8 +242,8 @@ impl<'a> Search<'a> {
         let mut stopped = false;
         for (i, ran) in open.into_iter().zip(ran) {
             match ran {
-                Ran::Done { outputs, seconds } => {
-                    self.evaluations[i].status = Status::Done { seconds };
+                Ran::Done(outputs) => {
+                    self.evaluations[i].status = Status::Done;
                     self.outputs[i] = Some(outputs);
                 }
                 Ran::Failed(reason) => self.evaluations[i].status = Status::Failed(reason),
@@ -363,7 +374,7 @@ mod tests {
                 .map(|e| match self.calls.fetch_add(1, Ordering::Relaxed) {
                     n if n >= self.stop_after => Ran::Stopped,
                     _ if e.values[1] < 0.1 => Ran::Failed("did not come to rest".into()),
-                    _ => Ran::Done { outputs: self.stand_in.curve(&e.values, e.seed), seconds: 1.0 },
+                    _ => Ran::Done(self.stand_in.curve(&e.values, e.seed)),
                 })
                 .collect())
         }
