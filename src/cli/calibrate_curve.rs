@@ -113,6 +113,9 @@ pub fn call(args: &Args) -> Result<()> {
     }
     if !args.quiet {
         eprint!("{}", outcome.table);
+        for warning in &outcome.warnings {
+            eprintln!("warning: {warning}");
+        }
         eprintln!("report and figures in {}", request.out.display());
     }
     Ok(())

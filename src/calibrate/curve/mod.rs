@@ -67,6 +67,8 @@ pub struct Outcome {
     pub json: serde_json::Value,
     /// The table of the report.
     pub table: String,
+    /// What speaks against the result, if anything does.
+    pub warnings: Vec<String>,
     pub files: Vec<PathBuf>,
 }
 
