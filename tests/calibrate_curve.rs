@@ -53,7 +53,7 @@ fn curve_of(run: &Path) -> String {
     let header: Vec<&str> = history.lines().next().expect("header").split(',').collect();
     let [stage, stress, void, k0] =
         ["stage", "sigma_v_kPa", "void_ratio", "k0"].map(|n| header.iter().position(|h| *h == n).expect("column"));
-    let (mut text, mut last) = (String::from("sigma_v_kPa,void_ratio,k0\n"), 0.0);
+    let (mut text, mut last) = (String::from("sigma_v_kPa,void_ratio,k0\n"), 0.0_f64);
     for row in history.lines().skip(1).map(|l| l.split(',').collect::<Vec<_>>()) {
         let sigma: f64 = row[stress].parse().expect("stress");
         if row[stage] == "load" && sigma > (1.25 * last).max(5.0) {

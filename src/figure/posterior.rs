@@ -104,7 +104,7 @@ fn axes(quantity: &str) -> (Axis, Axis, f64, f64) {
 pub fn draw_convergence(inputs: &[Input], runs: &[f64], quantiles: &[Vec<[f64; 3]>], out: &Path) -> Result<Vec<PathBuf>> {
     const SIZE: f64 = 42.0;
     const GAP: f64 = 40.0;
-    let (left, top, bottom, height) = (260.0, 40.0, 150.0, 340.0);
+    let (left, top, bottom, height) = (260.0, 80.0, 150.0, 340.0);
     let count = inputs.len() as f64;
     let mut canvas = Canvas::new(top + bottom + count * height + (count - 1.0) * GAP);
     let Some(x) = Axis::linear("", "").range(runs.iter().copied()) else {
@@ -112,6 +112,8 @@ pub fn draw_convergence(inputs: &[Input], runs: &[f64], quantiles: &[Vec<[f64; 3
     };
     let tone = colour::kind(0);
     let mut rows = String::from("parameter,runs,lower,median,upper\n");
+    let what = "line: median, band: 95 % interval".into();
+    canvas.text(Line { at: (left, 40.0), text: what, size: 37.0, colour: INK, anchor: Anchor::Start, upwards: false });
     for (k, input) in inputs.iter().enumerate() {
         let panel = Panel { left, top: top + k as f64 * (height + GAP), width: WIDTH - left - 50.0, height };
         let of =
