@@ -77,6 +77,17 @@ pub fn overlay(dirs: &[PathBuf], data: &[PathBuf], out: &Path) -> Result<Vec<Pat
     Ok(files)
 }
 
+/// As [`overlay`], but only the figures named, and no table of runs.
+pub fn chosen(dirs: &[PathBuf], names: &[String], out: &Path) -> Result<Vec<PathBuf>> {
+    let runs: Result<Vec<Run>> = dirs.iter().map(|d| Run::read(d)).collect();
+    let input = Input { groups: group::group(runs?), data: Vec::new() };
+    let mut files = Vec::new();
+    for plot in plots(&input)?.iter().filter(|p| names.contains(&p.name)) {
+        files.extend(plot.draw(out)?);
+    }
+    Ok(files)
+}
+
 /// Draws the view of a run's specimen with grains coloured by `colouring` into `out`.
 pub fn draw_specimen(dir: &Path, colouring: &Colouring, out: &Path) -> Result<Vec<PathBuf>> {
     let files = specimen::draw(&Run::read(dir)?, colouring, out)?;
@@ -88,17 +99,22 @@ pub fn draw_specimen(dir: &Path, colouring: &Colouring, out: &Path) -> Result<Ve
 }
 
 fn draw_all(input: &Input, out: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for plot in plots(input)? {
+        files.extend(plot.draw(out)?);
+    }
+    Ok(files)
+}
+
+/// Every figure that the records allow.
+fn plots(input: &Input) -> Result<Vec<Plot>> {
     let mut plots: Vec<Plot> = if triaxial::is(input) { triaxial::plots(input)? } else { curves::plots(input)? };
     plots.extend(gradation::plot(input)?);
     plots.extend(stress_path::plot(input)?);
     plots.extend(energy::plot(input)?);
     plots.extend(assembly::plots(input)?);
     plots.extend(platen::plots(input)?);
-    let mut files = Vec::new();
-    for plot in plots {
-        files.extend(plot.draw(out)?);
-    }
-    Ok(files)
+    Ok(plots)
 }
 
 #[cfg(test)]
