@@ -63,10 +63,7 @@ pub fn draw_run(dir: &Path) -> Result<Vec<PathBuf>> {
 /// Draws several runs together into `out`, with measured data as symbols. Runs of one scene and scale with different
 /// seeds become a band with its median, all others lines.
 pub fn overlay(dirs: &[PathBuf], data: &[PathBuf], out: &Path) -> Result<Vec<PathBuf>> {
-    let runs: Result<Vec<Run>> = dirs.iter().map(|d| Run::read(d)).collect();
-    let data: Result<Vec<Measured>> = data.iter().enumerate().map(|(i, path)| Measured::read(path, i)).collect();
-    let input = Input { groups: group::group(runs?), data: data? };
-    let mut files = draw_all(&input, out)?;
+    let mut files = draw_all(&input(dirs, data)?, out)?;
     if !files.is_empty() {
         files.extend(runs_table::write(dirs, out)?);
     }
@@ -78,14 +75,22 @@ pub fn overlay(dirs: &[PathBuf], data: &[PathBuf], out: &Path) -> Result<Vec<Pat
 }
 
 /// As [`overlay`], but only the figures named, and no table of runs.
-pub fn chosen(dirs: &[PathBuf], names: &[String], out: &Path) -> Result<Vec<PathBuf>> {
-    let runs: Result<Vec<Run>> = dirs.iter().map(|d| Run::read(d)).collect();
-    let input = Input { groups: group::group(runs?), data: Vec::new() };
+pub fn chosen(dirs: &[PathBuf], data: &[PathBuf], names: &[String], out: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
-    for plot in plots(&input)?.iter().filter(|p| names.contains(&p.name)) {
+    for plot in plots(&input(dirs, data)?)?.iter().filter(|p| names.contains(&p.name)) {
         files.extend(plot.draw(out)?);
     }
+    if files.is_empty() {
+        let why = format!("nothing to draw: the runs given have no {}", names.join(" and no "));
+        return Err(FigureError::nothing(out, &why));
+    }
     Ok(files)
+}
+
+fn input(dirs: &[PathBuf], data: &[PathBuf]) -> Result<Input> {
+    let runs: Result<Vec<Run>> = dirs.iter().map(|d| Run::read(d)).collect();
+    let data: Result<Vec<Measured>> = data.iter().enumerate().map(|(i, path)| Measured::read(path, i)).collect();
+    Ok(Input { groups: group::group(runs?), data: data? })
 }
 
 /// Draws the view of a run's specimen with grains coloured by `colouring` into `out`.

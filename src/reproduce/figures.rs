@@ -19,7 +19,7 @@ pub fn draw(figure: &Figure, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> 
     match &figure.draw {
         Content::Curves { show, runs } => {
             let folders = folders(runs);
-            if folders.is_empty() { Ok(Vec::new()) } else { Ok(figure::chosen(&folders, show, dir)?) }
+            if folders.is_empty() { Ok(Vec::new()) } else { Ok(figure::chosen(&folders, &[], show, dir)?) }
         }
         Content::Specimen { runs } => {
             let mut files = Vec::new();
