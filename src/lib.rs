@@ -15,6 +15,7 @@ pub mod neighbours;
 pub mod packing;
 pub mod real;
 pub mod record;
+pub mod reproduce;
 pub mod rig;
 pub mod run;
 pub mod scene;

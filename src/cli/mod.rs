@@ -10,6 +10,7 @@ mod campaign;
 mod check;
 mod ensemble;
 mod plot;
+mod reproduce;
 mod resume;
 mod run;
 mod sweep;
@@ -54,6 +55,8 @@ pub enum Verb {
     Ensemble(ensemble::Args),
     /// Run a table of parameters, each in a process and a folder of its own
     Sweep(sweep::Args),
+    /// Run a paper's runs again and compare
+    Reproduce(reproduce::Args),
     /// Measure the speed of the engine
     Bench(bench::Args),
     /// Find parameters from laboratory data
@@ -69,6 +72,7 @@ impl Verb {
             Verb::Resume(args) => resume::call(args),
             Verb::Ensemble(args) => ensemble::call(&args),
             Verb::Sweep(args) => sweep::call(&args),
+            Verb::Reproduce(args) => reproduce::call(&args),
             Verb::Bench(args) => bench::call(&args),
             Verb::Calibrate(args) => calibrate::call(&args),
         }

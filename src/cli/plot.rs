@@ -16,6 +16,10 @@ pub struct Args {
     #[arg(long, value_name = "CSV")]
     data: Vec<PathBuf>,
 
+    /// Draw only these figures, by the names of their files, as in crush_events,k0
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    show: Vec<String>,
+
     /// Folder for the figures
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -39,14 +43,20 @@ pub fn call(args: &Args) -> Result<()> {
     for file in &args.data {
         std::fs::File::open(file).map_err(Error::read(file))?;
     }
-    let files = match (&args.out, args.runs.as_slice()) {
-        (None, [one]) if args.data.is_empty() => figure::draw_run(one)?,
-        (None, [one]) => figure::overlay(&args.runs, &args.data, &one.join("figures"))?,
+    let (out, own) = match (&args.out, args.runs.as_slice()) {
+        (Some(out), _) => (out.clone(), false),
+        (None, [one]) => (one.join("figures"), true),
         (None, _) => {
             let message = "must name a folder for the figures of several runs";
             return Err(Error::input("--out", "", None, message));
         }
-        (Some(out), _) => figure::overlay(&args.runs, &args.data, out)?,
+    };
+    let files = if !args.show.is_empty() {
+        figure::chosen(&args.runs, &args.data, &args.show, &out)?
+    } else if own && args.data.is_empty() {
+        figure::draw_run(&args.runs[0])?
+    } else {
+        figure::overlay(&args.runs, &args.data, &out)?
     };
     if args.json {
         super::print(&serde_json::json!({ "files": files }).to_string())?;

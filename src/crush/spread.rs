@@ -1,5 +1,5 @@
 //! The distribution of strength at one size: the ratio of a grain's strength to the mean at its size, normal with mean 1 and
-//! standard deviation `var`, truncated from below ([`super::strength`] draws from it).
+//! standard deviation `var`, truncated ([`super::strength`] draws from it).
 
 use super::strength::{StrengthModel, Truncation};
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -15,9 +15,9 @@ impl StrengthModel {
         };
         match self.truncation {
             Truncation::Clamp => normal.cdf(ratio),
-            Truncation::Redraw => {
-                let below = normal.cdf(self.min_ratio);
-                (normal.cdf(ratio) - below) / (1.0 - below)
+            Truncation::Redraw | Truncation::Symmetric => {
+                let (below, admitted) = self.admitted(&normal);
+                ((normal.cdf(ratio) - below) / admitted).min(1.0)
             }
         }
     }
@@ -27,12 +27,18 @@ impl StrengthModel {
         let Some(normal) = self.normal() else { return 1.0 };
         let p = match self.truncation {
             Truncation::Clamp => p,
-            Truncation::Redraw => {
-                let below = normal.cdf(self.min_ratio);
-                below + p * (1.0 - below)
+            Truncation::Redraw | Truncation::Symmetric => {
+                let (below, admitted) = self.admitted(&normal);
+                below + p * admitted
             }
         };
         normal.inverse_cdf(p).max(self.min_ratio)
+    }
+
+    /// Shares of draws that lie below the smallest admitted ratio, and that are admitted.
+    fn admitted(&self, normal: &Normal) -> (f64, f64) {
+        let below = normal.cdf(self.min_ratio);
+        (below, normal.cdf(self.max_ratio()) - below)
     }
 
     /// `None` without spread.
@@ -53,7 +59,9 @@ mod tests {
     /// The share of 10^5 draws below each quantile; its standard error is at most 0.0016.
     #[test]
     fn draws_follow_the_distribution() {
-        for (var, truncation) in [(1.0, Truncation::Redraw), (1.0, Truncation::Clamp), (0.48, Truncation::Redraw)] {
+        for (var, truncation) in
+            [(1.0, Truncation::Redraw), (1.0, Truncation::Clamp), (0.48, Truncation::Redraw), (1.0, Truncation::Symmetric)]
+        {
             let law = law(var, truncation);
             let mut draws: Vec<f64> = (0..100_000).map(|i| law.draw(5, lineage_root(i), 1.0)).collect();
             draws.sort_by(f64::total_cmp);

@@ -36,6 +36,9 @@ pub enum Truncation {
     Redraw,
     /// It becomes `min_ratio`. With `min_ratio` 0 and `var` 1 the mean becomes 1.083; 15.9 % have no strength at all.
     Clamp,
+    /// It is drawn again, and so is one as far above the mean: the mean stays what it is. With `min_ratio` 0 and `var` 1 the
+    /// coefficient of variation becomes 0.540.
+    Symmetric,
 }
 
 /// Law of the limit strength of a grain. `sigma_lim0` and `var` are parameters of the normal before truncation.
@@ -66,7 +69,7 @@ impl StrengthModel {
         for _ in 0..MAX_REDRAWS {
             let deviate: f64 = StandardNormal.sample(&mut rng);
             let ratio = 1.0 + self.var * deviate;
-            if ratio >= self.min_ratio {
+            if ratio >= self.min_ratio && ratio <= self.max_ratio() {
                 return ratio;
             }
             if self.truncation == Truncation::Clamp {
@@ -74,6 +77,14 @@ impl StrengthModel {
             }
         }
         self.min_ratio
+    }
+
+    /// Largest admitted ratio of a strength to the mean at its size, -.
+    pub(super) fn max_ratio(&self) -> f64 {
+        match self.truncation {
+            Truncation::Symmetric => 2.0 - self.min_ratio,
+            Truncation::Redraw | Truncation::Clamp => f64::INFINITY,
+        }
     }
 }
 
@@ -172,6 +183,7 @@ mod tests {
             (1.0, Truncation::Redraw, 1.288, 0.616, 0.0),
             (0.48, Truncation::Redraw, 1.022, 0.446, 0.0),
             (1.0, Truncation::Clamp, 1.0833, 0.8004, 0.1587),
+            (1.0, Truncation::Symmetric, 1.0, 0.5396, 0.0),
         ] {
             let found = statistics(model(var, truncation));
             assert!((found.0 - mean).abs() < 0.0035, "{found:?}");

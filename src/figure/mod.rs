@@ -63,10 +63,7 @@ pub fn draw_run(dir: &Path) -> Result<Vec<PathBuf>> {
 /// Draws several runs together into `out`, with measured data as symbols. Runs of one scene and scale with different
 /// seeds become a band with its median, all others lines.
 pub fn overlay(dirs: &[PathBuf], data: &[PathBuf], out: &Path) -> Result<Vec<PathBuf>> {
-    let runs: Result<Vec<Run>> = dirs.iter().map(|d| Run::read(d)).collect();
-    let data: Result<Vec<Measured>> = data.iter().enumerate().map(|(i, path)| Measured::read(path, i)).collect();
-    let input = Input { groups: group::group(runs?), data: data? };
-    let mut files = draw_all(&input, out)?;
+    let mut files = draw_all(&input(dirs, data)?, out)?;
     if !files.is_empty() {
         files.extend(runs_table::write(dirs, out)?);
     }
@@ -75,6 +72,25 @@ pub fn overlay(dirs: &[PathBuf], data: &[PathBuf], out: &Path) -> Result<Vec<Pat
         return Err(FigureError::nothing(out, why));
     }
     Ok(files)
+}
+
+/// As [`overlay`], but only the figures named, and no table of runs.
+pub fn chosen(dirs: &[PathBuf], data: &[PathBuf], names: &[String], out: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for plot in plots(&input(dirs, data)?)?.iter().filter(|p| names.contains(&p.name)) {
+        files.extend(plot.draw(out)?);
+    }
+    if files.is_empty() {
+        let why = format!("nothing to draw: the runs given have no {}", names.join(" and no "));
+        return Err(FigureError::nothing(out, &why));
+    }
+    Ok(files)
+}
+
+fn input(dirs: &[PathBuf], data: &[PathBuf]) -> Result<Input> {
+    let runs: Result<Vec<Run>> = dirs.iter().map(|d| Run::read(d)).collect();
+    let data: Result<Vec<Measured>> = data.iter().enumerate().map(|(i, path)| Measured::read(path, i)).collect();
+    Ok(Input { groups: group::group(runs?), data: data? })
 }
 
 /// Draws the view of a run's specimen with grains coloured by `colouring` into `out`.
@@ -88,17 +104,22 @@ pub fn draw_specimen(dir: &Path, colouring: &Colouring, out: &Path) -> Result<Ve
 }
 
 fn draw_all(input: &Input, out: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for plot in plots(input)? {
+        files.extend(plot.draw(out)?);
+    }
+    Ok(files)
+}
+
+/// Every figure that the records allow.
+fn plots(input: &Input) -> Result<Vec<Plot>> {
     let mut plots: Vec<Plot> = if triaxial::is(input) { triaxial::plots(input)? } else { curves::plots(input)? };
     plots.extend(gradation::plot(input)?);
     plots.extend(stress_path::plot(input)?);
     plots.extend(energy::plot(input)?);
     plots.extend(assembly::plots(input)?);
     plots.extend(platen::plots(input)?);
-    let mut files = Vec::new();
-    for plot in plots {
-        files.extend(plot.draw(out)?);
-    }
-    Ok(files)
+    Ok(plots)
 }
 
 #[cfg(test)]

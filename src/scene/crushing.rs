@@ -115,6 +115,7 @@ impl View<'_> {
             var: self.si(&format!("{table}.var")),
             truncation: match self.text(&of.key("strength.truncation")) {
                 "clamp" => Truncation::Clamp,
+                "symmetric" => Truncation::Symmetric,
                 _ => Truncation::Redraw,
             },
             min_ratio: self.si(&of.key("strength.min_ratio")),

@@ -310,9 +310,9 @@ pub const KEYS: &[Key] = &[
     every("material.strength.d0_mm", Number(POSITIVE), Is("2.0"), "reference diameter of size hardening (eq. 7), unscaled"),
     every(
         "material.strength.truncation",
-        Choice(&["redraw", "clamp"]),
+        Choice(&["redraw", "clamp", "symmetric"]),
         Is("\"redraw\""),
-        "what is done with a strength below `min_ratio`",
+        "what is done with a strength below `min_ratio`: drawn again, set to it, or drawn again with those as far above the mean",
     ),
     every("material.strength.min_ratio", Number(RATIO), Is("0.0"), "smallest strength over the mean at its size"),
     every(

@@ -1,0 +1,64 @@
+//! `comminute reproduce PLAN`
+
+use super::campaign::Options;
+use comminute::campaign::Job;
+use comminute::error::{Error, Result};
+use comminute::reproduce::{Plan, gather, write};
+use std::path::{Path, PathBuf};
+
+/// Run a paper's runs and set what they give beside what was published
+///
+/// What is done already is not run again; tables, figures and the report are made of all runs of the plan that are done.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples, from the repository root:\n  comminute reproduce ciantia2015 --only 'petroleum_coke-*-2'\n  comminute reproduce ciantia2015 --jobs 2"
+)]
+pub struct Args {
+    /// Plan: a TOML file, or the name of one in experiments/
+    plan: String,
+
+    /// Run only the entries whose names match, as in 'silica-*'; may be given several times
+    #[arg(long, value_name = "GLOB")]
+    only: Vec<String>,
+
+    /// Folder of the runs; runs/ and the name of the plan if not given
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Folder of tables, figures and report; report/ in that of the runs if not given
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+
+    #[command(flatten)]
+    options: Options,
+}
+
+pub fn call(args: &Args) -> Result<()> {
+    let plan = Plan::read(&args.plan)?;
+    let name = Path::new(&args.plan).file_stem().map_or_else(|| args.plan.clone(), |s| s.to_string_lossy().into_owned());
+    let out = args.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
+    let patterns = patterns(&args.only)?;
+    let mut jobs: Vec<Job> = Vec::new();
+    for run in &plan.runs {
+        if patterns.is_empty() || patterns.iter().any(|p| p.matches(&run.id)) {
+            jobs.extend(plan.jobs(run, &out)?);
+        }
+    }
+    if jobs.is_empty() {
+        let names: Vec<&str> = plan.runs.iter().map(|run| run.id.as_str()).collect();
+        let message = format!("matches no run of the plan: {}", names.join(", "));
+        return Err(Error::input("--only", "", Some(args.only.join(" ")), message));
+    }
+    let Some(outcomes) = args.options.run(&mut jobs)? else { return Ok(()) };
+    let report = args.report.clone().unwrap_or_else(|| out.join("report"));
+    let files = write(&plan, &gather(&plan, &out)?, &report)?;
+    let shown: Vec<PathBuf> = files.into_iter().filter(|f| f.extension().is_none_or(|e| e != "svg" && e != "png")).collect();
+    args.options.close(&jobs, &outcomes, &shown[..3.min(shown.len())])
+}
+
+fn patterns(only: &[String]) -> Result<Vec<glob::Pattern>> {
+    let pattern = |text: &String| {
+        glob::Pattern::new(text).map_err(|e| Error::input("--only", "", Some(text.clone()), format!("is no pattern: {}", e.msg)))
+    };
+    only.iter().map(pattern).collect()
+}

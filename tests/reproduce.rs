@@ -1,0 +1,113 @@
+//! A plan from the command line: its runs, once, and the report with what was published beside.
+
+use assert_cmd::cargo::cargo_bin;
+use std::fs;
+use std::process::{Command, Output, Stdio};
+use tempfile::TempDir;
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// A plan of two small scenes, one crushable with two seeds and one not.
+fn folder() -> TempDir {
+    let dir = tempfile::tempdir().expect("folder");
+    let scene = format!(
+        "base = \"{ROOT}/experiments/petroleum_coke/h-c-2.toml\"\nname = \"small\"\n[specimen]\nscale = 4.0\ngrains = 100\nporosity = 0.48\n\
+         [preparation]\ngrowth_friction = 0.4\ngrowth_steps = 1000\nporosity_tolerance = 0.05\nmax_steps = 30000\n\
+         [loading]\nmax_stress_kPa = 60.0\nprogramme = \"adaptive\"\nsettle_steps = 100\n\
+         [records]\nat_kPa = []\nfigures = false\nsnapshots = false\n\
+         [material]\nbase = \"{ROOT}/materials/petroleum_coke.toml\"\n[material.strength.fixed_angle]\nsigma_lim0_MPa = 30.0\n"
+    );
+    fs::write(dir.path().join("crushes.toml"), scene).expect("scene");
+    fs::write(dir.path().join("twin.toml"), "base = \"crushes.toml\"\nname = \"twin\"\n[crushing]\nenabled = false\n")
+        .expect("scene");
+    let plan = "title = \"A paper\"\nsource = \"A journal.\"\npublished_minutes = 120\nnotes = [\"A remark.\"]\n\
+        [[run]]\nid = \"crushes\"\nscene = \"crushes.toml\"\nseeds = \"1,2\"\n\
+        published = [{ events = 4, grains = 152, excluded = 900, minutes = 7 }, { stress_kPa = 9999, events = 1e6, grains = 1, excluded = 1 }]\n\
+        [[run]]\nid = \"twin\"\nscene = \"twin.toml\"\n\
+        [[figure]]\nname = \"fig1\"\ntitle = \"Fig. 1: lines\"\npaper = \"Lines | fall.\"\nhere = \"They do.\"\n\
+        [figure.draw]\nof = \"curves\"\nshow = [\"compression\"]\nruns = [\"crushes\", \"twin\"]\n\
+        [[figure]]\nname = \"fig2\"\ntitle = \"Fig. 2: time\"\npaper = \"Time grows.\"\n[figure.draw]\nof = \"cost\"\n";
+    fs::write(dir.path().join("plan.toml"), plan).expect("plan");
+    dir
+}
+
+#[track_caller]
+fn call(dir: &TempDir, args: &[&str], code: i32) -> Output {
+    let mut command = Command::new(cargo_bin("comminute"));
+    let output = command.current_dir(dir.path()).arg("reproduce").args(args).stdin(Stdio::null()).output().expect("started");
+    assert_eq!(output.status.code(), Some(code), "{args:?}\n{}", said(&output));
+    output
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn text(dir: &TempDir, file: &str) -> String {
+    let path = dir.path().join(file);
+    fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+#[test]
+fn runs_are_done_once_and_stand_beside_what_was_published() {
+    let dir = folder();
+    call(&dir, &["plan.toml", "--only", "cr*", "--out", "out"], 0);
+    assert!(!dir.path().join("out/twin").exists(), "not asked for");
+    let part = text(&dir, "out/report/README.md");
+    assert!(part.contains("# A paper\n\nA journal.") && part.contains("- A remark."), "{part}");
+
+    let output = call(&dir, &["plan.toml", "--out", "out", "--report", "paper"], 0);
+    assert!(said(&output).contains("3 of 3 runs done, 2 of them before"), "{}", said(&output));
+    let table = text(&dir, "paper/comparison.csv");
+    let rows: Vec<Vec<&str>> = table.lines().map(|l| l.split(',').collect()).collect();
+    let cell = |row: usize, name: &str| rows[row][rows[0].iter().position(|h| *h == name).expect("column")];
+    let number = |row: usize, name: &str| cell(row, name).parse::<f64>().expect("number");
+    assert_eq!((rows.len(), cell(1, "run"), cell(1, "seeds")), (3, "crushes", "2"));
+    let events = number(1, "events_mean");
+    assert!(events > 0.0 && (number(1, "grains_mean") - (100.0 + 13.0 * events)).abs() < 1e-6);
+    assert!((number(1, "difference_percent") - 100.0 * (events / 4.0 - 1.0)).abs() < 1e-6);
+    assert_eq!(cell(2, "events_mean"), "", "no run got to that stress");
+    assert_eq!(cell(2, "reached_seeds"), "0");
+    assert_eq!(text(&dir, "paper/runs.csv").lines().count(), 4);
+
+    let report = text(&dir, "paper/README.md");
+    assert!(report.contains("| Lines \\| fall. | They do. |") && report.contains("<img src=\"fig1/compression.svg\""), "{report}");
+    assert!(report.contains("the paper's took 120 min"), "{report}");
+    for file in ["fig1/compression.csv", "fig2/run_time_crush_events.svg"] {
+        assert!(dir.path().join("paper").join(file).is_file(), "{file}");
+    }
+    // the same again changes nothing but what it says
+    call(&dir, &["plan.toml", "--out", "out", "--report", "again"], 0);
+    assert_eq!(report, text(&dir, "again/README.md"));
+}
+
+#[test]
+fn mistakes_are_told_before_anything_runs() {
+    let dir = folder();
+    let output = call(&dir, &["plan.toml", "--only", "x*"], 2);
+    assert!(said(&output).contains("matches no run of the plan: crushes, twin"), "{}", said(&output));
+    assert!(said(&call(&dir, &["plan.toml", "--only", "[a"], 2)).contains("is no pattern"));
+    assert!(said(&call(&dir, &["nobody1999"], 2)).contains("experiments/nobody1999.toml"));
+    fs::write(dir.path().join("twin.toml"), "base = \"crushes.toml\"\n[loading]\nrate = -1\n").expect("scene");
+    assert!(said(&call(&dir, &["plan.toml"], 2)).contains("loading.rate = -1"));
+    assert!(!dir.path().join("runs").exists());
+}
+
+#[test]
+fn the_plan_of_the_paper_holds_every_row_of_its_table() {
+    let plan = comminute::reproduce::Plan::read(&format!("{ROOT}/experiments/ciantia2015.toml")).expect("plan");
+    let rows: Vec<_> = plan.runs.iter().flat_map(|r| &r.published).collect();
+    assert_eq!(rows.len(), 18, "Table 4 of Ciantia et al. 2015");
+    for run in &plan.runs {
+        for job in plan.jobs(run, std::path::Path::new("out")).expect("jobs") {
+            let (_, model) = job.load().expect("scene");
+            for p in &run.published {
+                let comminute::model::Rig::Oedometer(rig) = &model.rig else { panic!("{} is no oedometer", run.id) };
+                assert_eq!(rig.specimen.grains as f64 + 13.0 * p.events, p.grains, "{}", run.id);
+            }
+        }
+    }
+    // the starred rows of Table 4 are stages of the runs that follow them
+    let minutes: f64 = plan.runs.iter().filter_map(|r| r.published.last()?.minutes).sum();
+    assert_eq!(Some(minutes), plan.published_minutes);
+}
