@@ -16,11 +16,11 @@ grep '^[0-9]' $here/truths.csv | head -3 >> "$out/three.csv"
 study --truths "$out/three.csv" --all-data --budget 56 --out "$out/all_data"
 
 mkdir -p $figures/example $figures/all_data $here/targets
-cp "$out"/curve/recovery* $figures
+cp "$out"/curve/{recovery,left_out}*.csv "$out"/curve/recovery*.svg $figures
 cp "$out"/all_data/recovery.csv $figures/all_data
 cp "$out"/curve/targets/target-*.csv $here/targets
 for name in curve corner sensitivity convergence; do
-    cp "$out"/curve/calibration-05/figures/$name.* $figures/example
+    cp "$out"/curve/calibration-05/figures/$name.{svg,csv} $figures/example
 done
 cp "$out"/curve/calibration-05/{calibration.json,evaluations.csv,report.md} $figures/example
-cp "$out"/all_data/calibration-03/figures/{k0,gradation}* $figures/all_data
+cp "$out"/all_data/calibration-03/figures/{k0,gradation}*.{svg,csv} $figures/all_data

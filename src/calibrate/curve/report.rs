@@ -278,7 +278,9 @@ fn figures(out: &Path, parts: &Parts<'_>) -> figure::Result<Vec<std::path::PathB
         let cut = |v: &Vec<f64>| v[own.clone()].to_vec();
         let (quantity, name, fact) = match block.kind {
             Kind::History(column) => (column.to_string(), if i == 0 { "curve".into() } else { column.to_string() }, None),
-            Kind::Gradation(s) => ("gradation".into(), format!("gradation_{s}_kPa"), Some(format!("σ_{{v}} = {} MPa", s * 1e-3))),
+            Kind::Gradation(s) => {
+                ("gradation".into(), format!("gradation_{s}_kPa"), Some(format!("σ_{{v}} = {} MPa", short(s * 1e-3))))
+            }
         };
         let mut title = vec![format!("{} runs", parts.search.done().count())];
         title.extend(fact);

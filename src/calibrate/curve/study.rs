@@ -50,7 +50,8 @@ impl Recovered {
     }
 }
 
-/// Makes the curves, calibrates each, and writes `recovery.csv` with a figure for each parameter. Goes on from whatever is there. The
+/// Makes the curves, calibrates each, and writes `recovery.csv` with a figure for each parameter, and `left_out.csv` (how each
+/// calibration's test of itself ended). Goes on from whatever is there. The
 /// runs that fill the space between the bounds are made once for all targets.
 ///
 /// # Errors
@@ -66,6 +67,7 @@ pub fn recover(plan: &Plan, tell: &dyn Fn(&str)) -> Result<Vec<Recovered>> {
     let settings = Settings::usual(parameters.len());
     let design = r.design.unwrap_or(settings.design) + settings.centre;
     let mut found = Vec::new();
+    let mut left_out = String::from("target,parameter,curves,held,mean_interval_over_bounds\n");
     for (i, (files, truths)) in files.into_iter().zip(truths).enumerate() {
         let dir = |i: usize| plan.out.join(format!("calibration-{:02}", i + 1));
         if i > 0 {
@@ -85,6 +87,12 @@ pub fn recover(plan: &Plan, tell: &dyn Fn(&str)) -> Result<Vec<Recovered>> {
                 over_prior: of("interval_over_prior"),
             });
         }
+        let of = &outcome.json["left_out"];
+        for p in parameters.iter().filter(|_| of.is_object()) {
+            let width = of["mean_interval_over_bounds"][&p.key].as_f64().unwrap_or(f64::NAN);
+            left_out += &format!("{},{},{},{},{width:.3}\n", i + 1, p.key, of["curves"], of["held"][&p.key]);
+        }
+        log::replace(&plan.out.join("left_out.csv"), left_out.as_bytes())?;
         // after each, so that a study that is stopped shows what it has
         write(&plan.out, &parameters, &found)?;
     }
