@@ -111,3 +111,58 @@ fn the_plan_of_the_paper_holds_every_row_of_its_table() {
     let minutes: f64 = plan.runs.iter().filter_map(|r| r.published.last()?.minutes).sum();
     assert_eq!(Some(minutes), plan.published_minutes);
 }
+
+/// Eqs (13)–(15): with every length multiplied by N, the specimen's too, nothing but lengths changes. So what differs between two scales in one
+/// oedometer is how many grains stand between its walls.
+#[test]
+fn upscaling_with_the_specimen_scaled_too_changes_nothing() {
+    let dir = folder();
+    let run = |args: &[&str]| {
+        let output = Command::new(cargo_bin("comminute")).current_dir(dir.path()).arg("run").args(args).output().expect("started");
+        assert!(output.status.success(), "{}", said(&output));
+    };
+    run(&["crushes.toml", "--quiet", "--out", "one"]);
+    let specimen = text(&dir, "one/specimen.csv");
+    let twice: Vec<String> = specimen.lines().filter(|l| !l.starts_with("# hash")).map(doubled).collect();
+    fs::write(dir.path().join("twice.csv"), twice.join("\n")).expect("specimen");
+    run(&["crushes.toml", "--quiet", "--out", "one", "--force", "--specimen", "one/specimen.csv"]);
+    let sets = ["--set", "specimen.scale=8.0", "--set", "specimen.diameter_mm=400.0"];
+    run(&[&["crushes.toml", "--quiet", "--out", "two", "--specimen", "twice.csv"], &sets[..]].concat());
+    let rows = |file: &str| -> Vec<Vec<f64>> {
+        let table = text(&dir, file);
+        let header: Vec<&str> = table.lines().next().expect("header").split(',').collect();
+        let at: Vec<usize> = ["sigma_v_kPa", "k0", "axial_strain", "porosity", "coordination_number", "crush_events", "d50_mm"]
+            .iter()
+            .map(|name| header.iter().position(|h| h == name).expect("column"))
+            .collect();
+        table
+            .lines()
+            .skip(1)
+            .map(|l| at.iter().map(|&i| l.split(',').nth(i).expect("cell").parse().expect("number")).collect())
+            .collect()
+    };
+    let (one, two) = (rows("one/history.csv"), rows("two/history.csv"));
+    assert!(one.len() > 20 && one.last().expect("end")[5] > 0.0, "it crushes");
+    assert_eq!(one.len(), two.len());
+    // rounding grows from contact to contact; the first part of the curve shows the law, the end that the counts are the same
+    for (a, b) in one.iter().zip(&two).take(5) {
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * a.abs().max(1.0)), "{a:?} {b:?}");
+    }
+    let (a, b) = (one.last().expect("end"), two.last().expect("end"));
+    assert!((a[3] - b[3]).abs() < 2e-3 && (a[5] - b[5]).abs() <= 2.0, "{a:?} {b:?}");
+}
+
+/// A line of a specimen file with every length twice as large.
+fn doubled(line: &str) -> String {
+    let double = |x: &str| x.trim().parse::<f64>().map_or(x.to_string(), |x| format!("{:?}", 2.0 * x));
+    match line.split_once('=') {
+        Some((name, value)) => format!("{name}= {}", double(value)),
+        // x_m, y_m, z_m, r_m come first
+        None => line
+            .split(',')
+            .enumerate()
+            .map(|(i, cell)| if i < 4 { double(cell) } else { cell.to_string() })
+            .collect::<Vec<_>>()
+            .join(","),
+    }
+}

@@ -32,6 +32,7 @@ pub use calibration::{Drawn, Graph, Look, Quantity, Tone};
 pub use error::{FigureError, Result};
 pub use mean::write as write_means;
 pub use posterior::{FittedLine, Input as PosteriorInput, draw_convergence, draw_corner, draw_fitted, draw_sensitivity};
+pub use runs_table::write as write_runs;
 pub use specimen::Colouring;
 
 use data::Measured;
