@@ -14,6 +14,7 @@ pub mod model;
 pub mod mpm;
 pub mod neighbours;
 pub mod packing;
+pub mod point_test;
 pub mod real;
 pub mod record;
 pub mod rig;

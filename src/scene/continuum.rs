@@ -77,7 +77,10 @@ impl View<'_> {
             "inner" => Cone::Inner,
             "plane_strain" => Cone::PlaneStrain,
             _ => {
-                self.refuse(&key("cone"), "is missing: write \"outer\", \"inner\" or \"plane_strain\"; friction angles mean nothing without it");
+                self.refuse(
+                    &key("cone"),
+                    "is missing: write \"outer\", \"inner\" or \"plane_strain\"; friction angles mean nothing without it",
+                );
                 return None;
             }
         };
@@ -110,7 +113,11 @@ impl View<'_> {
         check(
             least >= 0.0 && most < 1.55,
             cubic("friction_evolution", "cubic_rad"),
-            format!("gives friction angles from {:.2} to {:.2} degrees; they must stay within 0 and 88.8", least / DEGREE, most / DEGREE),
+            format!(
+                "gives friction angles from {:.2} to {:.2} degrees; they must stay within 0 and 88.8",
+                least / DEGREE,
+                most / DEGREE
+            ),
         );
         check(
             weakest >= 0.0,
@@ -238,7 +245,9 @@ mod tests {
         assert_eq!((p.cone, p.cohesion, p.tension), (Cone::Outer, Evolution::Constant(2e3), 1e3));
         assert_eq!(p.friction, Evolution::Constant(30.0 * (std::f64::consts::PI / 180.0)));
         assert!((p.elastic.young() - 4.6e6).abs() < 1e-6);
-        let Law::Elastic(law) = read("law = \"elastic\"\nG_MPa = 2.0\nnu = 0.25\n", &[]).expect("a law").law else { panic!("the law") };
+        let Law::Elastic(law) = read("law = \"elastic\"\nG_MPa = 2.0\nnu = 0.25\n", &[]).expect("a law").law else {
+            panic!("the law")
+        };
         assert!((law.young() - 5e6).abs() < 1e-6);
     }
 
@@ -265,7 +274,11 @@ mod tests {
         for (text, sets, says) in [
             (without("cone"), vec![], "continuum.cone: is missing"),
             (without("cohesion"), vec![], "continuum.cohesion_kPa: is missing"),
-            (without("dilation"), vec![], "continuum.dilation_angle_deg: is missing: write dilation_angle_deg or dilation_angle_rad"),
+            (
+                without("dilation"),
+                vec![],
+                "continuum.dilation_angle_deg: is missing: write dilation_angle_deg or dilation_angle_rad",
+            ),
             (without("E_MPa"), vec![], "must have G_MPa or E_MPa"),
             (without("nu"), vec![], "continuum.nu: is missing"),
             (SOIL.into(), vec!["continuum.nu=0.5"], "must be > -1 and < 0.5"),
@@ -282,7 +295,9 @@ mod tests {
             ),
             (format!("{SOIL}friction_angle_rad = 0.5\n"), vec![], "must not stand beside friction_angle_rad"),
             (
-                format!("{SOIL}[continuum.cohesion_evolution]\nlaw = \"linear\"\nlast_kPa = 1.0\nplastic_strain = 0.1\ndecay = 2.0\n"),
+                format!(
+                    "{SOIL}[continuum.cohesion_evolution]\nlaw = \"linear\"\nlast_kPa = 1.0\nplastic_strain = 0.1\ndecay = 2.0\n"
+                ),
                 vec![],
                 "continuum.cohesion_evolution.decay = 2: has no meaning with law = \"linear\"",
             ),

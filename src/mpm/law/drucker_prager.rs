@@ -41,6 +41,12 @@ impl Strength {
         root * (3.0 * self.alpha * cell + self.kappa) / (1.0 - root * self.alpha)
     }
 
+    /// Radial less axial stress at failure in triaxial extension at the cell pressure, Pa (compression positive).
+    pub fn q_extension(&self, cell: f64) -> f64 {
+        let root = 3f64.sqrt();
+        root * (3.0 * self.alpha * cell + self.kappa) / (1.0 + root * self.alpha)
+    }
+
     /// sqrt(3 J2) on the surface at the mean pressure p, Pa (compression positive).
     pub fn q_at(&self, p: f64) -> f64 {
         3f64.sqrt() * (3.0 * self.alpha * p + self.kappa).max(0.0)

@@ -106,14 +106,8 @@ mod tests {
         // first order: sigma + W sigma - sigma W, written out for one spin
         let w = 1e-7;
         let b = rotated(A, [w, 0.0, 0.0]);
-        let first = [
-            A[0] + 2.0 * w * A[3],
-            A[1] - 2.0 * w * A[3],
-            A[2],
-            A[3] + w * (A[1] - A[0]),
-            A[4] - w * A[5],
-            A[5] + w * A[4],
-        ];
+        let first =
+            [A[0] + 2.0 * w * A[3], A[1] - 2.0 * w * A[3], A[2], A[3] + w * (A[1] - A[0]), A[4] - w * A[5], A[5] + w * A[4]];
         assert!(near(&b, &first, 1e-12), "{b:?} {first:?}");
     }
 
