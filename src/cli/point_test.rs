@@ -109,8 +109,8 @@ fn tell(summary: &Value) {
             value => format!(", {what} {}", text(value)),
         };
         eprintln!(
-            "{} kPa: largest q {} kPa, stress ratio at the peak {}{}{}{}{}",
-            test["confining_kPa"],
+            "initial stress {} kPa: largest q {} kPa, stress ratio at the peak {}{}{}{}{}",
+            test["confining_kPa"].as_f64().unwrap_or(0.0),
             text(&test["peak_q_kPa"]),
             text(&test["peak_stress_ratio"]),
             known("closed_form_peak_stress_ratio", "closed form"),

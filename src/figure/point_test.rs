@@ -117,12 +117,13 @@ impl Records {
         let mut series = Vec::new();
         let end = BEYOND * p.iter().copied().filter(|p| p.is_finite()).fold(0.0, f64::max);
         let sign = if q.iter().sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
-        for (name, slope, intercept) in self.yield_lines()? {
-            let from = if slope > 0.0 { (-intercept / slope).min(0.0) } else { 0.0 };
+        for (i, (name, slope, intercept)) in self.yield_lines()?.into_iter().enumerate() {
+            let lowest = p.iter().copied().fold(0.0, f64::min);
+            let from = if slope > 0.0 { (-intercept / slope).max(BEYOND * lowest) } else { lowest };
             series.push(Series {
                 label: Some(name.clone()),
                 name,
-                colour: colour::GREY,
+                colour: if i == 0 { colour::INK } else { colour::GREY },
                 mark: Mark::Guide,
                 x: vec![from, end],
                 y: vec![sign * (slope * from + intercept), sign * (slope * end + intercept)],
