@@ -9,6 +9,7 @@ mod campaign;
 mod check;
 mod ensemble;
 mod plot;
+mod point_test;
 mod reproduce;
 mod resume;
 mod run;
@@ -54,6 +55,8 @@ pub enum Verb {
     Ensemble(ensemble::Args),
     /// Run a table of parameters, each in a process and a folder of its own
     Sweep(sweep::Args),
+    /// Take a continuum law through a laboratory path at a single point
+    PointTest(point_test::Args),
     /// Run a paper's runs again and compare
     Reproduce(reproduce::Args),
     /// Measure the speed of the engine
@@ -71,6 +74,7 @@ impl Verb {
             Verb::Resume(args) => resume::call(args),
             Verb::Ensemble(args) => ensemble::call(&args),
             Verb::Sweep(args) => sweep::call(&args),
+            Verb::PointTest(args) => point_test::call(&args),
             Verb::Reproduce(args) => reproduce::call(&args),
             Verb::Bench(args) => bench::call(&args),
             Verb::Calibrate(args) => calibrate::call(&args),

@@ -18,6 +18,7 @@ mod legend;
 mod mean;
 mod platen;
 mod plot;
+mod point_test;
 mod posterior;
 mod run;
 mod runs_table;
@@ -31,6 +32,7 @@ pub use axis::significant;
 pub use calibration::{Drawn, Graph, Look, Quantity, Tone};
 pub use error::{FigureError, Result};
 pub use mean::write as write_means;
+pub use point_test::{draw as draw_point_test, files as point_test_files};
 pub use posterior::{FittedLine, Input as PosteriorInput, draw_convergence, draw_corner, draw_fitted, draw_sensitivity};
 pub use specimen::Colouring;
 

@@ -14,6 +14,9 @@ const VECTOR: Shape = Numbers(ANY, Some(3));
 const RATIO: Range = Range::below(0.0, 1.0);
 const FRICTION: Range = Range::closed(0.0, 100.0);
 const ANGLE: Range = Range::between(0.0, 1.57);
+const DEGREES: Range = Range::below(0.0, 89.0);
+const RADIANS: Range = Range::below(0.0, 1.55);
+const EVOLUTION: Shape = Choice(&["linear", "cubic_exponential"]);
 
 const fn both(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
     Key { path, shape, default, of: Of::Both, what }
@@ -54,6 +57,9 @@ pub const OPTIONAL_TABLES: &[&str] = &[
     "material.strength.hertz_area",
     "material.comminution",
     "material.fines",
+    "material.continuum",
+    "material.continuum.friction_evolution",
+    "material.continuum.cohesion_evolution",
 ];
 
 /// Tables written as lists (`[[grain]]`).
@@ -62,6 +68,12 @@ pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate"];
 /// Keys of which only one is meant: writing one replaces the other of a base or a file.
 pub const RIVALS: &[(&str, &str)] = &[
     ("G_GPa", "E_GPa"),
+    ("G_MPa", "E_MPa"),
+    ("friction_angle_deg", "friction_angle_rad"),
+    ("dilation_angle_deg", "dilation_angle_rad"),
+    ("last_deg", "last_rad"),
+    ("peak_deg", "peak_rad"),
+    ("residual_deg", "residual_rad"),
     ("friction_angle_rad", "friction"),
     ("sigma_lim0_MPa", "sigma_c_MPa"),
     ("sigma_lim0_MPa", "sigma_t_MPa"),
@@ -364,6 +376,151 @@ pub const KEYS: &[Key] = &[
         Number(POSITIVE),
         Required,
         "smallest size of the lost mass (eq. 12), unscaled, below every daughter",
+    ),
+    every(
+        "material.continuum.law",
+        Choice(&["elastic", "drucker_prager"]),
+        Required,
+        "law of the material as a continuum; the table is for material points, no grain looks at it",
+    ),
+    every("material.continuum.G_MPa", Number(POSITIVE), Absent, "shear modulus of the continuum; or `E_MPa`"),
+    every("material.continuum.E_MPa", Number(POSITIVE), Absent, "Young's modulus of the continuum; or `G_MPa`"),
+    every("material.continuum.nu", Number(Range::between(-1.0, 0.5)), Required, "Poisson ratio of the continuum"),
+    every(
+        "material.continuum.cone",
+        Choice(&["outer", "inner", "plane_strain"]),
+        Absent,
+        "drucker_prager: where the cone meets the Mohr-Coulomb pyramid: triaxial compression, triaxial extension, or matched in plane strain",
+    ),
+    every(
+        "material.continuum.friction_angle_deg",
+        Number(DEGREES),
+        Absent,
+        "drucker_prager: friction angle (before any plastic strain, if it changes); or `friction_angle_rad`",
+    ),
+    every(
+        "material.continuum.friction_angle_rad",
+        Number(RADIANS),
+        Absent,
+        "drucker_prager: friction angle; or `friction_angle_deg`",
+    ),
+    every(
+        "material.continuum.dilation_angle_deg",
+        Number(DEGREES),
+        Absent,
+        "drucker_prager: dilation angle, at most the smallest friction angle; or `dilation_angle_rad`",
+    ),
+    every(
+        "material.continuum.dilation_angle_rad",
+        Number(RADIANS),
+        Absent,
+        "drucker_prager: dilation angle; or `dilation_angle_deg`",
+    ),
+    every(
+        "material.continuum.cohesion_kPa",
+        Number(NOT_NEGATIVE),
+        Absent,
+        "drucker_prager: cohesion (before any plastic strain, if it changes)",
+    ),
+    every(
+        "material.continuum.tension_kPa",
+        Number(NOT_NEGATIVE),
+        Absent,
+        "drucker_prager: largest mean tension; the cone's apex if not written or beyond it",
+    ),
+    every(
+        "material.continuum.friction_evolution.law",
+        EVOLUTION,
+        Required,
+        "how the friction angle follows the accumulated plastic strain: linear, or Li et al. 2023, eq. 43",
+    ),
+    every(
+        "material.continuum.friction_evolution.last_deg",
+        Number(DEGREES),
+        Absent,
+        "linear: friction angle at the end; or `last_rad`",
+    ),
+    every(
+        "material.continuum.friction_evolution.last_rad",
+        Number(RADIANS),
+        Absent,
+        "linear: friction angle at the end; or `last_deg`",
+    ),
+    every(
+        "material.continuum.friction_evolution.plastic_strain",
+        Number(POSITIVE),
+        Absent,
+        "linear: plastic strain at which it is reached",
+    ),
+    every(
+        "material.continuum.friction_evolution.cubic_rad",
+        Numbers(ANY, Some(4)),
+        Absent,
+        "eq. 43: [a, b, c, d] of the friction angle in rad, up to the peak",
+    ),
+    every(
+        "material.continuum.friction_evolution.peak_plastic_strain",
+        Number(POSITIVE),
+        Absent,
+        "eq. 43: plastic strain at the peak",
+    ),
+    every(
+        "material.continuum.friction_evolution.peak_deg",
+        Number(DEGREES),
+        Absent,
+        "eq. 43: friction angle behind the peak; or `peak_rad`",
+    ),
+    every(
+        "material.continuum.friction_evolution.peak_rad",
+        Number(RADIANS),
+        Absent,
+        "eq. 43: friction angle behind the peak; or `peak_deg`",
+    ),
+    every(
+        "material.continuum.friction_evolution.residual_deg",
+        Number(DEGREES),
+        Absent,
+        "eq. 43: residual friction angle; or `residual_rad`",
+    ),
+    every(
+        "material.continuum.friction_evolution.residual_rad",
+        Number(RADIANS),
+        Absent,
+        "eq. 43: residual friction angle; or `residual_deg`",
+    ),
+    every("material.continuum.friction_evolution.decay", Number(POSITIVE), Absent, "eq. 43: softening rate H per plastic strain"),
+    every(
+        "material.continuum.cohesion_evolution.law",
+        EVOLUTION,
+        Required,
+        "how the cohesion follows the accumulated plastic strain: linear, or as Li et al. 2023, eq. 43",
+    ),
+    every("material.continuum.cohesion_evolution.last_kPa", Number(NOT_NEGATIVE), Absent, "linear: cohesion at the end"),
+    every(
+        "material.continuum.cohesion_evolution.plastic_strain",
+        Number(POSITIVE),
+        Absent,
+        "linear: plastic strain at which it is reached",
+    ),
+    every(
+        "material.continuum.cohesion_evolution.cubic_kPa",
+        Numbers(ANY, Some(4)),
+        Absent,
+        "as eq. 43: [a, b, c, d] of the cohesion, up to the peak",
+    ),
+    every(
+        "material.continuum.cohesion_evolution.peak_plastic_strain",
+        Number(POSITIVE),
+        Absent,
+        "as eq. 43: plastic strain at the peak",
+    ),
+    every("material.continuum.cohesion_evolution.peak_kPa", Number(NOT_NEGATIVE), Absent, "as eq. 43: cohesion behind the peak"),
+    every("material.continuum.cohesion_evolution.residual_kPa", Number(NOT_NEGATIVE), Absent, "as eq. 43: residual cohesion"),
+    every(
+        "material.continuum.cohesion_evolution.decay",
+        Number(POSITIVE),
+        Absent,
+        "as eq. 43: softening rate H per plastic strain",
     ),
 ];
 

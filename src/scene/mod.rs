@@ -3,6 +3,7 @@
 
 mod assembly;
 mod calibrate;
+mod continuum;
 mod crushing;
 mod estimate;
 mod files;
@@ -24,6 +25,7 @@ mod view;
 mod write;
 
 pub use calibrate::{Calibrated, Prior};
+pub use continuum::{Continuum, continuum};
 pub use estimate::{Estimate, Specimen, estimate};
 pub use files::read_text;
 pub use keys::reference as key_reference;

@@ -29,6 +29,13 @@ pub fn assumptions(scene: &Scene) -> Vec<Assumption> {
     found
 }
 
+/// Every assumed value of the table at `at`.
+pub fn assumed_in(table: &Table, at: &str) -> Vec<Assumption> {
+    let mut found = Vec::new();
+    collect(table, at, &mut found);
+    found
+}
+
 fn collect(table: &Table, at: &str, found: &mut Vec<Assumption>) {
     let assumed = |s: &str| s.trim_start().to_lowercase().starts_with("assumed");
     for (name, value) in table {

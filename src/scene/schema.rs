@@ -167,7 +167,8 @@ pub fn parse_literal(text: &str) -> Option<Value> {
 
 /// SI value of one unit of `key`, read from its suffix; 1 without one.
 pub fn unit(key: &str) -> f64 {
-    const SUFFIXES: [(&str, f64); 4] = [("_mm", 1e-3), ("_kPa", 1e3), ("_MPa", 1e6), ("_GPa", 1e9)];
+    const DEGREE: f64 = std::f64::consts::PI / 180.0;
+    const SUFFIXES: [(&str, f64); 5] = [("_mm", 1e-3), ("_kPa", 1e3), ("_MPa", 1e6), ("_GPa", 1e9), ("_deg", DEGREE)];
     SUFFIXES.iter().find(|(suffix, _)| key.ends_with(suffix)).map_or(1.0, |(_, si)| *si)
 }
 

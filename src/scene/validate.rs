@@ -24,6 +24,19 @@ pub fn validate(layer: &mut Layer) -> Result<()> {
     Error::all(errors)
 }
 
+/// Check the material at `material` of a table that holds nothing else, and fill in its defaults.
+pub fn validate_material(layer: &mut Layer) -> Result<()> {
+    let mut table = std::mem::take(&mut layer.table);
+    // the keys of a material are those of every kind of scene
+    let mut walk = Walk { layer, of: Of::Assembly, errors: Vec::new() };
+    if let Some(Value::Table(material)) = table.get_mut("material") {
+        walk.table(material, "material", "material");
+    }
+    let errors = walk.errors;
+    layer.table = table;
+    Error::all(errors)
+}
+
 struct Walk<'a> {
     layer: &'a Layer,
     of: Of,
