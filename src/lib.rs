@@ -11,6 +11,7 @@ pub mod figure;
 pub mod gradation;
 pub mod grains;
 pub mod model;
+pub mod mpm;
 pub mod neighbours;
 pub mod packing;
 pub mod real;
