@@ -8,9 +8,10 @@
 //!   k = 3 / sqrt(9 + 12 tan²); Jiang et al. (2020), eq. 35 (its q_phi is 3 alpha) and Zhang et al., eq. 6.
 
 use super::elementary::sin;
+use serde::{Deserialize, Serialize};
 
 /// A cone's place at the Mohr-Coulomb pyramid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Cone {
     Outer,
     Inner,
@@ -18,7 +19,7 @@ pub enum Cone {
 }
 
 /// alpha and k of a cone with their derivatives with respect to the angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Constants {
     pub alpha: f64,
     pub k: f64,

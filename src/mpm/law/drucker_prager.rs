@@ -10,9 +10,10 @@
 //! Holds for 0 <= psi <= phi: dissipation is then not negative. Material that was pulled apart does not remember its gap.
 
 use super::{Cone, Elastic, Evolution, Memory, Sym, tensor};
+use serde::{Deserialize, Serialize};
 
 /// What makes a Drucker-Prager law.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     pub elastic: Elastic,
     pub cone: Cone,
@@ -27,7 +28,7 @@ pub struct Parameters {
 }
 
 /// The surface at one plastic strain: J + alpha I1 = kappa.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Strength {
     pub alpha: f64,
     /// k c, Pa
@@ -54,7 +55,7 @@ impl Strength {
 }
 
 /// The law, with what follows from its parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DruckerPrager {
     elastic: Elastic,
     /// Stress below this surface and below I1 = `floor_cut` is inside at any plastic strain.
@@ -73,7 +74,7 @@ pub struct DruckerPrager {
 }
 
 /// A returned state: invariants, Pa, and whether it lies on the cone.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Returned {
     i1: f64,
     j: f64,

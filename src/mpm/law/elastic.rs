@@ -2,9 +2,10 @@
 //! K, G bulk and shear modulus, Pa; any strain increment, small in each step.
 
 use super::Sym;
+use serde::{Deserialize, Serialize};
 
 /// Linear elasticity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Elastic {
     /// Bulk modulus K, Pa
     pub bulk: f64,

@@ -2,12 +2,13 @@
 //! eq. 43 (cubic hardening, exponential softening; angles in rad) and Table 8 (linear hardening).
 
 use super::elementary::decay;
+use serde::{Deserialize, Serialize};
 
 /// Beyond this exponent what is left of a decay is below the last bit.
 const SETTLED: f64 = 40.0;
 
 /// An angle, rad, or a cohesion, Pa, against the accumulated plastic strain e, -.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Evolution {
     Constant(f64),
     /// From `initial` to `last` in proportion to e, which is `strain` where `last` is reached.

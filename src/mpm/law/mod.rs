@@ -3,6 +3,8 @@
 //!
 //! Only + - * / and square roots in a stated order reach results, so that they are the same bytes on every machine.
 
+use serde::{Deserialize, Serialize};
+
 mod cone;
 mod drucker_prager;
 mod elastic;
@@ -23,14 +25,14 @@ pub use tensor::rotated;
 pub type Sym = [f64; 6];
 
 /// What a law remembers of a point.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     /// Accumulated plastic strain, the integral of sqrt(2/3 de_p:de_p) with all of the plastic strain de_p, -
     pub plastic: f64,
 }
 
 /// The law of a material.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Law {
     Elastic(Elastic),
     DruckerPrager(DruckerPrager),
