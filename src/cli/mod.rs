@@ -150,6 +150,14 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
         list_files(&outcome.figures);
         return Ok(());
     }
+    if outcome.summary["kind"] == "continuum" {
+        let ratio = number("peak_stress_ratio").map_or(String::new(), |r| format!(", peak σ1/σ3 {r:.4}"));
+        let seconds = number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}"));
+        eprintln!("{} steps of {} points{ratio}, {seconds} s", count("steps"), count("points"));
+        eprintln!("records in {}", outcome.out.display());
+        list_files(&outcome.figures);
+        return Ok(());
+    }
     eprintln!(
         "{} steps, {} crush events, {} grains from {}, {} s",
         count("steps"),

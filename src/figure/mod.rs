@@ -8,6 +8,7 @@ mod balls;
 mod calibration;
 mod canvas;
 mod colour;
+mod continuum;
 mod curves;
 mod data;
 mod energy;
@@ -55,6 +56,7 @@ pub fn draw_run(dir: &Path) -> Result<Vec<PathBuf>> {
     let input = Input { groups: group::group(vec![run.clone()]), data: Vec::new() };
     let mut files = draw_all(&input, &out)?;
     files.extend(specimen::draw(&run, &Colouring::Generation, &out)?);
+    files.extend(continuum::draw_points(&run, &out)?);
     if files.is_empty() {
         let why = "nothing to draw: no records in history.csv, gsd.csv, platen.csv, tracks.csv, specimen.csv or grains_final.csv";
         return Err(FigureError::nothing(dir, why));
@@ -121,6 +123,7 @@ fn plots(input: &Input) -> Result<Vec<Plot>> {
     plots.extend(energy::plot(input)?);
     plots.extend(assembly::plots(input)?);
     plots.extend(platen::plots(input)?);
+    plots.extend(continuum::plots(input)?);
     Ok(plots)
 }
 

@@ -11,6 +11,7 @@ pub mod grid;
 pub mod law;
 mod measure;
 mod pass;
+pub mod platen;
 mod points;
 mod spline;
 mod step;
@@ -19,6 +20,7 @@ mod transfer;
 mod walls;
 
 pub use measure::Totals;
+pub use platen::Platen;
 pub use points::{Point, Points};
 pub use spline::{BSpline, Gimp, Shape, ShapeFunctions};
 pub use walls::Wall;

@@ -14,6 +14,7 @@ pub fn validate(layer: &mut Layer) -> Result<()> {
         Some("oedometer") => Of::Oedometer,
         Some("triaxial") => Of::Triaxial,
         Some("platen") => Of::Platen,
+        Some("continuum") => Of::Continuum,
         _ => Of::Every,
     };
     let mut table = std::mem::take(&mut layer.table);
@@ -216,6 +217,7 @@ impl Walk<'_> {
             Of::Assembly => "an assembly",
             Of::Platen => "a platen test",
             Of::Triaxial => "a triaxial test",
+            Of::Continuum => "a continuum",
             _ => "an oedometer",
         };
         format!("has no meaning in {kind}")
