@@ -17,19 +17,48 @@ const FACTORIALS: [f64; 22] = {
     out
 };
 
+/// Coefficients of sin(x) = x + x³ (c0 + c1 x² + c2 x⁴ …), to x²¹.
+const SINE: [f64; 10] = {
+    let mut out = [0.0; 10];
+    let mut k = 0;
+    while k < out.len() {
+        out[k] = if k % 2 == 0 { -FACTORIALS[2 * k + 3] } else { FACTORIALS[2 * k + 3] };
+        k += 1;
+    }
+    out
+};
+
+/// Coefficients of exp(x) = 1 + x (c0 + c1 x + c2 x² …), to x¹⁴.
+const EXPONENTIAL: [f64; 14] = {
+    let mut out = [0.0; 14];
+    let mut k = 0;
+    while k < out.len() {
+        out[k] = FACTORIALS[k + 1];
+        k += 1;
+    }
+    out
+};
+
+/// c0 + c1 x + c2 x² …, even and odd powers beside each other: half as long a chain of operations that wait for each other.
+#[inline(always)]
+fn polynomial<const N: usize>(c: &[f64; N], x: f64) -> f64 {
+    const { assert!(N.is_multiple_of(2)) };
+    let square = x * x;
+    let (mut even, mut odd) = (c[N - 2], c[N - 1]);
+    let mut k = N - 2;
+    while k > 0 {
+        k -= 2;
+        even = c[k] + even * square;
+        odd = c[k + 1] + odd * square;
+    }
+    even + x * odd
+}
+
 /// Sine of an angle within -pi/2..pi/2, rad: Taylor series.
 #[inline]
 pub fn sin(angle: f64) -> f64 {
     let square = angle * angle;
-    let mut sum = 0.0;
-    let mut n = 21;
-    while n > 1 {
-        // the signs alternate: + at 1, 5, 9 …
-        let term = if n % 4 == 1 { FACTORIALS[n] } else { -FACTORIALS[n] };
-        sum = term + sum * square;
-        n -= 2;
-    }
-    angle + angle * (square * sum)
+    angle + angle * (square * polynomial(&SINE, square))
 }
 
 /// exp(-x) for x >= 0: a power of two times the Taylor series of the remainder, at most ln 2 / 2 in size. 0 beyond 700.
@@ -42,14 +71,8 @@ pub fn decay(x: f64) -> f64 {
     let halvings = (x * std::f64::consts::LOG2_E + 0.5) as u64;
     let n = halvings as f64;
     let r = -((x - n * LN2_HIGH) - n * LN2_LOW);
-    let mut sum = 0.0;
-    let mut k = 14;
-    while k > 0 {
-        sum = FACTORIALS[k] + sum * r;
-        k -= 1;
-    }
     let power = f64::from_bits((1023 - halvings) << 52);
-    (1.0 + r * sum) * power
+    (1.0 + r * polynomial(&EXPONENTIAL, r)) * power
 }
 
 #[cfg(test)]
