@@ -34,7 +34,11 @@ fn rate(s: Sym, [xy, yz, zx]: [f64; 3]) -> Sym {
 pub fn turned(stress: Sym, spin: [f64; 3]) -> Sym {
     let first = rate(stress, spin);
     let second = rate(first, spin);
-    std::array::from_fn(|k| stress[k] + first[k] + 0.5 * second[k])
+    let mut turned = stress;
+    for k in 0..6 {
+        turned[k] += first[k] + 0.5 * second[k];
+    }
+    turned
 }
 
 /// σ : ε.

@@ -137,6 +137,14 @@ impl Walls {
             *p = [over(p[0]), over(p[1]), over(p[2]), 0.0];
             *i = [over(i[0]), over(i[1]), over(i[2]), 0.0];
         }
+        // in a domain of one cell the other wall has folded onto this plane meanwhile
+        for face in &self.faces {
+            for (&[_, on, _], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
+                for a in (0..3).filter(|&a| a == face.axis || face.wall == Wall::Stick) {
+                    (p[on as usize][a], i[on as usize][a]) = (0.0, 0.0);
+                }
+            }
+        }
         for face in self.faces.iter().rev() {
             for (&[behind, _, before], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
                 if behind != NONE && before != NONE {
