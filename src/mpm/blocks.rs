@@ -214,7 +214,7 @@ impl Blocks {
                 match (mover, leavers.peek()) {
                     (None, None) => break source.extend(i..end),
                     (None, Some(&&l)) if l >= end => break source.extend(i..end),
-                    (_, Some(&&l)) if l == i => {
+                    (_, Some(&&l)) if l == i && i < end => {
                         leavers.next();
                         i += 1;
                     }
