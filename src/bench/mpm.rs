@@ -79,7 +79,13 @@ pub fn mpm_case(points: usize, transfer: Transfer) -> Result<(Continuum, f64)> {
 ///
 /// # Errors
 /// Threads that cannot be started, or a lost point.
-pub fn mpm_speed(points: usize, transfer: Transfer, threads: usize, [warm_up, steps]: [u64; 2], repeats: usize) -> Result<MpmSpeed> {
+pub fn mpm_speed(
+    points: usize,
+    transfer: Transfer,
+    threads: usize,
+    [warm_up, steps]: [u64; 2],
+    repeats: usize,
+) -> Result<MpmSpeed> {
     pool(threads)?.install(|| {
         let before = load_average();
         let (mut c, dt) = mpm_case(points, transfer)?;

@@ -8,10 +8,8 @@ use serde_json::{Value, json};
 
 /// Measure the material point method
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "The case: a cube of points, eight per cell, f64, elastic, quadratic B-splines, MUSL, on smooth walls.\n\n\
-        Example:\n  comminute bench mpm --points 64000 --threads 1,2"
-)]
+#[command(after_help = "The case: a cube of points, eight per cell, f64, elastic, quadratic B-splines, MUSL, on smooth walls.\n\n\
+        Example:\n  comminute bench mpm --points 64000 --threads 1,2")]
 pub struct Args {
     /// Material points; a cube of at least so many
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [64_000], value_parser = clap::value_parser!(u32).range(8..=50_000_000))]

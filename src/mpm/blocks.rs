@@ -246,13 +246,16 @@ impl Blocks {
         let (keys, node_keys) = (&self.keys, &self.node_keys);
         let find = |keys: &[u64], key: u64| keys.binary_search(&key).map_or(NONE, |b| b as u32);
         self.ahead.clear();
-        self.ahead.extend(keys.iter().map(|&key| {
-            std::array::from_fn(|k| if k < count { find(node_keys, shifted(key, around(k))) } else { NONE })
-        }));
+        self.ahead.extend(
+            keys.iter()
+                .map(|&key| std::array::from_fn(|k| if k < count { find(node_keys, shifted(key, around(k))) } else { NONE })),
+        );
         self.behind.clear();
-        self.behind.extend(node_keys.iter().map(|&key| {
-            std::array::from_fn(|k| if k < count { find(keys, shifted(key, around(k).map(|a| -a))) } else { NONE })
-        }));
+        self.behind.extend(
+            node_keys.iter().map(|&key| {
+                std::array::from_fn(|k| if k < count { find(keys, shifted(key, around(k).map(|a| -a))) } else { NONE })
+            }),
+        );
     }
 
     /// The node at this place, counted through the blocks of nodes; `None` where no block holds it.
@@ -265,7 +268,11 @@ impl Blocks {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let s = &self.spare;
-        8 * (self.keys.capacity() + self.node_keys.capacity() + self.other.0.capacity() + s.scalars.capacity() + s.memory.capacity())
+        8 * (self.keys.capacity()
+            + self.node_keys.capacity()
+            + self.other.0.capacity()
+            + s.scalars.capacity()
+            + s.memory.capacity())
             + 4 * (self.starts.capacity() + self.leavers.capacity() + self.source.capacity() + self.other.1.capacity())
             + 4 * s.ids.capacity()
             + s.laws.capacity()

@@ -65,7 +65,8 @@ fn of_points(settings: &Settings, laws: &[Law], points: &Points) -> Result<()> {
         for a in 0..d {
             let (low, high) = (settings.lower[a], settings.lower[a] + f64::from(settings.cells[a]) * settings.cell);
             if !(p[a] >= low && p[a] <= high) {
-                let allowed = format!("is outside of the grid, {low} to {high} m along {}: enlarge it or move the point", ["x", "y", "z"][a]);
+                let allowed =
+                    format!("is outside of the grid, {low} to {high} m along {}: enlarge it or move the point", ["x", "y", "z"][a]);
                 return Err(wrong(&point("position"), [p[0], p[1], p[2]], &allowed));
             }
         }

@@ -332,7 +332,7 @@ fn strain<F: Four, const D: usize, S: Shape>(
     let before = turned(part.stress[p.i], spin);
     let law = &pass.laws[pass.law[p.whole] as usize];
     let (stress, memory) = law.update(before, strain, part.memory[p.i]);
-    if !(grown > 0.0) {
+    if grown.is_nan() || grown <= 0.0 {
         Fault::Inverted.tell(pass.faults, pass.id[p.whole]);
     }
     // the mean of both stresses, and of both volumes

@@ -147,7 +147,8 @@ fn sort<const D: usize, S: Shape>(c: &mut Continuum, shape: S) {
     let Continuum { settings, points, work, .. } = c;
     if !work.sorted {
         let inverse_cell = 1.0 / settings.cell;
-        work.blocks.sort::<D>(points, &mut work.outside, |p| cell_key::<D>(cell_of::<D>(p, settings.lower, inverse_cell, shape.reach())));
+        work.blocks
+            .sort::<D>(points, &mut work.outside, |p| cell_key::<D>(cell_of::<D>(p, settings.lower, inverse_cell, shape.reach())));
         work.target.resize(points.len(), STAYS);
         work.sorted = true;
         fit::<D>(c);

@@ -23,7 +23,6 @@ macro_rules! rows {
     };
 }
 
-#[allow(dead_code)] // each sum uses its part
 struct Row {
     j: usize,
     k: usize,

@@ -77,7 +77,11 @@ fn instructions_change_no_bit() {
     for (s, p) in cases() {
         let best = run(s.clone(), p.clone(), 1, quiet);
         for name in ["avx512", "avx2", "scalar"] {
-            let other = run(s.clone(), p.clone(), 1, |k, c| if k == 0 { c.use_instructions(at_best(name)) });
+            let other = run(s.clone(), p.clone(), 1, |k, c| {
+                if k == 0 {
+                    c.use_instructions(at_best(name))
+                }
+            });
             assert!(other == best, "{name}, {:?}", s.transfer);
         }
     }
@@ -104,9 +108,17 @@ fn memory_order_changes_no_bit() {
 fn a_grid_made_anew_changes_no_bit() {
     for (s, p) in cases() {
         let kept = run(s.clone(), p.clone(), 1, quiet);
-        let dropped = run(s.clone(), p.clone(), 1, |k, c| if k % 7 == 3 { c.drop_scratch() });
+        let dropped = run(s.clone(), p.clone(), 1, |k, c| {
+            if k % 7 == 3 {
+                c.drop_scratch()
+            }
+        });
         assert!(dropped == kept, "scratch dropped, {:?}", s.transfer);
-        let touched = run(s.clone(), p.clone(), 1, |k, c| if k % 11 == 5 { c.points_mut(); });
+        let touched = run(s.clone(), p.clone(), 1, |k, c| {
+            if k % 11 == 5 {
+                c.points_mut();
+            }
+        });
         assert!(touched == kept, "points looked at, {:?}", s.transfer);
         let restarted = run(s.clone(), p.clone(), 1, |k, c| {
             if k == 30 {

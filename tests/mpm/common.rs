@@ -40,9 +40,8 @@ pub fn fill(
         for j in 0..count[1] {
             for i in 0..count[0] {
                 let n = [i, j, k];
-                let position: [f64; 3] = std::array::from_fn(|a| {
-                    if a < d { low[a] + (f64::from(n[a]) + 0.5) * spacing } else { 0.0 }
-                });
+                let position: [f64; 3] =
+                    std::array::from_fn(|a| if a < d { low[a] + (f64::from(n[a]) + 0.5) * spacing } else { 0.0 });
                 if keep(position) {
                     let point = Point {
                         position,

@@ -61,7 +61,8 @@ fn a_compression_wave_has_its_speed() {
     let points = c.points();
     // beyond the middle between the reflection of the other half and this one
     let ahead = (0..points.len()).filter(|&i| points.position[i][0] > 9.5);
-    let (p, px) = ahead.fold((0.0, 0.0), |(p, px), i| (p + points.velocity[i][0], px + points.velocity[i][0] * points.position[i][0]));
+    let (p, px) =
+        ahead.fold((0.0, 0.0), |(p, px), i| (p + points.velocity[i][0], px + points.velocity[i][0] * points.position[i][0]));
     let speed = (px / p - 5.0) / (f64::from(n) * dt);
     println!("wave: {speed} m/s of 82.041265");
     assert!((speed / 82.041_265 - 1.0).abs() < 2e-3);
@@ -211,7 +212,8 @@ fn a_block_falls_freely() {
         for i in 0..c.points().len() {
             let (p, v) = (c.points().position[i], c.points().velocity[i]);
             let fallen = start.position[c.points().id[i] as usize][1] - p[1];
-            worst = worst.max((fallen / (9.81 * dt * dt * 0.5 * n * (n + 1.0)) - 1.0).abs()).max((v[1] / (-9.81 * n * dt) - 1.0).abs());
+            worst =
+                worst.max((fallen / (9.81 * dt * dt * 0.5 * n * (n + 1.0)) - 1.0).abs()).max((v[1] / (-9.81 * n * dt) - 1.0).abs());
         }
         let stress = c.points().stress.iter().flatten().fold(0.0_f64, |a, s| a.max(s.abs()));
         println!("free fall, {transfer:?}: {worst:e}, stress {stress:e} Pa");
