@@ -99,7 +99,7 @@ impl Blocks {
     }
 
     /// Sorts all points, wherever they are, by `key_of`, and the forces that wait for them.
-    pub fn sort<const D: usize>(&mut self, points: &mut Points, forces: &mut [[f64; 4]], key_of: impl Fn(&[f64; 4]) -> u64) {
+    pub fn sort<const D: usize>(&mut self, points: &mut Points, forces: [&mut Vec<[f64; 4]>; 2], key_of: impl Fn(&[f64; 4]) -> u64) {
         let n = points.len();
         let mut order: Vec<Mover> =
             (0..n).map(|i| Mover { key: key_of(&points.position[i]), id: points.id[i], from: i as u32 }).collect();
@@ -124,7 +124,7 @@ impl Blocks {
         self.source.extend(order.iter().map(|m| m.from));
         if self.source.iter().enumerate().any(|(k, &from)| k as u32 != from) {
             permute(points, 0, &self.source, &mut self.spare);
-            if forces.len() == n {
+            for forces in forces.into_iter().filter(|f| f.len() == n) {
                 array(forces, 0, &self.source, &mut self.spare.numbers);
             }
         }
@@ -214,7 +214,7 @@ impl Blocks {
                 match (mover, leavers.peek()) {
                     (None, None) => break source.extend(i..end),
                     (None, Some(&&l)) if l >= end => break source.extend(i..end),
-                    (_, Some(&&l)) if l == i => {
+                    (_, Some(&&l)) if l == i && i < end => {
                         leavers.next();
                         i += 1;
                     }

@@ -5,9 +5,9 @@
 //!
 //! Papers: Li et al. 2023 (Comput. Geotech. 160), Jiang et al. 2020 (IJNME), Zhang et al. (SPH of binary mixtures).
 
-pub mod blocks;
+mod blocks;
 mod check;
-pub mod grid;
+mod grid;
 pub mod law;
 mod measure;
 mod pass;
@@ -139,13 +139,31 @@ impl Continuum {
 
     /// Adds a force, N, on the point at index `i` of [`Self::points`] for the next step; points change places in a step.
     pub fn push(&mut self, i: usize, force: [f64; 3]) {
-        let outside = &mut self.work.outside;
-        if outside.len() != self.points.len() {
-            outside.clear();
-            outside.resize(self.points.len(), [0.0; 4]);
-        }
-        for (sum, f) in outside[i].iter_mut().zip(force) {
+        self.make_room();
+        for (sum, f) in self.work.outside[i].iter_mut().zip(force) {
             *sum += f;
+        }
+    }
+
+    /// As [`Self::push`], each component acting so far beside the point along its own axis, m (at most half a cell): a traction on the
+    /// point's face. With generalised interpolation, whose functions end, it acts at the point.
+    pub fn push_beside(&mut self, i: usize, force: [f64; 3], beside: [f64; 3]) {
+        self.push(i, force);
+        if self.settings.shape != ShapeFunctions::BSpline {
+            return;
+        }
+        for ((sum, f), arm) in self.work.moments[i].iter_mut().zip(force).zip(beside) {
+            *sum += f * arm;
+        }
+    }
+
+    fn make_room(&mut self) {
+        let n = self.points.len();
+        for array in [&mut self.work.outside, &mut self.work.moments] {
+            if array.len() != n {
+                array.clear();
+                array.resize(n, [0.0; 4]);
+            }
         }
         self.work.pushed = true;
     }

@@ -5,6 +5,10 @@
 //! which stays: r is a constant of the point. The force is Hertz's for a sphere on a rigid plane, F = 4/3 E* √r δ^{3/2} (eqs 18, 20 with the
 //! plane's infinite radius and stiffness), without friction. In plane strain the ghost is a disc, (1 − n) V = π r² with V per metre of
 //! thickness, which stands for a row of touching spheres of its radius, 1/(2 r) of them per metre.
+//!
+//! Li et al. spread the force to the nodes from the point (eq. 29). Here it acts where the material ends, half the point's edge nearer to the
+//! platen: a uniform stress is then in balance up to the face, where otherwise the outermost points would bear a fraction of it, and moduli
+//! come out too high by half a point's edge over the length at each end. So platens stand along the axes.
 
 use super::{Continuum, Dimension, Points};
 use crate::error::{Error, Result};
@@ -128,7 +132,9 @@ impl Platen {
             self.stiffness += tangent;
             self.stored += 0.4 * force * overlap;
             self.rate = self.rate.max(tangent / continuum.points().velocity[index as usize][3]);
-            continuum.push(index as usize, self.normal.map(|n| n * force));
+            let volume = continuum.points().position[index as usize][3];
+            let half = 0.5 * if dimension == Dimension::Space { cube_root(volume) } else { volume.sqrt() };
+            continuum.push_beside(index as usize, self.normal.map(|n| n * force), self.normal.map(|n| -n * half));
         }
         self.touching = self.contacts.len() as u64;
         self.work += 0.5 * (before + self.reaction) * self.moved;

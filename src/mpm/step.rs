@@ -26,6 +26,8 @@ pub struct Work {
     faults: AtomicU64,
     /// Forces on points from outside, N, and whether there are any.
     pub outside: Vec<[f64; 4]>,
+    /// Each component of these forces times how far beside the point along its own axis it acts, N m.
+    pub moments: Vec<[f64; 4]>,
     pub pushed: bool,
     /// Points stand in order; the grid has their momentum, and the tiles their internal forces.
     sorted: bool,
@@ -35,7 +37,7 @@ pub struct Work {
 impl Clone for Work {
     /// Scratch is not copied, forces that wait are.
     fn clone(&self) -> Work {
-        Work { arch: self.arch, outside: self.outside.clone(), pushed: self.pushed, ..Work::default() }
+        Work { arch: self.arch, outside: self.outside.clone(), moments: self.moments.clone(), pushed: self.pushed, ..Work::default() }
     }
 }
 
@@ -50,7 +52,7 @@ impl Work {
             + self.grid.bytes()
             + 8 * (self.target.capacity() + self.block_work.capacity())
             + 4 * self.left.capacity()
-            + 32 * self.outside.capacity()
+            + 32 * (self.outside.capacity() + self.moments.capacity())
     }
 }
 
@@ -84,6 +86,7 @@ fn stages<const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) -> Res
     if c.work.pushed {
         pass::<{ stage::OUTSIDE }, D, S>(c, shape, dt);
         c.work.outside.fill([0.0; 4]);
+        c.work.moments.fill([0.0; 4]);
         c.work.pushed = false;
     }
     // eq. 28: velocities of the nodes, walls
@@ -123,6 +126,7 @@ fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, 
         law,
         id,
         outside: &work.outside,
+        moments: &work.moments,
         faults: &work.faults,
     };
     let count = work.blocks.len();
@@ -148,7 +152,7 @@ fn sort<const D: usize, S: Shape>(c: &mut Continuum, shape: S) {
     if !work.sorted {
         let inverse_cell = 1.0 / settings.cell;
         work.blocks
-            .sort::<D>(points, &mut work.outside, |p| cell_key::<D>(cell_of::<D>(p, settings.lower, inverse_cell, shape.reach())));
+            .sort::<D>(points, [&mut work.outside, &mut work.moments], |p| cell_key::<D>(cell_of::<D>(p, settings.lower, inverse_cell, shape.reach())));
         work.target.resize(points.len(), STAYS);
         work.sorted = true;
         fit::<D>(c);

@@ -105,8 +105,8 @@ impl Walls {
         }
     }
 
-    /// Velocity and its change in this step of the nodes near walls, from momentum and the change that they would have without; returns the
-    /// impulse of each wall on the material, N s.
+    /// Velocity before this step and its change in it of the nodes near walls, from momentum and the change that they would have without;
+    /// returns the impulse of each wall on the material, N s.
     pub fn accelerate(&mut self, momentum: &[[f64; 4]], velocity: &mut [[f64; 4]], change: &mut [[f64; 4]]) -> [[f64; 3]; 6] {
         let mut reaction = [[0.0; 3]; 6];
         for (k, &node) in self.nodes.iter().enumerate() {
@@ -116,9 +116,8 @@ impl Walls {
         }
         self.fold(&mut reaction);
         for (k, &node) in self.nodes.iter().enumerate() {
-            let (v, dv) = (self.momentum[k], self.impulse[k]);
-            velocity[node as usize] = [v[0] + dv[0], v[1] + dv[1], v[2] + dv[2], 0.0];
-            change[node as usize] = dv;
+            velocity[node as usize] = self.momentum[k];
+            change[node as usize] = self.impulse[k];
         }
         reaction
     }
@@ -136,6 +135,14 @@ impl Walls {
             let over = |q: f64| if m > 0.0 { q / m } else { 0.0 };
             *p = [over(p[0]), over(p[1]), over(p[2]), 0.0];
             *i = [over(i[0]), over(i[1]), over(i[2]), 0.0];
+        }
+        // in a domain of one cell the other wall has folded onto this plane meanwhile
+        for face in &self.faces {
+            for (&[_, on, _], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
+                for a in (0..3).filter(|&a| a == face.axis || face.wall == Wall::Stick) {
+                    (p[on as usize][a], i[on as usize][a]) = (0.0, 0.0);
+                }
+            }
         }
         for face in self.faces.iter().rev() {
             for (&[behind, _, before], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
