@@ -53,7 +53,7 @@ impl View<'_> {
         let materials = named.iter().map(|n| plain(self.text(&n.key("name")), self.si(&n.key("grain.density_kg_m3")))).collect();
         Some(Model {
             name: self.text("name").into(),
-            seeds: Seeds { packing: self.whole("seed.packing")?, strength: self.whole("seed.strength")? },
+            seeds: Seeds { packing: 1, strength: 1 },
             materials,
             contact: ContactModel { law: ContactLaw::Hertz, unloading: TangentialUnloading::Keep, rolling: false, turning: true },
             crush: None,
