@@ -20,8 +20,12 @@ use std::path::{Path, PathBuf};
 /// A column that only a continuum's triaxial test has.
 const RATIO: &str = "principal_ratio";
 /// Energies of a free scene, with their names.
-const TERMS: [(&str, &str); 4] =
-    [("kinetic_J", "kinetic"), ("fallen_J", "given by gravity"), ("stress_work_J", "work of stresses"), ("dissipated_J", "damping, transfer, walls")];
+const TERMS: [(&str, &str); 4] = [
+    ("kinetic_J", "kinetic"),
+    ("fallen_J", "given by gravity"),
+    ("stress_work_J", "work of stresses"),
+    ("dissipated_J", "damping, transfer, walls"),
+];
 /// Points of a picture are no higher than this on the page.
 const TALLEST: f64 = 560.0;
 
@@ -194,7 +198,8 @@ fn picture(run: &Run, views: &[View], tones: &Tones, hi: f64, radius: f64) -> (C
     for (k, view) in views.iter().enumerate() {
         let base = 90.0 + panel * (k + 1) as f64 - 10.0;
         let place = |p: &[f64; 3]| (left + p[0] * scale, base - (p[1] - all[2] + radius) * scale);
-        let tone = |v: f64| if hi > 0.0 { (v / hi * (TONES - 1) as f64).round().clamp(0.0, (TONES - 1) as f64) as usize } else { 0 };
+        let tone =
+            |v: f64| if hi > 0.0 { (v / hi * (TONES - 1) as f64).round().clamp(0.0, (TONES - 1) as f64) as usize } else { 0 };
         let items = view.points.iter().zip(&view.value).map(|(p, v)| {
             let (x, y) = place(p);
             Ball { x, y, depth: p[2] * scale, r: radius * scale, colour: tone(*v) }

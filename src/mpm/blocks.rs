@@ -99,7 +99,12 @@ impl Blocks {
     }
 
     /// Sorts all points, wherever they are, by `key_of`, and the forces that wait for them.
-    pub fn sort<const D: usize>(&mut self, points: &mut Points, forces: [&mut Vec<[f64; 4]>; 2], key_of: impl Fn(&[f64; 4]) -> u64) {
+    pub fn sort<const D: usize>(
+        &mut self,
+        points: &mut Points,
+        forces: [&mut Vec<[f64; 4]>; 2],
+        key_of: impl Fn(&[f64; 4]) -> u64,
+    ) {
         let n = points.len();
         let mut order: Vec<Mover> =
             (0..n).map(|i| Mover { key: key_of(&points.position[i]), id: points.id[i], from: i as u32 }).collect();

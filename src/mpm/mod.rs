@@ -157,6 +157,13 @@ impl Continuum {
         }
     }
 
+    /// Takes back what was pushed since the last step.
+    pub fn drop_forces(&mut self) {
+        self.work.outside.fill([0.0; 4]);
+        self.work.moments.fill([0.0; 4]);
+        self.work.pushed = false;
+    }
+
     fn make_room(&mut self) {
         let n = self.points.len();
         for array in [&mut self.work.outside, &mut self.work.moments] {

@@ -155,7 +155,9 @@ impl Platen {
             let radius = ghost_radius(dimension, solid(points, index));
             let (overlap, id) = (radius - height, points.id[index]);
             if overlap > radius {
-                let what = format!("a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it");
+                let what = format!(
+                    "a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it"
+                );
                 return Err(Error::Unstable { step: continuum.steps(), what, grain: None });
             }
             if overlap > 0.0 {

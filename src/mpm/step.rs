@@ -37,7 +37,13 @@ pub struct Work {
 impl Clone for Work {
     /// Scratch is not copied, forces that wait are.
     fn clone(&self) -> Work {
-        Work { arch: self.arch, outside: self.outside.clone(), moments: self.moments.clone(), pushed: self.pushed, ..Work::default() }
+        Work {
+            arch: self.arch,
+            outside: self.outside.clone(),
+            moments: self.moments.clone(),
+            pushed: self.pushed,
+            ..Work::default()
+        }
     }
 }
 
@@ -151,8 +157,9 @@ fn sort<const D: usize, S: Shape>(c: &mut Continuum, shape: S) {
     let Continuum { settings, points, work, .. } = c;
     if !work.sorted {
         let inverse_cell = 1.0 / settings.cell;
-        work.blocks
-            .sort::<D>(points, [&mut work.outside, &mut work.moments], |p| cell_key::<D>(cell_of::<D>(p, settings.lower, inverse_cell, shape.reach())));
+        work.blocks.sort::<D>(points, [&mut work.outside, &mut work.moments], |p| {
+            cell_key::<D>(cell_of::<D>(p, settings.lower, inverse_cell, shape.reach()))
+        });
         work.target.resize(points.len(), STAYS);
         work.sorted = true;
         fit::<D>(c);

@@ -189,7 +189,8 @@ fn invariants(s: &[f64; 6]) -> (f64, f64) {
 pub fn write_snapshot(path: &Path, state: &State) -> Result<()> {
     let points = state.continuum.points();
     let order: Vec<usize> = points.by_id().into_iter().map(|i| i as usize).collect();
-    let position: Vec<[f64; 3]> = order.iter().map(|&i| [points.position[i][0], points.position[i][1], points.position[i][2]]).collect();
+    let position: Vec<[f64; 3]> =
+        order.iter().map(|&i| [points.position[i][0], points.position[i][1], points.position[i][2]]).collect();
     let field = |name, components, of: &dyn Fn(usize) -> Vec<f64>| Field {
         name,
         components,

@@ -116,7 +116,11 @@ impl View<'_> {
                     self.refuse(&at("shape"), "must not be \"cylinder\" in plane strain: a disc is a \"sphere\" there");
                     return None;
                 }
-                Shape::Cylinder { base: vector(table, "centre_mm")?, radius: number(table, "radius_mm")?, height: number(table, "height_mm")? }
+                Shape::Cylinder {
+                    base: vector(table, "centre_mm")?,
+                    radius: number(table, "radius_mm")?,
+                    height: number(table, "height_mm")?,
+                }
             }
             "sphere" => Shape::Sphere { centre: vector(table, "centre_mm")?, radius: number(table, "radius_mm")? },
             _ => self.cloud(i, table)?,
@@ -173,7 +177,9 @@ impl View<'_> {
                 let (low, high) = (settings.lower[a], settings.lower[a] + f64::from(settings.cells[a]) * settings.cell);
                 if !(p[a] > low && p[a] < high) {
                     let [axis, p, low, high] = [["x", "y", "z"][a].to_string(), mm(p[a]), mm(low), mm(high)];
-                    let message = format!("has a point at {axis} = {p} mm, outside of the grid, {low} to {high} mm: enlarge grid.min_mm and grid.max_mm, or move it");
+                    let message = format!(
+                        "has a point at {axis} = {p} mm, outside of the grid, {low} to {high} mm: enlarge grid.min_mm and grid.max_mm, or move it"
+                    );
                     self.refuse(&at, message);
                     return None;
                 }

@@ -61,12 +61,7 @@ impl View<'_> {
             scale: 1.0,
             damping: settings.damping,
             gravity: settings.gravity,
-            stepping: Stepping {
-                safety: self.si("stepping.safety"),
-                inertia_scaling: false,
-                dt,
-                skin: 0.0,
-            },
+            stepping: Stepping { safety: self.si("stepping.safety"), inertia_scaling: false, dt, skin: 0.0 },
             rig: Rig::Continuum(Box::new(rig)),
             records,
         })
@@ -131,7 +126,8 @@ impl View<'_> {
             let whole = wanted.round();
             if !(whole >= 1.0 && whole <= f64::from(1 << 19) && (wanted - whole).abs() < 1e-6 * whole) {
                 let axis = ["x", "y", "z"][a];
-                let message = format!("must be a whole number of cells (1 to 524288) above grid.min_mm; along {axis} it is {wanted:.6}");
+                let message =
+                    format!("must be a whole number of cells (1 to 524288) above grid.min_mm; along {axis} it is {wanted:.6}");
                 self.refuse("grid.max_mm", message);
                 return None;
             }
@@ -167,11 +163,19 @@ impl View<'_> {
         for a in 0..if dimension == Dimension::Space { 3 } else { 2 } {
             let points = (max[a] - min[a]) / cell * per;
             // sides of an oedometer stand on nodes
-            let (unit, what) = if rig == "oedometer" { (per, "cells, grid.cell_mm") } else { (1.0, "distances of two points, grid.cell_mm over grid.points_per_edge") };
+            let (unit, what) = if rig == "oedometer" {
+                (per, "cells, grid.cell_mm")
+            } else {
+                (1.0, "distances of two points (2 at least), grid.cell_mm over grid.points_per_edge")
+            };
             let whole = (points / unit).round();
-            if !(whole >= 1.0 && (points / unit - whole).abs() < 1e-6 * whole) {
+            let least = if rig == "oedometer" { 1.0 } else { 2.0 };
+            if !(whole >= least && (points / unit - whole).abs() < 1e-6 * whole) {
                 let axis = ["x", "y", "z"][a];
-                self.refuse("body[0].max_mm", format!("must be a whole number of {what}, above min_mm; along {axis} it is {:.6}", points / unit));
+                self.refuse(
+                    "body[0].max_mm",
+                    format!("must be a whole number of {what}, above min_mm; along {axis} it is {:.6}", points / unit),
+                );
                 return None;
             }
         }
@@ -213,7 +217,8 @@ impl View<'_> {
         let body = self.list("body")[0];
         let still = vector(body, "velocity_m_s")? == [0.0; 3];
         self.check(still, "body[0].velocity_m_s", format!("must be [0, 0, 0] with test.rig = \"{rig}\""));
-        let law = body.get("material").and_then(toml::Value::as_str).and_then(|m| named.iter().position(|n| n.name == m)).unwrap_or(0);
+        let law =
+            body.get("material").and_then(toml::Value::as_str).and_then(|m| named.iter().position(|n| n.name == m)).unwrap_or(0);
         let specimen = Specimen {
             lower,
             size,

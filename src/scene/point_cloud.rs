@@ -52,7 +52,11 @@ fn read(path: &Path) -> Result<(Vec<f64>, Vec<f64>)> {
     let mut places: [Option<(usize, f64)>; 4] = [None; 4];
     for (column, name) in header.iter().enumerate() {
         let Some((_, what, si)) = COLUMNS.iter().find(|c| c.0 == name) else {
-            return Err(wrong(name, None, "unknown column; there must be x_m, y_m, z_m (or _mm), and may be volume_m3 (or _mm3)".into()));
+            return Err(wrong(
+                name,
+                None,
+                "unknown column; there must be x_m, y_m, z_m (or _mm), and may be volume_m3 (or _mm3)".into(),
+            ));
         };
         if places[*what].replace((column, *si)).is_some() {
             return Err(wrong(name, None, "this quantity has two columns".into()));

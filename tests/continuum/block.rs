@@ -22,7 +22,7 @@ fn block(dimension: Dimension, cells: u32) -> Continuum {
         walls,
         gravity: [0.0; 3],
         shape: ShapeFunctions::BSpline,
-        transfer: Transfer::Blend { pic: 0.0 },
+        transfer: Transfer::Blend { pic: 0.05 },
         damping: 0.1,
     };
     let spacing = 0.5 * CELL;
@@ -48,7 +48,7 @@ fn block(dimension: Dimension, cells: u32) -> Continuum {
 }
 
 /// Reaction over the closed form, less one, at each step while the platen is between one and three cells in: uniaxial strain with the rate
-/// form of elasticity gives σ = M ln(L0/L).
+/// form of elasticity gives σ = M ln(L0/L), L the distance of the outermost points from the wall, by the platen's place and overlap.
 fn deviations(dimension: Dimension) -> Vec<f64> {
     let cells = 30;
     let mut c = block(dimension, cells);
@@ -70,7 +70,9 @@ fn deviations(dimension: Dimension) -> Vec<f64> {
             return out;
         }
         if moved > CELL {
-            let exact = modulus * area * (length / (length - moved)).ln();
+            let overlap = platen.stored / (0.4 * platen.reaction);
+            let now = platen.point[0] - radius + overlap;
+            let exact = modulus * area * ((length - 0.5 * spacing) / now).ln();
             out.push(platen.reaction / exact - 1.0);
         }
         platen.speed = most * (time / (20.0 * wave)).min(1.0);

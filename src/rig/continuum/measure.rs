@@ -76,7 +76,7 @@ impl State {
         let d = dimensions(rig);
         let means = std::mem::take(&mut self.means);
         let n = means.count.max(1) as f64;
-        let mut moment = self.instant();
+        let mut moment = self.instant(rig);
         if rig.specimen().is_none() {
             return moment;
         }
@@ -96,7 +96,7 @@ impl State {
     }
 
     /// What needs no mean.
-    fn instant(&self) -> Moment {
+    fn instant(&self, rig: &Rig) -> Moment {
         let (c, points) = (&self.continuum, self.continuum.points());
         let totals = c.totals();
         let [mut solid, mut plastic, mut most, mut along_z] = [0.0; 4];
@@ -108,7 +108,7 @@ impl State {
             along_z -= volume * points.stress[i][2];
         }
         let [kinetic, potential, stored] = self.energy.unwrap_or([totals.kinetic, totals.potential, self.stored()]);
-        let platen_work: f64 = self.platens.iter().map(|p| p.work).sum();
+        let platen_work = self.platen_work(rig);
         let (fallen, stored) = (potential - totals.potential, self.stored() - stored);
         let given = platen_work + fallen + kinetic;
         Moment {

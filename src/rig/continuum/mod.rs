@@ -41,6 +41,8 @@ pub struct State {
     pub extents: [f64; 3],
     pub wave: f64,
     rate: f64,
+    /// Mean speed of each platen under servo, m/s.
+    drift: Vec<f64>,
     /// Kinetic and potential energy of the points and elastic energy of the platens' contacts at the start, J.
     energy: Option<[f64; 3]>,
     means: measure::Means,
@@ -72,9 +74,15 @@ impl State {
             extents: [0.0; 3],
             wave: 0.0,
             rate: 0.0,
+            drift: Vec::new(),
             energy: None,
             means: measure::Means::default(),
         };
+        state.drift = vec![0.0; state.platens.len()];
+        for platen in &mut state.platens {
+            platen.press(&mut state.continuum)?;
+        }
+        state.continuum.drop_forces();
         state.extents = state.extents_now(rig);
         if let Some(specimen) = rig.specimen() {
             let density = state.continuum.points().density(0);

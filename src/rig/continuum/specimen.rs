@@ -9,6 +9,8 @@ use crate::mpm::{Continuum, Dimension};
 
 /// Lateral platens may move this many times as fast as the axial ones strain the specimen.
 const LATERAL: f64 = 4.0;
+/// Wave times over which the mean speed of a lateral platen is taken.
+const DRIFT: f64 = 4.0;
 /// Wave times in which the axial platens take up their speed.
 const RAMP: f64 = 5.0;
 /// At rest: stresses of all sides within this of the cell pressure, after so many wave times; given up after so many more.
@@ -50,24 +52,44 @@ pub fn platens(rig: &Rig, continuum: &Continuum) -> Vec<Platen> {
 }
 
 impl State {
-    /// Extents of the material by its platens and walls, m (in plane strain 1 along z).
+    /// Extents of the material, m (in plane strain 1 along z): the distance of the outermost points, by the platens and their contacts,
+    /// in proportion to what it was at the start. The last half edges of points do not shorten between platens and would feign stiffness.
     pub(super) fn extents_now(&self, rig: &Rig) -> [f64; 3] {
         let Some(s) = rig.specimen() else { return [0.0; 3] };
-        let (d, out) = (dimensions(rig), offset(rig, s));
+        let (d, radius) = (dimensions(rig), radius(rig, s));
+        // where the outermost points are: a ghost's radius, less the contacts' mean overlap (their energy is 2/5 F δ), inside the platen
+        let inside = |p: &Platen| radius - if p.reaction > 0.0 { p.stored / (0.4 * p.reaction) } else { 0.0 };
         let mut extents = s.size;
         if d == 2 {
             extents[2] = 1.0;
         }
         match &rig.test {
-            Test::Oedometer(_) => extents[d - 1] = self.platens[0].point[d - 1] - out - s.lower[d - 1],
+            Test::Oedometer(_) => {
+                let (axis, platen) = (d - 1, &self.platens[0]);
+                let length = platen.point[axis] - inside(platen) - s.lower[axis];
+                extents[axis] *= length / (s.size[axis] - 0.5 * s.spacing);
+            }
             _ => {
                 for axis in 0..d {
-                    let [low, high] = [0, 1].map(|k| self.platens[2 * axis + k].point[axis]);
-                    extents[axis] = high - low - 2.0 * out;
+                    let [low, high] = [0, 1].map(|k| &self.platens[2 * axis + k]);
+                    let length = (high.point[axis] - inside(high)) - (low.point[axis] + inside(low));
+                    extents[axis] *= length / (s.size[axis] - s.spacing);
                 }
             }
         }
         extents
+    }
+
+    /// Work of the platens on the faces where their forces act, J: a face moves as much more than its platen as the whole specimen shortens
+    /// more than the distance of its outermost points.
+    pub(super) fn platen_work(&self, rig: &Rig) -> f64 {
+        let Some(s) = rig.specimen() else { return 0.0 };
+        let edges = if self.platens.len() == 1 { 0.5 } else { 1.0 };
+        let share = |platen: &Platen| {
+            let axis = (0..3).find(|&a| platen.normal[a] != 0.0).unwrap_or(0);
+            platen.work * s.size[axis] / (s.size[axis] - edges * s.spacing)
+        };
+        self.platens.iter().map(share).sum()
     }
 
     /// Area that stands against an axis, m² (m in plane strain).
@@ -141,14 +163,19 @@ impl State {
             self.phase = Phase::Done;
         }
         let axial = 0.5 * self.axial_speed(rig);
-        for (k, platen) in self.platens.iter_mut().enumerate() {
+        // a servo alone would lag behind a specimen that keeps moving: it acts on top of the platen's mean speed
+        let share = (self.dt / (DRIFT * self.wave)).min(1.0);
+        for (k, (platen, drift)) in self.platens.iter_mut().zip(&mut self.drift).enumerate() {
             let axis = k / 2;
             platen.speed = if axis == d - 1 && self.phase != Phase::Settle {
                 axial
             } else {
                 let force = target * State::area(extents, axis);
                 let limit = 0.5 * LATERAL * self.rate * extents[axis];
-                servo_speed(force, platen.reaction, platen.stiffness, s.gain, self.dt, limit)
+                let servo = servo_speed(force, platen.reaction, platen.stiffness, s.gain, self.dt, limit);
+                let speed = (*drift + servo).clamp(-limit, limit);
+                *drift += share * (speed - *drift);
+                speed
             };
         }
         Ok(())
