@@ -1,9 +1,9 @@
-//! From the bodies of a continuum to material points.
+//! From the bodies of a continuum to material points. Of a body that reaches beyond a plane of symmetry only the part before it is filled.
 
 use super::material::Named;
 use super::schema::unit;
 use super::view::View;
-use crate::mpm::{Dimension, Point, Points, Settings};
+use crate::mpm::{Dimension, Point, Points, Settings, Wall};
 use toml::{Table, Value};
 
 /// Most points of a scene.
@@ -200,7 +200,15 @@ impl View<'_> {
         // lattice sites, counted from the grid's corner, whose middles lie inside; a hair of room for rounding
         let sites: [[i64; 2]; 3] = std::array::from_fn(|a| {
             let site = |x: f64| ((x - settings.lower[a]) / spacing - 0.5 - 1e-6).ceil() as i64;
-            if a < d { [site(low[a]), site(high[a] + 2e-6 * spacing)] } else { [0, 1] }
+            if a >= d {
+                return [0, 1];
+            }
+            // what lies beyond a plane of symmetry is the image of what lies before it
+            let kept = |side: usize, site: i64, end: i64, inner: fn(i64, i64) -> i64| {
+                if settings.walls[2 * a + side] == Wall::Symmetry { inner(site, end) } else { site }
+            };
+            let end = i64::from(settings.cells[a]) * i64::from(per);
+            [kept(0, site(low[a]), 0, i64::max), kept(1, site(high[a] + 2e-6 * spacing), end, i64::min)]
         });
         let count: f64 = sites.iter().map(|[a, b]| (b - a).max(0) as f64).product();
         if points_after(count) {
