@@ -208,7 +208,7 @@ fn picture(run: &Run, views: &[View], tones: &Tones, hi: f64, radius: f64) -> (C
         for i in balls.visible_order() {
             let _ = writeln!(csv, "{},{:.6},{:.6},{:.6}", view.name, view.points[i][0], view.points[i][1], view.value[i]);
         }
-        label(&mut canvas, (MARGIN, base - tall * scale - 12.0), view.name.into(), Anchor::Start);
+        label(&mut canvas, (MARGIN, base - tall * scale - 26.0), view.name.into(), Anchor::Start);
         canvas.balls(balls);
         let ends = [all[0] - radius, all[1] + radius].map(|x| (left + x * scale, base));
         canvas.line(&ends, GREY, 2.5, &[]);

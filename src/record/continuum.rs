@@ -13,6 +13,8 @@ use std::path::Path;
 /// Files with the points at the start and at the end.
 pub const START: &str = "points_start.csv";
 pub const END: &str = "points_final.csv";
+/// Stresses below this are none, Pa.
+const NOTHING: f64 = 1e-3;
 /// Rows of the settling stage: wave times between two.
 const SETTLE_EVERY: f64 = 5.0;
 /// Axial strain from which a test is held to the quasi-static measures, as a share of its end.
@@ -73,7 +75,11 @@ impl Recorder {
 
     /// The row of this instant.
     pub fn row(&mut self, rig: &Rig, state: &mut State) -> Row {
-        let m = state.moment(rig);
+        let mut m = state.moment(rig);
+        // platens that just touch give rounding, which no logarithmic axis should show
+        for stress in [&mut m.axial, &mut m.lateral] {
+            *stress = if stress.abs() < NOTHING { 0.0 } else { *stress };
+        }
         let mut row: Row = vec![
             ("step", state.continuum.steps().into()),
             ("time_s", state.time.into()),
