@@ -70,10 +70,10 @@ impl State {
                 extents[axis] *= length / (s.size[axis] - 0.5 * s.spacing);
             }
             _ => {
-                for axis in 0..d {
+                for (axis, extent) in extents.iter_mut().enumerate().take(d) {
                     let [low, high] = [0, 1].map(|k| &self.platens[2 * axis + k]);
                     let length = (high.point[axis] - inside(high)) - (low.point[axis] + inside(low));
-                    extents[axis] *= length / (s.size[axis] - s.spacing);
+                    *extent *= length / (s.size[axis] - s.spacing);
                 }
             }
         }
