@@ -126,7 +126,8 @@ fn a_uniform_strain_is_seen_exactly() {
     for i in 0..points.len() {
         let x: [f64; 3] = std::array::from_fn(|_| 0.3 + 0.4 * draw());
         let v = field(x);
-        (points.position[i][..3].copy_from_slice(&x), points.velocity[i][..3].copy_from_slice(&v));
+        points.position[i][..3].copy_from_slice(&x);
+        points.velocity[i][..3].copy_from_slice(&v);
     }
     // λ = 0, 2G = E: stress over E is strain
     let mut c = continuum(s, elastic(1e-6, 0.0), points);
@@ -168,6 +169,7 @@ fn a_uniform_stress_is_in_equilibrium() {
 }
 
 /// What is left of the angular momentum of a spinning elastic disk after one turn, and its largest stress over ρω²R².
+/// ω = 1 rad/s, R = 1 m, ρ = 1000 kg/m³, E = 1 MPa.
 fn disk(transfer: Transfer) -> (f64, f64) {
     let mut s = settings(Dimension::PlaneStrain, 0.2, [16, 16, 1]);
     s.transfer = transfer;
@@ -177,23 +179,44 @@ fn disk(transfer: Transfer) -> (f64, f64) {
     if transfer == Transfer::Affine {
         c.points_mut().affine.fill([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0; 3]]);
     }
-    let about = |c: &comminute::mpm::Continuum| c.totals().angular_momentum[2];
-    let start = about(&c);
+    let start = c.totals().angular_momentum[2];
     let n = 4000;
     steps(&mut c, 2.0 * PI / f64::from(n), n as u64);
     let stress = c.points().stress.iter().flatten().fold(0.0_f64, |a, s| a.max(s.abs()));
-    (about(&c) / start, stress / 1000.0)
+    (c.totals().angular_momentum[2] / start, stress / 1000.0)
 }
 
-/// ω = 1 rad/s, R = 1 m, ρ = 1000 kg/m³, E = 1 MPa. Without the spin's share a stress of the first hour would stay behind and grow.
+/// Affine fields keep it to rounding, FLIP loses some and rings, PIC loses all.
 #[test]
 fn a_spinning_disk_keeps_its_angular_momentum_with_affine_fields() {
-    let [affine, flip, pic] = [Transfer::Affine, FLIP, Transfer::Blend { pic: 1.0 }].map(disk);
-    println!("disk after one turn, angular momentum and stress/ρω²R²: APIC {affine:?}, FLIP {flip:?}, PIC {pic:?}");
-    assert!((affine.0 - 1.0).abs() < 1e-10, "APIC");
-    assert!((flip.0 - 1.0).abs() < 0.02, "FLIP");
-    assert!(pic.0 < 0.5, "PIC");
-    assert!(affine.1 < 1.5 && flip.1 < 2.5);
+    let blends = [0.0, 0.001, 0.01, 1.0].map(|pic| disk(Transfer::Blend { pic }));
+    let affine = disk(Transfer::Affine);
+    println!("disk after one turn, angular momentum and stress/ρω²R²: APIC {affine:?}, PIC share 0, 0.001, 0.01, 1: {blends:?}");
+    assert!((affine.0 - 1.0).abs() < 1e-12 && affine.1 < 1.0, "APIC");
+    assert!(blends[0].0 > 0.8 && blends[0].0 < 1.0, "FLIP");
+    assert!(blends[3].0.abs() < 0.01, "PIC");
+}
+
+/// A spinning disk that was pressed along x beforehand: the stress turns with the material. After a quarter turn what was σxx is σyy. The
+/// disk is so heavy (ω = 1 rad/s against 0.01 Pa) that the stress moves nothing.
+#[test]
+fn a_stress_turns_with_its_material() {
+    let mut s = settings(Dimension::PlaneStrain, 0.2, [16, 16, 1]);
+    s.transfer = Transfer::Affine;
+    let inside = |[x, y, _]: [f64; 3]| (x - 1.6) * (x - 1.6) + (y - 1.6) * (y - 1.6) < 1.0;
+    let mut points = fill(&s, [[0.0; 3], [3.2, 3.2, 0.0]], 2, 1e9, inside, |[x, y, _]| [1.6 - y, x - 1.6, 0.0]);
+    points.stress.fill([-0.01, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    // next to no stiffness, so that what is left is the turned stress; rigid rotation is free of forces only for a while
+    let mut c = continuum(s, elastic(1e-9, 0.0), points);
+    c.points_mut().affine.fill([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0; 3]]);
+    let n = 200;
+    steps(&mut c, PI / 40.0 / f64::from(n), n as u64);
+    let (sin, cos) = (PI / 40.0).sin_cos();
+    let exact = [-0.01 * cos * cos, -0.01 * sin * sin, -0.01 * sin * cos];
+    let worst = c.points().stress.iter().map(|s| (s[0] - exact[0]).abs().max((s[1] - exact[1]).abs()).max((s[3] - exact[2]).abs()));
+    let worst = worst.fold(0.0, f64::max) / 0.01;
+    println!("turned stress: worst {worst:e}");
+    assert!(worst < 0.01);
 }
 
 /// v = −g t, and with the step's order y falls by g Δt² n (n + 1)/2.
@@ -256,17 +279,22 @@ fn a_block_slides_against_friction() {
         let (g, angle) = (9.81, PI / 6.0);
         s.gravity = [g * angle.sin(), -g * angle.cos(), 0.0];
         s.transfer = Transfer::Blend { pic: 0.01 };
-        let points = fill(&s, [[0.5, 0.0, 0.0], [1.1, 0.3, 0.0]], 2, 1800.0, |_| true, |_| [0.0; 3]);
+        let mut points = fill(&s, [[0.5, 0.0, 0.0], [1.1, 0.3, 0.0]], 2, 1800.0, |_| true, |_| [0.2, 0.0, 0.0]);
+        // of its weight and of full friction, so that it neither bounces nor has to wait for shear to come down from its top
+        for (stress, position) in points.stress.iter_mut().zip(&points.position) {
+            stress[1] = -1800.0 * g * angle.cos() * (0.3 - position[1]);
+            stress[2] = 0.3 * stress[1];
+            stress[3] = -friction * stress[1];
+        }
         let mut c = continuum(s, elastic(1e6, 0.3), points);
         let dt = c.stable_step(0.4);
         let n = (0.5 / dt) as u64;
         steps(&mut c, dt, n);
         let t = c.totals();
         let exact = g * (angle.sin() - friction * angle.cos()) * n as f64 * dt;
-        let error = t.momentum[0] / t.mass / exact - 1.0;
+        let error = (t.momentum[0] / t.mass - 0.2) / exact - 1.0;
         println!("slope, mu {friction}: velocity off by {error:e}");
-        // the block is set on the slope at once and bounces at first
-        assert!(error.abs() < 0.015);
+        assert!(error.abs() < 0.01);
     }
 }
 
@@ -288,9 +316,13 @@ fn lost_points_are_named() {
     points.position[5][2] = 1.01;
     let told = comminute::mpm::Continuum::new(s.clone(), elastic(1e6, 0.3), points).unwrap_err().to_string();
     assert!(told.contains("point 5 position") && told.contains("outside of the grid"), "{told}");
-    let points = fill(&s, [[0.2; 3], [0.4; 3]], 2, 1000.0, |_| true, |[x, y, _]| [500.0 * (0.3 - x), 500.0 * (0.3 - y), 0.0]);
-    let mut c = continuum(s, elastic(1e6, 0.3), points);
+    // one point whose field pulls it together by 400/s along each axis
+    let one = |x: [f64; 3]| x == [0.225; 3];
+    let points = fill(&s, [[0.2; 3], [0.4; 3]], 2, 1000.0, |x| one(x.map(|x| (1e6 * x).round() / 1e6)), |_| [0.0; 3]);
+    assert_eq!(points.len(), 1);
+    let mut c = continuum(Settings { transfer: Transfer::Affine, ..s }, elastic(1e6, 0.3), points);
     assert!(c.check_step(1.0).unwrap_err().to_string().contains("must be above 0 and at most"));
-    let inverted = (0..10).find_map(|_| c.step(3e-3).err()).map(|e| e.to_string());
-    println!("{inverted:?}");
+    c.points_mut().affine.fill([[-400.0, 0.0, 0.0], [0.0, -400.0, 0.0], [0.0, 0.0, -400.0]]);
+    let inverted = c.step(3e-3).unwrap_err().to_string();
+    assert!(inverted.starts_with("step 1: point 0 is turned inside out"), "{inverted}");
 }
