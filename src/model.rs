@@ -1,6 +1,8 @@
 //! What a run needs to know and never changes: a [`Model`] is made from a [`crate::scene::Scene`] by
 //! [`crate::scene::model`], the only gate, and is in SI units, finite and consistent by construction.
 
+pub mod continuum;
+
 use crate::crush::criterion::AreaModel;
 use crate::crush::lost_mass::Fines;
 use crate::crush::pattern::Pattern;
@@ -121,6 +123,8 @@ pub enum Rig {
     Triaxial(Triaxial),
     Assembly(Assembly),
     Platen(Platen),
+    /// Boxed: it holds its points.
+    Continuum(Box<continuum::Continuum>),
 }
 
 /// Single grains, each pressed by itself between two platens.
@@ -149,7 +153,7 @@ impl Rig {
         match self {
             Rig::Oedometer(rig) => Some(&rig.specimen),
             Rig::Triaxial(rig) => Some(&rig.specimen),
-            Rig::Assembly(_) | Rig::Platen(_) => None,
+            Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
         }
     }
 }

@@ -93,6 +93,9 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
     writeln!(text, "{}: {}", model.name, scene.description())?;
     let names: Vec<&str> = model.materials.iter().map(|m| m.name.as_str()).collect();
     writeln!(text, "  material        {}", names.join(", "))?;
+    if let Some(c) = &e.continuum {
+        return continuum(text, scene, c, e);
+    }
     writeln!(text, "  grains          {}", e.grains)?;
     match &model.crush {
         None => writeln!(text, "  crushing        off")?,
@@ -124,5 +127,18 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
     }
     writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
     writeln!(text, "  seeds           packing {}, strength {}", model.seeds.packing, model.seeds.strength)?;
+    writeln!(text, "  folder          {}", scene.default_out().display())
+}
+
+fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) -> std::fmt::Result {
+    let [x, y, z] = c.cells;
+    writeln!(text, "  points          {} ({} per cell)", c.points, c.points_per_cell)?;
+    writeln!(text, "  grid            {x} × {y} × {z} cells; memory only where material is")?;
+    writeln!(text, "  steps           {:.0} (estimate)", e.steps)?;
+    if let Some(dt) = e.time_step {
+        writeln!(text, "  time step       {dt:.3e} s (estimate): {}", e.time_step_limit)?;
+    }
+    writeln!(text, "  time            {} on one thread (estimate)", comminute::run::human(c.seconds))?;
+    writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
     writeln!(text, "  folder          {}", scene.default_out().display())
 }

@@ -1,6 +1,7 @@
 //! One file per verb.
 
 mod bench;
+mod bench_mpm;
 mod calibrate;
 mod calibrate_curve;
 mod calibrate_curve_study;
@@ -10,6 +11,7 @@ mod campaign;
 mod check;
 mod ensemble;
 mod plot;
+mod point_test;
 mod reproduce;
 mod resume;
 mod run;
@@ -55,6 +57,8 @@ pub enum Verb {
     Ensemble(ensemble::Args),
     /// Run a table of parameters, each in a process and a folder of its own
     Sweep(sweep::Args),
+    /// Take a continuum law through a laboratory path at a single point
+    PointTest(point_test::Args),
     /// Run a paper's runs again and compare
     Reproduce(reproduce::Args),
     /// Measure the speed of the engine
@@ -72,6 +76,7 @@ impl Verb {
             Verb::Resume(args) => resume::call(args),
             Verb::Ensemble(args) => ensemble::call(&args),
             Verb::Sweep(args) => sweep::call(&args),
+            Verb::PointTest(args) => point_test::call(&args),
             Verb::Reproduce(args) => reproduce::call(&args),
             Verb::Bench(args) => bench::call(&args),
             Verb::Calibrate(args) => calibrate::call(&args),
@@ -143,6 +148,14 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
             worst("largest_overshoot"),
             number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}")),
         );
+        eprintln!("records in {}", outcome.out.display());
+        list_files(&outcome.figures);
+        return Ok(());
+    }
+    if outcome.summary["kind"] == "continuum" {
+        let ratio = number("peak_stress_ratio").map_or(String::new(), |r| format!(", peak σ1/σ3 {r:.4}"));
+        let seconds = number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}"));
+        eprintln!("{} steps of {} points{ratio}, {seconds} s", count("steps"), count("points"));
         eprintln!("records in {}", outcome.out.display());
         list_files(&outcome.figures);
         return Ok(());

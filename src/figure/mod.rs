@@ -8,6 +8,7 @@ mod balls;
 mod calibration;
 mod canvas;
 mod colour;
+mod continuum;
 mod curves;
 mod data;
 mod energy;
@@ -18,6 +19,7 @@ mod legend;
 mod mean;
 mod platen;
 mod plot;
+mod point_test;
 mod posterior;
 mod run;
 mod runs_table;
@@ -31,6 +33,7 @@ pub use axis::significant;
 pub use calibration::{Drawn, Graph, Look, Quantity, Tone};
 pub use error::{FigureError, Result};
 pub use mean::write as write_means;
+pub use point_test::{draw as draw_point_test, files as point_test_files};
 pub use posterior::{FittedLine, Input as PosteriorInput, draw_convergence, draw_corner, draw_fitted, draw_sensitivity};
 pub use runs_table::write as write_runs;
 pub use specimen::Colouring;
@@ -54,6 +57,7 @@ pub fn draw_run(dir: &Path) -> Result<Vec<PathBuf>> {
     let input = Input { groups: group::group(vec![run.clone()]), data: Vec::new() };
     let mut files = draw_all(&input, &out)?;
     files.extend(specimen::draw(&run, &Colouring::Generation, &out)?);
+    files.extend(continuum::draw_points(&run, &out)?);
     if files.is_empty() {
         let why = "nothing to draw: no records in history.csv, gsd.csv, platen.csv, tracks.csv, specimen.csv or grains_final.csv";
         return Err(FigureError::nothing(dir, why));
@@ -120,6 +124,7 @@ fn plots(input: &Input) -> Result<Vec<Plot>> {
     plots.extend(energy::plot(input)?);
     plots.extend(assembly::plots(input)?);
     plots.extend(platen::plots(input)?);
+    plots.extend(continuum::plots(input)?);
     Ok(plots)
 }
 

@@ -16,15 +16,15 @@ use std::path::{Path, PathBuf};
 /// Height of the eye over the horizon and turn about the axis, degrees.
 const ELEVATION: f64 = 27.0;
 const AZIMUTH: f64 = 25.0;
-const MARGIN: f64 = 36.0;
+pub(super) const MARGIN: f64 = 36.0;
 const GUTTER: f64 = 56.0;
 const TALLEST: f64 = 1250.0;
-const SIZE: f64 = 42.0;
+pub(super) const SIZE: f64 = 42.0;
 const WALL: f64 = 2.5;
 /// Lengths beyond this are no specimen, m.
 const FAR: f64 = 1e6;
 /// Tones of a coloured field.
-const TONES: usize = 48;
+pub(super) const TONES: usize = 48;
 
 /// What the colour of a grain means.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -304,7 +304,7 @@ fn grains(
     }
 }
 
-fn scale_bar(canvas: &mut Canvas, widest: f64, scale: f64, y: f64) {
+pub(super) fn scale_bar(canvas: &mut Canvas, widest: f64, scale: f64, y: f64) {
     let Some(length) = round_length(widest / 4.0) else {
         return;
     };
@@ -333,13 +333,13 @@ fn round_length(most: f64) -> Option<f64> {
 }
 
 /// From a grain to its colour, and the key to it.
-struct Tones {
-    palette: Vec<Colour>,
+pub(super) struct Tones {
+    pub(super) palette: Vec<Colour>,
     /// Generations in use, or the range of the field and its name.
-    key: Key,
+    pub(super) key: Key,
 }
 
-enum Key {
+pub(super) enum Key {
     Generations(usize),
     Field { name: String, lo: f64, hi: f64 },
 }
@@ -375,7 +375,7 @@ impl Tones {
         }
     }
 
-    fn legend(&self, canvas: &mut Canvas, y: f64) {
+    pub(super) fn legend(&self, canvas: &mut Canvas, y: f64) {
         match &self.key {
             Key::Generations(n) => self.swatches(canvas, *n, y),
             Key::Field { name, lo, hi } => self.bar(canvas, name, *lo, *hi, y),
@@ -424,7 +424,7 @@ impl Tones {
     }
 }
 
-fn label(canvas: &mut Canvas, at: Point, text: String, anchor: Anchor) {
+pub(super) fn label(canvas: &mut Canvas, at: Point, text: String, anchor: Anchor) {
     canvas.text(Line { at, text, size: SIZE, colour: INK, anchor, upwards: false });
 }
 

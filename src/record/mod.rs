@@ -3,6 +3,7 @@
 
 pub mod assembly;
 pub mod checkpoint;
+pub mod continuum;
 pub mod cylinder;
 pub mod ledger;
 pub mod measure;

@@ -69,18 +69,34 @@ impl SnapshotData {
 pub fn write_snapshot(path: &Path, points: &SnapshotData) -> Result<(), VtkError> {
     points.check(path)?;
     let n = points.len();
-    let (xml, blobs) = document(points, n);
-    let write = || -> io::Result<()> {
-        let mut out = BufWriter::new(File::create(path)?);
-        out.write_all(xml.as_bytes())?;
-        for blob in &blobs {
-            out.write_all(&(blob.len() as u64).to_le_bytes())?;
-            out.write_all(blob)?;
+    let (xml, arrays) = document(points, n);
+    arrays.write(path, &xml)
+}
+
+/// A quantity of the points of a continuum: name with its unit, numbers per point, values point by point.
+pub struct Field {
+    pub name: &'static str,
+    pub components: usize,
+    pub values: Vec<f64>,
+}
+
+/// Writes points with these fields as `.vtp`.
+pub fn write_points(path: &Path, position: &[[f64; 3]], fields: &[Field]) -> Result<(), VtkError> {
+    let n = position.len();
+    for field in fields {
+        if field.values.len() != n * field.components {
+            let (path, array) = (path.display().to_string(), field.name);
+            return Err(VtkError::Length { path, array, have: field.values.len(), want: n * field.components });
         }
-        out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
-        out.flush()
-    };
-    write().map_err(|source| VtkError::Io { path: path.display().to_string(), source })
+    }
+    let mut arrays = Arrays::default();
+    let mut xml = head(n) + "<PointData>\n";
+    for field in fields {
+        xml += &arrays.add("Float64", field.name, field.components, bytes(&field.values));
+    }
+    xml += "</PointData>\n";
+    xml += &arrays.tail(position);
+    arrays.write(path, &xml)
 }
 
 /// Writes a `.pvd` collection: for each snapshot its value on the time axis (stress in kPa, or seconds) and its file
@@ -97,37 +113,74 @@ pub fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Result<(), 
     std::fs::write(path, xml).map_err(|source| VtkError::Io { path: path.display().to_string(), source })
 }
 
-/// The XML up to the start of the appended bytes, and the arrays in the order of their offsets.
-fn document(points: &SnapshotData, n: usize) -> (String, Vec<Vec<u8>>) {
-    let mut blobs: Vec<Vec<u8>> = Vec::new();
-    let mut offset = 0usize;
-    let mut array = |kind: &str, name: &str, components: usize, blob: Vec<u8>| {
+/// The arrays of a file in the order of their offsets.
+#[derive(Default)]
+struct Arrays {
+    blobs: Vec<Vec<u8>>,
+    offset: usize,
+}
+
+impl Arrays {
+    /// Adds an array and returns the line that declares it.
+    fn add(&mut self, kind: &str, name: &str, components: usize, blob: Vec<u8>) -> String {
         let line = format!(
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" \
-             offset=\"{offset}\"/>\n"
+             offset=\"{}\"/>\n",
+            self.offset
         );
-        offset += 8 + blob.len();
-        blobs.push(blob);
+        self.offset += 8 + blob.len();
+        self.blobs.push(blob);
         line
-    };
-    let mut xml = format!(
+    }
+
+    /// Positions, a vertex for each, and the end of the XML.
+    fn tail(&mut self, position: &[[f64; 3]]) -> String {
+        let n = position.len();
+        let mut xml = String::from("<Points>\n");
+        xml += &self.add("Float64", "Points", 3, bytes(position.as_flattened()));
+        xml += "</Points>\n<Verts>\n";
+        xml += &self.add("Int64", "connectivity", 1, counting(0, n));
+        xml += &self.add("Int64", "offsets", 1, counting(1, n));
+        xml += "</Verts>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
+        xml
+    }
+
+    fn write(&self, path: &Path, xml: &str) -> Result<(), VtkError> {
+        let write = || -> io::Result<()> {
+            let mut out = BufWriter::new(File::create(path)?);
+            out.write_all(xml.as_bytes())?;
+            for blob in &self.blobs {
+                out.write_all(&(blob.len() as u64).to_le_bytes())?;
+                out.write_all(blob)?;
+            }
+            out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
+            out.flush()
+        };
+        write().map_err(|source| VtkError::Io { path: path.display().to_string(), source })
+    }
+}
+
+fn head(n: usize) -> String {
+    format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
          header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"{n}\" NumberOfVerts=\"{n}\" NumberOfLines=\"0\" \
-         NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<PointData Scalars=\"generation\" Vectors=\"velocity\">\n"
-    );
-    xml += &array("Float64", "radius", 1, bytes(&points.radius));
-    xml += &array("UInt32", "generation", 1, points.generation.iter().flat_map(|v| v.to_le_bytes()).collect());
-    xml += &array("Float64", "strength", 1, bytes(&points.strength));
-    xml += &array("Float64", "force", 1, bytes(&points.force));
-    xml += &array("Float64", "velocity", 3, bytes(points.velocity.as_flattened()));
-    xml += &array("UInt64", "id", 1, points.id.iter().flat_map(|v| v.to_le_bytes()).collect());
-    xml += "</PointData>\n<Points>\n";
-    xml += &array("Float64", "Points", 3, bytes(points.position.as_flattened()));
-    xml += "</Points>\n<Verts>\n";
-    xml += &array("Int64", "connectivity", 1, counting(0, n));
-    xml += &array("Int64", "offsets", 1, counting(1, n));
-    xml += "</Verts>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
-    (xml, blobs)
+         NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n"
+    )
+}
+
+/// The XML up to the start of the appended bytes, and the arrays.
+fn document(points: &SnapshotData, n: usize) -> (String, Arrays) {
+    let mut arrays = Arrays::default();
+    let mut xml = head(n) + "<PointData Scalars=\"generation\" Vectors=\"velocity\">\n";
+    xml += &arrays.add("Float64", "radius", 1, bytes(&points.radius));
+    xml += &arrays.add("UInt32", "generation", 1, points.generation.iter().flat_map(|v| v.to_le_bytes()).collect());
+    xml += &arrays.add("Float64", "strength", 1, bytes(&points.strength));
+    xml += &arrays.add("Float64", "force", 1, bytes(&points.force));
+    xml += &arrays.add("Float64", "velocity", 3, bytes(points.velocity.as_flattened()));
+    xml += &arrays.add("UInt64", "id", 1, points.id.iter().flat_map(|v| v.to_le_bytes()).collect());
+    xml += "</PointData>\n";
+    xml += &arrays.tail(&points.position);
+    (xml, arrays)
 }
 
 fn bytes(values: &[f64]) -> Vec<u8> {

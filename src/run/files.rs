@@ -15,10 +15,10 @@ use std::path::Path;
 
 pub use crate::scene::SPECIMEN;
 pub const SUMMARY: &str = "summary.json";
-const SNAPSHOTS: &str = "snapshots";
-const COLLECTION: &str = "snapshots.pvd";
+pub const SNAPSHOTS: &str = "snapshots";
+pub const COLLECTION: &str = "snapshots.pvd";
 /// What a run leaves: these are removed by `--force`, and nothing else.
-const OURS: [&str; 16] = [
+const OURS: [&str; 18] = [
     SPECIMEN,
     SUMMARY,
     COLLECTION,
@@ -31,6 +31,8 @@ const OURS: [&str; 16] = [
     crate::record::platen::SURVIVAL,
     crate::record::platen::LIMITS,
     "grains_final.csv",
+    crate::record::continuum::START,
+    crate::record::continuum::END,
     checkpoint::FILE,
     "checkpoint.tmp",
     crate::scene::RESOLVED,

@@ -1,5 +1,6 @@
 //! The loop around steps: phases, records, watchdog, checkpoints, stop. Only this module knows schedules.
 
+mod continuum;
 mod files;
 mod folder;
 mod platen;
@@ -20,7 +21,7 @@ use crate::step::{State, Work};
 use files::Files;
 pub use folder::{Found, Lock, lock, look};
 use progress_bar::Bar;
-pub(crate) use progress_bar::human;
+pub use progress_bar::human;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -125,6 +126,9 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
         if let Rig::Platen(rig) = &model.rig {
             return platen::run(&model, rig, &out, quiet);
         }
+        if let Rig::Continuum(rig) = &model.rig {
+            return continuum::run(&model, rig, &out, quiet, stop_after);
+        }
         let (activity, state) = match (&model.rig, model.rig.specimen(), given) {
             (_, Some(_), Some((grains, walls))) => {
                 specimen::write(&out.join(files::SPECIMEN), &grains, &model.materials, Some(walls))?;
@@ -172,6 +176,9 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
         never_halfway(options.stop_after)?;
         return in_pool(options.threads, || platen::run(&model, rig, dir, options.quiet));
     }
+    if let Rig::Continuum(rig) = &model.rig {
+        return in_pool(options.threads, || continuum::resume(&model, rig, dir, options.quiet, options.stop_after));
+    }
     let progress: Progress = checkpoint::load(dir)?;
     in_pool(options.threads, move || Runner::new(&model, dir, progress, options.quiet)?.go(options.stop_after))
 }
@@ -205,7 +212,7 @@ fn test(model: &Model, grains: Grains, walls: Walls) -> (Activity, State) {
             let (shearing, state) = Shearing::start(model, rig, grains, walls);
             (Activity::Shearing(shearing), state)
         }
-        Rig::Assembly(_) | Rig::Platen(_) => unreachable!("an assembly and single grains are no specimen"),
+        Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => unreachable!("no specimen of grains"),
     }
 }
 

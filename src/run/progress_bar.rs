@@ -51,6 +51,21 @@ impl Bar {
         self.draw(share, line);
     }
 
+    /// A share done after `seconds` of work, and a line about it.
+    pub fn show_share(&mut self, steps: u64, seconds: f64, describe: impl FnOnce() -> (f64, String)) {
+        if !self.due() {
+            return;
+        }
+        let speed = (steps - self.last_steps) as f64 / self.last.elapsed().as_secs_f64();
+        self.last_steps = steps;
+        let (share, mut line) = describe();
+        line += &format!("  {speed:.0} steps/s");
+        if seconds > 10.0 && share > 0.02 && share < 1.0 {
+            line += &format!("  about {} left", human(seconds * (1.0 - share) / share));
+        }
+        self.draw(share, line);
+    }
+
     /// So many of so many.
     pub fn show_count(&mut self, done: usize, count: usize, what: &str) {
         if self.due() {

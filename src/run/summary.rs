@@ -104,7 +104,7 @@ fn strengths(model: &Model, progress: &Progress) -> Value {
             crate::packing::radii(specimen, model.seeds.packing)
         }
         Rig::Assembly(rig) => rig.grains.iter().map(|g| g.radius).collect(),
-        Rig::Platen(_) => return Value::Null,
+        Rig::Platen(_) | Rig::Continuum(_) => return Value::Null,
     };
     let ratios: Vec<f64> = radii
         .iter()

@@ -58,6 +58,7 @@ impl View<'_> {
             Rig::Oedometer(_) | Rig::Triaxial(_) => return Some(0),
             Rig::Platen(platen) => return Some(usize::from(platen.grain)),
             Rig::Assembly(assembly) => assembly,
+            Rig::Continuum(_) => return None,
         };
         let first = assembly.grains.first()?.material;
         let mixed = assembly.grains.iter().any(|g| g.material != first);
@@ -166,6 +167,7 @@ pub fn extremes(rig: &Rig) -> (f64, f64) {
         }
         Rig::Assembly(a) => span(a.grains.iter().map(|g| 2.0 * g.radius)),
         Rig::Platen(p) => span(p.diameters.iter().copied()),
+        Rig::Continuum(_) => span(std::iter::empty()),
     }
 }
 

@@ -21,6 +21,9 @@ pub struct Estimate {
     #[serde(rename = "memory_MB")]
     pub memory_mb: f64,
     pub specimen: Option<Specimen>,
+    /// Of a continuum; grains are 0 there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub continuum: Option<super::continuum_estimate::Points>,
     /// Time step, s; `None` where time counts steps.
     #[serde(rename = "time_step_s")]
     pub time_step: Option<f64>,
@@ -48,6 +51,7 @@ pub fn estimate(model: &Model) -> Estimate {
         Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => specimen.grains,
         Rig::Assembly(a) => a.grains.len(),
         Rig::Platen(p) => p.diameters.len(),
+        Rig::Continuum(rig) => return super::continuum_estimate::estimate(model, rig),
     };
     let daughters = match model.rig {
         Rig::Platen(_) => 1,
@@ -68,12 +72,14 @@ pub fn estimate(model: &Model) -> Estimate {
             _ => 0.0,
         },
         Rig::Platen(p) => most_steps(p) * grains as f64,
+        Rig::Continuum(_) => 0.0,
     };
     let mut estimate = Estimate {
         grains,
         grains_final,
         memory_mb: 1e-6 * BYTES_PER_GRAIN * grains_final,
         specimen: None,
+        continuum: None,
         time_step,
         time_step_limit,
         steps,
@@ -281,7 +287,7 @@ fn share(law: ContactLaw, material: &crate::model::Material, r: f64, force: f64)
 fn load(model: &Model, r: f64) -> (f64, String) {
     let section = PI * r * r;
     match &model.rig {
-        Rig::Platen(_) => (0.0, "the force on a platen".into()),
+        Rig::Platen(_) | Rig::Continuum(_) => (0.0, "the force on a platen".into()),
         Rig::Oedometer(o) => {
             let stress = o.loading.stages.iter().copied().fold(0.0, f64::max);
             let text = format!("its section under {} kPa", 1e-3 * stress);

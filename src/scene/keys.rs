@@ -12,8 +12,13 @@ const COUNT: Shape = Integer { low: 1, high: 1_000_000_000_000 };
 const FROM_ZERO: Shape = Integer { low: 0, high: i64::MAX };
 const VECTOR: Shape = Numbers(ANY, Some(3));
 const RATIO: Range = Range::below(0.0, 1.0);
+const WALL: Shape = Choice(&["open", "symmetry", "stick", "slip", "coulomb"]);
+const WALL_WHAT: &str = "side of the grid: nothing (a point that gets there is an error), smooth and holding, rough and holding, smooth and only pushing, or pushing with friction";
 const FRICTION: Range = Range::closed(0.0, 100.0);
 const ANGLE: Range = Range::between(0.0, 1.57);
+const DEGREES: Range = Range::below(0.0, 89.0);
+const RADIANS: Range = Range::below(0.0, 1.55);
+const EVOLUTION: Shape = Choice(&["linear", "cubic_exponential"]);
 
 const fn both(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
     Key { path, shape, default, of: Of::Both, what }
@@ -43,6 +48,22 @@ const fn assembly(path: &'static str, shape: Shape, default: Default, what: &'st
     Key { of: Of::Assembly, ..both(path, shape, default, what) }
 }
 
+const fn states(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::States, ..both(path, shape, default, what) }
+}
+
+const fn grains(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Grains, ..both(path, shape, default, what) }
+}
+
+const fn free(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Free, ..both(path, shape, default, what) }
+}
+
+const fn continuum(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Continuum, ..both(path, shape, default, what) }
+}
+
 /// Tables that a scene or material may leave out; the keys in them are asked for only when the table is there.
 pub const OPTIONAL_TABLES: &[&str] = &[
     "material",
@@ -54,14 +75,23 @@ pub const OPTIONAL_TABLES: &[&str] = &[
     "material.strength.hertz_area",
     "material.comminution",
     "material.fines",
+    "material.continuum",
+    "material.continuum.friction_evolution",
+    "material.continuum.cohesion_evolution",
 ];
 
 /// Tables written as lists (`[[grain]]`).
-pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate"];
+pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate", "body"];
 
 /// Keys of which only one is meant: writing one replaces the other of a base or a file.
 pub const RIVALS: &[(&str, &str)] = &[
     ("G_GPa", "E_GPa"),
+    ("G_MPa", "E_MPa"),
+    ("friction_angle_deg", "friction_angle_rad"),
+    ("dilation_angle_deg", "dilation_angle_rad"),
+    ("last_deg", "last_rad"),
+    ("peak_deg", "peak_rad"),
+    ("residual_deg", "residual_rad"),
     ("friction_angle_rad", "friction"),
     ("sigma_lim0_MPa", "sigma_c_MPa"),
     ("sigma_lim0_MPa", "sigma_t_MPa"),
@@ -74,15 +104,15 @@ pub const RIVALS: &[(&str, &str)] = &[
 pub const KEYS: &[Key] = &[
     every(
         "kind",
-        Choice(&["oedometer", "triaxial", "assembly", "platen"]),
+        Choice(&["oedometer", "triaxial", "assembly", "platen", "continuum"]),
         Required,
-        "what is done: one-dimensional compression, drained triaxial compression, a free scene, or single grains crushed between platens",
+        "what is done: one-dimensional compression, drained triaxial compression, a free scene, single grains crushed between platens, or a continuum of material points",
     ),
     every("name", Name, Absent, "name in legends and records; the file's own name if not written"),
     every("description", Text, Is("\"\""), "one line about the scene"),
-    assembly("gravity_m_s2", VECTOR, Is("[0, 0, 0]"), "gravity"),
-    assembly("duration_s", Number(POSITIVE), Absent, "time simulated; or `steps`"),
-    assembly("steps", COUNT, Absent, "steps simulated; or `duration_s`"),
+    free("gravity_m_s2", VECTOR, Is("[0, 0, 0]"), "gravity"),
+    free("duration_s", Number(POSITIVE), Absent, "time simulated; or `steps`"),
+    free("steps", COUNT, Absent, "steps simulated; or `duration_s`"),
     assembly(
         "grains_csv",
         Text,
@@ -112,6 +142,95 @@ pub const KEYS: &[Key] = &[
     assembly("wall.area_m2", Number(POSITIVE), Absent, "plane with a stress: area it acts on"),
     assembly("wall.gain", Number(Range::above(0.0, 1.0)), Is("0.2"), "wall with a stress: share of the imbalance removed per step"),
     assembly("wall.material", Text, Is("\"rigid\""), "\"rigid\" (a mirrored grain) or one of `materials`"),
+    continuum(
+        "body.shape",
+        Choice(&["box", "cylinder", "sphere", "points"]),
+        Required,
+        "what is filled with material points; a sphere is a disc in plane strain",
+    ),
+    continuum("body.material", Text, Absent, "name of one of `materials`; needed when there are several"),
+    continuum("body.min_mm", VECTOR, Absent, "box: lower corner"),
+    continuum("body.max_mm", VECTOR, Absent, "box: upper corner"),
+    continuum("body.centre_mm", VECTOR, Absent, "sphere: centre; cylinder: middle of its base, its axis stands along z"),
+    continuum("body.radius_mm", Number(POSITIVE), Absent, "cylinder, sphere: radius"),
+    continuum("body.height_mm", Number(POSITIVE), Absent, "cylinder: height"),
+    continuum(
+        "body.points_csv",
+        Text,
+        Absent,
+        "points: a file with x_mm,y_mm,z_mm (or _m) and an optional volume_mm3 (or _m3); without it each has a cell's volume over its points",
+    ),
+    continuum("body.points_m", Numbers(ANY, None), Absent, "points: x, y, z of each, one after the other; or `points_csv`"),
+    continuum("body.volumes_m3", Numbers(POSITIVE, None), Absent, "points: volume of each (in plane strain per metre)"),
+    continuum(
+        "body.porosity",
+        Number(RATIO),
+        Is("0.0"),
+        "porosity at the start: density is the grains' times 1 - porosity, and platens meet the solid volume of a point",
+    ),
+    continuum("body.velocity_m_s", VECTOR, Is("[0, 0, 0]"), "velocity at the start"),
+    continuum(
+        "body.stress_kPa",
+        Number(NOT_NEGATIVE),
+        Absent,
+        "isotropic pressure at the start; the cell pressure in a triaxial test, else 0",
+    ),
+    continuum("grid.cell_mm", Number(POSITIVE), Required, "edge of a cell"),
+    continuum("grid.min_mm", VECTOR, Absent, "lower corner of the grid; a free scene needs it, a test finds its own"),
+    continuum("grid.max_mm", VECTOR, Absent, "upper corner of the grid, a whole number of cells further"),
+    continuum("grid.points_per_edge", Integer { low: 1, high: 8 }, Is("2"), "points along the edge of a cell"),
+    continuum(
+        "grid.plane_strain",
+        Flag,
+        Is("false"),
+        "two dimensions, x and y (upwards); the third entries of vectors mean nothing",
+    ),
+    continuum(
+        "grid.shape_functions",
+        Choice(&["bspline", "gimp"]),
+        Is("\"bspline\""),
+        "quadratic B-splines (Li et al. 2023, eqs 10-12), or generalised interpolation",
+    ),
+    continuum(
+        "grid.transfer",
+        Choice(&["flip_pic", "apic"]),
+        Is("\"flip_pic\""),
+        "how velocities go to the points: blended (eq. 30), or affine",
+    ),
+    continuum("grid.pic", Number(Range::closed(0.0, 1.0)), Is("0.0"), "flip_pic: share of PIC, alpha of eq. 30; 0 is FLIP"),
+    continuum("grid.x_low", WALL, Is("\"open\""), WALL_WHAT),
+    continuum("grid.x_high", WALL, Is("\"open\""), WALL_WHAT),
+    continuum("grid.y_low", WALL, Is("\"open\""), WALL_WHAT),
+    continuum("grid.y_high", WALL, Is("\"open\""), WALL_WHAT),
+    continuum("grid.z_low", WALL, Is("\"open\""), WALL_WHAT),
+    continuum("grid.z_high", WALL, Is("\"open\""), WALL_WHAT),
+    continuum("grid.friction", Number(FRICTION), Is("0.0"), "friction coefficient of sides that are \"coulomb\""),
+    continuum(
+        "test.rig",
+        Choice(&["free", "oedometer", "triaxial"]),
+        Is("\"free\""),
+        "points by themselves; a box with smooth fixed sides and a driven top platen; a box between six platens (four in plane strain)",
+    ),
+    continuum("test.cell_pressure_kPa", Number(POSITIVE), Absent, "triaxial: stress that the lateral platens hold"),
+    continuum("test.axial_strain", Number(Range::between(0.0, 1.0)), Absent, "oedometer, triaxial: axial strain at the end"),
+    continuum(
+        "test.strain_per_wave",
+        Number(Range::above(0.0, 0.01)),
+        Is("0.0001"),
+        "axial strain in the time that a compression wave takes through the specimen: how far from quasi-static",
+    ),
+    continuum(
+        "test.contact_modulus_MPa",
+        NumberOr(POSITIVE, "auto"),
+        Is("\"auto\""),
+        "E* of the platens' contacts; auto: E/(1 - nu^2) of the material's grains, or 50 times the continuum's oedometric modulus if it has none",
+    ),
+    continuum(
+        "test.servo_gain",
+        Number(Range::above(0.0, 1.0)),
+        Is("0.3"),
+        "share of the imbalance that a platen removes per step",
+    ),
     both(
         "specimen.scale",
         Number(POSITIVE),
@@ -151,10 +270,10 @@ pub const KEYS: &[Key] = &[
     cylinder("walls.friction.bottom", Number(FRICTION), Is("0.0"), "friction coefficient of the lower platen"),
     cylinder("walls.friction.top", Number(FRICTION), Is("0.0"), "friction coefficient of the upper platen"),
     cylinder("walls.friction.cylinder", Number(FRICTION), Is("0.0"), "friction coefficient of the ring"),
-    every("crushing.enabled", Flag, ByKind("false", "false", "true"), "whether grains break"),
-    every("crushing.area", Choice(&["fixed_angle", "hertz"]), Is("\"fixed_angle\""), "contact area at failure: eq. 8, or eq. 9"),
-    every("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
-    every("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
+    grains("crushing.enabled", Flag, ByKind("false", "false", "true"), "whether grains break"),
+    grains("crushing.area", Choice(&["fixed_angle", "hertz"]), Is("\"fixed_angle\""), "contact area at failure: eq. 8, or eq. 9"),
+    grains("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
+    grains("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
     cylinder(
         "preparation.growth_friction",
         Number(FRICTION),
@@ -230,7 +349,7 @@ pub const KEYS: &[Key] = &[
         "displacement over the diameter at which a test ends with an unbroken grain",
     ),
     platen("loading.max_force_N", Number(POSITIVE), Absent, "force at which a test ends with an unbroken grain"),
-    both("damping.local", Number(RATIO), ByKind("0.05", "0.0", "0.0"), "local non-viscous damping (Cundall 1987)"),
+    states("damping.local", Number(RATIO), ByKind("0.05", "0.0", "0.0"), "local non-viscous damping (Cundall 1987)"),
     every("stepping.safety", Number(Range::above(0.0, 1.0)), Is("0.8"), "share of the stable time step"),
     both(
         "stepping.inertia_scaling",
@@ -238,7 +357,7 @@ pub const KEYS: &[Key] = &[
         Is("false"),
         "quasi-static: inertia so that every grain has the same stable step; time counts steps",
     ),
-    both("stepping.dt_s", NumberOr(POSITIVE, "auto"), Is("\"auto\""), "time step"),
+    states("stepping.dt_s", NumberOr(POSITIVE, "auto"), Is("\"auto\""), "time step"),
     both(
         "stepping.skin",
         Number(Range::above(0.0, 2.0)),
@@ -268,9 +387,11 @@ pub const KEYS: &[Key] = &[
         "grains (from 0) whose force-displacement curves are written, or the one of median strength of each diameter (four of a gradation)",
     ),
     both("records.energy", Flag, Is("true"), "whether the energy ledger is kept"),
-    both("records.snapshots", Flag, Is("true"), "whether ParaView snapshots are written"),
+    continuum("records.rows", Integer { low: 1, high: 100_000 }, Is("200"), "rows of history over the run"),
+    continuum("records.frames", Integer { low: 1, high: 10_000 }, Is("5"), "snapshots over the run, besides the first"),
+    states("records.snapshots", Flag, Is("true"), "whether ParaView snapshots are written"),
     every("records.figures", Flag, Is("true"), "whether figures are drawn"),
-    both("records.checkpoint_seconds", Number(POSITIVE), Is("60.0"), "seconds of wall-clock time between checkpoints"),
+    states("records.checkpoint_seconds", Number(POSITIVE), Is("60.0"), "seconds of wall-clock time between checkpoints"),
     oedometer("calibrate.key", Text, Required, "key that `comminute calibrate curve` finds; no run looks at this table"),
     oedometer("calibrate.lower", Number(ANY), Required, "smallest value of the key"),
     oedometer("calibrate.upper", Number(ANY), Required, "largest value of the key"),
@@ -282,8 +403,8 @@ pub const KEYS: &[Key] = &[
     ),
     oedometer("calibrate.mean", Number(ANY), Absent, "mean of a normal prior"),
     oedometer("calibrate.sd", Number(POSITIVE), Absent, "standard deviation of a normal prior"),
-    every("seed.packing", FROM_ZERO, Is("1"), "random stream of the specimen"),
-    every("seed.strength", FROM_ZERO, Is("1"), "random stream of strengths and pattern azimuths, keyed by lineage"),
+    grains("seed.packing", FROM_ZERO, Is("1"), "random stream of the specimen"),
+    grains("seed.strength", FROM_ZERO, Is("1"), "random stream of strengths and pattern azimuths, keyed by lineage"),
     every("material.name", Text, Required, "name of the material"),
     every("material.grain.density_kg_m3", Number(POSITIVE), Required, "density of a grain with its pores"),
     every("material.grain.internal_porosity", Number(RATIO), Is("0.0"), "porosity of a grain (eqs 19, 20)"),
@@ -365,6 +486,151 @@ pub const KEYS: &[Key] = &[
         Required,
         "smallest size of the lost mass (eq. 12), unscaled, below every daughter",
     ),
+    every(
+        "material.continuum.law",
+        Choice(&["elastic", "drucker_prager"]),
+        Required,
+        "law of the material as a continuum; the table is for material points, no grain looks at it",
+    ),
+    every("material.continuum.G_MPa", Number(POSITIVE), Absent, "shear modulus of the continuum; or `E_MPa`"),
+    every("material.continuum.E_MPa", Number(POSITIVE), Absent, "Young's modulus of the continuum; or `G_MPa`"),
+    every("material.continuum.nu", Number(Range::between(-1.0, 0.5)), Required, "Poisson ratio of the continuum"),
+    every(
+        "material.continuum.cone",
+        Choice(&["outer", "inner", "plane_strain"]),
+        Absent,
+        "drucker_prager: where the cone meets the Mohr-Coulomb pyramid: triaxial compression, triaxial extension, or matched in plane strain",
+    ),
+    every(
+        "material.continuum.friction_angle_deg",
+        Number(DEGREES),
+        Absent,
+        "drucker_prager: friction angle (before any plastic strain, if it changes); or `friction_angle_rad`",
+    ),
+    every(
+        "material.continuum.friction_angle_rad",
+        Number(RADIANS),
+        Absent,
+        "drucker_prager: friction angle; or `friction_angle_deg`",
+    ),
+    every(
+        "material.continuum.dilation_angle_deg",
+        Number(DEGREES),
+        Absent,
+        "drucker_prager: dilation angle, at most the smallest friction angle; or `dilation_angle_rad`",
+    ),
+    every(
+        "material.continuum.dilation_angle_rad",
+        Number(RADIANS),
+        Absent,
+        "drucker_prager: dilation angle; or `dilation_angle_deg`",
+    ),
+    every(
+        "material.continuum.cohesion_kPa",
+        Number(NOT_NEGATIVE),
+        Absent,
+        "drucker_prager: cohesion (before any plastic strain, if it changes)",
+    ),
+    every(
+        "material.continuum.tension_kPa",
+        Number(NOT_NEGATIVE),
+        Absent,
+        "drucker_prager: largest mean tension; the cone's apex if not written or beyond it",
+    ),
+    every(
+        "material.continuum.friction_evolution.law",
+        EVOLUTION,
+        Required,
+        "how the friction angle follows the accumulated plastic strain: linear, or Li et al. 2023, eq. 43",
+    ),
+    every(
+        "material.continuum.friction_evolution.last_deg",
+        Number(DEGREES),
+        Absent,
+        "linear: friction angle at the end; or `last_rad`",
+    ),
+    every(
+        "material.continuum.friction_evolution.last_rad",
+        Number(RADIANS),
+        Absent,
+        "linear: friction angle at the end; or `last_deg`",
+    ),
+    every(
+        "material.continuum.friction_evolution.plastic_strain",
+        Number(POSITIVE),
+        Absent,
+        "linear: plastic strain at which it is reached",
+    ),
+    every(
+        "material.continuum.friction_evolution.cubic_rad",
+        Numbers(ANY, Some(4)),
+        Absent,
+        "eq. 43: [a, b, c, d] of the friction angle in rad, up to the peak",
+    ),
+    every(
+        "material.continuum.friction_evolution.peak_plastic_strain",
+        Number(POSITIVE),
+        Absent,
+        "eq. 43: plastic strain at the peak",
+    ),
+    every(
+        "material.continuum.friction_evolution.peak_deg",
+        Number(DEGREES),
+        Absent,
+        "eq. 43: friction angle behind the peak; or `peak_rad`",
+    ),
+    every(
+        "material.continuum.friction_evolution.peak_rad",
+        Number(RADIANS),
+        Absent,
+        "eq. 43: friction angle behind the peak; or `peak_deg`",
+    ),
+    every(
+        "material.continuum.friction_evolution.residual_deg",
+        Number(DEGREES),
+        Absent,
+        "eq. 43: residual friction angle; or `residual_rad`",
+    ),
+    every(
+        "material.continuum.friction_evolution.residual_rad",
+        Number(RADIANS),
+        Absent,
+        "eq. 43: residual friction angle; or `residual_deg`",
+    ),
+    every("material.continuum.friction_evolution.decay", Number(POSITIVE), Absent, "eq. 43: softening rate H per plastic strain"),
+    every(
+        "material.continuum.cohesion_evolution.law",
+        EVOLUTION,
+        Required,
+        "how the cohesion follows the accumulated plastic strain: linear, or as Li et al. 2023, eq. 43",
+    ),
+    every("material.continuum.cohesion_evolution.last_kPa", Number(NOT_NEGATIVE), Absent, "linear: cohesion at the end"),
+    every(
+        "material.continuum.cohesion_evolution.plastic_strain",
+        Number(POSITIVE),
+        Absent,
+        "linear: plastic strain at which it is reached",
+    ),
+    every(
+        "material.continuum.cohesion_evolution.cubic_kPa",
+        Numbers(ANY, Some(4)),
+        Absent,
+        "as eq. 43: [a, b, c, d] of the cohesion, up to the peak",
+    ),
+    every(
+        "material.continuum.cohesion_evolution.peak_plastic_strain",
+        Number(POSITIVE),
+        Absent,
+        "as eq. 43: plastic strain at the peak",
+    ),
+    every("material.continuum.cohesion_evolution.peak_kPa", Number(NOT_NEGATIVE), Absent, "as eq. 43: cohesion behind the peak"),
+    every("material.continuum.cohesion_evolution.residual_kPa", Number(NOT_NEGATIVE), Absent, "as eq. 43: residual cohesion"),
+    every(
+        "material.continuum.cohesion_evolution.decay",
+        Number(POSITIVE),
+        Absent,
+        "as eq. 43: softening rate H per plastic strain",
+    ),
 ];
 
 /// Whether the schema has keys below the table `path`.
@@ -426,12 +692,17 @@ written beside it replaces them; it works in scenes, materials and [material]. E
             Required => "required".to_string(),
             Absent => "optional".to_string(),
             Is(v) => format!("default {v}"),
+            ByKind(a, b, _) if key.of == Of::States => format!("default {a}, in an assembly and a continuum {b}"),
             ByKind(a, b, c) if a == b => format!("default {a}, between platens {c}"),
             ByKind(a, b, _) => format!("default {a}, in an assembly {b}"),
         };
         let of = match key.of {
             Of::Every => "",
+            Of::Grains => "; oedometer, triaxial, assembly, platen",
             Of::Both => "; oedometer, triaxial, assembly",
+            Of::States => "; oedometer, triaxial, assembly, continuum",
+            Of::Free => "; assembly, continuum",
+            Of::Continuum => "; continuum",
             Of::Cylinder => "; oedometer, triaxial",
             Of::Oedometer => "; oedometer",
             Of::Triaxial => "; triaxial",
@@ -450,7 +721,7 @@ mod tests {
     #[test]
     fn every_default_is_allowed_by_its_own_key() {
         for key in KEYS {
-            for kind in [Of::Oedometer, Of::Assembly, Of::Platen] {
+            for kind in [Of::Oedometer, Of::Assembly, Of::Platen, Of::Continuum] {
                 if let Some(value) = key.default_for(kind) {
                     assert!(key.shape.accept(value).is_ok(), "{}", key.path);
                 } else {

@@ -2,7 +2,11 @@
 //! [`Model`] ([`model`]).
 
 mod assembly;
+mod bodies;
 mod calibrate;
+mod continuum;
+mod continuum_estimate;
+mod continuum_rig;
 mod crushing;
 mod estimate;
 mod files;
@@ -13,6 +17,7 @@ mod material;
 mod oedometer;
 mod overrides;
 mod platen;
+mod point_cloud;
 mod provenance;
 mod schema;
 mod sources;
@@ -24,6 +29,8 @@ mod view;
 mod write;
 
 pub use calibrate::{Calibrated, Prior};
+pub use continuum::{Continuum, continuum};
+pub use continuum_estimate::Points;
 pub use estimate::{Estimate, Specimen, estimate};
 pub use files::read_text;
 pub use keys::reference as key_reference;
@@ -99,6 +106,7 @@ pub fn load(path: impl AsRef<Path>, sets: &[String]) -> Result<Scene> {
         layer.table.insert("name".into(), Value::String(stem(path)));
     }
     import::grains(&mut layer)?;
+    point_cloud::points(&mut layer)?;
     validate::validate(&mut layer)?;
     material::fill_d50(&mut layer.table);
     Ok(Scene { path: path.to_path_buf(), layer })

@@ -29,6 +29,13 @@ pub fn assumptions(scene: &Scene) -> Vec<Assumption> {
     found
 }
 
+/// Every assumed value of the table at `at`.
+pub fn assumed_in(table: &Table, at: &str) -> Vec<Assumption> {
+    let mut found = Vec::new();
+    collect(table, at, &mut found);
+    found
+}
+
 fn collect(table: &Table, at: &str, found: &mut Vec<Assumption>) {
     let assumed = |s: &str| s.trim_start().to_lowercase().starts_with("assumed");
     for (name, value) in table {
@@ -66,6 +73,12 @@ const SETTLED: &[(&str, &str)] = &[
     ("load programme, eq. 18", "loading.sigma_ref_kPa"),
     ("load programme", "loading.programme"),
     ("platen servo", "loading.servo_gain"),
+    ("platen servo", "test.servo_gain"),
+    ("platens' contacts", "test.contact_modulus_MPa"),
+    ("quasi-static, speed of the platens", "test.strain_per_wave"),
+    ("shape functions", "grid.shape_functions"),
+    ("transfer", "grid.transfer"),
+    ("transfer", "grid.pic"),
     ("preparation, friction while growing", "preparation.growth_friction"),
     ("preparation, damping", "preparation.damping"),
     ("preparation, distance to the target porosity", "preparation.porosity_tolerance"),
@@ -98,12 +111,26 @@ const FIXED_OF_PLATENS: &[(&str, &str)] = &[
     ("platens without a material", "rigid: a grain meets its mirror image"),
 ];
 
+/// As [`FIXED`], of continua.
+const FIXED_OF_CONTINUA: &[(&str, &str)] = &[
+    ("platens", "rigid and smooth; a point meets them with its ghost radius (Li et al. 2023, eq. 22) and Hertz's force"),
+    ("where a platen's force acts", "on the point's face, half its edge beyond it (Li et al. 2023 spread it from the point)"),
+    ("stresses of a test", "sum of the platens' forces over the area between the other platens; means since the row before"),
+    ("extent of a specimen", "between its platens, less how far ghosts reach out of the material at the start"),
+    ("void ratio", "from the points' volumes; solids stay"),
+    ("plastic strain", "integral of sqrt(2/3 ep:ep)"),
+];
+
 /// Every decision of a scene, with the key that holds it (empty: fixed in this version).
 pub fn decisions(scene: &Scene) -> Vec<Decision> {
     let view = View::of(&scene.layer);
     let settled =
         SETTLED.iter().filter_map(|(matter, key)| view.get(key).map(|value| Decision { matter, key, value: value.clone() }));
-    let fixed = if view.is_platen() { FIXED_OF_PLATENS } else { FIXED };
+    let fixed = match view.text("kind") {
+        "platen" => FIXED_OF_PLATENS,
+        "continuum" => FIXED_OF_CONTINUA,
+        _ => FIXED,
+    };
     let fixed = fixed.iter().map(|(matter, value)| Decision { matter, key: "", value: Value::String((*value).into()) });
     settled.chain(fixed).collect()
 }

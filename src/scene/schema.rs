@@ -8,14 +8,21 @@ use toml::Value;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Of {
     Every,
-    /// All but platens.
+    /// All but continua.
+    Grains,
+    /// Assemblies of grains: all but platens and continua.
     Both,
+    /// All but platens.
+    States,
     /// Tests of a cylindrical specimen.
     Cylinder,
     Oedometer,
     Triaxial,
     Assembly,
     Platen,
+    Continuum,
+    /// Free scenes of grains, and continua.
+    Free,
 }
 
 impl Of {
@@ -23,7 +30,10 @@ impl Of {
     pub fn fits(self, scene: Of) -> bool {
         match (self, scene) {
             (Of::Every, _) | (_, Of::Every) => true,
-            (Of::Both, kind) => kind != Of::Platen,
+            (Of::Grains, kind) => kind != Of::Continuum,
+            (Of::Both, kind) => !matches!(kind, Of::Platen | Of::Continuum),
+            (Of::States, kind) => kind != Of::Platen,
+            (Of::Free, kind) => matches!(kind, Of::Assembly | Of::Continuum),
             (Of::Cylinder, kind) => matches!(kind, Of::Oedometer | Of::Triaxial),
             (own, kind) => own == kind,
         }
@@ -146,7 +156,7 @@ impl Key {
         let literal = match self.default {
             Default::Is(text) => text,
             Default::ByKind(oedometer, free, platen) => match kind {
-                Of::Assembly => free,
+                Of::Assembly | Of::Continuum => free,
                 Of::Platen => platen,
                 _ => oedometer,
             },
@@ -167,7 +177,8 @@ pub fn parse_literal(text: &str) -> Option<Value> {
 
 /// SI value of one unit of `key`, read from its suffix; 1 without one.
 pub fn unit(key: &str) -> f64 {
-    const SUFFIXES: [(&str, f64); 4] = [("_mm", 1e-3), ("_kPa", 1e3), ("_MPa", 1e6), ("_GPa", 1e9)];
+    const DEGREE: f64 = std::f64::consts::PI / 180.0;
+    const SUFFIXES: [(&str, f64); 5] = [("_mm", 1e-3), ("_kPa", 1e3), ("_MPa", 1e6), ("_GPa", 1e9), ("_deg", DEGREE)];
     SUFFIXES.iter().find(|(suffix, _)| key.ends_with(suffix)).map_or(1.0, |(_, si)| *si)
 }
 

@@ -14,11 +14,25 @@ pub fn validate(layer: &mut Layer) -> Result<()> {
         Some("oedometer") => Of::Oedometer,
         Some("triaxial") => Of::Triaxial,
         Some("platen") => Of::Platen,
+        Some("continuum") => Of::Continuum,
         _ => Of::Every,
     };
     let mut table = std::mem::take(&mut layer.table);
     let mut walk = Walk { layer, of, errors: Vec::new() };
     walk.table(&mut table, "", "");
+    let errors = walk.errors;
+    layer.table = table;
+    Error::all(errors)
+}
+
+/// Check the material at `material` of a table that holds nothing else, and fill in its defaults.
+pub fn validate_material(layer: &mut Layer) -> Result<()> {
+    let mut table = std::mem::take(&mut layer.table);
+    // the keys of a material are those of every kind of scene
+    let mut walk = Walk { layer, of: Of::Assembly, errors: Vec::new() };
+    if let Some(Value::Table(material)) = table.get_mut("material") {
+        walk.table(material, "material", "material");
+    }
     let errors = walk.errors;
     layer.table = table;
     Error::all(errors)
@@ -203,6 +217,7 @@ impl Walk<'_> {
             Of::Assembly => "an assembly",
             Of::Platen => "a platen test",
             Of::Triaxial => "a triaxial test",
+            Of::Continuum => "a continuum",
             _ => "an oedometer",
         };
         format!("has no meaning in {kind}")

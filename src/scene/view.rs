@@ -114,6 +114,9 @@ impl<'a> View<'a> {
     /// Everything, or `None` with the reasons noted.
     pub fn model(&self) -> Option<Model> {
         let named = self.materials()?;
+        if self.text("kind") == "continuum" {
+            return self.continuum_model(&named);
+        }
         let materials: Vec<Material> = named.iter().filter_map(|m| self.material(m)).collect();
         if materials.len() != named.len() {
             return None;
@@ -152,7 +155,7 @@ impl<'a> View<'a> {
         })
     }
 
-    fn gravity(&self) -> [f64; 3] {
+    pub fn gravity(&self) -> [f64; 3] {
         self.numbers("gravity_m_s2").try_into().unwrap_or([0.0; 3])
     }
 
@@ -181,7 +184,7 @@ impl<'a> View<'a> {
         stepping
     }
 
-    fn records(&self) -> Option<Records> {
+    pub fn records(&self) -> Option<Records> {
         Some(Records {
             per_decade: self.whole("records.per_decade").unwrap_or(1) as u32,
             at: self.numbers("records.at_kPa"),

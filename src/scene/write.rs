@@ -22,6 +22,13 @@ pub fn write(scene: &Table) -> String {
     text
 }
 
+/// A material file with every default filled in.
+pub fn write_material(material: &Table) -> String {
+    let mut text = String::new();
+    table(&mut text, material, "", "material");
+    text
+}
+
 /// One table: its own keys, its lists of tables, then the tables in it.
 fn table(text: &mut String, values: &Table, at: &str, path: &str) {
     let own: Vec<&str> =

@@ -1,0 +1,64 @@
+//! What a run of a continuum knows.
+
+use crate::mpm::law::Law;
+use crate::mpm::{Points, Settings};
+
+/// Material points on a grid, and what is done with them.
+#[derive(Clone, Debug)]
+pub struct Continuum {
+    pub settings: Settings,
+    /// One a material, in the order of their numbers.
+    pub laws: Vec<Law>,
+    pub points: Points,
+    /// Points along the edge of a cell of the first body.
+    pub per_edge: u32,
+    /// Where run-out is counted from: the axis of the first body (for a box its lower corner), m.
+    pub axis: [f64; 3],
+    pub test: Test,
+    /// Rows of history and snapshots over the run, besides the first.
+    pub rows: u32,
+    pub frames: u32,
+}
+
+/// What is done with the points.
+#[derive(Clone, Debug)]
+pub enum Test {
+    /// They move by themselves, for a time, s, or so many steps.
+    Free { duration: Option<f64>, steps: Option<u64> },
+    /// Smooth fixed sides and bottom, a driven top platen.
+    Oedometer(Specimen),
+    /// Platens on all sides: the lateral ones hold the cell pressure, the axial ones move.
+    Triaxial { specimen: Specimen, cell_pressure: f64 },
+}
+
+/// A box of points between platens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Specimen {
+    /// Lower corner and size at the start, m.
+    pub lower: [f64; 3],
+    pub size: [f64; 3],
+    /// Isotropic stress of the points at the start, Pa, compression positive.
+    pub stress: f64,
+    /// Distance of two points at the start, m.
+    pub spacing: f64,
+    /// Porosity at the start.
+    pub porosity: f64,
+    /// E* of the platens' contacts, Pa.
+    pub modulus: f64,
+    /// Axial strain at the end.
+    pub axial_strain: f64,
+    /// Axial strain in the time that a compression wave takes through the specimen.
+    pub strain_per_wave: f64,
+    /// Share of a servo's imbalance that it removes in one step.
+    pub gain: f64,
+}
+
+impl Continuum {
+    /// The box between platens, where there is one.
+    pub fn specimen(&self) -> Option<&Specimen> {
+        match &self.test {
+            Test::Free { .. } => None,
+            Test::Oedometer(specimen) | Test::Triaxial { specimen, .. } => Some(specimen),
+        }
+    }
+}

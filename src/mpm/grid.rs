@@ -1,0 +1,129 @@
+//! The nodes: mass, momentum and velocity of those that material reaches, block by block. Scratch.
+//!
+//! Each block of points adds into a tile of its own; a node then sums the up to eight tiles that hold it, in a fixed order. Sums start from +0
+//! and so are never −0: an empty tile changes no bit.
+
+use super::Settings;
+use super::blocks::{Blocks, EDGE, NONE, TILE, cells, tile};
+use super::walls::Walls;
+use rayon::prelude::*;
+
+/// Blocks of nodes of one task at least.
+const TASK: usize = 8;
+
+/// Values at nodes.
+#[derive(Clone, Debug, Default)]
+pub struct Grid {
+    /// Of each block of points: its tile, with momentum and mass or with forces.
+    pub tiles: Vec<[f64; 4]>,
+    /// Momentum, kg m/s, and mass, kg, as the points gave them.
+    pub momentum: Vec<[f64; 4]>,
+    /// Velocity, m/s, walls included.
+    pub velocity: Vec<[f64; 4]>,
+    /// Its change in this step, m/s.
+    pub change: Vec<[f64; 4]>,
+    pub walls: Walls,
+}
+
+impl Grid {
+    /// Makes room for the blocks.
+    pub fn fit<const D: usize>(&mut self, blocks: &Blocks, settings: &Settings) {
+        let nodes = blocks.node_keys.len() * cells(D);
+        self.tiles.resize(blocks.len() * tile(D), [0.0; 4]);
+        for array in [&mut self.momentum, &mut self.velocity, &mut self.change] {
+            array.resize(nodes, [0.0; 4]);
+        }
+        self.walls.find::<D>(blocks, &settings.walls, settings.size());
+    }
+
+    /// v = p/m from the tiles' mass and momentum (Li et al. 2023, eqs 36, 37), and what walls allow of it.
+    pub fn project<const D: usize>(&mut self, blocks: &Blocks) {
+        let tiles = &self.tiles;
+        let arrays = self.momentum.par_chunks_exact_mut(cells(D)).zip(self.velocity.par_chunks_exact_mut(cells(D)));
+        arrays.enumerate().with_min_len(TASK).for_each(|(n, (momentum, velocity))| {
+            collect::<D>(&blocks.behind[n], tiles, momentum);
+            for (v, p) in velocity.iter_mut().zip(momentum) {
+                let over = 1.0 / if p[3] > 0.0 { p[3] } else { f64::INFINITY };
+                *v = [p[0] * over, p[1] * over, p[2] * over, 0.0];
+            }
+        });
+        self.walls.project(&self.momentum, &mut self.velocity);
+    }
+
+    /// v ← v + Δt f/m with the tiles' forces, gravity and local damping (Li et al. 2023, eq. 28), and what walls allow of it; returns the force
+    /// of each wall on the material, N.
+    pub fn accelerate<const D: usize>(&mut self, blocks: &Blocks, settings: &Settings, dt: f64) -> [[f64; 3]; 6] {
+        let tiles = &self.tiles;
+        let (g, damping) = (settings.gravity, settings.damping);
+        let arrays = self.momentum.par_chunks_exact(cells(D)).zip(self.change.par_chunks_exact_mut(cells(D)));
+        arrays.enumerate().with_min_len(TASK).for_each(|(n, (momentum, change))| {
+            // forces first stand where the change of velocity will
+            collect::<D>(&blocks.behind[n], tiles, change);
+            for (f, p) in change.iter_mut().zip(momentum) {
+                let m = p[3];
+                let over = dt / if m > 0.0 { m } else { f64::INFINITY };
+                *f = [(f[0] + m * g[0]) * over, (f[1] + m * g[1]) * over, (f[2] + m * g[2]) * over, 0.0];
+            }
+        });
+        let impulses = self.walls.accelerate(&self.momentum, &mut self.velocity, &mut self.change);
+        let arrays = self.velocity.par_chunks_exact_mut(cells(D)).zip(self.change.par_chunks_exact_mut(cells(D)));
+        arrays.with_min_len(2 * TASK).for_each(|(velocity, change)| {
+            for (v, dv) in velocity.iter_mut().zip(change) {
+                for a in 0..3 {
+                    // local non-viscous damping −α |f| sign(v) of what walls have left of the force; what friction has stopped stays so
+                    if damping > 0.0 && v[a] != 0.0 && v[a] + dv[a] != 0.0 {
+                        let size = damping * dv[a].abs();
+                        dv[a] += if v[a] > 0.0 { 0.0 - size } else { size };
+                    }
+                    v[a] += dv[a];
+                }
+            }
+        });
+        impulses.map(|i| i.map(|x| x / dt))
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let vectors = self.tiles.capacity() + self.momentum.capacity() + self.velocity.capacity() + self.change.capacity();
+        32 * vectors + self.walls.bytes()
+    }
+}
+
+/// Sums the tiles over the nodes of a block.
+fn collect<const D: usize>(behind: &[u32; 8], tiles: &[[f64; 4]], out: &mut [[f64; 4]]) {
+    out.fill([0.0; 4]);
+    for (k, &b) in behind.iter().enumerate().take(1 << D) {
+        if b == NONE {
+            continue;
+        }
+        let tile = &tiles[b as usize * tile(D)..][..tile(D)];
+        let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2];
+        let count = |far: usize| if far == 1 { TILE - EDGE } else { EDGE };
+        for kz in 0..if D == 3 { count(z) } else { 1 } {
+            for ky in 0..count(y) {
+                let from = &tile[EDGE * x + TILE * (ky + EDGE * y + TILE * (kz + EDGE * z))..][..count(x)];
+                let to = &mut out[EDGE * (ky + EDGE * kz)..][..count(x)];
+                for (to, from) in to.iter_mut().zip(from) {
+                    for a in 0..4 {
+                        to[a] += from[a];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Copies the values at the nodes of a block's tile.
+#[inline(always)]
+pub fn load<const D: usize>(ahead: &[u32; 8], nodes: &[[f64; 4]], out: &mut [[f64; 4]]) {
+    for z in 0..if D == 3 { TILE } else { 1 } {
+        for y in 0..TILE {
+            let to = &mut out[TILE * (y + TILE * z)..][..TILE];
+            let k = 2 * (y / EDGE) + 4 * (z / EDGE);
+            let row = EDGE * (y % EDGE + EDGE * (z % EDGE));
+            let at = |b: u32| b as usize * cells(D) + row;
+            to[..EDGE].copy_from_slice(&nodes[at(ahead[k])..][..EDGE]);
+            to[EDGE..].copy_from_slice(&nodes[at(ahead[k + 1])..][..TILE - EDGE]);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Where the Drucker-Prager cone J + alpha I1 = k c (tension positive, J = sqrt(J2)) touches the Mohr-Coulomb pyramid of
+//! friction angle phi and cohesion c.
+//!
+//! - outer, through the corners of triaxial compression: alpha = 2 sin / (sqrt3 (3 - sin)), k = 6 cos / (sqrt3 (3 - sin)).
+//!   The cone of Li et al. (2023), Computers and Geotechnics 160, 105508 (section 4.1).
+//! - inner, through the corners of triaxial extension: the same with 3 + sin.
+//! - plane strain, the same collapse load in plane strain with associated flow: alpha = tan / sqrt(9 + 12 tan²),
+//!   k = 3 / sqrt(9 + 12 tan²); Jiang et al. (2020), eq. 35 (its q_phi is 3 alpha) and Zhang et al., eq. 6.
+
+use super::elementary::sin;
+use serde::{Deserialize, Serialize};
+
+/// A cone's place at the Mohr-Coulomb pyramid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Cone {
+    Outer,
+    Inner,
+    PlaneStrain,
+}
+
+/// alpha and k of a cone with their derivatives with respect to the angle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Constants {
+    pub alpha: f64,
+    pub k: f64,
+    pub dalpha: f64,
+    pub dk: f64,
+}
+
+impl Cone {
+    /// The constants at a friction or dilation angle, rad, from 0 to less than pi/2.
+    pub fn at(self, angle: f64) -> Constants {
+        let s = sin(angle);
+        let c = (1.0 - s * s).max(0.0).sqrt();
+        match self {
+            Cone::Outer => edge(s, c, -1.0),
+            Cone::Inner => edge(s, c, 1.0),
+            Cone::PlaneStrain => {
+                // tan / sqrt(9 + 12 tan²) = sin / sqrt(9 cos² + 12 sin²)
+                let below = 1.0 / (9.0 + 3.0 * s * s).sqrt();
+                let cube = below * below * below;
+                Constants {
+                    alpha: s * below,
+                    k: 3.0 * c * below,
+                    dalpha: 9.0 * c * cube,
+                    dk: -3.0 * s * below - 9.0 * s * c * c * cube,
+                }
+            }
+        }
+    }
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Cone::Outer => "outer",
+            Cone::Inner => "inner",
+            Cone::PlaneStrain => "plane_strain",
+        }
+    }
+}
+
+fn edge(s: f64, c: f64, sign: f64) -> Constants {
+    const ROOT: f64 = 1.154_700_538_379_251_7; // 2 / sqrt(3)
+    let below = 1.0 / (3.0 + sign * s);
+    Constants {
+        alpha: ROOT * s * below,
+        k: 3.0 * ROOT * c * below,
+        dalpha: 3.0 * ROOT * c * (below * below),
+        dk: 3.0 * ROOT * (-s * below - sign * (c * c) * (below * below)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CONES: [Cone; 3] = [Cone::Outer, Cone::Inner, Cone::PlaneStrain];
+
+    #[test]
+    fn slopes_are_those_of_the_constants() {
+        let h = 1e-6;
+        for cone in CONES {
+            for i in 0..=14 {
+                let angle = 0.1 * f64::from(i);
+                let (low, at, high) = (cone.at(angle - h), cone.at(angle), cone.at(angle + h));
+                let slope = |a: f64, b: f64| (b - a) / (2.0 * h);
+                assert!((slope(low.alpha, high.alpha) - at.dalpha).abs() < 1e-9, "{cone:?} {angle}");
+                assert!((slope(low.k, high.k) - at.dk).abs() < 1e-9, "{cone:?} {angle}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_friction_only_cohesion_is_left() {
+        for (cone, k) in CONES.into_iter().zip([1.154_700_538, 1.154_700_538, 1.0]) {
+            let at = cone.at(0.0);
+            assert_eq!(at.alpha, 0.0);
+            assert!((at.k - k).abs() < 1e-9);
+        }
+    }
+}

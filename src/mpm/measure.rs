@@ -1,0 +1,46 @@
+//! Mass, momentum and energy of all points, in the order of ids.
+
+use super::Continuum;
+
+/// Sums over points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// kg, and m³.
+    pub mass: f64,
+    pub volume: f64,
+    /// kg m/s.
+    pub momentum: [f64; 3],
+    /// About the origin, kg m²/s; with the affine fields' own share m h²/4 (∇ × v) where points carry them.
+    pub angular_momentum: [f64; 3],
+    /// Of the points' velocities, and −m g·x, J.
+    pub kinetic: f64,
+    pub potential: f64,
+}
+
+pub(super) fn totals(c: &Continuum) -> Totals {
+    let points = &c.points;
+    let g = c.settings.gravity;
+    let inertia = 0.25 * c.settings.cell * c.settings.cell;
+    let mut t = Totals::default();
+    for i in points.by_id() {
+        let i = i as usize;
+        let ([x, y, z, volume], [u, v, w, m]) = (points.position[i], points.velocity[i]);
+        t.mass += m;
+        t.volume += volume;
+        let p = [m * u, m * v, m * w];
+        let mut spin = [y * p[2] - z * p[1], z * p[0] - x * p[2], x * p[1] - y * p[0]];
+        if let Some([dx, dy, dz]) = points.affine.get(i) {
+            let curl = [dy[2] - dz[1], dz[0] - dx[2], dx[1] - dy[0]];
+            for (spin, curl) in spin.iter_mut().zip(curl) {
+                *spin += m * inertia * curl;
+            }
+        }
+        for a in 0..3 {
+            t.momentum[a] += p[a];
+            t.angular_momentum[a] += spin[a];
+        }
+        t.kinetic += 0.5 * m * (u * u + v * v + w * w);
+        t.potential -= m * (g[0] * x + g[1] * y + g[2] * z);
+    }
+    t
+}

@@ -1,0 +1,218 @@
+//! The continuum: a material point method with quadratic B-splines or generalised interpolation, in space or in plane strain.
+//!
+//! A rig owns a [`Continuum`] and calls [`Continuum::step`]; everything that a restart needs is serialised with it, the grid and the order of
+//! points are scratch. Tension is positive inside; compression is in records.
+//!
+//! Papers: Li et al. 2023 (Comput. Geotech. 160), Jiang et al. 2020 (IJNME), Zhang et al. (SPH of binary mixtures).
+
+mod blocks;
+mod check;
+mod grid;
+pub mod law;
+mod measure;
+mod pass;
+pub mod platen;
+mod points;
+mod spline;
+mod step;
+mod stress;
+mod transfer;
+mod walls;
+
+pub use measure::Totals;
+pub use platen::Platen;
+pub use points::{Point, Points};
+pub use spline::{BSpline, Gimp, Shape, ShapeFunctions};
+pub use walls::Wall;
+
+use crate::error::Result;
+use law::Law;
+use serde::{Deserialize, Serialize};
+
+/// Two dimensions or three.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Dimension {
+    /// Plane strain in x, y; masses, volumes and forces are per metre of thickness.
+    PlaneStrain,
+    Space,
+}
+
+/// How velocities go to the points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Transfer {
+    /// Li et al. 2023, eq. 30: α = 1 is PIC, 0 is FLIP.
+    Blend { pic: f64 },
+    /// Affine particle-in-cell; with B-splines only.
+    Affine,
+}
+
+/// The grid, its sides and the choices of the method.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    pub dimension: Dimension,
+    /// Edge of a cell, m.
+    pub cell: f64,
+    /// Lower corner of the domain, m, and its size in cells (in plane strain the third entries mean nothing).
+    pub lower: [f64; 3],
+    pub cells: [u32; 3],
+    /// Sides of the domain: x low, x high, y low, y high, z low, z high.
+    pub walls: [Wall; 6],
+    /// Acceleration, m/s².
+    pub gravity: [f64; 3],
+    pub shape: ShapeFunctions,
+    pub transfer: Transfer,
+    /// Local damping at nodes, −α |f| sign(v); 0 for none, below 1.
+    pub damping: f64,
+}
+
+impl Settings {
+    /// Size in cells, for signed arithmetic.
+    fn size(&self) -> [i32; 3] {
+        self.cells.map(|n| n as i32)
+    }
+}
+
+/// Material points on a grid: state, choices and scratch.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Continuum {
+    settings: Settings,
+    laws: Vec<Law>,
+    points: Points,
+    /// Steps done.
+    step: u64,
+    /// Work of the stresses since the start, J.
+    stress_work: f64,
+    /// Force of each wall on the material in the last step, N.
+    wall_force: [[f64; 3]; 6],
+    #[serde(skip)]
+    work: step::Work,
+}
+
+impl Continuum {
+    /// # Errors
+    /// A setting, law or point that is not allowed, a point outside of the domain: by name.
+    pub fn new(settings: Settings, laws: Vec<Law>, mut points: Points) -> Result<Continuum> {
+        check::all(&settings, &laws, &points)?;
+        if settings.transfer == Transfer::Affine {
+            points.affine.resize(points.len(), [[0.0; 3]; 3]);
+        } else {
+            points.affine = Vec::new();
+        }
+        let work = step::Work::default();
+        Ok(Continuum { settings, laws, points, step: 0, stress_work: 0.0, wall_force: [[0.0; 3]; 6], work })
+    }
+
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    pub fn laws(&self) -> &[Law] {
+        &self.laws
+    }
+
+    pub fn points(&self) -> &Points {
+        &self.points
+    }
+
+    /// The points, to be changed; what the grid knows of them is then found anew in the next step.
+    pub fn points_mut(&mut self) -> &mut Points {
+        self.work.forget();
+        &mut self.points
+    }
+
+    /// Steps done.
+    pub fn steps(&self) -> u64 {
+        self.step
+    }
+
+    /// Work of the stresses on the strains since the start, J: trapezium rule over every step. What of it is elastic energy is the law's affair.
+    pub fn stress_work(&self) -> f64 {
+        self.stress_work
+    }
+
+    /// Force of each side on the material in the last step, N (order as [`Settings::walls`]).
+    pub fn wall_force(&self) -> &[[f64; 3]; 6] {
+        &self.wall_force
+    }
+
+    /// Adds a force, N, on the point at index `i` of [`Self::points`] for the next step; points change places in a step.
+    pub fn push(&mut self, i: usize, force: [f64; 3]) {
+        self.make_room();
+        for (sum, f) in self.work.outside[i].iter_mut().zip(force) {
+            *sum += f;
+        }
+    }
+
+    /// As [`Self::push`], each component acting so far beside the point along its own axis, m (at most half a cell): a traction on the
+    /// point's face. With generalised interpolation, whose functions end, it acts at the point.
+    pub fn push_beside(&mut self, i: usize, force: [f64; 3], beside: [f64; 3]) {
+        self.push(i, force);
+        if self.settings.shape != ShapeFunctions::BSpline {
+            return;
+        }
+        for ((sum, f), arm) in self.work.moments[i].iter_mut().zip(force).zip(beside) {
+            *sum += f * arm;
+        }
+    }
+
+    /// Takes back what was pushed since the last step.
+    pub fn drop_forces(&mut self) {
+        self.work.outside.fill([0.0; 4]);
+        self.work.moments.fill([0.0; 4]);
+        self.work.pushed = false;
+    }
+
+    fn make_room(&mut self) {
+        let n = self.points.len();
+        for array in [&mut self.work.outside, &mut self.work.moments] {
+            if array.len() != n {
+                array.clear();
+                array.resize(n, [0.0; 4]);
+            }
+        }
+        self.work.pushed = true;
+    }
+
+    /// One step of `dt` seconds.
+    ///
+    /// # Errors
+    /// A point that is lost (not finite, outside, faster than a cell per step, turned inside out): the step, the lowest such id and what to do.
+    /// The state is then of no further use.
+    pub fn step(&mut self, dt: f64) -> Result<()> {
+        step::step(self, dt)
+    }
+
+    /// `safety` times the least h/(c + |v|) over the points, s: c is the law's wave speed at the point's density. The method is stable to about
+    /// `safety` = 1; infinite without points.
+    pub fn stable_step(&self, safety: f64) -> f64 {
+        check::stable_step(self, safety)
+    }
+
+    /// # Errors
+    /// A step that is not positive or above `stable_step(1.0)`, with that bound.
+    pub fn check_step(&self, dt: f64) -> Result<()> {
+        check::step(self, dt)
+    }
+
+    /// Mass, momentum and energies, summed in the order of ids.
+    pub fn totals(&self) -> Totals {
+        measure::totals(self)
+    }
+
+    /// Drops all scratch but forces that wait; changes no bit of what follows.
+    pub fn drop_scratch(&mut self) {
+        self.work = self.work.clone();
+    }
+
+    /// Uses other instructions than the machine's best; changes no bit.
+    pub fn use_instructions(&mut self, arch: pulp::Arch) {
+        self.work.arch = Some(arch);
+    }
+
+    /// Bytes held, scratch included.
+    pub fn bytes(&self) -> usize {
+        self.points.bytes() + self.work.bytes()
+    }
+}

@@ -1,0 +1,444 @@
+//! Passes over the points, a block after another: each writes its own points and its own tile, so blocks go in any order and on any thread.
+//! Inside a block points go cell by cell, and in the order of ids in a cell: the sums are those of the state alone.
+
+use super::blocks::{BIAS, Blocks, EDGE, STAYS, TILE, block_corner, cell_key, cells, tile};
+use super::grid::load;
+use super::law::{Law, Memory, Sym};
+use super::spline::{Shape, Weights};
+use super::stress::{increments, turned, work};
+use super::transfer::{gather, gradient, spread, spread_affine, spread_stress};
+#[cfg(target_arch = "x86_64")]
+use crate::real::Quad;
+use crate::real::{Four, Plain, quads};
+use pulp::Arch;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Points of one task.
+const TASK: usize = 2048;
+
+/// Which pass.
+pub mod stage {
+    /// Mass and momentum to the tiles.
+    pub const PROJECT: u8 = 0;
+    /// Strain from the nodes' velocities, stress, internal forces to the tiles.
+    pub const STRESS: u8 = 1;
+    /// Internal forces of the stress as it is.
+    pub const FORCES: u8 = 2;
+    /// Forces from outside, added to the tiles.
+    pub const OUTSIDE: u8 = 3;
+    /// Velocities and positions from the nodes.
+    pub const MOVE: u8 = 4;
+}
+
+/// What has gone wrong with a point; the lowest id is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    NotFinite,
+    Outside,
+    TooFast,
+    Inverted,
+}
+
+impl Fault {
+    const ALL: [Fault; 4] = [Fault::NotFinite, Fault::Outside, Fault::TooFast, Fault::Inverted];
+
+    fn tell(self, faults: &AtomicU64, id: u32) {
+        faults.fetch_min((u64::from(id) << 8) | self as u64, Ordering::Relaxed);
+    }
+
+    /// What was told, with the id of the point.
+    pub fn told(faults: u64) -> Option<(Fault, u32)> {
+        (faults != u64::MAX).then(|| (Fault::ALL[(faults & 3) as usize], (faults >> 8) as u32))
+    }
+}
+
+/// What all blocks read.
+pub struct Pass<'a, S> {
+    pub arch: Arch,
+    pub shape: S,
+    pub blocks: &'a Blocks,
+    pub laws: &'a [Law],
+    pub lower: [f64; 3],
+    pub cell: f64,
+    pub size: [i32; 3],
+    pub dt: f64,
+    /// 1: PIC, 0: FLIP (Li et al. 2023, eq. 30).
+    pub pic: f64,
+    pub velocity: &'a [[f64; 4]],
+    pub change: &'a [[f64; 4]],
+    pub law: &'a [u8],
+    pub id: &'a [u32],
+    /// Forces from outside; empty where there are none.
+    pub outside: &'a [[f64; 4]],
+    /// Times how far beside the point along its axis each component acts.
+    pub moments: &'a [[f64; 4]],
+    pub faults: &'a AtomicU64,
+}
+
+/// What some blocks write.
+pub struct Part<'a> {
+    pub first: usize,
+    pub count: usize,
+    pub position: &'a mut [[f64; 4]],
+    pub velocity: &'a mut [[f64; 4]],
+    pub stress: &'a mut [Sym],
+    pub memory: &'a mut [Memory],
+    /// Empty without APIC.
+    pub affine: &'a mut [[[f64; 3]; 3]],
+    /// New cell of each point that leaves its own.
+    pub target: &'a mut [u64],
+    pub tiles: &'a mut [[f64; 4]],
+    /// Of each block: points that leave their cell; stress work, J.
+    pub left: &'a mut [u32],
+    pub work: &'a mut [f64],
+}
+
+impl<'a> Part<'a> {
+    /// The first `blocks` blocks with their `points` points, and the others.
+    fn split<const D: usize>(self, blocks: usize, points: usize) -> (Part<'a>, Part<'a>) {
+        let (p0, p1) = self.position.split_at_mut(points);
+        let (v0, v1) = self.velocity.split_at_mut(points);
+        let (s0, s1) = self.stress.split_at_mut(points);
+        let (m0, m1) = self.memory.split_at_mut(points);
+        let (a0, a1) = self.affine.split_at_mut(if self.affine.is_empty() { 0 } else { points });
+        let (t0, t1) = self.target.split_at_mut(points);
+        let (n0, n1) = self.tiles.split_at_mut(blocks * tile(D));
+        let (l0, l1) = self.left.split_at_mut(blocks);
+        let (w0, w1) = self.work.split_at_mut(blocks);
+        let left = Part {
+            first: self.first,
+            count: blocks,
+            position: p0,
+            velocity: v0,
+            stress: s0,
+            memory: m0,
+            affine: a0,
+            target: t0,
+            tiles: n0,
+            left: l0,
+            work: w0,
+        };
+        let right = Part {
+            first: self.first + blocks,
+            count: self.count - blocks,
+            position: p1,
+            velocity: v1,
+            stress: s1,
+            memory: m1,
+            affine: a1,
+            target: t1,
+            tiles: n1,
+            left: l1,
+            work: w1,
+        };
+        (left, right)
+    }
+}
+
+/// Goes over the blocks of `part`, shared among threads.
+pub fn run<const STAGE: u8, const D: usize, S: Shape>(pass: &Pass<'_, S>, part: Part<'_>) {
+    let points = part.position.len();
+    if points <= TASK || part.count < 2 {
+        return dispatch::<STAGE, D, S>(pass, part);
+    }
+    // the block that holds the point in the middle
+    let start = |b: usize| pass.blocks.starts[b * cells(D)] as usize;
+    let first = start(part.first);
+    let (mut low, mut high) = (part.first + 1, part.first + part.count - 1);
+    while low < high {
+        let middle = (low + high) / 2;
+        if start(middle) - first < points / 2 { low = middle + 1 } else { high = middle }
+    }
+    let (a, b) = (low - part.first, start(low) - first);
+    let (left, right) = part.split::<D>(a, b);
+    rayon::join(|| run::<STAGE, D, S>(pass, left), || run::<STAGE, D, S>(pass, right));
+}
+
+fn dispatch<const STAGE: u8, const D: usize, S: Shape>(pass: &Pass<'_, S>, part: Part<'_>) {
+    match quads(pass.arch) {
+        #[cfg(target_arch = "x86_64")]
+        Some(v3) => v3.vectorize(
+            #[inline(always)]
+            || some::<Quad, STAGE, D, S>(v3, pass, part),
+        ),
+        _ => some::<Plain, STAGE, D, S>((), pass, part),
+    }
+}
+
+#[inline(always)]
+fn some<F: Four, const STAGE: u8, const D: usize, S: Shape>(token: F::Token, pass: &Pass<'_, S>, part: Part<'_>) {
+    let first_point = pass.blocks.starts[part.first * cells(D)] as usize;
+    let place = Place::<F, S>::new(token, pass);
+    let (mut velocity, mut change) = ([[0.0; 4]; TILE * TILE * TILE], [[0.0; 4]; TILE * TILE * TILE]);
+    let mut part = part;
+    for k in 0..part.count {
+        let b = part.first + k;
+        let corner = block_corner(pass.blocks.keys[b]);
+        let starts = &pass.blocks.starts[b * cells(D)..=(b + 1) * cells(D)];
+        if starts[0] == starts[cells(D)] {
+            // a block that has lost its last point
+            if matches!(STAGE, stage::PROJECT | stage::STRESS | stage::FORCES) {
+                part.tiles[k * tile(D)..][..tile(D)].fill([0.0; 4]);
+            }
+            (part.left[k], part.work[k]) = (0, 0.0);
+            continue;
+        }
+        if matches!(STAGE, stage::STRESS | stage::MOVE) {
+            load::<D>(&pass.blocks.ahead[b], pass.velocity, &mut velocity);
+        }
+        if STAGE == stage::MOVE {
+            load::<D>(&pass.blocks.ahead[b], pass.change, &mut change);
+        }
+        if matches!(STAGE, stage::PROJECT | stage::STRESS | stage::FORCES) {
+            part.tiles[k * tile(D)..][..tile(D)].fill([0.0; 4]);
+        }
+        let mut sums = Sums { left: 0, work: 0.0 };
+        for c in 0..cells(D) {
+            let [x, y, z] = [c % EDGE, c / EDGE % EDGE, c / (EDGE * EDGE)];
+            let cell = [corner[0] + x as i32, corner[1] + y as i32, if D == 3 { corner[2] + z as i32 } else { 0 }];
+            let at = x + TILE * (y + TILE * z);
+            for i in starts[c] as usize - first_point..starts[c + 1] as usize - first_point {
+                let point = At { token, i, whole: first_point + i, at, cell, k };
+                match STAGE {
+                    stage::PROJECT => project::<F, D, S>(pass, &place, &mut part, point),
+                    stage::STRESS => strain::<F, D, S>(pass, &place, &mut part, point, &velocity, &mut sums),
+                    stage::FORCES => forces::<F, D, S>(pass, &place, &mut part, point),
+                    stage::OUTSIDE => outside::<F, D, S>(pass, &place, &mut part, point),
+                    _ => advance::<F, D, S>(pass, &place, &mut part, point, [&velocity, &change], &mut sums),
+                }
+            }
+        }
+        match STAGE {
+            stage::STRESS => part.work[k] = sums.work,
+            stage::MOVE => part.left[k] = sums.left,
+            _ => {}
+        }
+    }
+}
+
+/// Sums over a block.
+struct Sums {
+    left: u32,
+    work: f64,
+}
+
+/// One point: its index in the part and in the whole, where its first node stands in the tile, its cell and its block in the part.
+#[derive(Clone, Copy)]
+struct At<T> {
+    token: T,
+    i: usize,
+    whole: usize,
+    at: usize,
+    cell: [i32; 3],
+    k: usize,
+}
+
+/// From positions to cells.
+struct Place<F: Four, S> {
+    token: F::Token,
+    shape: S,
+    lower: F,
+    inverse: F,
+    inverse_cell: f64,
+    reach: F,
+}
+
+impl<F: Four, S: Shape> Place<F, S> {
+    #[inline(always)]
+    fn new(token: F::Token, pass: &Pass<'_, S>) -> Self {
+        let [x, y, z] = pass.lower;
+        let inverse_cell = 1.0 / pass.cell;
+        Place {
+            token,
+            shape: pass.shape,
+            lower: F::of(token, [x, y, z, 0.0]),
+            inverse: F::all(token, inverse_cell),
+            inverse_cell,
+            reach: F::all(token, pass.shape.reach()),
+        }
+    }
+
+    /// Position in cells from the domain's corner.
+    #[inline(always)]
+    fn in_cells(&self, position: F) -> F {
+        (position - self.lower) * self.inverse
+    }
+
+    /// Distance from the cell's first node, in cells, and the shape functions there.
+    #[inline(always)]
+    fn weights(&self, position: [f64; 4], cell: [i32; 3]) -> (F, Weights) {
+        let first = F::of(self.token, [f64::from(cell[0]), f64::from(cell[1]), f64::from(cell[2]), 0.0]);
+        let t = self.in_cells(F::of(self.token, position)) - first;
+        (t, self.shape.weights(self.token, t, self.inverse_cell))
+    }
+}
+
+/// The cell of a position; also [`Pass`]'s, to the bit.
+pub fn cell_of<const D: usize>(position: &[f64; 4], lower: [f64; 3], inverse_cell: f64, reach: f64) -> [i32; 3] {
+    std::array::from_fn(|a| if a < D { ((position[a] - lower[a]) * inverse_cell - reach).floor() as i32 } else { 0 })
+}
+
+#[inline(always)]
+fn own<'t, const D: usize>(part: &'t mut Part<'_>, k: usize) -> &'t mut [[f64; 4]] {
+    &mut part.tiles[k * tile(D)..][..tile(D)]
+}
+
+#[inline(always)]
+fn project<F: Four, const D: usize, S: Shape>(pass: &Pass<'_, S>, place: &Place<F, S>, part: &mut Part<'_>, p: At<F::Token>) {
+    let (t, w) = place.weights(part.position[p.i], p.cell);
+    let v = F::of(p.token, part.velocity[p.i]);
+    let q = (v * v.w()).with_w_of(v);
+    if part.affine.is_empty() {
+        return spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, q);
+    }
+    // m (v + C (x_I − x_p)): at the first node, and its growth from node to node
+    let scale = v.w() * F::all(p.token, pass.cell);
+    let [x, y, z] = part.affine[p.i];
+    let along = [column::<F>(p.token, x) * scale, column::<F>(p.token, y) * scale, column::<F>(p.token, z) * scale];
+    let t = t.xyzw();
+    let mut q = q - along[0] * F::all(p.token, t[0]) - along[1] * F::all(p.token, t[1]);
+    if D == 3 {
+        q = q - along[2] * F::all(p.token, t[2]);
+    }
+    spread_affine::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, q, along);
+}
+
+#[inline(always)]
+fn column<F: Four>(token: F::Token, [x, y, z]: [f64; 3]) -> F {
+    F::of(token, [x, y, z, 0.0])
+}
+
+/// The columns of −V σ.
+#[inline(always)]
+fn pull<F: Four>(token: F::Token, volume: f64, s: &Sym) -> [F; 3] {
+    let v = F::all(token, 0.0 - volume);
+    let columns = [[s[0], s[3], s[5]], [s[3], s[1], s[4]], [s[5], s[4], s[2]]];
+    [column::<F>(token, columns[0]) * v, column::<F>(token, columns[1]) * v, column::<F>(token, columns[2]) * v]
+}
+
+#[inline(always)]
+fn strain<F: Four, const D: usize, S: Shape>(
+    pass: &Pass<'_, S>,
+    place: &Place<F, S>,
+    part: &mut Part<'_>,
+    p: At<F::Token>,
+    velocity: &[[f64; 4]],
+    sums: &mut Sums,
+) {
+    let (_, w) = place.weights(part.position[p.i], p.cell);
+    let dt = F::all(p.token, pass.dt);
+    let [x, y, z] = gradient::<F, D>(p.token, velocity, p.at, &w);
+    let (strain, spin) = increments([(x * dt).xyzw(), (y * dt).xyzw(), (z * dt).xyzw()]);
+    let volume = part.position[p.i][3];
+    let grown = volume * (1.0 + (strain[0] + strain[1] + strain[2]));
+    let before = turned(part.stress[p.i], spin);
+    let law = &pass.laws[pass.law[p.whole] as usize];
+    let (stress, memory) = law.update(before, strain, part.memory[p.i]);
+    if grown.is_nan() || grown <= 0.0 {
+        Fault::Inverted.tell(pass.faults, pass.id[p.whole]);
+    }
+    // the mean of both stresses, and of both volumes
+    sums.work += 0.25 * (volume + grown) * (work(before, strain) + work(stress, strain));
+    part.position[p.i][3] = grown;
+    part.stress[p.i] = stress;
+    part.memory[p.i] = memory;
+    spread_stress::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, pull(p.token, grown, &stress));
+}
+
+#[inline(always)]
+fn forces<F: Four, const D: usize, S: Shape>(_: &Pass<'_, S>, place: &Place<F, S>, part: &mut Part<'_>, p: At<F::Token>) {
+    let (_, w) = place.weights(part.position[p.i], p.cell);
+    let pull = pull(p.token, part.position[p.i][3], &part.stress[p.i]);
+    spread_stress::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, pull);
+}
+
+#[inline(always)]
+fn outside<F: Four, const D: usize, S: Shape>(pass: &Pass<'_, S>, place: &Place<F, S>, part: &mut Part<'_>, p: At<F::Token>) {
+    let (force, moment) = (pass.outside[p.whole], pass.moments[p.whole]);
+    if force == [0.0; 4] {
+        return;
+    }
+    let position = part.position[p.i];
+    if moment == [0.0; 4] {
+        let (_, w) = place.weights(position, p.cell);
+        return spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, force));
+    }
+    // shape functions of the point's own cell, continued beyond its edge where the force acts there: force and moment stay exact
+    for a in (0..D).filter(|&a| force[a] != 0.0) {
+        let (mut there, mut along) = (position, [0.0; 4]);
+        there[a] += moment[a] / force[a];
+        along[a] = force[a];
+        let (_, w) = place.weights(there, p.cell);
+        spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, along));
+    }
+}
+
+#[inline(always)]
+fn advance<F: Four, const D: usize, S: Shape>(
+    pass: &Pass<'_, S>,
+    place: &Place<F, S>,
+    part: &mut Part<'_>,
+    p: At<F::Token>,
+    [velocity, change]: [&[[f64; 4]]; 2],
+    sums: &mut Sums,
+) {
+    let (position, own) = (F::of(p.token, part.position[p.i]), F::of(p.token, part.velocity[p.i]));
+    let (t, w) = place.weights(part.position[p.i], p.cell);
+    let field = gather::<F, D>(p.token, velocity, p.at, &w);
+    let new = if part.affine.is_empty() {
+        // Li et al. 2023, eq. 30
+        let flip = own + gather::<F, D>(p.token, change, p.at, &w);
+        field * F::all(p.token, pass.pic) + flip * F::all(p.token, 1.0 - pass.pic)
+    } else {
+        // C = 4/h² Σ N v (x_I − x_p)ᵀ, with quadratic splines
+        let mut arms = w;
+        let t = t.xyzw();
+        let scale = 4.0 / pass.cell;
+        for (n, (arm, value)) in arms.slope.iter_mut().zip(&w.value).enumerate() {
+            for ((arm, value), t) in arm.iter_mut().zip(value).zip(&t).take(3) {
+                *arm = scale * (n as f64 - t) * value;
+            }
+        }
+        let [dx, dy, dz] = gradient::<F, D>(p.token, velocity, p.at, &arms);
+        let (dx, dy, dz) = (dx.xyzw(), dy.xyzw(), dz.xyzw());
+        part.affine[p.i] = [[dx[0], dx[1], dx[2]], [dy[0], dy[1], dy[2]], [dz[0], dz[1], dz[2]]];
+        field
+    };
+    // eq. 33
+    let moved = (position + field * F::all(p.token, pass.dt)).with_w_of(position);
+    part.velocity[p.i] = new.with_w_of(own).xyzw();
+    part.position[p.i] = moved.xyzw();
+    let there = (place.in_cells(moved) - place.reach).xyzw();
+    let mut stays = true;
+    for (there, cell) in there.iter().zip(p.cell).take(D) {
+        let cell = f64::from(cell);
+        stays &= *there >= cell && *there < cell + 1.0;
+    }
+    part.target[p.i] = if stays { STAYS } else { crossing::<D, S>(pass, there, p.whole, p.cell, sums) };
+}
+
+/// The new cell of a point that has left its own.
+#[cold]
+#[inline(never)]
+fn crossing<const D: usize, S: Shape>(pass: &Pass<'_, S>, there: [f64; 4], i: usize, from: [i32; 3], sums: &mut Sums) -> u64 {
+    let mut cell = [0; 3];
+    for a in 0..D {
+        let fault = if !there[a].is_finite() {
+            Some(Fault::NotFinite)
+        } else {
+            cell[a] = there[a].floor() as i32;
+            match cell[a] {
+                // its nodes are then at most one behind a wall
+                c if c < -1 || c >= pass.size[a] || c >= BIAS => Some(Fault::Outside),
+                c if (c - from[a]).abs() > 1 => Some(Fault::TooFast),
+                _ => None,
+            }
+        };
+        if let Some(fault) = fault {
+            fault.tell(pass.faults, pass.id[i]);
+            return STAYS;
+        }
+    }
+    sums.left += 1;
+    cell_key::<D>(cell)
+}

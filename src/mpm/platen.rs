@@ -1,0 +1,207 @@
+//! Platens: rigid planes that press on material points as on grains (Li et al. 2023, section 2.3), so that nothing of a plane's place
+//! between two nodes is felt.
+//!
+//! A point near a platen is a ghost sphere, eq. 22: (1 − n) V = 4/3 π r³ with its current porosity n and volume V. That is its solid volume,
+//! which stays: r is a constant of the point. The force is Hertz's for a sphere on a rigid plane, F = 4/3 E* √r δ^{3/2} (eqs 18, 20 with the
+//! plane's infinite radius and stiffness), without friction. In plane strain the ghost is a disc, (1 − n) V = π r² with V per metre of
+//! thickness, which stands for a row of touching spheres of its radius, 1/(2 r) of them per metre.
+//!
+//! Li et al. spread the force to the nodes from the point (eq. 29). Here it acts where the material ends, half the point's edge nearer to the
+//! platen: a uniform stress is then in balance up to the face, where otherwise the outermost points would bear a fraction of it, and moduli
+//! come out too high by half a point's edge over the length at each end. So platens stand along the axes.
+
+use super::{Continuum, Dimension, Points};
+use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// A platen and what is known of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Platen {
+    /// A point on it, m, and its unit normal, towards the material.
+    pub point: [f64; 3],
+    pub normal: [f64; 3],
+    /// Into the material, m/s.
+    pub speed: f64,
+    /// E* of its contacts, Pa.
+    pub modulus: f64,
+    /// Force of the points on it along its normal, N, the sum of what each point was given (per metre in plane strain).
+    pub reaction: f64,
+    /// Sum of the contacts' tangent stiffness, N/m.
+    pub stiffness: f64,
+    /// Elastic energy of its contacts, J.
+    pub stored: f64,
+    /// Work done on the points, J: trapezium rule over every step.
+    pub work: f64,
+    /// Largest tangent stiffness over mass of a point, 1/s²: what bounds the time step.
+    pub rate: f64,
+    /// Points that it touches.
+    pub touching: u64,
+    /// Largest ghost radius of all points, m.
+    reach: f64,
+    /// Distance moved since the last contact, m.
+    moved: f64,
+    #[serde(skip)]
+    contacts: Vec<Contact>,
+}
+
+/// A point in touch: identity, index, overlap, radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Contact {
+    id: u32,
+    index: u32,
+    overlap: f64,
+    radius: f64,
+}
+
+/// Ghost radius, m, of a point of so much solid volume (Li et al. 2023, eq. 22; in plane strain a disc's).
+pub fn ghost_radius(dimension: Dimension, solid: f64) -> f64 {
+    match dimension {
+        Dimension::Space => cube_root(solid * (0.75 / PI)),
+        Dimension::PlaneStrain => (solid / PI).sqrt(),
+    }
+}
+
+/// Overlap, m, at which a point bears the force `force`, N.
+pub fn overlap(dimension: Dimension, modulus: f64, radius: f64, force: f64) -> f64 {
+    let coefficient = 4.0 / 3.0 * modulus * radius.sqrt() * row(dimension, radius);
+    let root = cube_root(force / coefficient);
+    root * root
+}
+
+/// Spheres per ghost: one, or a row per metre.
+fn row(dimension: Dimension, radius: f64) -> f64 {
+    if dimension == Dimension::Space { 1.0 } else { 0.5 / radius }
+}
+
+/// From + − × ÷ alone, so that it is the same bits everywhere; 0 for what is not positive.
+fn cube_root(x: f64) -> f64 {
+    if !(x.is_normal() && x > 0.0) {
+        return 0.0;
+    }
+    // a third of the exponent, then Halley's steps, each of which triples the digits
+    let mut y = f64::from_bits(x.to_bits() / 3 + 0x2A9F_7893_782D_A1CE);
+    for _ in 0..4 {
+        let cube = y * y * y;
+        y *= (cube + 2.0 * x) / (2.0 * cube + x);
+    }
+    y
+}
+
+/// Solid volume of a point, m³.
+fn solid(points: &Points, i: usize) -> f64 {
+    (1.0 - points.initial_porosity[i]) * points.initial_volume[i]
+}
+
+impl Platen {
+    /// A platen at rest, for the points of `continuum`.
+    pub fn new(continuum: &Continuum, point: [f64; 3], normal: [f64; 3], modulus: f64) -> Platen {
+        let points = continuum.points();
+        let most = (0..points.len()).map(|i| solid(points, i)).fold(0.0, f64::max);
+        Platen {
+            point,
+            normal,
+            speed: 0.0,
+            modulus,
+            reaction: 0.0,
+            stiffness: 0.0,
+            stored: 0.0,
+            work: 0.0,
+            rate: 0.0,
+            touching: 0,
+            reach: ghost_radius(continuum.settings().dimension, most),
+            moved: 0.0,
+            contacts: Vec::new(),
+        }
+    }
+
+    /// Pushes the points in touch, for the next step, and sums what they give back in the order of ids.
+    ///
+    /// # Errors
+    /// A point whose centre the platen has passed.
+    pub fn press(&mut self, continuum: &mut Continuum) -> Result<()> {
+        let before = self.reaction;
+        self.find(continuum)?;
+        let dimension = continuum.settings().dimension;
+        (self.reaction, self.stiffness, self.stored, self.rate) = (0.0, 0.0, 0.0, 0.0);
+        for contact in &self.contacts {
+            let Contact { index, overlap, radius, .. } = *contact;
+            let tangent = 2.0 * self.modulus * (radius * overlap).sqrt() * row(dimension, radius);
+            let force = 2.0 / 3.0 * tangent * overlap;
+            self.reaction += force;
+            self.stiffness += tangent;
+            self.stored += 0.4 * force * overlap;
+            self.rate = self.rate.max(tangent / continuum.points().velocity[index as usize][3]);
+            let volume = continuum.points().position[index as usize][3];
+            let half = 0.5 * if dimension == Dimension::Space { cube_root(volume) } else { volume.sqrt() };
+            continuum.push_beside(index as usize, self.normal.map(|n| n * force), self.normal.map(|n| -n * half));
+        }
+        self.touching = self.contacts.len() as u64;
+        self.work += 0.5 * (before + self.reaction) * self.moved;
+        self.moved = 0.0;
+        Ok(())
+    }
+
+    /// The points in touch, in the order of ids.
+    fn find(&mut self, continuum: &Continuum) -> Result<()> {
+        let (points, dimension) = (continuum.points(), continuum.settings().dimension);
+        let ([nx, ny, nz], [px, py, pz]) = (self.normal, self.point);
+        self.contacts.clear();
+        for (index, p) in points.position.iter().enumerate() {
+            let height = nx * (p[0] - px) + ny * (p[1] - py) + nz * (p[2] - pz);
+            if height >= self.reach {
+                continue;
+            }
+            let radius = ghost_radius(dimension, solid(points, index));
+            let (overlap, id) = (radius - height, points.id[index]);
+            if overlap > radius {
+                let what = format!(
+                    "a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it"
+                );
+                return Err(Error::Unstable { step: continuum.steps(), what, grain: None });
+            }
+            if overlap > 0.0 {
+                self.contacts.push(Contact { id, index: index as u32, overlap, radius });
+            }
+        }
+        self.contacts.sort_unstable_by_key(|c| c.id);
+        Ok(())
+    }
+
+    /// Moves with its speed for `dt` seconds.
+    pub fn advance(&mut self, dt: f64) {
+        let step = self.speed * dt;
+        self.moved += step;
+        for (x, n) in self.point.iter_mut().zip(self.normal) {
+            *x += step * n;
+        }
+    }
+
+    /// Largest stable time step of its contacts, s: 2/ω of a point on its spring.
+    pub fn stable_step(&self) -> f64 {
+        if self.rate > 0.0 { 2.0 / self.rate.sqrt() } else { f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cube_roots_are_those_of_the_library() {
+        for x in [1e-18, 3.7e-9, 0.125, 1.0, 2.0, 5.5e7, 1e20] {
+            assert!((cube_root(x) / x.cbrt() - 1.0).abs() < 4e-16, "{x}");
+        }
+        assert_eq!((cube_root(0.0), cube_root(-1.0)), (0.0, 0.0));
+    }
+
+    #[test]
+    fn an_overlap_gives_its_force_back() {
+        let (modulus, radius, force) = (8e8, 2e-3, 1.3);
+        let d = overlap(Dimension::Space, modulus, radius, force);
+        assert!((4.0 / 3.0 * modulus * radius.sqrt() * d.powf(1.5) / force - 1.0).abs() < 1e-12);
+        let r = ghost_radius(Dimension::Space, 4.0 / 3.0 * PI * 8.0);
+        assert!((r - 2.0).abs() < 1e-15);
+        assert!((ghost_radius(Dimension::PlaneStrain, PI * 9.0) - 3.0).abs() < 1e-15);
+    }
+}

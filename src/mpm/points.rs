@@ -1,0 +1,107 @@
+//! The material points: a structure of arrays, one entry per point.
+//!
+//! A point's index changes when it crosses cells; its [`Points::id`] never does. What is summed over points for a record is summed in the
+//! order of ids.
+
+use super::law::{Memory, Sym};
+use serde::{Deserialize, Serialize};
+
+/// A point as it is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Position, m. In plane strain the third coordinate is kept and never used.
+    pub position: [f64; 3],
+    /// Velocity, m/s.
+    pub velocity: [f64; 3],
+    /// Mass, kg, and volume, m³ (in plane strain: per metre of thickness).
+    pub mass: f64,
+    pub volume: f64,
+    /// Cauchy stress, Pa, tension positive.
+    pub stress: Sym,
+    /// Pores per volume, 0 where that means nothing.
+    pub porosity: f64,
+    /// Index of the law.
+    pub law: u8,
+}
+
+/// State of all points.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Points {
+    /// Position x, y, z, m, and current volume, m³.
+    pub position: Vec<[f64; 4]>,
+    /// Velocity, m/s, of the last half step, and mass, kg.
+    pub velocity: Vec<[f64; 4]>,
+    /// Cauchy stress, Pa, tension positive.
+    pub stress: Vec<Sym>,
+    /// What the law remembers.
+    pub memory: Vec<Memory>,
+    /// Volume, m³, and porosity at the start.
+    pub initial_volume: Vec<f64>,
+    pub initial_porosity: Vec<f64>,
+    /// Columns ∂v/∂x, ∂v/∂y, ∂v/∂z, 1/s, of the affine field around the point; empty without APIC.
+    pub affine: Vec<[[f64; 3]; 3]>,
+    /// Index of the law.
+    pub law: Vec<u8>,
+    /// Persistent identity, in order of creation.
+    pub id: Vec<u32>,
+    /// The identity that the next new point gets.
+    pub next_id: u32,
+}
+
+impl Points {
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.position.is_empty()
+    }
+
+    /// Adds a point; returns its id.
+    pub fn add(&mut self, point: &Point) -> u32 {
+        let ([x, y, z], [u, v, w]) = (point.position, point.velocity);
+        let id = self.next_id;
+        self.position.push([x, y, z, point.volume]);
+        self.velocity.push([u, v, w, point.mass]);
+        self.stress.push(point.stress);
+        self.memory.push(Memory::default());
+        self.initial_volume.push(point.volume);
+        self.initial_porosity.push(point.porosity);
+        self.law.push(point.law);
+        self.id.push(id);
+        self.next_id += 1;
+        id
+    }
+
+    /// Mass over current volume, kg/m³.
+    pub fn density(&self, i: usize) -> f64 {
+        self.velocity[i][3] / self.position[i][3]
+    }
+
+    /// Current porosity: the solid volume (1 − n₀) V₀ stays.
+    pub fn porosity(&self, i: usize) -> f64 {
+        1.0 - (1.0 - self.initial_porosity[i]) * self.initial_volume[i] / self.position[i][3]
+    }
+
+    /// Indices in the order of ids.
+    pub fn by_id(&self) -> Vec<u32> {
+        let mut order: Vec<u32> = (0..self.len() as u32).collect();
+        order.sort_unstable_by_key(|&i| self.id[i as usize]);
+        order
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        use std::mem::size_of;
+        let vectors = (self.position.capacity() + self.velocity.capacity()) * size_of::<[f64; 4]>();
+        let scalars = (self.initial_volume.capacity() + self.initial_porosity.capacity()) * size_of::<f64>();
+        let affine = self.affine.capacity() * size_of::<[[f64; 3]; 3]>();
+        vectors
+            + scalars
+            + affine
+            + self.stress.capacity() * size_of::<Sym>()
+            + self.memory.capacity() * size_of::<Memory>()
+            + self.law.capacity()
+            + self.id.capacity() * size_of::<u32>()
+    }
+}

@@ -1,0 +1,157 @@
+//! Shape functions: each point reaches three nodes along each axis, and Nᵢ(x) = w(ζx) w(ζy) w(ζz) (Li et al. 2023, eq. 11).
+//!
+//! Along an axis in units of the cell, a point at ξ belongs to the cell ⌊ξ − reach⌋ and reaches that node and the two after it.
+
+use crate::real::Four;
+use serde::{Deserialize, Serialize};
+
+/// Which shape functions.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShapeFunctions {
+    /// Quadratic B-spline (Li et al. 2023, eq. 10).
+    BSpline,
+    /// Generalised interpolation with linear hats (Jiang et al. 2020, eq. A2); half the width of a point's box over the cell, above 0 and at most ½.
+    Gimp { half_width: f64 },
+}
+
+/// Values and derivatives (1/m) at the three nodes: `value[node][axis]`.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights {
+    pub value: [[f64; 4]; 3],
+    pub slope: [[f64; 4]; 3],
+}
+
+/// One kind of shape functions, for the inner loops.
+pub trait Shape: Copy + Send + Sync {
+    /// How far, in cells, a cell's own points lie beyond its node at least.
+    fn reach(self) -> f64;
+    /// `t`: distance from the first node in cells, in `reach` ≤ t < 1 + `reach`.
+    fn weights<F: Four>(self, token: F::Token, t: F, inverse_cell: f64) -> Weights;
+}
+
+/// Quadratic B-spline.
+#[derive(Clone, Copy, Debug)]
+pub struct BSpline;
+
+impl Shape for BSpline {
+    #[inline(always)]
+    fn reach(self) -> f64 {
+        0.5
+    }
+
+    /// w(ζ) = ¾ − ζ² for |ζ| < ½ and ½ (3/2 − |ζ|)² for ½ ≤ |ζ| < 3/2.
+    #[inline(always)]
+    fn weights<F: Four>(self, token: F::Token, t: F, inverse_cell: f64) -> Weights {
+        let (half, inverse) = (F::all(token, 0.5), F::all(token, inverse_cell));
+        let (left, middle, right) = (F::all(token, 1.5) - t, t - F::all(token, 1.0), t - half);
+        let value = [half * left * left, F::all(token, 0.75) - middle * middle, half * right * right];
+        let slope = [(F::all(token, 0.0) - left) * inverse, F::all(token, -2.0) * middle * inverse, right * inverse];
+        Weights {
+            value: [value[0].xyzw(), value[1].xyzw(), value[2].xyzw()],
+            slope: [slope[0].xyzw(), slope[1].xyzw(), slope[2].xyzw()],
+        }
+    }
+}
+
+/// Generalised interpolation; the half width l over the cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Gimp(pub f64);
+
+impl Gimp {
+    /// Value and derivative (in units of the cell) at distance `d` beyond the node.
+    #[inline(always)]
+    fn at(l: f64, d: f64) -> (f64, f64) {
+        let r = if d < 0.0 { -d } else { d };
+        let sign = if d < 0.0 { -1.0 } else { 1.0 };
+        if r < l {
+            (1.0 - (d * d + l * l) / (2.0 * l), -d / l)
+        } else if r <= 1.0 - l {
+            (1.0 - r, -sign)
+        } else if r < 1.0 + l {
+            let left = 1.0 + l - r;
+            (left * left / (4.0 * l), -sign * left / (2.0 * l))
+        } else {
+            (0.0, 0.0)
+        }
+    }
+}
+
+impl Shape for Gimp {
+    #[inline(always)]
+    fn reach(self) -> f64 {
+        self.0
+    }
+
+    #[inline(always)]
+    fn weights<F: Four>(self, _: F::Token, t: F, inverse_cell: f64) -> Weights {
+        let t = t.xyzw();
+        let mut weights = Weights { value: [[0.0; 4]; 3], slope: [[0.0; 4]; 3] };
+        for node in 0..3 {
+            for (axis, t) in t.iter().enumerate().take(3) {
+                let (value, slope) = Gimp::at(self.0, t - node as f64);
+                weights.value[node][axis] = value;
+                weights.slope[node][axis] = slope * inverse_cell;
+            }
+        }
+        weights
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::real::Plain;
+    use proptest::prelude::*;
+
+    fn at(shape: impl Shape, s: f64) -> (f64, Weights) {
+        let t = shape.reach() + s;
+        (t, shape.weights((), Plain::of((), [t; 4]), 1.0))
+    }
+
+    /// Partition of unity, no sum of slopes, reproduction of a linear field with its slope; largest error.
+    fn errors(shape: impl Shape, s: f64) -> f64 {
+        let (t, w) = at(shape, s);
+        let sum = |f: &dyn Fn(usize) -> f64| (0..3).map(f).sum::<f64>();
+        let unity = sum(&|n| w.value[n][0]) - 1.0;
+        let slopes = sum(&|n| w.slope[n][0]);
+        let linear = sum(&|n| n as f64 * w.value[n][0]) - t;
+        let gradient = sum(&|n| n as f64 * w.slope[n][0]) - 1.0;
+        [unity, slopes, linear, gradient].iter().fold(0.0, |a: f64, e| a.max(e.abs()))
+    }
+
+    proptest! {
+        #[test]
+        fn splines_reproduce_linear_fields(s in 0.0..1.0_f64) {
+            prop_assert!(errors(BSpline, s) < 1e-15 * 4.0);
+        }
+
+        #[test]
+        fn gimp_reproduces_linear_fields(s in 0.0..1.0_f64, l in 0.01..0.5_f64) {
+            prop_assert!(errors(Gimp(l), s) < 1e-13);
+        }
+
+        /// Jiang et al. 2020, section 2.1: a box as wide as the cell makes the two the same.
+        #[test]
+        fn the_widest_gimp_is_the_spline(s in 0.0..1.0_f64) {
+            let ((_, a), (_, b)) = (at(BSpline, s), at(Gimp(0.5), s));
+            for n in 0..3 {
+                prop_assert!((a.value[n][0] - b.value[n][0]).abs() < 1e-15);
+                prop_assert!((a.slope[n][0] - b.slope[n][0]).abs() < 1e-15);
+            }
+        }
+
+        #[test]
+        fn slopes_are_those_of_the_values(s in 0.01..0.98_f64, l in 0.1..0.5_f64) {
+            let e = 1e-6;
+            for (a, b, mid) in [
+                (at(BSpline, s).1, at(BSpline, s + 2.0 * e).1, at(BSpline, s + e).1),
+                (at(Gimp(l), s).1, at(Gimp(l), s + 2.0 * e).1, at(Gimp(l), s + e).1),
+            ] {
+                for n in 0..3 {
+                    prop_assert!(((b.value[n][0] - a.value[n][0]) / (2.0 * e) - mid.slope[n][0]).abs() < 1e-5);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! One step. The only place that knows the order.
+//!
+//! MUSL with the shape functions of the new positions (Li et al. 2023, section 2.4): what eqs 36 and 37 give the nodes for the strain increment is what the
+//! next step starts from, and internal forces are spread in the same breath as stresses are found. So a step costs two passes that gather
+//! and two that spread. A step that finds no grid (the first, a restart, changed points) makes it from the points: the same sums, the same bits.
+
+use super::blocks::{Blocks, STAYS, cell_key, tile};
+use super::grid::Grid;
+use super::pass::{Fault, Part, Pass, cell_of, run, stage};
+use super::points::Points;
+use super::spline::{BSpline, Gimp, Shape};
+use super::{Continuum, Dimension, ShapeFunctions, Transfer};
+use crate::error::{Error, Result};
+use pulp::Arch;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Scratch: may be dropped between any two steps.
+#[derive(Debug, Default)]
+pub struct Work {
+    pub arch: Option<Arch>,
+    blocks: Blocks,
+    grid: Grid,
+    target: Vec<u64>,
+    left: Vec<u32>,
+    block_work: Vec<f64>,
+    faults: AtomicU64,
+    /// Forces on points from outside, N, and whether there are any.
+    pub outside: Vec<[f64; 4]>,
+    /// Each component of these forces times how far beside the point along its own axis it acts, N m.
+    pub moments: Vec<[f64; 4]>,
+    pub pushed: bool,
+    /// Points stand in order; the grid has their momentum, and the tiles their internal forces.
+    sorted: bool,
+    ready: bool,
+}
+
+impl Clone for Work {
+    /// Scratch is not copied, forces that wait are.
+    fn clone(&self) -> Work {
+        Work {
+            arch: self.arch,
+            outside: self.outside.clone(),
+            moments: self.moments.clone(),
+            pushed: self.pushed,
+            ..Work::default()
+        }
+    }
+}
+
+impl Work {
+    /// The points have changed.
+    pub fn forget(&mut self) {
+        (self.sorted, self.ready) = (false, false);
+    }
+
+    pub fn bytes(&self) -> usize {
+        self.blocks.bytes()
+            + self.grid.bytes()
+            + 8 * (self.target.capacity() + self.block_work.capacity())
+            + 4 * self.left.capacity()
+            + 32 * (self.outside.capacity() + self.moments.capacity())
+    }
+}
+
+/// One step of `dt` seconds.
+///
+/// # Errors
+/// A lost point.
+pub fn step(c: &mut Continuum, dt: f64) -> Result<()> {
+    if c.points.is_empty() {
+        c.step += 1;
+        return Ok(());
+    }
+    match (c.settings.dimension, c.settings.shape) {
+        (Dimension::PlaneStrain, ShapeFunctions::BSpline) => stages::<2, _>(c, BSpline, dt),
+        (Dimension::PlaneStrain, ShapeFunctions::Gimp { half_width }) => stages::<2, _>(c, Gimp(half_width), dt),
+        (Dimension::Space, ShapeFunctions::BSpline) => stages::<3, _>(c, BSpline, dt),
+        (Dimension::Space, ShapeFunctions::Gimp { half_width }) => stages::<3, _>(c, Gimp(half_width), dt),
+    }
+}
+
+fn stages<const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) -> Result<()> {
+    c.step += 1;
+    c.work.faults.store(u64::MAX, Ordering::Relaxed);
+    if !c.work.ready {
+        sort::<D, S>(c, shape);
+        pass::<{ stage::PROJECT }, D, S>(c, shape, dt);
+        c.work.grid.project::<D>(&c.work.blocks);
+        pass::<{ stage::FORCES }, D, S>(c, shape, dt);
+    }
+    // eq. 29: forces on points from contacts
+    if c.work.pushed {
+        pass::<{ stage::OUTSIDE }, D, S>(c, shape, dt);
+        c.work.outside.fill([0.0; 4]);
+        c.work.moments.fill([0.0; 4]);
+        c.work.pushed = false;
+    }
+    // eq. 28: velocities of the nodes, walls
+    let Work { grid, blocks, .. } = &mut c.work;
+    c.wall_force = grid.accelerate::<D>(blocks, &c.settings, dt);
+    // eqs 30, 33: velocities and positions of the points
+    pass::<{ stage::MOVE }, D, S>(c, shape, dt);
+    watch(c)?;
+    resort::<D>(c);
+    // eqs 36, 37: velocities of the nodes from those of the points
+    pass::<{ stage::PROJECT }, D, S>(c, shape, dt);
+    c.work.grid.project::<D>(&c.work.blocks);
+    // strain, spin, stress, and the internal forces of the next step
+    pass::<{ stage::STRESS }, D, S>(c, shape, dt);
+    c.stress_work += c.work.block_work.iter().sum::<f64>();
+    watch(c)?;
+    c.work.ready = true;
+    Ok(())
+}
+
+fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) {
+    let Continuum { settings, laws, points, work, .. } = c;
+    let Points { position, velocity, stress, memory, affine, law, id, .. } = points;
+    let pic = if let Transfer::Blend { pic } = settings.transfer { pic } else { 1.0 };
+    let pass = Pass {
+        arch: work.arch.unwrap_or_else(crate::real::arch),
+        shape,
+        blocks: &work.blocks,
+        laws,
+        lower: settings.lower,
+        cell: settings.cell,
+        size: settings.size(),
+        dt,
+        pic,
+        velocity: &work.grid.velocity,
+        change: &work.grid.change,
+        law,
+        id,
+        outside: &work.outside,
+        moments: &work.moments,
+        faults: &work.faults,
+    };
+    let count = work.blocks.len();
+    let part = Part {
+        first: 0,
+        count,
+        position,
+        velocity,
+        stress,
+        memory,
+        affine,
+        target: &mut work.target,
+        tiles: &mut work.grid.tiles[..count * tile(D)],
+        left: &mut work.left,
+        work: &mut work.block_work,
+    };
+    run::<STAGE, D, S>(&pass, part);
+}
+
+/// All points in order, from any.
+fn sort<const D: usize, S: Shape>(c: &mut Continuum, shape: S) {
+    let Continuum { settings, points, work, .. } = c;
+    if !work.sorted {
+        let inverse_cell = 1.0 / settings.cell;
+        work.blocks.sort::<D>(points, [&mut work.outside, &mut work.moments], |p| {
+            cell_key::<D>(cell_of::<D>(p, settings.lower, inverse_cell, shape.reach()))
+        });
+        work.target.resize(points.len(), STAYS);
+        work.sorted = true;
+        fit::<D>(c);
+    }
+}
+
+/// Those that have crossed go to their cells.
+fn resort<const D: usize>(c: &mut Continuum) {
+    let Work { blocks, target, left, .. } = &mut c.work;
+    if blocks.resort::<D>(&mut c.points, target, left) {
+        fit::<D>(c);
+    }
+}
+
+fn fit<const D: usize>(c: &mut Continuum) {
+    let Work { blocks, grid, left, block_work, .. } = &mut c.work;
+    grid.fit::<D>(blocks, &c.settings);
+    left.resize(blocks.len(), 0);
+    block_work.resize(blocks.len(), 0.0);
+}
+
+/// # Errors
+/// The lost point with the lowest id.
+fn watch(c: &mut Continuum) -> Result<()> {
+    let Some((fault, id)) = Fault::told(c.work.faults.load(Ordering::Relaxed)) else { return Ok(()) };
+    c.work.forget();
+    let what = match fault {
+        Fault::NotFinite => "has no finite position or velocity: use a smaller time step and look at the law's parameters",
+        Fault::Outside => "has left the grid: enlarge the domain, put a wall there, or use a smaller time step",
+        Fault::TooFast => "has passed more than one cell in a step: use a smaller time step",
+        Fault::Inverted => "is turned inside out (volume not positive): use a smaller time step, a finer grid, or a stiffer law",
+    };
+    Err(Error::Unstable { step: c.step, what: format!("point {id} {what}"), grain: None })
+}

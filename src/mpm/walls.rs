@@ -1,0 +1,240 @@
+//! Walls along planes of nodes. In contact the material beyond a wall is its own mirror image: what a node behind the plane has received is
+//! folded onto the node before it, so that splines, which reach across the plane, keep reproducing uniform strain there.
+//!
+//! Symmetry: normal components are odd, tangential ones even. Stick: all are odd. Friction: as symmetry while the wall has to push, and the
+//! tangential momentum of the plane's nodes is reduced by μ times the normal impulse at most; while it would have to pull, the wall is not there.
+
+use super::blocks::{Blocks, NONE, block_corner, cell_key, cells};
+use serde::{Deserialize, Serialize};
+
+/// What stands along one side of the domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Wall {
+    /// Nothing: a point that gets there is an error.
+    #[default]
+    Open,
+    /// Smooth, and holds the material: a plane of symmetry.
+    Symmetry,
+    /// Rough, and holds the material.
+    Stick,
+    /// Pushes and never pulls; Coulomb's friction coefficient (0: slip).
+    Friction { friction: f64 },
+}
+
+/// Nodes of one wall point: behind the plane, on it, before it; places in [`Walls::nodes`].
+type Triple = [u32; 3];
+
+#[derive(Clone, Debug, Default)]
+struct Face {
+    axis: usize,
+    /// Of the normal into the domain.
+    sign: f64,
+    wall: Wall,
+    triples: Vec<Triple>,
+    /// Key of the plane's node, in order.
+    keys: Vec<u64>,
+    /// Whether the wall touches there: in the folding at hand, and when forces were last known.
+    contact: Vec<bool>,
+    pressed: Vec<bool>,
+    /// Keys and `pressed` of the walls as they were.
+    before: (Vec<u64>, Vec<bool>),
+}
+
+/// The nodes near walls, with room to fold.
+#[derive(Clone, Debug, Default)]
+pub struct Walls {
+    nodes: Vec<u32>,
+    faces: [Face; 6],
+    /// Momentum and mass, and impulse of this step, N s.
+    momentum: Vec<[f64; 4]>,
+    impulse: Vec<[f64; 4]>,
+    place: Vec<u32>,
+}
+
+impl Walls {
+    /// Finds the nodes near walls: sides in the order x low, x high, y low, …; `size` is the domain's, in cells.
+    pub fn find<const D: usize>(&mut self, blocks: &Blocks, walls: &[Wall; 6], size: [i32; 3]) {
+        self.nodes.clear();
+        self.place.clear();
+        self.place.resize(blocks.node_keys.len() * cells(D), NONE);
+        for (side, face) in self.faces.iter_mut().enumerate() {
+            let (axis, high) = (side / 2, side % 2 == 1);
+            let sign = if high { -1.0 } else { 1.0 };
+            (face.axis, face.sign, face.wall) = (axis, sign, walls[side]);
+            std::mem::swap(&mut face.before.0, &mut face.keys);
+            std::mem::swap(&mut face.before.1, &mut face.pressed);
+            face.keys.clear();
+            face.pressed.clear();
+            face.triples.clear();
+            if axis >= D || face.wall == Wall::Open {
+                continue;
+            }
+            let plane = if high { size[axis] } else { 0 };
+            let inward = if high { -1 } else { 1 };
+            for &key in &blocks.node_keys {
+                let corner = block_corner(key);
+                if plane < corner[axis] || plane >= corner[axis] + 4 {
+                    continue;
+                }
+                for k in 0..cells(D) as i32 {
+                    let at = [corner[0] + k % 4, corner[1] + k / 4 % 4, if D == 3 { corner[2] + k / 16 } else { 0 }];
+                    if at[axis] != plane {
+                        continue;
+                    }
+                    let triple = [-inward, 0, inward].map(|step| {
+                        let mut at = at;
+                        at[axis] += step;
+                        let Some(node) = blocks.node::<D>(at) else { return NONE };
+                        let place = &mut self.place[node as usize];
+                        if *place == NONE {
+                            *place = self.nodes.len() as u32;
+                            self.nodes.push(node);
+                        }
+                        *place
+                    });
+                    face.triples.push(triple);
+                    let key = cell_key::<D>(at);
+                    let old = face.before.0.binary_search(&key);
+                    face.keys.push(key);
+                    face.pressed.push(old.is_ok_and(|k| face.before.1[k]));
+                }
+            }
+            face.contact.clear();
+            face.contact.resize(face.triples.len(), false);
+        }
+        self.momentum.resize(self.nodes.len(), [0.0; 4]);
+        self.impulse.resize(self.nodes.len(), [0.0; 4]);
+    }
+
+    /// Velocity of the nodes near walls from their momentum. A wall that pushed in this step's [`Self::accelerate`] still touches: momentum alone
+    /// would tell contact from none by its noise where material rests.
+    pub fn project(&mut self, momentum: &[[f64; 4]], velocity: &mut [[f64; 4]]) {
+        for (k, &node) in self.nodes.iter().enumerate() {
+            self.momentum[k] = momentum[node as usize];
+            self.impulse[k] = [0.0; 4];
+        }
+        self.fold(&mut [[0.0; 3]; 6], true);
+        for (k, &node) in self.nodes.iter().enumerate() {
+            velocity[node as usize] = self.momentum[k];
+        }
+    }
+
+    /// Velocity before this step and its change in it of the nodes near walls, from momentum and the change that they would have without;
+    /// returns the impulse of each wall on the material, N s.
+    pub fn accelerate(&mut self, momentum: &[[f64; 4]], velocity: &mut [[f64; 4]], change: &mut [[f64; 4]]) -> [[f64; 3]; 6] {
+        let mut reaction = [[0.0; 3]; 6];
+        for (k, &node) in self.nodes.iter().enumerate() {
+            let (p, dv) = (momentum[node as usize], change[node as usize]);
+            self.momentum[k] = p;
+            self.impulse[k] = [p[3] * dv[0], p[3] * dv[1], p[3] * dv[2], 0.0];
+        }
+        self.fold(&mut reaction, false);
+        for face in &mut self.faces {
+            face.pressed.copy_from_slice(&face.contact);
+        }
+        for (k, &node) in self.nodes.iter().enumerate() {
+            velocity[node as usize] = self.momentum[k];
+            change[node as usize] = self.impulse[k];
+        }
+        reaction
+    }
+
+    /// Folds momentum and impulse at each wall in turn, divides by the mass, and mirrors the velocities back.
+    fn fold(&mut self, reaction: &mut [[f64; 3]; 6], held: bool) {
+        let (p, i) = (&mut self.momentum, &mut self.impulse);
+        for (face, reaction) in self.faces.iter_mut().zip(reaction) {
+            for ((triple, contact), pressed) in face.triples.iter().zip(&mut face.contact).zip(&face.pressed) {
+                let wall = (face.axis, face.sign, face.wall);
+                *contact = fold_one(wall, held && *pressed, *triple, p, i, reaction);
+            }
+        }
+        for (p, i) in p.iter_mut().zip(i.iter_mut()) {
+            let m = p[3];
+            let over = |q: f64| if m > 0.0 { q / m } else { 0.0 };
+            *p = [over(p[0]), over(p[1]), over(p[2]), 0.0];
+            *i = [over(i[0]), over(i[1]), over(i[2]), 0.0];
+        }
+        // in a domain of one cell the other wall has folded onto this plane meanwhile
+        for face in &self.faces {
+            for (&[_, on, _], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
+                for a in (0..3).filter(|&a| a == face.axis || face.wall == Wall::Stick) {
+                    (p[on as usize][a], i[on as usize][a]) = (0.0, 0.0);
+                }
+            }
+        }
+        for face in self.faces.iter().rev() {
+            for (&[behind, _, before], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
+                if behind != NONE && before != NONE {
+                    for a in 0..3 {
+                        let odd = a == face.axis || face.wall == Wall::Stick;
+                        let mirrored = |x: f64| if odd { 0.0 - x } else { x };
+                        p[behind as usize][a] = mirrored(p[before as usize][a]);
+                        i[behind as usize][a] = mirrored(i[before as usize][a]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let faces: usize = self.faces.iter().map(|f| 36 * f.triples.capacity()).sum();
+        faces + 4 * (self.nodes.capacity() + self.place.capacity()) + 32 * (self.momentum.capacity() + self.impulse.capacity())
+    }
+}
+
+/// Folds the three nodes, if the wall pushes or is `held` to touch; answers whether it does.
+#[inline(always)]
+fn fold_one(
+    (axis, sign, wall): (usize, f64, Wall),
+    held: bool,
+    [behind, on, before]: Triple,
+    p: &mut [[f64; 4]],
+    i: &mut [[f64; 4]],
+    reaction: &mut [f64; 3],
+) -> bool {
+    let on = on as usize;
+    let (p_behind, i_behind) = if behind == NONE { ([0.0; 4], [0.0; 4]) } else { (p[behind as usize], i[behind as usize]) };
+    // what the wall has to give so that nothing passes: Σ over the nodes on and, with its image, behind
+    let needed = |a: usize| 0.0 - (i[on][a] + 2.0 * i_behind[a]);
+    let pushes = sign * (needed(axis) - (p[on][axis] + 2.0 * p_behind[axis])) > 0.0;
+    if let Wall::Friction { .. } = wall
+        && !(pushes || held)
+    {
+        return false;
+    }
+    let given: [f64; 3] = std::array::from_fn(needed);
+    reaction[axis] += given[axis];
+    if behind != NONE && before != NONE {
+        let before = before as usize;
+        for a in 0..3 {
+            let s = if a == axis || wall == Wall::Stick { -1.0 } else { 1.0 };
+            p[before][a] += s * p_behind[a];
+            i[before][a] += s * i_behind[a];
+        }
+        p[before][3] += p_behind[3];
+        (p[behind as usize], i[behind as usize]) = ([0.0; 4], [0.0; 4]);
+    }
+    (p[on][axis], i[on][axis]) = (0.0, 0.0);
+    match wall {
+        Wall::Stick => {
+            for a in (0..3).filter(|&a| a != axis) {
+                reaction[a] += given[a];
+                (p[on][a], i[on][a]) = (0.0, 0.0);
+            }
+        }
+        Wall::Friction { friction } if friction > 0.0 => {
+            let limit = friction * (sign * given[axis]).max(0.0);
+            let along: [f64; 3] = std::array::from_fn(|a| p[on][a] + i[on][a]);
+            let size = (along[0] * along[0] + along[1] * along[1] + along[2] * along[2]).sqrt();
+            let kept = if size > limit { 1.0 - limit / size } else { 0.0 };
+            for a in (0..3).filter(|&a| a != axis) {
+                reaction[a] += along[a] * kept - along[a];
+                i[on][a] = along[a] * kept - p[on][a];
+            }
+        }
+        _ => {}
+    }
+    true
+}

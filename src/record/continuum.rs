@@ -1,0 +1,218 @@
+//! Records of a continuum: rows of history, what the summary remembers of them, points as files. Compression is positive.
+
+use super::table::{Row, number};
+use super::vtk::{self, Field};
+use crate::error::{Error, Result};
+use crate::model::continuum::{Continuum as Rig, Test};
+use crate::mpm::{Dimension, Points};
+use crate::rig::continuum::{Moment, Phase, State};
+use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Files with the points at the start and at the end.
+pub const START: &str = "points_start.csv";
+pub const END: &str = "points_final.csv";
+/// Stresses below this are none, Pa.
+const NOTHING: f64 = 1e-3;
+/// Rows of the settling stage: wave times between two.
+const SETTLE_EVERY: f64 = 5.0;
+/// Axial strain from which a test is held to the quasi-static measures, as a share of its end.
+const FROM: f64 = 0.05;
+/// The residual ratio is the mean over this last share of the strain.
+const RESIDUAL: f64 = 0.1;
+
+/// What is carried along; part of the checkpoint.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Recorder {
+    level: Option<(bool, i64)>,
+    frame: u64,
+    /// Largest σ1/σ3 of the rows, axial strain there, and q there, Pa.
+    pub peak: [f64; 3],
+    /// Sum and number of the ratios of the last rows.
+    residual: [f64; 2],
+    /// Largest platen difference and kinetic energy over stress work of the rows of loading.
+    pub worst: [f64; 2],
+    /// Largest run-out (front less first front), m.
+    pub energy_error: f64,
+    /// First and last row's axial strain and axial stress, for the modulus.
+    pub first: Option<[f64; 2]>,
+    pub last: [f64; 2],
+    pub lateral: f64,
+    pub void_ratio: f64,
+    pub plastic: f64,
+    /// First and last reach: distance and height, m.
+    pub reach: [Option<[f64; 2]>; 2],
+}
+
+/// What is due at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Due {
+    pub row: bool,
+    pub frame: bool,
+}
+
+impl Recorder {
+    /// What is due now.
+    pub fn due(&mut self, rig: &Rig, state: &State) -> Due {
+        let (settling, share) = (state.phase == Phase::Settle, state.share(rig));
+        let level = match settling {
+            true => (state.phase_time / (SETTLE_EVERY * state.wave)) as i64,
+            false => (share * f64::from(rig.rows) + 1e-9).floor() as i64,
+        };
+        let done = state.phase == Phase::Done;
+        let row = done || self.level.is_none_or(|last| last != (settling, level) && (last.0 != settling || level > last.1));
+        if row {
+            self.level = Some((settling, level));
+        }
+        let next = 1.0 + (share * f64::from(rig.frames) + 1e-9).floor().min(f64::from(rig.frames));
+        let frame = done || (next as u64) > self.frame;
+        if frame {
+            self.frame = next as u64;
+        }
+        Due { row: row || frame, frame }
+    }
+
+    /// The row of this instant.
+    pub fn row(&mut self, rig: &Rig, state: &mut State) -> Row {
+        let mut m = state.moment(rig);
+        // platens that just touch give rounding, which no logarithmic axis should show
+        for stress in [&mut m.axial, &mut m.lateral] {
+            *stress = if stress.abs() < NOTHING { 0.0 } else { *stress };
+        }
+        let mut row: Row = vec![
+            ("step", state.continuum.steps().into()),
+            ("time_s", state.time.into()),
+            ("stage", stage(state.phase).into()),
+            ("dt_s", state.dt.into()),
+        ];
+        match &rig.test {
+            Test::Free { .. } => {
+                let [front, height] = state.reach(rig);
+                self.reach = [self.reach[0].or(Some([front, height])), Some([front, height])];
+                row.extend([("front_mm", (1e3 * front).into()), ("height_mm", (1e3 * height).into())]);
+            }
+            Test::Oedometer(_) => row.extend([
+                ("axial_strain", m.axial_strain.into()),
+                ("sigma_v_kPa", (1e-3 * m.axial).into()),
+                ("sigma_h_kPa", (1e-3 * m.lateral).into()),
+                ("k0", (m.lateral / m.axial).into()),
+            ]),
+            Test::Triaxial { .. } => row.extend([
+                ("axial_strain", m.axial_strain.into()),
+                ("volumetric_strain", m.volumetric_strain.into()),
+                ("sigma_1_kPa", (1e-3 * m.axial).into()),
+                ("sigma_3_kPa", (1e-3 * m.lateral).into()),
+                ("principal_ratio", (m.axial / m.lateral).into()),
+            ]),
+        }
+        if rig.specimen().is_some() {
+            let plane = rig.settings.dimension == Dimension::PlaneStrain;
+            row.extend([("q_kPa", (1e-3 * m.q()).into()), ("p_kPa", (1e-3 * m.p(plane)).into())]);
+            row.push(("platen_difference", m.difference.into()));
+        }
+        let [px, py, pz] = m.totals.momentum;
+        let error = m.dissipated / m.scale.max(f64::MIN_POSITIVE);
+        row.extend([
+            ("void_ratio", m.void_ratio.into()),
+            ("porosity", (m.void_ratio / (1.0 + m.void_ratio)).into()),
+            ("plastic_strain_mean", m.plastic[0].into()),
+            ("plastic_strain_max", m.plastic[1].into()),
+            ("kinetic_J", m.totals.kinetic.into()),
+            ("potential_J", m.totals.potential.into()),
+            ("stress_work_J", m.stress_work.into()),
+            ("platen_work_J", m.platen_work.into()),
+            ("contact_J", m.stored.into()),
+            ("dissipated_J", m.dissipated.into()),
+            ("dissipated_share", error.into()),
+            ("momentum_x_kg_m_s", px.into()),
+            ("momentum_y_kg_m_s", py.into()),
+            ("momentum_z_kg_m_s", pz.into()),
+        ]);
+        self.remember(rig, state.phase, &m);
+        row
+    }
+
+    fn remember(&mut self, rig: &Rig, phase: Phase, m: &Moment) {
+        (self.energy_error, self.void_ratio, self.plastic) =
+            (m.dissipated / m.scale.max(f64::MIN_POSITIVE), m.void_ratio, m.plastic[1]);
+        let Some(s) = rig.specimen().filter(|_| phase != Phase::Settle) else { return };
+        let now = [m.axial_strain, m.axial];
+        self.first.get_or_insert(now);
+        (self.last, self.lateral) = (now, m.lateral);
+        let ratio = m.axial / m.lateral;
+        if ratio.is_finite() && ratio > self.peak[0] {
+            self.peak = [ratio, m.axial_strain, m.q()];
+        }
+        if m.axial_strain >= (1.0 - RESIDUAL) * s.axial_strain {
+            self.residual = [self.residual[0] + ratio, self.residual[1] + 1.0];
+        }
+        if m.axial_strain >= FROM * s.axial_strain {
+            let kinetic = m.totals.kinetic / m.stress_work.abs().max(f64::MIN_POSITIVE);
+            for (worst, now) in self.worst.iter_mut().zip([m.difference, kinetic]) {
+                *worst = worst.max(now);
+            }
+        }
+    }
+
+    /// Mean σ1/σ3 at the end.
+    pub fn residual_ratio(&self) -> f64 {
+        self.residual[0] / self.residual[1]
+    }
+}
+
+fn stage(phase: Phase) -> &'static str {
+    if phase == Phase::Settle { "settle" } else { "load" }
+}
+
+/// Writes the points in the order of their ids; displacement from `start`, where it is known.
+pub fn write_points(path: &Path, rig: &Rig, points: &Points, start: Option<&Points>) -> Result<()> {
+    let edge = rig.settings.cell / f64::from(rig.per_edge);
+    let mut text = format!("# spacing_m = {}\n", number(edge));
+    text += "id,x_m,y_m,z_m,volume_m3,plastic_strain,p_kPa,q_kPa,vx_m_s,vy_m_s,vz_m_s,displacement_mm\n";
+    for i in points.by_id().into_iter().map(|i| i as usize) {
+        let ([x, y, z, volume], [u, v, w, _], s) = (points.position[i], points.velocity[i], points.stress[i]);
+        let moved = start.map_or(0.0, |start| {
+            let p = start.position[points.id[i] as usize];
+            1e3 * ((x - p[0]).powi(2) + (y - p[1]).powi(2) + (z - p[2]).powi(2)).sqrt()
+        });
+        let (p, q) = invariants(&s);
+        let row = [x, y, z, volume, points.memory[i].plastic, 1e-3 * p, 1e-3 * q, u, v, w, moved].map(number).join(",");
+        let _ = writeln!(text, "{},{row}", points.id[i]);
+    }
+    std::fs::write(path, text).map_err(Error::write(path))
+}
+
+/// Mean pressure and √(3 J2), Pa.
+fn invariants(s: &[f64; 6]) -> (f64, f64) {
+    let p = -(s[0] + s[1] + s[2]) / 3.0;
+    let [x, y, z] = [s[0] + p, s[1] + p, s[2] + p];
+    let j2 = 0.5 * (x * x + y * y + z * z) + s[3] * s[3] + s[4] * s[4] + s[5] * s[5];
+    (p, (3.0 * j2).sqrt())
+}
+
+/// Writes a ParaView snapshot of the points.
+pub fn write_snapshot(path: &Path, state: &State) -> Result<()> {
+    let points = state.continuum.points();
+    let order: Vec<usize> = points.by_id().into_iter().map(|i| i as usize).collect();
+    let position: Vec<[f64; 3]> =
+        order.iter().map(|&i| [points.position[i][0], points.position[i][1], points.position[i][2]]).collect();
+    let field = |name, components, of: &dyn Fn(usize) -> Vec<f64>| Field {
+        name,
+        components,
+        values: order.iter().flat_map(|&i| of(i)).collect(),
+    };
+    let fields = [
+        field("id", 1, &|i| vec![f64::from(points.id[i])]),
+        field("velocity_m_s", 3, &|i| points.velocity[i][..3].to_vec()),
+        field("stress_Pa_tension_positive", 6, &|i| points.stress[i].to_vec()),
+        field("p_Pa", 1, &|i| vec![invariants(&points.stress[i]).0]),
+        field("q_Pa", 1, &|i| vec![invariants(&points.stress[i]).1]),
+        field("plastic_strain", 1, &|i| vec![points.memory[i].plastic]),
+        field("volume_m3", 1, &|i| vec![points.position[i][3]]),
+        field("porosity", 1, &|i| vec![points.porosity(i)]),
+        field("material", 1, &|i| vec![f64::from(points.law[i])]),
+    ];
+    let step = state.continuum.steps();
+    vtk::write_points(path, &position, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+}

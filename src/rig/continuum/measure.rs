@@ -1,0 +1,136 @@
+//! What a test shows: stresses and strains as means since the last look, energies at this instant.
+
+use super::{Phase, Rig, State, dimensions};
+use crate::mpm::Totals;
+use serde::{Deserialize, Serialize};
+
+/// Sums over the steps since the last look.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Means {
+    count: u64,
+    sides: [f64; 6],
+    extents: [f64; 3],
+}
+
+/// An instant of a test. Stresses Pa, compression positive; energies J; strains since the start of loading.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Moment {
+    pub axial_strain: f64,
+    /// Of the space between platens and walls.
+    pub volumetric_strain: f64,
+    /// Axial stress, and mean of the lateral ones.
+    pub axial: f64,
+    pub lateral: f64,
+    /// Largest difference of two opposite sides over their mean: the force that is left over accelerates the specimen.
+    pub difference: f64,
+    pub totals: Totals,
+    /// Volume-weighted mean of the points' stress along z, Pa (the third principal stress in plane strain).
+    pub along_z: f64,
+    /// Pores over solids by the points' volumes.
+    pub void_ratio: f64,
+    /// Mean and largest accumulated plastic strain.
+    pub plastic: [f64; 2],
+    pub stress_work: f64,
+    pub platen_work: f64,
+    /// In the platens' contacts, since the start.
+    pub stored: f64,
+    /// What platens, gravity and motion gave and neither motion, stresses nor contacts have: taken by local damping, by the transfer
+    /// between points and nodes, by wall friction, and by errors.
+    pub dissipated: f64,
+    /// Scale of all these.
+    pub scale: f64,
+}
+
+impl Moment {
+    /// q = σ1 − σ3 with the axial stress as σ1.
+    pub fn q(&self) -> f64 {
+        self.axial - self.lateral
+    }
+
+    /// (σ1 + 2 σ3)/3, or with the stress along z in plane strain.
+    pub fn p(&self, plane: bool) -> f64 {
+        (self.axial + self.lateral + if plane { self.along_z } else { self.lateral }) / 3.0
+    }
+}
+
+impl State {
+    /// Adds this instant to the means.
+    pub(super) fn collect(&mut self, rig: &Rig) {
+        let (sides, extents) = (self.sides(rig), self.extents_now(rig));
+        let m = &mut self.means;
+        m.count += 1;
+        m.sides.iter_mut().zip(sides).for_each(|(sum, x)| *sum += x);
+        m.extents.iter_mut().zip(extents).for_each(|(sum, x)| *sum += x);
+        if self.energy.is_none() {
+            let totals = self.continuum.totals();
+            self.energy = Some([totals.kinetic, totals.potential, self.stored()]);
+        }
+    }
+
+    fn stored(&self) -> f64 {
+        self.platens.iter().map(|p| p.stored).sum()
+    }
+
+    /// Means since the last call, and this instant.
+    pub fn moment(&mut self, rig: &Rig) -> Moment {
+        let d = dimensions(rig);
+        let means = std::mem::take(&mut self.means);
+        let n = means.count.max(1) as f64;
+        let mut moment = self.instant(rig);
+        if rig.specimen().is_none() {
+            return moment;
+        }
+        let axis = d - 1;
+        let pair = |a: usize| [means.sides[2 * a] / n, means.sides[2 * a + 1] / n];
+        let mean = |a: usize| 0.5 * (pair(a)[0] + pair(a)[1]);
+        moment.axial = mean(axis);
+        moment.lateral = (0..axis).map(mean).sum::<f64>() / axis as f64;
+        let apart = |a: usize| if mean(a) == 0.0 { 0.0 } else { (pair(a)[1] - pair(a)[0]).abs() / mean(a).abs() };
+        moment.difference = (0..d).map(apart).fold(0.0, f64::max);
+        if self.phase != Phase::Settle {
+            let left = |a: usize| means.extents[a] / n / self.extents[a];
+            moment.axial_strain = 1.0 - left(axis);
+            moment.volumetric_strain = 1.0 - (0..d).map(left).product::<f64>();
+        }
+        moment
+    }
+
+    /// What needs no mean.
+    fn instant(&self, rig: &Rig) -> Moment {
+        let (c, points) = (&self.continuum, self.continuum.points());
+        let totals = c.totals();
+        let [mut solid, mut plastic, mut most, mut along_z] = [0.0; 4];
+        for i in points.by_id().into_iter().map(|i| i as usize) {
+            let volume = points.position[i][3];
+            solid += (1.0 - points.initial_porosity[i]) * points.initial_volume[i];
+            plastic += volume * points.memory[i].plastic;
+            most = points.memory[i].plastic.max(most);
+            along_z -= volume * points.stress[i][2];
+        }
+        let [kinetic, potential, stored] = self.energy.unwrap_or([totals.kinetic, totals.potential, self.stored()]);
+        let platen_work = self.platen_work(rig);
+        let (fallen, stored) = (potential - totals.potential, self.stored() - stored);
+        let given = platen_work + fallen + kinetic;
+        Moment {
+            void_ratio: totals.volume / solid - 1.0,
+            plastic: [plastic / totals.volume, most],
+            along_z: along_z / totals.volume,
+            stress_work: c.stress_work(),
+            platen_work,
+            stored,
+            dissipated: given - totals.kinetic - c.stress_work() - stored,
+            scale: platen_work.abs() + fallen.abs() + kinetic + c.stress_work().abs(),
+            totals,
+            ..Moment::default()
+        }
+    }
+
+    /// Largest horizontal distance from the axis of the first body, and largest height above the grid's floor, m.
+    pub fn reach(&self, rig: &Rig) -> [f64; 2] {
+        let (d, axis, lower) = (dimensions(rig), rig.axis, rig.settings.lower);
+        self.continuum.points().position.iter().fold([0.0, f64::NEG_INFINITY], |[far, high], p| {
+            let square: f64 = (0..d - 1).map(|a| (p[a] - axis[a]) * (p[a] - axis[a])).sum();
+            [square.sqrt().max(far), (p[d - 1] - lower[d - 1]).max(high)]
+        })
+    }
+}

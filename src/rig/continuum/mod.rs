@@ -1,0 +1,171 @@
+//! A continuum under test: free between the walls of its grid, in an oedometer, or between six platens.
+
+mod measure;
+mod specimen;
+
+pub use measure::Moment;
+
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::model::continuum::{Continuum as Rig, Test};
+use crate::mpm::{Continuum, Dimension, Platen};
+use serde::{Deserialize, Serialize};
+
+/// Steps between two looks at what bounds the time step.
+const LOOK: u64 = 64;
+
+/// Where a test is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    /// The cell pressure rises to its value and the specimen comes to rest.
+    Settle,
+    /// The axial platens move, or the points by themselves.
+    Load,
+    Done,
+}
+
+/// Everything that a restart needs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct State {
+    pub continuum: Continuum,
+    /// In an oedometer the top one; in a triaxial test those of x low, x high, y low, …
+    pub platens: Vec<Platen>,
+    pub phase: Phase,
+    /// Since the start, and in this phase, s.
+    pub time: f64,
+    pub phase_time: f64,
+    /// The present step, s, and its bound by waves through a cell.
+    pub dt: f64,
+    bound: f64,
+    /// Extents at the start of loading, m; time of a compression wave through the height, s; axial strain per second.
+    pub extents: [f64; 3],
+    pub wave: f64,
+    rate: f64,
+    /// Mean speed of each platen under servo, m/s.
+    drift: Vec<f64>,
+    /// Kinetic and potential energy of the points and elastic energy of the platens' contacts at the start, J.
+    energy: Option<[f64; 3]>,
+    means: measure::Means,
+}
+
+/// Number of dimensions.
+fn dimensions(rig: &Rig) -> usize {
+    if rig.settings.dimension == Dimension::Space { 3 } else { 2 }
+}
+
+impl State {
+    /// The points as the scene has them, platens where they balance the points' stress.
+    ///
+    /// # Errors
+    /// What the method does not allow, and a time step above the bound.
+    pub fn start(model: &Model, rig: &Rig) -> Result<State> {
+        let continuum = Continuum::new(rig.settings.clone(), rig.laws.clone(), rig.points.clone())?;
+        if let Some(dt) = model.stepping.dt {
+            continuum.check_step(dt)?;
+        }
+        let mut state = State {
+            platens: specimen::platens(rig, &continuum),
+            phase: if matches!(rig.test, Test::Triaxial { .. }) { Phase::Settle } else { Phase::Load },
+            continuum,
+            time: 0.0,
+            phase_time: 0.0,
+            dt: 0.0,
+            bound: 0.0,
+            extents: [0.0; 3],
+            wave: 0.0,
+            rate: 0.0,
+            drift: Vec::new(),
+            energy: None,
+            means: measure::Means::default(),
+        };
+        state.drift = vec![0.0; state.platens.len()];
+        for platen in &mut state.platens {
+            platen.press(&mut state.continuum)?;
+        }
+        state.continuum.drop_forces();
+        state.extents = state.extents_now(rig);
+        if let Some(specimen) = rig.specimen() {
+            let density = state.continuum.points().density(0);
+            let speed = rig.laws[usize::from(state.continuum.points().law[0])].wave_speed(density);
+            state.wave = specimen.size[dimensions(rig) - 1] / speed;
+            state.rate = specimen.strain_per_wave / state.wave;
+        }
+        Ok(state)
+    }
+
+    /// One step; `observe` sees the state when the platens' forces are known. In [`Phase::Done`] nothing moves any more.
+    ///
+    /// # Errors
+    /// A lost point, a platen through the points, a step above its bound, a specimen that does not come to rest; what `observe` returns.
+    pub fn advance(&mut self, model: &Model, rig: &Rig, observe: impl FnOnce(&mut State) -> Result<()>) -> Result<()> {
+        for platen in &mut self.platens {
+            platen.press(&mut self.continuum)?;
+        }
+        self.find_step(model)?;
+        self.programme(rig)?;
+        self.collect(rig);
+        observe(self)?;
+        if self.phase == Phase::Done {
+            return Ok(());
+        }
+        self.continuum.step(self.dt)?;
+        for platen in &mut self.platens {
+            platen.advance(self.dt);
+        }
+        self.time += self.dt;
+        self.phase_time += self.dt;
+        Ok(())
+    }
+
+    /// The step: a share of what waves through a cell and the platens' contacts allow, or the fixed one.
+    fn find_step(&mut self, model: &Model) -> Result<()> {
+        let step = self.continuum.steps();
+        if step.is_multiple_of(LOOK) || self.bound == 0.0 {
+            self.bound = self.continuum.stable_step(1.0);
+        }
+        let contact = self.platens.iter().map(Platen::stable_step).fold(f64::INFINITY, f64::min);
+        self.dt = match model.stepping.dt {
+            None => model.stepping.safety * self.bound.min(contact),
+            Some(dt) if dt <= self.bound && dt <= contact => dt,
+            Some(dt) => {
+                let (what, bound) = if self.bound < contact {
+                    ("the time of a compression wave through a cell", self.bound)
+                } else {
+                    ("the platens' contacts", contact)
+                };
+                let what = format!("stepping.dt_s = {dt:e} is above {what}, {bound:.4e} s: use a smaller one, or \"auto\"");
+                return Err(Error::Unstable { step, what, grain: None });
+            }
+        };
+        Ok(())
+    }
+
+    /// What is to be done next, by what the platens feel.
+    fn programme(&mut self, rig: &Rig) -> Result<()> {
+        match &rig.test {
+            Test::Free { .. } => {
+                if self.share(rig) >= 1.0 {
+                    self.phase = Phase::Done;
+                }
+                Ok(())
+            }
+            Test::Oedometer(specimen) => {
+                self.compress(rig, specimen);
+                Ok(())
+            }
+            Test::Triaxial { specimen, cell_pressure } => self.shear(rig, specimen, *cell_pressure),
+        }
+    }
+
+    /// Share of the test that is done, 0 until its loading begins.
+    pub fn share(&self, rig: &Rig) -> f64 {
+        match &rig.test {
+            Test::Free { duration: Some(duration), .. } => (self.time / duration) * (1.0 + 1e-12),
+            Test::Free { steps, .. } => self.continuum.steps() as f64 / steps.unwrap_or(1) as f64,
+            Test::Oedometer(_) | Test::Triaxial { .. } if self.phase == Phase::Settle => 0.0,
+            Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => self.axial_strain(rig) / s.axial_strain,
+        }
+    }
+}
+
+pub use specimen::contact_step;

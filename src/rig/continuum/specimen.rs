@@ -1,0 +1,192 @@
+//! A box between platens: where they stand, what they feel, how they move.
+
+use super::{Phase, Rig, State, dimensions};
+use crate::boundary::servo_speed;
+use crate::error::{Error, Result};
+use crate::model::continuum::{Specimen, Test};
+use crate::mpm::platen::{Platen, ghost_radius, overlap};
+use crate::mpm::{Continuum, Dimension};
+
+/// Lateral platens may move this many times as fast as the axial ones strain the specimen.
+const LATERAL: f64 = 4.0;
+/// Wave times over which the mean speed of a lateral platen is taken.
+const DRIFT: f64 = 4.0;
+/// Wave times in which the axial platens take up their speed.
+const RAMP: f64 = 5.0;
+/// At rest: stresses of all sides within this of the cell pressure, after so many wave times; given up after so many more.
+const AT_REST: f64 = 0.005;
+const REST: f64 = 5.0;
+const PATIENCE: f64 = 500.0;
+
+/// Distance of a platen that just touches from the face of the material, m: points stand half their spacing inside, and reach
+/// out by their ghost radius.
+fn offset(rig: &Rig, s: &Specimen) -> f64 {
+    radius(rig, s) - 0.5 * s.spacing
+}
+
+fn radius(rig: &Rig, s: &Specimen) -> f64 {
+    let volume = s.spacing.powi(dimensions(rig) as i32);
+    ghost_radius(rig.settings.dimension, (1.0 - s.porosity) * volume)
+}
+
+/// The platens of a test, pressed in so far that they balance the points' stress.
+pub fn platens(rig: &Rig, continuum: &Continuum) -> Vec<Platen> {
+    let Some(s) = rig.specimen() else { return Vec::new() };
+    let d = dimensions(rig);
+    let depth = match s.stress * s.spacing.powi(d as i32 - 1) {
+        force if force > 0.0 => overlap(rig.settings.dimension, s.modulus, radius(rig, s), force),
+        _ => 0.0,
+    };
+    let out = offset(rig, s) - depth;
+    let platen = |axis: usize, high: bool| {
+        let mut point: [f64; 3] = std::array::from_fn(|a| s.lower[a] + 0.5 * s.size[a]);
+        let mut normal = [0.0; 3];
+        normal[axis] = if high { -1.0 } else { 1.0 };
+        point[axis] = if high { s.lower[axis] + s.size[axis] + out } else { s.lower[axis] - out };
+        Platen::new(continuum, point, normal, s.modulus)
+    };
+    match rig.test {
+        Test::Oedometer(_) => vec![platen(d - 1, true)],
+        _ => (0..d).flat_map(|axis| [platen(axis, false), platen(axis, true)]).collect(),
+    }
+}
+
+impl State {
+    /// Extents of the material, m (in plane strain 1 along z): the distance of the outermost points, by the platens and their contacts,
+    /// in proportion to what it was at the start. The last half edges of points do not shorten between platens and would feign stiffness.
+    pub(super) fn extents_now(&self, rig: &Rig) -> [f64; 3] {
+        let Some(s) = rig.specimen() else { return [0.0; 3] };
+        let (d, radius) = (dimensions(rig), radius(rig, s));
+        // where the outermost points are: a ghost's radius, less the contacts' mean overlap (their energy is 2/5 F δ), inside the platen
+        let inside = |p: &Platen| radius - if p.reaction > 0.0 { p.stored / (0.4 * p.reaction) } else { 0.0 };
+        let mut extents = s.size;
+        if d == 2 {
+            extents[2] = 1.0;
+        }
+        match &rig.test {
+            Test::Oedometer(_) => {
+                let (axis, platen) = (d - 1, &self.platens[0]);
+                let length = platen.point[axis] - inside(platen) - s.lower[axis];
+                extents[axis] *= length / (s.size[axis] - 0.5 * s.spacing);
+            }
+            _ => {
+                for (axis, extent) in extents.iter_mut().enumerate().take(d) {
+                    let [low, high] = [0, 1].map(|k| &self.platens[2 * axis + k]);
+                    let length = (high.point[axis] - inside(high)) - (low.point[axis] + inside(low));
+                    *extent *= length / (s.size[axis] - s.spacing);
+                }
+            }
+        }
+        extents
+    }
+
+    /// Work of the platens on the faces where their forces act, J: a face moves as much more than its platen as the whole specimen shortens
+    /// more than the distance of its outermost points.
+    pub(super) fn platen_work(&self, rig: &Rig) -> f64 {
+        let Some(s) = rig.specimen() else { return 0.0 };
+        let edges = if self.platens.len() == 1 { 0.5 } else { 1.0 };
+        let share = |platen: &Platen| {
+            let axis = (0..3).find(|&a| platen.normal[a] != 0.0).unwrap_or(0);
+            platen.work * s.size[axis] / (s.size[axis] - edges * s.spacing)
+        };
+        self.platens.iter().map(share).sum()
+    }
+
+    /// Area that stands against an axis, m² (m in plane strain).
+    fn area(extents: [f64; 3], axis: usize) -> f64 {
+        (0..3).filter(|&a| a != axis).map(|a| extents[a]).product()
+    }
+
+    /// Stress on each side, Pa, compression positive, in the order x low, x high, …; 0 where there is none.
+    pub(super) fn sides(&self, rig: &Rig) -> [f64; 6] {
+        let (d, extents) = (dimensions(rig), self.extents_now(rig));
+        let mut sides = [0.0; 6];
+        for (k, side) in sides.iter_mut().enumerate().take(2 * d) {
+            let (axis, high) = (k / 2, k % 2 == 1);
+            let force = match &rig.test {
+                Test::Free { .. } => return sides,
+                Test::Oedometer(_) if k == 2 * d - 1 => self.platens[0].reaction,
+                Test::Oedometer(_) => self.continuum.wall_force()[k][axis] * if high { -1.0 } else { 1.0 },
+                Test::Triaxial { .. } => self.platens[k].reaction,
+            };
+            *side = force / State::area(extents, axis);
+        }
+        sides
+    }
+
+    /// Axial strain since the start of loading, compression positive.
+    pub fn axial_strain(&self, rig: &Rig) -> f64 {
+        let axis = dimensions(rig) - 1;
+        if rig.specimen().is_none() { 0.0 } else { 1.0 - self.extents_now(rig)[axis] / self.extents[axis] }
+    }
+
+    /// Speed of the axial strain, m/s over the whole height.
+    fn axial_speed(&self, rig: &Rig) -> f64 {
+        self.rate * self.extents[dimensions(rig) - 1] * (self.phase_time / (RAMP * self.wave)).min(1.0)
+    }
+
+    /// The top platen comes down.
+    pub(super) fn compress(&mut self, rig: &Rig, s: &Specimen) {
+        if self.axial_strain(rig) >= s.axial_strain {
+            self.phase = Phase::Done;
+        }
+        self.platens[0].speed = self.axial_speed(rig);
+    }
+
+    /// Lateral platens hold the cell pressure; axial ones hold it too, then come together.
+    ///
+    /// # Errors
+    /// A specimen that does not come to rest at the cell pressure.
+    pub(super) fn shear(&mut self, rig: &Rig, s: &Specimen, cell: f64) -> Result<()> {
+        let (d, extents) = (dimensions(rig), self.extents_now(rig));
+        let modulus = rig.laws[usize::from(self.continuum.points().law[0])].elastic().oedometric();
+        let rise = (cell - s.stress).abs() / (modulus * self.rate);
+        let target = match self.phase {
+            Phase::Settle if self.phase_time < rise => s.stress + (cell - s.stress) * (self.phase_time / rise),
+            _ => cell,
+        };
+        if self.phase == Phase::Settle && self.phase_time > rise + REST * self.wave {
+            let sides = self.sides(rig);
+            if sides[..2 * d].iter().all(|side| (side / cell - 1.0).abs() < AT_REST) {
+                (self.phase, self.phase_time, self.extents) = (Phase::Load, 0.0, extents);
+            } else if self.phase_time > rise + PATIENCE * self.wave {
+                let stresses: Vec<String> = sides[..2 * d].iter().map(|s| format!("{:.2}", 1e-3 * s)).collect();
+                let what = format!(
+                    "the specimen did not come to rest at the cell pressure of {:.2} kPa: its sides bear {} kPa; raise damping.local",
+                    1e-3 * cell,
+                    stresses.join(", ")
+                );
+                return Err(Error::Failed { step: self.continuum.steps(), what });
+            }
+        }
+        if self.phase == Phase::Load && self.axial_strain(rig) >= s.axial_strain {
+            self.phase = Phase::Done;
+        }
+        let axial = 0.5 * self.axial_speed(rig);
+        // a servo alone would lag behind a specimen that keeps moving: it acts on top of the platen's mean speed
+        let share = (self.dt / (DRIFT * self.wave)).min(1.0);
+        for (k, (platen, drift)) in self.platens.iter_mut().zip(&mut self.drift).enumerate() {
+            let axis = k / 2;
+            platen.speed = if axis == d - 1 && self.phase != Phase::Settle {
+                axial
+            } else {
+                let force = target * State::area(extents, axis);
+                let limit = 0.5 * LATERAL * self.rate * extents[axis];
+                let servo = servo_speed(force, platen.reaction, platen.stiffness, s.gain, self.dt, limit);
+                let speed = (*drift + servo).clamp(-limit, limit);
+                *drift += share * (speed - *drift);
+                speed
+            };
+        }
+        Ok(())
+    }
+}
+
+/// What bounds the time step of a specimen's platens under a stress, s: 2/ω of a point of the mass `mass` on its spring.
+pub fn contact_step(dimension: Dimension, s: &Specimen, mass: f64, stress: f64) -> f64 {
+    let d = if dimension == Dimension::Space { 3 } else { 2 };
+    let radius = ghost_radius(dimension, (1.0 - s.porosity) * s.spacing.powi(d));
+    let force = stress * s.spacing.powi(d - 1);
+    let depth = overlap(dimension, s.modulus, radius, force);
+    if depth > 0.0 { 2.0 / (1.5 * force / depth / mass).sqrt() } else { f64::INFINITY }
+}

@@ -1,0 +1,225 @@
+//! The loop of a continuum: steps, records, checkpoints, stop, and the end.
+//!
+//! What drives it is [`State::advance`]; another backend has to offer the same calls on a state of its own and to fill [`State::continuum`]
+//! whenever a record or a checkpoint is due.
+
+use super::progress_bar::Bar;
+use super::{LOOK, Outcome, files, stop_asked};
+use crate::error::{Error, Result};
+use crate::figure;
+use crate::model::Model;
+use crate::model::continuum::{Continuum as Rig, Test};
+use crate::mpm::law::Law;
+use crate::record::continuum::{self as records, END, Recorder, START};
+use crate::record::table::Table;
+use crate::record::{checkpoint, vtk};
+use crate::rig::continuum::{Phase, State};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Everything a restart needs.
+#[derive(Serialize, Deserialize)]
+struct Progress {
+    state: State,
+    recorder: Recorder,
+    history: Table,
+    /// Time, s, and file of each snapshot.
+    snapshots: Vec<(f64, String)>,
+    seconds: f64,
+}
+
+/// Runs from the start.
+///
+/// # Errors
+/// What keeps it from starting or from ending; records and checkpoint are kept.
+pub fn run(model: &Model, rig: &Rig, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+    let state = State::start(model, rig)?;
+    records::write_points(&out.join(START), rig, &rig.points, None)?;
+    let history = Table::new("history.csv");
+    let progress = Progress { state, recorder: Recorder::default(), history, snapshots: Vec::new(), seconds: 0.0 };
+    go(model, rig, out, progress, quiet, stop_after)
+}
+
+/// Goes on from the checkpoint.
+///
+/// # Errors
+/// As [`run`], and a folder without one.
+pub fn resume(model: &Model, rig: &Rig, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+    go(model, rig, out, checkpoint::load(out)?, quiet, stop_after)
+}
+
+fn go(model: &Model, rig: &Rig, out: &Path, mut progress: Progress, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+    let (mut bar, started, before) = (Bar::new(quiet), Instant::now(), progress.seconds);
+    let mut last_checkpoint = Instant::now();
+    loop {
+        let done = progress.advance(model, rig, out);
+        progress.seconds = before + started.elapsed().as_secs_f64();
+        match done {
+            Ok(true) => break,
+            Ok(false) => {}
+            Err(e) => {
+                // keep what there is, with the points as they are now
+                progress.history.flush(out)?;
+                records::write_points(&out.join(END), rig, progress.state.continuum.points(), Some(&rig.points))?;
+                bar.abandon();
+                return Err(e);
+            }
+        }
+        let steps = progress.state.continuum.steps();
+        if stop_asked() || stop_after.is_some_and(|n| steps >= n) {
+            progress.save(out)?;
+            bar.abandon();
+            return Err(Error::Interrupted { step: steps, out: out.into() });
+        }
+        if steps.is_multiple_of(LOOK) {
+            bar.show_share(steps, progress.seconds, || describe(rig, &progress.state));
+            if last_checkpoint.elapsed() > Duration::from_secs_f64(model.records.checkpoint_seconds) {
+                progress.save(out)?;
+                last_checkpoint = Instant::now();
+            }
+        }
+    }
+    bar.finish();
+    finish(model, rig, out, progress)
+}
+
+impl Progress {
+    /// One step with its records. True when the run is done.
+    fn advance(&mut self, model: &Model, rig: &Rig, out: &Path) -> Result<bool> {
+        let Progress { state, recorder, history, snapshots, .. } = self;
+        state.advance(model, rig, |state| {
+            let due = recorder.due(rig, state);
+            if due.row {
+                history.push(out, &recorder.row(rig, state))?;
+            }
+            if due.frame && model.records.snapshots {
+                snapshot(out, state, snapshots)?;
+            }
+            Ok(())
+        })?;
+        Ok(state.phase == Phase::Done)
+    }
+
+    fn save(&mut self, out: &Path) -> Result<()> {
+        self.history.flush(out)?;
+        checkpoint::save(out, self)
+    }
+}
+
+fn snapshot(out: &Path, state: &State, snapshots: &mut Vec<(f64, String)>) -> Result<()> {
+    let dir = out.join(files::SNAPSHOTS);
+    std::fs::create_dir_all(&dir).map_err(Error::write(&dir))?;
+    let step = state.continuum.steps();
+    let name = format!("{}/step_{step:08}.vtp", files::SNAPSHOTS);
+    records::write_snapshot(&out.join(&name), state)?;
+    snapshots.push((state.time, name));
+    let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
+    vtk::write_collection(&out.join(files::COLLECTION), snapshots).map_err(failed)
+}
+
+fn describe(rig: &Rig, state: &State) -> (f64, String) {
+    let (share, points) = (state.share(rig), state.continuum.points().len());
+    let line = match &rig.test {
+        _ if state.phase == Phase::Settle => format!("settling at the cell pressure, {points} points"),
+        Test::Free { .. } => format!("t = {:.4e} s, {points} points", state.time),
+        Test::Oedometer(_) | Test::Triaxial { .. } => format!("ε_a {:.3} %, {points} points", 100.0 * state.axial_strain(rig)),
+    };
+    (share, line)
+}
+
+fn finish(model: &Model, rig: &Rig, out: &Path, mut progress: Progress) -> Result<Outcome> {
+    progress.history.flush(out)?;
+    records::write_points(&out.join(END), rig, progress.state.continuum.points(), Some(&rig.points))?;
+    let mut summary = summary(model, rig, &progress);
+    save(out, &summary)?;
+    checkpoint::remove(out)?;
+    let drawing = Instant::now();
+    let figures = if model.records.figures { figure::draw_run(out)? } else { Vec::new() };
+    summary["figure_seconds"] = json!(drawing.elapsed().as_secs_f64());
+    save(out, &summary)?;
+    Ok(Outcome { summary, out: out.into(), figures })
+}
+
+fn save(out: &Path, summary: &Value) -> Result<()> {
+    let path = out.join(files::SUMMARY);
+    let text = serde_json::to_string_pretty(summary).unwrap_or_default() + "\n";
+    std::fs::write(&path, text).map_err(Error::write(&path))
+}
+
+fn summary(model: &Model, rig: &Rig, progress: &Progress) -> Value {
+    let (state, r) = (&progress.state, &progress.recorder);
+    let (steps, points) = (state.continuum.steps(), state.continuum.points().len());
+    let mut s = Map::new();
+    let mut put = |key: &str, value: Value| s.insert(key.into(), value);
+    put("scene", json!(model.name));
+    put("kind", json!("continuum"));
+    put("points", json!(points));
+    put("steps", json!(steps));
+    put("time_s", json!(state.time));
+    match &rig.test {
+        Test::Free { .. } => {
+            put("test", json!("free"));
+            if let [Some([from, high]), Some([to, low])] = r.reach {
+                put("front_start_mm", json!(1e3 * from));
+                put("front_mm", json!(1e3 * to));
+                put("height_start_mm", json!(1e3 * high));
+                put("height_mm", json!(1e3 * low));
+            }
+        }
+        Test::Oedometer(specimen) => {
+            put("test", json!("oedometer"));
+            put("axial_strain", json!(r.last[0]));
+            put("max_measured_stress_kPa", json!(1e-3 * r.last[1]));
+            put("k0_final", json!(r.lateral / r.last[1]));
+            // of an elastic specimen: σ = M ln(1/(1 − ε)) with the rate's true strain
+            let true_strain = (1.0 / (1.0 - r.last[0])).ln();
+            put("oedometric_modulus_MPa", json!(1e-6 * (r.last[1] - specimen.stress) / true_strain));
+            put("oedometric_modulus_of_the_law_MPa", json!(1e-6 * law(rig).elastic().oedometric()));
+        }
+        Test::Triaxial { cell_pressure, .. } => {
+            put("test", json!("triaxial"));
+            put("cell_pressure_kPa", json!(1e-3 * cell_pressure));
+            put("peak_stress_ratio", json!(r.peak[0]));
+            put("peak_axial_strain", json!(r.peak[1]));
+            put("peak_q_kPa", json!(1e-3 * r.peak[2]));
+            put("residual_stress_ratio", json!(r.residual_ratio()));
+            if let Some([peak, last]) = closed_forms(rig, *cell_pressure) {
+                put("peak_stress_ratio_of_the_law", json!(peak));
+                put("residual_stress_ratio_of_the_law", json!(last));
+            }
+        }
+    }
+    if rig.specimen().is_some() {
+        put("quasi_static", json!({"largest_platen_difference": r.worst[0], "largest_kinetic_over_stress_work": r.worst[1]}));
+    }
+    put("void_ratio_final", json!(r.void_ratio));
+    put("largest_plastic_strain", json!(r.plastic));
+    // of what platens, gravity and motion gave: taken by damping, transfer and wall friction, and errors
+    put("energy_error", json!(r.energy_error));
+    put("wall_seconds", json!(progress.seconds));
+    put("point_steps_per_second", json!(steps as f64 * points as f64 / progress.seconds.max(1e-9)));
+    put("bytes_per_point", json!(state.continuum.bytes() as f64 / points.max(1) as f64));
+    put("threads", json!(rayon::current_num_threads()));
+    put("simd", json!(crate::real::name(crate::real::arch())));
+    put("version", json!(env!("CARGO_PKG_VERSION")));
+    put("host", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
+    Value::Object(s)
+}
+
+fn law(rig: &Rig) -> &Law {
+    &rig.laws[usize::from(rig.points.law[0])]
+}
+
+/// σ1/σ3 in triaxial compression with the largest strength that the law reaches, and with the last one.
+fn closed_forms(rig: &Rig, cell: f64) -> Option<[f64; 2]> {
+    let Law::DruckerPrager(law) = law(rig) else { return None };
+    // up to where nothing changes any more
+    let (mut most, end) = (0.0_f64, 20.0);
+    for k in 0..=200_000 {
+        most = most.max(law.strength(end * f64::from(k) / 200_000.0).q_compression(cell));
+    }
+    let last = law.strength(1e6).q_compression(cell);
+    Some([most, last].map(|q| 1.0 + q / cell))
+}

@@ -1,0 +1,98 @@
+//! What a run of a continuum would be.
+
+use super::estimate::Estimate;
+use crate::model::Model;
+use crate::model::continuum::{Continuum, Specimen, Test};
+use crate::mpm::{Dimension, law::Law};
+use crate::rig::continuum::contact_step;
+use serde::Serialize;
+
+/// Bytes of a point with its share of the grid.
+const BYTES_PER_POINT: f64 = 400.0;
+/// Point-steps per second of one thread, for the guess of the time.
+const SPEED: f64 = 5e6;
+/// Loading that shows its inertia.
+const FAST: f64 = 5e-4;
+
+/// Size of a continuum.
+#[derive(Clone, Debug, Serialize)]
+pub struct Points {
+    pub points: usize,
+    pub cells: [u32; 3],
+    pub points_per_cell: u32,
+    /// On one thread, s.
+    #[serde(rename = "seconds")]
+    pub seconds: f64,
+}
+
+pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
+    let d = if rig.settings.dimension == Dimension::Space { 3 } else { 2 };
+    let points = rig.points.len();
+    let density = rig.points.density(0);
+    let law = &rig.laws[usize::from(rig.points.law[0])];
+    let waves = wave_step(rig);
+    let (bound, why) = match rig.specimen() {
+        None => (waves, "a compression wave through a cell"),
+        Some(s) => {
+            let contact = contact_step(rig.settings.dimension, s, rig.points.velocity[0][3], largest_stress(rig, s, law));
+            if contact < waves { (contact, "the platens' contacts") } else { (waves, "a compression wave through a cell") }
+        }
+    };
+    let dt = model.stepping.dt.unwrap_or(model.stepping.safety * bound);
+    let steps = match &rig.test {
+        Test::Free { duration: Some(t), .. } => (t / dt).ceil(),
+        Test::Free { steps, .. } => steps.unwrap_or(0) as f64,
+        Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => {
+            let wave = s.size[d - 1] / law.wave_speed(density);
+            (s.axial_strain / s.strain_per_wave * wave / dt).ceil()
+        }
+    };
+    let mut warnings = Vec::new();
+    if let Some(s) = rig.specimen()
+        && s.strain_per_wave > FAST
+    {
+        warnings.push(format!("test.strain_per_wave = {}: quasi-static loading keeps below {FAST}", s.strain_per_wave));
+    }
+    if rig.specimen().is_some() && model.damping == 0.0 {
+        warnings.push("damping.local = 0: only the transfer and plastic flow take energy out of the specimen".into());
+    }
+    if model.stepping.dt.is_some_and(|dt| dt > bound) {
+        warnings.push(format!("stepping.dt_s is above what {why} allows, {bound:.3e} s: the run will be refused or stop"));
+    }
+    Estimate {
+        grains: 0,
+        grains_final: 0.0,
+        memory_mb: 1e-6 * BYTES_PER_POINT * points as f64,
+        specimen: None,
+        continuum: Some(Points {
+            points,
+            cells: rig.settings.cells,
+            points_per_cell: rig.per_edge.pow(d as u32),
+            seconds: steps * points as f64 / SPEED,
+        }),
+        time_step: Some(dt),
+        time_step_limit: if model.stepping.dt.is_some() { "stepping.dt_s".into() } else { why.into() },
+        steps,
+        warnings,
+    }
+}
+
+/// Time of a compression wave through a cell, s: the largest step at the start.
+pub fn wave_step(rig: &Continuum) -> f64 {
+    let speed = |i: usize| rig.laws[usize::from(rig.points.law[i])].wave_speed(rig.points.density(i)) + speed(rig, i);
+    rig.settings.cell / (0..rig.points.len()).map(speed).fold(0.0, f64::max)
+}
+
+fn speed(rig: &Continuum, i: usize) -> f64 {
+    let [u, v, w, _] = rig.points.velocity[i];
+    (u * u + v * v + w * w).sqrt()
+}
+
+/// Stress that the platens will bear, Pa.
+fn largest_stress(rig: &Continuum, s: &Specimen, law: &Law) -> f64 {
+    match (&rig.test, law) {
+        (Test::Triaxial { cell_pressure, .. }, Law::DruckerPrager(_)) => 3.0 * cell_pressure,
+        (Test::Triaxial { cell_pressure, .. }, _) => cell_pressure + law.young() * s.axial_strain,
+        _ => s.stress + law.elastic().oedometric() * s.axial_strain,
+    }
+}

@@ -1,0 +1,275 @@
+//! From the keys of a continuum to its [`Model`].
+
+use super::bodies::{number, vector};
+use super::continuum_estimate::wave_step;
+use super::material::Named;
+use super::view::View;
+use crate::crush::lost_mass::Fines;
+use crate::model::continuum::{Continuum, Specimen, Test};
+use crate::model::{ContactLaw, ContactModel, Material, Model, Rig, Seeds, Stepping, TangentialUnloading};
+use crate::mpm::law::Law;
+use crate::mpm::{Dimension, Settings, ShapeFunctions, Transfer, Wall};
+
+/// E* of platens over the continuum's oedometric modulus, where no grain says it.
+const STIFF: f64 = 50.0;
+/// Room around the specimen of a triaxial test over its size, and in cells.
+const ROOM: f64 = 0.25;
+const CELLS: f64 = 2.0;
+
+impl View<'_> {
+    /// Everything, or `None` with the reasons noted.
+    pub fn continuum_model(&self, named: &[Named]) -> Option<Model> {
+        let laws: Vec<Option<Law>> = named.iter().map(|n| self.continuum(n)).collect();
+        let laws: Vec<Law> = laws.into_iter().collect::<Option<_>>()?;
+        let rig = self.text("test.rig");
+        let per = self.whole("grid.points_per_edge")? as u32;
+        let dimension = if self.flag("grid.plane_strain") { Dimension::PlaneStrain } else { Dimension::Space };
+        self.meaningless(rig, dimension);
+        let settings = match rig {
+            "free" => self.settings(dimension, self.asked_grid(dimension)?),
+            _ => self.settings(dimension, self.own_grid(dimension, rig)?),
+        }?;
+        let pressure = if rig == "triaxial" { self.number("test.cell_pressure_kPa").unwrap_or(0.0) } else { 0.0 };
+        let (points, axis) = self.bodies(named, &settings, per, pressure)?;
+        let test = self.test(rig, named, &laws, &settings, per, pressure)?;
+        let rig = Continuum {
+            settings,
+            laws,
+            points,
+            per_edge: per,
+            axis,
+            test,
+            rows: self.whole("records.rows")? as u32,
+            frames: self.whole("records.frames")? as u32,
+        };
+        let (settings, bound) = (&rig.settings, wave_step(&rig));
+        let dt = self.number("stepping.dt_s");
+        self.check(
+            dt.is_none_or(|dt| dt <= bound),
+            "stepping.dt_s",
+            format!("must be at most {bound:.4e} s, the time a compression wave takes through a cell, or \"auto\""),
+        );
+        let records = self.records()?;
+        let materials = named.iter().map(|n| plain(self.text(&n.key("name")), self.si(&n.key("grain.density_kg_m3")))).collect();
+        Some(Model {
+            name: self.text("name").into(),
+            seeds: Seeds { packing: 1, strength: 1 },
+            materials,
+            contact: ContactModel { law: ContactLaw::Hertz, unloading: TangentialUnloading::Keep, rolling: false, turning: true },
+            crush: None,
+            fines: Fines { alpha: 2.6, d_min: 1e-9 },
+            scale: 1.0,
+            damping: settings.damping,
+            gravity: settings.gravity,
+            stepping: Stepping { safety: self.si("stepping.safety"), inertia_scaling: false, dt, skin: 0.0 },
+            rig: Rig::Continuum(Box::new(rig)),
+            records,
+        })
+    }
+
+    /// Keys that this test does not look at.
+    fn meaningless(&self, rig: &str, dimension: Dimension) {
+        let own: &[&str] = match rig {
+            "free" => &["test.cell_pressure_kPa", "test.axial_strain"],
+            "oedometer" => &["test.cell_pressure_kPa", "duration_s", "steps", "grid.min_mm", "grid.max_mm"],
+            _ => &["duration_s", "steps", "grid.min_mm", "grid.max_mm"],
+        };
+        for key in own {
+            self.check(!self.has(key), key, format!("has no meaning with test.rig = \"{rig}\""));
+        }
+        for side in SIDES {
+            let key = format!("grid.{side}");
+            let open = self.text(&key) == "open";
+            self.check(open || rig == "free", &key, format!("must be left out: test.rig = \"{rig}\" sets its own sides"));
+            let there = !side.starts_with('z') || dimension == Dimension::Space;
+            self.check(open || there, &key, "has no meaning in plane strain");
+        }
+        let blend = self.text("grid.transfer") == "flip_pic";
+        self.check(blend || self.si("grid.pic") == 0.0, "grid.pic", "has no meaning with grid.transfer = \"apic\"");
+        let affine_gimp = !blend && self.text("grid.shape_functions") == "gimp";
+        self.check(!affine_gimp, "grid.transfer", "must be \"flip_pic\" with grid.shape_functions = \"gimp\"");
+        let level = dimension == Dimension::Space || self.gravity()[2] == 0.0;
+        self.check(level, "gravity_m_s2", "must lie in the plane, its third entry 0, in plane strain");
+    }
+
+    fn settings(&self, dimension: Dimension, (lower, cells, walls): Grid) -> Option<Settings> {
+        let gimp = self.text("grid.shape_functions") == "gimp";
+        let per = self.whole("grid.points_per_edge")? as f64;
+        Some(Settings {
+            dimension,
+            cell: self.number("grid.cell_mm")?,
+            lower,
+            cells,
+            walls,
+            gravity: self.gravity(),
+            shape: if gimp { ShapeFunctions::Gimp { half_width: 0.5 / per } } else { ShapeFunctions::BSpline },
+            transfer: match self.text("grid.transfer") {
+                "apic" => Transfer::Affine,
+                _ => Transfer::Blend { pic: self.si("grid.pic") },
+            },
+            damping: self.si("damping.local"),
+        })
+    }
+
+    /// The grid that a free scene asks for.
+    fn asked_grid(&self, dimension: Dimension) -> Option<Grid> {
+        let corner = |key: &str| <[f64; 3]>::try_from(self.numbers(key)).ok();
+        let (Some(min), Some(max)) = (corner("grid.min_mm"), corner("grid.max_mm")) else {
+            let key = if self.has("grid.min_mm") { "grid.max_mm" } else { "grid.min_mm" };
+            self.refuse(key, "is missing: a free scene needs the corners of its grid, grid.min_mm and grid.max_mm");
+            return None;
+        };
+        let cell = self.number("grid.cell_mm")?;
+        let mut cells = [1; 3];
+        for a in 0..if dimension == Dimension::Space { 3 } else { 2 } {
+            let wanted = (max[a] - min[a]) / cell;
+            let whole = wanted.round();
+            if !(whole >= 1.0 && whole <= f64::from(1 << 19) && (wanted - whole).abs() < 1e-6 * whole) {
+                let axis = ["x", "y", "z"][a];
+                let message =
+                    format!("must be a whole number of cells (1 to 524288) above grid.min_mm; along {axis} it is {wanted:.6}");
+                self.refuse("grid.max_mm", message);
+                return None;
+            }
+            cells[a] = whole as u32;
+        }
+        let (steps, duration) = (self.whole("steps"), self.number("duration_s"));
+        self.check(steps.is_some() != duration.is_some(), "duration_s", "must be given, or `steps`, one of them");
+        let friction = self.si("grid.friction");
+        let walls = SIDES.map(|side| match self.text(&format!("grid.{side}")) {
+            "symmetry" => Wall::Symmetry,
+            "stick" => Wall::Stick,
+            "slip" => Wall::Friction { friction: 0.0 },
+            "coulomb" => Wall::Friction { friction },
+            _ => Wall::Open,
+        });
+        (steps.is_some() != duration.is_some()).then_some((min, cells, walls))
+    }
+
+    /// The box that a test needs: lower corner and size, m.
+    fn only_box(&self, dimension: Dimension, rig: &str) -> Option<[[f64; 3]; 2]> {
+        let bodies = self.list("body");
+        let shape = bodies.first().and_then(|b| b.get("shape")).and_then(toml::Value::as_str);
+        if bodies.len() != 1 || shape != Some("box") {
+            self.refuse("body", format!("must be one [[body]] with shape = \"box\" for test.rig = \"{rig}\""));
+            return None;
+        }
+        let (Some(min), Some(max)) = (vector(bodies[0], "min_mm"), vector(bodies[0], "max_mm")) else {
+            self.refuse("body[0]", "is missing min_mm and max_mm, the corners of the box");
+            return None;
+        };
+        let cell = self.number("grid.cell_mm")?;
+        let per = self.whole("grid.points_per_edge")? as f64;
+        for a in 0..if dimension == Dimension::Space { 3 } else { 2 } {
+            let points = (max[a] - min[a]) / cell * per;
+            // sides of an oedometer stand on nodes
+            let (unit, what) = if rig == "oedometer" {
+                (per, "cells, grid.cell_mm")
+            } else {
+                (1.0, "distances of two points (2 at least), grid.cell_mm over grid.points_per_edge")
+            };
+            let whole = (points / unit).round();
+            let least = if rig == "oedometer" { 1.0 } else { 2.0 };
+            if !(whole >= least && (points / unit - whole).abs() < 1e-6 * whole) {
+                let axis = ["x", "y", "z"][a];
+                self.refuse(
+                    "body[0].max_mm",
+                    format!("must be a whole number of {what}, above min_mm; along {axis} it is {:.6}", points / unit),
+                );
+                return None;
+            }
+        }
+        let mut size = std::array::from_fn(|a| max[a] - min[a]);
+        if dimension == Dimension::PlaneStrain {
+            size[2] = 1.0;
+        }
+        Some([min, size])
+    }
+
+    fn own_grid(&self, dimension: Dimension, rig: &str) -> Option<Grid> {
+        let [min, size] = self.only_box(dimension, rig)?;
+        let cell = self.number("grid.cell_mm")?;
+        let d = if dimension == Dimension::Space { 3 } else { 2 };
+        let whole = |x: f64| (x / cell - 1e-6).ceil();
+        if rig == "oedometer" {
+            let cells = std::array::from_fn(|a| if a < d { whole(size[a]) as u32 + if a == d - 1 { 2 } else { 0 } } else { 1 });
+            let mut walls = [Wall::Open; 6];
+            walls[..2 * d - 1].fill(Wall::Symmetry);
+            return Some((min, cells, walls));
+        }
+        let room = |a: usize| whole(ROOM * size[a]) + CELLS;
+        let lower = std::array::from_fn(|a| if a < d { min[a] - room(a) * cell } else { min[a] });
+        let cells = std::array::from_fn(|a| if a < d { (whole(size[a]) + 2.0 * room(a)) as u32 } else { 1 });
+        Some((lower, cells, [Wall::Open; 6]))
+    }
+
+    fn test(&self, rig: &str, named: &[Named], laws: &[Law], settings: &Settings, per: u32, pressure: f64) -> Option<Test> {
+        if rig == "free" {
+            return Some(Test::Free { duration: self.number("duration_s"), steps: self.whole("steps") });
+        }
+        let Some(axial_strain) = self.number("test.axial_strain") else {
+            self.refuse("test.axial_strain", format!("is missing: test.rig = \"{rig}\" needs it"));
+            return None;
+        };
+        let weightless = settings.gravity == [0.0; 3];
+        self.check(weightless, "gravity_m_s2", format!("must be [0, 0, 0] with test.rig = \"{rig}\""));
+        let [lower, size] = self.only_box(settings.dimension, rig)?;
+        let body = self.list("body")[0];
+        let still = vector(body, "velocity_m_s")? == [0.0; 3];
+        self.check(still, "body[0].velocity_m_s", format!("must be [0, 0, 0] with test.rig = \"{rig}\""));
+        let law =
+            body.get("material").and_then(toml::Value::as_str).and_then(|m| named.iter().position(|n| n.name == m)).unwrap_or(0);
+        let specimen = Specimen {
+            lower,
+            size,
+            stress: number(body, "stress_kPa").unwrap_or(pressure),
+            spacing: settings.cell / f64::from(per),
+            porosity: number(body, "porosity")?,
+            modulus: self.contact_modulus(&named[law], &laws[law]),
+            axial_strain,
+            strain_per_wave: self.si("test.strain_per_wave"),
+            gain: self.si("test.servo_gain"),
+        };
+        if rig == "oedometer" {
+            return Some(Test::Oedometer(specimen));
+        }
+        if pressure == 0.0 {
+            self.refuse("test.cell_pressure_kPa", "is missing: test.rig = \"triaxial\" needs it");
+            return None;
+        }
+        Some(Test::Triaxial { specimen, cell_pressure: pressure })
+    }
+
+    /// E* of a grain on a rigid platen, Pa.
+    fn contact_modulus(&self, of: &Named, law: &Law) -> f64 {
+        if let Some(modulus) = self.number("test.contact_modulus_MPa") {
+            return modulus;
+        }
+        let nu = self.si(&of.key("elastic.nu"));
+        let young = match (self.number(&of.key("elastic.G_GPa")), self.number(&of.key("elastic.E_GPa"))) {
+            (Some(g), None) => 2.0 * g * (1.0 + nu),
+            (None, Some(e)) => e,
+            _ => return STIFF * law.elastic().oedometric(),
+        };
+        young / (1.0 - nu * nu)
+    }
+}
+
+type Grid = ([f64; 3], [u32; 3], [Wall; 6]);
+const SIDES: [&str; 6] = ["x_low", "x_high", "y_low", "y_high", "z_low", "z_high"];
+
+/// A material of which only name and density are asked.
+fn plain(name: &str, density: f64) -> Material {
+    Material {
+        name: name.into(),
+        density,
+        internal_porosity: 0.0,
+        young: 0.0,
+        poisson: 0.0,
+        k_eff: 0.0,
+        alpha_s: 0.0,
+        friction: 0.0,
+        restitution: 1.0,
+        rolling_friction: 0.0,
+    }
+}

@@ -1,0 +1,3 @@
+//! Continua as rigs and from the command line: platens against closed forms, tests, records, resume, refusals.
+
+mod command_line;

@@ -1,0 +1,5 @@
+//! The material point method against closed forms and exact symmetries; each test states its error.
+
+mod bits;
+mod common;
+mod elastic;
