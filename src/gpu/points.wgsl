@@ -32,10 +32,10 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
     let low = number(VELOCITY_LOW, i);
     // (1 − α)(v + Σ N Δv) + α Σ N v, as an increment
     let by = (1.0 - params.pic) * gain + params.pic * ((field - own.xyz) - low.xyz);
-    let new = add(vec4<f32>(own.xyz, 0.0), vec4<f32>(low.xyz, 0.0), vec4<f32>(by, 0.0));
+    let next = add(vec4<f32>(own.xyz, 0.0), vec4<f32>(low.xyz, 0.0), vec4<f32>(by, 0.0));
     let d = field * (params.dt * params.inverse_cell);
     let far = abs(d);
-    if not_finite(d.x) || not_finite(d.y) || not_finite(d.z) || not_finite(new.high.x) || not_finite(new.high.y) || not_finite(new.high.z) {
+    if not_finite(d.x) || not_finite(d.y) || not_finite(d.z) || not_finite(next.high.x) || not_finite(next.high.y) || not_finite(next.high.z) {
         tell(NOT_FINITE, i);
         return;
     }
@@ -45,8 +45,8 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
     }
     let rest = number(REST, i);
     let there = moved(bitcast<vec3<i32>>(place.xyz), rest.xyz, d);
-    put(VELOCITY, i, vec4<f32>(new.high.xyz, own.w));
-    state[VELOCITY_LOW * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(new.low.xyz), word(VELOCITY_LOW, i).w);
+    put(VELOCITY, i, vec4<f32>(next.high.xyz, own.w));
+    state[VELOCITY_LOW * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(next.low.xyz), word(VELOCITY_LOW, i).w);
     put(REST, i, vec4<f32>(there.rest, rest.w));
     var cell = place.w;
     if any(there.shift != vec3<i32>(0)) {
