@@ -3,6 +3,7 @@
 use comminute::bench::{self, Case, Packing};
 use comminute::crush::event;
 use comminute::model::{ContactLaw, Model};
+use comminute::mpm::Transfer;
 use comminute::neighbours::adjacency::Entry;
 use comminute::neighbours::{Neighbours, Pools};
 use comminute::step::{self, State, Work, gather};
@@ -121,9 +122,22 @@ fn crushing(c: &mut Criterion) {
     });
 }
 
+fn continuum(c: &mut Criterion) {
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
+    let mut group = c.benchmark_group("64000 material points, 1 thread");
+    for (name, transfer) in [("FLIP", Transfer::Blend { pic: 0.0 }), ("APIC", Transfer::Affine)] {
+        let (mut continuum, dt) = bench::mpm_case(64_000, transfer).expect("the case is sound");
+        group.throughput(Throughput::Elements(continuum.points().len() as u64));
+        group.bench_function(format!("whole step, {name}"), |b| {
+            one.install(|| b.iter(|| continuum.step(dt).expect("no point is lost")));
+        });
+    }
+    group.finish();
+}
+
 criterion_group! {
     name = engine;
     config = Criterion::default().sample_size(30).warm_up_time(std::time::Duration::from_secs(1)).measurement_time(std::time::Duration::from_secs(3));
-    targets = loops, neighbours, crushing
+    targets = loops, neighbours, crushing, continuum
 }
 criterion_main!(engine);

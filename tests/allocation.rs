@@ -2,6 +2,7 @@
 
 mod common;
 
+use comminute::mpm::Transfer;
 use common::*;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -58,6 +59,24 @@ fn a_quiet_step_allocates_nothing() {
         assert!(requests <= 8, "{name}: {requests} requests in 256 steps");
     }
     shared_among_threads();
+    a_continuum();
+}
+
+/// Material points that cross cells, on one thread and on two.
+fn a_continuum() {
+    for (threads, transfer) in [(1, Transfer::Blend { pic: 0.0 }), (2, Transfer::Affine)] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let requests = pool.install(|| {
+            let (mut c, dt) = comminute::bench::mpm_case(8000, transfer).expect("a case");
+            let mut step = || c.step(dt).expect("no point is lost");
+            (0..100).for_each(|_| step());
+            let before = REQUESTS.load(Ordering::Relaxed);
+            (0..128).for_each(|_| step());
+            REQUESTS.load(Ordering::Relaxed) - before
+        });
+        println!("continuum, {threads} threads: {requests} requests in 128 steps");
+        assert!(requests <= 8, "continuum, {threads} threads: {requests} requests in 128 steps");
+    }
 }
 
 /// Enough grains and contacts for several tasks per sweep.

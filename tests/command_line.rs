@@ -207,3 +207,11 @@ fn an_unstable_run_stops_itself_and_keeps_its_data() {
         assert!(!out.path().join("run/summary.json").exists(), "an unstable run is not a finished one");
     }
 }
+
+#[test]
+fn the_bench_measures_material_points() {
+    let few = ["bench", "mpm", "--points", "64", "--threads", "1,2", "--steps", "2", "--repeats", "1", "--warm-up", "0", "--json"];
+    comminute(&few).success().stdout(contains("\"point_steps_per_second\"")).stderr(contains("M point-steps/s"));
+    refused(&["bench", "mpm", "--points", "7"], "7 is not in 8..=50000000");
+    comminute(&["bench", "mpm", "--help"]).success().stdout(contains("comminute bench mpm --points 64000"));
+}

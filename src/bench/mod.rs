@@ -5,11 +5,13 @@
 
 mod burst;
 mod machine;
+mod mpm;
 mod packing;
 mod speed;
 
 pub use burst::{Burst, burst};
 pub use machine::{Demand, Machine};
+pub use mpm::{MpmSpeed, mpm_case, mpm_speed};
 pub use packing::{Packing, packing};
 pub use speed::{Plan, Speed, load_average, measure, pool};
 

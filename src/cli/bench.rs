@@ -13,9 +13,13 @@ use std::time::{Duration, Instant};
 #[command(
     after_help = "The case: an oedometer with r = 0.95-1.05 mm at porosity 0.40 and about 90 kPa, E 0.8 GPa, nu 0.12, mu 0.35, frictionless walls,\n\
         dt 1.4 us, top platen 5 mm/s. Packings are made once (50 000 grains: a few minutes) and kept in the cache folder.\n\n\
-        Example:\n  comminute bench --grains 5000 --threads 1,2"
+        Example:\n  comminute bench --grains 5000 --threads 1,2\n  comminute bench mpm --points 64000 --threads 1,2",
+    args_conflicts_with_subcommands = true
 )]
 pub struct Args {
+    #[command(subcommand)]
+    what: Option<What>,
+
     /// Packings: of about one size, or with a tenth of the mass in grains thirty times smaller
     #[arg(long = "case", value_name = "CASE,CASE", value_delimiter = ',', default_values_t = [Case::Uniform])]
     cases: Vec<Case>,
@@ -65,6 +69,13 @@ pub struct Args {
     json: bool,
 }
 
+/// What to measure instead of the grains.
+#[derive(Debug, clap::Subcommand)]
+enum What {
+    /// Measure the material point method
+    Mpm(super::bench_mpm::Args),
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 enum Law {
@@ -112,6 +123,9 @@ struct Row {
 }
 
 pub fn call(args: &Args) -> Result<()> {
+    if let Some(What::Mpm(args)) = &args.what {
+        return super::bench_mpm::call(args);
+    }
     let threads: Vec<usize> =
         if args.threads.is_empty() { some_threads() } else { args.threads.iter().map(|&n| n.into()).collect() };
     let plan = Plan { warm_up: args.warm_up, steps: args.steps, repeats: args.repeats.into(), clocked: args.steps.min(500) };
@@ -168,7 +182,7 @@ fn measured(args: &Args, packing: &Packing, law: Law, machine: &Machine, plan: &
 }
 
 /// One thread and all of the machine's.
-fn some_threads() -> Vec<usize> {
+pub(super) fn some_threads() -> Vec<usize> {
     match std::thread::available_parallelism().map_or(1, usize::from) {
         1 => vec![1],
         n => vec![1, n],
@@ -332,7 +346,7 @@ fn row_as_json(row: &Row) -> Value {
 }
 
 /// Name of the processor (Linux).
-fn processor() -> String {
+pub(super) fn processor() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = text.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(':'));
     name.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())

@@ -80,10 +80,9 @@ struct Mover {
 #[derive(Clone, Debug, Default)]
 struct Spare {
     numbers: Vec<[f64; 4]>,
-    stress: Vec<[f64; 6]>,
+    triples: Vec<[f64; 3]>,
     memory: Vec<super::law::Memory>,
     scalars: Vec<f64>,
-    affine: Vec<[[f64; 3]; 3]>,
     ids: Vec<u32>,
     laws: Vec<u8>,
 }
@@ -214,7 +213,7 @@ impl Blocks {
                 match (mover, leavers.peek()) {
                     (None, None) => break source.extend(i..end),
                     (None, Some(&&l)) if l >= end => break source.extend(i..end),
-                    (_, Some(&&l)) if l == i => {
+                    (_, Some(&&l)) if l == i && i < end => {
                         leavers.next();
                         i += 1;
                     }
@@ -278,8 +277,7 @@ impl Blocks {
             + s.laws.capacity()
             + 32 * (self.ahead.capacity() + self.behind.capacity() + s.numbers.capacity())
             + 16 * self.movers.capacity()
-            + 48 * s.stress.capacity()
-            + 72 * s.affine.capacity()
+            + 24 * s.triples.capacity()
     }
 }
 
@@ -287,36 +285,56 @@ impl Blocks {
 fn permute(points: &mut Points, first: usize, source: &[u32], spare: &mut Spare) {
     array(&mut points.position, first, source, &mut spare.numbers);
     array(&mut points.velocity, first, source, &mut spare.numbers);
-    array(&mut points.stress, first, source, &mut spare.stress);
+    parts::<_, 2>(pulp::bytemuck::cast_slice_mut(&mut points.stress), first, source, &mut spare.triples);
     array(&mut points.memory, first, source, &mut spare.memory);
     array(&mut points.initial_volume, first, source, &mut spare.scalars);
     array(&mut points.initial_porosity, first, source, &mut spare.scalars);
     array(&mut points.law, first, source, &mut spare.laws);
     array(&mut points.id, first, source, &mut spare.ids);
     if !points.affine.is_empty() {
-        array(&mut points.affine, first, source, &mut spare.affine);
+        parts::<_, 3>(pulp::bytemuck::cast_slice_mut(&mut points.affine), first, source, &mut spare.triples);
     }
 }
 
+/// Points of one task.
+const TASK: usize = 4096;
+
 fn array<T: Copy + Default + Send + Sync>(values: &mut [T], first: usize, source: &[u32], spare: &mut Vec<T>) {
-    /// Points of one task.
-    const TASK: usize = 4096;
+    fetch(source, spare, values.len(), values, |values, from| values[from]);
+    values[first..first + source.len()].copy_from_slice(&spare[..source.len()]);
+}
+
+/// The same for arrays of `N` parts, a part after another: less room.
+fn parts<T: Copy + Default + Send + Sync, const N: usize>(values: &mut [T], first: usize, source: &[u32], spare: &mut Vec<T>) {
+    for part in 0..N {
+        fetch(source, spare, values.len() / N, values, |values, from| values[from * N + part]);
+        for (k, value) in spare[..source.len()].iter().enumerate() {
+            values[(first + k) * N + part] = *value;
+        }
+    }
+}
+
+fn fetch<T: Copy + Default + Send + Sync>(
+    source: &[u32],
+    spare: &mut Vec<T>,
+    room: usize,
+    values: &[T],
+    of: impl Fn(&[T], usize) -> T + Sync,
+) {
     if spare.len() < source.len() {
         // all that can be asked for, so that it happens once
-        spare.resize(values.len(), T::default());
+        spare.resize(room, T::default());
     }
     let spare = &mut spare[..source.len()];
     if source.len() <= TASK {
         for (to, &from) in spare.iter_mut().zip(source) {
-            *to = values[from as usize];
+            *to = of(values, from as usize);
         }
     } else {
-        let values = &*values;
         spare.par_chunks_mut(TASK).zip(source.par_chunks(TASK)).for_each(|(to, from)| {
             for (to, &from) in to.iter_mut().zip(from) {
-                *to = values[from as usize];
+                *to = of(values, from as usize);
             }
         });
     }
-    values[first..first + source.len()].copy_from_slice(spare);
 }

@@ -55,26 +55,30 @@ impl Grid {
     pub fn accelerate<const D: usize>(&mut self, blocks: &Blocks, settings: &Settings, dt: f64) -> [[f64; 3]; 6] {
         let tiles = &self.tiles;
         let (g, damping) = (settings.gravity, settings.damping);
-        let arrays = (self.momentum.par_chunks_exact(cells(D)).zip(self.velocity.par_chunks_exact_mut(cells(D))))
-            .zip(self.change.par_chunks_exact_mut(cells(D)));
-        arrays.enumerate().with_min_len(TASK).for_each(|(n, ((momentum, velocity), change))| {
+        let arrays = self.momentum.par_chunks_exact(cells(D)).zip(self.change.par_chunks_exact_mut(cells(D)));
+        arrays.enumerate().with_min_len(TASK).for_each(|(n, (momentum, change))| {
             // forces first stand where the change of velocity will
             collect::<D>(&blocks.behind[n], tiles, change);
-            for ((f, v), p) in change.iter_mut().zip(velocity).zip(momentum) {
+            for (f, p) in change.iter_mut().zip(momentum) {
                 let m = p[3];
                 let over = dt / if m > 0.0 { m } else { f64::INFINITY };
-                for a in 0..3 {
-                    let force = f[a] + m * g[a];
-                    // local non-viscous damping −α |f| sign(v)
-                    let against = if v[a] > 0.0 { 0.0 - force.abs() } else { force.abs() };
-                    let damped = if v[a] == 0.0 { force } else { force + damping * against };
-                    f[a] = damped * over;
-                    v[a] += f[a];
-                }
-                f[3] = 0.0;
+                *f = [(f[0] + m * g[0]) * over, (f[1] + m * g[1]) * over, (f[2] + m * g[2]) * over, 0.0];
             }
         });
         let impulses = self.walls.accelerate(&self.momentum, &mut self.velocity, &mut self.change);
+        let arrays = self.velocity.par_chunks_exact_mut(cells(D)).zip(self.change.par_chunks_exact_mut(cells(D)));
+        arrays.with_min_len(2 * TASK).for_each(|(velocity, change)| {
+            for (v, dv) in velocity.iter_mut().zip(change) {
+                for a in 0..3 {
+                    // local non-viscous damping −α |f| sign(v) of what walls have left of the force; what friction has stopped stays so
+                    if damping > 0.0 && v[a] != 0.0 && v[a] + dv[a] != 0.0 {
+                        let size = damping * dv[a].abs();
+                        dv[a] += if v[a] > 0.0 { 0.0 - size } else { size };
+                    }
+                    v[a] += dv[a];
+                }
+            }
+        });
         impulses.map(|i| i.map(|x| x / dt))
     }
 

@@ -5,9 +5,9 @@
 //!
 //! Papers: Li et al. 2023 (Comput. Geotech. 160), Jiang et al. 2020 (IJNME), Zhang et al. (SPH of binary mixtures).
 
-pub mod blocks;
+mod blocks;
 mod check;
-pub mod grid;
+mod grid;
 pub mod law;
 mod measure;
 mod pass;

@@ -291,7 +291,8 @@ fn project<F: Four, const D: usize, S: Shape>(pass: &Pass<'_, S>, place: &Place<
     }
     // m (v + C (x_I − x_p)): at the first node, and its growth from node to node
     let scale = v.w() * F::all(p.token, pass.cell);
-    let along = part.affine[p.i].map(|[x, y, z]| F::of(p.token, [x, y, z, 0.0]) * scale);
+    let [x, y, z] = part.affine[p.i];
+    let along = [column::<F>(p.token, x) * scale, column::<F>(p.token, y) * scale, column::<F>(p.token, z) * scale];
     let t = t.xyzw();
     let mut q = q - along[0] * F::all(p.token, t[0]) - along[1] * F::all(p.token, t[1]);
     if D == 3 {
@@ -300,11 +301,17 @@ fn project<F: Four, const D: usize, S: Shape>(pass: &Pass<'_, S>, place: &Place<
     spread_affine::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, q, along);
 }
 
+#[inline(always)]
+fn column<F: Four>(token: F::Token, [x, y, z]: [f64; 3]) -> F {
+    F::of(token, [x, y, z, 0.0])
+}
+
 /// The columns of −V σ.
 #[inline(always)]
 fn pull<F: Four>(token: F::Token, volume: f64, s: &Sym) -> [F; 3] {
     let v = F::all(token, 0.0 - volume);
-    [[s[0], s[3], s[5], 0.0], [s[3], s[1], s[4], 0.0], [s[5], s[4], s[2], 0.0]].map(|column| F::of(token, column) * v)
+    let columns = [[s[0], s[3], s[5]], [s[3], s[1], s[4]], [s[5], s[4], s[2]]];
+    [column::<F>(token, columns[0]) * v, column::<F>(token, columns[1]) * v, column::<F>(token, columns[2]) * v]
 }
 
 #[inline(always)]
@@ -318,18 +325,18 @@ fn strain<F: Four, const D: usize, S: Shape>(
 ) {
     let (_, w) = place.weights(part.position[p.i], p.cell);
     let dt = F::all(p.token, pass.dt);
-    let columns = gradient::<F, D>(p.token, velocity, p.at, &w).map(|c| (c * dt).xyzw());
-    let (strain, spin) = increments(columns);
+    let [x, y, z] = gradient::<F, D>(p.token, velocity, p.at, &w);
+    let (strain, spin) = increments([(x * dt).xyzw(), (y * dt).xyzw(), (z * dt).xyzw()]);
     let volume = part.position[p.i][3];
     let grown = volume * (1.0 + (strain[0] + strain[1] + strain[2]));
     let before = turned(part.stress[p.i], spin);
     let law = &pass.laws[pass.law[p.whole] as usize];
     let (stress, memory) = law.update(before, strain, part.memory[p.i]);
-    if !(grown > 0.0) {
+    if grown.is_nan() || grown <= 0.0 {
         Fault::Inverted.tell(pass.faults, pass.id[p.whole]);
     }
-    let middle: Sym = std::array::from_fn(|k| 0.5 * (before[k] + stress[k]));
-    sums.work += 0.5 * (volume + grown) * work(middle, strain);
+    // the mean of both stresses, and of both volumes
+    sums.work += 0.25 * (volume + grown) * (work(before, strain) + work(stress, strain));
     part.position[p.i][3] = grown;
     part.stress[p.i] = stress;
     part.memory[p.i] = memory;
@@ -361,14 +368,13 @@ fn advance<F: Four, const D: usize, S: Shape>(
     [velocity, change]: [&[[f64; 4]]; 2],
     sums: &mut Sums,
 ) {
-    let all = |x| F::all(p.token, x);
     let (position, own) = (F::of(p.token, part.position[p.i]), F::of(p.token, part.velocity[p.i]));
     let (t, w) = place.weights(part.position[p.i], p.cell);
     let field = gather::<F, D>(p.token, velocity, p.at, &w);
     let new = if part.affine.is_empty() {
         // Li et al. 2023, eq. 30
         let flip = own + gather::<F, D>(p.token, change, p.at, &w);
-        field * all(pass.pic) + flip * all(1.0 - pass.pic)
+        field * F::all(p.token, pass.pic) + flip * F::all(p.token, 1.0 - pass.pic)
     } else {
         // C = 4/h² Σ N v (x_I − x_p)ᵀ, with quadratic splines
         let mut arms = w;
@@ -379,21 +385,21 @@ fn advance<F: Four, const D: usize, S: Shape>(
                 arms.slope[node][axis] = scale * (node as f64 - t[axis]) * w.value[node][axis];
             }
         }
-        part.affine[p.i] = gradient::<F, D>(p.token, velocity, p.at, &arms).map(|c| {
-            let [x, y, z, _] = c.xyzw();
-            [x, y, z]
-        });
+        let [dx, dy, dz] = gradient::<F, D>(p.token, velocity, p.at, &arms);
+        let (dx, dy, dz) = (dx.xyzw(), dy.xyzw(), dz.xyzw());
+        part.affine[p.i] = [[dx[0], dx[1], dx[2]], [dy[0], dy[1], dy[2]], [dz[0], dz[1], dz[2]]];
         field
     };
     // eq. 33
-    let moved = (position + field * all(pass.dt)).with_w_of(position);
+    let moved = (position + field * F::all(p.token, pass.dt)).with_w_of(position);
     part.velocity[p.i] = new.with_w_of(own).xyzw();
     part.position[p.i] = moved.xyzw();
     let there = (place.in_cells(moved) - place.reach).xyzw();
-    let stays = (0..D).all(|a| {
+    let mut stays = true;
+    for a in 0..D {
         let cell = f64::from(p.cell[a]);
-        there[a] >= cell && there[a] < cell + 1.0
-    });
+        stays &= there[a] >= cell && there[a] < cell + 1.0;
+    }
     part.target[p.i] = if stays { STAYS } else { crossing::<D, S>(pass, there, p.whole, p.cell, sums) };
 }
 

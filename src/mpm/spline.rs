@@ -43,12 +43,14 @@ impl Shape for BSpline {
     /// w(ζ) = ¾ − ζ² for |ζ| < ½ and ½ (3/2 − |ζ|)² for ½ ≤ |ζ| < 3/2.
     #[inline(always)]
     fn weights<F: Four>(self, token: F::Token, t: F, inverse_cell: f64) -> Weights {
-        let all = |x| F::all(token, x);
-        let (left, middle, right) = (all(1.5) - t, t - all(1.0), t - all(0.5));
-        let (half, inverse) = (all(0.5), all(inverse_cell));
-        let value = [half * left * left, all(0.75) - middle * middle, half * right * right];
-        let slope = [(all(0.0) - left) * inverse, all(-2.0) * middle * inverse, right * inverse];
-        Weights { value: value.map(F::xyzw), slope: slope.map(F::xyzw) }
+        let (half, inverse) = (F::all(token, 0.5), F::all(token, inverse_cell));
+        let (left, middle, right) = (F::all(token, 1.5) - t, t - F::all(token, 1.0), t - half);
+        let value = [half * left * left, F::all(token, 0.75) - middle * middle, half * right * right];
+        let slope = [(F::all(token, 0.0) - left) * inverse, F::all(token, -2.0) * middle * inverse, right * inverse];
+        Weights {
+            value: [value[0].xyzw(), value[1].xyzw(), value[2].xyzw()],
+            slope: [slope[0].xyzw(), slope[1].xyzw(), slope[2].xyzw()],
+        }
     }
 }
 

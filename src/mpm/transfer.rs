@@ -7,16 +7,20 @@ use super::blocks::TILE;
 use super::spline::Weights;
 use crate::real::Four;
 
-/// Rows of three nodes that a point reaches: place of the first node in the tile, and the factors along y and z.
-#[inline(always)]
-fn rows<const D: usize>(at: usize, w: &Weights, mut row: impl FnMut(usize, Row)) {
-    for k in 0..if D == 3 { 3 } else { 1 } {
-        let (wz, sz) = if D == 3 { (w.value[k][2], w.slope[k][2]) } else { (1.0, 0.0) };
-        for j in 0..3 {
-            let (wy, sy) = (w.value[j][1], w.slope[j][1]);
-            row(at + TILE * (j + TILE * k), Row { j, k, value: wy * wz, along_y: sy * wz, along_z: wy * sz });
+/// Does `body` for each row of three nodes that a point reaches: place of its first node in the tile, and the factors along y and z. A macro, as a
+/// closure that is not inlined would lose the instruction set.
+macro_rules! rows {
+    ($d:ident, $at:expr, $w:expr, |$place:ident, $row:ident| $body:block) => {
+        for k in 0..if $d == 3 { 3 } else { 1 } {
+            let (wz, sz) = if $d == 3 { ($w.value[k][2], $w.slope[k][2]) } else { (1.0, 0.0) };
+            for j in 0..3 {
+                let (wy, sy) = ($w.value[j][1], $w.slope[j][1]);
+                let $place = $at + TILE * (j + TILE * k);
+                let $row = Row { j, k, value: wy * wz, along_y: sy * wz, along_z: wy * sz };
+                $body
+            }
         }
-    }
+    };
 }
 
 struct Row {
@@ -35,22 +39,23 @@ fn three<F: Four>(token: F::Token, w: &[[f64; 4]; 3]) -> [F; 3] {
 
 #[inline(always)]
 fn nodes_of(tile: &[[f64; 4]], at: usize) -> &[[f64; 4]; 3] {
-    tile[at..at + 3].first_chunk().expect("three nodes")
+    (&tile[at..at + 3]).try_into().expect("three nodes")
 }
 
 #[inline(always)]
 fn nodes_mut(tile: &mut [[f64; 4]], at: usize) -> &mut [[f64; 4]; 3] {
-    tile[at..at + 3].first_chunk_mut().expect("three nodes")
+    (&mut tile[at..at + 3]).try_into().expect("three nodes")
 }
 
 /// Each node gets N times `q`: mass and momentum of a point (Li et al. 2023, eqs 36, 37), or a force on it (eq. 29).
 #[inline(always)]
 pub fn spread<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64; 4]], at: usize, w: &Weights, q: F) {
     let wx: [F; 3] = three(token, &w.value);
-    rows::<D>(at, w, |at, row| {
+    rows!(D, at, w, |at, row| {
         let q = q * F::all(token, row.value);
-        for (node, wx) in nodes_mut(tile, at).iter_mut().zip(wx) {
-            *node = (F::of(token, *node) + q * wx).xyzw();
+        let nodes = nodes_mut(tile, at);
+        for i in 0..3 {
+            nodes[i] = (F::of(token, nodes[i]) + q * wx[i]).xyzw();
         }
     });
 }
@@ -59,8 +64,8 @@ pub fn spread<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64; 4]], a
 #[inline(always)]
 pub fn spread_affine<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64; 4]], at: usize, w: &Weights, q: F, along: [F; 3]) {
     let wx: [F; 3] = three(token, &w.value);
-    let steps = [0.0, 1.0, 2.0].map(|n| F::all(token, n));
-    rows::<D>(at, w, |at, row| {
+    let steps = [F::all(token, 0.0), F::all(token, 1.0), F::all(token, 2.0)];
+    rows!(D, at, w, |at, row| {
         let (mut q, value) = (q + along[1] * steps[row.j], F::all(token, row.value));
         if D == 3 {
             q = q + along[2] * steps[row.k];
@@ -76,7 +81,7 @@ pub fn spread_affine<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64;
 #[inline(always)]
 pub fn spread_stress<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64; 4]], at: usize, w: &Weights, s: [F; 3]) {
     let (wx, sx): ([F; 3], [F; 3]) = (three(token, &w.value), three(token, &w.slope));
-    rows::<D>(at, w, |at, row| {
+    rows!(D, at, w, |at, row| {
         let across = s[0] * F::all(token, row.value);
         let mut along = s[1] * F::all(token, row.along_y);
         if D == 3 {
@@ -94,8 +99,9 @@ pub fn spread_stress<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64;
 pub fn gather<F: Four, const D: usize>(token: F::Token, tile: &[[f64; 4]], at: usize, w: &Weights) -> F {
     let wx: [F; 3] = three(token, &w.value);
     let mut sum = F::all(token, 0.0);
-    rows::<D>(at, w, |at, row| {
-        let [a, b, c] = nodes_of(tile, at).map(|u| F::of(token, u));
+    rows!(D, at, w, |at, row| {
+        let [a, b, c] = *nodes_of(tile, at);
+        let (a, b, c) = (F::of(token, a), F::of(token, b), F::of(token, c));
         sum = sum + (a * wx[0] + b * wx[1] + c * wx[2]) * F::all(token, row.value);
     });
     sum
@@ -106,8 +112,9 @@ pub fn gather<F: Four, const D: usize>(token: F::Token, tile: &[[f64; 4]], at: u
 pub fn gradient<F: Four, const D: usize>(token: F::Token, tile: &[[f64; 4]], at: usize, w: &Weights) -> [F; 3] {
     let (wx, sx): ([F; 3], [F; 3]) = (three(token, &w.value), three(token, &w.slope));
     let mut sum = [F::all(token, 0.0); 3];
-    rows::<D>(at, w, |at, row| {
-        let [a, b, c] = nodes_of(tile, at).map(|u| F::of(token, u));
+    rows!(D, at, w, |at, row| {
+        let [a, b, c] = *nodes_of(tile, at);
+        let (a, b, c) = (F::of(token, a), F::of(token, b), F::of(token, c));
         let value = a * wx[0] + b * wx[1] + c * wx[2];
         let slope = a * sx[0] + b * sx[1] + c * sx[2];
         sum[0] = sum[0] + slope * F::all(token, row.value);

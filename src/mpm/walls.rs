@@ -4,7 +4,7 @@
 //! Symmetry: normal components are odd, tangential ones even. Stick: all are odd. Friction: as symmetry while the wall has to push, and the
 //! tangential momentum of the plane's nodes is reduced by μ times the normal impulse at most; while it would have to pull, the wall is not there.
 
-use super::blocks::{Blocks, NONE, block_corner, cells};
+use super::blocks::{Blocks, NONE, block_corner, cell_key, cells};
 use serde::{Deserialize, Serialize};
 
 /// What stands along one side of the domain.
@@ -32,7 +32,13 @@ struct Face {
     sign: f64,
     wall: Wall,
     triples: Vec<Triple>,
+    /// Key of the plane's node, in order.
+    keys: Vec<u64>,
+    /// Whether the wall touches there: in the folding at hand, and when forces were last known.
     contact: Vec<bool>,
+    pressed: Vec<bool>,
+    /// Keys and `pressed` of the walls as they were.
+    before: (Vec<u64>, Vec<bool>),
 }
 
 /// The nodes near walls, with room to fold.
@@ -56,6 +62,10 @@ impl Walls {
             let (axis, high) = (side / 2, side % 2 == 1);
             let sign = if high { -1.0 } else { 1.0 };
             (face.axis, face.sign, face.wall) = (axis, sign, walls[side]);
+            std::mem::swap(&mut face.before.0, &mut face.keys);
+            std::mem::swap(&mut face.before.1, &mut face.pressed);
+            face.keys.clear();
+            face.pressed.clear();
             face.triples.clear();
             if axis >= D || face.wall == Wall::Open {
                 continue;
@@ -84,6 +94,10 @@ impl Walls {
                         *place
                     });
                     face.triples.push(triple);
+                    let key = cell_key::<D>(at);
+                    let old = face.before.0.binary_search(&key);
+                    face.keys.push(key);
+                    face.pressed.push(old.is_ok_and(|k| face.before.1[k]));
                 }
             }
             face.contact.clear();
@@ -93,20 +107,21 @@ impl Walls {
         self.impulse.resize(self.nodes.len(), [0.0; 4]);
     }
 
-    /// Velocity of the nodes near walls from their momentum.
+    /// Velocity of the nodes near walls from their momentum. A wall that pushed in this step's [`Self::accelerate`] still touches: momentum alone
+    /// would tell contact from none by its noise where material rests.
     pub fn project(&mut self, momentum: &[[f64; 4]], velocity: &mut [[f64; 4]]) {
         for (k, &node) in self.nodes.iter().enumerate() {
             self.momentum[k] = momentum[node as usize];
             self.impulse[k] = [0.0; 4];
         }
-        self.fold(&mut [[0.0; 3]; 6]);
+        self.fold(&mut [[0.0; 3]; 6], true);
         for (k, &node) in self.nodes.iter().enumerate() {
             velocity[node as usize] = self.momentum[k];
         }
     }
 
-    /// Velocity and its change in this step of the nodes near walls, from momentum and the change that they would have without; returns the
-    /// impulse of each wall on the material, N s.
+    /// Velocity before this step and its change in it of the nodes near walls, from momentum and the change that they would have without;
+    /// returns the impulse of each wall on the material, N s.
     pub fn accelerate(&mut self, momentum: &[[f64; 4]], velocity: &mut [[f64; 4]], change: &mut [[f64; 4]]) -> [[f64; 3]; 6] {
         let mut reaction = [[0.0; 3]; 6];
         for (k, &node) in self.nodes.iter().enumerate() {
@@ -114,21 +129,24 @@ impl Walls {
             self.momentum[k] = p;
             self.impulse[k] = [p[3] * dv[0], p[3] * dv[1], p[3] * dv[2], 0.0];
         }
-        self.fold(&mut reaction);
+        self.fold(&mut reaction, false);
+        for face in &mut self.faces {
+            face.pressed.copy_from_slice(&face.contact);
+        }
         for (k, &node) in self.nodes.iter().enumerate() {
-            let (v, dv) = (self.momentum[k], self.impulse[k]);
-            velocity[node as usize] = [v[0] + dv[0], v[1] + dv[1], v[2] + dv[2], 0.0];
-            change[node as usize] = dv;
+            velocity[node as usize] = self.momentum[k];
+            change[node as usize] = self.impulse[k];
         }
         reaction
     }
 
     /// Folds momentum and impulse at each wall in turn, divides by the mass, and mirrors the velocities back.
-    fn fold(&mut self, reaction: &mut [[f64; 3]; 6]) {
+    fn fold(&mut self, reaction: &mut [[f64; 3]; 6], held: bool) {
         let (p, i) = (&mut self.momentum, &mut self.impulse);
         for (face, reaction) in self.faces.iter_mut().zip(reaction) {
-            for (triple, contact) in face.triples.iter().zip(&mut face.contact) {
-                *contact = fold_one(face.axis, face.sign, face.wall, *triple, p, i, reaction);
+            for ((triple, contact), pressed) in face.triples.iter().zip(&mut face.contact).zip(&face.pressed) {
+                let wall = (face.axis, face.sign, face.wall);
+                *contact = fold_one(wall, held && *pressed, *triple, p, i, reaction);
             }
         }
         for (p, i) in p.iter_mut().zip(i.iter_mut()) {
@@ -136,6 +154,14 @@ impl Walls {
             let over = |q: f64| if m > 0.0 { q / m } else { 0.0 };
             *p = [over(p[0]), over(p[1]), over(p[2]), 0.0];
             *i = [over(i[0]), over(i[1]), over(i[2]), 0.0];
+        }
+        // in a domain of one cell the other wall has folded onto this plane meanwhile
+        for face in &self.faces {
+            for (&[_, on, _], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
+                for a in (0..3).filter(|&a| a == face.axis || face.wall == Wall::Stick) {
+                    (p[on as usize][a], i[on as usize][a]) = (0.0, 0.0);
+                }
+            }
         }
         for face in self.faces.iter().rev() {
             for (&[behind, _, before], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
@@ -153,17 +179,16 @@ impl Walls {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let faces: usize = self.faces.iter().map(|f| 12 * f.triples.capacity() + f.contact.capacity()).sum();
+        let faces: usize = self.faces.iter().map(|f| 36 * f.triples.capacity()).sum();
         faces + 4 * (self.nodes.capacity() + self.place.capacity()) + 32 * (self.momentum.capacity() + self.impulse.capacity())
     }
 }
 
-/// Folds the three nodes; answers whether the wall touches.
+/// Folds the three nodes, if the wall pushes or is `held` to touch; answers whether it does.
 #[inline(always)]
 fn fold_one(
-    axis: usize,
-    sign: f64,
-    wall: Wall,
+    (axis, sign, wall): (usize, f64, Wall),
+    held: bool,
     [behind, on, before]: Triple,
     p: &mut [[f64; 4]],
     i: &mut [[f64; 4]],
@@ -175,7 +200,7 @@ fn fold_one(
     let needed = |a: usize| 0.0 - (i[on][a] + 2.0 * i_behind[a]);
     let pushes = sign * (needed(axis) - (p[on][axis] + 2.0 * p_behind[axis])) > 0.0;
     if let Wall::Friction { .. } = wall
-        && !pushes
+        && !(pushes || held)
     {
         return false;
     }

@@ -1,0 +1,113 @@
+//! `comminute bench mpm`: the speed of the material point method on this machine.
+
+use super::bench::{processor, some_threads};
+use comminute::bench::{self, MpmSpeed};
+use comminute::error::{Error, Result};
+use comminute::mpm::Transfer;
+use serde_json::{Value, json};
+
+/// Measure the material point method
+#[derive(Debug, clap::Args)]
+#[command(after_help = "The case: a cube of points, eight per cell, f64, elastic, quadratic B-splines, MUSL, on smooth walls.\n\n\
+        Example:\n  comminute bench mpm --points 64000 --threads 1,2")]
+pub struct Args {
+    /// Material points; a cube of at least so many
+    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [64_000], value_parser = clap::value_parser!(u32).range(8..=50_000_000))]
+    points: Vec<u32>,
+
+    /// Numbers of threads; one, and all that this machine has, if not given
+    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Vec<u16>,
+
+    /// Affine particle-in-cell instead of FLIP
+    #[arg(long)]
+    affine: bool,
+
+    /// Steps of one timed block
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..))]
+    steps: u64,
+
+    /// Timed blocks; the median is reported
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    repeats: u16,
+
+    /// Steps before the first timed block
+    #[arg(long, value_name = "N", default_value_t = 30)]
+    warm_up: u64,
+
+    /// No table
+    #[arg(long)]
+    quiet: bool,
+
+    /// Print as JSON to standard output
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn call(args: &Args) -> Result<()> {
+    let threads: Vec<usize> =
+        if args.threads.is_empty() { some_threads() } else { args.threads.iter().map(|&n| n.into()).collect() };
+    let transfer = if args.affine { Transfer::Affine } else { Transfer::Blend { pic: 0.0 } };
+    let simd = comminute::real::name(comminute::real::arch());
+    if !args.quiet {
+        eprintln!("{}, {simd}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
+        eprintln!("{:>9} {:>3}  {:>16} {:>13} {:>8} {:>7}", "points", "thr", "M point-steps/s", "min - max", "/cpu-s", "B/point");
+    }
+    let mut rows: Vec<MpmSpeed> = Vec::new();
+    for &points in &args.points {
+        for &threads in &threads {
+            let row = bench::mpm_speed(points as usize, transfer, threads, [args.warm_up, args.steps], args.repeats.into())?;
+            if !args.quiet {
+                line(&row);
+            }
+            rows.push(row);
+        }
+    }
+    if args.json {
+        let json = json!({ "processor": processor(), "simd": simd, "affine": args.affine, "warm_up": args.warm_up,
+            "steps": args.steps, "rows": rows.iter().map(as_json).collect::<Vec<_>>() });
+        super::print(&format!("{json:#}"))?;
+    }
+    same_bits(&rows)
+}
+
+fn line(row: &MpmSpeed) {
+    let least = row.blocks.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = row.blocks.iter().copied().fold(0.0, f64::max);
+    eprintln!(
+        "{:>9} {:>3}  {:>16.2} {:>13} {:>8} {:>7.0}",
+        row.points,
+        row.threads,
+        1e-6 * row.median(),
+        format!("{:.2} - {:.2}", 1e-6 * least, 1e-6 * most),
+        row.cpu_median().map_or("-".into(), |x| format!("{:.2}", 1e-6 * x)),
+        row.bytes_per_point
+    );
+}
+
+fn as_json(row: &MpmSpeed) -> Value {
+    json!({
+        "points": row.points,
+        "threads": row.threads,
+        "point_steps_per_second": row.median(),
+        "blocks": row.blocks,
+        "point_steps_per_cpu_second": row.cpu_median(),
+        "cpu_blocks": row.cpu_blocks,
+        "bytes_per_point": row.bytes_per_point,
+        "hash": format!("{:016x}", row.hash),
+        "load_average": row.load,
+    })
+}
+
+/// The same bits for any number of threads.
+fn same_bits(rows: &[MpmSpeed]) -> Result<()> {
+    for row in rows {
+        if let Some(first) = rows.iter().find(|r| r.points == row.points)
+            && first.hash != row.hash
+        {
+            let what = format!("{} points: {} threads end with other bits than {}", row.points, row.threads, first.threads);
+            return Err(Error::Failed { step: 0, what });
+        }
+    }
+    Ok(())
+}
