@@ -10,7 +10,10 @@ use std::f64::consts::PI;
 
 fn adapter(test: &str) -> bool {
     let Some(adapter) = gpu::available() else {
-        assert!(std::env::var_os("COMMINUTE_REQUIRE_GPU").is_none(), "COMMINUTE_REQUIRE_GPU is set and there is no graphics adapter");
+        assert!(
+            std::env::var_os("COMMINUTE_REQUIRE_GPU").is_none(),
+            "COMMINUTE_REQUIRE_GPU is set and there is no graphics adapter"
+        );
         eprintln!("SKIPPED {test}: no graphics adapter; set COMMINUTE_REQUIRE_GPU=1 to make this a failure");
         return false;
     };
@@ -96,7 +99,9 @@ fn a_bar_vibrates_as_on_the_cpu() {
         crossed += u32::from(a.momentum[0] < 0.0);
         assert_eq!(cpu.steps(), back.steps());
     }
-    println!("rung 4, bar, 400 steps: momentum {in_momentum:e}, kinetic energy {in_energy:e}, stress work {in_work:e} of the start");
+    println!(
+        "rung 4, bar, 400 steps: momentum {in_momentum:e}, kinetic energy {in_energy:e}, stress work {in_work:e} of the start"
+    );
     assert!(in_momentum < 1e-4 && in_energy < 1e-4 && in_work < 1e-4);
     assert!((4..12).contains(&crossed), "it swings");
 }

@@ -70,7 +70,7 @@ pub fn mpm_case(points: usize, transfer: Transfer) -> Result<(Continuum, f64)> {
         let velocity = [0.3 * position[2], 0.1 * position[0], 0.2 * position[1]];
         points.add(&Point { position, velocity, mass: DENSITY * volume, volume, stress: [0.0; 6], porosity: 0.4, law: 0 });
     }
-    let c = Continuum::new(settings, vec![Law::Elastic(Elastic::new(ELASTIC.0, ELASTIC.1))], points)?;
+    let c = Continuum::new(settings, vec![Law::Elastic(Elastic::of_young(ELASTIC.0, ELASTIC.1))], points)?;
     let dt = c.stable_step(SAFETY);
     Ok((c, dt))
 }

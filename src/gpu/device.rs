@@ -24,8 +24,7 @@ fn adapter() -> Result<wgpu::Adapter> {
     descriptor.backends = wgpu::Backends::PRIMARY;
     // sizes of indirect dispatches come from our own pass, which bounds them
     descriptor.flags = wgpu::InstanceFlags::empty();
-    descriptor.memory_budget_thresholds =
-        wgpu::MemoryBudgetThresholds { for_resource_creation: Some(95), for_device_loss: None };
+    descriptor.memory_budget_thresholds = wgpu::MemoryBudgetThresholds { for_resource_creation: Some(95), for_device_loss: None };
     let instance = wgpu::Instance::new(descriptor);
     let options = wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
     pollster::block_on(instance.request_adapter(&options)).map_err(|_| {
@@ -132,7 +131,10 @@ impl Device {
     /// A device that was lost.
     pub fn read(&self, buffer: &wgpu::Buffer, step: u64) -> Result<Vec<u8>> {
         let size = buffer.size();
-        let lost = |what: &str| Error::Failed { step, what: format!("the graphics device cannot be read: {what}; the state of the last record is kept") };
+        let lost = |what: &str| Error::Failed {
+            step,
+            what: format!("the graphics device cannot be read: {what}; the state of the last record is kept"),
+        };
         let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
         let staging = self.allocate(size, || self.empty("staging", size, usage))?;
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

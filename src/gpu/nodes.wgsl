@@ -41,6 +41,7 @@ const CROWDED: u32 = 4u;
 @group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read_write> order: array<u32>;
 @group(0) @binding(7) var<storage, read_write> status: Status;
+// whether a wall touches: 1 in the folding at hand, 2 when forces were last known
 @group(0) @binding(8) var<storage, read_write> touching: array<u32>;
 
 fn word(plane: u32, i: u32) -> vec4<u32> {
@@ -169,7 +170,15 @@ fn project(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
     }
 }
 
-// Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), gravity, local damping, and the new velocity (eq. 28).
+// Local damping −α |f| sign(v) of what walls have left of the force; what friction has stopped stays so. Then v ← v + Δv.
+fn pushed(k: u32, v: vec3<f32>, dv: vec3<f32>) {
+    let moves = (v != vec3<f32>(0.0)) & (v + dv != vec3<f32>(0.0));
+    let change = select(dv, dv - params.damping * abs(dv) * sign(v), moves);
+    nodes[SPEED * params.nodes + k] = vec4<f32>(v + change, 0.0);
+    nodes[CHANGE * params.nodes + k] = vec4<f32>(change, 0.0);
+}
+
+// Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), gravity, and the new velocity (eq. 28).
 @compute @workgroup_size(64)
 fn accelerate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let k = linear(id, groups);
@@ -209,14 +218,10 @@ fn accelerate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
         }
     }
     let force = m * params.gravity - internal * params.inverse_cell;
-    let v = nodes[SPEED * params.nodes + k];
-    let damped = force - params.damping * abs(force) * sign(v.xyz);
     if near_wall(at) {
         nodes[SPEED * params.nodes + k] = momentum;
-        nodes[CHANGE * params.nodes + k] = vec4<f32>(damped * params.dt, 0.0);
+        nodes[CHANGE * params.nodes + k] = vec4<f32>(force * params.dt, 0.0);
     } else {
-        let change = damped * (params.dt / m);
-        nodes[SPEED * params.nodes + k] = vec4<f32>(v.xyz + change, 0.0);
-        nodes[CHANGE * params.nodes + k] = vec4<f32>(change, 0.0);
+        pushed(k, nodes[SPEED * params.nodes + k].xyz, force * (params.dt / m));
     }
 }

@@ -86,9 +86,8 @@ impl Passes {
             .zip(buffers)
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
             .collect();
-        let group = |layout, entries: &[_]| {
-            device.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries })
-        };
+        let group =
+            |layout, entries: &[_]| device.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries });
         let all = group(&self.layouts[0], &entries);
         let sizes = wgpu::BindGroupEntry { binding: 0, resource: b.dispatches.as_entire_binding() };
         self.bound = Some((all, group(&self.layouts[1], &[sizes]), b.dispatches.clone()));

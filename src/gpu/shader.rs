@@ -57,8 +57,25 @@ pub mod tests {
             };
         }
         same!(
-            Params, "Params", size, points, gravity, dt, cell, inverse_cell, pic, damping, mass_floor, zero, cells, nodes, blocks, crowd,
-            point_groups, cell_groups, walls
+            Params,
+            "Params",
+            size,
+            points,
+            gravity,
+            dt,
+            cell,
+            inverse_cell,
+            pic,
+            damping,
+            mass_floor,
+            zero,
+            cells,
+            nodes,
+            blocks,
+            crowd,
+            point_groups,
+            cell_groups,
+            walls
         );
         same!(Evolution32, "Evolution", kind, initial, last, strain, cubic, peak_strain, peak, residual, decay);
         let unused = offset_of!(Law32, unused);

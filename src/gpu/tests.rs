@@ -20,7 +20,10 @@ const FREE: f64 = f64::INFINITY;
 /// Whether there is an adapter; without one the test is skipped, loudly, or fails where one is required.
 fn adapter(test: &str) -> bool {
     let Some(adapter) = device::available() else {
-        assert!(std::env::var_os("COMMINUTE_REQUIRE_GPU").is_none(), "COMMINUTE_REQUIRE_GPU is set and there is no graphics adapter");
+        assert!(
+            std::env::var_os("COMMINUTE_REQUIRE_GPU").is_none(),
+            "COMMINUTE_REQUIRE_GPU is set and there is no graphics adapter"
+        );
         eprintln!("SKIPPED {test}: no graphics adapter; set COMMINUTE_REQUIRE_GPU=1 to make this a failure");
         return false;
     };
@@ -163,7 +166,10 @@ fn laws_in_f32_follow_f64() {
         let scale = case.scale(law);
         let stress = size(&apart) / scale;
         let plastic = (f64::from(made) - grown).abs() * law.shear_modulus() / scale;
-        assert!(stress < 2e-6 && plastic < 2e-6, "{law:?}: stress {stress:e}, plastic strain {plastic:e}; {grown:e} {made:e} {before:?}");
+        assert!(
+            stress < 2e-6 && plastic < 2e-6,
+            "{law:?}: stress {stress:e}, plastic strain {plastic:e}; {grown:e} {made:e} {before:?}"
+        );
         (in_stress, in_plastic) = (in_stress.max(stress), in_plastic.max(plastic));
     }
     assert!(yielded > 10_000, "{yielded}");
@@ -211,7 +217,8 @@ fn laws_on_the_device_follow_their_twin() {
         device.empty("results", 32 * cases.len() as u64, storage),
     ];
     let d = &device.device;
-    let module = d.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(LAW_TEST.into()) });
+    let module =
+        d.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(LAW_TEST.into()) });
     let pipeline = d.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,
         layout: None,
@@ -222,8 +229,11 @@ fn laws_on_the_device_follow_their_twin() {
     });
     let entries: Vec<_> =
         (0..).zip(&buffers).map(|(binding, b)| wgpu::BindGroupEntry { binding, resource: b.as_entire_binding() }).collect();
-    let group =
-        d.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &pipeline.get_bind_group_layout(0), entries: &entries });
+    let group = d.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &entries,
+    });
     let mut encoder = d.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -238,7 +248,11 @@ fn laws_on_the_device_follow_their_twin() {
         let law = &laws[case.law as usize];
         let (stress, plastic) = stress_step(&laws32[case.law as usize], case.stress(), case.strain(), case.plastic);
         let [[a, b, c, made], [d, e, f, low]] = [result[0], result[1]];
-        assert_eq!(low.to_bits(), exact::add([case.normal[0], 0.0], case.strain_normal[0])[1].to_bits(), "compensated sums survive");
+        assert_eq!(
+            low.to_bits(),
+            exact::add([case.normal[0], 0.0], case.strain_normal[0])[1].to_bits(),
+            "compensated sums survive"
+        );
         let there = [a, b, c, d, e, f];
         same += usize::from(there == stress && made == plastic);
         if case.law == 12 && (f64::from(case.plastic)..=f64::from(case.plastic + plastic) + 1e-6).contains(&0.022) {
@@ -247,10 +261,16 @@ fn laws_on_the_device_follow_their_twin() {
         let apart: Sym = std::array::from_fn(|k| f64::from(there[k]) - f64::from(stress[k]));
         let scale = case.scale(law) * f64::from(f32::EPSILON);
         let (s, p) = (size(&apart) / scale, f64::from((made - plastic).abs()) * law.shear_modulus() / scale);
-        assert!(s < 8.0 && p < 8.0, "{law:?}: stress {s}, plastic strain {p} ulp: {there:?} for {stress:?}, {made:e} for {plastic:e}");
+        assert!(
+            s < 8.0 && p < 8.0,
+            "{law:?}: stress {s}, plastic strain {p} ulp: {there:?} for {stress:?}, {made:e} for {plastic:e}"
+        );
         (in_stress, in_plastic) = (in_stress.max(s), in_plastic.max(p));
     }
-    println!("rung 2b: stress {in_stress:.2} ulp, plastic strain {in_plastic:.2} ulp of the trial; {same} of {} the same bits", cases.len());
+    println!(
+        "rung 2b: stress {in_stress:.2} ulp, plastic strain {in_plastic:.2} ulp of the trial; {same} of {} the same bits",
+        cases.len()
+    );
 }
 
 fn settings(cells: [u32; 3]) -> Settings {
@@ -438,7 +458,8 @@ fn one_step_follows_f64() {
         gpu.steps(1, dt).expect("step");
         gpu.read_back(&mut back).expect("read");
         let [v, x, stress, p, w] = apart(&cpu, &back);
-        let force = (0..6).flat_map(|k| (0..3).map(move |a| (k, a))).map(|(k, a)| (cpu.wall_force()[k][a] - back.wall_force()[k][a]).abs());
+        let force =
+            (0..6).flat_map(|k| (0..3).map(move |a| (k, a))).map(|(k, a)| (cpu.wall_force()[k][a] - back.wall_force()[k][a]).abs());
         let force = force.fold(0.0, f64::max);
         let largest = cpu.wall_force().iter().flatten().fold(0.0_f64, |m, f| m.max(f.abs()));
         let work = (cpu.stress_work() - back.stress_work()).abs() / cpu.stress_work().abs();
@@ -464,7 +485,15 @@ fn points_that_cross_cells_are_sorted() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for _ in 0..600 {
         let position = std::array::from_fn(|a| s.lower[a] + 0.1 * rng.random_range(2.0..3.5));
-        points.add(&Point { position, velocity: [4.0, 3.0, 2.5], mass: 1.0, volume: 1e-3, stress: [0.0; 6], porosity: 0.0, law: 0 });
+        points.add(&Point {
+            position,
+            velocity: [4.0, 3.0, 2.5],
+            mass: 1.0,
+            volume: 1e-3,
+            stress: [0.0; 6],
+            porosity: 0.0,
+            law: 0,
+        });
     }
     let mut cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
     let start = cpu.points().clone();

@@ -53,7 +53,8 @@ struct Folded {
     given: vec3<f32>,
 }
 
-fn fold(side: u32, t: u32) -> Folded {
+// Folds the three nodes, if the wall pushes or is `held` to touch.
+fn fold(side: u32, t: u32, held: bool) -> Folded {
     let axis = side / 2u;
     let across = unit(axis);
     let sign_of = select(1.0, -1.0, side % 2u == 1u);
@@ -69,7 +70,7 @@ fn fold(side: u32, t: u32) -> Folded {
     let i_on = nodes[I + on].xyz;
     let needed = -(i_on + 2.0 * i_behind);
     let pushes = sign_of * dot(across, needed - (p_on.xyz + 2.0 * p_behind.xyz)) > 0.0;
-    if kind == 3u && !pushes {
+    if kind == 3u && !(pushes || held) {
         return Folded(false, vec3<f32>(0.0));
     }
     let mirror = select(vec3<f32>(1.0) - 2.0 * across, vec3<f32>(-1.0), kind == 2u);
@@ -110,8 +111,8 @@ fn all_walls(thread: u32, moving: bool) {
         var sum = vec3<f32>(0.0);
         let first = plane_first(side);
         for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
-            let folded = fold(side, t);
-            touching[first + t] = select(0u, 1u, folded.touches);
+            let folded = fold(side, t, !moving && (touching[first + t] & 2u) != 0u);
+            touching[first + t] = select(0u, select(1u, 3u, moving), folded.touches);
             sum += folded.given;
         }
         partial[thread] = sum;
@@ -158,7 +159,7 @@ fn all_walls(thread: u32, moving: bool) {
         let first = plane_first(side);
         let stays = select(vec4<f32>(vec3<f32>(1.0) - unit(side / 2u), 0.0), vec4<f32>(0.0), params.walls[side].x == 2u);
         for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
-            if touching[first + t] == 1u {
+            if (touching[first + t] & 1u) != 0u {
                 let k = node_index(wall_node(side, t, 1));
                 nodes[P + k] *= stays;
                 nodes[I + k] *= stays;
@@ -174,7 +175,7 @@ fn all_walls(thread: u32, moving: bool) {
         let first = plane_first(side);
         let mirror = select(vec4<f32>(vec3<f32>(1.0) - 2.0 * unit(side / 2u), 0.0), vec4<f32>(-1.0, -1.0, -1.0, 0.0), params.walls[side].x == 2u);
         for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
-            if touching[first + t] == 1u {
+            if (touching[first + t] & 1u) != 0u {
                 let behind = node_index(wall_node(side, t, 0));
                 let before = node_index(wall_node(side, t, 2));
                 nodes[P + behind] = nodes[P + before] * mirror;
@@ -195,7 +196,7 @@ fn all_walls(thread: u32, moving: bool) {
                 let at = wall_node(side, t, layer);
                 if owned(side, at) {
                     let k = node_index(at);
-                    nodes[P + k] += nodes[I + k];
+                    pushed(k, nodes[P + k].xyz, nodes[I + k].xyz);
                 }
             }
         }

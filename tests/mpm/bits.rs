@@ -1,6 +1,3 @@
-<<<<<<< HEAD
-
-=======
 //! The same bytes whatever the number of threads, the order of points in memory, the instruction set or the age of the grid.
 
 use crate::common::*;
@@ -131,4 +128,3 @@ fn a_grid_made_anew_changes_no_bit() {
         assert!(restarted == kept, "restarted, {:?}", s.transfer);
     }
 }
->>>>>>> mpm-core
