@@ -1,9 +1,10 @@
 //! A continuum on the device: batches of steps without a look at what happens between.
 
 use super::device::{Device, refused};
-use super::layout::{Law32, Params, Status, groups};
+use super::layout::{Law32, Params, Platen32, Status, groups};
 use super::memory::Sizes;
 use super::passes::Passes;
+use super::platen::{self, Drive, Platen};
 use super::{shader, state};
 use crate::error::{Error, Result};
 use crate::mpm::{self, Dimension, Settings, ShapeFunctions, Transfer};
@@ -30,6 +31,7 @@ pub struct Continuum {
     /// Steps and stress work, J, of the CPU before.
     before: (u64, f64),
     status: Status,
+    platens: Vec<Platen>,
 }
 
 /// Memory on the device.
@@ -43,6 +45,7 @@ pub(super) struct Buffers {
     pub order: wgpu::Buffer,
     pub status: wgpu::Buffer,
     pub touching: wgpu::Buffer,
+    pub outside: wgpu::Buffer,
     pub dispatches: wgpu::Buffer,
 }
 
@@ -52,13 +55,24 @@ impl Continuum {
     /// # Errors
     /// No adapter; a setting that the GPU path lacks, by name; a state that does not fit into the device's memory.
     pub fn new(cpu: &mpm::Continuum) -> Result<Continuum> {
+        Continuum::with_platens(cpu, &[])
+    }
+
+    /// The same, between platens. They press at the start of each step, as the rigs of the CPU have it, and then move.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; a platen that is not allowed.
+    pub fn with_platens(cpu: &mpm::Continuum, platens: &[Platen]) -> Result<Continuum> {
         let settings = cpu.settings().clone();
-        Error::all(lacking(&settings, cpu.points()))?;
-        let sizes = Sizes::of(&settings, cpu.points().len() as u64);
+        let mut errors = lacking(&settings, cpu.points());
+        errors.extend(platen::wrong(platens, &settings, cpu.points()));
+        Error::all(errors)?;
+        let sizes = Sizes::of(&settings, cpu.points().len() as u64, !platens.is_empty());
         let device = Device::open()?;
         sizes.check(&device.device.limits())?;
         let lightest = cpu.points().velocity.iter().map(|v| v[3]).fold(f64::INFINITY, f64::min);
-        let params = Params::of(&settings, cpu.points().len(), lightest);
+        let mut params = Params::of(&settings, cpu.points().len(), lightest);
+        params.platens = platens.len() as u32;
         let passes = Passes::new(&device, shader::STEP);
         let state = state::to_device(&settings, cpu.points());
         let laws: Vec<Law32> = cpu.laws().iter().map(Law32::from).collect();
@@ -74,12 +88,16 @@ impl Continuum {
             order: device.empty("order", sizes.order, storage),
             status: device.buffer("status", bytemuck::bytes_of(&status), storage),
             touching: device.empty("touching", sizes.touching, storage),
+            outside: device.empty("outside", sizes.outside, storage | Usage::COPY_DST),
             dispatches: device.empty("dispatches", 48, Usage::STORAGE | Usage::INDIRECT),
         })?;
+        let planes: Vec<Platen32> = platens.iter().map(|p| p.to_device(&settings)).collect();
+        device.queue.write_buffer(&buffers.outside, 0, bytemuck::cast_slice(&planes));
         let passes = passes.bind(&device, &buffers);
         let before = (cpu.steps(), cpu.stress_work());
         let ids = cpu.points().id.clone();
-        let mut gpu = Continuum { device, passes, buffers, params, settings, sizes, ids, before, status };
+        let mut gpu =
+            Continuum { device, passes, buffers, params, settings, sizes, ids, before, status, platens: platens.to_vec() };
         gpu.submit(|passes, pass, sizes| passes.prepare(pass, sizes));
         gpu.look()?;
         Ok(gpu)
@@ -91,6 +109,9 @@ impl Continuum {
     /// A point that is lost, with its step, as on the CPU; a device that is lost or out of memory. [`Self::read_back`] then has nothing of use.
     pub fn steps(&mut self, n: u64, dt: f64) -> Result<()> {
         self.params.dt = dt as f32;
+        for (drive, platen) in self.params.drives.iter_mut().zip(&self.platens) {
+            *drive = platen.drive.to_device();
+        }
         self.device.queue.write_buffer(&self.buffers.params, 0, bytemuck::bytes_of(&self.params));
         let mut flying = VecDeque::new();
         let mut left = n;
@@ -105,7 +126,8 @@ impl Continuum {
         self.look()
     }
 
-    /// Writes the state into `cpu`, which must have the same points (by their ids), and its counters.
+    /// Writes the state into `cpu`, which must have the same points (by their ids), and its counters. Nothing changes on the device; a state that is taken up
+    /// again from `cpu` differs from it by the rounding of f64.
     ///
     /// # Errors
     /// Other points; a device that was lost. `cpu` is then as it was.
@@ -141,11 +163,32 @@ impl Continuum {
         self.sizes.sum()
     }
 
+    /// The platens after the last batch.
+    pub fn platens(&self) -> &[Platen] {
+        &self.platens
+    }
+
+    /// Another drive for the platen `k` from the next batch on.
+    ///
+    /// # Errors
+    /// There is no such platen.
+    pub fn drive(&mut self, k: usize, drive: Drive) -> Result<()> {
+        let count = self.platens.len();
+        let platen = self.platens.get_mut(k).ok_or_else(|| refused("platen", k, format!("there are {count}, counted from 0")))?;
+        platen.drive = drive;
+        Ok(())
+    }
+
     fn submit(&self, encode: impl FnOnce(&Passes, &mut wgpu::ComputePass<'_>, &Groups)) -> wgpu::SubmissionIndex {
         let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            let groups = Groups { points: self.params.point_groups, nodes: groups(self.params.nodes), walls: self.walls() };
+            let groups = Groups {
+                points: self.params.point_groups,
+                nodes: groups(self.params.nodes),
+                walls: self.walls(),
+                platens: !self.platens.is_empty(),
+            };
             encode(&self.passes, &mut pass, &groups);
         }
         self.device.queue.submit([encoder.finish()])
@@ -159,6 +202,12 @@ impl Continuum {
     fn look(&mut self) -> Result<()> {
         let bytes = self.device.read(&self.buffers.status, self.steps_done())?;
         self.status = bytemuck::pod_read_unaligned(&bytes);
+        if !self.platens.is_empty() {
+            let bytes = self.device.read(&self.buffers.outside, self.steps_done())?;
+            for (platen, words) in self.platens.iter_mut().zip(bytes.chunks_exact(size_of::<Platen32>())) {
+                platen.take(&bytemuck::pod_read_unaligned(words), &self.settings);
+            }
+        }
         let Status { fault, .. } = self.status;
         if fault == u32::MAX {
             return Ok(());
@@ -169,6 +218,7 @@ impl Continuum {
             1 => "has left the grid: enlarge the domain, put a wall there, or use a smaller time step",
             2 => "has passed more than one cell in a step: use a smaller time step",
             3 => "is turned inside out (volume not positive): use a smaller time step, a finer grid, or a stiffer law",
+            5 => "has been passed by a platen: its speed or the time step is too large, or the material too soft for it",
             _ => "lies in a cell with more than 256 points, which the GPU path does not sort: use larger spacings or the CPU",
         };
         Err(Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None })
@@ -181,11 +231,12 @@ impl Continuum {
     }
 }
 
-/// Workgroups of the passes, and whether there are walls.
+/// Workgroups of the passes, and whether there are walls and platens.
 pub(super) struct Groups {
     pub points: [u32; 2],
     pub nodes: [u32; 2],
     pub walls: bool,
+    pub platens: bool,
 }
 
 /// What the GPU path does not have.

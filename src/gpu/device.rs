@@ -72,7 +72,7 @@ impl Device {
         let name = adapter.get_info().name;
         let limits = adapter.limits();
         for (what, has, needs) in [
-            ("storage buffers per stage", limits.max_storage_buffers_per_shader_stage, 9),
+            ("storage buffers per stage", limits.max_storage_buffers_per_shader_stage, 10),
             ("threads per workgroup", limits.max_compute_invocations_per_workgroup, 256),
         ] {
             if has < needs {

@@ -27,8 +27,42 @@ pub struct Params {
     pub crowd: u32,
     pub point_groups: [u32; 2],
     pub cell_groups: [u32; 2],
-    pub unused: [u32; 2],
+    pub platens: u32,
+    pub unused: u32,
     pub walls: [[u32; 4]; 6],
+    pub drives: [Drive32; 6],
+}
+
+/// How a platen moves.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Drive32 {
+    pub kind: u32,
+    pub value: f32,
+    pub gain: f32,
+    pub limit: f32,
+}
+
+/// A platen and what is known of it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Platen32 {
+    pub axis: u32,
+    pub normal: f32,
+    pub cell: i32,
+    pub units: i32,
+    pub rest: f32,
+    pub modulus: f32,
+    pub speed: f32,
+    pub moved: f32,
+    pub reaction: f32,
+    pub stiffness: f32,
+    pub stored: f32,
+    pub rate: f32,
+    pub work: f32,
+    pub work_low: f32,
+    pub unused_a: f32,
+    pub unused_b: f32,
 }
 
 impl Params {

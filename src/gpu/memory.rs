@@ -14,11 +14,12 @@ pub struct Sizes {
     pub counts: u64,
     pub order: u64,
     pub touching: u64,
+    pub outside: u64,
 }
 
 impl Sizes {
-    /// For a number of points; the grid is that of the whole domain.
-    pub fn of(settings: &Settings, points: u64) -> Sizes {
+    /// For a number of points, with or without platens; the grid is that of the whole domain.
+    pub fn of(settings: &Settings, points: u64, platens: bool) -> Sizes {
         let n = settings.cells.map(u128::from);
         let all = |more: u128| n.iter().map(|n| n + more).product::<u128>().min(1 << 40) as u64;
         let (cells, nodes) = (all(1), all(3));
@@ -30,12 +31,14 @@ impl Sizes {
             counts: 4 * cells,
             order: 4 * points,
             touching: 8 * planes,
+            // platens, force and arm of each point, sums of at most so many groups of points
+            outside: 6 * 64 + 16 + if platens { 32 * points + 96 * (points.div_ceil(64) + 65_536) } else { 0 },
         }
     }
 
     /// All of them.
     pub fn sum(&self) -> u64 {
-        self.state + self.nodes + self.starts + self.counts + self.order + self.touching
+        self.state + self.nodes + self.starts + self.counts + self.order + self.touching + self.outside
     }
 
     /// # Errors

@@ -14,8 +14,9 @@
 //! # }
 //! ```
 //!
-//! Space with quadratic B-splines, MUSL, a FLIP/PIC blend, walls, gravity, local damping; both laws. What it lacks (plane strain, GIMP, affine
-//! transfer, forces on points) is refused by name. Each `x.wgsl` stands beside its f32 twin or names the f64 code of `mpm` that states the same.
+//! Space with quadratic B-splines, MUSL, a FLIP/PIC blend, walls, gravity, local damping; both laws; up to six platens that move at a speed or
+//! towards a force. What it lacks (plane strain, GIMP, affine
+//! transfer) is refused by name. Each `x.wgsl` stands beside its f32 twin or names the f64 code of `mpm` that states the same.
 //!
 //! Tested on software Vulkan only; on graphics hardware it has not been run.
 
@@ -27,6 +28,7 @@ mod law;
 mod layout;
 mod memory;
 mod passes;
+mod platen;
 mod shader;
 mod state;
 #[cfg(test)]
@@ -34,3 +36,4 @@ mod tests;
 
 pub use continuum::Continuum;
 pub use device::{Adapter, available};
+pub use platen::{Drive, Platen};

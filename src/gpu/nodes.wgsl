@@ -10,7 +10,7 @@ const NORMAL: u32 = 4u; // stress xx, yy, zz; volume/volume at the start - 1
 const SHEAR: u32 = 5u; // stress xy, yz, zx; plastic strain
 const NORMAL_LOW: u32 = 6u; // low parts
 const SHEAR_LOW: u32 = 7u;
-const ENERGY: u32 = 8u; // stress work, its low part, id, nothing
+const ENERGY: u32 = 8u; // stress work, its low part, id, ghost radius
 
 // Planes of `nodes` entries each.
 const MOMENTUM: u32 = 0u; // momentum, mass
@@ -178,7 +178,7 @@ fn pushed(k: u32, v: vec3<f32>, dv: vec3<f32>) {
     nodes[CHANGE * params.nodes + k] = vec4<f32>(change, 0.0);
 }
 
-// Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), gravity, and the new velocity (eq. 28).
+// Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of platens (eq. 29), gravity, and the new velocity (eq. 28).
 @compute @workgroup_size(64)
 fn accelerate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let k = linear(id, groups);
@@ -194,6 +194,7 @@ fn accelerate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
         return;
     }
     var internal = vec3<f32>(0.0);
+    var pressed = vec3<f32>(0.0);
     for (var dz = 0; dz < 3; dz++) {
         for (var dy = 0; dy < 3; dy++) {
             let cells = row(at, dy, dz);
@@ -214,10 +215,18 @@ fn accelerate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
                         b.x * g.x + a.y * g.y + b.y * g.z,
                         b.z * g.x + b.y * g.y + a.z * g.z,
                     );
+                if params.platens > 0u {
+                    let push = outside.parts[i].xyz;
+                    if any(push != vec3<f32>(0.0)) {
+                        // each component where it acts; the functions of the point's own cell go on beyond its edge
+                        let there = value(d, o + outside.parts[params.points + i].xyz);
+                        pressed += push * vec3<f32>(there.x * w.y * w.z, w.x * there.y * w.z, w.x * w.y * there.z);
+                    }
+                }
             }
         }
     }
-    let force = m * params.gravity - internal * params.inverse_cell;
+    let force = m * params.gravity - internal * params.inverse_cell + pressed;
     if near_wall(at) {
         nodes[SPEED * params.nodes + k] = momentum;
         nodes[CHANGE * params.nodes + k] = vec4<f32>(force * params.dt, 0.0);

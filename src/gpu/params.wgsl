@@ -24,8 +24,18 @@ struct Params {
     // number of workgroups along x and y for one thread per point, per cell
     point_groups: vec2<u32>,
     cell_groups: vec2<u32>,
+    platens: u32,
     // x low, x high, y low, …: kind (0 open, 1 symmetry, 2 stick, 3 friction), bits of the friction coefficient
     walls: array<vec4<u32>, 6>,
+    drives: array<Drive, 6>,
+}
+
+// How a platen moves: 0 at a speed, m/s, 1 towards a force, N.
+struct Drive {
+    kind: u32,
+    value: f32,
+    gain: f32,
+    limit: f32,
 }
 
 // How a parameter follows the plastic strain: 0 constant (`last`), 1 linear, 2 cubic and exponential.

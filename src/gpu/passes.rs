@@ -4,7 +4,9 @@ use super::continuum::{Buffers, Groups};
 use super::device::Device;
 
 /// Names of the entry points that all share one layout.
-const NAMES: [&str; 14] = [
+const NAMES: [&str; 16] = [
+    "press",
+    "drive",
     "project",
     "accelerate",
     "walls_project",
@@ -46,7 +48,7 @@ impl Passes {
         };
         let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
         let mut entries = vec![entry(0, wgpu::BufferBindingType::Uniform), entry(1, storage(true))];
-        entries.extend((2..9).map(|k| entry(k, storage(false))));
+        entries.extend((2..10).map(|k| entry(k, storage(false))));
         let layout = |label, entries: &[_]| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
@@ -81,7 +83,7 @@ impl Passes {
     }
 
     pub fn bind(mut self, device: &Device, b: &Buffers) -> Passes {
-        let buffers = [&b.params, &b.laws, &b.state, &b.nodes, &b.starts, &b.counts, &b.order, &b.status, &b.touching];
+        let buffers = [&b.params, &b.laws, &b.state, &b.nodes, &b.starts, &b.counts, &b.order, &b.status, &b.touching, &b.outside];
         let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
             .zip(buffers)
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
@@ -148,6 +150,10 @@ impl Passes {
     /// One step; the order of mpm/step.rs.
     pub fn step(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
         self.start(pass);
+        if groups.platens {
+            self.run(pass, "press", groups.points);
+            self.run(pass, "drive", [1, 1]);
+        }
         self.run(pass, "accelerate", groups.nodes);
         if groups.walls {
             self.run(pass, "walls_accelerate", [1, 1]);

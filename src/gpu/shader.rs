@@ -1,14 +1,12 @@
 //! The sources of the passes, assembled.
 
-/// Everything that the laws need.
-pub const LAWS: &str = concat!(include_str!("params.wgsl"), include_str!("exact.wgsl"), include_str!("law.wgsl"));
-
 /// All passes of a step.
 pub const STEP: &str = concat!(
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
     include_str!("law.wgsl"),
     include_str!("nodes.wgsl"),
+    include_str!("platens.wgsl"),
     include_str!("walls.wgsl"),
     include_str!("points.wgsl"),
     include_str!("order.wgsl")
@@ -17,7 +15,7 @@ pub const STEP: &str = concat!(
 #[cfg(test)]
 pub mod tests {
     use super::*;
-    use crate::gpu::layout::{Evolution32, Law32, Params, Status};
+    use crate::gpu::layout::{Drive32, Evolution32, Law32, Params, Platen32, Status};
     use std::mem::{offset_of, size_of};
     use wgpu::naga;
 
@@ -32,7 +30,7 @@ pub mod tests {
     /// Rung 0.
     #[test]
     fn shaders_are_valid() {
-        for source in [LAWS, STEP, LAW_TEST] {
+        for source in [STEP, LAW_TEST] {
             let module = parsed(source);
             let mut validator =
                 naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());

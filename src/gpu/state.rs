@@ -1,10 +1,16 @@
 //! Points of the CPU to planes of the device, and back.
 
-use super::exact::{place, placed, split};
+use super::exact::{UNITS, place, placed, split};
 use crate::mpm::{Points, Settings};
 
 /// Planes of four words per point; the order is that of `nodes.wgsl`.
 pub const PLANES: usize = 9;
+
+/// Radius of a point's ghost sphere, m (Li et al. 2023, eq. 22): its solid volume, which stays.
+pub fn ghost_radius(points: &Points, i: usize) -> f64 {
+    let solid = (1.0 - points.initial_porosity[i]) * points.initial_volume[i];
+    (solid * (0.75 / std::f64::consts::PI)).cbrt()
+}
 
 /// Planes one after the other. Points must lie within the domain.
 pub fn to_device(settings: &Settings, points: &Points) -> Vec<[u32; 4]> {
@@ -24,6 +30,7 @@ pub fn to_device(settings: &Settings, points: &Points) -> Vec<[u32; 4]> {
         let s = points.stress[i].map(split);
         let growth = split(p[3] / points.initial_volume[i] - 1.0);
         let plastic = split(points.memory[i].plastic);
+        let radius = (ghost_radius(points, i) / settings.cell * f64::from(UNITS)) as i32;
         let part = |s: &[[f32; 2]], last: [f32; 2], k: usize| [bits(s[0][k]), bits(s[1][k]), bits(s[2][k]), bits(last[k])];
         let words = [
             [x.1 as u32, y.1 as u32, z.1 as u32, cell as u32],
@@ -34,7 +41,7 @@ pub fn to_device(settings: &Settings, points: &Points) -> Vec<[u32; 4]> {
             part(&s[3..], plastic, 0),
             part(&s[..3], growth, 1),
             part(&s[3..], plastic, 1),
-            [0, 0, points.id[i], 0],
+            [0, 0, points.id[i], radius as u32],
         ];
         for (plane, word) in words.into_iter().enumerate() {
             planes[plane * n + i] = word;

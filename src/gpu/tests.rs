@@ -5,7 +5,10 @@ use super::device::{self, Device};
 use super::exact;
 use super::law::stress_step;
 use super::layout::{Law32, Params};
+use super::platen::{Drive, Platen};
 use super::shader::tests::LAW_TEST;
+use super::state::ghost_radius;
+use crate::boundary;
 use crate::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Memory, Parameters, Sym};
 use crate::mpm::{self, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
 use bytemuck::{Pod, Zeroable};
@@ -313,8 +316,24 @@ fn box_of_points(s: &Settings, laws: &[Law], n: usize) -> Points {
     points
 }
 
-/// Momentum and mass, internal force, and the sum of the sizes of the force's parts, of all nodes, straight from the points in f64.
-fn nodes_of(c: &mpm::Continuum) -> Vec<([f64; 4], [f64; 3], f64)> {
+/// Force of platens on a point, N, and how far beside it each component acts, m (mpm/platen.rs).
+fn pressed(c: &mpm::Continuum, platens: &[Platen], i: usize) -> ([f64; 3], [f64; 3]) {
+    let points = c.points();
+    let (mut force, mut arm) = ([0.0; 3], [0.0; 3]);
+    for p in platens {
+        let normal = if p.upward { 1.0 } else { -1.0 };
+        let radius = ghost_radius(points, i);
+        let overlap = radius - normal * (points.position[i][p.axis] - p.place);
+        if overlap > 0.0 {
+            force[p.axis] += normal * 4.0 / 3.0 * p.modulus * radius.sqrt() * overlap.powf(1.5);
+            arm[p.axis] = -normal * 0.5 * points.position[i][3].cbrt();
+        }
+    }
+    (force, arm)
+}
+
+/// Momentum and mass, internal force and that of platens, and the sum of the sizes of the force's parts, of all nodes, straight from the points in f64.
+fn nodes_of(c: &mpm::Continuum, platens: &[Platen]) -> Vec<([f64; 4], [f64; 3], f64)> {
     let (s, points) = (c.settings(), c.points());
     let wide = s.cells.map(|n| n as usize + 3);
     let mut nodes = vec![([0.0; 4], [0.0; 3], 0.0); wide.iter().product()];
@@ -326,6 +345,11 @@ fn nodes_of(c: &mpm::Continuum) -> Vec<([f64; 4], [f64; 3], f64)> {
             let r = x[a] - (base[a] + n as f64);
             if r.abs() < 0.5 { (0.75 - r * r, -2.0 * r) } else { (0.5 * (1.5 - r.abs()).powi(2), -r.signum() * (1.5 - r.abs())) }
         };
+        let (force, arm) = pressed(c, platens, i);
+        let beside = |a: usize, n: usize| {
+            let o = x[a] - base[a] - 1.0 + arm[a] / s.cell;
+            [0.5 * (0.5 - o).powi(2), 0.75 - o * o, 0.5 * (0.5 + o).powi(2)][n]
+        };
         for n in 0..27 {
             let n = [n % 3, n / 3 % 3, n / 9];
             let [(wx, sx), (wy, sy), (wz, sz)] = [one(0, n[0]), one(1, n[1]), one(2, n[2])];
@@ -333,7 +357,11 @@ fn nodes_of(c: &mpm::Continuum) -> Vec<([f64; 4], [f64; 3], f64)> {
             let node = &mut nodes[at[0] + wide[0] * (at[1] + wide[1] * at[2])];
             let g = [sx * wy * wz, wx * sy * wz, wx * wy * sz].map(|g| g / s.cell);
             let rows = [[sigma[0], sigma[3], sigma[5]], [sigma[3], sigma[1], sigma[4]], [sigma[5], sigma[4], sigma[2]]];
+            let there: [f64; 3] = std::array::from_fn(|a| beside(a, n[a]));
+            let pushes = [there[0] * wy * wz, wx * there[1] * wz, wx * wy * there[2]];
             for a in 0..3 {
+                node.1[a] += force[a] * pushes[a];
+                node.2 += (force[a] * pushes[a]).abs();
                 node.0[a] += v[3] * v[a] * wx * wy * wz;
                 for b in 0..3 {
                     let part = points.position[i][3] * rows[a][b] * g[b];
@@ -400,7 +428,7 @@ fn nodes_gather_what_the_points_have() {
     for p in &mut cpu.points_mut().velocity {
         *p = p.map(|x| f64::from(x as f32));
     }
-    let exact = nodes_of(&cpu);
+    let exact = nodes_of(&cpu, &[]);
     let mut gpu = Continuum::new(&cpu).expect("device");
     let momentum = gpu.nodes()[..exact.len()].to_vec();
     // a step so short that the device still shows the forces of the state
@@ -422,6 +450,71 @@ fn nodes_gather_what_the_points_have() {
     println!("rung 3, nodes: mass {in_mass:e}, momentum {in_momentum:e}, force {in_force:e}");
     assert!(in_mass < 2e-6 && in_momentum < 2e-6 && in_force < 2e-6);
     assert!(in_force > 0.0 && momentum.iter().any(|m| m[3] > 0.0), "something was compared");
+}
+
+/// Rung 3, platens on all sides: what they feel, the forces that nodes get, and their way, against f64.
+#[test]
+fn platens_press_on_points() {
+    if !adapter("platens_press_on_points") {
+        return;
+    }
+    let (mut s, laws) = (settings([8, 8, 8]), laws());
+    s.gravity = [0.0; 3];
+    let inner = Settings { lower: s.lower.map(|x| x + 0.1), cells: [6; 3], ..s.clone() };
+    let points = box_of_points(&inner, &laws, 1500);
+    let mut cpu = mpm::Continuum::new(s.clone(), laws, points).expect("allowed");
+    // stress in f32, so that only the sums differ
+    for stress in &mut cpu.points_mut().stress {
+        *stress = stress.map(|x| f64::from(x as f32));
+    }
+    let (modulus, height) = (1e7, 0.1 * 0.7 * 6.0);
+    let platens: Vec<Platen> = (0..6)
+        .map(|k| {
+            let (axis, upward) = (k / 2, k % 2 == 0);
+            let length = if axis == 2 { height } else { 0.6 };
+            let place = inner.lower[axis] + if upward { -0.02 } else { length + 0.02 };
+            let drive = if k == 5 { Drive::Force { target: 100.0, gain: 0.1, limit: 1e9 } } else { Drive::Speed(0.1 * k as f64) };
+            Platen::new(axis, upward, place, modulus, drive)
+        })
+        .collect();
+    let exact = nodes_of(&cpu, &platens);
+    let mut gpu = Continuum::with_platens(&cpu, &platens).expect("device");
+    let dt = 1e-12;
+    gpu.steps(1, dt).expect("step");
+    let change = gpu.nodes()[2 * exact.len()..].to_vec();
+    let mass: f64 = exact.iter().map(|n| n.0[3]).fold(0.0, f64::max);
+    let mut in_force: f64 = 0.0;
+    for (exact, change) in exact.iter().zip(&change).filter(|(exact, _)| exact.0[3] > 1e-6 * mass) {
+        for a in 0..3 {
+            let force = f64::from(change[a]) / f64::from(dt as f32) * exact.0[3];
+            in_force = in_force.max((force - exact.1[a]).abs() / exact.2);
+        }
+    }
+    let mut in_sums: f64 = 0.0;
+    for (p, before) in gpu.platens().iter().zip(&platens) {
+        let (mut reaction, mut stiffness, mut stored, mut rate) = (0.0, 0.0, 0.0, 0.0_f64);
+        for i in 0..cpu.points().len() {
+            let force = pressed(&cpu, &[*before], i).0[p.axis].abs();
+            let radius = ghost_radius(cpu.points(), i);
+            let overlap = (force / (4.0 / 3.0 * modulus * radius.sqrt())).powf(2.0 / 3.0);
+            let tangent = 2.0 * modulus * (radius * overlap).sqrt();
+            (reaction, stiffness, stored) = (reaction + force, stiffness + tangent, stored + 0.4 * force * overlap);
+            rate = rate.max(tangent / cpu.points().velocity[i][3]);
+        }
+        assert!(reaction > 0.0);
+        for (a, b) in [(p.reaction, reaction), (p.stiffness, stiffness), (p.stored, stored), (p.rate, rate)] {
+            in_sums = in_sums.max((a / b - 1.0).abs());
+        }
+        let speed = match p.drive {
+            Drive::Speed(speed) => speed,
+            Drive::Force { target, gain, limit } => boundary::servo_speed(target, reaction, stiffness, gain, dt, limit),
+        };
+        assert!((p.speed - speed).abs() <= 1e-5 * speed.abs(), "{p:?}: {speed}");
+        let moved = (p.place - before.place) * if p.upward { 1.0 } else { -1.0 };
+        assert!((moved - speed * dt).abs() <= 1e-5 * (speed * dt).abs() + 1e-13, "{p:?} from {before:?}: {moved:e}");
+    }
+    println!("rung 3, platens: sums {in_sums:e}, nodes {in_force:e}");
+    assert!(in_sums < 1e-5 && in_force < 1e-5);
 }
 
 /// Rung 3, a step: every kind of wall on every side, all laws.
