@@ -333,3 +333,16 @@ fn without_an_adapter() {
     let told = gpu::Continuum::new(&slump()).err().expect("refused").to_string();
     assert!(told.contains("found no graphics adapter") && told.contains("use the CPU"), "{told}");
 }
+
+#[test]
+fn the_bench_measures_the_device() {
+    if !adapter("the_bench_measures_the_device") {
+        return;
+    }
+    let few =
+        ["bench", "mpm", "--gpu", "--points", "64", "--threads", "1", "--steps", "2", "--repeats", "1", "--warm-up", "0", "--json"];
+    let output = assert_cmd::Command::cargo_bin("comminute").unwrap().args(few).assert().success().get_output().stdout.clone();
+    let json: serde_json::Value = serde_json::from_slice(&output).unwrap();
+    assert_eq!(json["gpu"][0]["points"], 64);
+    assert!(json["gpu"][0]["bytes_per_point"].as_f64().unwrap() > 150.0);
+}

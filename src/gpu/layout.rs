@@ -161,7 +161,8 @@ pub struct Law32 {
     pub settled: f32,
     pub last_alpha: f32,
     pub last_kappa: f32,
-    pub unused: [f32; 2],
+    pub unused_a: f32,
+    pub unused_b: f32,
     pub friction: Evolution32,
     pub cohesion: Evolution32,
 }
