@@ -380,9 +380,9 @@ fn advance<F: Four, const D: usize, S: Shape>(
         let mut arms = w;
         let t = t.xyzw();
         let scale = 4.0 / pass.cell;
-        for node in 0..3 {
-            for axis in 0..3 {
-                arms.slope[node][axis] = scale * (node as f64 - t[axis]) * w.value[node][axis];
+        for (n, (arm, value)) in arms.slope.iter_mut().zip(&w.value).enumerate() {
+            for ((arm, value), t) in arm.iter_mut().zip(value).zip(&t).take(3) {
+                *arm = scale * (n as f64 - t) * value;
             }
         }
         let [dx, dy, dz] = gradient::<F, D>(p.token, velocity, p.at, &arms);
@@ -396,9 +396,9 @@ fn advance<F: Four, const D: usize, S: Shape>(
     part.position[p.i] = moved.xyzw();
     let there = (place.in_cells(moved) - place.reach).xyzw();
     let mut stays = true;
-    for a in 0..D {
-        let cell = f64::from(p.cell[a]);
-        stays &= there[a] >= cell && there[a] < cell + 1.0;
+    for (there, cell) in there.iter().zip(p.cell).take(D) {
+        let cell = f64::from(cell);
+        stays &= *there >= cell && *there < cell + 1.0;
     }
     part.target[p.i] = if stays { STAYS } else { crossing::<D, S>(pass, there, p.whole, p.cell, sums) };
 }
