@@ -20,11 +20,7 @@ pub fn to_device(settings: &Settings, points: &Points) -> Vec<[u32; 4]> {
     let wide = settings.cells.map(|n| n as i32 + 1);
     for i in 0..n {
         let p = &points.position[i];
-        let [x, y, z]: [(i32, i32, f32); 3] = std::array::from_fn(|a| {
-            let (cell, units, rest) = place((p[a] - settings.lower[a]) / settings.cell);
-            // a point on the far side of the domain
-            if cell + 1 < wide[a] { (cell, units, rest) } else { (cell - 1, (1 << 29) - 1, 0.0) }
-        });
+        let [x, y, z]: [(i32, i32, f32); 3] = std::array::from_fn(|a| place((p[a] - settings.lower[a]) / settings.cell));
         let cell = (x.0 + 1) + wide[0] * ((y.0 + 1) + wide[1] * (z.0 + 1));
         let v = points.velocity[i].map(split);
         let s = points.stress[i].map(split);
