@@ -59,7 +59,7 @@ pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (
 /// Sine of an angle within −π/2..π/2: Taylor series (the device's own need not be better than 2⁻¹¹).
 fn sine(angle: f32) -> f32 {
     let q = angle * angle;
-    let sum = ((((1.605_904_4e-10 * q - 2.505_210_8e-8) * q + 2.755_731_9e-6) * q - 1.984_127e-4) * q + 8.333_333_3e-3) * q
+    let sum = ((((1.605_904_4e-10 * q - 2.505_210_8e-8) * q + 2.755_731_9e-6) * q - 1.984_127e-4) * q + 8.333_333e-3) * q
         - 1.666_666_7e-1;
     angle + angle * (q * sum)
 }
@@ -72,7 +72,7 @@ fn decay_of(x: f32) -> f32 {
     let halvings = (x * std::f32::consts::LOG2_E + 0.5) as i32;
     let n = halvings as f32;
     let r = -((x - n * 0.693_145_75) - n * 1.428_606_8e-6);
-    let sum = (((((1.984_127e-4 * r + 1.388_888_9e-3) * r + 8.333_333_3e-3) * r + 4.166_666_7e-2) * r + 1.666_666_7e-1) * r + 0.5)
+    let sum = (((((1.984_127e-4 * r + 1.388_888_9e-3) * r + 8.333_333e-3) * r + 4.166_666_7e-2) * r + 1.666_666_7e-1) * r + 0.5)
         * r
         + 1.0;
     (1.0 + r * sum) * f32::from_bits(((127 - halvings) as u32) << 23)

@@ -44,7 +44,7 @@ impl Sizes {
     /// # Errors
     /// A buffer that the device cannot have, with its size and the limit.
     pub fn check(&self, limits: &wgpu::Limits) -> Result<()> {
-        let most = limits.max_buffer_size.min(u64::from(limits.max_storage_buffer_binding_size));
+        let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
         // so that indices stay within 32 bits, and workgroups of the prefix sum within one axis
         let cells = 65_535 * 256 * 4;
         for (what, bytes, most, advice) in [

@@ -56,8 +56,8 @@ pub fn to_point(settings: &Settings, planes: &[[u32; 4]], i: usize, points: &mut
     let wide = settings.cells.map(|n| n + 1);
     let cell = word(0)[3];
     let cell = [cell % wide[0], cell / wide[0] % wide[1], cell / (wide[0] * wide[1])];
-    for a in 0..3 {
-        let x = placed(cell[a] as i32 - 1, word(0)[a] as i32, number(1, a));
+    for (a, cell) in cell.into_iter().enumerate() {
+        let x = placed(cell as i32 - 1, word(0)[a] as i32, number(1, a));
         points.position[to][a] = settings.lower[a] + settings.cell * x;
         points.velocity[to][a] = both(2, 3, a);
         points.stress[to][a] = both(4, 6, a);

@@ -163,7 +163,7 @@ fn laws_in_f32_follow_f64() {
         let grown = after.plastic - memory.plastic;
         yielded += u32::from(grown > 0.0);
         // where the strength jumps, rounding decides on which side a state lies
-        if case.law == 12 && (memory.plastic..=after.plastic + 1e-6).contains(&0.022) || case.law == 12 && memory.plastic == 0.0 {
+        if case.law == 12 && (memory.plastic == 0.0 || (memory.plastic..=after.plastic + 1e-6).contains(&0.022)) {
             continue;
         }
         let scale = case.scale(law);
@@ -485,9 +485,9 @@ fn platens_press_on_points() {
     let mass: f64 = exact.iter().map(|n| n.0[3]).fold(0.0, f64::max);
     let mut in_force: f64 = 0.0;
     for (exact, change) in exact.iter().zip(&change).filter(|(exact, _)| exact.0[3] > 1e-6 * mass) {
-        for a in 0..3 {
-            let force = f64::from(change[a]) / f64::from(dt as f32) * exact.0[3];
-            in_force = in_force.max((force - exact.1[a]).abs() / exact.2);
+        for (change, force) in change.iter().zip(exact.1) {
+            let there = f64::from(*change) / f64::from(dt as f32) * exact.0[3];
+            in_force = in_force.max((there - force).abs() / exact.2);
         }
     }
     let mut in_sums: f64 = 0.0;

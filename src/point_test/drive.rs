@@ -174,7 +174,7 @@ impl Lateral<'_> {
             best = if rest(&a).abs() < rest(&b).abs() { a } else { b };
         }
         let error = rest(&best).abs();
-        if !(error <= Self::ALLOWED * scale) {
+        if error.is_nan() || error > Self::ALLOWED * scale {
             let what = format!(
                 "no lateral strain holds the cell pressure of {} kPa: the nearest is {} kPa",
                 1e-3 * self.confining,

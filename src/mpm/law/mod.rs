@@ -31,7 +31,8 @@ pub struct Memory {
     pub plastic: f64,
 }
 
-/// The law of a material.
+/// The law of a material: one of them for all of its points.
+#[expect(clippy::large_enum_variant, reason = "a scene has a few laws; points hold none")]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Law {
     Elastic(Elastic),
