@@ -46,10 +46,10 @@ fn run(settings: Settings, points: Points, threads: usize, mut each: impl FnMut(
         for k in 0..60 {
             each(k, &mut c);
             // a contact pushes some points now and then, which are found by their ids
-            if k % 3 == 0 {
+            if k.is_multiple_of(3) {
                 for i in 0..c.points().len() {
                     let id = c.points().id[i];
-                    if id % 17 == 0 {
+                    if id.is_multiple_of(17) {
                         c.push(i, [0.01 * f64::from(id % 5), 0.5, -0.1]);
                     }
                 }

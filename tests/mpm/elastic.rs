@@ -126,7 +126,8 @@ fn a_uniform_strain_is_seen_exactly() {
     for i in 0..points.len() {
         let x: [f64; 3] = std::array::from_fn(|_| 0.3 + 0.4 * draw());
         let v = field(x);
-        (points.position[i][..3].copy_from_slice(&x), points.velocity[i][..3].copy_from_slice(&v));
+        points.position[i][..3].copy_from_slice(&x);
+        points.velocity[i][..3].copy_from_slice(&v);
     }
     // λ = 0, 2G = E: stress over E is strain
     let mut c = continuum(s, elastic(1e-6, 0.0), points);
