@@ -224,6 +224,12 @@ impl Continuum {
         Err(Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None })
     }
 
+    /// What happens when a device goes away.
+    #[cfg(test)]
+    pub(super) fn lose(&self) {
+        self.device.device.destroy();
+    }
+
     /// Planes of momentum and mass, velocity, and change of velocity.
     #[cfg(test)]
     pub(super) fn nodes(&self) -> Vec<[f32; 4]> {

@@ -1,280 +1,14 @@
-//! Rungs 2 and 3 of parity: laws in f32 against f64 and against their shader, one step against f64.
+//! Rung 3: nodes, platens and one step against f64.
 
-use super::continuum::Continuum;
-use super::device::{self, Device};
-use super::exact;
-use super::law::stress_step;
-use super::layout::{Law32, Params};
-use super::platen::{Drive, Platen};
-use super::shader::tests::LAW_TEST;
-use super::state::ghost_radius;
+use super::{adapter, laws};
 use crate::boundary;
-use crate::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Memory, Parameters, Sym};
+use crate::gpu::continuum::Continuum;
+use crate::gpu::platen::{Drive, Platen};
+use crate::gpu::state::ghost_radius;
+use crate::mpm::law::{Elastic, Law};
 use crate::mpm::{self, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
-use bytemuck::{Pod, Zeroable};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use wgpu::BufferUsages as Usage;
-
-const DEGREE: f64 = std::f64::consts::PI / 180.0;
-/// Stands for no cut-off.
-const FREE: f64 = f64::INFINITY;
-
-/// Whether there is an adapter; without one the test is skipped, loudly, or fails where one is required.
-fn adapter(test: &str) -> bool {
-    let Some(adapter) = device::available() else {
-        assert!(
-            std::env::var_os("COMMINUTE_REQUIRE_GPU").is_none(),
-            "COMMINUTE_REQUIRE_GPU is set and there is no graphics adapter"
-        );
-        eprintln!("SKIPPED {test}: no graphics adapter; set COMMINUTE_REQUIRE_GPU=1 to make this a failure");
-        return false;
-    };
-    eprintln!("{test}: on {}", adapter.name);
-    true
-}
-
-fn drucker_prager(cone: Cone, friction: Evolution, cohesion: Evolution, dilation: f64, tension: f64, poisson: f64) -> Law {
-    let elastic = Elastic::of_young(4.6e6, poisson);
-    let parameters = Parameters { elastic, cone, friction, cohesion, dilation: dilation * DEGREE, tension };
-    Law::DruckerPrager(DruckerPrager::new(parameters))
-}
-
-/// Every kind of surface, flow and evolution; the last one jumps at its peak.
-fn laws() -> Vec<Law> {
-    let c = Evolution::Constant;
-    let angle = |a: f64| Evolution::Constant(a * DEGREE);
-    let smooth = Evolution::CubicExponential {
-        initial: 0.35,
-        cubic: [0.0, -200.0, 16.0, 0.35],
-        peak_strain: 0.04,
-        peak: 0.67,
-        residual: 0.5,
-        decay: 30.0,
-    };
-    let softer = Evolution::Linear { initial: 8e3, last: 2e3, strain: 0.05 };
-    // Li et al. 2023, eq. 43
-    let li = Evolution::CubicExponential {
-        initial: 18.6 * DEGREE,
-        cubic: [1075.64, -407.93, 16.39, 0.32],
-        peak_strain: 0.022,
-        peak: 28.6 * DEGREE,
-        residual: 18.6 * DEGREE,
-        decay: 50.0,
-    };
-    vec![
-        Law::Elastic(Elastic::of_young(4.6e6, 0.3)),
-        drucker_prager(Cone::Outer, angle(30.0), c(0.0), 0.0, FREE, 0.3),
-        drucker_prager(Cone::Outer, angle(30.0), c(0.0), 30.0, FREE, 0.49),
-        drucker_prager(Cone::Inner, angle(40.0), c(2e4), 10.0, 5e3, 0.2),
-        drucker_prager(Cone::PlaneStrain, angle(25.0), c(1e4), 5.0, 0.0, 0.0),
-        drucker_prager(Cone::Outer, angle(0.0), c(3e4), 0.0, FREE, 0.49),
-        drucker_prager(Cone::Inner, angle(0.0), c(3e4), 0.0, 1e4, 0.3),
-        drucker_prager(Cone::Outer, Evolution::Linear { initial: 0.5, last: 0.7, strain: 0.1 }, c(20.5e3), 5.0, FREE, 0.3),
-        drucker_prager(Cone::Outer, angle(20.0), Evolution::Linear { initial: 3e4, last: 0.0, strain: 0.02 }, 5.0, FREE, 0.3),
-        drucker_prager(Cone::Outer, smooth, softer, 10.0, 1e3, 0.3),
-        drucker_prager(Cone::Inner, smooth, softer, 10.0, 1e3, 0.3),
-        drucker_prager(Cone::PlaneStrain, smooth, softer, 10.0, 1e3, 0.3),
-        drucker_prager(Cone::Outer, li, c(0.0), 16.0, FREE, 0.12),
-    ]
-}
-
-/// A state and a strain increment; `law_test.wgsl` has the same.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Case {
-    normal: [f32; 3],
-    law: u32,
-    shear: [f32; 3],
-    plastic: f32,
-    strain_normal: [f32; 3],
-    unused_a: u32,
-    strain_shear: [f32; 3],
-    unused_b: u32,
-}
-
-impl Case {
-    fn stress(&self) -> [f32; 6] {
-        join(self.normal, self.shear)
-    }
-
-    fn strain(&self) -> [f32; 6] {
-        join(self.strain_normal, self.strain_shear)
-    }
-
-    /// Size of the elastic trial stress: what rounding is measured by.
-    fn scale(&self, law: &Law) -> f64 {
-        let trial = law.elastic().update(self.stress().map(f64::from), self.strain().map(f64::from));
-        size(&trial) + size(&self.stress().map(f64::from)) + 1.0
-    }
-}
-
-fn join([a, b, c]: [f32; 3], [d, e, f]: [f32; 3]) -> [f32; 6] {
-    [a, b, c, d, e, f]
-}
-
-fn size(s: &Sym) -> f64 {
-    s.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// States that the laws can reach, at any plastic strain, and increments of 1e-8 to 5 %.
-fn cases(per_law: usize) -> Vec<Case> {
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let mut cases = Vec::new();
-    for (k, law) in laws().iter().enumerate() {
-        for _ in 0..per_law {
-            let mut symmetric = |size: f64| -> Sym { std::array::from_fn(|_| size * rng.random_range(-1.0..1.0)) };
-            let (mut path, mut strain) = (symmetric(0.02), symmetric(1.0));
-            let plastic = [0.0, rng.random_range(0.0..0.03), rng.random_range(0.0..2.0)][rng.random_range(0..3)];
-            let squeeze = 0.05 * rng.random_range(-1.0..0.2);
-            (0..3).for_each(|i| path[i] += squeeze);
-            let (stress, memory) = law.update([0.0; 6], path, Memory { plastic });
-            let size = 10f64.powf(rng.random_range(-8.0..-1.3));
-            strain = strain.map(|e| size * e);
-            let [a, b, c, d, e, f] = stress.map(|s| s as f32);
-            let [u, v, w, x, y, z] = strain.map(|s| s as f32);
-            cases.push(Case {
-                normal: [a, b, c],
-                law: k as u32,
-                shear: [d, e, f],
-                plastic: memory.plastic as f32,
-                strain_normal: [u, v, w],
-                unused_a: 0,
-                strain_shear: [x, y, z],
-                unused_b: 0,
-            });
-        }
-    }
-    cases
-}
-
-/// Rung 2a. Stress within 2e-6 of the size of the trial stress; the plastic strain within that over G.
-#[test]
-fn laws_in_f32_follow_f64() {
-    let laws = laws();
-    let (mut in_stress, mut in_plastic, mut yielded): (f64, f64, u32) = (0.0, 0.0, 0);
-    for case in cases(4000) {
-        let law = &laws[case.law as usize];
-        let (change, made) = stress_step(&Law32::from(law), case.stress(), case.strain(), case.plastic);
-        let before = case.stress().map(f64::from);
-        let memory = Memory { plastic: f64::from(case.plastic) };
-        let (exact, after) = law.update(before, case.strain().map(f64::from), memory);
-        let apart: Sym = std::array::from_fn(|k| before[k] + f64::from(change[k]) - exact[k]);
-        let grown = after.plastic - memory.plastic;
-        yielded += u32::from(grown > 0.0);
-        // where the strength jumps, rounding decides on which side a state lies
-        if case.law == 12 && (memory.plastic == 0.0 || (memory.plastic..=after.plastic + 1e-6).contains(&0.022)) {
-            continue;
-        }
-        let scale = case.scale(law);
-        let stress = size(&apart) / scale;
-        let plastic = (f64::from(made) - grown).abs() * law.shear_modulus() / scale;
-        assert!(
-            stress < 2e-6 && plastic < 2e-6,
-            "{law:?}: stress {stress:e}, plastic strain {plastic:e}; {grown:e} {made:e} {before:?}"
-        );
-        (in_stress, in_plastic) = (in_stress.max(stress), in_plastic.max(plastic));
-    }
-    assert!(yielded > 10_000, "{yielded}");
-    println!("rung 2a: stress {in_stress:e}, plastic strain {in_plastic:e}, {yielded} yielded");
-}
-
-/// Rung 2a over many steps: 100 000 increments of 1e-7 through the peak of eq. 43 of Li et al. in compensated sums.
-#[test]
-fn small_steps_in_f32_follow_f64() {
-    let law = laws().remove(9);
-    let law32 = Law32::from(&law);
-    let start = [-5e4, -5e4, -5e4, 0.0, 0.0, 0.0];
-    let (mut exact, mut sums, mut plastic) = ((start, Memory::default()), start.map(exact::split), [0.0_f32; 2]);
-    let strain = [3e-7_f32, 3e-7, -1e-6, 0.0, 0.0, 0.0];
-    let mut worst: f64 = 0.0;
-    for _ in 0..100_000 {
-        exact = law.update(exact.0, strain.map(f64::from), exact.1);
-        let (change, made) = stress_step(&law32, sums.map(|[high, low]| high + low), strain, plastic[0] + plastic[1]);
-        sums = std::array::from_fn(|k| exact::add(sums[k], change[k]));
-        plastic = exact::add(plastic, made);
-        let apart: Sym = std::array::from_fn(|k| f64::from(sums[k][0]) + f64::from(sums[k][1]) - exact.0[k]);
-        worst = worst.max(size(&apart) / size(&exact.0));
-    }
-    let in_plastic = (f64::from(plastic[0]) + f64::from(plastic[1])) / exact.1.plastic - 1.0;
-    println!("rung 2a, many steps: stress {worst:e}, plastic strain {in_plastic:e} of {}", exact.1.plastic);
-    assert!(worst < 1e-4 && in_plastic.abs() < 1e-4, "{worst:e} {in_plastic:e}");
-}
-
-/// Rung 2b: the shader and its twin, within some units in the last place of the trial stress; compensated sums to the bit.
-#[test]
-fn laws_on_the_device_follow_their_twin() {
-    if !adapter("laws_on_the_device_follow_their_twin") {
-        return;
-    }
-    let device = Device::open().expect("device");
-    let laws = laws();
-    let laws32: Vec<Law32> = laws.iter().map(Law32::from).collect();
-    let cases = cases(1000);
-    let params = Params { points: cases.len() as u32, ..Params::default() };
-    let storage = Usage::STORAGE | Usage::COPY_SRC;
-    let buffers = [
-        device.buffer("params", bytemuck::bytes_of(&params), Usage::UNIFORM),
-        device.buffer("laws", bytemuck::cast_slice(&laws32), storage),
-        device.buffer("cases", bytemuck::cast_slice(&cases), storage),
-        device.empty("results", 32 * cases.len() as u64, storage),
-    ];
-    let d = &device.device;
-    let module =
-        d.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(LAW_TEST.into()) });
-    let pipeline = d.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: None,
-        layout: None,
-        module: &module,
-        entry_point: Some("run"),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    });
-    let entries: Vec<_> =
-        (0..).zip(&buffers).map(|(binding, b)| wgpu::BindGroupEntry { binding, resource: b.as_entire_binding() }).collect();
-    let group = d.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &entries,
-    });
-    let mut encoder = d.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(params.points.div_ceil(64), 1, 1);
-    }
-    device.queue.submit([encoder.finish()]);
-    let results: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&device.read(&buffers[3], 0).expect("results"));
-    let (mut in_stress, mut in_plastic, mut same): (f64, f64, usize) = (0.0, 0.0, 0);
-    for (case, result) in cases.iter().zip(results.chunks_exact(2)) {
-        let law = &laws[case.law as usize];
-        let (stress, plastic) = stress_step(&laws32[case.law as usize], case.stress(), case.strain(), case.plastic);
-        let [[a, b, c, made], [d, e, f, low]] = [result[0], result[1]];
-        assert_eq!(
-            low.to_bits(),
-            exact::add([case.normal[0], 0.0], case.strain_normal[0])[1].to_bits(),
-            "compensated sums survive"
-        );
-        let there = [a, b, c, d, e, f];
-        same += usize::from(there == stress && made == plastic);
-        if case.law == 12 && (f64::from(case.plastic)..=f64::from(case.plastic + plastic) + 1e-6).contains(&0.022) {
-            continue;
-        }
-        let apart: Sym = std::array::from_fn(|k| f64::from(there[k]) - f64::from(stress[k]));
-        let scale = case.scale(law) * f64::from(f32::EPSILON);
-        let (s, p) = (size(&apart) / scale, f64::from((made - plastic).abs()) * law.shear_modulus() / scale);
-        assert!(
-            s < 8.0 && p < 8.0,
-            "{law:?}: stress {s}, plastic strain {p} ulp: {there:?} for {stress:?}, {made:e} for {plastic:e}"
-        );
-        (in_stress, in_plastic) = (in_stress.max(s), in_plastic.max(p));
-    }
-    println!(
-        "rung 2b: stress {in_stress:.2} ulp, plastic strain {in_plastic:.2} ulp of the trial; {same} of {} the same bits",
-        cases.len()
-    );
-}
 
 fn settings(cells: [u32; 3]) -> Settings {
     Settings {
@@ -514,7 +248,7 @@ fn platens_press_on_points() {
         assert!((moved - speed * dt).abs() <= 1e-5 * (speed * dt).abs() + 1e-13, "{p:?} from {before:?}: {moved:e}");
     }
     println!("rung 3, platens: sums {in_sums:e}, nodes {in_force:e}");
-    assert!(in_sums < 1e-5 && in_force < 1e-5);
+    assert!(in_sums < 2e-6 && in_force < 2e-6);
 }
 
 /// Rung 3, a step: every kind of wall on every side, all laws.
@@ -560,7 +294,7 @@ fn one_step_follows_f64() {
             "rung 3, step, {:?} …: velocity {v:e} m/s, place {x:e} cells, stress {stress:e} Pa, plastic strain {p:e}, volume {w:e}, wall force {force:e} of {largest:e} N, work {work:e}",
             walls[0]
         );
-        assert!(v < 1e-5 && x < 1e-7 && stress < 5.0 && p < 1e-6 && w < 1e-6 && force <= 1e-5 * largest && work < 1e-5);
+        assert!(v < 2e-7 && x < 4e-9 && stress < 0.2 && p < 4e-9 && w < 4e-9 && force <= 1e-6 * largest && work < 4e-6);
         assert_eq!(back.steps(), 1);
     }
 }
@@ -604,4 +338,22 @@ fn points_that_cross_cells_are_sorted() {
     }
     println!("uniform motion through cells: {worst:e} cells");
     assert!(worst < 1e-5);
+}
+
+/// A device that goes away ends the run with a message, not a panic.
+#[test]
+fn a_lost_device_is_told() {
+    if !adapter("a_lost_device_is_told") {
+        return;
+    }
+    let (s, laws) = (settings([6, 5, 7]), laws());
+    let points = box_of_points(&s, &laws, 100);
+    let mut cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
+    let before = cpu.points().clone();
+    let mut gpu = Continuum::new(&cpu).expect("device");
+    gpu.lose();
+    let told = gpu.steps(500, 1e-5).expect_err("lost").to_string();
+    assert!(told.contains("graphics device") && told.contains("step 0"), "{told}");
+    assert!(gpu.read_back(&mut cpu).is_err());
+    assert!(*cpu.points() == before, "what was there is kept");
 }
