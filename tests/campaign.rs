@@ -264,3 +264,18 @@ fn a_campaign_that_was_stopped_or_killed_goes_on() {
     same_histories(&dir, "whole", "e", 1..=4);
     assert!(Path::new(&dir.path().join("e/mean.csv")).exists());
 }
+
+#[test]
+fn only_the_figures_asked_for_are_drawn() {
+    let dir = folder();
+    call(&dir, &["run", "scene.toml", "--quiet", "--out", "a"], 0);
+    call(&dir, &["plot", "a", "--show", "k0,compression", "--quiet", "--out", "few"], 0);
+    let mut files: Vec<String> = fs::read_dir(dir.path().join("few"))
+        .expect("folder")
+        .map(|f| f.expect("file").file_name().to_string_lossy().into_owned())
+        .collect();
+    files.sort();
+    assert_eq!(files, ["compression.csv", "compression.png", "compression.svg", "k0.csv", "k0.png", "k0.svg", "runs.csv"]);
+    let output = call(&dir, &["plot", "a", "--show", "k1", "--out", "none"], 2);
+    assert!(said(&output).contains("have no k1"), "{}", said(&output));
+}

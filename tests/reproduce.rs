@@ -111,3 +111,58 @@ fn the_plan_of_the_paper_holds_every_row_of_its_table() {
     let minutes: f64 = plan.runs.iter().filter_map(|r| r.published.last()?.minutes).sum();
     assert_eq!(Some(minutes), plan.published_minutes);
 }
+
+/// Eqs (13)–(15): with every length multiplied by N, the specimen's too, nothing but lengths changes. So what differs between two scales in one
+/// oedometer is how many grains stand between its walls.
+#[test]
+fn upscaling_with_the_specimen_scaled_too_changes_nothing() {
+    let dir = folder();
+    let run = |args: &[&str]| {
+        let output = Command::new(cargo_bin("comminute")).current_dir(dir.path()).arg("run").args(args).output().expect("started");
+        assert!(output.status.success(), "{}", said(&output));
+    };
+    run(&["crushes.toml", "--quiet", "--out", "one"]);
+    let specimen = text(&dir, "one/specimen.csv");
+    let twice: Vec<String> = specimen.lines().filter(|l| !l.starts_with("# hash")).map(doubled).collect();
+    fs::write(dir.path().join("twice.csv"), twice.join("\n")).expect("specimen");
+    let sets = ["--set", "specimen.scale=8.0", "--set", "specimen.diameter_mm=400.0"];
+    let columns = ["sigma_v_kPa", "k0", "axial_strain", "porosity", "coordination_number", "crush_events"];
+    let both = |scene: &str| {
+        run(&[scene, "--quiet", "--out", "small", "--force", "--specimen", "one/specimen.csv"]);
+        run(&[&[scene, "--quiet", "--out", "large", "--force", "--specimen", "twice.csv"], &sets[..]].concat());
+        let read = |folder: &str| {
+            let table = text(&dir, &format!("{folder}/history.csv"));
+            columns.map(|name| column(&table, name))
+        };
+        (read("small"), read("large"))
+    };
+    // rounding grows from contact to contact, so that late records show nothing
+    let (small, large) = both("twin.toml");
+    for (a, b) in small.iter().zip(&large) {
+        assert!(a.len() > 20 && a.iter().zip(b).take(10).all(|(a, b)| (a - b).abs() <= 1e-6 * a.abs().max(1.0)), "{a:?} {b:?}");
+    }
+    // the first breakages; after them the paths part at once
+    let (small, large) = both("crushes.toml");
+    assert!(small[5][1] > 0.0 && small[5][1] == large[5][1], "{:?} {:?}", small[5], large[5]);
+}
+
+/// A column of a CSV file.
+fn column(table: &str, name: &str) -> Vec<f64> {
+    let at = table.lines().next().expect("header").split(',').position(|h| h == name).expect("column");
+    table.lines().skip(1).map(|l| l.split(',').nth(at).expect("cell").parse().expect("number")).collect()
+}
+
+/// A line of a specimen file with every length twice as large.
+fn doubled(line: &str) -> String {
+    let double = |x: &str| x.trim().parse::<f64>().map_or(x.to_string(), |x| format!("{:?}", 2.0 * x));
+    match line.split_once('=') {
+        Some((name, value)) => format!("{name}= {}", double(value)),
+        // x_m, y_m, z_m, r_m come first
+        None => line
+            .split(',')
+            .enumerate()
+            .map(|(i, cell)| if i < 4 { double(cell) } else { cell.to_string() })
+            .collect::<Vec<_>>()
+            .join(","),
+    }
+}

@@ -1,17 +1,25 @@
 #!/usr/bin/env bash
 # What moves the counts of crush events of petroleum coke that differ from Table 4: what is done with negative strengths, the stiffness of linear
-# contacts, the strength with the Hertzian area. The runs behind figures/coke_counts. From the repository root: experiments/studies/coke_counts.sh [FOLDER]
+# contacts, the strength with the Hertzian area. One seed each. The runs behind figures/coke_counts; runs are taken over from `reproduce ciantia2015`
+# where they are the same. From the repository root: experiments/studies/coke_counts.sh [FOLDER]
 set -eu
 out=${1:-runs/coke_counts}
 program=${COMMINUTE:-target/release/comminute}
 coke=experiments/petroleum_coke
-sweep() { "$program" sweep "$coke/$1.toml" --jobs "${JOBS:-2}" --quiet --out "$out/$2" "${@:3}"; cp "$out/$2/sweep.csv" "figures/coke_counts/$2.csv"; }
 
-mkdir -p figures/coke_counts
+go() { "$program" run "$coke/$1.toml" --seed 1 --continue --threads 1 --quiet --out "$out/$1$2" "${@:3}"; }
 for scene in h-c-2 l-c-2 h-v-2; do
-    sweep $scene $scene-truncation --grid material.strength.truncation=redraw,symmetric,clamp --seeds 1,2
+    go $scene ""
+    for how in symmetric clamp; do go $scene -$how --set material.strength.truncation=$how; done
 done
-# an own specimen for each stiffness takes long to settle; without breakage 5 kPa hardly deform any of them
-"$program" run $coke/l-c-2.toml --seed 1 --continue --quiet --out "$out/l-c-2-specimen" --set loading.max_stress_kPa=6
-sweep l-c-2 l-c-2-stiffness --grid material.linear.K_eff_MPa=33.3,66.6,133.2,266.4 --set "specimen.file=\"$PWD/$out/l-c-2-specimen/specimen.csv\""
-sweep h-v-2 h-v-2-strength --grid material.strength.hertz_area.sigma_lim0_MPa=200,150,130
+go l-c-2 -K_eff-66.6 --set material.linear.K_eff_MPa=66.6
+# a specimen of its own takes long to settle with stiffer contacts; at 5 kPa the softest are hardly deformed either
+for K in 133.2 266.4; do go l-c-2 -K_eff-$K --set material.linear.K_eff_MPa=$K --specimen "$out/l-c-2/specimen.csv"; done
+for sigma in 150 100; do go h-v-2 -sigma-$sigma --set material.strength.hertz_area.sigma_lim0_MPa=$sigma; done
+
+draw() { "$program" plot "${@:2}" --quiet --show crush_events,compression --out "figures/coke_counts/$1"; }
+draw truncation-h-c-2 "$out"/h-c-2{,-symmetric,-clamp}
+draw truncation-l-c-2 "$out"/l-c-2{,-symmetric,-clamp}
+draw truncation-h-v-2 "$out"/h-v-2{,-symmetric,-clamp}
+draw stiffness "$out"/l-c-2{,-K_eff-66.6,-K_eff-133.2,-K_eff-266.4}
+draw strength "$out"/h-v-2{,-sigma-150,-sigma-100}

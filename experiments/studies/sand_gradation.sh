@@ -9,7 +9,7 @@ program=${COMMINUTE:-target/release/comminute}
 mkdir -p figures/sand_gradation
 go() { # scene label gradation
     name=$(basename "$1" .toml)
-    "$program" ensemble "$1" --seeds 1..3 --jobs "${JOBS:-2}" --quiet --out "$out/$(basename "$(dirname "$1")")-$name-$2" \
+    "$program" ensemble "$1" --seeds 1 --jobs "${JOBS:-2}" --quiet --out "$out/$(basename "$(dirname "$1")")-$name-$2" \
         --set "name=\"$name-$2\"" ${3:+--set "material.gradation.points=$3"}
 }
 for area in c v; do

@@ -9,10 +9,10 @@ use std::path::PathBuf;
 /// Find parameters of a scene from an oedometer curve, with what the curve leaves open
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example, from the repository root:\n  comminute calibrate curve experiments/calibration/targets/target-1.csv --scene experiments/calibration/coke_small.toml --budget 60 --out runs/calibration"
+    after_help = "Example, from the repository root:\n  comminute calibrate curve experiments/calibration/targets/target-05.csv --scene experiments/calibration/coke_small.toml --budget 60 --out runs/calibration"
 )]
 pub struct Args {
-    /// Curve: sigma_v_kPa or sigma_v_MPa with void_ratio, porosity, axial_strain or axial_strain_percent, and sd, k0, k0_sd if known (CSV)
+    /// Curve: sigma_v_kPa or sigma_v_MPa with void_ratio, porosity, axial_strain or axial_strain_percent (or void_ratio_restored …, lost mass counted as fines), and sd, k0, k0_sd if known (CSV)
     curve: PathBuf,
 
     /// Scene whose runs are to give the curve, as small as it can be (TOML); its [[calibrate]] tables say what may change
@@ -39,11 +39,11 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     budget: Option<usize>,
 
-    /// Of them, runs that fill the space between the bounds (10 for each parameter)
+    /// Of them, runs that fill the space between the bounds (14 for each parameter)
     #[arg(long, value_name = "N")]
     design: Option<usize>,
 
-    /// Runs between two looks at the results (4)
+    /// Runs between two looks at the results (5)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     batch: Option<u16>,
 
@@ -113,6 +113,9 @@ pub fn call(args: &Args) -> Result<()> {
     }
     if !args.quiet {
         eprint!("{}", outcome.table);
+        for warning in &outcome.warnings {
+            eprintln!("warning: {warning}");
+        }
         eprintln!("report and figures in {}", request.out.display());
     }
     Ok(())

@@ -4,6 +4,7 @@ mod bench;
 mod bench_mpm;
 mod calibrate;
 mod calibrate_curve;
+mod calibrate_curve_study;
 mod calibrate_grains;
 mod calibrate_study;
 mod campaign;

@@ -52,7 +52,9 @@ pub fn call(args: &Args) -> Result<()> {
         }
     };
     let files = if !args.show.is_empty() {
-        figure::chosen(&args.runs, &args.data, &args.show, &out)?
+        let mut files = figure::chosen(&args.runs, &args.data, &args.show, &out)?;
+        files.extend(figure::write_runs(&args.runs, &out)?);
+        files
     } else if own && args.data.is_empty() {
         figure::draw_run(&args.runs[0])?
     } else {

@@ -34,6 +34,7 @@ pub use error::{FigureError, Result};
 pub use mean::write as write_means;
 pub use point_test::{draw as draw_point_test, files as point_test_files};
 pub use posterior::{FittedLine, Input as PosteriorInput, draw_convergence, draw_corner, draw_fitted, draw_sensitivity};
+pub use runs_table::write as write_runs;
 pub use specimen::Colouring;
 
 use data::Measured;

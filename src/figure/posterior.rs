@@ -89,6 +89,9 @@ fn axes(quantity: &str) -> (Axis, Axis, f64, f64) {
             1.0,
             1.0,
         ),
+        "void_ratio_restored" => (stress, y("void ratio with lost mass as fines (–)", "void_ratio_restored"), 1e-3, 1.0),
+        "porosity_restored" => (stress, y("porosity with lost mass as fines (–)", "porosity_restored"), 1e-3, 1.0),
+        "porosity_star_restored" => (stress, y("n* with lost mass as fines (–)", "porosity_star_restored"), 1e-3, 1.0),
         "void_ratio" => (stress, y("void ratio e (–)", "void_ratio"), 1e-3, 1.0),
         "axial_strain" => (stress, y("axial strain ε_{a} (%)", "axial_strain_percent").downwards(), 1e-3, 100.0),
         "k0" => (stress, y("stress ratio k_{0} = σ_{h}/σ_{v} (–)", "k0").including(&[0.0]), 1e-3, 1.0),
@@ -97,33 +100,43 @@ fn axes(quantity: &str) -> (Axis, Axis, f64, f64) {
     }
 }
 
-/// How the intervals narrowed: for each parameter, after so many runs, 2.5 %, 50 % and 97.5 % as shares of the way between its bounds.
+/// How the intervals narrowed: a panel for each parameter, with its median and 95 % interval after so many runs.
 pub fn draw_convergence(inputs: &[Input], runs: &[f64], quantiles: &[Vec<[f64; 3]>], out: &Path) -> Result<Vec<PathBuf>> {
-    let series = inputs
-        .iter()
-        .enumerate()
-        .map(|(k, input)| {
-            let of = |q: usize| quantiles.iter().map(|t| input.place(t[k][q])).collect::<Vec<f64>>();
-            Series {
-                label: Some(input.name.clone()),
-                name: input.name.clone(),
-                colour: colour::kind(k),
-                mark: Mark::Band { low: of(0), high: of(2), dash: colour::dash(k) },
-                x: runs.to_vec(),
-                y: of(1),
-            }
-        })
-        .collect();
-    let plot = Plot {
-        name: "convergence".into(),
-        title: vec!["line: median, band: 95 %".into()],
-        legend_title: None,
-        x: Axis::linear("runs (–)", "runs"),
-        y: Axis::linear("place between the bounds (–)", "place").including(&[0.0, 1.0]),
-        series,
-        equal: false,
+    const SIZE: f64 = 42.0;
+    const GAP: f64 = 40.0;
+    let (left, top, bottom, height) = (260.0, 80.0, 150.0, 340.0);
+    let count = inputs.len() as f64;
+    let mut canvas = Canvas::new(top + bottom + count * height + (count - 1.0) * GAP);
+    let Some(x) = Axis::linear("", "").range(runs.iter().copied()) else {
+        return Ok(Vec::new());
     };
-    plot.draw(out)
+    let tone = colour::kind(0);
+    let mut rows = String::from("parameter,runs,lower,median,upper\n");
+    let what = "line: median, band: 95 % interval".into();
+    canvas.text(Line { at: (left, 40.0), text: what, size: 37.0, colour: INK, anchor: Anchor::Start, upwards: false });
+    for (k, input) in inputs.iter().enumerate() {
+        let panel = Panel { left, top: top + k as f64 * (height + GAP), width: WIDTH - left - 50.0, height };
+        let of =
+            |q: usize| runs.iter().zip(quantiles).map(|(n, t)| panel.at(x.place(*n), input.place(t[k][q]))).collect::<Vec<Point>>();
+        let mut outline = of(0);
+        outline.extend(of(2).into_iter().rev());
+        canvas.area(outline, tone, 0.28);
+        canvas.line(&of(1), tone, 7.0, &[]);
+        panel.frame(&mut canvas);
+        ticks(&mut canvas, panel, &input.range(), &input.name, SIZE, true);
+        let last = k + 1 == inputs.len();
+        if last {
+            ticks(&mut canvas, panel, &x, "runs (–)", SIZE, false);
+        }
+        for (n, t) in runs.iter().zip(quantiles) {
+            let [low, middle, high] = t[k];
+            rows += &format!("{},{n},{low},{middle},{high}\n", super::plot::quoted(&input.name));
+        }
+    }
+    std::fs::create_dir_all(out).map_err(|e| FigureError::io(out, e))?;
+    let mut files = canvas.write(out, "convergence")?.to_vec();
+    files.push(table(out, "convergence", &rows)?);
+    Ok(files)
 }
 
 impl Input {
@@ -143,13 +156,14 @@ impl Input {
 struct Panel {
     left: f64,
     top: f64,
-    side: f64,
+    width: f64,
+    height: f64,
 }
 
 impl Panel {
     /// Page position of places 0..1, upwards.
     fn at(&self, x: f64, y: f64) -> Point {
-        (self.left + x * self.side, self.top + (1.0 - y) * self.side)
+        (self.left + x * self.width, self.top + (1.0 - y) * self.height)
     }
 
     fn frame(&self, canvas: &mut Canvas) {
@@ -179,7 +193,7 @@ pub fn draw_corner(inputs: &[Input], draws: &[Vec<f64>], out: &Path) -> Result<V
     for row in 0..d {
         for column in 0..=row {
             let step = side + gap;
-            let panel = Panel { left: left + step * column as f64, top: top + step * row as f64, side };
+            let panel = Panel { left: left + step * column as f64, top: top + step * row as f64, width: side, height: side };
             if row == column {
                 marginal(&mut canvas, panel, &places[row], tone);
             } else {
@@ -187,10 +201,10 @@ pub fn draw_corner(inputs: &[Input], draws: &[Vec<f64>], out: &Path) -> Result<V
             }
             panel.frame(&mut canvas);
             if row == d - 1 {
-                ticks(&mut canvas, panel, &inputs[column], small, false);
+                ticks(&mut canvas, panel, &inputs[column].range(), &inputs[column].name, small, false);
             }
             if column == 0 && row > 0 {
-                ticks(&mut canvas, panel, &inputs[row], small, true);
+                ticks(&mut canvas, panel, &inputs[row].range(), &inputs[row].name, small, true);
             }
         }
     }
@@ -275,19 +289,22 @@ fn joint(canvas: &mut Canvas, panel: Panel, xs: &[f64], ys: &[f64], tone: Colour
     }
 }
 
-fn ticks(canvas: &mut Canvas, panel: Panel, input: &Input, size: f64, upwards: bool) {
+/// Ticks, their labels and the name of a panel's axis; labels keep clear of each other and of the panel beside.
+fn ticks(canvas: &mut Canvas, panel: Panel, range: &Range, name: &str, size: f64, upwards: bool) {
     let text = |at, text: &str, size, anchor, upwards| Line { at, text: text.into(), size, colour: INK, anchor, upwards };
+    let along = if upwards { panel.height } else { panel.width };
     let mut last = f64::NEG_INFINITY;
-    for tick in input.range().ticks() {
-        let p = input.place(tick.value);
+    for tick in range.ticks() {
+        let p = range.place(tick.value);
         let length = if tick.label.is_some() { 14.0 } else { 8.0 };
         let from = if upwards { panel.at(0.0, p) } else { panel.at(p, 0.0) };
         let to = if upwards { (from.0 + length, from.1) } else { (from.0, from.1 - length) };
         canvas.line(&[from, to], INK, 3.0, &[]);
         let Some(label) = tick.label else { continue };
         let extent = if upwards { 1.2 * size } else { room(&label, size) + 0.4 * size };
-        let at = p * panel.side;
-        if at - last < extent {
+        let at = p * along;
+        let beside = !upwards && (at < 0.4 * extent || along - at < 0.4 * extent);
+        if at - last < extent || beside {
             continue;
         }
         last = at;
@@ -297,12 +314,11 @@ fn ticks(canvas: &mut Canvas, panel: Panel, input: &Input, size: f64, upwards: b
             canvas.text(text((from.0, from.1 + 36.0), &label, size, Anchor::Middle, false));
         }
     }
-    let name = &input.name;
-    let label = fit(name, 1.1 * size, panel.side);
+    let fitted = fit(name, 1.1 * size, along);
     if upwards {
-        canvas.text(text((44.0, panel.top + 0.5 * panel.side), name, label, Anchor::Middle, true));
+        canvas.text(text((44.0, panel.top + 0.5 * panel.height), name, fitted, Anchor::Middle, true));
     } else {
-        canvas.text(text((panel.left + 0.5 * panel.side, panel.top + panel.side + 108.0), name, label, Anchor::Middle, false));
+        canvas.text(text((panel.left + 0.5 * panel.width, panel.top + panel.height + 108.0), name, fitted, Anchor::Middle, false));
     }
 }
 
@@ -332,7 +348,8 @@ pub fn draw_sensitivity(names: &[String], first: &[f64], total: &[f64], out: &Pa
     let frame = [(left, top), (left + width, top), (left + width, bottom), (left, bottom), (left, top), (left + 1.0, top)];
     canvas.line(&frame, INK, 3.0, &[]);
     let middle = left + 0.5 * width;
-    canvas.text(text((middle, bottom + 108.0), "share of the curve's variance over the prior (–)", 48.0, Anchor::Middle));
+    let label = "share of the curve's variance (–)";
+    canvas.text(text((middle, bottom + 108.0), label, fit(label, 48.0, width), Anchor::Middle));
     let mut at = left;
     for (label, tone) in [("with the others", light), ("alone", dark)] {
         canvas.rect((at, 34.0), (at + 60.0, 72.0), tone, 1.0);
@@ -381,8 +398,8 @@ mod tests {
         let trace = vec![vec![[100.0, 316.227766, 1000.0], [1.0, 3.0, 5.0]], vec![[200.0, 300.0, 400.0], [2.0, 3.0, 4.0]]];
         let files = draw_convergence(&inputs(), &[10.0, 20.0], &trace, dir.path()).expect("drawn");
         let csv = std::fs::read_to_string(files.iter().find(|f| f.ends_with("convergence.csv")).expect("csv")).expect("text");
-        assert!(csv.contains("sigma_lim0_MPa,band,10,0.4999999") || csv.contains("sigma_lim0_MPa,band,10,0.5"), "{csv}");
-        assert!(csv.contains("m,band,20,0.5,0.25,0.75"), "{csv}");
+        assert!(csv.contains("sigma_lim0_MPa,10,100,316.227766,1000") && csv.contains("m,20,2,3,4"), "{csv}");
+        assert!((inputs()[0].place(316.227766) - 0.5).abs() < 1e-9);
         let files = draw_sensitivity(&["a".into(), "b".into()], &[0.1, 0.5], &[0.3, 0.8], dir.path()).expect("drawn");
         assert!(files.iter().all(|f| f.is_file()));
     }

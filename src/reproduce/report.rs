@@ -56,6 +56,12 @@ fn count(x: f64) -> String {
     out
 }
 
+/// The number to two digits, as the paper gives its excluded grains.
+fn two_digits(x: f64) -> f64 {
+    let unit = 10f64.powf(x.abs().max(1.0).log10().floor() - 1.0).max(1.0);
+    (x / unit).round() * unit
+}
+
 fn spread(s: Option<Spread>) -> String {
     match s {
         None => "–".into(),
@@ -87,7 +93,7 @@ fn table(rows: &[Row]) -> String {
             count(p.grains),
             row.grains.map_or("–".into(), |s| count(s.mean)),
             count(p.excluded),
-            row.excluded.map_or("–".into(), |s| significant(s.mean, 2)),
+            row.excluded.map_or("–".into(), |s| count(two_digits(s.mean))),
             p.minutes.map_or("–".into(), count),
             row.minutes.map_or("–".into(), |s| significant(s.mean, 2)),
         );
@@ -138,6 +144,8 @@ mod tests {
         assert_eq!(count(1408.4), "1408");
         assert_eq!(count(171918.0), "171 918");
         assert_eq!(count(1_600_000.0), "1 600 000");
+        assert_eq!(two_digits(1_116_587.0), 1_100_000.0);
+        assert_eq!((two_digits(0.0), two_digits(7.4)), (0.0, 7.0));
         assert_eq!(mpa(5000.0), "5 MPa");
         assert_eq!(spread(None), "–");
         assert_eq!(spread(Spread::of(&[3.0])), "3");

@@ -91,13 +91,13 @@ impl Seed {
         self.summary.get(key).and_then(Value::as_f64)
     }
 
-    /// Crush events at a vertical stress, kPa, linear in its logarithm between records; at the end without one. `None` if the run did
-    /// not get there.
+    /// Crush events at a vertical stress, kPa, linear in its logarithm between records; all of them without one, or at the stress at which
+    /// the run was to end. `None` if it did not get there.
     pub fn events(&self, stress: Option<f64>) -> Option<f64> {
-        match stress {
+        let end = self.number("max_stress_kPa");
+        match stress.filter(|s| Some(*s) != end) {
             None => self.number("crush_events"),
-            // a record stands within a small share of the stress that was asked for
-            Some(stress) => between(&self.counts, |p| p.0.ln(), |p| p.1, (stress * 0.999).ln()),
+            Some(stress) => between(&self.counts, |p| p.0.ln(), |p| p.1, stress.ln()),
         }
     }
 
@@ -148,7 +148,7 @@ mod tests {
         std::fs::write(&path, format!("stage,sigma_v_kPa,crush_events\n{rows}")).expect("written");
         Seed {
             folder: dir.path().into(),
-            summary: serde_json::json!({ "crush_events": 20 }),
+            summary: serde_json::json!({ "crush_events": 20, "max_stress_kPa": 1000.7 }),
             counts: counts(&path).expect("counts"),
         }
     }
@@ -156,8 +156,8 @@ mod tests {
     #[test]
     fn counts_are_those_of_first_loading_between_records() {
         let s = seed("settle,5,0\nload,10,0\nload,100,8\nload,1000,10\nunload,100,10\nload,1000.5,20\n");
-        assert!((s.events(Some(10f64.powf(1.5) / 0.999)).expect("between") - 4.0).abs() < 1e-9);
-        assert_eq!(s.events(None), Some(20.0));
+        assert!((s.events(Some(10f64.powf(1.5))).expect("between") - 4.0).abs() < 1e-9);
+        assert_eq!((s.events(None), s.events(Some(1000.7))), (Some(20.0), Some(20.0)));
         assert_eq!(s.events(Some(2000.0)), None, "never got there");
         assert!((s.stress(9.0).expect("between") / 10f64.powf(2.5) - 1.0).abs() < 1e-9);
         assert_eq!(s.stress(21.0), None);

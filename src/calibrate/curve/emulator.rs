@@ -5,9 +5,12 @@ use super::gp::Gp;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
-/// Components are taken until they hold this share of the runs' variance, at most so many.
-const SHARE: f64 = 0.995;
+/// Components are looked at until they hold this share of the runs' variance, at most so many.
+const SHARE: f64 = 0.9995;
 const MOST: usize = 8;
+/// A component of which the other runs do not predict each run better than to this share of its variance says nothing about the
+/// parameters, and is left out.
+const UNTOLD: f64 = 0.8;
 /// Weight of the correlations of the scatter between components; the rest goes to none, as few runs show them only roughly.
 const CORRELATED: f64 = 0.8;
 
@@ -52,6 +55,17 @@ impl Emulator {
         let gps: Option<Vec<Gp>> =
             (0..components).into_par_iter().map(|k| Gp::fit(x, scores.column(k).clone_owned().as_slice())).collect();
         let gps = gps?;
+        let told = |k: usize| {
+            let square: f64 = gps[k].left_out().iter().map(|v| v * v).sum();
+            square < UNTOLD * n as f64 * eigen.eigenvalues[order[k]]
+        };
+        let mut kept: Vec<usize> = (0..components).filter(|k| told(*k)).collect();
+        if kept.is_empty() {
+            kept.push(0);
+        }
+        let (basis, scores) = (basis.select_columns(&kept), scores.select_columns(&kept));
+        let gps: Vec<Gp> = kept.iter().map(|k| gps[*k].clone()).collect();
+        let held: f64 = kept.iter().map(|k| eigen.eigenvalues[order[*k]]).sum();
         let rest = scaled - &scores * basis.transpose();
         let rest = (0..m).map(|j| rest.column(j).norm_squared() / n as f64).collect();
         Some(Emulator { scatter: scatter(&gps), centre, scale: scale.to_vec(), basis, gps, rest, share: held / total })
@@ -108,13 +122,16 @@ impl Emulator {
         (DVector::from_iterator(n, both.iter().map(|b| b.0)), DVector::from_iterator(n, both.iter().map(|b| b.1)))
     }
 
-    /// Of `candidates`, the `count` runs that would tell most of the curves there: one after the other the one with the largest
-    /// variance over the scatter, given the runs that are done and those already chosen (Krause et al. 2008).
-    pub fn choose(&self, candidates: &[Vec<f64>], count: usize) -> Vec<Vec<f64>> {
+    /// Of `candidates`, the `count` runs after which the curves at `reference` would be known best: one after the other the one that
+    /// takes most variance from there, over the scatter, given the runs that are done and those already chosen (Cohn 1996, Neural
+    /// Netw. 9, 1071).
+    pub fn choose(&self, candidates: &[Vec<f64>], reference: &[Vec<f64>], count: usize) -> Vec<Vec<f64>> {
         let mut gps = self.gps.clone();
         let mut chosen: Vec<Vec<f64>> = Vec::new();
         for _ in 0..count.min(candidates.len()) {
-            let gain = |u: &Vec<f64>| gps.iter().map(|gp| gp.predict(u).1 / gp.noise()).sum::<f64>();
+            let whitened: Vec<Vec<DVector<f64>>> =
+                gps.iter().map(|gp| reference.par_iter().map(|r| gp.whitened(r)).collect()).collect();
+            let gain = |u: &Vec<f64>| -> f64 { gps.iter().zip(&whitened).map(|(gp, w)| gp.gain(u, reference, w)).sum() };
             let gains: Vec<f64> = candidates.par_iter().map(gain).collect();
             let open = (0..candidates.len()).filter(|i| !chosen.contains(&candidates[*i]));
             let Some(best) = open.max_by(|a, b| gains[*a].total_cmp(&gains[*b]).then(b.cmp(a))) else { break };

@@ -1,6 +1,7 @@
 //! What a calibration has found, in numbers.
 
 use super::emulator::Emulator;
+use super::left_out::LeftOut;
 use super::parameter::Parameter;
 use super::posterior::{Chain, Measured, Misfit, quantile};
 use super::sensitivity::Share;
@@ -16,7 +17,7 @@ const NARROWED: f64 = 0.75;
 /// Share of the draws this near to a bound that makes one think of values beyond it.
 const EDGE: (f64, f64) = (0.02, 0.10);
 /// Correlation above which two parameters are told only together.
-const TOGETHER: f64 = 0.9;
+const TOGETHER: f64 = 0.8;
 
 /// One parameter.
 #[derive(Clone, Debug)]
@@ -64,6 +65,8 @@ pub struct Findings {
     pub held: f64,
     /// Root mean square scatter between seeds of each block of outputs.
     pub scatter: Vec<f64>,
+    /// How the intervals did with curves whose parameters are known; `None` with too few runs.
+    pub left_out: Option<LeftOut>,
 }
 
 /// Estimates with intervals and remarks from draws.

@@ -151,12 +151,29 @@ impl Gp {
         (mean, self.reduced(at, cross))
     }
 
-    fn reduced(&self, at: &[f64], mut cross: DVector<f64>) -> f64 {
-        let own = self.hyper.kernel(at, at);
-        if !self.chol.l_dirty().solve_lower_triangular_mut(&mut cross) {
-            return own * self.scale * self.scale;
-        }
-        (own - cross.norm_squared()).max(0.0) * self.scale * self.scale
+    fn reduced(&self, at: &[f64], cross: DVector<f64>) -> f64 {
+        let known = self.solved(cross).norm_squared();
+        (self.hyper.kernel(at, at) - known).max(0.0) * self.scale * self.scale
+    }
+
+    /// L⁻¹ v, with L Lᵀ the covariance of the runs.
+    fn solved(&self, mut v: DVector<f64>) -> DVector<f64> {
+        // the factor of a covariance has no zero on its diagonal
+        self.chol.l_dirty().solve_lower_triangular_mut(&mut v);
+        v
+    }
+
+    /// L⁻¹ k of a point: what [`Gp::gain`] needs of its reference.
+    pub fn whitened(&self, at: &[f64]) -> DVector<f64> {
+        self.solved(self.cross(at))
+    }
+
+    /// Variance that one more run at `at` takes from the reference points (their [`Gp::whitened`] beside them), over that of the noise.
+    pub fn gain(&self, at: &[f64], reference: &[Vec<f64>], whitened: &[DVector<f64>]) -> f64 {
+        let own = self.whitened(at);
+        let variance = (self.hyper.kernel(at, at) - own.norm_squared()).max(0.0) + self.hyper.noise();
+        let taken = reference.iter().zip(whitened).map(|(r, w)| (self.hyper.kernel(at, r) - own.dot(w)).powi(2) / variance);
+        taken.sum::<f64>() / self.hyper.noise()
     }
 
     /// The process with one more point, whose output is not known yet: only its variances mean anything.
@@ -257,7 +274,11 @@ mod tests {
         let y: Vec<f64> = x.iter().map(|u| truth(u)).collect();
         let gp = Gp::fit(&x, &y).expect("fit");
         let at = [0.99, 0.01];
-        assert!(gp.with_pending(&at).predict(&at).1 < 0.5 * gp.predict(&at).1);
+        let (before, after) = (gp.predict(&at).1, gp.with_pending(&at).predict(&at).1);
+        assert!(after < 0.5 * before);
+        // the gain is what it says: variance taken over the noise
+        let gain = gp.gain(&at, &[at.to_vec()], &[gp.whitened(&at)]);
+        assert!(((before - after) / gp.noise() / gain - 1.0).abs() < 1e-6, "{before} {after} {gain}");
         // outputs that are all the same are no trouble
         let flat = Gp::fit(&x, &[2.0; 10]).expect("fit");
         assert!((flat.mean(&at) - 2.0).abs() < 1e-9);

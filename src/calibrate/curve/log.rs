@@ -24,7 +24,7 @@ const STAGES: [(Stage, &str); 4] =
 #[derive(Clone, Debug, PartialEq)]
 pub enum Status {
     Planned,
-    Done { seconds: f64 },
+    Done,
     Failed(String),
 }
 
@@ -59,19 +59,19 @@ pub fn write(dir: &Path, parameters: &[Parameter], all: &[Evaluation], misfit: i
     let failed = |e: csv::Error| Error::Write { path: path.clone(), source: e.into() };
     let keys = parameters.iter().map(|p| p.key.as_str());
     let header = ["number", "stage", "folder", "status"].into_iter().chain(keys);
-    file.write_record(header.chain(["seed", "misfit", "wall_seconds", "reason"])).map_err(failed)?;
+    file.write_record(header.chain(["seed", "misfit", "reason"])).map_err(failed)?;
     for (i, e) in all.iter().enumerate() {
         let stage = STAGES.iter().find(|s| s.0 == e.stage).map_or("", |s| s.1);
-        let (status, seconds, reason) = match &e.status {
-            Status::Planned => ("planned", None, ""),
-            Status::Done { seconds } => ("done", Some(*seconds), ""),
-            Status::Failed(reason) => ("failed", None, reason.as_str()),
+        let (status, reason) = match &e.status {
+            Status::Planned => ("planned", ""),
+            Status::Done => ("done", ""),
+            Status::Failed(reason) => ("failed", reason.as_str()),
         };
         let optional = |x: Option<f64>| x.map_or(String::new(), crate::record::table::number);
         let mut row: Vec<String> =
             vec![e.number.to_string(), stage.into(), e.folder().display().to_string().replace('\\', "/"), status.into()];
         row.extend(e.values.iter().map(|v| format!("{v:?}")));
-        row.extend([e.seed.to_string(), optional(misfit(i)), optional(seconds), reason.replace('\n', "; ")]);
+        row.extend([e.seed.to_string(), optional(misfit(i)), reason.replace('\n', "; ")]);
         file.write_record(row).map_err(failed)?;
     }
     let bytes = file.into_inner().map_err(|e| Error::Write { path: path.clone(), source: e.into_error() })?;
@@ -101,7 +101,7 @@ pub fn read(dir: &Path, parameters: &[Parameter]) -> Result<Vec<Evaluation>> {
         return Ok(Vec::new());
     }
     let file = Columns::read(&path)?;
-    for name in parameters.iter().map(|p| p.key.as_str()).chain(["number", "stage", "status", "seed", "wall_seconds", "reason"]) {
+    for name in parameters.iter().map(|p| p.key.as_str()).chain(["number", "stage", "status", "seed", "reason"]) {
         if !file.has(name) {
             return Err(file.wrong(format!("is not the log of this calibration: it has no column {name}")));
         }
@@ -114,7 +114,7 @@ pub fn read(dir: &Path, parameters: &[Parameter]) -> Result<Vec<Evaluation>> {
         .map(|row| {
             let stage = STAGES.iter().find(|s| s.1 == stages[row]).map(|s| s.0);
             let status = match statuses[row] {
-                "done" => Status::Done { seconds: number("wall_seconds", row)? },
+                "done" => Status::Done,
                 "failed" => Status::Failed(reasons[row].into()),
                 _ => Status::Planned,
             };
@@ -141,7 +141,7 @@ mod tests {
         assert!(read(dir.path(), &parameters).expect("none").is_empty());
         let evaluation = |number, stage, status| Evaluation { number, stage, values: vec![0.1 + 0.2, 3e-7], seed: 10_001, status };
         let all = vec![
-            evaluation(1, Stage::Design, Status::Done { seconds: 2.5 }),
+            evaluation(1, Stage::Design, Status::Done),
             evaluation(2, Stage::Centre, Status::Failed("step 3: it, \"broke\"\nreally".into())),
             evaluation(1, Stage::Check, Status::Planned),
         ];

@@ -12,6 +12,7 @@ pub mod design;
 pub mod emulator;
 pub mod findings;
 pub mod gp;
+pub mod left_out;
 pub mod log;
 mod outputs;
 pub mod parameter;
@@ -22,6 +23,7 @@ pub mod sensitivity;
 pub mod simulator;
 #[cfg(test)]
 pub mod stand_in;
+pub mod study;
 pub mod target;
 
 use crate::error::{Error, Result};
@@ -65,6 +67,8 @@ pub struct Outcome {
     pub json: serde_json::Value,
     /// The table of the report.
     pub table: String,
+    /// What speaks against the result, if anything does.
+    pub warnings: Vec<String>,
     pub files: Vec<PathBuf>,
 }
 
@@ -154,7 +158,9 @@ fn findings(
         let square = |j: usize| (variance[j] + emulator.rest[j]) * emulator.scale()[j].powi(2);
         (own.clone().map(square).sum::<f64>() / own.len() as f64).sqrt()
     });
+    let left_out = left_out::left_out(parameters, &search.runs(), emulator.scale(), &mut search.rng(1 << 33));
     let found = Findings {
+        left_out,
         scatter: scatter.collect(),
         estimates: findings::estimates(parameters, &chain, &correlations),
         correlations,
@@ -209,8 +215,7 @@ fn settings(request: &Request, parameters: usize) -> Result<Settings> {
     s.design = request.design.unwrap_or(s.design);
     s.batch = request.batch.unwrap_or(s.batch);
     s.check = request.check.unwrap_or(s.check);
-    // a design of another size changes what is left for the search, not the search
-    s.budget = request.budget.unwrap_or(s.design + s.centre + 8 * parameters);
+    s.budget = request.budget.unwrap_or(s.design + s.centre + 10 * parameters);
     let least = s.design + s.centre;
     if s.budget < least {
         let message = format!("is less than the {} runs of the design and the {} in its middle; see --design", s.design, s.centre);

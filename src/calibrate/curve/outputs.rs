@@ -57,6 +57,13 @@ fn gradation(dir: &Path, sigma: f64, block: &Block) -> Result<Vec<f64>, String> 
     block.at.iter().map(|d| interpolate(&points, d.ln()).ok_or_else(|| "an empty gradation".to_string())).collect()
 }
 
+/// Diameter of the largest grain of any record, mm.
+pub fn largest_grain(dir: &Path) -> Result<f64, String> {
+    let table = Columns::read(&dir.join("gsd.csv")).map_err(|e| e.to_string())?;
+    let sizes = table.numbers("diameter_mm", 1.0).map_err(|e| e.to_string())?;
+    Ok(sizes.into_iter().flatten().fold(0.0, f64::max))
+}
+
 /// Linear interpolation on rising points, constant outside; `None` without points.
 fn interpolate(points: &[(f64, f64)], x: f64) -> Option<f64> {
     let i = points.partition_point(|p| p.0 < x);

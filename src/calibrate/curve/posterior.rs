@@ -74,11 +74,13 @@ impl<'a> Posterior<'a> {
                 // all that is random first, so that the densities may be computed in any order
                 let drawn: Vec<(Vec<f64>, f64, f64)> = (0..half)
                     .map(|i| {
-                        let partner = &at[other + rng.random_range(0..half)];
-                        let root: f64 = 1.0 + (STRETCH - 1.0) * rng.random::<f64>();
-                        let z = root * root / STRETCH;
-                        let moved = at[own + i].iter().zip(partner).map(|(x, p)| p + z * (x - p)).collect();
-                        (moved, (d as f64 - 1.0) * z.ln(), rng.random::<f64>().ln())
+                        let x = &at[own + i];
+                        let (u, factor) = if rng.random::<f64>() < 0.5 {
+                            stretched(x, &at[other..other + half], rng)
+                        } else {
+                            shifted(x, &at[other..other + half], rng)
+                        };
+                        (u, factor, rng.random::<f64>().ln())
                     })
                     .collect();
                 let logs: Vec<f64> = drawn.par_iter().map(|(u, ..)| density(u)).collect();
@@ -101,6 +103,29 @@ impl<'a> Posterior<'a> {
     }
 }
 
+/// A walker moved along the line through it and one of the others (Goodman & Weare 2010, eq. 7), and the logarithm of the factor of its
+/// acceptance.
+fn stretched(x: &[f64], others: &[Vec<f64>], rng: &mut impl Rng) -> (Vec<f64>, f64) {
+    let partner = &others[rng.random_range(0..others.len())];
+    let root: f64 = 1.0 + (STRETCH - 1.0) * rng.random::<f64>();
+    let z = root * root / STRETCH;
+    (x.iter().zip(partner).map(|(x, p)| p + z * (x - p)).collect(), (x.len() as f64 - 1.0) * z.ln())
+}
+
+/// A walker moved by the difference of two others, now and then by all of it, which takes it from one hill to the next (ter Braak
+/// 2006, Stat. Comput. 16, 239).
+fn shifted(x: &[f64], others: &[Vec<f64>], rng: &mut impl Rng) -> (Vec<f64>, f64) {
+    let a = rng.random_range(0..others.len());
+    let b = (a + rng.random_range(1..others.len())) % others.len();
+    let gamma = if rng.random::<f64>() < 0.1 { 1.0 } else { 2.38 / (2.0 * x.len() as f64).sqrt() };
+    let jitter = 1e-4;
+    let moved = x
+        .iter()
+        .zip(others[a].iter().zip(&others[b]))
+        .map(|(x, (a, b))| x + gamma * (a - b) + jitter * (rng.random::<f64>() - 0.5));
+    (moved.collect(), 0.0)
+}
+
 /// Draws in unit coordinates.
 #[derive(Clone, Debug, Default)]
 pub struct Chain {
@@ -117,10 +142,12 @@ impl Chain {
         best.map_or(&[], |i| &self.u[i])
     }
 
-    /// Every so many draws, `count` in all.
+    /// `count` of the draws, spread evenly over steps and walkers.
     pub fn thinned(&self, count: usize) -> Vec<Vec<f64>> {
-        let every = (self.u.len() / count.max(1)).max(1);
-        self.u.iter().step_by(every).take(count).cloned().collect()
+        // multiples of the golden ratio fall into no step with the walkers
+        const GOLDEN: f64 = 0.618_033_988_749_895;
+        let n = self.u.len();
+        (0..count.min(n)).map(|i| self.u[((i as f64 * GOLDEN).fract() * n as f64) as usize].clone()).collect()
     }
 
     /// Quantiles of one coordinate.

@@ -39,13 +39,14 @@ pub fn write(out: &Path, parts: &Parts<'_>) -> Result<Outcome> {
     let text = serde_json::to_string_pretty(&json).unwrap_or_default() + "\n";
     let mut files = Vec::new();
     let table = table(parts);
+    let warnings = warnings(parts);
     let save = |name: &str, text: &str| log::replace(&out.join(name), text.as_bytes()).map(|()| out.join(name));
     files.push(save("calibration.json", &text)?);
     files.push(save("posterior.csv", &draws(parts))?);
-    files.push(save("report.md", &report(parts, &table))?);
+    files.push(save("report.md", &report(parts, &table, &warnings))?);
     files.push(out.join(log::FILE));
     files.extend(figures(&out.join("figures"), parts).map_err(Error::from)?);
-    Ok(Outcome { json, table, files })
+    Ok(Outcome { json, table, warnings, files })
 }
 
 fn prior_text(p: &Parameter) -> String {
@@ -82,10 +83,20 @@ fn json(parts: &Parts<'_>) -> Value {
         "misfit": { "mean_square": f.misfit.ratio, "probability": f.misfit.probability, "inflation": f.inflation },
         "scatter_between_seeds": scatter,
         "variance_share_seeds": f.seeds_share,
+        "left_out": left_out(parts),
         "check_rms": check_rms(parts),
         "seed": parts.settings.seed,
         "version": env!("CARGO_PKG_VERSION"),
     })
+}
+
+/// How the intervals did with runs that were left out.
+fn left_out(parts: &Parts<'_>) -> Value {
+    let Some(l) = &parts.findings.left_out else { return Value::Null };
+    let keys = parts.parameters.iter().map(|p| p.key.clone());
+    let held: Map<String, Value> = keys.clone().zip(l.held.iter().map(|h| json!(h))).collect();
+    let width: Map<String, Value> = keys.zip(l.width.iter().map(|w| json!(w))).collect();
+    json!({ "curves": l.curves, "held": held, "mean_interval_over_bounds": width })
 }
 
 /// Root mean square difference of the mean of the checks from the curve, block by block.
@@ -143,13 +154,50 @@ fn table(parts: &Parts<'_>) -> String {
     text
 }
 
-fn report(parts: &Parts<'_>, table: &str) -> String {
+/// What speaks against the result.
+fn warnings(parts: &Parts<'_>) -> Vec<String> {
+    let f = parts.findings;
+    let mut all = Vec::new();
+    let mut first = 0;
+    for block in &parts.target.blocks {
+        let outside = (first..first + block.at.len()).filter(|&j| {
+            let at = parts.search.done().map(|(_, y)| y[j]);
+            let (low, high) = at.fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(v), b.max(v)));
+            let (value, may) = (parts.curve.values[j], 2.0 * parts.curve.sd[j]);
+            value < low - may || value > high + may
+        });
+        let count = outside.count();
+        first += block.at.len();
+        if 2 * count > block.at.len() {
+            let (name, of, runs) = (block_name(&block.kind), block.at.len(), parts.search.done().count());
+            all.push(format!("{name} lies outside of all {runs} runs at {count} of {of} points"));
+        }
+    }
+    if f.inflation > 1.0 {
+        all.push("the scene cannot give this curve with any of these parameters within its scatter".into());
+    }
+    if let Some(l) = &f.left_out {
+        for (k, p) in parts.parameters.iter().enumerate().filter(|(k, _)| l.doubtful(*k)) {
+            let (held, of) = (l.held[k], l.curves);
+            all.push(format!(
+                "intervals of {} held only {held} of {of} known values: they are too narrow; more runs may help",
+                p.short()
+            ));
+        }
+    }
+    all
+}
+
+fn report(parts: &Parts<'_>, table: &str, warnings: &[String]) -> String {
     let (f, s) = (parts.findings, parts.settings);
     let mut text = format!(
         "# Calibration of `{}` against `{}`\n\n{table}\n",
         parts.request.scene.display(),
         parts.request.files.curve.display()
     );
+    for warning in warnings {
+        let _ = writeln!(text, "**Warning: {warning}.**\n");
+    }
     let _ = writeln!(
         text,
         "Estimates are medians of the posterior; `posterior.csv` holds {} draws. {} runs were made and {} of them failed: {} fill the space between the \
@@ -184,14 +232,24 @@ fn report(parts: &Parts<'_>, table: &str) -> String {
         f.misfit.ratio,
         f.misfit.probability,
         if f.inflation > 1.0 {
-            "**The scene cannot give this curve with any of these parameters within its scatter.** The covariance was multiplied by that ratio, \
-             so the intervals are wider, but they hold for the best of a wrong model."
+            "The covariance was multiplied by that ratio, so the intervals are wider, but they hold for the best of a wrong model."
         } else {
             "Nothing speaks against the scene."
         }
     );
     let _ =
         writeln!(text, "The emulator has {} components, which hold {:.1} % of the runs' variance.\n", f.components, 100.0 * f.held);
+    if let Some(l) = &f.left_out {
+        let each = |text: &dyn Fn(usize) -> String| (0..l.held.len()).map(text).collect::<Vec<_>>().join(", ");
+        let _ = writeln!(
+            text,
+            "A test: each run of the design was left out (a sixth of them at a time) and its curve taken for the measured one. The 95 % intervals held \
+             what it was made with in {} of {} cases ({}).\n",
+            each(&|k| l.held[k].to_string()),
+            l.curves,
+            each(&|k| parts.parameters[k].short()),
+        );
+    }
     if let Value::Object(rms) = check_rms(parts) {
         let parts_text: Vec<String> = rms.iter().map(|(k, v)| format!("{k} {}", short(v.as_f64().unwrap_or(f64::NAN)))).collect();
         let _ = writeln!(
@@ -220,7 +278,9 @@ fn figures(out: &Path, parts: &Parts<'_>) -> figure::Result<Vec<std::path::PathB
         let cut = |v: &Vec<f64>| v[own.clone()].to_vec();
         let (quantity, name, fact) = match block.kind {
             Kind::History(column) => (column.to_string(), if i == 0 { "curve".into() } else { column.to_string() }, None),
-            Kind::Gradation(s) => ("gradation".into(), format!("gradation_{s}_kPa"), Some(format!("σ_{{v}} = {} MPa", s * 1e-3))),
+            Kind::Gradation(s) => {
+                ("gradation".into(), format!("gradation_{s}_kPa"), Some(format!("σ_{{v}} = {} MPa", short(s * 1e-3))))
+            }
         };
         let mut title = vec![format!("{} runs", parts.search.done().count())];
         title.extend(fact);

@@ -3,6 +3,7 @@
 use super::columns::Columns;
 use super::design::latin;
 use super::emulator::Emulator;
+use super::left_out;
 use super::log::{self, Evaluation, Stage, Status};
 use super::parameter::Parameter;
 use super::posterior::{Chain, Measured, Posterior};
@@ -34,17 +35,19 @@ pub struct Settings {
 impl Settings {
     /// For this many parameters.
     pub fn usual(parameters: usize) -> Settings {
-        let (design, centre) = ((10 * parameters).max(12), 4);
-        Settings { budget: design + centre + 8 * parameters, design, centre, batch: 4, check: 4, seed: 1, specimens: 1.0 }
+        let (design, centre) = ((14 * parameters).max(16), 4);
+        Settings { budget: design + centre + 10 * parameters, design, centre, batch: 5, check: 4, seed: 1, specimens: 1.0 }
     }
 }
 
 /// Walkers, steps before and steps of a chain that guides the search, and of the final one.
 const QUICK: (usize, usize, usize) = (24, 100, 200);
-pub const LONG: (usize, usize, usize) = (40, 400, 1500);
+pub const LONG: (usize, usize, usize) = (40, 500, 2000);
 /// Power of the likelihood with which runs are chosen: wider than the posterior, whose edges matter.
-const SEARCH_HEAT: f64 = 0.35;
-const CANDIDATES: usize = 600;
+const SEARCH_HEAT: f64 = 0.5;
+const CANDIDATES: usize = 400;
+/// Draws of the posterior at which the curves are to be known.
+const REFERENCE: usize = 150;
 /// Share of a block's range that stands for its scatter when the repeats show none.
 const NO_SCATTER: f64 = 0.01;
 
@@ -121,7 +124,7 @@ impl<'a> Search<'a> {
             let wide = posterior.sample(QUICK.0, QUICK.1, QUICK.2, SEARCH_HEAT, &mut rng);
             self.note(&chain)?;
             let candidates: Vec<Vec<f64>> = wide.thinned(CANDIDATES).into_iter().filter(|u| !self.near_failure(u)).collect();
-            for u in emulator.choose(&candidates, s.batch.min(s.budget - n)) {
+            for u in emulator.choose(&candidates, &chain.thinned(REFERENCE), s.batch.min(s.budget - n)) {
                 self.plan(Stage::Search, &u);
             }
             if self.evaluations.len() == n {
@@ -141,6 +144,16 @@ impl<'a> Search<'a> {
     /// Runs that the emulator sees, with what they gave.
     pub fn done(&self) -> impl Iterator<Item = (&Evaluation, &Vec<f64>)> {
         self.evaluations.iter().zip(&self.outputs).filter_map(|(e, y)| Some((e, y.as_ref()?)))
+    }
+
+    /// The same, to be left out in turn.
+    pub fn runs(&self) -> Vec<left_out::Run> {
+        let run = |(e, y): (&Evaluation, &Vec<f64>)| left_out::Run {
+            u: self.unit(e),
+            outputs: y.clone(),
+            design: e.stage == Stage::Design,
+        };
+        self.done().map(run).collect()
     }
 
     pub fn failed(&self) -> usize {
@@ -193,8 +206,8 @@ impl<'a> Search<'a> {
         let mut curves = Vec::new();
         for (e, ran) in checks.iter_mut().zip(ran) {
             match ran {
-                Ran::Done { outputs, seconds } => {
-                    e.status = Status::Done { seconds };
+                Ran::Done(outputs) => {
+                    e.status = Status::Done;
                     curves.push(outputs);
                 }
                 Ran::Failed(reason) => e.status = Status::Failed(reason),
@@ -229,8 +242,8 @@ impl<'a> Search<'a> {
         let mut stopped = false;
         for (i, ran) in open.into_iter().zip(ran) {
             match ran {
-                Ran::Done { outputs, seconds } => {
-                    self.evaluations[i].status = Status::Done { seconds };
+                Ran::Done(outputs) => {
+                    self.evaluations[i].status = Status::Done;
                     self.outputs[i] = Some(outputs);
                 }
                 Ran::Failed(reason) => self.evaluations[i].status = Status::Failed(reason),
@@ -361,7 +374,7 @@ mod tests {
                 .map(|e| match self.calls.fetch_add(1, Ordering::Relaxed) {
                     n if n >= self.stop_after => Ran::Stopped,
                     _ if e.values[1] < 0.1 => Ran::Failed("did not come to rest".into()),
-                    _ => Ran::Done { outputs: self.stand_in.curve(&e.values, e.seed), seconds: 1.0 },
+                    _ => Ran::Done(self.stand_in.curve(&e.values, e.seed)),
                 })
                 .collect())
         }

@@ -12,10 +12,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ran {
     /// A value for each point of the target.
-    Done {
-        outputs: Vec<f64>,
-        seconds: f64,
-    },
+    Done(Vec<f64>),
     Failed(String),
     /// Stopped from outside; goes on when it is asked for again.
     Stopped,
@@ -69,13 +66,7 @@ impl Simulator for Runs<'_> {
             .map(|(job, outcome)| match outcome {
                 Outcome::Stopped => Ran::Stopped,
                 Outcome::Failed { reason, .. } => Ran::Failed(reason),
-                Outcome::Done { summary, .. } => match outputs::of_run(&job.out, self.target) {
-                    Ok(outputs) => {
-                        let seconds = summary.get("wall_seconds").and_then(serde_json::Value::as_f64);
-                        Ran::Done { outputs, seconds: seconds.unwrap_or(0.0) }
-                    }
-                    Err(reason) => Ran::Failed(reason),
-                },
+                Outcome::Done { .. } => outputs::of_run(&job.out, self.target).map_or_else(Ran::Failed, Ran::Done),
             })
             .collect())
     }
