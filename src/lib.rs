@@ -8,6 +8,8 @@ pub mod contact;
 pub mod crush;
 pub mod error;
 pub mod figure;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod gradation;
 pub mod grains;
 pub mod model;

@@ -6,12 +6,16 @@
 mod burst;
 mod machine;
 mod mpm;
+#[cfg(feature = "gpu")]
+mod mpm_gpu;
 mod packing;
 mod speed;
 
 pub use burst::{Burst, burst};
 pub use machine::{Demand, Machine};
 pub use mpm::{MpmSpeed, mpm_case, mpm_speed};
+#[cfg(feature = "gpu")]
+pub use mpm_gpu::{GpuSpeed, mpm_gpu_speed};
 pub use packing::{Packing, packing};
 pub use speed::{Plan, Speed, load_average, measure, pool};
 

@@ -23,6 +23,11 @@ pub struct Args {
     #[arg(long)]
     affine: bool,
 
+    /// The graphics device, too
+    #[cfg(feature = "gpu")]
+    #[arg(long, conflicts_with = "affine")]
+    gpu: bool,
+
     /// Steps of one timed block
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..))]
     steps: u64,
@@ -63,12 +68,37 @@ pub fn call(args: &Args) -> Result<()> {
             rows.push(row);
         }
     }
+    let device = device(args)?;
     if args.json {
-        let json = json!({ "processor": processor(), "simd": simd, "affine": args.affine, "warm_up": args.warm_up,
+        let json = json!({ "gpu": device, "processor": processor(), "simd": simd, "affine": args.affine, "warm_up": args.warm_up,
             "steps": args.steps, "rows": rows.iter().map(as_json).collect::<Vec<_>>() });
         super::print(&format!("{json:#}"))?;
     }
     same_bits(&rows)
+}
+
+/// The same case on the graphics device, as JSON; null where it is not asked for.
+#[cfg(feature = "gpu")]
+fn device(args: &Args) -> Result<Value> {
+    if !args.gpu {
+        return Ok(Value::Null);
+    }
+    let mut rows = Vec::new();
+    for &points in &args.points {
+        let row = bench::mpm_gpu_speed(points as usize, [args.warm_up, args.steps], args.repeats.into())?;
+        if !args.quiet {
+            let (speed, bytes) = (1e-6 * row.median(), row.bytes_per_point);
+            eprintln!("{:>9} gpu  {speed:>16.2} {:>13} {:>8} {bytes:>7.0}  {}", row.points, "", "", row.adapter);
+        }
+        rows.push(json!({ "adapter": row.adapter, "points": row.points, "point_steps_per_second": row.median(),
+            "blocks": row.blocks, "bytes_per_point": row.bytes_per_point }));
+    }
+    Ok(rows.into())
+}
+
+#[cfg(not(feature = "gpu"))]
+fn device(_: &Args) -> Result<Value> {
+    Ok(Value::Null)
 }
 
 fn line(row: &MpmSpeed) {

@@ -137,6 +137,12 @@ impl Continuum {
         &self.wall_force
     }
 
+    /// Steps, stress work and wall forces of steps that were done elsewhere.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn set_counters(&mut self, step: u64, stress_work: f64, wall_force: [[f64; 3]; 6]) {
+        (self.step, self.stress_work, self.wall_force) = (step, stress_work, wall_force);
+    }
+
     /// Adds a force, N, on the point at index `i` of [`Self::points`] for the next step; points change places in a step.
     pub fn push(&mut self, i: usize, force: [f64; 3]) {
         self.make_room();

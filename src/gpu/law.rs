@@ -1,0 +1,208 @@
+//! Stress increments of the laws in f32. Twin of `law.wgsl`; the laws themselves are in `mpm::law`.
+//!
+//! Everything is an increment: a return subtracts what a state is outside of the surface, the plastic strain of a step is found by itself. So small
+//! steps add up in compensated sums, where differences of new and old values would drown in the rounding of the large ones.
+
+use super::layout::{Evolution32, Law32};
+
+/// Components as `mpm::law::Sym`.
+pub type Sym32 = [f32; 6];
+
+#[derive(Clone, Copy)]
+struct Strength {
+    alpha: f32,
+    kappa: f32,
+}
+
+/// Changes of I1 and J, and whether the end lies on the cone.
+#[derive(Clone, Copy)]
+struct Returned {
+    di1: f32,
+    dj: f32,
+    on_cone: bool,
+}
+
+const NONE: Returned = Returned { di1: 0.0, dj: 0.0, on_cone: false };
+
+/// Increments of stress and plastic strain in a strain increment, from a stress that has turned with its material.
+pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (Sym32, f32) {
+    let two_g = 2.0 * law.shear;
+    let lame = law.bulk - two_g * 0.333_333_33;
+    let volume = lame * (strain[0] + strain[1] + strain[2]);
+    let elastic: Sym32 = std::array::from_fn(|k| two_g * strain[k] + if k < 3 { volume } else { 0.0 });
+    if law.kind == 0 {
+        return (elastic, 0.0);
+    }
+    let trial: Sym32 = std::array::from_fn(|k| before[k] + elastic[k]);
+    let i1 = trial[0] + trial[1] + trial[2];
+    let d = [trial[0] - trial[1], trial[1] - trial[2], trial[2] - trial[0]];
+    let across = trial[3] * trial[3] + trial[4] * trial[4] + trial[5] * trial[5];
+    let j = ((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * 0.166_666_67 + across).sqrt();
+    let (strength, slope) = surface(law, plastic);
+    if inside(law, strength, i1, j) {
+        return (elastic, 0.0);
+    }
+    let (end, plastic) = if plastic >= law.settled {
+        let end = returned(law, strength, i1, j);
+        (end, increment_of(law, end))
+    } else {
+        hardened(law, i1, j, plastic, (strength, slope))
+    };
+    let share = if j > 0.0 { end.dj / j } else { 0.0 };
+    let mean = end.di1 * 0.333_333_33;
+    // deviator from differences, so that a large pressure does not drown it
+    let deviator = [(d[0] - d[2]) * 0.333_333_33, (d[1] - d[0]) * 0.333_333_33, (d[2] - d[1]) * 0.333_333_33];
+    let stress = std::array::from_fn(|k| elastic[k] + if k < 3 { deviator[k] * share + mean } else { trial[k] * share });
+    (stress, plastic)
+}
+
+/// Sine of an angle within −π/2..π/2: Taylor series (the device's own need not be better than 2⁻¹¹).
+fn sine(angle: f32) -> f32 {
+    let q = angle * angle;
+    let sum = ((((1.605_904_4e-10 * q - 2.505_210_8e-8) * q + 2.755_731_9e-6) * q - 1.984_127e-4) * q + 8.333_333e-3) * q
+        - 1.666_666_7e-1;
+    angle + angle * (q * sum)
+}
+
+/// exp(−x) for x ≥ 0.
+fn decay_of(x: f32) -> f32 {
+    if x > 80.0 {
+        return 0.0;
+    }
+    let halvings = (x * std::f32::consts::LOG2_E + 0.5) as i32;
+    let n = halvings as f32;
+    let r = -((x - n * 0.693_145_75) - n * 1.428_606_8e-6);
+    let sum = (((((1.984_127e-4 * r + 1.388_888_9e-3) * r + 8.333_333e-3) * r + 4.166_666_7e-2) * r + 1.666_666_7e-1) * r + 0.5)
+        * r
+        + 1.0;
+    (1.0 + r * sum) * f32::from_bits(((127 - halvings) as u32) << 23)
+}
+
+/// Value and slope.
+fn evolution_at(e: &Evolution32, x: f32) -> (f32, f32) {
+    match e.kind {
+        0 => (e.last, 0.0),
+        1 if x < e.strain => {
+            let slope = (e.last - e.initial) / e.strain;
+            (e.initial + slope * x, slope)
+        }
+        1 => (e.last, 0.0),
+        _ => {
+            let [a, b, c, d] = e.cubic;
+            if x <= 0.0 {
+                (e.initial, c)
+            } else if x <= e.peak_strain {
+                (((a * x + b) * x + c) * x + d, (3.0 * a * x + 2.0 * b) * x + c)
+            } else {
+                let left = (e.peak - e.residual) * decay_of(e.decay * (x - e.peak_strain));
+                (e.residual + left, -e.decay * left)
+            }
+        }
+    }
+}
+
+/// The surface at a plastic strain, and its slope.
+fn surface(law: &Law32, plastic: f32) -> (Strength, Strength) {
+    if plastic >= law.settled {
+        return (Strength { alpha: law.last_alpha, kappa: law.last_kappa }, Strength { alpha: 0.0, kappa: 0.0 });
+    }
+    let (angle, dangle) = evolution_at(&law.friction, plastic);
+    let (cohesion, dcohesion) = evolution_at(&law.cohesion, plastic);
+    let s = sine(angle);
+    let c = (1.0 - s * s).max(0.0).sqrt();
+    let (alpha, k, dalpha, dk) = if law.cone == 2 {
+        let below = 1.0 / (9.0 + 3.0 * s * s).sqrt();
+        let cube = below * below * below;
+        (s * below, 3.0 * c * below, 9.0 * c * cube, -3.0 * s * below - 9.0 * s * c * c * cube)
+    } else {
+        let sign = if law.cone == 0 { -1.0 } else { 1.0 };
+        let root = 1.154_700_5;
+        let below = 1.0 / (3.0 + sign * s);
+        let dk = 3.0 * root * (-s * below - sign * (c * c) * (below * below));
+        (root * s * below, 3.0 * root * c * below, 3.0 * root * c * (below * below), dk)
+    };
+    (Strength { alpha, kappa: k * cohesion }, Strength { alpha: dalpha * dangle, kappa: dk * dangle * cohesion + k * dcohesion })
+}
+
+fn cut_of(law: &Law32, s: Strength) -> f32 {
+    if s.alpha > 0.0 { law.cut.min(s.kappa / s.alpha) } else { law.cut }
+}
+
+fn corner(s: Strength, cut: f32) -> f32 {
+    if s.alpha > 0.0 { (s.kappa - s.alpha * cut).max(0.0) } else { s.kappa }
+}
+
+fn inside(law: &Law32, s: Strength, i1: f32, j: f32) -> bool {
+    j + s.alpha * i1 <= s.kappa && i1 <= cut_of(law, s)
+}
+
+fn returned(law: &Law32, s: Strength, i1: f32, j: f32) -> Returned {
+    let cut = cut_of(law, s);
+    let outside = j + s.alpha * i1 - s.kappa;
+    if i1 <= cut {
+        if outside <= 0.0 {
+            return NONE;
+        }
+    } else if j <= corner(s, cut) {
+        return Returned { di1: cut - i1, ..NONE };
+    }
+    let multiplier = outside / (law.shear + law.volume_return * s.alpha);
+    let di1 = -law.volume_return * multiplier;
+    if i1 + di1 > cut {
+        return Returned { di1: cut - i1, dj: corner(s, cut) - j, on_cone: false };
+    }
+    Returned { di1, dj: (-law.shear * multiplier).max(-j), on_cone: true }
+}
+
+fn increment_of(law: &Law32, end: Returned) -> f32 {
+    let shear = end.dj / law.shear;
+    let volume = end.di1 / (3.0 * law.bulk);
+    ((shear * shear) * 0.333_333_33 + (volume * volume) * 0.222_222_22).sqrt()
+}
+
+fn largest_increment(law: &Law32, i1: f32, j: f32) -> f32 {
+    let multiplier = j / law.shear;
+    let volume = (law.volume_return * multiplier).max(i1) / (3.0 * law.bulk);
+    ((multiplier * multiplier) * 0.333_333_33 + (volume * volume) * 0.222_222_22).sqrt() * 1.00001 + 1e-30
+}
+
+fn at_jump(law: &Law32, i1: f32, j: f32, increment: f32, s: Strength) -> Returned {
+    let multiplier = increment / law.per_multiplier;
+    let end = Returned { di1: -law.volume_return * multiplier, dj: -law.shear * multiplier, on_cone: true };
+    if j + end.dj >= 0.0 && inside(law, s, i1 + end.di1, j + end.dj) { end } else { returned(law, s, i1, j) }
+}
+
+/// As `DruckerPrager::hardened`, with the plastic strain of the step as the unknown.
+fn hardened(law: &Law32, i1: f32, j: f32, before: f32, first: (Strength, Strength)) -> (Returned, f32) {
+    // what rounding of the stress leaves of a plastic strain
+    let noise = 2e-7 * (j + i1.abs()) / law.shear;
+    let (mut low, mut high, mut at) = (0.0, largest_increment(law, i1, j), 0.0);
+    let mut now = first;
+    for round in 0..40 {
+        let (strength, slope) = now;
+        let end = returned(law, strength, i1, j);
+        let increment = increment_of(law, end);
+        let rest = at - increment;
+        if rest.abs() <= 1e-6 * increment + noise {
+            return (end, increment);
+        }
+        if rest < 0.0 {
+            low = at;
+        } else {
+            high = at;
+        }
+        let tangent = if end.on_cone {
+            let stiffness = law.shear + law.volume_return * strength.alpha;
+            1.0 - law.per_multiplier * ((i1 + end.di1) * slope.alpha - slope.kappa) / stiffness
+        } else {
+            1.0
+        };
+        let next = at - rest / tangent;
+        at = if round < 10 && next > low && next < high { next } else { low + 0.5 * (high - low) };
+        if at <= low || at >= high {
+            break;
+        }
+        now = surface(law, before + at);
+    }
+    (at_jump(law, i1, j, high, surface(law, before + high).0), high)
+}

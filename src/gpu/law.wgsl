@@ -1,0 +1,242 @@
+// Stress increments of the laws. Twin: law.rs, which says what each function is.
+
+// xx, yy, zz and xy, yz, zx
+struct Sym {
+    normal: vec3<f32>,
+    shear: vec3<f32>,
+}
+
+struct Step {
+    stress: Sym,
+    plastic: f32,
+}
+
+struct Strength {
+    alpha: f32,
+    kappa: f32,
+}
+
+struct Surface {
+    strength: Strength,
+    slope: Strength,
+}
+
+struct Value {
+    value: f32,
+    slope: f32,
+}
+
+struct Returned {
+    di1: f32,
+    dj: f32,
+    on_cone: bool,
+}
+
+struct Hardened {
+    end: Returned,
+    plastic: f32,
+}
+
+fn sine(angle: f32) -> f32 {
+    let q = angle * angle;
+    let sum = ((((1.6059044e-10 * q - 2.5052108e-8) * q + 2.7557319e-6) * q - 1.9841270e-4) * q + 8.3333333e-3) * q - 1.6666667e-1;
+    return angle + angle * (q * sum);
+}
+
+fn decay_of(x: f32) -> f32 {
+    if x > 80.0 {
+        return 0.0;
+    }
+    let halvings = i32(x * 1.4426950 + 0.5);
+    let n = f32(halvings);
+    let r = -((x - n * 0.693145752) - n * 1.42860677e-6);
+    let sum = (((((1.9841270e-4 * r + 1.3888889e-3) * r + 8.3333333e-3) * r + 4.1666667e-2) * r + 1.6666667e-1) * r + 0.5) * r + 1.0;
+    return (1.0 + r * sum) * bitcast<f32>((127 - halvings) << 23u);
+}
+
+fn evolution_at(e: Evolution, x: f32) -> Value {
+    if e.kind == 0u {
+        return Value(e.last, 0.0);
+    }
+    if e.kind == 1u {
+        if x < e.strain {
+            let slope = (e.last - e.initial) / e.strain;
+            return Value(e.initial + slope * x, slope);
+        }
+        return Value(e.last, 0.0);
+    }
+    let c = e.cubic;
+    if x <= 0.0 {
+        return Value(e.initial, c.z);
+    }
+    if x <= e.peak_strain {
+        return Value(((c.x * x + c.y) * x + c.z) * x + c.w, (3.0 * c.x * x + 2.0 * c.y) * x + c.z);
+    }
+    let left = (e.peak - e.residual) * decay_of(e.decay * (x - e.peak_strain));
+    return Value(e.residual + left, -e.decay * left);
+}
+
+fn edge(angle: Value, cohesion: Value, s: f32, c: f32, sign: f32) -> Surface {
+    let root = 1.1547005;
+    let below = 1.0 / (3.0 + sign * s);
+    let k = 3.0 * root * c * below;
+    let dalpha = 3.0 * root * c * (below * below);
+    let dk = 3.0 * root * (-s * below - sign * (c * c) * (below * below));
+    return Surface(
+        Strength(root * s * below, k * cohesion.value),
+        Strength(dalpha * angle.slope, dk * angle.slope * cohesion.value + k * cohesion.slope),
+    );
+}
+
+fn surface(id: u32, plastic: f32) -> Surface {
+    if plastic >= laws[id].settled {
+        return Surface(Strength(laws[id].last_alpha, laws[id].last_kappa), Strength(0.0, 0.0));
+    }
+    let angle = evolution_at(laws[id].friction, plastic);
+    let cohesion = evolution_at(laws[id].cohesion, plastic);
+    let s = sine(angle.value);
+    let c = sqrt(max(1.0 - s * s, 0.0));
+    if laws[id].cone == 0u {
+        return edge(angle, cohesion, s, c, -1.0);
+    }
+    if laws[id].cone == 1u {
+        return edge(angle, cohesion, s, c, 1.0);
+    }
+    let below = 1.0 / sqrt(9.0 + 3.0 * s * s);
+    let cube = below * below * below;
+    let k = 3.0 * c * below;
+    let dalpha = 9.0 * c * cube;
+    let dk = -3.0 * s * below - 9.0 * s * c * c * cube;
+    return Surface(
+        Strength(s * below, k * cohesion.value),
+        Strength(dalpha * angle.slope, dk * angle.slope * cohesion.value + k * cohesion.slope),
+    );
+}
+
+fn cut_of(id: u32, s: Strength) -> f32 {
+    if s.alpha > 0.0 {
+        return min(laws[id].cut, s.kappa / s.alpha);
+    }
+    return laws[id].cut;
+}
+
+fn corner(s: Strength, cut: f32) -> f32 {
+    if s.alpha > 0.0 {
+        return max(s.kappa - s.alpha * cut, 0.0);
+    }
+    return s.kappa;
+}
+
+fn inside(id: u32, s: Strength, i1: f32, j: f32) -> bool {
+    return j + s.alpha * i1 <= s.kappa && i1 <= cut_of(id, s);
+}
+
+fn returned(id: u32, s: Strength, i1: f32, j: f32) -> Returned {
+    let cut = cut_of(id, s);
+    let outside = j + s.alpha * i1 - s.kappa;
+    if i1 <= cut {
+        if outside <= 0.0 {
+            return Returned(0.0, 0.0, false);
+        }
+    } else if j <= corner(s, cut) {
+        return Returned(cut - i1, 0.0, false);
+    }
+    let multiplier = outside / (laws[id].shear + laws[id].volume_return * s.alpha);
+    let di1 = -laws[id].volume_return * multiplier;
+    if i1 + di1 > cut {
+        return Returned(cut - i1, corner(s, cut) - j, false);
+    }
+    return Returned(di1, max(-laws[id].shear * multiplier, -j), true);
+}
+
+fn increment_of(id: u32, end: Returned) -> f32 {
+    let shear = end.dj / laws[id].shear;
+    let volume = end.di1 / (3.0 * laws[id].bulk);
+    return sqrt((shear * shear) * 0.33333333 + (volume * volume) * 0.22222222);
+}
+
+fn largest_increment(id: u32, i1: f32, j: f32) -> f32 {
+    let multiplier = j / laws[id].shear;
+    let volume = max(laws[id].volume_return * multiplier, i1) / (3.0 * laws[id].bulk);
+    return sqrt((multiplier * multiplier) * 0.33333333 + (volume * volume) * 0.22222222) * 1.00001 + 1e-30;
+}
+
+fn at_jump(id: u32, i1: f32, j: f32, increment: f32, s: Strength) -> Returned {
+    let multiplier = increment / laws[id].per_multiplier;
+    let end = Returned(-laws[id].volume_return * multiplier, -laws[id].shear * multiplier, true);
+    if j + end.dj >= 0.0 && inside(id, s, i1 + end.di1, j + end.dj) {
+        return end;
+    }
+    return returned(id, s, i1, j);
+}
+
+fn hardened(id: u32, i1: f32, j: f32, before: f32, first: Surface) -> Hardened {
+    let noise = 2e-7 * (j + abs(i1)) / laws[id].shear;
+    var low = 0.0;
+    var high = largest_increment(id, i1, j);
+    var at = 0.0;
+    var now = first;
+    for (var round = 0; round < 40; round++) {
+        let end = returned(id, now.strength, i1, j);
+        let increment = increment_of(id, end);
+        let rest = at - increment;
+        if abs(rest) <= 1e-6 * increment + noise {
+            return Hardened(end, increment);
+        }
+        if rest < 0.0 {
+            low = at;
+        } else {
+            high = at;
+        }
+        var tangent = 1.0;
+        if end.on_cone {
+            let stiffness = laws[id].shear + laws[id].volume_return * now.strength.alpha;
+            tangent = 1.0 - laws[id].per_multiplier * ((i1 + end.di1) * now.slope.alpha - now.slope.kappa) / stiffness;
+        }
+        let next = at - rest / tangent;
+        if round < 10 && next > low && next < high {
+            at = next;
+        } else {
+            at = low + 0.5 * (high - low);
+        }
+        if at <= low || at >= high {
+            break;
+        }
+        now = surface(id, before + at);
+    }
+    return Hardened(at_jump(id, i1, j, high, surface(id, before + high).strength), high);
+}
+
+fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
+    let two_g = 2.0 * laws[id].shear;
+    let lame = laws[id].bulk - two_g * 0.33333333;
+    let volume = lame * (strain.normal.x + strain.normal.y + strain.normal.z);
+    let elastic = Sym(vec3<f32>(volume) + two_g * strain.normal, two_g * strain.shear);
+    if laws[id].kind == 0u {
+        return Step(elastic, 0.0);
+    }
+    let normal = before.normal + elastic.normal;
+    let shear = before.shear + elastic.shear;
+    let i1 = normal.x + normal.y + normal.z;
+    let d = normal - normal.yzx;
+    let j = sqrt((d.x * d.x + d.y * d.y + d.z * d.z) * 0.16666667 + (shear.x * shear.x + shear.y * shear.y + shear.z * shear.z));
+    let now = surface(id, plastic);
+    if inside(id, now.strength, i1, j) {
+        return Step(elastic, 0.0);
+    }
+    var end = Hardened(Returned(0.0, 0.0, false), 0.0);
+    if plastic >= laws[id].settled {
+        let there = returned(id, now.strength, i1, j);
+        end = Hardened(there, increment_of(id, there));
+    } else {
+        end = hardened(id, i1, j, plastic, now);
+    }
+    var share = 0.0;
+    if j > 0.0 {
+        share = end.end.dj / j;
+    }
+    // deviator from differences, so that a large pressure does not drown it
+    let deviator = (d - d.zxy) * 0.33333333;
+    let mean = end.end.di1 * 0.33333333;
+    return Step(Sym(elastic.normal + (deviator * share + vec3<f32>(mean)), elastic.shear + shear * share), end.plastic);
+}

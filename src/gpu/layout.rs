@@ -1,0 +1,218 @@
+//! What the shaders read, with the same offsets (`params.wgsl`), in f32.
+
+use crate::mpm::law::{Cone, Evolution, Law};
+use crate::mpm::{Settings, Transfer, Wall};
+use bytemuck::{Pod, Zeroable};
+
+/// Stands for infinity, which shaders may not know.
+const HUGE: f64 = 1e30;
+
+/// The numbers of one batch of steps.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Params {
+    pub size: [i32; 3],
+    pub points: u32,
+    pub gravity: [f32; 3],
+    pub dt: f32,
+    pub cell: f32,
+    pub inverse_cell: f32,
+    pub pic: f32,
+    pub damping: f32,
+    pub mass_floor: f32,
+    pub zero: u32,
+    pub cells: u32,
+    pub nodes: u32,
+    pub blocks: u32,
+    pub crowd: u32,
+    pub point_groups: [u32; 2],
+    pub cell_groups: [u32; 2],
+    pub platens: u32,
+    pub unused: u32,
+    pub walls: [[u32; 4]; 6],
+    pub drives: [Drive32; 6],
+}
+
+/// How a platen moves.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Drive32 {
+    pub kind: u32,
+    pub value: f32,
+    pub gain: f32,
+    pub limit: f32,
+}
+
+/// A platen and what is known of it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Platen32 {
+    pub axis: u32,
+    pub normal: f32,
+    pub cell: i32,
+    pub units: i32,
+    pub rest: f32,
+    pub modulus: f32,
+    pub speed: f32,
+    pub moved: f32,
+    pub reaction: f32,
+    pub stiffness: f32,
+    pub stored: f32,
+    pub rate: f32,
+    pub work: f32,
+    pub work_low: f32,
+    pub unused_a: f32,
+    pub unused_b: f32,
+}
+
+impl Params {
+    /// Everything but the time step. Sizes must have been checked.
+    pub fn of(settings: &Settings, points: usize, lightest: f64) -> Params {
+        let size = settings.cells.map(|n| n as i32);
+        let product = |more: u32| settings.cells.iter().map(|n| n + more).product::<u32>();
+        let (cells, nodes) = (product(1), product(3));
+        Params {
+            size,
+            points: points as u32,
+            gravity: settings.gravity.map(|g| g as f32),
+            cell: settings.cell as f32,
+            inverse_cell: (1.0 / settings.cell) as f32,
+            pic: if let Transfer::Blend { pic } = settings.transfer { pic as f32 } else { 1.0 },
+            damping: settings.damping as f32,
+            mass_floor: (1e-12 * lightest) as f32,
+            cells,
+            nodes,
+            blocks: cells.div_ceil(256),
+            // so many steps of the sort stay below what software adapters let a loop do
+            crowd: 256,
+            point_groups: groups(points as u32),
+            cell_groups: groups(cells + 1),
+            walls: settings.walls.map(wall),
+            ..Params::default()
+        }
+    }
+}
+
+/// Workgroups of 64 along x and y.
+pub fn groups(threads: u32) -> [u32; 2] {
+    const MOST: u32 = 32_768;
+    let all = threads.div_ceil(64).max(1);
+    let y = all.div_ceil(MOST);
+    [all.div_ceil(y), y]
+}
+
+fn wall(wall: Wall) -> [u32; 4] {
+    match wall {
+        Wall::Open => [0; 4],
+        Wall::Symmetry => [1, 0, 0, 0],
+        Wall::Stick => [2, 0, 0, 0],
+        Wall::Friction { friction } => [3, (friction as f32).to_bits(), 0, 0],
+    }
+}
+
+/// How a parameter follows the plastic strain.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Evolution32 {
+    pub kind: u32,
+    pub initial: f32,
+    pub last: f32,
+    pub strain: f32,
+    pub cubic: [f32; 4],
+    pub peak_strain: f32,
+    pub peak: f32,
+    pub residual: f32,
+    pub decay: f32,
+}
+
+impl From<Evolution> for Evolution32 {
+    fn from(evolution: Evolution) -> Evolution32 {
+        let none = Evolution32::default();
+        match evolution {
+            Evolution::Constant(value) => Evolution32 { last: value as f32, ..none },
+            Evolution::Linear { initial, last, strain } => {
+                Evolution32 { kind: 1, initial: initial as f32, last: last as f32, strain: strain as f32, ..none }
+            }
+            Evolution::CubicExponential { initial, cubic, peak_strain, peak, residual, decay } => Evolution32 {
+                kind: 2,
+                initial: initial as f32,
+                cubic: cubic.map(|c| c as f32),
+                peak_strain: peak_strain as f32,
+                peak: peak as f32,
+                residual: residual as f32,
+                decay: decay as f32,
+                ..none
+            },
+        }
+    }
+}
+
+/// A law's parameters; names as in `mpm::law::DruckerPrager`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Law32 {
+    pub kind: u32,
+    pub cone: u32,
+    pub bulk: f32,
+    pub shear: f32,
+    pub volume_return: f32,
+    pub per_multiplier: f32,
+    pub cut: f32,
+    pub settled: f32,
+    pub last_alpha: f32,
+    pub last_kappa: f32,
+    pub unused_a: f32,
+    pub unused_b: f32,
+    pub friction: Evolution32,
+    pub cohesion: Evolution32,
+}
+
+impl From<&Law> for Law32 {
+    fn from(law: &Law) -> Law32 {
+        let elastic = law.elastic();
+        let moduli = Law32 { bulk: elastic.bulk as f32, shear: elastic.shear as f32, ..Law32::default() };
+        match law {
+            Law::Elastic(_) => moduli,
+            Law::DruckerPrager(law) => {
+                let p = law.parameters();
+                let alpha_psi = p.cone.at(p.dilation).alpha;
+                let last = law.strength(f64::INFINITY);
+                Law32 {
+                    kind: 1,
+                    cone: match p.cone {
+                        Cone::Outer => 0,
+                        Cone::Inner => 1,
+                        Cone::PlaneStrain => 2,
+                    },
+                    volume_return: (9.0 * elastic.bulk * alpha_psi) as f32,
+                    per_multiplier: (1.0 / 3.0 + 2.0 * (alpha_psi * alpha_psi)).sqrt() as f32,
+                    cut: (3.0 * p.tension).min(HUGE) as f32,
+                    settled: p.friction.settled().max(p.cohesion.settled()) as f32,
+                    last_alpha: last.alpha as f32,
+                    last_kappa: last.kappa as f32,
+                    friction: p.friction.into(),
+                    cohesion: p.cohesion.into(),
+                    ..moduli
+                }
+            }
+        }
+    }
+}
+
+/// What a batch leaves to be read.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Status {
+    /// Lowest 8 id + fault; all bits set: none.
+    pub fault: u32,
+    pub crossed: u32,
+    pub steps: u32,
+    pub stop: u32,
+    pub reaction: [[f32; 4]; 6],
+}
+
+impl Default for Status {
+    fn default() -> Status {
+        Status { fault: u32::MAX, crossed: 0, steps: 0, stop: 0, reaction: [[0.0; 4]; 6] }
+    }
+}

@@ -1,0 +1,62 @@
+//! What a continuum needs on the device, found before anything is allocated.
+
+use super::device::refused;
+use super::state::PLANES;
+use crate::error::Result;
+use crate::mpm::Settings;
+
+/// Bytes of each buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sizes {
+    pub state: u64,
+    pub nodes: u64,
+    pub starts: u64,
+    pub counts: u64,
+    pub order: u64,
+    pub touching: u64,
+    pub outside: u64,
+}
+
+impl Sizes {
+    /// For a number of points, with or without platens; the grid is that of the whole domain.
+    pub fn of(settings: &Settings, points: u64, platens: bool) -> Sizes {
+        let n = settings.cells.map(u128::from);
+        let all = |more: u128| n.iter().map(|n| n + more).product::<u128>().min(1 << 40) as u64;
+        let (cells, nodes) = (all(1), all(3));
+        let planes: u64 = n.map(|n| nodes / (n as u64 + 3)).iter().sum();
+        Sizes {
+            state: 16 * PLANES as u64 * points,
+            nodes: 48 * nodes,
+            starts: 4 * (cells + 1 + cells.div_ceil(256)),
+            counts: 4 * cells,
+            order: 4 * points,
+            touching: 8 * planes,
+            // platens, force and arm of each point, sums of at most so many groups of points
+            outside: 6 * 64 + 16 + if platens { 32 * points + 96 * (points.div_ceil(64) + 65_536) } else { 0 },
+        }
+    }
+
+    /// All of them.
+    pub fn sum(&self) -> u64 {
+        self.state + self.nodes + self.starts + self.counts + self.order + self.touching + self.outside
+    }
+
+    /// # Errors
+    /// A buffer that the device cannot have, with its size and the limit.
+    pub fn check(&self, limits: &wgpu::Limits) -> Result<()> {
+        let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+        // so that indices stay within 32 bits, and workgroups of the prefix sum within one axis
+        let cells = 65_535 * 256 * 4;
+        for (what, bytes, most, advice) in [
+            ("memory of the points", self.state, most, "use fewer points"),
+            ("memory of the grid", self.nodes, most.min(48 << 30), "use a smaller domain or larger cells"),
+            ("memory of the cells", self.counts, most.min(cells), "use a smaller domain or larger cells"),
+        ] {
+            if bytes > most {
+                let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / 1_048_576.0);
+                return Err(refused(what, mib(bytes), format!("is above the device's {}: {advice}, or use the CPU", mib(most))));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,236 @@
+// State of points and nodes, and what the nodes gather from the points: one thread per node, points of a cell in the order of ids.
+// Twins: mpm/transfer.rs, mpm/grid.rs (f64), compared by rung 3.
+
+// Planes of `points` entries each.
+const PLACE: u32 = 0u; // units x, y, z (bits of i32), cell
+const REST: u32 = 1u; // what is left of a unit x, y, z; volume at the start
+const VELOCITY: u32 = 2u; // velocity, mass
+const VELOCITY_LOW: u32 = 3u; // its low part, law
+const NORMAL: u32 = 4u; // stress xx, yy, zz; volume/volume at the start - 1
+const SHEAR: u32 = 5u; // stress xy, yz, zx; plastic strain
+const NORMAL_LOW: u32 = 6u; // low parts
+const SHEAR_LOW: u32 = 7u;
+const ENERGY: u32 = 8u; // stress work, its low part, id, ghost radius
+
+// Planes of `nodes` entries each.
+const MOMENTUM: u32 = 0u; // momentum, mass
+const SPEED: u32 = 1u; // velocity; near walls, meanwhile, momentum and mass
+const CHANGE: u32 = 2u; // change of the velocity in this step; near walls, meanwhile, impulse
+
+struct Status {
+    // lowest 8 id + fault
+    fault: atomic<u32>,
+    // points that have left their cell in this step
+    crossed: atomic<u32>,
+    steps: u32,
+    stop: u32,
+    reaction: array<vec4<f32>, 6>,
+}
+
+const NOT_FINITE: u32 = 0u;
+const OUTSIDE: u32 = 1u;
+const TOO_FAST: u32 = 2u;
+const INVERTED: u32 = 3u;
+const CROWDED: u32 = 4u;
+
+@group(0) @binding(2) var<storage, read_write> state: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read_write> nodes: array<vec4<f32>>;
+// first place in `order` of each cell, the number of points, and sums of groups of cells
+@group(0) @binding(4) var<storage, read_write> starts: array<u32>;
+// points of each cell, then its next free place
+@group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> order: array<u32>;
+@group(0) @binding(7) var<storage, read_write> status: Status;
+// whether a wall touches: 1 in the folding at hand, 2 when forces were last known
+@group(0) @binding(8) var<storage, read_write> touching: array<u32>;
+
+fn word(plane: u32, i: u32) -> vec4<u32> {
+    return state[plane * params.points + i];
+}
+
+fn number(plane: u32, i: u32) -> vec4<f32> {
+    return bitcast<vec4<f32>>(state[plane * params.points + i]);
+}
+
+fn put(plane: u32, i: u32, value: vec4<f32>) {
+    state[plane * params.points + i] = bitcast<vec4<u32>>(value);
+}
+
+fn linear(id: vec3<u32>, groups: vec3<u32>) -> u32 {
+    return id.x + id.y * groups.x * 64u;
+}
+
+// The first node of the first cell stands one cell beyond the domain, as does the last of the last one.
+fn cell_size() -> vec3<i32> {
+    return params.size + 1;
+}
+
+fn node_size() -> vec3<i32> {
+    return params.size + 3;
+}
+
+fn cell_place(cell: u32) -> vec3<i32> {
+    let n = cell_size();
+    let c = i32(cell);
+    return vec3<i32>(c % n.x, (c / n.x) % n.y, c / (n.x * n.y));
+}
+
+fn node_index(at: vec3<i32>) -> u32 {
+    let n = node_size();
+    return u32(at.x + n.x * (at.y + n.y * at.z));
+}
+
+fn offset(place: vec4<u32>) -> vec3<f32> {
+    return vec3<f32>(bitcast<vec3<i32>>(place.xyz)) * (1.0 / UNITS);
+}
+
+// Quadratic B-spline (Li et al. 2023, eq. 10) of the first, middle or last of the three nodes along each axis, `o` cells from the middle one.
+fn value(d: vec3<i32>, o: vec3<f32>) -> vec3<f32> {
+    let left = 0.5 - o;
+    let right = 0.5 + o;
+    let outer = select(0.5 * right * right, 0.5 * left * left, d == vec3<i32>(0));
+    return select(outer, 0.75 - o * o, d == vec3<i32>(1));
+}
+
+// Its derivative, 1/cell.
+fn slope(d: vec3<i32>, o: vec3<f32>) -> vec3<f32> {
+    let outer = select(0.5 + o, o - 0.5, d == vec3<i32>(0));
+    return select(outer, -2.0 * o, d == vec3<i32>(1));
+}
+
+fn near_wall(at: vec3<i32>) -> bool {
+    for (var axis = 0u; axis < 3u; axis++) {
+        if (params.walls[2u * axis].x != 0u && at[axis] <= 2) || (params.walls[2u * axis + 1u].x != 0u && at[axis] >= params.size[axis]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Cells along x from which points reach node `x`, and how many entries of `order` a row of them has.
+struct Row {
+    first: u32,
+    end: u32,
+    // number of the row's cell at x = 0
+    base: i32,
+}
+
+fn row(at: vec3<i32>, dy: i32, dz: i32) -> Row {
+    let n = cell_size();
+    let y = at.y - dy;
+    let z = at.z - dz;
+    let low = max(at.x - 2, 0);
+    let high = min(at.x, n.x - 1);
+    if y < 0 || y >= n.y || z < 0 || z >= n.z || low > high {
+        return Row(0u, 0u, 0);
+    }
+    let base = n.x * (y + n.y * z);
+    return Row(starts[u32(base + low)], starts[u32(base + high + 1)], base);
+}
+
+fn node_place(k: u32) -> vec3<i32> {
+    let n = node_size();
+    let i = i32(k);
+    return vec3<i32>(i % n.x, (i / n.x) % n.y, i / (n.x * n.y));
+}
+
+// Mass, momentum and velocity (Li et al. 2023, eqs 36, 37).
+@compute @workgroup_size(64)
+fn project(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let k = linear(id, groups);
+    if k >= params.nodes {
+        return;
+    }
+    let at = node_place(k);
+    var sum = vec4<f32>(0.0);
+    for (var dz = 0; dz < 3; dz++) {
+        for (var dy = 0; dy < 3; dy++) {
+            let cells = row(at, dy, dz);
+            for (var p = cells.first; p < cells.end; p++) {
+                let i = order[p];
+                let place = word(PLACE, i);
+                let d = vec3<i32>(at.x - (i32(place.w) - cells.base), dy, dz);
+                let w = value(d, offset(place));
+                let v = number(VELOCITY, i);
+                sum += vec4<f32>(v.xyz * v.w, v.w) * (w.x * w.y * w.z);
+            }
+        }
+    }
+    if sum.w < params.mass_floor {
+        sum = vec4<f32>(0.0);
+    }
+    nodes[MOMENTUM * params.nodes + k] = sum;
+    if near_wall(at) {
+        nodes[SPEED * params.nodes + k] = sum;
+        nodes[CHANGE * params.nodes + k] = vec4<f32>(0.0);
+    } else if sum.w > 0.0 {
+        nodes[SPEED * params.nodes + k] = vec4<f32>(sum.xyz / sum.w, 0.0);
+    } else {
+        nodes[SPEED * params.nodes + k] = vec4<f32>(0.0);
+    }
+}
+
+// Local damping −α |f| sign(v) of what walls have left of the force; what friction has stopped stays so. Then v ← v + Δv.
+fn pushed(k: u32, v: vec3<f32>, dv: vec3<f32>) {
+    let moves = (v != vec3<f32>(0.0)) & (v + dv != vec3<f32>(0.0));
+    let change = select(dv, dv - params.damping * abs(dv) * sign(v), moves);
+    nodes[SPEED * params.nodes + k] = vec4<f32>(v + change, 0.0);
+    nodes[CHANGE * params.nodes + k] = vec4<f32>(change, 0.0);
+}
+
+// Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of platens (eq. 29), gravity, and the new velocity (eq. 28).
+@compute @workgroup_size(64)
+fn accelerate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let k = linear(id, groups);
+    if k >= params.nodes {
+        return;
+    }
+    let momentum = nodes[MOMENTUM * params.nodes + k];
+    let m = momentum.w;
+    let at = node_place(k);
+    if m <= 0.0 {
+        nodes[SPEED * params.nodes + k] = vec4<f32>(0.0);
+        nodes[CHANGE * params.nodes + k] = vec4<f32>(0.0);
+        return;
+    }
+    var internal = vec3<f32>(0.0);
+    var pressed = vec3<f32>(0.0);
+    for (var dz = 0; dz < 3; dz++) {
+        for (var dy = 0; dy < 3; dy++) {
+            let cells = row(at, dy, dz);
+            for (var p = cells.first; p < cells.end; p++) {
+                let i = order[p];
+                let place = word(PLACE, i);
+                let d = vec3<i32>(at.x - (i32(place.w) - cells.base), dy, dz);
+                let o = offset(place);
+                let w = value(d, o);
+                let s = slope(d, o);
+                let g = vec3<f32>(s.x * w.y * w.z, w.x * s.y * w.z, w.x * w.y * s.z);
+                let a = number(NORMAL, i);
+                let b = number(SHEAR, i);
+                let volume = bitcast<f32>(word(REST, i).w) * (1.0 + a.w);
+                internal += volume
+                    * vec3<f32>(
+                        a.x * g.x + b.x * g.y + b.z * g.z,
+                        b.x * g.x + a.y * g.y + b.y * g.z,
+                        b.z * g.x + b.y * g.y + a.z * g.z,
+                    );
+                if params.platens > 0u {
+                    let push = outside.parts[i].xyz;
+                    if any(push != vec3<f32>(0.0)) {
+                        // each component where it acts; the functions of the point's own cell go on beyond its edge
+                        let there = value(d, o + outside.parts[params.points + i].xyz);
+                        pressed += push * vec3<f32>(there.x * w.y * w.z, w.x * there.y * w.z, w.x * w.y * there.z);
+                    }
+                }
+            }
+        }
+    }
+    let force = m * params.gravity - internal * params.inverse_cell + pressed;
+    if near_wall(at) {
+        nodes[SPEED * params.nodes + k] = momentum;
+        nodes[CHANGE * params.nodes + k] = vec4<f32>(force * params.dt, 0.0);
+    } else {
+        pushed(k, nodes[SPEED * params.nodes + k].xyz, force * (params.dt / m));
+    }
+}

@@ -1,0 +1,136 @@
+// Sorts the points by cell and, in a cell, by id: count, prefix sum, scatter, sort. Runs only after a step in which a point has left its cell.
+
+@group(1) @binding(0) var<storage, read_write> dispatches: array<u32>;
+
+// Whether there is something to do, as sizes of dispatches: cells, blocks of the prefix sum, one, points.
+@compute @workgroup_size(1)
+fn plan() {
+    if atomicLoad(&status.fault) != 0xffffffffu {
+        status.stop = 1u;
+    }
+    let needed = select(0u, 1u, atomicExchange(&status.crossed, 0u) > 0u && status.stop == 0u);
+    dispatches[0] = needed * params.cell_groups.x;
+    dispatches[1] = params.cell_groups.y;
+    dispatches[2] = 1u;
+    dispatches[3] = needed * params.blocks;
+    dispatches[4] = 1u;
+    dispatches[5] = 1u;
+    dispatches[6] = needed;
+    dispatches[7] = 1u;
+    dispatches[8] = 1u;
+    dispatches[9] = needed * params.point_groups.x;
+    dispatches[10] = params.point_groups.y;
+    dispatches[11] = 1u;
+}
+
+@compute @workgroup_size(64)
+fn clear(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let c = linear(id, groups);
+    if c < params.cells {
+        atomicStore(&counts[c], 0u);
+    }
+}
+
+@compute @workgroup_size(64)
+fn count(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let i = linear(id, groups);
+    if i < params.points {
+        atomicAdd(&counts[word(PLACE, i).w], 1u);
+    }
+}
+
+var<workgroup> shared_sums: array<u32, 256>;
+
+// The sum of the values of the threads before this one.
+fn before(thread: u32, own: u32) -> u32 {
+    shared_sums[thread] = own;
+    workgroupBarrier();
+    for (var reach = 1u; reach < 256u; reach *= 2u) {
+        var more = 0u;
+        if thread >= reach {
+            more = shared_sums[thread - reach];
+        }
+        workgroupBarrier();
+        shared_sums[thread] += more;
+        workgroupBarrier();
+    }
+    return shared_sums[thread] - own;
+}
+
+@compute @workgroup_size(256)
+fn scan_cells(@builtin(workgroup_id) block: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let c = block.x * 256u + thread;
+    var own = 0u;
+    if c < params.cells {
+        own = atomicLoad(&counts[c]);
+    }
+    let first = before(thread, own);
+    if c < params.cells {
+        starts[c] = first;
+    }
+    if thread == 255u {
+        starts[params.cells + 1u + block.x] = first + own;
+    }
+}
+
+@compute @workgroup_size(256)
+fn scan_blocks(@builtin(local_invocation_index) thread: u32) {
+    let share = (params.blocks + 255u) / 256u;
+    let begin = params.cells + 1u + min(thread * share, params.blocks);
+    let to = params.cells + 1u + min((thread + 1u) * share, params.blocks);
+    var own = 0u;
+    for (var b = begin; b < to; b++) {
+        own += starts[b];
+    }
+    var sum = before(thread, own);
+    for (var b = begin; b < to; b++) {
+        let here = starts[b];
+        starts[b] = sum;
+        sum += here;
+    }
+}
+
+@compute @workgroup_size(64)
+fn scan_add(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let c = linear(id, groups);
+    if c < params.cells {
+        let first = starts[c] + starts[params.cells + 1u + c / 256u];
+        starts[c] = first;
+        atomicStore(&counts[c], first);
+    } else if c == params.cells {
+        starts[c] = params.points;
+    }
+}
+
+@compute @workgroup_size(64)
+fn scatter(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let i = linear(id, groups);
+    if i < params.points {
+        order[atomicAdd(&counts[word(PLACE, i).w], 1u)] = i;
+    }
+}
+
+// Insertion by id, which makes the order that of the state alone.
+@compute @workgroup_size(64)
+fn sort(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let c = linear(id, groups);
+    if c >= params.cells {
+        return;
+    }
+    let first = starts[c];
+    let end = starts[c + 1u];
+    if end - first > params.crowd {
+        atomicMin(&status.fault, 8u * word(ENERGY, order[first]).z + CROWDED);
+        return;
+    }
+    for (var k = first + 1u; k < end; k++) {
+        let i = order[k];
+        let own = word(ENERGY, i).z;
+        var at = k;
+        while at > first && word(ENERGY, order[at - 1u]).z > own {
+            order[at] = order[at - 1u];
+            at -= 1u;
+        }
+        order[at] = i;
+    }
+}

@@ -1,0 +1,170 @@
+// What points take from the nodes: one thread per point. Twins: mpm/pass.rs, mpm/stress.rs (f64), compared by rung 3.
+
+fn tell(fault: u32, i: u32) {
+    atomicMin(&status.fault, 8u * word(ENERGY, i).z + fault);
+}
+
+// Velocity (Li et al. 2023, eq. 30) and position (eq. 33).
+@compute @workgroup_size(64)
+fn advance(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let i = linear(id, groups);
+    if i >= params.points || status.stop != 0u {
+        return;
+    }
+    let place = word(PLACE, i);
+    let o = offset(place);
+    let base = cell_place(place.w);
+    let wx = array<vec3<f32>, 3>(value(vec3<i32>(0), o), value(vec3<i32>(1), o), value(vec3<i32>(2), o));
+    var field = vec3<f32>(0.0);
+    var gain = vec3<f32>(0.0);
+    for (var z = 0; z < 3; z++) {
+        for (var y = 0; y < 3; y++) {
+            let w = wx[y].y * wx[z].z;
+            let first = node_index(base + vec3<i32>(0, y, z));
+            for (var x = 0u; x < 3u; x++) {
+                let weight = w * wx[x].x;
+                field += nodes[SPEED * params.nodes + first + x].xyz * weight;
+                gain += nodes[CHANGE * params.nodes + first + x].xyz * weight;
+            }
+        }
+    }
+    let own = number(VELOCITY, i);
+    let low = number(VELOCITY_LOW, i);
+    // (1 − α)(v + Σ N Δv) + α Σ N v, as an increment
+    let by = (1.0 - params.pic) * gain + params.pic * ((field - own.xyz) - low.xyz);
+    let next = add(vec4<f32>(own.xyz, 0.0), vec4<f32>(low.xyz, 0.0), vec4<f32>(by, 0.0));
+    let d = field * (params.dt * params.inverse_cell);
+    let far = abs(d);
+    if not_finite(d.x) || not_finite(d.y) || not_finite(d.z) || not_finite(next.high.x) || not_finite(next.high.y) || not_finite(next.high.z) {
+        tell(NOT_FINITE, i);
+        return;
+    }
+    if max(far.x, max(far.y, far.z)) >= 1.5 {
+        tell(TOO_FAST, i);
+        return;
+    }
+    let rest = number(REST, i);
+    let there = moved(bitcast<vec3<i32>>(place.xyz), rest.xyz, d);
+    put(VELOCITY, i, vec4<f32>(next.high.xyz, own.w));
+    state[VELOCITY_LOW * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(next.low.xyz), word(VELOCITY_LOW, i).w);
+    put(REST, i, vec4<f32>(there.rest, rest.w));
+    var cell = place.w;
+    if any(there.shift != vec3<i32>(0)) {
+        if any(there.units >= vec3<i32>(HALF)) || any(there.units < vec3<i32>(-HALF)) {
+            tell(TOO_FAST, i);
+            return;
+        }
+        let to = base + there.shift;
+        let n = cell_size();
+        if any(to < vec3<i32>(0)) || any(to >= n) {
+            tell(OUTSIDE, i);
+            return;
+        }
+        cell = u32(to.x + n.x * (to.y + n.y * to.z));
+        atomicAdd(&status.crossed, 1u);
+    }
+    state[PLACE * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(there.units), cell);
+}
+
+// W σ − σ W of the spin xy, yz, zx.
+fn spin_rate(a: Sym, w: vec3<f32>) -> Sym {
+    let n = a.normal;
+    let s = a.shear;
+    let c = w * s;
+    return Sym(
+        2.0 * vec3<f32>(c.x - c.z, c.y - c.x, c.z - c.y),
+        vec3<f32>(
+            w.x * (n.y - n.x) - w.z * s.y + w.y * s.z,
+            w.y * (n.z - n.y) - w.x * s.z + w.z * s.x,
+            w.z * (n.x - n.z) - w.y * s.x + w.x * s.y,
+        ),
+    );
+}
+
+fn product(a: Sym, b: Sym) -> f32 {
+    return dot(a.normal, b.normal) + 2.0 * dot(a.shear, b.shear);
+}
+
+// Strain and spin increments, volume, stress.
+@compute @workgroup_size(64)
+fn strain(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let i = linear(id, groups);
+    if i >= params.points || status.stop != 0u {
+        return;
+    }
+    let place = word(PLACE, i);
+    let o = offset(place);
+    let base = cell_place(place.w);
+    let w = array<vec3<f32>, 3>(value(vec3<i32>(0), o), value(vec3<i32>(1), o), value(vec3<i32>(2), o));
+    let s = array<vec3<f32>, 3>(slope(vec3<i32>(0), o), slope(vec3<i32>(1), o), slope(vec3<i32>(2), o));
+    // columns ∂v/∂x, ∂v/∂y, ∂v/∂z
+    var dx = vec3<f32>(0.0);
+    var dy = vec3<f32>(0.0);
+    var dz = vec3<f32>(0.0);
+    for (var z = 0; z < 3; z++) {
+        for (var y = 0; y < 3; y++) {
+            let first = SPEED * params.nodes + node_index(base + vec3<i32>(0, y, z));
+            let a = nodes[first].xyz;
+            let b = nodes[first + 1u].xyz;
+            let c = nodes[first + 2u].xyz;
+            let along = a * w[0].x + b * w[1].x + c * w[2].x;
+            dx += (a * s[0].x + b * s[1].x + c * s[2].x) * (w[y].y * w[z].z);
+            dy += along * (s[y].y * w[z].z);
+            dz += along * (w[y].y * s[z].z);
+        }
+    }
+    let scale = params.dt * params.inverse_cell;
+    dx *= scale;
+    dy *= scale;
+    dz *= scale;
+    let increment = Sym(vec3<f32>(dx.x, dy.y, dz.z), 0.5 * vec3<f32>(dx.y + dy.x, dy.z + dz.y, dz.x + dx.z));
+    let spin = 0.5 * vec3<f32>(dy.x - dx.y, dz.y - dy.z, dx.z - dz.x);
+
+    let normal = number(NORMAL, i);
+    let shear = number(SHEAR, i);
+    let normal_low = number(NORMAL_LOW, i);
+    let shear_low = number(SHEAR_LOW, i);
+    let law = word(VELOCITY_LOW, i).w;
+    // to second order, as mpm/stress.rs
+    let first = spin_rate(Sym(normal.xyz, shear.xyz), spin);
+    let second = spin_rate(first, spin);
+    let turn = Sym(first.normal + 0.5 * second.normal, first.shear + 0.5 * second.shear);
+    let before = Sym(normal.xyz + (normal_low.xyz + turn.normal), shear.xyz + (shear_low.xyz + turn.shear));
+    let step = stress_step(law, before, increment, shear.w + shear_low.w);
+    let trace = increment.normal.x + increment.normal.y + increment.normal.z;
+    let growth = (1.0 + normal.w) * trace;
+    let a = add(normal, normal_low, vec4<f32>(turn.normal + step.stress.normal, growth));
+    let b = add(shear, shear_low, vec4<f32>(turn.shear + step.stress.shear, step.plastic));
+    if not_finite(a.high.x) || not_finite(a.high.y) || not_finite(a.high.z) || not_finite(b.high.x) || not_finite(b.high.y) || not_finite(b.high.z) {
+        tell(NOT_FINITE, i);
+        return;
+    }
+    if !(1.0 + a.high.w > 0.0) {
+        tell(INVERTED, i);
+        return;
+    }
+    put(NORMAL, i, a.high);
+    put(SHEAR, i, b.high);
+    put(NORMAL_LOW, i, a.low);
+    put(SHEAR_LOW, i, b.low);
+    // the mean of both stresses, and of both volumes
+    let volume = bitcast<f32>(word(REST, i).w);
+    let mean = 0.5 * volume * ((1.0 + normal.w) + (1.0 + a.high.w));
+    let after = Sym(a.high.xyz, b.high.xyz);
+    let done = 0.5 * mean * (product(before, increment) + product(after, increment));
+    let energy = word(ENERGY, i);
+    let sum = add(vec4<f32>(bitcast<f32>(energy.x), 0.0, 0.0, 0.0), vec4<f32>(bitcast<f32>(energy.y), 0.0, 0.0, 0.0), vec4<f32>(done, 0.0, 0.0, 0.0));
+    state[ENERGY * params.points + i] = vec4<u32>(bitcast<u32>(sum.high.x), bitcast<u32>(sum.low.x), energy.z, energy.w);
+}
+
+// Ends a step: it counts when nothing was lost.
+@compute @workgroup_size(1)
+fn finish() {
+    if status.stop == 0u {
+        if atomicLoad(&status.fault) == 0xffffffffu {
+            status.steps += 1u;
+        } else {
+            status.stop = 1u;
+        }
+    }
+}

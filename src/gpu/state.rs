@@ -1,0 +1,69 @@
+//! Points of the CPU to planes of the device, and back.
+
+use super::exact::{UNITS, place, placed, split};
+use crate::mpm::{Points, Settings};
+
+/// Planes of four words per point; the order is that of `nodes.wgsl`.
+pub const PLANES: usize = 9;
+
+/// Radius of a point's ghost sphere, m (Li et al. 2023, eq. 22): its solid volume, which stays.
+pub fn ghost_radius(points: &Points, i: usize) -> f64 {
+    let solid = (1.0 - points.initial_porosity[i]) * points.initial_volume[i];
+    (solid * (0.75 / std::f64::consts::PI)).cbrt()
+}
+
+/// Planes one after the other. Points must lie within the domain.
+pub fn to_device(settings: &Settings, points: &Points) -> Vec<[u32; 4]> {
+    let n = points.len();
+    let mut planes = vec![[0_u32; 4]; PLANES * n];
+    let bits = f32::to_bits;
+    let wide = settings.cells.map(|n| n as i32 + 1);
+    for i in 0..n {
+        let p = &points.position[i];
+        let [x, y, z]: [(i32, i32, f32); 3] = std::array::from_fn(|a| place((p[a] - settings.lower[a]) / settings.cell));
+        let cell = (x.0 + 1) + wide[0] * ((y.0 + 1) + wide[1] * (z.0 + 1));
+        let v = points.velocity[i].map(split);
+        let s = points.stress[i].map(split);
+        let growth = split(p[3] / points.initial_volume[i] - 1.0);
+        let plastic = split(points.memory[i].plastic);
+        let radius = (ghost_radius(points, i) / settings.cell * f64::from(UNITS)) as i32;
+        let part = |s: &[[f32; 2]], last: [f32; 2], k: usize| [bits(s[0][k]), bits(s[1][k]), bits(s[2][k]), bits(last[k])];
+        let words = [
+            [x.1 as u32, y.1 as u32, z.1 as u32, cell as u32],
+            [bits(x.2), bits(y.2), bits(z.2), bits(points.initial_volume[i] as f32)],
+            part(&v, v[3], 0),
+            [bits(v[0][1]), bits(v[1][1]), bits(v[2][1]), u32::from(points.law[i])],
+            part(&s[..3], growth, 0),
+            part(&s[3..], plastic, 0),
+            part(&s[..3], growth, 1),
+            part(&s[3..], plastic, 1),
+            [0, 0, points.id[i], radius as u32],
+        ];
+        for (plane, word) in words.into_iter().enumerate() {
+            planes[plane * n + i] = word;
+        }
+    }
+    planes
+}
+
+/// Writes the state into the point of the same index; returns the stress work since the state went to the device, J. Mass, law and what a point
+/// was at the start stay as they are.
+pub fn to_point(settings: &Settings, planes: &[[u32; 4]], i: usize, points: &mut Points, to: usize) -> f64 {
+    let n = planes.len() / PLANES;
+    let word = |plane: usize| planes[plane * n + i];
+    let number = |plane: usize, k: usize| f32::from_bits(word(plane)[k]);
+    let both = |high: usize, low: usize, k: usize| f64::from(number(high, k)) + f64::from(number(low, k));
+    let wide = settings.cells.map(|n| n + 1);
+    let cell = word(0)[3];
+    let cell = [cell % wide[0], cell / wide[0] % wide[1], cell / (wide[0] * wide[1])];
+    for (a, cell) in cell.into_iter().enumerate() {
+        let x = placed(cell as i32 - 1, word(0)[a] as i32, number(1, a));
+        points.position[to][a] = settings.lower[a] + settings.cell * x;
+        points.velocity[to][a] = both(2, 3, a);
+        points.stress[to][a] = both(4, 6, a);
+        points.stress[to][3 + a] = both(5, 7, a);
+    }
+    points.position[to][3] = points.initial_volume[to] * (1.0 + both(4, 6, 3));
+    points.memory[to].plastic = both(5, 7, 3);
+    f64::from(number(8, 0)) + f64::from(number(8, 1))
+}

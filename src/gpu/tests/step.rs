@@ -1,0 +1,359 @@
+//! Rung 3: nodes, platens and one step against f64.
+
+use super::{adapter, laws};
+use crate::boundary;
+use crate::gpu::continuum::Continuum;
+use crate::gpu::platen::{Drive, Platen};
+use crate::gpu::state::ghost_radius;
+use crate::mpm::law::{Elastic, Law};
+use crate::mpm::{self, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+fn settings(cells: [u32; 3]) -> Settings {
+    Settings {
+        dimension: Dimension::Space,
+        cell: 0.1,
+        lower: [-0.3, 0.2, 0.0],
+        cells,
+        walls: [Wall::Open; 6],
+        gravity: [0.5, -0.3, -9.81],
+        shape: ShapeFunctions::BSpline,
+        transfer: Transfer::Blend { pic: 0.03 },
+        damping: 0.0,
+    }
+}
+
+/// A box of points at random places with random velocities and stresses; some cells are left empty.
+fn box_of_points(s: &Settings, laws: &[Law], n: usize) -> Points {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut points = Points::default();
+    let pick = |rng: &mut ChaCha8Rng, low: f64, high: f64| rng.random_range(low..high);
+    for k in 0..n {
+        let position = std::array::from_fn(|a| {
+            let high = s.lower[a] + 0.1 * f64::from(s.cells[a]) * if a == 2 { 0.7 } else { 1.0 };
+            pick(&mut rng, s.lower[a], high)
+        });
+        let volume = 1.25e-4 * pick(&mut rng, 0.8, 1.2);
+        let pressure = pick(&mut rng, 1e4, 5e4);
+        let shear: [f64; 6] = std::array::from_fn(|_| pick(&mut rng, -4e3, 4e3));
+        points.add(&Point {
+            position,
+            velocity: std::array::from_fn(|_| pick(&mut rng, -1.0, 1.0)),
+            mass: 2000.0 * volume,
+            volume,
+            stress: std::array::from_fn(|i| shear[i] - if i < 3 { pressure } else { 0.0 }),
+            porosity: 0.4,
+            law: (k % laws.len()) as u8,
+        });
+    }
+    points
+}
+
+/// Force of platens on a point, N, and how far beside it each component acts, m (mpm/platen.rs).
+fn pressed(c: &mpm::Continuum, platens: &[Platen], i: usize) -> ([f64; 3], [f64; 3]) {
+    let points = c.points();
+    let (mut force, mut arm) = ([0.0; 3], [0.0; 3]);
+    for p in platens {
+        let normal = if p.upward { 1.0 } else { -1.0 };
+        let radius = ghost_radius(points, i);
+        let overlap = radius - normal * (points.position[i][p.axis] - p.place);
+        if overlap > 0.0 {
+            force[p.axis] += normal * 4.0 / 3.0 * p.modulus * radius.sqrt() * overlap.powf(1.5);
+            arm[p.axis] = -normal * 0.5 * points.position[i][3].cbrt();
+        }
+    }
+    (force, arm)
+}
+
+/// Momentum and mass, internal force and that of platens, and the sum of the sizes of the force's parts, of all nodes, straight from the points in f64.
+fn nodes_of(c: &mpm::Continuum, platens: &[Platen]) -> Vec<([f64; 4], [f64; 3], f64)> {
+    let (s, points) = (c.settings(), c.points());
+    let wide = s.cells.map(|n| n as usize + 3);
+    let mut nodes = vec![([0.0; 4], [0.0; 3], 0.0); wide.iter().product()];
+    for i in 0..points.len() {
+        let (v, sigma) = (points.velocity[i], points.stress[i]);
+        let x: [f64; 3] = std::array::from_fn(|a| (points.position[i][a] - s.lower[a]) / s.cell);
+        let base = x.map(|x| (x - 0.5).floor());
+        let one = |a: usize, n: usize| {
+            let r = x[a] - (base[a] + n as f64);
+            if r.abs() < 0.5 { (0.75 - r * r, -2.0 * r) } else { (0.5 * (1.5 - r.abs()).powi(2), -r.signum() * (1.5 - r.abs())) }
+        };
+        let (force, arm) = pressed(c, platens, i);
+        let beside = |a: usize, n: usize| {
+            let o = x[a] - base[a] - 1.0 + arm[a] / s.cell;
+            [0.5 * (0.5 - o).powi(2), 0.75 - o * o, 0.5 * (0.5 + o).powi(2)][n]
+        };
+        for n in 0..27 {
+            let n = [n % 3, n / 3 % 3, n / 9];
+            let [(wx, sx), (wy, sy), (wz, sz)] = [one(0, n[0]), one(1, n[1]), one(2, n[2])];
+            let at: [usize; 3] = std::array::from_fn(|a| (base[a] + 1.0) as usize + n[a]);
+            let node = &mut nodes[at[0] + wide[0] * (at[1] + wide[1] * at[2])];
+            let g = [sx * wy * wz, wx * sy * wz, wx * wy * sz].map(|g| g / s.cell);
+            let rows = [[sigma[0], sigma[3], sigma[5]], [sigma[3], sigma[1], sigma[4]], [sigma[5], sigma[4], sigma[2]]];
+            let there: [f64; 3] = std::array::from_fn(|a| beside(a, n[a]));
+            let pushes = [there[0] * wy * wz, wx * there[1] * wz, wx * wy * there[2]];
+            for a in 0..3 {
+                node.1[a] += force[a] * pushes[a];
+                node.2 += (force[a] * pushes[a]).abs();
+                node.0[a] += v[3] * v[a] * wx * wy * wz;
+                for b in 0..3 {
+                    let part = points.position[i][3] * rows[a][b] * g[b];
+                    node.1[a] -= part;
+                    node.2 += part.abs();
+                }
+            }
+            node.0[3] += v[3] * wx * wy * wz;
+        }
+    }
+    nodes
+}
+
+/// Largest distances of the points of two continua: velocity, m/s; place, cells; stress, Pa; plastic strain; volume, relative.
+fn apart(a: &mpm::Continuum, b: &mpm::Continuum) -> [f64; 5] {
+    let (p, q) = (a.points(), b.points());
+    let mut most = [0.0_f64; 5];
+    for (i, j) in p.by_id().into_iter().zip(q.by_id()).map(|(i, j)| (i as usize, j as usize)) {
+        assert_eq!(p.id[i], q.id[j]);
+        for k in 0..3 {
+            most[0] = most[0].max((p.velocity[i][k] - q.velocity[j][k]).abs());
+            most[1] = most[1].max((p.position[i][k] - q.position[j][k]).abs() / a.settings().cell);
+        }
+        for k in 0..6 {
+            most[2] = most[2].max((p.stress[i][k] - q.stress[j][k]).abs());
+        }
+        most[3] = most[3].max((p.memory[i].plastic - q.memory[j].plastic).abs());
+        most[4] = most[4].max((p.position[i][3] / q.position[j][3] - 1.0).abs());
+    }
+    most
+}
+
+/// What goes to the device and comes back without a step is the same within what two f32 hold.
+#[test]
+fn a_state_comes_back() {
+    if !adapter("a_state_comes_back") {
+        return;
+    }
+    let (s, laws) = (settings([6, 5, 7]), laws());
+    let points = box_of_points(&s, &laws, 500);
+    let cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
+    let gpu = Continuum::new(&cpu).expect("device");
+    let mut back = cpu.clone();
+    for v in &mut back.points_mut().velocity {
+        v[0] = 0.0;
+    }
+    gpu.read_back(&mut back).expect("read");
+    let [v, x, s, p, w] = apart(&cpu, &back);
+    println!("and back: velocity {v:e} m/s, place {x:e} cells, stress {s:e} Pa, plastic strain {p:e}, volume {w:e}");
+    assert!(v < 1e-14 && x < 1e-13 && s < 1e-9 && p < 1e-14 && w < 1e-14);
+}
+
+/// Rung 3, nodes: momentum and force within 2e-6 of the sums of the sizes of their parts.
+#[test]
+fn nodes_gather_what_the_points_have() {
+    if !adapter("nodes_gather_what_the_points_have") {
+        return;
+    }
+    let (mut s, laws) = (settings([6, 5, 7]), laws());
+    s.gravity = [0.0; 3];
+    let points = box_of_points(&s, &laws, 1500);
+    let mut cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
+    // in f32, so that only the sums differ
+    for p in &mut cpu.points_mut().velocity {
+        *p = p.map(|x| f64::from(x as f32));
+    }
+    let exact = nodes_of(&cpu, &[]);
+    let mut gpu = Continuum::new(&cpu).expect("device");
+    let momentum = gpu.nodes()[..exact.len()].to_vec();
+    // a step so short that the device still shows the forces of the state
+    let dt = 1e-12;
+    gpu.steps(1, dt).expect("step");
+    let change = gpu.nodes()[2 * exact.len()..].to_vec();
+    let mass: f64 = exact.iter().map(|n| n.0[3]).fold(0.0, f64::max);
+    let (mut in_mass, mut in_momentum, mut in_force): (f64, f64, f64) = (0.0, 0.0, 0.0);
+    for ((exact, momentum), change) in exact.iter().zip(&momentum).zip(&change) {
+        in_mass = in_mass.max((f64::from(momentum[3]) - exact.0[3]).abs() / mass);
+        for a in 0..3 {
+            in_momentum = in_momentum.max((f64::from(momentum[a]) - exact.0[a]).abs() / mass);
+            if exact.0[3] > 1e-6 * mass {
+                let force = f64::from(change[a]) / f64::from(dt as f32) * exact.0[3];
+                in_force = in_force.max((force - exact.1[a]).abs() / exact.2);
+            }
+        }
+    }
+    println!("rung 3, nodes: mass {in_mass:e}, momentum {in_momentum:e}, force {in_force:e}");
+    assert!(in_mass < 2e-6 && in_momentum < 2e-6 && in_force < 2e-6);
+    assert!(in_force > 0.0 && momentum.iter().any(|m| m[3] > 0.0), "something was compared");
+}
+
+/// Rung 3, platens on all sides: what they feel, the forces that nodes get, and their way, against f64.
+#[test]
+fn platens_press_on_points() {
+    if !adapter("platens_press_on_points") {
+        return;
+    }
+    let (mut s, laws) = (settings([8, 8, 8]), laws());
+    s.gravity = [0.0; 3];
+    let inner = Settings { lower: s.lower.map(|x| x + 0.1), cells: [6; 3], ..s.clone() };
+    let points = box_of_points(&inner, &laws, 1500);
+    let mut cpu = mpm::Continuum::new(s.clone(), laws, points).expect("allowed");
+    // stress in f32, so that only the sums differ
+    for stress in &mut cpu.points_mut().stress {
+        *stress = stress.map(|x| f64::from(x as f32));
+    }
+    let (modulus, height) = (1e7, 0.1 * 0.7 * 6.0);
+    let platens: Vec<Platen> = (0..6)
+        .map(|k| {
+            let (axis, upward) = (k / 2, k % 2 == 0);
+            let length = if axis == 2 { height } else { 0.6 };
+            let place = inner.lower[axis] + if upward { -0.02 } else { length + 0.02 };
+            let drive = if k == 5 { Drive::Force { target: 100.0, gain: 0.1, limit: 1e9 } } else { Drive::Speed(0.1 * k as f64) };
+            Platen::new(axis, upward, place, modulus, drive)
+        })
+        .collect();
+    let exact = nodes_of(&cpu, &platens);
+    let mut gpu = Continuum::with_platens(&cpu, &platens).expect("device");
+    let dt = 1e-12;
+    gpu.steps(1, dt).expect("step");
+    let change = gpu.nodes()[2 * exact.len()..].to_vec();
+    let mass: f64 = exact.iter().map(|n| n.0[3]).fold(0.0, f64::max);
+    let mut in_force: f64 = 0.0;
+    for (exact, change) in exact.iter().zip(&change).filter(|(exact, _)| exact.0[3] > 1e-6 * mass) {
+        for (change, force) in change.iter().zip(exact.1) {
+            let there = f64::from(*change) / f64::from(dt as f32) * exact.0[3];
+            in_force = in_force.max((there - force).abs() / exact.2);
+        }
+    }
+    let mut in_sums: f64 = 0.0;
+    for (p, before) in gpu.platens().iter().zip(&platens) {
+        let (mut reaction, mut stiffness, mut stored, mut rate) = (0.0, 0.0, 0.0, 0.0_f64);
+        for i in 0..cpu.points().len() {
+            let force = pressed(&cpu, &[*before], i).0[p.axis].abs();
+            let radius = ghost_radius(cpu.points(), i);
+            let overlap = (force / (4.0 / 3.0 * modulus * radius.sqrt())).powf(2.0 / 3.0);
+            let tangent = 2.0 * modulus * (radius * overlap).sqrt();
+            (reaction, stiffness, stored) = (reaction + force, stiffness + tangent, stored + 0.4 * force * overlap);
+            rate = rate.max(tangent / cpu.points().velocity[i][3]);
+        }
+        assert!(reaction > 0.0);
+        for (a, b) in [(p.reaction, reaction), (p.stiffness, stiffness), (p.stored, stored), (p.rate, rate)] {
+            in_sums = in_sums.max((a / b - 1.0).abs());
+        }
+        let speed = match p.drive {
+            Drive::Speed(speed) => speed,
+            Drive::Force { target, gain, limit } => boundary::servo_speed(target, reaction, stiffness, gain, dt, limit),
+        };
+        assert!((p.speed - speed).abs() <= 1e-5 * speed.abs(), "{p:?}: {speed}");
+        let moved = (p.place - before.place) * if p.upward { 1.0 } else { -1.0 };
+        assert!((moved - speed * dt).abs() <= 1e-5 * (speed * dt).abs() + 1e-13, "{p:?} from {before:?}: {moved:e}");
+    }
+    println!("rung 3, platens: sums {in_sums:e}, nodes {in_force:e}");
+    assert!(in_sums < 2e-6 && in_force < 2e-6);
+}
+
+/// Rung 3, a step: every kind of wall on every side, all laws.
+#[test]
+fn one_step_follows_f64() {
+    if !adapter("one_step_follows_f64") {
+        return;
+    }
+    let kinds = [
+        [Wall::Open; 6],
+        [Wall::Symmetry; 6],
+        [Wall::Stick; 6],
+        [Wall::Friction { friction: 0.0 }; 6],
+        [Wall::Friction { friction: 0.3 }; 6],
+        [
+            Wall::Symmetry,
+            Wall::Friction { friction: 0.4 },
+            Wall::Stick,
+            Wall::Friction { friction: 0.0 },
+            Wall::Friction { friction: 0.5 },
+            Wall::Open,
+        ],
+    ];
+    for (walls, damping) in kinds.into_iter().zip([0.0, 0.2, 0.0, 0.0, 0.1, 0.0]) {
+        let mut s = settings([6, 5, 7]);
+        (s.walls, s.damping) = (walls, damping);
+        let laws = laws()[..11].to_vec();
+        let points = box_of_points(&s, &laws, 1200);
+        let mut cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
+        let mut gpu = Continuum::new(&cpu).expect("device");
+        let mut back = cpu.clone();
+        let dt = 2e-4;
+        cpu.step(dt).expect("step");
+        gpu.steps(1, dt).expect("step");
+        gpu.read_back(&mut back).expect("read");
+        let [v, x, stress, p, w] = apart(&cpu, &back);
+        let force =
+            (0..6).flat_map(|k| (0..3).map(move |a| (k, a))).map(|(k, a)| (cpu.wall_force()[k][a] - back.wall_force()[k][a]).abs());
+        let force = force.fold(0.0, f64::max);
+        let largest = cpu.wall_force().iter().flatten().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let work = (cpu.stress_work() - back.stress_work()).abs() / cpu.stress_work().abs();
+        println!(
+            "rung 3, step, {:?} …: velocity {v:e} m/s, place {x:e} cells, stress {stress:e} Pa, plastic strain {p:e}, volume {w:e}, wall force {force:e} of {largest:e} N, work {work:e}",
+            walls[0]
+        );
+        assert!(v < 2e-7 && x < 4e-9 && stress < 0.2 && p < 4e-9 && w < 4e-9 && force <= 1e-6 * largest && work < 4e-6);
+        assert_eq!(back.steps(), 1);
+    }
+}
+
+/// Rung 3, many cells crossed: the order of the points is right at every step.
+#[test]
+fn points_that_cross_cells_are_sorted() {
+    if !adapter("points_that_cross_cells_are_sorted") {
+        return;
+    }
+    let mut s = settings([12, 9, 8]);
+    (s.gravity, s.transfer) = ([0.0; 3], Transfer::Blend { pic: 0.0 });
+    let laws = vec![Law::Elastic(Elastic::of_young(1e-3, 0.0))];
+    let mut points = Points::default();
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    for _ in 0..600 {
+        let position = std::array::from_fn(|a| s.lower[a] + 0.1 * rng.random_range(2.0..3.5));
+        points.add(&Point {
+            position,
+            velocity: [4.0, 3.0, 2.5],
+            mass: 1.0,
+            volume: 1e-3,
+            stress: [0.0; 6],
+            porosity: 0.0,
+            law: 0,
+        });
+    }
+    let mut cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
+    let start = cpu.points().clone();
+    let mut gpu = Continuum::new(&cpu).expect("device");
+    // up to 8 cells along x
+    let (dt, n) = (4e-3, 50);
+    gpu.steps(n, dt).expect("steps");
+    gpu.read_back(&mut cpu).expect("read");
+    let mut worst: f64 = 0.0;
+    for (i, position) in cpu.points().position.iter().enumerate() {
+        for a in 0..3 {
+            let passed = [4.0, 3.0, 2.5][a] * dt * n as f64;
+            worst = worst.max((position[a] - start.position[i][a] - passed).abs() / 0.1);
+        }
+    }
+    println!("uniform motion through cells: {worst:e} cells");
+    assert!(worst < 1e-5);
+}
+
+/// A device that goes away ends the run with a message, not a panic.
+#[test]
+fn a_lost_device_is_told() {
+    if !adapter("a_lost_device_is_told") {
+        return;
+    }
+    let (s, laws) = (settings([6, 5, 7]), laws());
+    let points = box_of_points(&s, &laws, 100);
+    let mut cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
+    let before = cpu.points().clone();
+    let mut gpu = Continuum::new(&cpu).expect("device");
+    gpu.lose();
+    let told = gpu.steps(500, 1e-5).expect_err("lost").to_string();
+    assert!(told.contains("graphics device") && told.contains("step 0"), "{told}");
+    assert!(gpu.read_back(&mut cpu).is_err());
+    assert!(*cpu.points() == before, "what was there is kept");
+}
