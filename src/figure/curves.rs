@@ -7,6 +7,7 @@ use super::colour;
 use super::error::Result;
 use super::group::band_note;
 use super::plot::Plot;
+use super::run::Branch;
 
 /// One figure: its axis and the history columns that stand in it, each with its legend.
 struct Curves {
@@ -60,6 +61,19 @@ pub fn plots(input: &Input) -> Result<Vec<Plot>> {
     Ok(out)
 }
 
+/// Stresses below this share of the largest are what rounding leaves of an unloaded specimen.
+const NOISE: f64 = 1e-7;
+
+/// Branches without points at stresses that are no stresses, which would stretch a logarithmic axis.
+fn without_noise(mut branches: Vec<Branch>) -> Vec<Branch> {
+    let most = branches.iter().flat_map(|b| &b.points).map(|p| p.0.abs()).fold(0.0, f64::max);
+    for branch in &mut branches {
+        branch.points.retain(|p| p.0 > NOISE * most);
+    }
+    branches.retain(|b| !b.points.is_empty());
+    branches
+}
+
 fn plot(input: &Input, curves: Curves) -> Result<Option<Plot>> {
     let mut series = Vec::new();
     let single = input.groups.len() == 1;
@@ -74,7 +88,7 @@ fn plot(input: &Input, curves: Curves) -> Result<Option<Plot>> {
             let nth = if single { j } else { i };
             let dash = colour::dash(i * curves.columns.len() + j);
             series.extend(group.series(&name, colour::kind(nth), dash, true, |run| {
-                run.branches(("sigma_v_kPa", 1e-3), (column, curves.factor))
+                run.branches(("sigma_v_kPa", 1e-3), (column, curves.factor)).map(without_noise)
             })?);
         }
     }
@@ -105,4 +119,18 @@ pub fn title(input: &Input) -> Vec<String> {
     }
     out.extend(band_note(&input.groups).map(str::to_string));
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unloaded_start_does_not_stretch_the_axis() {
+        let branch = |points: &[(f64, f64)]| Branch { stage: "load".into(), points: points.to_vec() };
+        let all = vec![branch(&[(1e-19, 0.4), (0.001, 0.4), (1.0, 0.3)]), branch(&[(-1e-20, 0.4)])];
+        assert_eq!(without_noise(all), [branch(&[(0.001, 0.4), (1.0, 0.3)])]);
+        let wide = vec![branch(&[(0.005, 0.4), (100.0, 0.3)])];
+        assert_eq!(without_noise(wide.clone()), wide);
+    }
 }
