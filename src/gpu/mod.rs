@@ -1,9 +1,7 @@
 //! The continuum on a graphics processor (feature `gpu`), through wgpu: Vulkan, Metal or Direct3D 12.
 //!
 //! ```no_run
-//! # fn main() -> comminute::error::Result<()> {
-//! # let cpu: comminute::mpm::Continuum = todo!();
-//! # let mut cpu = cpu;
+//! # fn example(mut cpu: comminute::mpm::Continuum) -> comminute::error::Result<()> {
 //! if let Some(adapter) = comminute::gpu::available() {
 //!     println!("{}", adapter.name);
 //!     let mut gpu = comminute::gpu::Continuum::new(&cpu)?;
@@ -15,8 +13,7 @@
 //! ```
 //!
 //! Space with quadratic B-splines, MUSL, a FLIP/PIC blend, walls, gravity, local damping; both laws; up to six platens that move at a speed or
-//! towards a force. What it lacks (plane strain, GIMP, affine
-//! transfer) is refused by name. Each `x.wgsl` stands beside its f32 twin or names the f64 code of `mpm` that states the same.
+//! towards a force. What it lacks (plane strain, GIMP, affine transfer) is refused by name. Each `x.wgsl` stands beside its f32 twin or names the f64 code of `mpm` that states the same.
 //!
 //! Tested on software Vulkan only; on graphics hardware it has not been run.
 

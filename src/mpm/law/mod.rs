@@ -12,7 +12,7 @@ mod elementary;
 mod evolution;
 pub mod tensor;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use cone::Cone;
 pub use drucker_prager::{DruckerPrager, Parameters, Strength};

@@ -34,8 +34,8 @@ fn li() -> DruckerPrager {
     law(Cone::Outer, LI, Evolution::Constant(0.0), 16.0, NONE, 0.12)
 }
 
-/// Every kind of surface, flow and evolution.
-fn laws() -> Vec<DruckerPrager> {
+/// Every kind of surface, flow and evolution; the first one jumps at its peak. The shader is compared with f64 for the same.
+pub(crate) fn laws() -> Vec<DruckerPrager> {
     let c = Evolution::Constant;
     let mut laws = vec![
         li(),
