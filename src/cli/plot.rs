@@ -53,6 +53,10 @@ pub fn call(args: &Args) -> Result<()> {
     };
     let files = if !args.show.is_empty() {
         let mut files = figure::chosen(&args.runs, &args.data, &args.show, &out)?;
+        if files.is_empty() {
+            let message = format!("the runs given have no {}", args.show.join(" and no "));
+            return Err(Error::input("--show", "", None, message));
+        }
         files.extend(figure::write_runs(&args.runs, &out)?);
         files
     } else if own && args.data.is_empty() {

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::figure::{self, Colouring, Drawn, Graph, Look, Quantity, Tone};
 use std::path::{Path, PathBuf};
 
-/// Draws one figure into `dir` and returns the files; none if none of its runs is done.
+/// Draws one figure into `dir` and returns the files; none if none of its runs is done, or if they have nothing of it.
 ///
 /// # Errors
 /// Records that cannot be read and files that cannot be written.
