@@ -24,3 +24,4 @@ pub mod rig;
 pub mod run;
 pub mod scene;
 pub mod step;
+pub mod verify;

@@ -16,6 +16,7 @@ mod reproduce;
 mod resume;
 mod run;
 mod sweep;
+mod verify;
 
 use clap::{Args, Parser, Subcommand};
 use comminute::error::{Error, Result};
@@ -61,6 +62,8 @@ pub enum Verb {
     PointTest(point_test::Args),
     /// Run a paper's runs again and compare
     Reproduce(reproduce::Args),
+    /// Run cases with closed forms at several resolutions: error, time, figures
+    Verify(verify::Args),
     /// Measure the speed of the engine
     Bench(bench::Args),
     /// Find parameters from laboratory data
@@ -78,6 +81,7 @@ impl Verb {
             Verb::Sweep(args) => sweep::call(&args),
             Verb::PointTest(args) => point_test::call(&args),
             Verb::Reproduce(args) => reproduce::call(&args),
+            Verb::Verify(args) => verify::call(&args),
             Verb::Bench(args) => bench::call(&args),
             Verb::Calibrate(args) => calibrate::call(&args),
         }

@@ -94,6 +94,11 @@ fn input(dirs: &[PathBuf], data: &[PathBuf]) -> Result<Input> {
     Ok(Input { groups: group::group(runs?), data: data? })
 }
 
+/// A column of numbers of a table that a run has left; empty cells are NaN.
+pub fn read_column(path: &Path, column: &str) -> Result<Vec<f64>> {
+    table::Table::read(path)?.numbers(column)
+}
+
 /// Draws the view of a run's specimen with grains coloured by `colouring` into `out`.
 pub fn draw_specimen(dir: &Path, colouring: &Colouring, out: &Path) -> Result<Vec<PathBuf>> {
     let files = specimen::draw(&Run::read(dir)?, colouring, out)?;

@@ -1,0 +1,83 @@
+//! `comminute verify`
+
+use comminute::bench::pool;
+use comminute::error::{Error, Result};
+use comminute::verify::{self, TABLE};
+use std::path::PathBuf;
+
+/// Run cases with closed forms at several resolutions: error, time, figures
+///
+/// Writes verification.csv (a row for each error), verification.md (tables) and two figures a case: error against resolution and against wall time.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples, from the repository root:\n  comminute verify\n  comminute verify --only bar,disk --levels 2 --out runs/try"
+)]
+pub struct Args {
+    /// Only these cases, by name
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    only: Vec<String>,
+
+    /// Only the coarsest so many resolutions
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u8).range(1..))]
+    levels: u8,
+
+    /// Folder of the cases' scenes
+    #[arg(long, value_name = "DIR", default_value = "experiments/verification")]
+    scenes: PathBuf,
+
+    /// Folder for everything
+    #[arg(long, value_name = "DIR", default_value = "runs/verification")]
+    out: PathBuf,
+
+    /// Threads; times depend on it, errors do not
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: u16,
+
+    /// Overwrite what the folder holds
+    #[arg(long)]
+    force: bool,
+
+    /// List the cases and do nothing
+    #[arg(long)]
+    list: bool,
+
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub fn call(args: &Args) -> Result<()> {
+    let cases = verify::chosen(&args.only)?;
+    if args.list {
+        let lines: Vec<String> = cases.iter().map(|c| format!("{:<10} {}. Exact: {}.", c.name, c.about, c.exact)).collect();
+        return super::print(&lines.join("\n"));
+    }
+    if !args.scenes.is_dir() {
+        return Err(Error::input(
+            "--scenes",
+            "",
+            None,
+            format!("{} is no folder; start from the repository root", args.scenes.display()),
+        ));
+    }
+    if args.out.join(TABLE).exists() && !args.force {
+        return Err(Error::Exists { path: args.out.clone() });
+    }
+    let threads = usize::from(args.threads);
+    let pool = pool(threads)?;
+    let mut done = Vec::new();
+    for case in cases {
+        let told = |way: &str, cells: u32| {
+            if !args.quiet {
+                eprintln!("{}: {way}, {cells} {}", case.name, case.across);
+            }
+        };
+        let rows = pool.install(|| case.measure(args.levels.into(), &args.scenes, &args.out, told))?;
+        done.push((case, rows));
+    }
+    let files = verify::write(&done, threads, &args.out)?;
+    if !args.quiet {
+        super::list_files(&files);
+    }
+    Ok(())
+}

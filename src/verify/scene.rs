@@ -1,0 +1,63 @@
+//! A case that is a scene: run as a user would, read back from what the run leaves.
+
+use super::Task;
+use crate::error::{Error, Result};
+use crate::figure;
+use crate::run::{self, RunRequest};
+use crate::scene;
+use serde_json::Value;
+use std::path::PathBuf;
+
+/// A finished run.
+pub struct Run {
+    out: PathBuf,
+    summary: Value,
+}
+
+/// Runs `scenes/name.toml` with these overrides into the task's folder, without figures and snapshots, on the threads of the caller's pool.
+///
+/// # Errors
+/// As [`run::run`].
+pub fn run(task: &Task, name: &str, sets: &[String]) -> Result<Run> {
+    let mut all = vec!["records.figures=false".into(), "records.snapshots=false".into()];
+    all.extend_from_slice(sets);
+    let scene = scene::load(task.scenes.join(name).with_extension("toml"), &all)?;
+    let outcome = run::run(RunRequest {
+        model: scene::model(&scene)?,
+        scene_resolved: scene::resolved(&scene),
+        out: task.out.clone(),
+        force: true,
+        threads: Some(rayon::current_num_threads()),
+        specimen: None,
+        quiet: true,
+        json: false,
+        stop_after: None,
+    })?;
+    Ok(Run { out: outcome.out, summary: outcome.summary })
+}
+
+impl Run {
+    /// A number of the summary.
+    ///
+    /// # Errors
+    /// A summary without it.
+    pub fn number(&self, key: &str) -> Result<f64> {
+        self.summary[key].as_f64().ok_or_else(|| Error::input(self.out.join("summary.json").display(), key, None, "is missing"))
+    }
+
+    /// A column of one of the run's tables.
+    ///
+    /// # Errors
+    /// A table without it.
+    pub fn column(&self, file: &str, name: &str) -> Result<Vec<f64>> {
+        Ok(figure::read_column(&self.out.join(file), name)?)
+    }
+
+    /// Points and steps.
+    ///
+    /// # Errors
+    /// A summary without them.
+    pub fn size(&self) -> Result<(usize, u64)> {
+        Ok((self.number("points")? as usize, self.number("steps")? as u64))
+    }
+}
