@@ -24,7 +24,7 @@ pub const SPACE: Case = Case {
     ],
     quantities: &["run-out", "energy lost in transfer"],
     run: in_space,
-    graphs: Some(|rows| graphs(&SPACE, rows, 3, lube)),
+    graphs: Some(|rows| graphs(&SPACE, rows, &[("Lube et al. 2004", lube)])),
 };
 pub const PLANE: Case = Case {
     name: "collapse_2d",
@@ -35,7 +35,7 @@ pub const PLANE: Case = Case {
     ways: &["FLIP, a = 0.6", "FLIP, a = 1", "FLIP, a = 2", "APIC, a = 0.6", "APIC, a = 1", "APIC, a = 2"],
     quantities: &["run-out", "energy lost in transfer"],
     run: in_plane,
-    graphs: Some(|rows| graphs(&PLANE, rows, 2, channel)),
+    graphs: Some(|rows| graphs(&PLANE, rows, &[("Lube et al. 2005", channel), ("Lajeunesse et al. 2005", beads)])),
 };
 const ASPECTS: [f64; 3] = [0.6, 1.0, 2.0];
 /// When all has come to rest, s.
@@ -55,6 +55,11 @@ fn lube(a: f64) -> f64 {
 /// Lube et al. 2005 (Phys. Rev. E 72, 041301): l∞/l0.
 fn channel(a: f64) -> f64 {
     1.0 + if a < 2.3 { 1.2 * a } else { 1.9 * a.powf(2.0 / 3.0) }
+}
+
+/// Lajeunesse et al. 2005 (Phys. Fluids 17, 103302), glass beads in a channel: l∞/l0 for a < 3.
+fn beads(a: f64) -> f64 {
+    1.0 + 1.8 * a
 }
 
 fn in_space(task: &Task) -> Result<Found> {
@@ -82,7 +87,7 @@ fn collapse(task: &Task, name: &str, affine: bool, own: [String; 2], law: fn(f64
     let [x, y, z] = ["x_m", "y_m", "z_m"].map(|c| run.column("points_final.csv", c));
     let flat = z?.iter().all(|z| *z == 0.0);
     let y = if flat { vec![0.0; points] } else { y? };
-    let front = front(&x?, &y, 1e-3 * cell) + 0.25e-3 * cell;
+    let front = front(&x?, &y, [1e-3 * START, 1e-3 * cell]) + 0.25e-3 * cell;
     let [potential, lost] = ["potential_J", "dissipated_J"].map(|c| run.column("history.csv", c));
     let (potential, lost) = (potential?, lost?);
     let fallen = potential[0] - potential[potential.len() - 1];
@@ -90,8 +95,9 @@ fn collapse(task: &Task, name: &str, affine: bool, own: [String; 2], law: fn(f64
     Ok(Found { points, steps, errors: vec![out / law(ASPECTS[task.way % 3]) - 1.0, lost[lost.len() - 1] / fallen, out] })
 }
 
-/// Mean over the sectors of the distance of the outermost point that hangs together with the rest: no gap wider than a cell on the way.
-fn front(x: &[f64], y: &[f64], cell: f64) -> f64 {
+/// Mean over the sectors of the distance of the outermost point that hangs together with the rest: no gap wider than a cell on the way from
+/// where the front stood at the start.
+fn front(x: &[f64], y: &[f64], [start, cell]: [f64; 2]) -> f64 {
     let mut sectors = vec![Vec::new(); SECTORS];
     for (x, y) in x.iter().zip(y) {
         let share = y.atan2(*x).max(0.0) / FRAC_PI_2;
@@ -102,37 +108,41 @@ fn front(x: &[f64], y: &[f64], cell: f64) -> f64 {
         .filter(|s| !s.is_empty())
         .map(|radii| {
             radii.sort_by(f64::total_cmp);
-            radii.windows(2).find(|w| w[1] - w[0] > cell).map_or(radii[radii.len() - 1], |w| w[0])
+            radii.windows(2).find(|w| w[1] > start && w[1] - w[0] > cell).map_or(radii[radii.len() - 1], |w| w[0])
         })
         .collect();
     ends.iter().sum::<f64>() / ends.len() as f64
 }
 
-/// Run-out against the aspect ratio, and over the law against what the transfer has taken. `settings` times three ways.
-fn graphs(case: &Case, rows: &[Row], settings: usize, law: fn(f64) -> f64) -> Vec<Graph> {
-    let name = |way: usize| case.ways[3 * way].rsplit_once(", a =").map_or("", |n| n.0);
-    let drawn = |label: Option<String>, tone, look, points: Vec<(f64, f64)>| {
-        let name = label.clone().unwrap_or_default();
-        Drawn { label, name, tone, look, points }
-    };
-    let finest = rows.iter().map(|r| r.cells).max().unwrap_or(0);
-    let line = (0..=40).map(|k| 0.4 + 0.045 * f64::from(k)).map(|a| (a, law(a))).collect();
-    let mut out = vec![drawn(Some("experiments (law)".into()), Tone::Ink, Look::Line(0), line)];
+/// A published run-out, and who found it.
+type Law = (&'static str, fn(f64) -> f64);
+
+/// Run-out against the aspect ratio, and over the first law against what the transfer has taken. Ways come in threes, one for each aspect ratio.
+fn graphs(case: &Case, rows: &[Row], laws: &[Law]) -> Vec<Graph> {
+    let name = |setting: usize| case.ways[3 * setting].rsplit_once(", a =").map_or("", |n| n.0);
+    let drawn =
+        |label: String, tone, look, points: Vec<(f64, f64)>| Drawn { name: label.clone(), label: Some(label), tone, look, points };
+    let aspects = || (0..=40).map(|k| 0.4 + 0.045 * f64::from(k));
+    let law =
+        |(n, (name, law)): (usize, &Law)| drawn((*name).into(), Tone::Ink, Look::Line(n), aspects().map(|a| (a, law(a))).collect());
+    let mut out: Vec<Drawn> = laws.iter().enumerate().map(law).collect();
     let mut lost = Vec::new();
-    for k in 0..settings {
-        let of = |cells: u32| -> Vec<&Row> { rows.iter().filter(|r| r.way / 3 == k && r.cells == cells).collect() };
+    for setting in 0..case.ways.len() / 3 {
+        let of = |keep: &dyn Fn(&Row) -> bool, point: &dyn Fn(&Row) -> (f64, f64)| -> Vec<(f64, f64)> {
+            rows.iter().filter(|r| r.way / 3 == setting && keep(r)).map(point).collect()
+        };
         for (n, &cells) in case.resolutions.iter().enumerate() {
-            let found: Vec<(f64, f64)> = of(cells).iter().map(|r| (ASPECTS[r.way % 3], r.found.errors[2])).collect();
-            let label = if cells == finest { name(k).to_string() } else { format!("{}, {cells} points", name(k)) };
-            let label = Some(if cells == finest { format!("{label}, {cells} points") } else { label });
-            out.push(drawn(label, Tone::Kind(k), Look::Symbols(n), found));
+            let found = of(&|r| r.cells == cells, &|r| (ASPECTS[r.way % 3], r.found.errors[2]));
+            if !found.is_empty() {
+                out.push(drawn(format!("{}, {cells} points", name(setting)), Tone::Kind(setting), Look::Symbols(n), found));
+            }
         }
-        let all = rows.iter().filter(|r| r.way / 3 == k).map(|r| (100.0 * r.found.errors[1], 1.0 + r.found.errors[0])).collect();
-        lost.push(drawn(Some(name(k).into()), Tone::Kind(k), Look::Symbols(k), all));
+        let all = of(&|_| true, &|r| (100.0 * r.found.errors[1], 1.0 + r.found.errors[0]));
+        lost.push(drawn(name(setting).into(), Tone::Kind(setting), Look::Symbols(setting), all));
     }
     let graph = |end: &str, x: Quantity, y: Quantity, series: Vec<Drawn>| Graph {
         name: format!("{}_{end}", case.name),
-        title: vec![case.name.replace('_', " ").to_string() + ": columns on a rough floor, φ 30°"],
+        title: vec!["columns on a rough floor".into(), "φ 30°".into()],
         legend_title: None,
         x,
         y,
@@ -142,4 +152,26 @@ fn graphs(case: &Case, rows: &[Row], settings: usize, law: fn(f64) -> f64) -> Ve
     let over = Quantity::linear("run-out over that of the law (–)", "run_out_over_law", &[1.0]);
     let share = Quantity::linear("energy lost in the transfer (%)", "lost_percent", &[0.0]);
     vec![graph("run_out", Quantity::linear("aspect ratio a (–)", "aspect_ratio", &[]), far, out), graph("lost", share, over, lost)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stray_point_is_no_front() {
+        // nine rays of points 10 mm apart up to 150 mm, one of them to 300 mm with a gap of 100 mm
+        let rays = (0..SECTORS).flat_map(|k| (1..=15).map(move |n| (k, 0.01 * f64::from(n)))).chain([(4, 0.25), (4, 0.3)]);
+        let angle = |k: usize| FRAC_PI_2 * (k as f64 + 0.5) / SECTORS as f64;
+        let (x, y): (Vec<f64>, Vec<f64>) = rays.map(|(k, r)| (r * angle(k).cos(), r * angle(k).sin())).unzip();
+        assert!((front(&x, &y, [0.1, 0.02]) - 0.15).abs() < 1e-12);
+        // without a gap it counts, in its sector
+        assert!((front(&x, &y, [0.1, 0.11]) - (0.15 + 0.15 / SECTORS as f64)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_laws_are_the_published_ones() {
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-3;
+        assert!(near(lube(1.0), 2.24) && near(lube(2.0), 3.2627) && near(channel(2.0), 3.4) && near(channel(3.0), 4.9522));
+    }
 }

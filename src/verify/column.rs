@@ -8,19 +8,18 @@ use crate::mpm::{Continuum, Dimension, Wall};
 pub const CASE: Case = Case {
     name: "column",
     about: "A column between smooth walls settles under its own weight, suddenly applied, with local damping",
-    exact: "σz = ρ g (H − z), settlement ρ g (H z − z²/2)/M, k0 = ν/(1 − ν); E 10 MPa, ν 0.3, ρ 2000 kg/m³, H 1 m: 0.72874 mm at the top",
+    exact: "σz = ρ g (H − z), settlement ρ g (H z − z²/2)/M for small strains; E 10 MPa, ν 0.3, ρ 2000 kg/m³, H 1 m: 0.72874 mm at the top",
     across: "cells along the height",
     resolutions: &[5, 10, 20, 40],
-    ways: &["B-splines", "GIMP", "B-splines, space"],
-    quantities: &["stress", "settlement", "k0"],
+    ways: &["B-splines", "GIMP"],
+    quantities: &["stress", "settlement"],
     run,
     graphs: None,
 };
-const METHODS: [Method; 3] = [FLIP, GIMP, FLIP];
+const METHODS: [Method; 2] = [FLIP, GIMP];
 
 fn run(task: &Task) -> Result<Found> {
-    let dimension = if task.way == 2 { Dimension::Space } else { Dimension::PlaneStrain };
-    settle(METHODS[task.way], dimension, Wall::Symmetry, task.cells)
+    settle(METHODS[task.way], Dimension::PlaneStrain, Wall::Symmetry, task.cells)
 }
 
 /// Root mean squares over the points: error of the vertical stress over ρ g H, of the settlement over that of the top, of the lateral

@@ -42,8 +42,11 @@ pub struct Case {
     pub quantities: &'static [&'static str],
     run: fn(&Task) -> Result<Found>,
     /// Figures of its own, beside those of all cases.
-    graphs: Option<fn(&[Row]) -> Vec<Graph>>,
+    graphs: Option<Graphs>,
 }
+
+/// Figures from all rows of a case.
+type Graphs = fn(&[Row]) -> Vec<Graph>;
 
 /// One run of a case.
 pub struct Task<'a> {

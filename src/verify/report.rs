@@ -10,8 +10,10 @@ use std::path::{Path, PathBuf};
 /// The table of all runs, in the folder that is written.
 pub const TABLE: &str = "verification.csv";
 const PAGE: &str = "verification.md";
-/// Errors below this are rounding; figures show them there.
-const ROUNDING: f64 = 1e-16;
+/// Errors below this are drawn there.
+const LEAST: f64 = 1e-8;
+/// With more ways than colours, ways come in threes: colours tell the threes apart, and only the first quantity is drawn.
+const COLOURS: usize = 7;
 
 /// Writes the table, the page and two figures a case into `out`; returns the files.
 ///
@@ -102,28 +104,34 @@ fn shown(error: f64) -> String {
 }
 
 fn graphs(case: &Case, rows: &[Row]) -> [Graph; 2] {
+    let many = case.ways.len() > COLOURS;
+    let quantities = if many { &case.quantities[..1] } else { case.quantities };
+    let small = rows.iter().flat_map(|r| &r.found.errors[..quantities.len()]).any(|e| e.abs() < LEAST);
+    let label = if small { "relative error (–), 10^{−8} if smaller" } else { "relative error (–)" };
     let draw = |name: &str, x: Quantity, at: fn(&Row) -> f64| {
         let mut series = Vec::new();
         for (way, label) in case.ways.iter().enumerate() {
-            for (q, quantity) in case.quantities.iter().enumerate() {
+            for (q, quantity) in quantities.iter().enumerate() {
                 let rows = of_way(rows, way);
-                let points: Vec<(f64, f64)> = rows.iter().map(|r| (at(r), r.found.errors[q].abs().max(ROUNDING))).collect();
+                let points: Vec<(f64, f64)> = rows.iter().map(|r| (at(r), r.found.errors[q].abs().max(LEAST))).collect();
                 if points.iter().any(|p| p.1.is_nan()) {
                     continue;
                 }
-                let name = format!("{quantity}, {label}");
                 // colours tell the ways apart, dashes and symbols the quantities
-                let drawn = |look, label| Drawn { label, name: name.clone(), tone: Tone::Kind(way), look, points: points.clone() };
-                series.push(drawn(Look::Line(q), Some(name.clone())));
-                series.push(drawn(Look::Symbols(q), None));
+                let (tone, kind) = if many { (way / 3, way % 3) } else { (way, q) };
+                let name = if many { (*label).into() } else { format!("{quantity}, {label}") };
+                let drawn = |look, label| Drawn { label, name: name.clone(), tone: Tone::Kind(tone), look, points: points.clone() };
+                series.push(drawn(Look::Line(kind), Some(name.clone())));
+                series.push(drawn(Look::Symbols(kind), None));
             }
         }
+        let about = case.about.split(" (").next().unwrap_or_default();
         Graph {
             name: format!("{}_{name}", case.name),
-            title: vec![case.about.into()],
+            title: about.split(", ").map(String::from).collect(),
             legend_title: None,
             x,
-            y: Quantity::log("relative error (–)", "error"),
+            y: Quantity::log(label, "error"),
             series,
         }
     };

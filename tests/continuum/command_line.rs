@@ -76,36 +76,6 @@ fn a_small_triaxial_test_finds_its_peak_and_resumes_to_the_byte() {
     assert_eq!(number(&summary(&parts), "peak_stress_ratio").to_bits(), peak.to_bits());
 }
 
-/// A column of the history.
-fn column(out: &Path, name: &str) -> Vec<f64> {
-    let mut reader = csv::Reader::from_path(out.join("history.csv")).expect("history");
-    let at = reader.headers().expect("header").iter().position(|h| h == name).expect(name);
-    reader.records().map(|r| r.expect("row")[at].parse().expect("number")).collect()
-}
-
-/// An elastic block of 30 cells pushed by its top platen through three cells of the grid: from one to three cells the reaction is within 1 % of
-/// M ln(1/(1 − ε)), uniaxial strain with the rate form of elasticity, with a ripple of at most 2 % (a row is about three steps).
-#[test]
-fn a_block_pushed_through_three_cells_feels_no_grid() {
-    let common = ["test.axial_strain=0.1", "test.strain_per_wave=0.0006", "test.contact_modulus_MPa=1346", "grid.cell_mm=10.0"];
-    let quiet = ["records.figures=false", "records.snapshots=false", "records.rows=3000"];
-    let folder = tempfile::tempdir().expect("folder");
-    for (name, shape) in [
-        ("plane", &["grid.plane_strain=true", "body[0].max_mm=[10.0, 300.0, 0.0]"][..]),
-        ("space", &["body[0].max_mm=[10.0, 10.0, 300.0]"]),
-    ] {
-        let out = folder.path().join(name);
-        run("oedometer", &out, &[&common[..], &quiet, shape].concat(), &[]).assert().success();
-        let modulus = 1e3 * number(&summary(&out), "oedometric_modulus_of_the_law_MPa");
-        let pairs = column(&out, "axial_strain").into_iter().zip(column(&out, "sigma_v_kPa"));
-        let ratios: Vec<f64> =
-            pairs.filter(|(e, _)| *e > 1.0 / 30.0).map(|(e, s)| s / (modulus * (1.0 / (1.0 - e)).ln())).collect();
-        let (low, high) = ratios.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(*x), b.max(*x)));
-        assert!(ratios.len() > 1000 && low > 0.99 && high < 1.01, "{name}: {low} to {high}");
-        assert!(high - low < 0.02, "{name}: ripple {}", high - low);
-    }
-}
-
 /// The modulus (1 − ν) E/((1 + ν)(1 − 2 ν)) and k0 = ν/(1 − ν) within 1 %.
 #[test]
 fn an_oedometer_finds_its_modulus() {

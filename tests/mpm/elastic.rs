@@ -2,110 +2,43 @@
 
 use crate::common::*;
 use comminute::mpm::{Dimension, Settings, ShapeFunctions, Transfer, Wall};
+use comminute::verify::{bar, block, column, disk, patch, wave};
 use std::f64::consts::PI;
-
-const OPEN: Wall = Wall::Open;
-const SYMMETRY: Wall = Wall::Symmetry;
-
-/// A strip one cell wide between smooth walls, held at x = 0 and free at the other end.
-fn strip(cell: f64, length: u32) -> Settings {
-    let mut s = settings(Dimension::PlaneStrain, cell, [length, 1, 1]);
-    s.walls = [SYMMETRY, OPEN, SYMMETRY, SYMMETRY, OPEN, OPEN];
-    s
-}
-
-/// Period and relative change of kinetic energy plus stress work of the first axial mode after two periods, with cells of `cell` m.
-/// Bar fixed at x = 0, free at L, v = v0 sin(πx/2L): ω₁ = (π/2L)√(E/ρ); L = 25, E = 100, ρ = 1, v0 = 0.1 give a period of 10 s.
-fn bar(cell: f64, shape: ShapeFunctions) -> (f64, f64) {
-    let mut s = strip(cell, (30.0 / cell) as u32);
-    s.shape = shape;
-    let points = fill(&s, [[0.0; 3], [25.0, cell, 0.0]], 2, 1.0, |_| true, |[x, ..]| [0.1 * (PI * x / 50.0).sin(), 0.0, 0.0]);
-    let mut c = continuum(s, elastic(100.0, 0.0), points);
-    let dt = 0.2 * cell / 10.0;
-    let start = c.totals().kinetic;
-    let (mut last, mut zeros) = (0.0, vec![]);
-    for k in 1..=(20.0 / dt).round() as u64 {
-        c.step(dt).unwrap();
-        let v = c.totals().momentum[0];
-        if last * v < 0.0 {
-            zeros.push((k as f64 - v / (v - last)) * dt);
-        }
-        last = v;
-    }
-    let t = c.totals();
-    (2.0 * (zeros[3] - zeros[0]) / 3.0, (t.kinetic + c.stress_work()) / start - 1.0)
-}
 
 #[test]
 fn a_bar_vibrates_with_its_frequency_and_keeps_its_energy() {
-    for (cell, shape, in_period, in_energy) in [
-        (1.0, ShapeFunctions::BSpline, 0.02, 0.01),
-        (0.5, ShapeFunctions::BSpline, 0.01, 0.01),
-        (0.5, ShapeFunctions::Gimp { half_width: 0.25 }, 0.01, 0.01),
-    ] {
-        let (period, energy) = bar(cell, shape);
-        println!("bar, cell {cell}, {shape:?}: period {period} s of 10, energy changed by {energy:e}");
-        assert!((period / 10.0 - 1.0).abs() < in_period && energy.abs() < in_energy);
+    for (cells, method) in [(25, block::FLIP), (50, block::FLIP), (50, block::GIMP), (50, block::APIC)] {
+        let [period, energy] = bar::vibrate(method, cells).unwrap().errors[..] else { panic!() };
+        println!("bar, {cells} cells, {method:?}: period {period:e}, energy {energy:e}");
+        assert!(period.abs() < 2e-3 && energy.abs() < 1e-3);
     }
 }
 
-/// A bell of velocity parts into two that run with c = √(M/ρ); E = 10 MPa, ν = 0.3, ρ = 2000: 82.041265 m/s.
 #[test]
 fn a_compression_wave_has_its_speed() {
-    let s = strip(0.1, 200);
-    let bell = |x: f64| (-(x - 5.0) * (x - 5.0)).exp();
-    let points = fill(&s, [[0.0; 3], [19.0, 0.1, 0.0]], 2, 2000.0, |_| true, |[x, ..]| [1e-3 * bell(x), 0.0, 0.0]);
-    let mut c = continuum(s, elastic(10e6, 0.3), points);
-    let (dt, n) = (2e-4, 500_u32);
-    steps(&mut c, dt, n.into());
-    let points = c.points();
-    // beyond the middle between the reflection of the other half and this one
-    let ahead = (0..points.len()).filter(|&i| points.position[i][0] > 9.5);
-    let (p, px) =
-        ahead.fold((0.0, 0.0), |(p, px), i| (p + points.velocity[i][0], px + points.velocity[i][0] * points.position[i][0]));
-    let speed = (px / p - 5.0) / (f64::from(n) * dt);
-    println!("wave: {speed} m/s of 82.041265");
-    assert!((speed / 82.041_265 - 1.0).abs() < 2e-3);
+    for method in [block::FLIP, block::GIMP, block::APIC] {
+        let [speed, momentum] = wave::travel(method, 10).unwrap().errors[..] else { panic!() };
+        println!("wave, {method:?}: speed {speed:e}, momentum {momentum:e}");
+        assert!(speed.abs() < 2e-3 && momentum.abs() < 1e-4);
+    }
 }
 
-/// A column under its own weight between smooth walls is an oedometer: E = 10 MPa, ν = 0.3, ρ = 2000, H = 1, g = 9.81 give M = 13.461538 MPa,
-/// a settlement ρgH²/2M of 0.00072874286 m, σz = ρg(H − z), and K0 = 0.42857143.
+/// A column under its own weight between smooth walls is an oedometer.
 #[test]
 fn a_column_settles_as_an_oedometer() {
-    for (dimension, shape) in [
-        (Dimension::PlaneStrain, ShapeFunctions::BSpline),
-        (Dimension::Space, ShapeFunctions::BSpline),
-        (Dimension::PlaneStrain, ShapeFunctions::Gimp { half_width: 0.25 }),
+    for (dimension, method, in_stress) in [
+        (Dimension::PlaneStrain, block::FLIP, 3e-3),
+        (Dimension::Space, block::FLIP, 3e-3),
+        (Dimension::PlaneStrain, block::GIMP, 2e-2),
     ] {
-        for floor in [SYMMETRY, Wall::Friction { friction: 0.0 }, Wall::Stick] {
-            let (cell, n) = (0.05, 20);
-            let mut s = settings(dimension, cell, [1, n + 2, 1]);
-            s.walls = SMOOTH;
-            (s.walls[2], s.walls[3]) = (floor, OPEN);
-            (s.gravity, s.damping, s.shape) = ([0.0, -9.81, 0.0], 0.4, shape);
-            let width = if dimension == Dimension::Space { cell } else { 0.0 };
-            let points = fill(&s, [[0.0; 3], [cell, 1.0, width]], 2, 2000.0, |_| true, |_| [0.0; 3]);
-            let start = points.clone();
-            let mut c = continuum(s, elastic(10e6, 0.3), points);
-            let dt = c.stable_step(0.4);
-            steps(&mut c, dt, 3000);
-            let points = c.points();
-            let (rho_g, m) = (2000.0 * 9.81, 13.461_538e6);
-            let (mut in_stress, mut in_settlement, mut in_k0): (f64, f64, f64) = (0.0, 0.0, 0.0);
-            for i in 0..points.len() {
-                let z = start.position[points.id[i] as usize][1];
-                let settled = z - points.position[i][1];
-                in_settlement = in_settlement.max((settled - rho_g / m * (z - 0.5 * z * z)).abs() / (0.5 * rho_g / m));
-                in_stress = in_stress.max((points.stress[i][1] + rho_g * (1.0 - z)).abs() / rho_g);
-                in_k0 = in_k0.max((points.stress[i][0] - 3.0 / 7.0 * points.stress[i][1]).abs() / rho_g);
-            }
-            let weight = c.totals().mass * 9.81;
-            let in_reaction = c.wall_force()[2][1] / weight - 1.0;
+        for floor in [Wall::Symmetry, Wall::Friction { friction: 0.0 }, Wall::Stick] {
+            let [stress, settlement, k0, reaction] = column::settle(method, dimension, floor, 20).unwrap().errors[..] else {
+                panic!()
+            };
             println!(
-                "column, {dimension:?}, {shape:?}, {floor:?}: stress {in_stress:e}, settlement {in_settlement:e}, K0 {in_k0:e}, reaction {in_reaction:e}, kinetic {:e}",
-                c.totals().kinetic
+                "column, {dimension:?}, {method:?}, {floor:?}: stress {stress:e}, settlement {settlement:e}, K0 {k0:e}, reaction {reaction:e}"
             );
-            assert!(in_stress < 0.02 && in_settlement < 0.01 && in_k0 < 1e-3 && in_reaction.abs() < 1e-3);
+            assert!(stress < in_stress && settlement < 2e-3 && k0 < 1e-9 && reaction.abs() < 1e-3);
         }
     }
 }
@@ -113,88 +46,29 @@ fn a_column_settles_as_an_oedometer() {
 /// Uniform gradient of velocity, points at random: every point sees it exactly, edges included, when points carry affine fields.
 #[test]
 fn a_uniform_strain_is_seen_exactly() {
-    let a = [[0.3, -0.2, 0.5], [0.1, 0.4, -0.6], [0.7, -0.1, 0.2]];
-    let field = |x: [f64; 3]| a.map(|row: [f64; 3]| row[0] * x[0] + row[1] * x[1] + row[2] * x[2]);
-    let mut random = 1_u64;
-    let mut draw = || {
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (random >> 40) as f64 / (1_u64 << 24) as f64
-    };
-    let mut s = settings(Dimension::Space, 0.1, [10, 10, 10]);
-    s.transfer = Transfer::Affine;
-    let mut points = fill(&s, [[0.3; 3], [0.7; 3]], 2, 1000.0, |_| true, |_| [0.0; 3]);
-    for i in 0..points.len() {
-        let x: [f64; 3] = std::array::from_fn(|_| 0.3 + 0.4 * draw());
-        let v = field(x);
-        points.position[i][..3].copy_from_slice(&x);
-        points.velocity[i][..3].copy_from_slice(&v);
-    }
-    // λ = 0, 2G = E: stress over E is strain
-    let mut c = continuum(s, elastic(1e-6, 0.0), points);
-    c.points_mut().affine.fill(std::array::from_fn(|column| std::array::from_fn(|row| a[row][column])));
-    // the field itself changes by A² Δt in the step
-    let dt = 1e-9;
-    c.step(dt).unwrap();
-    let exact = [a[0][0], a[1][1], a[2][2], 0.5 * (a[0][1] + a[1][0]), 0.5 * (a[1][2] + a[2][1]), 0.5 * (a[0][2] + a[2][0])];
-    let mut worst: f64 = 0.0;
-    for stress in &c.points().stress {
-        for k in 0..6 {
-            worst = worst.max((stress[k] / 1e-6 / dt - exact[k]).abs());
-        }
-    }
-    println!("uniform strain: worst rate {worst:e} 1/s of 0.7");
-    assert!(worst < 3e-9);
+    let worst = patch::gradient(4).unwrap().errors[0];
+    println!("uniform strain: worst rate {worst:e}");
+    assert!(worst < 4e-9);
 }
 
 /// A box full of points at uniform stress between smooth walls stays as it is.
 #[test]
 fn a_uniform_stress_is_in_equilibrium() {
-    for shape in [ShapeFunctions::BSpline, ShapeFunctions::Gimp { half_width: 0.25 }] {
-        let mut s = settings(Dimension::Space, 0.1, [5, 5, 5]);
-        (s.walls, s.shape) = (SMOOTH, shape);
-        let mut points = fill(&s, [[0.0; 3], [0.5; 3]], 2, 1000.0, |_| true, |_| [0.0; 3]);
-        points.stress.fill([-1e5, -2e5, -3e5, 0.0, 0.0, 0.0]);
-        let mut c = continuum(s, elastic(10e6, 0.3), points);
-        let dt = c.stable_step(0.5);
-        steps(&mut c, dt, 100);
-        let fastest = c.points().velocity.iter().flat_map(|v| [v[0], v[1], v[2]]).fold(0.0_f64, |a, v| a.max(v.abs()));
-        let reaction = c.wall_force().map(|f| f.iter().map(|f| f.abs()).fold(0.0, f64::max));
-        println!("uniform stress, {shape:?}: fastest {fastest:e} m/s after {:e} s, walls {reaction:?} N", 100.0 * dt);
-        // 1e5 Pa over 1000 kg/m³ and 0.1 m would accelerate by 1000 m/s²
-        assert!(fastest < 1e-12 * 1000.0 * 100.0 * dt);
-        for (side, exact) in [1e5, 1e5, 2e5, 2e5, 3e5, 3e5].into_iter().enumerate() {
-            assert!((reaction[side] / (0.25 * exact) - 1.0).abs() < 1e-10);
-        }
+    for method in [block::FLIP, block::GIMP] {
+        let [fastest, walls] = patch::equilibrium(method, 5).unwrap().errors[..] else { panic!() };
+        println!("uniform stress, {method:?}: fastest {fastest:e}, walls {walls:e}");
+        assert!(fastest < 1e-12 && walls < 1e-10);
     }
-}
-
-/// What is left of the angular momentum of a spinning elastic disk after one turn, and its largest stress over ρω²R².
-/// ω = 1 rad/s, R = 1 m, ρ = 1000 kg/m³, E = 1 MPa.
-fn disk(transfer: Transfer) -> (f64, f64) {
-    let mut s = settings(Dimension::PlaneStrain, 0.2, [16, 16, 1]);
-    s.transfer = transfer;
-    let inside = |[x, y, _]: [f64; 3]| (x - 1.6) * (x - 1.6) + (y - 1.6) * (y - 1.6) < 1.0;
-    let points = fill(&s, [[0.0; 3], [3.2, 3.2, 0.0]], 2, 1000.0, inside, |[x, y, _]| [1.6 - y, x - 1.6, 0.0]);
-    let mut c = continuum(s, elastic(1e6, 0.3), points);
-    if transfer == Transfer::Affine {
-        c.points_mut().affine.fill([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0; 3]]);
-    }
-    let start = c.totals().angular_momentum[2];
-    let n = 4000;
-    steps(&mut c, 2.0 * PI / f64::from(n), n as u64);
-    let stress = c.points().stress.iter().flatten().fold(0.0_f64, |a, s| a.max(s.abs()));
-    (c.totals().angular_momentum[2] / start, stress / 1000.0)
 }
 
 /// Affine fields keep it to rounding, FLIP loses some and rings, PIC loses all.
 #[test]
 fn a_spinning_disk_keeps_its_angular_momentum_with_affine_fields() {
-    let blends = [0.0, 0.001, 0.01, 1.0].map(|pic| disk(Transfer::Blend { pic }));
-    let affine = disk(Transfer::Affine);
-    println!("disk after one turn, angular momentum and stress/ρω²R²: APIC {affine:?}, PIC share 0, 0.001, 0.01, 1: {blends:?}");
-    assert!((affine.0 - 1.0).abs() < 1e-12 && affine.1 < 1.0, "APIC");
-    assert!(blends[0].0 > 0.8 && blends[0].0 < 1.0, "FLIP");
-    assert!(blends[3].0.abs() < 0.01, "PIC");
+    let [affine, flip, pic] = [block::APIC, block::FLIP, block::PIC].map(|m| disk::spin(m, 5).unwrap().errors);
+    println!("disk after one turn, angular momentum, stress, largest stress/ρω²R²: APIC {affine:?}, FLIP {flip:?}, PIC {pic:?}");
+    assert!(affine[0].abs() < 1e-12 && affine[1] < 0.1 && affine[2] < 1.0, "APIC");
+    assert!(flip[0] > -0.2 && flip[0] < 0.0, "FLIP");
+    assert!((1.0 + pic[0]).abs() < 0.01, "PIC");
 }
 
 /// A spinning disk that was pressed along x beforehand: the stress turns with the material. After a quarter turn what was σxx is σyy. The
