@@ -1,7 +1,7 @@
 //! The engine's speed: a dense frictional Hertz–Mindlin oedometer at real inertia, the case other codes are measured with
 //! (E 0.8 GPa, ν 0.12, μ 0.35, r 0.95–1.05 mm, porosity 0.40, about 90 kPa, frictionless walls, top platen at 5 mm/s).
 //!
-//! Clocks are read here and nowhere else in the library but in `run` and, when asked to, by `step`.
+//! Clocks are read here and nowhere else in the library but in `run`, in `verify` and, when asked to, by `step`.
 
 mod burst;
 mod machine;

@@ -5,7 +5,7 @@ use crate::error::Result;
 
 pub const CASE: Case = Case {
     name: "cones",
-    about: "Triaxial compression of a perfectly plastic cube between six platens, at 50, 100 and 200 kPa: the largest error of the three (scene triaxial_cones)",
+    about: "Triaxial compression of a perfectly plastic cube between six platens, the largest error at three cell pressures (50, 100 and 200 kPa; scene triaxial_cones)",
     exact: "q = 3√3 α σ3/(1 − √3 α) with each cone's α; φ 30°: 2, 1.2 and 1.1514 times σ3",
     across: "cells along an edge",
     resolutions: &[2, 3, 4, 6],

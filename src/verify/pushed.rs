@@ -5,7 +5,7 @@ use crate::error::Result;
 
 pub const CASE: Case = Case {
     name: "pushed",
-    about: "A long elastic block is pushed by a platen through three cells of the grid; what counts is from the first cell on (scene pushed_block)",
+    about: "A long elastic block is pushed by a platen, through three cells of the grid (scene pushed_block; errors from the first cell on)",
     exact: "σ = M ln(1/(1 − ε)), uniaxial strain with the rate form of elasticity",
     across: "cells along the block",
     resolutions: &[15, 30, 60, 120],

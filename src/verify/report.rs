@@ -10,10 +10,11 @@ use std::path::{Path, PathBuf};
 /// The table of all runs, in the folder that is written.
 pub const TABLE: &str = "verification.csv";
 const PAGE: &str = "verification.md";
-/// Errors below this are drawn there.
+/// Errors below this are drawn there, beside those that are no rounding.
 const LEAST: f64 = 1e-8;
-/// With more ways than colours, ways come in threes: colours tell the threes apart, and only the first quantity is drawn.
-const COLOURS: usize = 7;
+const ROUNDING: f64 = 1e-6;
+/// With more ways than this, ways come in threes: colours tell the threes apart, and only the first quantity is drawn.
+const FEW: usize = 5;
 
 /// Writes the table, the page and two figures a case into `out`; returns the files.
 ///
@@ -104,16 +105,18 @@ fn shown(error: f64) -> String {
 }
 
 fn graphs(case: &Case, rows: &[Row]) -> [Graph; 2] {
-    let many = case.ways.len() > COLOURS;
+    let many = case.ways.len() > FEW;
     let quantities = if many { &case.quantities[..1] } else { case.quantities };
-    let small = rows.iter().flat_map(|r| &r.found.errors[..quantities.len()]).any(|e| e.abs() < LEAST);
+    let errors = || rows.iter().flat_map(|r| &r.found.errors[..quantities.len()]).map(|e| e.abs());
+    let least = if errors().any(|e| e > ROUNDING) { LEAST } else { f64::MIN_POSITIVE };
+    let small = errors().any(|e| e < least);
     let label = if small { "relative error (–), 10^{−8} if smaller" } else { "relative error (–)" };
     let draw = |name: &str, x: Quantity, at: fn(&Row) -> f64| {
         let mut series = Vec::new();
         for (way, label) in case.ways.iter().enumerate() {
             for (q, quantity) in quantities.iter().enumerate() {
                 let rows = of_way(rows, way);
-                let points: Vec<(f64, f64)> = rows.iter().map(|r| (at(r), r.found.errors[q].abs().max(LEAST))).collect();
+                let points: Vec<(f64, f64)> = rows.iter().map(|r| (at(r), r.found.errors[q].abs().max(least))).collect();
                 if points.iter().any(|p| p.1.is_nan()) {
                     continue;
                 }
