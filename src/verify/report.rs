@@ -116,10 +116,11 @@ fn graphs(case: &Case, rows: &[Row]) -> [Graph; 2] {
         for (way, label) in case.ways.iter().enumerate() {
             for (q, quantity) in quantities.iter().enumerate() {
                 let rows = of_way(rows, way);
-                let points: Vec<(f64, f64)> = rows.iter().map(|r| (at(r), r.found.errors[q].abs().max(least))).collect();
-                if points.iter().any(|p| p.1.is_nan()) {
+                // what a way does not have
+                if rows.iter().any(|r| r.found.errors[q].is_nan()) {
                     continue;
                 }
+                let points: Vec<(f64, f64)> = rows.iter().map(|r| (at(r), r.found.errors[q].abs().max(least))).collect();
                 // colours tell the ways apart, dashes and symbols the quantities
                 let (tone, kind) = if many { (way / 3, way % 3) } else { (way, q) };
                 let name = if many { (*label).into() } else { format!("{quantity}, {label}") };
