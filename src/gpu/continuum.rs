@@ -356,7 +356,7 @@ impl Continuum {
 
     /// What happens when a device goes away.
     #[cfg(test)]
-    pub(super) fn lose(&self) {
+    pub(crate) fn lose(&self) {
         self.device.device.destroy();
     }
 

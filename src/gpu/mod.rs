@@ -29,7 +29,7 @@ mod platen;
 mod shader;
 mod state;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use continuum::{Continuum, Means, Saved, fits, needs};
 pub use device::{Adapter, available};
