@@ -135,7 +135,9 @@ impl Progress {
     fn save(&mut self, engine: &Engine, out: &Path) -> Result<()> {
         self.used.save(engine, &mut self.state)?;
         self.history.flush(out)?;
-        checkpoint::save(out, self)
+        checkpoint::save(out, self)?;
+        self.used.saved = None;
+        Ok(())
     }
 }
 
