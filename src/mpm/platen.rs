@@ -40,7 +40,7 @@ pub struct Platen {
     /// Largest ghost radius of all points, m.
     reach: f64,
     /// Distance moved since the last contact, m.
-    moved: f64,
+    pub(crate) moved: f64,
     #[serde(skip)]
     contacts: Vec<Contact>,
 }
@@ -88,6 +88,12 @@ fn cube_root(x: f64) -> f64 {
     y
 }
 
+/// A point whose centre a platen has passed.
+pub(crate) fn passed(step: u64, id: u32) -> Error {
+    let what = format!("a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it");
+    Error::Unstable { step, what, grain: None }
+}
+
 /// Solid volume of a point, m³.
 fn solid(points: &Points, i: usize) -> f64 {
     (1.0 - points.initial_porosity[i]) * points.initial_volume[i]
@@ -113,6 +119,11 @@ impl Platen {
             moved: 0.0,
             contacts: Vec::new(),
         }
+    }
+
+    /// Axis of its normal.
+    pub fn axis(&self) -> usize {
+        (0..3).find(|&a| self.normal[a] != 0.0).unwrap_or(0)
     }
 
     /// Pushes the points in touch, for the next step, and sums what they give back in the order of ids.
@@ -155,10 +166,7 @@ impl Platen {
             let radius = ghost_radius(dimension, solid(points, index));
             let (overlap, id) = (radius - height, points.id[index]);
             if overlap > radius {
-                let what = format!(
-                    "a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it"
-                );
-                return Err(Error::Unstable { step: continuum.steps(), what, grain: None });
+                return Err(passed(continuum.steps(), id));
             }
             if overlap > 0.0 {
                 self.contacts.push(Contact { id, index: index as u32, overlap, radius });

@@ -14,7 +14,7 @@ pub struct Row {
     pub events: Option<Spread>,
     pub grains: Option<Spread>,
     pub excluded: Option<Spread>,
-    /// Run time, min; only for rows that stand for the whole run.
+    /// Run time, min, of the whole run; with its last published row.
     pub minutes: Option<Spread>,
     /// Vertical stress at which the published number of events is reached, kPa, over the seeds that reach it.
     pub reached: Option<Spread>,
@@ -36,7 +36,7 @@ pub fn rows(done: &[Done]) -> Vec<Row> {
 
 fn row(done: &Done, published: &Published) -> Row {
     let at = published.stress_kPa;
-    let whole = |key: &'static str| done.spread(move |s| if s.events(at) == s.events(None) { s.number(key) } else { None });
+    let last = done.published.last() == Some(published);
     Row {
         id: done.id.clone(),
         published: *published,
@@ -47,7 +47,7 @@ fn row(done: &Done, published: &Published) -> Row {
             Some(first + s.share(at)? * (s.number("grains_final")? - first))
         }),
         excluded: done.spread(|s| Some(s.share(at)? * s.number("excluded_grains")?)),
-        minutes: whole("wall_seconds").map(|t| Spread {
+        minutes: done.spread(|s| s.number("wall_seconds").filter(|_| last)).map(|t| Spread {
             mean: t.mean / 60.0,
             sd: t.sd / 60.0,
             least: t.least / 60.0,

@@ -32,6 +32,7 @@ pub fn run(task: &Task, name: &str, sets: &[String]) -> Result<Run> {
         quiet: true,
         json: false,
         stop_after: None,
+        backend: run::Chosen::default(),
     })?;
     Ok(Run { out: outcome.out, summary: outcome.summary })
 }
