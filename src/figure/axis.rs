@@ -65,8 +65,8 @@ impl Axis {
         let span = hi - lo;
         let span = if span > 1e-9 * hi.abs().max(lo.abs()) && span > 0.0 { span } else { (0.2 * hi.abs()).max(1e-6) };
         let step = minor(nice_step(span / 5.0)).0;
-        // A limit that was asked for is kept; elsewhere a curve does not touch the frame.
-        let asked = |v: f64| self.include.contains(&v);
+        // A limit that was asked for is kept, whatever rounding has left of it; elsewhere a curve does not touch the frame.
+        let asked = |v: f64| self.include.iter().any(|limit| (limit - v).abs() <= 1e-9 * span);
         let low = if asked(lo) { lo } else { lo - 0.03 * span };
         let high = if asked(hi) { hi } else { hi + 0.03 * span };
         Range { scale: Scale::Linear, lo: (low / step + 1e-9).floor() * step, hi: (high / step - 1e-9).ceil() * step }
