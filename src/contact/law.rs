@@ -166,13 +166,18 @@ impl PairTable {
         let mut on_walls = Vec::with_capacity(walls.len() * m.len());
         for w in walls {
             for m1 in m {
-                on_walls.push(match w.material {
-                    Some(k) => Pair { friction: w.friction, ..Pair::between(law, m1, &m[k as usize]) },
-                    None => Pair::on_wall(law, m1, w.friction),
-                });
+                on_walls.push(PairTable::on_wall(law, m1, w, m));
             }
         }
         PairTable { materials: m.len(), grains, walls: on_walls }
+    }
+
+    /// A grain of material `m` on a wall.
+    pub fn on_wall(law: ContactLaw, m: &Material, wall: &crate::boundary::Wall, materials: &[Material]) -> Pair {
+        match wall.material {
+            Some(k) => Pair { friction: wall.friction, ..Pair::between(law, m, &materials[k as usize]) },
+            None => Pair::on_wall(law, m, wall.friction),
+        }
     }
 
     #[inline(always)]

@@ -10,7 +10,7 @@
 //! platen: a uniform stress is then in balance up to the face, where otherwise the outermost points would bear a fraction of it, and moduli
 //! come out too high by half a point's edge over the length at each end. So platens stand along the axes.
 
-use super::{Continuum, Dimension, Points};
+use super::{Continuum, Dimension};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -88,16 +88,16 @@ fn cube_root(x: f64) -> f64 {
     y
 }
 
-/// Solid volume of a point, m³.
-fn solid(points: &Points, i: usize) -> f64 {
-    (1.0 - points.initial_porosity[i]) * points.initial_volume[i]
+/// Ghost radius, m, of a point of `continuum` with so much solid volume, m³.
+pub fn ghost_radius_of(continuum: &Continuum, solid: f64) -> f64 {
+    ghost_radius(continuum.settings().dimension, solid)
 }
 
 impl Platen {
     /// A platen at rest, for the points of `continuum`.
     pub fn new(continuum: &Continuum, point: [f64; 3], normal: [f64; 3], modulus: f64) -> Platen {
         let points = continuum.points();
-        let most = (0..points.len()).map(|i| solid(points, i)).fold(0.0, f64::max);
+        let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
         Platen {
             point,
             normal,
@@ -152,7 +152,7 @@ impl Platen {
             if height >= self.reach {
                 continue;
             }
-            let radius = ghost_radius(dimension, solid(points, index));
+            let radius = ghost_radius(dimension, points.solid(index));
             let (overlap, id) = (radius - height, points.id[index]);
             if overlap > radius {
                 let what = format!(

@@ -40,6 +40,8 @@ pub struct Points {
     pub initial_porosity: Vec<f64>,
     /// Columns ∂v/∂x, ∂v/∂y, ∂v/∂z, 1/s, of the affine field around the point; empty without APIC.
     pub affine: Vec<[[f64; 3]; 3]>,
+    /// Velocity, m/s, that carried the point in its last step (with FLIP not its own); empty unless something asks for it.
+    pub carried: Vec<[f64; 3]>,
     /// Index of the law.
     pub law: Vec<u8>,
     /// Persistent identity, in order of creation.
@@ -78,9 +80,14 @@ impl Points {
         self.velocity[i][3] / self.position[i][3]
     }
 
+    /// Solid volume, m³, which stays.
+    pub fn solid(&self, i: usize) -> f64 {
+        (1.0 - self.initial_porosity[i]) * self.initial_volume[i]
+    }
+
     /// Current porosity: the solid volume (1 − n₀) V₀ stays.
     pub fn porosity(&self, i: usize) -> f64 {
-        1.0 - (1.0 - self.initial_porosity[i]) * self.initial_volume[i] / self.position[i][3]
+        1.0 - self.solid(i) / self.position[i][3]
     }
 
     /// Indices in the order of ids.
@@ -99,6 +106,7 @@ impl Points {
         vectors
             + scalars
             + affine
+            + self.carried.capacity() * size_of::<[f64; 3]>()
             + self.stress.capacity() * size_of::<Sym>()
             + self.memory.capacity() * size_of::<Memory>()
             + self.law.capacity()

@@ -75,6 +75,8 @@ pub struct Work {
     begun: Vec<u32>,
     flags: Vec<u8>,
     scratch: stability::Scratch,
+    /// Force, N, and torque, N m, on each grain from elsewhere, for the next pass over grains; empty where there is nothing else.
+    pub outside: Vec<[[f64; 4]; 2]>,
     /// Breakages of the last step.
     pub breakages: Vec<Breakage>,
     /// Friction the table was made for.
@@ -103,6 +105,7 @@ impl Work {
             begun: Vec::new(),
             flags: vec![0; state.grains.len()],
             scratch: stability::Scratch::default(),
+            outside: Vec::new(),
             breakages: Vec::new(),
             table_friction: state.friction,
             births_since_reorder: 0,
@@ -184,7 +187,8 @@ pub fn step<E>(
     watch.lap(&mut work.clock, 1);
     control(state, work)?;
     watch.skip();
-    gather::advance(model, state, &work.neighbours, &mut work.flags, work.task / 4, work.arch);
+    gather::advance(model, state, work);
+    work.outside.clear();
     alone(small(state, work), || collect(state, work));
     for w in &mut state.walls {
         w.advance(state.dt);
@@ -232,7 +236,7 @@ fn small(state: &State, work: &Work) -> bool {
 }
 
 /// Grains in space order again once many were born or moved about.
-fn tidy(state: &mut State, work: &mut Work) {
+pub fn tidy(state: &mut State, work: &mut Work) {
     if work.births_since_reorder * 16 > state.grains.len() || work.neighbours.searches > 2 * state.grains.len() as u64 {
         reorder(state, work);
     }

@@ -1,4 +1,5 @@
 //! Blocks of points.
+#![allow(dead_code)] // each test binary uses its part
 
 use comminute::mpm::law::{Elastic, Law};
 use comminute::mpm::{Continuum, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
