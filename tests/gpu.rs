@@ -5,7 +5,7 @@
 
 use comminute::gpu;
 use comminute::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Parameters};
-use comminute::mpm::{Continuum, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
+use comminute::mpm::{Continuum, Dimension, Drive, Platen, Point, Points, Ramp, Settings, ShapeFunctions, Transfer, Wall};
 use std::f64::consts::PI;
 
 fn adapter(test: &str) -> bool {
@@ -163,13 +163,14 @@ fn a_platen_presses_a_block_to_its_stress() {
     // the points' spheres just touch it
     let radius = (0.6 * 0.05_f64.powi(3) * 0.75 / PI).cbrt();
     let force = 1e5 * 0.2 * 0.2;
-    let drive = gpu::Drive::Force { target: force, gain: 0.1, limit: 0.5 };
-    let platen = gpu::Platen::new(2, false, 0.475 + radius, 2e8, drive);
+    let platen = Platen::new(&c, [0.1, 0.1, 0.475 + radius], [0.0, 0.0, -1.0], 2e8);
     let mut device = gpu::Continuum::with_platens(&c, &[platen]).unwrap();
+    device.material([0.2, 0.2, 0.5], [0.0; 3]);
+    device.drive(0, Drive::Stress { target: Ramp::constant(1e5), gain: 0.1, reach: 1.0, memory: f64::INFINITY }).unwrap();
     let dt = 0.3 * c.stable_step(1.0);
     device.steps(1500, dt).unwrap();
     device.read_back(&mut c).unwrap();
-    let p = device.platens()[0];
+    let p = &device.platens()[0];
     let floor = c.wall_force()[4][2];
     let at = |points: &Points, k: u32| points.position[points.id.iter().position(|id| *id == k).unwrap()][2];
     let top = start.len() as u32 - 1;
@@ -190,7 +191,7 @@ fn a_platen_presses_a_block_to_its_stress() {
     let balance = (p.work - p.stored) / c.stress_work() - 1.0;
     println!("platen: work {:e} J, stored {:e} J, stress work {:e} J, balance {balance:e}", p.work, p.stored, c.stress_work());
     assert!(c.stress_work() > 0.0 && p.stored > 0.0 && balance.abs() < 0.1);
-    assert!(device.drive(1, gpu::Drive::Speed(0.0)).is_err());
+    assert!(device.drive(1, Drive::Speed(Ramp::constant(0.0))).is_err());
 }
 
 /// Two batches are one. What was read back and taken up again goes on the same but for the rounding of f64 places and volumes.

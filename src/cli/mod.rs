@@ -104,6 +104,27 @@ pub struct Overrides {
     pub seed_strength: Option<u64>,
 }
 
+/// Who does the steps.
+#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
+pub enum Backend {
+    /// The processor, in double precision
+    Cpu,
+    /// A graphics device, in single precision with compensated sums; continuum scenes only
+    Gpu,
+    /// A graphics device that is hardware, if there is one and it has all that the scene asks for, else the processor
+    Auto,
+}
+
+impl From<Backend> for comminute::run::Backend {
+    fn from(backend: Backend) -> Self {
+        match backend {
+            Backend::Cpu => Self::Cpu,
+            Backend::Gpu => Self::Gpu,
+            Backend::Auto => Self::Auto,
+        }
+    }
+}
+
 impl Overrides {
     /// The scene with everything that the command line changes.
     pub fn load(&self, path: &Path) -> Result<Scene> {

@@ -15,6 +15,10 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
 
+    /// Go on with another backend than before: cpu, gpu, or auto
+    #[arg(long, value_enum)]
+    backend: Option<super::Backend>,
+
     /// Stop again after this many steps, those of the first part included
     #[arg(long, value_name = "STEPS")]
     stop_after: Option<u64>,
@@ -29,8 +33,13 @@ pub struct Args {
 }
 
 pub fn call(args: Args) -> Result<()> {
-    let options =
-        ResumeOptions { threads: args.threads.map(usize::from), quiet: args.quiet, json: args.json, stop_after: args.stop_after };
+    let options = ResumeOptions {
+        threads: args.threads.map(usize::from),
+        quiet: args.quiet,
+        json: args.json,
+        stop_after: args.stop_after,
+        backend: args.backend.map(Into::into),
+    };
     let outcome = resume(&args.dir, options)?;
     super::close(&outcome, args.quiet, args.json)
 }

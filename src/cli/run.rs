@@ -2,7 +2,7 @@
 
 use super::Overrides;
 use comminute::error::{Error, Result};
-use comminute::run::{Found, Outcome, ResumeOptions, RunRequest, look, resume, run};
+use comminute::run::{Backend, Found, Outcome, ResumeOptions, RunRequest, choose, look, resume, run};
 use comminute::scene;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +26,10 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
 
+    /// Who does the steps of a continuum: cpu, gpu, or auto
+    #[arg(long, value_enum)]
+    backend: Option<super::Backend>,
+
     /// Begin with a prepared specimen (specimen.csv of another run) instead of making one
     #[arg(long, value_name = "FILE")]
     specimen: Option<PathBuf>,
@@ -39,7 +43,7 @@ pub struct Args {
     #[arg(long = "continue")]
     left: bool,
 
-    /// Stop after this many steps, preparation included; `comminute resume` goes on from there
+    /// Stop after this many steps, preparation included (on a graphics device at its next look, at most 64 steps later); `comminute resume` goes on from there
     #[arg(long, value_name = "STEPS")]
     stop_after: Option<u64>,
 
@@ -66,6 +70,7 @@ pub fn call(mut args: Args) -> Result<()> {
             quiet: args.quiet,
             json: args.json,
             stop_after: args.stop_after,
+            backend: args.backend.map(Into::into),
         };
         match found {
             Found::Finished(summary) => return super::close(&Outcome { summary, out, figures: Vec::new() }, args.quiet, args.json),
@@ -77,7 +82,11 @@ pub fn call(mut args: Args) -> Result<()> {
         }
     }
     free(&out, args.force)?;
+    let backend = choose(args.backend.map_or_else(Backend::default, Into::into), &model)?;
     if !args.quiet {
+        if let Some(why) = &backend.why {
+            eprintln!("backend: {why}");
+        }
         for warning in scene::estimate(&model).warnings {
             eprintln!("warning: {warning}");
         }
@@ -92,6 +101,7 @@ pub fn call(mut args: Args) -> Result<()> {
         quiet: args.quiet,
         json: args.json,
         stop_after: args.stop_after,
+        backend,
     })?;
     super::close(&outcome, args.quiet, args.json)
 }

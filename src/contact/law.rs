@@ -109,6 +109,14 @@ impl Pair {
         Pair { a: f(a), b: f(b), friction: f(friction), viscous: f(viscous), rolling: f(rolling), e_eff: f(e_eff) }
     }
 
+    /// Overlap, m, at which a contact bears the force `force`, N.
+    pub fn depth(&self, law: ContactLaw, r_eff: f64, force: f64) -> f64 {
+        match law {
+            ContactLaw::Linear => force / (self.a * r_eff),
+            ContactLaw::Hertz | ContactLaw::HertzViscous => (force / (self.a * r_eff.sqrt())).cbrt().powi(2),
+        }
+    }
+
     /// Between two materials.
     pub fn between(law: ContactLaw, m1: &Material, m2: &Material) -> Pair {
         let e_eff = effective_modulus((m1.young, m1.poisson), (m2.young, m2.poisson));

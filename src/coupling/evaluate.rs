@@ -142,7 +142,7 @@ fn contact<L: Law, const LEDGER: bool>(scene: &Scene<'_>, rules: &Rules, ghost: 
             let reach = p[3] + ghost.radius;
             let normal = scaled(d, 1.0 / distance);
             let r_eff = p[3] * ghost.radius / reach;
-            (normal, reach - distance, r_eff, motion, v[3], scene.table.of_grain(scene.grains.material[body]))
+            (normal, reach - distance, r_eff, motion, v[3], scene.table.of_grain(points.law[point], scene.grains.material[body]))
         }
         Body::Wall(k) => {
             let wall = &scene.walls[body];
@@ -152,7 +152,7 @@ fn contact<L: Law, const LEDGER: bool>(scene: &Scene<'_>, rules: &Rules, ghost: 
             let (none, moving) = ([0.0; 3], scaled(normal, wall.speed));
             let overlap = wall.speed * scene.ahead[0] - gap;
             let motion = Motion { centres: less(moving, carried), turning: none, mean_spin: none, spin_difference: none };
-            (normal, overlap, ghost.radius, motion, 0.0, scene.table.of_wall(k as usize))
+            (normal, overlap, ghost.radius, motion, 0.0, scene.table.of_wall(points.law[point], k as usize))
         }
     };
     let old = Memory { touch: ghost.touch, spring: L::VISCOUS.then_some(ghost.spring), rolling: None, load: None, work: None };

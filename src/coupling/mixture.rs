@@ -7,8 +7,8 @@
 
 use super::{Bound, GhostTable, Ghosts};
 use crate::coupling::evaluate::Scene;
-use crate::error::{Error, Result};
-use crate::model::{Model, TangentialUnloading};
+use crate::error::Result;
+use crate::model::Model;
 use crate::mpm::Continuum;
 use crate::mpm::platen::Platen;
 use crate::step::{self, State, Work};
@@ -39,8 +39,6 @@ pub struct Allowed {
     pub safety: f64,
     /// Instead of the rates that the bounds give.
     pub rates: Option<Rates>,
-    /// Instead of the step of the slower side that they give, s.
-    pub time: Option<f64>,
 }
 
 impl Cycle {
@@ -61,7 +59,7 @@ impl Cycle {
             }
         });
         let time = (grains * f64::from(rates.grains)).min(continuum * f64::from(rates.continuum));
-        Cycle { time: allowed.time.unwrap_or(time), rates }
+        Cycle { time, rates }
     }
 }
 
@@ -80,11 +78,13 @@ pub struct Mixture {
     /// The last step of grains, and what their own contacts allow, s.
     last: f64,
     own: f64,
+    /// Steps of the continuum, and the largest speed at which a point was carried in the last one, m/s.
+    fastest: (u64, f64),
     #[serde(skip)]
     sums: [Vec<f64>; 2],
 }
 
-/// What a cycle works on besides the mixture.
+/// What a mixture works on besides itself.
 pub struct Parts<'a> {
     pub model: &'a Model,
     pub table: &'a GhostTable,
@@ -93,84 +93,100 @@ pub struct Parts<'a> {
     pub platens: &'a mut [Platen],
 }
 
-/// What is known at the start of a cycle, when all forces are.
-pub struct Instant<'a> {
-    pub grains: &'a mut State,
-    pub work: &'a Work,
-    pub ghosts: &'a Ghosts,
-    pub continuum: &'a mut Continuum,
-    pub platens: &'a mut [Platen],
-    /// What the grains' own contacts, and those with points, allow.
-    pub own: f64,
-    pub contacts: Bound,
-}
-
 impl Mixture {
     pub fn new(grains: State, continuum: &mut Continuum) -> Mixture {
         continuum.keep_carried();
         let cycle = Cycle { time: 0.0, rates: Rates { grains: 1, continuum: 1 } };
-        Mixture { grains, ghosts: Ghosts::default(), cycle, cycles: 0, last: 0.0, own: 0.0, sums: Default::default() }
+        Mixture { grains, ghosts: Ghosts::default(), cycle, cycles: 0, last: 0.0, own: 0.0, fastest: (u64::MAX, 0.0), sums: Default::default() }
     }
 
-    /// One cycle. `decide` sees the forces of its first instant, sets speeds and answers the cycle to be done, or `None` if there is nothing left to
-    /// do: then nothing moves. Answers whether anything has.
+    /// The forces of this instant: between grains, and between grains and points.
+    pub fn feel(&mut self, parts: &mut Parts<'_>) {
+        step::feel(parts.model, &mut self.grains, parts.work);
+        self.note_bound();
+        self.find(parts, self.last, [0.0; 2]);
+    }
+
+    /// What the grains' own contacts, s, and those with points allow.
+    pub fn bounds(&mut self, continuum: &Continuum) -> (f64, Bound) {
+        (self.own, self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len()))
+    }
+
+    /// A cycle from what was felt, with platens that have pressed; walls and platens move at their speeds.
     ///
     /// # Errors
-    /// What `decide` returns; a lost point; a platen through the points.
-    pub fn advance(&mut self, parts: &mut Parts<'_>, decide: impl FnOnce(Instant<'_>) -> Result<Option<Cycle>>) -> Result<bool> {
-        let Parts { model, table, work, continuum, platens } = parts;
-        let Mixture { grains, ghosts, cycle, cycles, last, own, sums } = self;
-        let finder = Finder { table, unloading: model.contact.unloading, fastest: fastest(continuum) };
-        let first = step::step(model, grains, work, |grains, work| {
-            note_bound(grains, *last, own);
-            finder.find(ghosts, grains, continuum, *last, [0.0; 2]);
-            press(platens, continuum)?;
-            let contacts = ghosts.bound(&grains.grains, sums, continuum.points().len());
-            let instant = Instant { grains, work, ghosts, continuum, platens, own: *own, contacts };
-            let Some(next) = decide(instant)? else { return Err(End::Done) };
-            *cycle = next;
-            let [of_grains, of_points] = [next.rates.continuum, next.rates.grains].map(|n| 1.0 / f64::from(n));
-            ghosts.give(&grains.grains, &mut work.outside, of_grains, continuum, of_points);
-            if next.rates.grains == 1 {
-                let dt = next.time * of_grains;
-                for j in 1..next.rates.continuum {
-                    continuum.step(dt)?;
-                    platens.iter_mut().for_each(|p| p.advance(dt));
-                    finder.find(ghosts, grains, continuum, dt, [dt * f64::from(j), 0.0]);
-                    press(platens, continuum)?;
-                    ghosts.give(&grains.grains, &mut work.outside, of_grains, continuum, 1.0);
-                }
-            }
-            grains.dt = next.time * of_points;
-            *last = grains.dt;
-            Ok(())
-        });
-        match first {
-            Ok(()) => {}
-            Err(End::Done) => return Ok(false),
-            Err(End::Failed(e)) => return Err(e),
+    /// A lost point; a platen through the points.
+    pub fn go(&mut self, parts: &mut Parts<'_>, cycle: Cycle) -> Result<()> {
+        self.cycle = cycle;
+        let Cycle { time, rates } = cycle;
+        let [of_grains, of_points] = [rates.continuum, rates.grains].map(|n| 1.0 / f64::from(n));
+        self.give(parts, of_grains, of_points);
+        // but for the last one the steps of the continuum, beside grains that go on as they went
+        let dt = time * of_grains;
+        for j in 1..rates.continuum {
+            advance(parts, dt)?;
+            parts.platens.iter_mut().try_for_each(|p| p.press(parts.continuum))?;
+            self.find(parts, dt, [dt * f64::from(j), 0.0]);
+            self.give(parts, of_grains, of_points);
         }
+        self.move_grains(parts, time * of_points);
         // the other steps of the grains, beside points that go on as they went; newborn grains may need shorter ones
-        let (mut left, mut steps) = (cycle.time - *last, cycle.rates.grains - 1);
+        let (mut left, mut steps) = (time - self.last, rates.grains - 1);
         while steps > 0 {
-            step::step(model, grains, work, |grains, work| {
-                if note_bound(grains, *last, own) {
-                    steps = steps.max((left / *own).ceil().min(MOST) as u32);
-                }
-                finder.find(ghosts, grains, continuum, *last, [0.0, cycle.time - left]);
-                grains.dt = left / f64::from(steps);
-                *last = grains.dt;
-                ghosts.give(&grains.grains, &mut work.outside, 1.0, continuum, grains.dt / cycle.time);
-                Ok::<(), Error>(())
-            })?;
-            left -= *last;
+            step::feel(parts.model, &mut self.grains, parts.work);
+            if self.note_bound() {
+                steps = steps.max((left / self.own).ceil().min(MOST) as u32);
+            }
+            self.find(parts, self.last, [0.0, time - left]);
+            let dt = left / f64::from(steps);
+            self.give(parts, 1.0, dt / time);
+            self.move_grains(parts, dt);
+            left -= dt;
             steps -= 1;
         }
-        let dt = cycle.time / f64::from(cycle.rates.continuum);
-        continuum.step(dt)?;
-        platens.iter_mut().for_each(|p| p.advance(dt));
-        *cycles += 1;
-        Ok(true)
+        self.cycles += 1;
+        advance(parts, dt)
+    }
+
+    fn move_grains(&mut self, parts: &mut Parts<'_>, dt: f64) {
+        (self.grains.dt, self.last) = (dt, dt);
+        step::go(parts.model, &mut self.grains, parts.work);
+    }
+
+    fn give(&self, parts: &mut Parts<'_>, of_grains: f64, of_points: f64) {
+        self.ghosts.give(&self.grains.grains, &mut parts.work.outside, of_grains, parts.continuum, of_points);
+    }
+
+    /// Takes the grains' own bound where their step is not the one that they were given: then their contacts have been looked at again.
+    fn note_bound(&mut self) -> bool {
+        let looked = self.grains.dt != self.last;
+        if looked {
+            self.own = self.grains.dt;
+        }
+        looked
+    }
+
+    /// Lists and forces `dt` seconds after the last ones, with grains and points taken so far ahead.
+    fn find(&mut self, parts: &Parts<'_>, dt: f64, ahead: [f64; 2]) {
+        let Parts { table, continuum, .. } = parts;
+        let State { grains, walls, .. } = &self.grains;
+        let walls = if table.walls.is_empty() { &[] } else { &walls[..] };
+        let square = |v: &[f64]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        if self.fastest.0 != continuum.steps() {
+            let carried = &continuum.points().carried;
+            let most = carried.par_iter().with_min_len(4096).map(|v| square(v)).reduce(|| 0.0, f64::max);
+            self.fastest = (continuum.steps(), most.sqrt());
+        }
+        let point = self.fastest.1;
+        let grain = grains.vel.iter().map(|v| square(v)).fold(0.0, f64::max).sqrt();
+        let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
+        self.ghosts.update(grains, walls, continuum, dt * (point + grain.max(wall)));
+        let scene = Scene { grains, walls, continuum, table, unloading: parts.model.contact.unloading, dt, ahead };
+        if self.grains.pairs.kept().work {
+            self.ghosts.evaluate::<true>(&scene);
+        } else {
+            self.ghosts.evaluate::<false>(&scene);
+        }
     }
 
     /// Mass, kg, and momentum, kg m/s, of grains and points.
@@ -187,54 +203,9 @@ impl Mixture {
     }
 }
 
-/// How a first instant ends a cycle.
-enum End {
-    Done,
-    Failed(Error),
-}
-
-impl From<Error> for End {
-    fn from(e: Error) -> End {
-        End::Failed(e)
-    }
-}
-
-/// Takes the grains' own bound where their step is not the one that they were given: then their contacts have been looked at again.
-fn note_bound(grains: &State, given: f64, own: &mut f64) -> bool {
-    let looked = grains.dt != given;
-    if looked {
-        *own = grains.dt;
-    }
-    looked
-}
-
-fn press(platens: &mut [Platen], continuum: &mut Continuum) -> Result<()> {
-    platens.iter_mut().try_for_each(|p| p.press(continuum))
-}
-
-/// Largest speed at which a point was carried, m/s.
-fn fastest(continuum: &Continuum) -> f64 {
-    let square = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    let carried = &continuum.points().carried;
-    carried.par_iter().with_min_len(4096).map(square).reduce(|| 0.0, f64::max).sqrt()
-}
-
-/// What stays the same when contacts are found during a cycle.
-struct Finder<'a> {
-    table: &'a GhostTable,
-    unloading: TangentialUnloading,
-    fastest: f64,
-}
-
-impl Finder<'_> {
-    /// Lists and forces; `dt` seconds after the last ones, with grains and points taken ahead.
-    fn find(&self, ghosts: &mut Ghosts, state: &State, continuum: &Continuum, dt: f64, ahead: [f64; 2]) {
-        let speed = |v: &[f64; 4]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-        let grains = state.grains.vel.iter().map(speed).fold(0.0, f64::max);
-        let walls = state.walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
-        ghosts.update(&state.grains, &state.walls, continuum, dt * (self.fastest + grains.max(walls)));
-        let Finder { table, unloading, .. } = *self;
-        let scene = Scene { grains: &state.grains, walls: &state.walls, continuum, table, unloading, dt, ahead };
-        if state.pairs.kept().work { ghosts.evaluate::<true>(&scene) } else { ghosts.evaluate::<false>(&scene) }
-    }
+/// A step of the continuum, and its platens' way in it.
+fn advance(parts: &mut Parts<'_>, dt: f64) -> Result<()> {
+    parts.continuum.step(dt)?;
+    parts.platens.iter_mut().for_each(|p| p.advance(dt));
+    Ok(())
 }

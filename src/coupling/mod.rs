@@ -12,7 +12,7 @@ mod evaluate;
 mod mixture;
 mod search;
 
-pub use mixture::{Allowed, Cycle, Instant, Mixture, Parts, Rates};
+pub use mixture::{Allowed, Cycle, Mixture, Parts, Rates};
 
 use crate::boundary::Wall;
 use crate::contact::law::{Pair, PairTable};
@@ -68,6 +68,13 @@ pub struct Ghosts {
     index: [Vec<u32>; 2],
 }
 
+impl Ghosts {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.near.capacity() * size_of::<Ghost>() + self.index.iter().map(|i| 4 * i.capacity()).sum::<usize>()
+    }
+}
+
 /// What bounds the time step: sums of stiffness over mass, 1/s².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bound {
@@ -82,29 +89,29 @@ impl Bound {
     }
 }
 
-/// Contact parameters of ghosts: with each material of grains, and with each wall.
+/// Contact parameters of the ghosts of each law: with each material of grains, and with each wall.
 #[derive(Clone, Debug)]
 pub struct GhostTable {
-    pub law: ContactLaw,
-    grains: Vec<Pair>,
-    walls: Vec<Pair>,
+    law: ContactLaw,
+    grains: Vec<Vec<Pair>>,
+    /// Empty where points do not touch the grains' walls.
+    walls: Vec<Vec<Pair>>,
 }
 
 impl GhostTable {
-    /// `ghost` is the material of the fines' grains.
-    pub fn new(law: ContactLaw, ghost: &Material, materials: &[Material], walls: &[Wall]) -> GhostTable {
-        GhostTable {
-            law,
-            grains: materials.iter().map(|m| Pair::between(law, m, ghost)).collect(),
-            walls: walls.iter().map(|w| PairTable::on_wall(law, ghost, w, materials)).collect(),
-        }
+    /// `ghosts`: the material of the fines' grains for each law of the continuum; `walls`: those that points touch.
+    pub fn new(law: ContactLaw, ghosts: &[u8], materials: &[Material], walls: &[Wall]) -> GhostTable {
+        let ghost = |m: &u8| &materials[usize::from(*m)];
+        let of_law = |m: &u8| materials.iter().map(|other| Pair::between(law, other, ghost(m))).collect();
+        let on_wall = |w: &Wall| ghosts.iter().map(|m| PairTable::on_wall(law, ghost(m), w, materials)).collect();
+        GhostTable { law, grains: ghosts.iter().map(of_law).collect(), walls: walls.iter().map(on_wall).collect() }
     }
 
-    fn of_grain(&self, material: u8) -> &Pair {
-        &self.grains[usize::from(material)]
+    fn of_grain(&self, law: u8, material: u8) -> &Pair {
+        &self.grains[usize::from(law)][usize::from(material)]
     }
 
-    fn of_wall(&self, wall: usize) -> &Pair {
-        &self.walls[wall]
+    fn of_wall(&self, law: u8, wall: usize) -> &Pair {
+        &self.walls[wall][usize::from(law)]
     }
 }

@@ -1,14 +1,15 @@
 //! A continuum on the device: batches of steps without a look at what happens between.
 
-use super::device::{Device, refused};
-use super::layout::{Law32, Params, Platen32, Status, groups};
+use super::device::{Adapter, Device, holding, refused};
+use super::layout::{Law32, Outside, Params, Status, groups};
 use super::memory::Sizes;
 use super::passes::Passes;
-use super::platen::{self, Drive, Platen};
+use super::platen::{self, both};
 use super::{shader, state};
 use crate::error::{Error, Result};
-use crate::mpm::{self, Dimension, Settings, ShapeFunctions, Transfer};
-use std::collections::{HashMap, VecDeque};
+use crate::mpm::{self, Dimension, Drive, Platen, Ramp, Settings, ShapeFunctions, Transfer};
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
 use wgpu::BufferUsages as Usage;
 
 /// Steps of one submission.
@@ -26,12 +27,58 @@ pub struct Continuum {
     params: Params,
     settings: Settings,
     sizes: Sizes,
-    /// Id of the point in each place of the device.
-    ids: Vec<u32>,
-    /// Steps and stress work, J, of the CPU before.
+    /// Ids of the points and their places on the device, in the order of ids.
+    by_id: Vec<(u32, u32)>,
+    /// Steps and stress work, J, before the state went to the device.
     before: (u64, f64),
     status: Status,
+    outside: Outside,
     platens: Vec<Platen>,
+    drives: Vec<Drive>,
+}
+
+/// The device's own words, from which it goes on with the same bits.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Saved {
+    state: Vec<u32>,
+    platens: Vec<u32>,
+    /// Bits of the stress work before the state went to the device, J.
+    work: u64,
+}
+
+/// What a batch left of each of its steps: means over the instants at their ends.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Means {
+    pub steps: u64,
+    /// Length of the batch, s.
+    pub time: f64,
+    /// Way since the batch began and overlap, m, and reaction, N, of each platen.
+    pub platens: Vec<[f64; 3]>,
+    /// Force along the inward normal of each side of the domain, N.
+    pub sides: [f64; 6],
+}
+
+/// What a continuum needs on a device, in bytes.
+///
+/// # Errors
+/// What the GPU path lacks, by name.
+pub fn needs(settings: &Settings, points: &mpm::Points, platens: &[Platen]) -> Result<u64> {
+    sizes(settings, points, platens).map(|sizes| sizes.sum())
+}
+
+/// The adapter on which a continuum fits.
+///
+/// # Errors
+/// What the GPU path lacks, by name; no adapter; one without room.
+pub fn fits(settings: &Settings, points: &mpm::Points, platens: &[Platen]) -> Result<Adapter> {
+    holding(&sizes(settings, points, platens)?)
+}
+
+fn sizes(settings: &Settings, points: &mpm::Points, platens: &[Platen]) -> Result<Sizes> {
+    let mut errors = lacking(settings, points);
+    errors.extend(platen::wrong(platens, settings, points));
+    Error::all(errors)?;
+    Ok(Sizes::of(settings, points.len() as u64, !platens.is_empty()))
 }
 
 /// Memory on the device.
@@ -58,23 +105,45 @@ impl Continuum {
         Continuum::with_platens(cpu, &[])
     }
 
-    /// The same, between platens. They press at the start of each step, as the rigs of the CPU have it, and then move.
+    /// The same, between platens, which stand still until they are driven.
     ///
     /// # Errors
-    /// As [`Self::new`]; a platen that is not allowed.
+    /// As [`Self::new`]; a platen that is not allowed; one through the points.
     pub fn with_platens(cpu: &mpm::Continuum, platens: &[Platen]) -> Result<Continuum> {
+        Continuum::begin(cpu, platens, &vec![0.0; platens.len()], None)
+    }
+
+    /// The same with the mean speeds of the platens under servo, m/s, or from what [`Self::save`] gave of a continuum with these points.
+    ///
+    /// # Errors
+    /// As [`Self::with_platens`]; a state of other points.
+    pub fn begin(cpu: &mpm::Continuum, platens: &[Platen], drifts: &[f64], saved: Option<&Saved>) -> Result<Continuum> {
         let settings = cpu.settings().clone();
-        let mut errors = lacking(&settings, cpu.points());
-        errors.extend(platen::wrong(platens, &settings, cpu.points()));
-        Error::all(errors)?;
-        let sizes = Sizes::of(&settings, cpu.points().len() as u64, !platens.is_empty());
+        let sizes = sizes(&settings, cpu.points(), platens)?;
         let device = Device::open()?;
         sizes.check(&device.device.limits())?;
         let lightest = cpu.points().velocity.iter().map(|v| v[3]).fold(f64::INFINITY, f64::min);
         let mut params = Params::of(&settings, cpu.points().len(), lightest);
         params.platens = platens.len() as u32;
+        params.extents = [1.0; 3];
         let passes = Passes::new(&device, shader::STEP);
-        let state = state::to_device(&settings, cpu.points());
+        let mut state = state::to_device(&settings, cpu.points());
+        let mut outside = Outside::default();
+        for ((there, platen), drift) in outside.platens.iter_mut().zip(platens).zip(drifts) {
+            *there = platen::to_device(platen, *drift, &settings);
+        }
+        let mut before = (cpu.steps(), cpu.stress_work());
+        if let Some(saved) = saved {
+            let words: &[[u32; 4]] = bytemuck::try_cast_slice(&saved.state).unwrap_or(&[]);
+            let own: &mut [u32] = bytemuck::cast_slice_mut(&mut outside.platens);
+            if words.len() != state.len() || saved.platens.len() != own.len() {
+                return Err(refused("state", saved.state.len(), format!("words are not those of {} points", cpu.points().len())));
+            }
+            state.copy_from_slice(words);
+            own.copy_from_slice(&saved.platens);
+            before.1 = f64::from_bits(saved.work);
+        }
+        let by_id = state::by_id(&state);
         let laws: Vec<Law32> = cpu.laws().iter().map(Law32::from).collect();
         let status = Status { crossed: 1, ..Status::default() };
         let storage = Usage::STORAGE | Usage::COPY_SRC;
@@ -86,18 +155,17 @@ impl Continuum {
             starts: device.empty("starts", sizes.starts, storage),
             counts: device.empty("counts", sizes.counts, storage),
             order: device.empty("order", sizes.order, storage),
-            status: device.buffer("status", bytemuck::bytes_of(&status), storage),
+            status: device.buffer("status", bytemuck::bytes_of(&status), storage | Usage::COPY_DST),
             touching: device.empty("touching", sizes.touching, storage),
             outside: device.empty("outside", sizes.outside, storage | Usage::COPY_DST),
             dispatches: device.empty("dispatches", 48, Usage::STORAGE | Usage::INDIRECT),
         })?;
-        let planes: Vec<Platen32> = platens.iter().map(|p| p.to_device(&settings)).collect();
-        device.queue.write_buffer(&buffers.outside, 0, bytemuck::cast_slice(&planes));
+        device.queue.write_buffer(&buffers.outside, 0, bytemuck::bytes_of(&outside));
         let passes = passes.bind(&device, &buffers);
-        let before = (cpu.steps(), cpu.stress_work());
-        let ids = cpu.points().id.clone();
+        let drives = platens.iter().map(|p| Drive::Speed(Ramp::constant(p.speed))).collect();
+        let platens = platens.to_vec();
         let mut gpu =
-            Continuum { device, passes, buffers, params, settings, sizes, ids, before, status, platens: platens.to_vec() };
+            Continuum { device, passes, buffers, params, settings, sizes, by_id, before, status, outside, platens, drives };
         gpu.submit(|passes, pass, sizes| passes.prepare(pass, sizes));
         gpu.look()?;
         Ok(gpu)
@@ -108,11 +176,26 @@ impl Continuum {
     /// # Errors
     /// A point that is lost, with its step, as on the CPU; a device that is lost or out of memory. [`Self::read_back`] then has nothing of use.
     pub fn steps(&mut self, n: u64, dt: f64) -> Result<()> {
-        self.params.dt = dt as f32;
-        for (drive, platen) in self.params.drives.iter_mut().zip(&self.platens) {
-            *drive = platen.drive.to_device();
+        self.batch(n, dt, 0.0)
+    }
+
+    /// `n` steps of at most `dt` seconds, and at most the share `safety` of what the platens' contacts allow at each.
+    ///
+    /// # Errors
+    /// As [`Self::steps`].
+    pub fn batch(&mut self, n: u64, dt: f64, safety: f64) -> Result<()> {
+        (self.params.dt, self.params.safety) = (dt as f32, safety as f32);
+        for (there, drive) in self.params.drives.iter_mut().zip(&self.drives) {
+            *there = (*drive).into();
         }
-        self.device.queue.write_buffer(&self.buffers.params, 0, bytemuck::bytes_of(&self.params));
+        let mut outside = Outside { dt: self.params.dt, platens: self.outside.platens, ..Outside::default() };
+        for p in &mut outside.platens {
+            (p.way, p.ways, p.overlaps, p.reactions) = Default::default();
+        }
+        let queue = &self.device.queue;
+        queue.write_buffer(&self.buffers.params, 0, bytemuck::bytes_of(&self.params));
+        queue.write_buffer(&self.buffers.outside, 0, bytemuck::bytes_of(&outside));
+        queue.write_buffer(&self.buffers.status, std::mem::offset_of!(Status, fastest) as u64, &[0; 4]);
         let mut flying = VecDeque::new();
         let mut left = n;
         while left > 0 {
@@ -123,6 +206,7 @@ impl Continuum {
                 self.device.wait(flying.pop_front(), self.steps_done())?;
             }
         }
+        self.submit(|passes, pass, sizes| passes.survey(pass, sizes));
         self.look()
     }
 
@@ -132,20 +216,32 @@ impl Continuum {
     /// # Errors
     /// Other points; a device that was lost. `cpu` is then as it was.
     pub fn read_back(&self, cpu: &mut mpm::Continuum) -> Result<()> {
-        let bytes = self.device.read(&self.buffers.state, self.steps_done())?;
+        let bytes = self.words()?;
         let planes: &[[u32; 4]] = bytemuck::cast_slice(&bytes);
-        let places: HashMap<u32, usize> = cpu.points().id.iter().enumerate().map(|(i, &id)| (id, i)).collect();
-        if places.len() != self.ids.len() || self.ids.iter().any(|id| !places.contains_key(id)) {
-            return Err(refused("points", places.len(), "are others than those that went to the device"));
+        let there = cpu.points().by_id();
+        let same = |(&(id, _), &i): (&(u32, u32), &u32)| id == cpu.points().id[i as usize];
+        if there.len() != self.by_id.len() || !self.by_id.iter().zip(&there).all(same) {
+            return Err(refused("points", there.len(), "are others than those that went to the device"));
         }
         let points = cpu.points_mut();
-        let mut work: Vec<(u32, f64)> = (self.ids.iter().enumerate())
-            .map(|(i, id)| (*id, state::to_point(&self.settings, planes, i, points, places[id])))
-            .collect();
-        work.sort_unstable_by_key(|(id, _)| *id);
-        let work: f64 = work.iter().map(|(_, work)| work).sum();
+        let point = |(&(_, i), &to): (&(u32, u32), &u32)| state::to_point(&self.settings, planes, i as usize, points, to as usize);
+        let work: f64 = self.by_id.iter().zip(&there).map(point).sum();
         cpu.set_counters(self.steps_done(), self.before.1 + work, self.wall_force());
         Ok(())
+    }
+
+    /// The words of the state as they are.
+    ///
+    /// # Errors
+    /// A device that was lost.
+    pub fn save(&self) -> Result<Saved> {
+        let bytes = self.words()?;
+        let platens: &[u32] = bytemuck::cast_slice(&self.outside.platens);
+        Ok(Saved { state: bytemuck::pod_collect_to_vec(&bytes), platens: platens.to_vec(), work: self.before.1.to_bits() })
+    }
+
+    fn words(&self) -> Result<Vec<u8>> {
+        self.device.read(&[(&self.buffers.state, self.sizes.state)], self.steps_done())
     }
 
     /// Steps done, those of the CPU before included.
@@ -163,9 +259,37 @@ impl Continuum {
         self.sizes.sum()
     }
 
-    /// The platens after the last batch.
+    /// The adapter.
+    pub fn adapter(&self) -> &Adapter {
+        &self.device.adapter
+    }
+
+    /// The platens as they feel the points after the last batch.
     pub fn platens(&self) -> &[Platen] {
         &self.platens
+    }
+
+    /// Mean speed of the platen `k` under servo, m/s.
+    pub fn drift(&self, k: usize) -> f64 {
+        self.outside.platens[k].drift.into()
+    }
+
+    /// What the last batch left.
+    pub fn means(&self) -> Means {
+        let Outside { time, count, sides, platens, .. } = self.outside;
+        let n = f64::from(count.max(1));
+        let mean = |sum: [f32; 2]| both(sum) / n;
+        Means {
+            steps: count.into(),
+            time: both(time),
+            platens: platens[..self.platens.len()].iter().map(|p| [p.ways, p.overlaps, p.reactions].map(mean)).collect(),
+            sides: sides.map(mean),
+        }
+    }
+
+    /// The least h/(c + |v|) over the points after the last batch, s, as [`mpm::Continuum::stable_step`].
+    pub fn stable_step(&self) -> f64 {
+        self.settings.cell / f64::from(f32::from_bits(self.status.fastest))
     }
 
     /// Another drive for the platen `k` from the next batch on.
@@ -173,10 +297,16 @@ impl Continuum {
     /// # Errors
     /// There is no such platen.
     pub fn drive(&mut self, k: usize, drive: Drive) -> Result<()> {
-        let count = self.platens.len();
-        let platen = self.platens.get_mut(k).ok_or_else(|| refused("platen", k, format!("there are {count}, counted from 0")))?;
-        platen.drive = drive;
+        let count = self.drives.len();
+        let own = self.drives.get_mut(k).ok_or_else(|| refused("platen", k, format!("there are {count}, counted from 0")))?;
+        *own = drive;
         Ok(())
+    }
+
+    /// What the material extends over along each axis, m, for platens that hold a stress in the next batch: `extents` and, for each platen of the axis, `scale`
+    /// times its mean overlap less its way since the batch began. Until it is told, extents are 1 m and stay so.
+    pub fn material(&mut self, extents: [f64; 3], scale: [f64; 3]) {
+        (self.params.extents, self.params.scale) = (extents.map(|x| x as f32), scale.map(|x| x as f32));
     }
 
     fn submit(&self, encode: impl FnOnce(&Passes, &mut wgpu::ComputePass<'_>, &Groups)) -> wgpu::SubmissionIndex {
@@ -200,13 +330,12 @@ impl Continuum {
 
     /// Waits, and reads what the batches have left.
     fn look(&mut self) -> Result<()> {
-        let bytes = self.device.read(&self.buffers.status, self.steps_done())?;
-        self.status = bytemuck::pod_read_unaligned(&bytes);
-        if !self.platens.is_empty() {
-            let bytes = self.device.read(&self.buffers.outside, self.steps_done())?;
-            for (platen, words) in self.platens.iter_mut().zip(bytes.chunks_exact(size_of::<Platen32>())) {
-                platen.take(&bytemuck::pod_read_unaligned(words), &self.settings);
-            }
+        let parts = [(&self.buffers.status, size_of::<Status>() as u64), (&self.buffers.outside, size_of::<Outside>() as u64)];
+        let bytes = self.device.read(&parts, self.steps_done())?;
+        let (status, outside) = bytes.split_at(size_of::<Status>());
+        (self.status, self.outside) = (bytemuck::pod_read_unaligned(status), bytemuck::pod_read_unaligned(outside));
+        for (platen, there) in self.platens.iter_mut().zip(&self.outside.platens) {
+            platen::take(platen, there, &self.settings);
         }
         let Status { fault, .. } = self.status;
         if fault == u32::MAX {
@@ -218,7 +347,8 @@ impl Continuum {
             1 => "has left the grid: enlarge the domain, put a wall there, or use a smaller time step",
             2 => "has passed more than one cell in a step: use a smaller time step",
             3 => "is turned inside out (volume not positive): use a smaller time step, a finer grid, or a stiffer law",
-            5 => "has been passed by a platen: its speed or the time step is too large, or the material too soft for it",
+            // found by what comes after a step
+            5 => return Err(mpm::platen::passed(self.steps_done(), id)),
             _ => "lies in a cell with more than 256 points, which the GPU path does not sort: use larger spacings or the CPU",
         };
         Err(Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None })
@@ -233,7 +363,7 @@ impl Continuum {
     /// Planes of momentum and mass, velocity, and change of velocity.
     #[cfg(test)]
     pub(super) fn nodes(&self) -> Vec<[f32; 4]> {
-        bytemuck::pod_collect_to_vec(&self.device.read(&self.buffers.nodes, 0).expect("nodes"))
+        bytemuck::pod_collect_to_vec(&self.device.read(&[(&self.buffers.nodes, self.sizes.nodes)], 0).expect("nodes"))
     }
 }
 

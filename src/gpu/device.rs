@@ -1,5 +1,6 @@
 //! The graphics adapter: choice, set-up, and what it says when something goes wrong.
 
+use super::memory::Sizes;
 use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::util::DeviceExt;
@@ -12,11 +13,26 @@ pub struct Adapter {
     pub software: bool,
 }
 
+impl Adapter {
+    fn of(adapter: &wgpu::Adapter) -> Adapter {
+        let info = adapter.get_info();
+        Adapter { name: format!("{} ({})", info.name, info.backend), software: info.device_type == wgpu::DeviceType::Cpu }
+    }
+}
+
 /// The adapter that [`super::Continuum::new`] would use, if there is one.
 pub fn available() -> Option<Adapter> {
-    let adapter = adapter().ok()?;
-    let info = adapter.get_info();
-    Some(Adapter { name: format!("{} ({})", info.name, info.backend), software: info.device_type == wgpu::DeviceType::Cpu })
+    adapter().ok().map(|adapter| Adapter::of(&adapter))
+}
+
+/// The adapter, if it can hold so much.
+///
+/// # Errors
+/// No adapter; a buffer that it cannot have.
+pub fn holding(sizes: &Sizes) -> Result<Adapter> {
+    let adapter = adapter()?;
+    sizes.check(&adapter.limits())?;
+    Ok(Adapter::of(&adapter))
 }
 
 fn adapter() -> Result<wgpu::Adapter> {
@@ -61,6 +77,7 @@ impl Complaints {
 pub struct Device {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
+    pub adapter: Adapter,
     complaints: Complaints,
 }
 
@@ -69,19 +86,20 @@ impl Device {
     /// No adapter, or one that cannot do what the passes need.
     pub fn open() -> Result<Device> {
         let adapter = adapter()?;
-        let name = adapter.get_info().name;
+        let known = Adapter::of(&adapter);
+        let name = &known.name;
         let limits = adapter.limits();
         for (what, has, needs) in [
             ("storage buffers per stage", limits.max_storage_buffers_per_shader_stage, 10),
             ("threads per workgroup", limits.max_compute_invocations_per_workgroup, 256),
         ] {
             if has < needs {
-                return Err(refused("adapter", &name, format!("has {has} {what}, {needs} are needed: use the CPU")));
+                return Err(refused("adapter", name, format!("has {has} {what}, {needs} are needed: use the CPU")));
             }
         }
         let descriptor = wgpu::DeviceDescriptor { label: Some("comminute"), required_limits: limits, ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|e| refused("adapter", &name, format!("cannot be used: {e}; use the CPU")))?;
+            .map_err(|e| refused("adapter", name, format!("cannot be used: {e}; use the CPU")))?;
         let complaints = Complaints::default();
         let (lost, other) = (complaints.clone(), complaints.clone());
         device.set_device_lost_callback(move |reason, what| {
@@ -90,7 +108,7 @@ impl Device {
             }
         });
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| other.note(format!("the graphics device failed: {e}"))));
-        Ok(Device { device, queue, complaints })
+        Ok(Device { device, queue, adapter: known, complaints })
     }
 
     /// # Errors
@@ -125,12 +143,12 @@ impl Device {
         self.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
     }
 
-    /// Waits until all is done and copies a buffer.
+    /// Waits until all is done and copies the first bytes of some buffers, one after the other.
     ///
     /// # Errors
     /// A device that was lost.
-    pub fn read(&self, buffer: &wgpu::Buffer, step: u64) -> Result<Vec<u8>> {
-        let size = buffer.size();
+    pub fn read(&self, parts: &[(&wgpu::Buffer, u64)], step: u64) -> Result<Vec<u8>> {
+        let size = parts.iter().map(|(_, size)| size).sum();
         let lost = |what: &str| Error::Failed {
             step,
             what: format!("the graphics device cannot be read: {what}; the state of the last record is kept"),
@@ -138,7 +156,11 @@ impl Device {
         let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
         let staging = self.allocate(size, || self.empty("staging", size, usage))?;
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
+        let mut at = 0;
+        for (buffer, size) in parts {
+            encoder.copy_buffer_to_buffer(buffer, 0, &staging, at, *size);
+            at += size;
+        }
         self.queue.submit([encoder.finish()]);
         let (sender, receiver) = std::sync::mpsc::channel();
         staging.map_async(wgpu::MapMode::Read, .., move |result| {

@@ -19,6 +19,12 @@ fn add(high: vec4<f32>, low: vec4<f32>, x: vec4<f32>) -> Sum {
     return Sum(sum, lost);
 }
 
+// The same of a single number.
+fn grown(sum: vec2<f32>, x: f32) -> vec2<f32> {
+    let next = add(vec4<f32>(sum.x, 0.0, 0.0, 0.0), vec4<f32>(sum.y, 0.0, 0.0, 0.0), vec4<f32>(x, 0.0, 0.0, 0.0));
+    return vec2<f32>(next.high.x, next.low.x);
+}
+
 // A cell is 2^30 units wide and its offsets are counted from its middle node.
 const UNITS: f32 = 1073741824.0;
 const WIDTH: i32 = 1073741824;

@@ -1,7 +1,7 @@
 //! What the shaders read, with the same offsets (`params.wgsl`), in f32.
 
 use crate::mpm::law::{Cone, Evolution, Law};
-use crate::mpm::{Settings, Transfer, Wall};
+use crate::mpm::{Drive, Ramp, Settings, Transfer, Wall};
 use bytemuck::{Pod, Zeroable};
 
 /// Stands for infinity, which shaders may not know.
@@ -28,7 +28,11 @@ pub struct Params {
     pub point_groups: [u32; 2],
     pub cell_groups: [u32; 2],
     pub platens: u32,
-    pub unused: u32,
+    pub safety: f32,
+    pub extents: [f32; 3],
+    pub unused_a: u32,
+    pub scale: [f32; 3],
+    pub unused_b: u32,
     pub walls: [[u32; 4]; 6],
     pub drives: [Drive32; 6],
 }
@@ -39,11 +43,27 @@ pub struct Params {
 pub struct Drive32 {
     pub kind: u32,
     pub value: f32,
+    pub slope: f32,
+    pub end: f32,
     pub gain: f32,
-    pub limit: f32,
+    pub reach: f32,
+    pub memory: f32,
+    pub unused: f32,
 }
 
-/// A platen and what is known of it.
+impl From<Drive> for Drive32 {
+    fn from(drive: Drive) -> Drive32 {
+        let ramp = |r: Ramp| Drive32 { value: r.value as f32, slope: r.slope as f32, end: r.end as f32, ..Drive32::default() };
+        match drive {
+            Drive::Speed(speed) => ramp(speed),
+            Drive::Stress { target, gain, reach, memory } => {
+                Drive32 { kind: 1, gain: gain as f32, reach: reach as f32, memory: (1.0 / memory) as f32, ..ramp(target) }
+            }
+        }
+    }
+}
+
+/// A platen and what is known of it; sums are pairs of a number and what does not fit into it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Platen32 {
@@ -59,10 +79,25 @@ pub struct Platen32 {
     pub stiffness: f32,
     pub stored: f32,
     pub rate: f32,
-    pub work: f32,
-    pub work_low: f32,
-    pub unused_a: f32,
-    pub unused_b: f32,
+    pub work: [f32; 2],
+    pub drift: f32,
+    pub overlap: f32,
+    pub way: f32,
+    pub unused: f32,
+    pub ways: [f32; 2],
+    pub overlaps: [f32; 2],
+    pub reactions: [f32; 2],
+}
+
+/// What stands before the forces on points.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Outside {
+    pub time: [f32; 2],
+    pub dt: f32,
+    pub count: u32,
+    pub sides: [[f32; 2]; 6],
+    pub platens: [Platen32; 6],
 }
 
 impl Params {
@@ -208,11 +243,13 @@ pub struct Status {
     pub crossed: u32,
     pub steps: u32,
     pub stop: u32,
+    pub fastest: u32,
+    pub unused: [u32; 3],
     pub reaction: [[f32; 4]; 6],
 }
 
 impl Default for Status {
     fn default() -> Status {
-        Status { fault: u32::MAX, crossed: 0, steps: 0, stop: 0, reaction: [[0.0; 4]; 6] }
+        Status { fault: u32::MAX, crossed: 0, steps: 0, stop: 0, fastest: 0, unused: [0; 3], reaction: [[0.0; 4]; 6] }
     }
 }

@@ -1,6 +1,7 @@
 //! What a continuum needs on the device, found before anything is allocated.
 
 use super::device::refused;
+use super::layout::{Outside, groups};
 use super::state::PLANES;
 use crate::error::Result;
 use crate::mpm::Settings;
@@ -23,6 +24,7 @@ impl Sizes {
         let n = settings.cells.map(u128::from);
         let all = |more: u128| n.iter().map(|n| n + more).product::<u128>().min(1 << 40) as u64;
         let (cells, nodes) = (all(1), all(3));
+        let [x, y] = groups(u32::try_from(points).unwrap_or(u32::MAX));
         let planes: u64 = n.map(|n| nodes / (n as u64 + 3)).iter().sum();
         Sizes {
             state: 16 * PLANES as u64 * points,
@@ -31,8 +33,8 @@ impl Sizes {
             counts: 4 * cells,
             order: 4 * points,
             touching: 8 * planes,
-            // platens, force and arm of each point, sums of at most so many groups of points
-            outside: 6 * 64 + 16 + if platens { 32 * points + 96 * (points.div_ceil(64) + 65_536) } else { 0 },
+            // force and arm of each point, and sums of groups of points
+            outside: size_of::<Outside>() as u64 + 16 + if platens { 32 * points + 96 * (u64::from(x) * u64::from(y)) } else { 0 },
         }
     }
 
@@ -50,6 +52,7 @@ impl Sizes {
         for (what, bytes, most, advice) in [
             ("memory of the points", self.state, most, "use fewer points"),
             ("memory of the grid", self.nodes, most.min(48 << 30), "use a smaller domain or larger cells"),
+            ("memory of the platens", self.outside, most, "use fewer points"),
             ("memory of the cells", self.counts, most.min(cells), "use a smaller domain or larger cells"),
         ] {
             if bytes > most {

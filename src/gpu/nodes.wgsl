@@ -24,6 +24,8 @@ struct Status {
     crossed: atomic<u32>,
     steps: u32,
     stop: u32,
+    // bits of the largest speed of waves and points, m/s
+    fastest: atomic<u32>,
     reaction: array<vec4<f32>, 6>,
 }
 
@@ -32,6 +34,8 @@ const OUTSIDE: u32 = 1u;
 const TOO_FAST: u32 = 2u;
 const INVERTED: u32 = 3u;
 const CROWDED: u32 = 4u;
+const PASSED: u32 = 5u;
+const NO_FAULT: u32 = 0xffffffffu;
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> nodes: array<vec4<f32>>;
@@ -56,8 +60,14 @@ fn put(plane: u32, i: u32, value: vec4<f32>) {
     state[plane * params.points + i] = bitcast<vec4<u32>>(value);
 }
 
-fn linear(id: vec3<u32>, groups: vec3<u32>) -> u32 {
-    return id.x + id.y * groups.x * 64u;
+// One of many threads in workgroups of 64.
+struct Thread {
+    @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+}
+
+fn linear(one: Thread) -> u32 {
+    return one.id.x + one.id.y * one.groups.x * 64u;
 }
 
 // The first node of the first cell stands one cell beyond the domain, as does the last of the last one.
@@ -136,8 +146,8 @@ fn node_place(k: u32) -> vec3<i32> {
 
 // Mass, momentum and velocity (Li et al. 2023, eqs 36, 37).
 @compute @workgroup_size(64)
-fn project(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let k = linear(id, groups);
+fn project(one: Thread) {
+    let k = linear(one);
     if k >= params.nodes {
         return;
     }
@@ -180,8 +190,8 @@ fn pushed(k: u32, v: vec3<f32>, dv: vec3<f32>) {
 
 // Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of platens (eq. 29), gravity, and the new velocity (eq. 28).
 @compute @workgroup_size(64)
-fn accelerate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let k = linear(id, groups);
+fn accelerate(one: Thread) {
+    let k = linear(one);
     if k >= params.nodes {
         return;
     }
@@ -229,8 +239,8 @@ fn accelerate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
     let force = m * params.gravity - internal * params.inverse_cell + pressed;
     if near_wall(at) {
         nodes[SPEED * params.nodes + k] = momentum;
-        nodes[CHANGE * params.nodes + k] = vec4<f32>(force * params.dt, 0.0);
+        nodes[CHANGE * params.nodes + k] = vec4<f32>(force * outside.dt, 0.0);
     } else {
-        pushed(k, nodes[SPEED * params.nodes + k].xyz, force * (params.dt / m));
+        pushed(k, nodes[SPEED * params.nodes + k].xyz, force * (outside.dt / m));
     }
 }

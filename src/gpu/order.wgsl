@@ -5,7 +5,7 @@
 // Whether there is something to do, as sizes of dispatches: cells, blocks of the prefix sum, one, points.
 @compute @workgroup_size(1)
 fn plan() {
-    if atomicLoad(&status.fault) != 0xffffffffu {
+    if atomicLoad(&status.fault) != NO_FAULT {
         status.stop = 1u;
     }
     let needed = select(0u, 1u, atomicExchange(&status.crossed, 0u) > 0u && status.stop == 0u);
@@ -24,16 +24,16 @@ fn plan() {
 }
 
 @compute @workgroup_size(64)
-fn clear(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let c = linear(id, groups);
+fn clear(one: Thread) {
+    let c = linear(one);
     if c < params.cells {
         atomicStore(&counts[c], 0u);
     }
 }
 
 @compute @workgroup_size(64)
-fn count(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let i = linear(id, groups);
+fn count(one: Thread) {
+    let i = linear(one);
     if i < params.points {
         atomicAdd(&counts[word(PLACE, i).w], 1u);
     }
@@ -91,8 +91,8 @@ fn scan_blocks(@builtin(local_invocation_index) thread: u32) {
 }
 
 @compute @workgroup_size(64)
-fn scan_add(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let c = linear(id, groups);
+fn scan_add(one: Thread) {
+    let c = linear(one);
     if c < params.cells {
         let first = starts[c] + starts[params.cells + 1u + c / 256u];
         starts[c] = first;
@@ -103,8 +103,8 @@ fn scan_add(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
 }
 
 @compute @workgroup_size(64)
-fn scatter(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let i = linear(id, groups);
+fn scatter(one: Thread) {
+    let i = linear(one);
     if i < params.points {
         order[atomicAdd(&counts[word(PLACE, i).w], 1u)] = i;
     }
@@ -112,8 +112,8 @@ fn scatter(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
 
 // Insertion by id, which makes the order that of the state alone.
 @compute @workgroup_size(64)
-fn sort(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let c = linear(id, groups);
+fn sort(one: Thread) {
+    let c = linear(one);
     if c >= params.cells {
         return;
     }

@@ -5,6 +5,7 @@ struct Params {
     size: vec3<i32>,
     points: u32,
     gravity: vec3<f32>,
+    // the time step, or the largest that waves allow
     dt: f32,
     cell: f32,
     inverse_cell: f32,
@@ -25,17 +26,27 @@ struct Params {
     point_groups: vec2<u32>,
     cell_groups: vec2<u32>,
     platens: u32,
+    // share of what the platens' contacts allow that a step may have; 0: it is `dt`
+    safety: f32,
+    // what the material extends over along each axis, less overlaps, when the batch begins, m; growth of it per overlap, less way, of a platen
+    extents: vec3<f32>,
+    scale: vec3<f32>,
     // x low, x high, y low, …: kind (0 open, 1 symmetry, 2 stick, 3 friction), bits of the friction coefficient
     walls: array<vec4<u32>, 6>,
     drives: array<Drive, 6>,
 }
 
-// How a platen moves: 0 at a speed, m/s, 1 towards a force, N.
+// How a platen moves: 0 at a speed, m/s, 1 towards a stress, Pa; both from `value` with `slope` to `end`. mpm/drive.rs says what the others are.
 struct Drive {
     kind: u32,
     value: f32,
+    slope: f32,
+    end: f32,
     gain: f32,
-    limit: f32,
+    reach: f32,
+    // 1/s
+    memory: f32,
+    unused: f32,
 }
 
 // How a parameter follows the plastic strain: 0 constant (`last`), 1 linear, 2 cubic and exponential.

@@ -4,9 +4,11 @@ use super::continuum::{Buffers, Groups};
 use super::device::Device;
 
 /// Names of the entry points that all share one layout.
-const NAMES: [&str; 16] = [
+const NAMES: [&str; 18] = [
     "press",
+    "feel",
     "drive",
+    "survey",
     "project",
     "accelerate",
     "walls_project",
@@ -140,18 +142,27 @@ impl Passes {
         }
     }
 
+    /// What platens feel of the points as they are.
+    fn press(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
+        if groups.platens {
+            self.run(pass, "press", groups.points);
+            self.run(pass, "feel", [1, 1]);
+        }
+    }
+
     /// What must stand before the first step.
     pub fn prepare(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
         self.start(pass);
         self.sort(pass);
         self.project(pass, groups);
+        self.press(pass, groups);
+        self.run(pass, "survey", groups.points);
     }
 
-    /// One step; the order of mpm/step.rs.
+    /// One step; the order of mpm/step.rs, from what platens feel to what they feel.
     pub fn step(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
         self.start(pass);
         if groups.platens {
-            self.run(pass, "press", groups.points);
             self.run(pass, "drive", [1, 1]);
         }
         self.run(pass, "accelerate", groups.nodes);
@@ -163,5 +174,12 @@ impl Passes {
         self.project(pass, groups);
         self.run(pass, "strain", groups.points);
         self.run(pass, "finish", [1, 1]);
+        self.press(pass, groups);
+    }
+
+    /// What a batch leaves besides.
+    pub fn survey(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
+        self.start(pass);
+        self.run(pass, "survey", groups.points);
     }
 }

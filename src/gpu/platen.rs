@@ -1,103 +1,59 @@
 //! Platens on the device: rigid planes along the axes that press on the points' ghost spheres (`platens.wgsl`).
 
 use super::device::refused;
-use super::exact::{place, placed};
-use super::layout::{Drive32, Platen32};
+use super::exact::{place, placed, split};
+use super::layout::Platen32;
 use super::state::ghost_radius;
 use crate::error::Error;
-use crate::mpm::{Points, Settings};
+use crate::mpm::{Platen, Points, Settings};
 
-/// How a platen moves during a batch of steps.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Drive {
-    /// Into the material, m/s.
-    Speed(f64),
-    /// Towards a force, N, by the share `gain` of the imbalance over the contacts' stiffness in each step, at most `limit` m/s. For a stress the caller
-    /// gives its force on the area of the moment, anew for each batch.
-    Force { target: f64, gain: f64, limit: f64 },
+/// Of a pair of a number and what does not fit into it.
+pub fn both([high, low]: [f32; 2]) -> f64 {
+    f64::from(high) + f64::from(low)
 }
 
-impl Drive {
-    pub(super) fn to_device(self) -> Drive32 {
-        match self {
-            Drive::Speed(speed) => Drive32 { value: speed as f32, ..Drive32::default() },
-            Drive::Force { target, gain, limit } => {
-                Drive32 { kind: 1, value: target as f32, gain: gain as f32, limit: limit as f32 }
-            }
-        }
+pub fn to_device(p: &Platen, drift: f64, settings: &Settings) -> Platen32 {
+    let axis = p.axis();
+    let (cell, units, rest) = place((p.point[axis] - settings.lower[axis]) / settings.cell);
+    Platen32 {
+        axis: axis as u32,
+        normal: p.normal[axis] as f32,
+        cell,
+        units,
+        rest,
+        modulus: p.modulus as f32,
+        speed: p.speed as f32,
+        moved: p.moved as f32,
+        reaction: p.reaction as f32,
+        stiffness: p.stiffness as f32,
+        stored: p.stored as f32,
+        rate: p.rate as f32,
+        work: split(p.work),
+        drift: drift as f32,
+        ..Platen32::default()
     }
 }
 
-/// A platen and what is known of it after the last batch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Platen {
-    /// Axis of its normal, 0 to 2, and whether the material lies on its upper side.
-    pub axis: usize,
-    pub upward: bool,
-    /// Coordinate along the axis, m.
-    pub place: f64,
-    /// E* of its contacts, Pa.
-    pub modulus: f64,
-    pub drive: Drive,
-    /// Force of the points on it along its normal, N, when it pressed last.
-    pub reaction: f64,
-    /// Sum of the contacts' tangent stiffness, N/m; largest of them over the mass of its point, 1/s².
-    pub stiffness: f64,
-    pub rate: f64,
-    /// Elastic energy of its contacts; work done on the points up to the last contact, J.
-    pub stored: f64,
-    pub work: f64,
-    /// Last speed into the material, m/s, and distance moved since the last contact, m.
-    pub speed: f64,
-    pub moved: f64,
-}
-
-impl Platen {
-    /// A platen that has not touched yet.
-    pub fn new(axis: usize, upward: bool, place: f64, modulus: f64, drive: Drive) -> Platen {
-        let (reaction, stiffness, rate, stored, work, speed, moved) = Default::default();
-        Platen { axis, upward, place, modulus, drive, reaction, stiffness, rate, stored, work, speed, moved }
-    }
-
-    pub(super) fn to_device(self, settings: &Settings) -> Platen32 {
-        let (cell, units, rest) = place((self.place - settings.lower[self.axis]) / settings.cell);
-        Platen32 {
-            axis: self.axis as u32,
-            normal: if self.upward { 1.0 } else { -1.0 },
-            cell,
-            units,
-            rest,
-            modulus: self.modulus as f32,
-            speed: self.speed as f32,
-            moved: self.moved as f32,
-            reaction: self.reaction as f32,
-            stiffness: self.stiffness as f32,
-            stored: self.stored as f32,
-            rate: self.rate as f32,
-            work: self.work as f32,
-            work_low: (self.work - f64::from(self.work as f32)) as f32,
-            ..Platen32::default()
-        }
-    }
-
-    /// What the device knows of it now.
-    pub(super) fn take(&mut self, p: &Platen32, settings: &Settings) {
-        self.place = settings.lower[self.axis] + settings.cell * placed(p.cell, p.units, p.rest);
-        (self.reaction, self.stiffness, self.rate) = (p.reaction.into(), p.stiffness.into(), p.rate.into());
-        (self.stored, self.work) = (p.stored.into(), f64::from(p.work) + f64::from(p.work_low));
-        (self.speed, self.moved) = (p.speed.into(), p.moved.into());
-    }
+/// What the device knows of it now.
+pub fn take(platen: &mut Platen, p: &Platen32, settings: &Settings) {
+    let axis = platen.axis();
+    platen.point[axis] = settings.lower[axis] + settings.cell * placed(p.cell, p.units, p.rest);
+    (platen.reaction, platen.stiffness, platen.rate) = (p.reaction.into(), p.stiffness.into(), p.rate.into());
+    (platen.stored, platen.work) = (p.stored.into(), both(p.work));
+    (platen.speed, platen.moved) = (p.speed.into(), p.moved.into());
 }
 
 /// What is not allowed.
-pub(super) fn wrong(platens: &[Platen], settings: &Settings, points: &Points) -> Vec<Error> {
+pub fn wrong(platens: &[Platen], settings: &Settings, points: &Points) -> Vec<Error> {
     let mut errors = Vec::new();
     if platens.len() > 6 {
         errors.push(refused("platens", platens.len(), "at most six on the GPU"));
     }
     for p in platens {
-        if p.axis > 2 || !p.place.is_finite() || !(p.modulus > 0.0 && p.modulus.is_finite()) {
-            errors.push(refused("platen", format!("{p:?}"), "needs an axis of 0 to 2, a finite place and a modulus above 0"));
+        let along = p.normal.iter().filter(|n| **n != 0.0).count() == 1 && p.normal[p.axis()].abs() == 1.0;
+        if !(along && p.point[p.axis()].is_finite() && p.modulus > 0.0 && p.modulus.is_finite()) {
+            let what = format!("point {:?}, normal {:?}, modulus {:?}", p.point, p.normal, p.modulus);
+            errors.push(refused("platen", what, "needs a unit normal along an axis, a finite place and a modulus above 0"));
         }
     }
     let largest = (0..points.len()).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);

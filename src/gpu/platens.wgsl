@@ -1,5 +1,5 @@
 // Rigid planes along the axes that press on the points' ghost spheres (Li et al. 2023, eqs 18, 20, 22) with a traction on the points' faces.
-// Twin: mpm/platen.rs (f64), which says what is done and why.
+// Twins: mpm/platen.rs, mpm/drive.rs (f64), which say what is done and why.
 
 struct Platen {
     axis: u32,
@@ -17,21 +17,33 @@ struct Platen {
     stiffness: f32,
     stored: f32,
     rate: f32,
-    work: f32,
-    work_low: f32,
-    unused_a: f32,
-    unused_b: f32,
+    work: vec2<f32>,
+    // mean speed that a servo follows; mean overlap of the contacts, m; way since the batch began, m
+    drift: f32,
+    overlap: f32,
+    way: f32,
+    unused: f32,
+    // sums over the steps of the batch
+    ways: vec2<f32>,
+    overlaps: vec2<f32>,
+    reactions: vec2<f32>,
 }
 
+// Sums are pairs of a number and what does not fit into it.
 struct Outside {
+    // seconds since the batch began
+    time: vec2<f32>,
+    // the step, s, and how often sums were taken
+    dt: f32,
+    count: u32,
+    // of the forces with which the domain's sides push, N
+    sides: array<vec2<f32>, 6>,
     platens: array<Platen, 6>,
     // force on each point; how far beside it along each axis it acts, cells; then sums of groups of points for each platen
     parts: array<vec4<f32>>,
 }
 
 @group(0) @binding(9) var<storage, read_write> outside: Outside;
-
-const PASSED: u32 = 5u;
 
 var<workgroup> pressing: array<vec4<f32>, 256>;
 
@@ -53,7 +65,7 @@ fn press(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let i = linear(id, groups);
+    let i = linear(Thread(id, groups));
     var force = vec3<f32>(0.0);
     var moment = vec3<f32>(0.0);
     for (var k = 0u; k < params.platens; k++) {
@@ -104,9 +116,10 @@ fn press(
     }
 }
 
-// What each platen feels, its work, its speed, and its way in this step.
+// What platens and sides feel at the end of a step, the platens' work, and sums for the records.
 @compute @workgroup_size(256)
-fn drive(@builtin(local_invocation_index) thread: u32) {
+fn feel(@builtin(local_invocation_index) thread: u32) {
+    let sound = status.stop == 0u && atomicLoad(&status.fault) == NO_FAULT;
     let count = params.point_groups.x * params.point_groups.y;
     for (var k = 0u; k < params.platens; k++) {
         var own = vec4<f32>(0.0);
@@ -121,34 +134,96 @@ fn drive(@builtin(local_invocation_index) thread: u32) {
             }
             workgroupBarrier();
         }
-        if thread == 0u && status.stop == 0u && atomicLoad(&status.fault) == 0xffffffffu {
-            var p = outside.platens[k];
-            let felt = pressing[0];
-            let done = 0.5 * (p.reaction + felt.x) * p.moved;
-            let sum = add(vec4<f32>(p.work, 0.0, 0.0, 0.0), vec4<f32>(p.work_low, 0.0, 0.0, 0.0), vec4<f32>(done, 0.0, 0.0, 0.0));
-            p.work = sum.high.x;
-            p.work_low = sum.low.x;
-            p.reaction = felt.x;
-            p.stiffness = felt.y;
-            p.stored = felt.z;
-            p.rate = felt.w;
-            let d = params.drives[k];
-            p.speed = d.value;
-            if d.kind == 1u {
-                // boundary.rs: servo_speed
-                p.speed = d.limit;
-                if p.stiffness > 0.0 {
-                    p.speed = clamp(d.gain * (d.value - p.reaction) / (p.stiffness * params.dt), -d.limit, d.limit);
-                }
-            }
-            p.moved = p.speed * params.dt;
-            let by = clamp(p.normal * p.moved * params.inverse_cell, -1.0, 1.0);
-            let there = moved(vec3<i32>(p.units, 0, 0), vec3<f32>(p.rest, 0.0, 0.0), vec3<f32>(by, 0.0, 0.0));
-            p.units = there.units.x;
-            p.rest = there.rest.x;
-            p.cell += there.shift.x;
-            outside.platens[k] = p;
+        if thread == 0u && sound {
+            felt(k, pressing[0]);
         }
         workgroupBarrier();
+    }
+    if thread != 0u {
+        return;
+    }
+    if !sound {
+        status.stop = 1u;
+        return;
+    }
+    for (var side = 0u; side < 6u; side++) {
+        let force = status.reaction[side][side / 2u];
+        outside.sides[side] = grown(outside.sides[side], select(force, -force, side % 2u == 1u));
+    }
+    outside.count += 1u;
+}
+
+fn felt(k: u32, sums: vec4<f32>) {
+    var p = outside.platens[k];
+    p.work = grown(p.work, 0.5 * (p.reaction + sums.x) * p.moved);
+    p.moved = 0.0;
+    p.reaction = sums.x;
+    p.stiffness = sums.y;
+    p.stored = sums.z;
+    p.rate = sums.w;
+    p.overlap = 0.0;
+    if p.reaction > 0.0 {
+        p.overlap = p.stored / (0.4 * p.reaction);
+    }
+    p.ways = grown(p.ways, p.way);
+    p.overlaps = grown(p.overlaps, p.overlap);
+    p.reactions = grown(p.reactions, p.reaction);
+    outside.platens[k] = p;
+}
+
+fn ramp(d: Drive, time: f32) -> f32 {
+    let value = d.value + d.slope * time;
+    if d.slope > 0.0 {
+        return min(value, d.end);
+    }
+    if d.slope < 0.0 {
+        return max(value, d.end);
+    }
+    return d.value;
+}
+
+// Begins a step: how long it is, and the way of the platens in it.
+@compute @workgroup_size(1)
+fn drive() {
+    if status.stop != 0u {
+        return;
+    }
+    var rate = 0.0;
+    var extents = params.extents;
+    for (var k = 0u; k < params.platens; k++) {
+        let p = outside.platens[k];
+        rate = max(rate, p.rate);
+        extents[p.axis] += params.scale[p.axis] * (p.overlap - p.way);
+    }
+    var dt = params.dt;
+    if params.safety > 0.0 && rate > 0.0 {
+        dt = min(dt, params.safety * 2.0 / sqrt(rate));
+    }
+    outside.dt = dt;
+    for (var k = 0u; k < params.platens; k++) {
+        var p = outside.platens[k];
+        let d = params.drives[k];
+        let value = ramp(d, outside.time.x);
+        p.speed = value;
+        if d.kind == 1u {
+            let others = select(extents, vec3<f32>(1.0), vec3<u32>(0u, 1u, 2u) == vec3<u32>(p.axis));
+            let force = value * (others.x * others.y * others.z);
+            let limit = d.reach * extents[p.axis];
+            // boundary.rs: servo_speed
+            var servo = limit;
+            if p.stiffness > 0.0 {
+                servo = clamp(d.gain * (force - p.reaction) / (p.stiffness * dt), -limit, limit);
+            }
+            p.speed = clamp(p.drift + servo, -limit, limit);
+            p.drift += min(dt * d.memory, 1.0) * (p.speed - p.drift);
+        }
+        p.moved = p.speed * dt;
+        p.way += p.moved;
+        let by = clamp(p.normal * p.moved * params.inverse_cell, -1.0, 1.0);
+        let there = moved(vec3<i32>(p.units, 0, 0), vec3<f32>(p.rest, 0.0, 0.0), vec3<f32>(by, 0.0, 0.0));
+        p.units = there.units.x;
+        p.rest = there.rest.x;
+        p.cell += there.shift.x;
+        outside.platens[k] = p;
     }
 }

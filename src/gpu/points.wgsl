@@ -6,8 +6,8 @@ fn tell(fault: u32, i: u32) {
 
 // Velocity (Li et al. 2023, eq. 30) and position (eq. 33).
 @compute @workgroup_size(64)
-fn advance(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let i = linear(id, groups);
+fn advance(one: Thread) {
+    let i = linear(one);
     if i >= params.points || status.stop != 0u {
         return;
     }
@@ -33,7 +33,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
     // (1 − α)(v + Σ N Δv) + α Σ N v, as an increment
     let by = (1.0 - params.pic) * gain + params.pic * ((field - own.xyz) - low.xyz);
     let next = add(vec4<f32>(own.xyz, 0.0), vec4<f32>(low.xyz, 0.0), vec4<f32>(by, 0.0));
-    let d = field * (params.dt * params.inverse_cell);
+    let d = field * (outside.dt * params.inverse_cell);
     let far = abs(d);
     if not_finite(d.x) || not_finite(d.y) || not_finite(d.z) || not_finite(next.high.x) || not_finite(next.high.y) || not_finite(next.high.z) {
         tell(NOT_FINITE, i);
@@ -87,8 +87,8 @@ fn product(a: Sym, b: Sym) -> f32 {
 
 // Strain and spin increments, volume, stress.
 @compute @workgroup_size(64)
-fn strain(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let i = linear(id, groups);
+fn strain(one: Thread) {
+    let i = linear(one);
     if i >= params.points || status.stop != 0u {
         return;
     }
@@ -113,7 +113,7 @@ fn strain(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
             dz += along * (w[y].y * s[z].z);
         }
     }
-    let scale = params.dt * params.inverse_cell;
+    let scale = outside.dt * params.inverse_cell;
     dx *= scale;
     dy *= scale;
     dz *= scale;
@@ -153,18 +153,33 @@ fn strain(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     let after = Sym(a.high.xyz, b.high.xyz);
     let done = 0.5 * mean * (product(before, increment) + product(after, increment));
     let energy = word(ENERGY, i);
-    let sum = add(vec4<f32>(bitcast<f32>(energy.x), 0.0, 0.0, 0.0), vec4<f32>(bitcast<f32>(energy.y), 0.0, 0.0, 0.0), vec4<f32>(done, 0.0, 0.0, 0.0));
-    state[ENERGY * params.points + i] = vec4<u32>(bitcast<u32>(sum.high.x), bitcast<u32>(sum.low.x), energy.z, energy.w);
+    let sum = grown(bitcast<vec2<f32>>(energy.xy), done);
+    state[ENERGY * params.points + i] = vec4<u32>(bitcast<vec2<u32>>(sum), energy.zw);
 }
 
 // Ends a step: it counts when nothing was lost.
 @compute @workgroup_size(1)
 fn finish() {
     if status.stop == 0u {
-        if atomicLoad(&status.fault) == 0xffffffffu {
+        if atomicLoad(&status.fault) == NO_FAULT {
             status.steps += 1u;
+            outside.time = grown(outside.time, outside.dt);
         } else {
             status.stop = 1u;
         }
     }
+}
+
+// The fastest wave or point, for the bound of the time step (mpm/check.rs). Bits of positive numbers are in their order.
+@compute @workgroup_size(64)
+fn survey(one: Thread) {
+    let i = linear(one);
+    if i >= params.points {
+        return;
+    }
+    let law = word(VELOCITY_LOW, i).w;
+    let modulus = laws[law].bulk + 1.3333334 * laws[law].shear;
+    let v = number(VELOCITY, i);
+    let volume = number(REST, i).w * (1.0 + number(NORMAL, i).w);
+    atomicMax(&status.fastest, bitcast<u32>(sqrt(modulus * volume / v.w) + length(v.xyz)));
 }

@@ -15,7 +15,7 @@ pub const STEP: &str = concat!(
 #[cfg(test)]
 pub mod tests {
     use super::*;
-    use crate::gpu::layout::{Drive32, Evolution32, Law32, Params, Platen32, Status};
+    use crate::gpu::layout::{Drive32, Evolution32, Law32, Outside, Params, Platen32, Status};
     use std::mem::{offset_of, size_of};
     use wgpu::naga;
 
@@ -74,14 +74,24 @@ pub mod tests {
             point_groups,
             cell_groups,
             platens,
+            safety,
+            extents,
+            scale,
             walls,
             drives
         );
-        same!(Drive32, "Drive", kind, value, gain, limit);
+        same!(Drive32, "Drive", kind, value, slope, end, gain, reach, memory, unused);
         same!(
             Platen32, "Platen", axis, normal, cell, units, rest, modulus, speed, moved, reaction, stiffness, stored, rate, work,
-            work_low, unused_a, unused_b
+            drift, overlap, way, unused, ways, overlaps, reactions
         );
+        // what follows it has no size of its own
+        let (mut fields, size) = offsets(&module, "Outside");
+        assert_eq!(fields.pop(), Some(size_of::<Outside>()));
+        assert_eq!(size, size_of::<Outside>() + 16);
+        let own = [offset_of!(Outside, time), offset_of!(Outside, dt), offset_of!(Outside, count)];
+        assert_eq!(fields[..3], own);
+        assert_eq!(fields[3..], [offset_of!(Outside, sides), offset_of!(Outside, platens)]);
         same!(Evolution32, "Evolution", kind, initial, last, strain, cubic, peak_strain, peak, residual, decay);
         same!(
             Law32,
@@ -101,6 +111,6 @@ pub mod tests {
             friction,
             cohesion
         );
-        same!(Status, "Status", fault, crossed, steps, stop, reaction);
+        same!(Status, "Status", fault, crossed, steps, stop, fastest, reaction);
     }
 }

@@ -46,6 +46,14 @@ pub fn to_device(settings: &Settings, points: &Points) -> Vec<[u32; 4]> {
     planes
 }
 
+/// Ids of the points and their places, in the order of ids.
+pub fn by_id(planes: &[[u32; 4]]) -> Vec<(u32, u32)> {
+    let last = &planes[(PLANES - 1) * (planes.len() / PLANES)..];
+    let mut all: Vec<(u32, u32)> = last.iter().map(|word| word[2]).zip(0..).collect();
+    all.sort_unstable();
+    all
+}
+
 /// Writes the state into the point of the same index; returns the stress work since the state went to the device, J. Mass, law and what a point
 /// was at the start stay as they are.
 pub fn to_point(settings: &Settings, planes: &[[u32; 4]], i: usize, points: &mut Points, to: usize) -> f64 {

@@ -125,7 +125,7 @@ fn all_walls(thread: u32, moving: bool) {
             workgroupBarrier();
         }
         if thread == 0u && moving {
-            status.reaction[side] = vec4<f32>(partial[0] / params.dt, 0.0);
+            status.reaction[side] = vec4<f32>(partial[0] / outside.dt, 0.0);
         }
         workgroupBarrier();
     }

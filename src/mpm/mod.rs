@@ -7,6 +7,7 @@
 
 mod blocks;
 mod check;
+mod drive;
 mod grid;
 pub mod law;
 mod measure;
@@ -19,6 +20,7 @@ mod stress;
 mod transfer;
 mod walls;
 
+pub use drive::{Drive, Ramp, area};
 pub use measure::Totals;
 pub use platen::Platen;
 pub use points::{Point, Points};

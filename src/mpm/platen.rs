@@ -35,12 +35,14 @@ pub struct Platen {
     pub work: f64,
     /// Largest tangent stiffness over mass of a point, 1/s²: what bounds the time step.
     pub rate: f64,
+    /// Force, N, and tangent stiffness, N/m, of what else presses on it: grains.
+    pub others: [f64; 2],
     /// Points that it touches.
     pub touching: u64,
     /// Largest ghost radius of all points, m.
     reach: f64,
     /// Distance moved since the last contact, m.
-    moved: f64,
+    pub(crate) moved: f64,
     #[serde(skip)]
     contacts: Vec<Contact>,
 }
@@ -93,6 +95,12 @@ pub fn ghost_radius_of(continuum: &Continuum, solid: f64) -> f64 {
     ghost_radius(continuum.settings().dimension, solid)
 }
 
+/// A point whose centre a platen has passed.
+pub(crate) fn passed(step: u64, id: u32) -> Error {
+    let what = format!("a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it");
+    Error::Unstable { step, what, grain: None }
+}
+
 impl Platen {
     /// A platen at rest, for the points of `continuum`.
     pub fn new(continuum: &Continuum, point: [f64; 3], normal: [f64; 3], modulus: f64) -> Platen {
@@ -108,11 +116,17 @@ impl Platen {
             stored: 0.0,
             work: 0.0,
             rate: 0.0,
+            others: [0.0; 2],
             touching: 0,
             reach: ghost_radius(continuum.settings().dimension, most),
             moved: 0.0,
             contacts: Vec::new(),
         }
+    }
+
+    /// Axis of its normal.
+    pub fn axis(&self) -> usize {
+        (0..3).find(|&a| self.normal[a] != 0.0).unwrap_or(0)
     }
 
     /// Pushes the points in touch, for the next step, and sums what they give back in the order of ids.
@@ -155,10 +169,7 @@ impl Platen {
             let radius = ghost_radius(dimension, points.solid(index));
             let (overlap, id) = (radius - height, points.id[index]);
             if overlap > radius {
-                let what = format!(
-                    "a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it"
-                );
-                return Err(Error::Unstable { step: continuum.steps(), what, grain: None });
+                return Err(passed(continuum.steps(), id));
             }
             if overlap > 0.0 {
                 self.contacts.push(Contact { id, index: index as u32, overlap, radius });
@@ -166,6 +177,11 @@ impl Platen {
         }
         self.contacts.sort_unstable_by_key(|c| c.id);
         Ok(())
+    }
+
+    /// Force of everything on it along its normal, N.
+    pub fn force(&self) -> f64 {
+        self.reaction + self.others[0]
     }
 
     /// Moves with its speed for `dt` seconds.

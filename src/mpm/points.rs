@@ -75,6 +75,25 @@ impl Points {
         id
     }
 
+    /// Takes away the points that are marked, before a run begins: the others are counted anew.
+    pub fn drop_those(&mut self, gone: &[bool]) {
+        fn kept<T: Copy>(values: &mut Vec<T>, gone: &[bool]) {
+            let mut gone = gone.iter();
+            values.retain(|_| !gone.next().copied().unwrap_or(false));
+        }
+        kept(&mut self.position, gone);
+        kept(&mut self.velocity, gone);
+        kept(&mut self.stress, gone);
+        kept(&mut self.memory, gone);
+        kept(&mut self.initial_volume, gone);
+        kept(&mut self.initial_porosity, gone);
+        kept(&mut self.affine, gone);
+        kept(&mut self.carried, gone);
+        kept(&mut self.law, gone);
+        self.id = (0..self.position.len() as u32).collect();
+        self.next_id = self.id.len() as u32;
+    }
+
     /// Mass over current volume, kg/m³.
     pub fn density(&self, i: usize) -> f64 {
         self.velocity[i][3] / self.position[i][3]

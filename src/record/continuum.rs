@@ -73,6 +73,13 @@ impl Recorder {
         Due { row: row || frame, frame }
     }
 
+    /// Share of the test at which the next row or frame is due.
+    pub fn next(&self, rig: &Rig, state: &State) -> f64 {
+        let share = state.share(rig);
+        let after = |n: u32| ((share * f64::from(n) + 1e-9).floor() + 1.0) / f64::from(n);
+        after(rig.rows).min(after(rig.frames))
+    }
+
     /// The row of this instant.
     pub fn row(&mut self, rig: &Rig, state: &mut State) -> Row {
         let mut m = state.moment(rig);

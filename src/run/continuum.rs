@@ -1,8 +1,8 @@
 //! The loop of a continuum: steps, records, checkpoints, stop, and the end.
 //!
-//! What drives it is [`State::advance`]; another backend has to offer the same calls on a state of its own and to fill [`State::continuum`]
-//! whenever a record or a checkpoint is due.
+//! [`State::advance`] goes from look to look; an [`Engine`] does the steps between, and brings points when a record or a checkpoint is due.
 
+use super::backend::{Backend, Chosen, Used, choose};
 use super::progress_bar::Bar;
 use super::{LOOK, Outcome, files, stop_asked};
 use crate::error::{Error, Result};
@@ -13,7 +13,7 @@ use crate::mpm::law::Law;
 use crate::record::continuum::{self as records, END, Recorder, START};
 use crate::record::table::Table;
 use crate::record::{checkpoint, vtk};
-use crate::rig::continuum::{Phase, State};
+use crate::rig::continuum::{Engine, Phase, State};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -23,6 +23,7 @@ use std::time::{Duration, Instant};
 #[derive(Serialize, Deserialize)]
 struct Progress {
     state: State,
+    used: Used,
     recorder: Recorder,
     history: Table,
     /// Time, s, and file of each snapshot.
@@ -30,37 +31,65 @@ struct Progress {
     seconds: f64,
 }
 
+/// A run that has not left anything yet.
+pub struct Begun {
+    progress: Progress,
+    engine: Engine,
+}
+
+/// Sets up the points and what does their steps.
+///
+/// # Errors
+/// What keeps it from starting.
+pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
+    let (mut state, mut used) = (State::start(model, rig)?, Used::default());
+    let engine = used.engine(chosen, &mut state, model, rig)?;
+    let history = Table::new("history.csv");
+    let progress = Progress { state, used, recorder: Recorder::default(), history, snapshots: Vec::new(), seconds: 0.0 };
+    Ok(Begun { progress, engine })
+}
+
 /// Runs from the start.
 ///
 /// # Errors
-/// What keeps it from starting or from ending; records and checkpoint are kept.
-pub fn run(model: &Model, rig: &Rig, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
-    let state = State::start(model, rig)?;
+/// What keeps it from ending; records and checkpoint are kept.
+pub fn run(model: &Model, rig: &Rig, begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     records::write_points(&out.join(START), rig, &rig.points, None)?;
-    let history = Table::new("history.csv");
-    let progress = Progress { state, recorder: Recorder::default(), history, snapshots: Vec::new(), seconds: 0.0 };
-    go(model, rig, out, progress, quiet, stop_after)
+    go(model, rig, out, begun, quiet, stop_after)
 }
 
-/// Goes on from the checkpoint.
+/// Goes on from the checkpoint, on the same backend if none is asked for.
 ///
 /// # Errors
-/// As [`run`], and a folder without one.
-pub fn resume(model: &Model, rig: &Rig, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
-    go(model, rig, out, checkpoint::load(out)?, quiet, stop_after)
+/// As [`begin`] and [`run`], and a folder without one.
+pub fn resume(
+    model: &Model,
+    rig: &Rig,
+    out: &Path,
+    backend: Option<Backend>,
+    quiet: bool,
+    stop_after: Option<u64>,
+) -> Result<Outcome> {
+    let mut progress: Progress = checkpoint::load(out)?;
+    let same = if progress.used.gpu() { Backend::Gpu } else { Backend::Cpu };
+    let chosen = choose(backend.unwrap_or(same), model)?;
+    let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
+    go(model, rig, out, Begun { progress, engine }, quiet, stop_after)
 }
 
-fn go(model: &Model, rig: &Rig, out: &Path, mut progress: Progress, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+    let Begun { mut progress, mut engine } = begun;
     let (mut bar, started, before) = (Bar::new(quiet), Instant::now(), progress.seconds);
     let mut last_checkpoint = Instant::now();
     loop {
-        let done = progress.advance(model, rig, out);
+        let done = progress.advance(model, rig, &mut engine, out);
         progress.seconds = before + started.elapsed().as_secs_f64();
         match done {
             Ok(true) => break,
             Ok(false) => {}
             Err(e) => {
-                // keep what there is, with the points as they are now
+                // keep what there is, with the points as they are now, or at the last record where a device has gone with them
+                let _ = engine.read_back(&mut progress.state);
                 progress.history.flush(out)?;
                 records::write_points(&out.join(END), rig, progress.state.continuum.points(), Some(&rig.points))?;
                 bar.abandon();
@@ -69,40 +98,42 @@ fn go(model: &Model, rig: &Rig, out: &Path, mut progress: Progress, quiet: bool,
         }
         let steps = progress.state.continuum.steps();
         if stop_asked() || stop_after.is_some_and(|n| steps >= n) {
-            progress.save(out)?;
+            progress.save(&engine, out)?;
             bar.abandon();
             return Err(Error::Interrupted { step: steps, out: out.into() });
         }
         if steps.is_multiple_of(LOOK) {
             bar.show_share(steps, progress.seconds, || describe(rig, &progress.state));
             if last_checkpoint.elapsed() > Duration::from_secs_f64(model.records.checkpoint_seconds) {
-                progress.save(out)?;
+                progress.save(&engine, out)?;
                 last_checkpoint = Instant::now();
             }
         }
     }
     bar.finish();
-    finish(model, rig, out, progress)
+    finish(model, rig, out, progress, &engine)
 }
 
 impl Progress {
-    /// One step with its records. True when the run is done.
-    fn advance(&mut self, model: &Model, rig: &Rig, out: &Path) -> Result<bool> {
+    /// To the next look, with its records. True when the run is done.
+    fn advance(&mut self, model: &Model, rig: &Rig, engine: &mut Engine, out: &Path) -> Result<bool> {
         let Progress { state, recorder, history, snapshots, .. } = self;
-        state.advance(model, rig, |state| {
+        state.advance(model, rig, engine, |state, engine| {
             let due = recorder.due(rig, state);
             if due.row {
+                engine.read_back(state)?;
                 history.push(out, &recorder.row(rig, state))?;
             }
             if due.frame && model.records.snapshots {
                 snapshot(out, state, snapshots)?;
             }
-            Ok(())
+            Ok(recorder.next(rig, state))
         })?;
         Ok(state.phase == Phase::Done)
     }
 
-    fn save(&mut self, out: &Path) -> Result<()> {
+    fn save(&mut self, engine: &Engine, out: &Path) -> Result<()> {
+        self.used.save(engine, &mut self.state)?;
         self.history.flush(out)?;
         checkpoint::save(out, self)
     }
@@ -129,10 +160,10 @@ fn describe(rig: &Rig, state: &State) -> (f64, String) {
     (share, line)
 }
 
-fn finish(model: &Model, rig: &Rig, out: &Path, mut progress: Progress) -> Result<Outcome> {
+fn finish(model: &Model, rig: &Rig, out: &Path, mut progress: Progress, engine: &Engine) -> Result<Outcome> {
     progress.history.flush(out)?;
     records::write_points(&out.join(END), rig, progress.state.continuum.points(), Some(&rig.points))?;
-    let mut summary = summary(model, rig, &progress);
+    let mut summary = summary(model, rig, &progress, engine);
     save(out, &summary)?;
     checkpoint::remove(out)?;
     let drawing = Instant::now();
@@ -148,7 +179,7 @@ fn save(out: &Path, summary: &Value) -> Result<()> {
     std::fs::write(&path, text).map_err(Error::write(&path))
 }
 
-fn summary(model: &Model, rig: &Rig, progress: &Progress) -> Value {
+fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Value {
     let (state, r) = (&progress.state, &progress.recorder);
     let (steps, points) = (state.continuum.steps(), state.continuum.points().len());
     let mut s = Map::new();
@@ -200,7 +231,15 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress) -> Value {
     put("energy_error", json!(r.energy_error));
     put("wall_seconds", json!(progress.seconds));
     put("point_steps_per_second", json!(steps as f64 * points as f64 / progress.seconds.max(1e-9)));
-    put("bytes_per_point", json!(state.continuum.bytes() as f64 / points.max(1) as f64));
+    put("bytes_per_point", json!(engine.bytes(state) as f64 / points.max(1) as f64));
+    put("backend", json!(progress.used.names.join(", then ")));
+    if let Some(why) = &progress.used.why {
+        put("backend_reason", json!(why));
+    }
+    if let Some((name, software)) = &progress.used.adapter {
+        put("adapter", json!(name));
+        put("adapter_is_software", json!(software));
+    }
     put("threads", json!(rayon::current_num_threads()));
     put("simd", json!(crate::real::name(crate::real::arch())));
     put("version", json!(env!("CARGO_PKG_VERSION")));

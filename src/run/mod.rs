@@ -1,5 +1,6 @@
 //! The loop around steps: phases, records, watchdog, checkpoints, stop. Only this module knows schedules.
 
+mod backend;
 mod continuum;
 mod files;
 mod folder;
@@ -18,6 +19,7 @@ use crate::rig::oedometer::{Loading, Phase};
 use crate::rig::triaxial::{self as shear, Shearing};
 use crate::rig::{assembly, preparation::Preparation};
 use crate::step::{State, Work};
+pub use backend::{Backend, Chosen, choose};
 use files::Files;
 pub use folder::{Found, Lock, lock, look};
 use progress_bar::Bar;
@@ -41,8 +43,10 @@ pub struct RunRequest {
     pub specimen: Option<PathBuf>,
     pub quiet: bool,
     pub json: bool,
-    /// Stop, resumable, after this many steps in all.
+    /// Stop, resumable, after this many steps in all; on a graphics device when it is looked at next.
     pub stop_after: Option<u64>,
+    /// Who does the steps.
+    pub backend: Chosen,
 }
 
 /// How a resumed run behaves.
@@ -52,6 +56,8 @@ pub struct ResumeOptions {
     pub quiet: bool,
     pub json: bool,
     pub stop_after: Option<u64>,
+    /// `None`: as before.
+    pub backend: Option<Backend>,
 }
 
 /// A finished run.
@@ -112,10 +118,14 @@ pub fn stop_asked() -> bool {
 /// # Errors
 /// Whatever keeps the run from starting (nothing is written then) or from ending (records and checkpoint are kept).
 pub fn run(request: RunRequest) -> Result<Outcome> {
-    let RunRequest { model, scene_resolved, out, force, threads, specimen, quiet, stop_after, .. } = request;
+    let RunRequest { model, scene_resolved, out, force, threads, specimen, quiet, stop_after, backend, .. } = request;
     if matches!(model.rig, Rig::Platen(_)) {
         never_halfway(stop_after)?;
     }
+    let begun = match &model.rig {
+        Rig::Continuum(rig) => Some(continuum::begin(&model, rig, backend)?),
+        _ => None,
+    };
     let given = specimen.map(|path| specimen::read(&path, &model.materials)).transpose()?;
     lock(&out)?;
     files::claim(&out, force)?;
@@ -126,8 +136,8 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
         if let Rig::Platen(rig) = &model.rig {
             return platen::run(&model, rig, &out, quiet);
         }
-        if let Rig::Continuum(rig) = &model.rig {
-            return continuum::run(&model, rig, &out, quiet, stop_after);
+        if let (Rig::Continuum(rig), Some(begun)) = (&model.rig, begun) {
+            return continuum::run(&model, rig, begun, &out, quiet, stop_after);
         }
         let (activity, state) = match (&model.rig, model.rig.specimen(), given) {
             (_, Some(_), Some((grains, walls))) => {
@@ -172,12 +182,16 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
     let scene = crate::scene::load(dir.join(crate::scene::RESOLVED), &[])?;
     let model = crate::scene::model(&scene)?;
     let _lock = lock(dir)?;
+    if !matches!(model.rig, Rig::Continuum(_)) {
+        choose(options.backend.unwrap_or_default(), &model)?;
+    }
     if let Rig::Platen(rig) = &model.rig {
         never_halfway(options.stop_after)?;
         return in_pool(options.threads, || platen::run(&model, rig, dir, options.quiet));
     }
     if let Rig::Continuum(rig) = &model.rig {
-        return in_pool(options.threads, || continuum::resume(&model, rig, dir, options.quiet, options.stop_after));
+        let resume = || continuum::resume(&model, rig, dir, options.backend, options.quiet, options.stop_after);
+        return in_pool(options.threads, resume);
     }
     let progress: Progress = checkpoint::load(dir)?;
     in_pool(options.threads, move || Runner::new(&model, dir, progress, options.quiet)?.go(options.stop_after))

@@ -9,10 +9,7 @@ use toml::{Table, Value};
 
 impl View<'_> {
     pub fn assembly(&self, named: &[Named]) -> Option<Assembly> {
-        let grains = self.grains(named)?;
-        let walls: Vec<WallSpec> =
-            self.list("wall").iter().enumerate().filter_map(|(i, wall)| self.wall(i, wall, named)).flatten().collect();
-        self.inside(&grains, &walls);
+        let (grains, walls) = self.listed(named)?;
         let (steps, duration) = (self.whole("steps"), self.number("duration_s"));
         self.check(steps.is_some() != duration.is_some(), "steps", "must be given, or `duration_s`, one of them");
         Some(Assembly {
@@ -23,6 +20,15 @@ impl View<'_> {
             duration,
             record_every: self.whole("records.every")?,
         })
+    }
+
+    /// The grains and walls that the scene lists.
+    pub fn listed(&self, named: &[Named]) -> Option<(Vec<GrainSpec>, Vec<WallSpec>)> {
+        let grains = self.grains(named)?;
+        let walls: Vec<WallSpec> =
+            self.list("wall").iter().enumerate().filter_map(|(i, wall)| self.wall(i, wall, named)).flatten().collect();
+        self.inside(&grains, &walls);
+        Some((grains, walls))
     }
 
     fn grains(&self, named: &[Named]) -> Option<Vec<GrainSpec>> {
@@ -69,7 +75,7 @@ impl View<'_> {
     }
 
     /// A material by name, or by number where none has that name.
-    fn lookup(&self, key: &str, name: &str, named: &[Named]) -> Option<u8> {
+    pub fn lookup(&self, key: &str, name: &str, named: &[Named]) -> Option<u8> {
         let by_name = named.iter().position(|n| n.name == name);
         let number = name.parse::<usize>().ok().filter(|i| *i < named.len());
         let found = by_name.or(number).and_then(|i| u8::try_from(i).ok());

@@ -175,6 +175,14 @@ pub fn step<E>(
     work: &mut Work,
     control: impl FnOnce(&mut State, &mut Work) -> Result<(), E>,
 ) -> Result<(), E> {
+    feel(model, state, work);
+    control(state, work)?;
+    go(model, state, work);
+    Ok(())
+}
+
+/// The first half of a step: the forces of this instant.
+pub fn feel(model: &Model, state: &mut State, work: &mut Work) {
     let mut watch = Stopwatch::new(&mut work.clock);
     tidy(state, work);
     if watch.0.is_some() {
@@ -185,8 +193,11 @@ pub fn step<E>(
     watch.lap(&mut work.clock, 0);
     contacts(model, state, work);
     watch.lap(&mut work.clock, 1);
-    control(state, work)?;
-    watch.skip();
+}
+
+/// The second half: motion, and what breaks.
+pub fn go(model: &Model, state: &mut State, work: &mut Work) {
+    let mut watch = Stopwatch::new(&mut work.clock);
     gather::advance(model, state, work);
     work.outside.clear();
     alone(small(state, work), || collect(state, work));
@@ -199,7 +210,6 @@ pub fn step<E>(
     state.step += 1;
     state.time += state.dt;
     state.fresh = false;
-    Ok(())
 }
 
 /// Runs what one thread has to do alone while the others stay awake: waking a sleeping worker costs as much as a sweep of a thousand
@@ -236,7 +246,7 @@ fn small(state: &State, work: &Work) -> bool {
 }
 
 /// Grains in space order again once many were born or moved about.
-pub fn tidy(state: &mut State, work: &mut Work) {
+fn tidy(state: &mut State, work: &mut Work) {
     if work.births_since_reorder * 16 > state.grains.len() || work.neighbours.searches > 2 * state.grains.len() as u64 {
         reorder(state, work);
     }
@@ -450,12 +460,6 @@ impl Stopwatch {
             let now = std::time::Instant::now();
             clock[stage] += (now - *since).as_nanos() as u64;
             *since = now;
-        }
-    }
-
-    fn skip(&mut self) {
-        if let Some(since) = &mut self.0 {
-            *since = std::time::Instant::now();
         }
     }
 }

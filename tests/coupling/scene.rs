@@ -33,7 +33,7 @@ pub fn meeting(text: &str, mut continuum: Continuum) -> Meeting {
     let Rig::Assembly(rig) = &model.rig else { panic!("a free scene") };
     let mut state = assembly::start(&model, rig);
     let work = Work::new(&model, &mut state);
-    let table = GhostTable::new(model.contact.law, &model.materials[0], &model.materials, &state.walls);
+    let table = GhostTable::new(model.contact.law, &[0], &model.materials, &state.walls);
     let mixture = Mixture::new(state, &mut continuum);
     Meeting { model, table, work, continuum, mixture }
 }
@@ -42,9 +42,7 @@ impl Meeting {
     /// So many cycles, each of `time` seconds.
     pub fn go(&mut self, time: f64, rates: Rates, cycles: u64) {
         for _ in 0..cycles {
-            let Meeting { model, table, work, continuum, mixture } = self;
-            let mut parts = Parts { model, table, work, continuum, platens: &mut [] };
-            mixture.advance(&mut parts, |_| Ok(Some(Cycle { time, rates }))).unwrap_or_else(|e| panic!("{e}"));
+            self.cycle(|_, _| Cycle { time, rates });
         }
     }
 
@@ -52,23 +50,21 @@ impl Meeting {
     pub fn run(&mut self, duration: f64, safety: f64, rates: Option<Rates>) -> Rates {
         let mut time = 0.0;
         while time < duration {
-            let Meeting { model, table, work, continuum, mixture } = self;
-            let mut parts = Parts { model, table, work, continuum, platens: &mut [] };
-            let decide = |instant: comminute::coupling::Instant<'_>| {
-                let continuum = instant.continuum.stable_step(safety);
-                Ok(Some(Cycle::longest(&Allowed {
-                    grains: instant.own,
-                    continuum,
-                    contacts: instant.contacts,
-                    safety,
-                    rates,
-                    time: None,
-                })))
-            };
-            mixture.advance(&mut parts, decide).unwrap_or_else(|e| panic!("{e}"));
+            self.cycle(|mixture, continuum| {
+                let (grains, contacts) = mixture.bounds(continuum);
+                Cycle::longest(&Allowed { grains, continuum: continuum.stable_step(safety), contacts, safety, rates })
+            });
             time += self.mixture.cycle.time;
         }
         self.mixture.cycle.rates
+    }
+
+    fn cycle(&mut self, decide: impl FnOnce(&mut Mixture, &Continuum) -> Cycle) {
+        let Meeting { model, table, work, continuum, mixture } = self;
+        let mut parts = Parts { model, table, work, continuum, platens: &mut [] };
+        mixture.feel(&mut parts);
+        let cycle = decide(mixture, parts.continuum);
+        mixture.go(&mut parts, cycle).unwrap_or_else(|e| panic!("{e}"));
     }
 
     pub fn velocity_of_points(&self) -> [f64; 3] {

@@ -178,7 +178,8 @@ fn laws_on_the_device_follow_their_twin() {
         pass.dispatch_workgroups(params.points.div_ceil(64), 1, 1);
     }
     device.queue.submit([encoder.finish()]);
-    let results: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&device.read(&buffers[3], 0).expect("results"));
+    let results: Vec<[f32; 4]> =
+        bytemuck::pod_collect_to_vec(&device.read(&[(&buffers[3], buffers[3].size())], 0).expect("results"));
     let (mut in_stress, mut in_plastic, mut same): (f64, f64, usize) = (0.0, 0.0, 0);
     for (case, result) in cases.iter().zip(results.chunks_exact(2)) {
         let law = &laws[case.law as usize];

@@ -12,6 +12,16 @@ pub(super) struct Means {
     extents: [f64; 3],
 }
 
+impl Means {
+    /// `count` instants with these means.
+    fn add(&mut self, count: u64, sides: [f64; 6], extents: [f64; 3]) {
+        let times = count as f64;
+        self.count += count;
+        self.sides.iter_mut().zip(sides).for_each(|(sum, x)| *sum += times * x);
+        self.extents.iter_mut().zip(extents).for_each(|(sum, x)| *sum += times * x);
+    }
+}
+
 /// An instant of a test. Stresses Pa, compression positive; energies J; strains since the start of loading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Moment {
@@ -57,14 +67,22 @@ impl State {
     /// Adds this instant to the means.
     pub(super) fn collect(&mut self, rig: &Rig) {
         let (sides, extents) = (self.sides(rig), self.extents_now(rig));
-        let m = &mut self.means;
-        m.count += 1;
-        m.sides.iter_mut().zip(sides).for_each(|(sum, x)| *sum += x);
-        m.extents.iter_mut().zip(extents).for_each(|(sum, x)| *sum += x);
+        self.means.add(1, sides, extents);
         if self.energy.is_none() {
             let totals = self.continuum.totals();
             self.energy = Some([totals.kinetic, totals.potential, self.stored()]);
         }
+    }
+
+    /// Adds the instants of a batch of steps on a device, which began with the extents and scale that [`State::material`] gave.
+    #[cfg(feature = "gpu")]
+    pub(super) fn add(&mut self, rig: &Rig, batch: &crate::gpu::Means, mut extents: [f64; 3], scale: [f64; 3]) {
+        for (platen, [way, overlap, _]) in self.platens.iter().zip(&batch.platens) {
+            let axis = platen.axis();
+            extents[axis] += scale[axis] * (overlap - way);
+        }
+        let sides = self.stresses(rig, extents, |k| batch.platens[k][2], |k| batch.sides[k]);
+        self.means.add(batch.steps, sides, extents);
     }
 
     fn stored(&self) -> f64 {

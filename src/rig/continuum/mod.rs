@@ -1,14 +1,23 @@
 //! A continuum under test: free between the walls of its grid, in an oedometer, or between six platens.
 
+#[cfg(feature = "gpu")]
+mod device;
+mod engine;
+mod grains;
 mod measure;
 mod specimen;
 
+#[cfg(feature = "gpu")]
+pub use device::Device;
+pub use engine::Engine;
+pub use grains::Coupled;
 pub use measure::Moment;
 
+use crate::coupling::Mixture;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
-use crate::mpm::{Continuum, Dimension, Platen};
+use crate::mpm::{Continuum, Dimension, Drive, Platen, Ramp};
 use serde::{Deserialize, Serialize};
 
 /// Steps between two looks at what bounds the time step.
@@ -28,6 +37,8 @@ pub enum Phase {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
     pub continuum: Continuum,
+    /// Grains in it, where there are some.
+    pub mixture: Option<Box<Mixture>>,
     /// In an oedometer the top one; in a triaxial test those of x low, x high, y low, …
     pub platens: Vec<Platen>,
     pub phase: Phase,
@@ -41,7 +52,9 @@ pub struct State {
     pub extents: [f64; 3],
     pub wave: f64,
     rate: f64,
-    /// Mean speed of each platen under servo, m/s.
+    /// What each platen does until the programme looks again, and its mean speed under servo, m/s.
+    #[serde(skip)]
+    drives: Vec<Drive>,
     drift: Vec<f64>,
     /// Kinetic and potential energy of the points and elastic energy of the platens' contacts at the start, J.
     energy: Option<[f64; 3]>,
@@ -63,8 +76,10 @@ impl State {
         if let Some(dt) = model.stepping.dt {
             continuum.check_step(dt)?;
         }
+        let platens = specimen::platens(rig, &continuum);
         let mut state = State {
-            platens: specimen::platens(rig, &continuum),
+            mixture: None,
+            platens,
             phase: if matches!(rig.test, Test::Triaxial { .. }) { Phase::Settle } else { Phase::Load },
             continuum,
             time: 0.0,
@@ -74,14 +89,16 @@ impl State {
             extents: [0.0; 3],
             wave: 0.0,
             rate: 0.0,
+            drives: Vec::new(),
             drift: Vec::new(),
             energy: None,
             means: measure::Means::default(),
         };
         state.drift = vec![0.0; state.platens.len()];
-        for platen in &mut state.platens {
-            platen.press(&mut state.continuum)?;
+        if let Some(coarse) = &rig.coarse {
+            state.mixture = Some(Box::new(grains::mixture(model, rig, coarse, &mut state.continuum, &state.platens)));
         }
+        state.press()?;
         state.continuum.drop_forces();
         state.extents = state.extents_now(rig);
         if let Some(specimen) = rig.specimen() {
@@ -93,37 +110,38 @@ impl State {
         Ok(state)
     }
 
-    /// One step; `observe` sees the state when the platens' forces are known. In [`Phase::Done`] nothing moves any more.
+    /// To the next look: one step, or a batch of them on a device. `observe` sees the state when the platens' forces are known, and says at which share of the
+    /// test it has to look again. In [`Phase::Done`] nothing moves any more.
     ///
     /// # Errors
     /// A lost point, a platen through the points, a step above its bound, a specimen that does not come to rest; what `observe` returns.
-    pub fn advance(&mut self, model: &Model, rig: &Rig, observe: impl FnOnce(&mut State) -> Result<()>) -> Result<()> {
-        for platen in &mut self.platens {
-            platen.press(&mut self.continuum)?;
-        }
-        self.find_step(model)?;
+    pub fn advance(
+        &mut self,
+        model: &Model,
+        rig: &Rig,
+        engine: &mut Engine,
+        observe: impl FnOnce(&mut State, &Engine) -> Result<f64>,
+    ) -> Result<()> {
+        engine.feel(self, model, rig)?;
+        self.find_step(model, rig, engine)?;
         self.programme(rig)?;
-        self.collect(rig);
-        observe(self)?;
+        let next = observe(self, engine)?;
         if self.phase == Phase::Done {
             return Ok(());
         }
-        self.continuum.step(self.dt)?;
-        for platen in &mut self.platens {
-            platen.advance(self.dt);
-        }
-        self.time += self.dt;
-        self.phase_time += self.dt;
-        Ok(())
+        engine.steps(self, model, rig, next)
     }
 
     /// The step: a share of what waves through a cell and the platens' contacts allow, or the fixed one.
-    fn find_step(&mut self, model: &Model) -> Result<()> {
+    fn find_step(&mut self, model: &Model, rig: &Rig, engine: &Engine) -> Result<()> {
         let step = self.continuum.steps();
         if step.is_multiple_of(LOOK) || self.bound == 0.0 {
-            self.bound = self.continuum.stable_step(1.0);
+            self.bound = engine.stable_step(self);
         }
         let contact = self.platens.iter().map(Platen::stable_step).fold(f64::INFINITY, f64::min);
+        if self.mixture.is_some() {
+            return self.find_cycle(model, rig, self.bound.min(contact));
+        }
         self.dt = match model.stepping.dt {
             None => model.stepping.safety * self.bound.min(contact),
             Some(dt) if dt <= self.bound && dt <= contact => dt,
@@ -142,6 +160,7 @@ impl State {
 
     /// What is to be done next, by what the platens feel.
     fn programme(&mut self, rig: &Rig) -> Result<()> {
+        self.drives.resize(self.platens.len(), Drive::Speed(Ramp::constant(0.0)));
         match &rig.test {
             Test::Free { .. } => {
                 if self.share(rig) >= 1.0 {

@@ -1,11 +1,10 @@
 //! A box between platens: where they stand, what they feel, how they move.
 
 use super::{Phase, Rig, State, dimensions};
-use crate::boundary::servo_speed;
 use crate::error::{Error, Result};
 use crate::model::continuum::{Specimen, Test};
 use crate::mpm::platen::{Platen, ghost_radius, overlap};
-use crate::mpm::{Continuum, Dimension};
+use crate::mpm::{Continuum, Dimension, Drive, Ramp, area};
 
 /// Lateral platens may move this many times as fast as the axial ones strain the specimen.
 const LATERAL: f64 = 4.0;
@@ -27,6 +26,11 @@ fn offset(rig: &Rig, s: &Specimen) -> f64 {
 fn radius(rig: &Rig, s: &Specimen) -> f64 {
     let volume = s.spacing.powi(dimensions(rig) as i32);
     ghost_radius(rig.settings.dimension, (1.0 - s.porosity) * volume)
+}
+
+/// Mean overlap of a platen's contacts, m: their energy is 2/5 F δ.
+fn mean_overlap(p: &Platen) -> f64 {
+    if p.reaction > 0.0 { p.stored / (0.4 * p.reaction) } else { 0.0 }
 }
 
 /// The platens of a test, pressed in so far that they balance the points' stress.
@@ -57,8 +61,8 @@ impl State {
     pub(super) fn extents_now(&self, rig: &Rig) -> [f64; 3] {
         let Some(s) = rig.specimen() else { return [0.0; 3] };
         let (d, radius) = (dimensions(rig), radius(rig, s));
-        // where the outermost points are: a ghost's radius, less the contacts' mean overlap (their energy is 2/5 F δ), inside the platen
-        let inside = |p: &Platen| radius - if p.reaction > 0.0 { p.stored / (0.4 * p.reaction) } else { 0.0 };
+        // where the outermost points are: a ghost's radius, less the contacts' mean overlap, inside the platen
+        let inside = |p: &Platen| radius - mean_overlap(p);
         let mut extents = s.size;
         if d == 2 {
             extents[2] = 1.0;
@@ -80,36 +84,57 @@ impl State {
         extents
     }
 
+    /// Extents as a device follows them: less what overlaps add to them now, and how much they grow with a platen's mean overlap, less its way.
+    #[cfg(feature = "gpu")]
+    pub(super) fn material(&self, rig: &Rig) -> ([f64; 3], [f64; 3]) {
+        let (mut extents, mut scale) = (self.extents_now(rig), [0.0; 3]);
+        let Some(s) = rig.specimen() else { return (extents, scale) };
+        for platen in &self.platens {
+            let axis = platen.axis();
+            let edges = if self.platens.len() == 1 { 0.5 } else { 1.0 };
+            scale[axis] = s.size[axis] / (s.size[axis] - edges * s.spacing);
+            extents[axis] -= scale[axis] * mean_overlap(platen);
+        }
+        (extents, scale)
+    }
+
     /// Work of the platens on the faces where their forces act, J: a face moves as much more than its platen as the whole specimen shortens
     /// more than the distance of its outermost points.
     pub(super) fn platen_work(&self, rig: &Rig) -> f64 {
         let Some(s) = rig.specimen() else { return 0.0 };
         let edges = if self.platens.len() == 1 { 0.5 } else { 1.0 };
         let share = |platen: &Platen| {
-            let axis = (0..3).find(|&a| platen.normal[a] != 0.0).unwrap_or(0);
+            let axis = platen.axis();
             platen.work * s.size[axis] / (s.size[axis] - edges * s.spacing)
         };
         self.platens.iter().map(share).sum()
     }
 
-    /// Area that stands against an axis, m² (m in plane strain).
-    fn area(extents: [f64; 3], axis: usize) -> f64 {
-        (0..3).filter(|&a| a != axis).map(|a| extents[a]).product()
-    }
-
     /// Stress on each side, Pa, compression positive, in the order x low, x high, …; 0 where there is none.
     pub(super) fn sides(&self, rig: &Rig) -> [f64; 6] {
-        let (d, extents) = (dimensions(rig), self.extents_now(rig));
+        let wall = |k: usize| self.continuum.wall_force()[k][k / 2] * if k % 2 == 1 { -1.0 } else { 1.0 };
+        let grains = |k: usize| self.mixture.as_ref().map_or(0.0, |m| m.grains.walls[k].reaction);
+        self.stresses(rig, self.extents_now(rig), |k| self.platens[k].force(), |k| wall(k) + grains(k))
+    }
+
+    /// The same from the forces on platens and on the sides of the grid, along their inward normals.
+    pub(super) fn stresses(
+        &self,
+        rig: &Rig,
+        extents: [f64; 3],
+        platen: impl Fn(usize) -> f64,
+        wall: impl Fn(usize) -> f64,
+    ) -> [f64; 6] {
+        let d = dimensions(rig);
         let mut sides = [0.0; 6];
         for (k, side) in sides.iter_mut().enumerate().take(2 * d) {
-            let (axis, high) = (k / 2, k % 2 == 1);
             let force = match &rig.test {
                 Test::Free { .. } => return sides,
-                Test::Oedometer(_) if k == 2 * d - 1 => self.platens[0].reaction,
-                Test::Oedometer(_) => self.continuum.wall_force()[k][axis] * if high { -1.0 } else { 1.0 },
-                Test::Triaxial { .. } => self.platens[k].reaction,
+                Test::Oedometer(_) if k == 2 * d - 1 => platen(0),
+                Test::Oedometer(_) => wall(k),
+                Test::Triaxial { .. } => platen(k),
             };
-            *side = force / State::area(extents, axis);
+            *side = force / area(extents, k / 2);
         }
         sides
     }
@@ -120,9 +145,11 @@ impl State {
         if rig.specimen().is_none() { 0.0 } else { 1.0 - self.extents_now(rig)[axis] / self.extents[axis] }
     }
 
-    /// Speed of the axial strain, m/s over the whole height.
-    fn axial_speed(&self, rig: &Rig) -> f64 {
-        self.rate * self.extents[dimensions(rig) - 1] * (self.phase_time / (RAMP * self.wave)).min(1.0)
+    /// Speed with which the platens of the axis come together, each with the share `part` of it, m/s: that of the strain over the whole height.
+    fn axial(&self, rig: &Rig, part: f64) -> Drive {
+        let (end, rise) = (self.rate * self.extents[dimensions(rig) - 1], RAMP * self.wave);
+        let value = part * (end * (self.phase_time / rise).min(1.0));
+        Drive::Speed(Ramp { value, slope: part * (end / rise), end: part * end })
     }
 
     /// The top platen comes down.
@@ -130,7 +157,7 @@ impl State {
         if self.axial_strain(rig) >= s.axial_strain {
             self.phase = Phase::Done;
         }
-        self.platens[0].speed = self.axial_speed(rig);
+        self.drives[0] = self.axial(rig, 1.0);
     }
 
     /// Lateral platens hold the cell pressure; axial ones hold it too, then come together.
@@ -142,8 +169,10 @@ impl State {
         let modulus = rig.laws[usize::from(self.continuum.points().law[0])].elastic().oedometric();
         let rise = (cell - s.stress).abs() / (modulus * self.rate);
         let target = match self.phase {
-            Phase::Settle if self.phase_time < rise => s.stress + (cell - s.stress) * (self.phase_time / rise),
-            _ => cell,
+            Phase::Settle if self.phase_time < rise => {
+                Ramp { value: s.stress + (cell - s.stress) * (self.phase_time / rise), slope: (cell - s.stress) / rise, end: cell }
+            }
+            _ => Ramp::constant(cell),
         };
         if self.phase == Phase::Settle && self.phase_time > rise + REST * self.wave {
             let sides = self.sides(rig);
@@ -162,21 +191,10 @@ impl State {
         if self.phase == Phase::Load && self.axial_strain(rig) >= s.axial_strain {
             self.phase = Phase::Done;
         }
-        let axial = 0.5 * self.axial_speed(rig);
-        // a servo alone would lag behind a specimen that keeps moving: it acts on top of the platen's mean speed
-        let share = (self.dt / (DRIFT * self.wave)).min(1.0);
-        for (k, (platen, drift)) in self.platens.iter_mut().zip(&mut self.drift).enumerate() {
-            let axis = k / 2;
-            platen.speed = if axis == d - 1 && self.phase != Phase::Settle {
-                axial
-            } else {
-                let force = target * State::area(extents, axis);
-                let limit = 0.5 * LATERAL * self.rate * extents[axis];
-                let servo = servo_speed(force, platen.reaction, platen.stiffness, s.gain, self.dt, limit);
-                let speed = (*drift + servo).clamp(-limit, limit);
-                *drift += share * (speed - *drift);
-                speed
-            };
+        let servo = Drive::Stress { target, gain: s.gain, reach: 0.5 * LATERAL * self.rate, memory: DRIFT * self.wave };
+        let axial = if self.phase == Phase::Settle { servo } else { self.axial(rig, 0.5) };
+        for (k, drive) in self.drives.iter_mut().enumerate() {
+            *drive = if k / 2 == d - 1 { axial } else { servo };
         }
         Ok(())
     }

@@ -1,0 +1,86 @@
+//! How a platen moves between two looks of whoever leads a test: at a speed, or towards a stress. Twin on a graphics device: `platens.wgsl`.
+
+use super::Platen;
+use crate::boundary::servo_speed;
+
+/// A value that changes evenly with time until it is at its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ramp {
+    pub value: f64,
+    /// Change per second, towards the end.
+    pub slope: f64,
+    pub end: f64,
+}
+
+impl Ramp {
+    /// One that stays.
+    pub fn constant(value: f64) -> Ramp {
+        Ramp { value, slope: 0.0, end: value }
+    }
+
+    /// The value after `time` seconds.
+    pub fn at(self, time: f64) -> f64 {
+        let value = self.value + self.slope * time;
+        match self.slope {
+            slope if slope > 0.0 => value.min(self.end),
+            slope if slope < 0.0 => value.max(self.end),
+            _ => self.value,
+        }
+    }
+}
+
+/// What a platen does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drive {
+    /// Moves into the material, m/s.
+    Speed(Ramp),
+    /// Holds a stress by a servo. Alone it would lag behind a specimen that keeps moving: it acts on top of the platen's mean speed.
+    Stress {
+        /// Pa.
+        target: Ramp,
+        /// Share of the imbalance that it removes in one step.
+        gain: f64,
+        /// Largest speed over the material's extent along the platen's axis, 1/s.
+        reach: f64,
+        /// Time over which the mean speed is taken, s; infinite: none is.
+        memory: f64,
+    },
+}
+
+impl Drive {
+    /// The platen's speed, m/s, `time` seconds after the drive was set, for material of these extents, m, and a step of `dt` seconds. `drift` is its mean
+    /// speed, which is kept from step to step.
+    pub fn speed(&self, time: f64, platen: &Platen, extents: [f64; 3], dt: f64, drift: &mut f64) -> f64 {
+        match *self {
+            Drive::Speed(speed) => speed.at(time),
+            Drive::Stress { target, gain, reach, memory } => {
+                let axis = platen.axis();
+                let force = target.at(time) * area(extents, axis);
+                let limit = reach * extents[axis];
+                let servo = servo_speed(force, platen.force(), platen.stiffness + platen.others[1], gain, dt, limit);
+                let speed = (*drift + servo).clamp(-limit, limit);
+                *drift += (dt / memory).min(1.0) * (speed - *drift);
+                speed
+            }
+        }
+    }
+}
+
+/// Area that stands against an axis, m² (m in plane strain).
+pub fn area(extents: [f64; 3], axis: usize) -> f64 {
+    (0..3).filter(|&a| a != axis).map(|a| extents[a]).product()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ramp_ends_where_it_ends() {
+        let up = Ramp { value: 1.0, slope: 2.0, end: 2.0 };
+        assert_eq!([0.0, 0.25, 9.0].map(|t| up.at(t)), [1.0, 1.5, 2.0]);
+        let down = Ramp { value: 1.0, slope: -2.0, end: -1.0 };
+        assert_eq!([0.0, 0.5, 9.0].map(|t| down.at(t)), [1.0, 0.0, -1.0]);
+        assert_eq!(Ramp::constant(3.0).at(1e9), 3.0);
+    }
+}

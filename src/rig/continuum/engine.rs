@@ -1,0 +1,122 @@
+//! What does the steps of a test: the processor one at a time, or a graphics device in batches. Everything else stands once, in [`State`].
+
+use super::{Coupled, LOOK, Phase, Rig, State};
+use crate::error::Result;
+use crate::model::Model;
+use crate::model::continuum::Test;
+use crate::mpm::Platen;
+
+#[cfg(feature = "gpu")]
+use super::device::Device;
+
+/// Where the steps are done.
+pub enum Engine {
+    Cpu,
+    /// The processor, with grains.
+    Mixture(Box<Coupled>),
+    #[cfg(feature = "gpu")]
+    Gpu(Box<Device>),
+}
+
+impl Engine {
+    /// The state at the instant at which its platens' forces are known.
+    pub(super) fn feel(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
+        match self {
+            Engine::Cpu => {
+                state.press()?;
+                state.collect(rig);
+            }
+            Engine::Mixture(coupled) => {
+                state.press()?;
+                coupled.feel(state, model);
+                state.collect(rig);
+            }
+            // it has felt and collected at the end of each step
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(_) => {}
+        }
+        Ok(())
+    }
+
+    /// The time of a wave through a cell, s.
+    pub(super) fn stable_step(&self, state: &State) -> f64 {
+        match self {
+            Engine::Cpu | Engine::Mixture(_) => state.continuum.stable_step(1.0),
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(device) => device.stable_step(),
+        }
+    }
+
+    /// A step, or as many as it takes until the test has the share `next`.
+    pub(super) fn steps(&mut self, state: &mut State, model: &Model, rig: &Rig, next: f64) -> Result<()> {
+        match self {
+            Engine::Cpu => state.step(rig),
+            Engine::Mixture(coupled) => coupled.cycle(state, model, rig),
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(device) => device.steps(state, model, rig, state.ahead(rig, next)),
+        }
+    }
+
+    /// Brings the points of the state up to date.
+    ///
+    /// # Errors
+    /// A device that was lost; the points are then those of the last time.
+    pub fn read_back(&self, state: &mut State) -> Result<()> {
+        match self {
+            Engine::Cpu | Engine::Mixture(_) => Ok(()),
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(device) => device.read_back(state),
+        }
+    }
+
+    /// Bytes held for the points and their grid.
+    pub fn bytes(&self, state: &State) -> u64 {
+        match self {
+            Engine::Cpu => state.continuum.bytes() as u64,
+            Engine::Mixture(coupled) => (state.continuum.bytes() + coupled.bytes(state)) as u64,
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(device) => device.bytes(),
+        }
+    }
+}
+
+impl State {
+    /// Platens press on the points.
+    pub(super) fn press(&mut self) -> Result<()> {
+        self.platens.iter_mut().try_for_each(|platen| platen.press(&mut self.continuum))
+    }
+
+    /// One step on the processor, with the platens' forces, and their way in it.
+    fn step(&mut self, rig: &Rig) -> Result<()> {
+        self.set_speeds(rig);
+        self.continuum.step(self.dt)?;
+        self.platens.iter_mut().for_each(|platen: &mut Platen| platen.advance(self.dt));
+        self.time += self.dt;
+        self.phase_time += self.dt;
+        Ok(())
+    }
+
+    /// The platens' speeds, as their drives have it.
+    pub(super) fn set_speeds(&mut self, rig: &Rig) {
+        let extents = self.extents_now(rig);
+        for ((platen, drive), drift) in self.platens.iter_mut().zip(&self.drives).zip(&mut self.drift) {
+            platen.speed = drive.speed(0.0, platen, extents, self.dt, drift);
+        }
+    }
+
+    /// Steps until the test has the share `next`, at most to the next look at what bounds the step, and while a specimen settles at most a wave's time.
+    #[cfg_attr(not(feature = "gpu"), allow(dead_code))]
+    fn ahead(&self, rig: &Rig, next: f64) -> u64 {
+        let steps = self.continuum.steps();
+        let most = LOOK - steps % LOOK;
+        let share = match &rig.test {
+            Test::Free { duration: Some(duration), .. } => self.dt / duration,
+            Test::Free { steps, .. } => 1.0 / steps.unwrap_or(1) as f64,
+            _ if self.phase == Phase::Settle => return ((self.wave / self.dt).ceil() as u64).clamp(1, most),
+            Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => self.rate * self.dt / s.axial_strain,
+        };
+        // a whole number of steps that rounding has made a little more
+        let wanted = (next - self.share(rig)) / share - 1e-6;
+        (wanted.ceil().max(1.0) as u64).min(most)
+    }
+}

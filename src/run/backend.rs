@@ -1,0 +1,141 @@
+//! Who does the steps of a run: the processor, or for a continuum a graphics device.
+
+use crate::error::{Error, Result};
+use crate::model::continuum::Continuum as Rig;
+use crate::model::{self, Model};
+use crate::rig::continuum::{Coupled, Engine, State};
+use serde::{Deserialize, Serialize};
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backend {
+    #[default]
+    Cpu,
+    /// The graphics device, or an error.
+    Gpu,
+    /// A graphics device that is hardware and has all that the scene asks for, else the processor.
+    Auto,
+}
+
+/// What it comes to.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Chosen {
+    pub gpu: bool,
+    /// Why, where it was left open.
+    pub why: Option<String>,
+}
+
+/// Who is to do the steps of a run. Nothing is started.
+///
+/// # Errors
+/// A graphics device is asked for, and there is none, or it lacks what the scene needs: by name.
+pub fn choose(asked: Backend, model: &Model) -> Result<Chosen> {
+    if asked == Backend::Cpu {
+        return Ok(Chosen::default());
+    }
+    let found = adapter(model);
+    if asked == Backend::Gpu {
+        return found.map(|_| Chosen { gpu: true, why: None });
+    }
+    Ok(match found {
+        Ok((name, false)) => Chosen { gpu: true, why: Some(format!("gpu, {name}")) },
+        Ok((name, true)) => Chosen { gpu: false, why: Some(format!("cpu, as {name} computes on the processor itself")) },
+        Err(e) => Chosen { gpu: false, why: Some(format!("cpu, as {e}")) },
+    })
+}
+
+/// Name of the adapter that takes the model, and whether it is software.
+fn adapter(model: &Model) -> Result<(String, bool)> {
+    let model::Rig::Continuum(rig) = &model.rig else {
+        return Err(Error::input("--backend gpu", "", None, "is for continuum scenes: grains are computed on the CPU"));
+    };
+    if rig.coarse.is_some() {
+        return Err(Error::input("--backend gpu", "", None, "does not have grains in a continuum yet: use --backend cpu"));
+    }
+    of_continuum(model, rig)
+}
+
+#[cfg(feature = "gpu")]
+fn of_continuum(model: &Model, rig: &Rig) -> Result<(String, bool)> {
+    let state = State::start(model, rig)?;
+    let adapter = crate::gpu::fits(&rig.settings, &rig.points, &state.platens)?;
+    Ok((adapter.name, adapter.software))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn of_continuum(_: &Model, _: &Rig) -> Result<(String, bool)> {
+    Err(Error::input(
+        "--backend gpu",
+        "",
+        None,
+        "needs a program that was built with the feature gpu: this one was not; use --backend cpu",
+    ))
+}
+
+/// What a run remembers of its backends; part of the checkpoint.
+#[derive(Default, Serialize, Deserialize)]
+pub struct Used {
+    /// In turn, where a resumed run went on elsewhere.
+    pub names: Vec<String>,
+    pub why: Option<String>,
+    /// Graphics adapter, and whether it is software.
+    pub adapter: Option<(String, bool)>,
+    /// The device's own state at a checkpoint.
+    pub saved: Option<Vec<u8>>,
+}
+
+impl Used {
+    /// Whether the last one was a graphics device.
+    pub fn gpu(&self) -> bool {
+        self.names.last().is_some_and(|name| name == "gpu")
+    }
+
+    /// Sets the engine up, with the device's own state where there is one.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn engine(&mut self, chosen: Chosen, state: &mut State, model: &Model, rig: &Rig) -> Result<Engine> {
+        let name = if chosen.gpu { "gpu" } else { "cpu" };
+        let saved = self.saved.take().filter(|_| chosen.gpu && self.gpu());
+        if self.names.last().is_none_or(|last| last != name) {
+            self.names.push(name.into());
+        }
+        self.why = chosen.why;
+        match &mut state.mixture {
+            _ if chosen.gpu => self.device(saved, state, rig),
+            Some(mixture) => Ok(Engine::Mixture(Box::new(Coupled::new(model, rig, mixture)))),
+            None => Ok(Engine::Cpu),
+        }
+    }
+
+    #[cfg(feature = "gpu")]
+    fn device(&mut self, saved: Option<Vec<u8>>, state: &mut State, rig: &Rig) -> Result<Engine> {
+        let damaged = |e: postcard::Error| Error::Failed {
+            step: state.continuum.steps(),
+            what: format!("the device's state is damaged ({e})"),
+        };
+        let saved = saved.map(|bytes| postcard::from_bytes(&bytes)).transpose().map_err(damaged)?;
+        let device = crate::rig::continuum::Device::new(state, rig, saved.as_ref())?;
+        self.adapter = Some((device.adapter().name.clone(), device.adapter().software));
+        Ok(Engine::Gpu(Box::new(device)))
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn device(&mut self, _: Option<Vec<u8>>, _: &mut State, _: &Rig) -> Result<Engine> {
+        unreachable!("refused when it was chosen")
+    }
+
+    /// Brings points and device's state up to date for a checkpoint.
+    ///
+    /// # Errors
+    /// A device that was lost.
+    pub fn save(&mut self, engine: &Engine, state: &mut State) -> Result<()> {
+        engine.read_back(state)?;
+        #[cfg(feature = "gpu")]
+        if let Engine::Gpu(device) = engine {
+            let failed = |e: postcard::Error| Error::Failed { step: state.continuum.steps(), what: e.to_string() };
+            self.saved = Some(postcard::to_stdvec(&device.save()?).map_err(failed)?);
+        }
+        Ok(())
+    }
+}
