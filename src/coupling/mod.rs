@@ -9,9 +9,11 @@
 //! moves the contact point.
 
 mod evaluate;
+mod measure;
 mod mixture;
 mod search;
 
+pub use measure::{Shares, Touching};
 pub use mixture::{Allowed, Cycle, Mixture, Parts, Rates};
 
 use crate::boundary::Wall;

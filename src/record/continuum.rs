@@ -5,7 +5,7 @@ use super::vtk::{self, Field};
 use crate::error::{Error, Result};
 use crate::model::continuum::{Continuum as Rig, Test};
 use crate::mpm::{Dimension, Points};
-use crate::rig::continuum::{Moment, Phase, State};
+use crate::rig::continuum::{Coarse, Moment, Phase, State};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -136,6 +136,9 @@ impl Recorder {
             ("momentum_y_kg_m_s", py.into()),
             ("momentum_z_kg_m_s", pz.into()),
         ]);
+        if let Some(g) = &m.grains {
+            row.extend(coarse(g));
+        }
         self.remember(rig, state.phase, &m);
         row
     }
@@ -222,4 +225,25 @@ pub fn write_snapshot(path: &Path, state: &State) -> Result<()> {
     ];
     let step = state.continuum.steps();
     vtk::write_points(path, &position, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+}
+
+/// Columns of the grains in a continuum.
+fn coarse(g: &Coarse) -> Row {
+    let q = |s: [f64; 3]| 1e-3 * (s[2] - 0.5 * (s[0] + s[1]));
+    vec![
+        ("grains", (g.count as u64).into()),
+        ("crush_events", g.crush_events.into()),
+        ("coarse_mass_kg", g.mass.into()),
+        ("coarse_kinetic_J", g.kinetic.into()),
+        ("coordination_number", (2.0 * g.touching.grains as f64 / g.count.max(1) as f64).into()),
+        ("platen_contacts", g.touching.walls.into()),
+        ("point_contacts", g.touching.points.into()),
+        ("fabric_zz", g.touching.fabric[2].into()),
+        ("q_matrix_kPa", q(g.shares.matrix).into()),
+        ("q_skeleton_kPa", q(g.shares.skeleton).into()),
+        ("q_interface_kPa", q(g.shares.interface).into()),
+        ("sigma_zz_of_contacts_kPa", (1e-3 * g.shares.total(2)).into()),
+        ("grain_steps", u64::from(g.rates[0]).into()),
+        ("continuum_steps", u64::from(g.rates[1]).into()),
+    ]
 }

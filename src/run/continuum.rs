@@ -185,7 +185,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     let mut s = Map::new();
     let mut put = |key: &str, value: Value| s.insert(key.into(), value);
     put("scene", json!(model.name));
-    put("kind", json!("continuum"));
+    put("kind", json!(if state.mixture.is_some() { "mixture" } else { "continuum" }));
     put("points", json!(points));
     put("steps", json!(steps));
     put("time_s", json!(state.time));
@@ -224,6 +224,15 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     }
     if rig.specimen().is_some() {
         put("quasi_static", json!({"largest_platen_difference": r.worst[0], "largest_kinetic_over_stress_work": r.worst[1]}));
+    }
+    if let Some(mixture) = &state.mixture {
+        let (coarse, _) = mixture.grains.grains.mass_and_volume();
+        let (mass, _) = mixture.mass_and_momentum(&state.continuum);
+        put("grains", json!(mixture.grains.grains.len()));
+        put("coarse_mass_fraction", json!(coarse / mass));
+        put("crush_events", json!(mixture.grains.crush_events));
+        put("point_contacts", json!(mixture.touching().points));
+        put("cycles", json!(mixture.cycles));
     }
     put("void_ratio_final", json!(r.void_ratio));
     put("largest_plastic_strain", json!(r.plastic));

@@ -1,6 +1,7 @@
 //! What a test shows: stresses and strains as means since the last look, energies at this instant.
 
 use super::{Phase, Rig, State, dimensions};
+use crate::coupling::{Shares, Touching};
 use crate::mpm::Totals;
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +50,21 @@ pub struct Moment {
     pub dissipated: f64,
     /// Scale of all these.
     pub scale: f64,
+    /// With grains: who bears the stress, how they touch, their kinetic energy, J, volume, m³, and what broke.
+    pub grains: Option<Coarse>,
+}
+
+/// Of the grains in a continuum.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coarse {
+    pub shares: Shares,
+    pub touching: Touching,
+    pub kinetic: f64,
+    pub count: usize,
+    pub volume: f64,
+    pub mass: f64,
+    pub crush_events: u64,
+    pub rates: [u32; 2],
 }
 
 impl Moment {
@@ -129,7 +145,23 @@ impl State {
         let platen_work = self.platen_work(rig);
         let (fallen, stored) = (potential - totals.potential, self.stored() - stored);
         let given = platen_work + fallen + kinetic;
+        let grains = self.mixture.as_ref().map(|m| {
+            let g = &m.grains.grains;
+            let (mass, volume) = g.mass_and_volume();
+            let box_volume = if rig.specimen().is_some() { self.extents_now(rig).iter().product() } else { totals.volume + volume };
+            Coarse {
+                shares: m.shares(c, box_volume),
+                touching: m.touching(),
+                kinetic: m.kinetic(),
+                count: g.len(),
+                volume,
+                mass,
+                crush_events: m.grains.crush_events,
+                rates: [m.cycle.rates.grains, m.cycle.rates.continuum],
+            }
+        });
         Moment {
+            grains,
             void_ratio: totals.volume / solid - 1.0,
             plastic: [plastic / totals.volume, most],
             along_z: along_z / totals.volume,

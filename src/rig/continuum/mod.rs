@@ -11,7 +11,7 @@ mod specimen;
 pub use device::Device;
 pub use engine::Engine;
 pub use grains::Coupled;
-pub use measure::Moment;
+pub use measure::{Coarse, Moment};
 
 use crate::coupling::Mixture;
 use crate::error::{Error, Result};
