@@ -3,6 +3,7 @@
 use super::{Body, Mixture};
 use crate::contact::pairs::{FREE, Pairs};
 use crate::mpm::Continuum;
+use crate::step::State;
 
 /// Contributions to the mean stress of a volume along the three axes, Pa, compression positive. In balance their sum is the stress on its sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,11 +92,25 @@ impl Mixture {
         }
     }
 
-    /// Kinetic energy of the grains, J.
-    pub fn kinetic(&self) -> f64 {
+    /// Kinetic and potential energy of the grains, and what their contacts hold, those with points included, J; of the tangential springs only
+    /// those of the latter.
+    pub fn energies(&self, gravity: [f64; 3]) -> [f64; 3] {
         let g = &self.grains.grains;
         let square = |v: [f64; 4]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        let of = |i: usize| 0.5 * g.mass[i] * (square(g.vel[i]) + 0.4 * g.pos[i][3] * g.pos[i][3] * square(g.spin[i]));
-        g.by_id().into_iter().map(|i| of(i as usize)).sum()
+        let [mut kinetic, mut potential, mut stored] = [0.0, 0.0, self.ghosts.stored()];
+        for i in g.by_id().into_iter().map(|i| i as usize) {
+            let (p, m) = (g.pos[i], g.mass[i]);
+            kinetic += 0.5 * m * (square(g.vel[i]) + 0.4 * p[3] * p[3] * square(g.spin[i]));
+            potential -= m * (gravity[0] * p[0] + gravity[1] * p[1] + gravity[2] * p[2]);
+        }
+        let id = |i: u32| g.id[i as usize];
+        let State { pairs, wall_pairs, .. } = &self.grains;
+        for s in in_order(pairs, |[i, j]| [id(i), id(j)]) {
+            stored += self.energy * pairs.touch[s].normal_force * pairs.touch[s].overlap;
+        }
+        for s in in_order(wall_pairs, |[i, k]| [k, id(i)]) {
+            stored += self.energy * wall_pairs.touch[s].normal_force * wall_pairs.touch[s].overlap;
+        }
+        [kinetic, potential, stored]
     }
 }

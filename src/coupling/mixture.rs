@@ -8,7 +8,7 @@
 use super::{Bound, GhostTable, Ghosts};
 use crate::coupling::evaluate::Scene;
 use crate::error::Result;
-use crate::model::Model;
+use crate::model::{ContactLaw, Model};
 use crate::mpm::Continuum;
 use crate::mpm::platen::Platen;
 use crate::step::{self, State, Work};
@@ -51,6 +51,9 @@ impl Cycle {
         };
         let (grains, continuum) = (of(allowed.grains), of(allowed.continuum));
         let rates = allowed.rates.unwrap_or_else(|| {
+            if allowed.grains == f64::INFINITY {
+                return Rates { grains: 1, continuum: 1 };
+            }
             let steps = |slow: f64, fast: f64| (slow / fast).ceil().clamp(1.0, MOST) as u32;
             if grains <= continuum {
                 Rates { grains: steps(continuum, grains), continuum: 1 }
@@ -71,6 +74,8 @@ const MOST: f64 = 1000.0;
 pub struct Mixture {
     pub grains: State,
     pub ghosts: Ghosts,
+    /// Elastic energy of a contact between grains over its normal force and overlap: 2/5 by Hertz, 1/2 of a linear one.
+    pub(super) energy: f64,
     /// The last cycle.
     pub cycle: Cycle,
     /// Cycles done.
@@ -94,10 +99,11 @@ pub struct Parts<'a> {
 }
 
 impl Mixture {
-    pub fn new(grains: State, continuum: &mut Continuum) -> Mixture {
+    pub fn new(model: &Model, grains: State, continuum: &mut Continuum) -> Mixture {
+        let energy = if model.contact.law == ContactLaw::Linear { 0.5 } else { 0.4 };
         continuum.keep_carried();
         let cycle = Cycle { time: 0.0, rates: Rates { grains: 1, continuum: 1 } };
-        Mixture { grains, ghosts: Ghosts::default(), cycle, cycles: 0, last: 0.0, own: 0.0, fastest: (u64::MAX, 0.0), sums: Default::default() }
+        Mixture { grains, ghosts: Ghosts::default(), energy, cycle, cycles: 0, last: 0.0, own: 0.0, fastest: (u64::MAX, 0.0), sums: Default::default() }
     }
 
     /// The forces of this instant: between grains, and between grains and points.

@@ -9,7 +9,8 @@ use toml::{Table, Value};
 
 impl View<'_> {
     pub fn assembly(&self, named: &[Named]) -> Option<Assembly> {
-        let (grains, walls) = self.listed(named)?;
+        let grains = self.grains(named)?;
+        let walls = self.walls(named, &grains);
         let (steps, duration) = (self.whole("steps"), self.number("duration_s"));
         self.check(steps.is_some() != duration.is_some(), "steps", "must be given, or `duration_s`, one of them");
         Some(Assembly {
@@ -22,16 +23,16 @@ impl View<'_> {
         })
     }
 
-    /// The grains and walls that the scene lists.
-    pub fn listed(&self, named: &[Named]) -> Option<(Vec<GrainSpec>, Vec<WallSpec>)> {
-        let grains = self.grains(named)?;
+    /// The walls that the scene lists, before which the grains have to be.
+    pub fn walls(&self, named: &[Named], grains: &[GrainSpec]) -> Vec<WallSpec> {
         let walls: Vec<WallSpec> =
             self.list("wall").iter().enumerate().filter_map(|(i, wall)| self.wall(i, wall, named)).flatten().collect();
-        self.inside(&grains, &walls);
-        Some((grains, walls))
+        self.inside(grains, &walls);
+        walls
     }
 
-    fn grains(&self, named: &[Named]) -> Option<Vec<GrainSpec>> {
+    /// The grains that the scene lists.
+    pub fn grains(&self, named: &[Named]) -> Option<Vec<GrainSpec>> {
         let tables = self.list("grain");
         if tables.is_empty() {
             let message = "is missing: list grains as [[grain]], or name a file, grains_csv = \"….csv\"";

@@ -33,7 +33,8 @@ impl View<'_> {
             return None;
         }
         let test = self.text("test.rig") != "free";
-        let (mut grains, walls) = if self.list("grain").is_empty() { (Vec::new(), Vec::new()) } else { self.listed(named)? };
+        let mut grains = if self.list("grain").is_empty() { Vec::new() } else { self.grains(named)? };
+        let walls = self.walls(named, &grains);
         let mut rig = self.continuum_rig(&fines, |points, settings, test| {
             if let Test::Oedometer(specimen) | Test::Triaxial { specimen, .. } = test {
                 let density = materials[usize::from(ghosts[usize::from(points.law[0])])].density;

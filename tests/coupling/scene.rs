@@ -34,7 +34,7 @@ pub fn meeting(text: &str, mut continuum: Continuum) -> Meeting {
     let mut state = assembly::start(&model, rig);
     let work = Work::new(&model, &mut state);
     let table = GhostTable::new(model.contact.law, &[0], &model.materials, &state.walls);
-    let mixture = Mixture::new(state, &mut continuum);
+    let mixture = Mixture::new(&model, state, &mut continuum);
     Meeting { model, table, work, continuum, mixture }
 }
 

@@ -34,7 +34,7 @@ pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Contin
         tracks: Vec::new(),
         record_every: 1,
     };
-    Mixture::new(assembly::start(model, &scene), continuum)
+    Mixture::new(model, assembly::start(model, &scene), continuum)
 }
 
 /// What a mixture needs besides its state; may be dropped and made anew between any two cycles.

@@ -85,8 +85,8 @@ impl State {
         let (sides, extents) = (self.sides(rig), self.extents_now(rig));
         self.means.add(1, sides, extents);
         if self.energy.is_none() {
-            let totals = self.continuum.totals();
-            self.energy = Some([totals.kinetic, totals.potential, self.stored()]);
+            let (totals, [kinetic, potential, stored]) = (self.continuum.totals(), self.of_grains(rig));
+            self.energy = Some([totals.kinetic + kinetic, totals.potential + potential, self.stored() + stored]);
         }
     }
 
@@ -99,6 +99,11 @@ impl State {
         }
         let sides = self.stresses(rig, extents, |k| batch.platens[k][2], |k| batch.sides[k]);
         self.means.add(batch.steps, sides, extents);
+    }
+
+    /// Kinetic and potential energy of grains, and what their contacts hold, J.
+    fn of_grains(&self, rig: &Rig) -> [f64; 3] {
+        self.mixture.as_ref().map_or([0.0; 3], |m| m.energies(rig.settings.gravity))
     }
 
     fn stored(&self) -> f64 {
@@ -141,9 +146,13 @@ impl State {
             most = points.memory[i].plastic.max(most);
             along_z -= volume * points.stress[i][2];
         }
-        let [kinetic, potential, stored] = self.energy.unwrap_or([totals.kinetic, totals.potential, self.stored()]);
-        let platen_work = self.platen_work(rig);
-        let (fallen, stored) = (potential - totals.potential, self.stored() - stored);
+        let coarse = self.of_grains(rig);
+        let now = [totals.kinetic + coarse[0], totals.potential + coarse[1], self.stored() + coarse[2]];
+        let [kinetic, potential, stored] = self.energy.unwrap_or(now);
+        // walls of free scenes, and what platens do to grains
+        let on_grains: f64 = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work).sum();
+        let platen_work = self.platen_work(rig) + on_grains;
+        let (fallen, stored) = (potential - now[1], now[2] - stored);
         let given = platen_work + fallen + kinetic;
         let grains = self.mixture.as_ref().map(|m| {
             let g = &m.grains.grains;
@@ -152,7 +161,7 @@ impl State {
             Coarse {
                 shares: m.shares(c, box_volume),
                 touching: m.touching(),
-                kinetic: m.kinetic(),
+                kinetic: coarse[0],
                 count: g.len(),
                 volume,
                 mass,
@@ -168,7 +177,7 @@ impl State {
             stress_work: c.stress_work(),
             platen_work,
             stored,
-            dissipated: given - totals.kinetic - c.stress_work() - stored,
+            dissipated: given - now[0] - c.stress_work() - stored,
             scale: platen_work.abs() + fallen.abs() + kinetic + c.stress_work().abs(),
             totals,
             ..Moment::default()
