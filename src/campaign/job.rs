@@ -3,7 +3,7 @@
 use super::Vary;
 use crate::error::Result;
 use crate::model::Model;
-use crate::run::{Found, look};
+use crate::run::{Backend, Found, look};
 use crate::scene::{self, Scene};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -22,6 +22,8 @@ pub struct Job {
     pub out: PathBuf,
     /// Threads of the run; the runner shares out the machine's cores if not given.
     pub threads: Option<usize>,
+    /// Who does the steps of a continuum.
+    pub backend: Backend,
 }
 
 impl Job {
@@ -94,6 +96,9 @@ impl Job {
         if let Some(threads) = self.threads {
             option("--threads", threads.to_string().into());
         }
+        if self.backend != Backend::Cpu {
+            option("--backend", self.backend.name().into());
+        }
         args.extend(["--continue".into(), "--quiet".into()]);
         args
     }
@@ -132,8 +137,8 @@ mod tests {
         let text = job.clone().seeded(Vary::Both, 3).command_line("comminute");
         let sets = r#"--set 'name="it'\''s"' --set loading.rate=0.1"#;
         assert_eq!(text, format!("comminute run 'a scene.toml' {sets} --seed 3 --out out/one --continue --quiet"));
-        let text = Job { threads: Some(2), ..job.seeded(Vary::Packing, 4) }.command_line("comminute");
-        assert!(text.contains("--seed-packing 4 --out out/one --threads 2") && !text.contains("strength"), "{text}");
+        let text = Job { threads: Some(2), backend: Backend::Gpu, ..job.seeded(Vary::Packing, 4) }.command_line("comminute");
+        assert!(text.contains("--seed-packing 4 --out out/one --threads 2 --backend gpu") && !text.contains("strength"), "{text}");
     }
 
     #[test]

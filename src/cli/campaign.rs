@@ -15,6 +15,10 @@ pub struct Options {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
 
+    /// Who does the steps of a continuum
+    #[arg(long, value_enum, default_value = "cpu")]
+    backend: super::Backend,
+
     /// Print one shell command a line for each run instead of running them; what is done already is skipped when they are run
     #[arg(long)]
     list: bool,
@@ -45,6 +49,7 @@ impl Options {
         let threads = self.threads.map(usize::from);
         for job in &mut *jobs {
             job.threads = threads.or(self.list.then_some(1));
+            job.backend = self.backend.into();
         }
         if self.list {
             super::print(&list(jobs, self.force)?)?;

@@ -140,5 +140,9 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
     }
     writeln!(text, "  time            {} on one thread (estimate)", comminute::run::human(c.seconds))?;
     writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
+    match (c.device_mb, &c.device_lacks) {
+        (Some(mb), _) => writeln!(text, "  graphics device {:.0} MB (estimate), with --backend gpu", mb.ceil())?,
+        (None, why) => writeln!(text, "  graphics device no: {}", why.as_deref().unwrap_or("unknown"))?,
+    }
     writeln!(text, "  folder          {}", scene.default_out().display())
 }

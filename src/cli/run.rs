@@ -26,7 +26,7 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
 
-    /// Who does the steps of a continuum: cpu, gpu, or auto
+    /// Who does the steps of a continuum; cpu if not given
     #[arg(long, value_enum)]
     backend: Option<super::Backend>,
 
@@ -85,7 +85,7 @@ pub fn call(mut args: Args) -> Result<()> {
     let backend = choose(args.backend.map_or_else(Backend::default, Into::into), &model)?;
     if !args.quiet {
         if let Some(why) = &backend.why {
-            eprintln!("backend: {why}");
+            eprintln!("backend {}: {why}", backend.name());
         }
         for warning in scene::estimate(&model).warnings {
             eprintln!("warning: {warning}");

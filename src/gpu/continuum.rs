@@ -1,13 +1,14 @@
 //! A continuum on the device: batches of steps without a look at what happens between.
 
-use super::device::{Adapter, Device, holding, refused};
+use super::device::{Adapter, Device, refused};
 use super::layout::{Law32, Outside, Params, Status, groups};
 use super::memory::Sizes;
 use super::passes::Passes;
 use super::platen::{self, both};
+use super::support::sizes;
 use super::{shader, state};
 use crate::error::{Error, Result};
-use crate::mpm::{self, Dimension, Drive, Platen, Ramp, Settings, ShapeFunctions, Transfer};
+use crate::mpm::{self, Drive, Platen, Ramp, Settings};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use wgpu::BufferUsages as Usage;
@@ -56,29 +57,6 @@ pub struct Means {
     pub platens: Vec<[f64; 3]>,
     /// Force along the inward normal of each side of the domain, N.
     pub sides: [f64; 6],
-}
-
-/// What a continuum needs on a device, in bytes.
-///
-/// # Errors
-/// What the GPU path lacks, by name.
-pub fn needs(settings: &Settings, points: &mpm::Points, platens: &[Platen]) -> Result<u64> {
-    sizes(settings, points, platens).map(|sizes| sizes.sum())
-}
-
-/// The adapter on which a continuum fits.
-///
-/// # Errors
-/// What the GPU path lacks, by name; no adapter; one without room.
-pub fn fits(settings: &Settings, points: &mpm::Points, platens: &[Platen]) -> Result<Adapter> {
-    holding(&sizes(settings, points, platens)?)
-}
-
-fn sizes(settings: &Settings, points: &mpm::Points, platens: &[Platen]) -> Result<Sizes> {
-    let mut errors = lacking(settings, points);
-    errors.extend(platen::wrong(platens, settings, points));
-    Error::all(errors)?;
-    Ok(Sizes::of(settings, points.len() as u64, !platens.is_empty()))
 }
 
 /// Memory on the device.
@@ -356,7 +334,7 @@ impl Continuum {
 
     /// What happens when a device goes away.
     #[cfg(test)]
-    pub(super) fn lose(&self) {
+    pub(crate) fn lose(&self) {
         self.device.device.destroy();
     }
 
@@ -373,25 +351,4 @@ pub(super) struct Groups {
     pub nodes: [u32; 2],
     pub walls: bool,
     pub platens: bool,
-}
-
-/// What the GPU path does not have.
-fn lacking(settings: &Settings, points: &mpm::Points) -> Vec<Error> {
-    let mut errors = Vec::new();
-    if settings.dimension == Dimension::PlaneStrain {
-        errors.push(refused("dimension", "plane_strain", "is not available on the GPU: use space, or the CPU"));
-    }
-    if let ShapeFunctions::Gimp { .. } = settings.shape {
-        errors.push(refused("shape", "gimp", "is not available on the GPU: use b_spline, or the CPU"));
-    }
-    if settings.transfer == Transfer::Affine {
-        errors.push(refused("transfer", "affine", "is not available on the GPU: use a FLIP/PIC blend, or the CPU"));
-    }
-    if points.is_empty() {
-        errors.push(refused("points", 0, "must be at least one"));
-    }
-    if let Some(id) = points.id.iter().find(|id| **id >= 1 << 29) {
-        errors.push(refused("id", id, "must be below 2^29 on the GPU"));
-    }
-    errors
 }

@@ -44,12 +44,9 @@ fn adapter() -> Result<wgpu::Adapter> {
     let instance = wgpu::Instance::new(descriptor);
     let options = wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
     pollster::block_on(instance.request_adapter(&options)).map_err(|_| {
-        refused(
-            "backend",
-            "gpu",
-            "found no graphics adapter (Vulkan, Metal or Direct3D 12): install a driver (Debian's mesa-vulkan-drivers has one that computes on \
-             the processor) or use the CPU",
-        )
+        let message = "found no graphics adapter (Vulkan, Metal or Direct3D 12): install a driver (Debian's mesa-vulkan-drivers has one that \
+                       computes on the processor) or use the CPU";
+        Error::input("gpu", "", None, message)
     })
 }
 

@@ -28,8 +28,10 @@ mod passes;
 mod platen;
 mod shader;
 mod state;
+mod support;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
-pub use continuum::{Continuum, Means, Saved, fits, needs};
+pub use continuum::{Continuum, Means, Saved};
 pub use device::{Adapter, available};
+pub use support::{fits, needs};

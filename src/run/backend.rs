@@ -17,12 +17,30 @@ pub enum Backend {
     Auto,
 }
 
+impl Backend {
+    /// As it is typed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Backend::Cpu => "cpu",
+            Backend::Gpu => "gpu",
+            Backend::Auto => "auto",
+        }
+    }
+}
+
 /// What it comes to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Chosen {
     pub gpu: bool,
     /// Why, where it was left open.
     pub why: Option<String>,
+}
+
+impl Chosen {
+    /// As it stands in summaries.
+    pub fn name(&self) -> &'static str {
+        if self.gpu { "gpu" } else { "cpu" }
+    }
 }
 
 /// Who is to do the steps of a run. Nothing is started.
@@ -38,9 +56,11 @@ pub fn choose(asked: Backend, model: &Model) -> Result<Chosen> {
         return found.map(|_| Chosen { gpu: true, why: None });
     }
     Ok(match found {
-        Ok((name, false)) => Chosen { gpu: true, why: Some(format!("gpu, {name}")) },
-        Ok((name, true)) => Chosen { gpu: false, why: Some(format!("cpu, as {name} computes on the processor itself")) },
-        Err(e) => Chosen { gpu: false, why: Some(format!("cpu, as {e}")) },
+        Ok((name, false)) => Chosen { gpu: true, why: Some(name) },
+        Ok((name, true)) => {
+            Chosen { gpu: false, why: Some(format!("the only graphics adapter, {name}, computes on the processor itself")) }
+        }
+        Err(e) => Chosen { gpu: false, why: Some(e.to_string().replace('\n', "; ")) },
     })
 }
 
@@ -95,7 +115,7 @@ impl Used {
     /// # Errors
     /// What the device says.
     pub fn engine(&mut self, chosen: Chosen, state: &mut State, model: &Model, rig: &Rig) -> Result<Engine> {
-        let name = if chosen.gpu { "gpu" } else { "cpu" };
+        let name = chosen.name();
         let saved = self.saved.take().filter(|_| chosen.gpu && self.gpu());
         if self.names.last().is_none_or(|last| last != name) {
             self.names.push(name.into());

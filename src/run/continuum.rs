@@ -135,7 +135,9 @@ impl Progress {
     fn save(&mut self, engine: &Engine, out: &Path) -> Result<()> {
         self.used.save(engine, &mut self.state)?;
         self.history.flush(out)?;
-        checkpoint::save(out, self)
+        checkpoint::save(out, self)?;
+        self.used.saved = None;
+        Ok(())
     }
 }
 
@@ -270,4 +272,39 @@ fn closed_forms(rig: &Rig, cell: f64) -> Option<[f64; 2]> {
     }
     let last = law.strength(1e6).q_compression(cell);
     Some([most, last].map(|q| 1.0 + q / cell))
+}
+
+#[cfg(all(test, feature = "gpu"))]
+mod tests {
+    use super::*;
+    use crate::gpu::tests::adapter;
+    use crate::model;
+
+    /// Records up to the last one and the points of that are kept, and the checkpoint before it goes on elsewhere.
+    #[test]
+    fn a_device_that_goes_away_ends_the_run_with_what_it_has_left() {
+        if !adapter("a_device_that_goes_away_ends_the_run_with_what_it_has_left") {
+            return;
+        }
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/mpm/triaxial_fine_small.toml");
+        let sets = ["grid.cell_mm=25.0", "records.rows=1000", "records.snapshots=false"].map(String::from);
+        let model = crate::scene::model(&crate::scene::load(path, &sets).expect("a scene")).expect("a model");
+        let model::Rig::Continuum(rig) = &model.rig else { panic!("a continuum") };
+        let out = tempfile::tempdir().expect("folder");
+        let chosen = Chosen { gpu: true, why: None };
+        let mut begun = begin(&model, rig, chosen).expect("set up");
+        while begun.progress.state.continuum.steps() < 300 {
+            begun.progress.advance(&model, rig, &mut begun.engine, out.path()).expect("steps");
+        }
+        begun.progress.save(&begun.engine, out.path()).expect("a checkpoint");
+        let Engine::Gpu(device) = &begun.engine else { panic!("a device") };
+        device.lose();
+        let told = go(&model, rig, out.path(), begun, true, None).expect_err("lost");
+        assert!(told.exit_code() == 1 && told.to_string().contains("the graphics device"), "{told}");
+        assert!(told.to_string().contains("the state of the last record is kept"), "{told}");
+        let lines = |file: &str| std::fs::read_to_string(out.path().join(file)).expect(file).lines().count();
+        assert!(lines("history.csv") > 20 && lines(END) == 2 + rig.points.len());
+        let rest = resume(&model, rig, out.path(), Some(Backend::Cpu), true, Some(400)).expect_err("stopped");
+        assert!(matches!(rest, Error::Interrupted { step: 400, .. }), "{rest}");
+    }
 }

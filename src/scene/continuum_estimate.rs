@@ -1,9 +1,12 @@
 //! What a run of a continuum would be.
 
 use super::estimate::Estimate;
+use crate::error::Result;
 use crate::model::Model;
 use crate::model::continuum::{Continuum, Specimen, Test};
 use crate::mpm::{Dimension, law::Law};
+#[cfg(feature = "gpu")]
+use crate::rig::continuum::State;
 use crate::rig::continuum::contact_step;
 use serde::Serialize;
 
@@ -23,6 +26,21 @@ pub struct Points {
     /// On one thread, s.
     #[serde(rename = "seconds")]
     pub seconds: f64,
+    /// MB on a graphics device, or why none takes the scene.
+    pub device_mb: Option<f64>,
+    pub device_lacks: Option<String>,
+}
+
+/// Bytes on a graphics device.
+#[cfg(feature = "gpu")]
+fn device_bytes(model: &Model, rig: &Continuum) -> Result<u64> {
+    let state = State::start(model, rig)?;
+    crate::gpu::needs(&rig.settings, &rig.points, &state.platens)
+}
+
+#[cfg(not(feature = "gpu"))]
+fn device_bytes(_: &Model, _: &Continuum) -> Result<u64> {
+    Err(crate::error::Error::input("gpu", "", None, "this program was built without the feature gpu"))
 }
 
 pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
@@ -59,6 +77,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
     if model.stepping.dt.is_some_and(|dt| dt > bound) {
         warnings.push(format!("stepping.dt_s is above what {why} allows, {bound:.3e} s: the run will be refused or stop"));
     }
+    let device = device_bytes(model, rig);
     Estimate {
         grains: 0,
         grains_final: 0.0,
@@ -69,6 +88,8 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
             cells: rig.settings.cells,
             points_per_cell: rig.per_edge.pow(d as u32),
             seconds: steps * points as f64 / SPEED,
+            device_mb: device.as_ref().ok().map(|bytes| 1e-6 * *bytes as f64),
+            device_lacks: device.err().map(|e| e.to_string().replace('\n', "; ")),
         }),
         time_step: Some(dt),
         time_step_limit: if model.stepping.dt.is_some() { "stepping.dt_s".into() } else { why.into() },

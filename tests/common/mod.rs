@@ -1,6 +1,8 @@
 //! What the tests share: scenes from text, the engine step by step, a small oedometer and what makes two states the same.
 #![allow(dead_code)] // each test binary uses its part
 
+pub mod typed;
+
 use comminute::model::{Model, Rig};
 use comminute::record::ledger::Balance;
 use comminute::record::{measure, specimen};

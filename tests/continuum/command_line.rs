@@ -1,11 +1,9 @@
 //! Continuum scenes as a user types them.
 
-use assert_cmd::Command;
+use crate::common::typed::{columns, comminute, number, run, same_files, summary};
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
-use serde_json::Value;
 use std::fs;
-use std::path::Path;
 
 /// A few hundred points, fast.
 const SMALL: [&str; 6] = [
@@ -16,29 +14,6 @@ const SMALL: [&str; 6] = [
     "records.figures=false",
     "records.snapshots=false",
 ];
-
-fn comminute(verb: &str) -> Command {
-    let mut command = Command::cargo_bin("comminute").expect("the program");
-    command.current_dir(env!("CARGO_MANIFEST_DIR")).arg(verb);
-    command
-}
-
-fn run(scene: &str, out: &Path, sets: &[&str], more: &[&str]) -> Command {
-    let mut command = comminute("run");
-    command.arg(format!("experiments/mpm/{scene}.toml")).arg("--out").arg(out).args(["--threads", "1", "--quiet"]).args(more);
-    for set in sets {
-        command.args(["--set", set]);
-    }
-    command
-}
-
-fn summary(out: &Path) -> Value {
-    serde_json::from_str(&fs::read_to_string(out.join("summary.json")).expect("summary")).expect("JSON")
-}
-
-fn number(summary: &Value, key: &str) -> f64 {
-    summary[key].as_f64().unwrap_or_else(|| panic!("{key} in {summary}"))
-}
 
 /// Refused before any work: exit code 2, and this on standard error.
 fn refused(scene: &str, sets: &[&str], says: &[&str]) {
@@ -70,17 +45,8 @@ fn a_small_triaxial_test_finds_its_peak_and_resumes_to_the_byte() {
     let half = (number(&s, "steps") as u64 / 2).to_string();
     run("triaxial_fine_50kPa", &parts, &SMALL, &["--stop-after", &half]).assert().code(130);
     comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
-    for file in ["history.csv", "points_final.csv", "points_start.csv"] {
-        assert!(fs::read(whole.join(file)).expect(file) == fs::read(parts.join(file)).expect(file), "{file} differs");
-    }
+    same_files(&whole, &parts);
     assert_eq!(number(&summary(&parts), "peak_stress_ratio").to_bits(), peak.to_bits());
-}
-
-/// A column of the history.
-fn column(out: &Path, name: &str) -> Vec<f64> {
-    let mut reader = csv::Reader::from_path(out.join("history.csv")).expect("history");
-    let at = reader.headers().expect("header").iter().position(|h| h == name).expect(name);
-    reader.records().map(|r| r.expect("row")[at].parse().expect("number")).collect()
 }
 
 /// An elastic block of 30 cells pushed by its top platen through three cells of the grid: from one to three cells the reaction is within 1 % of
@@ -97,9 +63,9 @@ fn a_block_pushed_through_three_cells_feels_no_grid() {
         let out = folder.path().join(name);
         run("oedometer", &out, &[&common[..], &quiet, shape].concat(), &[]).assert().success();
         let modulus = 1e3 * number(&summary(&out), "oedometric_modulus_of_the_law_MPa");
-        let pairs = column(&out, "axial_strain").into_iter().zip(column(&out, "sigma_v_kPa"));
+        let pairs = columns(&out, ["axial_strain", "sigma_v_kPa"]).into_iter();
         let ratios: Vec<f64> =
-            pairs.filter(|(e, _)| *e > 1.0 / 30.0).map(|(e, s)| s / (modulus * (1.0 / (1.0 - e)).ln())).collect();
+            pairs.filter(|[e, _]| *e > 1.0 / 30.0).map(|[e, s]| s / (modulus * (1.0 / (1.0 - e)).ln())).collect();
         let (low, high) = ratios.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(*x), b.max(*x)));
         assert!(ratios.len() > 1000 && low > 0.99 && high < 1.01, "{name}: {low} to {high}");
         assert!(high - low < 0.02, "{name}: ripple {}", high - low);

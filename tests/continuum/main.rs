@@ -1,3 +1,5 @@
 //! Continua as rigs and from the command line: platens against closed forms, tests, records, resume, refusals.
 
 mod command_line;
+#[path = "../common/mod.rs"]
+mod common;

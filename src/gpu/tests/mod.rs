@@ -1,24 +1,12 @@
 //! Parity of the graphics path with f64: rungs 2 (`law.rs`) and 3 (`step.rs`).
 
+mod adapter;
 mod law;
 mod step;
 
-use super::device;
-use crate::mpm::law::{Elastic, Law};
+pub use adapter::adapter;
 
-/// Whether there is an adapter; without one the test is skipped, loudly, or fails where one is required.
-fn adapter(test: &str) -> bool {
-    let Some(adapter) = device::available() else {
-        assert!(
-            std::env::var_os("COMMINUTE_REQUIRE_GPU").is_none(),
-            "COMMINUTE_REQUIRE_GPU is set and there is no graphics adapter"
-        );
-        eprintln!("SKIPPED {test}: no graphics adapter; set COMMINUTE_REQUIRE_GPU=1 to make this a failure");
-        return false;
-    };
-    eprintln!("{test}: on {}", adapter.name);
-    true
-}
+use crate::mpm::law::{Elastic, Law};
 
 /// Every kind of surface, flow and evolution; the last one jumps at its peak.
 fn laws() -> Vec<Law> {

@@ -37,6 +37,12 @@ impl Device {
         self.gpu.adapter()
     }
 
+    /// What happens when a device goes away.
+    #[cfg(test)]
+    pub(crate) fn lose(&self) {
+        self.gpu.lose();
+    }
+
     pub(super) fn bytes(&self) -> u64 {
         self.gpu.bytes()
     }

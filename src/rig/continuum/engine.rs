@@ -18,6 +18,7 @@ pub enum Engine {
     Gpu(Box<Device>),
 }
 
+#[cfg_attr(not(feature = "gpu"), allow(unused_variables))]
 impl Engine {
     /// The state at the instant at which its platens' forces are known.
     pub(super) fn feel(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {

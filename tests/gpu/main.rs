@@ -3,23 +3,17 @@
 //! Without an adapter these tests are skipped with a line that says so; with COMMINUTE_REQUIRE_GPU=1 they fail.
 #![cfg(feature = "gpu")]
 
+#[path = "../../src/gpu/tests/adapter.rs"]
+mod adapter;
+#[path = "../common/mod.rs"]
+mod common;
+mod run;
+
+use adapter::adapter;
 use comminute::gpu;
 use comminute::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Parameters};
 use comminute::mpm::{Continuum, Dimension, Drive, Platen, Point, Points, Ramp, Settings, ShapeFunctions, Transfer, Wall};
 use std::f64::consts::PI;
-
-fn adapter(test: &str) -> bool {
-    let Some(adapter) = gpu::available() else {
-        assert!(
-            std::env::var_os("COMMINUTE_REQUIRE_GPU").is_none(),
-            "COMMINUTE_REQUIRE_GPU is set and there is no graphics adapter"
-        );
-        eprintln!("SKIPPED {test}: no graphics adapter; set COMMINUTE_REQUIRE_GPU=1 to make this a failure");
-        return false;
-    };
-    eprintln!("{test}: on {}", adapter.name);
-    true
-}
 
 fn settings(cell: f64, cells: [u32; 3]) -> Settings {
     Settings {

@@ -1,0 +1,50 @@
+//! Continuum scenes of `experiments/mpm` as a user types them, and what their runs leave.
+
+use super::ROOT;
+use assert_cmd::Command;
+use serde_json::Value;
+use std::path::Path;
+
+/// `comminute VERB` in the repository's root.
+pub fn comminute(verb: &str) -> Command {
+    let mut command = Command::cargo_bin("comminute").expect("the program");
+    command.current_dir(ROOT).arg(verb);
+    command
+}
+
+/// `comminute run` of a scene on one thread, with these overrides and arguments.
+pub fn run(scene: &str, out: &Path, sets: &[&str], more: &[&str]) -> Command {
+    let mut command = comminute("run");
+    command.arg(format!("experiments/mpm/{scene}.toml")).arg("--out").arg(out).args(["--threads", "1", "--quiet"]).args(more);
+    for set in sets {
+        command.args(["--set", set]);
+    }
+    command
+}
+
+pub fn summary(out: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(out.join("summary.json")).expect("summary")).expect("JSON")
+}
+
+pub fn number(summary: &Value, key: &str) -> f64 {
+    summary[key].as_f64().unwrap_or_else(|| panic!("{key} in {summary}"))
+}
+
+/// Rows of some columns of the history, those of its stage `load`.
+pub fn columns<const N: usize>(out: &Path, names: [&str; N]) -> Vec<[f64; N]> {
+    let mut reader = csv::Reader::from_path(out.join("history.csv")).expect("history");
+    let header = reader.headers().expect("header").clone();
+    let place = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("{name}"));
+    let (at, stage) = (names.map(place), place("stage"));
+    let rows = reader.records().map(|row| row.expect("row"));
+    rows.filter(|row| &row[stage] == "load").map(|row| at.map(|k| row[k].parse().expect("number"))).collect()
+}
+
+/// Whether two runs have left the same bytes.
+#[track_caller]
+pub fn same_files(a: &Path, b: &Path) {
+    for file in ["history.csv", "points_final.csv", "points_start.csv"] {
+        let bytes = |dir: &Path| std::fs::read(dir.join(file)).expect(file);
+        assert!(bytes(a) == bytes(b), "{file} differs");
+    }
+}
