@@ -103,7 +103,17 @@ impl Mixture {
         let energy = if model.contact.law == ContactLaw::Linear { 0.5 } else { 0.4 };
         continuum.keep_carried();
         let cycle = Cycle { time: 0.0, rates: Rates { grains: 1, continuum: 1 } };
-        Mixture { grains, ghosts: Ghosts::default(), energy, cycle, cycles: 0, last: 0.0, own: 0.0, fastest: (u64::MAX, 0.0), sums: Default::default() }
+        Mixture {
+            grains,
+            ghosts: Ghosts::default(),
+            energy,
+            cycle,
+            cycles: 0,
+            last: 0.0,
+            own: 0.0,
+            fastest: (u64::MAX, 0.0),
+            sums: Default::default(),
+        }
     }
 
     /// The forces of this instant: between grains, and between grains and points.
@@ -115,7 +125,10 @@ impl Mixture {
 
     /// What the grains' own contacts, s, and those with points allow.
     pub fn bounds(&mut self, continuum: &Continuum) -> (f64, Bound) {
-        (self.own, self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len()))
+        (
+            if self.grains.grains.is_empty() { f64::INFINITY } else { self.own },
+            self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len()),
+        )
     }
 
     /// A cycle from what was felt, with platens that have pressed; walls and platens move at their speeds.

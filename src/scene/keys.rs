@@ -245,7 +245,12 @@ pub const KEYS: &[Key] = &[
         Absent,
         "test: share of coarse grains in the mass of all solids; they are placed at random in the box, and the points fill what they leave",
     ),
-    mixture("coarse.diameter_mm", Numbers(POSITIVE, Some(2)), Absent, "smallest and largest diameter of coarse grains, uniform between"),
+    mixture(
+        "coarse.diameter_mm",
+        Numbers(POSITIVE, Some(2)),
+        Absent,
+        "smallest and largest diameter of coarse grains, uniform between",
+    ),
     mixture("coarse.material", Text, Absent, "name of one of `materials`"),
     both(
         "specimen.scale",

@@ -2,8 +2,8 @@
 
 use super::material::Named;
 use super::view::View;
-use crate::coupling::Rates;
 use crate::contact::law::Pair;
+use crate::coupling::Rates;
 use crate::model::continuum::{Coarse, Continuum, Specimen, Test};
 use crate::model::{GrainSpec, Material};
 use crate::mpm::platen::ghost_radius;

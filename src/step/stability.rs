@@ -118,7 +118,8 @@ fn rayleigh(model: &Model, g: &Grains) -> f64 {
         };
         least = least.min(dt);
     }
-    0.1 * least
+    // without grains nothing bounds it
+    if least.is_finite() { 0.1 * least } else { 1.0 }
 }
 
 /// Looks at inertia (scaled runs) or the time step (unscaled) again.

@@ -7,3 +7,4 @@ mod impact;
 mod points;
 mod rates;
 mod scene;
+mod typed;

@@ -12,7 +12,8 @@ use crate::step::Work;
 
 /// The grains of a scene between the walls of its test: platens, or the sides of an oedometer, in the order x low, x high, …; or its own.
 pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Continuum, platens: &[Platen]) -> Mixture {
-    let plane = |point, normal| WallSpec { shape: WallShape::Plane { point, normal }, friction: 0.0, drive: Drive::Fixed, material: None };
+    let plane =
+        |point, normal| WallSpec { shape: WallShape::Plane { point, normal }, friction: 0.0, drive: Drive::Fixed, material: None };
     let side = |s: &Specimen, k: usize| {
         let (axis, high) = (k / 2, k % 2 == 1);
         let (mut point, mut normal) = (s.lower, [0.0; 3]);
@@ -26,14 +27,7 @@ pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Contin
         Test::Oedometer(s) => (0..5).map(|k| side(s, k)).chain(platens.iter().map(of)).collect(),
         Test::Triaxial { .. } => platens.iter().map(of).collect(),
     };
-    let scene = Assembly {
-        grains: coarse.grains.clone(),
-        walls,
-        steps: None,
-        duration: None,
-        tracks: Vec::new(),
-        record_every: 1,
-    };
+    let scene = Assembly { grains: coarse.grains.clone(), walls, steps: None, duration: None, tracks: Vec::new(), record_every: 1 };
     Mixture::new(model, assembly::start(model, &scene), continuum)
 }
 
