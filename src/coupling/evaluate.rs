@@ -27,11 +27,11 @@ pub(super) struct Scene<'a> {
 }
 
 impl Ghost {
-    /// Elastic energy of its normal compression and its tangential spring as the law has them, J.
-    pub(super) fn energy(&self) -> f64 {
+    /// Elastic energy of its normal compression, so large a share of force times overlap, and of its tangential spring, J.
+    pub(super) fn energy(&self, share: f64) -> f64 {
         let t = if self.spring == [0.0; 3] { self.touch.tangential } else { self.spring };
         let [k_n, k_t] = self.stiffness;
-        if k_n > 0.0 { 0.4 * self.touch.normal_force * self.touch.overlap + 0.5 * dot(t, t) / k_t } else { 0.0 }
+        if k_n > 0.0 { share * self.touch.normal_force * self.touch.overlap + 0.5 * dot(t, t) / k_t } else { 0.0 }
     }
 
     /// Force on the body, N.
@@ -85,8 +85,8 @@ impl Ghosts {
     }
 
     /// Elastic energy of all contacts, J.
-    pub fn stored(&self) -> f64 {
-        self.touching().map(Ghost::energy).sum()
+    pub(super) fn stored(&self, share: f64) -> f64 {
+        self.touching().map(|ghost| ghost.energy(share)).sum()
     }
 
     /// Normal force of the points on wall `k`, N.

@@ -97,7 +97,7 @@ impl Mixture {
     pub fn energies(&self, gravity: [f64; 3]) -> [f64; 3] {
         let g = &self.grains.grains;
         let square = |v: [f64; 4]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        let [mut kinetic, mut potential, mut stored] = [0.0, 0.0, self.ghosts.stored()];
+        let [mut kinetic, mut potential, mut stored] = [0.0, 0.0, self.ghosts.stored(self.energy)];
         for i in g.by_id().into_iter().map(|i| i as usize) {
             let (p, m) = (g.pos[i], g.mass[i]);
             kinetic += 0.5 * m * (square(g.vel[i]) + 0.4 * p[3] * p[3] * square(g.spin[i]));

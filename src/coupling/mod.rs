@@ -12,6 +12,7 @@ mod evaluate;
 mod measure;
 mod mixture;
 mod search;
+pub mod validity;
 
 pub use measure::{Shares, Touching};
 pub use mixture::{Allowed, Cycle, Mixture, Parts, Rates};
@@ -63,8 +64,6 @@ pub struct Ghosts {
     searched: [usize; 2],
     /// Work since the start: path, slip, viscous, J; of the path what went to grains and walls.
     pub work: [f64; 4],
-    /// Elastic energy of contacts that ended because their grain broke, J.
-    pub removed: f64,
     /// Scratch: index by identity.
     #[serde(skip)]
     index: [Vec<u32>; 2],

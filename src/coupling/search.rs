@@ -75,9 +75,8 @@ impl Ghosts {
         for old in self.near.iter().filter(|g| g.touch.overlap > 0.0) {
             let key = |g: &Ghost| (g.body, g.point);
             while fresh.next_if(|g| key(g) < key(old)).is_some() {}
-            match fresh.next_if(|g| key(g) == key(old)) {
-                Some(g) => (g.touch, g.spring) = (old.touch, old.spring),
-                None => self.removed += old.energy(),
+            if let Some(g) = fresh.next_if(|g| key(g) == key(old)) {
+                (g.touch, g.spring) = (old.touch, old.spring);
             }
         }
         self.near = found;

@@ -235,6 +235,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         put("crush_events", json!(mixture.grains.crush_events));
         put("point_contacts", json!(mixture.touching().points));
         put("cycles", json!(mixture.cycles));
+        put("outside_of_the_method", json!(crate::coupling::validity::doubts(model, rig)));
     }
     put("void_ratio_final", json!(r.void_ratio));
     put("largest_plastic_strain", json!(r.plastic));

@@ -131,9 +131,9 @@ fn displace(
         (d, (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt())
     };
     let within = |p: &mut [f64; 4]| {
-        for a in 0..3 {
-            let half = 0.5 * specimen.spacing;
-            p[a] = p[a].clamp(specimen.lower[a] + half, specimen.lower[a] + specimen.size[a] - half);
+        let half = 0.5 * specimen.spacing;
+        for (x, (low, size)) in p.iter_mut().zip(specimen.lower.into_iter().zip(specimen.size)) {
+            *x = x.clamp(low + half, low + size - half);
         }
     };
     let mut gone = vec![false; points.len()];
