@@ -20,8 +20,9 @@ use std::path::{Path, PathBuf};
 /// A column that only a continuum's triaxial test has.
 const RATIO: &str = "principal_ratio";
 /// Energies of a free scene, with their names.
-const TERMS: [(&str, &str); 4] = [
+const TERMS: [(&str, &str); 5] = [
     ("kinetic_J", "kinetic"),
+    ("coarse_kinetic_J", "kinetic, of grains"),
     ("fallen_J", "given by gravity"),
     ("stress_work_J", "work of stresses"),
     ("dissipated_J", "damping, transfer, walls"),

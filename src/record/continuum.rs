@@ -3,6 +3,7 @@
 use super::table::{Row, number};
 use super::vtk::{self, Field};
 use crate::error::{Error, Result};
+use crate::grains::Grains;
 use crate::model::continuum::{Continuum as Rig, Test};
 use crate::mpm::{Dimension, Points};
 use crate::rig::continuum::{Coarse, Moment, Phase, State};
@@ -13,6 +14,8 @@ use std::path::Path;
 /// Files with the points at the start and at the end.
 pub const START: &str = "points_start.csv";
 pub const END: &str = "points_final.csv";
+/// The grains of a mixture at the start.
+pub const GRAINS_START: &str = "grains_start.csv";
 /// Stresses below this are none, Pa.
 const NOTHING: f64 = 1e-3;
 /// Rows of the settling stage: wave times between two.
@@ -224,6 +227,26 @@ pub fn write_snapshot(path: &Path, state: &State) -> Result<()> {
         field("material", 1, &|i| vec![f64::from(points.law[i])]),
     ];
     let step = state.continuum.steps();
+    vtk::write_points(path, &position, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+}
+
+/// Writes a ParaView snapshot of the grains in a continuum.
+pub fn write_grains(path: &Path, step: u64, g: &Grains) -> Result<()> {
+    let order: Vec<usize> = g.by_id().into_iter().map(|i| i as usize).collect();
+    let position: Vec<[f64; 3]> = order.iter().map(|&i| [g.pos[i][0], g.pos[i][1], g.pos[i][2]]).collect();
+    let field = |name, components, of: &dyn Fn(usize) -> Vec<f64>| Field {
+        name,
+        components,
+        values: order.iter().flat_map(|&i| of(i)).collect(),
+    };
+    let fields = [
+        field("id", 1, &|i| vec![f64::from(g.id[i])]),
+        field("radius_m", 1, &|i| vec![g.pos[i][3]]),
+        field("velocity_m_s", 3, &|i| g.vel[i][..3].to_vec()),
+        field("spin_rad_s", 3, &|i| g.spin[i][..3].to_vec()),
+        field("generation", 1, &|i| vec![f64::from(g.generation[i])]),
+        field("material", 1, &|i| vec![f64::from(g.material[i])]),
+    ];
     vtk::write_points(path, &position, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
 }
 
