@@ -20,7 +20,7 @@ pub const GRAINS_FINAL: &str = "grains_final.csv";
 pub const SNAPSHOTS: &str = "snapshots";
 pub const COLLECTION: &str = "snapshots.pvd";
 /// What a run leaves: these are removed by `--force`, and nothing else.
-const OURS: [&str; 18] = [
+const OURS: [&str; 19] = [
     SPECIMEN,
     SUMMARY,
     COLLECTION,
