@@ -125,10 +125,9 @@ impl Mixture {
 
     /// What the grains' own contacts, s, and those with points allow.
     pub fn bounds(&mut self, continuum: &Continuum) -> (f64, Bound) {
-        (
-            if self.grains.grains.is_empty() { f64::INFINITY } else { self.own },
-            self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len()),
-        )
+        // without grains nothing bounds their step
+        let own = if self.grains.grains.is_empty() { f64::INFINITY } else { self.own };
+        (own, self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len()))
     }
 
     /// A cycle from what was felt, with platens that have pressed; walls and platens move at their speeds.
