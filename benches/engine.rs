@@ -46,15 +46,14 @@ fn loops(c: &mut Criterion) {
 
     let model = bench::model(Case::Uniform, GRAINS, ContactLaw::Hertz, bench::SKIN);
     let (state, mut work) = ready(&model, &packing);
-    let mut flags = vec![0; GRAINS];
     let mut still = state.clone();
     still.dt = STILL;
     group.bench_function("gather and advance", |b| {
-        one.install(|| b.iter(|| gather::advance(&model, &mut still, &work.neighbours, &mut flags, work.task / 4, work.arch)));
+        one.install(|| b.iter(|| gather::advance(&model, &mut still, &mut work)));
     });
     still.crushing = true;
     group.bench_function("gather and advance, judging every grain", |b| {
-        one.install(|| b.iter(|| gather::advance(&model, &mut still, &work.neighbours, &mut flags, work.task / 4, work.arch)));
+        one.install(|| b.iter(|| gather::advance(&model, &mut still, &mut work)));
     });
     let mut moving = state.clone();
     group.bench_function("whole step", |b| {

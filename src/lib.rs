@@ -5,6 +5,7 @@ pub mod boundary;
 pub mod calibrate;
 pub mod campaign;
 pub mod contact;
+pub mod coupling;
 pub mod crush;
 pub mod error;
 pub mod figure;

@@ -133,6 +133,9 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
 fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) -> std::fmt::Result {
     let [x, y, z] = c.cells;
     writeln!(text, "  points          {} ({} per cell)", c.points, c.points_per_cell)?;
+    if e.grains > 0 {
+        writeln!(text, "  grains          {}", e.grains)?;
+    }
     writeln!(text, "  grid            {x} × {y} × {z} cells; memory only where material is")?;
     writeln!(text, "  steps           {:.0} (estimate)", e.steps)?;
     if let Some(dt) = e.time_step {

@@ -109,6 +109,14 @@ impl Pair {
         Pair { a: f(a), b: f(b), friction: f(friction), viscous: f(viscous), rolling: f(rolling), e_eff: f(e_eff) }
     }
 
+    /// Overlap, m, at which a contact bears the force `force`, N.
+    pub fn depth(&self, law: ContactLaw, r_eff: f64, force: f64) -> f64 {
+        match law {
+            ContactLaw::Linear => force / (self.a * r_eff),
+            ContactLaw::Hertz | ContactLaw::HertzViscous => (force / (self.a * r_eff.sqrt())).cbrt().powi(2),
+        }
+    }
+
     /// Between two materials.
     pub fn between(law: ContactLaw, m1: &Material, m2: &Material) -> Pair {
         let e_eff = effective_modulus((m1.young, m1.poisson), (m2.young, m2.poisson));
@@ -166,13 +174,18 @@ impl PairTable {
         let mut on_walls = Vec::with_capacity(walls.len() * m.len());
         for w in walls {
             for m1 in m {
-                on_walls.push(match w.material {
-                    Some(k) => Pair { friction: w.friction, ..Pair::between(law, m1, &m[k as usize]) },
-                    None => Pair::on_wall(law, m1, w.friction),
-                });
+                on_walls.push(PairTable::on_wall(law, m1, w, m));
             }
         }
         PairTable { materials: m.len(), grains, walls: on_walls }
+    }
+
+    /// A grain of material `m` on a wall.
+    pub fn on_wall(law: ContactLaw, m: &Material, wall: &crate::boundary::Wall, materials: &[Material]) -> Pair {
+        match wall.material {
+            Some(k) => Pair { friction: wall.friction, ..Pair::between(law, m, &materials[k as usize]) },
+            None => Pair::on_wall(law, m, wall.friction),
+        }
     }
 
     #[inline(always)]

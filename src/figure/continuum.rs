@@ -20,11 +20,19 @@ use std::path::{Path, PathBuf};
 /// A column that only a continuum's triaxial test has.
 const RATIO: &str = "principal_ratio";
 /// Energies of a free scene, with their names.
-const TERMS: [(&str, &str); 4] = [
+const TERMS: [(&str, &str); 5] = [
     ("kinetic_J", "kinetic"),
+    ("coarse_kinetic_J", "kinetic, of grains"),
     ("fallen_J", "given by gravity"),
     ("stress_work_J", "work of stresses"),
     ("dissipated_J", "damping, transfer, walls"),
+];
+/// Deviatoric stress of a mixture, and its parts.
+const BEARERS: [(&str, &str); 4] = [
+    ("q_kPa", "on the platens"),
+    ("q_matrix_kPa", "matrix"),
+    ("q_interface_kPa", "contacts of grains and points"),
+    ("q_skeleton_kPa", "contacts of grains"),
 ];
 /// Points of a picture are no higher than this on the page.
 const TALLEST: f64 = 560.0;
@@ -37,6 +45,7 @@ pub fn plots(input: &Input) -> Result<Vec<Plot>> {
         && let [run] = &group.runs[..]
     {
         out.extend(run_out(run)?);
+        out.extend(bearers(run)?);
         out.extend(energies(run)?);
     }
     Ok(out)
@@ -90,6 +99,28 @@ fn run_out(run: &Run) -> Result<Option<Plot>> {
     let (Some(front), Some(height)) = (run.column("front_mm")?, run.column("height_mm")?) else { return Ok(None) };
     let y = Axis::linear("distance of the front, height (mm)", "length_mm").including(&[0.0]);
     against_time("run_out", run, y, vec![("front", front), ("height", height)])
+}
+
+/// Who bears the deviatoric stress of a mixture.
+fn bearers(run: &Run) -> Result<Option<Plot>> {
+    let mut series = Vec::new();
+    for (i, (column, name)) in BEARERS.into_iter().enumerate() {
+        let branches = run.branches(("axial_strain", 100.0), (column, 1.0))?;
+        if branches.is_empty() {
+            return Ok(None);
+        }
+        let points = branches.into_iter().flat_map(|b| b.points).collect();
+        series.push(Series::line(name, colour::kind(i), colour::dash(i), points));
+    }
+    Ok(Some(Plot {
+        name: "stress_bearers".into(),
+        title: vec![run.label()],
+        legend_title: None,
+        x: Axis::linear("axial strain ε_{a} (%)", "axial_strain_percent").including(&[0.0]),
+        y: Axis::linear("deviatoric stress q (kPa)", "q_kPa").including(&[0.0]),
+        series,
+        equal: false,
+    }))
 }
 
 /// Of free scenes: tests have stresses.

@@ -8,7 +8,7 @@ pub const PLANES: usize = 9;
 
 /// Radius of a point's ghost sphere, m (Li et al. 2023, eq. 22): its solid volume, which stays.
 pub fn ghost_radius(points: &Points, i: usize) -> f64 {
-    let solid = (1.0 - points.initial_porosity[i]) * points.initial_volume[i];
+    let solid = points.solid(i);
     (solid * (0.75 / std::f64::consts::PI)).cbrt()
 }
 

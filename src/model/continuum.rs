@@ -1,5 +1,7 @@
 //! What a run of a continuum knows.
 
+use super::{GrainSpec, WallSpec};
+use crate::coupling::Rates;
 use crate::mpm::law::Law;
 use crate::mpm::{Points, Settings};
 
@@ -15,9 +17,23 @@ pub struct Continuum {
     /// Where run-out is counted from: the axis of the first body (for a box its lower corner), m.
     pub axis: [f64; 3],
     pub test: Test,
+    /// The grains in it; `None` in a continuum alone.
+    pub coarse: Option<Coarse>,
     /// Rows of history and snapshots over the run, besides the first.
     pub rows: u32,
     pub frames: u32,
+}
+
+/// Grains in a continuum.
+#[derive(Clone, Debug)]
+pub struct Coarse {
+    pub grains: Vec<GrainSpec>,
+    /// Walls of free scenes, which points touch as well.
+    pub walls: Vec<WallSpec>,
+    /// For each law of the continuum the material of the fines' grains, which says how its points touch.
+    pub ghosts: Vec<u8>,
+    /// Instead of the rates that the stable steps give.
+    pub rates: Option<Rates>,
 }
 
 /// What is done with the points.

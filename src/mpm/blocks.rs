@@ -262,6 +262,32 @@ impl Blocks {
         );
     }
 
+    /// Calls `visit` with the points of the cells from `low` to `high`, a run of cells at a time.
+    pub fn visit<const D: usize>(&self, low: [i32; 3], high: [i32; 3], mut visit: impl FnMut(std::ops::Range<usize>)) {
+        let edge = EDGE as i32;
+        let span = |a: usize| if a < D { low[a].div_euclid(edge)..=high[a].div_euclid(edge) } else { 0..=0 };
+        for bz in span(2) {
+            for by in span(1) {
+                for bx in span(0) {
+                    let corner = [bx * edge, by * edge, bz * edge];
+                    let Ok(b) = self.keys.binary_search(&(cell_key::<D>(corner) >> (2 * D))) else { continue };
+                    // cells of the block that are asked for
+                    let of = |a: usize| {
+                        let (from, to) = (low[a].max(corner[a]) - corner[a], high[a].min(corner[a] + edge - 1) - corner[a]);
+                        if a < D { from as usize..to as usize + 1 } else { 0..1 }
+                    };
+                    for z in of(2) {
+                        for y in of(1) {
+                            let row = b * cells(D) + EDGE * (y + EDGE * z);
+                            let x = of(0);
+                            visit(self.starts[row + x.start] as usize..self.starts[row + x.end] as usize);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
     /// The node at this place, counted through the blocks of nodes; `None` where no block holds it.
     pub fn node<const D: usize>(&self, node: [i32; 3]) -> Option<u32> {
         let key = cell_key::<D>(node);
@@ -298,6 +324,9 @@ fn permute(points: &mut Points, first: usize, source: &[u32], spare: &mut Spare)
     array(&mut points.id, first, source, &mut spare.ids);
     if !points.affine.is_empty() {
         parts::<_, 3>(pulp::bytemuck::cast_slice_mut(&mut points.affine), first, source, &mut spare.triples);
+    }
+    if !points.carried.is_empty() {
+        array(&mut points.carried, first, source, &mut spare.triples);
     }
 }
 

@@ -57,7 +57,7 @@ impl Drive {
                 let axis = platen.axis();
                 let force = target.at(time) * area(extents, axis);
                 let limit = reach * extents[axis];
-                let servo = servo_speed(force, platen.reaction, platen.stiffness, gain, dt, limit);
+                let servo = servo_speed(force, platen.force(), platen.stiffness + platen.others[1], gain, dt, limit);
                 let speed = (*drift + servo).clamp(-limit, limit);
                 *drift += (dt / memory).min(1.0) * (speed - *drift);
                 speed

@@ -145,6 +145,22 @@ impl Continuum {
         (self.step, self.stress_work, self.wall_force) = (step, stress_work, wall_force);
     }
 
+    /// From now on [`Points::carried`] is kept.
+    pub fn keep_carried(&mut self) {
+        let Points { carried, velocity, .. } = &mut self.points;
+        if carried.is_empty() {
+            carried.extend(velocity.iter().map(|v| [v[0], v[1], v[2]]));
+        }
+    }
+
+    /// Calls `visit` with the indices of all points in the box between two corners, m, and of some around it.
+    pub fn visit(&self, corners: [[f64; 3]; 2], visit: impl FnMut(usize)) {
+        match self.settings.dimension {
+            Dimension::PlaneStrain => self.work.visit::<2>(&self.settings, &self.points, corners, visit),
+            Dimension::Space => self.work.visit::<3>(&self.settings, &self.points, corners, visit),
+        }
+    }
+
     /// Adds a force, N, on the point at index `i` of [`Self::points`] for the next step; points change places in a step.
     pub fn push(&mut self, i: usize, force: [f64; 3]) {
         self.make_room();

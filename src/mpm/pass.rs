@@ -85,6 +85,8 @@ pub struct Part<'a> {
     pub memory: &'a mut [Memory],
     /// Empty without APIC.
     pub affine: &'a mut [[[f64; 3]; 3]],
+    /// Empty unless something asks for it.
+    pub carried: &'a mut [[f64; 3]],
     /// New cell of each point that leaves its own.
     pub target: &'a mut [u64],
     pub tiles: &'a mut [[f64; 4]],
@@ -101,6 +103,7 @@ impl<'a> Part<'a> {
         let (s0, s1) = self.stress.split_at_mut(points);
         let (m0, m1) = self.memory.split_at_mut(points);
         let (a0, a1) = self.affine.split_at_mut(if self.affine.is_empty() { 0 } else { points });
+        let (c0, c1) = self.carried.split_at_mut(if self.carried.is_empty() { 0 } else { points });
         let (t0, t1) = self.target.split_at_mut(points);
         let (n0, n1) = self.tiles.split_at_mut(blocks * tile(D));
         let (l0, l1) = self.left.split_at_mut(blocks);
@@ -113,6 +116,7 @@ impl<'a> Part<'a> {
             stress: s0,
             memory: m0,
             affine: a0,
+            carried: c0,
             target: t0,
             tiles: n0,
             left: l0,
@@ -126,6 +130,7 @@ impl<'a> Part<'a> {
             stress: s1,
             memory: m1,
             affine: a1,
+            carried: c1,
             target: t1,
             tiles: n1,
             left: l1,
@@ -408,6 +413,10 @@ fn advance<F: Four, const D: usize, S: Shape>(
     let moved = (position + field * F::all(p.token, pass.dt)).with_w_of(position);
     part.velocity[p.i] = new.with_w_of(own).xyzw();
     part.position[p.i] = moved.xyzw();
+    if let Some(carried) = part.carried.get_mut(p.i) {
+        let [x, y, z, _] = field.xyzw();
+        *carried = [x, y, z];
+    }
     let there = (place.in_cells(moved) - place.reach).xyzw();
     let mut stays = true;
     for (there, cell) in there.iter().zip(p.cell).take(D) {

@@ -10,7 +10,7 @@
 //! platen: a uniform stress is then in balance up to the face, where otherwise the outermost points would bear a fraction of it, and moduli
 //! come out too high by half a point's edge over the length at each end. So platens stand along the axes.
 
-use super::{Continuum, Dimension, Points};
+use super::{Continuum, Dimension};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -35,6 +35,8 @@ pub struct Platen {
     pub work: f64,
     /// Largest tangent stiffness over mass of a point, 1/s²: what bounds the time step.
     pub rate: f64,
+    /// Force, N, and tangent stiffness, N/m, of what else presses on it: grains.
+    pub others: [f64; 2],
     /// Points that it touches.
     pub touching: u64,
     /// Largest ghost radius of all points, m.
@@ -88,22 +90,22 @@ fn cube_root(x: f64) -> f64 {
     y
 }
 
+/// Ghost radius, m, of a point of `continuum` with so much solid volume, m³.
+pub fn ghost_radius_of(continuum: &Continuum, solid: f64) -> f64 {
+    ghost_radius(continuum.settings().dimension, solid)
+}
+
 /// A point whose centre a platen has passed.
 pub(crate) fn passed(step: u64, id: u32) -> Error {
     let what = format!("a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it");
     Error::Unstable { step, what, grain: None }
 }
 
-/// Solid volume of a point, m³.
-fn solid(points: &Points, i: usize) -> f64 {
-    (1.0 - points.initial_porosity[i]) * points.initial_volume[i]
-}
-
 impl Platen {
     /// A platen at rest, for the points of `continuum`.
     pub fn new(continuum: &Continuum, point: [f64; 3], normal: [f64; 3], modulus: f64) -> Platen {
         let points = continuum.points();
-        let most = (0..points.len()).map(|i| solid(points, i)).fold(0.0, f64::max);
+        let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
         Platen {
             point,
             normal,
@@ -114,6 +116,7 @@ impl Platen {
             stored: 0.0,
             work: 0.0,
             rate: 0.0,
+            others: [0.0; 2],
             touching: 0,
             reach: ghost_radius(continuum.settings().dimension, most),
             moved: 0.0,
@@ -163,7 +166,7 @@ impl Platen {
             if height >= self.reach {
                 continue;
             }
-            let radius = ghost_radius(dimension, solid(points, index));
+            let radius = ghost_radius(dimension, points.solid(index));
             let (overlap, id) = (radius - height, points.id[index]);
             if overlap > radius {
                 return Err(passed(continuum.steps(), id));
@@ -174,6 +177,11 @@ impl Platen {
         }
         self.contacts.sort_unstable_by_key(|c| c.id);
         Ok(())
+    }
+
+    /// Force of everything on it along its normal, N.
+    pub fn force(&self) -> f64 {
+        self.reaction + self.others[0]
     }
 
     /// Moves with its speed for `dt` seconds.

@@ -40,6 +40,8 @@ pub struct Points {
     pub initial_porosity: Vec<f64>,
     /// Columns ∂v/∂x, ∂v/∂y, ∂v/∂z, 1/s, of the affine field around the point; empty without APIC.
     pub affine: Vec<[[f64; 3]; 3]>,
+    /// Velocity, m/s, that carried the point in its last step (with FLIP not its own); empty unless something asks for it.
+    pub carried: Vec<[f64; 3]>,
     /// Index of the law.
     pub law: Vec<u8>,
     /// Persistent identity, in order of creation.
@@ -73,14 +75,38 @@ impl Points {
         id
     }
 
+    /// Takes away the points that are marked, before a run begins: the others are counted anew.
+    pub fn drop_those(&mut self, gone: &[bool]) {
+        fn kept<T: Copy>(values: &mut Vec<T>, gone: &[bool]) {
+            let mut gone = gone.iter();
+            values.retain(|_| !gone.next().copied().unwrap_or(false));
+        }
+        kept(&mut self.position, gone);
+        kept(&mut self.velocity, gone);
+        kept(&mut self.stress, gone);
+        kept(&mut self.memory, gone);
+        kept(&mut self.initial_volume, gone);
+        kept(&mut self.initial_porosity, gone);
+        kept(&mut self.affine, gone);
+        kept(&mut self.carried, gone);
+        kept(&mut self.law, gone);
+        self.id = (0..self.position.len() as u32).collect();
+        self.next_id = self.id.len() as u32;
+    }
+
     /// Mass over current volume, kg/m³.
     pub fn density(&self, i: usize) -> f64 {
         self.velocity[i][3] / self.position[i][3]
     }
 
+    /// Solid volume, m³, which stays.
+    pub fn solid(&self, i: usize) -> f64 {
+        (1.0 - self.initial_porosity[i]) * self.initial_volume[i]
+    }
+
     /// Current porosity: the solid volume (1 − n₀) V₀ stays.
     pub fn porosity(&self, i: usize) -> f64 {
-        1.0 - (1.0 - self.initial_porosity[i]) * self.initial_volume[i] / self.position[i][3]
+        1.0 - self.solid(i) / self.position[i][3]
     }
 
     /// Indices in the order of ids.
@@ -99,6 +125,7 @@ impl Points {
         vectors
             + scalars
             + affine
+            + self.carried.capacity() * size_of::<[f64; 3]>()
             + self.stress.capacity() * size_of::<Sym>()
             + self.memory.capacity() * size_of::<Memory>()
             + self.law.capacity()

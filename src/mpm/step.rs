@@ -9,7 +9,7 @@ use super::grid::Grid;
 use super::pass::{Fault, Part, Pass, cell_of, run, stage};
 use super::points::Points;
 use super::spline::{BSpline, Gimp, Shape};
-use super::{Continuum, Dimension, ShapeFunctions, Transfer};
+use super::{Continuum, Dimension, Settings, ShapeFunctions, Transfer};
 use crate::error::{Error, Result};
 use pulp::Arch;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -48,6 +48,26 @@ impl Clone for Work {
 }
 
 impl Work {
+    /// Calls `visit` with the indices of all points in a box, m, and of some around it.
+    pub fn visit<const D: usize>(
+        &self,
+        settings: &Settings,
+        points: &Points,
+        [low, high]: [[f64; 3]; 2],
+        mut visit: impl FnMut(usize),
+    ) {
+        if !self.sorted {
+            return (0..points.len()).for_each(visit);
+        }
+        let inverse_cell = 1.0 / settings.cell;
+        // a shape function's reach is at most a cell's half more than the point's own cell
+        let cell = |x: [f64; 3], reach: f64| {
+            let [x, y, z] = x;
+            cell_of::<D>(&[x, y, z, 0.0], settings.lower, inverse_cell, reach)
+        };
+        self.blocks.visit::<D>(cell(low, 1.0), cell(high, 0.0), |range| range.for_each(&mut visit));
+    }
+
     /// The points have changed.
     pub fn forget(&mut self) {
         (self.sorted, self.ready) = (false, false);
@@ -115,7 +135,7 @@ fn stages<const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) -> Res
 
 fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) {
     let Continuum { settings, laws, points, work, .. } = c;
-    let Points { position, velocity, stress, memory, affine, law, id, .. } = points;
+    let Points { position, velocity, stress, memory, affine, carried, law, id, .. } = points;
     let pic = if let Transfer::Blend { pic } = settings.transfer { pic } else { 1.0 };
     let pass = Pass {
         arch: work.arch.unwrap_or_else(crate::real::arch),
@@ -144,6 +164,7 @@ fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, 
         stress,
         memory,
         affine,
+        carried,
         target: &mut work.target,
         tiles: &mut work.grid.tiles[..count * tile(D)],
         left: &mut work.left,

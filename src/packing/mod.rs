@@ -36,3 +36,51 @@ pub fn random_points(radius: f64, height: f64, margins: &[f64], seed: u64) -> Ve
 pub fn height_for(porosity: f64, grains_volume: f64, radius: f64) -> f64 {
     grains_volume / ((1.0 - porosity) * PI * radius * radius)
 }
+
+/// Tries per sphere before [`dispersed`] gives up.
+const TRIES: u32 = 200_000;
+
+/// Spheres (centre, radius) of uniform size between `radii` at random in a box, at least `room` from each other and from its sides, until their
+/// volume is as near to `volume` as one more or less can bring it. The volume that found room where it is less.
+pub fn dispersed(
+    lower: [f64; 3],
+    size: [f64; 3],
+    radii: [f64; 2],
+    volume: f64,
+    room: f64,
+    seed: u64,
+) -> Result<Vec<([f64; 3], f64)>, f64> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    // sizes first, the largest placed first: so as much as possible finds room
+    let mut sizes = Vec::new();
+    let mut sum = 0.0;
+    loop {
+        let r = radii[0] + (radii[1] - radii[0]) * rng.random::<f64>();
+        let v = crate::grains::sphere_volume(r);
+        if sum + 0.5 * v > volume {
+            break;
+        }
+        sum += v;
+        sizes.push(r);
+    }
+    sizes.sort_unstable_by(|a, b| b.total_cmp(a));
+    let mut spheres: Vec<([f64; 3], f64)> = Vec::with_capacity(sizes.len());
+    let mut placed = 0.0;
+    for r in sizes {
+        let free = |c: &[f64; 3]| {
+            spheres.iter().all(|(p, q)| {
+                let reach = r + q + room;
+                (0..3).map(|a| (p[a] - c[a]) * (p[a] - c[a])).sum::<f64>() >= reach * reach
+            })
+        };
+        let margin = r + room;
+        if size.iter().any(|s| *s < 2.0 * margin) {
+            return Err(placed);
+        }
+        let mut draw = || std::array::from_fn(|a| lower[a] + margin + (size[a] - 2.0 * margin) * rng.random::<f64>());
+        let Some(centre) = (0..TRIES).map(|_| draw()).find(|c| free(c)) else { return Err(placed) };
+        spheres.push((centre, r));
+        placed += crate::grains::sphere_volume(r);
+    }
+    Ok(spheres)
+}

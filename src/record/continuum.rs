@@ -3,9 +3,10 @@
 use super::table::{Row, number};
 use super::vtk::{self, Field};
 use crate::error::{Error, Result};
+use crate::grains::Grains;
 use crate::model::continuum::{Continuum as Rig, Test};
 use crate::mpm::{Dimension, Points};
-use crate::rig::continuum::{Moment, Phase, State};
+use crate::rig::continuum::{Coarse, Moment, Phase, State};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -13,6 +14,8 @@ use std::path::Path;
 /// Files with the points at the start and at the end.
 pub const START: &str = "points_start.csv";
 pub const END: &str = "points_final.csv";
+/// The grains of a mixture at the start.
+pub const GRAINS_START: &str = "grains_start.csv";
 /// Stresses below this are none, Pa.
 const NOTHING: f64 = 1e-3;
 /// Rows of the settling stage: wave times between two.
@@ -136,6 +139,9 @@ impl Recorder {
             ("momentum_y_kg_m_s", py.into()),
             ("momentum_z_kg_m_s", pz.into()),
         ]);
+        if let Some(g) = &m.grains {
+            row.extend(coarse(g));
+        }
         self.remember(rig, state.phase, &m);
         row
     }
@@ -222,4 +228,45 @@ pub fn write_snapshot(path: &Path, state: &State) -> Result<()> {
     ];
     let step = state.continuum.steps();
     vtk::write_points(path, &position, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+}
+
+/// Writes a ParaView snapshot of the grains in a continuum.
+pub fn write_grains(path: &Path, step: u64, g: &Grains) -> Result<()> {
+    let order: Vec<usize> = g.by_id().into_iter().map(|i| i as usize).collect();
+    let position: Vec<[f64; 3]> = order.iter().map(|&i| [g.pos[i][0], g.pos[i][1], g.pos[i][2]]).collect();
+    let field = |name, components, of: &dyn Fn(usize) -> Vec<f64>| Field {
+        name,
+        components,
+        values: order.iter().flat_map(|&i| of(i)).collect(),
+    };
+    let fields = [
+        field("id", 1, &|i| vec![f64::from(g.id[i])]),
+        field("radius_m", 1, &|i| vec![g.pos[i][3]]),
+        field("velocity_m_s", 3, &|i| g.vel[i][..3].to_vec()),
+        field("spin_rad_s", 3, &|i| g.spin[i][..3].to_vec()),
+        field("generation", 1, &|i| vec![f64::from(g.generation[i])]),
+        field("material", 1, &|i| vec![f64::from(g.material[i])]),
+    ];
+    vtk::write_points(path, &position, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+}
+
+/// Columns of the grains in a continuum.
+fn coarse(g: &Coarse) -> Row {
+    let q = |s: [f64; 3]| 1e-3 * (s[2] - 0.5 * (s[0] + s[1]));
+    vec![
+        ("grains", (g.count as u64).into()),
+        ("crush_events", g.crush_events.into()),
+        ("coarse_mass_kg", g.mass.into()),
+        ("coarse_kinetic_J", g.kinetic.into()),
+        ("coordination_number", (2.0 * g.touching.grains as f64 / g.count.max(1) as f64).into()),
+        ("platen_contacts", g.touching.walls.into()),
+        ("point_contacts", g.touching.points.into()),
+        ("fabric_zz", g.touching.fabric[2].into()),
+        ("q_matrix_kPa", q(g.shares.matrix).into()),
+        ("q_skeleton_kPa", q(g.shares.skeleton).into()),
+        ("q_interface_kPa", q(g.shares.interface).into()),
+        ("sigma_zz_of_contacts_kPa", (1e-3 * g.shares.total(2)).into()),
+        ("grain_steps", u64::from(g.rates[0]).into()),
+        ("continuum_steps", u64::from(g.rates[1]).into()),
+    ]
 }

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::model::continuum::Continuum as Rig;
 use crate::model::{self, Model};
-use crate::rig::continuum::{Engine, State};
+use crate::rig::continuum::{Coupled, Engine, State};
 use serde::{Deserialize, Serialize};
 
 /// What is asked for.
@@ -69,6 +69,9 @@ fn adapter(model: &Model) -> Result<(String, bool)> {
     let model::Rig::Continuum(rig) = &model.rig else {
         return Err(Error::input("--backend gpu", "", None, "is for continuum scenes: grains are computed on the CPU"));
     };
+    if rig.coarse.is_some() {
+        return Err(Error::input("--backend gpu", "", None, "does not have grains in a continuum yet: use --backend cpu"));
+    }
     of_continuum(model, rig)
 }
 
@@ -111,14 +114,18 @@ impl Used {
     ///
     /// # Errors
     /// What the device says.
-    pub fn engine(&mut self, chosen: Chosen, state: &mut State, rig: &Rig) -> Result<Engine> {
+    pub fn engine(&mut self, chosen: Chosen, state: &mut State, model: &Model, rig: &Rig) -> Result<Engine> {
         let name = chosen.name();
         let saved = self.saved.take().filter(|_| chosen.gpu && self.gpu());
         if self.names.last().is_none_or(|last| last != name) {
             self.names.push(name.into());
         }
         self.why = chosen.why;
-        if chosen.gpu { self.device(saved, state, rig) } else { Ok(Engine::Cpu) }
+        match &mut state.mixture {
+            _ if chosen.gpu => self.device(saved, state, rig),
+            Some(mixture) => Ok(Engine::Mixture(Box::new(Coupled::new(model, rig, mixture)))),
+            None => Ok(Engine::Cpu),
+        }
     }
 
     #[cfg(feature = "gpu")]

@@ -10,9 +10,9 @@ use crate::figure;
 use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
 use crate::mpm::law::Law;
-use crate::record::continuum::{self as records, END, Recorder, START};
+use crate::record::continuum::{self as records, END, GRAINS_START, Recorder, START};
 use crate::record::table::Table;
-use crate::record::{checkpoint, vtk};
+use crate::record::{checkpoint, specimen, vtk};
 use crate::rig::continuum::{Engine, Phase, State};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -43,7 +43,7 @@ pub struct Begun {
 /// What keeps it from starting.
 pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     let (mut state, mut used) = (State::start(model, rig)?, Used::default());
-    let engine = used.engine(chosen, &mut state, rig)?;
+    let engine = used.engine(chosen, &mut state, model, rig)?;
     let history = Table::new("history.csv");
     let progress = Progress { state, used, recorder: Recorder::default(), history, snapshots: Vec::new(), seconds: 0.0 };
     Ok(Begun { progress, engine })
@@ -55,6 +55,9 @@ pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
 /// What keeps it from ending; records and checkpoint are kept.
 pub fn run(model: &Model, rig: &Rig, begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     records::write_points(&out.join(START), rig, &rig.points, None)?;
+    if let Some(mixture) = &begun.progress.state.mixture {
+        specimen::write(&out.join(GRAINS_START), &mixture.grains.grains, &model.materials, None)?;
+    }
     go(model, rig, out, begun, quiet, stop_after)
 }
 
@@ -73,7 +76,7 @@ pub fn resume(
     let mut progress: Progress = checkpoint::load(out)?;
     let same = if progress.used.gpu() { Backend::Gpu } else { Backend::Cpu };
     let chosen = choose(backend.unwrap_or(same), model)?;
-    let engine = progress.used.engine(chosen, &mut progress.state, rig)?;
+    let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
     go(model, rig, out, Begun { progress, engine }, quiet, stop_after)
 }
 
@@ -91,7 +94,7 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
                 // keep what there is, with the points as they are now, or at the last record where a device has gone with them
                 let _ = engine.read_back(&mut progress.state);
                 progress.history.flush(out)?;
-                records::write_points(&out.join(END), rig, progress.state.continuum.points(), Some(&rig.points))?;
+                leave(model, rig, &progress.state, out)?;
                 bar.abandon();
                 return Err(e);
             }
@@ -141,6 +144,14 @@ impl Progress {
     }
 }
 
+/// Writes points and grains as they are.
+fn leave(model: &Model, rig: &Rig, state: &State, out: &Path) -> Result<()> {
+    if let Some(mixture) = &state.mixture {
+        specimen::write_final(&out.join(files::GRAINS_FINAL), &mixture.grains, model, None)?;
+    }
+    records::write_points(&out.join(END), rig, state.continuum.points(), Some(&rig.points))
+}
+
 fn snapshot(out: &Path, state: &State, snapshots: &mut Vec<(f64, String)>) -> Result<()> {
     let dir = out.join(files::SNAPSHOTS);
     std::fs::create_dir_all(&dir).map_err(Error::write(&dir))?;
@@ -148,6 +159,10 @@ fn snapshot(out: &Path, state: &State, snapshots: &mut Vec<(f64, String)>) -> Re
     let name = format!("{}/step_{step:08}.vtp", files::SNAPSHOTS);
     records::write_snapshot(&out.join(&name), state)?;
     snapshots.push((state.time, name));
+    if let Some(mixture) = &state.mixture {
+        let name = format!("{}/grains_{step:08}.vtp", files::SNAPSHOTS);
+        records::write_grains(&out.join(name), step, &mixture.grains.grains)?;
+    }
     let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
     vtk::write_collection(&out.join(files::COLLECTION), snapshots).map_err(failed)
 }
@@ -164,7 +179,7 @@ fn describe(rig: &Rig, state: &State) -> (f64, String) {
 
 fn finish(model: &Model, rig: &Rig, out: &Path, mut progress: Progress, engine: &Engine) -> Result<Outcome> {
     progress.history.flush(out)?;
-    records::write_points(&out.join(END), rig, progress.state.continuum.points(), Some(&rig.points))?;
+    leave(model, rig, &progress.state, out)?;
     let mut summary = summary(model, rig, &progress, engine);
     save(out, &summary)?;
     checkpoint::remove(out)?;
@@ -187,7 +202,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     let mut s = Map::new();
     let mut put = |key: &str, value: Value| s.insert(key.into(), value);
     put("scene", json!(model.name));
-    put("kind", json!("continuum"));
+    put("kind", json!(if state.mixture.is_some() { "mixture" } else { "continuum" }));
     put("points", json!(points));
     put("steps", json!(steps));
     put("time_s", json!(state.time));
@@ -226,6 +241,18 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     }
     if rig.specimen().is_some() {
         put("quasi_static", json!({"largest_platen_difference": r.worst[0], "largest_kinetic_over_stress_work": r.worst[1]}));
+    }
+    if let Some(mixture) = &state.mixture {
+        let (coarse, _) = mixture.grains.grains.mass_and_volume();
+        let (mass, _) = mixture.mass_and_momentum(&state.continuum);
+        put("grains", json!(mixture.grains.grains.len()));
+        put("coarse_mass_fraction", json!(coarse / mass));
+        if model.crush.is_some() {
+            put("crush_events", json!(mixture.grains.crush_events));
+        }
+        put("point_contacts", json!(mixture.touching().points));
+        put("cycles", json!(mixture.cycles));
+        put("outside_of_the_method", json!(crate::coupling::validity::doubts(model, rig)));
     }
     put("void_ratio_final", json!(r.void_ratio));
     put("largest_plastic_strain", json!(r.plastic));

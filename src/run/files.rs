@@ -15,10 +15,12 @@ use std::path::Path;
 
 pub use crate::scene::SPECIMEN;
 pub const SUMMARY: &str = "summary.json";
+/// The grains at the end.
+pub const GRAINS_FINAL: &str = "grains_final.csv";
 pub const SNAPSHOTS: &str = "snapshots";
 pub const COLLECTION: &str = "snapshots.pvd";
 /// What a run leaves: these are removed by `--force`, and nothing else.
-const OURS: [&str; 18] = [
+const OURS: [&str; 19] = [
     SPECIMEN,
     SUMMARY,
     COLLECTION,
@@ -30,7 +32,8 @@ const OURS: [&str; 18] = [
     crate::record::platen::CURVES,
     crate::record::platen::SURVIVAL,
     crate::record::platen::LIMITS,
-    "grains_final.csv",
+    GRAINS_FINAL,
+    "grains_start.csv",
     crate::record::continuum::START,
     crate::record::continuum::END,
     checkpoint::FILE,
@@ -198,5 +201,5 @@ impl Files {
 /// Writes the last grains of a run.
 pub fn write_final(out: &Path, model: &Model, progress: &Progress) -> Result<()> {
     let walls = model.rig.specimen().map(|_| Walls::of(&progress.state));
-    specimen::write_final(&out.join("grains_final.csv"), &progress.state, model, walls)
+    specimen::write_final(&out.join(GRAINS_FINAL), &progress.state, model, walls)
 }

@@ -10,9 +10,7 @@ use toml::{Table, Value};
 impl View<'_> {
     pub fn assembly(&self, named: &[Named]) -> Option<Assembly> {
         let grains = self.grains(named)?;
-        let walls: Vec<WallSpec> =
-            self.list("wall").iter().enumerate().filter_map(|(i, wall)| self.wall(i, wall, named)).flatten().collect();
-        self.inside(&grains, &walls);
+        let walls = self.walls(named, &grains);
         let (steps, duration) = (self.whole("steps"), self.number("duration_s"));
         self.check(steps.is_some() != duration.is_some(), "steps", "must be given, or `duration_s`, one of them");
         Some(Assembly {
@@ -25,7 +23,16 @@ impl View<'_> {
         })
     }
 
-    fn grains(&self, named: &[Named]) -> Option<Vec<GrainSpec>> {
+    /// The walls that the scene lists, before which the grains have to be.
+    pub fn walls(&self, named: &[Named], grains: &[GrainSpec]) -> Vec<WallSpec> {
+        let walls: Vec<WallSpec> =
+            self.list("wall").iter().enumerate().filter_map(|(i, wall)| self.wall(i, wall, named)).flatten().collect();
+        self.inside(grains, &walls);
+        walls
+    }
+
+    /// The grains that the scene lists.
+    pub fn grains(&self, named: &[Named]) -> Option<Vec<GrainSpec>> {
         let tables = self.list("grain");
         if tables.is_empty() {
             let message = "is missing: list grains as [[grain]], or name a file, grains_csv = \"….csv\"";
@@ -69,7 +76,7 @@ impl View<'_> {
     }
 
     /// A material by name, or by number where none has that name.
-    fn lookup(&self, key: &str, name: &str, named: &[Named]) -> Option<u8> {
+    pub fn lookup(&self, key: &str, name: &str, named: &[Named]) -> Option<u8> {
         let by_name = named.iter().position(|n| n.name == name);
         let number = name.parse::<usize>().ok().filter(|i| *i < named.len());
         let found = by_name.or(number).and_then(|i| u8::try_from(i).ok());

@@ -34,6 +34,9 @@ pub struct Points {
 /// Bytes on a graphics device.
 #[cfg(feature = "gpu")]
 fn device_bytes(model: &Model, rig: &Continuum) -> Result<u64> {
+    if rig.coarse.is_some() {
+        return Err(crate::error::Error::input("gpu", "", None, "grains in a continuum are computed on the CPU"));
+    }
     let state = State::start(model, rig)?;
     crate::gpu::needs(&rig.settings, &rig.points, &state.platens)
 }
@@ -65,7 +68,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
             (s.axial_strain / s.strain_per_wave * wave / dt).ceil()
         }
     };
-    let mut warnings = Vec::new();
+    let mut warnings = crate::coupling::validity::doubts(model, rig);
     if let Some(s) = rig.specimen()
         && s.strain_per_wave > FAST
     {
@@ -79,7 +82,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
     }
     let device = device_bytes(model, rig);
     Estimate {
-        grains: 0,
+        grains: rig.coarse.as_ref().map_or(0, |c| c.grains.len()),
         grains_final: 0.0,
         memory_mb: 1e-6 * BYTES_PER_POINT * points as f64,
         specimen: None,

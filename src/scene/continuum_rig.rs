@@ -8,7 +8,7 @@ use crate::crush::lost_mass::Fines;
 use crate::model::continuum::{Continuum, Specimen, Test};
 use crate::model::{ContactLaw, ContactModel, Material, Model, Rig, Seeds, Stepping, TangentialUnloading};
 use crate::mpm::law::Law;
-use crate::mpm::{Dimension, Settings, ShapeFunctions, Transfer, Wall};
+use crate::mpm::{Dimension, Points, Settings, ShapeFunctions, Transfer, Wall};
 
 /// E* of platens over the continuum's oedometric modulus, where no grain says it.
 const STIFF: f64 = 50.0;
@@ -19,36 +19,8 @@ const CELLS: f64 = 2.0;
 impl View<'_> {
     /// Everything, or `None` with the reasons noted.
     pub fn continuum_model(&self, named: &[Named]) -> Option<Model> {
-        let laws: Vec<Option<Law>> = named.iter().map(|n| self.continuum(n)).collect();
-        let laws: Vec<Law> = laws.into_iter().collect::<Option<_>>()?;
-        let rig = self.text("test.rig");
-        let per = self.whole("grid.points_per_edge")? as u32;
-        let dimension = if self.flag("grid.plane_strain") { Dimension::PlaneStrain } else { Dimension::Space };
-        self.meaningless(rig, dimension);
-        let settings = match rig {
-            "free" => self.settings(dimension, self.asked_grid(dimension)?),
-            _ => self.settings(dimension, self.own_grid(dimension, rig)?),
-        }?;
-        let pressure = if rig == "triaxial" { self.number("test.cell_pressure_kPa").unwrap_or(0.0) } else { 0.0 };
-        let (points, axis) = self.bodies(named, &settings, per, pressure)?;
-        let test = self.test(rig, named, &laws, &settings, per, pressure)?;
-        let rig = Continuum {
-            settings,
-            laws,
-            points,
-            per_edge: per,
-            axis,
-            test,
-            rows: self.whole("records.rows")? as u32,
-            frames: self.whole("records.frames")? as u32,
-        };
-        let (settings, bound) = (&rig.settings, wave_step(&rig));
-        let dt = self.number("stepping.dt_s");
-        self.check(
-            dt.is_none_or(|dt| dt <= bound),
-            "stepping.dt_s",
-            format!("must be at most {bound:.4e} s, the time a compression wave takes through a cell, or \"auto\""),
-        );
+        let rig = self.continuum_rig(named, |_, _, _| Some(()))?;
+        let (settings, dt) = (&rig.settings, self.number("stepping.dt_s"));
         let records = self.records()?;
         let materials = named.iter().map(|n| plain(self.text(&n.key("name")), self.si(&n.key("grain.density_kg_m3")))).collect();
         Some(Model {
@@ -65,6 +37,46 @@ impl View<'_> {
             rig: Rig::Continuum(Box::new(rig)),
             records,
         })
+    }
+
+    /// Points and what is done with them. `shape` may change the points once they are known, with the test.
+    pub fn continuum_rig(
+        &self,
+        named: &[Named],
+        shape: impl FnOnce(&mut Points, &Settings, &Test) -> Option<()>,
+    ) -> Option<Continuum> {
+        let laws: Vec<Option<Law>> = named.iter().map(|n| self.continuum(n)).collect();
+        let laws: Vec<Law> = laws.into_iter().collect::<Option<_>>()?;
+        let rig = self.text("test.rig");
+        let per = self.whole("grid.points_per_edge")? as u32;
+        let dimension = if self.flag("grid.plane_strain") { Dimension::PlaneStrain } else { Dimension::Space };
+        self.meaningless(rig, dimension);
+        let settings = match rig {
+            "free" => self.settings(dimension, self.asked_grid(dimension)?),
+            _ => self.settings(dimension, self.own_grid(dimension, rig)?),
+        }?;
+        let pressure = if rig == "triaxial" { self.number("test.cell_pressure_kPa").unwrap_or(0.0) } else { 0.0 };
+        let (mut points, axis) = self.bodies(named, &settings, per, pressure)?;
+        let test = self.test(rig, named, &laws, &settings, per, pressure)?;
+        shape(&mut points, &settings, &test)?;
+        let rig = Continuum {
+            settings,
+            laws,
+            points,
+            per_edge: per,
+            axis,
+            test,
+            coarse: None,
+            rows: self.whole("records.rows")? as u32,
+            frames: self.whole("records.frames")? as u32,
+        };
+        let bound = wave_step(&rig);
+        self.check(
+            self.number("stepping.dt_s").is_none_or(|dt| dt <= bound),
+            "stepping.dt_s",
+            format!("must be at most {bound:.4e} s, the time a compression wave takes through a cell, or \"auto\""),
+        );
+        Some(rig)
     }
 
     /// Keys that this test does not look at.

@@ -54,14 +54,14 @@ impl View<'_> {
 
     /// The one material of all grains, by number, where grains break.
     fn grain_material(&self, rig: &Rig) -> Option<usize> {
-        let assembly = match rig {
+        let grains = match rig {
             Rig::Oedometer(_) | Rig::Triaxial(_) => return Some(0),
             Rig::Platen(platen) => return Some(usize::from(platen.grain)),
-            Rig::Assembly(assembly) => assembly,
-            Rig::Continuum(_) => return None,
+            Rig::Assembly(assembly) => &assembly.grains,
+            Rig::Continuum(rig) => &rig.coarse.as_ref()?.grains,
         };
-        let first = assembly.grains.first()?.material;
-        let mixed = assembly.grains.iter().any(|g| g.material != first);
+        let Some(first) = grains.first().map(|g| g.material) else { return Some(0) };
+        let mixed = grains.iter().any(|g| g.material != first);
         if mixed && self.flag("crushing.enabled") {
             self.refuse(
                 "crushing.enabled",
@@ -167,7 +167,7 @@ pub fn extremes(rig: &Rig) -> (f64, f64) {
         }
         Rig::Assembly(a) => span(a.grains.iter().map(|g| 2.0 * g.radius)),
         Rig::Platen(p) => span(p.diameters.iter().copied()),
-        Rig::Continuum(_) => span(std::iter::empty()),
+        Rig::Continuum(rig) => span(rig.coarse.iter().flat_map(|c| &c.grains).map(|g| 2.0 * g.radius)),
     }
 }
 

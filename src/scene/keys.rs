@@ -60,6 +60,14 @@ const fn free(path: &'static str, shape: Shape, default: Default, what: &'static
     Key { of: Of::Free, ..both(path, shape, default, what) }
 }
 
+const fn listed(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Listed, ..both(path, shape, default, what) }
+}
+
+const fn mixture(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Mixture, ..both(path, shape, default, what) }
+}
+
 const fn continuum(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
     Key { of: Of::Continuum, ..both(path, shape, default, what) }
 }
@@ -104,9 +112,9 @@ pub const RIVALS: &[(&str, &str)] = &[
 pub const KEYS: &[Key] = &[
     every(
         "kind",
-        Choice(&["oedometer", "triaxial", "assembly", "platen", "continuum"]),
+        Choice(&["oedometer", "triaxial", "assembly", "platen", "continuum", "mixture"]),
         Required,
-        "what is done: one-dimensional compression, drained triaxial compression, a free scene, single grains crushed between platens, or a continuum of material points",
+        "what is done: one-dimensional compression, drained triaxial compression, a free scene, single grains crushed between platens, a continuum of material points, or grains in one",
     ),
     every("name", Name, Absent, "name in legends and records; the file's own name if not written"),
     every("description", Text, Is("\"\""), "one line about the scene"),
@@ -119,29 +127,29 @@ pub const KEYS: &[Key] = &[
         Absent,
         "grains from a file with x_m,y_m,z_m,r_m (or _mm, or x,y,z,r in m) and optional vx_m_s…, wx_rad_s…, material; or [[grain]]",
     ),
-    assembly("grain.position_m", VECTOR, Required, "centre"),
-    assembly("grain.radius_m", Number(POSITIVE), Required, "radius"),
-    assembly("grain.velocity_m_s", VECTOR, Is("[0, 0, 0]"), "velocity"),
-    assembly("grain.spin_rad_s", VECTOR, Is("[0, 0, 0]"), "angular velocity"),
-    assembly("grain.material", Text, Absent, "name of one of `materials`; needed when there are several"),
-    assembly(
+    listed("grain.position_m", VECTOR, Required, "centre"),
+    listed("grain.radius_m", Number(POSITIVE), Required, "radius"),
+    listed("grain.velocity_m_s", VECTOR, Is("[0, 0, 0]"), "velocity"),
+    listed("grain.spin_rad_s", VECTOR, Is("[0, 0, 0]"), "angular velocity"),
+    listed("grain.material", Text, Absent, "name of one of `materials`; needed when there are several"),
+    listed(
         "wall.kind",
         Choice(&["plane", "cylinder", "box"]),
         Required,
         "shape: a plane, an upright cylinder around the grains, or six planes around them",
     ),
-    assembly("wall.point_m", VECTOR, Absent, "plane: a point on it"),
-    assembly("wall.normal", VECTOR, Absent, "plane: direction to the grains"),
-    assembly("wall.centre_m", Numbers(ANY, Some(2)), Absent, "cylinder: x and y of its axis"),
-    assembly("wall.radius_m", Number(POSITIVE), Absent, "cylinder: radius"),
-    assembly("wall.min_m", VECTOR, Absent, "box: lower corner"),
-    assembly("wall.max_m", VECTOR, Absent, "box: upper corner"),
-    assembly("wall.friction", Number(FRICTION), Is("0.0"), "sliding friction coefficient"),
-    assembly("wall.velocity_m_s", Number(ANY), Absent, "plane, cylinder: velocity into the grains"),
-    assembly("wall.stress_kPa", Number(NOT_NEGATIVE), Absent, "plane, cylinder: normal stress held by a servo"),
-    assembly("wall.area_m2", Number(POSITIVE), Absent, "plane with a stress: area it acts on"),
-    assembly("wall.gain", Number(Range::above(0.0, 1.0)), Is("0.2"), "wall with a stress: share of the imbalance removed per step"),
-    assembly("wall.material", Text, Is("\"rigid\""), "\"rigid\" (a mirrored grain) or one of `materials`"),
+    listed("wall.point_m", VECTOR, Absent, "plane: a point on it"),
+    listed("wall.normal", VECTOR, Absent, "plane: direction to the grains"),
+    listed("wall.centre_m", Numbers(ANY, Some(2)), Absent, "cylinder: x and y of its axis"),
+    listed("wall.radius_m", Number(POSITIVE), Absent, "cylinder: radius"),
+    listed("wall.min_m", VECTOR, Absent, "box: lower corner"),
+    listed("wall.max_m", VECTOR, Absent, "box: upper corner"),
+    listed("wall.friction", Number(FRICTION), Is("0.0"), "sliding friction coefficient"),
+    listed("wall.velocity_m_s", Number(ANY), Absent, "plane, cylinder: velocity into the grains"),
+    listed("wall.stress_kPa", Number(NOT_NEGATIVE), Absent, "plane, cylinder: normal stress held by a servo"),
+    listed("wall.area_m2", Number(POSITIVE), Absent, "plane with a stress: area it acts on"),
+    listed("wall.gain", Number(Range::above(0.0, 1.0)), Is("0.2"), "wall with a stress: share of the imbalance removed per step"),
+    listed("wall.material", Text, Is("\"rigid\""), "\"rigid\" (a mirrored grain) or one of `materials`"),
     continuum(
         "body.shape",
         Choice(&["box", "cylinder", "sphere", "points"]),
@@ -231,6 +239,19 @@ pub const KEYS: &[Key] = &[
         Is("0.3"),
         "share of the imbalance that a platen removes per step",
     ),
+    mixture(
+        "coarse.mass_fraction",
+        Number(Range::between(0.0, 1.0)),
+        Absent,
+        "test: share of coarse grains in the mass of all solids; they are placed at random in the box, and the points fill what they leave",
+    ),
+    mixture(
+        "coarse.diameter_mm",
+        Numbers(POSITIVE, Some(2)),
+        Absent,
+        "smallest and largest diameter of coarse grains, uniform between",
+    ),
+    mixture("coarse.material", Text, Absent, "name of one of `materials`"),
     both(
         "specimen.scale",
         Number(POSITIVE),
@@ -358,6 +379,13 @@ pub const KEYS: &[Key] = &[
         "quasi-static: inertia so that every grain has the same stable step; time counts steps",
     ),
     states("stepping.dt_s", NumberOr(POSITIVE, "auto"), Is("\"auto\""), "time step"),
+    mixture(
+        "stepping.grain_steps",
+        Integer { low: 1, high: 1000 },
+        Absent,
+        "steps of the grains in one of the continuum, kappa of Zhang et al.; without it and the next one as the stable steps of both have it",
+    ),
+    mixture("stepping.continuum_steps", Integer { low: 1, high: 1000 }, Absent, "steps of the continuum in one of the grains"),
     both(
         "stepping.skin",
         Number(Range::above(0.0, 2.0)),
@@ -698,11 +726,13 @@ written beside it replaces them; it works in scenes, materials and [material]. E
         };
         let of = match key.of {
             Of::Every => "",
-            Of::Grains => "; oedometer, triaxial, assembly, platen",
-            Of::Both => "; oedometer, triaxial, assembly",
-            Of::States => "; oedometer, triaxial, assembly, continuum",
-            Of::Free => "; assembly, continuum",
-            Of::Continuum => "; continuum",
+            Of::Grains => "; oedometer, triaxial, assembly, platen, mixture",
+            Of::Both => "; oedometer, triaxial, assembly, mixture",
+            Of::States => "; oedometer, triaxial, assembly, continuum, mixture",
+            Of::Free => "; assembly, continuum, mixture",
+            Of::Continuum => "; continuum, mixture",
+            Of::Mixture => "; mixture",
+            Of::Listed => "; assembly, mixture",
             Of::Cylinder => "; oedometer, triaxial",
             Of::Oedometer => "; oedometer",
             Of::Triaxial => "; triaxial",

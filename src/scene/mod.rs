@@ -14,6 +14,7 @@ mod import;
 mod keys;
 mod layers;
 mod material;
+mod mixture;
 mod oedometer;
 mod overrides;
 mod platen;

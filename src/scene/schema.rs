@@ -21,7 +21,11 @@ pub enum Of {
     Assembly,
     Platen,
     Continuum,
-    /// Free scenes of grains, and continua.
+    /// Grains in a continuum; every key of continua is one of theirs too.
+    Mixture,
+    /// Scenes that list grains and walls.
+    Listed,
+    /// Free scenes of grains, continua, and both.
     Free,
 }
 
@@ -33,7 +37,9 @@ impl Of {
             (Of::Grains, kind) => kind != Of::Continuum,
             (Of::Both, kind) => !matches!(kind, Of::Platen | Of::Continuum),
             (Of::States, kind) => kind != Of::Platen,
-            (Of::Free, kind) => matches!(kind, Of::Assembly | Of::Continuum),
+            (Of::Continuum, kind) => matches!(kind, Of::Continuum | Of::Mixture),
+            (Of::Listed, kind) => matches!(kind, Of::Assembly | Of::Mixture),
+            (Of::Free, kind) => matches!(kind, Of::Assembly | Of::Continuum | Of::Mixture),
             (Of::Cylinder, kind) => matches!(kind, Of::Oedometer | Of::Triaxial),
             (own, kind) => own == kind,
         }
@@ -156,7 +162,7 @@ impl Key {
         let literal = match self.default {
             Default::Is(text) => text,
             Default::ByKind(oedometer, free, platen) => match kind {
-                Of::Assembly | Of::Continuum => free,
+                Of::Assembly | Of::Continuum | Of::Mixture => free,
                 Of::Platen => platen,
                 _ => oedometer,
             },

@@ -15,6 +15,7 @@ pub fn validate(layer: &mut Layer) -> Result<()> {
         Some("triaxial") => Of::Triaxial,
         Some("platen") => Of::Platen,
         Some("continuum") => Of::Continuum,
+        Some("mixture") => Of::Mixture,
         _ => Of::Every,
     };
     let mut table = std::mem::take(&mut layer.table);
@@ -218,6 +219,7 @@ impl Walk<'_> {
             Of::Platen => "a platen test",
             Of::Triaxial => "a triaxial test",
             Of::Continuum => "a continuum",
+            Of::Mixture => "a mixture",
             _ => "an oedometer",
         };
         format!("has no meaning in {kind}")

@@ -125,6 +125,7 @@ impl<'a> View<'a> {
         let mut rig = match self.text("kind") {
             "assembly" => Rig::Assembly(self.assembly(&named)?),
             "platen" => Rig::Platen(self.platen(&named)?),
+            "mixture" => Rig::Continuum(Box::new(self.mixture(&named, &materials)?)),
             "triaxial" => Rig::Triaxial(Triaxial { specimen: self.specimen(&named[0])?, shear: self.shear() }),
             _ => Rig::Oedometer(Oedometer { specimen: self.specimen(&named[0])?, loading: self.loading() }),
         };

@@ -1,7 +1,7 @@
 //! The pass over grains: each sums its contacts in the order of its partners' ids (walls last), is judged against its
 //! limit, gets local damping and gravity, is kicked and drifted. Parallel over grains; each writes only itself.
 
-use super::State;
+use super::{State, Work};
 use crate::contact::pairs::{Pairs, Touch};
 use crate::contact::part::few;
 use crate::model::Model;
@@ -151,12 +151,16 @@ struct Input<'a> {
     /// Step of the drift, and of the kick (half of it on the first step).
     dt: f64,
     kick: f64,
+    /// Force, N, and torque, N m, on each grain from elsewhere; empty where there is nothing else.
+    outside: &'a [[[f64; 4]; 2]],
     task: usize,
     arch: Arch,
 }
 
 /// Judges, kicks and drifts all grains, so many to a parallel task; leaves a flag per grain.
-pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags: &mut [u8], task: usize, arch: Arch) {
+pub fn advance(model: &Model, state: &mut State, work: &mut Work) {
+    let Work { neighbours, flags, outside, task, arch, .. } = work;
+    let (task, arch) = (*task / 4, *arch);
     let ledger = state.pairs.kept().work;
     let crush = state.crushing;
     let State { grains, pairs, wall_pairs, .. } = state;
@@ -171,6 +175,7 @@ pub fn advance(model: &Model, state: &mut State, neighbours: &Neighbours, flags:
         turning: if model.contact.turning { 2.5 } else { 0.0 },
         dt: state.dt,
         kick: if state.fresh { 0.5 * state.dt } else { state.dt },
+        outside,
         task,
         arch,
     };
@@ -231,7 +236,8 @@ fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(to
     for (k, ((((pos, vel), spin), flag), reference)) in rows {
         let i = part.first + k;
         let (p, v) = (F::of(token, *pos), F::of(token, *vel));
-        if !gravity && input.neighbours.contacts.links(i).is_empty() {
+        let outside = input.outside.get(i);
+        if !gravity && outside.is_none() && input.neighbours.contacts.links(i).is_empty() {
             // most fragments fly free: nothing but their place changes, and nothing else is read
             let p = (p + v * drift).with_w_of(p);
             *pos = p.xyzw();
@@ -243,6 +249,10 @@ fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(to
             let mut t = sums.torque.xyzw();
             add_rolling(&mut t, i, input.neighbours, input.pairs, input.wall_pairs);
             sums.torque = F::of(token, t);
+        }
+        if let Some(&[force, torque]) = outside {
+            sums.force = sums.force + F::of(token, force);
+            sums.torque = sums.torque + F::of(token, torque);
         }
         if gravity {
             let mut f = sums.force.xyzw();

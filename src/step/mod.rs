@@ -75,6 +75,8 @@ pub struct Work {
     begun: Vec<u32>,
     flags: Vec<u8>,
     scratch: stability::Scratch,
+    /// Force, N, and torque, N m, on each grain from elsewhere, for the next pass over grains; empty where there is nothing else.
+    pub outside: Vec<[[f64; 4]; 2]>,
     /// Breakages of the last step.
     pub breakages: Vec<Breakage>,
     /// Friction the table was made for.
@@ -103,6 +105,7 @@ impl Work {
             begun: Vec::new(),
             flags: vec![0; state.grains.len()],
             scratch: stability::Scratch::default(),
+            outside: Vec::new(),
             breakages: Vec::new(),
             table_friction: state.friction,
             births_since_reorder: 0,
@@ -172,6 +175,14 @@ pub fn step<E>(
     work: &mut Work,
     control: impl FnOnce(&mut State, &mut Work) -> Result<(), E>,
 ) -> Result<(), E> {
+    feel(model, state, work);
+    control(state, work)?;
+    go(model, state, work);
+    Ok(())
+}
+
+/// The first half of a step: the forces of this instant.
+pub fn feel(model: &Model, state: &mut State, work: &mut Work) {
     let mut watch = Stopwatch::new(&mut work.clock);
     tidy(state, work);
     if watch.0.is_some() {
@@ -182,9 +193,13 @@ pub fn step<E>(
     watch.lap(&mut work.clock, 0);
     contacts(model, state, work);
     watch.lap(&mut work.clock, 1);
-    control(state, work)?;
-    watch.skip();
-    gather::advance(model, state, &work.neighbours, &mut work.flags, work.task / 4, work.arch);
+}
+
+/// The second half: motion, and what breaks.
+pub fn go(model: &Model, state: &mut State, work: &mut Work) {
+    let mut watch = Stopwatch::new(&mut work.clock);
+    gather::advance(model, state, work);
+    work.outside.clear();
     alone(small(state, work), || collect(state, work));
     for w in &mut state.walls {
         w.advance(state.dt);
@@ -195,7 +210,6 @@ pub fn step<E>(
     state.step += 1;
     state.time += state.dt;
     state.fresh = false;
-    Ok(())
 }
 
 /// Runs what one thread has to do alone while the others stay awake: waking a sleeping worker costs as much as a sweep of a thousand
@@ -446,12 +460,6 @@ impl Stopwatch {
             let now = std::time::Instant::now();
             clock[stage] += (now - *since).as_nanos() as u64;
             *since = now;
-        }
-    }
-
-    fn skip(&mut self) {
-        if let Some(since) = &mut self.0 {
-            *since = std::time::Instant::now();
         }
     }
 }

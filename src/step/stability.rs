@@ -73,11 +73,7 @@ fn stiffness_at_rest(i: usize, model: &Model, g: &Grains, stress: f64, table: &P
     let pair = table.grains(g.material[i], g.material[i]);
     let r_eff = 0.5 * r;
     let force = stress * std::f64::consts::PI * r * r;
-    let overlap = match model.contact.law {
-        ContactLaw::Linear => force / (pair.a * r_eff),
-        _ => (force / (pair.a * r_eff.sqrt())).cbrt().powi(2),
-    };
-    2.0 * share(&elastic(model, overlap, r_eff, pair))
+    2.0 * share(&elastic(model, pair.depth(model.contact.law, r_eff, force), r_eff, pair))
 }
 
 /// Inertia for which the step is stable under stiffness `k`, kg (time in steps). Local damping α adds up to α |F| to a force, as
@@ -122,7 +118,8 @@ fn rayleigh(model: &Model, g: &Grains) -> f64 {
         };
         least = least.min(dt);
     }
-    0.1 * least
+    // without grains nothing bounds it
+    if least.is_finite() { 0.1 * least } else { 1.0 }
 }
 
 /// Looks at inertia (scaled runs) or the time step (unscaled) again.

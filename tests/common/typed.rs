@@ -1,4 +1,4 @@
-//! Continuum scenes of `experiments/mpm` as a user types them, and what their runs leave.
+//! Continuum scenes of `experiments/mpm`, and those of other folders by theirs, as a user types them, and what their runs leave.
 
 use super::ROOT;
 use assert_cmd::Command;
@@ -15,7 +15,8 @@ pub fn comminute(verb: &str) -> Command {
 /// `comminute run` of a scene on one thread, with these overrides and arguments.
 pub fn run(scene: &str, out: &Path, sets: &[&str], more: &[&str]) -> Command {
     let mut command = comminute("run");
-    command.arg(format!("experiments/mpm/{scene}.toml")).arg("--out").arg(out).args(["--threads", "1", "--quiet"]).args(more);
+    let folder = if scene.contains('/') { "experiments" } else { "experiments/mpm" };
+    command.arg(format!("{folder}/{scene}.toml")).arg("--out").arg(out).args(["--threads", "1", "--quiet"]).args(more);
     for set in sets {
         command.args(["--set", set]);
     }

@@ -1,4 +1,5 @@
 //! Blocks of points.
+#![allow(dead_code)] // each test binary uses its part
 
 use comminute::mpm::law::Law;
 use comminute::mpm::{Continuum, Dimension, Points, Settings, Transfer};

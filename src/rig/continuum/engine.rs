@@ -1,6 +1,6 @@
 //! What does the steps of a test: the processor one at a time, or a graphics device in batches. Everything else stands once, in [`State`].
 
-use super::{LOOK, Phase, Rig, State};
+use super::{Coupled, LOOK, Phase, Rig, State};
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::continuum::Test;
@@ -12,6 +12,8 @@ use super::device::Device;
 /// Where the steps are done.
 pub enum Engine {
     Cpu,
+    /// The processor, with grains.
+    Mixture(Box<Coupled>),
     #[cfg(feature = "gpu")]
     Gpu(Box<Device>),
 }
@@ -19,10 +21,15 @@ pub enum Engine {
 #[cfg_attr(not(feature = "gpu"), allow(unused_variables))]
 impl Engine {
     /// The state at the instant at which its platens' forces are known.
-    pub(super) fn feel(&mut self, state: &mut State, rig: &Rig) -> Result<()> {
+    pub(super) fn feel(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
         match self {
             Engine::Cpu => {
                 state.press()?;
+                state.collect(rig);
+            }
+            Engine::Mixture(coupled) => {
+                state.press()?;
+                coupled.feel(state, model);
                 state.collect(rig);
             }
             // it has felt and collected at the end of each step
@@ -35,7 +42,7 @@ impl Engine {
     /// The time of a wave through a cell, s.
     pub(super) fn stable_step(&self, state: &State) -> f64 {
         match self {
-            Engine::Cpu => state.continuum.stable_step(1.0),
+            Engine::Cpu | Engine::Mixture(_) => state.continuum.stable_step(1.0),
             #[cfg(feature = "gpu")]
             Engine::Gpu(device) => device.stable_step(),
         }
@@ -45,6 +52,7 @@ impl Engine {
     pub(super) fn steps(&mut self, state: &mut State, model: &Model, rig: &Rig, next: f64) -> Result<()> {
         match self {
             Engine::Cpu => state.step(rig),
+            Engine::Mixture(coupled) => coupled.cycle(state, model, rig),
             #[cfg(feature = "gpu")]
             Engine::Gpu(device) => device.steps(state, model, rig, state.ahead(rig, next)),
         }
@@ -56,7 +64,7 @@ impl Engine {
     /// A device that was lost; the points are then those of the last time.
     pub fn read_back(&self, state: &mut State) -> Result<()> {
         match self {
-            Engine::Cpu => Ok(()),
+            Engine::Cpu | Engine::Mixture(_) => Ok(()),
             #[cfg(feature = "gpu")]
             Engine::Gpu(device) => device.read_back(state),
         }
@@ -66,6 +74,7 @@ impl Engine {
     pub fn bytes(&self, state: &State) -> u64 {
         match self {
             Engine::Cpu => state.continuum.bytes() as u64,
+            Engine::Mixture(coupled) => (state.continuum.bytes() + coupled.bytes(state)) as u64,
             #[cfg(feature = "gpu")]
             Engine::Gpu(device) => device.bytes(),
         }
@@ -80,15 +89,20 @@ impl State {
 
     /// One step on the processor, with the platens' forces, and their way in it.
     fn step(&mut self, rig: &Rig) -> Result<()> {
-        let extents = self.extents_now(rig);
-        for ((platen, drive), drift) in self.platens.iter_mut().zip(&self.drives).zip(&mut self.drift) {
-            platen.speed = drive.speed(0.0, platen, extents, self.dt, drift);
-        }
+        self.set_speeds(rig);
         self.continuum.step(self.dt)?;
         self.platens.iter_mut().for_each(|platen: &mut Platen| platen.advance(self.dt));
         self.time += self.dt;
         self.phase_time += self.dt;
         Ok(())
+    }
+
+    /// The platens' speeds, as their drives have it.
+    pub(super) fn set_speeds(&mut self, rig: &Rig) {
+        let extents = self.extents_now(rig);
+        for ((platen, drive), drift) in self.platens.iter_mut().zip(&self.drives).zip(&mut self.drift) {
+            platen.speed = drive.speed(0.0, platen, extents, self.dt, drift);
+        }
     }
 
     /// Steps until the test has the share `next`, at most to the next look at what bounds the step, and while a specimen settles at most a wave's time.

@@ -1,6 +1,7 @@
 //! What a test shows: stresses and strains as means since the last look, energies at this instant.
 
 use super::{Phase, Rig, State, dimensions};
+use crate::coupling::{Shares, Touching};
 use crate::mpm::Totals;
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +50,21 @@ pub struct Moment {
     pub dissipated: f64,
     /// Scale of all these.
     pub scale: f64,
+    /// With grains: who bears the stress, how they touch, their kinetic energy, J, volume, m³, and what broke.
+    pub grains: Option<Coarse>,
+}
+
+/// Of the grains in a continuum.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coarse {
+    pub shares: Shares,
+    pub touching: Touching,
+    pub kinetic: f64,
+    pub count: usize,
+    pub volume: f64,
+    pub mass: f64,
+    pub crush_events: u64,
+    pub rates: [u32; 2],
 }
 
 impl Moment {
@@ -69,8 +85,8 @@ impl State {
         let (sides, extents) = (self.sides(rig), self.extents_now(rig));
         self.means.add(1, sides, extents);
         if self.energy.is_none() {
-            let totals = self.continuum.totals();
-            self.energy = Some([totals.kinetic, totals.potential, self.stored()]);
+            let (totals, [kinetic, potential, stored]) = (self.continuum.totals(), self.of_grains(rig));
+            self.energy = Some([totals.kinetic + kinetic, totals.potential + potential, self.stored() + stored]);
         }
     }
 
@@ -83,6 +99,11 @@ impl State {
         }
         let sides = self.stresses(rig, extents, |k| batch.platens[k][2], |k| batch.sides[k]);
         self.means.add(batch.steps, sides, extents);
+    }
+
+    /// Kinetic and potential energy of grains, and what their contacts hold, J.
+    fn of_grains(&self, rig: &Rig) -> [f64; 3] {
+        self.mixture.as_ref().map_or([0.0; 3], |m| m.energies(rig.settings.gravity))
     }
 
     fn stored(&self) -> f64 {
@@ -125,18 +146,38 @@ impl State {
             most = points.memory[i].plastic.max(most);
             along_z -= volume * points.stress[i][2];
         }
-        let [kinetic, potential, stored] = self.energy.unwrap_or([totals.kinetic, totals.potential, self.stored()]);
-        let platen_work = self.platen_work(rig);
-        let (fallen, stored) = (potential - totals.potential, self.stored() - stored);
+        let coarse = self.of_grains(rig);
+        let now = [totals.kinetic + coarse[0], totals.potential + coarse[1], self.stored() + coarse[2]];
+        let [kinetic, potential, stored] = self.energy.unwrap_or(now);
+        // walls of free scenes, and what platens do to grains
+        let on_grains: f64 = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work).sum();
+        let platen_work = self.platen_work(rig) + on_grains;
+        let (fallen, stored) = (potential - now[1], now[2] - stored);
         let given = platen_work + fallen + kinetic;
+        let grains = self.mixture.as_ref().map(|m| {
+            let g = &m.grains.grains;
+            let (mass, volume) = g.mass_and_volume();
+            let box_volume = if rig.specimen().is_some() { self.extents_now(rig).iter().product() } else { totals.volume + volume };
+            Coarse {
+                shares: m.shares(c, box_volume),
+                touching: m.touching(),
+                kinetic: coarse[0],
+                count: g.len(),
+                volume,
+                mass,
+                crush_events: m.grains.crush_events,
+                rates: [m.cycle.rates.grains, m.cycle.rates.continuum],
+            }
+        });
         Moment {
+            grains,
             void_ratio: totals.volume / solid - 1.0,
             plastic: [plastic / totals.volume, most],
             along_z: along_z / totals.volume,
             stress_work: c.stress_work(),
             platen_work,
             stored,
-            dissipated: given - totals.kinetic - c.stress_work() - stored,
+            dissipated: given - now[0] - c.stress_work() - stored,
             scale: platen_work.abs() + fallen.abs() + kinetic + c.stress_work().abs(),
             totals,
             ..Moment::default()

@@ -3,14 +3,17 @@
 #[cfg(feature = "gpu")]
 mod device;
 mod engine;
+mod grains;
 mod measure;
 mod specimen;
 
 #[cfg(feature = "gpu")]
 pub use device::Device;
 pub use engine::Engine;
-pub use measure::Moment;
+pub use grains::Coupled;
+pub use measure::{Coarse, Moment};
 
+use crate::coupling::Mixture;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
@@ -34,6 +37,8 @@ pub enum Phase {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
     pub continuum: Continuum,
+    /// Grains in it, where there are some.
+    pub mixture: Option<Box<Mixture>>,
     /// In an oedometer the top one; in a triaxial test those of x low, x high, y low, …
     pub platens: Vec<Platen>,
     pub phase: Phase,
@@ -71,8 +76,10 @@ impl State {
         if let Some(dt) = model.stepping.dt {
             continuum.check_step(dt)?;
         }
+        let platens = specimen::platens(rig, &continuum);
         let mut state = State {
-            platens: specimen::platens(rig, &continuum),
+            mixture: None,
+            platens,
             phase: if matches!(rig.test, Test::Triaxial { .. }) { Phase::Settle } else { Phase::Load },
             continuum,
             time: 0.0,
@@ -88,6 +95,9 @@ impl State {
             means: measure::Means::default(),
         };
         state.drift = vec![0.0; state.platens.len()];
+        if let Some(coarse) = &rig.coarse {
+            state.mixture = Some(Box::new(grains::mixture(model, rig, coarse, &mut state.continuum, &state.platens)));
+        }
         state.press()?;
         state.continuum.drop_forces();
         state.extents = state.extents_now(rig);
@@ -112,8 +122,8 @@ impl State {
         engine: &mut Engine,
         observe: impl FnOnce(&mut State, &Engine) -> Result<f64>,
     ) -> Result<()> {
-        engine.feel(self, rig)?;
-        self.find_step(model, engine)?;
+        engine.feel(self, model, rig)?;
+        self.find_step(model, rig, engine)?;
         self.programme(rig)?;
         let next = observe(self, engine)?;
         if self.phase == Phase::Done {
@@ -123,12 +133,15 @@ impl State {
     }
 
     /// The step: a share of what waves through a cell and the platens' contacts allow, or the fixed one.
-    fn find_step(&mut self, model: &Model, engine: &Engine) -> Result<()> {
+    fn find_step(&mut self, model: &Model, rig: &Rig, engine: &Engine) -> Result<()> {
         let step = self.continuum.steps();
         if step.is_multiple_of(LOOK) || self.bound == 0.0 {
             self.bound = engine.stable_step(self);
         }
         let contact = self.platens.iter().map(Platen::stable_step).fold(f64::INFINITY, f64::min);
+        if self.mixture.is_some() {
+            return self.find_cycle(model, rig, self.bound.min(contact));
+        }
         self.dt = match model.stepping.dt {
             None => model.stepping.safety * self.bound.min(contact),
             Some(dt) if dt <= self.bound && dt <= contact => dt,

@@ -113,7 +113,8 @@ impl State {
     /// Stress on each side, Pa, compression positive, in the order x low, x high, …; 0 where there is none.
     pub(super) fn sides(&self, rig: &Rig) -> [f64; 6] {
         let wall = |k: usize| self.continuum.wall_force()[k][k / 2] * if k % 2 == 1 { -1.0 } else { 1.0 };
-        self.stresses(rig, self.extents_now(rig), |k| self.platens[k].reaction, wall)
+        let grains = |k: usize| self.mixture.as_ref().map_or(0.0, |m| m.grains.walls[k].reaction);
+        self.stresses(rig, self.extents_now(rig), |k| self.platens[k].force(), |k| wall(k) + grains(k))
     }
 
     /// The same from the forces on platens and on the sides of the grid, along their inward normals.

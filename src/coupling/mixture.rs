@@ -1,0 +1,229 @@
+//! One cycle of grains and continuum, each with steps of its own.
+//!
+//! The slower side makes one step of `time` seconds, the other κ steps of a κ-th of it (Zhang et al., section 4.2, eqs 51–60; here either side may be the
+//! slower one). Contacts between them are found at every step of the faster side, with the slower one carried on by the mean velocity of its last step (eq. 60: the
+//! way it went over the time it took). What a contact gives the faster side in each of its steps, it takes from the slower one over the cycle as the mean
+//! of these forces: impulses are equal and opposite, so momentum is conserved to rounding, whatever κ is. With κ = 1 both are found from one instant.
+
+use super::{Bound, GhostTable, Ghosts};
+use crate::coupling::evaluate::Scene;
+use crate::error::Result;
+use crate::model::{ContactLaw, Model};
+use crate::mpm::Continuum;
+use crate::mpm::platen::Platen;
+use crate::step::{self, State, Work};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Who makes how many steps in a cycle; one of both is 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Rates {
+    pub grains: u32,
+    pub continuum: u32,
+}
+
+/// A cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cycle {
+    /// s.
+    pub time: f64,
+    pub rates: Rates,
+}
+
+/// What each side allows by itself, with the scene's safety, s; what contacts between them allow; and what the scene asks for.
+#[derive(Clone, Copy, Debug)]
+pub struct Allowed {
+    pub grains: f64,
+    pub continuum: f64,
+    pub contacts: Bound,
+    pub safety: f64,
+    /// Instead of the rates that the bounds give.
+    pub rates: Option<Rates>,
+}
+
+impl Cycle {
+    /// The longest cycle that is stable: a side's frequency and that of the contacts add up, ω² ≤ ω_side² + ω_contacts². With rates that are given, the
+    /// longest cycle that both sides can do with them.
+    pub fn longest(allowed: &Allowed) -> Cycle {
+        let of = |dt: f64| {
+            let own = 2.0 * allowed.safety / dt;
+            2.0 * allowed.safety / (own * own + allowed.contacts.frequency2()).sqrt()
+        };
+        let (grains, continuum) = (of(allowed.grains), of(allowed.continuum));
+        let rates = allowed.rates.unwrap_or_else(|| {
+            if allowed.grains == f64::INFINITY {
+                return Rates { grains: 1, continuum: 1 };
+            }
+            let steps = |slow: f64, fast: f64| (slow / fast).ceil().clamp(1.0, MOST) as u32;
+            if grains <= continuum {
+                Rates { grains: steps(continuum, grains), continuum: 1 }
+            } else {
+                Rates { grains: 1, continuum: steps(grains, continuum) }
+            }
+        });
+        let time = (grains * f64::from(rates.grains)).min(continuum * f64::from(rates.continuum));
+        Cycle { time, rates }
+    }
+}
+
+/// Most steps of the faster side in a cycle.
+const MOST: f64 = 1000.0;
+
+/// The grains of a mixture with their contacts with points, beside a continuum.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Mixture {
+    pub grains: State,
+    pub ghosts: Ghosts,
+    /// Elastic energy of a contact between grains over its normal force and overlap: 2/5 by Hertz, 1/2 of a linear one.
+    pub(super) energy: f64,
+    /// The last cycle.
+    pub cycle: Cycle,
+    /// Cycles done.
+    pub cycles: u64,
+    /// The last step of grains, and what their own contacts allow, s.
+    last: f64,
+    own: f64,
+    /// Steps of the continuum, and the largest speed at which a point was carried in the last one, m/s.
+    fastest: (u64, f64),
+    #[serde(skip)]
+    sums: [Vec<f64>; 2],
+}
+
+/// What a mixture works on besides itself.
+pub struct Parts<'a> {
+    pub model: &'a Model,
+    pub table: &'a GhostTable,
+    pub work: &'a mut Work,
+    pub continuum: &'a mut Continuum,
+    pub platens: &'a mut [Platen],
+}
+
+impl Mixture {
+    pub fn new(model: &Model, grains: State, continuum: &mut Continuum) -> Mixture {
+        let energy = if model.contact.law == ContactLaw::Linear { 0.5 } else { 0.4 };
+        continuum.keep_carried();
+        let cycle = Cycle { time: 0.0, rates: Rates { grains: 1, continuum: 1 } };
+        Mixture {
+            grains,
+            ghosts: Ghosts::default(),
+            energy,
+            cycle,
+            cycles: 0,
+            last: 0.0,
+            own: 0.0,
+            fastest: (u64::MAX, 0.0),
+            sums: Default::default(),
+        }
+    }
+
+    /// The forces of this instant: between grains, and between grains and points.
+    pub fn feel(&mut self, parts: &mut Parts<'_>) {
+        step::feel(parts.model, &mut self.grains, parts.work);
+        self.note_bound();
+        self.find(parts, self.last, [0.0; 2]);
+    }
+
+    /// What the grains' own contacts, s, and those with points allow.
+    pub fn bounds(&mut self, continuum: &Continuum) -> (f64, Bound) {
+        // without grains nothing bounds their step
+        let own = if self.grains.grains.is_empty() { f64::INFINITY } else { self.own };
+        (own, self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len()))
+    }
+
+    /// A cycle from what was felt, with platens that have pressed; walls and platens move at their speeds.
+    ///
+    /// # Errors
+    /// A lost point; a platen through the points.
+    pub fn go(&mut self, parts: &mut Parts<'_>, cycle: Cycle) -> Result<()> {
+        self.cycle = cycle;
+        let Cycle { time, rates } = cycle;
+        let [of_grains, of_points] = [rates.continuum, rates.grains].map(|n| 1.0 / f64::from(n));
+        self.give(parts, of_grains, of_points);
+        // but for the last one the steps of the continuum, beside grains that go on as they went
+        let dt = time * of_grains;
+        for j in 1..rates.continuum {
+            advance(parts, dt)?;
+            parts.platens.iter_mut().try_for_each(|p| p.press(parts.continuum))?;
+            self.find(parts, dt, [dt * f64::from(j), 0.0]);
+            self.give(parts, of_grains, of_points);
+        }
+        self.move_grains(parts, time * of_points);
+        // the other steps of the grains, beside points that go on as they went; newborn grains may need shorter ones
+        let (mut left, mut steps) = (time - self.last, rates.grains - 1);
+        while steps > 0 {
+            step::feel(parts.model, &mut self.grains, parts.work);
+            if self.note_bound() {
+                steps = steps.max((left / self.own).ceil().min(MOST) as u32);
+            }
+            self.find(parts, self.last, [0.0, time - left]);
+            let dt = left / f64::from(steps);
+            self.give(parts, 1.0, dt / time);
+            self.move_grains(parts, dt);
+            left -= dt;
+            steps -= 1;
+        }
+        self.cycles += 1;
+        advance(parts, dt)
+    }
+
+    fn move_grains(&mut self, parts: &mut Parts<'_>, dt: f64) {
+        (self.grains.dt, self.last) = (dt, dt);
+        step::go(parts.model, &mut self.grains, parts.work);
+    }
+
+    fn give(&self, parts: &mut Parts<'_>, of_grains: f64, of_points: f64) {
+        self.ghosts.give(&self.grains.grains, &mut parts.work.outside, of_grains, parts.continuum, of_points);
+    }
+
+    /// Takes the grains' own bound where their step is not the one that they were given: then their contacts have been looked at again.
+    fn note_bound(&mut self) -> bool {
+        let looked = self.grains.dt != self.last;
+        if looked {
+            self.own = self.grains.dt;
+        }
+        looked
+    }
+
+    /// Lists and forces `dt` seconds after the last ones, with grains and points taken so far ahead.
+    fn find(&mut self, parts: &Parts<'_>, dt: f64, ahead: [f64; 2]) {
+        let Parts { table, continuum, .. } = parts;
+        let State { grains, walls, .. } = &self.grains;
+        let walls = if table.walls.is_empty() { &[] } else { &walls[..] };
+        let square = |v: &[f64]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        if self.fastest.0 != continuum.steps() {
+            let carried = &continuum.points().carried;
+            let most = carried.par_iter().with_min_len(4096).map(|v| square(v)).reduce(|| 0.0, f64::max);
+            self.fastest = (continuum.steps(), most.sqrt());
+        }
+        let point = self.fastest.1;
+        let grain = grains.vel.iter().map(|v| square(v)).fold(0.0, f64::max).sqrt();
+        let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
+        self.ghosts.update(grains, walls, continuum, dt * (point + grain.max(wall)));
+        let scene = Scene { grains, walls, continuum, table, unloading: parts.model.contact.unloading, dt, ahead };
+        if self.grains.pairs.kept().work {
+            self.ghosts.evaluate::<true>(&scene);
+        } else {
+            self.ghosts.evaluate::<false>(&scene);
+        }
+    }
+
+    /// Mass, kg, and momentum, kg m/s, of grains and points.
+    pub fn mass_and_momentum(&self, continuum: &Continuum) -> (f64, [f64; 3]) {
+        let (g, totals) = (&self.grains.grains, continuum.totals());
+        let (mut mass, mut momentum) = (totals.mass, totals.momentum);
+        for i in g.by_id().into_iter().map(|i| i as usize) {
+            mass += g.mass[i];
+            for (sum, v) in momentum.iter_mut().zip(g.vel[i]) {
+                *sum += g.mass[i] * v;
+            }
+        }
+        (mass, momentum)
+    }
+}
+
+/// A step of the continuum, and its platens' way in it.
+fn advance(parts: &mut Parts<'_>, dt: f64) -> Result<()> {
+    parts.continuum.step(dt)?;
+    parts.platens.iter_mut().for_each(|p| p.advance(dt));
+    Ok(())
+}

@@ -1,0 +1,118 @@
+//! Grains inside a continuum: a material point near a grain or a wall is a ghost sphere that touches it as a grain would (Li et al. 2023,
+//! section 2.3).
+//!
+//! The ghost's radius is that of the point's solids, (1 − n) V = 4/3 π r³ (eq. 22), which stays while the point's volume changes. The contact is the
+//! run's own contact law with friction and history (eqs 18–21, 23, 24); the grain gets force and torque (eqs 25–27), the point the opposite force, which
+//! goes to the nodes by its shape functions (eqs 28, 29). Only points near a surface take part.
+//!
+//! Ghosts have no spin. Slip is taken from the velocity that carried the point, not from its own: with FLIP these differ, and only the first
+//! moves the contact point.
+
+mod evaluate;
+mod measure;
+mod mixture;
+mod search;
+pub mod validity;
+
+pub use measure::{Shares, Touching};
+pub use mixture::{Allowed, Cycle, Mixture, Parts, Rates};
+
+use crate::boundary::Wall;
+use crate::contact::law::{Pair, PairTable};
+use crate::contact::pairs::Touch;
+use crate::model::{ContactLaw, Material};
+use serde::{Deserialize, Serialize};
+
+/// Whose surface a ghost may touch. Grains come first, in the order of ids.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Body {
+    /// A grain's identity.
+    Grain(u32),
+    /// A wall's number.
+    Wall(u32),
+}
+
+/// A body and a point near it.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Ghost {
+    pub body: Body,
+    /// The point's identity.
+    pub point: u32,
+    /// Present indices of grain or wall, and of the point.
+    place: [u32; 2],
+    /// Ghost radius, m, and mass of the point, kg.
+    radius: f64,
+    mass: f64,
+    /// The contact: first end the body, second the ghost. All zero while they do not touch.
+    pub touch: Touch,
+    /// Tangential spring (viscous laws), N.
+    spring: [f64; 3],
+    /// Work of the last step: path, slip, viscous, J, and what of the path went to the body.
+    work: [f64; 4],
+    /// Tangent stiffnesses of the last sweep, normal and tangential, N/m.
+    stiffness: [f64; 2],
+}
+
+/// Everything about the contacts between points and surfaces that a restart needs.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Ghosts {
+    /// In the order of bodies, then of points.
+    pub near: Vec<Ghost>,
+    /// Way that a point and a grain may have gone towards each other since the search, m.
+    travelled: f64,
+    /// What was searched: grains and points alive then.
+    searched: [usize; 2],
+    /// Work since the start: path, slip, viscous, J; of the path what went to grains and walls.
+    pub work: [f64; 4],
+    /// Scratch: index by identity.
+    #[serde(skip)]
+    index: [Vec<u32>; 2],
+}
+
+impl Ghosts {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.near.capacity() * size_of::<Ghost>() + self.index.iter().map(|i| 4 * i.capacity()).sum::<usize>()
+    }
+}
+
+/// What bounds the time step: sums of stiffness over mass, 1/s².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bound {
+    pub points: f64,
+    pub grains: f64,
+}
+
+impl Bound {
+    /// ω² ≤ R_p + R_g: with k (u_p − u_g)² ≤ k ((1 + ε) u_p² + (1 + 1/ε) u_g²) for every ε > 0, 1/s².
+    pub fn frequency2(&self) -> f64 {
+        self.points + self.grains
+    }
+}
+
+/// Contact parameters of the ghosts of each law: with each material of grains, and with each wall.
+#[derive(Clone, Debug)]
+pub struct GhostTable {
+    law: ContactLaw,
+    grains: Vec<Vec<Pair>>,
+    /// Empty where points do not touch the grains' walls.
+    walls: Vec<Vec<Pair>>,
+}
+
+impl GhostTable {
+    /// `ghosts`: the material of the fines' grains for each law of the continuum; `walls`: those that points touch.
+    pub fn new(law: ContactLaw, ghosts: &[u8], materials: &[Material], walls: &[Wall]) -> GhostTable {
+        let ghost = |m: &u8| &materials[usize::from(*m)];
+        let of_law = |m: &u8| materials.iter().map(|other| Pair::between(law, other, ghost(m))).collect();
+        let on_wall = |w: &Wall| ghosts.iter().map(|m| PairTable::on_wall(law, ghost(m), w, materials)).collect();
+        GhostTable { law, grains: ghosts.iter().map(of_law).collect(), walls: walls.iter().map(on_wall).collect() }
+    }
+
+    fn of_grain(&self, law: u8, material: u8) -> &Pair {
+        &self.grains[usize::from(law)][usize::from(material)]
+    }
+
+    fn of_wall(&self, law: u8, wall: usize) -> &Pair {
+        &self.walls[wall][usize::from(law)]
+    }
+}

@@ -1,0 +1,116 @@
+//! Which points are near which surface.
+
+use super::{Body, Ghost, Ghosts};
+use crate::boundary::Wall;
+use crate::contact::pairs::Touch;
+use crate::grains::Grains;
+use crate::mpm::Continuum;
+use crate::mpm::platen::ghost_radius_of;
+
+/// A body and a point further apart than this share of a cell are not looked at until one of them has gone so far.
+const SKIN: f64 = 0.25;
+/// Share of the skin that may be used up: places ahead of time are guesses.
+const TRUST: f64 = 0.5;
+/// Not a place.
+const NOWHERE: u32 = u32::MAX;
+
+impl Ghosts {
+    /// Makes the list anew where something may have come into reach since the last search, and finds everybody's present index. `way`: how much
+    /// nearer a point and a surface may have come since the last call, m.
+    pub(super) fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64) {
+        let (skin, alive) = (SKIN * continuum.settings().cell, [grains.len(), continuum.points().len()]);
+        self.travelled += way;
+        // a broken grain leaves its place to a daughter, and more than one daughter comes
+        if self.searched != alive || self.travelled > TRUST * skin {
+            self.search(grains, walls, continuum, skin);
+            self.travelled = 0.0;
+            self.searched = alive;
+        } else {
+            self.locate(grains, continuum);
+        }
+    }
+
+    fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) {
+        let points = continuum.points();
+        let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
+        let reach = ghost_radius_of(continuum, most) + skin;
+        let mut found: Vec<Ghost> = Vec::new();
+        let mut near = |body: Body, place: u32, i: usize| {
+            let radius = ghost_radius_of(continuum, points.solid(i));
+            let (point, mass) = (points.id[i], points.velocity[i][3]);
+            let (touch, none) = (Touch::default(), [0.0; 3]);
+            found.push(Ghost {
+                body,
+                point,
+                place: [place, i as u32],
+                radius,
+                mass,
+                touch,
+                spring: none,
+                work: [0.0; 4],
+                stiffness: [0.0; 2],
+            });
+        };
+        for (g, p) in grains.pos.iter().enumerate() {
+            let far = p[3] + reach;
+            let corners = [-far, far].map(|by| std::array::from_fn(|a| p[a] + by));
+            continuum.visit(corners, |i| {
+                let q = points.position[i];
+                let d: [f64; 3] = std::array::from_fn(|a| q[a] - p[a]);
+                if d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < far * far {
+                    near(Body::Grain(grains.id[g]), g as u32, i);
+                }
+            });
+        }
+        for (k, wall) in walls.iter().enumerate() {
+            for (i, &[x, y, z, _]) in points.position.iter().enumerate() {
+                if wall.shape.towards([x, y, z, 0.0]).1 < reach {
+                    near(Body::Wall(k as u32), k as u32, i);
+                }
+            }
+        }
+        found.sort_unstable_by_key(|g| (g.body, g.point));
+        // contacts keep what they remember
+        let mut fresh = found.iter_mut().peekable();
+        for old in self.near.iter().filter(|g| g.touch.overlap > 0.0) {
+            let key = |g: &Ghost| (g.body, g.point);
+            while fresh.next_if(|g| key(g) < key(old)).is_some() {}
+            if let Some(g) = fresh.next_if(|g| key(g) == key(old)) {
+                (g.touch, g.spring) = (old.touch, old.spring);
+            }
+        }
+        self.near = found;
+    }
+
+    /// Present indices of grains and points, whose arrays may have been put in another order.
+    fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
+        let points = continuum.points();
+        let [by_grain, by_point] = &mut self.index;
+        let grain_at = |g: &Ghost| matches!(g.body, Body::Grain(id) if grains.id.get(g.place[0] as usize) != Some(&id));
+        if self.near.iter().any(grain_at) {
+            by_id(by_grain, &grains.id, grains.next_id);
+            for g in &mut self.near {
+                if let Body::Grain(id) = g.body {
+                    g.place[0] = by_grain[id as usize];
+                }
+            }
+            // those that are no more; their daughters are found in a search
+            self.near.retain(|g| g.place[0] != NOWHERE);
+        }
+        if self.near.iter().any(|g| points.id.get(g.place[1] as usize) != Some(&g.point)) {
+            by_id(by_point, &points.id, points.next_id);
+            for g in &mut self.near {
+                g.place[1] = by_point[g.point as usize];
+            }
+        }
+    }
+}
+
+/// Index of each identity.
+fn by_id(index: &mut Vec<u32>, ids: &[u32], next: u32) {
+    index.clear();
+    index.resize(next as usize, NOWHERE);
+    for (i, &id) in ids.iter().enumerate() {
+        index[id as usize] = i as u32;
+    }
+}

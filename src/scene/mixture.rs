@@ -1,0 +1,158 @@
+//! From the keys of a mixture to the continuum with its grains.
+
+use super::material::Named;
+use super::view::View;
+use crate::contact::law::Pair;
+use crate::coupling::Rates;
+use crate::model::continuum::{Coarse, Continuum, Specimen, Test};
+use crate::model::{GrainSpec, Material};
+use crate::mpm::platen::ghost_radius;
+use crate::mpm::{Dimension, Points};
+use crate::packing::dispersed;
+
+/// Room between coarse grains, and between them and platens, when they are placed, over the distance of two points.
+const ROOM: f64 = 0.5;
+
+impl View<'_> {
+    /// The continuum with its grains, or `None` with the reasons noted.
+    pub fn mixture(&self, named: &[Named], materials: &[Material]) -> Option<Continuum> {
+        let solid = !self.flag("grid.plane_strain");
+        self.check(solid, "grid.plane_strain", "must be false in a mixture: its grains are spheres");
+        let unscaled = !self.flag("stepping.inertia_scaling");
+        self.check(unscaled, "stepping.inertia_scaling", "must be false in a mixture: a continuum moves in time");
+        let plain = self.si("specimen.scale") == 1.0;
+        self.check(plain, "specimen.scale", "must be 1 in a mixture");
+        let (fines, ghosts): (Vec<Named>, Vec<u8>) = named
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| self.has(&n.key("continuum")))
+            .map(|(i, n)| (Named { name: n.name.clone(), at: n.at.clone() }, i as u8))
+            .unzip();
+        if fines.is_empty() {
+            self.refuse("materials", "must have one with [continuum], for the points");
+            return None;
+        }
+        let test = self.text("test.rig") != "free";
+        let mut grains = if self.list("grain").is_empty() { Vec::new() } else { self.grains(named)? };
+        let walls = self.walls(named, &grains);
+        let mut rig = self.continuum_rig(&fines, |points, settings, test| {
+            if let Test::Oedometer(specimen) | Test::Triaxial { specimen, .. } = test {
+                let density = materials[usize::from(ghosts[usize::from(points.law[0])])].density;
+                grains.extend(self.coarse(named, materials, specimen, density)?);
+                let law = self.law();
+                let ghost = |law: u8| &materials[usize::from(ghosts[usize::from(law)])];
+                displace(points, settings.dimension, specimen, &grains, |fine, g, r_eff| {
+                    let pair = Pair::between(law, &materials[usize::from(g.material)], ghost(fine));
+                    pair.depth(law, r_eff, specimen.stress * specimen.spacing * specimen.spacing)
+                });
+            }
+            Some(())
+        })?;
+        self.check(!test || walls.is_empty(), "wall", "has no meaning in a test, which sets its own");
+        let asked = |key: &str| self.whole(key).map(|n| n as u32);
+        let rates = match (asked("stepping.grain_steps"), asked("stepping.continuum_steps")) {
+            (None, None) if self.number("stepping.dt_s").is_none() => None,
+            (grains, continuum) => {
+                let rates = Rates { grains: grains.unwrap_or(1), continuum: continuum.unwrap_or(1) };
+                let one = rates.grains == 1 || rates.continuum == 1;
+                self.check(one, "stepping.continuum_steps", "must be 1 where stepping.grain_steps is more: one side is the slower");
+                Some(rates)
+            }
+        };
+        rig.coarse = Some(Coarse { grains, walls, ghosts, rates });
+        Some(rig)
+    }
+
+    /// Coarse grains at random in a specimen's box.
+    fn coarse(&self, named: &[Named], materials: &[Material], specimen: &Specimen, fine_density: f64) -> Option<Vec<GrainSpec>> {
+        let keys = ["coarse.mass_fraction", "coarse.diameter_mm", "coarse.material"];
+        let there = keys.map(|k| self.has(k));
+        if there == [false; 3] {
+            return Some(Vec::new());
+        }
+        if let Some(k) = there.iter().position(|t| !t) {
+            self.refuse(keys[k], format!("is missing: {} go together", keys.join(", ")));
+            return None;
+        }
+        let share = self.si(keys[0]);
+        let material = self.lookup(keys[2], self.text(keys[2]), named)?;
+        let [low, high]: [f64; 2] = self.numbers(keys[1]).try_into().ok()?;
+        if low > high {
+            self.refuse(keys[1], "must be the smallest, then the largest");
+            return None;
+        }
+        // of the box: coarse volume V with ρ_c V / (ρ_c V + ρ_f (1 − n) (box − V)) = share
+        let (coarse, fine) = (materials[usize::from(material)].density, (1.0 - specimen.porosity) * fine_density);
+        let volume: f64 = specimen.size.iter().product();
+        let wanted = volume * share * fine / (coarse * (1.0 - share) + share * fine);
+        let room = ROOM * specimen.spacing;
+        let seed = self.whole("seed.packing")?;
+        match dispersed(specimen.lower, specimen.size, [0.5 * low, 0.5 * high], wanted, room, seed) {
+            Ok(spheres) => Some(
+                spheres
+                    .into_iter()
+                    .map(|([x, y, z], radius)| GrainSpec {
+                        position: [x, y, z],
+                        radius,
+                        velocity: [0.0; 3],
+                        spin: [0.0; 3],
+                        material,
+                    })
+                    .collect(),
+            ),
+            Err(reached) => {
+                let message = format!(
+                    "cannot be placed at random without contact: {:.1} % of the mass found room; use a smaller share, or list the grains (grains_csv)",
+                    100.0 * coarse * reached / (coarse * reached + fine * (volume - reached))
+                );
+                self.refuse(keys[0], message);
+                None
+            }
+        }
+    }
+}
+
+/// Times that points are moved out of grains and back into the box.
+const ROUNDS: usize = 20;
+/// Overlap beyond what bears the stress, over the ghost's radius, at which a point has found no room.
+const TOO_DEEP: f64 = 0.02;
+
+/// Direct filling: points whose middle lies in a grain make room for it; those that reach into one move out until their overlap is `depth` of
+/// their material, of the grain and of R*, inside the lattice of the specimen. Those that find no room between grains, or between a grain and a platen, go.
+fn displace(
+    points: &mut Points,
+    dimension: Dimension,
+    specimen: &Specimen,
+    grains: &[GrainSpec],
+    depth: impl Fn(u8, &GrainSpec, f64) -> f64,
+) {
+    let from = |p: &[f64; 4], g: &GrainSpec| {
+        let d: [f64; 3] = std::array::from_fn(|a| p[a] - g.position[a]);
+        (d, (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt())
+    };
+    let within = |p: &mut [f64; 4]| {
+        let half = 0.5 * specimen.spacing;
+        for (x, (low, size)) in p.iter_mut().zip(specimen.lower.into_iter().zip(specimen.size)) {
+            *x = x.clamp(low + half, low + size - half);
+        }
+    };
+    let mut gone = vec![false; points.len()];
+    for (i, gone) in gone.iter_mut().enumerate() {
+        let (ghost, law) = (ghost_radius(dimension, points.solid(i)), points.law[i]);
+        let mut p = points.position[i];
+        let near: Vec<&GrainSpec> = grains.iter().filter(|g| from(&p, g).1 < g.radius + 4.0 * ghost).collect();
+        *gone = near.iter().any(|g| from(&p, g).1 < g.radius);
+        let reach = |g: &GrainSpec| g.radius + ghost - depth(law, g, g.radius * ghost / (g.radius + ghost));
+        for _ in 0..if near.is_empty() { 0 } else { ROUNDS } {
+            for g in &near {
+                let (d, distance) = from(&p, g);
+                let outwards = (reach(g) / distance - 1.0).max(0.0);
+                p.iter_mut().zip(d).for_each(|(p, d)| *p += d * outwards);
+            }
+            within(&mut p);
+        }
+        *gone |= near.iter().any(|g| from(&p, g).1 < reach(g) - TOO_DEEP * ghost);
+        points.position[i] = p;
+    }
+    points.drop_those(&gone);
+}

@@ -1,0 +1,10 @@
+//! Grains and a continuum that touch: momentum, mass and energy, rates, and bits. Each test states its error.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod impact;
+#[path = "../mpm/common.rs"]
+mod points;
+mod rates;
+mod scene;
+mod typed;

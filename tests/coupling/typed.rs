@@ -1,0 +1,74 @@
+//! Mixtures as a user types them.
+
+use crate::common::typed::{columns, comminute, number, run, same_files, summary};
+
+const QUIET: [&str; 2] = ["records.figures=false", "records.snapshots=false"];
+
+/// Li et al. 2023, section 3.2, after 0.5 s: errors of at most 0.3 % in velocity (theirs too) and in displacement (theirs 0.06 %; the block is
+/// let go without stress, and slides more freely until it bears its weight).
+#[test]
+fn a_block_slides_as_coulomb_has_it() {
+    let folder = tempfile::tempdir().expect("folder");
+    for friction in [0.1, 0.5] {
+        let out = folder.path().join(format!("mu-{friction}"));
+        let set = format!("wall[0].friction={friction}");
+        let sets: Vec<&str> = [set.as_str()].into_iter().chain(QUIET).collect();
+        run("mixture/sliding_block", &out, &sets, &[]).assert().success();
+        let rows = columns(&out, ["time_s", "momentum_x_kg_m_s"]);
+        let [time, momentum] = rows[rows.len() - 1];
+        let mass = 2000.0 * 0.3 * 0.15 * 0.15;
+        let exact = (10.0 - 10.0 * friction) * time;
+        assert!((momentum / mass / exact - 1.0).abs() < 3e-3, "{} of {exact} m/s", momentum / mass);
+        let way = mean_x(&out.join("points_final.csv")) - mean_x(&out.join("points_start.csv"));
+        assert!((way / (0.5 * exact * time) - 1.0).abs() < 3e-3, "{way} of {} m", 0.5 * exact * time);
+    }
+}
+
+fn mean_x(points: &std::path::Path) -> f64 {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(points).expect("points");
+    let k = reader.headers().expect("header").iter().position(|h| h == "x_m").expect("x_m");
+    let x: Vec<f64> = reader.records().map(|r| r.expect("row")[k].parse().expect("number")).collect();
+    x.iter().sum::<f64>() / x.len() as f64
+}
+
+/// A small binary mixture: placed in balance at the cell pressure, borne by matrix and grains together, the same bytes for any number of threads and when
+/// stopped and resumed.
+#[test]
+fn a_small_mixture_is_in_balance_and_resumes_to_the_byte() {
+    let folder = tempfile::tempdir().expect("folder");
+    let whole = folder.path().join("whole");
+    let sets: Vec<&str> = ["test.axial_strain=0.002", "records.rows=20"].into_iter().chain(QUIET).collect();
+    run("mixture/triaxial_small", &whole, &sets, &[]).assert().success();
+    let s = summary(&whole);
+    assert!((number(&s, "coarse_mass_fraction") - 0.2).abs() < 0.01, "{s}");
+    let rows = columns(&whole, ["sigma_1_kPa", "sigma_zz_of_contacts_kPa", "q_kPa", "q_interface_kPa"]);
+    let [axial, contacts, q, interface] = rows[rows.len() - 1];
+    // as filled, and in the end by who bears it
+    let mut history = csv::Reader::from_path(whole.join("history.csv")).expect("history");
+    let k = history.headers().expect("header").iter().position(|h| h == "sigma_1_kPa").expect("column");
+    let first: f64 = history.records().next().expect("a row").expect("row")[k].parse().expect("number");
+    assert!((first / 50.0 - 1.0).abs() < 0.01, "{first} kPa");
+    assert!((contacts / axial - 1.0).abs() < 0.02, "{contacts} of {axial}");
+    assert!(q > 10.0 && interface > 0.1 * q, "{interface} of {q}");
+
+    let parts = folder.path().join("parts");
+    let half = (number(&s, "steps") as u64 / 2).to_string();
+    run("mixture/triaxial_small", &parts, &sets, &["--stop-after", &half]).assert().code(130);
+    comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
+    same_files(&whole, &parts);
+}
+
+#[test]
+fn mixtures_that_cannot_be_are_refused() {
+    for (set, says) in [
+        ("grid.plane_strain=true", "its grains are spheres"),
+        ("coarse.mass_fraction=0.9", "cannot be placed at random"),
+        ("coarse.material=gravel", "is no material of the scene"),
+        ("stepping.inertia_scaling=true", "a continuum moves in time"),
+        ("coarse.diameter_mm=[10.0, 9.0]", "smallest, then the largest"),
+    ] {
+        let mut command = comminute("check");
+        command.args(["experiments/mixture/triaxial_small.toml", "--set", set]);
+        command.assert().code(2).stderr(predicates::str::contains(says));
+    }
+}
