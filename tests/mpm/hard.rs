@@ -1,0 +1,89 @@
+//! Hard cases on the grid: sand pulled apart, sand without friction, a nearly incompressible block, a platen through the sample.
+
+use crate::common::{FLIP, continuum, elastic, fill, settings, steps};
+use comminute::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Parameters};
+use comminute::mpm::{Dimension, Platen, Transfer};
+
+fn sand(friction: f64) -> Vec<Law> {
+    vec![Law::DruckerPrager(DruckerPrager::new(Parameters {
+        elastic: Elastic::of_young(1e6, 0.3),
+        cone: Cone::Outer,
+        friction: Evolution::Constant(friction),
+        cohesion: Evolution::Constant(if friction > 0.0 { 0.0 } else { 10.0 }),
+        dilation: 0.0,
+        tension: f64::INFINITY,
+    }))]
+}
+
+/// A block of cohesionless sand whose halves fly apart: it bears no tension, no energy comes from it, momentum stays.
+#[test]
+fn cohesionless_sand_is_pulled_apart_without_tension() {
+    for transfer in [FLIP, Transfer::Affine] {
+        let mut s = settings(Dimension::Space, 0.1, [30, 8, 8]);
+        s.transfer = transfer;
+        let halves = |x: [f64; 3]| [if x[0] < 1.5 { -1.0 } else { 1.0 }, 0.0, 0.0];
+        let points = fill(&s, [[1.2, 0.3, 0.3], [1.8, 0.5, 0.5]], 2, 1600.0, |_| true, halves);
+        let mut c = continuum(s, sand(0.5), points);
+        let start = c.totals();
+        let dt = c.stable_step(0.3);
+        for _ in 0..10 {
+            steps(&mut c, dt, 20);
+            let most = c.points().stress.iter().map(|s| (s[0] + s[1] + s[2]) / 3.0).fold(f64::NEG_INFINITY, f64::max);
+            assert!(most <= 1e-6, "mean tension of {most} Pa");
+        }
+        let end = c.totals();
+        assert!(end.kinetic <= start.kinetic * (1.0 + 1e-12), "{} of {}", end.kinetic, start.kinetic);
+        assert!((0..3).all(|a| (end.momentum[a] - start.momentum[a]).abs() < 1e-12 * start.mass));
+    }
+}
+
+/// Material that hardly bears shear (no friction, 10 Pa of cohesion) between smooth sides rests under its weight with the same pressure in all directions.
+#[test]
+fn material_without_friction_rests_as_a_liquid() {
+    let mut s = settings(Dimension::PlaneStrain, 0.1, [4, 10, 1]);
+    s.walls[..3].fill(comminute::mpm::Wall::Symmetry);
+    (s.gravity, s.damping) = ([0.0, -10.0, 0.0], 0.1);
+    let points = fill(&s, [[0.0; 3], [0.4, 0.8, 0.0]], 2, 1000.0, |_| true, |_| [0.0; 3]);
+    let mut c = continuum(s, sand(0.0), points);
+    let dt = c.stable_step(0.4);
+    steps(&mut c, dt, 4000);
+    for (stress, position) in c.points().stress.iter().zip(&c.points().position) {
+        assert!((stress[0] - stress[1]).abs() < 25.0, "{stress:?}");
+        // within the stress of a row of points of that of the depth
+        let depth = 1000.0 * 10.0 * (0.8 - position[1]);
+        assert!((-stress[1] - depth).abs() < 500.0, "{stress:?} at a depth of {depth} Pa");
+    }
+}
+
+/// ν = 0.49: the step's bound knows the volume wave, and the energy of a vibrating block stays.
+#[test]
+fn a_nearly_incompressible_block_is_stable() {
+    let s = settings(Dimension::Space, 0.1, [12, 8, 8]);
+    let stretch = |x: [f64; 3]| [0.5 * (x[0] - 0.6), -0.25 * (x[1] - 0.4), -0.25 * (x[2] - 0.4)];
+    let points = fill(&s, [[0.4, 0.2, 0.2], [0.8, 0.6, 0.6]], 2, 1000.0, |_| true, stretch);
+    let mut c = continuum(s, elastic(1e6, 0.49), points);
+    let start = c.totals().kinetic;
+    let dt = c.stable_step(0.5);
+    for _ in 0..10 {
+        steps(&mut c, dt, 100);
+        let energy = c.totals().kinetic + c.stress_work();
+        assert!((energy / start - 1.0).abs() < 0.05, "{energy} of {start} J");
+    }
+}
+
+#[test]
+fn a_platen_through_the_sample_stops_the_run() {
+    let s = settings(Dimension::Space, 0.1, [8, 8, 10]);
+    let points = fill(&s, [[0.2; 3], [0.6; 3]], 2, 1000.0, |_| true, |_| [0.0; 3]);
+    let mut c = continuum(s, elastic(1e5, 0.3), points);
+    let mut platen = Platen::new(&c, [0.4, 0.4, 0.61], [0.0, 0.0, -1.0], 1e3);
+    platen.speed = 50.0;
+    let dt = c.stable_step(0.3);
+    let told = (0..1000).find_map(|_| {
+        let passed = platen.press(&mut c).and_then(|()| c.step(dt)).err();
+        platen.advance(dt);
+        passed
+    });
+    let told = told.expect("stopped").to_string();
+    assert!(told.contains("a platen has passed point"), "{told}");
+}
