@@ -1,4 +1,4 @@
-//! Cases of the continuum with closed forms, each at several resolutions: how far off, after how long.
+//! Cases of the continuum, and of grains in it, with closed forms, each at several resolutions: how far off, after how long.
 //!
 //! A [`Case`] is a file of its own: it takes a way of doing it and a resolution to errors. Some put points on a grid themselves (what a scene cannot
 //! say: a velocity that varies from place to place), others run a scene as a user would. Here times are measured, tables and figures made.
@@ -8,7 +8,9 @@ pub mod block;
 mod collapse;
 pub mod column;
 pub mod cones;
+mod contact_slide;
 pub mod disk;
+mod impact;
 mod oedometer;
 pub mod patch;
 mod pushed;
@@ -80,7 +82,7 @@ pub struct Row {
 }
 
 /// All cases.
-pub const CASES: [Case; 11] = [
+pub const CASES: [Case; 13] = [
     bar::CASE,
     wave::CASE,
     column::CASE,
@@ -92,6 +94,8 @@ pub const CASES: [Case; 11] = [
     cones::CASE,
     collapse::SPACE,
     collapse::PLANE,
+    impact::CASE,
+    contact_slide::CASE,
 ];
 
 /// The cases of these names, or all.

@@ -1,0 +1,51 @@
+//! A block of points that slides on a wall by ghost contacts.
+
+use super::{Case, Found, Task, scene};
+use crate::error::Result;
+use std::f64::consts::PI;
+
+pub const CASE: Case = Case {
+    name: "contact_slide",
+    about: "A block of points slides on a wall of grains' contacts, half a second (Li et al. 2023, section 3.2; scene mixture/sliding_block)",
+    exact: "v = (10 − 10 μ) t, s = v t/2 (eqs 40, 41)",
+    across: "cells along the height",
+    resolutions: &[3, 6, 10],
+    ways: &["μ = 0.1", "μ = 0.2", "μ = 0.3", "μ = 0.4", "μ = 0.5"],
+    quantities: &["velocity", "distance"],
+    run,
+    graphs: None,
+};
+/// Height of the block, mm, pressure under it, Pa, and E* of its ghosts on a rigid wall, Pa.
+const HEIGHT: f64 = 150.0;
+const PRESSURE: f64 = 2000.0 * 10.0 * 0.15;
+const MODULUS: f64 = 80e6 / (1.0 - 0.3 * 0.3);
+
+fn run(task: &Task) -> Result<Found> {
+    let friction = 0.1 * (task.way + 1) as f64;
+    // the wall stands where the ghosts bear the block: they reach out of its face by their radius less half a spacing
+    let spacing = 0.5e-3 * HEIGHT / f64::from(task.cells);
+    let ghost = (0.75 / PI).cbrt() * spacing;
+    let depth = (PRESSURE * spacing * spacing / (4.0 / 3.0 * MODULUS * ghost.sqrt())).cbrt().powi(2);
+    let wall = 0.5 * spacing - ghost + depth;
+    let sets = [
+        format!("grid.cell_mm={:?}", HEIGHT / f64::from(task.cells)),
+        format!("grid.min_mm={:?}", [100.0, 50.0, 100.0].map(|x| -whole(task, x))),
+        format!("grid.max_mm={:?}", [1500.0, 200.0, 300.0].map(|x| whole(task, x))),
+        format!("wall[0].point_m=[0.0, 0.0, {wall:?}]"),
+        format!("wall[0].friction={friction:?}"),
+    ];
+    let run = scene::run(task, "../mixture/sliding_block", &sets)?;
+    let (points, steps) = run.size()?;
+    let time = run.number("time_s")?;
+    let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+    let velocity = mean(run.column("points_final.csv", "vx_m_s")?);
+    let moved = mean(run.column("points_final.csv", "x_m")?) - mean(run.column("points_start.csv", "x_m")?);
+    let exact = 10.0 * (1.0 - friction) * time;
+    Ok(Found { points, steps, errors: vec![velocity / exact - 1.0, moved / (0.5 * exact * time) - 1.0] })
+}
+
+/// At least so long, mm, in whole cells: the points' lattice is that of the grid, and the block stands on a node.
+fn whole(task: &Task, length: f64) -> f64 {
+    let cell = HEIGHT / f64::from(task.cells);
+    cell * (length / cell).ceil()
+}
