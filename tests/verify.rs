@@ -46,6 +46,22 @@ fn cases_that_are_scenes_find_their_closed_forms() {
     verify(out, &["--only", "cones"]).assert().code(2).stderr(contains("--force"));
 }
 
+/// Grains and points: after an impact the grain's velocity is within 1 % at 10 cells, and nearer than at 6; blocks slide within 0.3 %.
+#[test]
+fn ghost_contacts_find_their_closed_forms() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path();
+    verify(out, &["--only", "impact", "--levels", "3", "--threads", "2"]).assert().success();
+    let found = errors(out);
+    let error = |cells: u32, quantity: &str| found[&("impact".into(), "FLIP".into(), cells, quantity.into())].abs();
+    assert!(error(10, "velocity of the grain") < 0.01 && error(10, "energy") < 0.01, "{found:?}");
+    assert!(error(10, "velocity of the grain") < 0.5 * error(6, "velocity of the grain"), "{found:?}");
+    verify(out, &["--only", "contact_slide", "--levels", "1", "--threads", "2", "--force"]).assert().success();
+    for ((_, way, _, quantity), error) in errors(out) {
+        assert!(error.abs() < 3e-3, "{way}: {quantity} off by {error}");
+    }
+}
+
 #[test]
 fn what_is_no_case_is_refused() {
     let folder = tempfile::tempdir().expect("folder");
