@@ -31,6 +31,26 @@ fn a_small_mixture_is_in_balance_and_resumes_to_the_byte() {
     same_files(&whole, &parts);
 }
 
+/// A chain of crushable grains in a soil: one breaks, its daughters go on in smaller steps, mass is that of the grains less what the pattern loses.
+#[test]
+fn a_grain_breaks_inside_a_continuum() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("out");
+    let sets: Vec<&str> = ["test.axial_strain=0.012", "records.rows=60"].into_iter().chain(QUIET).collect();
+    run("mixture/oedometer_crushing", &out, &sets, &[]).assert().success();
+    let rows = columns(&out, ["crush_events", "grains", "coarse_mass_kg", "sigma_v_kPa", "q_skeleton_kPa", "q_kPa"]);
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    let [events, grains, mass, ..] = last;
+    assert!(events >= 1.0 && grains == 3.0 + 13.0 * events, "{last:?}");
+    // 46.6 % of one of three equal grains (NOTES: sum of r³ of the pattern is 0.53378)
+    assert!((mass / first[2] - (1.0 - events * (1.0 - 0.53378) / 3.0)).abs() < 1e-4 || events > 1.0, "{mass} of {}", first[2]);
+    // the chain bears most of the deviatoric stress until it breaks
+    let before = rows.iter().rev().find(|r| r[0] == 0.0).expect("a row before");
+    assert!(before[4] > 0.5 * before[5], "{before:?}");
+    let after = rows.iter().find(|r| r[0] > 0.0).expect("a row after");
+    assert!(last[3] < 0.5 * before[3] && after[3] < before[3], "{before:?} {last:?}");
+}
+
 #[test]
 fn mixtures_that_cannot_be_are_refused() {
     for (set, says) in [
