@@ -2,7 +2,7 @@
 
 use super::{Body, Bound, Ghost, GhostTable, Ghosts};
 use crate::boundary::Wall;
-use crate::contact::force::{self, Meeting, Memory, Motion, Rules, cross, dot, less, plus, scaled};
+use crate::contact::force::{self, Meeting, Memory, Motion, Rules, cross, dot, less, scaled};
 use crate::contact::law::Law;
 use crate::contact::pairs::Touch;
 use crate::grains::Grains;
@@ -42,18 +42,11 @@ impl Ghost {
 
 impl Ghosts {
     /// Finds the forces of this instant. Parallel over contacts; each writes only itself.
-    pub(super) fn evaluate<const LEDGER: bool>(&mut self, scene: &Scene<'_>) {
+    pub(super) fn evaluate(&mut self, scene: &Scene<'_>) {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, task: TASK, arch: pulp::Arch::Scalar };
         with_law!(scene.table.law, L => {
-            self.near.par_iter_mut().with_min_len(TASK).for_each(|ghost| contact::<L, LEDGER>(scene, &rules, ghost));
+            self.near.par_iter_mut().with_min_len(TASK).for_each(|ghost| contact::<L>(scene, &rules, ghost));
         });
-        if LEDGER {
-            for ghost in &self.near {
-                for (sum, w) in self.work.iter_mut().zip(ghost.work) {
-                    *sum += w;
-                }
-            }
-        }
     }
 
     /// Gives grains and points their shares of what the contacts bear, in the order of bodies and points.
@@ -125,7 +118,7 @@ fn torque(touch: &Touch, radius: f64) -> [f64; 3] {
     scaled(cross(touch.normal, touch.tangential), radius - 0.5 * touch.overlap)
 }
 
-fn contact<L: Law, const LEDGER: bool>(scene: &Scene<'_>, rules: &Rules, ghost: &mut Ghost) {
+fn contact<L: Law>(scene: &Scene<'_>, rules: &Rules, ghost: &mut Ghost) {
     let points = scene.continuum.points();
     let [body, point] = ghost.place.map(|p| p as usize);
     let carried = points.carried[point];
@@ -156,33 +149,22 @@ fn contact<L: Law, const LEDGER: bool>(scene: &Scene<'_>, rules: &Rules, ghost: 
         }
     };
     let old = Memory { touch: ghost.touch, spring: L::VISCOUS.then_some(ghost.spring), rolling: None, load: None, work: None };
-    // what the contact does to the body alone: the ghost's share taken away
-    let alone = Motion { centres: plus(motion.centres, carried), ..motion };
-    let before = if LEDGER { alone.power(&ghost.touch) } else { 0.0 };
     if overlap > 0.0 {
         let m_eff = if L::VISCOUS { 1.0 / (inverse_mass + 1.0 / ghost.mass) } else { 0.0 };
         let meeting = Meeting { normal, overlap, r_eff, m_eff, motion };
-        let new = force::touching::<f64, L, LEDGER, true>(&meeting, pair, rules, &old);
+        let new = force::touching::<f64, L, false, true>(&meeting, pair, rules, &old);
         let e = L::elastic(overlap, r_eff, pair);
         ghost.stiffness = [e.k_n, e.k_t];
         keep(ghost, new);
     } else if ghost.touch.overlap > 0.0 {
         ghost.stiffness = [0.0; 2];
-        keep(ghost, force::apart::<LEDGER>(|| motion, rules.dt, &old));
-    } else {
-        ghost.work = [0.0; 4];
-        return;
-    }
-    if LEDGER {
-        ghost.work[3] = 0.5 * (before + alone.power(&ghost.touch)) * rules.dt;
+        keep(ghost, force::apart::<false>(|| motion, rules.dt, &old));
     }
 }
 
 fn keep(ghost: &mut Ghost, new: Memory) {
     ghost.touch = new.touch;
     ghost.spring = new.spring.unwrap_or_default();
-    let [path, slip, viscous] = new.work.unwrap_or_default();
-    ghost.work = [path, slip, viscous, 0.0];
 }
 
 fn ahead(p: [f64; 4], v: [f64; 3], by: f64) -> [f64; 3] {

@@ -200,11 +200,7 @@ impl Mixture {
         let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
         self.ghosts.update(grains, walls, continuum, dt * (point + grain.max(wall)));
         let scene = Scene { grains, walls, continuum, table, unloading: parts.model.contact.unloading, dt, ahead };
-        if self.grains.pairs.kept().work {
-            self.ghosts.evaluate::<true>(&scene);
-        } else {
-            self.ghosts.evaluate::<false>(&scene);
-        }
+        self.ghosts.evaluate(&scene);
     }
 
     /// Mass, kg, and momentum, kg m/s, of grains and points.

@@ -47,8 +47,6 @@ pub struct Ghost {
     pub touch: Touch,
     /// Tangential spring (viscous laws), N.
     spring: [f64; 3],
-    /// Work of the last step: path, slip, viscous, J, and what of the path went to the body.
-    work: [f64; 4],
     /// Tangent stiffnesses of the last sweep, normal and tangential, N/m.
     stiffness: [f64; 2],
 }
@@ -62,8 +60,6 @@ pub struct Ghosts {
     travelled: f64,
     /// What was searched: grains and points alive then.
     searched: [usize; 2],
-    /// Work since the start: path, slip, viscous, J; of the path what went to grains and walls.
-    pub work: [f64; 4],
     /// Scratch: index by identity.
     #[serde(skip)]
     index: [Vec<u32>; 2],

@@ -5,7 +5,7 @@ use crate::boundary::Wall;
 use crate::contact::pairs::Touch;
 use crate::grains::Grains;
 use crate::mpm::Continuum;
-use crate::mpm::platen::ghost_radius_of;
+use crate::mpm::platen::ghost_radius;
 
 /// A body and a point further apart than this share of a cell are not looked at until one of them has gone so far.
 const SKIN: f64 = 0.25;
@@ -31,25 +31,15 @@ impl Ghosts {
     }
 
     fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) {
-        let points = continuum.points();
+        let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
-        let reach = ghost_radius_of(continuum, most) + skin;
+        let reach = ghost_radius(dimension, most) + skin;
         let mut found: Vec<Ghost> = Vec::new();
         let mut near = |body: Body, place: u32, i: usize| {
-            let radius = ghost_radius_of(continuum, points.solid(i));
+            let radius = ghost_radius(dimension, points.solid(i));
             let (point, mass) = (points.id[i], points.velocity[i][3]);
             let (touch, none) = (Touch::default(), [0.0; 3]);
-            found.push(Ghost {
-                body,
-                point,
-                place: [place, i as u32],
-                radius,
-                mass,
-                touch,
-                spring: none,
-                work: [0.0; 4],
-                stiffness: [0.0; 2],
-            });
+            found.push(Ghost { body, point, place: [place, i as u32], radius, mass, touch, spring: none, stiffness: [0.0; 2] });
         };
         for (g, p) in grains.pos.iter().enumerate() {
             let far = p[3] + reach;

@@ -90,11 +90,6 @@ fn cube_root(x: f64) -> f64 {
     y
 }
 
-/// Ghost radius, m, of a point of `continuum` with so much solid volume, m³.
-pub fn ghost_radius_of(continuum: &Continuum, solid: f64) -> f64 {
-    ghost_radius(continuum.settings().dimension, solid)
-}
-
 /// A point whose centre a platen has passed.
 pub(crate) fn passed(step: u64, id: u32) -> Error {
     let what = format!("a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it");

@@ -204,50 +204,45 @@ fn invariants(s: &[f64; 6]) -> (f64, f64) {
     (p, (3.0 * j2).sqrt())
 }
 
+/// A field of a snapshot: its name, how many numbers it has, and those of what stands at an index.
+type Of<'a> = (&'static str, usize, &'a dyn Fn(usize) -> Vec<f64>);
+
 /// Writes a ParaView snapshot of the points.
 pub fn write_snapshot(path: &Path, state: &State) -> Result<()> {
     let points = state.continuum.points();
-    let order: Vec<usize> = points.by_id().into_iter().map(|i| i as usize).collect();
-    let position: Vec<[f64; 3]> =
-        order.iter().map(|&i| [points.position[i][0], points.position[i][1], points.position[i][2]]).collect();
-    let field = |name, components, of: &dyn Fn(usize) -> Vec<f64>| Field {
-        name,
-        components,
-        values: order.iter().flat_map(|&i| of(i)).collect(),
-    };
-    let fields = [
-        field("id", 1, &|i| vec![f64::from(points.id[i])]),
-        field("velocity_m_s", 3, &|i| points.velocity[i][..3].to_vec()),
-        field("stress_Pa_tension_positive", 6, &|i| points.stress[i].to_vec()),
-        field("p_Pa", 1, &|i| vec![invariants(&points.stress[i]).0]),
-        field("q_Pa", 1, &|i| vec![invariants(&points.stress[i]).1]),
-        field("plastic_strain", 1, &|i| vec![points.memory[i].plastic]),
-        field("volume_m3", 1, &|i| vec![points.position[i][3]]),
-        field("porosity", 1, &|i| vec![points.porosity(i)]),
-        field("material", 1, &|i| vec![f64::from(points.law[i])]),
+    let fields: [Of; 9] = [
+        ("id", 1, &|i| vec![f64::from(points.id[i])]),
+        ("velocity_m_s", 3, &|i| points.velocity[i][..3].to_vec()),
+        ("stress_Pa_tension_positive", 6, &|i| points.stress[i].to_vec()),
+        ("p_Pa", 1, &|i| vec![invariants(&points.stress[i]).0]),
+        ("q_Pa", 1, &|i| vec![invariants(&points.stress[i]).1]),
+        ("plastic_strain", 1, &|i| vec![points.memory[i].plastic]),
+        ("volume_m3", 1, &|i| vec![points.position[i][3]]),
+        ("porosity", 1, &|i| vec![points.porosity(i)]),
+        ("material", 1, &|i| vec![f64::from(points.law[i])]),
     ];
-    let step = state.continuum.steps();
-    vtk::write_points(path, &position, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+    write_fields(path, state.continuum.steps(), &points.by_id(), &points.position, &fields)
 }
 
 /// Writes a ParaView snapshot of the grains in a continuum.
 pub fn write_grains(path: &Path, step: u64, g: &Grains) -> Result<()> {
-    let order: Vec<usize> = g.by_id().into_iter().map(|i| i as usize).collect();
-    let position: Vec<[f64; 3]> = order.iter().map(|&i| [g.pos[i][0], g.pos[i][1], g.pos[i][2]]).collect();
-    let field = |name, components, of: &dyn Fn(usize) -> Vec<f64>| Field {
-        name,
-        components,
-        values: order.iter().flat_map(|&i| of(i)).collect(),
-    };
-    let fields = [
-        field("id", 1, &|i| vec![f64::from(g.id[i])]),
-        field("radius_m", 1, &|i| vec![g.pos[i][3]]),
-        field("velocity_m_s", 3, &|i| g.vel[i][..3].to_vec()),
-        field("spin_rad_s", 3, &|i| g.spin[i][..3].to_vec()),
-        field("generation", 1, &|i| vec![f64::from(g.generation[i])]),
-        field("material", 1, &|i| vec![f64::from(g.material[i])]),
+    let fields: [Of; 6] = [
+        ("id", 1, &|i| vec![f64::from(g.id[i])]),
+        ("radius_m", 1, &|i| vec![g.pos[i][3]]),
+        ("velocity_m_s", 3, &|i| g.vel[i][..3].to_vec()),
+        ("spin_rad_s", 3, &|i| g.spin[i][..3].to_vec()),
+        ("generation", 1, &|i| vec![f64::from(g.generation[i])]),
+        ("material", 1, &|i| vec![f64::from(g.material[i])]),
     ];
-    vtk::write_points(path, &position, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+    write_fields(path, step, &g.by_id(), &g.pos, &fields)
+}
+
+fn write_fields(path: &Path, step: u64, order: &[u32], position: &[[f64; 4]], fields: &[Of]) -> Result<()> {
+    let indices = || order.iter().map(|&i| i as usize);
+    let places: Vec<[f64; 3]> = indices().map(|i| [position[i][0], position[i][1], position[i][2]]).collect();
+    let field = |&(name, components, of): &Of| Field { name, components, values: indices().flat_map(of).collect() };
+    let fields: Vec<Field> = fields.iter().map(field).collect();
+    vtk::write_points(path, &places, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
 }
 
 /// Columns of the grains in a continuum.

@@ -1,6 +1,6 @@
 //! A block of points that slides on a wall by ghost contacts.
 
-use super::{Case, Found, Task, scene};
+use super::{Case, Found, Task, scene, slide};
 use crate::error::Result;
 use std::f64::consts::PI;
 
@@ -34,14 +34,7 @@ fn run(task: &Task) -> Result<Found> {
         format!("wall[0].point_m=[0.0, 0.0, {wall:?}]"),
         format!("wall[0].friction={friction:?}"),
     ];
-    let run = scene::run(task, "../mixture/sliding_block", &sets)?;
-    let (points, steps) = run.size()?;
-    let time = run.number("time_s")?;
-    let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
-    let velocity = mean(run.column("points_final.csv", "vx_m_s")?);
-    let moved = mean(run.column("points_final.csv", "x_m")?) - mean(run.column("points_start.csv", "x_m")?);
-    let exact = 10.0 * (1.0 - friction) * time;
-    Ok(Found { points, steps, errors: vec![velocity / exact - 1.0, moved / (0.5 * exact * time) - 1.0] })
+    slide::found(&scene::run(task, "../mixture/sliding_block", &sets)?, friction)
 }
 
 /// At least so long, mm, in whole cells: the points' lattice is that of the grid, and the block stands on a node.

@@ -25,6 +25,11 @@ fn run(task: &Task) -> Result<Found> {
         sets.push("grid.pic=0.01".into());
     }
     let run = scene::run(task, "sliding_block", &sets)?;
+    found(&run, friction)
+}
+
+/// Errors of a block that has slid from rest, as its run has left it.
+pub(super) fn found(run: &scene::Run, friction: f64) -> Result<Found> {
     let (points, steps) = run.size()?;
     let time = run.number("time_s")?;
     let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
