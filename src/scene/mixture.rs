@@ -35,6 +35,7 @@ impl View<'_> {
         let test = self.text("test.rig") != "free";
         let mut grains = if self.list("grain").is_empty() { Vec::new() } else { self.grains(named)? };
         let walls = self.walls(named, &grains);
+        let blocks = self.blocks(named, materials)?;
         let mut rig = self.continuum_rig(&fines, |points, settings, test| {
             if let Test::Oedometer(specimen) | Test::Triaxial { specimen, .. } = test {
                 let density = materials[usize::from(ghosts[usize::from(points.law[0])])].density;
@@ -59,7 +60,9 @@ impl View<'_> {
                 Some(rates)
             }
         };
-        rig.coarse = Some(Coarse { grains, walls, ghosts, rates });
+        let coarse = Coarse { grains, blocks, walls, ghosts, rates };
+        self.blocks_have_room(&rig, &coarse);
+        rig.coarse = Some(coarse);
         Some(rig)
     }
 
