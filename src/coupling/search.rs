@@ -39,7 +39,17 @@ impl Ghosts {
             let radius = ghost_radius(dimension, points.solid(i));
             let (point, mass) = (points.id[i], points.velocity[i][3]);
             let (touch, none) = (Touch::default(), [0.0; 3]);
-            found.push(Ghost { body, point, place: [place, i as u32], radius, mass, touch, spring: none, stiffness: [0.0; 2] });
+            found.push(Ghost {
+                body,
+                point,
+                place: [place, i as u32],
+                radius,
+                mass,
+                touch,
+                spring: none,
+                stiffness: [0.0; 2],
+                reference: 0.0,
+            });
         };
         for (g, p) in grains.pos.iter().enumerate() {
             let far = p[3] + reach;
@@ -60,8 +70,18 @@ impl Ghosts {
             }
         }
         found.sort_unstable_by_key(|g| (g.body, g.point));
-        let touching = self.near.iter().filter(|g| g.touch.overlap > 0.0);
-        remember(touching, &mut found, |g| (g.body, g.point), |old, new| (new.touch, new.spring) = (old.touch, old.spring));
+        let known = self.near.iter().filter(|g| g.touch.overlap > 0.0 || g.reference > 0.0);
+        let keep = |old: &Ghost, new: &mut Ghost| {
+            (new.touch, new.spring, new.reference) = (old.touch, old.spring, old.reference);
+        };
+        remember(known, &mut found, |g| (g.body, g.point), keep);
+        if let Some(born) = &mut self.newborn {
+            let new = |g: &Ghost| g.point >= born.points || matches!(g.body, Body::Grain(id) if id >= born.grains);
+            for g in found.iter_mut().filter(|g| g.point >= born.first && new(g)) {
+                g.reference = f64::INFINITY;
+            }
+            (born.grains, born.points) = (grains.next_id, points.next_id);
+        }
         self.near = found;
     }
 

@@ -99,7 +99,7 @@ impl View<'_> {
             self.refuse(&key, message);
             return None;
         }
-        match Polyhedron::new(points, rounding) {
+        match Polyhedron::hull(points, rounding) {
             Ok(placed) => Some((placed.polyhedron, placed.axes)),
             Err(message) => {
                 self.refuse(&key, message);

@@ -48,7 +48,7 @@ impl Polyhedron {
     ///
     /// # Errors
     /// Points whose hull has no volume, in words.
-    pub fn new(points: &[[f64; 3]], rounding: f64) -> Result<Placed, String> {
+    pub fn hull(points: &[[f64; 3]], rounding: f64) -> Result<Placed, String> {
         let vectors: Vec<Vector> = points.iter().map(|&p| Vector::from(p)).collect();
         let (corners, triangles) = try_convex_hull(&vectors).map_err(|e| format!("have no convex hull with a volume: {e}"))?;
         let corners: Vec<[f64; 3]> = corners.into_iter().map(Into::into).collect();

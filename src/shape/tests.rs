@@ -25,7 +25,7 @@ fn rock(rounding: f64) -> Placed {
         [0.4, 0.5, 1.1],
         [0.5, 0.5, 0.5],
     ];
-    Polyhedron::new(&points, rounding).expect("a hull")
+    Polyhedron::hull(&points, rounding).expect("a hull")
 }
 
 fn shapes() -> Vec<Shape> {
@@ -174,7 +174,7 @@ fn corners(half: [f64; 3]) -> Vec<[f64; 3]> {
 fn a_box_of_eight_points_is_a_box() {
     let half = [0.5, 0.3, 0.2];
     let sharp =
-        Polyhedron::new(&corners(half).iter().map(|p| plus(*p, [7.0, -3.0, 2.0])).collect::<Vec<_>>(), 0.0).expect("a hull");
+        Polyhedron::hull(&corners(half).iter().map(|p| plus(*p, [7.0, -3.0, 2.0])).collect::<Vec<_>>(), 0.0).expect("a hull");
     assert!((0..3).all(|a| (sharp.centre[a] - [7.0, -3.0, 2.0][a]).abs() < 1e-14), "{:?}", sharp.centre);
     let (bulk, exact) = (sharp.polyhedron.bulk(), Cuboid { half }.bulk());
     assert!((bulk.volume / exact.volume - 1.0).abs() < 1e-13);
@@ -186,7 +186,7 @@ fn a_box_of_eight_points_is_a_box() {
     assert!((0..3).all(|k| (found[k] / moments[k] - 1.0).abs() < 1e-12), "{found:?} {moments:?}");
 
     let r = 0.1;
-    let round = Polyhedron::new(&corners(half), r).expect("a hull").polyhedron;
+    let round = Polyhedron::hull(&corners(half), r).expect("a hull").polyhedron;
     let [a, b, c] = half.map(|h| 2.0 * h);
     let pi = std::f64::consts::PI;
     let steiner = a * b * c + 2.0 * r * (a * b + b * c + c * a) + pi * r * r * (a + b + c) + 4.0 / 3.0 * pi * r.powi(3);
@@ -226,7 +226,7 @@ fn flat_points_are_no_polyhedron() {
     let flat = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.4, 0.4, 0.0]];
     let line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
     for points in [&flat[..], &line[..], &[[0.0; 3]; 4][..]] {
-        let told = Polyhedron::new(points, 0.0).expect_err("refused");
+        let told = Polyhedron::hull(points, 0.0).expect_err("refused");
         assert!(told.contains("no convex hull with a volume"), "{told}");
     }
 }

@@ -54,7 +54,7 @@ fn shapes() -> Vec<Shape> {
     vec![
         Shape::Box(Cuboid { half }),
         Shape::Superquadric(Superquadric { half, blockiness: [6.0, 4.0] }),
-        Shape::Polyhedron(Polyhedron::new(&points, 0.01).expect("a hull").polyhedron),
+        Shape::Polyhedron(Polyhedron::hull(&points, 0.01).expect("a hull").polyhedron),
     ]
 }
 

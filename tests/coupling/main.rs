@@ -3,6 +3,7 @@
 mod blocks;
 #[path = "../common/mod.rs"]
 mod common;
+mod fines;
 mod impact;
 #[path = "../mpm/common.rs"]
 mod points;

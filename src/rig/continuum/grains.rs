@@ -29,7 +29,7 @@ pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Contin
         Test::Triaxial { .. } => platens.iter().map(of).collect(),
     };
     let scene = Assembly { grains: coarse.grains.clone(), walls, steps: None, duration: None, tracks: Vec::new(), record_every: 1 };
-    let mut mixture = Mixture::new(model, assembly::start(model, &scene), continuum);
+    let mut mixture = Mixture::new(model, assembly::start(model, &scene), continuum, coarse.fines);
     if !coarse.blocks.is_empty() {
         mixture.blocks = Some(Box::new(Blocks::new(coarse.blocks.clone())));
     }
