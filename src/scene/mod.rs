@@ -11,6 +11,7 @@ mod continuum_rig;
 mod crushing;
 mod estimate;
 mod files;
+mod growth;
 mod import;
 mod keys;
 mod layers;

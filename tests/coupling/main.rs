@@ -4,6 +4,7 @@ mod blocks;
 #[path = "../common/mod.rs"]
 mod common;
 mod fines;
+mod growth;
 mod impact;
 #[path = "../mpm/common.rs"]
 mod points;
