@@ -152,10 +152,11 @@ fn a_blocky_superquadric_is_nearly_a_box() {
     assert!((0..3).all(|k| (bulk.moments[k] / exact.moments[k] - 1.0).abs() < 2e-3));
 }
 
-/// Closed forms of volume and inertia against the triangles of the pictures, where a quarter of a turn is four pieces: 1 % of a rounded polyhedron.
+/// Closed forms of volume and inertia against the triangles of the pictures, which lie inside of what is round: a quarter of a turn is four pieces of a rounded
+/// polyhedron (1 %), and 24 of a superquadric (0.21 % of an ellipsoid's volume, a sixteenth of that with four times as many).
 #[test]
 fn bulk_is_that_of_the_surface() {
-    for (shape, tolerance) in shapes().iter().zip([1e-13, 1e-13, 1e-2, 2e-3, 3e-3, 5e-3, 5e-3, 5e-3, 3e-3]) {
+    for (shape, tolerance) in shapes().iter().zip([1e-13, 1e-13, 1e-2, 2.5e-3, 2.5e-3, 2.5e-3, 2.5e-3, 2.5e-3, 2.5e-3]) {
         let (bulk, mesh) = (shape.solid().bulk(), shape.solid().surface().bulk());
         assert!((bulk.volume / mesh.volume - 1.0).abs() < tolerance, "{shape:?}: {bulk:?} {mesh:?}");
         assert!((0..3).all(|k| (bulk.moments[k] / mesh.moments[k] - 1.0).abs() < 2.0 * tolerance), "{shape:?}: {bulk:?} {mesh:?}");
