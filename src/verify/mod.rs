@@ -8,6 +8,7 @@ pub mod block;
 mod collapse;
 pub mod column;
 pub mod cones;
+mod contact_box;
 mod contact_slide;
 pub mod disk;
 mod impact;
@@ -82,7 +83,7 @@ pub struct Row {
 }
 
 /// All cases.
-pub const CASES: [Case; 13] = [
+pub const CASES: [Case; 14] = [
     bar::CASE,
     wave::CASE,
     column::CASE,
@@ -96,6 +97,7 @@ pub const CASES: [Case; 13] = [
     collapse::PLANE,
     impact::CASE,
     contact_slide::CASE,
+    contact_box::CASE,
 ];
 
 /// The cases of these names, or all.
