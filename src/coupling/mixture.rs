@@ -81,7 +81,7 @@ pub struct Mixture {
     /// Cycles done.
     pub cycles: u64,
     /// The last step of grains, and what their own contacts allow, s.
-    last: f64,
+    pub(super) last: f64,
     own: f64,
     /// Steps of the continuum, and the largest speed at which a point was carried in the last one, m/s.
     fastest: (u64, f64),

@@ -20,6 +20,7 @@
 mod continuum;
 mod device;
 mod exact;
+mod grains;
 #[cfg(test)]
 mod law;
 mod layout;
@@ -34,4 +35,5 @@ pub(crate) mod tests;
 
 pub use continuum::{Continuum, Means, Saved};
 pub use device::{Adapter, available};
+pub use grains::Coarse;
 pub use support::{fits, needs};
