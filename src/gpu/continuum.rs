@@ -320,13 +320,37 @@ impl Continuum {
     /// As [`Self::read_back`].
     pub fn read_grains(&self, coarse: (&Model, &GhostTable), mixture: &mut Mixture, cpu: &mut mpm::Continuum) -> Result<()> {
         let Some(bodies) = &self.bodies else { return Ok(()) };
-        // index there of each point of the device
+        let point = self.places(cpu);
+        let dt = f64::from(self.outside.dt) / f64::from(bodies.coupling.rates);
+        bodies.read_back(&self.device, self.steps_done(), coarse, mixture, cpu, &point, dt)
+    }
+
+    /// Index there of each point of the device.
+    fn places(&self, cpu: &mpm::Continuum) -> Vec<u32> {
         let mut point = vec![0; self.by_id.len()];
         for ((_, i), to) in self.by_id.iter().zip(cpu.points().by_id()) {
             point[*i as usize] = to;
         }
-        let dt = f64::from(self.outside.dt) / f64::from(bodies.coupling.rates);
-        bodies.read_back(&self.device, self.steps_done(), coarse, mixture, cpu, &point, dt)
+        point
+    }
+
+    /// Where the last batch has ended between two steps of the grains: those done in the step that was begun, and the length of that, s.
+    pub fn within(&self) -> Option<(u32, f64)> {
+        let bodies = self.bodies.as_ref().filter(|b| b.mix.sub > 0)?;
+        Some((bodies.mix.sub, self.outside.dt.into()))
+    }
+
+    /// Pushes the points of `cpu` as contacts have pushed them in the step that was begun.
+    ///
+    /// # Errors
+    /// A device that was lost.
+    pub fn give(&self, cpu: &mut mpm::Continuum) -> Result<()> {
+        let Some(bodies) = &self.bodies else { return Ok(()) };
+        let point = self.places(cpu);
+        for (force, i) in bodies.pushes(&self.device, self.steps_done())?.into_iter().zip(point) {
+            cpu.push(i as usize, force);
+        }
+        Ok(())
     }
 
     /// Writes what the grains' walls felt at the end of the last batch into `mixture`.

@@ -164,7 +164,6 @@ fn what_the_device_lacks_is_refused_by_name_before_it_starts() {
     refused("column_collapse_a055", &["grid.transfer=apic", "grid.pic=0.0"], &["gpu: transfer = affine: is not available"]);
     refused("triaxial_fine_small", &["grid.shape_functions=gimp"], &["gpu: shape = gimp: is not available"]);
     refused("petroleum_coke/h-c-2", &[], &["--backend gpu: is for continuum scenes: grains are computed on the CPU"]);
-    refused("mixture/triaxial_small", &[], &["--backend gpu: does not have grains in a continuum yet"]);
     refused("platen/silica", &[], &["--backend gpu: is for continuum scenes"]);
     if adapter("what_the_device_lacks_is_refused_by_name_before_it_starts") {
         let wide = "grid.max_mm=[100000.0, 100000.0, 100000.0]";

@@ -411,6 +411,17 @@ impl Bodies {
         Ok(())
     }
 
+    /// Force on each point, N, the mean over the steps of the grains so far.
+    ///
+    /// # Errors
+    /// A device that was lost.
+    pub fn pushes(&self, device: &Device, step: u64) -> Result<Vec<[f64; 3]>> {
+        let bytes = device.read(&[(&self.buffers.pushes, 16 * self.points as u64)], step)?;
+        let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        let share = 1.0 / f64::from(self.coupling.rates);
+        Ok(words.iter().map(|w| [0, 1, 2].map(|a| share * f64::from(f32::from_bits(w[a])))).collect())
+    }
+
     /// Takes what walls felt last, without the rest.
     pub fn walls(&self, cpu: &Cpu, mixture: &mut Mixture) {
         for (k, wall) in mixture.grains.walls.iter_mut().enumerate() {

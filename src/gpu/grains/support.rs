@@ -114,10 +114,10 @@ fn lacking(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Vec<Err
         errors.push(refused(key, value, format!("is not available on the GPU: {what}, or the CPU")));
     };
     if model.contact.rolling {
-        lacks("contact.rolling_friction", "above 0".into(), "use none");
+        lacks("rolling friction", "above 0".into(), "use none");
     }
     if model.contact.unloading == TangentialUnloading::Rescale {
-        lacks("contact.tangential_unloading", "rescale".into(), "use keep");
+        lacks("contact.unloading", "rescale".into(), "use keep");
     }
     let walls = &mixture.grains.walls;
     if walls.len() > SIDES {

@@ -1,10 +1,11 @@
 //! A test on a graphics device: the state goes there once; a look brings back what platens and walls feel, and points and grains come when they are asked for.
 
 use super::{Coupled, Rig, State};
-use crate::coupling::{Bound, Rates};
+use crate::coupling::{Bound, Cycle, Rates};
 use crate::error::Result;
 use crate::gpu::{self, Adapter, Saved};
 use crate::model::Model;
+use crate::mpm::Platen;
 
 /// The points and platens of a [`State`] on the device, and its grains.
 pub struct Device {
@@ -59,10 +60,9 @@ impl Device {
         self.gpu.bounds()
     }
 
-    /// Rates of a mixture where its scene gives none: the grains' steps are shortened as on the processor, unless they may break, which has to be seen at the end of a step.
-    pub(super) fn rates(model: &Model, found: Rates) -> Rates {
-        let grains = if model.crush.is_some() { 1 } else { found.grains.min(MOST) };
-        Rates { grains, continuum: 1 }
+    /// Rates of a mixture where its scene gives none: the continuum has no steps of its own, and the grains not more than so many.
+    pub(super) fn rates(found: Rates) -> Rates {
+        Rates { grains: found.grains.min(MOST), continuum: 1 }
     }
 
     pub(super) fn read_back(&self, state: &mut State, model: &Model) -> Result<()> {
@@ -90,7 +90,7 @@ impl Device {
         let before = self.gpu.steps_done();
         let done = self.gpu.batch(n, dt, safety);
         let steps = self.gpu.steps_done() - before;
-        if steps > 0 {
+        if steps > 0 || self.gpu.broken() {
             self.take(state, rig, steps, extents, scale);
         }
         done?;
@@ -132,10 +132,25 @@ impl Device {
     /// The step in which grains break, on the processor, and back with their daughters.
     fn break_grains(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
         self.read_back(state, model)?;
-        let Some(coupled) = &mut self.coupled else { return Ok(()) };
-        coupled.renew(state, model);
-        state.press()?;
-        coupled.cycle(state, model, rig)?;
+        let (Some(coupled), Some(mixture)) = (&mut self.coupled, &mut state.mixture) else { return Ok(()) };
+        match self.gpu.within() {
+            None => {
+                coupled.renew(state, model);
+                state.press()?;
+                coupled.cycle(state, model, rig)?;
+            }
+            // between two steps of the grains: platens have gone their way already
+            Some((done, time)) => {
+                let cycle = Cycle { time, rates: mixture.cycle.rates };
+                mixture.grains.step += u64::from(done);
+                mixture.grains.time += time * f64::from(done) / f64::from(cycle.rates.grains);
+                coupled.renew(state, model);
+                state.platens.iter_mut().for_each(Platen::withdraw);
+                state.press()?;
+                self.gpu.give(&mut state.continuum)?;
+                coupled.go_on(state, model, cycle, done)?;
+            }
+        }
         feel(state, &mut self.coupled, model, rig)?;
         let coarse = coarse(state, self.coupled.as_ref(), model);
         self.gpu.again(&state.continuum, &state.platens, &state.drift, coarse.as_ref(), None)

@@ -59,11 +59,11 @@ impl Engine {
     }
 
     /// The rates that it can do instead of those that were found, where they are others.
-    pub(super) fn rates(&self, model: &Model, found: Rates) -> Option<Rates> {
+    pub(super) fn rates(&self, found: Rates) -> Option<Rates> {
         match self {
             Engine::Cpu | Engine::Mixture(_) => None,
             #[cfg(feature = "gpu")]
-            Engine::Gpu(_) => Some(Device::rates(model, found)),
+            Engine::Gpu(_) => Some(Device::rates(found)),
         }
     }
 

@@ -93,6 +93,18 @@ impl Coupled {
         Ok(())
     }
 
+    /// The rest of a cycle that a device has begun.
+    #[cfg(feature = "gpu")]
+    pub(super) fn go_on(&mut self, state: &mut State, model: &Model, cycle: Cycle, done: u32) -> Result<()> {
+        let State { continuum, mixture, platens, .. } = state;
+        let Some(mixture) = mixture else { return Ok(()) };
+        mixture.cycle = cycle;
+        mixture.go_on(&mut Parts { model, table: &self.table, work: &mut self.work, continuum, platens }, done)?;
+        state.time += cycle.time;
+        state.phase_time += cycle.time;
+        Ok(())
+    }
+
     /// Bytes held for grains and their contacts.
     pub(super) fn bytes(&self, state: &State) -> usize {
         state.mixture.as_ref().map_or(0, |m| self.work.bytes(&m.grains) + m.ghosts.bytes())
@@ -112,16 +124,9 @@ impl State {
         what: impl FnOnce(&Settings, &Points, &[Platen], Option<&gpu::Coarse<'_>>) -> Result<T>,
     ) -> Result<T> {
         let Some(mixture) = self.mixture.as_deref() else { return what(&rig.settings, &rig.points, &self.platens, None) };
-        let lacks = |key: &str, value: u32, message: &str| Err(Error::input("gpu", key, Some(value.to_string()), message));
-        match rig.coarse.as_ref().and_then(|c| c.rates) {
-            Some(Rates { continuum, .. }) if continuum > 1 => {
-                return lacks("stepping.continuum_steps", continuum, "must be 1 on the GPU: leave it away, or use the CPU");
-            }
-            Some(Rates { grains, .. }) if grains > 1 && model.crush.is_some() => {
-                let message = "must be 1 on the GPU where grains may break, which is seen at the end of a step: use 1, or the CPU";
-                return lacks("stepping.grain_steps", grains, message);
-            }
-            _ => {}
+        if let Some(Rates { continuum: steps @ 2.., .. }) = rig.coarse.as_ref().and_then(|c| c.rates) {
+            let message = "must be 1 on the GPU: leave it away, or use the CPU";
+            return Err(Error::input("gpu", "stepping.continuum_steps", Some(steps.to_string()), message));
         }
         let table = ghosts(model, rig, mixture);
         what(&rig.settings, &rig.points, &self.platens, Some(&gpu::Coarse { model, mixture, table: &table }))
@@ -136,7 +141,7 @@ impl State {
         let mut allowed = Allowed { grains, continuum: safety * continuum, contacts, safety, rates };
         let mut cycle = Cycle::longest(&allowed);
         if rates.is_none() {
-            allowed.rates = engine.rates(model, cycle.rates);
+            allowed.rates = engine.rates(cycle.rates);
             cycle = Cycle::longest(&allowed);
         }
         mixture.cycle = match model.stepping.dt {
