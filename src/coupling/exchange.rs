@@ -122,6 +122,7 @@ impl Mixture {
                 touch: c.touch,
                 spring: if model.contact.law == ContactLaw::HertzViscous { c.spring } else { [0.0; 3] },
                 stiffness: [c.stiffness, c.stiffness * ratio(model.contact.law, pair)],
+                reference: 0.0,
             }
         };
         let mut near: Vec<Ghost> = contacts.ghosts.iter().map(ghost).collect();

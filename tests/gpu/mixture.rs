@@ -169,6 +169,7 @@ fn what_the_device_lacks_of_grains_is_refused_by_name() {
         (TWIN, &["stepping.continuum_steps=2"][..], "gpu: stepping.continuum_steps = 2: must be 1 on the GPU"),
         (TWIN, &["contact.unloading=rescale"], "gpu: contact.unloading = rescale: is not available on the GPU"),
         (TWIN, &["grid.shape_functions=gimp"], "gpu: shape = gimp: is not available"),
+        ("mixture/oedometer_crushing", &["crushing.lost_mass=points"], "gpu: crushing.lost_mass = points: is not available on the GPU"),
     ] {
         let out = folder.path().join("out");
         let told = run(scene, &out, sets, &["--backend", "gpu"]).assert().code(2);

@@ -119,6 +119,9 @@ fn lacking(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Vec<Err
     if model.contact.unloading == TangentialUnloading::Rescale {
         lacks("contact.unloading", "rescale".into(), "use keep");
     }
+    if mixture.fines.is_some() {
+        lacks("crushing.lost_mass", "points".into(), "use leave");
+    }
     let walls = &mixture.grains.walls;
     if walls.len() > SIDES {
         lacks("wall", walls.len().to_string(), &format!("use at most {SIDES}"));
