@@ -6,10 +6,10 @@ use super::layout::{Law32, Outside, Params, Status, groups};
 use super::memory::Sizes;
 use super::passes::Passes;
 use super::platen::{self, both};
-use super::support::sizes;
 use super::state;
-use crate::error::{Error, Result};
+use super::support::sizes;
 use crate::coupling::{Bound, GhostTable, Mixture};
+use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::mpm::{self, Drive, Platen, Ramp, Settings};
 use serde::{Deserialize, Serialize};
@@ -431,7 +431,8 @@ impl Continuum {
 
     /// Waits, and reads what the batches have left.
     fn look(&mut self) -> Result<()> {
-        let mut parts = vec![(&self.buffers.status, size_of::<Status>() as u64), (&self.buffers.outside, size_of::<Outside>() as u64)];
+        let mut parts =
+            vec![(&self.buffers.status, size_of::<Status>() as u64), (&self.buffers.outside, size_of::<Outside>() as u64)];
         parts.extend(self.bodies.as_ref().map(|b| (&b.buffers.mix, size_of::<grains::Mix>() as u64)));
         let bytes = self.device.read(&parts, self.steps_done())?;
         let (status, rest) = bytes.split_at(size_of::<Status>());

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! Space with quadratic B-splines, MUSL, a FLIP/PIC blend, walls, gravity, local damping; both laws; up to six platens that move at a speed or
-//! towards a stress. What it lacks (plane strain, GIMP, affine transfer) is refused by name. Each `x.wgsl` stands beside its f32 twin or names the f64 code of `mpm` that states the same.
+//! towards a stress; grains in it, with their contacts. What it lacks (plane strain, GIMP, affine transfer) is refused by name. Each `x.wgsl` stands beside its f32 twin or names the f64 code of `mpm` that states the same.
 //!
 //! Tested on software Vulkan only; on graphics hardware it has not been run.
 

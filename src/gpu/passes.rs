@@ -78,10 +78,13 @@ impl Passes {
         };
         let mut of_grains = vec![entry(0, wgpu::BufferBindingType::Uniform), entry(1, storage(true))];
         of_grains.extend((2..8).map(|k| entry(k, storage(false))));
-        let layouts =
-            [layout("state", &entries), layout("dispatches", &[entry(0, storage(false))]), layout("grains", &of_grains)];
+        let layouts = [layout("state", &entries), layout("dispatches", &[entry(0, storage(false))]), layout("grains", &of_grains)];
         let of = |label, groups: &[_]| {
-            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor { label: Some(label), bind_group_layouts: groups, immediate_size: 0 })
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(label),
+                bind_group_layouts: groups,
+                immediate_size: 0,
+            })
         };
         let [state, sizes, grains] = layouts.each_ref().map(Some);
         let common = of("common", &[state, grains][..if with_grains { 2 } else { 1 }]);

@@ -1,4 +1,4 @@
-//! Who does the steps of a run: the processor, or for a continuum a graphics device.
+//! Who does the steps of a run: the processor, or for a continuum, with grains or without, a graphics device.
 
 use crate::error::{Error, Result};
 use crate::model::continuum::Continuum as Rig;
@@ -67,7 +67,12 @@ pub fn choose(asked: Backend, model: &Model) -> Result<Chosen> {
 /// Name of the adapter that takes the model, and whether it is software.
 fn adapter(model: &Model) -> Result<(String, bool)> {
     let model::Rig::Continuum(rig) = &model.rig else {
-        return Err(Error::input("--backend gpu", "", None, "is for continuum scenes: grains are computed on the CPU"));
+        return Err(Error::input(
+            "--backend gpu",
+            "",
+            None,
+            "is for continuum and mixture scenes: grains alone are computed on the CPU",
+        ));
     };
     of_continuum(model, rig)
 }

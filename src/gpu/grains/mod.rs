@@ -8,9 +8,9 @@ mod layout;
 mod support;
 mod words;
 
-pub use layout::{Coupling, Mix, NONE};
 #[cfg(test)]
 pub use layout::Side;
+pub use layout::{Coupling, Mix, NONE};
 pub use support::{Sizes, sizes};
 
 use super::device::{Device, refused};
@@ -76,6 +76,8 @@ pub struct Saved {
     rows: Vec<u32>,
     carried: Vec<u32>,
     work: Vec<u64>,
+    /// Points near something.
+    near: u32,
 }
 
 /// Grains, contacts of grains, contacts of points, and the velocities that carried the points, as words.
@@ -142,7 +144,7 @@ impl Bodies {
             let mut all: Vec<u32> = mixture.ghosts.near.iter().map(|g| g.point).collect();
             all.sort_unstable();
             all.dedup();
-            all.len().max(own.rows.chunk_by(|a, b| a[0] == b[0]).count())
+            all.len().max(saved.map_or(0, |saved| saved.near as usize))
         };
         let sizes = Sizes::of(settings, points, &state.grains, support::room(near, points.len()));
         sizes.check(&device.device.limits())?;
@@ -307,7 +309,8 @@ impl Bodies {
             );
         }
         if self.mix.crowded != NONE {
-            let what = format!("a grain has more than {} grains near it, which the GPU path does not keep: use the CPU", layout::PARTNERS);
+            let what =
+                format!("a grain has more than {} grains near it, which the GPU path does not keep: use the CPU", layout::PARTNERS);
             return told(self.mix.crowded, what);
         }
         Ok(())
@@ -315,7 +318,13 @@ impl Bodies {
 
     fn read(&self, device: &Device, step: u64) -> Result<(Words, Mix)> {
         let (b, s) = (&self.buffers, &self.sizes);
-        let parts = [(&b.grains, s.grains), (&b.slots, s.slots), (&b.rows, s.rows), (&b.pushes, s.pushes), (&b.mix, size_of::<Mix>() as u64)];
+        let parts = [
+            (&b.grains, s.grains),
+            (&b.slots, s.slots),
+            (&b.rows, s.rows),
+            (&b.pushes, s.pushes),
+            (&b.mix, size_of::<Mix>() as u64),
+        ];
         let bytes = device.read(&parts, step)?;
         let mut rest = &bytes[..];
         let mut next = |size: u64| {
@@ -347,6 +356,7 @@ impl Bodies {
     /// A device that was lost.
     pub fn save(&self, device: &Device, step: u64) -> Result<Saved> {
         let (words, mut mix) = self.read(device, step)?;
+        let near = mix.rows;
         // what is made anew when it is taken up
         (mix.rows, mix.travelled, mix.fastest_point, mix.fastest_grain, mix.point_speed) = (0, 0.0, 0, 0, 0.0);
         Ok(Saved {
@@ -356,6 +366,7 @@ impl Bodies {
             rows: words.rows.concat(),
             carried: words.carried.concat(),
             work: self.work.iter().map(|w| w.to_bits()).collect(),
+            near,
         })
     }
 
@@ -434,4 +445,3 @@ impl Bodies {
 fn most_of(kept: &[Kept], room: usize) -> Option<(u32, usize)> {
     kept.chunk_by(|a, b| a[0] == b[0]).find(|c| c.len() > room).map(|c| (c[0][0], c.len()))
 }
-

@@ -58,7 +58,7 @@ pub fn to_grain(settings: &Settings, planes: &[[u32; 4]], k: usize, g: &mut Grai
     }
 }
 
-/// The largest speed of a grain, m/s.
+/// A body's number on the device.
 pub fn body(body: Body) -> u32 {
     match body {
         Body::Grain(k) => k,
@@ -167,4 +167,41 @@ pub fn to_wall(settings: &Settings, side: &Side, before: f64, wall: &mut Wall) {
     }
     (wall.speed, wall.reaction, wall.stiffness) = (side.speed.into(), side.reaction.into(), side.stiffness.into());
     wall.work = before + f64::from(side.work[0]) + f64::from(side.work[1]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::grains::layout::PARTNERS;
+
+    fn contact_of(x: f64) -> Contact {
+        let spring = [0.3 * x, -1.7 * x, 1e-7 * x];
+        let touch = Touch { tangential: spring, normal_force: 2.5 * x, normal: [0.0, 0.6, -0.8], overlap: 1e-6 * x };
+        Contact { ends: [0; 2], touch, spring, stiffness: 1e5 * x }
+    }
+
+    /// What goes there comes back: contacts within f32, springs within two of them, each at its owner and place.
+    #[test]
+    fn contacts_come_back() {
+        let given = [
+            kept(0, 2, &contact_of(1.0)),
+            kept(0, 7, &contact_of(2.0)),
+            kept(0, WALLS + 3, &contact_of(3.0)),
+            kept(2, 0, &contact_of(1.0)),
+        ];
+        let all = spread(&given, 3, SLOTS, slot);
+        let places: Vec<usize> = (0..SLOTS).filter(|s| all[s * 3][3] != NONE).collect();
+        assert_eq!(places, [0, 1, PARTNERS + 3]);
+        assert_eq!(collect(&all, 3, SLOTS, 3), given);
+        for (words, x) in given.iter().zip([1.0, 2.0, 3.0, 1.0]) {
+            let (there, here) = (contact(words, false), contact_of(x));
+            for a in 0..3 {
+                assert!((there.spring[a] - here.spring[a]).abs() <= 1e-14 * here.spring[a].abs());
+                assert!((there.touch.normal[a] - here.touch.normal[a]).abs() < 1e-7);
+            }
+            assert!((there.touch.overlap / here.touch.overlap - 1.0).abs() < 1e-7);
+            assert!((there.stiffness / here.stiffness - 1.0).abs() < 1e-7);
+            assert_eq!(there.touch.tangential, there.spring);
+        }
+    }
 }

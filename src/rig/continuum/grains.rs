@@ -4,10 +4,10 @@ use super::{Engine, Rig, State};
 use crate::boundary::Wall;
 use crate::coupling::{Allowed, Cycle, GhostTable, Mixture, Parts, Rates};
 use crate::error::{Error, Result};
-use crate::model::continuum::{Coarse, Specimen, Test};
-use crate::model::{Assembly, Drive, Model, WallShape, WallSpec};
 #[cfg(feature = "gpu")]
 use crate::gpu;
+use crate::model::continuum::{Coarse, Specimen, Test};
+use crate::model::{Assembly, Drive, Model, WallShape, WallSpec};
 use crate::mpm::{Continuum, Platen};
 #[cfg(feature = "gpu")]
 use crate::mpm::{Points, Settings};
