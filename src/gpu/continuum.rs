@@ -322,7 +322,7 @@ impl Continuum {
         let Some(bodies) = &self.bodies else { return Ok(()) };
         let point = self.places(cpu);
         let dt = f64::from(self.outside.dt) / f64::from(bodies.coupling.rates);
-        bodies.read_back(&self.device, self.steps_done(), coarse, mixture, cpu, &point, dt)
+        bodies.read_back((&self.device, self.steps_done()), coarse, mixture, cpu, &point, dt)
     }
 
     /// Index there of each point of the device.

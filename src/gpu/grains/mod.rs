@@ -377,16 +377,14 @@ impl Bodies {
     /// A device that was lost.
     pub fn read_back(
         &self,
-        device: &Device,
-        step: u64,
-        coarse: (&Model, &GhostTable),
+        (device, step): (&Device, u64),
+        (model, table): (&Model, &GhostTable),
         mixture: &mut Mixture,
         cpu: &mut Cpu,
         point: &[u32],
         dt: f64,
     ) -> Result<()> {
         let (words, mix) = self.read(device, step)?;
-        let (model, table) = coarse;
         let viscous = model.contact.law == ContactLaw::HertzViscous;
         let settings = cpu.settings().clone();
         for (k, i) in mixture.grains.grains.by_id().into_iter().enumerate() {

@@ -50,11 +50,14 @@ pub fn to_grain(settings: &Settings, planes: &[[u32; 4]], k: usize, g: &mut Grai
     let n = planes.len() / GRAIN;
     let number = |plane: usize, a: usize| f32::from_bits(planes[plane * n + k][a]);
     let both = |plane: usize, a: usize| f64::from(number(plane, a)) + f64::from(number(plane + 1, a));
-    for a in 0..3 {
+    let place = |a: usize| {
         let [units, cell] = [0, 1].map(|plane| planes[plane * n + k][a] as i32);
-        g.pos[i][a] = settings.lower[a] + settings.cell * placed(cell, units, number(2, a));
-        g.vel[i][a] = both(3, a);
-        g.spin[i][a] = both(5, a);
+        settings.lower[a] + settings.cell * placed(cell, units, number(2, a))
+    };
+    for (to, of) in
+        [(&mut g.pos[i], &place as &dyn Fn(usize) -> f64), (&mut g.vel[i], &|a| both(3, a)), (&mut g.spin[i], &|a| both(5, a))]
+    {
+        to.iter_mut().take(3).enumerate().for_each(|(a, x)| *x = of(a));
     }
 }
 
