@@ -169,6 +169,7 @@ fn what_the_device_lacks_of_grains_is_refused_by_name() {
         (TWIN, &["stepping.continuum_steps=2"][..], "gpu: stepping.continuum_steps = 2: must be 1 on the GPU"),
         (TWIN, &["contact.unloading=rescale"], "gpu: contact.unloading = rescale: is not available on the GPU"),
         (TWIN, &["grid.shape_functions=gimp"], "gpu: shape = gimp: is not available"),
+        ("mixture/twin_points", &[], "gpu: growth: specimens that grow are not available on the GPU"),
         (
             "mixture/oedometer_crushing",
             &["crushing.lost_mass=points"],

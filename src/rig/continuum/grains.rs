@@ -124,6 +124,9 @@ impl State {
         what: impl FnOnce(&Settings, &Points, &[Platen], Option<&gpu::Coarse<'_>>) -> Result<T>,
     ) -> Result<T> {
         let Some(mixture) = self.mixture.as_deref() else { return what(&rig.settings, &rig.points, &self.platens, None) };
+        if rig.growth.is_some() {
+            return Err(Error::input("gpu", "growth", None, "specimens that grow are not available on the GPU: use the CPU"));
+        }
         if let Some(Rates { continuum: steps @ 2.., .. }) = rig.coarse.as_ref().and_then(|c| c.rates) {
             let message = "must be 1 on the GPU: leave it away, or use the CPU";
             return Err(Error::input("gpu", "stepping.continuum_steps", Some(steps.to_string()), message));
