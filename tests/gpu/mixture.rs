@@ -35,7 +35,8 @@ fn both(folder: &Path, scene: &str, sets: &[&str], stop: &str) -> [PathBuf; 2] {
 const TWIN: &str = "../tests/gpu/mixture";
 const LOADED: &str = "1000";
 
-/// Rung 4 of a mixture between platens under servo: four grains among a thousand points.
+/// Rung 4 of a mixture between platens under servo: four grains among a thousand points. Measured: q 7.5e-5 of the largest, volumetric strain 2e-5, what contacts of grains and
+/// points bear of q 2.6e-5, stress of all contacts 1.4e-6, kinetic energy of the grains 9e-4.
 #[test]
 fn a_triaxial_test_of_a_mixture_is_that_of_the_cpu() {
     if !adapter("a_triaxial_test_of_a_mixture_is_that_of_the_cpu") {
@@ -53,7 +54,7 @@ fn a_triaxial_test_of_a_mixture_is_that_of_the_cpu() {
     );
     let [[touch], [borne]] = [["point_contacts"], ["q_interface_kPa"]].map(|c| *columns(&outs[1], c).last().expect("rows"));
     assert!(touch > 100.0 && borne.abs() > 0.1, "{touch} {borne}");
-    assert!(q < 1e-4 && volume < 1e-4 && interface < 1e-4 && contacts < 1e-5 && kinetic < 1e-2);
+    assert!(q < 4e-4 && volume < 1e-4 && interface < 2e-4 && contacts < 1e-5 && kinetic < 5e-3);
 }
 
 /// A stopped run leaves the same bytes, with rates that it finds by itself, on any number of threads.
@@ -76,7 +77,8 @@ fn a_mixture_resumes_to_the_byte() {
     assert!(columns(&whole, ["grain_steps"]).last().is_some_and(|[k]| *k >= 1.0));
 }
 
-/// A ball hits a ball of points: what one gives the other has, with a step of the continuum for one and for four of the grain.
+/// A ball hits a ball of points: what one gives the other has, with a step of the continuum for one and for four of the grain. Measured: momentum 3e-8, speed of the
+/// ball 1e-8 of that of the impact.
 #[test]
 fn a_ball_gives_its_momentum_to_points() {
     if !adapter("a_ball_gives_its_momentum_to_points") {
@@ -100,9 +102,9 @@ fn a_ball_gives_its_momentum_to_points() {
             let rows = columns(out, ["momentum_z_kg_m_s"]);
             (velocity(out), rows[rows.len() - 1][0])
         });
-        // -5 m/s of 0.3351 kg
+        // that of the points, and of the grain; -5 m/s of 0.3351 kg at first
         let grain = 0.335_103_218;
-        let momentum = there.1 / (-5.0 * grain) - 1.0;
+        let momentum = (there.1 + grain * there.0) / (-5.0 * grain) - 1.0;
         let off = (there.0 - here.0).abs() / 5.0;
         println!("impact, {steps} steps of the grain: momentum {momentum:e}, speed of the ball {off:e} of {:e}", there.0);
         assert!(here.0 > -2.0, "it has hit: {here:?}");
@@ -111,7 +113,7 @@ fn a_ball_gives_its_momentum_to_points() {
     }
 }
 
-/// A block of points slides on a wall, with friction and a viscous law.
+/// A block of points slides on a wall, with friction and a viscous law. Measured: front 5e-9, kinetic energy 6e-7, energy of the contacts 5e-8 of the largest.
 #[test]
 fn a_block_slides_on_a_wall_as_on_the_cpu() {
     if !adapter("a_block_slides_on_a_wall_as_on_the_cpu") {
@@ -126,11 +128,11 @@ fn a_block_slides_on_a_wall_as_on_the_cpu() {
     });
     let [front, kinetic, contact] = ["front_mm", "kinetic_J", "contact_J"].map(|c| apart(&outs, "time_s", c));
     println!("sliding block: front {front:e}, kinetic energy {kinetic:e}, energy of contacts {contact:e}");
-    assert!(front < 1e-6 && kinetic < 1e-4 && contact < 1e-3);
+    assert!(front < 1e-7 && kinetic < 1e-5 && contact < 1e-6);
 }
 
 /// A grain breaks on the way: the processor does that step, its daughters go to the device, and the run goes on; as on the processor, and the same bytes when it is
-/// stopped before.
+/// stopped before. Measured: the first row after it at 0.8745 and 0.8755 % strain, 855 and 858 kPa in the last before it.
 #[test]
 fn a_grain_breaks_on_the_way() {
     if !adapter("a_grain_breaks_on_the_way") {
