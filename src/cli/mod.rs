@@ -114,7 +114,7 @@ pub struct Overrides {
 pub enum Backend {
     /// The processor, in double precision
     Cpu,
-    /// A graphics device, in single precision with compensated sums; continuum scenes only
+    /// A graphics device, in single precision with compensated sums; continuum and mixture scenes only
     Gpu,
     /// A graphics device that is hardware, if there is one and it has all that the scene asks for, else the processor
     Auto,

@@ -87,7 +87,7 @@ pub struct Mixture {
     /// Cycles done.
     pub cycles: u64,
     /// The last step of grains, and what their own contacts allow, s.
-    last: f64,
+    pub(super) last: f64,
     own: f64,
     /// Steps of the continuum, and the largest speed at which a point was carried in the last one, m/s.
     fastest: (u64, f64),
@@ -166,8 +166,25 @@ impl Mixture {
             self.give(parts, of_grains, of_points);
         }
         self.move_grains(parts, time * of_points);
-        // the other steps of the grains, beside points that go on as they went; newborn grains may need shorter ones
-        let (mut left, mut steps) = (time - self.last, rates.grains - 1);
+        self.end(parts, time - self.last, rates.grains - 1)
+    }
+
+    /// Goes on with a cycle of which `done` steps of the grains were made elsewhere: points have what contacts gave them, those felt last included.
+    ///
+    /// # Errors
+    /// As [`Self::go`].
+    #[cfg(feature = "gpu")]
+    pub fn go_on(&mut self, parts: &mut Parts<'_>, done: u32) -> Result<()> {
+        let Cycle { time, rates } = self.cycle;
+        let dt = time / f64::from(rates.grains);
+        self.give(parts, 1.0, 0.0);
+        self.move_grains(parts, dt);
+        self.end(parts, time - dt * f64::from(done + 1), rates.grains - done - 1)
+    }
+
+    /// The other steps of the grains, for `left` seconds, beside points that go on as they went, and the last step of the continuum. Newborn grains may need shorter steps.
+    fn end(&mut self, parts: &mut Parts<'_>, mut left: f64, mut steps: u32) -> Result<()> {
+        let Cycle { time, rates } = self.cycle;
         while steps > 0 {
             step::feel(parts.model, &mut self.grains, parts.work);
             if self.note_bound() {
@@ -182,7 +199,7 @@ impl Mixture {
             steps -= 1;
         }
         self.cycles += 1;
-        advance(parts, dt)?;
+        advance(parts, time * (1.0 / f64::from(rates.continuum)))?;
         if let Some(fines) = &mut self.fines {
             fines.enter(&self.grains.grains, &self.grains.walls, parts.continuum, &mut self.ghosts);
         }

@@ -9,6 +9,8 @@
 //! moves the contact point.
 
 mod evaluate;
+#[cfg(feature = "gpu")]
+pub(crate) mod exchange;
 mod fines;
 mod measure;
 mod mixture;
@@ -125,11 +127,17 @@ impl GhostTable {
         GhostTable { law, grains: ghosts.iter().map(of_law).collect(), walls: walls.iter().map(on_wall).collect() }
     }
 
+    /// Walls that points touch.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn touched_walls(&self) -> usize {
+        self.walls.len()
+    }
+
     pub(crate) fn of_grain(&self, law: u8, material: u8) -> &Pair {
         &self.grains[usize::from(law)][usize::from(material)]
     }
 
-    fn of_wall(&self, law: u8, wall: usize) -> &Pair {
+    pub(crate) fn of_wall(&self, law: u8, wall: usize) -> &Pair {
         &self.walls[wall][usize::from(law)]
     }
 }

@@ -1,13 +1,16 @@
 //! A continuum on the device: batches of steps without a look at what happens between.
 
 use super::device::{Adapter, Device, refused};
+use super::grains::{self, Bodies, Coarse};
 use super::layout::{Law32, Outside, Params, Status, groups};
 use super::memory::Sizes;
 use super::passes::Passes;
 use super::platen::{self, both};
+use super::state;
 use super::support::sizes;
-use super::{shader, state};
+use crate::coupling::{Bound, GhostTable, Mixture};
 use crate::error::{Error, Result};
+use crate::model::Model;
 use crate::mpm::{self, Drive, Platen, Ramp, Settings};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -36,6 +39,7 @@ pub struct Continuum {
     outside: Outside,
     platens: Vec<Platen>,
     drives: Vec<Drive>,
+    bodies: Option<Bodies>,
 }
 
 /// The device's own words, from which it goes on with the same bits.
@@ -45,6 +49,7 @@ pub struct Saved {
     platens: Vec<u32>,
     /// Bits of the stress work before the state went to the device, J.
     work: u64,
+    grains: Option<grains::Saved>,
 }
 
 /// What a batch left of each of its steps: means over the instants at their ends.
@@ -57,6 +62,8 @@ pub struct Means {
     pub platens: Vec<[f64; 3]>,
     /// Force along the inward normal of each side of the domain, N.
     pub sides: [f64; 6],
+    /// Force of the grains on each of their walls, N.
+    pub grains: Vec<f64>,
 }
 
 /// Memory on the device.
@@ -88,23 +95,58 @@ impl Continuum {
     /// # Errors
     /// As [`Self::new`]; a platen that is not allowed; one through the points.
     pub fn with_platens(cpu: &mpm::Continuum, platens: &[Platen]) -> Result<Continuum> {
-        Continuum::begin(cpu, platens, &vec![0.0; platens.len()], None)
+        Continuum::begin(cpu, platens, &vec![0.0; platens.len()], None, None)
     }
 
-    /// The same with the mean speeds of the platens under servo, m/s, or from what [`Self::save`] gave of a continuum with these points.
+    /// The same with the mean speeds of the platens under servo, m/s, and with grains, or from what [`Self::save`] gave of a continuum with these points and grains.
     ///
     /// # Errors
-    /// As [`Self::with_platens`]; a state of other points.
-    pub fn begin(cpu: &mpm::Continuum, platens: &[Platen], drifts: &[f64], saved: Option<&Saved>) -> Result<Continuum> {
+    /// As [`Self::with_platens`]; what the GPU path lacks of grains, by name; a state of other points.
+    pub fn begin(
+        cpu: &mpm::Continuum,
+        platens: &[Platen],
+        drifts: &[f64],
+        coarse: Option<&Coarse<'_>>,
+        saved: Option<&Saved>,
+    ) -> Result<Continuum> {
+        sizes(cpu.settings(), cpu.points(), platens, coarse)?;
+        let device = Device::open(coarse.is_some())?;
+        let passes = Passes::new(&device, coarse.is_some());
+        Continuum::load(device, passes, cpu, platens, drifts, coarse, saved)
+    }
+
+    /// Takes another state over, of as many points and grains as there are now.
+    ///
+    /// # Errors
+    /// As [`Self::begin`].
+    pub fn again(
+        &mut self,
+        cpu: &mpm::Continuum,
+        platens: &[Platen],
+        drifts: &[f64],
+        coarse: Option<&Coarse<'_>>,
+        saved: Option<&Saved>,
+    ) -> Result<()> {
+        *self = Continuum::load(self.device.clone(), self.passes.clone(), cpu, platens, drifts, coarse, saved)?;
+        Ok(())
+    }
+
+    fn load(
+        device: Device,
+        passes: Passes,
+        cpu: &mpm::Continuum,
+        platens: &[Platen],
+        drifts: &[f64],
+        coarse: Option<&Coarse<'_>>,
+        saved: Option<&Saved>,
+    ) -> Result<Continuum> {
         let settings = cpu.settings().clone();
-        let sizes = sizes(&settings, cpu.points(), platens)?;
-        let device = Device::open()?;
+        let (sizes, _) = sizes(&settings, cpu.points(), platens, coarse)?;
         sizes.check(&device.device.limits())?;
         let lightest = cpu.points().velocity.iter().map(|v| v[3]).fold(f64::INFINITY, f64::min);
         let mut params = Params::of(&settings, cpu.points().len(), lightest);
         params.platens = platens.len() as u32;
         params.extents = [1.0; 3];
-        let passes = Passes::new(&device, shader::STEP);
         let mut state = state::to_device(&settings, cpu.points());
         let mut outside = Outside::default();
         for ((there, platen), drift) in outside.platens.iter_mut().zip(platens).zip(drifts) {
@@ -139,11 +181,13 @@ impl Continuum {
             dispatches: device.empty("dispatches", 48, Usage::STORAGE | Usage::INDIRECT),
         })?;
         device.queue.write_buffer(&buffers.outside, 0, bytemuck::bytes_of(&outside));
-        let passes = passes.bind(&device, &buffers);
+        let of_grains = saved.and_then(|saved| saved.grains.as_ref());
+        let bodies = coarse.map(|coarse| Bodies::new(&device, cpu, coarse, platens.len(), of_grains)).transpose()?;
+        let passes = passes.bind(&device, &buffers, bodies.as_ref().map(|b| &b.buffers));
         let drives = platens.iter().map(|p| Drive::Speed(Ramp::constant(p.speed))).collect();
         let platens = platens.to_vec();
         let mut gpu =
-            Continuum { device, passes, buffers, params, settings, sizes, by_id, before, status, outside, platens, drives };
+            Continuum { device, passes, buffers, params, settings, sizes, by_id, before, status, outside, platens, drives, bodies };
         gpu.submit(|passes, pass, sizes| passes.prepare(pass, sizes));
         gpu.look()?;
         Ok(gpu)
@@ -174,10 +218,13 @@ impl Continuum {
         queue.write_buffer(&self.buffers.params, 0, bytemuck::bytes_of(&self.params));
         queue.write_buffer(&self.buffers.outside, 0, bytemuck::bytes_of(&outside));
         queue.write_buffer(&self.buffers.status, std::mem::offset_of!(Status, fastest) as u64, &[0; 4]);
+        if let Some(bodies) = &self.bodies {
+            bodies.prepare(queue);
+        }
         let mut flying = VecDeque::new();
         let mut left = n;
         while left > 0 {
-            let now = left.min(BATCH);
+            let now = left.min((BATCH / self.bodies.as_ref().map_or(1, |b| u64::from(b.coupling.rates))).max(1));
             left -= now;
             flying.push_back(self.submit(|passes, pass, sizes| (0..now).for_each(|_| passes.step(pass, sizes))));
             if flying.len() > AHEAD {
@@ -215,7 +262,8 @@ impl Continuum {
     pub fn save(&self) -> Result<Saved> {
         let bytes = self.words()?;
         let platens: &[u32] = bytemuck::cast_slice(&self.outside.platens);
-        Ok(Saved { state: bytemuck::pod_collect_to_vec(&bytes), platens: platens.to_vec(), work: self.before.1.to_bits() })
+        let grains = self.bodies.as_ref().map(|b| b.save(&self.device, self.steps_done())).transpose()?;
+        Ok(Saved { state: bytemuck::pod_collect_to_vec(&bytes), platens: platens.to_vec(), work: self.before.1.to_bits(), grains })
     }
 
     fn words(&self) -> Result<Vec<u8>> {
@@ -234,7 +282,7 @@ impl Continuum {
 
     /// Bytes on the device.
     pub fn bytes(&self) -> u64 {
-        self.sizes.sum()
+        self.sizes.sum() + self.bodies.as_ref().map_or(0, Bodies::bytes)
     }
 
     /// The adapter.
@@ -262,7 +310,76 @@ impl Continuum {
             time: both(time),
             platens: platens[..self.platens.len()].iter().map(|p| [p.ways, p.overlaps, p.reactions].map(mean)).collect(),
             sides: sides.map(mean),
+            grains: self.bodies.as_ref().map(|b| b.reactions(count.into())).unwrap_or_default(),
         }
+    }
+
+    /// Writes grains, their walls and all contacts into `mixture`, and points into `cpu` as [`Self::read_back`].
+    ///
+    /// # Errors
+    /// As [`Self::read_back`].
+    pub fn read_grains(&self, coarse: (&Model, &GhostTable), mixture: &mut Mixture, cpu: &mut mpm::Continuum) -> Result<()> {
+        let Some(bodies) = &self.bodies else { return Ok(()) };
+        let point = self.places(cpu);
+        let dt = f64::from(self.outside.dt) / f64::from(bodies.coupling.rates);
+        bodies.read_back((&self.device, self.steps_done()), coarse, mixture, cpu, &point, dt)
+    }
+
+    /// Index there of each point of the device.
+    fn places(&self, cpu: &mpm::Continuum) -> Vec<u32> {
+        let mut point = vec![0; self.by_id.len()];
+        for ((_, i), to) in self.by_id.iter().zip(cpu.points().by_id()) {
+            point[*i as usize] = to;
+        }
+        point
+    }
+
+    /// Where the last batch has ended between two steps of the grains: those done in the step that was begun, and the length of that, s.
+    pub fn within(&self) -> Option<(u32, f64)> {
+        let bodies = self.bodies.as_ref().filter(|b| b.mix.sub > 0)?;
+        Some((bodies.mix.sub, self.outside.dt.into()))
+    }
+
+    /// Pushes the points of `cpu` as contacts have pushed them in the step that was begun.
+    ///
+    /// # Errors
+    /// A device that was lost.
+    pub fn give(&self, cpu: &mut mpm::Continuum) -> Result<()> {
+        let Some(bodies) = &self.bodies else { return Ok(()) };
+        let point = self.places(cpu);
+        for (force, i) in bodies.pushes(&self.device, self.steps_done())?.into_iter().zip(point) {
+            cpu.push(i as usize, force);
+        }
+        Ok(())
+    }
+
+    /// Writes what the grains' walls felt at the end of the last batch into `mixture`.
+    pub fn walls_of(&self, cpu: &mpm::Continuum, mixture: &mut Mixture) {
+        if let Some(bodies) = &self.bodies {
+            bodies.walls(cpu, mixture);
+        }
+    }
+
+    /// Steps of the grains in a step of the continuum, from the next batch on.
+    pub fn rates(&mut self, grains: u32) {
+        if let Some(bodies) = &mut self.bodies {
+            bodies.coupling.rates = grains.max(1);
+        }
+    }
+
+    /// What the grains' own contacts, s, and those with points allow at the end of the last batch.
+    pub fn bounds(&self) -> (f64, Bound) {
+        self.bodies.as_ref().map_or((f64::INFINITY, Bound::default()), Bodies::bounds)
+    }
+
+    /// Whether the last batch has ended because a grain is over its limit. The next one does nothing until a state has been taken over.
+    pub fn broken(&self) -> bool {
+        self.bodies.as_ref().is_some_and(Bodies::broken)
+    }
+
+    /// Whether so many points are near grains now that the state should be taken over again, with more room.
+    pub fn crowded(&self) -> bool {
+        self.bodies.as_ref().is_some_and(Bodies::crowded)
     }
 
     /// The least h/(c + |v|) over the points after the last batch, s, as [`mpm::Continuum::stable_step`].
@@ -296,6 +413,12 @@ impl Continuum {
                 nodes: groups(self.params.nodes),
                 walls: self.walls(),
                 platens: !self.platens.is_empty(),
+                grains: self.bodies.as_ref().map(|b| GrainGroups {
+                    rows: groups(b.coupling.rows),
+                    grains: groups(b.coupling.grains),
+                    each: groups(64 * b.coupling.grains),
+                    rates: b.coupling.rates,
+                }),
             };
             encode(&self.passes, &mut pass, &groups);
         }
@@ -308,16 +431,25 @@ impl Continuum {
 
     /// Waits, and reads what the batches have left.
     fn look(&mut self) -> Result<()> {
-        let parts = [(&self.buffers.status, size_of::<Status>() as u64), (&self.buffers.outside, size_of::<Outside>() as u64)];
+        let mut parts =
+            vec![(&self.buffers.status, size_of::<Status>() as u64), (&self.buffers.outside, size_of::<Outside>() as u64)];
+        parts.extend(self.bodies.as_ref().map(|b| (&b.buffers.mix, size_of::<grains::Mix>() as u64)));
         let bytes = self.device.read(&parts, self.steps_done())?;
-        let (status, outside) = bytes.split_at(size_of::<Status>());
+        let (status, rest) = bytes.split_at(size_of::<Status>());
+        let (outside, mix) = rest.split_at(size_of::<Outside>());
+        if let Some(bodies) = &mut self.bodies {
+            bodies.mix = bytemuck::pod_read_unaligned(mix);
+        }
         (self.status, self.outside) = (bytemuck::pod_read_unaligned(status), bytemuck::pod_read_unaligned(outside));
         for (platen, there) in self.platens.iter_mut().zip(&self.outside.platens) {
             platen::take(platen, there, &self.settings);
         }
         let Status { fault, .. } = self.status;
         if fault == u32::MAX {
-            return Ok(());
+            return match &self.bodies {
+                Some(bodies) => bodies.sound(self.steps_done(), &self.device),
+                None => Ok(()),
+            };
         }
         let (id, what) = (fault / 8, fault % 8);
         let what = match what {
@@ -327,6 +459,8 @@ impl Continuum {
             3 => "is turned inside out (volume not positive): use a smaller time step, a finer grid, or a stiffer law",
             // found by what comes after a step
             5 => return Err(mpm::platen::passed(self.steps_done(), id)),
+            6 => "has more than 8 grains and walls near it, which the GPU path does not keep: use smaller cells or the CPU",
+            7 => "came near a grain as one of more than there is room for: use the CPU",
             _ => "lies in a cell with more than 256 points, which the GPU path does not sort: use larger spacings or the CPU",
         };
         Err(Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None })
@@ -351,4 +485,13 @@ pub(super) struct Groups {
     pub nodes: [u32; 2],
     pub walls: bool,
     pub platens: bool,
+    pub grains: Option<GrainGroups>,
+}
+
+/// Of points near something, of grains, of one group for each grain; steps of the grains in a step.
+pub(super) struct GrainGroups {
+    pub rows: [u32; 2],
+    pub grains: [u32; 2],
+    pub each: [u32; 2],
+    pub rates: u32,
 }

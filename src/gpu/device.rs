@@ -1,5 +1,6 @@
 //! The graphics adapter: choice, set-up, and what it says when something goes wrong.
 
+use super::grains;
 use super::memory::Sizes;
 use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -29,9 +30,12 @@ pub fn available() -> Option<Adapter> {
 ///
 /// # Errors
 /// No adapter; a buffer that it cannot have.
-pub fn holding(sizes: &Sizes) -> Result<Adapter> {
+pub fn holding(sizes: &Sizes, of_grains: Option<&grains::Sizes>) -> Result<Adapter> {
     let adapter = adapter()?;
     sizes.check(&adapter.limits())?;
+    if let Some(sizes) = of_grains {
+        sizes.check(&adapter.limits())?;
+    }
     Ok(Adapter::of(&adapter))
 }
 
@@ -71,6 +75,7 @@ impl Complaints {
 }
 
 /// An open device.
+#[derive(Clone)]
 pub struct Device {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
@@ -81,13 +86,13 @@ pub struct Device {
 impl Device {
     /// # Errors
     /// No adapter, or one that cannot do what the passes need.
-    pub fn open() -> Result<Device> {
+    pub fn open(with_grains: bool) -> Result<Device> {
         let adapter = adapter()?;
         let known = Adapter::of(&adapter);
         let name = &known.name;
         let limits = adapter.limits();
         for (what, has, needs) in [
-            ("storage buffers per stage", limits.max_storage_buffers_per_shader_stage, 10),
+            ("storage buffers per stage", limits.max_storage_buffers_per_shader_stage, if with_grains { 17 } else { 10 }),
             ("threads per workgroup", limits.max_compute_invocations_per_workgroup, 256),
         ] {
             if has < needs {

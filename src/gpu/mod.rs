@@ -13,13 +13,14 @@
 //! ```
 //!
 //! Space with quadratic B-splines, MUSL, a FLIP/PIC blend, walls, gravity, local damping; both laws; up to six platens that move at a speed or
-//! towards a stress. What it lacks (plane strain, GIMP, affine transfer) is refused by name. Each `x.wgsl` stands beside its f32 twin or names the f64 code of `mpm` that states the same.
+//! towards a stress; grains in it, with their contacts. What it lacks (plane strain, GIMP, affine transfer) is refused by name. Each `x.wgsl` stands beside its f32 twin or names the f64 code of `mpm` that states the same.
 //!
 //! Tested on software Vulkan only; on graphics hardware it has not been run.
 
 mod continuum;
 mod device;
 mod exact;
+mod grains;
 #[cfg(test)]
 mod law;
 mod layout;
@@ -34,4 +35,5 @@ pub(crate) mod tests;
 
 pub use continuum::{Continuum, Means, Saved};
 pub use device::{Adapter, available};
+pub use grains::Coarse;
 pub use support::{fits, needs};

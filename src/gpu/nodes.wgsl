@@ -188,7 +188,7 @@ fn pushed(k: u32, v: vec3<f32>, dv: vec3<f32>) {
     nodes[CHANGE * params.nodes + k] = vec4<f32>(change, 0.0);
 }
 
-// Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of platens (eq. 29), gravity, and the new velocity (eq. 28).
+// Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of platens and grains (eq. 29), gravity, and the new velocity (eq. 28).
 @compute @workgroup_size(64)
 fn accelerate(one: Thread) {
     let k = linear(one);
@@ -232,6 +232,9 @@ fn accelerate(one: Thread) {
                         let there = value(d, o + outside.parts[params.points + i].xyz);
                         pressed += push * vec3<f32>(there.x * w.y * w.z, w.x * there.y * w.z, w.x * w.y * there.z);
                     }
+                }
+                if GRAINS {
+                    pressed += grains_push(i) * (w.x * w.y * w.z);
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 use super::continuum::{Buffers, Groups};
 use super::device::Device;
+use super::{grains, shader};
 
 /// Names of the entry points that all share one layout.
 const NAMES: [&str; 18] = [
@@ -25,6 +26,13 @@ const NAMES: [&str; 18] = [
     "sort",
 ];
 
+/// Those of grains.
+const OF_GRAINS: [&str; 6] = ["shift", "near_points", "near_grains", "touch", "bear", "mind"];
+
+/// Offsets of the sizes that `shelve` writes.
+const NEAR_POINTS: u64 = 0;
+const NEAR_GRAINS: u64 = 12;
+
 /// Offsets of the sizes that `plan` writes.
 const CELLS: u64 = 0;
 const BLOCKS: u64 = 12;
@@ -32,15 +40,29 @@ const ONE: u64 = 24;
 const POINTS: u64 = 36;
 
 /// Pipelines, and the buffers that they are bound to.
+#[derive(Clone)]
 pub struct Passes {
     pipelines: Vec<wgpu::ComputePipeline>,
     plan: wgpu::ComputePipeline,
-    layouts: [wgpu::BindGroupLayout; 2],
-    bound: Option<(wgpu::BindGroup, wgpu::BindGroup, wgpu::Buffer)>,
+    /// Where there are grains.
+    shelve: Option<wgpu::ComputePipeline>,
+    /// State, sizes of dispatches, grains.
+    layouts: [wgpu::BindGroupLayout; 3],
+    bound: Option<Bound>,
+}
+
+#[derive(Clone)]
+struct Bound {
+    state: wgpu::BindGroup,
+    sizes: wgpu::BindGroup,
+    dispatches: wgpu::Buffer,
+    /// Grains, the sizes of their searches, and the buffer of these.
+    grains: Option<(wgpu::BindGroup, wgpu::BindGroup, wgpu::Buffer)>,
 }
 
 impl Passes {
-    pub fn new(device: &Device, source: &str) -> Passes {
+    pub fn new(device: &Device, with_grains: bool) -> Passes {
+        let source = if with_grains { shader::MIXTURE } else { shader::STEP };
         let device = &device.device;
         let entry = |binding: u32, ty: wgpu::BufferBindingType| wgpu::BindGroupLayoutEntry {
             binding,
@@ -54,17 +76,19 @@ impl Passes {
         let layout = |label, entries: &[_]| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
-        let layouts = [layout("state", &entries), layout("dispatches", &[entry(0, storage(false))])];
-        let common = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("common"),
-            bind_group_layouts: &[Some(&layouts[0])],
-            immediate_size: 0,
-        });
-        let planning = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("planning"),
-            bind_group_layouts: &[Some(&layouts[0]), Some(&layouts[1])],
-            immediate_size: 0,
-        });
+        let mut of_grains = vec![entry(0, wgpu::BufferBindingType::Uniform), entry(1, storage(true))];
+        of_grains.extend((2..8).map(|k| entry(k, storage(false))));
+        let layouts = [layout("state", &entries), layout("dispatches", &[entry(0, storage(false))]), layout("grains", &of_grains)];
+        let of = |label, groups: &[_]| {
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(label),
+                bind_group_layouts: groups,
+                immediate_size: 0,
+            })
+        };
+        let [state, sizes, grains] = layouts.each_ref().map(Some);
+        let common = of("common", &[state, grains][..if with_grains { 2 } else { 1 }]);
+        let planning = of("planning", &[state, sizes]);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("step"),
             source: wgpu::ShaderSource::Wgsl(source.into()),
@@ -79,27 +103,37 @@ impl Passes {
                 cache: None,
             })
         };
-        let pipelines = NAMES.iter().map(|name| pipeline(name, &common)).collect();
+        let names = NAMES.iter().chain(if with_grains { &OF_GRAINS[..] } else { &[] });
+        let pipelines = names.map(|name| pipeline(name, &common)).collect();
         let plan = pipeline("plan", &planning);
-        Passes { pipelines, plan, layouts, bound: None }
+        let shelve = with_grains.then(|| pipeline("shelve", &of("shelving", &[state, grains, sizes])));
+        Passes { pipelines, plan, shelve, layouts, bound: None }
     }
 
-    pub fn bind(mut self, device: &Device, b: &Buffers) -> Passes {
+    pub fn bind(mut self, device: &Device, b: &Buffers, grains: Option<&grains::Buffers>) -> Passes {
         let buffers = [&b.params, &b.laws, &b.state, &b.nodes, &b.starts, &b.counts, &b.order, &b.status, &b.touching, &b.outside];
-        let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        let group =
-            |layout, entries: &[_]| device.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries });
-        let all = group(&self.layouts[0], &entries);
-        let sizes = wgpu::BindGroupEntry { binding: 0, resource: b.dispatches.as_entire_binding() };
-        self.bound = Some((all, group(&self.layouts[1], &[sizes]), b.dispatches.clone()));
+        let group = |layout, buffers: &[&wgpu::Buffer]| {
+            let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
+                .zip(buffers)
+                .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+                .collect();
+            device.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+        };
+        let of_grains = |g: &grains::Buffers| {
+            let all = [&g.coupling, &g.tables, &g.grains, &g.slots, &g.rows, &g.mix, &g.lists, &g.pushes];
+            (group(&self.layouts[2], &all), group(&self.layouts[1], &[&g.searches]), g.searches.clone())
+        };
+        self.bound = Some(Bound {
+            state: group(&self.layouts[0], &buffers),
+            sizes: group(&self.layouts[1], &[&b.dispatches]),
+            dispatches: b.dispatches.clone(),
+            grains: grains.map(of_grains),
+        });
         self
     }
 
     fn pipeline(&self, name: &str) -> &wgpu::ComputePipeline {
-        &self.pipelines[NAMES.iter().position(|n| *n == name).expect("a pass")]
+        &self.pipelines[NAMES.iter().chain(&OF_GRAINS).position(|n| *n == name).expect("a pass")]
     }
 
     fn run(&self, pass: &mut wgpu::ComputePass<'_>, name: &str, [x, y]: [u32; 2]) {
@@ -109,11 +143,11 @@ impl Passes {
 
     /// Order of the points, if one has crossed.
     fn sort(&self, pass: &mut wgpu::ComputePass<'_>) {
-        let Some((_, sizes, dispatches)) = &self.bound else { return };
+        let Some(Bound { sizes, dispatches, grains, .. }) = &self.bound else { return };
         pass.set_pipeline(&self.plan);
         pass.set_bind_group(1, sizes, &[]);
         pass.dispatch_workgroups(1, 1, 1);
-        pass.set_bind_group(1, None, &[]);
+        pass.set_bind_group(1, grains.as_ref().map(|(all, ..)| all), &[]);
         for (name, offset) in [
             ("clear", CELLS),
             ("count", POINTS),
@@ -137,9 +171,32 @@ impl Passes {
     }
 
     fn start(&self, pass: &mut wgpu::ComputePass<'_>) {
-        if let Some((all, ..)) = &self.bound {
-            pass.set_bind_group(0, all, &[]);
+        if let Some(Bound { state, grains, .. }) = &self.bound {
+            pass.set_bind_group(0, state, &[]);
+            if let Some((all, ..)) = grains {
+                pass.set_bind_group(1, all, &[]);
+            }
         }
+    }
+
+    /// What grains bear at this instant, after a step of theirs.
+    fn feel(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
+        let (Some(shelve), Some(Bound { grains: Some((_, sizes, searches)), .. }), Some(grains)) =
+            (&self.shelve, &self.bound, &groups.grains)
+        else {
+            return;
+        };
+        pass.set_pipeline(shelve);
+        pass.set_bind_group(2, sizes, &[]);
+        pass.dispatch_workgroups(1, 1, 1);
+        pass.set_bind_group(2, None, &[]);
+        for (name, offset) in [("near_points", NEAR_POINTS), ("near_grains", NEAR_GRAINS)] {
+            pass.set_pipeline(self.pipeline(name));
+            pass.dispatch_workgroups_indirect(searches, offset);
+        }
+        self.run(pass, "touch", grains.rows);
+        self.run(pass, "bear", grains.each);
+        self.run(pass, "mind", [1, 1]);
     }
 
     /// What platens feel of the points as they are.
@@ -156,14 +213,22 @@ impl Passes {
         self.sort(pass);
         self.project(pass, groups);
         self.press(pass, groups);
+        self.feel(pass, groups);
         self.run(pass, "survey", groups.points);
     }
 
     /// One step; the order of mpm/step.rs, from what platens feel to what they feel.
     pub fn step(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
         self.start(pass);
-        if groups.platens {
+        if groups.platens || groups.grains.is_some() {
             self.run(pass, "drive", [1, 1]);
+        }
+        if let Some(grains) = &groups.grains {
+            self.run(pass, "shift", grains.grains);
+            for _ in 1..grains.rates {
+                self.feel(pass, groups);
+                self.run(pass, "shift", grains.grains);
+            }
         }
         self.run(pass, "accelerate", groups.nodes);
         if groups.walls {
@@ -175,6 +240,7 @@ impl Passes {
         self.run(pass, "strain", groups.points);
         self.run(pass, "finish", [1, 1]);
         self.press(pass, groups);
+        self.feel(pass, groups);
     }
 
     /// What a batch leaves besides.

@@ -199,6 +199,7 @@ fn drive() {
     if params.safety > 0.0 && rate > 0.0 {
         dt = min(dt, params.safety * 2.0 / sqrt(rate));
     }
+    dt = longest(dt);
     outside.dt = dt;
     for (var k = 0u; k < params.platens; k++) {
         var p = outside.platens[k];
@@ -211,8 +212,10 @@ fn drive() {
             let limit = d.reach * extents[p.axis];
             // boundary.rs: servo_speed
             var servo = limit;
-            if p.stiffness > 0.0 {
-                servo = clamp(d.gain * (force - p.reaction) / (p.stiffness * dt), -limit, limit);
+            // force and stiffness of grains
+            let other = of_grains(k);
+            if p.stiffness + other.y > 0.0 {
+                servo = clamp(d.gain * (force - (p.reaction + other.x)) / ((p.stiffness + other.y) * dt), -limit, limit);
             }
             p.speed = clamp(p.drift + servo, -limit, limit);
             p.drift += min(dt * d.memory, 1.0) * (p.speed - p.drift);

@@ -43,6 +43,9 @@ fn advance(one: Thread) {
         tell(TOO_FAST, i);
         return;
     }
+    if GRAINS {
+        carry(i, field);
+    }
     let rest = number(REST, i);
     let there = moved(bitcast<vec3<i32>>(place.xyz), rest.xyz, d);
     put(VELOCITY, i, vec4<f32>(next.high.xyz, own.w));

@@ -5,6 +5,7 @@ pub const STEP: &str = concat!(
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
     include_str!("law.wgsl"),
+    include_str!("grains/alone.wgsl"),
     include_str!("nodes.wgsl"),
     include_str!("platens.wgsl"),
     include_str!("walls.wgsl"),
@@ -12,9 +13,25 @@ pub const STEP: &str = concat!(
     include_str!("order.wgsl")
 );
 
+/// The same with grains, and their own passes.
+pub const MIXTURE: &str = concat!(
+    include_str!("params.wgsl"),
+    include_str!("exact.wgsl"),
+    include_str!("law.wgsl"),
+    include_str!("grains/contact.wgsl"),
+    include_str!("nodes.wgsl"),
+    include_str!("platens.wgsl"),
+    include_str!("walls.wgsl"),
+    include_str!("points.wgsl"),
+    include_str!("order.wgsl"),
+    include_str!("grains/ghosts.wgsl"),
+    include_str!("grains/bodies.wgsl")
+);
+
 #[cfg(test)]
 pub mod tests {
     use super::*;
+    use crate::gpu::grains::{Coupling, Mix, Side};
     use crate::gpu::layout::{Drive32, Evolution32, Law32, Outside, Params, Platen32, Status};
     use std::mem::{offset_of, size_of};
     use wgpu::naga;
@@ -30,7 +47,7 @@ pub mod tests {
     /// Rung 0.
     #[test]
     fn shaders_are_valid() {
-        for source in [STEP, LAW_TEST] {
+        for source in [STEP, MIXTURE, LAW_TEST] {
             let module = parsed(source);
             let mut validator =
                 naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
@@ -112,5 +129,61 @@ pub mod tests {
             cohesion
         );
         same!(Status, "Status", fault, crossed, steps, stop, fastest, reaction);
+        let module = parsed(MIXTURE);
+        macro_rules! same {
+            ($type:ty, $name:literal, $($field:ident),+) => {
+                assert_eq!(offsets(&module, $name), (vec![$(offset_of!($type, $field)),+], size_of::<$type>()), $name);
+            };
+        }
+        same!(
+            Coupling,
+            "Coupling",
+            grains,
+            rows,
+            walls,
+            ghost_walls,
+            materials,
+            laws,
+            split,
+            law,
+            rates,
+            turning,
+            hertz_area,
+            crushing,
+            skin,
+            reach,
+            least,
+            damping,
+            shelf,
+            shelves,
+            shelf_size,
+            quantum,
+            fine,
+            far,
+            tables
+        );
+        same!(Side, "Side", axis, normal, cell, units, rest, speed, platen, reaction, stiffness, unused, work);
+        same!(
+            Mix,
+            "Mix",
+            rows,
+            crowded,
+            broken,
+            lost,
+            fastest_point,
+            fastest_grain,
+            point_rate,
+            search,
+            travelled,
+            point_speed,
+            ahead,
+            sub,
+            own,
+            ghost,
+            fresh,
+            felt,
+            sides,
+            reactions
+        );
     }
 }

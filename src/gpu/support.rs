@@ -1,36 +1,44 @@
 //! What the GPU path takes, and where it fits; nothing is started for it.
 
 use super::device::{Adapter, holding, refused};
+use super::grains::{self, Coarse};
 use super::memory::Sizes;
 use super::platen;
 use crate::error::{Error, Result};
 use crate::mpm::{Dimension, Platen, Points, Settings, ShapeFunctions, Transfer};
 
-/// What a continuum needs on a device, in bytes.
+/// What a continuum needs on a device, in bytes, with grains a guess.
 ///
 /// # Errors
 /// What the GPU path lacks, by name.
-pub fn needs(settings: &Settings, points: &Points, platens: &[Platen]) -> Result<u64> {
-    sizes(settings, points, platens).map(|sizes| sizes.sum())
+pub fn needs(settings: &Settings, points: &Points, platens: &[Platen], coarse: Option<&Coarse<'_>>) -> Result<u64> {
+    sizes(settings, points, platens, coarse).map(|(sizes, grains)| sizes.sum() + grains.map_or(0, |g| g.sum()))
 }
 
 /// The adapter on which a continuum fits.
 ///
 /// # Errors
 /// What the GPU path lacks, by name; no adapter; one without room.
-pub fn fits(settings: &Settings, points: &Points, platens: &[Platen]) -> Result<Adapter> {
-    holding(&sizes(settings, points, platens)?)
+pub fn fits(settings: &Settings, points: &Points, platens: &[Platen], coarse: Option<&Coarse<'_>>) -> Result<Adapter> {
+    let (sizes, grains) = sizes(settings, points, platens, coarse)?;
+    holding(&sizes, grains.as_ref())
 }
 
-/// Bytes of each buffer.
+/// Bytes of each buffer, those of grains apart.
 ///
 /// # Errors
 /// What the GPU path lacks, by name.
-pub fn sizes(settings: &Settings, points: &Points, platens: &[Platen]) -> Result<Sizes> {
+pub fn sizes(
+    settings: &Settings,
+    points: &Points,
+    platens: &[Platen],
+    coarse: Option<&Coarse<'_>>,
+) -> Result<(Sizes, Option<grains::Sizes>)> {
     let mut errors = lacking(settings, points);
     errors.extend(platen::wrong(platens, settings, points));
     Error::all(errors)?;
-    Ok(Sizes::of(settings, points.len() as u64, !platens.is_empty()))
+    let grains = coarse.map(|coarse| grains::sizes(settings, points, coarse)).transpose()?;
+    Ok((Sizes::of(settings, points.len() as u64, !platens.is_empty()), grains))
 }
 
 /// What the GPU path does not have.

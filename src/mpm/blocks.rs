@@ -101,7 +101,7 @@ impl Blocks {
     pub fn sort<const D: usize>(
         &mut self,
         points: &mut Points,
-        forces: [&mut Vec<[f64; 4]>; 2],
+        forces: [&mut Vec<[f64; 4]>; 3],
         key_of: impl Fn(&[f64; 4]) -> u64,
     ) {
         let n = points.len();

@@ -189,25 +189,26 @@ impl Continuum {
     /// As [`Self::push`], each component acting so far beside the point along its own axis, m (at most half a cell): a traction on the
     /// point's face. With generalised interpolation, whose functions end, it acts at the point.
     pub fn push_beside(&mut self, i: usize, force: [f64; 3], beside: [f64; 3]) {
-        self.push(i, force);
         if self.settings.shape != ShapeFunctions::BSpline {
-            return;
+            return self.push(i, force);
         }
-        for ((sum, f), arm) in self.work.moments[i].iter_mut().zip(force).zip(beside) {
-            *sum += f * arm;
+        self.make_room();
+        for ((sum, moment), (f, arm)) in
+            self.work.beside[i].iter_mut().zip(&mut self.work.moments[i]).zip(force.into_iter().zip(beside))
+        {
+            *sum += f;
+            *moment += f * arm;
         }
     }
 
     /// Takes back what was pushed since the last step.
     pub fn drop_forces(&mut self) {
-        self.work.outside.fill([0.0; 4]);
-        self.work.moments.fill([0.0; 4]);
-        self.work.pushed = false;
+        self.work.drop_forces();
     }
 
     fn make_room(&mut self) {
         let n = self.points.len();
-        for array in [&mut self.work.outside, &mut self.work.moments] {
+        for array in [&mut self.work.outside, &mut self.work.beside, &mut self.work.moments] {
             if array.len() != n {
                 array.clear();
                 array.resize(n, [0.0; 4]);

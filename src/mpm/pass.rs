@@ -70,7 +70,8 @@ pub struct Pass<'a, S> {
     pub id: &'a [u32],
     /// Forces from outside; empty where there are none.
     pub outside: &'a [[f64; 4]],
-    /// Times how far beside the point along its axis each component acts.
+    /// Those that act beside the points, and times how far beside along its axis each component does.
+    pub beside: &'a [[f64; 4]],
     pub moments: &'a [[f64; 4]],
     pub faults: &'a AtomicU64,
 }
@@ -359,20 +360,17 @@ fn forces<F: Four, const D: usize, S: Shape>(_: &Pass<'_, S>, place: &Place<F, S
 
 #[inline(always)]
 fn outside<F: Four, const D: usize, S: Shape>(pass: &Pass<'_, S>, place: &Place<F, S>, part: &mut Part<'_>, p: At<F::Token>) {
-    let (force, moment) = (pass.outside[p.whole], pass.moments[p.whole]);
-    if force == [0.0; 4] {
-        return;
-    }
+    let (force, beside, moment) = (pass.outside[p.whole], pass.beside[p.whole], pass.moments[p.whole]);
     let position = part.position[p.i];
-    if moment == [0.0; 4] {
+    if force != [0.0; 4] {
         let (_, w) = place.weights(position, p.cell);
-        return spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, force));
+        spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, force));
     }
     // shape functions of the point's own cell, continued beyond its edge where the force acts there: force and moment stay exact
-    for a in (0..D).filter(|&a| force[a] != 0.0) {
+    for a in (0..D).filter(|&a| beside[a] != 0.0) {
         let (mut there, mut along) = (position, [0.0; 4]);
-        there[a] += moment[a] / force[a];
-        along[a] = force[a];
+        there[a] += moment[a] / beside[a];
+        along[a] = beside[a];
         let (_, w) = place.weights(there, p.cell);
         spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, along));
     }

@@ -188,6 +188,15 @@ impl Platen {
         }
     }
 
+    /// Takes back the way since the last contact.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn withdraw(&mut self) {
+        for (x, n) in self.point.iter_mut().zip(self.normal) {
+            *x -= self.moved * n;
+        }
+        self.moved = 0.0;
+    }
+
     /// Largest stable time step of its contacts, s: 2/ω of a point on its spring.
     pub fn stable_step(&self) -> f64 {
         if self.rate > 0.0 { 2.0 / self.rate.sqrt() } else { f64::INFINITY }

@@ -1,4 +1,4 @@
-//! Who does the steps of a run: the processor, or for a continuum a graphics device.
+//! Who does the steps of a run: the processor, or for a continuum, with grains or without, a graphics device.
 
 use crate::error::{Error, Result};
 use crate::model::continuum::Continuum as Rig;
@@ -83,18 +83,20 @@ pub fn spheres_only(model: &Model) -> Result<()> {
 /// Name of the adapter that takes the model, and whether it is software.
 fn adapter(model: &Model) -> Result<(String, bool)> {
     let model::Rig::Continuum(rig) = &model.rig else {
-        return Err(Error::input("--backend gpu", "", None, "is for continuum scenes: grains are computed on the CPU"));
+        return Err(Error::input(
+            "--backend gpu",
+            "",
+            None,
+            "is for continuum and mixture scenes: grains alone are computed on the CPU",
+        ));
     };
-    if rig.coarse.is_some() {
-        return Err(Error::input("--backend gpu", "", None, "does not have grains in a continuum yet: use --backend cpu"));
-    }
     of_continuum(model, rig)
 }
 
 #[cfg(feature = "gpu")]
 fn of_continuum(model: &Model, rig: &Rig) -> Result<(String, bool)> {
     let state = State::start(model, rig)?;
-    let adapter = crate::gpu::fits(&rig.settings, &rig.points, &state.platens)?;
+    let adapter = state.on_device(model, rig, crate::gpu::fits)?;
     Ok((adapter.name, adapter.software))
 }
 
@@ -138,26 +140,26 @@ impl Used {
         }
         self.why = chosen.why;
         match &mut state.mixture {
-            _ if chosen.gpu => self.device(saved, state, rig),
+            _ if chosen.gpu => self.device(saved, state, model, rig),
             Some(_) => Ok(Engine::of_grains(state, model, rig)),
             None => Ok(Engine::Cpu),
         }
     }
 
     #[cfg(feature = "gpu")]
-    fn device(&mut self, saved: Option<Vec<u8>>, state: &mut State, rig: &Rig) -> Result<Engine> {
+    fn device(&mut self, saved: Option<Vec<u8>>, state: &mut State, model: &Model, rig: &Rig) -> Result<Engine> {
         let damaged = |e: postcard::Error| Error::Failed {
             step: state.continuum.steps(),
             what: format!("the device's state is damaged ({e})"),
         };
         let saved = saved.map(|bytes| postcard::from_bytes(&bytes)).transpose().map_err(damaged)?;
-        let device = crate::rig::continuum::Device::new(state, rig, saved.as_ref())?;
+        let device = crate::rig::continuum::Device::new(state, model, rig, saved.as_ref())?;
         self.adapter = Some((device.adapter().name.clone(), device.adapter().software));
         Ok(Engine::Gpu(Box::new(device)))
     }
 
     #[cfg(not(feature = "gpu"))]
-    fn device(&mut self, _: Option<Vec<u8>>, _: &mut State, _: &Rig) -> Result<Engine> {
+    fn device(&mut self, _: Option<Vec<u8>>, _: &mut State, _: &Model, _: &Rig) -> Result<Engine> {
         unreachable!("refused when it was chosen")
     }
 
@@ -165,8 +167,8 @@ impl Used {
     ///
     /// # Errors
     /// A device that was lost.
-    pub fn save(&mut self, engine: &Engine, state: &mut State) -> Result<()> {
-        engine.read_back(state)?;
+    pub fn save(&mut self, engine: &Engine, model: &Model, state: &mut State) -> Result<()> {
+        engine.read_back(state, model)?;
         #[cfg(feature = "gpu")]
         if let Engine::Gpu(device) = engine {
             let failed = |e: postcard::Error| Error::Failed { step: state.continuum.steps(), what: e.to_string() };

@@ -127,7 +127,7 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
             Ok(false) => {}
             Err(e) => {
                 // keep what there is, with the points as they are now, or at the last record where a device has gone with them
-                let _ = engine.read_back(&mut progress.state);
+                let _ = engine.read_back(&mut progress.state, model);
                 progress.flush(out)?;
                 leave(model, rig, &progress.state, out)?;
                 bar.abandon();
@@ -136,14 +136,14 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
         }
         let steps = progress.state.continuum.steps();
         if stop_asked() || stop_after.is_some_and(|n| steps >= n) {
-            progress.save(&engine, out)?;
+            progress.save(&engine, model, out)?;
             bar.abandon();
             return Err(Error::Interrupted { step: steps, out: out.into() });
         }
         if steps.is_multiple_of(LOOK) {
             bar.show_share(steps, progress.seconds, || describe(rig, &progress.state));
             if last_checkpoint.elapsed() > Duration::from_secs_f64(model.records.checkpoint_seconds) {
-                progress.save(&engine, out)?;
+                progress.save(&engine, model, out)?;
                 last_checkpoint = Instant::now();
             }
         }
@@ -159,7 +159,7 @@ impl Progress {
         state.advance(model, rig, engine, |state, engine| {
             let due = recorder.due(rig, state);
             if due.row {
-                engine.read_back(state)?;
+                engine.read_back(state, model)?;
                 history.push(out, &recorder.row(rig, state))?;
                 if let Some(theirs) = state.blocks() {
                     blocks::rows(theirs, state.continuum.steps(), state.time).try_for_each(|row| blocks.push(out, &row))?;
@@ -178,8 +178,8 @@ impl Progress {
         self.history.flush(out)
     }
 
-    fn save(&mut self, engine: &Engine, out: &Path) -> Result<()> {
-        self.used.save(engine, &mut self.state)?;
+    fn save(&mut self, engine: &Engine, model: &Model, out: &Path) -> Result<()> {
+        self.used.save(engine, model, &mut self.state)?;
         self.flush(out)?;
         checkpoint::save(out, self)?;
         self.used.saved = None;
@@ -371,7 +371,7 @@ mod tests {
         while begun.progress.state.continuum.steps() < 300 {
             begun.progress.advance(&model, rig, &mut begun.engine, out.path()).expect("steps");
         }
-        begun.progress.save(&begun.engine, out.path()).expect("a checkpoint");
+        begun.progress.save(&begun.engine, &model, out.path()).expect("a checkpoint");
         let Engine::Gpu(device) = &begun.engine else { panic!("a device") };
         device.lose();
         let told = go(&model, rig, out.path(), begun, true, None).expect_err("lost");

@@ -37,11 +37,7 @@ pub struct Points {
 /// Bytes on a graphics device.
 #[cfg(feature = "gpu")]
 fn device_bytes(model: &Model, rig: &Continuum) -> Result<u64> {
-    if rig.coarse.is_some() {
-        return Err(crate::error::Error::input("gpu", "", None, "grains in a continuum are computed on the CPU"));
-    }
-    let state = State::start(model, rig)?;
-    crate::gpu::needs(&rig.settings, &rig.points, &state.platens)
+    State::start(model, rig)?.on_device(model, rig, crate::gpu::needs)
 }
 
 #[cfg(not(feature = "gpu"))]

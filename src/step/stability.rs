@@ -104,7 +104,8 @@ pub fn first_step(model: &Model, state: &State) -> f64 {
     model.stepping.dt.unwrap_or_else(|| rayleigh(model, &state.grains))
 }
 
-fn rayleigh(model: &Model, g: &Grains) -> f64 {
+/// A tenth of the least of these over the grains, s.
+pub fn rayleigh(model: &Model, g: &Grains) -> f64 {
     let mut least = f64::INFINITY;
     for i in 0..g.len() {
         let m = &model.materials[g.material[i] as usize];

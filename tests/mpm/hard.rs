@@ -87,3 +87,23 @@ fn a_platen_through_the_sample_stops_the_run() {
     let told = told.expect("stopped").to_string();
     assert!(told.contains("a platen has passed point"), "{told}");
 }
+
+/// A platen and a grain that press on one point from both sides: together they do what each does by itself, however small their sum is.
+#[test]
+fn forces_at_a_point_and_beside_it_add_up() {
+    let s = settings(Dimension::Space, 0.1, [8; 3]);
+    let points = fill(&s, [[0.3; 3], [0.5; 3]], 2, 1600.0, |_| true, |_| [0.0; 3]);
+    let velocities = |beside: f64, at: f64| {
+        let mut c = continuum(s.clone(), elastic(1e6, 0.3), points.clone());
+        c.push_beside(0, [0.0, 0.0, beside], [0.0, 0.0, -0.025]);
+        c.push(0, [0.0, 0.0, at]);
+        steps(&mut c, 1e-5, 1);
+        c.points().by_id().into_iter().map(|i| c.points().velocity[i as usize][2]).collect::<Vec<f64>>()
+    };
+    let (platen, grain, both) = (velocities(1.0, 0.0), velocities(0.0, -0.9999), velocities(1.0, -0.9999));
+    let largest = platen.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    for ((p, g), b) in platen.iter().zip(&grain).zip(&both) {
+        assert!((p + g - b).abs() < 1e-12 * largest, "{p} and {g} are not {b}");
+    }
+    assert!(largest > 0.0);
+}

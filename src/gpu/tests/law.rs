@@ -140,7 +140,7 @@ fn laws_on_the_device_follow_their_twin() {
     if !adapter("laws_on_the_device_follow_their_twin") {
         return;
     }
-    let device = Device::open().expect("device");
+    let device = Device::open(false).expect("device");
     let laws = laws();
     let laws32: Vec<Law32> = laws.iter().map(Law32::from).collect();
     let cases = cases(1000);

@@ -220,7 +220,7 @@ fn platens_press_on_points() {
     let target = Ramp { value: 250.0, slope: 1e13, end: 1e9 };
     let stress = Drive::Stress { target, gain: 0.1, reach: 1e9, memory: 4e-12 };
     let drives: Vec<Drive> = (0..6).map(|k| if k > 3 { stress } else { Drive::Speed(Ramp::constant(0.1 * k as f64)) }).collect();
-    let mut gpu = Continuum::begin(&cpu, &platens, &[drift; 6], None).expect("device");
+    let mut gpu = Continuum::begin(&cpu, &platens, &[drift; 6], None, None).expect("device");
     gpu.material(extents, [0.0; 3]);
     drives.iter().enumerate().for_each(|(k, drive)| gpu.drive(k, *drive).expect("a platen"));
     let before = gpu.platens().to_vec();

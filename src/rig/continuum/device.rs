@@ -1,13 +1,17 @@
-//! A test on a graphics device: the state goes there once; a look brings back what platens feel, and points come when they are asked for.
+//! A test on a graphics device: the state goes there once; a look brings back what platens and walls feel, and points and grains come when they are asked for.
 
-use super::{Rig, State};
+use super::{Coupled, Rig, State};
+use crate::coupling::{Bound, Cycle, Rates};
 use crate::error::Result;
 use crate::gpu::{self, Adapter, Saved};
 use crate::model::Model;
+use crate::mpm::Platen;
 
-/// The points and platens of a [`State`] on the device.
+/// The points and platens of a [`State`] on the device, and its grains.
 pub struct Device {
     gpu: gpu::Continuum,
+    /// What grains need on the processor, where they break.
+    coupled: Option<Coupled>,
 }
 
 impl Device {
@@ -15,14 +19,14 @@ impl Device {
     ///
     /// # Errors
     /// No adapter, one without room, what the device lacks.
-    pub fn new(state: &mut State, rig: &Rig, saved: Option<&Saved>) -> Result<Device> {
+    pub fn new(state: &mut State, model: &Model, rig: &Rig, saved: Option<&Saved>) -> Result<Device> {
+        let mut coupled = state.mixture.as_deref_mut().map(|mixture| Coupled::new(model, rig, mixture));
         if saved.is_none() {
-            // as after a step there: platens have felt, and the instant counts
-            state.press()?;
-            state.continuum.drop_forces();
-            state.collect(rig);
+            feel(state, &mut coupled, model, rig)?;
         }
-        Ok(Device { gpu: gpu::Continuum::begin(&state.continuum, &state.platens, &state.drift, saved)? })
+        let coarse = coarse(state, coupled.as_ref(), model);
+        let gpu = gpu::Continuum::begin(&state.continuum, &state.platens, &state.drift, coarse.as_ref(), saved)?;
+        Ok(Device { gpu, coupled })
     }
 
     /// What it needs to go on with the same bits.
@@ -51,11 +55,25 @@ impl Device {
         self.gpu.stable_step()
     }
 
-    pub(super) fn read_back(&self, state: &mut State) -> Result<()> {
-        self.gpu.read_back(&mut state.continuum)
+    /// What the grains' own contacts, s, and those with points allow.
+    pub(super) fn bounds(&self) -> (f64, Bound) {
+        self.gpu.bounds()
     }
 
-    /// `n` steps with the drives that the programme has set, and what they leave.
+    /// Rates of a mixture where its scene gives none: the continuum has no steps of its own, and the grains not more than so many.
+    pub(super) fn rates(found: Rates) -> Rates {
+        Rates { grains: found.grains.min(MOST), continuum: 1 }
+    }
+
+    pub(super) fn read_back(&self, state: &mut State, model: &Model) -> Result<()> {
+        self.gpu.read_back(&mut state.continuum)?;
+        if let (Some(mixture), Some(coupled)) = (&mut state.mixture, &self.coupled) {
+            self.gpu.read_grains((model, coupled.table()), mixture, &mut state.continuum)?;
+        }
+        Ok(())
+    }
+
+    /// `n` steps with the drives that the programme has set, and what they leave. A grain that is over its limit ends them: the processor does the step in which it breaks.
     pub(super) fn steps(&mut self, state: &mut State, model: &Model, rig: &Rig, n: u64) -> Result<()> {
         for (k, drive) in state.drives.iter().enumerate() {
             self.gpu.drive(k, *drive)?;
@@ -66,11 +84,30 @@ impl Device {
             Some(dt) => (dt, 0.0),
             None => (model.stepping.safety * state.bound, model.stepping.safety),
         };
+        if let Some(mixture) = &state.mixture {
+            self.gpu.rates(mixture.cycle.rates.grains);
+        }
         let before = self.gpu.steps_done();
         let done = self.gpu.batch(n, dt, safety);
-        if self.gpu.steps_done() == before {
-            return done;
+        let steps = self.gpu.steps_done() - before;
+        if steps > 0 || self.gpu.broken() {
+            self.take(state, rig, steps, extents, scale);
         }
+        done?;
+        if self.gpu.broken() {
+            return self.break_grains(state, model, rig);
+        }
+        if self.gpu.crowded() {
+            let saved = self.gpu.save()?;
+            self.read_back(state, model)?;
+            let coarse = coarse(state, self.coupled.as_ref(), model);
+            self.gpu.again(&state.continuum, &state.platens, &state.drift, coarse.as_ref(), Some(&saved))?;
+        }
+        Ok(())
+    }
+
+    /// What a batch leaves, points and contacts apart.
+    fn take(&self, state: &mut State, rig: &Rig, steps: u64, extents: [f64; 3], scale: [f64; 3]) {
         let c = &mut state.continuum;
         c.set_counters(self.gpu.steps_done(), c.stress_work(), self.gpu.wall_force());
         state.platens.clone_from_slice(self.gpu.platens());
@@ -80,7 +117,61 @@ impl Device {
         let means = self.gpu.means();
         state.time += means.time;
         state.phase_time += means.time;
+        if let Some(mixture) = &mut state.mixture {
+            self.gpu.walls_of(c, mixture);
+            for (platen, wall) in state.platens.iter_mut().rev().zip(mixture.grains.walls.iter().rev()) {
+                platen.others = [wall.reaction, wall.stiffness];
+            }
+            mixture.cycles += steps;
+            mixture.grains.step += steps * u64::from(mixture.cycle.rates.grains);
+            mixture.grains.time += means.time;
+        }
         state.add(rig, &means, extents, scale);
-        done
     }
+
+    /// The step in which grains break, on the processor, and back with their daughters.
+    fn break_grains(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
+        self.read_back(state, model)?;
+        let (Some(coupled), Some(mixture)) = (&mut self.coupled, &mut state.mixture) else { return Ok(()) };
+        match self.gpu.within() {
+            None => {
+                coupled.renew(state, model);
+                state.press()?;
+                coupled.cycle(state, model, rig)?;
+            }
+            // between two steps of the grains: platens have gone their way already
+            Some((done, time)) => {
+                let cycle = Cycle { time, rates: mixture.cycle.rates };
+                mixture.grains.step += u64::from(done);
+                mixture.grains.time += time * f64::from(done) / f64::from(cycle.rates.grains);
+                coupled.renew(state, model);
+                state.platens.iter_mut().for_each(Platen::withdraw);
+                state.press()?;
+                self.gpu.give(&mut state.continuum)?;
+                coupled.go_on(state, model, cycle, done)?;
+            }
+        }
+        feel(state, &mut self.coupled, model, rig)?;
+        let coarse = coarse(state, self.coupled.as_ref(), model);
+        self.gpu.again(&state.continuum, &state.platens, &state.drift, coarse.as_ref(), None)
+    }
+}
+
+/// Most steps of the grains in a step of the continuum on a device.
+const MOST: u32 = 64;
+
+/// As after a step on the device: platens and grains have felt, and the instant counts.
+fn feel(state: &mut State, coupled: &mut Option<Coupled>, model: &Model, rig: &Rig) -> Result<()> {
+    state.press()?;
+    if let Some(coupled) = coupled {
+        coupled.feel(state, model)?;
+    }
+    state.continuum.drop_forces();
+    state.collect(rig);
+    Ok(())
+}
+
+fn coarse<'a>(state: &'a State, coupled: Option<&'a Coupled>, model: &'a Model) -> Option<gpu::Coarse<'a>> {
+    let (mixture, coupled) = (state.mixture.as_deref()?, coupled?);
+    Some(gpu::Coarse { model, mixture, table: coupled.table() })
 }

@@ -1,10 +1,11 @@
 //! What does the steps of a test: the processor one at a time, or a graphics device in batches. Everything else stands once, in [`State`].
 
 use super::{Coupled, LOOK, Phase, Rig, State};
+use crate::coupling::{Bound, Mixture, Rates};
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::continuum::Test;
-use crate::mpm::Platen;
+use crate::mpm::{Continuum, Platen};
 
 #[cfg(feature = "gpu")]
 use super::device::Device;
@@ -56,6 +57,24 @@ impl Engine {
         }
     }
 
+    /// What the grains' own contacts, s, and those with points allow.
+    pub(super) fn bounds(&self, mixture: &mut Mixture, continuum: &Continuum) -> (f64, Bound) {
+        match self {
+            Engine::Cpu | Engine::Mixture(_) => mixture.bounds(continuum),
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(device) => device.bounds(),
+        }
+    }
+
+    /// The rates that it can do instead of those that were found, where they are others.
+    pub(super) fn rates(&self, found: Rates) -> Option<Rates> {
+        match self {
+            Engine::Cpu | Engine::Mixture(_) => None,
+            #[cfg(feature = "gpu")]
+            Engine::Gpu(_) => Some(Device::rates(found)),
+        }
+    }
+
     /// A step, or as many as it takes until the test has the share `next`.
     pub(super) fn steps(&mut self, state: &mut State, model: &Model, rig: &Rig, next: f64) -> Result<()> {
         match self {
@@ -70,11 +89,11 @@ impl Engine {
     ///
     /// # Errors
     /// A device that was lost; the points are then those of the last time.
-    pub fn read_back(&self, state: &mut State) -> Result<()> {
+    pub fn read_back(&self, state: &mut State, model: &Model) -> Result<()> {
         match self {
             Engine::Cpu | Engine::Mixture(_) => Ok(()),
             #[cfg(feature = "gpu")]
-            Engine::Gpu(device) => device.read_back(state),
+            Engine::Gpu(device) => device.read_back(state, model),
         }
     }
 

@@ -1,12 +1,16 @@
 //! Grains in a continuum under test: the walls that they meet, and their cycles.
 
-use super::{Rig, State};
+use super::{Engine, Rig, State};
 use crate::boundary::Wall;
 use crate::coupling::{Allowed, Cycle, GhostTable, Mixture, Parts, Rates};
 use crate::error::{Error, Result};
+#[cfg(feature = "gpu")]
+use crate::gpu;
 use crate::model::continuum::{Coarse, Specimen, Test};
 use crate::model::{Assembly, Drive, Model, WallShape, WallSpec};
 use crate::mpm::{Continuum, Platen};
+#[cfg(feature = "gpu")]
+use crate::mpm::{Points, Settings};
 use crate::rig::assembly;
 use crate::rigid::Blocks;
 use crate::step::Work;
@@ -36,6 +40,14 @@ pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Contin
     mixture
 }
 
+/// How points touch grains and walls.
+fn ghosts(model: &Model, rig: &Rig, mixture: &Mixture) -> GhostTable {
+    let ghosts = rig.coarse.as_ref().map_or(&[][..], |c| &c.ghosts);
+    // points meet platens and sides of the grid by themselves
+    let walls: &[Wall] = if rig.specimen().is_some() { &[] } else { &mixture.grains.walls };
+    GhostTable::new(model.contact.law, ghosts, &model.materials, walls)
+}
+
 /// What a mixture needs besides its state; may be dropped and made anew between any two cycles.
 pub struct Coupled {
     table: GhostTable,
@@ -44,11 +56,20 @@ pub struct Coupled {
 
 impl Coupled {
     pub fn new(model: &Model, rig: &Rig, mixture: &mut Mixture) -> Coupled {
-        let ghosts = rig.coarse.as_ref().map_or(&[][..], |c| &c.ghosts);
-        // points meet platens and sides of the grid by themselves
-        let walls: &[Wall] = if rig.specimen().is_some() { &[] } else { &mixture.grains.walls };
-        let table = GhostTable::new(model.contact.law, ghosts, &model.materials, walls);
-        Coupled { table, work: Work::new(model, &mut mixture.grains) }
+        Coupled { table: ghosts(model, rig, mixture), work: Work::new(model, &mut mixture.grains) }
+    }
+
+    #[cfg(feature = "gpu")]
+    pub fn table(&self) -> &GhostTable {
+        &self.table
+    }
+
+    /// Lists anew, for contacts that were found elsewhere.
+    #[cfg(feature = "gpu")]
+    pub(super) fn renew(&mut self, state: &mut State, model: &Model) {
+        if let Some(mixture) = &mut state.mixture {
+            self.work.restart(model, &mut mixture.grains);
+        }
     }
 
     /// Forces between grains, and between grains and points; what platens feel of the grains.
@@ -81,6 +102,18 @@ impl Coupled {
         Ok(())
     }
 
+    /// The rest of a cycle that a device has begun.
+    #[cfg(feature = "gpu")]
+    pub(super) fn go_on(&mut self, state: &mut State, model: &Model, cycle: Cycle, done: u32) -> Result<()> {
+        let State { continuum, mixture, platens, .. } = state;
+        let Some(mixture) = mixture else { return Ok(()) };
+        mixture.cycle = cycle;
+        mixture.go_on(&mut Parts { model, table: &self.table, work: &mut self.work, continuum, platens }, done)?;
+        state.time += cycle.time;
+        state.phase_time += cycle.time;
+        Ok(())
+    }
+
     /// Bytes held for grains and their contacts.
     pub(super) fn bytes(&self, state: &State) -> usize {
         state
@@ -96,13 +129,41 @@ impl State {
         self.mixture.as_ref()?.blocks.as_deref()
     }
 
+    /// Asks `what` about a graphics device for this state.
+    ///
+    /// # Errors
+    /// What a device lacks, by name.
+    #[cfg(feature = "gpu")]
+    pub fn on_device<T>(
+        &self,
+        model: &Model,
+        rig: &Rig,
+        what: impl FnOnce(&Settings, &Points, &[Platen], Option<&gpu::Coarse<'_>>) -> Result<T>,
+    ) -> Result<T> {
+        let Some(mixture) = self.mixture.as_deref() else { return what(&rig.settings, &rig.points, &self.platens, None) };
+        if rig.growth.is_some() {
+            return Err(Error::input("gpu", "growth", None, "specimens that grow are not available on the GPU: use the CPU"));
+        }
+        if let Some(Rates { continuum: steps @ 2.., .. }) = rig.coarse.as_ref().and_then(|c| c.rates) {
+            let message = "must be 1 on the GPU: leave it away, or use the CPU";
+            return Err(Error::input("gpu", "stepping.continuum_steps", Some(steps.to_string()), message));
+        }
+        let table = ghosts(model, rig, mixture);
+        what(&rig.settings, &rig.points, &self.platens, Some(&gpu::Coarse { model, mixture, table: &table }))
+    }
+
     /// The next cycle; `continuum` is what waves and platens allow, s.
-    pub(super) fn find_cycle(&mut self, model: &Model, rig: &Rig, continuum: f64) -> Result<()> {
+    pub(super) fn find_cycle(&mut self, model: &Model, rig: &Rig, continuum: f64, engine: &Engine) -> Result<()> {
         let Some(mixture) = &mut self.mixture else { return Ok(()) };
         let safety = model.stepping.safety;
-        let (grains, contacts) = mixture.bounds(&self.continuum);
+        let (grains, contacts) = engine.bounds(mixture, &self.continuum);
         let rates = rig.coarse.as_ref().and_then(|c| c.rates);
-        let cycle = Cycle::longest(&Allowed { grains, continuum: safety * continuum, contacts, safety, rates });
+        let mut allowed = Allowed { grains, continuum: safety * continuum, contacts, safety, rates };
+        let mut cycle = Cycle::longest(&allowed);
+        if rates.is_none() {
+            allowed.rates = engine.rates(cycle.rates);
+            cycle = Cycle::longest(&allowed);
+        }
         mixture.cycle = match model.stepping.dt {
             None => cycle,
             Some(time) if safety * time <= cycle.time => Cycle { time, rates: rates.unwrap_or(Rates { grains: 1, continuum: 1 }) },

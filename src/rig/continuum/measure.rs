@@ -111,7 +111,11 @@ impl State {
             let axis = platen.axis();
             extents[axis] += scale[axis] * (overlap - way);
         }
-        let sides = self.stresses(rig, extents, |k| batch.platens[k][2], |k| batch.sides[k]);
+        // the last walls of the grains are the platens
+        let first = batch.grains.len().saturating_sub(batch.platens.len());
+        let of_grains = |wall: usize| batch.grains.get(wall).copied().unwrap_or(0.0);
+        let on_platen = |k: usize| batch.platens[k][2] + of_grains(first + k);
+        let sides = self.stresses(rig, extents, on_platen, |k| batch.sides[k] + of_grains(k));
         self.means.add(batch.steps, sides, extents);
     }
 

@@ -141,7 +141,7 @@ impl State {
         }
         let contact = self.platens.iter().map(Platen::stable_step).fold(f64::INFINITY, f64::min);
         if self.mixture.is_some() {
-            return self.find_cycle(model, rig, self.bound.min(contact));
+            return self.find_cycle(model, rig, self.bound.min(contact), engine);
         }
         self.dt = match model.stepping.dt {
             None => model.stepping.safety * self.bound.min(contact),

@@ -1,0 +1,17 @@
+// What a step asks of grains, where there are none. Their own answers: bodies.wgsl.
+
+const GRAINS: bool = false;
+
+fn grains_push(i: u32) -> vec3<f32> {
+    return vec3<f32>(0.0);
+}
+
+fn carry(i: u32, v: vec3<f32>) {}
+
+fn of_grains(k: u32) -> vec2<f32> {
+    return vec2<f32>(0.0);
+}
+
+fn longest(dt: f32) -> f32 {
+    return dt;
+}

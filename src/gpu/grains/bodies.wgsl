@@ -1,0 +1,539 @@
+// Grains: what they bear of each other, of walls and of points, and their motion. Twins: contact/sweep.rs, contact/wall_sweep.rs, step/gather.rs, coupling/mixture.rs (f64).
+
+// What the continuum's own passes ask of grains (alone.wgsl).
+fn grains_push(i: u32) -> vec3<f32> {
+    return bitcast<vec3<f32>>(pushes[i].xyz) / f32(coupling.rates);
+}
+
+fn carry(i: u32, v: vec3<f32>) {
+    pushes[params.points + i] = vec4<u32>(bitcast<vec3<u32>>(v), 0u);
+    let speed = bitcast<u32>(length(v));
+    if speed > atomicLoad(&mix_.fastest_point) {
+        atomicMax(&mix_.fastest_point, speed);
+    }
+}
+
+// Force and stiffness of the grains on the platen `k`.
+fn of_grains(k: u32) -> vec2<f32> {
+    var sum = vec2<f32>(0.0);
+    for (var w = 0u; w < coupling.walls; w++) {
+        if mix_.sides[w].platen == k {
+            sum += vec2<f32>(mix_.sides[w].reaction, mix_.sides[w].stiffness);
+        }
+    }
+    return sum;
+}
+
+// A step that a side allows by itself, with the contacts of grains and points.
+fn with_contacts(dt: f32) -> f32 {
+    let twice = 2.0 * params.safety;
+    let own = twice / dt;
+    return twice / sqrt(own * own + (bitcast<f32>(atomicLoad(&mix_.point_rate)) + mix_.ghost));
+}
+
+// The step, where the continuum by itself allows `dt` (coupling/mixture.rs: Cycle::longest).
+fn longest(dt: f32) -> f32 {
+    if params.safety <= 0.0 {
+        return dt;
+    }
+    var own = coupling.least;
+    if mix_.own > 0.0 {
+        own = min(own, params.safety * 2.0 / sqrt(mix_.own));
+    }
+    return min(with_contacts(own) * f32(coupling.rates), with_contacts(dt));
+}
+
+fn side_speed(side: Side) -> f32 {
+    if side.platen == NONE {
+        return side.speed;
+    }
+    return outside.platens[side.platen].speed;
+}
+
+// A sphere on a wall; the normal points into the wall.
+fn on_side(side: Side, cell: vec3<i32>, units: vec3<i32>, rest: vec3<f32>, whole: i32, part: f32) -> Meeting {
+    let axis = side.axis;
+    let normal = i32(side.normal);
+    let across = unit(axis) * -side.normal;
+    let cells = normal * (cell[axis] - side.cell);
+    if abs(cells) >= coupling.far {
+        return Meeting(0.0, across);
+    }
+    let d = length_of(vec3<i32>(cells, 0, 0), vec3<i32>(normal * (units[axis] - side.units), 0, 0), vec3<f32>(side.normal * (rest[axis] - side.rest), 0.0, 0.0));
+    return Meeting((f32(whole - d.whole.x) + (part - d.part.x)) * coupling.quantum, across);
+}
+
+// Local damping −α |f| sign(v) of each component.
+fn damped(f: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
+    return f - coupling.damping * abs(f) * sign(v);
+}
+
+// Velocities and places.
+@compute @workgroup_size(64)
+fn shift(one: Thread) {
+    let g = linear(one);
+    if g >= coupling.grains || status.stop != 0u {
+        return;
+    }
+    let dt = outside.dt / f32(coupling.rates);
+    let kick = dt * select(1.0, 0.5, mix_.fresh != 0u);
+    let v = grain_number(G_VELOCITY, g);
+    let v_low = grain_number(G_VELOCITY_LOW, g);
+    let w = grain_number(G_SPIN, g);
+    let w_low = grain_number(G_SPIN_LOW, g);
+    let radius = v_low.w;
+    let force = damped(grain_number(G_FORCE, g).xyz + v.w * params.gravity, v.xyz);
+    let next = add(vec4<f32>(v.xyz, 0.0), vec4<f32>(v_low.xyz, 0.0), vec4<f32>(force * (kick / v.w), 0.0));
+    let torque = damped(grain_number(G_TORQUE, g).xyz, w.xyz);
+    // I = 2/5 m r²
+    let turn = select(0.0, 2.5 * kick / (v.w * radius * radius), coupling.turning != 0u);
+    let spin = add(vec4<f32>(w.xyz, 0.0), vec4<f32>(w_low.xyz, 0.0), vec4<f32>(torque * turn, 0.0));
+    let speed = length(next.high.xyz);
+    let by = (next.high.xyz + next.low.xyz) * (dt * params.inverse_cell);
+    if not_finite(speed) || max(abs(by.x), max(abs(by.y), abs(by.z))) >= 1.0 {
+        atomicMin(&mix_.lost, g);
+        return;
+    }
+    let own = grain_word(G_UNITS, g);
+    let cell = grain_word(G_CELL, g);
+    let rest = grain_number(G_REST, g);
+    let there = moved(bitcast<vec3<i32>>(own.xyz), rest.xyz, by);
+    grains[G_UNITS * coupling.grains + g] = vec4<u32>(bitcast<vec3<u32>>(there.units), own.w);
+    grains[G_CELL * coupling.grains + g] = vec4<u32>(bitcast<vec3<u32>>(bitcast<vec3<i32>>(cell.xyz) + there.shift), cell.w);
+    put_grain(G_REST, g, vec4<f32>(there.rest, rest.w));
+    put_grain(G_VELOCITY, g, vec4<f32>(next.high.xyz, v.w));
+    put_grain(G_VELOCITY_LOW, g, vec4<f32>(next.low.xyz, radius));
+    put_grain(G_SPIN, g, vec4<f32>(spin.high.xyz, w.w));
+    grains[G_SPIN_LOW * coupling.grains + g] = vec4<u32>(bitcast<vec3<u32>>(spin.low.xyz), grain_word(G_SPIN_LOW, g).w);
+    atomicMax(&mix_.fastest_grain, bitcast<u32>(speed));
+}
+
+// Sizes of the passes that make lists.
+@group(2) @binding(0) var<storage, read_write> searches: array<u32>;
+
+var<workgroup> wanted: u32;
+
+// Share of the skin that may be used up: places ahead of time are guesses.
+const TRUST: f32 = 0.5;
+
+// After each step of the grains: time and walls go on, and when something may have come into reach grains go to shelves anew.
+@compute @workgroup_size(256)
+fn shelve(@builtin(local_invocation_index) thread: u32) {
+    if thread == 0u {
+        wanted = 0u;
+        if status.stop == 0u {
+            wanted = passed_on();
+        }
+        searches[0] = wanted * params.point_groups.x;
+        searches[1] = params.point_groups.y;
+        searches[2] = 1u;
+        searches[3] = wanted * ((coupling.grains + 63u) / 64u);
+        searches[4] = 1u;
+        searches[5] = 1u;
+    }
+    if workgroupUniformLoad(&wanted) == 0u {
+        return;
+    }
+    let counts_at = coupling.shelves + 1u;
+    for (var c = thread; c < coupling.shelves; c += 256u) {
+        atomicStore(&lists[counts_at + c], 0u);
+    }
+    storageBarrier();
+    for (var g = thread; g < coupling.grains; g += 256u) {
+        atomicAdd(&lists[counts_at + shelf_index(shelf_of(grain_cells(g)))], 1u);
+    }
+    storageBarrier();
+    let share = (coupling.shelves + 255u) / 256u;
+    let begin = min(thread * share, coupling.shelves);
+    let end = min((thread + 1u) * share, coupling.shelves);
+    var own = 0u;
+    for (var c = begin; c < end; c++) {
+        own += atomicLoad(&lists[counts_at + c]);
+    }
+    var first = before(thread, own);
+    for (var c = begin; c < end; c++) {
+        let here = atomicLoad(&lists[counts_at + c]);
+        atomicStore(&lists[c], first);
+        atomicStore(&lists[counts_at + c], first);
+        first += here;
+    }
+    if thread == 0u {
+        atomicStore(&lists[coupling.shelves], coupling.grains);
+    }
+    storageBarrier();
+    for (var g = thread; g < coupling.grains; g += 256u) {
+        let at = atomicAdd(&lists[counts_at + shelf_index(shelf_of(grain_cells(g)))], 1u);
+        atomicStore(&lists[2u * coupling.shelves + 1u + at], g);
+    }
+}
+
+// Whether lists are due.
+fn passed_on() -> u32 {
+    atomicStore(&mix_.point_rate, 0u);
+    if mix_.search != 0u {
+        mix_.search = 0u;
+        mix_.travelled = 0.0;
+        return 1u;
+    }
+    let dt = outside.dt / f32(coupling.rates);
+    mix_.fresh = 0u;
+    mix_.sub = (mix_.sub + 1u) % coupling.rates;
+    mix_.ahead = f32(mix_.sub) * dt;
+    if mix_.sub == 0u {
+        mix_.point_speed = bitcast<f32>(atomicExchange(&mix_.fastest_point, 0u));
+    }
+    var fastest = bitcast<f32>(atomicExchange(&mix_.fastest_grain, 0u));
+    for (var k = 0u; k < coupling.walls; k++) {
+        let side = mix_.sides[k];
+        let speed = side_speed(side);
+        fastest = max(fastest, abs(speed));
+        let by = clamp(side.normal * speed * dt * params.inverse_cell, -1.0, 1.0);
+        let there = moved(vec3<i32>(side.units, 0, 0), vec3<f32>(side.rest, 0.0, 0.0), vec3<f32>(by, 0.0, 0.0));
+        mix_.sides[k].speed = speed;
+        mix_.sides[k].units = there.units.x;
+        mix_.sides[k].rest = there.rest.x;
+        mix_.sides[k].cell = side.cell + there.shift.x;
+    }
+    mix_.travelled += dt * (mix_.point_speed + fastest);
+    if mix_.travelled <= TRUST * coupling.skin * params.cell {
+        return 0u;
+    }
+    mix_.travelled = 0.0;
+    return 1u;
+}
+
+fn move_slot(old: u32, to: u32, g: u32) {
+    for (var plane = 0u; plane < 4u; plane++) {
+        slots[slot_at(plane, to, g)] = slots[slot_at(plane, old, g)];
+    }
+}
+
+// The list of each grain anew; as those of points.
+@compute @workgroup_size(64)
+fn near_grains(one: Thread) {
+    let g = linear(one);
+    if g >= coupling.grains || status.stop != 0u {
+        return;
+    }
+    let at = grain_cells(g);
+    let radius = grain_number(G_VELOCITY_LOW, g).w * params.inverse_cell;
+    var near: array<u32, 32>;
+    var n = 0u;
+    var count = 0u;
+    let here = shelf_of(at);
+    for (var k = 0; k < 27; k++) {
+        let there = here + vec3<i32>(k % 3, (k / 3) % 3, k / 9) - 1;
+        if any(there < vec3<i32>(0)) || any(there >= coupling.shelf) {
+            continue;
+        }
+        let shelf = shelf_index(there);
+        let end = shelf_start(shelf + 1u);
+        for (var at_shelf = shelf_start(shelf); at_shelf < end; at_shelf++) {
+            let other = grain_on_shelf(at_shelf);
+            let d = grain_cells(other) - at;
+            let far = grain_number(G_VELOCITY_LOW, other).w * params.inverse_cell + radius + coupling.skin;
+            if other == g || dot(d, d) >= far * far {
+                continue;
+            }
+            count += 1u;
+            if n < PARTNERS {
+                var place = n;
+                while place > 0u && near[place - 1u] > other {
+                    near[place] = near[place - 1u];
+                    place -= 1u;
+                }
+                near[place] = other;
+                n += 1u;
+            }
+        }
+    }
+    if count > PARTNERS {
+        atomicMin(&mix_.crowded, g);
+        return;
+    }
+    var kept = 0u;
+    for (var s = 0u; s < PARTNERS; s++) {
+        if slots[slot_at(C_SPRING, s, g)].w == NONE {
+            break;
+        }
+        if bitcast<f32>(slots[slot_at(C_TANGENT, s, g)].w) > 0.0 {
+            if kept != s {
+                move_slot(s, kept, g);
+            }
+            kept += 1u;
+        }
+    }
+    for (var s = n; s > 0u; s--) {
+        let to = s - 1u;
+        while kept > 0u && slots[slot_at(C_SPRING, kept - 1u, g)].w > near[to] {
+            kept -= 1u;
+        }
+        if kept > 0u && slots[slot_at(C_SPRING, kept - 1u, g)].w == near[to] {
+            kept -= 1u;
+            if kept != to {
+                move_slot(kept, to, g);
+            }
+        } else {
+            slots[slot_at(C_SPRING, to, g)] = vec4<u32>(0u, 0u, 0u, near[to]);
+            for (var plane = 1u; plane < 4u; plane++) {
+                slots[slot_at(plane, to, g)] = vec4<u32>(0u);
+            }
+        }
+    }
+    for (var s = n; s < PARTNERS; s++) {
+        slots[slot_at(C_SPRING, s, g)].w = NONE;
+    }
+}
+
+// Contact `s` of grain `g`: of two grains the one with the lower number is the first, and both find the same.
+fn evaluated(g: u32, s: u32, body: u32, pair: Pair, spring: vec3<f32>, low: vec3<f32>) -> Contact {
+    var m: Meeting;
+    var motion: Motion;
+    var r_eff: f32;
+    var m_eff: f32;
+    let dt = outside.dt / f32(coupling.rates);
+    if body >= WALLS {
+        let side = mix_.sides[body - WALLS];
+        let cell = grain_word(G_CELL, g);
+        let rest = grain_number(G_REST, g);
+        m = on_side(side, bitcast<vec3<i32>>(cell.xyz), bitcast<vec3<i32>>(grain_word(G_UNITS, g).xyz), rest.xyz, bitcast<i32>(cell.w), rest.w);
+        let v = grain_number(G_VELOCITY, g);
+        let v_low = grain_number(G_VELOCITY_LOW, g);
+        let spin = grain_number(G_SPIN, g).xyz;
+        motion = Motion(v.xyz + (v_low.xyz + m.normal * side_speed(side)), spin * v_low.w, spin);
+        r_eff = v_low.w;
+        m_eff = v.w;
+    } else {
+        let i = min(g, body);
+        let j = max(g, body);
+        let p = grain_word(G_CELL, i);
+        let q = grain_word(G_CELL, j);
+        let apart = bitcast<vec3<i32>>(q.xyz) - bitcast<vec3<i32>>(p.xyz);
+        if any(abs(apart) >= vec3<i32>(coupling.far)) {
+            return no_contact();
+        }
+        let units = bitcast<vec3<i32>>(grain_word(G_UNITS, j).xyz) - bitcast<vec3<i32>>(grain_word(G_UNITS, i).xyz);
+        let rest = grain_number(G_REST, j) - grain_number(G_REST, i);
+        m = meeting(length_of(apart, units, rest.xyz), bitcast<i32>(p.w) + bitcast<i32>(q.w), grain_number(G_REST, i).w + grain_number(G_REST, j).w);
+        let v = grain_number(G_VELOCITY, i);
+        let u = grain_number(G_VELOCITY, j);
+        let v_low = grain_number(G_VELOCITY_LOW, i);
+        let u_low = grain_number(G_VELOCITY_LOW, j);
+        let w = grain_number(G_SPIN, i).xyz;
+        let x = grain_number(G_SPIN, j).xyz;
+        motion = Motion((v.xyz - u.xyz) + (v_low.xyz - u_low.xyz), w * v_low.w + x * u_low.w, 0.5 * (w + x));
+        r_eff = v_low.w * u_low.w / (v_low.w + u_low.w);
+        m_eff = v.w * u.w / (v.w + u.w);
+    }
+    if m.overlap <= 0.0 {
+        return no_contact();
+    }
+    return borne(m, r_eff, m_eff, motion, pair, dt, spring, low);
+}
+
+// Sums of each thread of a workgroup, and of each contact.
+var<workgroup> forces: array<vec4<f32>, 64>;
+var<workgroup> torques: array<vec4<f32>, 64>;
+var<workgroup> slot_forces: array<vec4<f32>, 40>;
+var<workgroup> slot_torques: array<vec4<f32>, 40>;
+
+// What each grain bears: a workgroup for each, a thread for each of its contacts with grains and walls, and all of them over the points of the cells around it.
+@compute @workgroup_size(64)
+fn bear(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let g = group.x + group.y * groups.x;
+    if g >= coupling.grains {
+        return;
+    }
+    let radius = grain_number(G_VELOCITY_LOW, g).w;
+    let mass = grain_number(G_VELOCITY, g).w;
+    let goes = status.stop == 0u;
+    if thread < SLOTS {
+        var body = slots[slot_at(C_SPRING, thread, g)].w;
+        if thread >= PARTNERS {
+            body = select(NONE, WALLS + thread - PARTNERS, thread - PARTNERS < coupling.walls);
+        }
+        var force = vec4<f32>(0.0);
+        var torque = vec4<f32>(0.0);
+        if body != NONE && goes {
+            let material = grain_word(G_UNITS, g).w;
+            var at: u32;
+            if body >= WALLS {
+                at = coupling.tables.y + 2u * ((body - WALLS) * coupling.materials + material);
+            } else {
+                at = 2u * (grain_word(G_UNITS, min(g, body)).w * coupling.materials + grain_word(G_UNITS, max(g, body)).w);
+            }
+            let pair = pair_at(at);
+            let head = bitcast<vec4<f32>>(slots[slot_at(C_SPRING, thread, g)]);
+            let low = bitcast<vec4<f32>>(slots[slot_at(C_LOW, thread, g)]);
+            var c = no_contact();
+            if mix_.felt != 0u {
+                let normal = bitcast<vec4<f32>>(slots[slot_at(C_NORMAL, thread, g)]);
+                let tangent = bitcast<vec4<f32>>(slots[slot_at(C_TANGENT, thread, g)]);
+                c.normal = normal.xyz;
+                c.force = normal.w;
+                c.tangent = tangent.xyz;
+                c.overlap = tangent.w;
+                c.stiffness = low.w;
+            } else {
+                c = evaluated(g, thread, body, pair, head.xyz, low.xyz);
+                slots[slot_at(C_SPRING, thread, g)] = vec4<u32>(bitcast<vec3<u32>>(c.spring), body);
+                slots[slot_at(C_NORMAL, thread, g)] = bitcast<vec4<u32>>(vec4<f32>(c.normal, c.force));
+                slots[slot_at(C_TANGENT, thread, g)] = bitcast<vec4<u32>>(vec4<f32>(c.tangent, c.overlap));
+                slots[slot_at(C_LOW, thread, g)] = bitcast<vec4<u32>>(vec4<f32>(c.low, c.stiffness));
+            }
+            if c.overlap > 0.0 {
+                let first = select(-1.0, 1.0, g < body);
+                let arm = radius - c.overlap * select(0.5, 1.0, body >= WALLS);
+                force = vec4<f32>(first * (c.tangent - c.normal * c.force), c.stiffness * max(2.0, 7.0 * stiffness_ratio(pair)));
+                var load = c.force;
+                if coupling.hertz_area != 0u {
+                    var r_eff = radius;
+                    if body < WALLS {
+                        let other = grain_number(G_VELOCITY_LOW, body).w;
+                        r_eff = radius * other / (radius + other);
+                    }
+                    let weight = tables[at + 1u].x / r_eff;
+                    load *= weight * weight;
+                }
+                torque = vec4<f32>(arm * cross(c.normal, c.tangent), load);
+            }
+        }
+        slot_forces[thread] = force;
+        slot_torques[thread] = torque;
+    }
+    // the cells from which a point can touch it
+    let around = grain_cells(g) + 0.5;
+    let far = vec3<f32>(radius * params.inverse_cell + coupling.reach + coupling.skin);
+    let n = cell_size();
+    let low = clamp(vec3<i32>(floor(around - far)) + 1, vec3<i32>(0), n - 1);
+    let high = clamp(vec3<i32>(floor(around + far)) + 1, vec3<i32>(-1), n - 1);
+    let wide = max(high - low + 1, vec3<i32>(0));
+    var force = vec4<f32>(0.0);
+    var torque = vec4<f32>(0.0);
+    if goes {
+        for (var c = i32(thread); c < wide.x * wide.y * wide.z; c += 64) {
+            let at = low + vec3<i32>(c % wide.x, (c / wide.x) % wide.y, c / (wide.x * wide.y));
+            let cell = u32(at.x + n.x * (at.y + n.y * at.z));
+            let end = starts[cell + 1u];
+            for (var p = starts[cell]; p < end; p++) {
+                let i = order[p];
+                let r = pushes[i].w;
+                if r == NONE {
+                    continue;
+                }
+                for (var s = 0u; s < PLACES; s++) {
+                    let body = rows[row_at(C_SPRING, s, r)].w;
+                    if body > g {
+                        break;
+                    }
+                    let tangent = bitcast<vec4<f32>>(rows[row_at(C_TANGENT, s, r)]);
+                    if body != g || tangent.w <= 0.0 {
+                        continue;
+                    }
+                    let normal = bitcast<vec4<f32>>(rows[row_at(C_NORMAL, s, r)]);
+                    let law = word(VELOCITY_LOW, i).w;
+                    let pair = pair_at(coupling.tables.x + 2u * (law * coupling.materials + grain_word(G_UNITS, g).w));
+                    let stiffness = bitcast<f32>(rows[row_at(C_LOW, s, r)].w);
+                    force += vec4<f32>(tangent.xyz - normal.xyz * normal.w, stiffness * max(1.0, 3.5 * stiffness_ratio(pair)));
+                    torque += vec4<f32>((radius - 0.5 * tangent.w) * cross(normal.xyz, tangent.xyz), 0.0);
+                }
+            }
+        }
+    }
+    forces[thread] = force;
+    torques[thread] = torque;
+    workgroupBarrier();
+    for (var half = 32u; half > 0u; half /= 2u) {
+        if thread < half {
+            forces[thread] += forces[thread + half];
+            torques[thread] += torques[thread + half];
+        }
+        workgroupBarrier();
+    }
+    if thread != 0u || !goes {
+        return;
+    }
+    force = forces[0];
+    torque = torques[0];
+    let ghost = force.w / mass;
+    force.w = 0.0;
+    var load = 0.0;
+    for (var s = 0u; s < SLOTS; s++) {
+        force += slot_forces[s];
+        torque += vec4<f32>(slot_torques[s].xyz, 0.0);
+        load = max(load, slot_torques[s].w);
+    }
+    put_grain(G_FORCE, g, vec4<f32>(force.xyz, force.w / mass));
+    put_grain(G_TORQUE, g, vec4<f32>(torque.xyz, ghost));
+    if coupling.crushing != 0u && load > grain_number(G_SPIN, g).w {
+        atomicMin(&mix_.broken, g);
+    }
+}
+
+// Margin by which stiffness may grow before it is looked at again (step/stability.rs).
+const MARGIN: f32 = 1.2;
+
+// What walls feel, what bounds the step, and whether something has happened that ends the batch.
+@compute @workgroup_size(256)
+fn mind(@builtin(local_invocation_index) thread: u32) {
+    var most = vec2<f32>(0.0);
+    for (var g = thread; g < coupling.grains; g += 256u) {
+        most = max(most, vec2<f32>(grain_number(G_FORCE, g).w, grain_number(G_TORQUE, g).w));
+    }
+    pressing[thread] = vec4<f32>(most, 0.0, 0.0);
+    workgroupBarrier();
+    for (var half = 128u; half > 0u; half /= 2u) {
+        if thread < half {
+            pressing[thread] = max(pressing[thread], pressing[thread + half]);
+        }
+        workgroupBarrier();
+    }
+    let bounds = pressing[0];
+    workgroupBarrier();
+    for (var k = 0u; k < coupling.walls; k++) {
+        var own = vec4<f32>(0.0);
+        for (var g = thread; g < coupling.grains; g += 256u) {
+            let s = PARTNERS + k;
+            own += vec4<f32>(bitcast<f32>(slots[slot_at(C_NORMAL, s, g)].w), bitcast<f32>(slots[slot_at(C_LOW, s, g)].w), 0.0, 0.0);
+        }
+        pressing[thread] = own;
+        workgroupBarrier();
+        for (var half = 128u; half > 0u; half /= 2u) {
+            if thread < half {
+                pressing[thread] += pressing[thread + half];
+            }
+            workgroupBarrier();
+        }
+        if thread == 0u && status.stop == 0u {
+            feels(k, pressing[0].x, pressing[0].y);
+        }
+        workgroupBarrier();
+    }
+    if thread != 0u || status.stop != 0u {
+        return;
+    }
+    mix_.own = (1.0 + coupling.damping) * MARGIN * bounds.x;
+    mix_.ghost = bounds.y;
+    let over = coupling.crushing != 0u && atomicLoad(&mix_.broken) != NONE;
+    if over || atomicLoad(&mix_.lost) != NONE || atomicLoad(&mix_.crowded) != NONE || atomicLoad(&status.fault) != NO_FAULT {
+        status.stop = 1u;
+    }
+    mix_.felt = 0u;
+}
+
+fn feels(k: u32, reaction: f32, stiffness: f32) {
+    let side = mix_.sides[k];
+    if mix_.felt == 0u {
+        let way = side.speed * (outside.dt / f32(coupling.rates));
+        mix_.sides[k].work = grown(side.work, 0.5 * (side.reaction + reaction) * way);
+        if mix_.sub == 0u {
+            mix_.reactions[k] = grown(mix_.reactions[k], reaction);
+        }
+    }
+    mix_.sides[k].reaction = reaction;
+    mix_.sides[k].stiffness = stiffness;
+}

@@ -1,0 +1,210 @@
+//! Grains and contacts of the CPU to words of the device, and back.
+
+use super::layout::{CONTACT, GRAIN, NONE, PLACES, SLOTS, Side, WALLS};
+use crate::boundary::Wall;
+use crate::contact::pairs::Touch;
+use crate::coupling::Body;
+use crate::coupling::exchange::Contact;
+use crate::gpu::exact::{place, placed, split};
+use crate::grains::Grains;
+use crate::model::WallShape;
+use crate::mpm::Settings;
+
+const BITS: fn(f32) -> u32 = f32::to_bits;
+
+/// Stands for infinity, which shaders may not know.
+const HUGE: f64 = 1e38;
+
+/// A contact on the device: whose it is (a grain, or a point) and its words, the fourth of which is the body.
+pub type Kept = [u32; 1 + 4 * CONTACT];
+
+/// Planes of all grains in the order of their ids; lengths are also counted in 2^-`parts` cells.
+pub fn grains(settings: &Settings, g: &Grains, parts: u32) -> Vec<[u32; 4]> {
+    let n = g.len();
+    let mut planes = vec![[0; 4]; GRAIN * n];
+    for (k, i) in g.by_id().into_iter().map(|i| i as usize).enumerate() {
+        let p = g.pos[i];
+        let at: [(i32, i32, f32); 3] = std::array::from_fn(|a| place((p[a] - settings.lower[a]) / settings.cell));
+        let radius = p[3] / settings.cell * f64::from(1_u32 << parts);
+        let whole = radius.round();
+        let (v, w) = (g.vel[i].map(split), g.spin[i].map(split));
+        let three = |x: [[f32; 2]; 4], k: usize, last: u32| [BITS(x[0][k]), BITS(x[1][k]), BITS(x[2][k]), last];
+        let words = [
+            [at[0].1 as u32, at[1].1 as u32, at[2].1 as u32, g.material[i].into()],
+            [at[0].0 as u32, at[1].0 as u32, at[2].0 as u32, whole as i32 as u32],
+            [BITS(at[0].2), BITS(at[1].2), BITS(at[2].2), BITS((radius - whole) as f32)],
+            three(v, 0, BITS(g.mass[i] as f32)),
+            three(v, 1, BITS(p[3] as f32)),
+            three(w, 0, BITS(g.limit[i].min(HUGE) as f32)),
+            three(w, 1, g.id[i]),
+        ];
+        for (plane, word) in words.into_iter().enumerate() {
+            planes[plane * n + k] = word;
+        }
+    }
+    planes
+}
+
+/// Writes place, velocity and spin into the grain `i`; it is the `k`-th by its id.
+pub fn to_grain(settings: &Settings, planes: &[[u32; 4]], k: usize, g: &mut Grains, i: usize) {
+    let n = planes.len() / GRAIN;
+    let number = |plane: usize, a: usize| f32::from_bits(planes[plane * n + k][a]);
+    let both = |plane: usize, a: usize| f64::from(number(plane, a)) + f64::from(number(plane + 1, a));
+    let place = |a: usize| {
+        let [units, cell] = [0, 1].map(|plane| planes[plane * n + k][a] as i32);
+        settings.lower[a] + settings.cell * placed(cell, units, number(2, a))
+    };
+    for (to, of) in
+        [(&mut g.pos[i], &place as &dyn Fn(usize) -> f64), (&mut g.vel[i], &|a| both(3, a)), (&mut g.spin[i], &|a| both(5, a))]
+    {
+        to.iter_mut().take(3).enumerate().for_each(|(a, x)| *x = of(a));
+    }
+}
+
+/// A body's number on the device.
+pub fn body(body: Body) -> u32 {
+    match body {
+        Body::Grain(k) => k,
+        Body::Wall(k) => WALLS + k,
+    }
+}
+
+/// A contact's words; `owner` is a grain or a point.
+pub fn kept(owner: u32, body: u32, c: &Contact) -> Kept {
+    let spring = c.spring.map(split);
+    let (n, t) = (c.touch.normal.map(|x| BITS(x as f32)), c.touch.tangential.map(|x| BITS(x as f32)));
+    let [high, low] = [0, 1].map(|k| spring.map(|s| BITS(s[k])));
+    let last = [body, BITS(c.touch.normal_force as f32), BITS(c.touch.overlap as f32), BITS(c.stiffness as f32)];
+    let mut words = [owner; 1 + 4 * CONTACT];
+    for (plane, (three, last)) in [high, n, t, low].into_iter().zip(last).enumerate() {
+        words[1 + 4 * plane..4 + 4 * plane].copy_from_slice(&three);
+        words[4 + 4 * plane] = last;
+    }
+    words
+}
+
+/// The contact again, without its ends.
+pub fn contact(words: &Kept, viscous: bool) -> Contact {
+    let number = |k: usize| f64::from(f32::from_bits(words[1 + k]));
+    let three = |plane: usize| [0, 1, 2].map(|k| number(4 * plane + k));
+    let (high, low) = (three(0), three(3));
+    let spring: [f64; 3] = std::array::from_fn(|a| high[a] + low[a]);
+    // where nothing is viscous the spring is all of it
+    let tangential = if viscous { three(2) } else { spring };
+    let touch = Touch { tangential, normal_force: number(7), normal: three(1), overlap: number(11) };
+    Contact { ends: [0; 2], touch, spring, stiffness: number(15) }
+}
+
+/// Contacts in arrays of so many owners with `room` each: an entry per plane, place and owner.
+pub fn spread(kept: &[Kept], owners: usize, room: usize, place: impl Fn(&Kept, usize) -> usize) -> Vec<[u32; 4]> {
+    let mut all = vec![[0; 4]; CONTACT * room * owners];
+    for entry in &mut all[..room * owners] {
+        entry[3] = NONE;
+    }
+    let mut filled = vec![0; owners];
+    for words in kept {
+        let owner = words[0] as usize;
+        let s = place(words, filled[owner]);
+        if words[4] < WALLS || room == PLACES {
+            filled[owner] += 1;
+        }
+        for plane in 0..CONTACT {
+            all[(plane * room + s) * owners + owner].copy_from_slice(&words[1 + 4 * plane..5 + 4 * plane]);
+        }
+    }
+    all
+}
+
+/// Those that touch, in the order of owners, then of bodies.
+pub fn collect(all: &[[u32; 4]], owners: usize, room: usize, used: usize) -> Vec<Kept> {
+    let mut kept = Vec::new();
+    for owner in 0..used {
+        for s in 0..room {
+            let entry = |plane: usize| all[(plane * room + s) * owners + owner];
+            // walls that a grain does not touch have no body yet
+            if entry(0)[3] == NONE || f32::from_bits(entry(2)[3]) <= 0.0 {
+                continue;
+            }
+            let mut words = [owner as u32; 1 + 4 * CONTACT];
+            (0..CONTACT).for_each(|plane| words[1 + 4 * plane..5 + 4 * plane].copy_from_slice(&entry(plane)));
+            kept.push(words);
+        }
+    }
+    kept
+}
+
+/// Place of a contact of a grain: those with walls have their own.
+pub fn slot(words: &Kept, next: usize) -> usize {
+    if words[4] >= WALLS { SLOTS - super::layout::SIDES + (words[4] - WALLS) as usize } else { next }
+}
+
+/// A wall; `platen` is the one that it moves with.
+pub fn side(settings: &Settings, wall: &Wall, platen: u32) -> Side {
+    let WallShape::Plane { point, normal } = wall.shape else { return Side::default() };
+    let axis = axis(normal);
+    let (cell, units, rest) = place((point[axis] - settings.lower[axis]) / settings.cell);
+    Side {
+        axis: axis as u32,
+        normal: normal[axis] as f32,
+        cell,
+        units,
+        rest,
+        speed: wall.speed as f32,
+        platen,
+        reaction: wall.reaction as f32,
+        stiffness: wall.stiffness as f32,
+        ..Side::default()
+    }
+}
+
+/// Axis of a normal.
+pub fn axis(normal: [f64; 3]) -> usize {
+    (0..3).find(|&a| normal[a] != 0.0).unwrap_or(0)
+}
+
+/// Writes what the device knows into a wall; work since it went there comes on top of `before`, J.
+pub fn to_wall(settings: &Settings, side: &Side, before: f64, wall: &mut Wall) {
+    let axis = side.axis as usize;
+    if let WallShape::Plane { point, .. } = &mut wall.shape {
+        point[axis] = settings.lower[axis] + settings.cell * placed(side.cell, side.units, side.rest);
+    }
+    (wall.speed, wall.reaction, wall.stiffness) = (side.speed.into(), side.reaction.into(), side.stiffness.into());
+    wall.work = before + f64::from(side.work[0]) + f64::from(side.work[1]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::grains::layout::PARTNERS;
+
+    fn contact_of(x: f64) -> Contact {
+        let spring = [0.3 * x, -1.7 * x, 1e-7 * x];
+        let touch = Touch { tangential: spring, normal_force: 2.5 * x, normal: [0.0, 0.6, -0.8], overlap: 1e-6 * x };
+        Contact { ends: [0; 2], touch, spring, stiffness: 1e5 * x }
+    }
+
+    /// What goes there comes back: contacts within f32, springs within two of them, each at its owner and place.
+    #[test]
+    fn contacts_come_back() {
+        let given = [
+            kept(0, 2, &contact_of(1.0)),
+            kept(0, 7, &contact_of(2.0)),
+            kept(0, WALLS + 3, &contact_of(3.0)),
+            kept(2, 0, &contact_of(1.0)),
+        ];
+        let all = spread(&given, 3, SLOTS, slot);
+        let places: Vec<usize> = (0..SLOTS).filter(|s| all[s * 3][3] != NONE).collect();
+        assert_eq!(places, [0, 1, PARTNERS + 3]);
+        assert_eq!(collect(&all, 3, SLOTS, 3), given);
+        for (words, x) in given.iter().zip([1.0, 2.0, 3.0, 1.0]) {
+            let (there, here) = (contact(words, false), contact_of(x));
+            for a in 0..3 {
+                assert!((there.spring[a] - here.spring[a]).abs() <= 1e-14 * here.spring[a].abs());
+                assert!((there.touch.normal[a] - here.touch.normal[a]).abs() < 1e-7);
+            }
+            assert!((there.touch.overlap / here.touch.overlap - 1.0).abs() < 1e-7);
+            assert!((there.stiffness / here.stiffness - 1.0).abs() < 1e-7);
+            assert_eq!(there.touch.tangential, there.spring);
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! Grains in a continuum on the device, as a user types them: against the processor within bands, momentum, breakage, bits after a stop, and what is refused.
+
+use crate::adapter::adapter;
+use crate::common::typed::{columns, comminute, number, run, same_files, summary};
+use crate::run::apart;
+use std::path::{Path, PathBuf};
+
+const PLAIN: [&str; 2] = ["records.figures=false", "records.snapshots=false"];
+
+/// Goes on with a run that has stopped.
+fn resume(out: &Path, more: &[&str]) -> assert_cmd::assert::Assert {
+    comminute("resume").arg(out).args(["--threads", "1", "--quiet"]).args(more).assert()
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir(to).expect("folder");
+    for entry in std::fs::read_dir(from).expect("folder").map(|e| e.expect("entry").path()).filter(|p| p.is_file()) {
+        std::fs::copy(&entry, to.join(entry.file_name().expect("name"))).expect("copied");
+    }
+}
+
+/// A scene on both backends from the state after `stop` steps of the processor, so that both begin to load at the same instant.
+fn both(folder: &Path, scene: &str, sets: &[&str], stop: &str) -> [PathBuf; 2] {
+    let outs = ["cpu", "gpu"].map(|name| folder.join(name));
+    run(scene, &outs[0], &[&PLAIN[..], sets].concat(), &["--stop-after", stop]).assert().code(130);
+    copy(&outs[0], &outs[1]);
+    for (out, backend) in outs.iter().zip(["cpu", "gpu"]) {
+        resume(out, &["--backend", backend]).success();
+    }
+    assert_eq!(summary(&outs[1])["backend"], "cpu, then gpu");
+    outs
+}
+
+/// The smallest twin of Li's binary mixture, whose loading begins within so many steps.
+const TWIN: &str = "../tests/gpu/mixture";
+const LOADED: &str = "1000";
+
+/// Rung 4 of a mixture between platens under servo: four grains among a thousand points. Measured: q 7.5e-5 of the largest, volumetric strain 2e-5, what contacts of grains and
+/// points bear of q 2.6e-5, stress of all contacts 1.4e-6, kinetic energy of the grains 9e-4.
+#[test]
+fn a_triaxial_test_of_a_mixture_is_that_of_the_cpu() {
+    if !adapter("a_triaxial_test_of_a_mixture_is_that_of_the_cpu") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    // a row for each step, so that no means are compared with others
+    let sets = ["test.axial_strain=0.0008", "records.rows=5000", "stepping.grain_steps=1"];
+    let outs = both(folder.path(), TWIN, &sets, LOADED);
+    let [q, volume, interface, contacts, kinetic] =
+        ["q_kPa", "volumetric_strain", "q_interface_kPa", "sigma_zz_of_contacts_kPa", "coarse_kinetic_J"]
+            .map(|c| apart(&outs, "time_s", c));
+    println!(
+        "mixture, triaxial: q {q:e}, volumetric strain {volume:e}, interface {interface:e}, contacts {contacts:e}, kinetic energy of grains {kinetic:e}"
+    );
+    let [[touch], [borne]] = [["point_contacts"], ["q_interface_kPa"]].map(|c| *columns(&outs[1], c).last().expect("rows"));
+    assert!(touch > 100.0 && borne.abs() > 0.1, "{touch} {borne}");
+    assert!(q < 4e-4 && volume < 1e-4 && interface < 2e-4 && contacts < 1e-5 && kinetic < 5e-3);
+}
+
+/// A stopped run leaves the same bytes, with rates that it finds by itself, on any number of threads.
+#[test]
+fn a_mixture_resumes_to_the_byte() {
+    if !adapter("a_mixture_resumes_to_the_byte") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0004", "records.rows=10"]].concat();
+    let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
+    // on one thread of a software adapter, and on as many as it has
+    run(TWIN, &whole, &sets, &["--backend", "gpu"]).env("LP_NUM_THREADS", "1").assert().success();
+    run(TWIN, &parts, &sets, &["--backend", "gpu", "--stop-after", "70"]).assert().code(130);
+    resume(&parts, &["--stop-after", "301"]).code(130);
+    resume(&parts, &[]).success();
+    same_files(&whole, &parts);
+    let bytes = |out: &Path| std::fs::read(out.join("grains_final.csv")).expect("grains");
+    assert!(bytes(&whole) == bytes(&parts));
+    assert!(columns(&whole, ["grain_steps"]).last().is_some_and(|[k]| *k >= 1.0));
+}
+
+/// A ball hits a ball of points: what one gives the other has, with a step of the continuum for one and for four of the grain. Measured: momentum 3e-8, speed of the
+/// ball 1e-8 of that of the impact.
+#[test]
+fn a_ball_gives_its_momentum_to_points() {
+    if !adapter("a_ball_gives_its_momentum_to_points") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    let velocity = |out: &Path| {
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(out.join("grains_final.csv")).expect("grains");
+        let place = reader.headers().expect("header").iter().position(|h| h == "vz_m_s").expect("column");
+        reader.records().next().expect("a grain").expect("row")[place].parse::<f64>().expect("number")
+    };
+    for steps in ["1", "4"] {
+        let grain_steps = format!("stepping.grain_steps={steps}");
+        let sets = [&PLAIN[..], &["grid.cell_mm=13.6798076", "duration_s=0.0014", &grain_steps]].concat();
+        let outs = ["cpu", "gpu"].map(|backend| {
+            let out = folder.path().join(format!("{backend}{steps}"));
+            run("mixture/ball_impact", &out, &sets, &["--backend", backend]).assert().success();
+            out
+        });
+        let [here, there] = outs.each_ref().map(|out| {
+            let rows = columns(out, ["momentum_z_kg_m_s"]);
+            (velocity(out), rows[rows.len() - 1][0])
+        });
+        // that of the points, and of the grain; -5 m/s of 0.3351 kg at first
+        let grain = 0.335_103_218;
+        let momentum = (there.1 + grain * there.0) / (-5.0 * grain) - 1.0;
+        let off = (there.0 - here.0).abs() / 5.0;
+        println!("impact, {steps} steps of the grain: momentum {momentum:e}, speed of the ball {off:e} of {:e}", there.0);
+        assert!(here.0 > -2.0, "it has hit: {here:?}");
+        assert!(momentum.abs() < 1e-6 && off < 1e-5);
+        assert_eq!(summary(&outs[0])["steps"], summary(&outs[1])["steps"]);
+    }
+}
+
+/// A block of points slides on a wall, with friction and a viscous law. Measured: front 5e-9, kinetic energy 6e-7, energy of the contacts 5e-8 of the largest.
+#[test]
+fn a_block_slides_on_a_wall_as_on_the_cpu() {
+    if !adapter("a_block_slides_on_a_wall_as_on_the_cpu") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    let sets = [&PLAIN[..], &["grid.cell_mm=50.0", "duration_s=0.02", "grid.max_mm=[600.0, 200.0, 300.0]"]].concat();
+    let outs = ["cpu", "gpu"].map(|backend| {
+        let out = folder.path().join(backend);
+        run("mixture/sliding_block", &out, &sets, &["--backend", backend]).assert().success();
+        out
+    });
+    let [front, kinetic, contact] = ["front_mm", "kinetic_J", "contact_J"].map(|c| apart(&outs, "time_s", c));
+    println!("sliding block: front {front:e}, kinetic energy {kinetic:e}, energy of contacts {contact:e}");
+    assert!(front < 1e-7 && kinetic < 1e-5 && contact < 1e-6);
+}
+
+/// A grain breaks on the way: the processor does that step, its daughters go to the device, and the run goes on; as on the processor, and the same bytes when it is
+/// stopped before. Measured: the first row after it at 0.8745 and 0.8755 % strain, 855 and 858 kPa in the last before it.
+#[test]
+fn a_grain_breaks_on_the_way() {
+    if !adapter("a_grain_breaks_on_the_way") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    let sets = [&PLAIN[..], &["grid.cell_mm=2.5", "test.axial_strain=0.0092", "records.rows=46"]].concat();
+    let outs = ["cpu", "gpu"].map(|backend| {
+        let out = folder.path().join(backend);
+        run("mixture/oedometer_crushing", &out, &sets, &["--backend", backend]).assert().success();
+        out
+    });
+    let rows = outs.each_ref().map(|out| columns(out, ["crush_events", "grains", "coarse_mass_kg", "sigma_v_kPa", "axial_strain"]));
+    let last = rows.each_ref().map(|rows| rows[rows.len() - 1]);
+    let strain = rows.each_ref().map(|rows| rows.iter().find(|r| r[0] > 0.0).expect("a breakage")[4]);
+    let before = rows.each_ref().map(|rows| rows.iter().rev().find(|r| r[0] == 0.0).expect("a row before")[3]);
+    println!("breakage: {last:?}, first rows after it at {strain:?}, kPa before {before:?}");
+    assert_eq!(last[0][..2], last[1][..2]);
+    assert_eq!(last[1][0], 1.0);
+    assert!((last[0][2] / last[1][2] - 1.0).abs() < 1e-9);
+    assert!((strain[0] - strain[1]).abs() < 2.5e-4 && last[1][3] < 0.5 * before[1]);
+    let steps = number(&summary(&outs[1]), "steps") as u64;
+    let parts = folder.path().join("parts");
+    run("mixture/oedometer_crushing", &parts, &sets, &["--backend", "gpu", "--stop-after", &(steps / 2).to_string()])
+        .assert()
+        .code(130);
+    resume(&parts, &[]).success();
+    same_files(&outs[1], &parts);
+}
+
+/// Refused before anything is written: exit code 2, these words, no folder.
+#[test]
+fn what_the_device_lacks_of_grains_is_refused_by_name() {
+    let folder = tempfile::tempdir().expect("folder");
+    for (scene, sets, says) in [
+        (TWIN, &["stepping.continuum_steps=2"][..], "gpu: stepping.continuum_steps = 2: must be 1 on the GPU"),
+        (TWIN, &["contact.unloading=rescale"], "gpu: contact.unloading = rescale: is not available on the GPU"),
+        (TWIN, &["grid.shape_functions=gimp"], "gpu: shape = gimp: is not available"),
+        ("mixture/twin_points", &[], "gpu: growth: specimens that grow are not available on the GPU"),
+        (
+            "mixture/oedometer_crushing",
+            &["crushing.lost_mass=points"],
+            "gpu: crushing.lost_mass = points: is not available on the GPU",
+        ),
+    ] {
+        let out = folder.path().join("out");
+        let told = run(scene, &out, sets, &["--backend", "gpu"]).assert().code(2);
+        told.stderr(predicates::str::contains(says));
+        assert!(!out.exists());
+    }
+}
