@@ -29,6 +29,8 @@ struct Progress {
     /// Time, s, and file of each snapshot.
     snapshots: Vec<(f64, String)>,
     seconds: f64,
+    /// The processor's time for this process, s.
+    user_seconds: f64,
 }
 
 /// A run that has not left anything yet.
@@ -45,7 +47,8 @@ pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     let (mut state, mut used) = (State::start(model, rig)?, Used::default());
     let engine = used.engine(chosen, &mut state, model, rig)?;
     let history = Table::new("history.csv");
-    let progress = Progress { state, used, recorder: Recorder::default(), history, snapshots: Vec::new(), seconds: 0.0 };
+    let progress =
+        Progress { state, used, recorder: Recorder::default(), history, snapshots: Vec::new(), seconds: 0.0, user_seconds: 0.0 };
     Ok(Begun { progress, engine })
 }
 
@@ -83,10 +86,12 @@ pub fn resume(
 fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let Begun { mut progress, mut engine } = begun;
     let (mut bar, started, before) = (Bar::new(quiet), Instant::now(), progress.seconds);
+    let user_before = progress.user_seconds - user_seconds();
     let mut last_checkpoint = Instant::now();
     loop {
         let done = progress.advance(model, rig, &mut engine, out);
         progress.seconds = before + started.elapsed().as_secs_f64();
+        progress.user_seconds = user_before + user_seconds();
         match done {
             Ok(true) => break,
             Ok(false) => {}
@@ -259,6 +264,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     // of what platens, gravity and motion gave: taken by damping, transfer and wall friction, and errors
     put("energy_error", json!(r.energy_error));
     put("wall_seconds", json!(progress.seconds));
+    put("user_seconds", json!(progress.user_seconds));
     put("point_steps_per_second", json!(steps as f64 * points as f64 / progress.seconds.max(1e-9)));
     put("bytes_per_point", json!(engine.bytes(state) as f64 / points.max(1) as f64));
     put("backend", json!(progress.used.names.join(", then ")));
@@ -274,6 +280,16 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     put("version", json!(env!("CARGO_PKG_VERSION")));
     put("host", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
     Value::Object(s)
+}
+
+/// What the processor has spent on this process outside of the system, s; NaN where there is no way to know.
+fn user_seconds() -> f64 {
+    #[cfg(unix)]
+    if let Ok(usage) = nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_SELF) {
+        let time = usage.user_time();
+        return time.tv_sec() as f64 + 1e-6 * time.tv_usec() as f64;
+    }
+    f64::NAN
 }
 
 fn law(rig: &Rig) -> &Law {
