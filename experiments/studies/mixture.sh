@@ -5,9 +5,20 @@ set -eu
 out=${1:-runs/mixture}
 program=${COMMINUTE:-target/release/comminute}
 
-for case in impact_refined crater crater_outer crater_numerics rates; do
-    "$program" verify --only $case --continue --out "$out/$case"
+declare -A levels=([crater_numerics]=1)
+declare -A figures=(
+    [impact_refined]="loss_cells loss_points"
+    [crater]="depth ratio"
+    [crater_outer]="depth"
+    [crater_refined]="resolution"
+    [rates]="saving resolution"
+)
+for case in impact_refined crater crater_outer crater_refined crater_numerics rates; do
+    "$program" verify --only $case --levels ${levels[$case]:-8} --continue --out "$out/$case"
     mkdir -p figures/mixture/$case
-    cp "$out/$case"/verification.{csv,md} "$out/$case"/${case}_*.{csv,svg} figures/mixture/$case
+    cp "$out/$case"/verification.{csv,md} figures/mixture/$case
+    for figure in ${figures[$case]:-}; do
+        cp "$out/$case"/${case}_$figure.{csv,svg} figures/mixture/$case
+    done
 done
 "$program" plot "$out"/crater/runs/crater-{7,9,10,12}-3 --quiet --show lowest_grain --out figures/mixture/crater

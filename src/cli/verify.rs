@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 /// Run cases with closed forms at several resolutions: error, time, figures
 ///
-/// Writes verification.csv (a row for each error), verification.md (tables) and two figures a case: error against resolution and against wall time.
+/// Writes verification.csv (a row for each error), verification.md (tables) and two figures a case: error against resolution and against time.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples, from the repository root:\n  comminute verify\n  comminute verify --only bar,disk --levels 2 --out runs/try"

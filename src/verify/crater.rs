@@ -32,7 +32,7 @@ pub const CASE: Case = Case {
     about: ABOUT,
     exact: EXACT,
     across: ACROSS,
-    resolutions: &[2, 3, 4],
+    resolutions: &[2, 3],
     ways: DROPS,
     quantities: &["depth"],
     run: |task| fall(task, &drop(task.way), &[]),
@@ -44,6 +44,16 @@ pub const OUTER: Case = Case {
     resolutions: &[2],
     run: |task| fall(task, &drop(task.way), &["materials.sand.continuum.cone=\"outer\"".into()]),
     graphs: Some(|rows| graphs("crater_outer", "outer cone", rows)),
+    ..CASE
+};
+/// The shallowest fall of the small ball and the deepest of the large one, with smaller cells.
+pub const REFINED: Case = Case {
+    name: "crater_refined",
+    about: "A ball falls into dry sand (two of the cases of crater)",
+    resolutions: &[2, 3, 4],
+    ways: &["R 12.5 mm, μ 0.3, h 50 mm", "R 20 mm, μ 0.3, h 200 mm"],
+    run: |task| fall(task, &drop([0, 8][task.way]), &[]),
+    graphs: None,
     ..CASE
 };
 /// What else the depth of one of them depends on.
@@ -144,7 +154,7 @@ fn exponents(cases: &[(Drop, f64)]) -> Option<[f64; 3]> {
     Some([x[1], x[2], x[3]])
 }
 
-/// Depths against the law, and what they are of it against the height.
+/// Depths of the finest resolution against the law, and what all are of it against the height.
 fn graphs(name: &str, cone: &str, rows: &[Row]) -> Vec<Graph> {
     let (mut depths, mut ratios) = (Vec::new(), Vec::new());
     let cells = |r: &Row| r.cells;
@@ -165,7 +175,9 @@ fn graphs(name: &str, cone: &str, rows: &[Row]) -> Vec<Graph> {
                 points,
             };
             let depth = |r: &&Row| (1e3 * drop(r.way).law(), 1e3 * r.found.errors[1]);
-            depths.push(drawn(own.iter().map(depth).collect()));
+            if *resolution == finest {
+                depths.push(drawn(own.iter().map(depth).collect()));
+            }
             ratios.push(drawn(own.iter().map(|r| (1e3 * drop(r.way).height, 1.0 + r.found.errors[0])).collect()));
         }
     }

@@ -28,23 +28,23 @@ pub fn run(task: &Task, name: &str, sets: &[String]) -> Result<Run> {
     let outcome = match if task.keep { run::look(&task.out, &scene, &model)? } else { Found::Nothing } {
         Found::Finished(summary) => Outcome { summary, out: task.out.clone(), figures: Vec::new() },
         Found::Unfinished => run::resume(&task.out, ResumeOptions { threads, quiet: true, ..ResumeOptions::default() })?,
-        _ => {
-            let outcome = run::run(RunRequest {
-                model,
-                scene_resolved: scene::resolved(&scene),
-                out: task.out.clone(),
-                force: true,
-                threads,
-                specimen: None,
-                quiet: true,
-                json: false,
-                stop_after: None,
-                backend: run::Chosen::default(),
-            })?;
-            return Ok(Run { out: outcome.out, summary: outcome.summary });
-        }
+        _ => run::run(RunRequest {
+            model,
+            scene_resolved: scene::resolved(&scene),
+            out: task.out.clone(),
+            force: true,
+            threads,
+            specimen: None,
+            quiet: true,
+            json: false,
+            stop_after: None,
+            backend: run::Chosen::default(),
+        })?,
     };
-    task.seconds.set(outcome.summary["wall_seconds"].as_f64());
+    // on one thread what the processor has spent on it, whatever else the machine does
+    let seconds = |key: &str| outcome.summary[key].as_f64();
+    let spent = if threads == Some(1) { seconds("user_seconds") } else { None };
+    task.seconds.set(spent.or(seconds("wall_seconds")));
     Ok(Run { out: outcome.out, summary: outcome.summary })
 }
 
