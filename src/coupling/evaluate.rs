@@ -72,6 +72,25 @@ impl Ghosts {
         }
     }
 
+    /// The overlaps without force of contacts that have slid for `dt` seconds fall by 1/e in a way of `strain` ghost diameters; the elastic energy
+    /// that they get by it, J.
+    pub(super) fn release(&mut self, scene: &Scene<'_>, strain: f64) -> f64 {
+        let mut energy = 0.0;
+        for ghost in self.near.iter_mut().filter(|g| g.reference > 0.0 && g.reference < f64::INFINITY) {
+            let [body, point] = ghost.place.map(|p| p as usize);
+            let of_body = match ghost.body {
+                Body::Grain(_) => [0, 1, 2].map(|a| scene.grains.vel[body][a]),
+                Body::Wall(_) => scaled(ghost.touch.normal, scene.walls[body].speed),
+            };
+            let past = less(of_body, scene.continuum.points().carried[point]);
+            let slid = dot(past, past).sqrt() * scene.dt / (2.0 * ghost.radius);
+            let less = ghost.reference * (slid / strain).min(1.0);
+            ghost.reference -= less;
+            energy += ghost.touch.normal_force * less;
+        }
+        energy
+    }
+
     /// Contacts that bear something, in order.
     pub fn touching(&self) -> impl Iterator<Item = &Ghost> {
         self.near.iter().filter(|g| g.touch.overlap > 0.0)
@@ -124,7 +143,7 @@ fn contact<L: Law>(scene: &Scene<'_>, rules: &Rules, ghost: &mut Ghost) {
     let carried = points.carried[point];
     let at = ahead(points.position[point], carried, scene.ahead[1]);
     // unit normal from body to ghost, overlap, R*, motion of the body against the ghost, inverse mass of the body, pair
-    let (normal, overlap, r_eff, motion, inverse_mass, pair) = match ghost.body {
+    let (normal, mut overlap, r_eff, motion, inverse_mass, pair) = match ghost.body {
         Body::Grain(_) => {
             let (p, v, w) = (scene.grains.pos[body], scene.grains.vel[body], scene.grains.spin[body]);
             let (v3, w3) = ([v[0], v[1], v[2]], [w[0], w[1], w[2]]);
@@ -148,6 +167,11 @@ fn contact<L: Law>(scene: &Scene<'_>, rules: &Rules, ghost: &mut Ghost) {
             (normal, overlap, ghost.radius, motion, 0.0, scene.table.of_wall(points.law[point], k as usize))
         }
     };
+    if ghost.reference > 0.0 {
+        // lower where they have parted
+        ghost.reference = ghost.reference.min(overlap.max(0.0));
+        overlap -= ghost.reference;
+    }
     let old = Memory { touch: ghost.touch, spring: L::VISCOUS.then_some(ghost.spring), rolling: None, load: None, work: None };
     if overlap > 0.0 {
         let m_eff = if L::VISCOUS { 1.0 / (inverse_mass + 1.0 / ghost.mass) } else { 0.0 };

@@ -5,7 +5,7 @@
 //! way it went over the time it took). What a contact gives the faster side in each of its steps, it takes from the slower one over the cycle as the mean
 //! of these forces: impulses are equal and opposite, so momentum is conserved to rounding, whatever κ is. With κ = 1 both are found from one instant.
 
-use super::{Bound, GhostTable, Ghosts};
+use super::{Bound, Fines, GhostTable, Ghosts, Rule};
 use crate::coupling::evaluate::Scene;
 use crate::error::Result;
 use crate::model::{ContactLaw, Model};
@@ -74,6 +74,8 @@ const MOST: f64 = 1000.0;
 pub struct Mixture {
     pub grains: State,
     pub ghosts: Ghosts,
+    /// Where the mass that breakages lose becomes points.
+    pub fines: Option<Box<Fines>>,
     /// Elastic energy of a contact between grains over its normal force and overlap: 2/5 by Hertz, 1/2 of a linear one.
     pub(super) energy: f64,
     /// The last cycle.
@@ -99,13 +101,14 @@ pub struct Parts<'a> {
 }
 
 impl Mixture {
-    pub fn new(model: &Model, grains: State, continuum: &mut Continuum) -> Mixture {
+    pub fn new(model: &Model, grains: State, continuum: &mut Continuum, fines: Option<Rule>) -> Mixture {
         let energy = if model.contact.law == ContactLaw::Linear { 0.5 } else { 0.4 };
         continuum.keep_carried();
         let cycle = Cycle { time: 0.0, rates: Rates { grains: 1, continuum: 1 } };
         Mixture {
             grains,
             ghosts: Ghosts::default(),
+            fines: fines.map(|rule| Box::new(Fines::new(rule))),
             energy,
             cycle,
             cycles: 0,
@@ -163,12 +166,19 @@ impl Mixture {
             steps -= 1;
         }
         self.cycles += 1;
-        advance(parts, dt)
+        advance(parts, dt)?;
+        if let Some(fines) = &mut self.fines {
+            fines.enter(&self.grains.grains, &self.grains.walls, parts.continuum, &mut self.ghosts);
+        }
+        Ok(())
     }
 
     fn move_grains(&mut self, parts: &mut Parts<'_>, dt: f64) {
         (self.grains.dt, self.last) = (dt, dt);
         step::go(parts.model, &mut self.grains, parts.work);
+        if let Some(fines) = &mut self.fines {
+            fines.take(&parts.work.breakages);
+        }
     }
 
     fn give(&self, parts: &mut Parts<'_>, of_grains: f64, of_points: f64) {
@@ -201,9 +211,12 @@ impl Mixture {
         self.ghosts.update(grains, walls, continuum, dt * (point + grain.max(wall)));
         let scene = Scene { grains, walls, continuum, table, unloading: parts.model.contact.unloading, dt, ahead };
         self.ghosts.evaluate(&scene);
+        if let Some(fines) = self.fines.as_mut().filter(|f| f.points > 0) {
+            fines.released += self.ghosts.release(&scene, fines.rule.release_strain);
+        }
     }
 
-    /// Mass, kg, and momentum, kg m/s, of grains and points.
+    /// Mass, kg, and momentum, kg m/s, of grains, points and what breakages have left in reserve.
     pub fn mass_and_momentum(&self, continuum: &Continuum) -> (f64, [f64; 3]) {
         let (g, totals) = (&self.grains.grains, continuum.totals());
         let (mut mass, mut momentum) = (totals.mass, totals.momentum);
@@ -212,6 +225,10 @@ impl Mixture {
             for (sum, v) in momentum.iter_mut().zip(g.vel[i]) {
                 *sum += g.mass[i] * v;
             }
+        }
+        if let Some(fines) = &self.fines {
+            mass += fines.reserve.mass;
+            momentum.iter_mut().zip(fines.reserve.momentum).for_each(|(sum, p)| *sum += p);
         }
         (mass, momentum)
     }

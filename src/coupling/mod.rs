@@ -9,11 +9,13 @@
 //! moves the contact point.
 
 mod evaluate;
+mod fines;
 mod measure;
 mod mixture;
 mod search;
 pub mod validity;
 
+pub use fines::{Account, Fines, Rule};
 pub use measure::{Shares, Touching};
 pub use mixture::{Allowed, Cycle, Mixture, Parts, Rates};
 
@@ -49,6 +51,8 @@ pub struct Ghost {
     spring: [f64; 3],
     /// Tangent stiffnesses of the last sweep, normal and tangential, N/m.
     stiffness: [f64; 2],
+    /// Overlap that bears no force, m: of a point that was born inside the body's reach; infinite until the first look.
+    reference: f64,
 }
 
 /// Everything about the contacts between points and surfaces that a restart needs.
@@ -60,12 +64,29 @@ pub struct Ghosts {
     travelled: f64,
     /// What was searched: grains and points alive then.
     searched: [usize; 2],
+    /// Points that breakages have left, where there are some.
+    newborn: Option<Newborn>,
     /// Scratch: index by identity.
     #[serde(skip)]
     index: [Vec<u32>; 2],
 }
 
+/// Who was born inside another's reach.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Newborn {
+    /// The first point that a breakage left.
+    first: u32,
+    /// Grains and points that are new since the last search have these identities and higher ones.
+    grains: u32,
+    points: u32,
+}
+
 impl Ghosts {
+    /// Points from `first` on have come, with grains below `grains` there: what they overlap with at their first look bears no force.
+    fn expect(&mut self, first: u32, grains: u32) {
+        self.newborn.get_or_insert(Newborn { first, grains, points: first });
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.near.capacity() * size_of::<Ghost>() + self.index.iter().map(|i| 4 * i.capacity()).sum::<usize>()

@@ -39,7 +39,17 @@ impl Ghosts {
             let radius = ghost_radius(dimension, points.solid(i));
             let (point, mass) = (points.id[i], points.velocity[i][3]);
             let (touch, none) = (Touch::default(), [0.0; 3]);
-            found.push(Ghost { body, point, place: [place, i as u32], radius, mass, touch, spring: none, stiffness: [0.0; 2] });
+            found.push(Ghost {
+                body,
+                point,
+                place: [place, i as u32],
+                radius,
+                mass,
+                touch,
+                spring: none,
+                stiffness: [0.0; 2],
+                reference: 0.0,
+            });
         };
         for (g, p) in grains.pos.iter().enumerate() {
             let far = p[3] + reach;
@@ -62,12 +72,19 @@ impl Ghosts {
         found.sort_unstable_by_key(|g| (g.body, g.point));
         // contacts keep what they remember
         let mut fresh = found.iter_mut().peekable();
-        for old in self.near.iter().filter(|g| g.touch.overlap > 0.0) {
+        for old in self.near.iter().filter(|g| g.touch.overlap > 0.0 || g.reference > 0.0) {
             let key = |g: &Ghost| (g.body, g.point);
             while fresh.next_if(|g| key(g) < key(old)).is_some() {}
             if let Some(g) = fresh.next_if(|g| key(g) == key(old)) {
-                (g.touch, g.spring) = (old.touch, old.spring);
+                (g.touch, g.spring, g.reference) = (old.touch, old.spring, old.reference);
             }
+        }
+        if let Some(born) = &mut self.newborn {
+            let new = |g: &Ghost| g.point >= born.points || matches!(g.body, Body::Grain(id) if id >= born.grains);
+            for g in found.iter_mut().filter(|g| g.point >= born.first && new(g)) {
+                g.reference = f64::INFINITY;
+            }
+            (born.grains, born.points) = (grains.next_id, points.next_id);
         }
         self.near = found;
     }

@@ -38,6 +38,9 @@ pub struct Breakage {
     /// Mass lost, kg, and diameter of the smallest daughter, m.
     pub lost_mass: f64,
     pub smallest: f64,
+    /// Momentum, kg m/s, and kinetic energy, J, of the mass lost: the mother's less her daughters'.
+    pub lost_momentum: [f64; 3],
+    pub lost_kinetic: f64,
     /// Elastic energy of the contacts around the event, J.
     pub stored_before: f64,
     pub stored_after: f64,
@@ -131,6 +134,8 @@ fn break_one(
         position: [mother.pos[0], mother.pos[1], mother.pos[2]],
         lost_mass: 0.0,
         smallest: 2.0 * mother.pos[3] * crush.pattern.smallest(),
+        lost_momentum: momentum(state, m),
+        lost_kinetic: 0.0,
         stored_before: energy_around(model, state, neighbours, table, m),
         stored_after: 0.0,
     };
@@ -161,12 +166,14 @@ fn break_one(
     for &i in &born {
         stability::birth(i, model, state, neighbours, table);
         daughters_kinetic += kinetic_energy(state, i);
+        event.lost_momentum.iter_mut().zip(momentum(state, i)).for_each(|(sum, p)| *sum -= p);
         // siblings only touch, so each new contact is counted once
         event.stored_after += energy_around(model, state, neighbours, table, i);
     }
     event.lost_mass = mother.mass - kept;
+    event.lost_kinetic = kinetic - daughters_kinetic;
     let l = &mut state.ledger;
-    l.lost_kinetic += kinetic - daughters_kinetic;
+    l.lost_kinetic += event.lost_kinetic;
     l.lost_potential -= event.lost_mass * dot(model.gravity, centre);
     l.removed += event.stored_before;
     l.made += event.stored_after;
@@ -216,6 +223,12 @@ pub fn arm_grain(model: &Model, crush: &CrushModel, state: &mut State, i: usize)
     let d = 2.0 * g.pos[i][3];
     g.strength[i] = crush.strength.draw(model.seeds.strength, g.lineage[i], d);
     g.limit[i] = if d > crush.d_limit { crush.area.limit(g.strength[i], d) } else { f64::INFINITY };
+}
+
+/// Momentum with the inertia in use, kg m/s.
+fn momentum(state: &State, i: usize) -> [f64; 3] {
+    let [u, v, w, _] = state.grains.vel[i];
+    [u, v, w].map(|v| state.grains.inertia(i) * v)
 }
 
 /// Kinetic energy with the inertia in use, J.

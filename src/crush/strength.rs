@@ -24,6 +24,7 @@ const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 const ROOT: u64 = 0x636F_6D6D_696E_7574;
 const STRENGTH: u64 = 1;
 const AZIMUTH: u64 = 2;
+const PLACES: u64 = 0x706C_6163_6573;
 
 /// Redraws after which a draw settles for `min_ratio`; only a `min_ratio` far above 1 ever gets here.
 const MAX_REDRAWS: u32 = 4096;
@@ -120,6 +121,11 @@ pub fn random_perpendicular(seed: u64, lineage: u64, axis: [f64; 3]) -> [f64; 3]
     let w = [p * u[0] + q * v[0], p * u[1] + q * v[1], p * u[2] + q * v[2]];
     let length = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
     [w[0] / length, w[1] / length, w[2] / length]
+}
+
+/// Three numbers uniform in 0..1, from the lineage alone.
+pub fn lineage_uniform(lineage: u64) -> [f64; 3] {
+    [1, 2, 3].map(|k| (mix(combine(lineage, PLACES + k)) >> 11) as f64 / (1_u64 << 53) as f64)
 }
 
 /// A number uniform in -1..1.

@@ -1,7 +1,7 @@
 //! What a run of a continuum knows.
 
 use super::{GrainSpec, WallSpec};
-use crate::coupling::Rates;
+use crate::coupling::{Rates, Rule};
 use crate::mpm::law::Law;
 use crate::mpm::{Points, Settings};
 
@@ -34,6 +34,8 @@ pub struct Coarse {
     pub ghosts: Vec<u8>,
     /// Instead of the rates that the stable steps give.
     pub rates: Option<Rates>,
+    /// How the mass that breakages lose becomes points, where it does.
+    pub fines: Option<Rule>,
 }
 
 /// What is done with the points.

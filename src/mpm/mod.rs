@@ -124,6 +124,23 @@ impl Continuum {
         &mut self.points
     }
 
+    /// Adds points between two steps; the first one's identity.
+    pub fn insert(&mut self, new: &[Point]) -> u32 {
+        let Continuum { points, work, settings, .. } = self;
+        work.forget();
+        let (first, carried) = (points.next_id, !points.carried.is_empty());
+        for point in new {
+            points.add(point);
+            if carried {
+                points.carried.push(point.velocity);
+            }
+            if settings.transfer == Transfer::Affine {
+                points.affine.push([[0.0; 3]; 3]);
+            }
+        }
+        first
+    }
+
     /// Steps done.
     pub fn steps(&self) -> u64 {
         self.step

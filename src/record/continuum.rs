@@ -189,7 +189,8 @@ pub fn write_points(path: &Path, rig: &Rig, points: &Points, start: Option<&Poin
     for i in points.by_id().into_iter().map(|i| i as usize) {
         let ([x, y, z, volume], [u, v, w, _], s) = (points.position[i], points.velocity[i], points.stress[i]);
         let moved = start.map_or(0.0, |start| {
-            let p = start.position[points.id[i] as usize];
+            // points that a breakage left have no start
+            let Some(p) = start.position.get(points.id[i] as usize) else { return 0.0 };
             1e3 * ((x - p[0]).powi(2) + (y - p[1]).powi(2) + (z - p[2]).powi(2)).sqrt()
         });
         let (p, q) = invariants(&s);
@@ -251,7 +252,7 @@ fn write_fields(path: &Path, step: u64, order: &[u32], position: &[[f64; 4]], fi
 /// Columns of the grains in a continuum.
 fn coarse(g: &Coarse) -> Row {
     let q = |s: [f64; 3]| 1e-3 * (s[2] - 0.5 * (s[0] + s[1]));
-    vec![
+    let mut row: Row = vec![
         ("grains", (g.count as u64).into()),
         ("crush_events", g.crush_events.into()),
         ("coarse_mass_kg", g.mass.into()),
@@ -266,5 +267,15 @@ fn coarse(g: &Coarse) -> Row {
         ("sigma_zz_of_contacts_kPa", (1e-3 * g.shares.total(2)).into()),
         ("grain_steps", u64::from(g.rates[0]).into()),
         ("continuum_steps", u64::from(g.rates[1]).into()),
-    ]
+    ];
+    if let Some(f) = &g.fines {
+        row.extend([
+            ("fines_points", f.points.into()),
+            ("fines_mass_kg", f.entered.into()),
+            ("reserve_mass_kg", f.reserve.into()),
+            ("total_mass_kg", f.total.into()),
+            ("released_J", f.released.into()),
+        ]);
+    }
+    row
 }

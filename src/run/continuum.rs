@@ -255,6 +255,12 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         if model.crush.is_some() {
             put("crush_events", json!(mixture.grains.crush_events));
         }
+        if let Some(fines) = &mixture.fines {
+            put("fines_points", json!(fines.points));
+            put("fines_mass_kg", json!(fines.entered.mass));
+            put("reserve_mass_kg", json!(fines.reserve.mass));
+            put("released_J", json!(fines.released));
+        }
         put("point_contacts", json!(mixture.touching().points));
         put("cycles", json!(mixture.cycles));
         put("outside_of_the_method", json!(crate::coupling::validity::doubts(model, rig)));

@@ -295,6 +295,18 @@ pub const KEYS: &[Key] = &[
     grains("crushing.area", Choice(&["fixed_angle", "hertz"]), Is("\"fixed_angle\""), "contact area at failure: eq. 8, or eq. 9"),
     grains("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
     grains("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
+    mixture(
+        "crushing.lost_mass",
+        Choice(&["leave", "points"]),
+        Is("\"leave\""),
+        "what becomes of the mass that a breakage loses: it leaves the mechanics, or it becomes material points where there is room",
+    ),
+    mixture(
+        "crushing.release_strain",
+        Number(POSITIVE),
+        Is("0.1"),
+        "way that such a point slides past a grain, over its ghost's diameter, in which the overlap of their first contact, which bears no force, falls to 1/e",
+    ),
     cylinder(
         "preparation.growth_friction",
         Number(FRICTION),

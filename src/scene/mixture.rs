@@ -3,7 +3,7 @@
 use super::material::Named;
 use super::view::View;
 use crate::contact::law::Pair;
-use crate::coupling::Rates;
+use crate::coupling::{Rates, Rule};
 use crate::model::continuum::{Coarse, Continuum, Specimen, Test};
 use crate::model::{GrainSpec, Material};
 use crate::mpm::platen::ghost_radius;
@@ -59,8 +59,31 @@ impl View<'_> {
                 Some(rates)
             }
         };
-        rig.coarse = Some(Coarse { grains, walls, ghosts, rates });
+        let fines = self.fines_as_points(materials, &rig, &grains)?;
+        rig.coarse = Some(Coarse { grains, walls, ghosts, rates, fines });
         Some(rig)
+    }
+
+    /// How the mass that breakages lose becomes points, if it does; `None` with the reason noted.
+    fn fines_as_points(&self, materials: &[Material], rig: &Continuum, grains: &[GrainSpec]) -> Option<Option<Rule>> {
+        let key = "crushing.lost_mass";
+        if self.text(key) != "points" {
+            return Some(None);
+        }
+        if !self.flag("crushing.enabled") {
+            self.refuse(key, "\"points\" needs crushing.enabled = true");
+            return None;
+        }
+        let points = &rig.points;
+        let Some(largest) = (0..points.len()).max_by(|&i, &j| points.solid(i).total_cmp(&points.solid(j))) else {
+            self.refuse(key, "\"points\" needs a [[body]] of points that the fines join");
+            return None;
+        };
+        let Some(first) = grains.first() else { return Some(None) };
+        let density = materials[usize::from(first.material)].density;
+        let (law, porosity) = (points.law[largest], points.initial_porosity[largest]);
+        let release_strain = self.si("crushing.release_strain");
+        Some(Some(Rule { release_strain, law, porosity, solid: points.solid(largest), density }))
     }
 
     /// Coarse grains at random in a specimen's box.

@@ -2,6 +2,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod fines;
 mod impact;
 #[path = "../mpm/common.rs"]
 mod points;

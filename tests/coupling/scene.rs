@@ -2,7 +2,7 @@
 
 use crate::common::{Ball, Stuff, model};
 use crate::points::{continuum, elastic, settings};
-use comminute::coupling::{Allowed, Cycle, GhostTable, Mixture, Parts, Rates};
+use comminute::coupling::{Allowed, Cycle, GhostTable, Mixture, Parts, Rates, Rule};
 use comminute::model::{Model, Rig};
 use comminute::mpm::{Continuum, Dimension, Points};
 use comminute::rig::assembly;
@@ -28,13 +28,18 @@ pub struct Meeting {
 }
 
 /// `text` is a free scene of grains; ghosts are of its first material.
-pub fn meeting(text: &str, mut continuum: Continuum) -> Meeting {
+pub fn meeting(text: &str, continuum: Continuum) -> Meeting {
+    with_fines(text, continuum, None)
+}
+
+/// The same, where the mass that breakages lose becomes points.
+pub fn with_fines(text: &str, mut continuum: Continuum, fines: Option<Rule>) -> Meeting {
     let model = model(text, &[]);
     let Rig::Assembly(rig) = &model.rig else { panic!("a free scene") };
     let mut state = assembly::start(&model, rig);
     let work = Work::new(&model, &mut state);
     let table = GhostTable::new(model.contact.law, &[0], &model.materials, &state.walls);
-    let mixture = Mixture::new(&model, state, &mut continuum);
+    let mixture = Mixture::new(&model, state, &mut continuum, fines);
     Meeting { model, table, work, continuum, mixture }
 }
 

@@ -18,13 +18,15 @@ pub enum Cone {
     PlaneStrain,
 }
 
-/// alpha and k of a cone with their derivatives with respect to the angle.
+/// alpha and k of a cone with their first and second derivatives with respect to the angle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Constants {
     pub alpha: f64,
     pub k: f64,
     pub dalpha: f64,
     pub dk: f64,
+    pub d2alpha: f64,
+    pub d2k: f64,
 }
 
 impl Cone {
@@ -38,12 +40,14 @@ impl Cone {
             Cone::PlaneStrain => {
                 // tan / sqrt(9 + 12 tan²) = sin / sqrt(9 cos² + 12 sin²)
                 let below = 1.0 / (9.0 + 3.0 * s * s).sqrt();
-                let cube = below * below * below;
+                let (square, cube) = (below * below, below * below * below);
                 Constants {
                     alpha: s * below,
                     k: 3.0 * c * below,
                     dalpha: 9.0 * c * cube,
                     dk: -3.0 * s * below - 9.0 * s * c * c * cube,
+                    d2alpha: -9.0 * s * cube * (1.0 + 9.0 * (c * c) * square),
+                    d2k: c * (-3.0 * below + cube * (27.0 * (s * s) - 9.0 * (c * c) + 81.0 * (s * s) * (c * c) * square)),
                 }
             }
         }
@@ -67,6 +71,8 @@ fn edge(s: f64, c: f64, sign: f64) -> Constants {
         k: 3.0 * ROOT * c * below,
         dalpha: 3.0 * ROOT * c * (below * below),
         dk: 3.0 * ROOT * (-s * below - sign * (c * c) * (below * below)),
+        d2alpha: -3.0 * ROOT * (below * below) * (s + sign * 2.0 * (c * c) * below),
+        d2k: 3.0 * ROOT * (c * below) * (-1.0 + below * (sign * 3.0 * s + 2.0 * (c * c) * below)),
     }
 }
 
@@ -86,6 +92,8 @@ mod tests {
                 let slope = |a: f64, b: f64| (b - a) / (2.0 * h);
                 assert!((slope(low.alpha, high.alpha) - at.dalpha).abs() < 1e-9, "{cone:?} {angle}");
                 assert!((slope(low.k, high.k) - at.dk).abs() < 1e-9, "{cone:?} {angle}");
+                assert!((slope(low.dalpha, high.dalpha) - at.d2alpha).abs() < 1e-8, "{cone:?} {angle}");
+                assert!((slope(low.dk, high.dk) - at.d2k).abs() < 1e-8, "{cone:?} {angle}");
             }
         }
     }

@@ -32,29 +32,40 @@ pub enum Evolution {
 }
 
 impl Evolution {
-    /// The value and its slope at a plastic strain.
+    /// The value, its slope and its curvature at a plastic strain.
     #[inline]
-    pub fn at(&self, e: f64) -> (f64, f64) {
+    pub fn at(&self, e: f64) -> (f64, f64, f64) {
         match *self {
-            Evolution::Constant(value) => (value, 0.0),
+            Evolution::Constant(value) => (value, 0.0, 0.0),
             Evolution::Linear { initial, last, strain } => {
                 if e < strain {
                     let slope = (last - initial) / strain;
-                    (initial + slope * e, slope)
+                    (initial + slope * e, slope, 0.0)
                 } else {
-                    (last, 0.0)
+                    (last, 0.0, 0.0)
                 }
             }
             Evolution::CubicExponential { initial, cubic: [a, b, c, d], peak_strain, peak, residual, decay: rate } => {
                 if e <= 0.0 {
-                    (initial, c)
+                    (initial, c, 2.0 * b)
                 } else if e <= peak_strain {
-                    (((a * e + b) * e + c) * e + d, (3.0 * a * e + 2.0 * b) * e + c)
+                    (((a * e + b) * e + c) * e + d, (3.0 * a * e + 2.0 * b) * e + c, 6.0 * a * e + 2.0 * b)
                 } else {
                     let left = (peak - residual) * decay(rate * (e - peak_strain));
-                    (residual + left, -rate * left)
+                    (residual + left, -rate * left, rate * rate * left)
                 }
             }
+        }
+    }
+
+    /// The plastic strain up to which value and slopes go on from those at `e` without a jump.
+    pub fn smooth_until(&self, e: f64) -> f64 {
+        match *self {
+            Evolution::Linear { strain, .. } if e < strain => strain,
+            // at 0 itself the value is another one
+            Evolution::CubicExponential { .. } if e <= 0.0 => 0.0,
+            Evolution::CubicExponential { peak_strain, .. } if e <= peak_strain => peak_strain,
+            _ => f64::INFINITY,
         }
     }
 
@@ -138,10 +149,14 @@ pub mod tests {
             let mut seen = (f64::INFINITY, f64::NEG_INFINITY);
             for i in 1..4000 {
                 let e = 5e-5 * f64::from(i) + 1e-6;
-                let (value, slope) = law.at(e);
+                let (value, slope, curvature) = law.at(e);
                 let h = 1e-8;
                 let numeric = (law.at(e + h).0 - law.at(e - h).0) / (2.0 * h);
                 assert!((slope - numeric).abs() < 1e-5 * (1.0 + slope.abs()), "{law:?} at {e}: {slope} {numeric}");
+                if law.smooth_until(e - h) > e + h {
+                    let numeric = (law.at(e + h).1 - law.at(e - h).1) / (2.0 * h);
+                    assert!((curvature - numeric).abs() < 1e-5 * (1.0 + curvature.abs()), "{law:?} at {e}: {curvature} {numeric}");
+                }
                 seen = (value.min(seen.0), value.max(seen.1));
             }
             assert!(seen.0 >= low - 1e-12 && seen.1 <= high + 1e-12, "{law:?}: {seen:?} in {:?}", (low, high));

@@ -28,7 +28,7 @@ pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Contin
         Test::Triaxial { .. } => platens.iter().map(of).collect(),
     };
     let scene = Assembly { grains: coarse.grains.clone(), walls, steps: None, duration: None, tracks: Vec::new(), record_every: 1 };
-    Mixture::new(model, assembly::start(model, &scene), continuum)
+    Mixture::new(model, assembly::start(model, &scene), continuum, coarse.fines)
 }
 
 /// What a mixture needs besides its state; may be dropped and made anew between any two cycles.

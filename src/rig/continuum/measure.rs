@@ -66,6 +66,18 @@ pub struct Coarse {
     pub mass: f64,
     pub crush_events: u64,
     pub rates: [u32; 2],
+    /// Where the mass that breakages lose becomes points.
+    pub fines: Option<FromCrushing>,
+}
+
+/// Fines from crushing: how many points, masses that have entered, that wait, and of all there is, kg; energy from released overlaps, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FromCrushing {
+    pub points: u64,
+    pub entered: f64,
+    pub reserve: f64,
+    pub total: f64,
+    pub released: f64,
 }
 
 impl Moment {
@@ -169,6 +181,13 @@ impl State {
                 mass,
                 crush_events: m.grains.crush_events,
                 rates: [m.cycle.rates.grains, m.cycle.rates.continuum],
+                fines: m.fines.as_ref().map(|f| FromCrushing {
+                    points: f.points,
+                    entered: f.entered.mass,
+                    reserve: f.reserve.mass,
+                    total: totals.mass + mass + f.reserve.mass,
+                    released: f.released,
+                }),
             }
         });
         Moment {
