@@ -10,7 +10,6 @@ declare -A figures=(
     [impact_refined]="loss_cells loss_points"
     [crater]="depth ratio"
     [crater_outer]="depth"
-    [crater_refined]="resolution"
     [rates]="saving resolution"
 )
 for case in impact_refined crater crater_outer crater_refined crater_numerics rates; do

@@ -25,7 +25,7 @@ pub const REFINED: Case = Case {
     about: "A grain at 5 m/s hits an elastic ball of points of its size, grid and points refined (scene ball_impact; contacts of 1 GPa)",
     exact: "momentum and energy of two bodies that meet without loss; the second has the mass of its points",
     across: "cells along the diameter",
-    resolutions: &[4, 6, 8, 10, 12, 16],
+    resolutions: &[4, 6, 8, 10, 12],
     ways: &[
         "1 GPa, 2 points along an edge",
         "1 GPa, 3 points",
