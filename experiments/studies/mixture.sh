@@ -10,7 +10,7 @@ declare -A figures=(
     [impact_refined]="loss_cells loss_points"
     [crater]="depth ratio"
     [crater_outer]="depth"
-    [rates]="saving resolution"
+    [rates]="saving"
 )
 for case in impact_refined crater crater_outer crater_refined crater_numerics rates; do
     "$program" verify --only $case --levels ${levels[$case]:-8} --continue --out "$out/$case"
