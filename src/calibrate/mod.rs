@@ -1,4 +1,5 @@
 //! Parameters from laboratory data.
 
 pub mod curve;
+pub mod fines;
 pub mod grains;

@@ -1,6 +1,6 @@
 //! `comminute calibrate …`: parameters from laboratory data.
 
-use super::{calibrate_curve, calibrate_curve_study, calibrate_grains, calibrate_study};
+use super::{calibrate_curve, calibrate_curve_study, calibrate_fines, calibrate_grains, calibrate_study};
 use comminute::error::Result;
 
 /// Find parameters from laboratory data
@@ -19,6 +19,8 @@ enum Of {
     Grains(calibrate_grains::Args),
     /// Parameters of a scene from an oedometer curve
     Curve(calibrate_curve::Args),
+    /// The continuum of fine grains from their own triaxial tests
+    Fines(calibrate_fines::Args),
     /// Whether the calibration against a curve gives back what curves of the scene itself were made with
     CurveStudy(calibrate_curve_study::Args),
     /// Whether the calibration of grains gives back what simulated tests were made with
@@ -29,6 +31,7 @@ pub fn call(args: &Args) -> Result<()> {
     match &args.of {
         Of::Grains(args) => calibrate_grains::call(args),
         Of::Curve(args) => calibrate_curve::call(args),
+        Of::Fines(args) => calibrate_fines::call(args),
         Of::CurveStudy(args) => calibrate_curve_study::call(args),
         Of::GrainsStudy(args) => calibrate_study::call(args),
     }

@@ -5,6 +5,7 @@ mod bench_mpm;
 mod calibrate;
 mod calibrate_curve;
 mod calibrate_curve_study;
+mod calibrate_fines;
 mod calibrate_grains;
 mod calibrate_study;
 mod campaign;
@@ -177,10 +178,11 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
         list_files(&outcome.figures);
         return Ok(());
     }
-    if outcome.summary["kind"] == "continuum" {
+    if outcome.summary["kind"] == "continuum" || outcome.summary["kind"] == "mixture" {
         let ratio = number("peak_stress_ratio").map_or(String::new(), |r| format!(", peak σ1/σ3 {r:.4}"));
         let seconds = number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}"));
-        eprintln!("{} steps of {} points{ratio}, {seconds} s", count("steps"), count("points"));
+        let grains = number("grains").map_or(String::new(), |n| format!(" and {n} grains"));
+        eprintln!("{} steps of {} points{grains}{ratio}, {seconds} s", count("steps"), count("points"));
         eprintln!("records in {}", outcome.out.display());
         list_files(&outcome.figures);
         return Ok(());

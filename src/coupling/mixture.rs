@@ -51,7 +51,7 @@ impl Cycle {
         };
         let (grains, continuum) = (of(allowed.grains), of(allowed.continuum));
         let rates = allowed.rates.unwrap_or_else(|| {
-            if allowed.grains == f64::INFINITY {
+            if allowed.grains == f64::INFINITY || allowed.continuum == f64::INFINITY {
                 return Rates { grains: 1, continuum: 1 };
             }
             let steps = |slow: f64, fast: f64| (slow / fast).ceil().clamp(1.0, MOST) as u32;

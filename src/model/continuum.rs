@@ -19,6 +19,8 @@ pub struct Continuum {
     pub test: Test,
     /// The grains in it; `None` in a continuum alone.
     pub coarse: Option<Coarse>,
+    /// How the specimen grows before its test, instead of these points and grains.
+    pub growth: Option<Growth>,
     /// Rows of history and snapshots over the run, besides the first.
     pub rows: u32,
     pub frames: u32,
@@ -36,6 +38,29 @@ pub struct Coarse {
     pub rates: Option<Rates>,
     /// How the mass that breakages lose becomes points, where it does.
     pub fines: Option<Rule>,
+}
+
+/// A specimen that grows (Li et al. 2023, section 4.1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Growth {
+    pub fines: Fraction,
+    pub coarse: Option<Fraction>,
+    /// Whether the fines become material points.
+    pub as_points: bool,
+    /// Friction between grains until the walls bear the stress; the materials' if `None`.
+    pub friction: Option<f64>,
+    /// Isotropic stress, Pa (in an oedometer that of the top).
+    pub stress: f64,
+    pub steps: u64,
+    pub max_steps: u64,
+}
+
+/// Grains of one material, radii, m, uniform between two, with this volume in all, m³.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fraction {
+    pub material: u8,
+    pub radii: [f64; 2],
+    pub volume: f64,
 }
 
 /// What is done with the points.
@@ -59,8 +84,12 @@ pub struct Specimen {
     pub stress: f64,
     /// Distance of two points at the start, m.
     pub spacing: f64,
-    /// Porosity at the start.
+    /// Porosity at the start, and law and density, kg/m³, of the fines.
     pub porosity: f64,
+    pub law: u8,
+    pub density: f64,
+    /// Points stand on a lattice, the outermost half a distance inside; else as grains have grown, and platens where they touch them.
+    pub lattice: bool,
     /// E* of the platens' contacts, Pa.
     pub modulus: f64,
     /// Axial strain at the end.

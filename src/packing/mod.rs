@@ -37,6 +37,21 @@ pub fn height_for(porosity: f64, grains_volume: f64, radius: f64) -> f64 {
     grains_volume / ((1.0 - porosity) * PI * radius * radius)
 }
 
+/// Radii, m, uniform between two, until their volume is as near to `volume`, m³, as one more or less can bring it.
+pub fn sizes(radii: [f64; 2], volume: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let mut sizes = Vec::new();
+    let mut sum = 0.0;
+    loop {
+        let r = radii[0] + (radii[1] - radii[0]) * rng.random::<f64>();
+        let v = crate::grains::sphere_volume(r);
+        if sum + 0.5 * v > volume {
+            return sizes;
+        }
+        sum += v;
+        sizes.push(r);
+    }
+}
+
 /// Tries per sphere before [`dispersed`] gives up.
 const TRIES: u32 = 200_000;
 
@@ -51,18 +66,8 @@ pub fn dispersed(
     seed: u64,
 ) -> Result<Vec<([f64; 3], f64)>, f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    // sizes first, the largest placed first: so as much as possible finds room
-    let mut sizes = Vec::new();
-    let mut sum = 0.0;
-    loop {
-        let r = radii[0] + (radii[1] - radii[0]) * rng.random::<f64>();
-        let v = crate::grains::sphere_volume(r);
-        if sum + 0.5 * v > volume {
-            break;
-        }
-        sum += v;
-        sizes.push(r);
-    }
+    // the largest placed first: so as much as possible finds room
+    let mut sizes = sizes(radii, volume, &mut rng);
     sizes.sort_unstable_by(|a, b| b.total_cmp(a));
     let mut spheres: Vec<([f64; 3], f64)> = Vec::with_capacity(sizes.len());
     let mut placed = 0.0;

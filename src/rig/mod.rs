@@ -3,6 +3,7 @@
 pub mod assembly;
 pub mod continuum;
 pub mod cylinder;
+mod growth;
 pub mod oedometer;
 pub mod platen;
 pub mod preparation;

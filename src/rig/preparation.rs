@@ -3,6 +3,7 @@
 //! cylinder under servo.
 
 use super::cylinder::{BOTTOM, CYLINDER, Stresses, TOP, Walls, inertial_time, walls};
+use super::growth;
 use crate::boundary::servo_speed;
 use crate::error::Error;
 use crate::grains::{Grains, sphere_volume};
@@ -67,14 +68,8 @@ struct Press {
     before: Option<Box<State>>,
 }
 
-/// Radii at the start of growth over final radii.
-const START: f64 = 0.35;
-/// Inertia during growth is that of grains under this many times the isotropic stress: overlaps come and go fast.
-const GROWTH_STRESS: f64 = 100.0;
 /// Porosity above the target in which grains grow.
 const ROOM: f64 = 0.01;
-/// Inertial number of wall motion during compaction: a fast but orderly preparation.
-const INERTIAL: f64 = 3e-3;
 /// Steps between looks at equilibrium.
 const LOOK: u64 = 64;
 /// Friction factor per step during densification, and the friction below which it is zero.
@@ -85,9 +80,6 @@ const FRICTIONLESS: f64 = 1e-3;
 const PRESS_FIRST: f64 = 4.0;
 const PRESS_LAST: f64 = 512.0;
 const PRESS_SAME: f64 = 1.02;
-/// At rest: stresses within this of the target, and unbalanced ratio below.
-const STRESS_AT_REST: f64 = 0.01;
-const UNBALANCED_AT_REST: f64 = 2e-3;
 
 impl Preparation {
     /// The first state: grains at a fraction of their size, at random in a cylinder with some room.
@@ -99,13 +91,13 @@ impl Preparation {
         let points = packing::random_points(radius, height, &radii, model.seeds.packing);
         let mut grains = Grains::default();
         for (&r, &p) in radii.iter().zip(&points) {
-            grains.add(p, START * r, 0, &model.materials);
+            grains.add(p, growth::START * r, 0, &model.materials);
         }
         let walls = walls(rig, radius, 0.0, height);
         let mut state = State::new(model, grains, walls, false);
         state.friction = Some(rig.preparation.growth_friction);
         state.damping = rig.preparation.damping;
-        state.reference_stress = GROWTH_STRESS * rig.isotropic_stress;
+        state.reference_stress = growth::STRESS * rig.isotropic_stress;
         state.stability_interval = 1;
         let press = Press { stress: PRESS_FIRST, weak: 1.0, strong: None, before: None };
         (Preparation { stage: Stage::Growth, stage_steps: 0, steps: 0, radii, limit: 0.0, press }, state)
@@ -114,7 +106,7 @@ impl Preparation {
     /// One step. True when the specimen is ready.
     pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> Result<bool, Error> {
         if self.stage == Stage::Growth {
-            self.grow(model, rig, state, work);
+            growth::grow(model, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work);
         }
         step::step(model, state, work, |state, _| {
             if self.stage != Stage::Growth {
@@ -129,7 +121,7 @@ impl Preparation {
         }
         match self.stage {
             Stage::Growth if self.stage_steps >= rig.preparation.growth_steps => {
-                self.still(state);
+                growth::still(state);
                 state.reference_stress = rig.isotropic_stress;
                 state.stability_interval = LOOK / 8;
                 self.enter(Stage::Compaction);
@@ -220,35 +212,13 @@ impl Preparation {
         self.stage_steps = 0;
     }
 
-    /// Radii of this step: fast at first, gently at the end.
-    fn grow(&self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) {
-        let left = 1.0 - (self.stage_steps + 1) as f64 / rig.preparation.growth_steps as f64;
-        let scale = START + (1.0 - START) * (1.0 - left * left);
-        let g = &mut state.grains;
-        for i in 0..g.len() {
-            let r = scale * self.radii[g.id[i] as usize];
-            g.pos[i][3] = r;
-            g.mass[i] = model.materials[g.material[i] as usize].density * sphere_volume(r);
-        }
-        work.grown(g);
-    }
-
-    /// All velocities to zero.
-    fn still(&self, state: &mut State) {
-        let g = &mut state.grains;
-        for i in 0..g.len() {
-            g.vel[i] = [0.0, 0.0, 0.0, g.vel[i][3]];
-            g.spin[i] = [0.0; 4];
-        }
-    }
-
     fn servo(&mut self, rig: &Specimen, state: &mut State) {
         let size = Walls::of(state);
         if self.stage_steps.is_multiple_of(LOOK / 4) {
             // by the stress there is, not the one to come: a pressing starts as gently as the specimen is soft
             let now = Stresses::of(state).top.clamp(rig.isotropic_stress, self.stress(rig));
             state.reference_stress = now;
-            self.limit = INERTIAL * size.height / inertial_time(state, now);
+            self.limit = growth::INERTIAL * size.height / inertial_time(state, now);
         }
         let stress = self.stress(rig);
         // the cylinder keeps its radius until the porosity is reached, then joins in
@@ -264,14 +234,14 @@ impl Preparation {
             return false;
         }
         let size = Walls::of(state);
-        let close = |stress: f64| (stress / self.stress(rig) - 1.0).abs() < STRESS_AT_REST;
+        let close = |stress: f64| (stress / self.stress(rig) - 1.0).abs() < growth::STRESS_AT_REST;
         if !(close(state.walls[TOP].reaction / size.platen_area())
             && close(state.walls[BOTTOM].reaction / size.platen_area())
             && (self.stage != Stage::Rest || close(state.walls[CYLINDER].reaction / size.shell_area())))
         {
             return false;
         }
-        measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < UNBALANCED_AT_REST
+        measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < growth::UNBALANCED
     }
 
     fn failure(&self, rig: &Specimen, state: &State, what: &str) -> Error {

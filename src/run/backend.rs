@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::model::continuum::Continuum as Rig;
 use crate::model::{self, Model};
-use crate::rig::continuum::{Coupled, Engine, State};
+use crate::rig::continuum::{Engine, State};
 use serde::{Deserialize, Serialize};
 
 /// What is asked for.
@@ -123,7 +123,7 @@ impl Used {
         self.why = chosen.why;
         match &mut state.mixture {
             _ if chosen.gpu => self.device(saved, state, rig),
-            Some(mixture) => Ok(Engine::Mixture(Box::new(Coupled::new(model, rig, mixture)))),
+            Some(_) => Ok(Engine::of_grains(state, model, rig)),
             None => Ok(Engine::Cpu),
         }
     }

@@ -13,7 +13,7 @@ use crate::mpm::law::Law;
 use crate::record::continuum::{self as records, END, GRAINS_START, Recorder, START};
 use crate::record::table::Table;
 use crate::record::{checkpoint, specimen, vtk};
-use crate::rig::continuum::{Engine, Phase, State};
+use crate::rig::continuum::{Engine, Grown, Phase, State, grow};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -23,6 +23,8 @@ use std::time::{Duration, Instant};
 #[derive(Serialize, Deserialize)]
 struct Progress {
     state: State,
+    /// The specimen, where it has grown.
+    grown: Option<Grown>,
     used: Used,
     recorder: Recorder,
     history: Table,
@@ -47,16 +49,44 @@ pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     let (mut state, mut used) = (State::start(model, rig)?, Used::default());
     let engine = used.engine(chosen, &mut state, model, rig)?;
     let history = Table::new("history.csv");
-    let progress =
-        Progress { state, used, recorder: Recorder::default(), history, snapshots: Vec::new(), seconds: 0.0, user_seconds: 0.0 };
+    let (recorder, snapshots) = (Recorder::default(), Vec::new());
+    let progress = Progress { state, grown: None, used, recorder, history, snapshots, seconds: 0.0, user_seconds: 0.0 };
     Ok(Begun { progress, engine })
+}
+
+/// Puts a specimen that grows in place of the one that the scene has, with a bar.
+fn replace(model: &Model, rig: &Rig, begun: &mut Begun, quiet: bool) -> Result<()> {
+    let Some(growth) = &rig.growth else { return Ok(()) };
+    let (mut bar, started, spent) = (Bar::new(quiet), Instant::now(), user_seconds());
+    let grown = grow(model, rig, growth, |step, what| {
+        if step.is_multiple_of(LOOK) {
+            let share = step as f64 / growth.max_steps as f64;
+            bar.show_share(step, 0.0, || (share, format!("specimen: {what}")));
+        }
+    });
+    bar.abandon();
+    let Begun { progress, engine } = begun;
+    progress.grown = Some(grown?);
+    let Some(own) = own_rig(model, rig, progress.grown.as_ref()) else { return Ok(()) };
+    progress.state = State::start(model, &own)?;
+    *engine = Engine::of_grains(&mut progress.state, model, &own);
+    (progress.seconds, progress.user_seconds) = (started.elapsed().as_secs_f64(), user_seconds() - spent);
+    Ok(())
+}
+
+/// The rig with its grown specimen, where it has one.
+fn own_rig(model: &Model, rig: &Rig, grown: Option<&Grown>) -> Option<Rig> {
+    grown.zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth))
 }
 
 /// Runs from the start.
 ///
 /// # Errors
 /// What keeps it from ending; records and checkpoint are kept.
-pub fn run(model: &Model, rig: &Rig, begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+pub fn run(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+    replace(model, rig, &mut begun, quiet)?;
+    let own = own_rig(model, rig, begun.progress.grown.as_ref());
+    let rig = own.as_ref().unwrap_or(rig);
     records::write_points(&out.join(START), rig, &rig.points, None)?;
     if let Some(mixture) = &begun.progress.state.mixture {
         specimen::write(&out.join(GRAINS_START), &mixture.grains.grains, &model.materials, None)?;
@@ -79,6 +109,8 @@ pub fn resume(
     let mut progress: Progress = checkpoint::load(out)?;
     let same = if progress.used.gpu() { Backend::Gpu } else { Backend::Cpu };
     let chosen = choose(backend.unwrap_or(same), model)?;
+    let own = own_rig(model, rig, progress.grown.as_ref());
+    let rig = own.as_ref().unwrap_or(rig);
     let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
     go(model, rig, out, Begun { progress, engine }, quiet, stop_after)
 }
@@ -299,7 +331,7 @@ fn user_seconds() -> f64 {
 }
 
 fn law(rig: &Rig) -> &Law {
-    &rig.laws[usize::from(rig.points.law[0])]
+    &rig.laws[usize::from(rig.specimen().map_or_else(|| rig.points.law[0], |s| s.law))]
 }
 
 /// σ1/σ3 in triaxial compression with the largest strength that the law reaches, and with the last one.

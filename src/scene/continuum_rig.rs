@@ -67,6 +67,7 @@ impl View<'_> {
             axis,
             test,
             coarse: None,
+            growth: None,
             rows: self.whole("records.rows")? as u32,
             frames: self.whole("records.frames")? as u32,
         };
@@ -109,7 +110,7 @@ impl View<'_> {
         let per = self.whole("grid.points_per_edge")? as f64;
         Some(Settings {
             dimension,
-            cell: self.number("grid.cell_mm")?,
+            cell: self.cell()?,
             lower,
             cells,
             walls,
@@ -123,6 +124,32 @@ impl View<'_> {
         })
     }
 
+    /// Edge of a cell, m: as written; or that with which a point stands for so many grains of the fines, (1 − n) s³ = N π d³/6 with the distance s of
+    /// two points, and a whole number of which fill the first edge of a box (Li et al. 2023, section 4.2: the particle reduction 1:N).
+    fn cell(&self) -> Option<f64> {
+        let keys = ["grid.fines_diameter_mm", "grid.grains_per_point"];
+        let [diameter, number_of] = keys.map(|k| self.number(k));
+        if let Some(cell) = self.number("grid.cell_mm") {
+            for key in keys.into_iter().filter(|k| self.has(k)) {
+                self.refuse(key, "has no meaning beside grid.cell_mm: one of both says how large a point is");
+            }
+            return Some(cell);
+        }
+        let (Some(d), Some(n)) = (diameter, number_of) else {
+            self.refuse("grid.cell_mm", format!("is missing: or give {} and {}", keys[0], keys[1]));
+            return None;
+        };
+        let body = *self.list("body").first()?;
+        let solid = n * std::f64::consts::PI / 6.0 * d * d * d;
+        let spacing = (solid / (1.0 - number(body, "porosity")?)).cbrt();
+        let per = self.whole("grid.points_per_edge")? as f64;
+        let (Some(min), Some(max)) = (vector(body, "min_mm"), vector(body, "max_mm")) else { return Some(per * spacing) };
+        // sides of an oedometer stand on nodes
+        let unit = if self.text("test.rig") == "oedometer" { per * spacing } else { spacing };
+        let edge = max[0] - min[0];
+        Some(per * spacing / unit * edge / (edge / unit).round().max(1.0))
+    }
+
     /// The grid that a free scene asks for.
     fn asked_grid(&self, dimension: Dimension) -> Option<Grid> {
         let corner = |key: &str| <[f64; 3]>::try_from(self.numbers(key)).ok();
@@ -131,7 +158,7 @@ impl View<'_> {
             self.refuse(key, "is missing: a free scene needs the corners of its grid, grid.min_mm and grid.max_mm");
             return None;
         };
-        let cell = self.number("grid.cell_mm")?;
+        let cell = self.cell()?;
         let mut cells = [1; 3];
         for a in 0..if dimension == Dimension::Space { 3 } else { 2 } {
             let wanted = (max[a] - min[a]) / cell;
@@ -170,7 +197,7 @@ impl View<'_> {
             self.refuse("body[0]", "is missing min_mm and max_mm, the corners of the box");
             return None;
         };
-        let cell = self.number("grid.cell_mm")?;
+        let cell = self.cell()?;
         let per = self.whole("grid.points_per_edge")? as f64;
         for a in 0..if dimension == Dimension::Space { 3 } else { 2 } {
             let points = (max[a] - min[a]) / cell * per;
@@ -200,7 +227,7 @@ impl View<'_> {
 
     fn own_grid(&self, dimension: Dimension, rig: &str) -> Option<Grid> {
         let [min, size] = self.only_box(dimension, rig)?;
-        let cell = self.number("grid.cell_mm")?;
+        let cell = self.cell()?;
         let d = if dimension == Dimension::Space { 3 } else { 2 };
         let whole = |x: f64| (x / cell - 1e-6).ceil();
         if rig == "oedometer" {
@@ -237,6 +264,9 @@ impl View<'_> {
             stress: number(body, "stress_kPa").unwrap_or(pressure),
             spacing: settings.cell / f64::from(per),
             porosity: number(body, "porosity")?,
+            law: law as u8,
+            density: (1.0 - number(body, "porosity")?) * self.si(&named[law].key("grain.density_kg_m3")),
+            lattice: true,
             modulus: self.contact_modulus(&named[law], &laws[law]),
             axial_strain,
             strain_per_wave: self.si("test.strain_per_wave"),

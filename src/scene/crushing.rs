@@ -58,10 +58,21 @@ impl View<'_> {
             Rig::Oedometer(_) | Rig::Triaxial(_) => return Some(0),
             Rig::Platen(platen) => return Some(usize::from(platen.grain)),
             Rig::Assembly(assembly) => &assembly.grains,
-            Rig::Continuum(rig) => &rig.coarse.as_ref()?.grains,
+            Rig::Continuum(rig) => {
+                if let Some(growth) = &rig.growth {
+                    let all = growth.coarse.into_iter().chain((!growth.as_points).then_some(growth.fines));
+                    return self.one_material(all.map(|fraction| fraction.material));
+                }
+                &rig.coarse.as_ref()?.grains
+            }
         };
-        let Some(first) = grains.first().map(|g| g.material) else { return Some(0) };
-        let mixed = grains.iter().any(|g| g.material != first);
+        self.one_material(grains.iter().map(|g| g.material))
+    }
+
+    /// The one material of grains, by number; `None` with the reason noted where several would break.
+    fn one_material(&self, mut materials: impl Iterator<Item = u8>) -> Option<usize> {
+        let Some(first) = materials.next() else { return Some(0) };
+        let mixed = materials.any(|m| m != first);
         if mixed && self.flag("crushing.enabled") {
             self.refuse(
                 "crushing.enabled",
@@ -167,7 +178,11 @@ pub fn extremes(rig: &Rig) -> (f64, f64) {
         }
         Rig::Assembly(a) => span(a.grains.iter().map(|g| 2.0 * g.radius)),
         Rig::Platen(p) => span(p.diameters.iter().copied()),
-        Rig::Continuum(rig) => span(rig.coarse.iter().flat_map(|c| &c.grains).map(|g| 2.0 * g.radius)),
+        Rig::Continuum(rig) => {
+            let grown = rig.growth.iter().flat_map(|g| g.coarse.into_iter().chain((!g.as_points).then_some(g.fines)));
+            let grown = grown.flat_map(|fraction| fraction.radii);
+            span(rig.coarse.iter().flat_map(|c| &c.grains).map(|g| g.radius).chain(grown).map(|r| 2.0 * r))
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use super::material::Named;
 use super::view::View;
 use crate::contact::law::Pair;
 use crate::coupling::{Rates, Rule};
+use crate::grains::sphere_volume;
 use crate::model::continuum::{Coarse, Continuum, Specimen, Test};
 use crate::model::{GrainSpec, Material};
 use crate::mpm::platen::ghost_radius;
@@ -35,7 +36,14 @@ impl View<'_> {
         let test = self.text("test.rig") != "free";
         let mut grains = if self.list("grain").is_empty() { Vec::new() } else { self.grains(named)? };
         let walls = self.walls(named, &grains);
+        let mut growth = None;
         let mut rig = self.continuum_rig(&fines, |points, settings, test| {
+            let stress = test_stress(test);
+            growth = self.growth(named, materials, &ghosts, test, stress)?;
+            // these points and grains are then only what `check` counts
+            if growth.is_some() {
+                return Some(());
+            }
             if let Test::Oedometer(specimen) | Test::Triaxial { specimen, .. } = test {
                 let density = materials[usize::from(ghosts[usize::from(points.law[0])])].density;
                 grains.extend(self.coarse(named, materials, specimen, density)?);
@@ -60,6 +68,7 @@ impl View<'_> {
             }
         };
         let fines = self.fines_as_points(materials, &rig, &grains)?;
+        rig.growth = growth;
         rig.coarse = Some(Coarse { grains, walls, ghosts, rates, fines });
         Some(rig)
     }
@@ -79,38 +88,28 @@ impl View<'_> {
             self.refuse(key, "\"points\" needs a [[body]] of points that the fines join");
             return None;
         };
-        let Some(first) = grains.first() else { return Some(None) };
-        let density = materials[usize::from(first.material)].density;
+        let (mut solid, mut breaking) = (points.solid(largest), grains.first().map(|g| g.material));
+        if let Some(growth) = &rig.growth {
+            self.check(growth.as_points, key, "\"points\" needs growth.fines = \"points\"");
+            (solid, breaking) = (sphere_volume(growth.fines.radii[1]), growth.coarse.map(|c| c.material));
+        }
+        let Some(breaking) = breaking else { return Some(None) };
+        let density = materials[usize::from(breaking)].density;
         let (law, porosity) = (points.law[largest], points.initial_porosity[largest]);
         let release_strain = self.si("crushing.release_strain");
-        Some(Some(Rule { release_strain, law, porosity, solid: points.solid(largest), density }))
+        Some(Some(Rule { release_strain, law, porosity, solid, density }))
     }
 
     /// Coarse grains at random in a specimen's box.
     fn coarse(&self, named: &[Named], materials: &[Material], specimen: &Specimen, fine_density: f64) -> Option<Vec<GrainSpec>> {
-        let keys = ["coarse.mass_fraction", "coarse.diameter_mm", "coarse.material"];
-        let there = keys.map(|k| self.has(k));
-        if there == [false; 3] {
-            return Some(Vec::new());
-        }
-        if let Some(k) = there.iter().position(|t| !t) {
-            self.refuse(keys[k], format!("is missing: {} go together", keys.join(", ")));
-            return None;
-        }
-        let share = self.si(keys[0]);
-        let material = self.lookup(keys[2], self.text(keys[2]), named)?;
-        let [low, high]: [f64; 2] = self.numbers(keys[1]).try_into().ok()?;
-        if low > high {
-            self.refuse(keys[1], "must be the smallest, then the largest");
-            return None;
-        }
+        let Some((material, radii, share)) = self.coarse_grains(named)? else { return Some(Vec::new()) };
         // of the box: coarse volume V with ρ_c V / (ρ_c V + ρ_f (1 − n) (box − V)) = share
         let (coarse, fine) = (materials[usize::from(material)].density, (1.0 - specimen.porosity) * fine_density);
         let volume: f64 = specimen.size.iter().product();
         let wanted = volume * share * fine / (coarse * (1.0 - share) + share * fine);
         let room = ROOM * specimen.spacing;
         let seed = self.whole("seed.packing")?;
-        match dispersed(specimen.lower, specimen.size, [0.5 * low, 0.5 * high], wanted, room, seed) {
+        match dispersed(specimen.lower, specimen.size, radii, wanted, room, seed) {
             Ok(spheres) => Some(
                 spheres
                     .into_iter()
@@ -125,13 +124,21 @@ impl View<'_> {
             ),
             Err(reached) => {
                 let message = format!(
-                    "cannot be placed at random without contact: {:.1} % of the mass found room; use a smaller share, or list the grains (grains_csv)",
+                    "cannot be placed at random without contact: {:.1} % of the mass found room; use a smaller share, let the specimen grow (growth.fines_diameter_mm), or list the grains (grains_csv)",
                     100.0 * coarse * reached / (coarse * reached + fine * (volume - reached))
                 );
-                self.refuse(keys[0], message);
+                self.refuse("coarse.mass_fraction", message);
                 None
             }
         }
+    }
+}
+
+/// Isotropic stress of a test's specimen at the start, Pa.
+fn test_stress(test: &Test) -> f64 {
+    match test {
+        Test::Free { .. } => 0.0,
+        Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => s.stress,
     }
 }
 

@@ -10,6 +10,7 @@ mod continuum_rig;
 mod crushing;
 mod estimate;
 mod files;
+mod growth;
 mod import;
 mod keys;
 mod layers;

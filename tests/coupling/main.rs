@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod fines;
+mod growth;
 mod impact;
 #[path = "../mpm/common.rs"]
 mod points;

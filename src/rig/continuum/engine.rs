@@ -20,6 +20,14 @@ pub enum Engine {
 
 #[cfg_attr(not(feature = "gpu"), allow(unused_variables))]
 impl Engine {
+    /// The processor, with the grains that the state has.
+    pub fn of_grains(state: &mut State, model: &Model, rig: &Rig) -> Engine {
+        match &mut state.mixture {
+            Some(mixture) => Engine::Mixture(Box::new(Coupled::new(model, rig, mixture))),
+            None => Engine::Cpu,
+        }
+    }
+
     /// The state at the instant at which its platens' forces are known.
     pub(super) fn feel(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
         match self {

@@ -64,6 +64,8 @@ pub struct Coarse {
     pub count: usize,
     pub volume: f64,
     pub mass: f64,
+    /// Of all solids, grains and points, in the space between the platens, or in that of points and grains.
+    pub void_ratio: f64,
     pub crush_events: u64,
     pub rates: [u32; 2],
     /// Where the mass that breakages lose becomes points.
@@ -179,6 +181,7 @@ impl State {
                 count: g.len(),
                 volume,
                 mass,
+                void_ratio: box_volume / (solid + volume) - 1.0,
                 crush_events: m.grains.crush_events,
                 rates: [m.cycle.rates.grains, m.cycle.rates.continuum],
                 fines: m.fines.as_ref().map(|f| FromCrushing {
@@ -190,11 +193,13 @@ impl State {
                 }),
             }
         });
+        let volume = totals.volume.max(f64::MIN_POSITIVE);
+        let overall = grains.map_or(0.0, |g| g.void_ratio);
         Moment {
             grains,
-            void_ratio: totals.volume / solid - 1.0,
-            plastic: [plastic / totals.volume, most],
-            along_z: along_z / totals.volume,
+            void_ratio: if points.is_empty() { overall } else { totals.volume / solid - 1.0 },
+            plastic: [plastic / volume, most],
+            along_z: along_z / volume,
             stress_work: c.stress_work(),
             platen_work,
             stored,

@@ -4,6 +4,7 @@
 mod device;
 mod engine;
 mod grains;
+mod growth;
 mod measure;
 mod specimen;
 
@@ -11,6 +12,7 @@ mod specimen;
 pub use device::Device;
 pub use engine::Engine;
 pub use grains::Coupled;
+pub use growth::{Grown, grow};
 pub use measure::{Coarse, Moment};
 
 use crate::coupling::Mixture;
@@ -102,8 +104,7 @@ impl State {
         state.continuum.drop_forces();
         state.extents = state.extents_now(rig);
         if let Some(specimen) = rig.specimen() {
-            let density = state.continuum.points().density(0);
-            let speed = rig.laws[usize::from(state.continuum.points().law[0])].wave_speed(density);
+            let speed = rig.laws[usize::from(specimen.law)].wave_speed(specimen.density);
             state.wave = specimen.size[dimensions(rig) - 1] / speed;
             state.rate = specimen.strain_per_wave / state.wave;
         }

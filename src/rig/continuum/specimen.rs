@@ -23,6 +23,11 @@ fn offset(rig: &Rig, s: &Specimen) -> f64 {
     radius(rig, s) - 0.5 * s.spacing
 }
 
+/// How much shorter the distance of the outermost points is than the specimen, in half distances of two points: so many edges.
+fn rim(s: &Specimen, edges: f64) -> f64 {
+    if s.lattice { 0.5 * s.spacing * edges } else { 0.0 }
+}
+
 fn radius(rig: &Rig, s: &Specimen) -> f64 {
     let volume = s.spacing.powi(dimensions(rig) as i32);
     ghost_radius(rig.settings.dimension, (1.0 - s.porosity) * volume)
@@ -41,7 +46,7 @@ pub fn platens(rig: &Rig, continuum: &Continuum) -> Vec<Platen> {
         force if force > 0.0 => overlap(rig.settings.dimension, s.modulus, radius(rig, s), force),
         _ => 0.0,
     };
-    let out = offset(rig, s) - depth;
+    let out = if s.lattice { offset(rig, s) - depth } else { 0.0 };
     let platen = |axis: usize, high: bool| {
         let mut point: [f64; 3] = std::array::from_fn(|a| s.lower[a] + 0.5 * s.size[a]);
         let mut normal = [0.0; 3];
@@ -62,7 +67,7 @@ impl State {
         let Some(s) = rig.specimen() else { return [0.0; 3] };
         let (d, radius) = (dimensions(rig), radius(rig, s));
         // where the outermost points are: a ghost's radius, less the contacts' mean overlap, inside the platen
-        let inside = |p: &Platen| radius - mean_overlap(p);
+        let inside = |p: &Platen| if s.lattice { radius - mean_overlap(p) } else { 0.0 };
         let mut extents = s.size;
         if d == 2 {
             extents[2] = 1.0;
@@ -71,13 +76,13 @@ impl State {
             Test::Oedometer(_) => {
                 let (axis, platen) = (d - 1, &self.platens[0]);
                 let length = platen.point[axis] - inside(platen) - s.lower[axis];
-                extents[axis] *= length / (s.size[axis] - 0.5 * s.spacing);
+                extents[axis] *= length / (s.size[axis] - rim(s, 1.0));
             }
             _ => {
                 for (axis, extent) in extents.iter_mut().enumerate().take(d) {
                     let [low, high] = [0, 1].map(|k| &self.platens[2 * axis + k]);
                     let length = (high.point[axis] - inside(high)) - (low.point[axis] + inside(low));
-                    *extent *= length / (s.size[axis] - s.spacing);
+                    *extent *= length / (s.size[axis] - rim(s, 2.0));
                 }
             }
         }
@@ -91,8 +96,8 @@ impl State {
         let Some(s) = rig.specimen() else { return (extents, scale) };
         for platen in &self.platens {
             let axis = platen.axis();
-            let edges = if self.platens.len() == 1 { 0.5 } else { 1.0 };
-            scale[axis] = s.size[axis] / (s.size[axis] - edges * s.spacing);
+            let edges = if self.platens.len() == 1 { 1.0 } else { 2.0 };
+            scale[axis] = s.size[axis] / (s.size[axis] - rim(s, edges));
             extents[axis] -= scale[axis] * mean_overlap(platen);
         }
         (extents, scale)
@@ -102,10 +107,10 @@ impl State {
     /// more than the distance of its outermost points.
     pub(super) fn platen_work(&self, rig: &Rig) -> f64 {
         let Some(s) = rig.specimen() else { return 0.0 };
-        let edges = if self.platens.len() == 1 { 0.5 } else { 1.0 };
+        let edges = if self.platens.len() == 1 { 1.0 } else { 2.0 };
         let share = |platen: &Platen| {
             let axis = platen.axis();
-            platen.work * s.size[axis] / (s.size[axis] - edges * s.spacing)
+            platen.work * s.size[axis] / (s.size[axis] - rim(s, edges))
         };
         self.platens.iter().map(share).sum()
     }
@@ -166,7 +171,7 @@ impl State {
     /// A specimen that does not come to rest at the cell pressure.
     pub(super) fn shear(&mut self, rig: &Rig, s: &Specimen, cell: f64) -> Result<()> {
         let (d, extents) = (dimensions(rig), self.extents_now(rig));
-        let modulus = rig.laws[usize::from(self.continuum.points().law[0])].elastic().oedometric();
+        let modulus = rig.laws[usize::from(s.law)].elastic().oedometric();
         let rise = (cell - s.stress).abs() / (modulus * self.rate);
         let target = match self.phase {
             Phase::Settle if self.phase_time < rise => {

@@ -1,0 +1,331 @@
+//! The continuum of fine grains from their own drained triaxial tests, as Li et al. (2023), section 4.1, find Table 3 and eq. 43: grains alone are sheared, and stiffness, friction
+//! against plastic strain and dilation are read off their curves.
+//!
+//! - E and ν: slopes of q and of the lateral strain against the axial strain below a third of the largest q.
+//! - φ from σ1/σ3: the outer cone is Mohr–Coulomb's in triaxial compression.
+//! - plastic strain: what is left of the strains after E and ν, accumulated as the law does, dε_p = √(2/3 dε^p : dε^p), over equal steps of axial strain so that noise does not add up.
+//! - eq. 43: the cubic by least squares up to the peak, the residual angle as the mean of the last tenth, H by least squares on ln((φ − φ_r)/(φ_p − φ_r)) behind the peak.
+//! - ψ: from the slope of the plastic volumetric strain against the plastic axial one between the yield and twice the strain of the peak.
+
+use crate::error::{Error, Result};
+use crate::record::table::number;
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+pub const FILE: &str = "material.toml";
+pub const REPORT: &str = "calibration.json";
+
+/// Share of the largest q below which a test is taken as elastic.
+const ELASTIC: f64 = 1.0 / 3.0;
+/// Equal steps of axial strain in which plastic strain is counted.
+const STEPS: usize = 60;
+/// Share of the strain at the end that is residual.
+const RESIDUAL: f64 = 0.1;
+/// Share of the softening that is left where its fit ends.
+const LEFT: f64 = 0.1;
+/// Rows that a test needs.
+const ROWS: usize = 30;
+
+/// A test: axial and volumetric strain (compression positive), σ1 and σ3, Pa.
+struct Test {
+    axial: Vec<f64>,
+    volumetric: Vec<f64>,
+    sigma_1: Vec<f64>,
+    sigma_3: Vec<f64>,
+}
+
+/// What the tests give.
+#[derive(Clone, Debug, Serialize)]
+pub struct Fines {
+    pub tests: Vec<PathBuf>,
+    #[serde(rename = "E_MPa")]
+    pub young_mpa: f64,
+    pub nu: f64,
+    pub peak_deg: f64,
+    pub residual_deg: f64,
+    pub dilation_deg: f64,
+    pub peak_axial_strain: f64,
+    pub peak_plastic_strain: f64,
+    pub cubic_rad: [f64; 4],
+    pub decay: f64,
+    /// Root mean square of the cubic's and the decay's distance from the tests, degrees.
+    pub misfit_deg: f64,
+    /// Friction angle, degrees, against plastic strain, of each test.
+    #[serde(skip)]
+    pub angles: Vec<Vec<(f64, f64)>>,
+}
+
+fn read(folder: &Path) -> Result<Test> {
+    let path = folder.join("history.csv");
+    let mut reader = csv::Reader::from_path(&path).map_err(|e| Error::input(path.display(), "", None, e.to_string()))?;
+    let headers = reader.headers().map_err(|e| Error::input(path.display(), "", None, e.to_string()))?.clone();
+    let names = ["axial_strain", "volumetric_strain", "sigma_1_kPa", "sigma_3_kPa"];
+    let mut at = [0; 4];
+    for (k, name) in at.iter_mut().zip(names) {
+        let found = headers.iter().position(|h| h == name);
+        *k = found
+            .ok_or_else(|| Error::input(path.display(), name, None, "is missing: a drained triaxial test of grains has it"))?;
+    }
+    let stage = headers.iter().position(|h| h == "stage");
+    let mut columns: [Vec<f64>; 4] = Default::default();
+    for (row, record) in reader.records().enumerate() {
+        let record = record.map_err(|e| Error::input(path.display(), "", None, e.to_string()))?;
+        if stage.is_some_and(|k| &record[k] == "settle") {
+            continue;
+        }
+        for ((column, k), name) in columns.iter_mut().zip(at).zip(names) {
+            let value = record[k].parse().ok().filter(|x: &f64| x.is_finite());
+            let wrong = || {
+                Error::input(path.display(), format!("{name}, row {}", row + 1), Some(record[k].to_string()), "must be a number")
+            };
+            column.push(value.ok_or_else(wrong)?);
+        }
+    }
+    let [axial, volumetric, sigma_1, sigma_3] = columns;
+    if axial.len() < ROWS || sigma_3.iter().any(|s| *s <= 0.0) {
+        let message = format!("must have at least {ROWS} rows of shear with sigma_3 > 0; it has {}", axial.len());
+        return Err(Error::input(path.display(), "", None, message));
+    }
+    let pascal = |kpa: Vec<f64>| kpa.into_iter().map(|x| 1e3 * x).collect();
+    Ok(Test { axial, volumetric, sigma_1: pascal(sigma_1), sigma_3: pascal(sigma_3) })
+}
+
+/// Slope of a line through (x, y), by least squares with an intercept.
+fn slope(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
+    let (sxy, sxx) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + (x - mx) * (y - my), b + (x - mx) * (x - mx)));
+    sxy / sxx
+}
+
+fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    values.clone().sum::<f64>() / values.count() as f64
+}
+
+impl Test {
+    fn angle(&self, i: usize) -> f64 {
+        let (a, b) = (self.sigma_1[i], self.sigma_3[i]);
+        ((a - b) / (a + b)).asin()
+    }
+
+    fn peak(&self) -> usize {
+        (0..self.axial.len())
+            .fold(0, |best, i| if self.sigma_1[i] / self.sigma_3[i] > self.sigma_1[best] / self.sigma_3[best] { i } else { best })
+    }
+
+    /// E, Pa, and ν.
+    fn elastic(&self) -> [f64; 2] {
+        let q = |i: usize| self.sigma_1[i] - self.sigma_3[i];
+        let most = q(self.peak());
+        let end = (0..self.axial.len()).position(|i| q(i) > ELASTIC * most).unwrap_or(2).max(3);
+        let young = slope(&(0..end).map(|i| (self.axial[i], q(i))).collect::<Vec<_>>());
+        let lateral = slope(&(0..end).map(|i| (self.axial[i], 0.5 * (self.volumetric[i] - self.axial[i]))).collect::<Vec<_>>());
+        [young, (-lateral).clamp(0.0, 0.45)]
+    }
+
+    /// Value of a column at an axial strain, between rows.
+    fn at(&self, column: &[f64], strain: f64) -> f64 {
+        let k = self.axial.partition_point(|a| *a < strain).clamp(1, self.axial.len() - 1);
+        let (x0, x1) = (self.axial[k - 1], self.axial[k]);
+        let share = if x1 > x0 { ((strain - x0) / (x1 - x0)).clamp(0.0, 1.0) } else { 0.0 };
+        column[k - 1] + share * (column[k] - column[k - 1])
+    }
+
+    /// Plastic axial, volumetric and accumulated strain, and friction angle, rad, at equal steps of axial strain.
+    fn plastic(&self, [young, nu]: [f64; 2]) -> Vec<[f64; 4]> {
+        let angles: Vec<f64> = (0..self.axial.len()).map(|i| self.angle(i)).collect();
+        let end = self.axial[self.axial.len() - 1];
+        let q0 = self.sigma_1[0] - self.sigma_3[0];
+        let mut rows: Vec<[f64; 4]> = vec![[0.0, 0.0, 0.0, angles[0]]];
+        for k in 1..=STEPS {
+            let strain = end * k as f64 / STEPS as f64;
+            let q = self.at(&self.sigma_1, strain) - self.at(&self.sigma_3, strain) - q0;
+            let axial = strain - q / young;
+            let volumetric = self.at(&self.volumetric, strain) - (1.0 - 2.0 * nu) * q / young;
+            let [a, v, sum, _] = rows[k - 1];
+            let (da, dr) = (axial - a, 0.5 * ((volumetric - v) - (axial - a)));
+            let step = (2.0 / 3.0 * (da * da + 2.0 * dr * dr)).sqrt();
+            rows.push([axial, volumetric, sum + step, self.at(&angles, strain)]);
+        }
+        rows
+    }
+}
+
+/// Reads the tests in these run folders and fits the law.
+///
+/// # Errors
+/// A folder without a drained triaxial test; tests without a peak.
+pub fn calibrate(folders: &[PathBuf]) -> Result<Fines> {
+    let tests: Vec<Test> = folders.iter().map(|f| read(f)).collect::<Result<_>>()?;
+    let elastic: Vec<[f64; 2]> = tests.iter().map(Test::elastic).collect();
+    let of = |k: usize| mean(elastic.iter().map(|e| e[k]));
+    let elastic = [of(0), of(1)];
+    let rows: Vec<Vec<[f64; 4]>> = tests.iter().map(|t| t.plastic(elastic)).collect();
+    let peaks: Vec<usize> =
+        rows.iter().map(|r| (0..r.len()).fold(0, |best, k| if r[k][3] > r[best][3] { k } else { best })).collect();
+    if let Some(k) = peaks.iter().zip(&rows).position(|(p, r)| *p + 5 > r.len()) {
+        return Err(Error::input(folders[k].display(), "", None, "has no peak before its end: shear it further"));
+    }
+    let residual = |t: &Test| {
+        let from = t.axial[t.axial.len() - 1] * (1.0 - RESIDUAL);
+        let kept: Vec<f64> = (0..t.axial.len()).filter(|i| t.axial[*i] >= from).map(|i| t.angle(i)).collect();
+        mean(kept.into_iter())
+    };
+    let last = mean(tests.iter().map(residual));
+    let peak = mean(peaks.iter().zip(&rows).map(|(p, r)| r[*p][3]));
+    let peak_plastic = mean(peaks.iter().zip(&rows).map(|(p, r)| r[*p][2]));
+    // the cubic, of all tests together
+    let rise: Vec<(f64, f64)> =
+        rows.iter().flatten().filter(|r| r[2] <= peak_plastic && r[0] > 0.0).map(|r| (r[2], r[3])).collect();
+    let powers = DMatrix::from_fn(rise.len(), 4, |i, j| rise[i].0.powi(3 - j as i32));
+    let values = DVector::from_iterator(rise.len(), rise.iter().map(|p| p.1));
+    let cubic = powers.svd(true, true).solve(&values, 1e-12).map_err(|e| Error::Failed { step: 0, what: e.to_string() })?;
+    let cubic = [cubic[0], cubic[1], cubic[2], cubic[3]];
+    let left = |angle: f64| (angle - last) / (peak - last);
+    let (num, den) = rows
+        .iter()
+        .flatten()
+        .filter(|r| r[2] > peak_plastic && left(r[3]) > LEFT)
+        .map(|r| (r[2] - peak_plastic, -left(r[3]).ln()))
+        .fold((0.0, 0.0), |(a, b), (x, y)| (a + x * y, b + x * x));
+    let decay = num / den;
+    // α_ψ = r / (√3 (3 + r)) with r = −dε_v^p / dε_a^p, and the outer cone's sin ψ of it
+    let window = |(peak, rows): (&usize, &Vec<[f64; 4]>)| {
+        let end = (2 * peak).min(rows.len() - 1);
+        -slope(&rows[peak / 2..=end].iter().map(|r| (r[0], r[1])).collect::<Vec<_>>())
+    };
+    let ratio = mean(peaks.iter().zip(&rows).map(window)).max(0.0);
+    let alpha = ratio / (3f64.sqrt() * (3.0 + ratio));
+    let sine = 3.0 * 3f64.sqrt() * alpha / (2.0 + 3f64.sqrt() * alpha);
+    let model = |e: f64| {
+        if e <= peak_plastic {
+            ((cubic[0] * e + cubic[1]) * e + cubic[2]) * e + cubic[3]
+        } else {
+            last + (peak - last) * (-decay * (e - peak_plastic)).exp()
+        }
+    };
+    let misfit = mean(rows.iter().flatten().filter(|r| r[0] > 0.0).map(|r| (model(r[2]) - r[3]).powi(2))).sqrt();
+    Ok(Fines {
+        tests: folders.to_vec(),
+        young_mpa: 1e-6 * elastic[0],
+        nu: elastic[1],
+        peak_deg: peak.to_degrees(),
+        residual_deg: last.to_degrees(),
+        dilation_deg: sine.asin().to_degrees().min(last.to_degrees()),
+        peak_axial_strain: mean(tests.iter().map(|t| t.axial[t.peak()])),
+        peak_plastic_strain: peak_plastic,
+        cubic_rad: cubic,
+        decay,
+        misfit_deg: misfit.to_degrees(),
+        angles: rows.iter().map(|r| r.iter().map(|r| (r[2], r[3].to_degrees())).collect()).collect(),
+    })
+}
+
+impl Fines {
+    /// The law's tables of a material, as a scene reads them; `base`: the material of the grains.
+    pub fn material(&self, base: Option<&str>) -> String {
+        let mut text = String::from("# The continuum of fine grains, calibrated from drained triaxial tests of grains alone.\n");
+        if let Some(base) = base {
+            let _ = writeln!(text, "base = {}", toml::Value::String(base.into()));
+        }
+        let digits = |x: f64| format!("{:?}", number(x).parse::<f64>().unwrap_or(x));
+        let cubic = self.cubic_rad.map(digits).join(", ");
+        let [young, nu, residual, psi] = [self.young_mpa, self.nu, self.residual_deg, self.dilation_deg].map(digits);
+        let _ = write!(
+            text,
+            "\n[continuum]\nlaw = \"drucker_prager\"\nE_MPa = {young}\nnu = {nu}\ncone = \"outer\"\nfriction_angle_deg = {residual}\ndilation_angle_deg = {psi}\ncohesion_kPa = 0.0\n\
+             source = \"calibrated from triaxial tests of the grains\"\n\n[continuum.friction_evolution]\nlaw = \"cubic_exponential\"\ncubic_rad = [{cubic}]\n\
+             peak_plastic_strain = {}\npeak_deg = {}\nresidual_deg = {residual}\ndecay = {}\nsource = \"calibrated from triaxial tests of the grains; form of Li et al. 2023, eq. 43\"\n",
+            digits(self.peak_plastic_strain),
+            digits(self.peak_deg),
+            digits(self.decay)
+        );
+        text
+    }
+
+    /// Writes material, report and the angles as CSV into a folder; the files.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub fn write(&self, out: &Path, base: Option<&str>) -> Result<Vec<PathBuf>> {
+        let mut angles = String::from("test,plastic_strain,friction_angle_deg\n");
+        for (k, rows) in self.angles.iter().enumerate() {
+            for (e, angle) in rows {
+                let _ = writeln!(angles, "{k},{},{}", number(*e), number(*angle));
+            }
+        }
+        let json = serde_json::to_string_pretty(self).unwrap_or_default() + "\n";
+        let files = [(FILE, self.material(base)), (REPORT, json), ("friction_angle.csv", angles)];
+        let write = |(name, text): (&str, String)| {
+            let path = out.join(name);
+            std::fs::write(&path, text).map_err(Error::write(&path)).map(|()| path)
+        };
+        files.into_iter().map(write).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Memory, Parameters};
+
+    /// A test of the law itself, its lateral strain found so that the cell pressure stays, gives the law back.
+    #[test]
+    fn a_test_of_the_law_gives_its_parameters_back() {
+        let friction = Evolution::CubicExponential {
+            initial: 0.3,
+            cubic: [0.0, -300.0, 14.0, 0.3],
+            peak_strain: 0.02,
+            peak: 0.46,
+            residual: 0.33,
+            decay: 40.0,
+        };
+        let parameters = Parameters {
+            elastic: Elastic::of_young(8e6, 0.2),
+            cone: Cone::Outer,
+            friction,
+            cohesion: Evolution::Constant(0.0),
+            dilation: 0.15,
+            tension: f64::INFINITY,
+        };
+        let law = DruckerPrager::new(parameters);
+        let cell = 5e4;
+        let (mut stress, mut memory) = ([-cell, -cell, -cell, 0.0, 0.0, 0.0], Memory::default());
+        let (mut axial, mut lateral) = (0.0, 0.0);
+        let mut text = String::from("axial_strain,volumetric_strain,sigma_1_kPa,sigma_3_kPa\n");
+        for step in 0..=12_000 {
+            if step % 60 == 0 {
+                let (a, v) = (axial, axial + 2.0 * lateral);
+                let _ = writeln!(text, "{a:e},{v:e},{:e},{:e}", -1e-3 * stress[2], -1e-3 * stress[0]);
+            }
+            let da = 1e-5;
+            // secant on the lateral strain
+            let tried = |dr: f64| law.update(stress, [-dr, -dr, -da, 0.0, 0.0, 0.0], memory);
+            let (mut x0, mut x1) = (-0.2 * da, -0.6 * da);
+            for _ in 0..60 {
+                let [f0, f1] = [x0, x1].map(|x| tried(x).0[0] + cell);
+                if f1.abs() < 1e-7 || f1 == f0 {
+                    break;
+                }
+                (x0, x1) = (x1, x1 - f1 * (x1 - x0) / (f1 - f0));
+            }
+            (stress, memory) = tried(x1);
+            axial += da;
+            lateral += x1;
+        }
+        let folder = tempfile::tempdir().expect("folder");
+        std::fs::write(folder.path().join("history.csv"), text).expect("written");
+        let found = calibrate(&[folder.path().into()]).expect("a calibration");
+        let near = |a: f64, b: f64, by: f64| assert!((a / b - 1.0).abs() < by, "{a} {b}: {found:?}");
+        near(found.young_mpa, 8.0, 0.02);
+        near(found.nu, 0.2, 0.05);
+        near(found.peak_deg, 0.46f64.to_degrees(), 0.02);
+        near(found.residual_deg, 0.33f64.to_degrees(), 0.02);
+        near(found.dilation_deg, 0.15f64.to_degrees(), 0.03);
+        near(found.peak_plastic_strain, 0.02, 0.1);
+        near(found.decay, 40.0, 0.1);
+        assert!(found.misfit_deg < 0.4, "{found:?}");
+    }
+}

@@ -1,0 +1,210 @@
+//! Specimens by volume expansion (Li et al. 2023, section 4.1): coarse and fine grains grow together in the box and are pressed until its walls bear the
+//! stress. Then the fine ones are replaced by material points on the spot, so that their overlaps with grains and platens stay; or they stay
+//! grains, for the same test without a continuum.
+
+use crate::boundary::{Wall, servo_speed};
+use crate::error::{Error, Result};
+use crate::grains::{Grains, sphere_volume};
+use crate::model::continuum::{Coarse, Continuum as Rig, Growth, Specimen, Test};
+use crate::model::{Drive, GrainSpec, Model, Stepping, WallShape, WallSpec};
+use crate::mpm::{Point, Points};
+use crate::packing;
+use crate::record::measure;
+use crate::rig::cylinder::inertial_time;
+use crate::rig::growth::{self, INERTIAL, STRESS_AT_REST, UNBALANCED};
+use crate::step::{self, State, Work};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+
+/// Local damping of the preparation, and the share of a wall's imbalance that it removes per step.
+const DAMPING: f64 = 0.7;
+const GAIN: f64 = 0.5;
+/// The unbalanced ratio at which pressing ends, over that of rest: grains with little friction creep for long.
+const NEARLY: f64 = 10.0;
+/// Steps between two looks at equilibrium.
+const LOOK: u64 = 64;
+
+/// A grown specimen: what a restart needs instead of growing it again.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Grown {
+    /// Lower corner and size of the box, m.
+    pub lower: [f64; 3],
+    pub size: [f64; 3],
+    /// Middle, m, and radius of every grain, the coarse ones first, and how many of these there are.
+    pub grains: Vec<[f64; 4]>,
+    pub coarse: usize,
+}
+
+/// Grows a specimen. `show` gets the share that is done, for a progress bar.
+///
+/// # Errors
+/// Grains that do not come to rest at the stress.
+pub fn grow(model: &Model, rig: &Rig, growth: &Growth, mut show: impl FnMut(u64, &str)) -> Result<Grown> {
+    let Some(specimen) = rig.specimen() else {
+        return Err(Error::Failed { step: 0, what: "growth needs a test".into() });
+    };
+    let model = Model {
+        stepping: Stepping { inertia_scaling: true, dt: None, ..model.stepping },
+        crush: None,
+        gravity: [0.0; 3],
+        ..model.clone()
+    };
+    let mut rng = ChaCha8Rng::seed_from_u64(model.seeds.packing);
+    let mut radii = growth.coarse.map_or(Vec::new(), |c| packing::sizes(c.radii, c.volume, &mut rng));
+    let coarse = radii.len();
+    radii.extend(packing::sizes(growth.fines.radii, growth.fines.volume, &mut rng));
+    let mut grains = Grains::default();
+    for (k, r) in radii.iter().enumerate() {
+        let at = std::array::from_fn(|a| {
+            let room = (specimen.size[a] - 2.0 * r).max(0.0);
+            specimen.lower[a] + 0.5 * (specimen.size[a] - room) + room * rng.random::<f64>()
+        });
+        let material = if k < coarse { growth.coarse.map_or(0, |c| c.material) } else { growth.fines.material };
+        grains.add(at, growth::START * r, material, &model.materials);
+    }
+    let mut state = State::new(&model, grains, walls(specimen), false);
+    state.friction = growth.friction;
+    state.damping = DAMPING;
+    state.reference_stress = growth::STRESS * growth.stress;
+    state.stability_interval = 1;
+    let mut work = Work::new(&model, &mut state);
+    for step in 0..growth.steps {
+        growth::grow(&model, &radii, step, growth.steps, &mut state, &mut work);
+        step::step(&model, &mut state, &mut work, |_, _| Ok::<(), Error>(()))?;
+        show(step, "grains grow");
+    }
+    growth::still(&mut state);
+    state.stability_interval = LOOK / 8;
+    let mut at = growth.steps;
+    // at the friction of growth, then at the materials'
+    for (friction, what, unbalanced) in [(growth.friction, "walls press", NEARLY * UNBALANCED), (None, "at rest", UNBALANCED)] {
+        state.friction = friction;
+        let from = at;
+        while at < from + 4 * LOOK || !at.is_multiple_of(LOOK) || !at_rest(&model, rig, growth.stress, &state, &work, unbalanced) {
+            step::step(&model, &mut state, &mut work, |state, _| {
+                servo(rig, growth.stress, state);
+                Ok::<(), Error>(())
+            })?;
+            at += 1;
+            show(at, what);
+            if at > growth.max_steps {
+                let [_, size] = extent(&state);
+                let sides: Vec<String> = (0..6).map(|k| format!("{:.2}", 1e-3 * side(&state, size, k))).collect();
+                let what = format!(
+                    "the growing specimen did not come to rest at {:.2} kPa within growth.max_steps = {}: its sides bear {} kPa",
+                    1e-3 * growth.stress,
+                    growth.max_steps,
+                    sides.join(", ")
+                );
+                return Err(Error::Failed { step: at, what });
+            }
+        }
+    }
+    let [lower, size] = extent(&state);
+    let g = &state.grains;
+    Ok(Grown { lower, size, grains: g.by_id().into_iter().map(|i| g.pos[i as usize]).collect(), coarse })
+}
+
+fn walls(s: &Specimen) -> Vec<Wall> {
+    let plane = |k: usize| {
+        let (axis, high) = (k / 2, k % 2 == 1);
+        let (mut point, mut normal) = (s.lower, [0.0; 3]);
+        point[axis] += if high { s.size[axis] } else { 0.0 };
+        normal[axis] = if high { -1.0 } else { 1.0 };
+        let shape = WallShape::Plane { point, normal };
+        Wall::new(&WallSpec { shape, friction: 0.0, drive: Drive::Fixed, material: None })
+    };
+    (0..6).map(plane).collect()
+}
+
+/// Lower corner and size of the space between the walls, m.
+fn extent(state: &State) -> [[f64; 3]; 2] {
+    let at = |k: usize| match state.walls[k].shape {
+        WallShape::Plane { point, .. } => point[k / 2],
+        WallShape::Cylinder { radius, .. } => radius,
+    };
+    [std::array::from_fn(|a| at(2 * a)), std::array::from_fn(|a| at(2 * a + 1) - at(2 * a))]
+}
+
+/// Stress on a side, Pa.
+fn side(state: &State, size: [f64; 3], k: usize) -> f64 {
+    state.walls[k].reaction / crate::mpm::area(size, k / 2)
+}
+
+/// Which walls move: all in a triaxial test, the top in an oedometer.
+fn moves(rig: &Rig, k: usize) -> bool {
+    matches!(rig.test, Test::Triaxial { .. }) || k == 5
+}
+
+fn servo(rig: &Rig, stress: f64, state: &mut State) {
+    let [_, size] = extent(state);
+    let least = size.into_iter().fold(f64::INFINITY, f64::min);
+    let now = (0..6).filter(|k| moves(rig, *k)).map(|k| side(state, size, k)).fold(stress, f64::max);
+    state.reference_stress = stress;
+    let limit = 0.5 * INERTIAL * least / inertial_time(state, now);
+    for k in (0..6).filter(|k| moves(rig, *k)) {
+        let force = stress * crate::mpm::area(size, k / 2);
+        let (dt, w) = (state.dt, &mut state.walls[k]);
+        w.speed = servo_speed(force, w.reaction, w.stiffness, GAIN, dt, limit);
+    }
+}
+
+fn at_rest(model: &Model, rig: &Rig, stress: f64, state: &State, work: &Work, unbalanced: f64) -> bool {
+    let [_, size] = extent(state);
+    let close = |k: usize| (side(state, size, k) / stress - 1.0).abs() < STRESS_AT_REST;
+    (0..6).filter(|k| moves(rig, *k)).all(close)
+        && measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < unbalanced
+}
+
+impl Grown {
+    /// The rig with this specimen.
+    pub fn rig(&self, model: &Model, rig: &Rig, growth: &Growth) -> Rig {
+        let (coarse, fine) = self.grains.split_at(self.coarse);
+        let solid = |grains: &[[f64; 4]]| grains.iter().map(|p| sphere_volume(p[3])).sum::<f64>();
+        let whole = self.size.iter().product::<f64>() - solid(coarse);
+        let porosity = 1.0 - solid(fine) / whole;
+        let density = model.materials[usize::from(growth.fines.material)].density;
+        let mut rig = rig.clone();
+        if let Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } = &mut rig.test {
+            *s = Specimen {
+                lower: self.lower,
+                size: self.size,
+                spacing: (whole / fine.len().max(1) as f64).cbrt(),
+                porosity,
+                density: (1.0 - porosity) * density,
+                lattice: false,
+                ..s.clone()
+            };
+        }
+        let law = rig.specimen().map_or(0, |s| s.law);
+        rig.points = Points::default();
+        if growth.as_points {
+            for p in fine {
+                let (solid, s) = (sphere_volume(p[3]), -growth.stress);
+                rig.points.add(&Point {
+                    position: [p[0], p[1], p[2]],
+                    velocity: [0.0; 3],
+                    mass: density * solid,
+                    volume: solid / (1.0 - porosity),
+                    stress: [s, s, s, 0.0, 0.0, 0.0],
+                    porosity,
+                    law,
+                });
+            }
+        }
+        let spec = |p: &[f64; 4], material: u8| GrainSpec {
+            position: [p[0], p[1], p[2]],
+            radius: p[3],
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+            material,
+        };
+        let mut grains: Vec<GrainSpec> = coarse.iter().map(|p| spec(p, growth.coarse.map_or(0, |c| c.material))).collect();
+        if !growth.as_points {
+            grains.extend(fine.iter().map(|p| spec(p, growth.fines.material)));
+        }
+        rig.coarse = rig.coarse.map(|c| Coarse { grains, ..c });
+        rig
+    }
+}

@@ -1,0 +1,80 @@
+//! From the keys of a mixture's specimen to its coarse fraction and its growth.
+
+use super::material::Named;
+use super::view::View;
+use crate::model::Material;
+use crate::model::continuum::{Fraction, Growth, Test};
+
+impl View<'_> {
+    /// Material and radii, m, of a specimen's coarse grains, if it has some, and their share of the mass; `None` with the reason noted.
+    pub fn coarse_grains(&self, named: &[Named]) -> Option<Option<(u8, [f64; 2], f64)>> {
+        let keys = ["coarse.mass_fraction", "coarse.diameter_mm", "coarse.material"];
+        let there = keys.map(|k| self.has(k));
+        if there == [false; 3] {
+            return Some(None);
+        }
+        if let Some(k) = there.iter().position(|t| !t) {
+            self.refuse(keys[k], format!("is missing: {} go together", keys.join(", ")));
+            return None;
+        }
+        let share = self.si(keys[0]);
+        let material = self.lookup(keys[2], self.text(keys[2]), named)?;
+        Some(Some((material, self.radii(keys[1])?, share)))
+    }
+
+    /// How a specimen grows, if the scene asks for it; `None` with the reason noted.
+    pub fn growth(
+        &self,
+        named: &[Named],
+        materials: &[Material],
+        ghosts: &[u8],
+        test: &Test,
+        stress: f64,
+    ) -> Option<Option<Growth>> {
+        let (key, others) = ("growth.fines_diameter_mm", ["growth.friction"]);
+        if !self.has(key) {
+            for other in others {
+                self.check(!self.has(other), other, format!("has no meaning without {key}"));
+            }
+            return Some(None);
+        }
+        let (Test::Oedometer(specimen) | Test::Triaxial { specimen, .. }) = test else {
+            self.refuse(key, "has no meaning with test.rig = \"free\"");
+            return None;
+        };
+        self.check(self.list("grain").is_empty(), key, "has no meaning beside listed grains");
+        if stress <= 0.0 {
+            self.refuse(key, "needs a stress to press the specimen with: body.stress_kPa, or the cell pressure");
+            return None;
+        }
+        let material = ghosts[usize::from(specimen.law)];
+        // all solids fill the box at its porosity
+        let solids = (1.0 - specimen.porosity) * specimen.size.iter().product::<f64>();
+        let density = |m: u8| materials[usize::from(m)].density;
+        let coarse = self.coarse_grains(named)?.map(|(of, radii, share)| {
+            let (coarse, fine) = (share / density(of), (1.0 - share) / density(material));
+            Fraction { material: of, radii, volume: solids * coarse / (coarse + fine) }
+        });
+        let volume = solids - coarse.map_or(0.0, |c| c.volume);
+        let fines = Fraction { material, radii: self.radii(key)?, volume };
+        Some(Some(Growth {
+            fines,
+            coarse,
+            as_points: self.text("growth.fines") == "points",
+            friction: self.number("growth.friction"),
+            stress,
+            steps: self.whole("growth.steps")?,
+            max_steps: self.whole("growth.max_steps")?,
+        }))
+    }
+
+    /// Smallest and largest radius, m, of a key with two diameters.
+    fn radii(&self, key: &str) -> Option<[f64; 2]> {
+        let [low, high]: [f64; 2] = self.numbers(key).try_into().ok()?;
+        if low > high {
+            self.refuse(key, "must be the smallest, then the largest");
+            return None;
+        }
+        Some([0.5 * low, 0.5 * high])
+    }
+}

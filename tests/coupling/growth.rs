@@ -1,0 +1,84 @@
+//! Specimens that grow before their test, and how large a point is.
+
+use crate::common::typed::{columns, comminute, number, run, same_files, summary};
+use std::path::Path;
+
+/// A fifth of the fines of the small twin.
+const SMALL: [&str; 6] = [
+    "growth.fines_diameter_mm=[3.4, 3.6]",
+    "growth.friction=0.1",
+    "test.axial_strain=0.002",
+    "records.rows=20",
+    "records.figures=false",
+    "records.snapshots=false",
+];
+
+fn rows_of(path: &Path) -> usize {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    text.lines().filter(|l| !l.starts_with('#')).count() - 1
+}
+
+/// The same grown grains with points for fines and with grains alone: as many, in balance at the cell pressure from the first instant; the same bytes for
+/// any number of threads and when stopped and resumed.
+#[test]
+fn a_grown_specimen_is_in_balance_with_points_or_grains() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = |name: &str| folder.path().join(name);
+    run("mixture/twin_points", &out("points"), &SMALL, &[]).assert().success();
+    run("mixture/twin_grains", &out("grains"), &SMALL, &[]).assert().success();
+    let [points, grains] = ["points", "grains"].map(|name| {
+        let rows = columns(&out(name), ["sigma_1_kPa", "sigma_3_kPa", "void_ratio_overall", "grains"]);
+        // as they have grown
+        assert!((rows[0][0] / 50.0 - 1.0).abs() < 0.02 && (rows[0][1] / 50.0 - 1.0).abs() < 0.02, "{name}: {:?}", rows[0]);
+        let last = rows[rows.len() - 1];
+        assert!((last[1] / 50.0 - 1.0).abs() < 0.02 && last[0] > 51.0, "{name}: {last:?}");
+        rows[0]
+    });
+    assert!((points[2] / grains[2] - 1.0).abs() < 1e-3, "{points:?} {grains:?}");
+    let fines = rows_of(&out("points").join("points_start.csv"));
+    assert!(fines > 1000 && points[3] + fines as f64 == grains[3], "{fines}, {points:?}, {grains:?}");
+    let s = summary(&out("points"));
+    assert!((number(&s, "coarse_mass_fraction") - 0.2).abs() < 0.02, "{s}");
+
+    let half = (number(&s, "steps") as u64 / 2).to_string();
+    run("mixture/twin_points", &out("parts"), &SMALL, &["--stop-after", &half]).assert().code(130);
+    comminute("resume").arg(out("parts")).args(["--threads", "2", "--quiet"]).assert().success();
+    same_files(&out("points"), &out("parts"));
+}
+
+/// One number says how many grains a point stands for: 1:8 of 1 mm grains at porosity 0.365 are 40 points along 75 mm (Li et al. 2023, Table 4).
+#[test]
+fn the_particle_reduction_gives_the_cell() {
+    let check = |n: &str| {
+        let mut command = comminute("check");
+        command.args(["experiments/mixture/triaxial_20_50kPa.toml", "--json", "--set", &format!("grid.grains_per_point={n}")]);
+        let output = command.output().expect("run");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("json");
+        json["estimate"]["continuum"]["points"].as_f64().expect("points")
+    };
+    let (eight, many) = (check("8"), check("64"));
+    assert!((50_000.0..60_000.0).contains(&eight), "{eight}");
+    assert!((6.0..10.0).contains(&(eight / many)), "{eight} {many}");
+}
+
+#[test]
+fn specimens_that_cannot_grow_are_refused() {
+    for (scene, set, says) in [
+        ("mixture/twin_points", "growth.fines_diameter_mm=[3.0, 2.0]", "smallest, then the largest"),
+        ("mixture/twin_points", "growth.fines=dust", "growth.fines"),
+        ("mixture/triaxial_small", "growth.friction=0.1", "has no meaning without growth.fines_diameter_mm"),
+        ("mixture/ball_impact", "growth.fines_diameter_mm=[1.0, 2.0]", "has no meaning with test.rig = \"free\""),
+        ("mixture/triaxial_small", "grid.grains_per_point=8", "has no meaning beside grid.cell_mm"),
+    ] {
+        let mut command = comminute("check");
+        command.args([&format!("experiments/{scene}.toml"), "--set", set]);
+        command.assert().code(2).stderr(predicates::str::contains(says));
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    let sets = [&SMALL[..], &["growth.max_steps=4100"]].concat();
+    run("mixture/twin_points", &folder.path().join("out"), &sets, &[])
+        .assert()
+        .failure()
+        .stderr(predicates::str::contains("growth.max_steps"));
+}
