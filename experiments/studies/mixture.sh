@@ -5,7 +5,7 @@ set -eu
 out=${1:-runs/mixture}
 program=${COMMINUTE:-target/release/comminute}
 
-declare -A levels=([crater_numerics]=1)
+declare -A levels=([crater_numerics]=1 [rates]=4)
 declare -A figures=(
     [impact_refined]="loss_cells loss_points"
     [crater]="depth ratio"
