@@ -136,6 +136,9 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
     if e.grains > 0 {
         writeln!(text, "  grains          {}", e.grains)?;
     }
+    for (k, block) in c.blocks.iter().enumerate() {
+        writeln!(text, "  block {k:<9} {block}")?;
+    }
     writeln!(text, "  grid            {x} × {y} × {z} cells; memory only where material is")?;
     writeln!(text, "  steps           {:.0} (estimate)", e.steps)?;
     if let Some(dt) = e.time_step {

@@ -92,7 +92,7 @@ impl Mixture {
         }
     }
 
-    /// Kinetic and potential energy of the grains, and what their contacts hold, those with points included, J; of the tangential springs only
+    /// Kinetic and potential energy of the grains and rigid bodies, and what their contacts hold, those with points included, J; of the tangential springs only
     /// those of the latter.
     pub fn energies(&self, gravity: [f64; 3]) -> [f64; 3] {
         let g = &self.grains.grains;
@@ -110,6 +110,10 @@ impl Mixture {
         }
         for s in in_order(wall_pairs, |[i, k]| [k, id(i)]) {
             stored += self.energy * wall_pairs.touch[s].normal_force * wall_pairs.touch[s].overlap;
+        }
+        if let Some(blocks) = &self.blocks {
+            let theirs = blocks.energies(gravity, self.energy);
+            return [kinetic + theirs[0], potential + theirs[1], stored + theirs[2]];
         }
         [kinetic, potential, stored]
     }

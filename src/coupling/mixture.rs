@@ -6,11 +6,13 @@
 //! of these forces: impulses are equal and opposite, so momentum is conserved to rounding, whatever κ is. With κ = 1 both are found from one instant.
 
 use super::{Bound, Fines, GhostTable, Ghosts, Rule};
+use crate::contact::force::plus;
 use crate::coupling::evaluate::Scene;
 use crate::error::Result;
 use crate::model::{ContactLaw, Model};
 use crate::mpm::Continuum;
 use crate::mpm::platen::Platen;
+use crate::rigid::{self, Blocks};
 use crate::step::{self, State, Work};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -74,6 +76,8 @@ const MOST: f64 = 1000.0;
 pub struct Mixture {
     pub grains: State,
     pub ghosts: Ghosts,
+    /// Rigid bodies that are no spheres, where there are some; they make the grains' steps.
+    pub blocks: Option<Box<Blocks>>,
     /// Where the mass that breakages lose becomes points.
     pub fines: Option<Box<Fines>>,
     /// Elastic energy of a contact between grains over its normal force and overlap: 2/5 by Hertz, 1/2 of a linear one.
@@ -108,6 +112,7 @@ impl Mixture {
         Mixture {
             grains,
             ghosts: Ghosts::default(),
+            blocks: None,
             fines: fines.map(|rule| Box::new(Fines::new(rule))),
             energy,
             cycle,
@@ -120,17 +125,27 @@ impl Mixture {
     }
 
     /// The forces of this instant: between grains, and between grains and points.
-    pub fn feel(&mut self, parts: &mut Parts<'_>) {
+    ///
+    /// # Errors
+    /// Rigid bodies that come within reach of each other.
+    pub fn feel(&mut self, parts: &mut Parts<'_>) -> Result<()> {
         step::feel(parts.model, &mut self.grains, parts.work);
         self.note_bound();
-        self.find(parts, self.last, [0.0; 2]);
+        self.find(parts, self.last, [0.0; 2])?;
+        self.meet(parts);
+        Ok(())
     }
 
     /// What the grains' own contacts, s, and those with points allow.
     pub fn bounds(&mut self, continuum: &Continuum) -> (f64, Bound) {
         // without grains nothing bounds their step
         let own = if self.grains.grains.is_empty() { f64::INFINITY } else { self.own };
-        (own, self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len()))
+        let mut bound = self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len());
+        if let Some(blocks) = &mut self.blocks {
+            let theirs = blocks.bound(&self.grains.grains, continuum.points().len());
+            bound = Bound { points: bound.points + theirs.points, grains: bound.grains + theirs.grains };
+        }
+        (own, bound)
     }
 
     /// A cycle from what was felt, with platens that have pressed; walls and platens move at their speeds.
@@ -147,7 +162,7 @@ impl Mixture {
         for j in 1..rates.continuum {
             advance(parts, dt)?;
             parts.platens.iter_mut().try_for_each(|p| p.press(parts.continuum))?;
-            self.find(parts, dt, [dt * f64::from(j), 0.0]);
+            self.find(parts, dt, [dt * f64::from(j), 0.0])?;
             self.give(parts, of_grains, of_points);
         }
         self.move_grains(parts, time * of_points);
@@ -158,7 +173,8 @@ impl Mixture {
             if self.note_bound() {
                 steps = steps.max((left / self.own).ceil().min(MOST) as u32);
             }
-            self.find(parts, self.last, [0.0, time - left]);
+            self.find(parts, self.last, [0.0, time - left])?;
+            self.meet(parts);
             let dt = left / f64::from(steps);
             self.give(parts, 1.0, dt / time);
             self.move_grains(parts, dt);
@@ -175,14 +191,28 @@ impl Mixture {
 
     fn move_grains(&mut self, parts: &mut Parts<'_>, dt: f64) {
         (self.grains.dt, self.last) = (dt, dt);
+        if let Some(blocks) = &mut self.blocks {
+            let State { grains, walls, fresh, .. } = &mut self.grains;
+            blocks.give_others(grains, &mut parts.work.outside, walls, dt);
+            blocks.advance(parts.model, *fresh, dt);
+        }
         step::go(parts.model, &mut self.grains, parts.work);
         if let Some(fines) = &mut self.fines {
             fines.take(&parts.work.breakages);
         }
     }
 
-    fn give(&self, parts: &mut Parts<'_>, of_grains: f64, of_points: f64) {
+    fn give(&mut self, parts: &mut Parts<'_>, of_grains: f64, of_points: f64) {
         self.ghosts.give(&self.grains.grains, &mut parts.work.outside, of_grains, parts.continuum, of_points);
+        if let Some(blocks) = &mut self.blocks {
+            blocks.give_points(of_grains, parts.continuum, of_points);
+        }
+    }
+
+    /// Forces between rigid bodies, grains and walls.
+    fn meet(&mut self, parts: &Parts<'_>) {
+        let Some(blocks) = &mut self.blocks else { return };
+        blocks.evaluate(&rigid_scene(&self.grains, parts, self.last, [0.0; 2]), false);
     }
 
     /// Takes the grains' own bound where their step is not the one that they were given: then their contacts have been looked at again.
@@ -195,7 +225,7 @@ impl Mixture {
     }
 
     /// Lists and forces `dt` seconds after the last ones, with grains and points taken so far ahead.
-    fn find(&mut self, parts: &Parts<'_>, dt: f64, ahead: [f64; 2]) {
+    fn find(&mut self, parts: &Parts<'_>, dt: f64, ahead: [f64; 2]) -> Result<()> {
         let Parts { table, continuum, .. } = parts;
         let State { grains, walls, .. } = &self.grains;
         let walls = if table.walls.is_empty() { &[] } else { &walls[..] };
@@ -214,6 +244,12 @@ impl Mixture {
         if let Some(fines) = self.fines.as_mut().filter(|f| f.points > 0) {
             fines.released += self.ghosts.release(&scene, fines.rule.release_strain);
         }
+        if let Some(blocks) = &mut self.blocks {
+            let way = dt * (point.max(grain).max(wall) + blocks.fastest());
+            blocks.update(grains, &self.grains.walls, continuum, way)?;
+            blocks.evaluate(&rigid_scene(&self.grains, parts, dt, ahead), true);
+        }
+        Ok(())
     }
 
     /// Mass, kg, and momentum, kg m/s, of grains, points and what breakages have left in reserve.
@@ -226,12 +262,25 @@ impl Mixture {
                 *sum += g.mass[i] * v;
             }
         }
+        if let Some(blocks) = &self.blocks {
+            let theirs = blocks.mass_and_momentum();
+            mass += theirs.0;
+            momentum = plus(momentum, theirs.1);
+        }
         if let Some(fines) = &self.fines {
             mass += fines.reserve.mass;
             momentum.iter_mut().zip(fines.reserve.momentum).for_each(|(sum, p)| *sum += p);
         }
         (mass, momentum)
     }
+}
+
+/// What contacts of rigid bodies are found from.
+fn rigid_scene<'a>(state: &'a State, parts: &'a Parts<'_>, dt: f64, ahead: [f64; 2]) -> rigid::Scene<'a> {
+    let Parts { model, table, work, continuum, .. } = parts;
+    let State { grains, walls, .. } = state;
+    let (law, unloading) = (model.contact.law, model.contact.unloading);
+    rigid::Scene { grains, walls, continuum, ghosts: table, table: &work.table, law, unloading, dt, ahead }
 }
 
 /// A step of the continuum, and its platens' way in it.

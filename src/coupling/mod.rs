@@ -12,7 +12,7 @@ mod evaluate;
 mod fines;
 mod measure;
 mod mixture;
-mod search;
+pub(crate) mod search;
 pub mod validity;
 
 pub use fines::{Account, Fines, Rule};
@@ -125,7 +125,7 @@ impl GhostTable {
         GhostTable { law, grains: ghosts.iter().map(of_law).collect(), walls: walls.iter().map(on_wall).collect() }
     }
 
-    fn of_grain(&self, law: u8, material: u8) -> &Pair {
+    pub(crate) fn of_grain(&self, law: u8, material: u8) -> &Pair {
         &self.grains[usize::from(law)][usize::from(material)]
     }
 

@@ -8,11 +8,11 @@ use crate::mpm::Continuum;
 use crate::mpm::platen::ghost_radius;
 
 /// A body and a point further apart than this share of a cell are not looked at until one of them has gone so far.
-const SKIN: f64 = 0.25;
+pub(crate) const SKIN: f64 = 0.25;
 /// Share of the skin that may be used up: places ahead of time are guesses.
-const TRUST: f64 = 0.5;
+pub(crate) const TRUST: f64 = 0.5;
 /// Not a place.
-const NOWHERE: u32 = u32::MAX;
+pub(crate) const NOWHERE: u32 = u32::MAX;
 
 impl Ghosts {
     /// Makes the list anew where something may have come into reach since the last search, and finds everybody's present index. `way`: how much
@@ -70,15 +70,11 @@ impl Ghosts {
             }
         }
         found.sort_unstable_by_key(|g| (g.body, g.point));
-        // contacts keep what they remember
-        let mut fresh = found.iter_mut().peekable();
-        for old in self.near.iter().filter(|g| g.touch.overlap > 0.0 || g.reference > 0.0) {
-            let key = |g: &Ghost| (g.body, g.point);
-            while fresh.next_if(|g| key(g) < key(old)).is_some() {}
-            if let Some(g) = fresh.next_if(|g| key(g) == key(old)) {
-                (g.touch, g.spring, g.reference) = (old.touch, old.spring, old.reference);
-            }
-        }
+        let known = self.near.iter().filter(|g| g.touch.overlap > 0.0 || g.reference > 0.0);
+        let keep = |old: &Ghost, new: &mut Ghost| {
+            (new.touch, new.spring, new.reference) = (old.touch, old.spring, old.reference);
+        };
+        remember(known, &mut found, |g| (g.body, g.point), keep);
         if let Some(born) = &mut self.newborn {
             let new = |g: &Ghost| g.point >= born.points || matches!(g.body, Body::Grain(id) if id >= born.grains);
             for g in found.iter_mut().filter(|g| g.point >= born.first && new(g)) {
@@ -113,8 +109,24 @@ impl Ghosts {
     }
 }
 
+/// Contacts that are found again keep what they remember; both lists are in the order of `key`.
+pub(crate) fn remember<'a, T: 'a, K: Ord>(
+    old: impl Iterator<Item = &'a T>,
+    found: &mut [T],
+    key: impl Fn(&T) -> K,
+    keep: impl Fn(&T, &mut T),
+) {
+    let mut fresh = found.iter_mut().peekable();
+    for old in old {
+        while fresh.next_if(|new| key(new) < key(old)).is_some() {}
+        if let Some(new) = fresh.next_if(|new| key(new) == key(old)) {
+            keep(old, new);
+        }
+    }
+}
+
 /// Index of each identity.
-fn by_id(index: &mut Vec<u32>, ids: &[u32], next: u32) {
+pub(crate) fn by_id(index: &mut Vec<u32>, ids: &[u32], next: u32) {
     index.clear();
     index.resize(next as usize, NOWHERE);
     for (i, &id) in ids.iter().enumerate() {

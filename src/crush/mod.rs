@@ -7,6 +7,6 @@ pub mod criterion;
 pub mod event;
 pub mod lost_mass;
 pub mod pattern;
-mod portable;
+pub(crate) mod portable;
 pub mod spread;
 pub mod strength;

@@ -208,7 +208,7 @@ pub fn draw_points(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
         .into_iter()
         .flatten()
         .map(|v| v.0)
-        .filter(|v| v.points.iter().flatten().all(|x| x.is_finite()))
+        .filter(|v| !v.points.is_empty() && v.points.iter().flatten().all(|x| x.is_finite()))
         .collect();
     if views.is_empty() || spacing <= 0.0 {
         return Ok(Vec::new());

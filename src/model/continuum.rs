@@ -4,6 +4,7 @@ use super::{GrainSpec, WallSpec};
 use crate::coupling::{Rates, Rule};
 use crate::mpm::law::Law;
 use crate::mpm::{Points, Settings};
+use crate::rigid::Block;
 
 /// Material points on a grid, and what is done with them.
 #[derive(Clone, Debug)]
@@ -30,6 +31,8 @@ pub struct Continuum {
 #[derive(Clone, Debug)]
 pub struct Coarse {
     pub grains: Vec<GrainSpec>,
+    /// Rigid bodies that are no spheres, as they start.
+    pub blocks: Vec<Block>,
     /// Walls of free scenes, which points touch as well.
     pub walls: Vec<WallSpec>,
     /// For each law of the continuum the material of the fines' grains, which says how its points touch.

@@ -2,6 +2,7 @@
 //! it, but for the ledger's counters.
 
 pub mod assembly;
+pub mod blocks;
 pub mod checkpoint;
 pub mod continuum;
 pub mod cylinder;

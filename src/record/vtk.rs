@@ -80,22 +80,47 @@ pub struct Field {
     pub values: Vec<f64>,
 }
 
+/// Each field has its numbers for each of `n`.
+fn check_fields(path: &Path, fields: &[Field], n: usize) -> Result<(), VtkError> {
+    match fields.iter().find(|field| field.values.len() != n * field.components) {
+        None => Ok(()),
+        Some(field) => {
+            let (path, array) = (path.display().to_string(), field.name);
+            Err(VtkError::Length { path, array, have: field.values.len(), want: n * field.components })
+        }
+    }
+}
+
 /// Writes points with these fields as `.vtp`.
 pub fn write_points(path: &Path, position: &[[f64; 3]], fields: &[Field]) -> Result<(), VtkError> {
     let n = position.len();
-    for field in fields {
-        if field.values.len() != n * field.components {
-            let (path, array) = (path.display().to_string(), field.name);
-            return Err(VtkError::Length { path, array, have: field.values.len(), want: n * field.components });
-        }
-    }
+    check_fields(path, fields, n)?;
     let mut arrays = Arrays::default();
-    let mut xml = head(n) + "<PointData>\n";
+    let mut xml = head(n, n, 0) + "<PointData>\n";
     for field in fields {
         xml += &arrays.add("Float64", field.name, field.components, bytes(&field.values));
     }
     xml += "</PointData>\n";
     xml += &arrays.tail(position);
+    arrays.write(path, &xml)
+}
+
+/// Writes triangles with these fields, each a value or vector of a triangle, as `.vtp`.
+pub fn write_surfaces(path: &Path, corners: &[[f64; 3]], triangles: &[[u32; 3]], fields: &[Field]) -> Result<(), VtkError> {
+    let n = triangles.len();
+    check_fields(path, fields, n)?;
+    let mut arrays = Arrays::default();
+    let mut xml = head(corners.len(), 0, n) + "<CellData>\n";
+    for field in fields {
+        xml += &arrays.add("Float64", field.name, field.components, bytes(&field.values));
+    }
+    xml += "</CellData>\n<Points>\n";
+    xml += &arrays.add("Float64", "Points", 3, bytes(corners.as_flattened()));
+    xml += "</Points>\n<Polys>\n";
+    let ends: Vec<u8> = triangles.as_flattened().iter().flat_map(|&k| i64::from(k).to_le_bytes()).collect();
+    xml += &arrays.add("Int64", "connectivity", 1, ends);
+    xml += &arrays.add("Int64", "offsets", 1, (1..=n as i64).flat_map(|k| (3 * k).to_le_bytes()).collect());
+    xml += "</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
     arrays.write(path, &xml)
 }
 
@@ -160,18 +185,18 @@ impl Arrays {
     }
 }
 
-fn head(n: usize) -> String {
+fn head(points: usize, vertices: usize, triangles: usize) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
-         header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"{n}\" NumberOfVerts=\"{n}\" NumberOfLines=\"0\" \
-         NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n"
+         header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfLines=\"0\" \
+         NumberOfStrips=\"0\" NumberOfPolys=\"{triangles}\">\n"
     )
 }
 
 /// The XML up to the start of the appended bytes, and the arrays.
 fn document(points: &SnapshotData, n: usize) -> (String, Arrays) {
     let mut arrays = Arrays::default();
-    let mut xml = head(n) + "<PointData Scalars=\"generation\" Vectors=\"velocity\">\n";
+    let mut xml = head(n, n, 0) + "<PointData Scalars=\"generation\" Vectors=\"velocity\">\n";
     xml += &arrays.add("Float64", "radius", 1, bytes(&points.radius));
     xml += &arrays.add("UInt32", "generation", 1, points.generation.iter().flat_map(|v| v.to_le_bytes()).collect());
     xml += &arrays.add("Float64", "strength", 1, bytes(&points.strength));

@@ -12,7 +12,7 @@ use crate::model::continuum::{Continuum as Rig, Test};
 use crate::mpm::law::Law;
 use crate::record::continuum::{self as records, END, GRAINS_START, Recorder, START};
 use crate::record::table::Table;
-use crate::record::{checkpoint, specimen, vtk};
+use crate::record::{blocks, checkpoint, specimen, vtk};
 use crate::rig::continuum::{Engine, Grown, Phase, State, grow};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -28,6 +28,8 @@ struct Progress {
     used: Used,
     recorder: Recorder,
     history: Table,
+    /// Of rigid bodies; without them there is no file.
+    blocks: Table,
     /// Time, s, and file of each snapshot.
     snapshots: Vec<(f64, String)>,
     seconds: f64,
@@ -48,9 +50,9 @@ pub struct Begun {
 pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     let (mut state, mut used) = (State::start(model, rig)?, Used::default());
     let engine = used.engine(chosen, &mut state, model, rig)?;
-    let history = Table::new("history.csv");
+    let (history, blocks) = (Table::new("history.csv"), Table::new(blocks::TRACKS));
     let (recorder, snapshots) = (Recorder::default(), Vec::new());
-    let progress = Progress { state, grown: None, used, recorder, history, snapshots, seconds: 0.0, user_seconds: 0.0 };
+    let progress = Progress { state, grown: None, used, recorder, history, blocks, snapshots, seconds: 0.0, user_seconds: 0.0 };
     Ok(Begun { progress, engine })
 }
 
@@ -130,7 +132,7 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
             Err(e) => {
                 // keep what there is, with the points as they are now, or at the last record where a device has gone with them
                 let _ = engine.read_back(&mut progress.state);
-                progress.history.flush(out)?;
+                progress.flush(out)?;
                 leave(model, rig, &progress.state, out)?;
                 bar.abandon();
                 return Err(e);
@@ -157,12 +159,15 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
 impl Progress {
     /// To the next look, with its records. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &Rig, engine: &mut Engine, out: &Path) -> Result<bool> {
-        let Progress { state, recorder, history, snapshots, .. } = self;
+        let Progress { state, recorder, history, blocks, snapshots, .. } = self;
         state.advance(model, rig, engine, |state, engine| {
             let due = recorder.due(rig, state);
             if due.row {
                 engine.read_back(state)?;
                 history.push(out, &recorder.row(rig, state))?;
+                if let Some(theirs) = state.blocks() {
+                    blocks::rows(theirs, state.continuum.steps(), state.time).try_for_each(|row| blocks.push(out, &row))?;
+                }
             }
             if due.frame && model.records.snapshots {
                 snapshot(out, state, snapshots)?;
@@ -172,9 +177,14 @@ impl Progress {
         Ok(state.phase == Phase::Done)
     }
 
+    fn flush(&mut self, out: &Path) -> Result<()> {
+        self.blocks.flush(out)?;
+        self.history.flush(out)
+    }
+
     fn save(&mut self, engine: &Engine, out: &Path) -> Result<()> {
         self.used.save(engine, &mut self.state)?;
-        self.history.flush(out)?;
+        self.flush(out)?;
         checkpoint::save(out, self)?;
         self.used.saved = None;
         Ok(())
@@ -200,6 +210,10 @@ fn snapshot(out: &Path, state: &State, snapshots: &mut Vec<(f64, String)>) -> Re
         let name = format!("{}/grains_{step:08}.vtp", files::SNAPSHOTS);
         records::write_grains(&out.join(name), step, &mixture.grains.grains)?;
     }
+    if let Some(theirs) = state.blocks() {
+        let name = format!("{}/blocks_{step:08}.vtp", files::SNAPSHOTS);
+        blocks::write_surfaces(&out.join(name), step, theirs)?;
+    }
     let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
     vtk::write_collection(&out.join(files::COLLECTION), snapshots).map_err(failed)
 }
@@ -215,7 +229,7 @@ fn describe(rig: &Rig, state: &State) -> (f64, String) {
 }
 
 fn finish(model: &Model, rig: &Rig, out: &Path, mut progress: Progress, engine: &Engine) -> Result<Outcome> {
-    progress.history.flush(out)?;
+    progress.flush(out)?;
     leave(model, rig, &progress.state, out)?;
     let mut summary = summary(model, rig, &progress, engine);
     save(out, &summary)?;
@@ -284,6 +298,10 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         let (mass, _) = mixture.mass_and_momentum(&state.continuum);
         put("grains", json!(mixture.grains.grains.len()));
         put("coarse_mass_fraction", json!(coarse / mass));
+        if let Some(blocks) = &mixture.blocks {
+            put("blocks", json!(blocks.blocks.len()));
+            put("block_contacts", json!(blocks.touching().count()));
+        }
         if model.crush.is_some() {
             put("crush_events", json!(mixture.grains.crush_events));
         }

@@ -20,7 +20,7 @@ pub const GRAINS_FINAL: &str = "grains_final.csv";
 pub const SNAPSHOTS: &str = "snapshots";
 pub const COLLECTION: &str = "snapshots.pvd";
 /// What a run leaves: these are removed by `--force`, and nothing else.
-const OURS: [&str; 19] = [
+const OURS: [&str; 20] = [
     SPECIMEN,
     SUMMARY,
     COLLECTION,
@@ -36,6 +36,7 @@ const OURS: [&str; 19] = [
     "grains_start.csv",
     crate::record::continuum::START,
     crate::record::continuum::END,
+    crate::record::blocks::TRACKS,
     checkpoint::FILE,
     "checkpoint.tmp",
     crate::scene::RESOLVED,

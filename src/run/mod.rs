@@ -19,7 +19,7 @@ use crate::rig::oedometer::{Loading, Phase};
 use crate::rig::triaxial::{self as shear, Shearing};
 use crate::rig::{assembly, preparation::Preparation};
 use crate::step::{State, Work};
-pub use backend::{Backend, Chosen, choose};
+pub use backend::{Backend, Chosen, choose, spheres_only};
 use files::Files;
 pub use folder::{Found, Lock, lock, look};
 use progress_bar::Bar;

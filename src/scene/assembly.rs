@@ -47,7 +47,7 @@ impl View<'_> {
                 radius: number(table, "radius_m")?,
                 velocity: vector(table, "velocity_m_s")?,
                 spin: vector(table, "spin_rad_s")?,
-                material: self.material_of(i, table, named)?,
+                material: self.material_of(&format!("grain[{i}].material"), table, named)?,
             };
             if !self.turning() && grain.spin != [0.0; 3] {
                 self.refuse(&format!("grain[{i}].spin_rad_s"), "must be [0, 0, 0] where contact.rotation = \"fixed\"");
@@ -62,16 +62,16 @@ impl View<'_> {
         Some(grains)
     }
 
-    fn material_of(&self, i: usize, table: &Table, named: &[Named]) -> Option<u8> {
-        let key = format!("grain[{i}].material");
+    /// The material that the entry of a list names at `key`; it need not where the scene has only one.
+    pub fn material_of(&self, key: &str, table: &Table, named: &[Named]) -> Option<u8> {
         match table.get("material").and_then(Value::as_str) {
             None if named.len() == 1 => Some(0),
             None => {
                 let message = format!("is missing: the scene has several, {}", names(named));
-                self.refuse(&key, message);
+                self.refuse(key, message);
                 None
             }
-            Some(name) => self.lookup(&key, name, named),
+            Some(name) => self.lookup(key, name, named),
         }
     }
 

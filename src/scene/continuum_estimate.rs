@@ -23,6 +23,9 @@ pub struct Points {
     pub points: usize,
     pub cells: [u32; 3],
     pub points_per_cell: u32,
+    /// Rigid bodies that are no spheres, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub blocks: Vec<String>,
     /// On one thread, s.
     #[serde(rename = "seconds")]
     pub seconds: f64,
@@ -80,7 +83,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
     if model.stepping.dt.is_some_and(|dt| dt > bound) {
         warnings.push(format!("stepping.dt_s is above what {why} allows, {bound:.3e} s: the run will be refused or stop"));
     }
-    let device = device_bytes(model, rig);
+    let device = crate::run::spheres_only(model).and_then(|()| device_bytes(model, rig));
     Estimate {
         grains: rig.coarse.as_ref().map_or(0, |c| c.grains.len()),
         grains_final: 0.0,
@@ -90,6 +93,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
             points,
             cells: rig.settings.cells,
             points_per_cell: rig.per_edge.pow(d as u32),
+            blocks: rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.in_words(model)).collect(),
             seconds: steps * points as f64 / SPEED,
             device_mb: device.as_ref().ok().map(|bytes| 1e-6 * *bytes as f64),
             device_lacks: device.err().map(|e| e.to_string().replace('\n', "; ")),

@@ -89,7 +89,7 @@ pub const OPTIONAL_TABLES: &[&str] = &[
 ];
 
 /// Tables written as lists (`[[grain]]`).
-pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate", "body"];
+pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate", "body", "block"];
 
 /// Keys of which only one is meant: writing one replaces the other of a base or a file.
 pub const RIVALS: &[(&str, &str)] = &[
@@ -150,6 +150,32 @@ pub const KEYS: &[Key] = &[
     listed("wall.area_m2", Number(POSITIVE), Absent, "plane with a stress: area it acts on"),
     listed("wall.gain", Number(Range::above(0.0, 1.0)), Is("0.2"), "wall with a stress: share of the imbalance removed per step"),
     listed("wall.material", Text, Is("\"rigid\""), "\"rigid\" (a mirrored grain) or one of `materials`"),
+    mixture(
+        "block.shape",
+        Choice(&["box", "superquadric", "polyhedron"]),
+        Required,
+        "a rigid body: a box with sharp edges, a superquadric (Li et al. 2023, eq. 39), or the convex hull of points with a sphere swept over it",
+    ),
+    mixture(
+        "block.size_mm",
+        Numbers(POSITIVE, Some(3)),
+        Absent,
+        "box: its edges; superquadric: 2a, 2b, 2c, its lengths along its axes",
+    ),
+    mixture(
+        "block.blockiness",
+        Numbers(Range::closed(2.0, 100.0), Some(2)),
+        Absent,
+        "superquadric: n1 (towards its z) and n2 (around that); 2 and 2 an ellipsoid, 20 and 20 nearly a box",
+    ),
+    mixture("block.points_mm", Numbers(ANY, None), Absent, "polyhedron: x, y, z of each point, one after the other"),
+    mixture("block.rounding_mm", Number(NOT_NEGATIVE), Absent, "polyhedron: radius of the sphere swept over it; 0 if not written"),
+    mixture("block.position_mm", VECTOR, Required, "centre of mass"),
+    mixture("block.axis", VECTOR, Is("[0, 0, 1]"), "it is turned about this direction"),
+    mixture("block.angle_deg", Number(Range::closed(-180.0, 180.0)), Is("0.0"), "by this angle"),
+    mixture("block.velocity_m_s", VECTOR, Is("[0, 0, 0]"), "velocity"),
+    mixture("block.spin_rad_s", VECTOR, Is("[0, 0, 0]"), "angular velocity"),
+    mixture("block.material", Text, Absent, "name of one of `materials`; needed when there are several"),
     continuum(
         "body.shape",
         Choice(&["box", "cylinder", "sphere", "points"]),

@@ -36,6 +36,7 @@ impl View<'_> {
         let test = self.text("test.rig") != "free";
         let mut grains = if self.list("grain").is_empty() { Vec::new() } else { self.grains(named)? };
         let walls = self.walls(named, &grains);
+        let blocks = self.blocks(named, materials)?;
         let mut growth = None;
         let mut rig = self.continuum_rig(&fines, |points, settings, test| {
             let stress = test_stress(test);
@@ -69,7 +70,9 @@ impl View<'_> {
         };
         let fines = self.fines_as_points(materials, &rig, &grains)?;
         rig.growth = growth;
-        rig.coarse = Some(Coarse { grains, walls, ghosts, rates, fines });
+        let coarse = Coarse { grains, blocks, walls, ghosts, rates, fines };
+        self.blocks_have_room(&rig, &coarse);
+        rig.coarse = Some(coarse);
         Some(rig)
     }
 

@@ -2,6 +2,7 @@
 //! [`Model`] ([`model`]).
 
 mod assembly;
+mod blocks;
 mod bodies;
 mod calibrate;
 mod continuum;

@@ -18,27 +18,34 @@ pub const CASE: Case = Case {
 /// Height of the block, mm, pressure under it, Pa, and E* of its ghosts on a rigid wall, Pa.
 const HEIGHT: f64 = 150.0;
 const PRESSURE: f64 = 2000.0 * 10.0 * 0.15;
-const MODULUS: f64 = 80e6 / (1.0 - 0.3 * 0.3);
+pub(super) const MODULUS: f64 = 80e6 / (1.0 - 0.3 * 0.3);
 
 fn run(task: &Task) -> Result<Found> {
     let friction = 0.1 * (task.way + 1) as f64;
-    // the wall stands where the ghosts bear the block: they reach out of its face by their radius less half a spacing
-    let spacing = 0.5e-3 * HEIGHT / f64::from(task.cells);
-    let ghost = (0.75 / PI).cbrt() * spacing;
-    let depth = (PRESSURE * spacing * spacing / (4.0 / 3.0 * MODULUS * ghost.sqrt())).cbrt().powi(2);
-    let wall = 0.5 * spacing - ghost + depth;
     let sets = [
-        format!("grid.cell_mm={:?}", HEIGHT / f64::from(task.cells)),
+        format!("grid.cell_mm={:?}", cell(task)),
         format!("grid.min_mm={:?}", [100.0, 50.0, 100.0].map(|x| -whole(task, x))),
         format!("grid.max_mm={:?}", [1500.0, 200.0, 300.0].map(|x| whole(task, x))),
-        format!("wall[0].point_m=[0.0, 0.0, {wall:?}]"),
+        format!("wall[0].point_m=[0.0, 0.0, {:?}]", wall(task, MODULUS)),
         format!("wall[0].friction={friction:?}"),
     ];
     slide::found(&scene::run(task, "../mixture/sliding_block", &sets)?, friction)
 }
 
+/// Edge of a cell, mm.
+pub(super) fn cell(task: &Task) -> f64 {
+    HEIGHT / f64::from(task.cells)
+}
+
+/// Where the face of points bears the block, m from it, into the points: ghosts reach out of it by their radius less half a spacing.
+pub(super) fn wall(task: &Task, modulus: f64) -> f64 {
+    let spacing = 0.5e-3 * cell(task);
+    let ghost = (0.75 / PI).cbrt() * spacing;
+    let depth = (PRESSURE * spacing * spacing / (4.0 / 3.0 * modulus * ghost.sqrt())).cbrt().powi(2);
+    0.5 * spacing - ghost + depth
+}
+
 /// At least so long, mm, in whole cells: the points' lattice is that of the grid, and the block stands on a node.
-fn whole(task: &Task, length: f64) -> f64 {
-    let cell = HEIGHT / f64::from(task.cells);
-    cell * (length / cell).ceil()
+pub(super) fn whole(task: &Task, length: f64) -> f64 {
+    cell(task) * (length / cell(task)).ceil()
 }

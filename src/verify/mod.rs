@@ -8,6 +8,7 @@ pub mod block;
 mod collapse;
 pub mod column;
 pub mod cones;
+mod contact_box;
 mod contact_slide;
 mod crater;
 pub mod disk;
@@ -96,7 +97,7 @@ pub struct Row {
 }
 
 /// Cases that are run unless others are named.
-pub const CASES: [Case; 13] = [
+pub const CASES: [Case; 14] = [
     bar::CASE,
     wave::CASE,
     column::CASE,
@@ -110,6 +111,7 @@ pub const CASES: [Case; 13] = [
     collapse::PLANE,
     impact::CASE,
     contact_slide::CASE,
+    contact_box::CASE,
 ];
 
 /// Cases that take longer, and are run when they are named.

@@ -67,7 +67,7 @@ impl Meeting {
     fn cycle(&mut self, decide: impl FnOnce(&mut Mixture, &Continuum) -> Cycle) {
         let Meeting { model, table, work, continuum, mixture } = self;
         let mut parts = Parts { model, table, work, continuum, platens: &mut [] };
-        mixture.feel(&mut parts);
+        mixture.feel(&mut parts).unwrap_or_else(|e| panic!("{e}"));
         let cycle = decide(mixture, parts.continuum);
         mixture.go(&mut parts, cycle).unwrap_or_else(|e| panic!("{e}"));
     }

@@ -37,7 +37,7 @@ impl Engine {
             }
             Engine::Mixture(coupled) => {
                 state.press()?;
-                coupled.feel(state, model);
+                coupled.feel(state, model)?;
                 state.collect(rig);
             }
             // it has felt and collected at the end of each step

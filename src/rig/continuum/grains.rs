@@ -8,6 +8,7 @@ use crate::model::continuum::{Coarse, Specimen, Test};
 use crate::model::{Assembly, Drive, Model, WallShape, WallSpec};
 use crate::mpm::{Continuum, Platen};
 use crate::rig::assembly;
+use crate::rigid::Blocks;
 use crate::step::Work;
 
 /// The grains of a scene between the walls of its test: platens, or the sides of an oedometer, in the order x low, x high, …; or its own.
@@ -28,7 +29,11 @@ pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Contin
         Test::Triaxial { .. } => platens.iter().map(of).collect(),
     };
     let scene = Assembly { grains: coarse.grains.clone(), walls, steps: None, duration: None, tracks: Vec::new(), record_every: 1 };
-    Mixture::new(model, assembly::start(model, &scene), continuum, coarse.fines)
+    let mut mixture = Mixture::new(model, assembly::start(model, &scene), continuum, coarse.fines);
+    if !coarse.blocks.is_empty() {
+        mixture.blocks = Some(Box::new(Blocks::new(coarse.blocks.clone())));
+    }
+    mixture
 }
 
 /// What a mixture needs besides its state; may be dropped and made anew between any two cycles.
@@ -47,13 +52,17 @@ impl Coupled {
     }
 
     /// Forces between grains, and between grains and points; what platens feel of the grains.
-    pub(super) fn feel(&mut self, state: &mut State, model: &Model) {
+    ///
+    /// # Errors
+    /// Rigid bodies that come within reach of each other.
+    pub(super) fn feel(&mut self, state: &mut State, model: &Model) -> Result<()> {
         let State { continuum, mixture, platens, .. } = state;
-        let Some(mixture) = mixture else { return };
-        mixture.feel(&mut Parts { model, table: &self.table, work: &mut self.work, continuum, platens: &mut [] });
+        let Some(mixture) = mixture else { return Ok(()) };
+        mixture.feel(&mut Parts { model, table: &self.table, work: &mut self.work, continuum, platens: &mut [] })?;
         for (platen, wall) in platens.iter_mut().rev().zip(mixture.grains.walls.iter().rev()) {
             platen.others = [wall.reaction, wall.stiffness];
         }
+        Ok(())
     }
 
     /// A cycle with the drives that the programme has set.
@@ -74,11 +83,19 @@ impl Coupled {
 
     /// Bytes held for grains and their contacts.
     pub(super) fn bytes(&self, state: &State) -> usize {
-        state.mixture.as_ref().map_or(0, |m| self.work.bytes(&m.grains) + m.ghosts.bytes())
+        state
+            .mixture
+            .as_ref()
+            .map_or(0, |m| self.work.bytes(&m.grains) + m.ghosts.bytes() + m.blocks.as_ref().map_or(0, |b| b.bytes()))
     }
 }
 
 impl State {
+    /// Rigid bodies that are no spheres, where there are some.
+    pub fn blocks(&self) -> Option<&Blocks> {
+        self.mixture.as_ref()?.blocks.as_deref()
+    }
+
     /// The next cycle; `continuum` is what waves and platens allow, s.
     pub(super) fn find_cycle(&mut self, model: &Model, rig: &Rig, continuum: f64) -> Result<()> {
         let Some(mixture) = &mut self.mixture else { return Ok(()) };

@@ -163,7 +163,11 @@ impl Grown {
         let (coarse, fine) = self.grains.split_at(self.coarse);
         let solid = |grains: &[[f64; 4]]| grains.iter().map(|p| sphere_volume(p[3])).sum::<f64>();
         let whole = self.size.iter().product::<f64>() - solid(coarse);
-        let porosity = 1.0 - solid(fine) / whole;
+        // without fines their material still says how fast a test is
+        let porosity = match rig.specimen() {
+            Some(s) if fine.is_empty() => s.porosity,
+            _ => 1.0 - solid(fine) / whole,
+        };
         let density = model.materials[usize::from(growth.fines.material)].density;
         let mut rig = rig.clone();
         if let Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } = &mut rig.test {

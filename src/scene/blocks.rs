@@ -1,0 +1,147 @@
+//! From the rigid bodies of a mixture to [`Block`]s.
+
+use super::bodies::{number, vector};
+use super::material::Named;
+use super::view::View;
+use crate::boundary::Wall;
+use crate::model::Material;
+use crate::model::continuum::{Coarse, Continuum, Test};
+use crate::rigid::Block;
+use crate::rigid::motion::{about, product, quaternion};
+use crate::shape::{Cuboid, Polyhedron, Shape, Superquadric};
+use toml::{Table, Value};
+
+/// Fewest numbers of a polyhedron's points.
+const FOUR_POINTS: usize = 12;
+/// Depth, over the radius of the sphere of its volume, to which a body may stand in a wall at the start.
+const DEEP: f64 = 0.01;
+
+impl View<'_> {
+    /// The rigid bodies that the scene lists, as they start.
+    pub fn blocks(&self, named: &[Named], materials: &[Material]) -> Option<Vec<Block>> {
+        let tables = self.list("block");
+        if tables.is_empty() {
+            return Some(Vec::new());
+        }
+        let free = self.text("test.rig") == "free";
+        self.check(free, "block", "has no meaning in a test: rigid bodies that are no spheres are for test.rig = \"free\"");
+        let whole = !self.flag("crushing.enabled");
+        self.check(
+            whole,
+            "crushing.enabled",
+            "must be false beside [[block]]: only spheres break, and what a block bears on them is not judged",
+        );
+        let blocks: Vec<Option<Block>> = tables.iter().enumerate().map(|(i, t)| self.block(i, t, named, materials)).collect();
+        blocks.into_iter().collect()
+    }
+
+    fn block(&self, i: usize, table: &Table, named: &[Named], materials: &[Material]) -> Option<Block> {
+        let at = |name: &str| format!("block[{i}].{name}");
+        let kind = table.get("shape").and_then(Value::as_str)?;
+        let needed: &[&str] = match kind {
+            "box" => &["size_mm"],
+            "superquadric" => &["size_mm", "blockiness"],
+            _ => &["points_mm"],
+        };
+        let mut good = true;
+        for name in ["size_mm", "blockiness", "points_mm", "rounding_mm"] {
+            let (wanted, given) = (needed.contains(&name), table.contains_key(name));
+            let free = name == "rounding_mm" && kind == "polyhedron";
+            if wanted && !given {
+                self.refuse(&at(name), format!("is missing: shape = \"{kind}\" needs it"));
+            } else if given && !wanted && !free {
+                self.refuse(&at(name), format!("has no meaning with shape = \"{kind}\""));
+            }
+            good &= wanted == given || free;
+        }
+        let material = self.material_of(&at("material"), table, named);
+        let (angle, axis) = (number(table, "angle_deg")?, vector(table, "axis")?);
+        if axis == [0.0; 3] {
+            self.refuse(&at("axis"), "must not be zero");
+            return None;
+        }
+        if !good {
+            return None;
+        }
+        let half = || vector(table, "size_mm").map(|size| size.map(|x| 0.5 * x));
+        let mut turn = about(axis, angle);
+        let shape = match kind {
+            "box" => Shape::Box(Cuboid { half: half()? }),
+            "superquadric" => {
+                let blockiness = self.numbers(&at("blockiness")).try_into().ok()?;
+                Shape::Superquadric(Superquadric { half: half()?, blockiness })
+            }
+            _ => {
+                let (polyhedron, axes) = self.polyhedron(i, number(table, "rounding_mm").unwrap_or(0.0))?;
+                turn = product(turn, quaternion(axes));
+                Shape::Polyhedron(polyhedron)
+            }
+        };
+        let (material, spin) = (material?, vector(table, "spin_rad_s")?);
+        if !self.turning() && spin != [0.0; 3] {
+            self.refuse(&at("spin_rad_s"), "must be [0, 0, 0] where contact.rotation = \"fixed\"");
+            return None;
+        }
+        let mut block = Block::new(shape, materials[usize::from(material)].density, material);
+        (block.centre, block.turn, block.velocity) = (vector(table, "position_mm")?, turn, vector(table, "velocity_m_s")?);
+        block.set_spin(spin);
+        Some(block)
+    }
+
+    /// A polyhedron, and its principal axes in the frame of its points.
+    fn polyhedron(&self, i: usize, rounding: f64) -> Option<(Polyhedron, [[f64; 3]; 3])> {
+        let key = format!("block[{i}].points_mm");
+        let numbers = self.numbers(&key);
+        let (points, rest) = numbers.as_chunks::<3>();
+        if !rest.is_empty() || numbers.len() < FOUR_POINTS {
+            let message =
+                format!("must be x, y, z of four points or more, one after the other; there are {} numbers", numbers.len());
+            self.refuse(&key, message);
+            return None;
+        }
+        match Polyhedron::hull(points, rounding) {
+            Ok(placed) => Some((placed.polyhedron, placed.axes)),
+            Err(message) => {
+                self.refuse(&key, message);
+                None
+            }
+        }
+    }
+
+    /// Refuses bodies that stand in what is there at the start.
+    pub fn blocks_have_room(&self, rig: &Continuum, coarse: &Coarse) {
+        if coarse.blocks.is_empty() || !matches!(rig.test, Test::Free { .. }) {
+            return;
+        }
+        let mm = |x: f64| format!("{:.4}", 1e3 * x);
+        for (i, block) in coarse.blocks.iter().enumerate() {
+            let (key, solid, pose) = (format!("block[{i}].position_mm"), block.solid(), block.pose(0.0));
+            let holds = |p: [f64; 3]| {
+                let local = pose.inwards(std::array::from_fn(|a| p[a] - pose.centre[a]));
+                solid.clearance(local) < 0.0 && solid.nearest(local).distance < 0.0
+            };
+            let inside = rig.points.position.iter().filter(|&&[x, y, z, _]| holds([x, y, z])).count();
+            self.check(inside == 0, &key, format!("must leave the points outside: {inside} lie in it"));
+            if let Some(k) = coarse.grains.iter().position(|g| holds(g.position)) {
+                self.refuse(&key, format!("must leave the grains outside: the middle of grain {k} lies in it"));
+            }
+            for (k, wall) in coarse.walls.iter().map(Wall::new).enumerate() {
+                let deepest = block.deepest(&wall);
+                self.check(
+                    deepest < DEEP * block.radius,
+                    &key,
+                    format!("must be before the walls: it reaches {} mm behind wall {k}", mm(deepest)),
+                );
+            }
+            for (j, other) in coarse.blocks[..i].iter().enumerate() {
+                let apart = (0..3).map(|a| (block.centre[a] - other.centre[a]).powi(2)).sum::<f64>().sqrt();
+                let reach = solid.reach() + other.solid().reach();
+                self.check(
+                    apart > reach,
+                    &key,
+                    format!("must be further from block {j}: contacts between blocks are not computed, and within {} mm they may touch; they are {} mm apart", mm(reach), mm(apart)),
+                );
+            }
+        }
+    }
+}

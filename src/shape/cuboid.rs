@@ -1,0 +1,54 @@
+//! A box with sharp edges.
+
+use super::{Bulk, Mesh, Nearest, Solid};
+use crate::contact::force::dot;
+use serde::{Deserialize, Serialize};
+
+/// Half edges along the axes, m.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cuboid {
+    pub half: [f64; 3],
+}
+
+impl Solid for Cuboid {
+    fn nearest(&self, at: [f64; 3]) -> Nearest {
+        let beyond: [f64; 3] = std::array::from_fn(|a| at[a].abs() - self.half[a]);
+        let side = |a: usize| 1.0_f64.copysign(at[a]);
+        let out = beyond.map(|x| x.max(0.0));
+        let distance = dot(out, out).sqrt();
+        if distance > 0.0 {
+            return Nearest { distance, normal: std::array::from_fn(|a| side(a) * out[a] / distance) };
+        }
+        // inside: the nearest face
+        let a = (0..3).fold(0, |most, a| if beyond[a] > beyond[most] { a } else { most });
+        let mut normal = [0.0; 3];
+        normal[a] = side(a);
+        Nearest { distance: beyond[a], normal }
+    }
+
+    fn clearance(&self, at: [f64; 3]) -> f64 {
+        (0..3).map(|a| at[a].abs() - self.half[a]).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn reach(&self) -> f64 {
+        dot(self.half, self.half).sqrt()
+    }
+
+    fn spots(&self) -> usize {
+        8
+    }
+
+    fn spot(&self, k: usize, _: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|a| if k >> a & 1 == 1 { self.half[a] } else { -self.half[a] })
+    }
+
+    fn bulk(&self) -> Bulk {
+        let [x, y, z] = self.half;
+        let volume = 8.0 * x * y * z;
+        Bulk { volume, moments: [y * y + z * z, z * z + x * x, x * x + y * y].map(|sum| volume * sum / 3.0) }
+    }
+
+    fn surface(&self) -> Mesh {
+        Mesh::of_cube(1, |direction| std::array::from_fn(|a| direction[a] * self.half[a]))
+    }
+}

@@ -1,0 +1,58 @@
+//! Surfaces as triangles.
+
+use super::Bulk;
+use crate::contact::force::{cross, dot, less};
+use parry3d_f64::mass_properties::MassProperties;
+use parry3d_f64::math::{Matrix, Vector};
+
+/// Corners, m, and triangles, counter-clockwise from outside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    pub corners: Vec<[f64; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// Images of the points of a cube from −1 to 1, `n` along an edge; `place` keeps the side on which a point is.
+    pub fn of_cube(n: u32, place: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
+        let mut mesh = Mesh::default();
+        let at = |k: u32| 2.0 * f64::from(k) / f64::from(n) - 1.0;
+        for (axis, side) in (0..3).flat_map(|axis| [(axis, -1.0), (axis, 1.0)]) {
+            let first = mesh.corners.len() as u32;
+            for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
+                let mut p = [0.0; 3];
+                (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (side, at(i), at(j));
+                mesh.corners.push(place(p));
+            }
+            for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
+                let [a, b] = [first + j * (n + 1) + i, first + (j + 1) * (n + 1) + i];
+                for [p, q, r] in [[a, a + 1, b + 1], [a, b + 1, b]] {
+                    mesh.triangles.push(if side > 0.0 { [p, q, r] } else { [p, r, q] });
+                }
+            }
+        }
+        mesh
+    }
+
+    /// Adds a triangle, turned so that it looks along `outwards`.
+    pub fn add(&mut self, corners: [[f64; 3]; 3], outwards: [f64; 3]) {
+        let k = self.corners.len() as u32;
+        let [p, q, r] = corners;
+        let looks = dot(cross(less(q, p), less(r, p)), outwards) >= 0.0;
+        self.corners.extend(corners);
+        self.triangles.push(if looks { [k, k + 1, k + 2] } else { [k, k + 2, k + 1] });
+    }
+
+    /// Volume, m³, its centre, m, and the inertia of unit density about that, m⁵.
+    pub fn inertia(&self) -> (f64, Vector, Matrix) {
+        let corners: Vec<Vector> = self.corners.iter().map(|&p| Vector::from(p)).collect();
+        let properties = MassProperties::from_trimesh(1.0, &corners, &self.triangles);
+        (properties.mass(), properties.local_com, properties.reconstruct_inertia_matrix())
+    }
+
+    /// The same where the axes are principal and the centre is the origin.
+    pub fn bulk(&self) -> Bulk {
+        let (volume, _, inertia) = self.inertia();
+        Bulk { volume, moments: inertia.diagonal().into() }
+    }
+}

@@ -1,0 +1,46 @@
+//! A rigid box that slides on a plane of points by ghost contacts.
+
+use super::{Case, Found, Task, contact_slide, scene};
+use crate::error::Result;
+
+pub const CASE: Case = Case {
+    name: "contact_box",
+    about: "A rigid box slides on a plane of points, half a second (Li et al. 2023, section 3.2; scene mixture/sliding_box)",
+    exact: "v = (10 − 10 μ) t, s = v t/2 (eqs 40, 41)",
+    across: "cells along the height of the box",
+    resolutions: &[3, 6],
+    ways: &["μ = 0.1", "μ = 0.2", "μ = 0.3", "μ = 0.4", "μ = 0.5"],
+    quantities: &["velocity", "distance"],
+    run,
+    graphs: None,
+};
+/// E* of two alike, Pa.
+const MODULUS: f64 = 0.5 * contact_slide::MODULUS;
+/// Middle of the box over its lower face, mm.
+const MIDDLE: f64 = 75.0;
+
+fn run(task: &Task) -> Result<Found> {
+    let friction = 0.1 * (task.way + 1) as f64;
+    let whole = |length: f64| contact_slide::whole(task, length);
+    let [low, high, bottom] =
+        [[-100.0, -25.0, -50.0].map(|x| -whole(-x)), [1600.0, 175.0, 0.0].map(whole), [0.0, 0.0, 50.0].map(whole)];
+    let top = [high[0], high[1], bottom[2]];
+    let sets = [
+        format!("grid.cell_mm={:?}", contact_slide::cell(task)),
+        format!("grid.min_mm={low:?}"),
+        format!("grid.max_mm={top:?}"),
+        format!("body[0].min_mm={low:?}"),
+        format!("body[0].max_mm={high:?}"),
+        format!("block[0].position_mm={:?}", [150.0, 75.0, MIDDLE - 1e3 * contact_slide::wall(task, MODULUS)]),
+        format!("material.contact.friction={friction:?}"),
+    ];
+    let run = scene::run(task, "../mixture/sliding_box", &sets)?;
+    let (points, steps) = run.size()?;
+    let ends = |column: &str| run.column("blocks.csv", column).map(|all| [all[0], all[all.len() - 1]]);
+    let ([_, time], [start, end], [_, velocity]) = (ends("time_s")?, ends("x_m")?, ends("vx_m_s")?);
+    let dt = run.column("history.csv", "dt_s")?;
+    // velocities are those of the half step before
+    let exact = |time: f64| 10.0 * (1.0 - friction) * time;
+    let velocity = velocity / exact(time - 0.5 * dt[dt.len() - 1]) - 1.0;
+    Ok(Found { points, steps, errors: vec![velocity, (end - start) / (0.5 * exact(time) * time) - 1.0] })
+}
