@@ -72,3 +72,20 @@ fn what_is_no_case_is_refused() {
     verify(folder.path(), &["--scenes", "nowhere"]).assert().code(2).stderr(contains("nowhere is no folder"));
     verify(folder.path(), &["--list", "--only", "disk"]).assert().success().stdout(contains("spins freely"));
 }
+
+/// A second call takes over the runs that are there, makes those that are not, and finds the same.
+#[test]
+fn what_is_done_is_not_run_again() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path();
+    let call = ["--only", "impact", "--levels", "1", "--continue"];
+    verify(out, &call).assert().success();
+    let (first, history) = (errors(out), |way: u32| out.join(format!("runs/impact-{way}-4/history.csv")));
+    let written = |way: u32| std::fs::metadata(history(way)).and_then(|m| m.modified()).expect("a time");
+    let before = written(1);
+    std::fs::remove_dir_all(out.join("runs/impact-2-4")).expect("removed");
+    verify(out, &call).assert().success();
+    assert_eq!(first, errors(out));
+    assert_eq!(written(1), before);
+    assert!(written(2) > before);
+}

@@ -7,13 +7,13 @@ use std::path::PathBuf;
 
 /// Run cases with closed forms at several resolutions: error, time, figures
 ///
-/// Writes verification.csv (a row for each error), verification.md (tables) and two figures a case: error against resolution and against wall time.
+/// Writes verification.csv (a row for each error), verification.md (tables) and two figures a case: error against resolution and against time.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples, from the repository root:\n  comminute verify\n  comminute verify --only bar,disk --levels 2 --out runs/try"
 )]
 pub struct Args {
-    /// Only these cases, by name
+    /// Only these cases, by name; some take longer and are run only when named
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     only: Vec<String>,
 
@@ -37,6 +37,10 @@ pub struct Args {
     #[arg(long)]
     force: bool,
 
+    /// Take over the runs of scenes that the folder holds, and make the others
+    #[arg(long = "continue", conflicts_with = "force")]
+    keep: bool,
+
     /// List the cases and do nothing
     #[arg(long)]
     list: bool,
@@ -47,9 +51,9 @@ pub struct Args {
 }
 
 pub fn call(args: &Args) -> Result<()> {
-    let cases = verify::chosen(&args.only)?;
+    let cases = if args.list && args.only.is_empty() { verify::all().collect() } else { verify::chosen(&args.only)? };
     if args.list {
-        let lines: Vec<String> = cases.iter().map(|c| format!("{:<10} {}. Exact: {}.", c.name, c.about, c.exact)).collect();
+        let lines: Vec<String> = cases.iter().map(|c| format!("{:<15} {}. Exact: {}.", c.name, c.about, c.exact)).collect();
         return super::print(&lines.join("\n"));
     }
     if !args.scenes.is_dir() {
@@ -60,7 +64,7 @@ pub fn call(args: &Args) -> Result<()> {
             format!("{} is no folder; start from the repository root", args.scenes.display()),
         ));
     }
-    if args.out.join(TABLE).exists() && !args.force {
+    if args.out.join(TABLE).exists() && !args.force && !args.keep {
         return Err(Error::Exists { path: args.out.clone() });
     }
     let threads = usize::from(args.threads);
@@ -72,7 +76,7 @@ pub fn call(args: &Args) -> Result<()> {
                 eprintln!("{}: {way}, {cells} {}", case.name, case.across);
             }
         };
-        let rows = pool.install(|| case.measure(args.levels.into(), &args.scenes, &args.out, told))?;
+        let rows = pool.install(|| case.measure(args.levels.into(), &args.scenes, &args.out, args.keep, told))?;
         done.push((case, rows));
     }
     let files = verify::write(&done, threads, &args.out)?;

@@ -19,6 +19,8 @@ use std::path::{Path, PathBuf};
 
 /// A column that only a continuum's triaxial test has.
 const RATIO: &str = "principal_ratio";
+/// A column that only free scenes with grains have.
+const LOWEST: &str = "lowest_grain_mm";
 /// Energies of a free scene, with their names.
 const TERMS: [(&str, &str); 5] = [
     ("kinetic_J", "kinetic"),
@@ -41,6 +43,7 @@ const TALLEST: f64 = 560.0;
 pub fn plots(input: &Input) -> Result<Vec<Plot>> {
     let mut out = Vec::new();
     out.extend(ratio(input)?);
+    out.extend(lowest(input)?);
     if let [group] = &input.groups[..]
         && let [run] = &group.runs[..]
     {
@@ -79,6 +82,27 @@ fn ratio(input: &Input) -> Result<Option<Plot>> {
         legend_title: None,
         x: Axis::linear("axial strain ε_{a} (%)", "axial_strain_percent").including(&[0.0]),
         y: Axis::linear("stress ratio σ_{1}/σ_{3} (–)", RATIO).including(&[1.0]),
+        series,
+        equal: false,
+    }))
+}
+
+/// The lowest point of the grains of free scenes against time.
+fn lowest(input: &Input) -> Result<Option<Plot>> {
+    let mut series = Vec::new();
+    for (i, group) in input.groups.iter().enumerate() {
+        series.extend(
+            group.series(&group.label, colour::kind(i), colour::dash(i), false, |run| {
+                run.branches(("time_s", 1.0), (LOWEST, 1.0))
+            })?,
+        );
+    }
+    Ok((!series.is_empty()).then(|| Plot {
+        name: "lowest_grain".into(),
+        title: title(input),
+        legend_title: None,
+        x: Axis::linear("time (s)", "time_s").including(&[0.0]),
+        y: Axis::linear("lowest point of the grains z (mm)", LOWEST).including(&[0.0]),
         series,
         equal: false,
     }))

@@ -141,6 +141,9 @@ impl Recorder {
         ]);
         if let Some(g) = &m.grains {
             row.extend(coarse(g));
+            if rig.specimen().is_none() {
+                row.push(("lowest_grain_mm", (1e3 * g.lowest).into()));
+            }
         }
         self.remember(rig, state.phase, &m);
         row

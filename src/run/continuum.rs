@@ -33,6 +33,8 @@ struct Progress {
     /// Time, s, and file of each snapshot.
     snapshots: Vec<(f64, String)>,
     seconds: f64,
+    /// The processor's time for this process, s.
+    user_seconds: f64,
 }
 
 /// A run that has not left anything yet.
@@ -50,14 +52,14 @@ pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     let engine = used.engine(chosen, &mut state, model, rig)?;
     let (history, blocks) = (Table::new("history.csv"), Table::new(blocks::TRACKS));
     let (recorder, snapshots) = (Recorder::default(), Vec::new());
-    let progress = Progress { state, grown: None, used, recorder, history, blocks, snapshots, seconds: 0.0 };
+    let progress = Progress { state, grown: None, used, recorder, history, blocks, snapshots, seconds: 0.0, user_seconds: 0.0 };
     Ok(Begun { progress, engine })
 }
 
 /// Puts a specimen that grows in place of the one that the scene has, with a bar.
 fn replace(model: &Model, rig: &Rig, begun: &mut Begun, quiet: bool) -> Result<()> {
     let Some(growth) = &rig.growth else { return Ok(()) };
-    let (mut bar, started) = (Bar::new(quiet), Instant::now());
+    let (mut bar, started, spent) = (Bar::new(quiet), Instant::now(), user_seconds());
     let grown = grow(model, rig, growth, |step, what| {
         if step.is_multiple_of(LOOK) {
             let share = step as f64 / growth.max_steps as f64;
@@ -70,7 +72,7 @@ fn replace(model: &Model, rig: &Rig, begun: &mut Begun, quiet: bool) -> Result<(
     let Some(own) = own_rig(model, rig, progress.grown.as_ref()) else { return Ok(()) };
     progress.state = State::start(model, &own)?;
     *engine = Engine::of_grains(&mut progress.state, model, &own);
-    progress.seconds = started.elapsed().as_secs_f64();
+    (progress.seconds, progress.user_seconds) = (started.elapsed().as_secs_f64(), user_seconds() - spent);
     Ok(())
 }
 
@@ -118,10 +120,12 @@ pub fn resume(
 fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let Begun { mut progress, mut engine } = begun;
     let (mut bar, started, before) = (Bar::new(quiet), Instant::now(), progress.seconds);
+    let user_before = progress.user_seconds - user_seconds();
     let mut last_checkpoint = Instant::now();
     loop {
         let done = progress.advance(model, rig, &mut engine, out);
         progress.seconds = before + started.elapsed().as_secs_f64();
+        progress.user_seconds = user_before + user_seconds();
         match done {
             Ok(true) => break,
             Ok(false) => {}
@@ -316,6 +320,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     // of what platens, gravity and motion gave: taken by damping, transfer and wall friction, and errors
     put("energy_error", json!(r.energy_error));
     put("wall_seconds", json!(progress.seconds));
+    put("user_seconds", json!(progress.user_seconds));
     put("point_steps_per_second", json!(steps as f64 * points as f64 / progress.seconds.max(1e-9)));
     put("bytes_per_point", json!(engine.bytes(state) as f64 / points.max(1) as f64));
     put("backend", json!(progress.used.names.join(", then ")));
@@ -331,6 +336,16 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     put("version", json!(env!("CARGO_PKG_VERSION")));
     put("host", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
     Value::Object(s)
+}
+
+/// What the processor has spent on this process outside of the system, s; NaN where there is no way to know.
+fn user_seconds() -> f64 {
+    #[cfg(unix)]
+    if let Ok(usage) = nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_SELF) {
+        let time = usage.user_time();
+        return time.tv_sec() as f64 + 1e-6 * time.tv_usec() as f64;
+    }
+    f64::NAN
 }
 
 fn law(rig: &Rig) -> &Law {

@@ -10,11 +10,13 @@ pub mod column;
 pub mod cones;
 mod contact_box;
 mod contact_slide;
+mod crater;
 pub mod disk;
 mod impact;
 mod oedometer;
 pub mod patch;
 mod pushed;
+mod rates;
 mod report;
 mod scene;
 mod slide;
@@ -24,6 +26,7 @@ pub use report::{TABLE, write};
 
 use crate::error::{Error, Result};
 use crate::figure::Graph;
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -61,6 +64,17 @@ pub struct Task<'a> {
     pub scenes: &'a Path,
     /// Folder of this run, for those that leave records.
     pub out: PathBuf,
+    /// Runs that the folder holds already are not run again.
+    keep: bool,
+    /// What it took, s, where that is not the time that has passed.
+    seconds: Cell<Option<f64>>,
+}
+
+impl Task<'_> {
+    /// The same with another folder.
+    fn elsewhere(&self, out: PathBuf, keep: bool) -> Task<'_> {
+        Task { out, keep, seconds: Cell::new(None), ..*self }
+    }
 }
 
 /// What one run gave.
@@ -78,11 +92,11 @@ pub struct Row {
     pub way: usize,
     pub cells: u32,
     pub found: Found,
-    /// Wall time, s.
+    /// Wall time, or the processor's of a scene on one thread, s.
     pub seconds: f64,
 }
 
-/// All cases.
+/// Cases that are run unless others are named.
 pub const CASES: [Case; 14] = [
     bar::CASE,
     wave::CASE,
@@ -100,18 +114,28 @@ pub const CASES: [Case; 14] = [
     contact_box::CASE,
 ];
 
-/// The cases of these names, or all.
+/// Cases that take longer, and are run when they are named.
+pub const STUDIES: [Case; 6] = [impact::REFINED, crater::CASE, crater::OUTER, crater::REFINED, crater::NUMERICS, rates::CASE];
+
+static USUAL: [Case; CASES.len()] = CASES;
+static LONG: [Case; STUDIES.len()] = STUDIES;
+
+/// All there are.
+pub fn all() -> impl Iterator<Item = &'static Case> {
+    USUAL.iter().chain(&LONG)
+}
+
+/// The cases of these names; without any those of [`CASES`].
 ///
 /// # Errors
 /// A name that is none.
 pub fn chosen(names: &[String]) -> Result<Vec<&'static Case>> {
-    static ALL: [Case; CASES.len()] = CASES;
     if names.is_empty() {
-        return Ok(ALL.iter().collect());
+        return Ok(USUAL.iter().collect());
     }
     let find = |name: &String| {
-        ALL.iter().find(|c| c.name == name).ok_or_else(|| {
-            let names: Vec<&str> = ALL.iter().map(|c| c.name).collect();
+        all().find(|c| c.name == name).ok_or_else(|| {
+            let names: Vec<&str> = all().map(|c| c.name).collect();
             Error::input("--only", "", Some(name.clone()), format!("no case is called {name:?}; there are {}", names.join(", ")))
         })
     };
@@ -119,19 +143,29 @@ pub fn chosen(names: &[String]) -> Result<Vec<&'static Case>> {
 }
 
 impl Case {
-    /// Every way at the first `levels` resolutions; `told` hears of each before it begins. Records of the cases that are scenes go into `out/runs`.
+    /// Every way at the first `levels` resolutions; `told` hears of each before it begins. Records of the cases that are scenes go into `out/runs`; with `keep` those that
+    /// are there are read instead of made again.
     ///
     /// # Errors
     /// What keeps a run from starting or ending.
-    pub fn measure(&self, levels: usize, scenes: &Path, out: &Path, mut told: impl FnMut(&str, u32)) -> Result<Vec<Row>> {
+    pub fn measure(
+        &self,
+        levels: usize,
+        scenes: &Path,
+        out: &Path,
+        keep: bool,
+        mut told: impl FnMut(&str, u32),
+    ) -> Result<Vec<Row>> {
         let mut rows = Vec::new();
         for way in 0..self.ways.len() {
             for &cells in self.resolutions.iter().take(levels) {
                 told(self.ways[way], cells);
                 let out = out.join("runs").join(format!("{}-{}-{cells}", self.name, way + 1));
                 let begun = Instant::now();
-                let found = (self.run)(&Task { way, cells, scenes, out })?;
-                rows.push(Row { way, cells, found, seconds: begun.elapsed().as_secs_f64() });
+                let task = Task { way, cells, scenes, out, keep, seconds: Cell::new(None) };
+                let found = (self.run)(&task)?;
+                let seconds = task.seconds.get().unwrap_or_else(|| begun.elapsed().as_secs_f64());
+                rows.push(Row { way, cells, found, seconds });
             }
         }
         Ok(rows)

@@ -1,4 +1,4 @@
-//! What was found, as a table, a page and figures: error against resolution and against wall time.
+//! What was found, as a table, a page and figures: error against resolution and against time.
 
 use super::{Case, Row};
 use crate::error::{Error, Result};
@@ -72,7 +72,7 @@ fn order(rows: &[&Row], quantity: usize) -> Option<f64> {
 fn page(done: &[(&Case, Vec<Row>)], threads: usize) -> String {
     let threads = if threads == 1 { "one thread".into() } else { format!("{threads} threads") };
     let mut text = format!(
-        "# Closed forms of the continuum\n\nMade by `comminute verify`. Errors are relative; the order is that of the last two resolutions. Times are of {threads}, as measured.\n"
+        "# Closed forms of the continuum\n\nMade by `comminute verify`. Errors are relative; the order is that of the last two resolutions. Times are of {threads}, as measured; those of scenes on one thread are the processor's.\n"
     );
     for (case, rows) in done {
         let _ = writeln!(text, "\n## {}\n\n{}.\n\nExact: {}.\n", case.name, case.about, case.exact);
@@ -141,6 +141,6 @@ fn graphs(case: &Case, rows: &[Row]) -> [Graph; 2] {
     };
     [
         draw("resolution", Quantity::log(case.across, "cells"), |r| f64::from(r.cells)),
-        draw("time", Quantity::log("wall time (s)", "seconds"), |r| r.seconds),
+        draw("time", Quantity::log("time (s)", "seconds"), |r| r.seconds),
     ]
 }

@@ -50,7 +50,7 @@ pub struct Moment {
     pub dissipated: f64,
     /// Scale of all these.
     pub scale: f64,
-    /// With grains: who bears the stress, how they touch, their kinetic energy, J, volume, m³, and what broke.
+    /// With grains: who bears the stress, how they touch, their kinetic energy, J, their lowest point, m, volume, m³, and what broke.
     pub grains: Option<Coarse>,
 }
 
@@ -60,6 +60,7 @@ pub struct Coarse {
     pub shares: Shares,
     pub touching: Touching,
     pub kinetic: f64,
+    pub lowest: f64,
     pub count: usize,
     pub volume: f64,
     pub mass: f64,
@@ -180,6 +181,7 @@ impl State {
                 shares: m.shares(c, box_volume),
                 touching: m.touching(),
                 kinetic: coarse[0],
+                lowest: g.pos.iter().map(|p| p[2] - p[3]).fold(f64::INFINITY, f64::min),
                 count: g.len(),
                 volume,
                 mass,

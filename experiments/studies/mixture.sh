@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Studies of grains in a continuum: a ball falls into sand (twelve cases against eq. 62 of Zhang et al.), steps of their own for grains and continuum, a ball that hits a ball of
+# points. The runs behind figures/mixture; a second call goes on where the first one was stopped. From the repository root: experiments/studies/mixture.sh [FOLDER]
+set -eu
+out=${1:-runs/mixture}
+program=${COMMINUTE:-target/release/comminute}
+
+declare -A levels=([crater_numerics]=1 [rates]=4)
+declare -A figures=(
+    [impact_refined]="loss_cells loss_points"
+    [crater]="depth ratio"
+    [crater_outer]="depth"
+    [rates]="saving"
+)
+for case in impact_refined crater crater_outer crater_refined crater_numerics rates; do
+    "$program" verify --only $case --levels ${levels[$case]:-8} --continue --out "$out/$case"
+    mkdir -p figures/mixture/$case
+    cp "$out/$case"/verification.{csv,md} figures/mixture/$case
+    for figure in ${figures[$case]:-}; do
+        cp "$out/$case"/${case}_$figure.{csv,svg} figures/mixture/$case
+    done
+done
+"$program" plot "$out"/crater/runs/crater-{7,9,10,12}-3 --quiet --show lowest_grain --out figures/mixture/crater
