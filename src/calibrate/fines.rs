@@ -4,12 +4,11 @@
 //! - E and ν: slopes of q and of the lateral strain against the axial strain below a third of the largest q.
 //! - φ from σ1/σ3: the outer cone is Mohr–Coulomb's in triaxial compression.
 //! - plastic strain: what is left of the strains after E and ν, accumulated as the law does, dε_p = √(2/3 dε^p : dε^p), over equal steps of axial strain so that noise does not add up.
-//! - eq. 43: the cubic by least squares up to the peak, the residual angle as the mean of the last tenth, H by least squares on ln((φ − φ_r)/(φ_p − φ_r)) behind the peak.
+//! - eq. 43: the largest angle, the residual one as the mean of the last tenth; the cubic, level at the peak, and H by least squares, for the strain of the peak with which they miss the tests least.
 //! - ψ: from the slope of the plastic volumetric strain against the plastic axial one between the yield and twice the strain of the peak.
 
 use crate::error::{Error, Result};
 use crate::record::table::number;
-use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -25,6 +24,8 @@ const STEPS: usize = 60;
 const RESIDUAL: f64 = 0.1;
 /// Share of the softening that is left where its fit ends.
 const LEFT: f64 = 0.1;
+/// Strains of the peak that are tried.
+const PLACES: u32 = 200;
 /// Rows that a test needs.
 const ROWS: usize = 30;
 
@@ -153,6 +154,47 @@ impl Test {
     }
 }
 
+/// Eq. 43 for one strain of the peak.
+struct Evolution {
+    peak_plastic: f64,
+    cubic: [f64; 4],
+    decay: f64,
+    misfit: f64,
+}
+
+/// The cubic with its top at the peak, φ_p + A x² + B x³ with x = ε_p − ε_p^peak, and the decay behind it, each by least squares; `None` where it does not rise all the way or does not fall.
+fn evolution(points: &[(f64, f64)], top: f64, peak: f64, last: f64) -> Option<Evolution> {
+    let (mut m, mut v) = ([[0.0; 2]; 2], [0.0; 2]);
+    for (e, angle) in points.iter().filter(|p| p.0 <= top) {
+        let x = e - top;
+        let row = [x * x, x * x * x];
+        for i in 0..2 {
+            v[i] += row[i] * (angle - peak);
+            for j in 0..2 {
+                m[i][j] += row[i] * row[j];
+            }
+        }
+    }
+    let determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+    let (a, b) = ((v[0] * m[1][1] - v[1] * m[0][1]) / determinant, (v[1] * m[0][0] - v[0] * m[1][0]) / determinant);
+    // dφ/dε = x (2 A + 3 B x) from x = −top to 0
+    let rises = a <= 0.0 && 2.0 * a - 3.0 * b * top <= 0.0;
+    let left = |angle: f64| (angle - last) / (peak - last);
+    let softening = points.iter().filter(|p| p.0 > top && left(p.1) > LEFT).map(|p| (p.0 - top, -left(p.1).ln()));
+    let (num, den) = softening.fold((0.0, 0.0), |(s, t), (x, y)| (s + x * y, t + x * x));
+    let decay = num / den;
+    if !(rises && decay > 0.0 && decay.is_finite()) {
+        return None;
+    }
+    let model = |e: f64| {
+        let x = e - top;
+        if x <= 0.0 { peak + x * x * (a + b * x) } else { last + (peak - last) * (-decay * x).exp() }
+    };
+    let misfit = mean(points.iter().map(|(e, angle)| (model(*e) - angle).powi(2))).sqrt();
+    let cubic = [b, a - 3.0 * b * top, top * (3.0 * b * top - 2.0 * a), peak + top * top * (a - b * top)];
+    Some(Evolution { peak_plastic: top, cubic, decay, misfit })
+}
+
 /// Reads the tests in these run folders and fits the law.
 ///
 /// # Errors
@@ -175,22 +217,14 @@ pub fn calibrate(folders: &[PathBuf]) -> Result<Fines> {
     };
     let last = mean(tests.iter().map(residual));
     let peak = mean(peaks.iter().zip(&rows).map(|(p, r)| r[*p][3]));
-    let peak_plastic = mean(peaks.iter().zip(&rows).map(|(p, r)| r[*p][2]));
-    // the cubic, of all tests together
-    let rise: Vec<(f64, f64)> =
-        rows.iter().flatten().filter(|r| r[2] <= peak_plastic && r[0] > 0.0).map(|r| (r[2], r[3])).collect();
-    let powers = DMatrix::from_fn(rise.len(), 4, |i, j| rise[i].0.powi(3 - j as i32));
-    let values = DVector::from_iterator(rise.len(), rise.iter().map(|p| p.1));
-    let cubic = powers.svd(true, true).solve(&values, 1e-12).map_err(|e| Error::Failed { step: 0, what: e.to_string() })?;
-    let cubic = [cubic[0], cubic[1], cubic[2], cubic[3]];
-    let left = |angle: f64| (angle - last) / (peak - last);
-    let (num, den) = rows
-        .iter()
-        .flatten()
-        .filter(|r| r[2] > peak_plastic && left(r[3]) > LEFT)
-        .map(|r| (r[2] - peak_plastic, -left(r[3]).ln()))
-        .fold((0.0, 0.0), |(a, b), (x, y)| (a + x * y, b + x * x));
-    let decay = num / den;
+    // one strain of the peak for all: that with which eq. 43 misses the angles least
+    let points: Vec<(f64, f64)> = rows.iter().flatten().filter(|r| r[0] > 0.0).map(|r| (r[2], r[3])).collect();
+    let furthest = peaks.iter().zip(&rows).map(|(p, r)| r[*p][2]).fold(0.0, f64::max);
+    let tried = (1..=PLACES).filter_map(|k| evolution(&points, furthest * f64::from(k) / f64::from(PLACES), peak, last));
+    let best = tried.min_by(|a, b| a.misfit.total_cmp(&b.misfit));
+    let Some(Evolution { peak_plastic, cubic, decay, misfit }) = best else {
+        return Err(Error::input(folders[0].display(), "", None, "does not harden and soften as eq. 43 does"));
+    };
     // α_ψ = r / (√3 (3 + r)) with r = −dε_v^p / dε_a^p, and the outer cone's sin ψ of it
     let window = |(peak, rows): (&usize, &Vec<[f64; 4]>)| {
         let end = (2 * peak).min(rows.len() - 1);
@@ -199,21 +233,13 @@ pub fn calibrate(folders: &[PathBuf]) -> Result<Fines> {
     let ratio = mean(peaks.iter().zip(&rows).map(window)).max(0.0);
     let alpha = ratio / (3f64.sqrt() * (3.0 + ratio));
     let sine = 3.0 * 3f64.sqrt() * alpha / (2.0 + 3f64.sqrt() * alpha);
-    let model = |e: f64| {
-        if e <= peak_plastic {
-            ((cubic[0] * e + cubic[1]) * e + cubic[2]) * e + cubic[3]
-        } else {
-            last + (peak - last) * (-decay * (e - peak_plastic)).exp()
-        }
-    };
-    let misfit = mean(rows.iter().flatten().filter(|r| r[0] > 0.0).map(|r| (model(r[2]) - r[3]).powi(2))).sqrt();
     Ok(Fines {
         tests: folders.to_vec(),
         young_mpa: 1e-6 * elastic[0],
         nu: elastic[1],
         peak_deg: peak.to_degrees(),
         residual_deg: last.to_degrees(),
-        dilation_deg: sine.asin().to_degrees().min(last.to_degrees()),
+        dilation_deg: sine.asin().min(last).min(cubic[3]).to_degrees(),
         peak_axial_strain: mean(tests.iter().map(|t| t.axial[t.peak()])),
         peak_plastic_strain: peak_plastic,
         cubic_rad: cubic,
@@ -232,10 +258,12 @@ impl Fines {
         }
         let digits = |x: f64| format!("{:?}", number(x).parse::<f64>().unwrap_or(x));
         let cubic = self.cubic_rad.map(digits).join(", ");
+        // the first yield is where the cubic begins
+        let first = digits(self.cubic_rad[3].to_degrees());
         let [young, nu, residual, psi] = [self.young_mpa, self.nu, self.residual_deg, self.dilation_deg].map(digits);
         let _ = write!(
             text,
-            "\n[continuum]\nlaw = \"drucker_prager\"\nE_MPa = {young}\nnu = {nu}\ncone = \"outer\"\nfriction_angle_deg = {residual}\ndilation_angle_deg = {psi}\ncohesion_kPa = 0.0\n\
+            "\n[continuum]\nlaw = \"drucker_prager\"\nE_MPa = {young}\nnu = {nu}\ncone = \"outer\"\nfriction_angle_deg = {first}\ndilation_angle_deg = {psi}\ncohesion_kPa = 0.0\n\
              source = \"calibrated from triaxial tests of the grains\"\n\n[continuum.friction_evolution]\nlaw = \"cubic_exponential\"\ncubic_rad = [{cubic}]\n\
              peak_plastic_strain = {}\npeak_deg = {}\nresidual_deg = {residual}\ndecay = {}\nsource = \"calibrated from triaxial tests of the grains; form of Li et al. 2023, eq. 43\"\n",
             digits(self.peak_plastic_strain),

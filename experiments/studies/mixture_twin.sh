@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# What the continuum costs in accuracy and saves in time: the small twin with grains and with points for its fines, 0, 20 and 40 % of coarse grains, two seeds each; the particle
+# reduction of triaxial_20_50kPa; crushable coke in fines. What is done is not done again. Runs stay in runs/twin; tables and figures go to figures/mixture.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+cargo build --release --quiet
+bin=${CARGO_TARGET_DIR:-target}/release/comminute
+runs=runs/twin
+run() { # NAME SCENE ARGS…
+    local name=$1 scene=$2
+    shift 2
+    if [ -e "$runs/$name/summary.json" ]; then return; fi
+    "$bin" run "experiments/mixture/$scene.toml" --out "$runs/$name" --force --set records.snapshots=false "$@"
+}
+
+for seed in 1 2; do
+    run "fines_$seed" twin_grains --set coarse.mass_fraction=0 --seed "$seed"
+done
+# experiments/mixture/twin_fines.toml is this one's material.toml
+"$bin" calibrate fines "$runs/fines_1" "$runs/fines_2" --base ../../materials/li2023_fines.toml --out "$runs/law" --force
+for seed in 1 2; do
+    run "grains_$seed" twin_grains --seed "$seed"
+    run "grains40_$seed" twin_grains --set coarse.mass_fraction=0.4 --seed "$seed"
+    run "points_fines_$seed" twin_points --set coarse.mass_fraction=0 --seed "$seed"
+    run "points_$seed" twin_points --seed "$seed"
+    run "points40_$seed" twin_points --set coarse.mass_fraction=0.4 --seed "$seed"
+done
+for share in 0.5 0.7 0.9; do
+    run "coke_${share}_true" coke_in_fines --set coarse.mass_fraction=$share
+    run "coke_${share}_false" coke_in_fines --set coarse.mass_fraction=$share --set crushing.enabled=false --set crushing.lost_mass=leave
+done
+for number in 27 64; do
+    run "reduction_$number" triaxial_20_50kPa --set grid.grains_per_point=$number
+done
+run reduction_8 triaxial_20_50kPa
+
+of() { for name in "$@"; do echo "$runs/$name"; done; }
+"$bin" plot $(of fines_1 fines_2 points_fines_1 points_fines_2) --show stress_ratio,volumetric_strain --out figures/mixture/twin_00
+"$bin" plot $(of grains_1 grains_2 points_1 points_2) --show stress_ratio,volumetric_strain --out figures/mixture/twin_20
+"$bin" plot $(of grains40_1 grains40_2 points40_1 points40_2) --show stress_ratio,volumetric_strain --out figures/mixture/twin_40
+"$bin" plot $(of reduction_8 reduction_27 reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction
+"$bin" plot $(of coke_0.5_true coke_0.5_false coke_0.7_true coke_0.7_false coke_0.9_true coke_0.9_false) --show crush_events,axial_strain,k0 --out figures/mixture/coke
