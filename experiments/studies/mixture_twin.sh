@@ -16,8 +16,8 @@ run() { # NAME SCENE ARGS…
 for seed in 1 2; do
     run "fines_$seed" twin_grains --set coarse.mass_fraction=0 --seed "$seed"
 done
-# experiments/mixture/twin_fines.toml is this one's material.toml
-"$bin" calibrate fines "$runs/fines_1" "$runs/fines_2" --base ../../materials/li2023_fines.toml --out "$runs/law" --force
+# materials/twin_fines.toml is this one's material.toml
+"$bin" calibrate fines "$runs/fines_1" "$runs/fines_2" --base li2023_fines.toml --out "$runs/law" --force
 for seed in 1 2; do
     run "grains_$seed" twin_grains --seed "$seed"
     run "grains40_$seed" twin_grains --set coarse.mass_fraction=0.4 --seed "$seed"
