@@ -74,7 +74,16 @@ pub enum Test {
     /// Smooth fixed sides and bottom, a driven top platen.
     Oedometer(Specimen),
     /// Platens on all sides: the lateral ones hold the cell pressure, the axial ones move.
-    Triaxial { specimen: Specimen, cell_pressure: f64 },
+    Triaxial { specimen: Specimen, cell_pressure: f64, drainage: Drainage },
+}
+
+/// What the lateral platens do while the axial ones come together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drainage {
+    /// They hold the cell pressure.
+    Drained,
+    /// They keep the volume, as a saturated specimen does that cannot drain.
+    ConstantVolume,
 }
 
 /// A box of points between platens.

@@ -4,7 +4,7 @@ use super::table::{Row, number};
 use super::vtk::{self, Field};
 use crate::error::{Error, Result};
 use crate::grains::Grains;
-use crate::model::continuum::{Continuum as Rig, Test};
+use crate::model::continuum::{Continuum as Rig, Drainage, Test};
 use crate::mpm::{Dimension, Points};
 use crate::rig::continuum::{Coarse, Moment, Phase, State};
 use serde::{Deserialize, Serialize};
@@ -115,6 +115,9 @@ impl Recorder {
                 ("sigma_3_kPa", (1e-3 * m.lateral).into()),
                 ("principal_ratio", (m.axial / m.lateral).into()),
             ]),
+        }
+        if let Test::Triaxial { cell_pressure, drainage: Drainage::ConstantVolume, .. } = &rig.test {
+            row.push(("pore_pressure_kPa", (1e-3 * (cell_pressure - m.lateral)).into()));
         }
         if rig.specimen().is_some() {
             let plane = rig.settings.dimension == Dimension::PlaneStrain;

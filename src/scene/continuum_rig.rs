@@ -5,7 +5,7 @@ use super::continuum_estimate::wave_step;
 use super::material::Named;
 use super::view::View;
 use crate::crush::lost_mass::Fines;
-use crate::model::continuum::{Continuum, Specimen, Test};
+use crate::model::continuum::{Continuum, Drainage, Specimen, Test};
 use crate::model::{ContactLaw, ContactModel, Material, Model, Rig, Seeds, Stepping, TangentialUnloading};
 use crate::mpm::law::Law;
 use crate::mpm::{Dimension, Points, Settings, ShapeFunctions, Transfer, Wall};
@@ -90,6 +90,8 @@ impl View<'_> {
         for key in own {
             self.check(!self.has(key), key, format!("has no meaning with test.rig = \"{rig}\""));
         }
+        let drained = self.text("test.drainage") == "drained";
+        self.check(drained || rig == "triaxial", "test.drainage", format!("has no meaning with test.rig = \"{rig}\""));
         for side in SIDES {
             let key = format!("grid.{side}");
             let open = self.text(&key) == "open";
@@ -279,7 +281,8 @@ impl View<'_> {
             self.refuse("test.cell_pressure_kPa", "is missing: test.rig = \"triaxial\" needs it");
             return None;
         }
-        Some(Test::Triaxial { specimen, cell_pressure: pressure })
+        let drainage = if self.text("test.drainage") == "constant_volume" { Drainage::ConstantVolume } else { Drainage::Drained };
+        Some(Test::Triaxial { specimen, cell_pressure: pressure, drainage })
     }
 
     /// E* of a grain on a rigid platen, Pa.

@@ -253,6 +253,12 @@ pub const KEYS: &[Key] = &[
         "points by themselves; a box with smooth fixed sides and a driven top platen; a box between six platens (four in plane strain)",
     ),
     continuum("test.cell_pressure_kPa", Number(POSITIVE), Absent, "triaxial: stress that the lateral platens hold"),
+    continuum(
+        "test.drainage",
+        Choice(&["drained", "constant_volume"]),
+        Is("\"drained\""),
+        "triaxial: lateral platens hold the cell pressure, or keep the volume (the cell pressure less theirs is the equivalent pore pressure)",
+    ),
     continuum("test.axial_strain", Number(Range::between(0.0, 1.0)), Absent, "oedometer, triaxial: axial strain at the end"),
     continuum(
         "test.strain_per_wave",

@@ -1,6 +1,6 @@
 //! Continuum scenes as a user types them.
 
-use crate::common::typed::{comminute, number, run, same_files, summary};
+use crate::common::typed::{columns, comminute, number, run, same_files, summary};
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use std::fs;
@@ -47,6 +47,24 @@ fn a_small_triaxial_test_finds_its_peak_and_resumes_to_the_byte() {
     comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
     same_files(&whole, &parts);
     assert_eq!(number(&summary(&parts), "peak_stress_ratio").to_bits(), peak.to_bits());
+}
+
+/// At constant volume an elastic specimen has q = 3 G ε_a and keeps its mean stress: G = E/(2 (1 + ν)), before the first yield; the equivalent pore pressure is
+/// a third of q.
+#[test]
+fn a_triaxial_test_at_constant_volume_keeps_volume_and_mean_stress() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("o");
+    // little PIC, which takes from the moduli
+    let own = ["test.drainage=constant_volume", "test.axial_strain=0.004", "test.strain_per_wave=0.0002", "grid.pic=0.03"];
+    let sets: Vec<&str> = own.into_iter().chain(SMALL.into_iter().filter(|s| !s.starts_with("test."))).collect();
+    run("triaxial_fine_50kPa", &out, &sets, &[]).assert().success();
+    let rows = columns(&out, ["axial_strain", "volumetric_strain", "q_kPa", "p_kPa", "pore_pressure_kPa"]);
+    let [strain, _, q, p, pore] = rows[rows.len() - 1];
+    assert!(rows.iter().all(|r| r[1].abs() < 2e-5), "{rows:?}");
+    let shear = 4.6e3 / (2.0 * 1.12);
+    assert!((q / (3.0 * shear * strain) - 1.0).abs() < 0.04, "{q} kPa at {strain}");
+    assert!((p / 50.0 - 1.0).abs() < 0.01 && (pore / (q / 3.0) - 1.0).abs() < 0.05, "p {p} kPa, u {pore} kPa, q {q} kPa");
 }
 
 /// The modulus (1 − ν) E/((1 + ν)(1 − 2 ν)) and k0 = ν/(1 − ν) within 1 %.

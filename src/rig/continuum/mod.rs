@@ -173,7 +173,7 @@ impl State {
                 self.compress(rig, specimen);
                 Ok(())
             }
-            Test::Triaxial { specimen, cell_pressure } => self.shear(rig, specimen, *cell_pressure),
+            Test::Triaxial { specimen, cell_pressure, drainage } => self.shear(rig, specimen, *cell_pressure, *drainage),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{Phase, Rig, State, dimensions};
 use crate::error::{Error, Result};
-use crate::model::continuum::{Specimen, Test};
+use crate::model::continuum::{Drainage, Specimen, Test};
 use crate::mpm::platen::{Platen, ghost_radius, overlap};
 use crate::mpm::{Continuum, Dimension, Drive, Ramp, area};
 
@@ -165,11 +165,11 @@ impl State {
         self.drives[0] = self.axial(rig, 1.0);
     }
 
-    /// Lateral platens hold the cell pressure; axial ones hold it too, then come together.
+    /// Lateral platens hold the cell pressure, or from then on the volume; axial ones hold it too, then come together.
     ///
     /// # Errors
     /// A specimen that does not come to rest at the cell pressure.
-    pub(super) fn shear(&mut self, rig: &Rig, s: &Specimen, cell: f64) -> Result<()> {
+    pub(super) fn shear(&mut self, rig: &Rig, s: &Specimen, cell: f64, drainage: Drainage) -> Result<()> {
         let (d, extents) = (dimensions(rig), self.extents_now(rig));
         let modulus = rig.laws[usize::from(s.law)].elastic().oedometric();
         let rise = (cell - s.stress).abs() / (modulus * self.rate);
@@ -198,10 +198,28 @@ impl State {
         }
         let servo = Drive::Stress { target, gain: s.gain, reach: 0.5 * LATERAL * self.rate, memory: DRIFT * self.wave };
         let axial = if self.phase == Phase::Settle { servo } else { self.axial(rig, 0.5) };
-        for (k, drive) in self.drives.iter_mut().enumerate() {
-            *drive = if k / 2 == d - 1 { axial } else { servo };
+        let keeps = self.phase != Phase::Settle && drainage == Drainage::ConstantVolume;
+        for k in 0..self.drives.len() {
+            self.drives[k] = match k / 2 {
+                a if a == d - 1 => axial,
+                a if keeps => self.apart(rig, extents, a),
+                _ => servo,
+            };
         }
         Ok(())
+    }
+
+    /// Half the speed with which the sides of an axis go apart so that the volume stays, w = w₀ (L₀/L)^(1/(d−1)), with what contacts have given way taken back
+    /// in a few wave times; positive inwards, m/s.
+    fn apart(&self, rig: &Rig, extents: [f64; 3], axis: usize) -> Drive {
+        let d = dimensions(rig);
+        let [width, length] = [axis, d - 1].map(|a| extents[a]);
+        let [width_0, length_0] = [axis, d - 1].map(|a| self.extents[a]);
+        let wider = length_0 / length;
+        let target = width_0 * if d == 3 { wider.sqrt() } else { wider };
+        let closing = self.rate * length_0 * (self.phase_time / (RAMP * self.wave)).min(1.0);
+        let opening = width / (length * (d - 1) as f64) * closing;
+        Drive::Speed(Ramp::constant(0.5 * ((width - target) / (DRIFT * self.wave) - opening)))
     }
 }
 
