@@ -354,7 +354,11 @@ fn law(rig: &Rig) -> &Law {
 
 /// σ1/σ3 in triaxial compression with the largest strength that the law reaches, and with the last one.
 fn closed_forms(rig: &Rig, cell: f64) -> Option<[f64; 2]> {
+    // grains alone have no law
     let Law::DruckerPrager(law) = law(rig) else { return None };
+    if rig.points.is_empty() {
+        return None;
+    }
     // up to where nothing changes any more
     let (mut most, end) = (0.0_f64, 20.0);
     for k in 0..=200_000 {
