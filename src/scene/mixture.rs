@@ -68,8 +68,8 @@ impl View<'_> {
                 Some(rates)
             }
         };
-        let fines = self.fines_as_points(materials, &rig, &grains)?;
         rig.growth = growth;
+        let fines = self.fines_as_points(materials, &rig, &grains)?;
         let coarse = Coarse { grains, blocks, walls, ghosts, rates, fines };
         self.blocks_have_room(&rig, &coarse);
         rig.coarse = Some(coarse);

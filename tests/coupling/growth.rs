@@ -56,6 +56,20 @@ fn a_grown_specimen_is_in_balance_with_points_or_grains() {
     same_files(&out("points"), &out("parts"));
 }
 
+/// Coke that has grown with its fines breaks, and what it loses becomes points.
+#[test]
+fn fines_from_crushing_enter_a_grown_specimen() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("out");
+    let own = ["growth.fines_diameter_mm=[2.9, 3.1]", "test.axial_strain=0.06", "records.rows=20"];
+    let sets = [&own[..], &["records.figures=false", "records.snapshots=false"]].concat();
+    run("mixture/coke_in_fines", &out, &sets, &[]).assert().success();
+    let rows = columns(&out, ["crush_events", "fines_points", "reserve_mass_kg", "total_mass_kg"]);
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    assert!(last[0] > 1.0 && last[1] + last[2] > 0.0, "{last:?}");
+    assert!(rows.iter().all(|r| (r[3] / first[3] - 1.0).abs() < 1e-12), "{rows:?}");
+}
+
 /// One number says how many grains a point stands for: 1:8 of 1 mm grains at porosity 0.365 are 40 points along 75 mm (Li et al. 2023, Table 4).
 #[test]
 fn the_particle_reduction_gives_the_cell() {
