@@ -39,4 +39,4 @@ of() { for name in "$@"; do echo "$runs/$name"; done; }
 "$bin" plot $(of grains_1 grains_2 points_1 points_2) --show stress_ratio,volumetric_strain --out figures/mixture/twin_20
 "$bin" plot $(of grains40_1 grains40_2 points40_1 points40_2) --show stress_ratio,volumetric_strain --out figures/mixture/twin_40
 "$bin" plot $(of reduction_8 reduction_27 reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction
-"$bin" plot $(of coke_0.5_true coke_0.5_false coke_0.7_true coke_0.7_false coke_0.9_true coke_0.9_false) --show crush_events,axial_strain,k0 --out figures/mixture/coke
+"$bin" plot $(of coke_0.5_true coke_0.5_false coke_0.7_true coke_0.7_false coke_0.9_true coke_0.9_false) --show axial_strain --out figures/mixture/coke
