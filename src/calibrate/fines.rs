@@ -7,6 +7,7 @@
 //! - eq. 43: the largest angle, the residual one as the mean of the last tenth; the cubic, level at the peak, and H by least squares, for the strain of the peak with which they miss the tests least.
 //! - ψ: from the slope of the plastic volumetric strain against the plastic axial one between the yield and twice the strain of the peak.
 
+use super::columns::Columns;
 use crate::error::{Error, Result};
 use crate::record::table::number;
 use serde::Serialize;
@@ -59,38 +60,23 @@ pub struct Fines {
 }
 
 fn read(folder: &Path) -> Result<Test> {
-    let path = folder.join("history.csv");
-    let mut reader = csv::Reader::from_path(&path).map_err(|e| Error::input(path.display(), "", None, e.to_string()))?;
-    let headers = reader.headers().map_err(|e| Error::input(path.display(), "", None, e.to_string()))?.clone();
-    let names = ["axial_strain", "volumetric_strain", "sigma_1_kPa", "sigma_3_kPa"];
-    let mut at = [0; 4];
-    for (k, name) in at.iter_mut().zip(names) {
-        let found = headers.iter().position(|h| h == name);
-        *k = found
-            .ok_or_else(|| Error::input(path.display(), name, None, "is missing: a drained triaxial test of grains has it"))?;
-    }
-    let stage = headers.iter().position(|h| h == "stage");
-    let mut columns: [Vec<f64>; 4] = Default::default();
-    for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(|e| Error::input(path.display(), "", None, e.to_string()))?;
-        if stage.is_some_and(|k| &record[k] == "settle") {
-            continue;
+    let table = Columns::read(&folder.join("history.csv"))?;
+    let settling: Vec<bool> = table.texts("stage").iter().map(|stage| *stage == "settle").collect();
+    let column = |(name, factor): (&str, f64)| -> Result<Vec<f64>> {
+        if !table.has(name) {
+            return Err(Error::input(table.path.display(), name, None, "is missing: a drained triaxial test of grains has it"));
         }
-        for ((column, k), name) in columns.iter_mut().zip(at).zip(names) {
-            let value = record[k].parse().ok().filter(|x: &f64| x.is_finite());
-            let wrong = || {
-                Error::input(path.display(), format!("{name}, row {}", row + 1), Some(record[k].to_string()), "must be a number")
-            };
-            column.push(value.ok_or_else(wrong)?);
-        }
-    }
-    let [axial, volumetric, sigma_1, sigma_3] = columns;
+        let value = |(row, value): (usize, Option<f64>)| value.ok_or_else(|| table.wrong_value(row, name, "must be a number"));
+        table.numbers(name, factor)?.into_iter().enumerate().filter(|(row, _)| !settling[*row]).map(value).collect()
+    };
+    let names = [("axial_strain", 1.0), ("volumetric_strain", 1.0), ("sigma_1_kPa", 1e3), ("sigma_3_kPa", 1e3)];
+    let [axial, volumetric, sigma_1, sigma_3] = names.map(column);
+    let (axial, volumetric, sigma_1, sigma_3) = (axial?, volumetric?, sigma_1?, sigma_3?);
     if axial.len() < ROWS || sigma_3.iter().any(|s| *s <= 0.0) {
         let message = format!("must have at least {ROWS} rows of shear with sigma_3 > 0; it has {}", axial.len());
-        return Err(Error::input(path.display(), "", None, message));
+        return Err(table.wrong(message));
     }
-    let pascal = |kpa: Vec<f64>| kpa.into_iter().map(|x| 1e3 * x).collect();
-    Ok(Test { axial, volumetric, sigma_1: pascal(sigma_1), sigma_3: pascal(sigma_3) })
+    Ok(Test { axial, volumetric, sigma_1, sigma_3 })
 }
 
 /// Slope of a line through (x, y), by least squares with an intercept.

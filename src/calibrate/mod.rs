@@ -1,5 +1,6 @@
 //! Parameters from laboratory data.
 
+mod columns;
 pub mod curve;
 pub mod fines;
 pub mod grains;

@@ -84,9 +84,9 @@ impl Ghosts {
             };
             let past = less(of_body, scene.continuum.points().carried[point]);
             let slid = dot(past, past).sqrt() * scene.dt / (2.0 * ghost.radius);
-            let less = ghost.reference * (slid / strain).min(1.0);
-            ghost.reference -= less;
-            energy += ghost.touch.normal_force * less;
+            let released = ghost.reference * (slid / strain).min(1.0);
+            ghost.reference -= released;
+            energy += ghost.touch.normal_force * released;
         }
         energy
     }

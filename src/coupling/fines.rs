@@ -70,6 +70,8 @@ const SMALLER: f64 = 8.0;
 const PER_EVENT: f64 = 32.0;
 /// A new ghost may reach this share of its radius into a grain.
 const DEEPEST: f64 = 0.6;
+/// Half the distance of two new points, over the ghost's radius, at least.
+const LEAST_ROOM: f64 = 0.25;
 /// Points in a cell after insertion, at least.
 const COMPANY: usize = 2;
 
@@ -122,10 +124,10 @@ impl Fines {
         let (rule, radius, lost) = (&self.rule, 0.5 * event.diameter, event.lost_mass / self.rule.density);
         // what daughters leave of the mother's sphere is as large as the fines without pores
         let room = (1.0 - rule.porosity) * lost;
-        let number = (SMALLER * room / rule.solid).floor().min(PER_EVENT).max((room / rule.solid).ceil());
         if SMALLER * room < rule.solid {
             return (0.0, Vec::new());
         }
+        let number = (SMALLER * room / rule.solid).floor().min(PER_EVENT).max((room / rule.solid).ceil());
         let solid = room / number;
         let ghost = ghost_radius(Dimension::Space, solid);
         let reach = radius + ghost;
@@ -230,9 +232,6 @@ impl Around<'_> {
         }
     }
 }
-
-/// Half the distance of two new points, over the ghost's radius, at least.
-const LEAST_ROOM: f64 = 0.25;
 
 /// The k-th number of van der Corput's sequence (Halton 1960).
 fn halton(mut k: u64, base: u64) -> f64 {

@@ -115,7 +115,14 @@ pub struct Specimen {
 impl Continuum {
     /// The box between platens, where there is one.
     pub fn specimen(&self) -> Option<&Specimen> {
-        match &self.test {
+        self.test.specimen()
+    }
+}
+
+impl Test {
+    /// The box between platens, where there is one.
+    pub fn specimen(&self) -> Option<&Specimen> {
+        match self {
             Test::Free { .. } => None,
             Test::Oedometer(specimen) | Test::Triaxial { specimen, .. } => Some(specimen),
         }

@@ -56,9 +56,9 @@ pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     Ok(Begun { progress, engine })
 }
 
-/// Puts a specimen that grows in place of the one that the scene has, with a bar.
-fn replace(model: &Model, rig: &Rig, begun: &mut Begun, quiet: bool) -> Result<()> {
-    let Some(growth) = &rig.growth else { return Ok(()) };
+/// Puts a specimen that grows in place of the one that the scene has, with a bar; the rig with it.
+fn replace(model: &Model, rig: &Rig, begun: &mut Begun, quiet: bool) -> Result<Option<Rig>> {
+    let Some(growth) = &rig.growth else { return Ok(None) };
     let (mut bar, started, spent) = (Bar::new(quiet), Instant::now(), user_seconds());
     let grown = grow(model, rig, growth, |step, what| {
         if step.is_multiple_of(LOOK) {
@@ -68,17 +68,13 @@ fn replace(model: &Model, rig: &Rig, begun: &mut Begun, quiet: bool) -> Result<(
     });
     bar.abandon();
     let Begun { progress, engine } = begun;
-    progress.grown = Some(grown?);
-    let Some(own) = own_rig(model, rig, progress.grown.as_ref()) else { return Ok(()) };
+    let grown = grown?;
+    let own = grown.rig(model, rig, growth);
+    progress.grown = Some(grown);
     progress.state = State::start(model, &own)?;
     *engine = Engine::of_grains(&mut progress.state, model, &own);
     (progress.seconds, progress.user_seconds) = (started.elapsed().as_secs_f64(), user_seconds() - spent);
-    Ok(())
-}
-
-/// The rig with its grown specimen, where it has one.
-fn own_rig(model: &Model, rig: &Rig, grown: Option<&Grown>) -> Option<Rig> {
-    grown.zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth))
+    Ok(Some(own))
 }
 
 /// Runs from the start.
@@ -86,8 +82,7 @@ fn own_rig(model: &Model, rig: &Rig, grown: Option<&Grown>) -> Option<Rig> {
 /// # Errors
 /// What keeps it from ending; records and checkpoint are kept.
 pub fn run(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
-    replace(model, rig, &mut begun, quiet)?;
-    let own = own_rig(model, rig, begun.progress.grown.as_ref());
+    let own = replace(model, rig, &mut begun, quiet)?;
     let rig = own.as_ref().unwrap_or(rig);
     records::write_points(&out.join(START), rig, &rig.points, None)?;
     if let Some(mixture) = &begun.progress.state.mixture {
@@ -111,7 +106,7 @@ pub fn resume(
     let mut progress: Progress = checkpoint::load(out)?;
     let same = if progress.used.gpu() { Backend::Gpu } else { Backend::Cpu };
     let chosen = choose(backend.unwrap_or(same), model)?;
-    let own = own_rig(model, rig, progress.grown.as_ref());
+    let own = progress.grown.as_ref().zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth));
     let rig = own.as_ref().unwrap_or(rig);
     let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
     go(model, rig, out, Begun { progress, engine }, quiet, stop_after)

@@ -3,7 +3,7 @@
 use super::material::Named;
 use super::view::View;
 use crate::model::Material;
-use crate::model::continuum::{Fraction, Growth, Test};
+use crate::model::continuum::{Fraction, Growth, Specimen};
 
 impl View<'_> {
     /// Material and radii, m, of a specimen's coarse grains, if it has some, and their share of the mass; `None` with the reason noted.
@@ -28,8 +28,7 @@ impl View<'_> {
         named: &[Named],
         materials: &[Material],
         ghosts: &[u8],
-        test: &Test,
-        stress: f64,
+        specimen: Option<&Specimen>,
     ) -> Option<Option<Growth>> {
         let (key, others) = ("growth.fines_diameter_mm", ["growth.friction"]);
         if !self.has(key) {
@@ -38,12 +37,12 @@ impl View<'_> {
             }
             return Some(None);
         }
-        let (Test::Oedometer(specimen) | Test::Triaxial { specimen, .. }) = test else {
+        let Some(specimen) = specimen else {
             self.refuse(key, "has no meaning with test.rig = \"free\"");
             return None;
         };
         self.check(self.list("grain").is_empty(), key, "has no meaning beside listed grains");
-        if stress <= 0.0 {
+        if specimen.stress <= 0.0 {
             self.refuse(key, "needs a stress to press the specimen with: body.stress_kPa, or the cell pressure");
             return None;
         }
@@ -62,7 +61,7 @@ impl View<'_> {
             coarse,
             as_points: self.text("growth.fines") == "points",
             friction: self.number("growth.friction"),
-            stress,
+            stress: specimen.stress,
             steps: self.whole("growth.steps")?,
             max_steps: self.whole("growth.max_steps")?,
         }))

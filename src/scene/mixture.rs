@@ -5,7 +5,7 @@ use super::view::View;
 use crate::contact::law::Pair;
 use crate::coupling::{Rates, Rule};
 use crate::grains::sphere_volume;
-use crate::model::continuum::{Coarse, Continuum, Specimen, Test};
+use crate::model::continuum::{Coarse, Continuum, Specimen};
 use crate::model::{GrainSpec, Material};
 use crate::mpm::platen::ghost_radius;
 use crate::mpm::{Dimension, Points};
@@ -39,13 +39,12 @@ impl View<'_> {
         let blocks = self.blocks(named, materials)?;
         let mut growth = None;
         let mut rig = self.continuum_rig(&fines, |points, settings, test| {
-            let stress = test_stress(test);
-            growth = self.growth(named, materials, &ghosts, test, stress)?;
+            growth = self.growth(named, materials, &ghosts, test.specimen())?;
             // these points and grains are then only what `check` counts
             if growth.is_some() {
                 return Some(());
             }
-            if let Test::Oedometer(specimen) | Test::Triaxial { specimen, .. } = test {
+            if let Some(specimen) = test.specimen() {
                 let density = materials[usize::from(ghosts[usize::from(points.law[0])])].density;
                 grains.extend(self.coarse(named, materials, specimen, density)?);
                 let law = self.law();
@@ -134,14 +133,6 @@ impl View<'_> {
                 None
             }
         }
-    }
-}
-
-/// Isotropic stress of a test's specimen at the start, Pa.
-fn test_stress(test: &Test) -> f64 {
-    match test {
-        Test::Free { .. } => 0.0,
-        Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => s.stress,
     }
 }
 

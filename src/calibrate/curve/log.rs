@@ -1,7 +1,7 @@
 //! `evaluations.csv`: every run of a calibration, written before it begins and after it ends, and what a second call goes on from.
 
-use super::columns::Columns;
 use super::parameter::Parameter;
+use crate::calibrate::columns::Columns;
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 

@@ -7,7 +7,6 @@
 //! ([`sensitivity`]). Optimisers (Bayesian optimisation of a misfit, CMA-ES) would give the best point without its
 //! uncertainty for as many runs.
 
-mod columns;
 pub mod design;
 pub mod emulator;
 pub mod findings;

@@ -1,7 +1,7 @@
 //! The values of a run at the points of a target.
 
-use super::columns::Columns;
 use super::target::{Block, Kind, Target};
+use crate::calibrate::columns::Columns;
 use std::path::Path;
 
 /// A run that ends this far below a point, as a share of its stress, does not reach it.

@@ -1,6 +1,5 @@
 //! The course of a calibration: a design that fills the space, repeats in its middle, then batches of runs where they tell most.
 
-use super::columns::Columns;
 use super::design::latin;
 use super::emulator::Emulator;
 use super::left_out;
@@ -8,6 +7,7 @@ use super::log::{self, Evaluation, Stage, Status};
 use super::parameter::Parameter;
 use super::posterior::{Chain, Measured, Posterior};
 use super::simulator::{Ran, Simulator};
+use crate::calibrate::columns::Columns;
 use crate::error::{Error, Result};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

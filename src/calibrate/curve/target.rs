@@ -1,7 +1,7 @@
 //! What a calibration is to meet: an oedometer curve, and with it k₀ and gradations if there are any.
 
-use super::columns::Columns;
 use super::posterior::Measured;
+use crate::calibrate::columns::Columns;
 use crate::error::{Error, Result};
 use std::path::PathBuf;
 

@@ -15,18 +15,23 @@ use crate::rig::assembly;
 use crate::rigid::Blocks;
 use crate::step::Work;
 
+/// A rigid plane without friction.
+fn smooth(point: [f64; 3], normal: [f64; 3]) -> WallSpec {
+    WallSpec { shape: WallShape::Plane { point, normal }, friction: 0.0, drive: Drive::Fixed, material: None }
+}
+
+/// Side `k` of a specimen's box, in the order x low, x high, …
+pub(super) fn side(s: &Specimen, k: usize) -> WallSpec {
+    let (axis, high) = (k / 2, k % 2 == 1);
+    let (mut point, mut normal) = (s.lower, [0.0; 3]);
+    point[axis] += if high { s.size[axis] } else { 0.0 };
+    normal[axis] = if high { -1.0 } else { 1.0 };
+    smooth(point, normal)
+}
+
 /// The grains of a scene between the walls of its test: platens, or the sides of an oedometer, in the order x low, x high, …; or its own.
 pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Continuum, platens: &[Platen]) -> Mixture {
-    let plane =
-        |point, normal| WallSpec { shape: WallShape::Plane { point, normal }, friction: 0.0, drive: Drive::Fixed, material: None };
-    let side = |s: &Specimen, k: usize| {
-        let (axis, high) = (k / 2, k % 2 == 1);
-        let (mut point, mut normal) = (s.lower, [0.0; 3]);
-        point[axis] += if high { s.size[axis] } else { 0.0 };
-        normal[axis] = if high { -1.0 } else { 1.0 };
-        plane(point, normal)
-    };
-    let of = |p: &Platen| plane(p.point, p.normal);
+    let of = |p: &Platen| smooth(p.point, p.normal);
     let walls = match &rig.test {
         Test::Free { .. } => coarse.walls.clone(),
         Test::Oedometer(s) => (0..5).map(|k| side(s, k)).chain(platens.iter().map(of)).collect(),

@@ -2,11 +2,12 @@
 //! stress. Then the fine ones are replaced by material points on the spot, so that their overlaps with grains and platens stay; or they stay
 //! grains, for the same test without a continuum.
 
+use super::grains::side as wall_of;
 use crate::boundary::{Wall, servo_speed};
 use crate::error::{Error, Result};
 use crate::grains::{Grains, sphere_volume};
 use crate::model::continuum::{Coarse, Continuum as Rig, Growth, Specimen, Test};
-use crate::model::{Drive, GrainSpec, Model, Stepping, WallShape, WallSpec};
+use crate::model::{GrainSpec, Model, Stepping, WallShape};
 use crate::mpm::{Point, Points};
 use crate::packing;
 use crate::record::measure;
@@ -63,7 +64,7 @@ pub fn grow(model: &Model, rig: &Rig, growth: &Growth, mut show: impl FnMut(u64,
         let material = if k < coarse { growth.coarse.map_or(0, |c| c.material) } else { growth.fines.material };
         grains.add(at, growth::START * r, material, &model.materials);
     }
-    let mut state = State::new(&model, grains, walls(specimen), false);
+    let mut state = State::new(&model, grains, (0..6).map(|k| Wall::new(&wall_of(specimen, k))).collect(), false);
     state.friction = growth.friction;
     state.damping = DAMPING;
     state.reference_stress = growth::STRESS * growth.stress;
@@ -104,18 +105,6 @@ pub fn grow(model: &Model, rig: &Rig, growth: &Growth, mut show: impl FnMut(u64,
     let [lower, size] = extent(&state);
     let g = &state.grains;
     Ok(Grown { lower, size, grains: g.by_id().into_iter().map(|i| g.pos[i as usize]).collect(), coarse })
-}
-
-fn walls(s: &Specimen) -> Vec<Wall> {
-    let plane = |k: usize| {
-        let (axis, high) = (k / 2, k % 2 == 1);
-        let (mut point, mut normal) = (s.lower, [0.0; 3]);
-        point[axis] += if high { s.size[axis] } else { 0.0 };
-        normal[axis] = if high { -1.0 } else { 1.0 };
-        let shape = WallShape::Plane { point, normal };
-        Wall::new(&WallSpec { shape, friction: 0.0, drive: Drive::Fixed, material: None })
-    };
-    (0..6).map(plane).collect()
 }
 
 /// Lower corner and size of the space between the walls, m.
