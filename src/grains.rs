@@ -4,6 +4,7 @@
 //! summed over grains is summed in the order of ids, so that memory order cannot change a bit.
 
 use crate::model::Material;
+use crate::real::Real;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -14,7 +15,8 @@ pub struct Grains {
     pub pos: Vec<[f64; 4]>,
     /// Velocity, m/s; the last lane is the inverse of the inertial mass, 1/kg.
     pub vel: Vec<[f64; 4]>,
-    /// Spin, rad/s; the last lane is unused.
+    /// Spin, rad/s; the last lane is the excess of the radius that sets the stiffness of contacts over the grain's own radius, divided by the latter:
+    /// 0 but for daughters under [`crate::model::ContactLaw::LinearInherited`].
     pub spin: Vec<[f64; 4]>,
     /// Real mass, kg (the inertial mass differs from it in inertia-scaled runs).
     pub mass: Vec<f64>,
@@ -33,6 +35,12 @@ pub struct Grains {
     pub work: Vec<[f64; 4]>,
     /// The identity the next new grain gets.
     pub next_id: u32,
+}
+
+/// As [`Grains::stiffness_radius`], from the entries of [`Grains::pos`] and [`Grains::spin`].
+#[inline(always)]
+pub fn stiffness_radius<R: Real>(pos: [R; 4], spin: [R; 4]) -> R {
+    pos[3] + pos[3] * spin[3]
 }
 
 /// Volume of a sphere, m^3.
@@ -66,6 +74,11 @@ impl Grains {
         self.work.push([0.0; 4]);
         self.next_id += 1;
         i
+    }
+
+    /// The radius that sets the stiffness of the contacts of grain `i`, m.
+    pub fn stiffness_radius(&self, i: usize) -> f64 {
+        stiffness_radius(self.pos[i], self.spin[i])
     }
 
     /// Inertial mass of grain `i`, kg.

@@ -79,10 +79,20 @@ pub struct ContactModel {
 pub enum ContactLaw {
     /// Ciantia et al. 2015 eq. (13).
     Linear,
+    /// As `Linear`, but fragments keep the stiffness of the initial grain they come from: D1, D2 of eq. (13) are its diameter. A reading of the paper
+    /// (daughters "assume the … material parameters of the mother", and its code sets stiffness ball by ball), here to be compared with the other.
+    LinearInherited,
     /// Ciantia et al. 2015 eq. (14); Li et al. 2023 eqs (20), (21) for pairs of different materials.
     Hertz,
     /// Li et al. 2023 eqs (18)-(21): Hertz-Mindlin with viscous damping.
     HertzViscous,
+}
+
+impl ContactLaw {
+    /// Whether the normal force is in proportion to the overlap.
+    pub fn is_linear(self) -> bool {
+        matches!(self, ContactLaw::Linear | ContactLaw::LinearInherited)
+    }
 }
 
 /// What the tangential force does when the normal force falls.

@@ -159,6 +159,13 @@ fn overrides_are_refused_by_their_own_text() {
 }
 
 #[test]
+fn inherited_stiffness_is_refused_where_an_area_is_hertzian() {
+    comminute(&["check", "experiments/petroleum_coke/h-v-2.toml", "--set", "contact.law=linear_inherited"])
+        .code(2)
+        .stderr(contains("contact.law=linear_inherited: must be another law").and(contains("crushing.area = \"hertz\"")));
+}
+
+#[test]
 fn an_override_reaches_the_run() {
     comminute(&["check", COKE, "--set", "loading.max_stress_kPa=500", "--json"])
         .success()

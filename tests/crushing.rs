@@ -87,6 +87,36 @@ fn a_grain_between_platens_breaks_at_its_limit_force() {
 }
 
 /// Below the comminution limit nothing breaks.
+/// With `linear_inherited` the fragments' contacts have the stiffness of their mother's size (eq. 13 with its diameter), with `linear` that of their own.
+#[test]
+fn fragments_keep_their_mothers_stiffness_where_the_law_says_so() {
+    let (d, k_eff) = (2e-3, 33.3e6);
+    for (law, own) in [("linear", true), ("linear_inherited", false)] {
+        let head = format!(
+            "contact.law = \"{law}\"\nmaterial.linear.K_eff_MPa = 33.3\ndamping.local = 0.5\n{}",
+            crushing("fixed_angle", 30.0, 2.0, 0.0)
+        );
+        let mut lab = pressed(&head, d, [0.0, 0.0, 1.0], 1e-2);
+        until_broken(&mut lab);
+        assert!(lab.state.grains.len() == 14);
+        let mut seen = [0, 0];
+        for _ in 0..4000 {
+            lab.see(|_, _, _| ());
+            let (s, size) = (&lab.state, |i: u32| if own { lab.state.grains.pos[i as usize][3] } else { 0.5 * d });
+            for (k, pool) in [&s.pairs, &s.wall_pairs].into_iter().enumerate() {
+                for slot in (0..pool.slots()).filter(|slot| pool.ends[*slot][0] != u32::MAX && pool.touch[*slot].overlap > 1e-9) {
+                    let [i, j] = pool.ends[slot];
+                    let r_eff = if k == 0 { size(i) * size(j) / (size(i) + size(j)) } else { size(i) };
+                    let touch = &pool.touch[slot];
+                    close("force", touch.normal_force, 4.0 * k_eff * r_eff * touch.overlap, 1e-12);
+                    seen[k] += 1;
+                }
+            }
+        }
+        assert!(seen[0] > 100 && seen[1] > 100, "{law}: {seen:?} contacts");
+    }
+}
+
 #[test]
 fn grains_below_the_comminution_limit_bear_anything() {
     let head = crushing("fixed_angle", 20.0, 2.0, 0.0) + "stepping.dt_s = 5e-9\n";

@@ -47,6 +47,8 @@ pub struct Elastic<R = f64> {
 pub trait Law: Copy + Send + Sync + 'static {
     /// Whether the law adds viscous forces.
     const VISCOUS: bool;
+    /// Whether a grain's stiffness may be that of another size ([`crate::grains::Grains::stiffness_radius`]).
+    const INHERITED: bool = false;
     fn elastic<R: Real>(overlap: R, r_eff: R, pair: &Pair<R>) -> Elastic<R>;
 }
 
@@ -61,6 +63,19 @@ impl Law for Linear {
         let k_n = pair.a * r_eff;
         let force = k_n * overlap;
         Elastic { force, k_n, k_t: pair.b * r_eff, energy: force * overlap * 0.5 }
+    }
+}
+
+/// [`Linear`] with the stiffness that fragments have from their mothers.
+#[derive(Clone, Copy)]
+pub struct LinearInherited;
+
+impl Law for LinearInherited {
+    const VISCOUS: bool = false;
+    const INHERITED: bool = true;
+    #[inline(always)]
+    fn elastic<R: Real>(overlap: R, r_eff: R, pair: &Pair<R>) -> Elastic<R> {
+        Linear::elastic(overlap, r_eff, pair)
     }
 }
 
@@ -112,7 +127,7 @@ impl Pair {
     /// Overlap, m, at which a contact bears the force `force`, N.
     pub fn depth(&self, law: ContactLaw, r_eff: f64, force: f64) -> f64 {
         match law {
-            ContactLaw::Linear => force / (self.a * r_eff),
+            ContactLaw::Linear | ContactLaw::LinearInherited => force / (self.a * r_eff),
             ContactLaw::Hertz | ContactLaw::HertzViscous => (force / (self.a * r_eff.sqrt())).cbrt().powi(2),
         }
     }
@@ -136,7 +151,7 @@ impl Pair {
 
     fn new(law: ContactLaw, e_eff: f64, g_eff: f64, k_eff: f64, alpha: f64, m1: &Material, m2: &Material) -> Pair {
         let (a, b) = match law {
-            ContactLaw::Linear => (4.0 * k_eff, 4.0 * alpha * k_eff),
+            ContactLaw::Linear | ContactLaw::LinearInherited => (4.0 * k_eff, 4.0 * alpha * k_eff),
             ContactLaw::Hertz | ContactLaw::HertzViscous => (4.0 / 3.0 * e_eff, 8.0 * g_eff),
         };
         Pair {
@@ -219,6 +234,10 @@ macro_rules! with_law {
         match $law {
             $crate::model::ContactLaw::Linear => {
                 type $L = $crate::contact::law::Linear;
+                $body
+            }
+            $crate::model::ContactLaw::LinearInherited => {
+                type $L = $crate::contact::law::LinearInherited;
                 $body
             }
             $crate::model::ContactLaw::Hertz => {

@@ -5,7 +5,7 @@ use super::force::{self, Meeting, Motion, Rules};
 use super::law::{Law, Pair, PairTable};
 use super::pairs::{FREE, Pairs};
 use super::part::{Part, Slots, for_each_part};
-use crate::grains::Grains;
+use crate::grains::{Grains, stiffness_radius};
 use crate::model::{ContactModel, Model, TangentialUnloading};
 use crate::real::{Lanes, Real};
 use crate::with_law;
@@ -91,7 +91,10 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> 
         // an overlap that rounds to nothing is none
         if distance < reach {
             let m_eff = if L::VISCOUS { 1.0 / (g.vel[i][3] + g.vel[j][3]) } else { 0.0 };
-            let meeting = meeting(d, distance, [p[3], q[3]], m_eff, motion(g, i, j));
+            let mut meeting = meeting(d, distance, [p[3], q[3]], m_eff, motion(g, i, j));
+            if L::INHERITED {
+                meeting.r_eff = r_eff(g.stiffness_radius(i), g.stiffness_radius(j));
+            }
             let pair = if EXTRA { table.grains(g.material[i], g.material[j]) } else { table.grains(0, 0) };
             part.write(s, force::touching::<f64, L, LEDGER, EXTRA>(&meeting, pair, rules, &old));
         } else {
@@ -122,7 +125,10 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> 
         let w = [Lanes::columns(simd, |k| spin[first(k)]), Lanes::columns(simd, |k| spin[second(k)])];
         let motion = relative(v, w, [p[3], q[3]]);
         let m_eff = if L::VISCOUS { d[0].constant(1.0) / (v[0][3] + v[1][3]) } else { d[0] };
-        let meeting = meeting(d, distance, [p[3], q[3]], m_eff, motion);
+        let mut meeting = meeting(d, distance, [p[3], q[3]], m_eff, motion);
+        if L::INHERITED {
+            meeting.r_eff = r_eff(stiffness_radius(p, w[0]), stiffness_radius(q, w[1]));
+        }
         let old = part.read_lanes::<S, L, EXTRA>(simd, |k| s + k);
         let pair = if EXTRA && !table.is_single() {
             &table.lanes(simd, |k| table.grains(g.material[first(k)], g.material[second(k)]))
@@ -139,6 +145,12 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> 
 #[inline(always)]
 pub fn difference<R: Real>(p: [R; 4], q: [R; 4]) -> [R; 3] {
     [q[0] - p[0], q[1] - p[1], q[2] - p[2]]
+}
+
+/// R* of two radii.
+#[inline(always)]
+pub fn r_eff<R: Real>(a: R, b: R) -> R {
+    a * b / (a + b)
 }
 
 /// Two spheres of radii `r` that overlap: `d` from the first centre to the second, `distance` its length.

@@ -113,7 +113,7 @@ impl<L: Law, const LEDGER: bool> WallSweep<'_, L, LEDGER> {
         let [i, k] = part.ends[slot].map(|e| e as usize);
         let normal = [x, y, z];
         let motion = motion_on_wall(g, i, normal, walls[k].speed);
-        let meeting = Meeting { normal, overlap, r_eff: g.pos[i][3], m_eff: 1.0 / g.vel[i][3], motion };
+        let meeting = Meeting { normal, overlap, r_eff: g.stiffness_radius(i), m_eff: 1.0 / g.vel[i][3], motion };
         let pair = table.wall(k, g.material[i]);
         part.write(slot, force::touching::<f64, L, LEDGER, true>(&meeting, pair, rules, &part.read::<L, true>(slot)));
     }
@@ -131,7 +131,8 @@ impl<L: Law, const LEDGER: bool> WallSweep<'_, L, LEDGER> {
         let [speed, ..] = Lanes::columns(simd, |k| [walls[wall(k)].speed; 4]);
         let normal = [x, y, z];
         let motion = relative_to_wall(v, w, r, normal, speed);
-        let meeting = Meeting { normal, overlap, r_eff: r, m_eff: r.constant(1.0) / v[3], motion };
+        let r_eff = if L::INHERITED { r + r * w[3] } else { r };
+        let meeting = Meeting { normal, overlap, r_eff, m_eff: r.constant(1.0) / v[3], motion };
         let pair = table.lanes(simd, |k| table.wall(wall(k), g.material[grain(k)]));
         let old = part.read_lanes::<S, L, true>(simd, slot);
         part.write_lanes(simd, slot, &force::touching::<Lanes<S>, L, LEDGER, true>(&meeting, &pair, rules, &old));

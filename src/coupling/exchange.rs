@@ -30,7 +30,7 @@ pub struct Contacts {
 
 /// Tangential over normal stiffness of a pair.
 fn ratio(law: ContactLaw, pair: &Pair) -> f64 {
-    pair.b / if law == ContactLaw::Linear { pair.a } else { 1.5 * pair.a }
+    pair.b / if law.is_linear() { pair.a } else { 1.5 * pair.a }
 }
 
 impl Mixture {

@@ -9,7 +9,7 @@ use super::{Bound, Fines, GhostTable, Ghosts, Rule};
 use crate::contact::force::plus;
 use crate::coupling::evaluate::Scene;
 use crate::error::Result;
-use crate::model::{ContactLaw, Model};
+use crate::model::Model;
 use crate::mpm::Continuum;
 use crate::mpm::platen::Platen;
 use crate::rigid::{self, Blocks};
@@ -106,7 +106,7 @@ pub struct Parts<'a> {
 
 impl Mixture {
     pub fn new(model: &Model, grains: State, continuum: &mut Continuum, fines: Option<Rule>) -> Mixture {
-        let energy = if model.contact.law == ContactLaw::Linear { 0.5 } else { 0.4 };
+        let energy = if model.contact.law.is_linear() { 0.5 } else { 0.4 };
         continuum.keep_carried();
         let cycle = Cycle { time: 0.0, rates: Rates { grains: 1, continuum: 1 } };
         Mixture {

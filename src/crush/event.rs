@@ -7,8 +7,8 @@ use super::strength::{lineage_child, random_perpendicular};
 use crate::contact::force::{cross, dot};
 use crate::contact::law::PairTable;
 use crate::contact::{sweep, wall_sweep};
-use crate::grains::sphere_volume;
-use crate::model::{CrushModel, Model};
+use crate::grains::{sphere_volume, stiffness_radius};
+use crate::model::{ContactLaw, CrushModel, Model};
 use crate::neighbours::{Neighbours, Pools};
 use crate::record::measure;
 use crate::step::{State, stability};
@@ -212,6 +212,10 @@ fn place(model: &Model, crush: &CrushModel, state: &mut State, i: usize, mother:
     let c = cross([mother.spin[0], mother.spin[1], mother.spin[2]], arm);
     g.vel[i] = [mother.vel[0] + c[0], mother.vel[1] + c[1], mother.vel[2] + c[2], 1.0 / g.mass[i]];
     g.spin[i] = mother.spin;
+    if model.contact.law == ContactLaw::LinearInherited {
+        let sized = stiffness_radius(mother.pos, mother.spin);
+        g.spin[i][3] = (sized - radius) / radius;
+    }
     g.lineage[i] = lineage_child(mother.lineage, k);
     g.generation[i] = mother.generation.saturating_add(1);
     arm_grain(model, crush, state, i);

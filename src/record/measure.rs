@@ -1,7 +1,7 @@
 //! Measures of one instant, all summed in the order of ids. Called when the forces of the instant are known (the control stage).
 
 use crate::contact::force::dot;
-use crate::contact::sweep::difference;
+use crate::contact::sweep::{difference, r_eff};
 use crate::grains::sphere_volume;
 use crate::model::Model;
 use crate::step::{State, Work, gather, stability};
@@ -172,12 +172,11 @@ pub fn pair_from<'a>(
     let g = &state.grains;
     if wall {
         let [i, k] = state.wall_pairs.ends[slot];
-        (g.pos[i as usize][3], table.wall(k as usize, g.material[i as usize]))
+        (g.stiffness_radius(i as usize), table.wall(k as usize, g.material[i as usize]))
     } else {
         let [i, j] = state.pairs.ends[slot];
         let (i, j) = (i as usize, j as usize);
-        let (a, b) = (g.pos[i][3], g.pos[j][3]);
-        (a * b / (a + b), table.grains(g.material[i], g.material[j]))
+        (r_eff(g.stiffness_radius(i), g.stiffness_radius(j)), table.grains(g.material[i], g.material[j]))
     }
 }
 

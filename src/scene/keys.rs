@@ -336,9 +336,9 @@ pub const KEYS: &[Key] = &[
     ),
     both(
         "contact.law",
-        Choice(&["linear", "hertz", "hertz_viscous"]),
+        Choice(&["linear", "linear_inherited", "hertz", "hertz_viscous"]),
         Is("\"hertz\""),
-        "eq. 13; eq. 14 (Hertz-Mindlin); Hertz-Mindlin with viscous damping",
+        "eq. 13; the same with the mother's stiffness for fragments; eq. 14 (Hertz-Mindlin); Hertz-Mindlin with viscous damping",
     ),
     both(
         "contact.unloading",

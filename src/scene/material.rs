@@ -1,7 +1,7 @@
 //! From the keys of a material to [`Material`].
 
 use super::view::View;
-use crate::model::{ContactLaw, Material};
+use crate::model::Material;
 use toml::{Table, Value};
 
 /// A material of the scene: its name there and the table that holds it.
@@ -68,16 +68,16 @@ impl View<'_> {
     pub fn material(&self, of: &Named) -> Option<Material> {
         let law = self.law();
         let hertzian_area = self.flag("crushing.enabled") && self.text("crushing.area") == "hertz";
-        let why = if law == ContactLaw::Linear {
+        let why = if law.is_linear() {
             "crushing.area = \"hertz\"".to_string()
         } else if self.is_platen() {
             "a platen test".into()
         } else {
             format!("contact.law = \"{}\"", self.text("contact.law"))
         };
-        let elastic = self.elastic(of, law != ContactLaw::Linear || hertzian_area, &why);
+        let elastic = self.elastic(of, !law.is_linear() || hertzian_area, &why);
         let linear = of.key("linear");
-        if law == ContactLaw::Linear && !self.has(&linear) {
+        if law.is_linear() && !self.has(&linear) {
             self.refuse(&linear, "is missing: contact.law = \"linear\" needs K_eff_MPa");
         }
         let friction = self.friction(of);

@@ -106,6 +106,7 @@ impl<'a> View<'a> {
     pub fn law(&self) -> ContactLaw {
         match self.text("contact.law") {
             "linear" => ContactLaw::Linear,
+            "linear_inherited" => ContactLaw::LinearInherited,
             "hertz_viscous" => ContactLaw::HertzViscous,
             _ => ContactLaw::Hertz,
         }
@@ -122,6 +123,8 @@ impl<'a> View<'a> {
             return None;
         }
         let stepping = self.stepping();
+        let rolling = materials.iter().any(|m| m.rolling_friction > 0.0);
+        self.inherited(rolling);
         let mut rig = match self.text("kind") {
             "assembly" => Rig::Assembly(self.assembly(&named)?),
             "platen" => Rig::Platen(self.platen(&named)?),
@@ -141,7 +144,7 @@ impl<'a> View<'a> {
                     "rescale" => TangentialUnloading::Rescale,
                     _ => TangentialUnloading::Keep,
                 },
-                rolling: materials.iter().any(|m| m.rolling_friction > 0.0),
+                rolling,
                 turning: self.turning(),
             },
             materials,
@@ -183,6 +186,24 @@ impl<'a> View<'a> {
             self.check(!self.has("duration_s"), "duration_s", format!("must be given as `steps`: {counts}"));
         }
         stepping
+    }
+
+    /// Stiffness from another size is followed through the grains' own contacts only.
+    fn inherited(&self, rolling: bool) {
+        if self.law() != ContactLaw::LinearInherited {
+            return;
+        }
+        let says = |of: &str| format!("must be another law: stiffness that fragments keep has no meaning with {of}");
+        for (hit, of) in [
+            (self.text("kind") == "mixture", "kind = \"mixture\""),
+            (
+                self.flag("crushing.enabled") && self.text("crushing.area") == "hertz",
+                "crushing.area = \"hertz\", whose contact area is Hertz's",
+            ),
+            (rolling, "rolling friction"),
+        ] {
+            self.check(!hit, "contact.law", says(of));
+        }
     }
 
     pub fn records(&self) -> Option<Records> {

@@ -11,7 +11,7 @@
 use super::{State, Work};
 use crate::contact::force::dot;
 use crate::contact::law::{Elastic, Law, Pair, PairTable};
-use crate::contact::sweep::difference;
+use crate::contact::sweep::{difference, r_eff};
 use crate::grains::Grains;
 use crate::model::{ContactLaw, Model};
 use crate::neighbours::Neighbours;
@@ -48,14 +48,19 @@ pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a
         let depth = p[3] + q[3] - dot(d, d).sqrt();
         if depth > 0.0 {
             let spring = if e.link.is_apart() { [0.0; 3] } else { state.pairs.spring(e.slot()) };
-            visit(Overlap { depth, r_eff: p[3] * q[3] / (p[3] + q[3]), pair: table.grains(g.material[i], g.material[j]), spring });
+            visit(Overlap {
+                depth,
+                r_eff: r_eff(g.stiffness_radius(i), g.stiffness_radius(j)),
+                pair: table.grains(g.material[i], g.material[j]),
+                spring,
+            });
         }
     }
     for e in neighbours.contacts.of(i).filter(|e| e.is_wall()) {
         let (_, gap) = state.walls[e.wall_index()].shape.towards(p);
         if gap < 0.0 {
             let pair = table.wall(e.wall_index(), g.material[i]);
-            visit(Overlap { depth: -gap, r_eff: p[3], pair, spring: state.wall_pairs.spring(e.slot()) });
+            visit(Overlap { depth: -gap, r_eff: g.stiffness_radius(i), pair, spring: state.wall_pairs.spring(e.slot()) });
         }
     }
 }
@@ -71,7 +76,7 @@ fn stiffness(i: usize, model: &Model, state: &State, neighbours: &Neighbours, ta
 fn stiffness_at_rest(i: usize, model: &Model, g: &Grains, stress: f64, table: &PairTable) -> f64 {
     let r = g.pos[i][3];
     let pair = table.grains(g.material[i], g.material[i]);
-    let r_eff = 0.5 * r;
+    let r_eff = 0.5 * g.stiffness_radius(i);
     let force = stress * std::f64::consts::PI * r * r;
     2.0 * share(&elastic(model, pair.depth(model.contact.law, r_eff, force), r_eff, pair))
 }
@@ -111,7 +116,7 @@ pub fn rayleigh(model: &Model, g: &Grains) -> f64 {
         let m = &model.materials[g.material[i] as usize];
         let r = g.pos[i][3];
         let dt = match model.contact.law {
-            ContactLaw::Linear => (g.mass[i] / (4.0 * m.k_eff * r)).sqrt(),
+            ContactLaw::Linear | ContactLaw::LinearInherited => (g.mass[i] / (4.0 * m.k_eff * g.stiffness_radius(i))).sqrt(),
             _ => {
                 let shear = m.young / (2.0 * (1.0 + m.poisson));
                 std::f64::consts::PI * r * (m.density / shear).sqrt() / (0.163 * m.poisson + 0.877)

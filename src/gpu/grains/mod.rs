@@ -176,7 +176,7 @@ impl Bodies {
             laws: laws as u32,
             split: split_at,
             law: match model.contact.law {
-                ContactLaw::Linear => 0,
+                ContactLaw::Linear | ContactLaw::LinearInherited => 0,
                 ContactLaw::Hertz => 1,
                 ContactLaw::HertzViscous => 2,
             },
