@@ -38,9 +38,9 @@ draw() { "$program" plot "${@:2}" --quiet --show crush_events,compression --out 
 draw truncation-h-c-2 "$out"/h-c-2{,-symmetric,-clamp}
 draw truncation-l-c-2 "$out"/l-c-2{,-symmetric,-clamp}
 draw truncation-h-v-2 "$out"/h-v-2{,-symmetric,-clamp}
-draw inherited "$out"/l-c-2 "$out"/l-c-2-inherited{,-seed-2,-seed-3,-seed-4,-seed-5}
+draw inherited "$out"/h-c-2 "$out"/l-c-2{,-inherited}
 draw damping "$out"/h-c-2{,-damping-0.7} "$out"/l-c-2{,-damping-0.7} "$out"/h-v-2{,-damping-0.7}
-draw unscaled-limit "$out"/h-c-2{,-unscaled-limit} "$out"/h-v-2{,-unscaled-limit} "$out"/silica-h-c-2-unscaled-limit
+draw unscaled-limit "$out"/h-c-2{,-unscaled-limit} "$out"/h-v-2{,-unscaled-limit} runs/ciantia2015/silica-h-c-2/seed-1 "$out"/silica-h-c-2-unscaled-limit
 draw stiffness "$out"/l-c-2{,-K_eff-66.6,-K_eff-133.2,-K_eff-266.4}
 draw stiffness-fontainebleau "$out"/fontainebleau-l-c-10{,-K_eff-600,-K_eff-1200}
 draw strength "$out"/h-v-2{,-sigma-150,-sigma-100}
