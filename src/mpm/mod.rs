@@ -82,6 +82,8 @@ pub struct Continuum {
     settings: Settings,
     laws: Vec<Law>,
     points: Points,
+    /// Whether [`Points::carried`] is kept.
+    carries: bool,
     /// Steps done.
     step: u64,
     /// Work of the stresses since the start, J.
@@ -103,7 +105,7 @@ impl Continuum {
             points.affine = Vec::new();
         }
         let work = step::Work::default();
-        Ok(Continuum { settings, laws, points, step: 0, stress_work: 0.0, wall_force: [[0.0; 3]; 6], work })
+        Ok(Continuum { settings, laws, points, carries: false, step: 0, stress_work: 0.0, wall_force: [[0.0; 3]; 6], work })
     }
 
     pub fn settings(&self) -> &Settings {
@@ -126,12 +128,12 @@ impl Continuum {
 
     /// Adds points between two steps; the first one's identity.
     pub fn insert(&mut self, new: &[Point]) -> u32 {
-        let Continuum { points, work, settings, .. } = self;
+        let Continuum { points, work, settings, carries, .. } = self;
         work.forget();
-        let (first, carried) = (points.next_id, !points.carried.is_empty());
+        let first = points.next_id;
         for point in new {
             points.add(point);
-            if carried {
+            if *carries {
                 points.carried.push(point.velocity);
             }
             if settings.transfer == Transfer::Affine {
@@ -164,6 +166,7 @@ impl Continuum {
 
     /// From now on [`Points::carried`] is kept.
     pub fn keep_carried(&mut self) {
+        self.carries = true;
         let Points { carried, velocity, .. } = &mut self.points;
         if carried.is_empty() {
             carried.extend(velocity.iter().map(|v| [v[0], v[1], v[2]]));

@@ -127,6 +127,20 @@ fn fines_enter_an_oedometer_and_resume_to_the_byte() {
     same_files(&whole, &parts);
 }
 
+/// Grains alone at the start: the first points there are come from crushing.
+#[test]
+fn fines_enter_where_there_was_no_point() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("out");
+    let own = ["coarse.mass_fraction=1.0", "test.axial_strain=0.01", "records.rows=10"];
+    let sets: Vec<&str> = own.into_iter().chain(QUIET).collect();
+    run("mixture/coke_in_fines", &out, &sets, &[]).assert().success();
+    let rows = columns(&out, ["crush_events", "fines_points", "total_mass_kg"]);
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    assert!(last[0] > 0.0 && last[1] > 0.0, "{last:?}");
+    assert!((last[2] / first[2] - 1.0).abs() < 1e-12);
+}
+
 #[test]
 fn fines_that_cannot_be_points_are_refused() {
     let check = |sets: &[&str], says: &str| {
