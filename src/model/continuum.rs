@@ -5,6 +5,7 @@ use crate::coupling::{Rates, Rule};
 use crate::mpm::law::Law;
 use crate::mpm::{Points, Settings};
 use crate::rigid::Block;
+use std::f64::consts::{FRAC_PI_3, FRAC_PI_4};
 
 /// Material points on a grid, and what is done with them.
 #[derive(Clone, Debug)]
@@ -86,12 +87,14 @@ pub enum Drainage {
     ConstantVolume,
 }
 
-/// A box of points between platens.
+/// A box of points between platens, or a cylinder in a shell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Specimen {
-    /// Lower corner and size at the start, m.
+    /// Lower corner and size at the start, m; a cylinder's are those of the box around it.
     pub lower: [f64; 3],
     pub size: [f64; 3],
+    /// An upright cylinder.
+    pub round: bool,
     /// Isotropic stress of the points at the start, Pa, compression positive.
     pub stress: f64,
     /// Distance of two points at the start, m.
@@ -110,6 +113,23 @@ pub struct Specimen {
     pub strain_per_wave: f64,
     /// Share of a servo's imbalance that it removes in one step.
     pub gain: f64,
+}
+
+impl Specimen {
+    /// Volume over that of the box around it.
+    pub fn fullness(&self) -> f64 {
+        if self.round { FRAC_PI_4 } else { 1.0 }
+    }
+
+    /// Volume of a point at the start over the cube of the distance of two: in rings they stand a little further apart along the ring.
+    pub fn roominess(&self) -> f64 {
+        if self.round { FRAC_PI_3 } else { 1.0 }
+    }
+
+    /// Middle of its base, m.
+    pub fn base(&self) -> [f64; 3] {
+        [self.lower[0] + 0.5 * self.size[0], self.lower[1] + 0.5 * self.size[1], self.lower[2]]
+    }
 }
 
 impl Continuum {

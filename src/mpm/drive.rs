@@ -48,15 +48,14 @@ pub enum Drive {
 }
 
 impl Drive {
-    /// The platen's speed, m/s, `time` seconds after the drive was set, for material of these extents, m, and a step of `dt` seconds. `drift` is its mean
-    /// speed, which is kept from step to step.
-    pub fn speed(&self, time: f64, platen: &Platen, extents: [f64; 3], dt: f64, drift: &mut f64) -> f64 {
+    /// The platen's speed, m/s, `time` seconds after the drive was set, for material that is `extent` long along the platen's axis, m, on a face of `area`, m²
+    /// (m in plane strain), and a step of `dt` seconds. `drift` is its mean speed, which is kept from step to step.
+    pub fn speed(&self, time: f64, platen: &Platen, [extent, area]: [f64; 2], dt: f64, drift: &mut f64) -> f64 {
         match *self {
             Drive::Speed(speed) => speed.at(time),
             Drive::Stress { target, gain, reach, memory } => {
-                let axis = platen.axis();
-                let force = target.at(time) * area(extents, axis);
-                let limit = reach * extents[axis];
+                let force = target.at(time) * area;
+                let limit = reach * extent;
                 let servo = servo_speed(force, platen.force(), platen.stiffness + platen.others[1], gain, dt, limit);
                 let speed = (*drift + servo).clamp(-limit, limit);
                 *drift += (dt / memory).min(1.0) * (speed - *drift);

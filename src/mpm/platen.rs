@@ -1,5 +1,5 @@
-//! Platens: rigid planes that press on material points as on grains (Li et al. 2023, section 2.3), so that nothing of a plane's place
-//! between two nodes is felt.
+//! Platens: rigid planes, and upright shells, that press on material points as on grains (Li et al. 2023, section 2.3), so that nothing of their
+//! place between two nodes is felt.
 //!
 //! A point near a platen is a ghost sphere, eq. 22: (1 − n) V = 4/3 π r³ with its current porosity n and volume V. That is its solid volume,
 //! which stays: r is a constant of the point. The force is Hertz's for a sphere on a rigid plane, F = 4/3 E* √r δ^{3/2} (eqs 18, 20 with the
@@ -8,7 +8,8 @@
 //!
 //! Li et al. spread the force to the nodes from the point (eq. 29). Here it acts where the material ends, half the point's edge nearer to the
 //! platen: a uniform stress is then in balance up to the face, where otherwise the outermost points would bear a fraction of it, and moduli
-//! come out too high by half a point's edge over the length at each end. So platens stand along the axes.
+//! come out too high by half a point's edge over the length at each end. So planes stand along the axes, and a shell's points in rings; of the moment
+//! that a shell's force has about a point, the part between different axes is left out.
 
 use super::{Continuum, Dimension};
 use crate::error::{Error, Result};
@@ -18,14 +19,16 @@ use std::f64::consts::PI;
 /// A platen and what is known of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Platen {
-    /// A point on it, m, and its unit normal, towards the material.
+    /// A point on it, m, and its unit normal, towards the material. Of a shell: a point of its axis, and nothing.
     pub point: [f64; 3],
     pub normal: [f64; 3],
+    /// Radius of a shell, m, that stands upright around the material.
+    pub radius: Option<f64>,
     /// Into the material, m/s.
     pub speed: f64,
     /// E* of its contacts, Pa.
     pub modulus: f64,
-    /// Force of the points on it along its normal, N, the sum of what each point was given (per metre in plane strain).
+    /// Force of the points on it along its normal, N, the sum of what each point was given (per metre in plane strain; on a shell of the radial forces).
     pub reaction: f64,
     /// Sum of the contacts' tangent stiffness, N/m.
     pub stiffness: f64,
@@ -47,13 +50,14 @@ pub struct Platen {
     contacts: Vec<Contact>,
 }
 
-/// A point in touch: identity, index, overlap, radius.
+/// A point in touch: identity, index, overlap, radius, unit normal into the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Contact {
     id: u32,
     index: u32,
     overlap: f64,
     radius: f64,
+    normal: [f64; 3],
 }
 
 /// Ghost radius, m, of a point of so much solid volume (Li et al. 2023, eq. 22; in plane strain a disc's).
@@ -104,6 +108,7 @@ impl Platen {
         Platen {
             point,
             normal,
+            radius: None,
             speed: 0.0,
             modulus,
             reaction: 0.0,
@@ -119,7 +124,24 @@ impl Platen {
         }
     }
 
-    /// Axis of its normal.
+    /// A shell at rest around an upright axis through `point`.
+    pub fn shell(continuum: &Continuum, point: [f64; 3], radius: f64, modulus: f64) -> Platen {
+        Platen { radius: Some(radius), ..Platen::new(continuum, point, [0.0; 3], modulus) }
+    }
+
+    /// How far a place is from its surface, m, and the unit normal there, into the material.
+    fn height(&self, p: [f64; 4]) -> (f64, [f64; 3]) {
+        let d: [f64; 3] = std::array::from_fn(|a| p[a] - self.point[a]);
+        let Some(radius) = self.radius else {
+            let [nx, ny, nz] = self.normal;
+            return (nx * d[0] + ny * d[1] + nz * d[2], self.normal);
+        };
+        let rho = (d[0] * d[0] + d[1] * d[1]).sqrt();
+        let inverse = if rho > 0.0 { -1.0 / rho } else { 0.0 };
+        (radius - rho, [d[0] * inverse, d[1] * inverse, 0.0])
+    }
+
+    /// Axis of its normal; of a shell the first.
     pub fn axis(&self) -> usize {
         (0..3).find(|&a| self.normal[a] != 0.0).unwrap_or(0)
     }
@@ -134,7 +156,7 @@ impl Platen {
         let dimension = continuum.settings().dimension;
         (self.reaction, self.stiffness, self.stored, self.rate) = (0.0, 0.0, 0.0, 0.0);
         for contact in &self.contacts {
-            let Contact { index, overlap, radius, .. } = *contact;
+            let Contact { index, overlap, radius, normal, .. } = *contact;
             let tangent = 2.0 * self.modulus * (radius * overlap).sqrt() * row(dimension, radius);
             let force = 2.0 / 3.0 * tangent * overlap;
             self.reaction += force;
@@ -143,7 +165,7 @@ impl Platen {
             self.rate = self.rate.max(tangent / continuum.points().velocity[index as usize][3]);
             let volume = continuum.points().position[index as usize][3];
             let half = 0.5 * if dimension == Dimension::Space { cube_root(volume) } else { volume.sqrt() };
-            continuum.push_beside(index as usize, self.normal.map(|n| n * force), self.normal.map(|n| -n * half));
+            continuum.push_beside(index as usize, normal.map(|n| n * force), normal.map(|n| -n * half));
         }
         self.touching = self.contacts.len() as u64;
         self.work += 0.5 * (before + self.reaction) * self.moved;
@@ -154,10 +176,9 @@ impl Platen {
     /// The points in touch, in the order of ids.
     fn find(&mut self, continuum: &Continuum) -> Result<()> {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
-        let ([nx, ny, nz], [px, py, pz]) = (self.normal, self.point);
         self.contacts.clear();
         for (index, p) in points.position.iter().enumerate() {
-            let height = nx * (p[0] - px) + ny * (p[1] - py) + nz * (p[2] - pz);
+            let (height, normal) = self.height(*p);
             if height >= self.reach {
                 continue;
             }
@@ -167,7 +188,7 @@ impl Platen {
                 return Err(passed(continuum.steps(), id));
             }
             if overlap > 0.0 {
-                self.contacts.push(Contact { id, index: index as u32, overlap, radius });
+                self.contacts.push(Contact { id, index: index as u32, overlap, radius, normal });
             }
         }
         self.contacts.sort_unstable_by_key(|c| c.id);
@@ -185,6 +206,9 @@ impl Platen {
         self.moved += step;
         for (x, n) in self.point.iter_mut().zip(self.normal) {
             *x += step * n;
+        }
+        if let Some(radius) = &mut self.radius {
+            *radius -= step;
         }
     }
 

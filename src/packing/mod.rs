@@ -55,11 +55,12 @@ pub fn sizes(radii: [f64; 2], volume: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
 /// Tries per sphere before [`dispersed`] gives up.
 const TRIES: u32 = 200_000;
 
-/// Spheres (centre, radius) of uniform size between `radii` at random in a box, at least `room` from each other and from its sides, until their
+/// Spheres (centre, radius) of uniform size between `radii` at random in a box, or in the upright cylinder in it, at least `room` from each other and from its sides, until their
 /// volume is as near to `volume` as one more or less can bring it. The volume that found room where it is less.
 pub fn dispersed(
     lower: [f64; 3],
     size: [f64; 3],
+    round: bool,
     radii: [f64; 2],
     volume: f64,
     room: f64,
@@ -72,13 +73,19 @@ pub fn dispersed(
     let mut spheres: Vec<([f64; 3], f64)> = Vec::with_capacity(sizes.len());
     let mut placed = 0.0;
     for r in sizes {
-        let free = |c: &[f64; 3]| {
-            spheres.iter().all(|(p, q)| {
-                let reach = r + q + room;
-                (0..3).map(|a| (p[a] - c[a]) * (p[a] - c[a])).sum::<f64>() >= reach * reach
-            })
-        };
         let margin = r + room;
+        let inside = |c: &[f64; 3]| {
+            let [x, y] = [0, 1].map(|a| c[a] - lower[a] - 0.5 * size[a]);
+            let most = 0.5 * size[0] - margin;
+            !round || x * x + y * y <= most * most
+        };
+        let free = |c: &[f64; 3]| {
+            inside(c)
+                && spheres.iter().all(|(p, q)| {
+                    let reach = r + q + room;
+                    (0..3).map(|a| (p[a] - c[a]) * (p[a] - c[a])).sum::<f64>() >= reach * reach
+                })
+        };
         if size.iter().any(|s| *s < 2.0 * margin) {
             return Err(placed);
         }

@@ -3,9 +3,13 @@
 use super::material::Named;
 use super::schema::unit;
 use super::view::View;
+use crate::crush::portable::sin;
 use crate::mpm::{Dimension, Point, Points, Settings, Wall};
+use std::f64::consts::{FRAC_PI_2, PI};
 use toml::{Table, Value};
 
+/// Turns from one ring of points to the next.
+const GOLDEN: f64 = 0.381_966_011_250_105;
 /// Most points of a scene.
 const MOST: f64 = 2e8;
 
@@ -196,6 +200,12 @@ impl View<'_> {
             }
             return Some(());
         }
+        if let (Shape::Cylinder { base, radius, height }, true) = (&body.shape, self.text("test.rig") != "free") {
+            for (p, volume) in rings(*base, *radius, *height, spacing) {
+                add(p, volume)?;
+            }
+            return Some(());
+        }
         let [low, high] = body.shape.bounds();
         // lattice sites, counted from the grid's corner, whose middles lie inside; a hair of room for rounding
         let sites: [[i64; 2]; 3] = std::array::from_fn(|a| {
@@ -228,6 +238,26 @@ impl View<'_> {
         }
         Some(())
     }
+}
+
+/// Places and volumes of points in rings around the axis of a cylinder, about `spacing` from each other, so that the outermost stand half that inside its shell.
+fn rings(base: [f64; 3], radius: f64, height: f64, spacing: f64) -> impl Iterator<Item = ([f64; 3], f64)> {
+    let [count, layers] = [radius, height].map(|length| (length / spacing).round().max(1.0));
+    let [width, thick] = [radius / count, height / layers];
+    let of_layer = move |z: f64| {
+        (0..count as u32).map(f64::from).flat_map(move |k| {
+            // three in the middle, nine around them, …: all of the same area
+            let many = 3.0 * (2.0 * k + 1.0);
+            (0..many as u32).map(f64::from).map(move |i| {
+                // turned from ring to ring and layer to layer, so that they do not line up
+                let turns = i / many + GOLDEN * (k + z);
+                let (angle, r) = (2.0 * PI * (turns - turns.round()), (k + 0.5) * width);
+                let place = [base[0] + r * sin(FRAC_PI_2 - angle.abs()), base[1] + r * sin(angle), base[2] + (z + 0.5) * thick];
+                (place, PI / 3.0 * width * width * thick)
+            })
+        })
+    };
+    (0..layers as u32).map(f64::from).flat_map(of_layer)
 }
 
 fn points_after(count: f64) -> bool {

@@ -142,13 +142,17 @@ impl View<'_> {
             return None;
         };
         let body = *self.list("body").first()?;
+        let round = body.get("shape").and_then(toml::Value::as_str) == Some("cylinder");
         let solid = n * std::f64::consts::PI / 6.0 * d * d * d;
         let spacing = (solid / (1.0 - number(body, "porosity")?)).cbrt();
         let per = self.whole("grid.points_per_edge")? as f64;
-        let (Some(min), Some(max)) = (vector(body, "min_mm"), vector(body, "max_mm")) else { return Some(per * spacing) };
+        let edge = match (vector(body, "min_mm"), vector(body, "max_mm")) {
+            (Some(min), Some(max)) => max[0] - min[0],
+            _ if round => number(body, "radius_mm")?,
+            _ => return Some(per * spacing),
+        };
         // sides of an oedometer stand on nodes
-        let unit = if self.text("test.rig") == "oedometer" { per * spacing } else { spacing };
-        let edge = max[0] - min[0];
+        let unit = if self.text("test.rig") == "oedometer" && !round { per * spacing } else { spacing };
         Some(per * spacing / unit * edge / (edge / unit).round().max(1.0))
     }
 
@@ -187,24 +191,46 @@ impl View<'_> {
         (steps.is_some() != duration.is_some()).then_some((min, cells, walls))
     }
 
-    /// The box that a test needs: lower corner and size, m.
-    fn only_box(&self, dimension: Dimension, rig: &str) -> Option<[[f64; 3]; 2]> {
+    /// The box that a test needs, or that around its upright cylinder: lower corner and size, m.
+    fn only_box(&self, dimension: Dimension, rig: &str) -> Option<([[f64; 3]; 2], bool)> {
         let bodies = self.list("body");
         let shape = bodies.first().and_then(|b| b.get("shape")).and_then(toml::Value::as_str);
-        if bodies.len() != 1 || shape != Some("box") {
-            self.refuse("body", format!("must be one [[body]] with shape = \"box\" for test.rig = \"{rig}\""));
+        let round = shape == Some("cylinder");
+        if bodies.len() != 1 || !(round || shape == Some("box")) {
+            self.refuse("body", format!("must be one [[body]] with shape = \"box\" or \"cylinder\" for test.rig = \"{rig}\""));
             return None;
         }
-        let (Some(min), Some(max)) = (vector(bodies[0], "min_mm"), vector(bodies[0], "max_mm")) else {
-            self.refuse("body[0]", "is missing min_mm and max_mm, the corners of the box");
+        let corners = if round {
+            let (base, radius) = (vector(bodies[0], "centre_mm"), number(bodies[0], "radius_mm"));
+            base.zip(radius)
+                .zip(number(bodies[0], "height_mm"))
+                .map(|(([x, y, z], r), h)| [[x - r, y - r, z], [x + r, y + r, z + h]])
+        } else {
+            vector(bodies[0], "min_mm").zip(vector(bodies[0], "max_mm")).map(|(min, max)| [min, max])
+        };
+        let Some([min, max]) = corners else {
+            self.refuse(
+                "body[0]",
+                if round {
+                    "is missing centre_mm, radius_mm or height_mm"
+                } else {
+                    "is missing min_mm and max_mm, the corners of the box"
+                },
+            );
             return None;
         };
+        if round && dimension == Dimension::PlaneStrain {
+            self.refuse("body[0].shape", "must be \"box\" in plane strain");
+            return None;
+        }
         let cell = self.cell()?;
         let per = self.whole("grid.points_per_edge")? as f64;
         for a in 0..if dimension == Dimension::Space { 3 } else { 2 } {
             let points = (max[a] - min[a]) / cell * per;
-            // sides of an oedometer stand on nodes
-            let (unit, what) = if rig == "oedometer" {
+            // sides of an oedometer stand on nodes, rings of points around the middle of a cylinder
+            let (unit, what) = if round && a < 2 {
+                (2.0, "times twice the distance of two points, grid.cell_mm over grid.points_per_edge, for the rings of a cylinder")
+            } else if rig == "oedometer" {
                 (per, "cells, grid.cell_mm")
             } else {
                 (1.0, "distances of two points (2 at least), grid.cell_mm over grid.points_per_edge")
@@ -213,10 +239,12 @@ impl View<'_> {
             let least = if rig == "oedometer" { 1.0 } else { 2.0 };
             if !(whole >= least && (points / unit - whole).abs() < 1e-6 * whole) {
                 let axis = ["x", "y", "z"][a];
-                self.refuse(
-                    "body[0].max_mm",
-                    format!("must be a whole number of {what}, above min_mm; along {axis} it is {:.6}", points / unit),
-                );
+                let (key, from) = match (round, a) {
+                    (true, 2) => ("body[0].height_mm", ""),
+                    (true, _) => ("body[0].radius_mm", ""),
+                    _ => ("body[0].max_mm", ", above min_mm"),
+                };
+                self.refuse(key, format!("must be a whole number of {what}{from}; along {axis} it is {:.6}", points / unit));
                 return None;
             }
         }
@@ -224,21 +252,29 @@ impl View<'_> {
         if dimension == Dimension::PlaneStrain {
             size[2] = 1.0;
         }
-        Some([min, size])
+        Some(([min, size], round))
     }
 
     fn own_grid(&self, dimension: Dimension, rig: &str) -> Option<Grid> {
-        let [min, size] = self.only_box(dimension, rig)?;
+        let ([min, size], round) = self.only_box(dimension, rig)?;
         let cell = self.cell()?;
         let d = if dimension == Dimension::Space { 3 } else { 2 };
         let whole = |x: f64| (x / cell - 1e-6).ceil();
+        let room = |a: usize| whole(ROOM * size[a]) + CELLS;
+        if rig == "oedometer" && round {
+            // the bottom alone is a side of the grid
+            let lower = [min[0] - room(0) * cell, min[1] - room(1) * cell, min[2]];
+            let cells = [0, 1, 2].map(|a| (whole(size[a]) + if a < 2 { 2.0 * room(a) } else { CELLS }) as u32);
+            let mut walls = [Wall::Open; 6];
+            walls[4] = Wall::Symmetry;
+            return Some((lower, cells, walls));
+        }
         if rig == "oedometer" {
             let cells = std::array::from_fn(|a| if a < d { whole(size[a]) as u32 + if a == d - 1 { 2 } else { 0 } } else { 1 });
             let mut walls = [Wall::Open; 6];
             walls[..2 * d - 1].fill(Wall::Symmetry);
             return Some((min, cells, walls));
         }
-        let room = |a: usize| whole(ROOM * size[a]) + CELLS;
         let lower = std::array::from_fn(|a| if a < d { min[a] - room(a) * cell } else { min[a] });
         let cells = std::array::from_fn(|a| if a < d { (whole(size[a]) + 2.0 * room(a)) as u32 } else { 1 });
         Some((lower, cells, [Wall::Open; 6]))
@@ -254,7 +290,7 @@ impl View<'_> {
         };
         let weightless = settings.gravity == [0.0; 3];
         self.check(weightless, "gravity_m_s2", format!("must be [0, 0, 0] with test.rig = \"{rig}\""));
-        let [lower, size] = self.only_box(settings.dimension, rig)?;
+        let ([lower, size], round) = self.only_box(settings.dimension, rig)?;
         let body = self.list("body")[0];
         let still = vector(body, "velocity_m_s")? == [0.0; 3];
         self.check(still, "body[0].velocity_m_s", format!("must be [0, 0, 0] with test.rig = \"{rig}\""));
@@ -263,6 +299,7 @@ impl View<'_> {
         let specimen = Specimen {
             lower,
             size,
+            round,
             stress: number(body, "stress_kPa").unwrap_or(pressure),
             spacing: settings.cell / f64::from(per),
             porosity: number(body, "porosity")?,

@@ -42,6 +42,7 @@ impl View<'_> {
             return None;
         };
         self.check(self.list("grain").is_empty(), key, "has no meaning beside listed grains");
+        self.check(!specimen.round, key, "must be left out where body[0].shape = \"cylinder\": only boxes grow");
         if specimen.stress <= 0.0 {
             self.refuse(key, "needs a stress to press the specimen with: body.stress_kPa, or the cell pressure");
             return None;

@@ -107,11 +107,11 @@ impl View<'_> {
         let Some((material, radii, share)) = self.coarse_grains(named)? else { return Some(Vec::new()) };
         // of the box: coarse volume V with ρ_c V / (ρ_c V + ρ_f (1 − n) (box − V)) = share
         let (coarse, fine) = (materials[usize::from(material)].density, (1.0 - specimen.porosity) * fine_density);
-        let volume: f64 = specimen.size.iter().product();
+        let volume = specimen.fullness() * specimen.size.iter().product::<f64>();
         let wanted = volume * share * fine / (coarse * (1.0 - share) + share * fine);
         let room = ROOM * specimen.spacing;
         let seed = self.whole("seed.packing")?;
-        match dispersed(specimen.lower, specimen.size, radii, wanted, room, seed) {
+        match dispersed(specimen.lower, specimen.size, specimen.round, radii, wanted, room, seed) {
             Ok(spheres) => Some(
                 spheres
                     .into_iter()
@@ -156,6 +156,12 @@ fn displace(
     };
     let within = |p: &mut [f64; 4]| {
         let half = 0.5 * specimen.spacing;
+        if specimen.round {
+            let ([x, y, _], most) = (specimen.base(), 0.5 * specimen.size[0] - half);
+            let d = [p[0] - x, p[1] - y];
+            let shorter = (most / (d[0] * d[0] + d[1] * d[1]).sqrt()).min(1.0);
+            (p[0], p[1]) = (x + d[0] * shorter, y + d[1] * shorter);
+        }
         for (x, (low, size)) in p.iter_mut().zip(specimen.lower.into_iter().zip(specimen.size)) {
             *x = x.clamp(low + half, low + size - half);
         }

@@ -4,7 +4,7 @@ use super::{adapter, laws};
 use crate::gpu::continuum::Continuum;
 use crate::gpu::state::ghost_radius;
 use crate::mpm::law::{Elastic, Law};
-use crate::mpm::{self, Dimension, Drive, Platen, Point, Points, Ramp, Settings, ShapeFunctions, Transfer, Wall};
+use crate::mpm::{self, Dimension, Drive, Platen, Point, Points, Ramp, Settings, ShapeFunctions, Transfer, Wall, area};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -244,7 +244,8 @@ fn platens_press_on_points() {
             in_sums = in_sums.max((a / b - 1.0).abs());
         }
         let mut mean = drift;
-        let speed = drives[k].speed(0.0, here, extents, dt, &mut mean);
+        let axis = here.axis();
+        let speed = drives[k].speed(0.0, here, [extents[axis], area(extents, axis)], dt, &mut mean);
         let off = |a: f64, b: f64| if a == b { 0.0 } else { (a / b - 1.0).abs() };
         in_speed = in_speed.max(off(p.speed, speed));
         if k > 3 {
@@ -303,7 +304,9 @@ fn a_pressed_column_follows_f64() {
             let time = f64::from(50 * batch + step) * dt;
             for (k, (p, drift)) in platens.iter_mut().zip(&mut drifts).enumerate() {
                 p.press(&mut cpu).expect("pressed");
-                p.speed = if k == 4 { top(time).at(0.0) } else { side.speed(0.0, p, extents, dt, drift) };
+                let axis = p.axis();
+                let face = [extents[axis], area(extents, axis)];
+                p.speed = if k == 4 { top(time).at(0.0) } else { side.speed(0.0, p, face, dt, drift) };
             }
             cpu.step(dt).expect("step");
             platens.iter_mut().for_each(|p| p.advance(dt));

@@ -1,5 +1,6 @@
 //! What does the steps of a test: the processor one at a time, or a graphics device in batches. Everything else stands once, in [`State`].
 
+use super::specimen::face;
 use super::{Coupled, LOOK, Phase, Rig, State};
 use crate::coupling::{Bound, Mixture, Rates};
 use crate::error::Result;
@@ -128,7 +129,8 @@ impl State {
     pub(super) fn set_speeds(&mut self, rig: &Rig) {
         let extents = self.extents_now(rig);
         for ((platen, drive), drift) in self.platens.iter_mut().zip(&self.drives).zip(&mut self.drift) {
-            platen.speed = drive.speed(0.0, platen, extents, self.dt, drift);
+            let axis = platen.axis();
+            platen.speed = drive.speed(0.0, platen, [extents[axis], face(rig, extents, axis)], self.dt, drift);
         }
     }
 

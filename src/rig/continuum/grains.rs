@@ -31,9 +31,14 @@ pub(super) fn side(s: &Specimen, k: usize) -> WallSpec {
 
 /// The grains of a scene between the walls of its test: platens, or the sides of an oedometer, in the order x low, x high, …; or its own.
 pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Continuum, platens: &[Platen]) -> Mixture {
-    let of = |p: &Platen| smooth(p.point, p.normal);
+    let of = |p: &Platen| {
+        let plane = smooth(p.point, p.normal);
+        let Some(radius) = p.radius else { return plane };
+        WallSpec { shape: WallShape::Cylinder { centre: [p.point[0], p.point[1]], radius }, ..plane }
+    };
     let walls = match &rig.test {
         Test::Free { .. } => coarse.walls.clone(),
+        Test::Oedometer(s) if s.round => std::iter::once(side(s, 4)).chain(platens.iter().map(of)).collect(),
         Test::Oedometer(s) => (0..5).map(|k| side(s, k)).chain(platens.iter().map(of)).collect(),
         Test::Triaxial { .. } => platens.iter().map(of).collect(),
     };
@@ -145,6 +150,10 @@ impl State {
         rig: &Rig,
         what: impl FnOnce(&Settings, &Points, &[Platen], Option<&gpu::Coarse<'_>>) -> Result<T>,
     ) -> Result<T> {
+        if rig.specimen().is_some_and(|s| s.round) {
+            let message = "cylinders are not available on the GPU: use the CPU";
+            return Err(Error::input("gpu", "body[0].shape", Some("cylinder".into()), message));
+        }
         let Some(mixture) = self.mixture.as_deref() else { return what(&rig.settings, &rig.points, &self.platens, None) };
         if rig.growth.is_some() {
             return Err(Error::input("gpu", "growth", None, "specimens that grow are not available on the GPU: use the CPU"));

@@ -176,7 +176,10 @@ impl State {
         let grains = self.mixture.as_ref().map(|m| {
             let g = &m.grains.grains;
             let (mass, volume) = g.mass_and_volume();
-            let box_volume = if rig.specimen().is_some() { self.extents_now(rig).iter().product() } else { totals.volume + volume };
+            let box_volume = match rig.specimen() {
+                Some(s) => s.fullness() * self.extents_now(rig).iter().product::<f64>(),
+                None => totals.volume + volume,
+            };
             Coarse {
                 shares: m.shares(c, box_volume),
                 touching: m.touching(),

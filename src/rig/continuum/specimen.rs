@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::model::continuum::{Drainage, Specimen, Test};
 use crate::mpm::platen::{Platen, ghost_radius, overlap};
 use crate::mpm::{Continuum, Dimension, Drive, Ramp, area};
+use std::f64::consts::{FRAC_PI_4, PI};
 
 /// Lateral platens may move this many times as fast as the axial ones strain the specimen.
 const LATERAL: f64 = 4.0;
@@ -29,7 +30,7 @@ fn rim(s: &Specimen, edges: f64) -> f64 {
 }
 
 fn radius(rig: &Rig, s: &Specimen) -> f64 {
-    let volume = s.spacing.powi(dimensions(rig) as i32);
+    let volume = s.roominess() * s.spacing.powi(dimensions(rig) as i32);
     ghost_radius(rig.settings.dimension, (1.0 - s.porosity) * volume)
 }
 
@@ -42,7 +43,7 @@ fn mean_overlap(p: &Platen) -> f64 {
 pub fn platens(rig: &Rig, continuum: &Continuum) -> Vec<Platen> {
     let Some(s) = rig.specimen() else { return Vec::new() };
     let d = dimensions(rig);
-    let depth = match s.stress * s.spacing.powi(d as i32 - 1) {
+    let depth = match s.stress * s.roominess() * s.spacing.powi(d as i32 - 1) {
         force if force > 0.0 => overlap(rig.settings.dimension, s.modulus, radius(rig, s), force),
         _ => 0.0,
     };
@@ -54,9 +55,34 @@ pub fn platens(rig: &Rig, continuum: &Continuum) -> Vec<Platen> {
         point[axis] = if high { s.lower[axis] + s.size[axis] + out } else { s.lower[axis] - out };
         Platen::new(continuum, point, normal, s.modulus)
     };
+    let shell = || Platen::shell(continuum, s.base(), 0.5 * s.size[0] + out, s.modulus);
     match rig.test {
+        Test::Oedometer(_) if s.round => vec![shell(), platen(d - 1, true)],
         Test::Oedometer(_) => vec![platen(d - 1, true)],
+        _ if s.round => vec![shell(), platen(d - 1, false), platen(d - 1, true)],
         _ => (0..d).flat_map(|axis| [platen(axis, false), platen(axis, true)]).collect(),
+    }
+}
+
+/// The platen that stands at side `k` (x low, x high, …); `None` where it is a side of the grid.
+fn at_side(rig: &Rig, k: usize) -> Option<usize> {
+    let d = dimensions(rig);
+    match &rig.test {
+        Test::Free { .. } => None,
+        Test::Oedometer(s) if s.round && k < 4 => Some(0),
+        Test::Oedometer(s) => (k == 2 * d - 1).then_some(usize::from(s.round)),
+        Test::Triaxial { specimen, .. } if specimen.round => Some(k.max(3) - 3),
+        Test::Triaxial { .. } => Some(k),
+    }
+}
+
+/// Area of the specimen's face that stands against an axis, m² (m in plane strain); of a cylinder's shell the whole, whose radial forces are summed.
+pub(super) fn face(rig: &Rig, extents: [f64; 3], axis: usize) -> f64 {
+    let square = area(extents, axis);
+    match rig.specimen() {
+        Some(s) if s.round && axis == 2 => FRAC_PI_4 * square,
+        Some(s) if s.round => PI * square,
+        _ => square,
     }
 }
 
@@ -72,21 +98,23 @@ impl State {
         if d == 2 {
             extents[2] = 1.0;
         }
-        match &rig.test {
-            Test::Oedometer(_) => {
-                let (axis, platen) = (d - 1, &self.platens[0]);
-                let length = platen.point[axis] - inside(platen) - s.lower[axis];
-                extents[axis] *= length / (s.size[axis] - rim(s, 1.0));
-            }
-            _ => {
-                for (axis, extent) in extents.iter_mut().enumerate().take(d) {
-                    let [low, high] = [0, 1].map(|k| &self.platens[2 * axis + k]);
-                    let length = (high.point[axis] - inside(high)) - (low.point[axis] + inside(low));
-                    *extent *= length / (s.size[axis] - rim(s, 2.0));
-                }
-            }
+        for (axis, extent) in extents.iter_mut().enumerate().take(d) {
+            let facing = |sign: f64| self.platens.iter().find(|p| p.normal[axis] == sign);
+            let (length, edges) = match (facing(1.0), facing(-1.0), &self.platens[0]) {
+                (Some(low), Some(high), _) => ((high.point[axis] - inside(high)) - (low.point[axis] + inside(low)), 2.0),
+                (None, Some(high), _) => (high.point[axis] - inside(high) - s.lower[axis], 1.0),
+                (_, _, shell @ Platen { radius: Some(radius), .. }) if axis < 2 => (2.0 * (radius - inside(shell)), 2.0),
+                _ => continue,
+            };
+            *extent *= length / (s.size[axis] - rim(s, edges));
         }
         extents
+    }
+
+    /// In how many directions from the middle of the specimen points stand against `platen` or its opposite.
+    fn edges(&self, platen: &Platen) -> f64 {
+        let opposite = |p: &Platen| p.normal[platen.axis()] == 1.0;
+        if platen.radius.is_some() || self.platens.iter().any(opposite) { 2.0 } else { 1.0 }
     }
 
     /// Extents as a device follows them: less what overlaps add to them now, and how much they grow with a platen's mean overlap, less its way.
@@ -96,8 +124,7 @@ impl State {
         let Some(s) = rig.specimen() else { return (extents, scale) };
         for platen in &self.platens {
             let axis = platen.axis();
-            let edges = if self.platens.len() == 1 { 1.0 } else { 2.0 };
-            scale[axis] = s.size[axis] / (s.size[axis] - rim(s, edges));
+            scale[axis] = s.size[axis] / (s.size[axis] - rim(s, self.edges(platen)));
             extents[axis] -= scale[axis] * mean_overlap(platen);
         }
         (extents, scale)
@@ -107,10 +134,9 @@ impl State {
     /// more than the distance of its outermost points.
     pub(super) fn platen_work(&self, rig: &Rig) -> f64 {
         let Some(s) = rig.specimen() else { return 0.0 };
-        let edges = if self.platens.len() == 1 { 1.0 } else { 2.0 };
         let share = |platen: &Platen| {
             let axis = platen.axis();
-            platen.work * s.size[axis] / (s.size[axis] - rim(s, edges))
+            platen.work * s.size[axis] / (s.size[axis] - rim(s, self.edges(platen)))
         };
         self.platens.iter().map(share).sum()
     }
@@ -118,7 +144,9 @@ impl State {
     /// Stress on each side, Pa, compression positive, in the order x low, x high, …; 0 where there is none.
     pub(super) fn sides(&self, rig: &Rig) -> [f64; 6] {
         let wall = |k: usize| self.continuum.wall_force()[k][k / 2] * if k % 2 == 1 { -1.0 } else { 1.0 };
-        let grains = |k: usize| self.mixture.as_ref().map_or(0.0, |m| m.grains.walls[k].reaction);
+        // of a cylinder's grid only the bottom is a side, the first wall of the grains
+        let own = |k: usize| if rig.specimen().is_some_and(|s| s.round) { 0 } else { k };
+        let grains = |k: usize| self.mixture.as_ref().map_or(0.0, |m| m.grains.walls[own(k)].reaction);
         self.stresses(rig, self.extents_now(rig), |k| self.platens[k].force(), |k| wall(k) + grains(k))
     }
 
@@ -133,13 +161,12 @@ impl State {
         let d = dimensions(rig);
         let mut sides = [0.0; 6];
         for (k, side) in sides.iter_mut().enumerate().take(2 * d) {
-            let force = match &rig.test {
-                Test::Free { .. } => return sides,
-                Test::Oedometer(_) if k == 2 * d - 1 => platen(0),
-                Test::Oedometer(_) => wall(k),
-                Test::Triaxial { .. } => platen(k),
+            let force = match at_side(rig, k) {
+                Some(p) => platen(p),
+                None if rig.specimen().is_some() => wall(k),
+                None => return sides,
             };
-            *side = force / area(extents, k / 2);
+            *side = force / face(rig, extents, k / 2);
         }
         sides
     }
@@ -157,12 +184,16 @@ impl State {
         Drive::Speed(Ramp { value, slope: part * (end / rise), end: part * end })
     }
 
-    /// The top platen comes down.
+    /// The top platen comes down; a shell follows what its contacts give way, so that the material keeps its width.
     pub(super) fn compress(&mut self, rig: &Rig, s: &Specimen) {
         if self.axial_strain(rig) >= s.axial_strain {
             self.phase = Phase::Done;
         }
-        self.drives[0] = self.axial(rig, 1.0);
+        let wider = self.extents_now(rig)[0] - self.extents[0];
+        let (axial, keeps) = (self.axial(rig, 1.0), Drive::Speed(Ramp::constant(0.5 * wider / (DRIFT * self.wave))));
+        for (drive, platen) in self.drives.iter_mut().zip(&self.platens) {
+            *drive = if platen.radius.is_some() { keeps } else { axial };
+        }
     }
 
     /// Lateral platens hold the cell pressure, or from then on the volume; axial ones hold it too, then come together.
@@ -200,7 +231,7 @@ impl State {
         let axial = if self.phase == Phase::Settle { servo } else { self.axial(rig, 0.5) };
         let keeps = self.phase != Phase::Settle && drainage == Drainage::ConstantVolume;
         for k in 0..self.drives.len() {
-            self.drives[k] = match k / 2 {
+            self.drives[k] = match self.platens[k].axis() {
                 a if a == d - 1 => axial,
                 a if keeps => self.apart(rig, extents, a),
                 _ => servo,
@@ -226,8 +257,8 @@ impl State {
 /// What bounds the time step of a specimen's platens under a stress, s: 2/ω of a point of the mass `mass` on its spring.
 pub fn contact_step(dimension: Dimension, s: &Specimen, mass: f64, stress: f64) -> f64 {
     let d = if dimension == Dimension::Space { 3 } else { 2 };
-    let radius = ghost_radius(dimension, (1.0 - s.porosity) * s.spacing.powi(d));
-    let force = stress * s.spacing.powi(d - 1);
+    let radius = ghost_radius(dimension, (1.0 - s.porosity) * s.roominess() * s.spacing.powi(d));
+    let force = stress * s.roominess() * s.spacing.powi(d - 1);
     let depth = overlap(dimension, s.modulus, radius, force);
     if depth > 0.0 { 2.0 / (1.5 * force / depth / mass).sqrt() } else { f64::INFINITY }
 }
