@@ -5,14 +5,14 @@ set -eu
 out=${1:-runs/mixture}
 program=${COMMINUTE:-target/release/comminute}
 
-declare -A levels=([crater_numerics]=1 [rates]=4)
+declare -A levels=([rates]=4)
 declare -A figures=(
     [impact_refined]="loss_cells loss_points"
     [crater]="depth ratio"
     [crater_outer]="depth"
     [rates]="saving"
 )
-for case in impact_refined crater crater_outer crater_refined crater_numerics rates; do
+for case in impact_refined crater crater_outer crater_numerics rates; do
     "$program" verify --only $case --levels ${levels[$case]:-8} --continue --out "$out/$case"
     mkdir -p figures/mixture/$case
     cp "$out/$case"/verification.{csv,md} figures/mixture/$case

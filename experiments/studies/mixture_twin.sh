@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What the continuum costs in accuracy and saves in time: the small twin with grains and with points for its fines, 0, 20 and 40 % of coarse grains, two seeds each; the particle
-# reduction of triaxial_20_50kPa; crushable coke in fines. What is done is not done again. Runs stay in runs/twin; tables and figures go to figures/mixture.
+# reduction of triaxial_20_50kPa and triaxial_small; smaller cells; crushable coke in fines. What is done is not done again. Runs stay in runs/twin; tables and figures go to figures/mixture.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 cargo build --release --quiet
@@ -25,18 +25,27 @@ for seed in 1 2; do
     run "points_$seed" twin_points --seed "$seed"
     run "points40_$seed" twin_points --set coarse.mass_fraction=0.4 --seed "$seed"
 done
-for share in 0.5 0.7 0.9; do
-    run "coke_${share}_true" coke_in_fines --set coarse.mass_fraction=$share
+for cell in 3.75 2.5 1.875; do
+    run "cells_$cell" twin_cells --set grid.cell_mm=$cell
+done
+run cells_1.25 twin_cells --set grid.cell_mm=1.25 --set test.axial_strain=0.02
+for share in 0.5 0.6 0.7 0.8 0.9 1.0; do
+    # coke alone stops at some 4 % of strain
+    run "coke_${share}_true" coke_in_fines --set coarse.mass_fraction=$share || true
     run "coke_${share}_false" coke_in_fines --set coarse.mass_fraction=$share --set crushing.enabled=false --set crushing.lost_mass=leave
 done
-for number in 27 64; do
-    run "reduction_$number" triaxial_20_50kPa --set grid.grains_per_point=$number
+for number in 1 8 64; do
+    run "small_reduction_$number" triaxial_small --set grid.grains_per_point=$number --set test.axial_strain=0.06
 done
+run reduction_64 triaxial_20_50kPa --set grid.grains_per_point=64
 run reduction_8 triaxial_20_50kPa
 
 of() { for name in "$@"; do echo "$runs/$name"; done; }
 "$bin" plot $(of fines_1 fines_2 points_fines_1 points_fines_2) --show stress_ratio,volumetric_strain --out figures/mixture/twin_00
 "$bin" plot $(of grains_1 grains_2 points_1 points_2) --show stress_ratio,volumetric_strain --out figures/mixture/twin_20
 "$bin" plot $(of grains40_1 grains40_2 points40_1 points40_2) --show stress_ratio,volumetric_strain --out figures/mixture/twin_40
-"$bin" plot $(of reduction_8 reduction_27 reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction
-"$bin" plot $(of coke_0.5_true coke_0.5_false coke_0.7_true coke_0.7_false coke_0.9_true coke_0.9_false) --show axial_strain --out figures/mixture/coke
+"$bin" plot $(of reduction_8 reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction
+"$bin" plot $(of cells_3.75 cells_2.5 cells_1.875 cells_1.25) --show stress_ratio --out figures/mixture/twin_cells
+"$bin" plot $(of small_reduction_1 small_reduction_8 small_reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction_small
+"$bin" plot $(of coke_0.{5,6,7,8,9}_true) --show axial_strain --out figures/mixture/coke_crushing
+"$bin" plot $(of coke_{0.5,0.6,0.7,0.8,0.9,1.0}_false) --show axial_strain --out figures/mixture/coke_whole

@@ -32,7 +32,7 @@ pub const CASE: Case = Case {
     about: ABOUT,
     exact: EXACT,
     across: ACROSS,
-    resolutions: &[2, 3],
+    resolutions: &[2, 3, 4],
     ways: DROPS,
     quantities: &["depth"],
     run: |task| fall(task, &drop(task.way), &[]),
@@ -46,20 +46,11 @@ pub const OUTER: Case = Case {
     graphs: Some(|rows| graphs("crater_outer", "outer cone", rows)),
     ..CASE
 };
-/// The shallowest fall of the small ball and the deepest of the large one, with smaller cells.
-pub const REFINED: Case = Case {
-    name: "crater_refined",
-    about: "A ball falls into dry sand (two of the cases of crater)",
-    resolutions: &[2, 3, 4],
-    ways: &["R 12.5 mm, μ 0.3, h 50 mm", "R 20 mm, μ 0.3, h 200 mm"],
-    run: |task| fall(task, &drop([0, 8][task.way]), &[]),
-    graphs: None,
-    ..CASE
-};
 /// What else the depth of one of them depends on.
 pub const NUMERICS: Case = Case {
     name: "crater_numerics",
     about: "A ball of 20 mm falls from 200 mm into dry sand with μ 0.3 (as crater)",
+    resolutions: &[2],
     ways: &["0.1 % PIC", "no PIC", "1 % PIC", "APIC", "0.1 % PIC, smooth ball", "0.1 % PIC, sand of 20 MPa"],
     run: |task| {
         let own: &[&str] = match task.way {

@@ -115,7 +115,7 @@ pub const CASES: [Case; 14] = [
 ];
 
 /// Cases that take longer, and are run when they are named.
-pub const STUDIES: [Case; 6] = [impact::REFINED, crater::CASE, crater::OUTER, crater::REFINED, crater::NUMERICS, rates::CASE];
+pub const STUDIES: [Case; 5] = [impact::REFINED, crater::CASE, crater::OUTER, crater::NUMERICS, rates::CASE];
 
 static USUAL: [Case; CASES.len()] = CASES;
 static LONG: [Case; STUDIES.len()] = STUDIES;
