@@ -3,7 +3,7 @@
 //! The fines fill what the daughters leave of their mother's sphere, at the porosity that the continuum's own fines had at the start, and free of stress there: that is
 //! the void ratio to which their law's deformation refers. What finds no room stays in the reserve with its share of the momentum, and so does
 //! what would be a point too small for the continuum (less than an eighth of a point of the scene) or alone in its cell, where it would weigh on nodes that
-//! nobody shares. Grains + points + reserve keep mass and momentum to rounding.
+//! nobody shares; and so do fines that a grain pushes through a platen. Grains + points + reserve keep mass and momentum to rounding.
 //!
 //! Points stand for many fines, so their ghosts reach into the daughters around them. The overlap that a contact has when it is born bears no force
 //! ([`Ghost::reference`](super::Ghost)); it goes where the bodies part, and with the way that they slide past each other, in proportion to itself, over the scene's
@@ -16,7 +16,7 @@ use crate::crush::event::Breakage;
 use crate::crush::strength::lineage_uniform;
 use crate::grains::Grains;
 use crate::mpm::platen::ghost_radius;
-use crate::mpm::{Continuum, Dimension, Point};
+use crate::mpm::{Continuum, Dimension, Platen, Point};
 use serde::{Deserialize, Serialize};
 
 /// How fines enter.
@@ -54,7 +54,7 @@ pub struct Fines {
     pub rule: Rule,
     /// What found no room.
     pub reserve: Account,
-    /// What became points, and how many.
+    /// What became points and still is, and how many.
     pub entered: Account,
     pub points: u64,
     /// Elastic energy that contacts got by the release of their first overlaps, J.
@@ -117,6 +117,27 @@ impl Fines {
             let new: Vec<Point> = places.into_iter().map(point).collect();
             ghosts.expect(continuum.insert(&new), grains.next_id);
         }
+    }
+
+    /// Fines that a grain has pushed through a platen have no place in the continuum any more: back into the reserve.
+    pub(super) fn leave(&mut self, platens: &[Platen], continuum: &mut Continuum, ghosts: &mut Ghosts) {
+        let points = continuum.points();
+        let through = |i: usize| platens.iter().any(|platen| platen.height(points.position[i]).0 < 0.0);
+        let lost: Vec<usize> = (0..points.len()).filter(|&i| ghosts.is_newborn(points.id[i]) && through(i)).collect();
+        if lost.is_empty() {
+            return;
+        }
+        let mut gone = vec![false; points.len()];
+        for i in lost {
+            let [u, v, w, mass] = points.velocity[i];
+            let momentum = [u, v, w].map(|u| mass * u);
+            self.reserve.add(mass, momentum, 0.5 * mass * (u * u + v * v + w * w));
+            self.entered.mass -= mass;
+            self.points -= 1;
+            gone[i] = true;
+        }
+        continuum.points_mut().remove(&gone);
+        ghosts.forget();
     }
 
     /// The mass of each of an event's points, kg, and their places.

@@ -202,6 +202,7 @@ impl Mixture {
         advance(parts, time * (1.0 / f64::from(rates.continuum)))?;
         if let Some(fines) = &mut self.fines {
             fines.enter(&self.grains.grains, &self.grains.walls, parts.continuum, &mut self.ghosts);
+            fines.leave(parts.platens, parts.continuum, &mut self.ghosts);
         }
         Ok(())
     }

@@ -89,6 +89,16 @@ impl Ghosts {
         self.newborn.get_or_insert(Newborn { first, grains, points: first });
     }
 
+    /// Whether breakages have left this point.
+    fn is_newborn(&self, point: u32) -> bool {
+        self.newborn.is_some_and(|born| point >= born.first)
+    }
+
+    /// The next look searches anew.
+    fn forget(&mut self) {
+        self.searched = [usize::MAX; 2];
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.near.capacity() * size_of::<Ghost>() + self.index.iter().map(|i| 4 * i.capacity()).sum::<usize>()

@@ -130,7 +130,7 @@ impl Platen {
     }
 
     /// How far a place is from its surface, m, and the unit normal there, into the material.
-    fn height(&self, p: [f64; 4]) -> (f64, [f64; 3]) {
+    pub(crate) fn height(&self, p: [f64; 4]) -> (f64, [f64; 3]) {
         let d: [f64; 3] = std::array::from_fn(|a| p[a] - self.point[a]);
         let Some(radius) = self.radius else {
             let [nx, ny, nz] = self.normal;

@@ -77,6 +77,13 @@ impl Points {
 
     /// Takes away the points that are marked, before a run begins: the others are counted anew.
     pub fn drop_those(&mut self, gone: &[bool]) {
+        self.remove(gone);
+        self.id = (0..self.position.len() as u32).collect();
+        self.next_id = self.id.len() as u32;
+    }
+
+    /// Takes away the points that are marked.
+    pub fn remove(&mut self, gone: &[bool]) {
         fn kept<T: Copy>(values: &mut Vec<T>, gone: &[bool]) {
             let mut gone = gone.iter();
             values.retain(|_| !gone.next().copied().unwrap_or(false));
@@ -90,8 +97,7 @@ impl Points {
         kept(&mut self.affine, gone);
         kept(&mut self.carried, gone);
         kept(&mut self.law, gone);
-        self.id = (0..self.position.len() as u32).collect();
-        self.next_id = self.id.len() as u32;
+        kept(&mut self.id, gone);
     }
 
     /// Mass over current volume, kg/m³.
