@@ -30,8 +30,7 @@ for cell in 3.75 2.5 1.875; do
 done
 run cells_1.25 twin_cells --set grid.cell_mm=1.25 --set test.axial_strain=0.02
 for share in 0.5 0.6 0.7 0.8 0.9 1.0; do
-    # coke alone stops at some 4 % of strain
-    run "coke_${share}_true" coke_in_fines --set coarse.mass_fraction=$share || true
+    run "coke_${share}_true" coke_in_fines --set coarse.mass_fraction=$share
     run "coke_${share}_false" coke_in_fines --set coarse.mass_fraction=$share --set crushing.enabled=false --set crushing.lost_mass=leave
 done
 for number in 1 8 64; do
@@ -47,5 +46,5 @@ of() { for name in "$@"; do echo "$runs/$name"; done; }
 "$bin" plot $(of reduction_8 reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction
 "$bin" plot $(of cells_3.75 cells_2.5 cells_1.875 cells_1.25) --show stress_ratio --out figures/mixture/twin_cells
 "$bin" plot $(of small_reduction_1 small_reduction_8 small_reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction_small
-"$bin" plot $(of coke_0.{5,6,7,8,9}_true) --show axial_strain --out figures/mixture/coke_crushing
+"$bin" plot $(of coke_{0.5,0.6,0.7,0.8,0.9,1.0}_true) --show axial_strain --out figures/mixture/coke_crushing
 "$bin" plot $(of coke_{0.5,0.6,0.7,0.8,0.9,1.0}_false) --show axial_strain --out figures/mixture/coke_whole
