@@ -169,7 +169,9 @@ fn graphs(name: &str, cone: &str, rows: &[Row]) -> Vec<Graph> {
             if *resolution == finest {
                 depths.push(drawn(own.iter().map(depth).collect()));
             }
-            ratios.push(drawn(own.iter().map(|r| (1e3 * drop(r.way).height, 1.0 + r.found.errors[0])).collect()));
+            // colours are named, symbols in the title
+            let ratio = drawn(own.iter().map(|r| (1e3 * drop(r.way).height, 1.0 + r.found.errors[0])).collect());
+            ratios.push(Drawn { label: (n == 0).then(|| ball.into()), ..ratio });
         }
     }
     let line = |points| Drawn { label: Some("eq. 62".into()), name: "eq. 62".into(), tone: Tone::Ink, look: Look::Guide, points };
@@ -181,14 +183,25 @@ fn graphs(name: &str, cone: &str, rows: &[Row]) -> Vec<Graph> {
         let [r, h, mu] = fit.map(|x| significant(x, 2).replace('-', "−"));
         title.push(format!("{finest} cells: D ∝ R^{{{r}}} H^{{{h}}} μ^{{{mu}}}"));
     }
-    let graph =
-        |end: &str, x, y, series| Graph { name: format!("{name}_{end}"), title: title.clone(), legend_title: None, x, y, series };
+    let symbols = ["circles", "squares", "triangles"].into_iter().zip(&resolutions).map(|(symbol, n)| format!("{symbol} {n}"));
+    let explained = format!("{} cells along the radius", symbols.collect::<Vec<_>>().join(", "));
+    let mut titles = [title.clone(), title];
+    titles[1].insert(1, explained);
+    let [depth_title, ratio_title] = titles;
+    let graph = |end: &str, title, x, y, series| Graph { name: format!("{name}_{end}"), title, legend_title: None, x, y, series };
     vec![
-        graph("depth", Quantity::log("depth of eq. 62 (mm)", "law_mm"), Quantity::log("depth D (mm)", "depth_mm"), depths),
+        graph(
+            "depth",
+            depth_title,
+            Quantity::log("depth of eq. 62 (mm)", "law_mm"),
+            Quantity::log("depth D (mm)", "depth_mm"),
+            depths,
+        ),
         graph(
             "ratio",
+            ratio_title,
             Quantity::log("height h (mm)", "height_mm"),
-            Quantity::linear("depth over that of eq. 62 (–)", "depth_over_law", &[0.0]),
+            Quantity::linear("depth over that of eq. 62 (–)", "depth_over_law", &[0.7]),
             ratios,
         ),
     ]
