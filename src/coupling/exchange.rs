@@ -3,6 +3,7 @@
 use super::{Body, Ghost, GhostTable, Mixture};
 use crate::contact::law::{Pair, PairTable};
 use crate::contact::pairs::{FREE, Kept, Pairs, Touch};
+use crate::contact::sweep::r_eff;
 use crate::model::{ContactLaw, Model};
 use crate::mpm::platen::ghost_radius;
 use crate::mpm::{Continuum, Dimension};
@@ -50,10 +51,7 @@ impl Mixture {
             };
             (0..pairs.slots()).filter(touching).map(contact).collect()
         };
-        let of_grains = |[i, j]: [usize; 2]| {
-            let (p, q) = (g.pos[i][3], g.pos[j][3]);
-            (p * q / (p + q), *table.grains(g.material[i], g.material[j]))
-        };
+        let of_grains = |[i, j]: [usize; 2]| (r_eff(g.pos[i][3], g.pos[j][3]), *table.grains(g.material[i], g.material[j]));
         let ghost = |ghost: &Ghost| {
             let body = match ghost.body {
                 Body::Grain(_) => Body::Grain(place[ghost.place[0] as usize]),

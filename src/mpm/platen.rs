@@ -204,6 +204,11 @@ impl Platen {
     pub fn advance(&mut self, dt: f64) {
         let step = self.speed * dt;
         self.moved += step;
+        self.shift(step);
+    }
+
+    /// So far into the material, m.
+    fn shift(&mut self, step: f64) {
         for (x, n) in self.point.iter_mut().zip(self.normal) {
             *x += step * n;
         }
@@ -215,9 +220,7 @@ impl Platen {
     /// Takes back the way since the last contact.
     #[cfg(feature = "gpu")]
     pub(crate) fn withdraw(&mut self) {
-        for (x, n) in self.point.iter_mut().zip(self.normal) {
-            *x -= self.moved * n;
-        }
+        self.shift(-self.moved);
         self.moved = 0.0;
     }
 
