@@ -94,10 +94,10 @@ impl Grid {
     }
 
     /// Level for a reach: level 0 takes all above `base`, each further one half of the last. Levels are added as grains get
-    /// smaller; a reach above level 0's makes its cells larger.
+    /// smaller; a reach above level 0's makes all of them anew.
     fn level(&mut self, reach: f64, reference: &[Reference]) -> usize {
         if reach > self.levels[0].reach {
-            self.rebuild(0, reach * 1.25, reference);
+            self.widen(reach * 1.25, reference);
         }
         let (mut l, mut bound) = (0, self.base);
         while reach <= bound && l < 40 {
@@ -120,7 +120,7 @@ impl Grid {
         self.unplace(i);
         self.link(i, l, cell);
         if self.levels[l].count > 4 * self.levels[l].capacity {
-            self.rebuild(l, self.levels[l].reach, reference);
+            self.rebuild(l, reference);
         }
     }
 
@@ -155,10 +155,21 @@ impl Grid {
         self.home[i] = (NONE, NONE);
     }
 
+    /// Makes all levels anew below the reach `largest`: had the bounds of growing grains stayed, small ones would come into the cells of large ones.
+    fn widen(&mut self, largest: f64, reference: &[Reference]) {
+        let placed: Vec<usize> = (0..self.home.len()).filter(|&i| self.home[i].0 != NONE).collect();
+        self.home.fill((NONE, NONE));
+        self.levels = vec![Level::new(largest, &self.size, placed.len())];
+        self.base = 0.5 * largest;
+        for i in placed {
+            self.place(i, reference);
+        }
+    }
+
     /// Makes the cells of level `l` anew, for the number of grains it now has.
-    fn rebuild(&mut self, l: usize, reach: f64, reference: &[Reference]) {
+    fn rebuild(&mut self, l: usize, reference: &[Reference]) {
         let members: Vec<usize> = (0..self.home.len()).filter(|&i| self.home[i].0 == l as u32).collect();
-        self.levels[l] = Level::new(reach, &self.size, members.len());
+        self.levels[l] = Level::new(self.levels[l].reach, &self.size, members.len());
         for i in members {
             let cell = self.levels[l].cell(&reference[i], &self.low) as u32;
             self.link(i, l, cell);
@@ -194,5 +205,37 @@ impl Grid {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.next.capacity() * 16 + self.levels.iter().map(|l| l.heads.capacity() * 4).sum::<usize>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Grains on a lattice, every hundredth five times as large, at `scale` of their size.
+    fn lattice(scale: f32) -> Vec<Reference> {
+        let at = |k: usize| [k % 20, k / 20 % 20, k / 400].map(|c| c as f32);
+        let reach = |k: usize| scale * if k.is_multiple_of(100) { 2.5 } else { 0.5 };
+        (0..8000).map(|k| [at(k)[0], at(k)[1], at(k)[2], reach(k)]).collect()
+    }
+
+    fn visits(grid: &Grid, reference: &[Reference]) -> usize {
+        let mut visits = 0;
+        reference.iter().for_each(|r| grid.for_each_near(r, |_| visits += 1));
+        visits
+    }
+
+    #[test]
+    fn a_search_costs_no_more_after_grains_have_grown() {
+        let mut reference = lattice(0.35);
+        let mut grown = Grid::new(&reference);
+        for step in 36..=100 {
+            for (i, larger) in lattice(0.01 * step as f32).into_iter().enumerate() {
+                reference[i] = larger;
+                grown.place(i, &reference);
+            }
+        }
+        let (anew, grown) = (visits(&Grid::new(&reference), &reference), visits(&grown, &reference));
+        assert!(2 * grown < 3 * anew, "{grown} against {anew} of a new grid");
     }
 }
