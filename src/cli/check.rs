@@ -132,9 +132,14 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
 
 fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) -> std::fmt::Result {
     let [x, y, z] = c.cells;
-    writeln!(text, "  points          {} ({} per cell)", c.points, c.points_per_cell)?;
+    let grows = if c.grows { " (estimate: the specimen grows)" } else { "" };
+    if c.grows {
+        writeln!(text, "  points          {}{grows}", c.points)?;
+    } else {
+        writeln!(text, "  points          {} ({} per cell)", c.points, c.points_per_cell)?;
+    }
     if e.grains > 0 {
-        writeln!(text, "  grains          {}", e.grains)?;
+        writeln!(text, "  grains          {}{grows}", e.grains)?;
     }
     for (k, block) in c.blocks.iter().enumerate() {
         writeln!(text, "  block {k:<9} {block}")?;

@@ -16,17 +16,43 @@ const CELL: f64 = 0.5;
 /// Share of grains that have a neighbour nearer than a ghost is wide, at most.
 const CROWDED: f64 = 0.25;
 
+/// What of a mixture says whether it is in range.
+struct Sizes {
+    /// Mean diameter of coarse grains, the least one, and the largest ghost's, m.
+    mean: f64,
+    least: f64,
+    ghost: f64,
+    /// Share of the coarse grains in the mass.
+    content: f64,
+}
+
+/// Sizes of the grains and points there are, or of those that will grow; `None` where one of both kinds is missing.
+fn sizes(model: &Model, rig: &Rig) -> Option<Sizes> {
+    let density = |material: u8| model.materials[usize::from(material)].density;
+    let grains = &rig.coarse.as_ref()?.grains;
+    if let (Some(growth), true) = (&rig.growth, grains.is_empty()) {
+        let coarse = growth.coarse.filter(|_| growth.as_points)?;
+        let [mass, fine] = [coarse, growth.fines].map(|f| f.volume * density(f.material));
+        let (least, ghost) = (2.0 * coarse.radii[0], 2.0 * growth.fines.radii[1]);
+        return Some(Sizes { mean: coarse.mean_diameter(), least, ghost, content: mass / (mass + fine) });
+    }
+    if grains.is_empty() || rig.points.is_empty() {
+        return None;
+    }
+    let mass: f64 = grains.iter().map(|g| density(g.material) * sphere_volume(g.radius)).sum();
+    let fine: f64 = rig.points.velocity.iter().map(|v| v[3]).sum();
+    Some(Sizes {
+        mean: 2.0 * grains.iter().map(|g| g.radius).sum::<f64>() / grains.len() as f64,
+        least: 2.0 * grains.iter().map(|g| g.radius).fold(f64::INFINITY, f64::min),
+        ghost: 2.0 * ghost_radius(Dimension::Space, (0..rig.points.len()).map(|i| rig.points.solid(i)).fold(0.0, f64::max)),
+        content: mass / (mass + fine),
+    })
+}
+
 /// What is outside of that range, in words.
 pub fn doubts(model: &Model, rig: &Rig) -> Vec<String> {
-    let Some(coarse) = rig.coarse.as_ref().filter(|c| !c.grains.is_empty()) else { return Vec::new() };
-    if rig.points.is_empty() {
-        return Vec::new();
-    }
-    let (grains, mut doubts) = (&coarse.grains, Vec::new());
-    let count = grains.len() as f64;
-    let mean = 2.0 * grains.iter().map(|g| g.radius).sum::<f64>() / count;
-    let least = 2.0 * grains.iter().map(|g| g.radius).fold(f64::INFINITY, f64::min);
-    let ghost = 2.0 * ghost_radius(Dimension::Space, (0..rig.points.len()).map(|i| rig.points.solid(i)).fold(0.0, f64::max));
+    let Some(Sizes { mean, least, ghost, content }) = sizes(model, rig) else { return Vec::new() };
+    let mut doubts = Vec::new();
     if mean < RATIO * ghost {
         doubts.push(format!(
             "grains are {:.1} times as large as the ghosts of points; below 5 a continuum does not see what is between them: use a smaller grid.cell_mm",
@@ -40,12 +66,11 @@ pub fn doubts(model: &Model, rig: &Rig) -> Vec<String> {
             1e3 * least
         ));
     }
-    let mass: f64 = grains.iter().map(|g| model.materials[usize::from(g.material)].density * sphere_volume(g.radius)).sum();
-    let fine: f64 = rig.points.velocity.iter().map(|v| v[3]).sum();
-    let content = mass / (mass + fine);
     if rig.specimen().is_some() && content > CONTENT {
         doubts.push(format!("{:.0} % of the mass are coarse grains: above {:.0} % they bear most of the stress, and points do not fill what is between them", 100.0 * content, 100.0 * CONTENT));
     }
+    let grains = rig.coarse.as_ref().map_or(&[][..], |c| &c.grains);
+    let count = grains.len() as f64;
     let near = |(i, g): &(usize, &crate::model::GrainSpec)| {
         grains.iter().enumerate().any(|(j, h)| {
             let d: f64 = (0..3).map(|a| (g.position[a] - h.position[a]) * (g.position[a] - h.position[a])).sum();

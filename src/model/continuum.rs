@@ -67,6 +67,26 @@ pub struct Fraction {
     pub volume: f64,
 }
 
+impl Fraction {
+    /// How many grains that are.
+    pub fn count(&self) -> usize {
+        let [a, b] = self.radii;
+        (self.volume / (FRAC_PI_3 * (a + b) * (a * a + b * b))).round() as usize
+    }
+
+    pub fn mean_diameter(&self) -> f64 {
+        self.radii[0] + self.radii[1]
+    }
+}
+
+impl Growth {
+    /// Points, and grains, that there will be.
+    pub fn counts(&self) -> [usize; 2] {
+        let (fine, coarse) = (self.fines.count(), self.coarse.map_or(0, |c| c.count()));
+        if self.as_points { [fine, coarse] } else { [0, fine + coarse] }
+    }
+}
+
 /// What is done with the points.
 #[derive(Clone, Debug)]
 pub enum Test {
@@ -133,6 +153,12 @@ impl Specimen {
 }
 
 impl Continuum {
+    /// Points and grains at the start of the test.
+    pub fn counts(&self) -> [usize; 2] {
+        let listed = || [self.points.len(), self.coarse.as_ref().map_or(0, |c| c.grains.len())];
+        self.growth.as_ref().map_or_else(listed, Growth::counts)
+    }
+
     /// The box between platens, where there is one.
     pub fn specimen(&self) -> Option<&Specimen> {
         self.test.specimen()

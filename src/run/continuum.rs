@@ -13,7 +13,7 @@ use crate::mpm::law::Law;
 use crate::record::continuum::{self as records, END, GRAINS_START, Recorder, START};
 use crate::record::table::Table;
 use crate::record::{blocks, checkpoint, specimen, vtk};
-use crate::rig::continuum::{Engine, Grown, Phase, State, grow};
+use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -23,7 +23,8 @@ use std::time::{Duration, Instant};
 #[derive(Serialize, Deserialize)]
 struct Progress {
     state: State,
-    /// The specimen, where it has grown.
+    /// The specimen, while it grows and when it has grown.
+    growing: Option<Box<Growing>>,
     grown: Option<Grown>,
     used: Used,
     recorder: Recorder,
@@ -52,29 +53,68 @@ pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     let engine = used.engine(chosen, &mut state, model, rig)?;
     let (history, blocks) = (Table::new("history.csv"), Table::new(blocks::TRACKS));
     let (recorder, snapshots) = (Recorder::default(), Vec::new());
-    let progress = Progress { state, grown: None, used, recorder, history, blocks, snapshots, seconds: 0.0, user_seconds: 0.0 };
+    let progress =
+        Progress { state, growing: None, grown: None, used, recorder, history, blocks, snapshots, seconds: 0.0, user_seconds: 0.0 };
     Ok(Begun { progress, engine })
 }
 
-/// Puts a specimen that grows in place of the one that the scene has, with a bar; the rig with it.
-fn replace(model: &Model, rig: &Rig, begun: &mut Begun, quiet: bool) -> Result<Option<Rig>> {
-    let Some(growth) = &rig.growth else { return Ok(None) };
-    let (mut bar, started, spent) = (Bar::new(quiet), Instant::now(), user_seconds());
-    let grown = grow(model, rig, growth, |step, what| {
-        if step.is_multiple_of(LOOK) {
-            let share = step as f64 / growth.max_steps as f64;
-            bar.show_share(step, 0.0, || (share, format!("specimen: {what}")));
-        }
-    });
-    bar.abandon();
+/// Lets a specimen grow to its end, with a bar; the rig with it, which takes the place of the one that the scene has.
+///
+/// # Errors
+/// A specimen that does not come to rest, and an interruption, with a checkpoint.
+fn grow(model: &Model, rig: &Rig, begun: &mut Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Option<Rig>> {
     let Begun { progress, engine } = begun;
-    let grown = grown?;
+    let Some(growth) = &rig.growth else { return Ok(None) };
+    let (mut bar, mut clock, mut last_checkpoint) = (Bar::new(quiet), Clock::new(progress), Instant::now());
+    let by = growing(model);
+    let mut work = progress.growing.as_mut().map(|specimen| specimen.work(&by));
+    while let (Some(specimen), Some(work)) = (&mut progress.growing, &mut work) {
+        if specimen.advance(&by, rig, growth, work)? {
+            break;
+        }
+        let (steps, doing) = (specimen.steps(), specimen.doing());
+        let stop = stop_asked() || stop_after.is_some_and(|n| steps >= n);
+        let look = steps.is_multiple_of(LOOK);
+        if stop || look && last_checkpoint.elapsed() > Duration::from_secs_f64(model.records.checkpoint_seconds) {
+            clock.read(progress);
+            progress.save(engine, model, out)?;
+            last_checkpoint = Instant::now();
+        }
+        if stop {
+            bar.abandon();
+            return Err(Error::Interrupted { step: steps, out: out.into() });
+        }
+        if look {
+            let share = steps as f64 / growth.max_steps as f64;
+            bar.show_share(steps, 0.0, || (share, format!("specimen: {doing}")));
+        }
+    }
+    bar.abandon();
+    clock.read(progress);
+    let Some(specimen) = progress.growing.take() else { return Ok(None) };
+    let grown = specimen.grown();
     let own = grown.rig(model, rig, growth);
     progress.grown = Some(grown);
     progress.state = State::start(model, &own)?;
     *engine = Engine::of_grains(&mut progress.state, model, &own);
-    (progress.seconds, progress.user_seconds) = (started.elapsed().as_secs_f64(), user_seconds() - spent);
     Ok(Some(own))
+}
+
+/// What has been spent on a run, with what it was before.
+struct Clock {
+    started: Instant,
+    before: [f64; 2],
+}
+
+impl Clock {
+    fn new(progress: &Progress) -> Clock {
+        Clock { started: Instant::now(), before: [progress.seconds, progress.user_seconds - user_seconds()] }
+    }
+
+    fn read(&mut self, progress: &mut Progress) {
+        progress.seconds = self.before[0] + self.started.elapsed().as_secs_f64();
+        progress.user_seconds = self.before[1] + user_seconds();
+    }
 }
 
 /// Runs from the start.
@@ -82,7 +122,15 @@ fn replace(model: &Model, rig: &Rig, begun: &mut Begun, quiet: bool) -> Result<O
 /// # Errors
 /// What keeps it from ending; records and checkpoint are kept.
 pub fn run(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
-    let own = replace(model, rig, &mut begun, quiet)?;
+    if let Some(growth) = &rig.growth {
+        begun.progress.growing = Some(Box::new(Growing::start(&growing(model), rig, growth)?));
+    }
+    prepared(model, rig, begun, out, quiet, stop_after)
+}
+
+/// From a specimen that may have to grow first.
+fn prepared(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+    let own = grow(model, rig, &mut begun, out, quiet, stop_after)?;
     let rig = own.as_ref().unwrap_or(rig);
     records::write_points(&out.join(START), rig, &rig.points, None)?;
     if let Some(mixture) = &begun.progress.state.mixture {
@@ -106,6 +154,10 @@ pub fn resume(
     let mut progress: Progress = checkpoint::load(out)?;
     let same = if progress.used.gpu() { Backend::Gpu } else { Backend::Cpu };
     let chosen = choose(backend.unwrap_or(same), model)?;
+    if progress.growing.is_some() {
+        let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
+        return prepared(model, rig, Begun { progress, engine }, out, quiet, stop_after);
+    }
     let own = progress.grown.as_ref().zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth));
     let rig = own.as_ref().unwrap_or(rig);
     let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
@@ -114,13 +166,11 @@ pub fn resume(
 
 fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let Begun { mut progress, mut engine } = begun;
-    let (mut bar, started, before) = (Bar::new(quiet), Instant::now(), progress.seconds);
-    let user_before = progress.user_seconds - user_seconds();
-    let mut last_checkpoint = Instant::now();
+    let (mut bar, mut clock, mut last_checkpoint) = (Bar::new(quiet), Clock::new(&progress), Instant::now());
+    let before = progress.grown.as_ref().map_or(0, |g| g.steps);
     loop {
         let done = progress.advance(model, rig, &mut engine, out);
-        progress.seconds = before + started.elapsed().as_secs_f64();
-        progress.user_seconds = user_before + user_seconds();
+        clock.read(&mut progress);
         match done {
             Ok(true) => break,
             Ok(false) => {}
@@ -134,7 +184,7 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
             }
         }
         let steps = progress.state.continuum.steps();
-        if stop_asked() || stop_after.is_some_and(|n| steps >= n) {
+        if stop_asked() || stop_after.is_some_and(|n| before + steps >= n) {
             progress.save(&engine, model, out)?;
             bar.abandon();
             return Err(Error::Interrupted { step: steps, out: out.into() });
@@ -251,6 +301,9 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     put("kind", json!(if state.mixture.is_some() { "mixture" } else { "continuum" }));
     put("points", json!(points));
     put("steps", json!(steps));
+    if let Some(grown) = &progress.grown {
+        put("growth_steps", json!(grown.steps));
+    }
     put("time_s", json!(state.time));
     match &rig.test {
         Test::Free { .. } => {

@@ -21,6 +21,8 @@ const FAST: f64 = 5e-4;
 #[derive(Clone, Debug, Serialize)]
 pub struct Points {
     pub points: usize,
+    /// The specimen grows: numbers are estimates.
+    pub grows: bool,
     pub cells: [u32; 3],
     pub points_per_cell: u32,
     /// Rigid bodies that are no spheres, in words.
@@ -47,7 +49,7 @@ fn device_bytes(_: &Model, _: &Continuum) -> Result<u64> {
 
 pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
     let d = if rig.settings.dimension == Dimension::Space { 3 } else { 2 };
-    let points = rig.points.len();
+    let [points, grains] = rig.counts();
     let density = rig.points.density(0);
     let law = &rig.laws[usize::from(rig.points.law[0])];
     let waves = wave_step(rig);
@@ -81,12 +83,13 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
     }
     let device = crate::run::spheres_only(model).and_then(|()| device_bytes(model, rig));
     Estimate {
-        grains: rig.coarse.as_ref().map_or(0, |c| c.grains.len()),
+        grains,
         grains_final: 0.0,
         memory_mb: 1e-6 * BYTES_PER_POINT * points as f64,
         specimen: None,
         continuum: Some(Points {
             points,
+            grows: rig.growth.is_some(),
             cells: rig.settings.cells,
             points_per_cell: rig.per_edge.pow(d as u32),
             blocks: rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.in_words(model)).collect(),

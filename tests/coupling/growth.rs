@@ -50,8 +50,17 @@ fn a_grown_specimen_is_in_balance_with_points_or_grains() {
     let s = summary(&out("points"));
     assert!((number(&s, "coarse_mass_fraction") - 0.2).abs() < 0.02, "{s}");
 
-    let half = (number(&s, "steps") as u64 / 2).to_string();
-    run("mixture/twin_points", &out("parts"), &SMALL, &["--stop-after", &half]).assert().code(130);
+    // stopped while it grows, while its walls press and while it is loaded
+    let [grown, steps] = ["growth_steps", "steps"].map(|key| number(&s, key) as u64);
+    assert!(grown > 4200, "{s}");
+    run("mixture/twin_points", &out("parts"), &SMALL, &["--stop-after", "1500"]).assert().code(130);
+    for at in [4100, grown + steps / 2] {
+        comminute("resume")
+            .arg(out("parts"))
+            .args(["--threads", "2", "--quiet", "--stop-after", &at.to_string()])
+            .assert()
+            .code(130);
+    }
     comminute("resume").arg(out("parts")).args(["--threads", "2", "--quiet"]).assert().success();
     same_files(&out("points"), &out("parts"));
 }
@@ -68,6 +77,31 @@ fn fines_from_crushing_enter_a_grown_specimen() {
     let (first, last) = (rows[0], rows[rows.len() - 1]);
     assert!(last[0] > 1.0 && last[1] + last[2] > 0.0, "{last:?}");
     assert!(rows.iter().all(|r| (r[3] / first[3] - 1.0).abs() < 1e-12), "{rows:?}");
+}
+
+/// `check` counts what will grow, and sees beforehand that coarse grains are too small for their points.
+#[test]
+fn check_counts_grains_that_have_yet_to_grow() {
+    let folder = tempfile::tempdir().expect("folder");
+    let check = |sets: &[&str]| {
+        let mut command = comminute("check");
+        command.args(["experiments/mixture/twin_points.toml", "--json"]);
+        for set in sets {
+            command.args(["--set", set]);
+        }
+        let output = command.output().expect("run");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).expect("json")["estimate"].clone()
+    };
+    let (small, out) = (check(&SMALL[..2]), folder.path().join("out"));
+    run("mixture/twin_points", &out, &[&SMALL[..], &["test.axial_strain=1e-5"]].concat(), &[]).assert().success();
+    let points = small["continuum"]["points"].as_f64().expect("points");
+    assert!((points / rows_of(&out.join("points_start.csv")) as f64 - 1.0).abs() < 0.02, "{small}");
+    assert_eq!(small["grains"].as_f64(), Some(number(&summary(&out), "grains")));
+    let doubts = |e: &serde_json::Value| e["warnings"].to_string();
+    assert!(doubts(&small).contains("times as large as the ghosts"), "{small}");
+    let wide = check(&["coarse.diameter_mm=[12.0, 12.1]"]);
+    assert!(!doubts(&wide).contains("times as large as the ghosts"), "{wide}");
 }
 
 /// One number says how many grains a point stands for: 1:8 of 1 mm grains at porosity 0.365 are 40 points along 75 mm (Li et al. 2023, Table 4).

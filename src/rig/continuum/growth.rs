@@ -26,6 +26,29 @@ const NEARLY: f64 = 10.0;
 /// Steps between two looks at equilibrium.
 const LOOK: u64 = 64;
 
+/// What the growing grains do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Stage {
+    Growth,
+    /// The walls press at the friction of growth, then at the materials'.
+    Pressing,
+    Rest,
+    Done,
+}
+
+/// A specimen that grows: everything that a restart needs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Growing {
+    state: State,
+    /// Final radii by id, m, the coarse ones first, and how many of these there are.
+    radii: Vec<f64>,
+    coarse: usize,
+    stage: Stage,
+    /// Steps done, and those at which the stage began.
+    steps: u64,
+    from: u64,
+}
+
 /// A grown specimen: what a restart needs instead of growing it again.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Grown {
@@ -35,76 +58,136 @@ pub struct Grown {
     /// Middle, m, and radius of every grain, the coarse ones first, and how many of these there are.
     pub grains: Vec<[f64; 4]>,
     pub coarse: usize,
+    /// Steps that it took.
+    pub steps: u64,
 }
 
-/// Grows a specimen. `show` gets the share that is done, for a progress bar.
-///
-/// # Errors
-/// Grains that do not come to rest at the stress.
-pub fn grow(model: &Model, rig: &Rig, growth: &Growth, mut show: impl FnMut(u64, &str)) -> Result<Grown> {
-    let Some(specimen) = rig.specimen() else {
-        return Err(Error::Failed { step: 0, what: "growth needs a test".into() });
-    };
-    let model = Model {
+/// The model by which grains grow: their inertia follows their contacts, and nothing but walls acts on them.
+pub fn growing(model: &Model) -> Model {
+    Model {
         stepping: Stepping { inertia_scaling: true, dt: None, ..model.stepping },
         crush: None,
         gravity: [0.0; 3],
         ..model.clone()
-    };
-    let mut rng = ChaCha8Rng::seed_from_u64(model.seeds.packing);
-    let mut radii = growth.coarse.map_or(Vec::new(), |c| packing::sizes(c.radii, c.volume, &mut rng));
-    let coarse = radii.len();
-    radii.extend(packing::sizes(growth.fines.radii, growth.fines.volume, &mut rng));
-    let mut grains = Grains::default();
-    for (k, r) in radii.iter().enumerate() {
-        let at = std::array::from_fn(|a| {
-            let room = (specimen.size[a] - 2.0 * r).max(0.0);
-            specimen.lower[a] + 0.5 * (specimen.size[a] - room) + room * rng.random::<f64>()
-        });
-        let material = if k < coarse { growth.coarse.map_or(0, |c| c.material) } else { growth.fines.material };
-        grains.add(at, growth::START * r, material, &model.materials);
     }
-    let mut state = State::new(&model, grains, (0..6).map(|k| Wall::new(&wall_of(specimen, k))).collect(), false);
-    state.friction = growth.friction;
-    state.damping = DAMPING;
-    state.reference_stress = growth::STRESS * growth.stress;
-    state.stability_interval = 1;
-    let mut work = Work::new(&model, &mut state);
-    for step in 0..growth.steps {
-        growth::grow(&model, &radii, step, growth.steps, &mut state, &mut work);
-        step::step(&model, &mut state, &mut work, |_, _| Ok::<(), Error>(()))?;
-        show(step, "grains grow");
+}
+
+impl Growing {
+    /// Small grains at random places. `model` is that of [`growing`].
+    ///
+    /// # Errors
+    /// A rig without a specimen.
+    pub fn start(model: &Model, rig: &Rig, growth: &Growth) -> Result<Growing> {
+        let Some(specimen) = rig.specimen() else {
+            return Err(Error::Failed { step: 0, what: "growth needs a test".into() });
+        };
+        let mut rng = ChaCha8Rng::seed_from_u64(model.seeds.packing);
+        let mut radii = growth.coarse.map_or(Vec::new(), |c| packing::sizes(c.radii, c.volume, &mut rng));
+        let coarse = radii.len();
+        radii.extend(packing::sizes(growth.fines.radii, growth.fines.volume, &mut rng));
+        let mut grains = Grains::default();
+        for (k, r) in radii.iter().enumerate() {
+            let at = std::array::from_fn(|a| {
+                let room = (specimen.size[a] - 2.0 * r).max(0.0);
+                specimen.lower[a] + 0.5 * (specimen.size[a] - room) + room * rng.random::<f64>()
+            });
+            let material = if k < coarse { growth.coarse.map_or(0, |c| c.material) } else { growth.fines.material };
+            grains.add(at, growth::START * r, material, &model.materials);
+        }
+        let mut state = State::new(model, grains, (0..6).map(|k| Wall::new(&wall_of(specimen, k))).collect(), false);
+        state.friction = growth.friction;
+        state.damping = DAMPING;
+        state.reference_stress = growth::STRESS * growth.stress;
+        state.stability_interval = 1;
+        Ok(Growing { state, radii, coarse, stage: Stage::Growth, steps: 0, from: 0 })
     }
-    growth::still(&mut state);
-    state.stability_interval = LOOK / 8;
-    let mut at = growth.steps;
-    // at the friction of growth, then at the materials'
-    for (friction, what, unbalanced) in [(growth.friction, "walls press", NEARLY * UNBALANCED), (None, "at rest", UNBALANCED)] {
-        state.friction = friction;
-        let from = at;
-        while at < from + 4 * LOOK || !at.is_multiple_of(LOOK) || !at_rest(&model, rig, growth.stress, &state, &work, unbalanced) {
-            step::step(&model, &mut state, &mut work, |state, _| {
-                servo(rig, growth.stress, state);
-                Ok::<(), Error>(())
-            })?;
-            at += 1;
-            show(at, what);
-            if at > growth.max_steps {
-                let [_, size] = extent(&state);
-                let sides: Vec<String> = (0..6).map(|k| format!("{:.2}", 1e-3 * side(&state, size, k))).collect();
-                let what = format!(
-                    "the growing specimen did not come to rest at {:.2} kPa within growth.max_steps = {}: its sides bear {} kPa",
-                    1e-3 * growth.stress,
-                    growth.max_steps,
-                    sides.join(", ")
-                );
-                return Err(Error::Failed { step: at, what });
-            }
+
+    /// Scratch for its steps.
+    pub fn work(&mut self, model: &Model) -> Work {
+        Work::new(model, &mut self.state)
+    }
+
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// What it does, in words.
+    pub fn doing(&self) -> &'static str {
+        match self.stage {
+            Stage::Growth => "grains grow",
+            Stage::Pressing => "walls press",
+            Stage::Rest | Stage::Done => "at rest",
         }
     }
-    let [lower, size] = extent(&state);
-    let g = &state.grains;
-    Ok(Grown { lower, size, grains: g.by_id().into_iter().map(|i| g.pos[i as usize]).collect(), coarse })
+
+    /// One step; true once the specimen is at rest.
+    ///
+    /// # Errors
+    /// Grains that do not come to rest at the stress.
+    pub fn advance(&mut self, model: &Model, rig: &Rig, growth: &Growth, work: &mut Work) -> Result<bool> {
+        let (stage, state) = (self.stage, &mut self.state);
+        if stage == Stage::Growth {
+            growth::grow(model, &self.radii, self.steps, growth.steps, state, work);
+        }
+        step::step(model, state, work, |state, _| {
+            if stage != Stage::Growth {
+                servo(rig, growth.stress, state);
+            }
+            Ok::<(), Error>(())
+        })?;
+        self.steps += 1;
+        if self.steps > growth.max_steps {
+            return Err(self.restless(growth));
+        }
+        match stage {
+            Stage::Growth if self.steps == growth.steps => {
+                growth::still(&mut self.state);
+                self.state.stability_interval = LOOK / 8;
+                self.enter(Stage::Pressing);
+            }
+            Stage::Pressing if self.at_rest(model, rig, growth.stress, work, NEARLY * UNBALANCED) => {
+                self.state.friction = None;
+                self.enter(Stage::Rest);
+            }
+            Stage::Rest if self.at_rest(model, rig, growth.stress, work, UNBALANCED) => self.enter(Stage::Done),
+            _ => {}
+        }
+        Ok(self.stage == Stage::Done)
+    }
+
+    fn enter(&mut self, stage: Stage) {
+        (self.stage, self.from) = (stage, self.steps);
+    }
+
+    /// Whether all walls that move bear the stress and grains are in balance; looked at now and then, and not at once.
+    fn at_rest(&self, model: &Model, rig: &Rig, stress: f64, work: &Work, unbalanced: f64) -> bool {
+        if self.steps < self.from + 4 * LOOK || !self.steps.is_multiple_of(LOOK) {
+            return false;
+        }
+        let [_, size] = extent(&self.state);
+        let close = |k: usize| (side(&self.state, size, k) / stress - 1.0).abs() < STRESS_AT_REST;
+        (0..6).filter(|k| moves(rig, *k)).all(close)
+            && measure::sums(model, &self.state, work).unbalanced_ratio(self.state.grains.len()) < unbalanced
+    }
+
+    fn restless(&self, growth: &Growth) -> Error {
+        let [_, size] = extent(&self.state);
+        let sides: Vec<String> = (0..6).map(|k| format!("{:.2}", 1e-3 * side(&self.state, size, k))).collect();
+        let what = format!(
+            "the growing specimen did not come to rest at {:.2} kPa within growth.max_steps = {}: its sides bear {} kPa",
+            1e-3 * growth.stress,
+            growth.max_steps,
+            sides.join(", ")
+        );
+        Error::Failed { step: self.steps, what }
+    }
+
+    /// The specimen as it is now.
+    pub fn grown(&self) -> Grown {
+        let ([lower, size], g) = (extent(&self.state), &self.state.grains);
+        let grains = g.by_id().into_iter().map(|i| g.pos[i as usize]).collect();
+        Grown { lower, size, grains, coarse: self.coarse, steps: self.steps }
+    }
 }
 
 /// Lower corner and size of the space between the walls, m.
@@ -137,13 +220,6 @@ fn servo(rig: &Rig, stress: f64, state: &mut State) {
         let (dt, w) = (state.dt, &mut state.walls[k]);
         w.speed = servo_speed(force, w.reaction, w.stiffness, GAIN, dt, limit);
     }
-}
-
-fn at_rest(model: &Model, rig: &Rig, stress: f64, state: &State, work: &Work, unbalanced: f64) -> bool {
-    let [_, size] = extent(state);
-    let close = |k: usize| (side(state, size, k) / stress - 1.0).abs() < STRESS_AT_REST;
-    (0..6).filter(|k| moves(rig, *k)).all(close)
-        && measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < unbalanced
 }
 
 impl Grown {

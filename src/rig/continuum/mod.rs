@@ -12,7 +12,7 @@ mod specimen;
 pub use device::Device;
 pub use engine::Engine;
 pub use grains::Coupled;
-pub use growth::{Grown, grow};
+pub use growth::{Growing, Grown, growing};
 pub use measure::{Coarse, Moment};
 
 use crate::coupling::Mixture;
