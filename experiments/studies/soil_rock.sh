@@ -6,14 +6,13 @@ cd "$(dirname "$0")/../.."
 cargo build --release --quiet
 bin=${CARGO_TARGET_DIR:-target}/release/comminute
 modulus=${1:-50}
-for pressure in 200 800 400; do
-    tests=()
-    for rock in 20 10 15; do
-        name=fan_${rock}mm_${pressure}kPa
-        out=runs/soil_rock/$modulus/$name
-        "$bin" run "experiments/mixture/$name.toml" --out "$out" --continue \
+out() { echo "runs/soil_rock/$modulus/fan_$1mm_$2kPa"; }
+for rock in 20 10 15; do
+    for pressure in 200 800 400; do
+        "$bin" run "experiments/mixture/fan_${rock}mm_${pressure}kPa.toml" --out "$(out $rock $pressure)" --continue \
             --set "materials.fines.elastic.E_GPa=$modulus" --set "materials.coarse.elastic.E_GPa=$modulus"
-        tests+=("$out")
     done
-    "$bin" plot "${tests[@]}" --show stress_ratio,volumetric_strain,stress_bearers --out "figures/mixture/soil_rock_${pressure}kPa_${modulus}GPa"
 done
+figures=figures/mixture/soil_rock_${modulus}GPa
+"$bin" plot "$(out 20 200)" "$(out 10 200)" "$(out 20 800)" "$(out 10 800)" --show stress_ratio,volumetric_strain --out "$figures"
+"$bin" plot "$(out 20 200)" --show stress_bearers --out "${figures}_bearers"
