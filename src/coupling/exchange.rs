@@ -127,7 +127,7 @@ impl Mixture {
         near.sort_unstable_by_key(|g| (g.body, g.point));
         self.ghosts.near = near;
         // as if nothing had been searched, and the grains' step had not been looked at
-        self.ghosts.searched = [usize::MAX; 2];
+        self.ghosts.forget();
         self.grains.births = true;
         (self.grains.dt, self.last) = (dt, dt);
     }

@@ -25,6 +25,7 @@ use crate::boundary::Wall;
 use crate::contact::law::{Pair, PairTable};
 use crate::contact::pairs::Touch;
 use crate::model::{ContactLaw, Material};
+use search::Age;
 use serde::{Deserialize, Serialize};
 
 /// Whose surface a ghost may touch. Grains come first, in the order of ids.
@@ -62,10 +63,7 @@ pub struct Ghost {
 pub struct Ghosts {
     /// In the order of bodies, then of points.
     pub near: Vec<Ghost>,
-    /// Way that a point and a grain may have gone towards each other since the search, m.
-    travelled: f64,
-    /// What was searched: grains and points alive then.
-    searched: [usize; 2],
+    age: Age,
     /// Points that breakages have left, where there are some.
     newborn: Option<Newborn>,
     /// Scratch: index by identity.
@@ -96,7 +94,7 @@ impl Ghosts {
 
     /// The next look searches anew.
     fn forget(&mut self) {
-        self.searched = [usize::MAX; 2];
+        self.age.forget();
     }
 
     /// Bytes held.

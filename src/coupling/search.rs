@@ -6,27 +6,56 @@ use crate::contact::pairs::Touch;
 use crate::grains::Grains;
 use crate::mpm::Continuum;
 use crate::mpm::platen::ghost_radius;
+use serde::{Deserialize, Serialize};
 
-/// A body and a point further apart than this share of a cell are not looked at until one of them has gone so far.
-pub(crate) const SKIN: f64 = 0.25;
+/// A body and a point further apart than a skin are not looked at until one of them has gone so far. Least and most of it, in cells: a wide skin
+/// brings many that do not touch, a narrow one many searches.
+const SKIN: [f64; 2] = [0.02, 0.25];
+/// Steps that a list should last.
+const STEPS: f64 = 100.0;
 /// Share of the skin that may be used up: places ahead of time are guesses.
-pub(crate) const TRUST: f64 = 0.5;
+const TRUST: f64 = 0.5;
 /// Not a place.
 pub(crate) const NOWHERE: u32 = u32::MAX;
+
+/// How long a list of who is near whom stays good. What it lists beyond those in touch changes no bit of a result.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Age {
+    skin: f64,
+    /// Way that a body and a point may have gone towards each other since the search, m.
+    travelled: f64,
+    /// Bodies and points alive then.
+    searched: [usize; 2],
+}
+
+impl Age {
+    /// The skin, m, of the search that is due where something may have come into reach since the last one. `way`: how much nearer a body and another
+    /// may have come since the last call, m.
+    pub fn due(&mut self, way: f64, alive: [usize; 2], cell: f64) -> Option<f64> {
+        self.travelled += way;
+        // a broken grain leaves its place to a daughter, and more than one daughter comes
+        if self.searched == alive && self.travelled <= TRUST * self.skin {
+            return None;
+        }
+        let [least, most] = SKIN.map(|share| share * cell);
+        *self = Age { skin: (STEPS / TRUST * way).clamp(least, most), travelled: 0.0, searched: alive };
+        Some(self.skin)
+    }
+
+    /// A search is due.
+    pub fn forget(&mut self) {
+        self.searched = [usize::MAX; 2];
+    }
+}
 
 impl Ghosts {
     /// Makes the list anew where something may have come into reach since the last search, and finds everybody's present index. `way`: how much
     /// nearer a point and a surface may have come since the last call, m.
     pub(super) fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64) {
-        let (skin, alive) = (SKIN * continuum.settings().cell, [grains.len(), continuum.points().len()]);
-        self.travelled += way;
-        // a broken grain leaves its place to a daughter, and more than one daughter comes
-        if self.searched != alive || self.travelled > TRUST * skin {
-            self.search(grains, walls, continuum, skin);
-            self.travelled = 0.0;
-            self.searched = alive;
-        } else {
-            self.locate(grains, continuum);
+        let alive = [grains.len(), continuum.points().len()];
+        match self.age.due(way, alive, continuum.settings().cell) {
+            Some(skin) => self.search(grains, walls, continuum, skin),
+            None => self.locate(grains, continuum),
         }
     }
 
@@ -131,5 +160,31 @@ pub(crate) fn by_id(index: &mut Vec<u32>, ids: &[u32], next: u32) {
     index.resize(next as usize, NOWHERE);
     for (i, &id) in ids.iter().enumerate() {
         index[id as usize] = i as u32;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_is_used_no_longer_than_it_is_good() {
+        let (mut age, cell, mut gone, mut skin, mut searches) = (Age::default(), 0.1, 0.0, 0.0, 0);
+        for k in 0..10_000 {
+            // at rest, ever faster, and at rest again
+            let way = if k < 9000 { 1e-5 * f64::from(k / 1000) } else { 0.0 };
+            gone += way;
+            if let Some(new) = age.due(way, [3, 5], cell) {
+                (skin, gone) = (new, 0.0);
+                searches += 1;
+                assert!((SKIN[0] * cell..=SKIN[1] * cell).contains(&skin), "{skin}");
+            }
+            assert!(gone <= TRUST * skin, "{gone} of {skin}");
+        }
+        assert!((60..=120).contains(&searches), "{searches} searches");
+        assert_eq!(age.due(0.0, [3, 5], cell), None);
+        assert!(age.due(0.0, [4, 5], cell).is_some(), "somebody has come");
+        age.forget();
+        assert!(age.due(0.0, [4, 5], cell).is_some());
     }
 }

@@ -97,13 +97,8 @@ impl Blocks {
         self.starts[b * cells(d)] as usize..self.starts[(b + 1) * cells(d)] as usize
     }
 
-    /// Sorts all points, wherever they are, by `key_of`, and the forces that wait for them.
-    pub fn sort<const D: usize>(
-        &mut self,
-        points: &mut Points,
-        forces: [&mut Vec<[f64; 4]>; 3],
-        key_of: impl Fn(&[f64; 4]) -> u64,
-    ) {
+    /// Sorts all points, wherever they are, by `key_of`, and the places of forces that wait for them, where there are some.
+    pub fn sort<const D: usize>(&mut self, points: &mut Points, forces: &mut [u32], key_of: impl Fn(&[f64; 4]) -> u64) {
         let n = points.len();
         let mut order: Vec<Mover> =
             (0..n).map(|i| Mover { key: key_of(&points.position[i]), id: points.id[i], from: i as u32 }).collect();
@@ -128,8 +123,8 @@ impl Blocks {
         self.source.extend(order.iter().map(|m| m.from));
         if self.source.iter().enumerate().any(|(k, &from)| k as u32 != from) {
             permute(points, 0, &self.source, &mut self.spare);
-            for forces in forces.into_iter().filter(|f| f.len() == n) {
-                array(forces, 0, &self.source, &mut self.spare.numbers);
+            if forces.len() == n {
+                array(forces, 0, &self.source, &mut self.spare.ids);
             }
         }
         self.link::<D>();

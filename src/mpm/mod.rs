@@ -11,6 +11,7 @@ mod drive;
 mod grid;
 pub mod law;
 mod measure;
+mod outside;
 mod pass;
 pub mod platen;
 mod points;
@@ -183,8 +184,8 @@ impl Continuum {
 
     /// Adds a force, N, on the point at index `i` of [`Self::points`] for the next step; points change places in a step.
     pub fn push(&mut self, i: usize, force: [f64; 3]) {
-        self.make_room();
-        for (sum, f) in self.work.outside[i].iter_mut().zip(force) {
+        let push = self.work.outside.of_mut(i, self.points.len());
+        for (sum, f) in push.force.iter_mut().zip(force) {
             *sum += f;
         }
     }
@@ -195,10 +196,8 @@ impl Continuum {
         if self.settings.shape != ShapeFunctions::BSpline {
             return self.push(i, force);
         }
-        self.make_room();
-        for ((sum, moment), (f, arm)) in
-            self.work.beside[i].iter_mut().zip(&mut self.work.moments[i]).zip(force.into_iter().zip(beside))
-        {
+        let push = self.work.outside.of_mut(i, self.points.len());
+        for ((sum, moment), (f, arm)) in push.beside.iter_mut().zip(&mut push.moment).zip(force.into_iter().zip(beside)) {
             *sum += f;
             *moment += f * arm;
         }
@@ -206,18 +205,7 @@ impl Continuum {
 
     /// Takes back what was pushed since the last step.
     pub fn drop_forces(&mut self) {
-        self.work.drop_forces();
-    }
-
-    fn make_room(&mut self) {
-        let n = self.points.len();
-        for array in [&mut self.work.outside, &mut self.work.beside, &mut self.work.moments] {
-            if array.len() != n {
-                array.clear();
-                array.resize(n, [0.0; 4]);
-            }
-        }
-        self.work.pushed = true;
+        self.work.outside.clear();
     }
 
     /// One step of `dt` seconds.

@@ -4,6 +4,7 @@
 use super::blocks::{BIAS, Blocks, EDGE, STAYS, TILE, block_corner, cell_key, cells, tile};
 use super::grid::load;
 use super::law::{Law, Memory, Sym};
+use super::outside::{Outside, Push};
 use super::spline::{Shape, Weights};
 use super::stress::{increments, turned, work};
 use super::transfer::{gather, gradient, spread, spread_affine, spread_stress};
@@ -68,11 +69,7 @@ pub struct Pass<'a, S> {
     pub change: &'a [[f64; 4]],
     pub law: &'a [u8],
     pub id: &'a [u32],
-    /// Forces from outside; empty where there are none.
-    pub outside: &'a [[f64; 4]],
-    /// Those that act beside the points, and times how far beside along its axis each component does.
-    pub beside: &'a [[f64; 4]],
-    pub moments: &'a [[f64; 4]],
+    pub outside: &'a Outside,
     pub faults: &'a AtomicU64,
 }
 
@@ -360,7 +357,7 @@ fn forces<F: Four, const D: usize, S: Shape>(_: &Pass<'_, S>, place: &Place<F, S
 
 #[inline(always)]
 fn outside<F: Four, const D: usize, S: Shape>(pass: &Pass<'_, S>, place: &Place<F, S>, part: &mut Part<'_>, p: At<F::Token>) {
-    let (force, beside, moment) = (pass.outside[p.whole], pass.beside[p.whole], pass.moments[p.whole]);
+    let Some(&Push { force, beside, moment }) = pass.outside.of(p.whole) else { return };
     let position = part.position[p.i];
     if force != [0.0; 4] {
         let (_, w) = place.weights(position, p.cell);

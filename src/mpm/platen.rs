@@ -11,7 +11,7 @@
 //! come out too high by half a point's edge over the length at each end. So planes stand along the axes, and a shell's points in rings; of the moment
 //! that a shell's force has about a point, the part between different axes is left out.
 
-use super::{Continuum, Dimension};
+use super::{Continuum, Dimension, Settings};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -176,23 +176,36 @@ impl Platen {
     /// The points in touch, in the order of ids.
     fn find(&mut self, continuum: &Continuum) -> Result<()> {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
-        self.contacts.clear();
-        for (index, p) in points.position.iter().enumerate() {
-            let (height, normal) = self.height(*p);
-            if height >= self.reach {
-                continue;
+        let mut contacts = std::mem::take(&mut self.contacts);
+        contacts.clear();
+        continuum.visit(self.vicinity(continuum), |index| {
+            let (height, normal) = self.height(points.position[index]);
+            if height < self.reach {
+                let radius = ghost_radius(dimension, points.solid(index));
+                let (overlap, id) = (radius - height, points.id[index]);
+                if overlap > 0.0 {
+                    contacts.push(Contact { id, index: index as u32, overlap, radius, normal });
+                }
             }
-            let radius = ghost_radius(dimension, points.solid(index));
-            let (overlap, id) = (radius - height, points.id[index]);
-            if overlap > radius {
-                return Err(passed(continuum.steps(), id));
-            }
-            if overlap > 0.0 {
-                self.contacts.push(Contact { id, index: index as u32, overlap, radius, normal });
-            }
+        });
+        contacts.sort_unstable_by_key(|c| c.id);
+        self.contacts = contacts;
+        match self.contacts.iter().find(|c| c.overlap > c.radius) {
+            Some(c) => Err(passed(continuum.steps(), c.id)),
+            None => Ok(()),
         }
-        self.contacts.sort_unstable_by_key(|c| c.id);
-        Ok(())
+    }
+
+    /// Corners of the part of the domain where points may touch it, m: of a plane along the axes what lies behind it and within reach.
+    fn vicinity(&self, continuum: &Continuum) -> [[f64; 3]; 2] {
+        let Settings { lower, cells, cell, .. } = continuum.settings();
+        let mut corners = [*lower, std::array::from_fn(|a| lower[a] + f64::from(cells[a]) * cell)];
+        let axis = self.axis();
+        if self.normal[axis].abs() == 1.0 {
+            let before = self.point[axis] + self.reach * self.normal[axis];
+            corners[usize::from(self.normal[axis] > 0.0)][axis] = before;
+        }
+        corners
     }
 
     /// Force of everything on it along its normal, N.
@@ -240,6 +253,58 @@ mod tests {
             assert!((cube_root(x) / x.cbrt() - 1.0).abs() < 4e-16, "{x}");
         }
         assert_eq!((cube_root(0.0), cube_root(-1.0)), (0.0, 0.0));
+    }
+
+    /// Only points near a plane are looked at: the same contacts as from a look at all of them.
+    #[test]
+    fn a_plane_finds_every_point_that_it_touches() {
+        use crate::mpm::law::{Elastic, Law};
+        use crate::mpm::{Continuum, Point, Points, ShapeFunctions, Transfer, Wall};
+        let settings = Settings {
+            dimension: Dimension::Space,
+            cell: 0.1,
+            lower: [-0.3, 0.2, 0.0],
+            cells: [14; 3],
+            walls: [Wall::Open; 6],
+            gravity: [0.0; 3],
+            shape: ShapeFunctions::BSpline,
+            transfer: Transfer::Blend { pic: 0.0 },
+            damping: 0.0,
+        };
+        let mut points = Points::default();
+        for k in 0..1000 {
+            let at = [k % 10, k / 10 % 10, k / 100].map(|n: i32| 0.05 * f64::from(n));
+            points.add(&Point {
+                position: [at[0], 0.5 + at[1], 0.3 + at[2]],
+                velocity: [0.1, -0.2, 0.3],
+                mass: 0.2,
+                volume: 1.25e-4,
+                stress: [0.0; 6],
+                porosity: 0.4,
+                law: 0,
+            });
+        }
+        let mut c = Continuum::new(settings, vec![Law::Elastic(Elastic::of_young(1e6, 0.3))], points).unwrap();
+        for sorted in [false, true] {
+            if sorted {
+                c.step(1e-4).unwrap();
+            }
+            let [low, high] = [[-0.01, 0.49, 0.29], [0.46, 0.96, 0.76]];
+            for axis in 0..3 {
+                for (corner, sign) in [(low, 1.0), (high, -1.0)] {
+                    let normal = std::array::from_fn(|a| if a == axis { sign } else { 0.0 });
+                    let mut platen = Platen::new(&c, corner, normal, 1e6);
+                    platen.find(&c).unwrap();
+                    let mut all: Vec<u32> = (0..c.points().len())
+                        .filter(|&i| platen.height(c.points().position[i]).0 < platen.reach)
+                        .map(|i| c.points().id[i])
+                        .collect();
+                    all.sort_unstable();
+                    assert!(all.len() >= 100, "{} points", all.len());
+                    assert_eq!(platen.contacts.iter().map(|c| c.id).collect::<Vec<u32>>(), all);
+                }
+            }
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 use super::blocks::{Blocks, STAYS, cell_key, tile};
 use super::grid::Grid;
+use super::outside::Outside;
 use super::pass::{Fault, Part, Pass, cell_of, run, stage};
 use super::points::Points;
 use super::spline::{BSpline, Gimp, Shape};
@@ -24,13 +25,7 @@ pub struct Work {
     left: Vec<u32>,
     block_work: Vec<f64>,
     faults: AtomicU64,
-    /// Forces on points from outside, N: at the points, and beside them.
-    pub outside: Vec<[f64; 4]>,
-    pub beside: Vec<[f64; 4]>,
-    /// Each component of the latter times how far beside the point along its own axis it acts, N m.
-    pub moments: Vec<[f64; 4]>,
-    /// Whether there are any.
-    pub pushed: bool,
+    pub outside: Outside,
     /// Points stand in order; the grid has their momentum, and the tiles their internal forces.
     sorted: bool,
     ready: bool,
@@ -39,14 +34,7 @@ pub struct Work {
 impl Clone for Work {
     /// Scratch is not copied, forces that wait are.
     fn clone(&self) -> Work {
-        Work {
-            arch: self.arch,
-            outside: self.outside.clone(),
-            beside: self.beside.clone(),
-            moments: self.moments.clone(),
-            pushed: self.pushed,
-            ..Work::default()
-        }
+        Work { arch: self.arch, outside: self.outside.clone(), ..Work::default() }
     }
 }
 
@@ -71,14 +59,6 @@ impl Work {
         self.blocks.visit::<D>(cell(low, 1.0), cell(high, 0.0), |range| range.for_each(&mut visit));
     }
 
-    /// Forces that wait go.
-    pub fn drop_forces(&mut self) {
-        for forces in [&mut self.outside, &mut self.beside, &mut self.moments] {
-            forces.fill([0.0; 4]);
-        }
-        self.pushed = false;
-    }
-
     /// The points have changed.
     pub fn forget(&mut self) {
         (self.sorted, self.ready) = (false, false);
@@ -89,7 +69,7 @@ impl Work {
             + self.grid.bytes()
             + 8 * (self.target.capacity() + self.block_work.capacity())
             + 4 * self.left.capacity()
-            + 32 * (self.outside.capacity() + self.beside.capacity() + self.moments.capacity())
+            + self.outside.bytes()
     }
 }
 
@@ -120,9 +100,9 @@ fn stages<const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) -> Res
         pass::<{ stage::FORCES }, D, S>(c, shape, dt);
     }
     // eq. 29: forces on points from contacts
-    if c.work.pushed {
+    if !c.work.outside.is_empty() {
         pass::<{ stage::OUTSIDE }, D, S>(c, shape, dt);
-        c.work.drop_forces();
+        c.work.outside.clear();
     }
     // eq. 28: velocities of the nodes, walls
     let Work { grid, blocks, .. } = &mut c.work;
@@ -161,8 +141,6 @@ fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, 
         law,
         id,
         outside: &work.outside,
-        beside: &work.beside,
-        moments: &work.moments,
         faults: &work.faults,
     };
     let count = work.blocks.len();
@@ -188,7 +166,7 @@ fn sort<const D: usize, S: Shape>(c: &mut Continuum, shape: S) {
     let Continuum { settings, points, work, .. } = c;
     if !work.sorted {
         let inverse_cell = 1.0 / settings.cell;
-        work.blocks.sort::<D>(points, [&mut work.outside, &mut work.beside, &mut work.moments], |p| {
+        work.blocks.sort::<D>(points, &mut work.outside.places, |p| {
             cell_key::<D>(cell_of::<D>(p, settings.lower, inverse_cell, shape.reach()))
         });
         work.target.resize(points.len(), STAYS);

@@ -15,6 +15,7 @@ mod search;
 pub use contact::{Contact, Other, Scene};
 pub use motion::Pose;
 
+use crate::coupling::search::Age;
 use crate::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
 
@@ -67,10 +68,7 @@ pub struct Blocks {
     pub blocks: Vec<Block>,
     /// Whom they are near, in the order of blocks, then of points, grains, and spots on walls.
     pub near: Vec<Contact>,
-    /// Way that a body and another may have gone towards each other since the search, m.
-    travelled: f64,
-    /// What was searched: grains and points alive then.
-    searched: [usize; 2],
+    age: Age,
     /// Normal force on each wall, N.
     on_walls: Vec<f64>,
     /// What each body has been given since it moved last: force, N, and torque, N m.

@@ -3,7 +3,7 @@
 use super::contact::spot_at;
 use super::{Blocks, Contact, Other};
 use crate::boundary::Wall;
-use crate::coupling::search::{NOWHERE, SKIN, TRUST, by_id, remember};
+use crate::coupling::search::{NOWHERE, by_id, remember};
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::mpm::Continuum;
@@ -16,15 +16,13 @@ impl Blocks {
     /// # Errors
     /// Bodies whose spheres of reach meet.
     pub fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64) -> Result<()> {
-        let (skin, alive) = (SKIN * continuum.settings().cell, [grains.len(), continuum.points().len()]);
-        self.travelled += way;
-        if self.searched != alive || self.travelled > TRUST * skin {
-            self.apart(continuum)?;
-            self.search(grains, walls, continuum, skin);
-            self.travelled = 0.0;
-            self.searched = alive;
-        } else {
-            self.locate(grains, continuum);
+        let alive = [grains.len(), continuum.points().len()];
+        match self.age.due(way, alive, continuum.settings().cell) {
+            Some(skin) => {
+                self.apart(continuum)?;
+                self.search(grains, walls, continuum, skin);
+            }
+            None => self.locate(grains, continuum),
         }
         Ok(())
     }

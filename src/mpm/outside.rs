@@ -1,0 +1,56 @@
+//! Forces on points from outside, that wait for the next step. Few points have any, so only those have a place here.
+
+use super::blocks::NONE;
+
+/// What a point is given, N: force at the point; force beside it, and each component of the latter times how far beside the point along its own
+/// axis it acts, N m.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Push {
+    pub force: [f64; 4],
+    pub beside: [f64; 4],
+    pub moment: [f64; 4],
+}
+
+/// The pushes of a step.
+#[derive(Clone, Debug, Default)]
+pub struct Outside {
+    /// Of each point: where its push stands.
+    pub places: Vec<u32>,
+    pushes: Vec<Push>,
+}
+
+impl Outside {
+    /// The push of point `i` of `points`, to be added to.
+    pub fn of_mut(&mut self, i: usize, points: usize) -> &mut Push {
+        if self.places.len() != points {
+            self.pushes.clear();
+            self.places.clear();
+            self.places.resize(points, NONE);
+        }
+        if self.places[i] == NONE {
+            self.places[i] = self.pushes.len() as u32;
+            self.pushes.push(Push::default());
+        }
+        &mut self.pushes[self.places[i] as usize]
+    }
+
+    /// The push of point `i`, where it has one.
+    #[inline(always)]
+    pub fn of(&self, i: usize) -> Option<&Push> {
+        self.pushes.get(self.places[i] as usize)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.pushes.is_empty()
+    }
+
+    pub fn clear(&mut self) {
+        self.pushes.clear();
+        self.places.fill(NONE);
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        4 * self.places.capacity() + size_of::<Push>() * self.pushes.capacity()
+    }
+}
