@@ -4,7 +4,7 @@
 
 use super::backend::{Backend, Chosen, Used, choose};
 use super::progress_bar::Bar;
-use super::{LOOK, Outcome, files, stop_asked};
+use super::{LOOK, Outcome, files, stop_asked, watch};
 use crate::error::{Error, Result};
 use crate::figure;
 use crate::model::Model;
@@ -58,6 +58,37 @@ pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     Ok(Begun { progress, engine })
 }
 
+/// What goes beside a loop of steps: its bar, its time, stops and checkpoints.
+struct Beside<'a> {
+    model: &'a Model,
+    out: &'a Path,
+    stop_after: Option<u64>,
+    bar: Bar,
+    clock: Clock,
+    saved: Instant,
+}
+
+impl<'a> Beside<'a> {
+    fn new(model: &'a Model, out: &'a Path, quiet: bool, stop_after: Option<u64>, progress: &Progress) -> Beside<'a> {
+        Beside { model, out, stop_after, bar: Bar::new(quiet), clock: Clock::new(progress), saved: Instant::now() }
+    }
+
+    /// A look between two steps, of which `steps` are done and `before` were before them: a checkpoint, where one is due.
+    ///
+    /// # Errors
+    /// An interruption, with a checkpoint.
+    fn look(&mut self, before: u64, steps: u64, progress: &mut Progress, engine: &Engine) -> Result<()> {
+        let stop = stop_asked() || self.stop_after.is_some_and(|n| before + steps >= n);
+        let pause = Duration::from_secs_f64(self.model.records.checkpoint_seconds);
+        if stop || steps.is_multiple_of(LOOK) && self.saved.elapsed() > pause {
+            self.clock.read(progress);
+            progress.save(engine, self.model, self.out)?;
+            self.saved = Instant::now();
+        }
+        if stop { Err(Error::Interrupted { step: steps, out: self.out.into() }) } else { Ok(()) }
+    }
+}
+
 /// Lets a specimen grow to its end, with a bar; the rig with it, which takes the place of the one that the scene has.
 ///
 /// # Errors
@@ -65,7 +96,7 @@ pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
 fn grow(model: &Model, rig: &Rig, begun: &mut Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Option<Rig>> {
     let Begun { progress, engine } = begun;
     let Some(growth) = &rig.growth else { return Ok(None) };
-    let (mut bar, mut clock, mut last_checkpoint) = (Bar::new(quiet), Clock::new(progress), Instant::now());
+    let mut beside = Beside::new(model, out, quiet, stop_after, progress);
     let by = growing(model);
     let mut work = progress.growing.as_mut().map(|specimen| specimen.work(&by));
     while let (Some(specimen), Some(work)) = (&mut progress.growing, &mut work) {
@@ -73,24 +104,13 @@ fn grow(model: &Model, rig: &Rig, begun: &mut Begun, out: &Path, quiet: bool, st
             break;
         }
         let (steps, doing) = (specimen.steps(), specimen.doing());
-        let stop = stop_asked() || stop_after.is_some_and(|n| steps >= n);
-        let look = steps.is_multiple_of(LOOK);
-        if stop || look && last_checkpoint.elapsed() > Duration::from_secs_f64(model.records.checkpoint_seconds) {
-            clock.read(progress);
-            progress.save(engine, model, out)?;
-            last_checkpoint = Instant::now();
-        }
-        if stop {
-            bar.abandon();
-            return Err(Error::Interrupted { step: steps, out: out.into() });
-        }
-        if look {
+        beside.look(0, steps, progress, engine)?;
+        if steps.is_multiple_of(LOOK) {
             let share = steps as f64 / growth.max_steps as f64;
-            bar.show_share(steps, 0.0, || (share, format!("specimen: {doing}")));
+            beside.bar.show_share(steps, 0.0, || (share, format!("specimen: {doing}")));
         }
     }
-    bar.abandon();
-    clock.read(progress);
+    beside.clock.read(progress);
     let Some(specimen) = progress.growing.take() else { return Ok(None) };
     let grown = specimen.grown();
     let own = grown.rig(model, rig, growth);
@@ -111,7 +131,7 @@ impl Clock {
         Clock { started: Instant::now(), before: [progress.seconds, progress.user_seconds - user_seconds()] }
     }
 
-    fn read(&mut self, progress: &mut Progress) {
+    fn read(&self, progress: &mut Progress) {
         progress.seconds = self.before[0] + self.started.elapsed().as_secs_f64();
         progress.user_seconds = self.before[1] + user_seconds();
     }
@@ -123,7 +143,7 @@ impl Clock {
 /// What keeps it from ending; records and checkpoint are kept.
 pub fn run(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     if let Some(growth) = &rig.growth {
-        begun.progress.growing = Some(Box::new(Growing::start(&growing(model), rig, growth)?));
+        begun.progress.growing = Some(Box::new(Growing::start(model, rig, growth)?));
     }
     prepared(model, rig, begun, out, quiet, stop_after)
 }
@@ -166,11 +186,11 @@ pub fn resume(
 
 fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let Begun { mut progress, mut engine } = begun;
-    let (mut bar, mut clock, mut last_checkpoint) = (Bar::new(quiet), Clock::new(&progress), Instant::now());
+    let mut beside = Beside::new(model, out, quiet, stop_after, &progress);
     let before = progress.grown.as_ref().map_or(0, |g| g.steps);
     loop {
         let done = progress.advance(model, rig, &mut engine, out);
-        clock.read(&mut progress);
+        beside.clock.read(&mut progress);
         match done {
             Ok(true) => break,
             Ok(false) => {}
@@ -179,25 +199,16 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
                 let _ = engine.read_back(&mut progress.state, model);
                 progress.flush(out)?;
                 leave(model, rig, &progress.state, out)?;
-                bar.abandon();
                 return Err(e);
             }
         }
         let steps = progress.state.continuum.steps();
-        if stop_asked() || stop_after.is_some_and(|n| before + steps >= n) {
-            progress.save(&engine, model, out)?;
-            bar.abandon();
-            return Err(Error::Interrupted { step: steps, out: out.into() });
-        }
+        beside.look(before, steps, &mut progress, &engine)?;
         if steps.is_multiple_of(LOOK) {
-            bar.show_share(steps, progress.seconds, || describe(rig, &progress.state));
-            if last_checkpoint.elapsed() > Duration::from_secs_f64(model.records.checkpoint_seconds) {
-                progress.save(&engine, model, out)?;
-                last_checkpoint = Instant::now();
-            }
+            beside.bar.show_share(steps, progress.seconds, || describe(rig, &progress.state));
         }
     }
-    bar.finish();
+    beside.bar.finish();
     finish(model, rig, out, progress, &engine)
 }
 
@@ -219,7 +230,12 @@ impl Progress {
             }
             Ok(recorder.next(rig, state))
         })?;
-        Ok(state.phase == Phase::Done)
+        let done = state.phase == Phase::Done;
+        let steps = state.continuum.steps();
+        if let Some(mixture) = state.mixture.as_ref().filter(|_| done || steps.is_multiple_of(LOOK)) {
+            watch::grains(&mixture.grains, steps)?;
+        }
+        Ok(done)
     }
 
     fn flush(&mut self, out: &Path) -> Result<()> {

@@ -7,6 +7,7 @@ mod folder;
 mod platen;
 mod progress_bar;
 mod summary;
+mod watch;
 
 use crate::error::{Error, Result};
 use crate::grains::Grains;
@@ -277,13 +278,11 @@ impl<'a> Runner<'a> {
                 Err(e) => {
                     // keep what there is
                     self.progress.files.flush(self.out)?;
-                    self.bar.abandon();
                     return Err(e);
                 }
             }
             if stop_asked() || stop_after.is_some_and(|n| self.progress.steps >= n) {
                 self.checkpoint()?;
-                self.bar.abandon();
                 return Err(Error::Interrupted { step: self.progress.steps, out: self.out.into() });
             }
             if self.progress.steps.is_multiple_of(LOOK) {
@@ -355,30 +354,19 @@ impl<'a> Runner<'a> {
         Ok(())
     }
 
+    /// Stops a run that has lost its meaning, with what there is.
+    fn watch(&mut self) -> Result<()> {
+        let lost = watch::grains(&self.progress.state, self.progress.state.step);
+        if lost.is_err() {
+            self.progress.files.flush(self.out)?;
+        }
+        lost
+    }
+
     fn checkpoint(&mut self) -> Result<()> {
         self.progress.files.flush(self.out)?;
         checkpoint::save(self.out, &self.progress)?;
         self.last_checkpoint = Instant::now();
-        Ok(())
-    }
-
-    /// Stops a run that has lost its meaning, with a diagnosis.
-    fn watch(&mut self) -> Result<()> {
-        let state = &self.progress.state;
-        let bad = |i: usize, what: String| Error::Unstable { step: state.step, what, grain: Some(u64::from(state.grains.id[i])) };
-        for (i, p) in state.grains.pos.iter().enumerate() {
-            if !(p[0] + p[1] + p[2]).is_finite() {
-                self.progress.files.flush(self.out)?;
-                return Err(bad(i, "a grain's position is not a number: the time step is too large for the stiffness; lower stepping.safety or stepping.dt_s".into()));
-            }
-            for (k, w) in state.walls.iter().enumerate() {
-                let (_, gap) = w.shape.towards(*p);
-                if gap < -2.0 * p[3] {
-                    self.progress.files.flush(self.out)?;
-                    return Err(bad(i, format!("a grain of diameter {:.3e} m has left through wall {k}", 2.0 * p[3])));
-                }
-            }
-        }
         Ok(())
     }
 }

@@ -69,14 +69,10 @@ fn press_all(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Vec
         match test {
             Ok(Some(test)) => finished.push(test),
             Ok(None) => given_up = true,
-            Err(e) => {
-                bar.abandon();
-                return Err(e);
-            }
+            Err(e) => return Err(e),
         }
     }
     if given_up {
-        bar.abandon();
         let step = finished.iter().map(|t| t.steps).sum();
         return Err(Error::Interrupted { step, out: out.into() });
     }

@@ -96,9 +96,12 @@ impl Bar {
             bar.finish_and_clear();
         }
     }
+}
 
-    pub fn abandon(&self) {
-        if let Some(bar) = &self.bar {
+impl Drop for Bar {
+    /// What ends otherwise leaves the bar as it was.
+    fn drop(&mut self) {
+        if let Some(bar) = self.bar.as_ref().filter(|bar| !bar.is_finished()) {
             bar.abandon();
         }
     }

@@ -73,7 +73,7 @@ pub fn growing(model: &Model) -> Model {
 }
 
 impl Growing {
-    /// Small grains at random places. `model` is that of [`growing`].
+    /// Small grains at random places.
     ///
     /// # Errors
     /// A rig without a specimen.
@@ -94,7 +94,7 @@ impl Growing {
             let material = if k < coarse { growth.coarse.map_or(0, |c| c.material) } else { growth.fines.material };
             grains.add(at, growth::START * r, material, &model.materials);
         }
-        let mut state = State::new(model, grains, (0..6).map(|k| Wall::new(&wall_of(specimen, k))).collect(), false);
+        let mut state = State::new(&growing(model), grains, (0..6).map(|k| Wall::new(&wall_of(specimen, k))).collect(), false);
         state.friction = growth.friction;
         state.damping = DAMPING;
         state.reference_stress = growth::STRESS * growth.stress;
@@ -102,7 +102,7 @@ impl Growing {
         Ok(Growing { state, radii, coarse, stage: Stage::Growth, steps: 0, from: 0 })
     }
 
-    /// Scratch for its steps.
+    /// Scratch for its steps, which are those of the model of [`growing`].
     pub fn work(&mut self, model: &Model) -> Work {
         Work::new(model, &mut self.state)
     }
