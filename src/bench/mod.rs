@@ -5,6 +5,7 @@
 
 mod burst;
 mod machine;
+mod mixture;
 mod mpm;
 #[cfg(feature = "gpu")]
 mod mpm_gpu;
@@ -13,6 +14,7 @@ mod speed;
 
 pub use burst::{Burst, burst};
 pub use machine::{Demand, Machine};
+pub use mixture::{MixtureSpeed, mixture_speed};
 pub use mpm::{MpmSpeed, mpm_case, mpm_speed};
 #[cfg(feature = "gpu")]
 pub use mpm_gpu::{GpuSpeed, mpm_gpu_speed};

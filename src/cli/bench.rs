@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 #[command(
     after_help = "The case: an oedometer with r = 0.95-1.05 mm at porosity 0.40 and about 90 kPa, E 0.8 GPa, nu 0.12, mu 0.35, frictionless walls,\n\
         dt 1.4 us, top platen 5 mm/s. Packings are made once (50 000 grains: a few minutes) and kept in the cache folder.\n\n\
-        Example:\n  comminute bench --grains 5000 --threads 1,2\n  comminute bench mpm --points 64000 --threads 1,2",
+        Example:\n  comminute bench --grains 5000 --threads 1,2\n  comminute bench mpm --points 64000 --threads 1,2\n  comminute bench mixture experiments/mixture/triaxial_20_50kPa.toml",
     args_conflicts_with_subcommands = true
 )]
 pub struct Args {
@@ -74,6 +74,8 @@ pub struct Args {
 enum What {
     /// Measure the material point method
     Mpm(super::bench_mpm::Args),
+    /// Measure what grains cost a continuum
+    Mixture(super::bench_mixture::Args),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -123,8 +125,10 @@ struct Row {
 }
 
 pub fn call(args: &Args) -> Result<()> {
-    if let Some(What::Mpm(args)) = &args.what {
-        return super::bench_mpm::call(args);
+    match &args.what {
+        Some(What::Mpm(args)) => return super::bench_mpm::call(args),
+        Some(What::Mixture(args)) => return super::bench_mixture::call(args),
+        None => {}
     }
     let threads: Vec<usize> =
         if args.threads.is_empty() { some_threads() } else { args.threads.iter().map(|&n| n.into()).collect() };

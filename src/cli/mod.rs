@@ -1,6 +1,7 @@
 //! One file per verb.
 
 mod bench;
+mod bench_mixture;
 mod bench_mpm;
 mod calibrate;
 mod calibrate_curve;

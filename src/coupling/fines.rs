@@ -161,10 +161,16 @@ impl Fines {
         let near = (0..grains.len()).filter(near).collect();
         let around = Around { centre: event.position, radius, grains, near, walls, continuum };
         let mut places = around.spread(event.lineage, ghost, number as usize);
-        around.keep_company(&mut places);
         let mass = solid * rule.density;
-        around.keep_energy(event, mass, &mut places);
-        (mass, places)
+        // who goes for one reason may leave another one alone
+        loop {
+            let number = places.len();
+            around.keep_company(&mut places);
+            around.keep_energy(event, mass, &mut places);
+            if places.len() == number {
+                return (mass, places);
+            }
+        }
     }
 }
 

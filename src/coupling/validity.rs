@@ -1,5 +1,5 @@
 //! Where a mixture leaves the range in which its grains can be in a continuum. Li et al. 2023 (sections 4 and 6) had good results at a size ratio of 1:5 and up to 40 % of
-//! coarse grains.
+//! coarse grains; with 40 % the twin of grains alone (figures/mixture) does not agree.
 
 use crate::grains::sphere_volume;
 use crate::model::Model;
@@ -10,7 +10,7 @@ use crate::mpm::platen::ghost_radius;
 /// Mean diameter of coarse grains over that of ghosts, at least; a little room for a gradation.
 const RATIO: f64 = 4.9;
 /// Coarse grains in the mass, at most.
-const CONTENT: f64 = 0.6;
+const CONTENT: f64 = 0.3;
 /// Cells over the diameter of the smallest grain, at most.
 const CELL: f64 = 0.5;
 /// Share of grains that have a neighbour nearer than a ghost is wide, at most.
@@ -67,7 +67,7 @@ pub fn doubts(model: &Model, rig: &Rig) -> Vec<String> {
         ));
     }
     if rig.specimen().is_some() && content > CONTENT {
-        doubts.push(format!("{:.0} % of the mass are coarse grains: above {:.0} % they bear most of the stress, and points do not fill what is between them", 100.0 * content, 100.0 * CONTENT));
+        doubts.push(format!("{:.0} % of the mass are coarse grains: above {:.0} % points do not fill what is between them, and the mixture locks (with 40 % it was 1.6 times as strong as a twin of grains alone)", 100.0 * content, 100.0 * CONTENT));
     }
     let grains = rig.coarse.as_ref().map_or(&[][..], |c| &c.grains);
     let count = grains.len() as f64;

@@ -1,13 +1,12 @@
 //! What a run of a continuum would be.
 
 use super::estimate::Estimate;
+use crate::crush::criterion::effective_modulus;
 use crate::error::Result;
-use crate::model::Model;
 use crate::model::continuum::{Continuum, Specimen, Test};
+use crate::model::{Model, Stepping};
 use crate::mpm::{Dimension, law::Law};
-#[cfg(feature = "gpu")]
-use crate::rig::continuum::State;
-use crate::rig::continuum::contact_step;
+use crate::rig::continuum::{State, contact_step};
 use serde::Serialize;
 
 /// Bytes of a point with its share of the grid.
@@ -60,6 +59,10 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
             if contact < waves { (contact, "the platens' contacts") } else { (waves, "a compression wave through a cell") }
         }
     };
+    let (bound, why) = match coupled_bound(model, rig) {
+        Some(coupled) if coupled < bound * (1.0 - 1e-9) => (coupled, "contacts of points and grains"),
+        _ => (bound, why),
+    };
     let dt = model.stepping.dt.unwrap_or(model.stepping.safety * bound);
     let steps = match &rig.test {
         Test::Free { duration: Some(t), .. } => (t / dt).ceil(),
@@ -108,6 +111,22 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
 pub fn wave_step(rig: &Continuum) -> f64 {
     let speed = |i: usize| rig.laws[usize::from(rig.points.law[i])].wave_speed(rig.points.density(i)) + speed(rig, i);
     rig.settings.cell / (0..rig.points.len()).map(speed).fold(0.0, f64::max)
+}
+
+/// What contacts of points and grains allow, s: as they are at the start, or, of a specimen that has to grow, of a point that a grain holds at the
+/// stress, with as much again for the grain.
+fn coupled_bound(model: &Model, rig: &Continuum) -> Option<f64> {
+    rig.coarse.as_ref()?;
+    let Some(growth) = &rig.growth else {
+        let model = Model { stepping: Stepping { dt: None, ..model.stepping }, ..model.clone() };
+        return State::first_step(&model, rig).ok().map(|dt| dt / model.stepping.safety);
+    };
+    let (specimen, of) = (rig.specimen()?, growth.coarse.filter(|_| growth.as_points)?);
+    let [fine, grain] = [growth.fines, of].map(|f| &model.materials[usize::from(f.material)]);
+    let s = Specimen { modulus: effective_modulus((fine.young, fine.poisson), (grain.young, grain.poisson)), ..specimen.clone() };
+    let stress = largest_stress(rig, specimen, &rig.laws[usize::from(specimen.law)]);
+    let mass = rig.points.velocity.first()?[3];
+    Some(contact_step(rig.settings.dimension, &s, mass, stress) * std::f64::consts::FRAC_1_SQRT_2)
 }
 
 fn speed(rig: &Continuum, i: usize) -> f64 {

@@ -23,11 +23,15 @@ impl<'a> View<'a> {
         self.errors.into_inner()
     }
 
-    /// Note that the value at `key` does not go with the rest.
+    /// Note, once, that the value at `key` does not go with the rest.
     pub fn refuse(&self, key: &str, message: impl Into<String>) {
         let origin = self.layer.origin(key);
-        let value = self.get(key).map(shown);
-        self.errors.borrow_mut().push(Error::input(origin.place, origin.key, value, message));
+        let error = Error::input(origin.place, origin.key, self.get(key).map(shown), message);
+        let (mut errors, text) = (self.errors.borrow_mut(), error.to_string());
+        // several questions may stumble over one value
+        if errors.iter().all(|e| e.to_string() != text) {
+            errors.push(error);
+        }
     }
 
     /// Note it unless `good`.

@@ -1,15 +1,15 @@
 //! A rigid box that slides on a plane of points by ghost contacts.
 
-use super::{Case, Found, Task, contact_slide, scene};
+use super::{Case, Found, Task, contact_slide, scene, slide};
 use crate::error::Result;
 
 pub const CASE: Case = Case {
     name: "contact_box",
     about: "A rigid box slides on a plane of points, half a second (Li et al. 2023, section 3.2; scene mixture/sliding_box)",
-    exact: "v = (10 − 10 μ) t, s = v t/2 (eqs 40, 41)",
+    exact: "v = v₀ + (10 − 10 μ) t, s = (v₀ + v) t/2 (eqs 40, 41, there from rest)",
     across: "cells along the height of the box",
     resolutions: &[3, 6],
-    ways: &["μ = 0.1", "μ = 0.2", "μ = 0.3", "μ = 0.4", "μ = 0.5"],
+    ways: contact_slide::WAYS,
     quantities: &["velocity", "distance"],
     run,
     graphs: None,
@@ -20,7 +20,7 @@ const MODULUS: f64 = 0.5 * contact_slide::MODULUS;
 const MIDDLE: f64 = 75.0;
 
 fn run(task: &Task) -> Result<Found> {
-    let friction = 0.1 * (task.way + 1) as f64;
+    let (friction, speed) = contact_slide::way(task);
     let whole = |length: f64| contact_slide::whole(task, length);
     let [low, high, bottom] =
         [[-100.0, -25.0, -50.0].map(|x| -whole(-x)), [1600.0, 175.0, 0.0].map(whole), [0.0, 0.0, 50.0].map(whole)];
@@ -33,6 +33,7 @@ fn run(task: &Task) -> Result<Found> {
         format!("body[0].max_mm={high:?}"),
         format!("block[0].position_mm={:?}", [150.0, 75.0, MIDDLE - 1e3 * contact_slide::wall(task, MODULUS)]),
         format!("material.contact.friction={friction:?}"),
+        format!("block[0].velocity_m_s=[{speed:?}, 0.0, 0.0]"),
     ];
     let run = scene::run(task, "../mixture/sliding_box", &sets)?;
     let (points, steps) = run.size()?;
@@ -40,7 +41,7 @@ fn run(task: &Task) -> Result<Found> {
     let ([_, time], [start, end], [_, velocity]) = (ends("time_s")?, ends("x_m")?, ends("vx_m_s")?);
     let dt = run.column("history.csv", "dt_s")?;
     // velocities are those of the half step before
-    let exact = |time: f64| 10.0 * (1.0 - friction) * time;
-    let velocity = velocity / exact(time - 0.5 * dt[dt.len() - 1]) - 1.0;
-    Ok(Found { points, steps, errors: vec![velocity, (end - start) / (0.5 * exact(time) * time) - 1.0] })
+    let exact = |time: f64| slide::exact(friction, speed, time);
+    let velocity = velocity / exact(time - 0.5 * dt[dt.len() - 1])[0] - 1.0;
+    Ok(Found { points, steps, errors: vec![velocity, (end - start) / exact(time)[1] - 1.0] })
 }

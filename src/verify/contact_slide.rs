@@ -7,10 +7,10 @@ use std::f64::consts::PI;
 pub const CASE: Case = Case {
     name: "contact_slide",
     about: "A block of points slides on a wall of grains' contacts, half a second (Li et al. 2023, section 3.2; scene mixture/sliding_block)",
-    exact: "v = (10 − 10 μ) t, s = v t/2 (eqs 40, 41)",
+    exact: "v = v₀ + (10 − 10 μ) t, s = (v₀ + v) t/2 (eqs 40, 41, there from rest)",
     across: "cells along the height",
     resolutions: &[3, 6, 10],
-    ways: &["μ = 0.1", "μ = 0.2", "μ = 0.3", "μ = 0.4", "μ = 0.5"],
+    ways: WAYS,
     quantities: &["velocity", "distance"],
     run,
     graphs: None,
@@ -20,16 +20,36 @@ const HEIGHT: f64 = 150.0;
 const PRESSURE: f64 = 2000.0 * 10.0 * 0.15;
 pub(super) const MODULUS: f64 = 80e6 / (1.0 - 0.3 * 0.3);
 
+/// From rest, where contacts first give way until friction holds; and sliding from the first.
+pub(super) const WAYS: &[&str] = &[
+    "μ = 0.1",
+    "μ = 0.2",
+    "μ = 0.3",
+    "μ = 0.4",
+    "μ = 0.5",
+    "μ = 0.1, from 0.3 m/s",
+    "μ = 0.2, from 0.3 m/s",
+    "μ = 0.3, from 0.3 m/s",
+    "μ = 0.4, from 0.3 m/s",
+    "μ = 0.5, from 0.3 m/s",
+];
+
+/// Friction and speed at the start, m/s.
+pub(super) fn way(task: &Task) -> (f64, f64) {
+    (0.1 * (task.way % 5 + 1) as f64, if task.way < 5 { 0.0 } else { 0.3 })
+}
+
 fn run(task: &Task) -> Result<Found> {
-    let friction = 0.1 * (task.way + 1) as f64;
+    let (friction, start) = way(task);
     let sets = [
         format!("grid.cell_mm={:?}", cell(task)),
         format!("grid.min_mm={:?}", [100.0, 50.0, 100.0].map(|x| -whole(task, x))),
-        format!("grid.max_mm={:?}", [1500.0, 200.0, 300.0].map(|x| whole(task, x))),
+        format!("grid.max_mm={:?}", [1700.0, 200.0, 300.0].map(|x| whole(task, x))),
         format!("wall[0].point_m=[0.0, 0.0, {:?}]", wall(task, MODULUS)),
         format!("wall[0].friction={friction:?}"),
+        format!("body[0].velocity_m_s=[{start:?}, 0.0, 0.0]"),
     ];
-    slide::found(&scene::run(task, "../mixture/sliding_block", &sets)?, friction)
+    slide::found(&scene::run(task, "../mixture/sliding_block", &sets)?, friction, start)
 }
 
 /// Edge of a cell, mm.

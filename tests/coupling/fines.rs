@@ -8,7 +8,7 @@ use comminute::rig::continuum::{Coupled, Engine, State};
 const QUIET: [&str; 2] = ["records.figures=false", "records.snapshots=false"];
 
 /// Two grains of silica sand fly at each other inside a loose cloud of soft points, without gravity and far from any side.
-fn crash(lost_mass: &str, speed: f64) -> Model {
+fn crash(lost_mass: &str, speed: f64, cell_mm: f64) -> Model {
     let root = env!("CARGO_MANIFEST_DIR");
     let grain = |x: f64, v: f64| {
         format!(
@@ -19,8 +19,8 @@ fn crash(lost_mass: &str, speed: f64) -> Model {
         "kind = \"mixture\"\nsteps = 1\n\
          [materials]\nfines = \"{root}/materials/li2023_fines.toml\"\ncoarse = \"{root}/materials/silica_sand.toml\"\n\
          {}{}\
-         [[body]]\nshape = \"box\"\nmaterial = \"fines\"\nmin_mm = [-12.0, -12.0, 4.5]\nmax_mm = [12.0, 12.0, 12.0]\nporosity = 0.5\n\
-         [grid]\ncell_mm = 1.5\nmin_mm = [-30.0, -30.0, -30.0]\nmax_mm = [30.0, 30.0, 30.0]\n\
+         [[body]]\nshape = \"box\"\nmaterial = \"fines\"\nmin_mm = [-12.0, -12.0, 6.0]\nmax_mm = [12.0, 12.0, 12.0]\nporosity = 0.5\n\
+         [grid]\ncell_mm = {cell_mm:?}\nmin_mm = [-30.0, -30.0, -30.0]\nmax_mm = [30.0, 30.0, 30.0]\n\
          [crushing]\nenabled = true\nlost_mass = \"{lost_mass}\"\nd_limit_over_d50 = 2.0\n[stepping]\nsafety = 0.4\n",
         grain(-0.00251, speed),
         grain(0.00251, -0.5 * speed),
@@ -35,8 +35,8 @@ struct Crash {
 }
 
 impl Crash {
-    fn new(lost_mass: &str, speed: f64) -> Crash {
-        let model = crash(lost_mass, speed);
+    fn new(lost_mass: &str, speed: f64, cell_mm: f64) -> Crash {
+        let model = crash(lost_mass, speed, cell_mm);
         let Rig::Continuum(rig) = &model.rig else { panic!("a continuum") };
         let mut state = State::start(&model, rig).expect("a start");
         let coupled = Coupled::new(&model, rig, state.mixture.as_mut().expect("grains"));
@@ -55,6 +55,12 @@ impl Crash {
         self.state.mixture.as_ref().expect("grains").mass_and_momentum(&self.state.continuum)
     }
 
+    /// Of grains, points and their contacts, J, elastic and plastic work of the points included.
+    fn energy(&self) -> f64 {
+        let (mixture, c) = (self.state.mixture.as_ref().expect("grains"), &self.state.continuum);
+        mixture.energies([0.0; 3]).iter().sum::<f64>() + c.totals().kinetic + c.stress_work()
+    }
+
     fn events(&self) -> u64 {
         self.state.mixture.as_ref().expect("grains").grains.crush_events
     }
@@ -63,13 +69,15 @@ impl Crash {
 /// Grains, points and reserve keep mass and momentum to rounding through breakages, and insertion brings no energy.
 #[test]
 fn a_crash_keeps_mass_and_momentum_and_gains_no_energy() {
-    let mut crash = Crash::new("points", 60.0);
+    let mut crash = Crash::new("points", 60.0, 1.5);
     let (mass, momentum) = crash.mass_and_momentum();
     let size = mass * 60.0;
     let mut points = crash.state.continuum.points().len();
     for _ in 0..400 {
-        let before = crash.events();
+        let (before, energy) = (crash.events(), crash.energy());
         crash.go();
+        // a breakage and the points that come of it give no energy
+        assert!(crash.events() == before || crash.energy() < energy, "{} J after {energy} J", crash.energy());
         let (m, p) = crash.mass_and_momentum();
         assert!((m / mass - 1.0).abs() < 1e-13, "{m} of {mass}");
         assert!((0..3).all(|a| (p[a] - momentum[a]).abs() < 1e-12 * size), "{p:?} of {momentum:?}");
@@ -91,7 +99,7 @@ fn a_crash_keeps_mass_and_momentum_and_gains_no_energy() {
 /// Where fines enter, no force is there at the first look: the daughters go on as if there were none.
 #[test]
 fn newborn_contacts_bear_no_force() {
-    let mut crash = Crash::new("points", 60.0);
+    let mut crash = Crash::new("points", 60.0, 1.5);
     while crash.events() == 0 {
         crash.go();
     }
@@ -106,6 +114,20 @@ fn newborn_contacts_bear_no_force() {
         assert!(ghost.touch.overlap < 1e-6, "{ghost:?}");
     }
     assert!(looked > 20, "{looked}");
+}
+
+/// A grid so coarse that what a breakage loses is less than a point, or would be alone in its cell: all of it is kept in reserve.
+#[test]
+fn fines_with_nowhere_to_go_stay_in_reserve() {
+    let mut crash = Crash::new("points", 60.0, 12.0);
+    let (mass, points) = (crash.mass_and_momentum().0, crash.state.continuum.points().len());
+    for _ in 0..400 {
+        crash.go();
+        assert!((crash.mass_and_momentum().0 / mass - 1.0).abs() < 1e-13);
+    }
+    let fines = crash.state.mixture.as_ref().and_then(|m| m.fines.as_ref()).expect("fines");
+    assert!(crash.events() >= 2 && fines.reserve.mass > 0.0, "{fines:?}");
+    assert_eq!((fines.points, fines.entered.mass, crash.state.continuum.points().len()), (0, 0.0, points));
 }
 
 /// In an oedometer: all mass is accounted for in every row, and the run stops and resumes to the byte.

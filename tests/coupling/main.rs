@@ -5,6 +5,7 @@ mod blocks;
 mod common;
 mod fines;
 mod growth;
+mod hard;
 mod impact;
 #[path = "../mpm/common.rs"]
 mod points;

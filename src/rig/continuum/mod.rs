@@ -111,6 +111,23 @@ impl State {
         Ok(state)
     }
 
+    /// The step with which the test of a specimen that need not grow begins, s.
+    ///
+    /// # Errors
+    /// As [`Self::start`], and a step that is refused.
+    pub fn first_step(model: &Model, rig: &Rig) -> Result<f64> {
+        let mut state = State::start(model, rig)?;
+        let mut engine = Engine::of_grains(&mut state, model, rig);
+        engine.feel(&mut state, model, rig)?;
+        state.find_step(model, rig, &engine)?;
+        Ok(state.dt)
+    }
+
+    /// The same points between the same platens, without what is in them.
+    pub fn without_grains(&self) -> State {
+        State { mixture: None, ..self.clone() }
+    }
+
     /// To the next look: one step, or a batch of them on a device. `observe` sees the state when the platens' forces are known, and says at which share of the
     /// test it has to look again. In [`Phase::Done`] nothing moves any more.
     ///

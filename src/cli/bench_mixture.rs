@@ -1,0 +1,90 @@
+//! `comminute bench mixture`: what grains cost a continuum on this machine.
+
+use super::Overrides;
+use super::bench::{processor, some_threads};
+use comminute::bench::{self, MixtureSpeed};
+use comminute::error::Result;
+use comminute::scene;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Measure what grains cost a continuum
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Blocks of steps of the mixture and of its continuum alone, in turn: between the same platens, without grains.\n\n\
+        Example, from the repository root:\n  comminute bench mixture experiments/mixture/triaxial_20_50kPa.toml --threads 1"
+)]
+pub struct Args {
+    /// Scene of a mixture (TOML) that need not grow first
+    scene: PathBuf,
+
+    #[command(flatten)]
+    overrides: Overrides,
+
+    /// Numbers of threads; one, and all that this machine has, if not given
+    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Vec<u16>,
+
+    /// Steps of one timed block
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..))]
+    steps: u64,
+
+    /// Timed blocks; the median is reported
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u16).range(1..))]
+    repeats: u16,
+
+    /// Steps before the first timed block
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    warm_up: u64,
+
+    /// No table
+    #[arg(long)]
+    quiet: bool,
+
+    /// Print as JSON to standard output
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn call(args: &Args) -> Result<()> {
+    let model = scene::model(&args.overrides.load(&args.scene)?)?;
+    let threads = if args.threads.is_empty() { some_threads() } else { args.threads.iter().map(|&n| n.into()).collect() };
+    if !args.quiet {
+        eprintln!("{}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
+        eprintln!(
+            "{:>9} {:>7} {:>9} {:>3}  {:>9} {:>9} {:>6}",
+            "points", "grains", "contacts", "thr", "ms/step", "without", "added"
+        );
+    }
+    let mut rows = Vec::new();
+    for threads in threads {
+        let row = bench::mixture_speed(&model, threads, [args.warm_up, args.steps], args.repeats.into())?;
+        if !args.quiet {
+            line(&row);
+        }
+        rows.push(row);
+    }
+    if args.json {
+        let simd = comminute::real::name(comminute::real::arch());
+        let rows: Vec<Value> = rows.iter().map(as_json).collect();
+        super::print(&format!("{:#}", json!({ "processor": processor(), "simd": simd, "steps": args.steps, "rows": rows })))?;
+    }
+    Ok(())
+}
+
+fn line(row: &MixtureSpeed) {
+    let [with, without] = row.medians();
+    eprintln!(
+        "{:>9} {:>7} {:>9} {:>3}  {with:>9.2} {without:>9.2} {:>5.0}%",
+        row.points,
+        row.grains,
+        row.contacts,
+        row.threads,
+        100.0 * row.added()
+    );
+}
+
+fn as_json(row: &MixtureSpeed) -> Value {
+    json!({ "points": row.points, "grains": row.grains, "contacts": row.contacts, "threads": row.threads,
+        "ms_per_step": row.coupled, "ms_per_step_without_grains": row.alone, "added": row.added() })
+}
