@@ -33,6 +33,10 @@ for K in 600 1200; do
         --specimen "$out/fontainebleau-l-c-10/specimen.csv"
 done
 for sigma in 150 100; do go h-v-2 -sigma-$sigma --set material.strength.hertz_area.sigma_lim0_MPa=$sigma; done
+go h-v-2 -m-5 --set material.strength.hertz_area.m=5
+# E instead of E' in eq. (9), which is (E/E')^(-2/3) of the strength
+"$program" run experiments/silica/h-v-2.toml --seed 1 --continue --threads 1 --quiet --out "$out/silica-h-v-2-sigma-3355" \
+    --set material.strength.hertz_area.sigma_lim0_MPa=3355
 
 draw() { "$program" plot "${@:2}" --quiet --show crush_events,compression --out "figures/coke_counts/$1"; }
 draw truncation-h-c-2 "$out"/h-c-2{,-symmetric,-clamp}
@@ -44,3 +48,5 @@ draw unscaled-limit "$out"/h-c-2{,-unscaled-limit} "$out"/h-v-2{,-unscaled-limit
 draw stiffness "$out"/l-c-2{,-K_eff-66.6,-K_eff-133.2,-K_eff-266.4}
 draw stiffness-fontainebleau "$out"/fontainebleau-l-c-10{,-K_eff-600,-K_eff-1200}
 draw strength "$out"/h-v-2{,-sigma-150,-sigma-100}
+draw strength-m "$out"/h-v-2{,-m-5}
+draw strength-silica runs/ciantia2015/silica-h-v-2/seed-1 "$out"/silica-h-v-2-sigma-3355

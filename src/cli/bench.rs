@@ -74,7 +74,7 @@ pub struct Args {
 enum What {
     /// Measure the material point method
     Mpm(super::bench_mpm::Args),
-    /// Measure what grains cost a continuum
+    /// Measure a mixture of grains and points
     Mixture(super::bench_mixture::Args),
 }
 

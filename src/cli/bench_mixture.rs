@@ -1,4 +1,4 @@
-//! `comminute bench mixture`: what grains cost a continuum on this machine.
+//! `comminute bench mixture`: the speed of a mixture on this machine.
 
 use super::Overrides;
 use super::bench::{processor, some_threads};
@@ -8,12 +8,11 @@ use comminute::scene;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Measure what grains cost a continuum
+/// Measure a mixture of grains and points
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Blocks of steps of the mixture and of its continuum alone, in turn: between the same platens, without grains.\n\n\
-        Example, from the repository root:\n  comminute bench mixture experiments/mixture/triaxial_20_50kPa.toml --threads 1"
-)]
+#[command(after_help = "Example, from the repository root: a mixture, and its fines alone\n\
+        \x20 comminute bench mixture experiments/mixture/triaxial_20_50kPa.toml --threads 1\n\
+        \x20 comminute bench mixture experiments/mixture/triaxial_20_50kPa.toml --threads 1 --set coarse.mass_fraction=0")]
 pub struct Args {
     /// Scene of a mixture (TOML) that need not grow first
     scene: PathBuf,
@@ -73,18 +72,20 @@ pub fn call(args: &Args) -> Result<()> {
 }
 
 fn line(row: &MixtureSpeed) {
-    let [with, without] = row.medians();
+    let least = row.blocks.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = row.blocks.iter().copied().fold(0.0, f64::max);
     eprintln!(
-        "{:>9} {:>7} {:>9} {:>3}  {with:>9.2} {without:>9.2} {:>5.0}%",
+        "{:>9} {:>7} {:>9} {:>3}  {:>8.2} {:>13}",
         row.points,
         row.grains,
         row.contacts,
         row.threads,
-        100.0 * row.added()
+        row.median(),
+        format!("{least:.2} - {most:.2}")
     );
 }
 
 fn as_json(row: &MixtureSpeed) -> Value {
-    json!({ "points": row.points, "grains": row.grains, "contacts": row.contacts, "threads": row.threads,
-        "ms_per_step": row.coupled, "ms_per_step_without_grains": row.alone, "added": row.added() })
+    json!({ "points": row.points, "grains": row.grains, "contacts": row.contacts, "threads": row.threads, "ms_per_step": row.median(),
+        "blocks": row.blocks })
 }

@@ -169,12 +169,12 @@ pub fn touching<R: Real, L: Law, const LEDGER: bool, const EXTRA: bool>(
     let mut t = spring;
     let mut viscous_work = none;
     if L::VISCOUS {
+        // spring and dashpot together have the limit (Li et al. 2023, eq. 19); where the spring has it, it has all
         let d = scaled(slip, -(pair.viscous * (e.k_t * m.m_eff).sqrt()));
-        let damped = plus(spring, d);
+        let damped = capped(plus(spring, d), limit).0;
         t = std::array::from_fn(|a| spring[a].where_else(slides, damped[a]));
         if LEDGER {
-            let normal = (normal_force - e.force) * approach * dt;
-            viscous_work = normal.where_else(slides, normal - dot(d, slip) * dt);
+            viscous_work = ((normal_force - e.force) * approach - dot(less(t, spring), slip)) * dt;
         }
     }
     let touch = Touch { tangential: t, normal_force, normal: n, overlap: m.overlap };
@@ -217,5 +217,34 @@ pub fn apart<const LEDGER: bool>(motion: impl Fn() -> Motion, dt: f64, old: &Mem
         rolling: old.rolling.map(|_| [0.0; 3]),
         load: old.load.map(|_| 0.0),
         work: LEDGER.then_some([path, 0.0, 0.0]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::law::{HertzViscous, viscous_coefficient};
+
+    /// The dashpot alone, in the first step of a contact that slips fast, would be many times the limit (Li et al. 2023, eq. 19).
+    #[test]
+    fn spring_and_dashpot_together_slide() {
+        let none = [0.0; 3];
+        let pair = Pair { a: 4.4e7, b: 1e8, friction: 0.3, viscous: viscous_coefficient(0.3), rolling: 0.0, e_eff: 0.0 };
+        let rules = Rules { dt: 1e-5, unloading: TangentialUnloading::Keep, task: 1, arch: pulp::Arch::Scalar };
+        let mut touch = Touch::default();
+        for slip in [0.3, 3.0, 1e-7] {
+            let motion = Motion { centres: [slip, 0.0, 0.0], turning: none, mean_spin: none, spin_difference: none };
+            let meeting = Meeting { normal: [0.0, 0.0, 1.0], overlap: 1e-5, r_eff: 0.01, m_eff: 0.03, motion };
+            let old = Memory { touch: Touch::default(), spring: Some(none), rolling: None, load: None, work: Some(none) };
+            let new = touching::<f64, HertzViscous, true, true>(&meeting, &pair, &rules, &old);
+            touch = new.touch;
+            let (size, limit) = (dot(touch.tangential, touch.tangential).sqrt(), 0.3 * touch.normal_force);
+            if slip > 1e-3 {
+                assert!((size / limit - 1.0).abs() < 1e-12 && touch.tangential[0] < 0.0, "{size} of {limit} N");
+            }
+            // what the dashpot takes is never negative
+            assert!(new.work.is_some_and(|[_, _, viscous]| viscous >= 0.0));
+        }
+        assert!(dot(touch.tangential, touch.tangential).sqrt() < 0.3 * touch.normal_force, "it holds");
     }
 }

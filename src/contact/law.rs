@@ -95,7 +95,7 @@ impl Law for Hertz {
     }
 }
 
-/// Hertz–Mindlin with viscous damping, Li et al. 2023 eqs (18)–(21). The damping constants are those of Tsuji's form,
+/// Hertz–Mindlin with viscous damping, Li et al. 2023 eqs (18)–(21); spring and dashpot together slide (eq. 19). The damping constants are those of Tsuji's form,
 /// η = 2 √(5/6) β √(S m*), S_n = 2 E* √(R* U), S_t = 8 G* √(R* U), with β = −ln e / √(π² + ln² e): the restitution is exactly e when
 /// the force may turn tensile at the end of an impact, and so it may here.
 #[derive(Clone, Copy)]

@@ -154,7 +154,7 @@ fn contact<L: Law>(scene: &Scene<'_>, rules: &Rules, ghost: &mut Ghost) {
             let reach = p[3] + ghost.radius;
             let normal = scaled(d, 1.0 / distance);
             let r_eff = p[3] * ghost.radius / reach;
-            (normal, reach - distance, r_eff, motion, v[3], scene.table.of_grain(points.law[point], scene.grains.material[body]))
+            (normal, reach - distance, r_eff, motion, v[3], scene.table.of_grain(ghost.law, scene.grains.material[body]))
         }
         Body::Wall(k) => {
             let wall = &scene.walls[body];
@@ -164,7 +164,7 @@ fn contact<L: Law>(scene: &Scene<'_>, rules: &Rules, ghost: &mut Ghost) {
             let (none, moving) = ([0.0; 3], scaled(normal, wall.speed));
             let overlap = wall.speed * scene.ahead[0] - gap;
             let motion = Motion { centres: less(moving, carried), turning: none, mean_spin: none, spin_difference: none };
-            (normal, overlap, ghost.radius, motion, 0.0, scene.table.of_wall(points.law[point], k as usize))
+            (normal, overlap, ghost.radius, motion, 0.0, scene.table.of_wall(ghost.law, k as usize))
         }
     };
     if ghost.reference > 0.0 {

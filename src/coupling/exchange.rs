@@ -115,6 +115,7 @@ impl Mixture {
                 body,
                 point: points.id[point],
                 place: [place, c.ends[1]],
+                law: points.law[point],
                 radius: ghost_radius(Dimension::Space, points.solid(point)),
                 mass: points.velocity[point][3],
                 touch: c.touch,

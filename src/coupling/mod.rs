@@ -45,6 +45,8 @@ pub struct Ghost {
     pub point: u32,
     /// Present indices of grain or wall, and of the point.
     place: [u32; 2],
+    /// The point's law.
+    law: u8,
     /// Ghost radius, m, and mass of the point, kg.
     radius: f64,
     mass: f64,

@@ -72,6 +72,7 @@ impl Ghosts {
                 body,
                 point,
                 place: [place, i as u32],
+                law: points.law[i],
                 radius,
                 mass,
                 touch,

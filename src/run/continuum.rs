@@ -360,6 +360,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     if let Some(mixture) = &state.mixture {
         let (coarse, _) = mixture.grains.grains.mass_and_volume();
         let (mass, _) = mixture.mass_and_momentum(&state.continuum);
+        put("seed", json!({ "packing": model.seeds.packing, "strength": model.seeds.strength }));
         put("grains", json!(mixture.grains.grains.len()));
         put("coarse_mass_fraction", json!(coarse / mass));
         if let Some(blocks) = &mixture.blocks {

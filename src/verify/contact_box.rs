@@ -10,7 +10,7 @@ pub const CASE: Case = Case {
     across: "cells along the height of the box",
     resolutions: &[3, 6],
     ways: contact_slide::WAYS,
-    quantities: &["velocity", "distance"],
+    quantities: contact_slide::QUANTITIES,
     run,
     graphs: None,
 };
@@ -43,5 +43,7 @@ fn run(task: &Task) -> Result<Found> {
     // velocities are those of the half step before
     let exact = |time: f64| slide::exact(friction, speed, time);
     let velocity = velocity / exact(time - 0.5 * dt[dt.len() - 1])[0] - 1.0;
-    Ok(Found { points, steps, errors: vec![velocity, (end - start) / exact(time)[1] - 1.0] })
+    let distance = (end - start) / exact(time)[1] - 1.0;
+    let with_give = contact_slide::with_give(distance, task, MODULUS, time);
+    Ok(Found { points, steps, errors: vec![velocity, distance, with_give] })
 }

@@ -261,6 +261,10 @@ fn borne(m: Meeting, r_eff: f32, m_eff: f32, motion: Motion, pair: Pair, dt: f32
     var tangent = spring;
     if coupling.law == 2u && !slides {
         tangent -= slip * (pair.viscous * sqrt(e.z * m_eff));
+        let both2 = dot(tangent, tangent);
+        if both2 > limit * limit {
+            tangent *= limit / sqrt(both2);
+        }
     }
     return Contact(spring, low, n, force, tangent, m.overlap, e.y);
 }

@@ -123,11 +123,6 @@ impl State {
         Ok(state.dt)
     }
 
-    /// The same points between the same platens, without what is in them.
-    pub fn without_grains(&self) -> State {
-        State { mixture: None, ..self.clone() }
-    }
-
     /// To the next look: one step, or a batch of them on a device. `observe` sees the state when the platens' forces are known, and says at which share of the
     /// test it has to look again. In [`Phase::Done`] nothing moves any more.
     ///
