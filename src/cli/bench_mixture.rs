@@ -50,10 +50,7 @@ pub fn call(args: &Args) -> Result<()> {
     let threads = if args.threads.is_empty() { some_threads() } else { args.threads.iter().map(|&n| n.into()).collect() };
     if !args.quiet {
         eprintln!("{}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
-        eprintln!(
-            "{:>9} {:>7} {:>9} {:>3}  {:>9} {:>9} {:>6}",
-            "points", "grains", "contacts", "thr", "ms/step", "without", "added"
-        );
+        eprintln!("{:>9} {:>7} {:>9} {:>3}  {:>8} {:>13}", "points", "grains", "contacts", "thr", "ms/step", "min - max");
     }
     let mut rows = Vec::new();
     for threads in threads {
