@@ -46,8 +46,8 @@ fn cases_that_are_scenes_find_their_closed_forms() {
     verify(out, &["--only", "cones"]).assert().code(2).stderr(contains("--force"));
 }
 
-/// Grains and points: after an impact the grain's velocity is within 1 % at 10 cells, and nearer than at 6; blocks slide within 0.3 % at the coarsest grid, where the distance from rest is that with
-/// the springs' first give (0.02 to 0.35 % more than that without).
+/// Grains and points: after an impact the grain's velocity is within 1 % at 10 cells, and nearer than at 6; blocks slide within 0.3 %. At this coarsest grid
+/// the springs' first give alone is more than that with μ = 0.5 from rest: there the distance is compared with what is exact with it.
 #[test]
 fn ghost_contacts_find_their_closed_forms() {
     let folder = tempfile::tempdir().expect("folder");
@@ -58,8 +58,9 @@ fn ghost_contacts_find_their_closed_forms() {
     assert!(error(10, "velocity of the grain") < 0.01 && error(10, "energy") < 0.01, "{found:?}");
     assert!(error(10, "velocity of the grain") < 0.5 * error(6, "velocity of the grain"), "{found:?}");
     verify(out, &["--only", "contact_slide", "--levels", "1", "--threads", "2", "--force"]).assert().success();
-    for ((_, way, _, quantity), error) in errors(out).into_iter().filter(|((_, _, _, quantity), _)| quantity != "distance") {
-        assert!(error.abs() < 3e-3, "{way}: {quantity} off by {error}");
+    for ((_, way, _, quantity), error) in errors(out) {
+        let gives = way == "μ = 0.5" && quantity == "distance";
+        assert!(gives || error.abs() < 3e-3, "{way}: {quantity} off by {error}");
     }
 }
 

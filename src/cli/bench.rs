@@ -78,6 +78,34 @@ enum What {
     Mixture(super::bench_mixture::Args),
 }
 
+/// How points and mixtures are timed.
+#[derive(Debug, clap::Args)]
+pub(super) struct Blocks {
+    /// Numbers of threads; one, and all that this machine has, if not given
+    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Vec<u16>,
+
+    /// Steps of one timed block
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..))]
+    pub steps: u64,
+
+    /// Timed blocks; the median is reported
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    pub repeats: u16,
+
+    /// Steps before the first timed block
+    #[arg(long, value_name = "N", default_value_t = 30)]
+    pub warm_up: u64,
+
+    /// No table
+    #[arg(long)]
+    pub quiet: bool,
+
+    /// Print as JSON to standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 enum Law {
@@ -130,8 +158,7 @@ pub fn call(args: &Args) -> Result<()> {
         Some(What::Mixture(args)) => return super::bench_mixture::call(args),
         None => {}
     }
-    let threads: Vec<usize> =
-        if args.threads.is_empty() { some_threads() } else { args.threads.iter().map(|&n| n.into()).collect() };
+    let threads: Vec<usize> = some_threads(&args.threads);
     let plan = Plan { warm_up: args.warm_up, steps: args.steps, repeats: args.repeats.into(), clocked: args.steps.min(500) };
     for &case in &args.cases {
         if let Some(few) = args.grains.iter().find(|&&n| (n as usize) < case.least()) {
@@ -186,7 +213,10 @@ fn measured(args: &Args, packing: &Packing, law: Law, machine: &Machine, plan: &
 }
 
 /// One thread and all of the machine's.
-pub(super) fn some_threads() -> Vec<usize> {
+pub(super) fn some_threads(asked: &[u16]) -> Vec<usize> {
+    if !asked.is_empty() {
+        return asked.iter().map(|&n| n.into()).collect();
+    }
     match std::thread::available_parallelism().map_or(1, usize::from) {
         1 => vec![1],
         n => vec![1, n],

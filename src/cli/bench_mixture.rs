@@ -1,7 +1,7 @@
 //! `comminute bench mixture`: the speed of a mixture on this machine.
 
 use super::Overrides;
-use super::bench::{processor, some_threads};
+use super::bench::{Blocks, processor, some_threads};
 use comminute::bench::{self, MixtureSpeed};
 use comminute::error::Result;
 use comminute::scene;
@@ -20,50 +20,29 @@ pub struct Args {
     #[command(flatten)]
     overrides: Overrides,
 
-    /// Numbers of threads; one, and all that this machine has, if not given
-    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Vec<u16>,
-
-    /// Steps of one timed block
-    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..))]
-    steps: u64,
-
-    /// Timed blocks; the median is reported
-    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u16).range(1..))]
-    repeats: u16,
-
-    /// Steps before the first timed block
-    #[arg(long, value_name = "N", default_value_t = 200)]
-    warm_up: u64,
-
-    /// No table
-    #[arg(long)]
-    quiet: bool,
-
-    /// Print as JSON to standard output
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    blocks: Blocks,
 }
 
 pub fn call(args: &Args) -> Result<()> {
     let model = scene::model(&args.overrides.load(&args.scene)?)?;
-    let threads = if args.threads.is_empty() { some_threads() } else { args.threads.iter().map(|&n| n.into()).collect() };
-    if !args.quiet {
+    let blocks = &args.blocks;
+    if !blocks.quiet {
         eprintln!("{}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
         eprintln!("{:>9} {:>7} {:>9} {:>3}  {:>8} {:>13}", "points", "grains", "contacts", "thr", "ms/step", "min - max");
     }
     let mut rows = Vec::new();
-    for threads in threads {
-        let row = bench::mixture_speed(&model, threads, [args.warm_up, args.steps], args.repeats.into())?;
-        if !args.quiet {
+    for threads in some_threads(&blocks.threads) {
+        let row = bench::mixture_speed(&model, threads, [blocks.warm_up, blocks.steps], blocks.repeats.into())?;
+        if !blocks.quiet {
             line(&row);
         }
         rows.push(row);
     }
-    if args.json {
+    if blocks.json {
         let simd = comminute::real::name(comminute::real::arch());
         let rows: Vec<Value> = rows.iter().map(as_json).collect();
-        super::print(&format!("{:#}", json!({ "processor": processor(), "simd": simd, "steps": args.steps, "rows": rows })))?;
+        super::print(&format!("{:#}", json!({ "processor": processor(), "simd": simd, "steps": blocks.steps, "rows": rows })))?;
     }
     Ok(())
 }

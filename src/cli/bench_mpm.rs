@@ -1,6 +1,6 @@
 //! `comminute bench mpm`: the speed of the material point method on this machine.
 
-use super::bench::{processor, some_threads};
+use super::bench::{Blocks, processor, some_threads};
 use comminute::bench::{self, MpmSpeed};
 use comminute::error::{Error, Result};
 use comminute::mpm::Transfer;
@@ -15,10 +15,6 @@ pub struct Args {
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [64_000], value_parser = clap::value_parser!(u32).range(8..=50_000_000))]
     points: Vec<u32>,
 
-    /// Numbers of threads; one, and all that this machine has, if not given
-    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Vec<u16>,
-
     /// Affine particle-in-cell instead of FLIP
     #[arg(long)]
     affine: bool,
@@ -28,50 +24,38 @@ pub struct Args {
     #[arg(long, conflicts_with = "affine")]
     gpu: bool,
 
-    /// Steps of one timed block
-    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u64).range(1..))]
-    steps: u64,
-
-    /// Timed blocks; the median is reported
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
-    repeats: u16,
-
-    /// Steps before the first timed block
-    #[arg(long, value_name = "N", default_value_t = 30)]
-    warm_up: u64,
-
-    /// No table
-    #[arg(long)]
-    quiet: bool,
-
-    /// Print as JSON to standard output
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    blocks: Blocks,
 }
 
 pub fn call(args: &Args) -> Result<()> {
-    let threads: Vec<usize> =
-        if args.threads.is_empty() { some_threads() } else { args.threads.iter().map(|&n| n.into()).collect() };
+    let threads = some_threads(&args.blocks.threads);
     let transfer = if args.affine { Transfer::Affine } else { Transfer::Blend { pic: 0.0 } };
     let simd = comminute::real::name(comminute::real::arch());
-    if !args.quiet {
+    if !args.blocks.quiet {
         eprintln!("{}, {simd}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
         eprintln!("{:>9} {:>3}  {:>16} {:>13} {:>8} {:>7}", "points", "thr", "M point-steps/s", "min - max", "/cpu-s", "B/point");
     }
     let mut rows: Vec<MpmSpeed> = Vec::new();
     for &points in &args.points {
         for &threads in &threads {
-            let row = bench::mpm_speed(points as usize, transfer, threads, [args.warm_up, args.steps], args.repeats.into())?;
-            if !args.quiet {
+            let row = bench::mpm_speed(
+                points as usize,
+                transfer,
+                threads,
+                [args.blocks.warm_up, args.blocks.steps],
+                args.blocks.repeats.into(),
+            )?;
+            if !args.blocks.quiet {
                 line(&row);
             }
             rows.push(row);
         }
     }
     let device = device(args)?;
-    if args.json {
-        let json = json!({ "gpu": device, "processor": processor(), "simd": simd, "affine": args.affine, "warm_up": args.warm_up,
-            "steps": args.steps, "rows": rows.iter().map(as_json).collect::<Vec<_>>() });
+    if args.blocks.json {
+        let json = json!({ "gpu": device, "processor": processor(), "simd": simd, "affine": args.affine, "warm_up": args.blocks.warm_up,
+            "steps": args.blocks.steps, "rows": rows.iter().map(as_json).collect::<Vec<_>>() });
         super::print(&format!("{json:#}"))?;
     }
     same_bits(&rows)
@@ -85,8 +69,8 @@ fn device(args: &Args) -> Result<Value> {
     }
     let mut rows = Vec::new();
     for &points in &args.points {
-        let row = bench::mpm_gpu_speed(points as usize, [args.warm_up, args.steps], args.repeats.into())?;
-        if !args.quiet {
+        let row = bench::mpm_gpu_speed(points as usize, [args.blocks.warm_up, args.blocks.steps], args.blocks.repeats.into())?;
+        if !args.blocks.quiet {
             let (speed, bytes) = (1e-6 * row.median(), row.bytes_per_point);
             eprintln!("{:>9} gpu  {speed:>16.2} {:>13} {:>8} {bytes:>7.0}  {}", row.points, "", "", row.adapter);
         }
