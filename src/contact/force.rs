@@ -10,7 +10,7 @@ use crate::model::TangentialUnloading;
 use crate::real::Real;
 
 /// Relative motion of two bodies near each other.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Motion<R = f64> {
     /// Velocity of the first centre relative to the second (or to the wall), m/s.
     pub centres: [R; 3],
@@ -44,7 +44,7 @@ impl<R: Real> Motion<R> {
 }
 
 /// Where and how two bodies touch.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Meeting<R = f64> {
     /// Unit vector from the first to the second end.
     pub normal: [R; 3],

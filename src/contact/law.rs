@@ -210,7 +210,7 @@ impl PairTable {
 
     /// The parameters of a pair in each lane.
     #[inline(always)]
-    pub fn lanes<'a, S: Simd>(&'a self, simd: S, pair: impl Fn(usize) -> &'a Pair) -> Pair<Lanes<S>> {
+    pub fn lanes<'a, S: Simd>(simd: S, pair: impl Fn(usize) -> &'a Pair) -> Pair<Lanes<S>> {
         let [a, b, friction, viscous] = Lanes::columns(simd, |k| [pair(k).a, pair(k).b, pair(k).friction, pair(k).viscous]);
         let [rolling, e_eff, ..] = Lanes::columns(simd, |k| [pair(k).rolling, pair(k).e_eff, 0.0, 0.0]);
         Pair { a, b, friction, viscous, rolling, e_eff }

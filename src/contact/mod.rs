@@ -1,5 +1,6 @@
 //! Contacts: the laws, the geometry and force of one contact, and the sweep over all of them.
 
+pub mod fabric;
 pub mod force;
 pub mod law;
 pub mod pairs;

@@ -131,7 +131,7 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> 
         }
         let old = part.read_lanes::<S, L, EXTRA>(simd, |k| s + k);
         let pair = if EXTRA && !table.is_single() {
-            &table.lanes(simd, |k| table.grains(g.material[first(k)], g.material[second(k)]))
+            &PairTable::lanes(simd, |k| table.grains(g.material[first(k)], g.material[second(k)]))
         } else {
             one_pair
         };

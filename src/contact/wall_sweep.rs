@@ -7,7 +7,7 @@ use super::part::{Part, Slots, for_each_part};
 use crate::boundary::Wall;
 use crate::grains::{Grains, stiffness_radius};
 use crate::model::Model;
-use crate::real::{Lanes, Real};
+use crate::real::{Lanes, MOST_LANES, Real};
 use crate::with_law;
 use pulp::{Simd, WithSimd};
 use std::marker::PhantomData;
@@ -92,9 +92,6 @@ impl<L: Law, const LEDGER: bool> WithSimd for WallSweep<'_, L, LEDGER> {
     }
 }
 
-/// No instruction set has more lanes.
-const MOST_LANES: usize = 8;
-
 impl<L: Law, const LEDGER: bool> WallSweep<'_, L, LEDGER> {
     #[inline(always)]
     fn apart(&mut self, slot: usize, normal: [f64; 3]) {
@@ -134,7 +131,7 @@ impl<L: Law, const LEDGER: bool> WallSweep<'_, L, LEDGER> {
         let motion = relative_to_wall(v, w, r, normal, speed);
         let r_eff = if L::INHERITED { stiffness_radius(p, w) } else { r };
         let meeting = Meeting { normal, overlap, r_eff, m_eff: r.constant(1.0) / v[3], motion };
-        let pair = table.lanes(simd, |k| table.wall(wall(k), g.material[grain(k)]));
+        let pair = PairTable::lanes(simd, |k| table.wall(wall(k), g.material[grain(k)]));
         let old = part.read_lanes::<S, L, true>(simd, slot);
         part.write_lanes(simd, slot, &force::touching::<Lanes<S>, L, LEDGER, true>(&meeting, &pair, rules, &old));
     }

@@ -1,15 +1,18 @@
-//! Force of every ghost contact, and who gets it.
+//! Force of every ghost contact: its geometry one by one, then the law for as many that touch as the processor has lanes.
 
-use super::{Body, Bound, Ghost, GhostTable, Ghosts};
+use super::{Body, Ghost, GhostTable, Ghosts};
 use crate::boundary::Wall;
-use crate::contact::force::{self, Meeting, Memory, Motion, Rules, cross, dot, less, scaled};
-use crate::contact::law::Law;
+use crate::contact::force::{self, Meeting, Memory, Motion, Rules, dot, less, scaled};
+use crate::contact::law::{Law, Pair, PairTable};
 use crate::contact::pairs::Touch;
 use crate::grains::Grains;
 use crate::model::TangentialUnloading;
 use crate::mpm::Continuum;
+use crate::real::{Lanes, MOST_LANES, arch};
 use crate::with_law;
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
+use std::marker::PhantomData;
 
 /// Contacts of one task.
 const TASK: usize = 512;
@@ -26,171 +29,202 @@ pub(super) struct Scene<'a> {
     pub ahead: [f64; 2],
 }
 
-impl Ghost {
-    /// Elastic energy of its normal compression, so large a share of force times overlap, and of its tangential spring, J.
-    pub(super) fn energy(&self, share: f64) -> f64 {
-        let t = if self.spring == [0.0; 3] { self.touch.tangential } else { self.spring };
-        let [k_n, k_t] = self.stiffness;
-        if k_n > 0.0 { share * self.touch.normal_force * self.touch.overlap + 0.5 * dot(t, t) / k_t } else { 0.0 }
-    }
-
-    /// Force on the body, N.
-    pub fn force(&self) -> [f64; 3] {
-        self.touch.force()
-    }
-}
-
 impl Ghosts {
     /// Finds the forces of this instant. Parallel over contacts; each writes only itself.
     pub(super) fn evaluate(&mut self, scene: &Scene<'_>) {
-        let rules = Rules { dt: scene.dt, unloading: scene.unloading, task: TASK, arch: pulp::Arch::Scalar };
+        let rules = Rules { dt: scene.dt, unloading: scene.unloading, task: TASK, arch: arch() };
         with_law!(scene.table.law, L => {
-            self.near.par_iter_mut().with_min_len(TASK).for_each(|ghost| contact::<L>(scene, &rules, ghost));
+            self.near.par_chunks_mut(TASK).for_each(|part| {
+                rules.arch.dispatch(Sweep::<L> { scene, rules: &rules, part, law: PhantomData });
+            });
         });
     }
+}
 
-    /// Gives grains and points their shares of what the contacts bear, in the order of bodies and points.
-    pub(super) fn give(
-        &self,
-        grains: &Grains,
-        outside: &mut Vec<[[f64; 4]; 2]>,
-        of_grains: f64,
-        continuum: &mut Continuum,
-        of_points: f64,
-    ) {
-        outside.resize(grains.len(), [[0.0; 4]; 2]);
-        for ghost in self.touching() {
-            let ([body, point], force) = (ghost.place.map(|p| p as usize), ghost.touch.force());
-            continuum.push(point, force.map(|f| -(of_points * f)));
-            if let Body::Grain(_) = ghost.body {
-                let torque = torque(&ghost.touch, grains.pos[body][3]);
-                for a in 0..3 {
-                    outside[body][0][a] += of_grains * force[a];
-                    outside[body][1][a] += of_grains * torque[a];
+/// Some of the contacts.
+struct Sweep<'a, L> {
+    scene: &'a Scene<'a>,
+    rules: &'a Rules,
+    part: &'a mut [Ghost],
+    law: PhantomData<L>,
+}
+
+/// Points that are fetched before they are looked at: they lie all over the memory, and a processor waits for some at a time.
+const AHEAD: usize = 32;
+
+/// Where a point is, m, and the velocity that carried it, m/s.
+#[derive(Clone, Copy, Default)]
+struct Spot {
+    at: [f64; 4],
+    carried: [f64; 3],
+}
+
+/// A contact that touches: its place in the part, and how its ends meet.
+#[derive(Clone, Copy, Default)]
+struct Found {
+    at: usize,
+    meeting: Meeting,
+}
+
+impl<L: Law> WithSimd for Sweep<'_, L> {
+    type Output = ();
+
+    /// Many of those listed do not touch: those that do are collected until they fill the lanes.
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let lanes = Lanes::<S>::COUNT;
+        let mut waiting = [Found::default(); MOST_LANES];
+        let mut n = 0;
+        let mut spots = [Spot::default(); AHEAD];
+        for first in (0..self.part.len()).step_by(AHEAD) {
+            let some = first..self.part.len().min(first + AHEAD);
+            for (spot, ghost) in spots.iter_mut().zip(&self.part[some.clone()]) {
+                // one field after the other: a copy of both at once would wait for itself
+                let (points, point) = (self.scene.continuum.points(), ghost.place[1] as usize);
+                spot.at = points.position[point];
+                spot.carried = points.carried[point];
+            }
+            for (at, spot) in some.zip(&spots) {
+                let Some(meeting) = self.meet(at, spot) else { continue };
+                waiting[n] = Found { at, meeting };
+                n += 1;
+                if n == lanes {
+                    n = 0;
+                    if lanes == 1 { self.alone(&waiting[0]) } else { self.together(simd, &waiting[..lanes]) }
                 }
             }
         }
-    }
-
-    /// The overlaps without force of contacts that have slid for `dt` seconds fall by 1/e in a way of `strain` ghost diameters; the elastic energy
-    /// that they get by it, J.
-    pub(super) fn release(&mut self, scene: &Scene<'_>, strain: f64) -> f64 {
-        let mut energy = 0.0;
-        for ghost in self.near.iter_mut().filter(|g| g.reference > 0.0 && g.reference < f64::INFINITY) {
-            let [body, point] = ghost.place.map(|p| p as usize);
-            let of_body = match ghost.body {
-                Body::Grain(_) => [0, 1, 2].map(|a| scene.grains.vel[body][a]),
-                Body::Wall(_) => scaled(ghost.touch.normal, scene.walls[body].speed),
-            };
-            let past = less(of_body, scene.continuum.points().carried[point]);
-            let slid = dot(past, past).sqrt() * scene.dt / (2.0 * ghost.radius);
-            let released = ghost.reference * (slid / strain).min(1.0);
-            ghost.reference -= released;
-            energy += ghost.touch.normal_force * released;
+        for found in &waiting[..n] {
+            self.alone(found);
         }
-        energy
-    }
-
-    /// Contacts that bear something, in order.
-    pub fn touching(&self) -> impl Iterator<Item = &Ghost> {
-        self.near.iter().filter(|g| g.touch.overlap > 0.0)
-    }
-
-    /// Elastic energy of all contacts, J.
-    pub(super) fn stored(&self, share: f64) -> f64 {
-        self.touching().map(|ghost| ghost.energy(share)).sum()
-    }
-
-    /// Normal force of the points on wall `k`, N.
-    pub fn reaction(&self, k: usize) -> f64 {
-        self.touching().filter(|g| g.body == Body::Wall(k as u32)).map(|g| g.touch.normal_force).sum()
-    }
-
-    /// What the contacts of this instant allow as a time step: the largest sum over a point, and over a grain.
-    pub(super) fn bound(&self, grains: &Grains, sums: &mut [Vec<f64>; 2], points: usize) -> Bound {
-        let mut most = Bound::default();
-        let [of_points, of_grains] = sums;
-        of_points.resize(points, 0.0);
-        of_grains.resize(grains.len(), 0.0);
-        for ghost in self.touching() {
-            let ([k_n, k_t], [body, point]) = (ghost.stiffness, ghost.place.map(|p| p as usize));
-            of_points[point] += k_n.max(k_t) / ghost.mass;
-            most.points = most.points.max(of_points[point]);
-            if let Body::Grain(_) = ghost.body {
-                of_grains[body] += k_n.max(3.5 * k_t) * grains.vel[body][3];
-                most.grains = most.grains.max(of_grains[body]);
-            }
-        }
-        // empty again, and only where it was not
-        for ghost in self.touching() {
-            of_points[ghost.place[1] as usize] = 0.0;
-            if let Body::Grain(_) = ghost.body {
-                of_grains[ghost.place[0] as usize] = 0.0;
-            }
-        }
-        most
     }
 }
 
-/// Torque on a grain of this radius: (r − δ/2) n × t (Li et al. 2023, eq. 27, with the grain's own radius).
-fn torque(touch: &Touch, radius: f64) -> [f64; 3] {
-    scaled(cross(touch.normal, touch.tangential), radius - 0.5 * touch.overlap)
-}
-
-fn contact<L: Law>(scene: &Scene<'_>, rules: &Rules, ghost: &mut Ghost) {
-    let points = scene.continuum.points();
-    let [body, point] = ghost.place.map(|p| p as usize);
-    let carried = points.carried[point];
-    let at = ahead(points.position[point], carried, scene.ahead[1]);
-    // unit normal from body to ghost, overlap, R*, motion of the body against the ghost, inverse mass of the body, pair
-    let (normal, mut overlap, r_eff, motion, inverse_mass, pair) = match ghost.body {
-        Body::Grain(_) => {
-            let (p, v, w) = (scene.grains.pos[body], scene.grains.vel[body], scene.grains.spin[body]);
-            let (v3, w3) = ([v[0], v[1], v[2]], [w[0], w[1], w[2]]);
-            let d = less(at, ahead(p, v3, scene.ahead[0]));
-            let distance = dot(d, d).sqrt();
-            let motion =
-                Motion { centres: less(v3, carried), turning: scaled(w3, p[3]), mean_spin: scaled(w3, 0.5), spin_difference: w3 };
-            let reach = p[3] + ghost.radius;
-            let normal = scaled(d, 1.0 / distance);
-            let r_eff = p[3] * ghost.radius / reach;
-            (normal, reach - distance, r_eff, motion, v[3], scene.table.of_grain(ghost.law, scene.grains.material[body]))
+impl<L: Law> Sweep<'_, L> {
+    /// How the ends of contact `at` meet; what does not touch any more is left without a force.
+    #[inline(always)]
+    fn meet(&mut self, at: usize, spot: &Spot) -> Option<Meeting> {
+        let ghost = &mut self.part[at];
+        let mut meeting = self.scene.meeting::<L>(ghost, spot);
+        if ghost.reference > 0.0 {
+            // lower where they have parted
+            ghost.reference = ghost.reference.min(meeting.overlap.max(0.0));
+            meeting.overlap -= ghost.reference;
         }
-        Body::Wall(k) => {
-            let wall = &scene.walls[body];
-            let [x, y, z] = at;
-            let (towards, gap) = wall.shape.towards([x, y, z, ghost.radius]);
-            let normal = scaled(towards, -1.0);
-            let (none, moving) = ([0.0; 3], scaled(normal, wall.speed));
-            let overlap = wall.speed * scene.ahead[0] - gap;
-            let motion = Motion { centres: less(moving, carried), turning: none, mean_spin: none, spin_difference: none };
-            (normal, overlap, ghost.radius, motion, 0.0, scene.table.of_wall(ghost.law, k as usize))
+        if meeting.overlap > 0.0 {
+            return Some(meeting);
         }
-    };
-    if ghost.reference > 0.0 {
-        // lower where they have parted
-        ghost.reference = ghost.reference.min(overlap.max(0.0));
-        overlap -= ghost.reference;
+        if ghost.touch.overlap > 0.0 {
+            ghost.stiffness = [0.0; 2];
+            ghost.keep(force::apart::<false>(|| meeting.motion, self.rules.dt, &ghost.memory::<L>()));
+        }
+        None
     }
-    let old = Memory { touch: ghost.touch, spring: L::VISCOUS.then_some(ghost.spring), rolling: None, load: None, work: None };
-    if overlap > 0.0 {
-        let m_eff = if L::VISCOUS { 1.0 / (inverse_mass + 1.0 / ghost.mass) } else { 0.0 };
-        let meeting = Meeting { normal, overlap, r_eff, m_eff, motion };
-        let new = force::touching::<f64, L, false, true>(&meeting, pair, rules, &old);
-        let e = L::elastic(overlap, r_eff, pair);
+
+    #[inline(always)]
+    fn alone(&mut self, &Found { at, meeting }: &Found) {
+        let ghost = &mut self.part[at];
+        let pair = self.scene.pair(ghost);
+        let new = force::touching::<f64, L, false, true>(&meeting, pair, self.rules, &ghost.memory::<L>());
+        let e = L::elastic(meeting.overlap, meeting.r_eff, pair);
         ghost.stiffness = [e.k_n, e.k_t];
-        keep(ghost, new);
-    } else if ghost.touch.overlap > 0.0 {
-        ghost.stiffness = [0.0; 2];
-        keep(ghost, force::apart::<false>(|| motion, rules.dt, &old));
+        ghost.keep(new);
+    }
+
+    /// One contact in each lane.
+    #[inline(always)]
+    fn together<S: Simd>(&mut self, simd: S, those: &[Found]) {
+        let (scene, at, m) = (self.scene, |k: usize| those[k].at, |k: usize| &those[k].meeting);
+        let with = |v: [f64; 3], last: f64| [v[0], v[1], v[2], last];
+        let part = &mut *self.part;
+        let [nx, ny, nz, overlap] = Lanes::columns(simd, |k| with(m(k).normal, m(k).overlap));
+        let [vx, vy, vz, r_eff] = Lanes::columns(simd, |k| with(m(k).motion.centres, m(k).r_eff));
+        let [tx, ty, tz, m_eff] = Lanes::columns(simd, |k| with(m(k).motion.turning, m(k).m_eff));
+        let [wx, wy, wz, _] = Lanes::columns(simd, |k| with(m(k).motion.mean_spin, 0.0));
+        // nothing rolls: their difference is not asked for
+        let (turning, mean_spin) = ([tx, ty, tz], [wx, wy, wz]);
+        let motion = Motion { centres: [vx, vy, vz], turning, mean_spin, spin_difference: mean_spin };
+        let meeting = Meeting { normal: [nx, ny, nz], overlap, r_eff, m_eff, motion };
+        let pair = PairTable::lanes(simd, |k| scene.pair(&part[at(k)]));
+        let [x, y, z, normal_force] = Lanes::columns(simd, |k| part[at(k)].touch.first());
+        let [ox, oy, oz, before] = Lanes::columns(simd, |k| part[at(k)].touch.second());
+        let touch = Touch { tangential: [x, y, z], normal_force, normal: [ox, oy, oz], overlap: before };
+        let spring = L::VISCOUS.then(|| {
+            let [x, y, z, _] = Lanes::columns(simd, |k| with(part[at(k)].spring, 0.0));
+            [x, y, z]
+        });
+        let old = Memory { touch, spring, rolling: None, load: None, work: None };
+        let new = force::touching::<Lanes<S>, L, false, true>(&meeting, &pair, self.rules, &old);
+        let Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = new.touch;
+        Lanes::rows(simd, [x, y, z, normal_force], |k, row| part[at(k)].touch.set_first(row));
+        Lanes::rows(simd, [nx, ny, nz, overlap], |k, row| part[at(k)].touch.set_second(row));
+        if let Some([x, y, z]) = new.spring {
+            Lanes::rows(simd, [x, y, z, x], |k, [x, y, z, _]| part[at(k)].spring = [x, y, z]);
+        }
+        let e = L::elastic(meeting.overlap, meeting.r_eff, &pair);
+        Lanes::rows(simd, [e.k_n, e.k_t, e.k_n, e.k_t], |k, [k_n, k_t, ..]| part[at(k)].stiffness = [k_n, k_t]);
     }
 }
 
-fn keep(ghost: &mut Ghost, new: Memory) {
-    ghost.touch = new.touch;
-    ghost.spring = new.spring.unwrap_or_default();
+impl Scene<'_> {
+    /// How a point meets its body. Normal from the body to the ghost; without an overlap they are apart.
+    #[inline(always)]
+    fn meeting<L: Law>(&self, ghost: &Ghost, &Spot { at, carried }: &Spot) -> Meeting {
+        let body = ghost.place[0] as usize;
+        let at = ahead(at, carried, self.ahead[1]);
+        let m_eff = |inverse_mass: f64| if L::VISCOUS { 1.0 / (inverse_mass + 1.0 / ghost.mass) } else { 0.0 };
+        match ghost.body {
+            Body::Grain(_) => {
+                let (p, v, w) = (self.grains.pos[body], self.grains.vel[body], self.grains.spin[body]);
+                let (v3, w3) = ([v[0], v[1], v[2]], [w[0], w[1], w[2]]);
+                let d = less(at, ahead(p, v3, self.ahead[0]));
+                let distance = dot(d, d).sqrt();
+                let reach = p[3] + ghost.radius;
+                let motion = Motion {
+                    centres: less(v3, carried),
+                    turning: scaled(w3, p[3]),
+                    mean_spin: scaled(w3, 0.5),
+                    spin_difference: w3,
+                };
+                let (normal, r_eff) = (scaled(d, 1.0 / distance), p[3] * ghost.radius / reach);
+                Meeting { normal, overlap: reach - distance, r_eff, m_eff: m_eff(v[3]), motion }
+            }
+            Body::Wall(_) => {
+                let wall = &self.walls[body];
+                let [x, y, z] = at;
+                let (towards, gap) = wall.shape.towards([x, y, z, ghost.radius]);
+                let normal = scaled(towards, -1.0);
+                let centres = less(scaled(normal, wall.speed), carried);
+                let overlap = wall.speed * self.ahead[0] - gap;
+                Meeting { normal, overlap, r_eff: ghost.radius, m_eff: m_eff(0.0), motion: Motion { centres, ..Motion::default() } }
+            }
+        }
+    }
+
+    /// The contact's parameters.
+    #[inline(always)]
+    fn pair(&self, ghost: &Ghost) -> &Pair {
+        match ghost.body {
+            Body::Grain(_) => self.table.of_grain(ghost.law, self.grains.material[ghost.place[0] as usize]),
+            Body::Wall(k) => self.table.of_wall(ghost.law, k as usize),
+        }
+    }
 }
 
+impl Ghost {
+    #[inline(always)]
+    fn memory<L: Law>(&self) -> Memory {
+        Memory { touch: self.touch, spring: L::VISCOUS.then_some(self.spring), rolling: None, load: None, work: None }
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, new: Memory) {
+        self.touch = new.touch;
+        self.spring = new.spring.unwrap_or_default();
+    }
+}
+
+#[inline(always)]
 fn ahead(p: [f64; 4], v: [f64; 3], by: f64) -> [f64; 3] {
     std::array::from_fn(|a| p[a] + v[a] * by)
 }

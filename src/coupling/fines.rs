@@ -1,7 +1,7 @@
 //! Fines from crushing: what a breakage loses enters the continuum as material points.
 //!
-//! The fines fill what the daughters leave of their mother's sphere, at the porosity that the continuum's own fines had at the start, and free of stress there: that is
-//! the void ratio to which their law's deformation refers. What finds no room stays in the reserve with its share of the momentum, and so does
+//! The fines fill what the daughters, and points that are there already, leave of their mother's sphere, at the porosity that the continuum's own fines had at the start, and
+//! free of stress there: that is the void ratio to which their law's deformation refers, and nowhere in that sphere are fines denser than it. What finds no room stays in the reserve with its share of the momentum, and so does
 //! what would be a point too small for the continuum (less than an eighth of a point of the scene) or alone in its cell, where it would weigh on nodes that
 //! nobody shares; and so do fines that a grain pushes through a platen. Grains + points + reserve keep mass and momentum to rounding.
 //!
@@ -144,7 +144,7 @@ impl Fines {
     fn places(&self, event: &Breakage, grains: &Grains, walls: &[Wall], continuum: &Continuum) -> (f64, Vec<[f64; 3]>) {
         let (rule, radius, lost) = (&self.rule, 0.5 * event.diameter, event.lost_mass / self.rule.density);
         // what daughters leave of the mother's sphere is as large as the fines without pores
-        let room = (1.0 - rule.porosity) * lost;
+        let room = (1.0 - rule.porosity) * (lost - within(continuum, event.position, radius)).max(0.0);
         if SMALLER * room < rule.solid {
             return (0.0, Vec::new());
         }
@@ -258,6 +258,20 @@ impl Around<'_> {
             places.remove(highest);
         }
     }
+}
+
+/// Volume of the points in a sphere, m³.
+fn within(continuum: &Continuum, centre: [f64; 3], radius: f64) -> f64 {
+    let mut inside = Vec::new();
+    continuum.visit([-radius, radius].map(|by| centre.map(|x| x + by)), |i| {
+        let [x, y, z, volume] = continuum.points().position[i];
+        let d = less([x, y, z], centre);
+        if dot(d, d) < radius * radius {
+            inside.push((continuum.points().id[i], volume));
+        }
+    });
+    inside.sort_unstable_by_key(|(id, _)| *id);
+    inside.into_iter().map(|(_, volume)| volume).sum()
 }
 
 /// The k-th number of van der Corput's sequence (Halton 1960).

@@ -1,6 +1,7 @@
 //! What grains in a continuum bear, and how they touch: for records.
 
 use super::{Body, Mixture};
+use crate::contact::fabric::Fabric;
 use crate::contact::pairs::{FREE, Pairs};
 use crate::mpm::Continuum;
 use crate::step::State;
@@ -30,8 +31,8 @@ pub struct Touching {
     pub grains: u64,
     pub walls: u64,
     pub points: u64,
-    /// Mean n n of the contacts between grains along the three axes (fabric tensor); 0 without any.
-    pub fabric: [f64; 3],
+    /// Fabric tensor of the contacts between grains: xx, yy, zz, xy, yz, zx; zeros without any.
+    pub fabric: [f64; 6],
 }
 
 /// Slots in use with the identities of their ends, in that order.
@@ -78,17 +79,13 @@ impl Mixture {
         let (g, pairs) = (&self.grains.grains, &self.grains.pairs);
         let id = |i: u32| g.id[i as usize];
         let between = in_order(pairs, |[i, j]| [id(i), id(j)]);
-        let mut fabric = [0.0; 3];
-        for &s in &between {
-            for (sum, n) in fabric.iter_mut().zip(pairs.touch[s].normal) {
-                *sum += n * n / between.len() as f64;
-            }
-        }
+        let mut fabric = Fabric::default();
+        between.iter().for_each(|&s| fabric.add(pairs.touch[s].normal));
         Touching {
-            grains: between.len() as u64,
+            grains: fabric.contacts,
             walls: in_order(&self.grains.wall_pairs, |[i, k]| [k, id(i)]).len() as u64,
             points: self.ghosts.touching().count() as u64,
-            fabric,
+            fabric: fabric.tensor(),
         }
     }
 

@@ -12,6 +12,7 @@ mod evaluate;
 #[cfg(feature = "gpu")]
 pub(crate) mod exchange;
 mod fines;
+mod give;
 mod measure;
 mod mixture;
 pub(crate) mod search;

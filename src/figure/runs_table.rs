@@ -6,20 +6,28 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Column and where its value stands in `summary.json`.
-const COLUMNS: [(&str, &str); 20] = [
+const COLUMNS: [(&str, &str); 28] = [
     ("scene", "/scene"),
     ("seed_packing", "/seed/packing"),
     ("seed_strength", "/seed/strength"),
     ("scale", "/scale"),
     ("height_mm", "/height_mm"),
     ("max_stress_kPa", "/max_stress_kPa"),
+    ("points", "/points"),
+    ("grains", "/grains"),
+    ("coarse_mass_fraction", "/coarse_mass_fraction"),
     ("grains_initial", "/grains_initial"),
     ("crush_events", "/crush_events"),
     ("grains_final", "/grains_final"),
     ("excluded_grains", "/excluded_grains"),
     ("porosity_final", "/porosity_final"),
     ("k0_final", "/k0_final"),
+    ("cell_pressure_kPa", "/cell_pressure_kPa"),
+    ("peak_stress_ratio", "/peak_stress_ratio"),
+    ("peak_axial_strain", "/peak_axial_strain"),
+    ("residual_stress_ratio", "/residual_stress_ratio"),
     ("mass_error", "/mass_error"),
+    ("dissipated_share", "/dissipated_share"),
     ("energy_error", "/energy_error"),
     ("energy_nonconservative", "/energy_nonconservative"),
     ("largest_platen_difference", "/quasi_static/largest_platen_difference"),
@@ -29,21 +37,23 @@ const COLUMNS: [(&str, &str); 20] = [
     ("wall_seconds", "/wall_seconds"),
 ];
 
-/// Writes `runs.csv` for the runs that have a summary; returns its path, or `None` when none has.
+/// Writes `runs.csv` for the runs that have a summary, with the columns that any of them fills; returns its path, or `None` when none has.
 pub fn write(dirs: &[PathBuf], out: &Path) -> Result<Option<PathBuf>> {
     let mut rows = Vec::new();
     for dir in dirs {
         let summary = read_summary(&dir.join("summary.json"))?;
         if summary.is_object() {
-            rows.push(COLUMNS.map(|(_, at)| text(summary.pointer(at))).join(","));
+            rows.push(COLUMNS.map(|(_, at)| text(summary.pointer(at))));
         }
     }
     if rows.is_empty() {
         return Ok(None);
     }
+    let filled: Vec<usize> = (0..COLUMNS.len()).filter(|&k| rows.iter().any(|row| !row[k].is_empty())).collect();
+    let line = |of: &dyn Fn(usize) -> String| filled.iter().map(|&k| of(k)).collect::<Vec<_>>().join(",") + "\n";
+    let mut body = line(&|k| COLUMNS[k].0.to_string());
+    rows.iter().for_each(|row| body += &line(&|k| row[k].clone()));
     let path = out.join("runs.csv");
-    let header = COLUMNS.map(|(name, _)| name).join(",");
-    let body = format!("{header}\n{}\n", rows.join("\n"));
     std::fs::write(&path, body).map_err(|e| FigureError::io(&path, e))?;
     Ok(Some(path))
 }
@@ -75,8 +85,8 @@ mod tests {
         let path = write(&[run, dir.path().join("b")], dir.path()).expect("table").expect("one run");
         let text = std::fs::read_to_string(path).expect("text");
         assert_eq!(text.lines().count(), 2);
-        assert!(text.lines().nth(1).expect("row").starts_with("H-C-2,,,,,,,3,"));
-        assert!(text.contains("0.5") && text.contains("1.00e-15"));
+        assert!(text.lines().nth(1).expect("row").starts_with("H-C-2,3,0.5,1.00e-15"));
+        assert!(text.starts_with("scene,crush_events,k0_final,mass_error\n"));
         assert!(write(&[dir.path().join("b")], dir.path()).expect("none").is_none());
     }
 }

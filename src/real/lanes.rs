@@ -5,6 +5,9 @@ use pulp::Simd;
 use pulp::bytemuck;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+/// No instruction set has more lanes.
+pub const MOST_LANES: usize = 8;
+
 /// As many numbers side by side as the instruction set `S` takes at once.
 #[derive(Clone, Copy)]
 pub struct Lanes<S: Simd> {

@@ -9,7 +9,7 @@ mod lanes;
 #[cfg(target_arch = "x86_64")]
 pub use four::Quad;
 pub use four::{Four, Plain};
-pub use lanes::Lanes;
+pub use lanes::{Lanes, MOST_LANES};
 
 use pulp::Arch;
 

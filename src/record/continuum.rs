@@ -37,7 +37,8 @@ pub struct Recorder {
     /// Largest platen difference and kinetic energy over stress work of the rows of loading.
     pub worst: [f64; 2],
     /// Largest run-out (front less first front), m.
-    pub energy_error: f64,
+    /// Of all energy given.
+    pub dissipated: f64,
     /// First and last row's axial strain and axial stress, for the modulus.
     pub first: Option<[f64; 2]>,
     pub last: [f64; 2],
@@ -125,7 +126,6 @@ impl Recorder {
             row.push(("platen_difference", m.difference.into()));
         }
         let [px, py, pz] = m.totals.momentum;
-        let error = m.dissipated / m.scale.max(f64::MIN_POSITIVE);
         row.extend([
             ("void_ratio", m.void_ratio.into()),
             ("porosity", (m.void_ratio / (1.0 + m.void_ratio)).into()),
@@ -137,7 +137,7 @@ impl Recorder {
             ("platen_work_J", m.platen_work.into()),
             ("contact_J", m.stored.into()),
             ("dissipated_J", m.dissipated.into()),
-            ("dissipated_share", error.into()),
+            ("dissipated_share", m.dissipated_share().into()),
             ("momentum_x_kg_m_s", px.into()),
             ("momentum_y_kg_m_s", py.into()),
             ("momentum_z_kg_m_s", pz.into()),
@@ -153,8 +153,7 @@ impl Recorder {
     }
 
     fn remember(&mut self, rig: &Rig, phase: Phase, m: &Moment) {
-        (self.energy_error, self.void_ratio, self.plastic) =
-            (m.dissipated / m.scale.max(f64::MIN_POSITIVE), m.void_ratio, m.plastic[1]);
+        (self.dissipated, self.void_ratio, self.plastic) = (m.dissipated_share(), m.void_ratio, m.plastic[1]);
         let Some(s) = rig.specimen().filter(|_| phase != Phase::Settle) else { return };
         let now = [m.axial_strain, m.axial];
         self.first.get_or_insert(now);
@@ -255,6 +254,8 @@ fn write_fields(path: &Path, step: u64, order: &[u32], position: &[[f64; 4]], fi
 /// Columns of the grains in a continuum.
 fn coarse(g: &Coarse) -> Row {
     let q = |s: [f64; 3]| 1e-3 * (s[2] - 0.5 * (s[0] + s[1]));
+    let p = |s: [f64; 3]| 1e-3 * (s[0] + s[1] + s[2]) / 3.0;
+    let [xx, yy, zz, xy, yz, zx] = g.touching.fabric;
     let mut row: Row = vec![
         ("grains", (g.count as u64).into()),
         ("crush_events", g.crush_events.into()),
@@ -264,10 +265,18 @@ fn coarse(g: &Coarse) -> Row {
         ("coordination_number", (2.0 * g.touching.grains as f64 / g.count.max(1) as f64).into()),
         ("platen_contacts", g.touching.walls.into()),
         ("point_contacts", g.touching.points.into()),
-        ("fabric_zz", g.touching.fabric[2].into()),
+        ("fabric_xx", xx.into()),
+        ("fabric_yy", yy.into()),
+        ("fabric_zz", zz.into()),
+        ("fabric_xy", xy.into()),
+        ("fabric_yz", yz.into()),
+        ("fabric_zx", zx.into()),
         ("q_matrix_kPa", q(g.shares.matrix).into()),
         ("q_skeleton_kPa", q(g.shares.skeleton).into()),
         ("q_interface_kPa", q(g.shares.interface).into()),
+        ("p_matrix_kPa", p(g.shares.matrix).into()),
+        ("p_skeleton_kPa", p(g.shares.skeleton).into()),
+        ("p_interface_kPa", p(g.shares.interface).into()),
         ("sigma_zz_of_contacts_kPa", (1e-3 * g.shares.total(2)).into()),
         ("grain_steps", u64::from(g.rates[0]).into()),
         ("continuum_steps", u64::from(g.rates[1]).into()),

@@ -119,6 +119,7 @@ impl Recorder {
             ("platen_difference", s.platen_difference().into()),
             ("coordination_number", sums.coordination(n).into()),
             ("coordination_number_no_rattlers", sums.mechanical_coordination(n).into()),
+            ("fabric_zz", sums.fabric.tensor()[2].into()),
             ("rattlers", (sums.without + sums.with_one).into()),
             ("unbalanced_ratio", sums.unbalanced_ratio(n).into()),
             ("inertial_number", inertial.into()),

@@ -1,5 +1,6 @@
 //! Measures of one instant, all summed in the order of ids. Called when the forces of the instant are known (the control stage).
 
+use crate::contact::fabric::Fabric;
 use crate::contact::force::dot;
 use crate::contact::sweep::{difference, r_eff};
 use crate::grains::sphere_volume;
@@ -21,6 +22,8 @@ pub struct Sums {
     /// Touching contacts between grains, and with walls.
     pub contacts: usize,
     pub wall_contacts: usize,
+    /// Of the contacts between grains.
+    pub fabric: Fabric,
     /// Grains with no contact, and with one.
     pub without: usize,
     pub with_one: usize,
@@ -109,6 +112,7 @@ pub fn sums(model: &Model, state: &State, work: &Work) -> Sums {
                 s.overlap_volume += PI * touch.overlap * touch.overlap * (p[3] - touch.overlap / 3.0);
             } else {
                 s.contacts += 1;
+                s.fabric.add(touch.normal);
                 s.overlap_volume += lens(p[3], g.pos[state.pairs.ends[slot][1] as usize][3], touch.overlap);
             }
         }

@@ -383,7 +383,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     put("void_ratio_final", json!(r.void_ratio));
     put("largest_plastic_strain", json!(r.plastic));
     // of what platens, gravity and motion gave: taken by damping, transfer and wall friction, and errors
-    put("energy_error", json!(r.energy_error));
+    put("dissipated_share", json!(r.dissipated));
     put("wall_seconds", json!(progress.seconds));
     put("user_seconds", json!(progress.user_seconds));
     put("point_steps_per_second", json!(steps as f64 * points as f64 / progress.seconds.max(1e-9)));

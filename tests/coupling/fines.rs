@@ -96,6 +96,35 @@ fn a_crash_keeps_mass_and_momentum_and_gains_no_energy() {
     assert!(fines.entered.kinetic >= 0.0 && fines.entered.kinetic < of_pair, "{fines:?}");
 }
 
+/// Where fines enter they are no denser than the soil: with the daughters and what was there before they fill no more than their mother's sphere, and at least two points are
+/// in each of their cells.
+#[test]
+fn newborn_fines_are_as_loose_as_the_soil() {
+    let mut crash = Crash::new("points", 60.0, 1.5);
+    let before = crash.state.continuum.points().clone();
+    while crash.state.mixture.as_ref().and_then(|m| m.fines.as_ref()).is_none_or(|f| f.points == 0) {
+        crash.go();
+    }
+    let (mixture, points) = (crash.state.mixture.as_ref().expect("grains"), crash.state.continuum.points());
+    let (g, settings) = (&mixture.grains.grains, crash.state.continuum.settings());
+    let born: Vec<usize> = (0..points.len()).filter(|&i| points.id[i] >= before.next_id).collect();
+    assert!(born.len() > 10, "{}", born.len());
+    let sphere = |r: f64| 4.0 / 3.0 * std::f64::consts::PI * r * r * r;
+    // equal mothers
+    let (mother, events) = (sphere(0.0025), crash.events() as f64);
+    let daughters: f64 = (0..g.len()).filter(|&i| g.generation[i] > 0).map(|i| sphere(g.pos[i][3])).sum();
+    let fines: f64 = born.iter().map(|&i| points.position[i][3]).sum();
+    let solids: f64 = born.iter().map(|&i| points.solid(i)).sum();
+    assert!(daughters + fines <= events * mother * (1.0 + 1e-12), "{daughters} and {fines} of {events} times {mother}");
+    assert!((1.0 - solids / fines - 0.5).abs() < 1e-12, "porosity of the soil");
+    let cell = |i: usize| -> [i64; 3] {
+        std::array::from_fn(|a| ((points.position[i][a] - settings.lower[a]) / settings.cell).floor() as i64)
+    };
+    for &i in &born {
+        assert!((0..points.len()).filter(|&j| cell(j) == cell(i)).count() >= 2, "point {} is alone", points.id[i]);
+    }
+}
+
 /// Where fines enter, no force is there at the first look: the daughters go on as if there were none.
 #[test]
 fn newborn_contacts_bear_no_force() {

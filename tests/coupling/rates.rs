@@ -1,6 +1,6 @@
 //! Steps of their own for grains and continuum.
 
-use crate::scene::{Meeting, impact};
+use crate::scene::{Meeting, STUFF, impact, radius};
 use comminute::coupling::Rates;
 
 fn state(m: &Meeting) -> String {
@@ -28,6 +28,35 @@ fn momentum_is_kept_to_rounding_whatever_the_rates() {
     for v in &speeds {
         assert!((v - speeds[0]).abs() < 0.01 * 5.0, "{speeds:?}");
     }
+}
+
+/// κ = 1 is one step for both: a ball and a ball of one point, which strains nothing, go as two bodies with Hertz' force between them do in a plain leapfrog, to
+/// rounding, all through the impact.
+#[test]
+fn one_step_for_both_is_that_of_a_plain_leapfrog() {
+    let mut m = impact(None);
+    let mass = [m.mixture.grains.grains.mass[0], m.continuum.points().velocity[0][3]];
+    let ghost = (m.continuum.points().solid(0) * 0.75 / std::f64::consts::PI).cbrt();
+    let reach = radius() + ghost;
+    // E* of two equal materials, R* of two spheres
+    let stiffness = 4.0 / 3.0 * (0.5 * STUFF.young / (1.0 - STUFF.poisson * STUFF.poisson)) * (radius() * ghost / reach).sqrt();
+    let mut z = [m.mixture.grains.grains.pos[0][2], m.continuum.points().position[0][2]];
+    let mut v = [-5.0, 0.0];
+    let mut deepest = 0.0_f64;
+    for step in 0..6000 {
+        let overlap = (reach - (z[0] - z[1])).max(0.0);
+        deepest = deepest.max(overlap);
+        let force = stiffness * overlap.powf(1.5);
+        v = [v[0] + TIME / mass[0] * force, v[1] - TIME / mass[1] * force];
+        z = [z[0] + TIME * v[0], z[1] + TIME * v[1]];
+        m.go(TIME, Rates { grains: 1, continuum: 1 }, 1);
+        let (here, there) = (m.mixture.grains.grains.pos[0][2], m.continuum.points().position[0][2]);
+        let off = [here - z[0], there - z[1]].map(|d| d.abs() / radius());
+        assert!(off[0] < 1e-11 && off[1] < 1e-11, "{off:?} radii at step {step}");
+    }
+    let off = [m.velocity_of_grain()[2] - v[0], m.velocity_of_points()[2] - v[1]];
+    assert!(off.iter().all(|d| d.abs() < 1e-11 * 5.0) && v[1] < -4.9, "{off:?} of {v:?}");
+    assert!(deepest > 1e-3 * radius(), "{deepest} m");
 }
 
 #[test]

@@ -27,8 +27,31 @@ fn a_small_mixture_is_in_balance_and_resumes_to_the_byte() {
     let parts = folder.path().join("parts");
     let half = (number(&s, "steps") as u64 / 2).to_string();
     run("mixture/triaxial_small", &parts, &sets, &["--stop-after", &half]).assert().code(130);
-    comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
+    // on other threads, and with one number in a register
+    comminute("resume").arg(&parts).args(["--threads", "2", "--quiet", "--simd", "scalar"]).assert().success();
     same_files(&whole, &parts);
+}
+
+/// At constant volume the space between the platens stays, who bears p and q adds up, and the equivalent pore pressure is what the lateral stress has lost.
+#[test]
+fn a_mixture_is_sheared_at_constant_volume() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("out");
+    let own = ["test.drainage=constant_volume", "test.axial_strain=0.003", "records.rows=20"];
+    run("../tests/gpu/mixture", &out, &[&own[..], &QUIET].concat(), &[]).assert().success();
+    let rows = columns(&out, ["axial_strain", "volumetric_strain", "sigma_3_kPa", "pore_pressure_kPa"]);
+    let borne = columns(&out, ["p_kPa", "p_matrix_kPa", "p_skeleton_kPa", "p_interface_kPa"]);
+    // the first row is a mean over steps before the test as well
+    assert!(rows[1..].iter().all(|r| r[1].abs() < 2e-5), "{rows:?}");
+    let [strain, _, lateral, pore] = rows[rows.len() - 1];
+    assert!((strain / 0.003 - 1.0).abs() < 0.01, "{strain}");
+    // an undrained specimen: the mean stress stays near the cell pressure while the lateral one falls
+    assert!(pore > 1.0 && (lateral + pore - 50.0).abs() < 1e-6, "{lateral} kPa and {pore} kPa");
+    let [p, matrix, skeleton, interface] = borne[borne.len() - 1];
+    assert!(
+        ((matrix + skeleton + interface) / p - 1.0).abs() < 0.05 && interface > 1.0,
+        "{matrix} {skeleton} {interface} of {p} kPa"
+    );
 }
 
 /// A chain of crushable grains in a soil: one breaks, its daughters go on in smaller steps, mass is that of the grains less what the pattern loses.

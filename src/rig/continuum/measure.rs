@@ -83,6 +83,11 @@ pub struct FromCrushing {
 }
 
 impl Moment {
+    /// Of all energy given.
+    pub fn dissipated_share(&self) -> f64 {
+        self.dissipated / self.scale.max(f64::MIN_POSITIVE)
+    }
+
     /// q = σ1 − σ3 with the axial stress as σ1.
     pub fn q(&self) -> f64 {
         self.axial - self.lateral
