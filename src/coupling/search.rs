@@ -119,8 +119,12 @@ impl Ghosts {
     fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
         let points = continuum.points();
         let [by_grain, by_point] = &mut self.index;
-        let grain_at = |g: &Ghost| matches!(g.body, Body::Grain(id) if grains.id.get(g.place[0] as usize) != Some(&id));
-        if self.near.iter().any(grain_at) {
+        let (mut grain_moved, mut point_moved) = (false, false);
+        for g in &self.near {
+            grain_moved |= matches!(g.body, Body::Grain(id) if grains.id.get(g.place[0] as usize) != Some(&id));
+            point_moved |= points.id.get(g.place[1] as usize) != Some(&g.point);
+        }
+        if grain_moved {
             by_id(by_grain, &grains.id, grains.next_id);
             for g in &mut self.near {
                 if let Body::Grain(id) = g.body {
@@ -130,7 +134,7 @@ impl Ghosts {
             // those that are no more; their daughters are found in a search
             self.near.retain(|g| g.place[0] != NOWHERE);
         }
-        if self.near.iter().any(|g| points.id.get(g.place[1] as usize) != Some(&g.point)) {
+        if point_moved {
             by_id(by_point, &points.id, points.next_id);
             for g in &mut self.near {
                 g.place[1] = by_point[g.point as usize];
