@@ -459,7 +459,9 @@ impl Continuum {
             3 => "is turned inside out (volume not positive): use a smaller time step, a finer grid, or a stiffer law",
             // found by what comes after a step
             5 => return Err(mpm::platen::passed(self.steps_done(), id)),
-            6 => "has more than 8 grains and walls near it, which the GPU path does not keep: use smaller cells, or go on with `comminute resume RUN --backend cpu`",
+            6 => {
+                "has more than 8 grains and walls near it, which the GPU path does not keep: use smaller cells, or go on with `comminute resume RUN --backend cpu`"
+            }
             7 => "came near a grain as one of more than there is room for: go on with `comminute resume RUN --backend cpu`",
             _ => "lies in a cell with more than 256 points, which the GPU path does not sort: use larger spacings or the CPU",
         };
