@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Column and where its value stands in `summary.json`.
-const COLUMNS: [(&str, &str); 28] = [
+const COLUMNS: [(&str, &str); 31] = [
     ("scene", "/scene"),
     ("seed_packing", "/seed/packing"),
     ("seed_strength", "/seed/strength"),
@@ -34,25 +34,32 @@ const COLUMNS: [(&str, &str); 28] = [
     ("largest_distance_from_target", "/quasi_static/largest_distance_from_target"),
     ("largest_inertial_number", "/quasi_static/largest_inertial_number"),
     ("steps", "/steps"),
+    ("grain_steps", "/grain_steps"),
+    ("continuum_steps", "/continuum_steps"),
+    ("user_seconds", "/user_seconds"),
     ("wall_seconds", "/wall_seconds"),
 ];
 
-/// Writes `runs.csv` for the runs that have a summary, with the columns that any of them fills; returns its path, or `None` when none has.
+/// Writes `runs.csv` for the runs that have a summary, by their folders' names, with the columns that any of them fills; returns its path, or `None` when none has.
 pub fn write(dirs: &[PathBuf], out: &Path) -> Result<Option<PathBuf>> {
     let mut rows = Vec::new();
     for dir in dirs {
         let summary = read_summary(&dir.join("summary.json"))?;
         if summary.is_object() {
-            rows.push(COLUMNS.map(|(_, at)| text(summary.pointer(at))));
+            let name = dir.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            rows.push((name, COLUMNS.map(|(_, at)| text(summary.pointer(at)))));
         }
     }
     if rows.is_empty() {
         return Ok(None);
     }
-    let filled: Vec<usize> = (0..COLUMNS.len()).filter(|&k| rows.iter().any(|row| !row[k].is_empty())).collect();
-    let line = |of: &dyn Fn(usize) -> String| filled.iter().map(|&k| of(k)).collect::<Vec<_>>().join(",") + "\n";
-    let mut body = line(&|k| COLUMNS[k].0.to_string());
-    rows.iter().for_each(|row| body += &line(&|k| row[k].clone()));
+    let filled: Vec<usize> = (0..COLUMNS.len()).filter(|&k| rows.iter().any(|(_, row)| !row[k].is_empty())).collect();
+    let line = |name: &str, of: &dyn Fn(usize) -> String| {
+        let cells: Vec<String> = std::iter::once(name.to_string()).chain(filled.iter().map(|&k| of(k))).collect();
+        cells.join(",") + "\n"
+    };
+    let mut body = line("run", &|k| COLUMNS[k].0.to_string());
+    rows.iter().for_each(|(name, row)| body += &line(name, &|k| row[k].clone()));
     let path = out.join("runs.csv");
     std::fs::write(&path, body).map_err(|e| FigureError::io(&path, e))?;
     Ok(Some(path))
@@ -85,8 +92,8 @@ mod tests {
         let path = write(&[run, dir.path().join("b")], dir.path()).expect("table").expect("one run");
         let text = std::fs::read_to_string(path).expect("text");
         assert_eq!(text.lines().count(), 2);
-        assert!(text.lines().nth(1).expect("row").starts_with("H-C-2,3,0.5,1.00e-15"));
-        assert!(text.starts_with("scene,crush_events,k0_final,mass_error\n"));
+        assert!(text.lines().nth(1).expect("row").starts_with("a,H-C-2,3,0.5,1.00e-15"));
+        assert!(text.starts_with("run,scene,crush_events,k0_final,mass_error\n"));
         assert!(write(&[dir.path().join("b")], dir.path()).expect("none").is_none());
     }
 }

@@ -378,6 +378,9 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         }
         put("point_contacts", json!(mixture.touching().points));
         put("cycles", json!(mixture.cycles));
+        // of the last cycle
+        put("grain_steps", json!(mixture.cycle.rates.grains));
+        put("continuum_steps", json!(mixture.cycle.rates.continuum));
         put("outside_of_the_method", json!(crate::coupling::validity::doubts(model, rig)));
     }
     put("void_ratio_final", json!(r.void_ratio));

@@ -44,7 +44,8 @@ fn a_mixture_is_sheared_at_constant_volume() {
     // the first row is a mean over steps before the test as well
     assert!(rows[1..].iter().all(|r| r[1].abs() < 2e-5), "{rows:?}");
     let [strain, _, lateral, pore] = rows[rows.len() - 1];
-    assert!((strain / 0.003 - 1.0).abs() < 0.01, "{strain}");
+    // a row is a mean since the last one, half a row behind
+    assert!((strain / 0.003 - 1.0).abs() < 0.6 / 20.0, "{strain}");
     // an undrained specimen: the mean stress stays near the cell pressure while the lateral one falls
     assert!(pore > 1.0 && (lateral + pore - 50.0).abs() < 1e-6, "{lateral} kPa and {pore} kPa");
     let [p, matrix, skeleton, interface] = borne[borne.len() - 1];
