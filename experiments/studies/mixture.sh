@@ -21,3 +21,7 @@ for case in impact_refined crater crater_outer crater_numerics rates; do
     done
 done
 "$program" plot "$out"/crater/runs/crater-{7,9,10,12}-3 --quiet --show lowest_grain --out figures/mixture/crater
+# stiffer and stiffer rocks: κ by itself, time and energy
+"$program" sweep experiments/mixture/stiff_rock.toml --grid materials.rock.elastic.E_GPa=0.05,0.5,5,50 --set records.figures=false --set records.snapshots=false \
+    --out "$out/stiff_rock" --jobs 1 --threads 1 --quiet
+"$program" plot "$out"/stiff_rock/E_GPa-{0.05,0.5,5,50} --quiet --out figures/mixture/stiff_rock
