@@ -40,11 +40,13 @@ for number in 1 8 64; do
 done
 run reduction_64 triaxial_20_50kPa --set grid.grains_per_point=64
 run reduction_8 triaxial_20_50kPa
+run half_rate triaxial_20_50kPa --set test.strain_per_wave=1e-4
 
 of() { for name in "$@"; do echo "$runs/$name"; done; }
 "$bin" plot $(of fines_1 fines_2 points_fines_1 points_fines_2) --show stress_ratio,volumetric_strain --out figures/mixture/twin_00
 "$bin" plot $(of grains_{1,2,3,4,5} points_{1,2,3,4,5}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_20_seeds
 "$bin" plot $(of grains40_1 grains40_2 points40_1 points40_2) --show stress_ratio,volumetric_strain --out figures/mixture/twin_40
+"$bin" plot $(of reduction_8 half_rate) --show stress_ratio --out figures/mixture/rate
 "$bin" plot $(of reduction_8 reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction
 "$bin" plot $(of cells_3.75 cells_2.5 cells_1.875 cells_1.25) --show stress_ratio --out figures/mixture/twin_cells
 "$bin" plot $(of small_reduction_1 small_reduction_8 small_reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction_small
