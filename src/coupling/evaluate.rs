@@ -69,7 +69,7 @@ struct Found {
 impl<L: Law> WithSimd for Sweep<'_, L> {
     type Output = ();
 
-    /// Many of those listed do not touch: those that do are collected until they fill the lanes.
+    /// Those that touch are collected until they fill the lanes.
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let lanes = Lanes::<S>::COUNT;
@@ -149,10 +149,12 @@ impl<L: Law> Sweep<'_, L> {
         let [x, y, z, normal_force] = Lanes::columns(simd, |k| part[at(k)].touch.first());
         let [ox, oy, oz, before] = Lanes::columns(simd, |k| part[at(k)].touch.second());
         let touch = Touch { tangential: [x, y, z], normal_force, normal: [ox, oy, oz], overlap: before };
-        let spring = L::VISCOUS.then(|| {
+        let spring = if L::VISCOUS {
             let [x, y, z, _] = Lanes::columns(simd, |k| with(part[at(k)].spring, 0.0));
-            [x, y, z]
-        });
+            Some([x, y, z])
+        } else {
+            None
+        };
         let old = Memory { touch, spring, rolling: None, load: None, work: None };
         let new = force::touching::<Lanes<S>, L, false, true>(&meeting, &pair, self.rules, &old);
         let Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = new.touch;
