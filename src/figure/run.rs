@@ -36,6 +36,12 @@ pub struct Run {
     pub history: Option<Table>,
 }
 
+/// Name of a run's folder, also where it is given as `.`.
+pub fn folder_name(dir: &Path) -> String {
+    let full = dir.canonicalize().unwrap_or_else(|_| dir.to_path_buf());
+    full.file_name().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned())
+}
+
 impl Run {
     /// Reads `summary.json` and `history.csv` of a run folder, each if it is there.
     pub fn read(dir: &Path) -> Result<Self> {
@@ -45,13 +51,9 @@ impl Run {
         let summary = read_summary(&dir.join("summary.json"))?;
         let history = Table::read_if_there(&dir.join("history.csv"))?;
         let name = summary["scene"].as_str().map(scene_name);
-        let folder = || {
-            let full = dir.canonicalize().unwrap_or_else(|_| dir.to_path_buf());
-            full.file_name().map(|n| n.to_string_lossy().into_owned())
-        };
         let mut run = Self {
             dir: dir.to_path_buf(),
-            name: name.or_else(folder).unwrap_or_else(|| "run".into()),
+            name: name.unwrap_or_else(|| folder_name(dir)),
             seed: seed(&summary["seed"]),
             scale: summary["scale"].as_f64(),
             d50_mm: summary["d50_mm"].as_f64(),

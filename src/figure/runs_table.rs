@@ -1,7 +1,7 @@
 //! One line per run: what `summary.json` says, as a table beside overlaid figures.
 
 use super::error::{FigureError, Result};
-use super::run::read_summary;
+use super::run::{folder_name, read_summary};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -46,8 +46,7 @@ pub fn write(dirs: &[PathBuf], out: &Path) -> Result<Option<PathBuf>> {
     for dir in dirs {
         let summary = read_summary(&dir.join("summary.json"))?;
         if summary.is_object() {
-            let name = dir.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-            rows.push((name, COLUMNS.map(|(_, at)| text(summary.pointer(at)))));
+            rows.push((folder_name(dir), COLUMNS.map(|(_, at)| text(summary.pointer(at)))));
         }
     }
     if rows.is_empty() {

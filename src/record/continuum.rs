@@ -36,8 +36,7 @@ pub struct Recorder {
     residual: [f64; 2],
     /// Largest platen difference and kinetic energy over stress work of the rows of loading.
     pub worst: [f64; 2],
-    /// Largest run-out (front less first front), m.
-    /// Of all energy given.
+    /// Share of all energy given that is dissipated, in the last row.
     pub dissipated: f64,
     /// First and last row's axial strain and axial stress, for the modulus.
     pub first: Option<[f64; 2]>,

@@ -32,7 +32,7 @@ fn a_small_mixture_is_in_balance_and_resumes_to_the_byte() {
     same_files(&whole, &parts);
 }
 
-/// At constant volume the space between the platens stays, who bears p and q adds up, and the equivalent pore pressure is what the lateral stress has lost.
+/// At constant volume the space between the platens stays, who bears p adds up, and the equivalent pore pressure is what the lateral stress has lost.
 #[test]
 fn a_mixture_is_sheared_at_constant_volume() {
     let folder = tempfile::tempdir().expect("folder");
