@@ -8,7 +8,8 @@
 use super::{Bound, Fines, GhostTable, Ghosts, Rule};
 use crate::contact::force::plus;
 use crate::coupling::evaluate::Scene;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::grains::Grains;
 use crate::model::Model;
 use crate::mpm::Continuum;
 use crate::mpm::platen::Platen;
@@ -255,6 +256,9 @@ impl Mixture {
         }
         let point = self.fastest.1;
         let grain = grains.vel.iter().map(|v| square(v)).fold(0.0, f64::max).sqrt();
+        if dt * grain > continuum.settings().cell {
+            return Err(too_fast(grains, continuum, dt));
+        }
         let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
         self.ghosts.update(grains, walls, continuum, dt * (point + grain.max(wall)));
         let scene = Scene { grains, walls, continuum, table, unloading: parts.model.contact.unloading, dt, ahead };
@@ -291,6 +295,17 @@ impl Mixture {
         }
         (mass, momentum)
     }
+}
+
+/// A grain that would go through points without touching them.
+fn too_fast(grains: &Grains, continuum: &Continuum, dt: f64) -> Error {
+    let speed = |i: usize| (0..3).map(|a| grains.vel[i][a] * grains.vel[i][a]).sum::<f64>().sqrt();
+    let i = (0..grains.len()).max_by(|&i, &j| speed(i).total_cmp(&speed(j))).unwrap_or(0);
+    let [way, cell] = [dt * speed(i), continuum.settings().cell].map(|x| 1e3 * x);
+    let what = format!(
+        "a grain goes {way:.4} mm in a step, further than a cell of {cell:.4} mm, so it would not see points in its way: lower stepping.safety or stepping.dt_s"
+    );
+    Error::Unstable { step: continuum.steps(), what, grain: Some(u64::from(grains.id[i])) }
 }
 
 /// What contacts of rigid bodies are found from.

@@ -7,7 +7,7 @@ use crate::model::continuum::Continuum as Rig;
 use crate::mpm::Dimension;
 use crate::mpm::platen::ghost_radius;
 
-/// Mean diameter of coarse grains over that of ghosts, at least; a little room for a gradation.
+/// Mean diameter of coarse grains over that of ghosts, at least; a little room for how a gradation is drawn.
 const RATIO: f64 = 4.9;
 /// Coarse grains in the mass, at most.
 const CONTENT: f64 = 0.3;
@@ -18,10 +18,10 @@ const CROWDED: f64 = 0.25;
 
 /// What of a mixture says whether it is in range.
 struct Sizes {
-    /// Mean diameter of coarse grains, the least one, and the largest ghost's, m.
+    /// Mean diameter of coarse grains, the least one, and mean and largest of the ghosts, m.
     mean: f64,
     least: f64,
-    ghost: f64,
+    ghosts: [f64; 2],
     /// Share of the coarse grains in the mass.
     content: f64,
 }
@@ -31,27 +31,33 @@ fn sizes(model: &Model, rig: &Rig) -> Option<Sizes> {
     let density = |material: u8| model.materials[usize::from(material)].density;
     let grains = &rig.coarse.as_ref()?.grains;
     if let (Some(growth), true) = (&rig.growth, grains.is_empty()) {
-        let coarse = growth.coarse.filter(|_| growth.as_points)?;
+        let coarse = growth.coarse.filter(|_| growth.as_points && growth.fines.count() > 0)?;
         let [mass, fine] = [coarse, growth.fines].map(|f| f.volume * density(f.material));
-        let (least, ghost) = (2.0 * coarse.radii[0], 2.0 * growth.fines.radii[1]);
-        return Some(Sizes { mean: coarse.mean_diameter(), least, ghost, content: mass / (mass + fine) });
+        let (least, ghosts) = (2.0 * coarse.radii[0], [growth.fines.mean_diameter(), 2.0 * growth.fines.radii[1]]);
+        return Some(Sizes { mean: coarse.mean_diameter(), least, ghosts, content: mass / (mass + fine) });
     }
-    if grains.is_empty() || rig.points.is_empty() {
+    // a rigid body that is no sphere counts by the sphere of its volume
+    let blocks = rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.radius);
+    let radii: Vec<f64> = grains.iter().map(|g| g.radius).chain(blocks).collect();
+    if radii.is_empty() || rig.points.is_empty() {
         return None;
     }
+    let count = rig.points.len();
+    let ghosts = (0..count).map(|i| 2.0 * ghost_radius(Dimension::Space, rig.points.solid(i)));
+    let (sum, largest) = ghosts.fold((0.0, 0.0_f64), |(sum, most), d| (sum + d, most.max(d)));
     let mass: f64 = grains.iter().map(|g| density(g.material) * sphere_volume(g.radius)).sum();
     let fine: f64 = rig.points.velocity.iter().map(|v| v[3]).sum();
     Some(Sizes {
-        mean: 2.0 * grains.iter().map(|g| g.radius).sum::<f64>() / grains.len() as f64,
-        least: 2.0 * grains.iter().map(|g| g.radius).fold(f64::INFINITY, f64::min),
-        ghost: 2.0 * ghost_radius(Dimension::Space, (0..rig.points.len()).map(|i| rig.points.solid(i)).fold(0.0, f64::max)),
+        mean: 2.0 * radii.iter().sum::<f64>() / radii.len() as f64,
+        least: 2.0 * radii.iter().copied().fold(f64::INFINITY, f64::min),
+        ghosts: [sum / count as f64, largest],
         content: mass / (mass + fine),
     })
 }
 
 /// What is outside of that range, in words.
 pub fn doubts(model: &Model, rig: &Rig) -> Vec<String> {
-    let Some(Sizes { mean, least, ghost, content }) = sizes(model, rig) else { return Vec::new() };
+    let Some(Sizes { mean, least, ghosts: [ghost, widest], content }) = sizes(model, rig) else { return Vec::new() };
     let mut doubts = Vec::new();
     if mean < RATIO * ghost {
         doubts.push(format!(
@@ -74,11 +80,12 @@ pub fn doubts(model: &Model, rig: &Rig) -> Vec<String> {
     let near = |(i, g): &(usize, &crate::model::GrainSpec)| {
         grains.iter().enumerate().any(|(j, h)| {
             let d: f64 = (0..3).map(|a| (g.position[a] - h.position[a]) * (g.position[a] - h.position[a])).sum();
-            j != *i && d.sqrt() < g.radius + h.radius + ghost
+            j != *i && d.sqrt() < g.radius + h.radius + widest
         })
     };
     let crowded = grains.iter().enumerate().filter(near).count() as f64;
-    if crowded > CROWDED * count {
+    // what lies on each other in a free scene is meant to
+    if rig.specimen().is_some() && crowded > CROWDED * count {
         doubts
             .push(format!("{crowded} of {count} grains have a neighbour nearer than a ghost is wide: no points are between them"));
     }

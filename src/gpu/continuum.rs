@@ -463,7 +463,9 @@ impl Continuum {
                 "has more than 8 grains and walls near it, which the GPU path does not keep: use smaller cells, or go on with `comminute resume RUN --backend cpu`"
             }
             7 => "came near a grain as one of more than there is room for: go on with `comminute resume RUN --backend cpu`",
-            _ => "lies in a cell with more than 256 points, which the GPU path does not sort: use larger spacings or the CPU",
+            _ => {
+                "lies in a cell with more than 256 points, which the GPU path does not sort: use larger spacings, or --backend cpu"
+            }
         };
         Err(Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None })
     }

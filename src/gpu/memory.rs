@@ -57,7 +57,11 @@ impl Sizes {
         ] {
             if bytes > most {
                 let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / 1_048_576.0);
-                return Err(refused(what, mib(bytes), format!("is above the device's {}: {advice}, or use the CPU", mib(most))));
+                return Err(refused(
+                    what,
+                    mib(bytes),
+                    format!("is above the device's {}: {advice}, or use --backend cpu", mib(most)),
+                ));
             }
         }
         Ok(())

@@ -265,7 +265,7 @@ fn time_step(model: &Model, finest: f64) -> (Option<f64>, String) {
 }
 
 /// max(2 k_n, 7 k_t), N/m, of a contact of two grains of radius `r` under `force`: what bounds the step.
-fn share(law: ContactLaw, material: &crate::model::Material, r: f64, force: f64) -> f64 {
+pub(super) fn share(law: ContactLaw, material: &crate::model::Material, r: f64, force: f64) -> f64 {
     let (k_n, k_t) = match law {
         ContactLaw::Linear | ContactLaw::LinearInherited => {
             let k = 2.0 * material.k_eff * r;

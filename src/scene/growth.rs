@@ -22,6 +22,13 @@ impl View<'_> {
         Some(Some((material, self.radii(keys[1])?, share)))
     }
 
+    /// Refuses a share of coarse grains, m³ in all, that is less than one of them.
+    pub fn at_least_one(&self, radii: [f64; 2], volume: f64, share: f64) {
+        let one = Fraction { material: 0, radii, volume };
+        let message = format!("is too large: {share} of the mass, {volume:.3e} m³ of coarse grains, are not one of this size");
+        self.check(share == 0.0 || one.count() > 0, "coarse.diameter_mm", message);
+    }
+
     /// How a specimen grows, if the scene asks for it; `None` with the reason noted.
     pub fn growth(
         &self,
@@ -35,6 +42,7 @@ impl View<'_> {
             for other in others {
                 self.check(!self.has(other), other, format!("has no meaning without {key}"));
             }
+            self.check(self.text("growth.fines") == "points", "growth.fines", format!("must be \"points\" without {key}"));
             return Some(None);
         }
         let Some(specimen) = specimen else {
@@ -53,7 +61,9 @@ impl View<'_> {
         let density = |m: u8| materials[usize::from(m)].density;
         let coarse = self.coarse_grains(named)?.map(|(of, radii, share)| {
             let (coarse, fine) = (share / density(of), (1.0 - share) / density(material));
-            Fraction { material: of, radii, volume: solids * coarse / (coarse + fine) }
+            let volume = solids * coarse / (coarse + fine);
+            self.at_least_one(radii, volume, share);
+            Fraction { material: of, radii, volume }
         });
         let volume = solids - coarse.map_or(0.0, |c| c.volume);
         let fines = Fraction { material, radii: self.radii(key)?, volume };

@@ -13,6 +13,8 @@ use crate::packing::dispersed;
 
 /// Room between coarse grains, and between them and platens, when they are placed, over the distance of two points.
 const ROOM: f64 = 0.5;
+/// Depth, over its radius, to which a grain may stand in a platen at the start.
+const DEEP: f64 = 0.01;
 
 impl View<'_> {
     /// The continuum with its grains, or `None` with the reasons noted.
@@ -45,6 +47,7 @@ impl View<'_> {
                 return Some(());
             }
             if let Some(specimen) = test.specimen() {
+                self.grains_inside(&grains, specimen);
                 let density = materials[usize::from(ghosts[usize::from(points.law[0])])].density;
                 grains.extend(self.coarse(named, materials, specimen, density)?);
                 let law = self.law();
@@ -71,8 +74,42 @@ impl View<'_> {
         let fines = self.fines_as_points(materials, &rig, &grains)?;
         let coarse = Coarse { grains, blocks, walls, ghosts, rates, fines };
         self.blocks_have_room(&rig, &coarse);
+        self.grains_have_room(&rig, &coarse.grains);
         rig.coarse = Some(coarse);
         Some(rig)
+    }
+
+    /// Refuses listed grains that stand through a side of the specimen, where its platens begin.
+    fn grains_inside(&self, grains: &[GrainSpec], specimen: &Specimen) {
+        let [x, y, _] = specimen.base();
+        for (i, g) in grains.iter().enumerate() {
+            let (p, r) = (g.position, g.radius);
+            let sides = (0..3).map(|a| [specimen.lower[a] - p[a], p[a] - specimen.lower[a] - specimen.size[a]]);
+            let deepest = sides.flatten().fold(f64::NEG_INFINITY, f64::max);
+            let shell = if specimen.round { (p[0] - x).hypot(p[1] - y) - 0.5 * specimen.size[0] } else { deepest };
+            let depth = deepest.max(shell) + r;
+            if depth > DEEP * r {
+                let [low, high] = [specimen.lower, std::array::from_fn(|a| specimen.lower[a] + specimen.size[a])];
+                let shape = if specimen.round { "cylinder in the box" } else { "box" };
+                let message = format!(
+                    "grain {i} of radius {r:?} m reaches {depth:.3e} m out of the specimen, the {shape} from {low:?} to {high:?} m"
+                );
+                self.refuse(&format!("grain[{i}].position_m"), message);
+            }
+        }
+    }
+
+    /// Refuses listed grains that points lie in; in a specimen points make room for them.
+    fn grains_have_room(&self, rig: &Continuum, grains: &[GrainSpec]) {
+        if rig.specimen().is_some() {
+            return;
+        }
+        for (i, g) in grains.iter().enumerate() {
+            let holds = |q: &&[f64; 4]| (0..3).map(|a| (q[a] - g.position[a]).powi(2)).sum::<f64>() < g.radius * g.radius;
+            let inside = rig.points.position.iter().filter(holds).count();
+            let message = format!("must leave the points outside: {inside} lie in grain {i}, whose radius is {:?} m", g.radius);
+            self.check(inside == 0, &format!("grain[{i}].position_m"), message);
+        }
     }
 
     /// How the mass that breakages lose becomes points, if it does; `None` with the reason noted.
@@ -111,6 +148,7 @@ impl View<'_> {
         let wanted = volume * share * fine / (coarse * (1.0 - share) + share * fine);
         let room = ROOM * specimen.spacing;
         let seed = self.whole("seed.packing")?;
+        self.at_least_one(radii, wanted, share);
         match dispersed(specimen.lower, specimen.size, specimen.round, radii, wanted, room, seed) {
             Ok(spheres) => Some(
                 spheres
@@ -126,7 +164,7 @@ impl View<'_> {
             ),
             Err(reached) => {
                 let message = format!(
-                    "cannot be placed at random without contact: {:.1} % of the mass found room; use a smaller share, let the specimen grow (growth.fines_diameter_mm), or list the grains (grains_csv)",
+                    "cannot be placed at random without contact: {:.1} % of the mass found room; use a smaller share, let the specimen grow (growth.fines_diameter_mm), or list the grains as [[grain]]",
                     100.0 * coarse * reached / (coarse * reached + fine * (volume - reached))
                 );
                 self.refuse("coarse.mass_fraction", message);

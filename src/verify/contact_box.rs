@@ -1,4 +1,4 @@
-//! A rigid box that slides on a plane of points by ghost contacts.
+//! A rigid box, and Li's superquadric, that slide on a plane of points by ghost contacts.
 
 use super::{Case, Found, Task, contact_slide, scene, slide};
 use crate::error::Result;
@@ -11,7 +11,21 @@ pub const CASE: Case = Case {
     resolutions: &[3, 6],
     ways: contact_slide::WAYS,
     quantities: contact_slide::QUANTITIES,
-    run,
+    run: |task| slide_on_points(task, task.way, &[]),
+    graphs: None,
+};
+pub const SUPERQUADRIC: Case = Case {
+    name: "contact_superquadric",
+    about: "A superquadric of the same size slides on a plane of points, half a second (Li et al. 2023, section 3.2, eq. 39 with n₁ = n₂ = 20)",
+    exact: "v = v₀ + (10 − 10 μ) t, s = (v₀ + v) t/2 (eqs 40, 41, there from rest)",
+    across: "cells along the height of the body",
+    resolutions: &[3, 6],
+    ways: contact_slide::SLIDING,
+    quantities: contact_slide::SLIDES,
+    run: |task| {
+        let sets = ["block[0].shape=\"superquadric\"", "block[0].blockiness=[20.0, 20.0]"];
+        slide_on_points(task, task.way + contact_slide::AT_REST, &sets)
+    },
     graphs: None,
 };
 /// E* of two alike, Pa.
@@ -19,13 +33,13 @@ const MODULUS: f64 = 0.5 * contact_slide::MODULUS;
 /// Middle of the box over its lower face, mm.
 const MIDDLE: f64 = 75.0;
 
-fn run(task: &Task) -> Result<Found> {
-    let (friction, speed) = contact_slide::way(task);
+fn slide_on_points(task: &Task, way: usize, others: &[&str]) -> Result<Found> {
+    let (friction, speed) = contact_slide::friction_and_speed(way);
     let whole = |length: f64| contact_slide::whole(task, length);
     let [low, high, bottom] =
         [[-100.0, -25.0, -50.0].map(|x| -whole(-x)), [1600.0, 175.0, 0.0].map(whole), [0.0, 0.0, 50.0].map(whole)];
     let top = [high[0], high[1], bottom[2]];
-    let sets = [
+    let mut sets = vec![
         format!("grid.cell_mm={:?}", contact_slide::cell(task)),
         format!("grid.min_mm={low:?}"),
         format!("grid.max_mm={top:?}"),
@@ -35,6 +49,7 @@ fn run(task: &Task) -> Result<Found> {
         format!("material.contact.friction={friction:?}"),
         format!("block[0].velocity_m_s=[{speed:?}, 0.0, 0.0]"),
     ];
+    sets.extend(others.iter().map(|s| String::from(*s)));
     let run = scene::run(task, "../mixture/sliding_box", &sets)?;
     let (points, steps) = run.size()?;
     let ends = |column: &str| run.column("blocks.csv", column).map(|all| [all[0], all[all.len() - 1]]);
@@ -44,6 +59,6 @@ fn run(task: &Task) -> Result<Found> {
     let exact = |time: f64| slide::exact(friction, speed, time);
     let velocity = velocity / exact(time - 0.5 * dt[dt.len() - 1])[0] - 1.0;
     let distance = (end - start) / exact(time)[1] - 1.0;
-    let with_give = contact_slide::with_give(distance, task, MODULUS, time);
+    let with_give = contact_slide::with_give(distance, (task, way), MODULUS, time);
     Ok(Found { points, steps, errors: vec![velocity, distance, with_give] })
 }

@@ -22,27 +22,23 @@ pub(super) const MODULUS: f64 = 80e6 / (1.0 - POISSON * POISSON);
 const POISSON: f64 = 0.3;
 
 pub(super) const QUANTITIES: &[&str] = &["velocity", "distance", "distance, give known"];
+/// What slides from the first gives nothing way.
+pub(super) const SLIDES: &[&str] = &["velocity", "distance"];
 /// From rest, where contacts first give way until friction holds; and sliding from the first.
-pub(super) const WAYS: &[&str] = &[
-    "μ = 0.1",
-    "μ = 0.2",
-    "μ = 0.3",
-    "μ = 0.4",
-    "μ = 0.5",
-    "μ = 0.1, from 0.3 m/s",
-    "μ = 0.2, from 0.3 m/s",
-    "μ = 0.3, from 0.3 m/s",
-    "μ = 0.4, from 0.3 m/s",
-    "μ = 0.5, from 0.3 m/s",
-];
+pub(super) const WAYS: &[&str] =
+    &["μ = 0.1", "μ = 0.2", "μ = 0.3", "μ = 0.4", "μ = 0.5", SLIDING[0], SLIDING[1], SLIDING[2], SLIDING[3], SLIDING[4]];
+/// Those from rest come first.
+pub(super) const AT_REST: usize = 5;
+pub(super) const SLIDING: &[&str] =
+    &["μ = 0.1, from 0.3 m/s", "μ = 0.2, from 0.3 m/s", "μ = 0.3, from 0.3 m/s", "μ = 0.4, from 0.3 m/s", "μ = 0.5, from 0.3 m/s"];
 
-/// Friction and speed at the start, m/s.
-pub(super) fn way(task: &Task) -> (f64, f64) {
-    (0.1 * (task.way % 5 + 1) as f64, if task.way < 5 { 0.0 } else { 0.3 })
+/// Friction and speed at the start, m/s, of one of [`WAYS`].
+pub(super) fn friction_and_speed(way: usize) -> (f64, f64) {
+    (0.1 * (way % AT_REST + 1) as f64, if way < AT_REST { 0.0 } else { 0.3 })
 }
 
 fn run(task: &Task) -> Result<Found> {
-    let (friction, start) = way(task);
+    let (friction, start) = friction_and_speed(task.way);
     let sets = [
         format!("grid.cell_mm={:?}", cell(task)),
         format!("grid.min_mm={:?}", [100.0, 50.0, 100.0].map(|x| -whole(task, x))),
@@ -53,14 +49,14 @@ fn run(task: &Task) -> Result<Found> {
     ];
     let run = scene::run(task, "../mixture/sliding_block", &sets)?;
     let (mut found, time) = (slide::found(&run, friction, start)?, run.number("time_s")?);
-    found.errors.push(with_give(found.errors[1], task, MODULUS, time));
+    found.errors.push(with_give(found.errors[1], (task, task.way), MODULUS, time));
     Ok(found)
 }
 
 /// The distance's error against what is exact for springs that give way from rest: the block goes by x'' = g − ω² x with ω² = Σk_t/m until friction
 /// holds, cos ω t₁ = 1 − μ, and then as eq. 40 says. Hertz–Mindlin: k_t = 6 (G*/E*) F/δ, and G*/E* = (1 − ν)/(2 (2 − ν)) of two alike and on a wall.
-pub(super) fn with_give(error: f64, task: &Task, modulus: f64, time: f64) -> f64 {
-    let (friction, start) = way(task);
+pub(super) fn with_give(error: f64, (task, way): (&Task, usize), modulus: f64, time: f64) -> f64 {
+    let (friction, start) = friction_and_speed(way);
     let [_, whole] = slide::exact(friction, start, time);
     if start > 0.0 {
         return error;

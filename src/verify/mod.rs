@@ -97,7 +97,7 @@ pub struct Row {
 }
 
 /// Cases that are run unless others are named.
-pub const CASES: [Case; 14] = [
+pub const CASES: [Case; 15] = [
     bar::CASE,
     wave::CASE,
     column::CASE,
@@ -112,6 +112,7 @@ pub const CASES: [Case; 14] = [
     impact::CASE,
     contact_slide::CASE,
     contact_box::CASE,
+    contact_box::SUPERQUADRIC,
 ];
 
 /// Cases that take longer, and are run when they are named.

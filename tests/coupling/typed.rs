@@ -1,6 +1,7 @@
 //! Mixtures as a user types them.
 
 use crate::common::typed::{columns, comminute, number, run, same_files, summary};
+use predicates::prelude::{PredicateBooleanExt, predicate::str::contains};
 
 const QUIET: [&str; 2] = ["records.figures=false", "records.snapshots=false"];
 
@@ -83,9 +84,42 @@ fn mixtures_that_cannot_be_are_refused() {
         ("coarse.material=gravel", "is no material of the scene"),
         ("stepping.inertia_scaling=true", "a continuum moves in time"),
         ("coarse.diameter_mm=[10.0, 9.0]", "smallest, then the largest"),
+        ("coarse.diameter_mm=[34.0, 35.0]", "are not one of this size"),
+        ("growth.fines=\"grains\"", "must be \"points\" without growth.fines_diameter_mm"),
     ] {
-        let mut command = comminute("check");
-        command.args(["experiments/mixture/triaxial_small.toml", "--set", set]);
-        command.assert().code(2).stderr(predicates::str::contains(says));
+        check("triaxial_small", set).code(2).stderr(contains(says));
     }
+    let through = "must leave the points outside";
+    for (scene, set, says) in [
+        ("oedometer_crushing", "grain[2].position_m=[0.0075, 0.0075, 0.03]", "grain 2 of radius 0.0025 m reaches"),
+        ("oedometer_crushing", "grain[2].position_m=[0.0075, 0.0075, 0.0131]", "out of the specimen"),
+        ("ball_impact", "grain[0].position_m=[0.0, 0.0, 0.01]", through),
+        ("ball_impact", "grain[0].radius_m=10.0", through),
+    ] {
+        check(scene, set).code(2).stderr(contains(says).and(contains("grain[")));
+    }
+}
+
+fn check(scene: &str, set: &str) -> assert_cmd::assert::Assert {
+    comminute("check").args([&format!("experiments/mixture/{scene}.toml"), "--set", set]).assert()
+}
+
+/// What `check` says of a mixture outside of the range: rigid bodies count, points that are not there do not.
+#[test]
+fn a_mixture_outside_of_the_range_is_doubted() {
+    let coarse = "more than half of the smallest grain";
+    check("rocks_drop", "seed.packing=1").success().stderr(contains(coarse).not());
+    check("rocks_drop", "block[1].size_mm=[4.0, 3.0, 2.4]").success().stderr(contains(coarse));
+    // 1:5, as the paper has it; and grains alone
+    check("twin_points", "seed.packing=1").success().stderr(contains("times as large as the ghosts").not());
+    check("twin_points", "coarse.mass_fraction=1.0").success().stderr(contains("warning").not());
+}
+
+/// A grain that would be through the points before it sees them ends the run.
+#[test]
+fn a_grain_too_fast_for_its_step_is_told() {
+    let folder = tempfile::tempdir().expect("folder");
+    let sets = ["grain[0].velocity_m_s=[0.0, 0.0, -5000.0]", QUIET[0], QUIET[1]];
+    let told = "further than a cell";
+    run("mixture/ball_impact", &folder.path().join("out"), &sets, &[]).assert().code(1).stderr(contains(told));
 }

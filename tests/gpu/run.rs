@@ -160,7 +160,7 @@ fn refused(scene: &str, sets: &[&str], says: &[&str]) {
 
 #[test]
 fn what_the_device_lacks_is_refused_by_name_before_it_starts() {
-    refused("column_collapse_2d", &[], &["gpu: dimension = plane_strain: is not available on the GPU"]);
+    refused("column_collapse_2d", &[], &["gpu: grid.plane_strain = true: is not available on the GPU"]);
     refused("column_collapse_a055", &["grid.transfer=apic", "grid.pic=0.0"], &["gpu: transfer = affine: is not available"]);
     refused("triaxial_fine_small", &["grid.shape_functions=gimp"], &["gpu: shape = gimp: is not available"]);
     refused(
@@ -187,7 +187,7 @@ fn check_says_what_the_device_would_need_or_lacks() {
         command.assert().success()
     };
     told("triaxial_fine_small").stderr(contains("graphics device").and(contains("MB (estimate)")));
-    told("column_collapse_2d").stderr(contains("graphics device").and(contains("dimension = plane_strain: is not available")));
+    told("column_collapse_2d").stderr(contains("graphics device").and(contains("grid.plane_strain = true: is not available")));
 }
 
 /// Without a driver `gpu` is an error and `auto` the processor, with the reason.
@@ -201,7 +201,7 @@ fn without_an_adapter_gpu_is_refused_and_auto_goes_on() {
         command.envs([("VK_DRIVER_FILES", "/nowhere.json"), ("VK_ICD_FILENAMES", "/nowhere.json")]);
         command.assert()
     };
-    without("gpu").code(2).stderr(contains("gpu: found no graphics adapter").and(contains("use the CPU")));
+    without("gpu").code(2).stderr(contains("gpu: found no graphics adapter").and(contains("use --backend cpu")));
     assert!(!folder.path().join("gpu").exists());
     without("auto").success();
     let s = summary(&folder.path().join("auto"));

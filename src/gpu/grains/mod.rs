@@ -309,8 +309,10 @@ impl Bodies {
             );
         }
         if self.mix.crowded != NONE {
-            let what =
-                format!("a grain has more than {} grains near it, which the GPU path does not keep: use the CPU", layout::PARTNERS);
+            let what = format!(
+                "a grain has more than {} grains near it, which the GPU path does not keep: use --backend cpu",
+                layout::PARTNERS
+            );
             return told(self.mix.crowded, what);
         }
         Ok(())

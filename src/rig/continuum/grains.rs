@@ -151,15 +151,20 @@ impl State {
         what: impl FnOnce(&Settings, &Points, &[Platen], Option<&gpu::Coarse<'_>>) -> Result<T>,
     ) -> Result<T> {
         if rig.specimen().is_some_and(|s| s.round) {
-            let message = "cylinders are not available on the GPU: use the CPU";
+            let message = "cylinders are not available on the GPU: use --backend cpu";
             return Err(Error::input("gpu", "body[0].shape", Some("cylinder".into()), message));
         }
         let Some(mixture) = self.mixture.as_deref() else { return what(&rig.settings, &rig.points, &self.platens, None) };
         if rig.growth.is_some() {
-            return Err(Error::input("gpu", "growth", None, "specimens that grow are not available on the GPU: use the CPU"));
+            return Err(Error::input(
+                "gpu",
+                "growth.fines_diameter_mm",
+                None,
+                "specimens that grow are not available on the GPU: use --backend cpu",
+            ));
         }
         if let Some(Rates { continuum: steps @ 2.., .. }) = rig.coarse.as_ref().and_then(|c| c.rates) {
-            let message = "must be 1 on the GPU: leave it away, or use the CPU";
+            let message = "must be 1 on the GPU: leave it away, or use --backend cpu";
             return Err(Error::input("gpu", "stepping.continuum_steps", Some(steps.to_string()), message));
         }
         let table = ghosts(model, rig, mixture);
