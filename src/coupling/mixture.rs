@@ -257,7 +257,7 @@ impl Mixture {
         let point = self.fastest.1;
         let grain = grains.vel.iter().map(|v| square(v)).fold(0.0, f64::max).sqrt();
         if dt * grain > continuum.settings().cell {
-            return Err(too_fast(grains, continuum, dt));
+            too_fast(grains, continuum, dt)?;
         }
         let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
         self.ghosts.update(grains, walls, continuum, dt * (point + grain.max(wall)));
@@ -297,15 +297,21 @@ impl Mixture {
     }
 }
 
-/// A grain that would go through points without touching them.
-fn too_fast(grains: &Grains, continuum: &Continuum, dt: f64) -> Error {
-    let speed = |i: usize| (0..3).map(|a| grains.vel[i][a] * grains.vel[i][a]).sum::<f64>().sqrt();
-    let i = (0..grains.len()).max_by(|&i, &j| speed(i).total_cmp(&speed(j))).unwrap_or(0);
-    let [way, cell] = [dt * speed(i), continuum.settings().cell].map(|x| 1e3 * x);
+/// Grains on the grid that would be through points before they see them; what has left it meets none.
+fn too_fast(grains: &Grains, continuum: &Continuum, dt: f64) -> Result<()> {
+    let settings = continuum.settings();
+    let over = |i: &usize| {
+        let (p, v) = (grains.pos[*i], grains.vel[*i]);
+        let way = dt * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+        let high = |a: usize| settings.lower[a] + settings.cell * f64::from(settings.cells[a]);
+        way > settings.cell && (0..3).all(|a| (settings.lower[a]..high(a)).contains(&p[a]))
+    };
+    let Some(i) = (0..grains.len()).find(over) else { return Ok(()) };
     let what = format!(
-        "a grain goes {way:.4} mm in a step, further than a cell of {cell:.4} mm, so it would not see points in its way: lower stepping.safety or stepping.dt_s"
+        "a grain goes further than a cell, {:.4} mm, in a step of {dt:.3e} s, and would not see points in its way: lower stepping.safety or stepping.dt_s",
+        1e3 * settings.cell
     );
-    Error::Unstable { step: continuum.steps(), what, grain: Some(u64::from(grains.id[i])) }
+    Err(Error::Unstable { step: continuum.steps(), what, grain: Some(u64::from(grains.id[i])) })
 }
 
 /// What contacts of rigid bodies are found from.

@@ -16,11 +16,11 @@ pub const CASE: Case = Case {
 };
 pub const SUPERQUADRIC: Case = Case {
     name: "contact_superquadric",
-    about: "A superquadric of the same size slides on a plane of points, half a second (Li et al. 2023, section 3.2, eq. 39 with n₁ = n₂ = 20)",
+    about: "A superquadric slides on a plane of points from 0.3 m/s, half a second (Li et al. 2023, section 3.2, eq. 39 with n₁ = n₂ = 20; as large as the box)",
     exact: "v = v₀ + (10 − 10 μ) t, s = (v₀ + v) t/2 (eqs 40, 41, there from rest)",
     across: "cells along the height of the body",
     resolutions: &[3, 6],
-    ways: contact_slide::SLIDING,
+    ways: contact_slide::FRICTIONS,
     quantities: contact_slide::SLIDES,
     run: |task| {
         let sets = ["block[0].shape=\"superquadric\"", "block[0].blockiness=[20.0, 20.0]"];

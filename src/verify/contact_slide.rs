@@ -25,12 +25,21 @@ pub(super) const QUANTITIES: &[&str] = &["velocity", "distance", "distance, give
 /// What slides from the first gives nothing way.
 pub(super) const SLIDES: &[&str] = &["velocity", "distance"];
 /// From rest, where contacts first give way until friction holds; and sliding from the first.
-pub(super) const WAYS: &[&str] =
-    &["μ = 0.1", "μ = 0.2", "μ = 0.3", "μ = 0.4", "μ = 0.5", SLIDING[0], SLIDING[1], SLIDING[2], SLIDING[3], SLIDING[4]];
+pub(super) const WAYS: &[&str] = &[
+    FRICTIONS[0],
+    FRICTIONS[1],
+    FRICTIONS[2],
+    FRICTIONS[3],
+    FRICTIONS[4],
+    "μ = 0.1, from 0.3 m/s",
+    "μ = 0.2, from 0.3 m/s",
+    "μ = 0.3, from 0.3 m/s",
+    "μ = 0.4, from 0.3 m/s",
+    "μ = 0.5, from 0.3 m/s",
+];
+pub(super) const FRICTIONS: &[&str] = &["μ = 0.1", "μ = 0.2", "μ = 0.3", "μ = 0.4", "μ = 0.5"];
 /// Those from rest come first.
-pub(super) const AT_REST: usize = 5;
-pub(super) const SLIDING: &[&str] =
-    &["μ = 0.1, from 0.3 m/s", "μ = 0.2, from 0.3 m/s", "μ = 0.3, from 0.3 m/s", "μ = 0.4, from 0.3 m/s", "μ = 0.5, from 0.3 m/s"];
+pub(super) const AT_REST: usize = FRICTIONS.len();
 
 /// Friction and speed at the start, m/s, of one of [`WAYS`].
 pub(super) fn friction_and_speed(way: usize) -> (f64, f64) {

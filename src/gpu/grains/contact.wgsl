@@ -106,7 +106,7 @@ const WALLS: u32 = 0x40000000u;
 const PARTNERS: u32 = 32u;
 const SIDES: u32 = 8u;
 const SLOTS: u32 = 40u;
-const PLACES: u32 = 8u;
+const PLACES: u32 = 16u;
 
 // Planes of `grains` entries each.
 const G_UNITS: u32 = 0u; // units x, y, z; material

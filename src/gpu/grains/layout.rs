@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 pub const PARTNERS: usize = 32;
 pub const SIDES: usize = 8;
 pub const SLOTS: usize = PARTNERS + SIDES;
-pub const PLACES: usize = 8;
+pub const PLACES: usize = 16;
 /// Planes of four words of a contact, and of a grain.
 pub const CONTACT: usize = 4;
 pub const GRAIN: usize = 9;
