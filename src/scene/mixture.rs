@@ -81,21 +81,18 @@ impl View<'_> {
 
     /// Refuses listed grains that stand through a side of the specimen, where its platens begin.
     fn grains_inside(&self, grains: &[GrainSpec], specimen: &Specimen) {
-        let [x, y, _] = specimen.base();
+        let (low, [x, y, _]) = (specimen.lower, specimen.base());
+        let high: [f64; 3] = std::array::from_fn(|a| low[a] + specimen.size[a]);
+        let shape = if specimen.round { "cylinder in the box" } else { "box" };
         for (i, g) in grains.iter().enumerate() {
             let (p, r) = (g.position, g.radius);
-            let sides = (0..3).map(|a| [specimen.lower[a] - p[a], p[a] - specimen.lower[a] - specimen.size[a]]);
-            let deepest = sides.flatten().fold(f64::NEG_INFINITY, f64::max);
-            let shell = if specimen.round { (p[0] - x).hypot(p[1] - y) - 0.5 * specimen.size[0] } else { deepest };
-            let depth = deepest.max(shell) + r;
-            if depth > DEEP * r {
-                let [low, high] = [specimen.lower, std::array::from_fn(|a| specimen.lower[a] + specimen.size[a])];
-                let shape = if specimen.round { "cylinder in the box" } else { "box" };
-                let message = format!(
-                    "grain {i} of radius {r:?} m reaches {depth:.3e} m out of the specimen, the {shape} from {low:?} to {high:?} m"
-                );
-                self.refuse(&format!("grain[{i}].position_m"), message);
-            }
+            let shell = specimen.round.then(|| (p[0] - x).hypot(p[1] - y) - 0.5 * specimen.size[0]);
+            let sides = (0..3).flat_map(|a| [low[a] - p[a], p[a] - high[a]]);
+            let out = r + sides.chain(shell).fold(f64::NEG_INFINITY, f64::max);
+            let message = format!(
+                "grain {i} of radius {r:?} m reaches {out:.3e} m out of the specimen, the {shape} from {low:?} to {high:?} m"
+            );
+            self.check(out <= DEEP * r, &format!("grain[{i}].position_m"), message);
         }
     }
 

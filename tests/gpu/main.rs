@@ -270,11 +270,11 @@ fn what_the_gpu_lacks_is_refused_by_name() {
     let plane = told(&|s| s.dimension = Dimension::PlaneStrain);
     assert_eq!(plane, "gpu: grid.plane_strain = true: is not available on the GPU: use --backend cpu");
     let gimp = told(&|s| s.shape = ShapeFunctions::Gimp { half_width: 0.25 });
-    assert!(gimp.contains("shape = gimp"), "{gimp}");
+    assert!(gimp.contains("grid.shape_functions = gimp"), "{gimp}");
     let affine = told(&|s| s.transfer = Transfer::Affine);
-    assert!(affine.contains("transfer = affine"), "{affine}");
+    assert!(affine.contains("grid.transfer = apic"), "{affine}");
     let two = told(&|s| (s.dimension, s.transfer) = (Dimension::PlaneStrain, Transfer::Affine));
-    assert!(two.contains("dimension") && two.contains("transfer"), "{two}");
+    assert!(two.contains("grid.plane_strain") && two.contains("grid.transfer"), "{two}");
 }
 
 #[test]

@@ -176,8 +176,8 @@ fn what_the_device_lacks_of_grains_is_refused_by_name() {
     for (scene, sets, says) in [
         (TWIN, &["stepping.continuum_steps=2"][..], "gpu: stepping.continuum_steps = 2: must be 1 on the GPU"),
         (TWIN, &["contact.unloading=rescale"], "gpu: contact.unloading = rescale: is not available on the GPU"),
-        (TWIN, &["grid.shape_functions=gimp"], "gpu: shape = gimp: is not available"),
-        ("mixture/twin_points", &[], "gpu: growth: specimens that grow are not available on the GPU"),
+        (TWIN, &["grid.shape_functions=gimp"], "gpu: grid.shape_functions = gimp: is not available"),
+        ("mixture/twin_points", &[], "gpu: growth.fines_diameter_mm: specimens that grow are not available on the GPU"),
         (
             "mixture/oedometer_crushing",
             &["crushing.lost_mass=points"],

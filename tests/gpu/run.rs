@@ -161,8 +161,8 @@ fn refused(scene: &str, sets: &[&str], says: &[&str]) {
 #[test]
 fn what_the_device_lacks_is_refused_by_name_before_it_starts() {
     refused("column_collapse_2d", &[], &["gpu: grid.plane_strain = true: is not available on the GPU"]);
-    refused("column_collapse_a055", &["grid.transfer=apic", "grid.pic=0.0"], &["gpu: transfer = affine: is not available"]);
-    refused("triaxial_fine_small", &["grid.shape_functions=gimp"], &["gpu: shape = gimp: is not available"]);
+    refused("column_collapse_a055", &["grid.transfer=apic", "grid.pic=0.0"], &["gpu: grid.transfer = apic: is not available"]);
+    refused("triaxial_fine_small", &["grid.shape_functions=gimp"], &["gpu: grid.shape_functions = gimp: is not available"]);
     refused(
         "petroleum_coke/h-c-2",
         &[],
