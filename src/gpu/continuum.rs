@@ -452,6 +452,10 @@ impl Continuum {
             };
         }
         let (id, what) = (fault / 8, fault % 8);
+        let crowded = format!(
+            "has more than {} grains and walls near it, which the GPU path does not keep: use smaller cells, or go on with `comminute resume RUN --backend cpu`",
+            grains::PLACES
+        );
         let what = match what {
             0 => "has no finite position, velocity or stress: use a smaller time step and look at the law's parameters",
             1 => "has left the grid: enlarge the domain, put a wall there, or use a smaller time step",
@@ -459,9 +463,7 @@ impl Continuum {
             3 => "is turned inside out (volume not positive): use a smaller time step, a finer grid, or a stiffer law",
             // found by what comes after a step
             5 => return Err(mpm::platen::passed(self.steps_done(), id)),
-            6 => {
-                "has more than 8 grains and walls near it, which the GPU path does not keep: use smaller cells, or go on with `comminute resume RUN --backend cpu`"
-            }
+            6 => &crowded,
             7 => "came near a grain as one of more than there is room for: go on with `comminute resume RUN --backend cpu`",
             _ => {
                 "lies in a cell with more than 256 points, which the GPU path does not sort: use larger spacings, or --backend cpu"

@@ -6,7 +6,7 @@ use crate::error::Result;
 pub const CASE: Case = Case {
     name: "contact_box",
     about: "A rigid box slides on a plane of points, half a second (Li et al. 2023, section 3.2; scene mixture/sliding_box)",
-    exact: "v = v₀ + (10 − 10 μ) t, s = (v₀ + v) t/2 (eqs 40, 41, there from rest)",
+    exact: contact_slide::EXACT,
     across: "cells along the height of the box",
     resolutions: &[3, 6],
     ways: contact_slide::WAYS,
@@ -17,7 +17,7 @@ pub const CASE: Case = Case {
 pub const SUPERQUADRIC: Case = Case {
     name: "contact_superquadric",
     about: "A superquadric slides on a plane of points from 0.3 m/s, half a second (Li et al. 2023, section 3.2, eq. 39 with n₁ = n₂ = 20; as large as the box)",
-    exact: "v = v₀ + (10 − 10 μ) t, s = (v₀ + v) t/2 (eqs 40, 41, there from rest)",
+    exact: contact_slide::EXACT,
     across: "cells along the height of the body",
     resolutions: &[3, 6],
     ways: contact_slide::FRICTIONS,

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 pub const CASE: Case = Case {
     name: "contact_slide",
     about: "A block of points slides on a wall of grains' contacts, half a second (Li et al. 2023, section 3.2; scene mixture/sliding_block)",
-    exact: "v = v₀ + (10 − 10 μ) t, s = (v₀ + v) t/2 (eqs 40, 41, there from rest)",
+    exact: EXACT,
     across: "cells along the height",
     resolutions: &[3, 6, 10],
     ways: WAYS,
@@ -15,6 +15,7 @@ pub const CASE: Case = Case {
     run,
     graphs: None,
 };
+pub(super) const EXACT: &str = "v = v₀ + (10 − 10 μ) t, s = (v₀ + v) t/2 (eqs 40, 41, there from rest)";
 /// Height of the block, mm, pressure under it, Pa, and E* of its ghosts on a rigid wall, Pa.
 const HEIGHT: f64 = 150.0;
 const PRESSURE: f64 = 2000.0 * 10.0 * 0.15;

@@ -10,7 +10,7 @@ mod words;
 
 #[cfg(test)]
 pub use layout::Side;
-pub use layout::{Coupling, Mix, NONE};
+pub use layout::{Coupling, Mix, NONE, PLACES};
 pub use support::{Sizes, sizes};
 
 use super::device::{Device, refused};
@@ -23,7 +23,7 @@ use crate::error::{Error, Result};
 use crate::model::{ContactLaw, Model};
 use crate::mpm::Continuum as Cpu;
 use crate::step::stability::rayleigh;
-use layout::{PLACES, SIDES, SLOTS};
+use layout::{SIDES, SLOTS};
 use serde::{Deserialize, Serialize};
 use wgpu::BufferUsages as Usage;
 use words::Kept;
