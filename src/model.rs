@@ -122,8 +122,15 @@ pub struct Stepping {
     pub inertia_scaling: bool,
     /// A fixed time step, s (free scenes); `None`: computed from contact stiffness and inertia.
     pub dt: Option<f64>,
+    /// Share of the Rayleigh step that grains may go before any contact is known.
+    pub rayleigh: f64,
     /// Neighbour skin of a grain over its radius.
     pub skin: f64,
+}
+
+impl Stepping {
+    /// The share of the Rayleigh step where a scene says no other.
+    pub const RAYLEIGH: f64 = 0.1;
 }
 
 /// The laboratory.

@@ -22,19 +22,20 @@ impl Ghost {
 }
 
 impl Ghosts {
-    /// Gives grains and points their shares of what the contacts bear, in the order of bodies and points.
+    /// Gives grains and points their shares of what the contacts bear, and points such a share of their stiffness, in the order of bodies and points.
     pub(super) fn give(
         &self,
         grains: &Grains,
         outside: &mut Vec<[[f64; 4]; 2]>,
         of_grains: f64,
         continuum: &mut Continuum,
-        of_points: f64,
+        [of_points, stiff]: [f64; 2],
     ) {
         outside.resize(grains.len(), [[0.0; 4]; 2]);
         for ghost in self.touching() {
             let ([body, point], force) = (ghost.place.map(|p| p as usize), ghost.touch.force());
-            continuum.push(point, force.map(|f| -(of_points * f)));
+            let [k_n, k_t] = ghost.stiffness;
+            continuum.push(point, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
             if let Body::Grain(_) = ghost.body {
                 let torque = torque(&ghost.touch, grains.pos[body][3]);
                 for a in 0..3 {
@@ -79,7 +80,7 @@ impl Ghosts {
         self.touching().filter(|g| g.body == Body::Wall(k as u32)).map(|g| g.touch.normal_force).sum()
     }
 
-    /// What the contacts of this instant allow as a time step: the largest sum over a point, and over a grain.
+    /// What the contacts of this instant allow as a time step: the largest sum of stiffness over mass over a point by itself, and over a grain.
     pub(super) fn bound(&self, grains: &Grains, sums: &mut [Vec<f64>; 2], points: usize) -> Bound {
         let mut most = Bound::default();
         let [of_points, of_grains] = sums;

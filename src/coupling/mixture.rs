@@ -57,7 +57,7 @@ impl Cycle {
             if allowed.grains == f64::INFINITY || allowed.continuum == f64::INFINITY {
                 return Rates { grains: 1, continuum: 1 };
             }
-            let steps = |slow: f64, fast: f64| (slow / fast).ceil().clamp(1.0, MOST) as u32;
+            let steps = |slow: f64, fast: f64| (NEARLY * slow / fast).ceil().clamp(1.0, MOST) as u32;
             if grains <= continuum {
                 Rates { grains: steps(continuum, grains), continuum: 1 }
             } else {
@@ -71,6 +71,9 @@ impl Cycle {
 
 /// Most steps of the faster side in a cycle.
 const MOST: f64 = 1000.0;
+
+/// A cycle so much shorter than the slower side could do is better than one more step of the faster one.
+const NEARLY: f64 = 0.8;
 
 /// The grains of a mixture with their contacts with points, beside a continuum.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -92,6 +95,11 @@ pub struct Mixture {
     own: f64,
     /// Steps of the continuum, and the largest speed at which a point was carried in the last one, m/s.
     fastest: (u64, f64),
+    /// What the nodes felt of the contacts' stiffness in the last cycle, of what each point by itself would have.
+    pub(crate) share: f64,
+    /// The latter for this cycle, 1/s², until the continuum's first step.
+    #[serde(skip)]
+    pub(crate) alone: Option<f64>,
     #[serde(skip)]
     sums: [Vec<f64>; 2],
 }
@@ -121,6 +129,8 @@ impl Mixture {
             last: 0.0,
             own: 0.0,
             fastest: (u64::MAX, 0.0),
+            share: 1.0,
+            alone: None,
             sums: Default::default(),
         }
     }
@@ -137,8 +147,11 @@ impl Mixture {
         Ok(())
     }
 
-    /// What the grains' own contacts, s, and those with points allow.
-    pub fn bounds(&mut self, continuum: &Continuum) -> (f64, Bound) {
+    /// What the grains' own contacts, s, and those of points with grains and platens allow.
+    ///
+    /// What the nodes feel of the contacts' stiffness is known when the continuum has made its step. Contacts change little from a step to the next, so what they felt
+    /// last of what each point by itself would have is taken for the present.
+    pub fn bounds(&mut self, continuum: &Continuum, platens: &[Platen]) -> (f64, Bound) {
         // without grains nothing bounds their step
         let own = if self.grains.grains.is_empty() { f64::INFINITY } else { self.own };
         let mut bound = self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len());
@@ -146,7 +159,9 @@ impl Mixture {
             let theirs = blocks.bound(&self.grains.grains, continuum.points().len());
             bound = Bound { points: bound.points + theirs.points, grains: bound.grains + theirs.grains };
         }
-        (own, bound)
+        let alone = Bound::SHARES[0] * bound.points + platens.iter().map(|p| p.rate).fold(0.0, f64::max);
+        self.alone = Some(alone);
+        (own, Bound { points: self.share * alone, grains: Bound::SHARES[1] * bound.grains })
     }
 
     /// A cycle from what was felt, with platens that have pressed; walls and platens move at their speeds.
@@ -157,14 +172,14 @@ impl Mixture {
         self.cycle = cycle;
         let Cycle { time, rates } = cycle;
         let [of_grains, of_points] = [rates.continuum, rates.grains].map(|n| 1.0 / f64::from(n));
-        self.give(parts, of_grains, of_points);
+        self.give(parts, of_grains, [of_points, Bound::SHARES[0]]);
         // but for the last one the steps of the continuum, beside grains that go on as they went
         let dt = time * of_grains;
         for j in 1..rates.continuum {
-            advance(parts, dt)?;
+            self.advance(parts, dt)?;
             parts.platens.iter_mut().try_for_each(|p| p.press(parts.continuum))?;
             self.find(parts, dt, [dt * f64::from(j), 0.0])?;
-            self.give(parts, of_grains, of_points);
+            self.give(parts, of_grains, [of_points, 0.0]);
         }
         self.move_grains(parts, time * of_points);
         self.end(parts, time - self.last, rates.grains - 1)
@@ -178,7 +193,7 @@ impl Mixture {
     pub fn go_on(&mut self, parts: &mut Parts<'_>, done: u32) -> Result<()> {
         let Cycle { time, rates } = self.cycle;
         let dt = time / f64::from(rates.grains);
-        self.give(parts, 1.0, 0.0);
+        self.give(parts, 1.0, [0.0; 2]);
         self.move_grains(parts, dt);
         self.end(parts, time - dt * f64::from(done + 1), rates.grains - done - 1)
     }
@@ -194,13 +209,13 @@ impl Mixture {
             self.find(parts, self.last, [0.0, time - left])?;
             self.meet(parts);
             let dt = left / f64::from(steps);
-            self.give(parts, 1.0, dt / time);
+            self.give(parts, 1.0, [dt / time, 0.0]);
             self.move_grains(parts, dt);
             left -= dt;
             steps -= 1;
         }
         self.cycles += 1;
-        advance(parts, time * (1.0 / f64::from(rates.continuum)))?;
+        self.advance(parts, time * (1.0 / f64::from(rates.continuum)))?;
         if let Some(fines) = &mut self.fines {
             fines.enter(&self.grains.grains, &self.grains.walls, parts.continuum, &mut self.ghosts);
             fines.leave(parts.platens, parts.continuum, &mut self.ghosts);
@@ -221,7 +236,17 @@ impl Mixture {
         }
     }
 
-    fn give(&mut self, parts: &mut Parts<'_>, of_grains: f64, of_points: f64) {
+    /// A step of the continuum, and its platens' way in it.
+    fn advance(&mut self, parts: &mut Parts<'_>, dt: f64) -> Result<()> {
+        parts.continuum.step(dt)?;
+        if let Some(alone) = self.alone.take() {
+            self.share = if alone > 0.0 { (parts.continuum.felt() / alone).min(1.0) } else { 1.0 };
+        }
+        parts.platens.iter_mut().for_each(|p| p.advance(dt));
+        Ok(())
+    }
+
+    fn give(&mut self, parts: &mut Parts<'_>, of_grains: f64, of_points: [f64; 2]) {
         self.ghosts.give(&self.grains.grains, &mut parts.work.outside, of_grains, parts.continuum, of_points);
         if let Some(blocks) = &mut self.blocks {
             blocks.give_points(of_grains, parts.continuum, of_points);
@@ -320,11 +345,4 @@ fn rigid_scene<'a>(state: &'a State, parts: &'a Parts<'_>, dt: f64, ahead: [f64;
     let State { grains, walls, .. } = state;
     let (law, unloading) = (model.contact.law, model.contact.unloading);
     rigid::Scene { grains, walls, continuum, ghosts: table, table: &work.table, law, unloading, dt, ahead }
-}
-
-/// A step of the continuum, and its platens' way in it.
-fn advance(parts: &mut Parts<'_>, dt: f64) -> Result<()> {
-    parts.continuum.step(dt)?;
-    parts.platens.iter_mut().for_each(|p| p.advance(dt));
-    Ok(())
 }

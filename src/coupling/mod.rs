@@ -114,9 +114,15 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// ω² ≤ R_p + R_g: with k (u_p − u_g)² ≤ k ((1 + ε) u_p² + (1 + 1/ε) u_g²) for every ε > 0, 1/s².
+    /// Shares of a contact's stiffness that its two ends have to be able to bear, 1 + ε and 1 + 1/ε: k (u_p − u_g)² ≤ (1 + ε) k u_p² + (1 + 1/ε) k u_g² for every ε > 0.
+    /// With ε = 2, as a point's share is spread over its neighbours ([`Continuum::felt`]).
+    ///
+    /// [`Continuum::felt`]: crate::mpm::Continuum::felt
+    pub const SHARES: [f64; 2] = [3.0, 1.5];
+
+    /// What contacts add to the square of a frequency, of points and of grains, 1/s².
     pub fn frequency2(&self) -> f64 {
-        self.points + self.grains
+        self.points.max(self.grains)
     }
 }
 

@@ -347,8 +347,8 @@ impl Continuum {
     pub fn give(&self, cpu: &mut mpm::Continuum) -> Result<()> {
         let Some(bodies) = &self.bodies else { return Ok(()) };
         let point = self.places(cpu);
-        for (force, i) in bodies.pushes(&self.device, self.steps_done())?.into_iter().zip(point) {
-            cpu.push(i as usize, force);
+        for ((force, stiffness), i) in bodies.pushes(&self.device, self.steps_done())?.into_iter().zip(point) {
+            cpu.push(i as usize, force, stiffness);
         }
         Ok(())
     }
@@ -367,9 +367,9 @@ impl Continuum {
         }
     }
 
-    /// What the grains' own contacts, s, and those with points allow at the end of the last batch.
-    pub fn bounds(&self) -> (f64, Bound) {
-        self.bodies.as_ref().map_or((f64::INFINITY, Bound::default()), Bodies::bounds)
+    /// What the grains' own contacts, s, and those of points with grains and platens allow at the end of the last batch.
+    pub fn bounds(&self, platens: &[Platen]) -> (f64, Bound) {
+        self.bodies.as_ref().map_or((f64::INFINITY, Bound::default()), |bodies| bodies.bounds(platens))
     }
 
     /// Whether the last batch has ended because a grain is over its limit. The next one does nothing until a state has been taken over.

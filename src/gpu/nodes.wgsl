@@ -15,7 +15,7 @@ const ENERGY: u32 = 8u; // stress work, its low part, id, ghost radius
 // Planes of `nodes` entries each.
 const MOMENTUM: u32 = 0u; // momentum, mass
 const SPEED: u32 = 1u; // velocity; near walls, meanwhile, momentum and mass
-const CHANGE: u32 = 2u; // change of the velocity in this step; near walls, meanwhile, impulse
+const CHANGE: u32 = 2u; // change of the velocity in this step; near walls, meanwhile, impulse; stiffness that pushed there over mass
 
 struct Status {
     // lowest 8 id + fault
@@ -181,11 +181,12 @@ fn project(one: Thread) {
 }
 
 // Local damping −α |f| sign(v) of what walls have left of the force; what friction has stopped stays so. Then v ← v + Δv.
-fn pushed(k: u32, v: vec3<f32>, dv: vec3<f32>) {
+fn pushed(k: u32, v: vec3<f32>, felt_change: vec4<f32>) {
+    let dv = felt_change.xyz;
     let moves = (v != vec3<f32>(0.0)) & (v + dv != vec3<f32>(0.0));
     let change = select(dv, dv - params.damping * abs(dv) * sign(v), moves);
     nodes[SPEED * params.nodes + k] = vec4<f32>(v + change, 0.0);
-    nodes[CHANGE * params.nodes + k] = vec4<f32>(change, 0.0);
+    nodes[CHANGE * params.nodes + k] = vec4<f32>(change, felt_change.w);
 }
 
 // Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of platens and grains (eq. 29), gravity, and the new velocity (eq. 28).
@@ -204,7 +205,7 @@ fn accelerate(one: Thread) {
         return;
     }
     var internal = vec3<f32>(0.0);
-    var pressed = vec3<f32>(0.0);
+    var pressed = vec4<f32>(0.0);
     for (var dz = 0; dz < 3; dz++) {
         for (var dy = 0; dy < 3; dy++) {
             let cells = row(at, dy, dz);
@@ -226,11 +227,13 @@ fn accelerate(one: Thread) {
                         b.z * g.x + b.y * g.y + a.z * g.z,
                     );
                 if params.platens > 0u {
-                    let push = outside.parts[i].xyz;
-                    if any(push != vec3<f32>(0.0)) {
+                    let push = outside.parts[i];
+                    if any(push.xyz != vec3<f32>(0.0)) {
                         // each component where it acts; the functions of the point's own cell go on beyond its edge
                         let there = value(d, o + outside.parts[params.points + i].xyz);
-                        pressed += push * vec3<f32>(there.x * w.y * w.z, w.x * there.y * w.z, w.x * w.y * there.z);
+                        let at_node = vec3<f32>(there.x * w.y * w.z, w.x * there.y * w.z, w.x * w.y * there.z);
+                        let size = abs(push.xyz);
+                        pressed += vec4<f32>(push.xyz * at_node, push.w * dot(size / (size.x + size.y + size.z), at_node));
                     }
                 }
                 if GRAINS {
@@ -239,11 +242,12 @@ fn accelerate(one: Thread) {
             }
         }
     }
-    let force = m * params.gravity - internal * params.inverse_cell + pressed;
+    let force = m * params.gravity - internal * params.inverse_cell + pressed.xyz;
+    let felt_rate = pressed.w / m;
     if near_wall(at) {
         nodes[SPEED * params.nodes + k] = momentum;
-        nodes[CHANGE * params.nodes + k] = vec4<f32>(force * outside.dt, 0.0);
+        nodes[CHANGE * params.nodes + k] = vec4<f32>(force * outside.dt, felt_rate);
     } else {
-        pushed(k, nodes[SPEED * params.nodes + k].xyz, force * (outside.dt / m));
+        pushed(k, nodes[SPEED * params.nodes + k].xyz, vec4<f32>(force * (outside.dt / m), felt_rate));
     }
 }

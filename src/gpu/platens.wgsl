@@ -39,7 +39,7 @@ struct Outside {
     // of the forces with which the domain's sides push, N
     sides: array<vec2<f32>, 6>,
     platens: array<Platen, 6>,
-    // force on each point; how far beside it along each axis it acts, cells; then sums of groups of points for each platen
+    // force on each point and the stiffness that it pushes with; how far beside it along each axis it acts, cells; then sums of groups of points for each platen
     parts: array<vec4<f32>>,
 }
 
@@ -68,6 +68,7 @@ fn press(
     let i = linear(Thread(id, groups));
     var force = vec3<f32>(0.0);
     var moment = vec3<f32>(0.0);
+    var stiffness = 0.0;
     for (var k = 0u; k < params.platens; k++) {
         var own = vec4<f32>(0.0);
         if i < params.points {
@@ -91,6 +92,7 @@ fn press(
                 let f = 0.66666667 * tangent * overlap;
                 own = vec4<f32>(f, tangent, 0.4 * f * overlap, tangent / number(VELOCITY, i).w);
                 let half = 0.5 * cube_root(number(REST, i).w * (1.0 + number(NORMAL, i).w));
+                stiffness += tangent;
                 force[axis] += platen.normal * f;
                 moment[axis] -= f * half;
             }
@@ -111,7 +113,7 @@ fn press(
     if i < params.points {
         let acts = force != vec3<f32>(0.0);
         let arm = select(vec3<f32>(0.0), moment / select(vec3<f32>(1.0), force, acts), acts) * params.inverse_cell;
-        outside.parts[i] = vec4<f32>(force, 0.0);
+        outside.parts[i] = vec4<f32>(force, stiffness);
         outside.parts[params.points + i] = vec4<f32>(arm, 0.0);
     }
 }
@@ -195,11 +197,7 @@ fn drive() {
         rate = max(rate, p.rate);
         extents[p.axis] += params.scale[p.axis] * (p.overlap - p.way);
     }
-    var dt = params.dt;
-    if params.safety > 0.0 && rate > 0.0 {
-        dt = min(dt, params.safety * 2.0 / sqrt(rate));
-    }
-    dt = longest(dt);
+    let dt = longest(params.dt, rate);
     outside.dt = dt;
     for (var k = 0u; k < params.platens; k++) {
         var p = outside.platens[k];

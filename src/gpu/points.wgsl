@@ -16,7 +16,7 @@ fn advance(one: Thread) {
     let base = cell_place(place.w);
     let wx = array<vec3<f32>, 3>(value(vec3<i32>(0), o), value(vec3<i32>(1), o), value(vec3<i32>(2), o));
     var field = vec3<f32>(0.0);
-    var gain = vec3<f32>(0.0);
+    var felt_gain = vec4<f32>(0.0);
     for (var z = 0; z < 3; z++) {
         for (var y = 0; y < 3; y++) {
             let w = wx[y].y * wx[z].z;
@@ -24,10 +24,11 @@ fn advance(one: Thread) {
             for (var x = 0u; x < 3u; x++) {
                 let weight = w * wx[x].x;
                 field += nodes[SPEED * params.nodes + first + x].xyz * weight;
-                gain += nodes[CHANGE * params.nodes + first + x].xyz * weight;
+                felt_gain += nodes[CHANGE * params.nodes + first + x] * weight;
             }
         }
     }
+    let gain = felt_gain.xyz;
     let own = number(VELOCITY, i);
     let low = number(VELOCITY_LOW, i);
     // (1 − α)(v + Σ N Δv) + α Σ N v, as an increment
@@ -44,7 +45,7 @@ fn advance(one: Thread) {
         return;
     }
     if GRAINS {
-        carry(i, field);
+        carry(i, field, felt_gain.w);
     }
     let rest = number(REST, i);
     let there = moved(bitcast<vec3<i32>>(place.xyz), rest.xyz, d);

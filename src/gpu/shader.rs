@@ -182,6 +182,10 @@ pub mod tests {
             ghost,
             fresh,
             felt,
+            share,
+            alone,
+            most,
+            unused,
             sides,
             reactions
         );

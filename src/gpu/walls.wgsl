@@ -77,10 +77,10 @@ fn fold(side: u32, t: u32, held: bool) -> Folded {
     nodes[P + before] += vec4<f32>(mirror * p_behind.xyz, p_behind.w);
     nodes[I + before] += vec4<f32>(mirror * i_behind, 0.0);
     nodes[P + behind] = vec4<f32>(0.0);
-    nodes[I + behind] = vec4<f32>(0.0);
+    nodes[I + behind] = vec4<f32>(vec3<f32>(0.0), nodes[I + behind].w);
     if kind == 2u {
         nodes[P + on] = vec4<f32>(0.0, 0.0, 0.0, p_on.w);
-        nodes[I + on] = vec4<f32>(0.0);
+        nodes[I + on] = vec4<f32>(vec3<f32>(0.0), nodes[I + on].w);
         return Folded(true, needed);
     }
     let tangent = vec3<f32>(1.0) - across;
@@ -97,7 +97,7 @@ fn fold(side: u32, t: u32, held: bool) -> Folded {
         i = along * kept - p;
     }
     nodes[P + on] = vec4<f32>(p, p_on.w);
-    nodes[I + on] = vec4<f32>(i, 0.0);
+    nodes[I + on] = vec4<f32>(i, nodes[I + on].w);
     return Folded(true, given);
 }
 
@@ -145,7 +145,7 @@ fn all_walls(thread: u32, moving: bool) {
                         over = 1.0 / p.w;
                     }
                     nodes[P + k] = vec4<f32>(p.xyz * over, 0.0);
-                    nodes[I + k] = vec4<f32>(nodes[I + k].xyz * over, 0.0);
+                    nodes[I + k] = vec4<f32>(nodes[I + k].xyz * over, nodes[I + k].w);
                 }
             }
         }
@@ -162,7 +162,7 @@ fn all_walls(thread: u32, moving: bool) {
             if (touching[first + t] & 1u) != 0u {
                 let k = node_index(wall_node(side, t, 1));
                 nodes[P + k] *= stays;
-                nodes[I + k] *= stays;
+                nodes[I + k] *= vec4<f32>(stays.xyz, 1.0);
             }
         }
         storageBarrier();
@@ -179,7 +179,7 @@ fn all_walls(thread: u32, moving: bool) {
                 let behind = node_index(wall_node(side, t, 0));
                 let before = node_index(wall_node(side, t, 2));
                 nodes[P + behind] = nodes[P + before] * mirror;
-                nodes[I + behind] = nodes[I + before] * mirror;
+                nodes[I + behind] = vec4<f32>(nodes[I + before].xyz * mirror.xyz, nodes[I + behind].w);
             }
         }
         storageBarrier();
@@ -196,7 +196,7 @@ fn all_walls(thread: u32, moving: bool) {
                 let at = wall_node(side, t, layer);
                 if owned(side, at) {
                     let k = node_index(at);
-                    pushed(k, nodes[P + k].xyz, nodes[I + k].xyz);
+                    pushed(k, nodes[P + k].xyz, nodes[I + k]);
                 }
             }
         }

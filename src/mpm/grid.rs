@@ -20,7 +20,7 @@ pub struct Grid {
     pub momentum: Vec<[f64; 4]>,
     /// Velocity, m/s, walls included.
     pub velocity: Vec<[f64; 4]>,
-    /// Its change in this step, m/s.
+    /// Its change in this step, m/s, and the stiffness that pushed there over mass, 1/s².
     pub change: Vec<[f64; 4]>,
     pub walls: Walls,
 }
@@ -61,8 +61,9 @@ impl Grid {
             collect::<D>(&blocks.behind[n], tiles, change);
             for (f, p) in change.iter_mut().zip(momentum) {
                 let m = p[3];
-                let over = dt / if m > 0.0 { m } else { f64::INFINITY };
-                *f = [(f[0] + m * g[0]) * over, (f[1] + m * g[1]) * over, (f[2] + m * g[2]) * over, 0.0];
+                let mass = if m > 0.0 { m } else { f64::INFINITY };
+                let over = dt / mass;
+                *f = [(f[0] + m * g[0]) * over, (f[1] + m * g[1]) * over, (f[2] + m * g[2]) * over, f[3] / mass];
             }
         });
         let impulses = self.walls.accelerate(&self.momentum, &mut self.velocity, &mut self.change);

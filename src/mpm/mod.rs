@@ -182,25 +182,36 @@ impl Continuum {
         }
     }
 
-    /// Adds a force, N, on the point at index `i` of [`Self::points`] for the next step; points change places in a step.
-    pub fn push(&mut self, i: usize, force: [f64; 3]) {
+    /// Adds a force, N, of something so stiff, N/m, on the point at index `i` of [`Self::points`] for the next step; points change places in a step.
+    pub fn push(&mut self, i: usize, [x, y, z]: [f64; 3], stiffness: f64) {
         let push = self.work.outside.of_mut(i, self.points.len());
-        for (sum, f) in push.force.iter_mut().zip(force) {
+        for (sum, f) in push.force.iter_mut().zip([x, y, z, stiffness]) {
             *sum += f;
         }
     }
 
     /// As [`Self::push`], each component acting so far beside the point along its own axis, m (at most half a cell): a traction on the
     /// point's face. With generalised interpolation, whose functions end, it acts at the point.
-    pub fn push_beside(&mut self, i: usize, force: [f64; 3], beside: [f64; 3]) {
+    pub fn push_beside(&mut self, i: usize, force: [f64; 3], beside: [f64; 3], stiffness: f64) {
         if self.settings.shape != ShapeFunctions::BSpline {
-            return self.push(i, force);
+            return self.push(i, force, stiffness);
         }
         let push = self.work.outside.of_mut(i, self.points.len());
         for ((sum, moment), (f, arm)) in push.beside.iter_mut().zip(&mut push.moment).zip(force.into_iter().zip(beside)) {
             *sum += f;
             *moment += f * arm;
         }
+        push.beside[3] += stiffness;
+    }
+
+    /// What the stiffness of all that pushed in the last step adds at most to the square of a frequency of the points' motion, 1/s²; found where
+    /// [`Points::carried`] is kept.
+    ///
+    /// Σ_q k_q N_q u(x_q) at the nodes over their masses is what contacts of the points q make of nodes' displacements. Its eigenvalues are those of the same
+    /// between points, u_p ← Σ_I N_pI (Σ_q k_q N_qI / m_I) u_q, and none is larger than the largest sum over a row, Σ_I N_pI R_I with R_I = Σ_q k_q N_qI / m_I. Neighbours share
+    /// their masses: where one point of many is pushed this is much less than k/m of the point, which it never exceeds for forces at points.
+    pub fn felt(&self) -> f64 {
+        self.work.felt
     }
 
     /// Takes back what was pushed since the last step.

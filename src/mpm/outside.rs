@@ -3,7 +3,7 @@
 use super::blocks::NONE;
 
 /// What a point is given, N: force at the point; force beside it, and each component of the latter times how far beside the point along its own
-/// axis it acts, N m.
+/// axis it acts, N m. The fourth of both forces is the stiffness of what pushes, N/m.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Push {
     pub force: [f64; 4],

@@ -91,6 +91,8 @@ pub struct Part<'a> {
     /// Of each block: points that leave their cell; stress work, J.
     pub left: &'a mut [u32],
     pub work: &'a mut [f64],
+    /// Of each block: the largest of [`super::Continuum::felt`], where carrying velocities are kept.
+    pub felt: &'a mut [f64],
 }
 
 impl<'a> Part<'a> {
@@ -106,6 +108,7 @@ impl<'a> Part<'a> {
         let (n0, n1) = self.tiles.split_at_mut(blocks * tile(D));
         let (l0, l1) = self.left.split_at_mut(blocks);
         let (w0, w1) = self.work.split_at_mut(blocks);
+        let (f0, f1) = self.felt.split_at_mut(blocks);
         let left = Part {
             first: self.first,
             count: blocks,
@@ -119,6 +122,7 @@ impl<'a> Part<'a> {
             tiles: n0,
             left: l0,
             work: w0,
+            felt: f0,
         };
         let right = Part {
             first: self.first + blocks,
@@ -133,6 +137,7 @@ impl<'a> Part<'a> {
             tiles: n1,
             left: l1,
             work: w1,
+            felt: f1,
         };
         (left, right)
     }
@@ -183,7 +188,7 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: Shape>(token: F::Token, pas
             if matches!(STAGE, stage::PROJECT | stage::STRESS | stage::FORCES) {
                 part.tiles[k * tile(D)..][..tile(D)].fill([0.0; 4]);
             }
-            (part.left[k], part.work[k]) = (0, 0.0);
+            (part.left[k], part.work[k], part.felt[k]) = (0, 0.0, 0.0);
             continue;
         }
         if matches!(STAGE, stage::STRESS | stage::MOVE) {
@@ -195,7 +200,7 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: Shape>(token: F::Token, pas
         if matches!(STAGE, stage::PROJECT | stage::STRESS | stage::FORCES) {
             part.tiles[k * tile(D)..][..tile(D)].fill([0.0; 4]);
         }
-        let mut sums = Sums { left: 0, work: 0.0 };
+        let mut sums = Sums { left: 0, work: 0.0, felt: 0.0 };
         for c in 0..cells(D) {
             let [x, y, z] = [c % EDGE, c / EDGE % EDGE, c / (EDGE * EDGE)];
             let cell = [corner[0] + x as i32, corner[1] + y as i32, if D == 3 { corner[2] + z as i32 } else { 0 }];
@@ -213,7 +218,7 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: Shape>(token: F::Token, pas
         }
         match STAGE {
             stage::STRESS => part.work[k] = sums.work,
-            stage::MOVE => part.left[k] = sums.left,
+            stage::MOVE => (part.left[k], part.felt[k]) = (sums.left, sums.felt),
             _ => {}
         }
     }
@@ -223,6 +228,7 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: Shape>(token: F::Token, pas
 struct Sums {
     left: u32,
     work: f64,
+    felt: f64,
 }
 
 /// One point: its index in the part and in the whole, where its first node stands in the tile, its cell and its block in the part.
@@ -368,6 +374,8 @@ fn outside<F: Four, const D: usize, S: Shape>(pass: &Pass<'_, S>, place: &Place<
         let (mut there, mut along) = (position, [0.0; 4]);
         there[a] += moment[a] / beside[a];
         along[a] = beside[a];
+        // each component has the stiffness that it has of the force
+        along[3] = beside[3] * (beside[a].abs() / (beside[0].abs() + beside[1].abs() + beside[2].abs()));
         let (_, w) = place.weights(there, p.cell);
         spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, along));
     }
@@ -385,9 +393,14 @@ fn advance<F: Four, const D: usize, S: Shape>(
     let (position, own) = (F::of(p.token, part.position[p.i]), F::of(p.token, part.velocity[p.i]));
     let (t, w) = place.weights(part.position[p.i], p.cell);
     let field = gather::<F, D>(p.token, velocity, p.at, &w);
+    let asked = !part.carried.is_empty();
+    let mut gain = F::all(p.token, 0.0);
+    if asked || part.affine.is_empty() {
+        gain = gather::<F, D>(p.token, change, p.at, &w);
+    }
     let new = if part.affine.is_empty() {
         // Li et al. 2023, eq. 30
-        let flip = own + gather::<F, D>(p.token, change, p.at, &w);
+        let flip = own + gain;
         field * F::all(p.token, pass.pic) + flip * F::all(p.token, 1.0 - pass.pic)
     } else {
         // C = 4/h² Σ N v (x_I − x_p)ᵀ, with quadratic splines
@@ -408,9 +421,10 @@ fn advance<F: Four, const D: usize, S: Shape>(
     let moved = (position + field * F::all(p.token, pass.dt)).with_w_of(position);
     part.velocity[p.i] = new.with_w_of(own).xyzw();
     part.position[p.i] = moved.xyzw();
-    if let Some(carried) = part.carried.get_mut(p.i) {
+    if asked {
         let [x, y, z, _] = field.xyzw();
-        *carried = [x, y, z];
+        part.carried[p.i] = [x, y, z];
+        sums.felt = sums.felt.max(gain.xyzw()[3]);
     }
     let there = (place.in_cells(moved) - place.reach).xyzw();
     let mut stays = true;

@@ -165,7 +165,7 @@ impl Platen {
             self.rate = self.rate.max(tangent / continuum.points().velocity[index as usize][3]);
             let volume = continuum.points().position[index as usize][3];
             let half = 0.5 * if dimension == Dimension::Space { cube_root(volume) } else { volume.sqrt() };
-            continuum.push_beside(index as usize, normal.map(|n| n * force), normal.map(|n| -n * half));
+            continuum.push_beside(index as usize, normal.map(|n| n * force), normal.map(|n| -n * half), tangent);
         }
         self.touching = self.contacts.len() as u64;
         self.work += 0.5 * (before + self.reaction) * self.moved;

@@ -24,6 +24,9 @@ pub struct Work {
     target: Vec<u64>,
     left: Vec<u32>,
     block_work: Vec<f64>,
+    block_felt: Vec<f64>,
+    /// See [`Continuum::felt`].
+    pub felt: f64,
     faults: AtomicU64,
     pub outside: Outside,
     /// Points stand in order; the grid has their momentum, and the tiles their internal forces.
@@ -67,7 +70,7 @@ impl Work {
     pub fn bytes(&self) -> usize {
         self.blocks.bytes()
             + self.grid.bytes()
-            + 8 * (self.target.capacity() + self.block_work.capacity())
+            + 8 * (self.target.capacity() + self.block_work.capacity() + self.block_felt.capacity())
             + 4 * self.left.capacity()
             + self.outside.bytes()
     }
@@ -109,6 +112,7 @@ fn stages<const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) -> Res
     c.wall_force = grid.accelerate::<D>(blocks, &c.settings, dt);
     // eqs 30, 33: velocities and positions of the points
     pass::<{ stage::MOVE }, D, S>(c, shape, dt);
+    c.work.felt = c.work.block_felt.iter().fold(0.0, |most, felt| felt.max(most));
     watch(c)?;
     resort::<D>(c);
     // eqs 36, 37: velocities of the nodes from those of the points
@@ -157,6 +161,7 @@ fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, 
         tiles: &mut work.grid.tiles[..count * tile(D)],
         left: &mut work.left,
         work: &mut work.block_work,
+        felt: &mut work.block_felt,
     };
     run::<STAGE, D, S>(&pass, part);
 }
@@ -184,10 +189,11 @@ fn resort<const D: usize>(c: &mut Continuum) {
 }
 
 fn fit<const D: usize>(c: &mut Continuum) {
-    let Work { blocks, grid, left, block_work, .. } = &mut c.work;
+    let Work { blocks, grid, left, block_work, block_felt, .. } = &mut c.work;
     grid.fit::<D>(blocks, &c.settings);
     left.resize(blocks.len(), 0);
     block_work.resize(blocks.len(), 0.0);
+    block_felt.resize(blocks.len(), 0.0);
 }
 
 /// # Errors

@@ -135,7 +135,7 @@ impl Walls {
         }
         for (k, &node) in self.nodes.iter().enumerate() {
             velocity[node as usize] = self.momentum[k];
-            change[node as usize] = self.impulse[k];
+            change[node as usize][..3].copy_from_slice(&self.impulse[k][..3]);
         }
         reaction
     }

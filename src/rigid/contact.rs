@@ -103,10 +103,10 @@ impl Blocks {
     }
 
     /// Gives bodies and points their shares of what the contacts between them bear.
-    pub fn give_points(&mut self, of_blocks: f64, continuum: &mut Continuum, of_points: f64) {
+    pub fn give_points(&mut self, of_blocks: f64, continuum: &mut Continuum, [of_points, stiff]: [f64; 2]) {
         for c in self.near.iter().filter(|c| c.is_of_point() && c.touch.overlap > 0.0) {
-            let force = c.touch.force();
-            continuum.push(c.place as usize, force.map(|f| -(of_points * f)));
+            let (force, [k_n, k_t]) = (c.touch.force(), c.stiffness);
+            continuum.push(c.place as usize, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
             give(&mut self.given[c.block as usize], c, of_blocks);
         }
     }
@@ -141,7 +141,7 @@ impl Blocks {
         }
     }
 
-    /// What the contacts of this instant allow as a time step.
+    /// What the contacts of this instant allow as a time step, a point by itself.
     pub fn bound(&mut self, grains: &Grains, points: usize) -> Bound {
         let mut of_blocks = vec![0.0; self.blocks.len()];
         let [of_points, of_grains] = &mut self.sums;

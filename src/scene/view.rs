@@ -126,7 +126,6 @@ impl<'a> View<'a> {
         if materials.len() != named.len() {
             return None;
         }
-        let stepping = self.stepping();
         let rolling = materials.iter().any(|m| m.rolling_friction > 0.0);
         self.inherited(rolling);
         let mut rig = match self.text("kind") {
@@ -136,6 +135,10 @@ impl<'a> View<'a> {
             "triaxial" => Rig::Triaxial(Triaxial { specimen: self.specimen(&named[0])?, shear: self.shear() }),
             _ => Rig::Oedometer(Oedometer { specimen: self.specimen(&named[0])?, loading: self.loading() }),
         };
+        let mut stepping = self.stepping();
+        if let Rig::Continuum(rig) = &rig {
+            stepping.rayleigh = rig.rayleigh();
+        }
         let (crush, fines) = self.crushing(&named, &rig)?;
         let seeds = Seeds { packing: self.whole("seed.packing")?, strength: self.whole("seed.strength")? };
         self.typical(&mut rig, crush.as_ref(), seeds);
@@ -172,6 +175,7 @@ impl<'a> View<'a> {
             safety: self.si("stepping.safety"),
             inertia_scaling: self.flag("stepping.inertia_scaling") || self.is_platen(),
             dt: self.number("stepping.dt_s"),
+            rayleigh: Stepping::RAYLEIGH,
             skin: self.number("stepping.skin").unwrap_or(0.2),
         };
         if stepping.inertia_scaling {

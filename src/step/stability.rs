@@ -99,8 +99,8 @@ fn new_inertia(i: usize, model: &Model, state: &State, neighbours: &Neighbours, 
     (present < inertia || present > 2.0 * MARGIN * inertia).then_some(MARGIN * inertia)
 }
 
-/// The step before any contact is known: what the scene asks, 1 (inertia-scaled), or a tenth of the Rayleigh step
-/// Δt = π r √(ρ/G) / (0.163 ν + 0.877) of the most delicate grain (Li et al. 2023 eq. 38); for the linear law a tenth of the free
+/// The step before any contact is known: what the scene asks, 1 (inertia-scaled), or a share ([`crate::model::Stepping::rayleigh`]) of the Rayleigh step
+/// Δt = π r √(ρ/G) / (0.163 ν + 0.877) of the most delicate grain (Li et al. 2023 eq. 38); for the linear law of the free
 /// oscillation √(m/k).
 pub fn first_step(model: &Model, state: &State) -> f64 {
     if model.stepping.inertia_scaling {
@@ -109,7 +109,7 @@ pub fn first_step(model: &Model, state: &State) -> f64 {
     model.stepping.dt.unwrap_or_else(|| rayleigh(model, &state.grains))
 }
 
-/// A tenth of the least of these over the grains, s.
+/// That share of the least of these over the grains, s.
 pub fn rayleigh(model: &Model, g: &Grains) -> f64 {
     let mut least = f64::INFINITY;
     for i in 0..g.len() {
@@ -125,7 +125,7 @@ pub fn rayleigh(model: &Model, g: &Grains) -> f64 {
         least = least.min(dt);
     }
     // without grains nothing bounds it
-    if least.is_finite() { 0.1 * least } else { 1.0 }
+    if least.is_finite() { model.stepping.rayleigh * least } else { 1.0 }
 }
 
 /// Looks at inertia (scaled runs) or the time step (unscaled) again.

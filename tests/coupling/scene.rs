@@ -56,7 +56,7 @@ impl Meeting {
         let mut time = 0.0;
         while time < duration {
             self.cycle(|mixture, continuum| {
-                let (grains, contacts) = mixture.bounds(continuum);
+                let (grains, contacts) = mixture.bounds(continuum, &[]);
                 Cycle::longest(&Allowed { grains, continuum: continuum.stable_step(safety), contacts, safety, rates })
             });
             time += self.mixture.cycle.time;

@@ -36,7 +36,7 @@ const CHAINS: &str = "../tests/gpu/chains";
 
 /// The smallest twin of Li's binary mixture, whose loading begins within so many steps.
 const TWIN: &str = "../tests/gpu/mixture";
-const LOADED: &str = "1000";
+const LOADED: &str = "300";
 
 /// Rung 4 of a mixture between platens under servo: four grains among a thousand points. Measured: q 7.5e-5 of the largest, volumetric strain 2e-5, what contacts of grains and
 /// points bear of q 2.6e-5, stress of all contacts 1.4e-6, kinetic energy of the grains 9e-4.

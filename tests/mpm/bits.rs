@@ -50,7 +50,7 @@ fn run(settings: Settings, points: Points, threads: usize, mut each: impl FnMut(
                 for i in 0..c.points().len() {
                     let id = c.points().id[i];
                     if id.is_multiple_of(17) {
-                        c.push(i, [0.01 * f64::from(id % 5), 0.5, -0.1]);
+                        c.push(i, [0.01 * f64::from(id % 5), 0.5, -0.1], 0.0);
                     }
                 }
             }

@@ -1,12 +1,16 @@
 // Grains: what they bear of each other, of walls and of points, and their motion. Twins: contact/sweep.rs, contact/wall_sweep.rs, step/gather.rs, coupling/mixture.rs (f64).
 
 // What the continuum's own passes ask of grains (alone.wgsl).
-fn grains_push(i: u32) -> vec3<f32> {
-    return bitcast<vec3<f32>>(pushes[i].xyz) / f32(coupling.rates);
+fn grains_push(i: u32) -> vec4<f32> {
+    return vec4<f32>(bitcast<vec3<f32>>(pushes[i].xyz) / f32(coupling.rates), bitcast<f32>(pushes[params.points + i].w));
 }
 
-fn carry(i: u32, v: vec3<f32>) {
+fn carry(i: u32, v: vec3<f32>, felt: f32) {
     pushes[params.points + i] = vec4<u32>(bitcast<vec3<u32>>(v), 0u);
+    let most = bitcast<u32>(felt);
+    if most > atomicLoad(&mix_.most) {
+        atomicMax(&mix_.most, most);
+    }
     let speed = bitcast<u32>(length(v));
     if speed > atomicLoad(&mix_.fastest_point) {
         atomicMax(&mix_.fastest_point, speed);
@@ -24,23 +28,29 @@ fn of_grains(k: u32) -> vec2<f32> {
     return sum;
 }
 
-// A step that a side allows by itself, with the contacts of grains and points.
-fn with_contacts(dt: f32) -> f32 {
+// A step that a side allows by itself, with contacts that add so much to the square of a frequency.
+fn with_contacts(dt: f32, contacts: f32) -> f32 {
     let twice = 2.0 * params.safety;
     let own = twice / dt;
-    return twice / sqrt(own * own + (bitcast<f32>(atomicLoad(&mix_.point_rate)) + mix_.ghost));
+    return twice / sqrt(own * own + contacts);
 }
 
-// The step, where the continuum by itself allows `dt` (coupling/mixture.rs: Cycle::longest).
-fn longest(dt: f32) -> f32 {
+// coupling/mod.rs: Bound::SHARES
+const OF_POINT: f32 = 3.0;
+const OF_GRAIN: f32 = 1.5;
+
+// The step, where waves in the continuum allow `dt`, and the largest stiffness of platens over the mass of a point is `rate` (coupling/mixture.rs: bounds, Cycle::longest).
+fn longest(dt: f32, rate: f32) -> f32 {
+    mix_.alone = OF_POINT * bitcast<f32>(atomicLoad(&mix_.point_rate)) + rate;
     if params.safety <= 0.0 {
         return dt;
     }
+    let contacts = max(mix_.share * mix_.alone, OF_GRAIN * mix_.ghost);
     var own = coupling.least;
     if mix_.own > 0.0 {
         own = min(own, params.safety * 2.0 / sqrt(mix_.own));
     }
-    return min(with_contacts(own) * f32(coupling.rates), with_contacts(dt));
+    return min(with_contacts(own, contacts) * f32(coupling.rates), with_contacts(dt, contacts));
 }
 
 fn side_speed(side: Side) -> f32 {
@@ -181,6 +191,11 @@ fn passed_on() -> u32 {
     mix_.ahead = f32(mix_.sub) * dt;
     if mix_.sub == 0u {
         mix_.point_speed = bitcast<f32>(atomicExchange(&mix_.fastest_point, 0u));
+        let most = bitcast<f32>(atomicExchange(&mix_.most, 0u));
+        mix_.share = 1.0;
+        if mix_.alone > 0.0 {
+            mix_.share = min(most / mix_.alone, 1.0);
+        }
     }
     var fastest = bitcast<f32>(atomicExchange(&mix_.fastest_grain, 0u));
     for (var k = 0u; k < coupling.walls; k++) {

@@ -79,6 +79,11 @@ struct Mix {
     // the first kick is half a one; contacts are known already
     fresh: u32,
     felt: u32,
+    // what the nodes felt of the stiffness that pushes points, of what each point by itself would have, 1/s²; bits of the most that they felt
+    share: f32,
+    alone: f32,
+    most: atomic<u32>,
+    unused: u32,
     sides: array<Side, 8>,
     // sums over the steps of the batch
     reactions: array<vec2<f32>, 8>,
@@ -95,7 +100,7 @@ struct Mix {
 @group(1) @binding(5) var<storage, read_write> mix_: Mix;
 // first place of each shelf, next free place, grains by shelves
 @group(1) @binding(6) var<storage, read_write> lists: array<atomic<u32>>;
-// force on each point, summed over the grains' steps, and its row; velocity that carried it
+// force on each point, summed over the grains' steps, and its row; velocity that carried it, and the stiffness that pushes it
 @group(1) @binding(7) var<storage, read_write> pushes: array<vec4<u32>>;
 
 const GRAINS: bool = true;

@@ -232,6 +232,9 @@ fn touch(one: Thread) {
     var push = -sum;
     if mix_.sub != 0u {
         push += bitcast<vec3<f32>>(pushes[i].xyz);
+    } else {
+        // as the contacts are when the step begins
+        pushes[params.points + i].w = bitcast<u32>(OF_POINT * mass * rate);
     }
     pushes[i] = vec4<u32>(bitcast<vec3<u32>>(push), r);
 }

@@ -80,6 +80,10 @@ pub struct Mix {
     pub ghost: f32,
     pub fresh: u32,
     pub felt: u32,
+    pub share: f32,
+    pub alone: f32,
+    pub most: u32,
+    pub unused: u32,
     pub sides: [Side; SIDES],
     pub reactions: [[f32; 2]; SIDES],
 }

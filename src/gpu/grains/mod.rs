@@ -21,7 +21,7 @@ use crate::coupling::{Body, Bound, GhostTable, Mixture};
 use crate::crush::criterion::AreaModel;
 use crate::error::{Error, Result};
 use crate::model::{ContactLaw, Model};
-use crate::mpm::Continuum as Cpu;
+use crate::mpm::{Continuum as Cpu, Platen};
 use crate::step::stability::rayleigh;
 use layout::{SIDES, SLOTS};
 use serde::{Deserialize, Serialize};
@@ -196,7 +196,7 @@ impl Bodies {
             far: (1 << 10 >> split_at) + 2,
             tables: starts,
         };
-        let mut mix = Mix { fresh: state.fresh.into(), ..Mix::default() };
+        let mut mix = Mix { fresh: state.fresh.into(), share: mixture.share as f32, ..Mix::default() };
         let linked = state.walls.len() - platens.min(state.walls.len());
         for (k, (side, wall)) in mix.sides.iter_mut().zip(&state.walls).enumerate() {
             let platen = if k >= linked { (k - linked) as u32 } else { NONE };
@@ -278,17 +278,16 @@ impl Bodies {
         self.mix.reactions[..self.coupling.walls as usize].iter().map(|sum| both(*sum) / steps.max(1) as f64).collect()
     }
 
-    /// What the grains' own contacts, s, and those with points allow.
-    pub fn bounds(&self) -> (f64, Bound) {
+    /// What the grains' own contacts, s, and those of points with grains and platens allow.
+    pub fn bounds(&self, platens: &[Platen]) -> (f64, Bound) {
+        let [of_point, of_grain] = Bound::SHARES;
+        let alone = of_point * f64::from(f32::from_bits(self.mix.point_rate)) + platens.iter().map(|p| p.rate).fold(0.0, f64::max);
+        let bound = Bound { points: f64::from(self.mix.share) * alone, grains: of_grain * f64::from(self.mix.ghost) };
         if self.coupling.grains == 0 {
-            return (f64::INFINITY, self.bound());
+            return (f64::INFINITY, bound);
         }
         let own = if self.mix.own > 0.0 { 2.0 * self.safety / f64::from(self.mix.own).sqrt() } else { f64::INFINITY };
-        (own.min(self.coupling.least.into()), self.bound())
-    }
-
-    fn bound(&self) -> Bound {
-        Bound { points: f32::from_bits(self.mix.point_rate).into(), grains: self.mix.ghost.into() }
+        (own.min(self.coupling.least.into()), bound)
     }
 
     /// What has gone wrong with a grain.
@@ -361,6 +360,7 @@ impl Bodies {
         let near = mix.rows;
         // what is made anew when it is taken up
         (mix.rows, mix.travelled, mix.fastest_point, mix.fastest_grain, mix.point_speed) = (0, 0.0, 0, 0, 0.0);
+        mix.most = 0;
         Ok(Saved {
             grains: words.grains.concat(),
             mix: bytemuck::cast_slice(&[mix]).to_vec(),
@@ -418,19 +418,22 @@ impl Bodies {
             contacts.ghosts.push((body, contact));
         }
         mixture.grains.fresh = mix.fresh != 0;
+        (mixture.share, mixture.alone) = (mix.share.into(), Some(mix.alone.into()));
         mixture.take_contacts(model, table, cpu, &contacts, dt);
         Ok(())
     }
 
-    /// Force on each point, N, the mean over the steps of the grains so far.
+    /// Force on each point, N, the mean over the steps of the grains so far, and the stiffness that it pushes with, N/m.
     ///
     /// # Errors
     /// A device that was lost.
-    pub fn pushes(&self, device: &Device, step: u64) -> Result<Vec<[f64; 3]>> {
-        let bytes = device.read(&[(&self.buffers.pushes, 16 * self.points as u64)], step)?;
+    pub fn pushes(&self, device: &Device, step: u64) -> Result<Vec<([f64; 3], f64)>> {
+        let bytes = device.read(&[(&self.buffers.pushes, 32 * self.points as u64)], step)?;
         let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         let share = 1.0 / f64::from(self.coupling.rates);
-        Ok(words.iter().map(|w| [0, 1, 2].map(|a| share * f64::from(f32::from_bits(w[a])))).collect())
+        let number = |bits: u32| f64::from(f32::from_bits(bits));
+        let (forces, carried) = words.split_at(self.points);
+        Ok(forces.iter().zip(carried).map(|(f, c)| ([0, 1, 2].map(|a| share * number(f[a])), number(c[3]))).collect())
     }
 
     /// Takes what walls felt last, without the rest.

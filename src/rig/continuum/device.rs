@@ -55,9 +55,9 @@ impl Device {
         self.gpu.stable_step()
     }
 
-    /// What the grains' own contacts, s, and those with points allow.
-    pub(super) fn bounds(&self) -> (f64, Bound) {
-        self.gpu.bounds()
+    /// What the grains' own contacts, s, and those of points with grains and platens allow.
+    pub(super) fn bounds(&self, platens: &[Platen]) -> (f64, Bound) {
+        self.gpu.bounds(platens)
     }
 
     /// Rates of a mixture where its scene gives none: the continuum has no steps of its own, and the grains not more than so many.

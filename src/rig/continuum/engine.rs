@@ -58,12 +58,12 @@ impl Engine {
         }
     }
 
-    /// What the grains' own contacts, s, and those with points allow.
-    pub(super) fn bounds(&self, mixture: &mut Mixture, continuum: &Continuum) -> (f64, Bound) {
+    /// What the grains' own contacts, s, and those of points with grains and platens allow.
+    pub(super) fn bounds(&self, mixture: &mut Mixture, continuum: &Continuum, platens: &[Platen]) -> (f64, Bound) {
         match self {
-            Engine::Cpu | Engine::Mixture(_) => mixture.bounds(continuum),
+            Engine::Cpu | Engine::Mixture(_) => mixture.bounds(continuum, platens),
             #[cfg(feature = "gpu")]
-            Engine::Gpu(device) => device.bounds(),
+            Engine::Gpu(device) => device.bounds(platens),
         }
     }
 

@@ -171,11 +171,11 @@ impl State {
         what(&rig.settings, &rig.points, &self.platens, Some(&gpu::Coarse { model, mixture, table: &table }))
     }
 
-    /// The next cycle; `continuum` is what waves and platens allow, s.
+    /// The next cycle; `continuum` is what waves allow, s.
     pub(super) fn find_cycle(&mut self, model: &Model, rig: &Rig, continuum: f64, engine: &Engine) -> Result<()> {
         let Some(mixture) = &mut self.mixture else { return Ok(()) };
         let safety = model.stepping.safety;
-        let (grains, contacts) = engine.bounds(mixture, &self.continuum);
+        let (grains, contacts) = engine.bounds(mixture, &self.continuum, &self.platens);
         let rates = rig.coarse.as_ref().and_then(|c| c.rates);
         let mut allowed = Allowed { grains, continuum: safety * continuum, contacts, safety, rates };
         let mut cycle = Cycle::longest(&allowed);

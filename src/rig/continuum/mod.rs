@@ -111,13 +111,14 @@ impl State {
         Ok(state)
     }
 
-    /// The step with which the test of a specimen that need not grow begins, s.
+    /// The step with which the test of a specimen that need not grow begins, when what contacts allow is known, s.
     ///
     /// # Errors
     /// As [`Self::start`], and a step that is refused.
     pub fn first_step(model: &Model, rig: &Rig) -> Result<f64> {
         let mut state = State::start(model, rig)?;
         let mut engine = Engine::of_grains(&mut state, model, rig);
+        state.advance(model, rig, &mut engine, |_, _| Ok(0.0))?;
         engine.feel(&mut state, model, rig)?;
         state.find_step(model, rig, &engine)?;
         Ok(state.dt)
@@ -151,10 +152,10 @@ impl State {
         if step.is_multiple_of(LOOK) || self.bound == 0.0 {
             self.bound = engine.stable_step(self);
         }
-        let contact = self.platens.iter().map(Platen::stable_step).fold(f64::INFINITY, f64::min);
         if self.mixture.is_some() {
-            return self.find_cycle(model, rig, self.bound.min(contact), engine);
+            return self.find_cycle(model, rig, self.bound, engine);
         }
+        let contact = self.platens.iter().map(Platen::stable_step).fold(f64::INFINITY, f64::min);
         self.dt = match model.stepping.dt {
             None => model.stepping.safety * self.bound.min(contact),
             Some(dt) if dt <= self.bound && dt <= contact => dt,
