@@ -16,7 +16,7 @@ run() { # NAME SCENE ARGS…
 for seed in 1 2 3; do
     run "fines_$seed" twin_grains --set coarse.mass_fraction=0 --seed "$seed"
 done
-# materials/twin_fines.toml is from earlier runs of seeds 1 and 2 (figures/mixture, the twin)
+# materials/twin_fines.toml is this law
 "$bin" calibrate fines "$runs"/fines_{1,2,3} --base li2023_fines.toml --out "$runs/law" --force
 for seed in 1 2 3 4 5; do
     run "grains_$seed" twin_grains --seed "$seed"
