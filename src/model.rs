@@ -122,15 +122,17 @@ pub struct Stepping {
     pub inertia_scaling: bool,
     /// A fixed time step, s (free scenes); `None`: computed from contact stiffness and inertia.
     pub dt: Option<f64>,
-    /// Share of the Rayleigh step that grains may go before any contact is known.
-    pub rayleigh: f64,
+    /// Grains and points come upon each other slowly: contacts have to be stable, and need not be resolved as in an impact.
+    pub slow: bool,
     /// Neighbour skin of a grain over its radius.
     pub skin: f64,
 }
 
 impl Stepping {
-    /// The share of the Rayleigh step where a scene says no other.
-    pub const RAYLEIGH: f64 = 0.1;
+    /// Share of the Rayleigh step that grains may go before any contact is known. Slow ones need no more steps than the points.
+    pub fn rayleigh(&self) -> f64 {
+        if self.slow { 0.4 } else { 0.1 }
+    }
 }
 
 /// The laboratory.

@@ -166,7 +166,7 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
         scale: 1.0,
         damping: 0.0,
         gravity: [0.0; 3],
-        stepping: Stepping { safety: 0.8, inertia_scaling: false, dt: Some(case.time_step()), rayleigh: Stepping::RAYLEIGH, skin },
+        stepping: Stepping { safety: 0.8, inertia_scaling: false, dt: Some(case.time_step()), slow: false, skin },
         rig: Rig::Oedometer(rig(case, grains)),
         records: Records {
             per_decade: 1,

@@ -38,8 +38,11 @@ pub struct Cycle {
 pub struct Allowed {
     pub grains: f64,
     pub continuum: f64,
-    pub contacts: Bound,
+    /// What they add to the square of a frequency, 1/s².
+    pub contacts: f64,
     pub safety: f64,
+    /// A cycle may be so much shorter than the slower side could do, 1 or less, if that saves a step of the faster one.
+    pub nearly: f64,
     /// Instead of the rates that the bounds give.
     pub rates: Option<Rates>,
 }
@@ -50,14 +53,14 @@ impl Cycle {
     pub fn longest(allowed: &Allowed) -> Cycle {
         let of = |dt: f64| {
             let own = 2.0 * allowed.safety / dt;
-            2.0 * allowed.safety / (own * own + allowed.contacts.frequency2()).sqrt()
+            2.0 * allowed.safety / (own * own + allowed.contacts).sqrt()
         };
         let (grains, continuum) = (of(allowed.grains), of(allowed.continuum));
         let rates = allowed.rates.unwrap_or_else(|| {
             if allowed.grains == f64::INFINITY || allowed.continuum == f64::INFINITY {
                 return Rates { grains: 1, continuum: 1 };
             }
-            let steps = |slow: f64, fast: f64| (NEARLY * slow / fast).ceil().clamp(1.0, MOST) as u32;
+            let steps = |slow: f64, fast: f64| (allowed.nearly * slow / fast).ceil().clamp(1.0, MOST) as u32;
             if grains <= continuum {
                 Rates { grains: steps(continuum, grains), continuum: 1 }
             } else {
@@ -71,9 +74,6 @@ impl Cycle {
 
 /// Most steps of the faster side in a cycle.
 const MOST: f64 = 1000.0;
-
-/// A cycle so much shorter than the slower side could do is better than one more step of the faster one.
-const NEARLY: f64 = 0.8;
 
 /// The grains of a mixture with their contacts with points, beside a continuum.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -147,11 +147,11 @@ impl Mixture {
         Ok(())
     }
 
-    /// What the grains' own contacts, s, and those of points with grains and platens allow.
+    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s².
     ///
     /// What the nodes feel of the contacts' stiffness is known when the continuum has made its step. Contacts change little from a step to the next, so what they felt
     /// last of what each point by itself would have is taken for the present.
-    pub fn bounds(&mut self, continuum: &Continuum, platens: &[Platen]) -> (f64, Bound) {
+    pub fn bounds(&mut self, continuum: &Continuum, platens: &[Platen], slow: bool) -> (f64, f64) {
         // without grains nothing bounds their step
         let own = if self.grains.grains.is_empty() { f64::INFINITY } else { self.own };
         let mut bound = self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len());
@@ -159,9 +159,9 @@ impl Mixture {
             let theirs = blocks.bound(&self.grains.grains, continuum.points().len());
             bound = Bound { points: bound.points + theirs.points, grains: bound.grains + theirs.grains };
         }
-        let alone = Bound::SHARES[0] * bound.points + platens.iter().map(|p| p.rate).fold(0.0, f64::max);
-        self.alone = Some(alone);
-        (own, Bound { points: self.share * alone, grains: Bound::SHARES[1] * bound.grains })
+        let platens = platens.iter().map(|p| p.rate).fold(0.0, f64::max);
+        self.alone = slow.then(|| bound.alone(platens));
+        (own, bound.frequency2(platens, slow.then_some(self.share)))
     }
 
     /// A cycle from what was felt, with platens that have pressed; walls and platens move at their speeds.

@@ -120,9 +120,18 @@ impl Bound {
     /// [`Continuum::felt`]: crate::mpm::Continuum::felt
     pub const SHARES: [f64; 2] = [3.0, 1.5];
 
-    /// What contacts add to the square of a frequency, of points and of grains, 1/s².
-    pub fn frequency2(&self) -> f64 {
-        self.points.max(self.grains)
+    /// What each point by itself has of contacts with grains, in these shares, and of platens, whose largest rate is given, 1/s².
+    pub fn alone(&self, platens: f64) -> f64 {
+        Self::SHARES[0] * self.points + platens
+    }
+
+    /// What contacts add to the square of a frequency, 1/s². Where contacts have to be resolved, each point by itself with the best ε; else nodes feel `share` of what
+    /// points have.
+    pub fn frequency2(&self, platens: f64, share: Option<f64>) -> f64 {
+        match share {
+            Some(share) => (share * self.alone(platens)).max(Self::SHARES[1] * self.grains),
+            None => self.points + self.grains + platens,
+        }
     }
 }
 

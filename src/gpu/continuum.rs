@@ -8,7 +8,7 @@ use super::passes::Passes;
 use super::platen::{self, both};
 use super::state;
 use super::support::sizes;
-use crate::coupling::{Bound, GhostTable, Mixture};
+use crate::coupling::{GhostTable, Mixture};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::mpm::{self, Drive, Platen, Ramp, Settings};
@@ -367,9 +367,9 @@ impl Continuum {
         }
     }
 
-    /// What the grains' own contacts, s, and those of points with grains and platens allow at the end of the last batch.
-    pub fn bounds(&self, platens: &[Platen]) -> (f64, Bound) {
-        self.bodies.as_ref().map_or((f64::INFINITY, Bound::default()), |bodies| bodies.bounds(platens))
+    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s², at the end of the last batch.
+    pub fn bounds(&self, platens: &[Platen]) -> (f64, f64) {
+        self.bodies.as_ref().map_or((f64::INFINITY, 0.0), |bodies| bodies.bounds(platens))
     }
 
     /// Whether the last batch has ended because a grain is over its limit. The next one does nothing until a state has been taken over.

@@ -185,7 +185,7 @@ pub mod tests {
             share,
             alone,
             most,
-            unused,
+            slow,
             sides,
             reactions
         );

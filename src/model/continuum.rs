@@ -1,6 +1,6 @@
 //! What a run of a continuum knows.
 
-use super::{GrainSpec, Stepping, WallSpec};
+use super::{GrainSpec, WallSpec};
 use crate::coupling::{Rates, Rule};
 use crate::mpm::law::Law;
 use crate::mpm::{Points, Settings};
@@ -164,11 +164,10 @@ impl Continuum {
         self.test.specimen()
     }
 
-    /// Share of the Rayleigh step that grains may go before any contact is known: more in a test of grains among points, where they come upon each other slowly,
-    /// so that they need no more steps than the points.
-    pub fn rayleigh(&self) -> f64 {
+    /// Whether it is a test of points: see [`super::Stepping::slow`].
+    pub fn is_slow(&self) -> bool {
         let [points, _] = self.counts();
-        if points > 0 && self.specimen().is_some() { 0.4 } else { Stepping::RAYLEIGH }
+        points > 0 && self.specimen().is_some()
     }
 }
 

@@ -33,13 +33,7 @@ impl View<'_> {
             scale: 1.0,
             damping: settings.damping,
             gravity: settings.gravity,
-            stepping: Stepping {
-                safety: self.si("stepping.safety"),
-                inertia_scaling: false,
-                dt,
-                rayleigh: Stepping::RAYLEIGH,
-                skin: 0.0,
-            },
+            stepping: Stepping { safety: self.si("stepping.safety"), inertia_scaling: false, dt, slow: false, skin: 0.0 },
             rig: Rig::Continuum(Box::new(rig)),
             records,
         })

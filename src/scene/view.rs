@@ -137,7 +137,7 @@ impl<'a> View<'a> {
         };
         let mut stepping = self.stepping();
         if let Rig::Continuum(rig) = &rig {
-            stepping.rayleigh = rig.rayleigh();
+            stepping.slow = rig.is_slow();
         }
         let (crush, fines) = self.crushing(&named, &rig)?;
         let seeds = Seeds { packing: self.whole("seed.packing")?, strength: self.whole("seed.strength")? };
@@ -175,7 +175,7 @@ impl<'a> View<'a> {
             safety: self.si("stepping.safety"),
             inertia_scaling: self.flag("stepping.inertia_scaling") || self.is_platen(),
             dt: self.number("stepping.dt_s"),
-            rayleigh: Stepping::RAYLEIGH,
+            slow: false,
             skin: self.number("stepping.skin").unwrap_or(0.2),
         };
         if stepping.inertia_scaling {

@@ -125,7 +125,7 @@ pub fn rayleigh(model: &Model, g: &Grains) -> f64 {
         least = least.min(dt);
     }
     // without grains nothing bounds it
-    if least.is_finite() { model.stepping.rayleigh * least } else { 1.0 }
+    if least.is_finite() { model.stepping.rayleigh() * least } else { 1.0 }
 }
 
 /// Looks at inertia (scaled runs) or the time step (unscaled) again.

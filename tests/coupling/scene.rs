@@ -56,8 +56,8 @@ impl Meeting {
         let mut time = 0.0;
         while time < duration {
             self.cycle(|mixture, continuum| {
-                let (grains, contacts) = mixture.bounds(continuum, &[]);
-                Cycle::longest(&Allowed { grains, continuum: continuum.stable_step(safety), contacts, safety, rates })
+                let (grains, contacts) = mixture.bounds(continuum, &[], false);
+                Cycle::longest(&Allowed { grains, continuum: continuum.stable_step(safety), contacts, safety, nearly: 1.0, rates })
             });
             time += self.mixture.cycle.time;
         }

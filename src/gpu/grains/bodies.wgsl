@@ -45,7 +45,10 @@ fn longest(dt: f32, rate: f32) -> f32 {
     if params.safety <= 0.0 {
         return dt;
     }
-    let contacts = max(mix_.share * mix_.alone, OF_GRAIN * mix_.ghost);
+    var contacts = bitcast<f32>(atomicLoad(&mix_.point_rate)) + mix_.ghost + rate;
+    if mix_.slow != 0u {
+        contacts = max(mix_.share * mix_.alone, OF_GRAIN * mix_.ghost);
+    }
     var own = coupling.least;
     if mix_.own > 0.0 {
         own = min(own, params.safety * 2.0 / sqrt(mix_.own));

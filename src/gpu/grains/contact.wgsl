@@ -83,7 +83,8 @@ struct Mix {
     share: f32,
     alone: f32,
     most: atomic<u32>,
-    unused: u32,
+    // contacts have to be stable, and need not be resolved
+    slow: u32,
     sides: array<Side, 8>,
     // sums over the steps of the batch
     reactions: array<vec2<f32>, 8>,

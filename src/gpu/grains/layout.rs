@@ -83,7 +83,7 @@ pub struct Mix {
     pub share: f32,
     pub alone: f32,
     pub most: u32,
-    pub unused: u32,
+    pub slow: u32,
     pub sides: [Side; SIDES],
     pub reactions: [[f32; 2]; SIDES],
 }

@@ -196,7 +196,8 @@ impl Bodies {
             far: (1 << 10 >> split_at) + 2,
             tables: starts,
         };
-        let mut mix = Mix { fresh: state.fresh.into(), share: mixture.share as f32, ..Mix::default() };
+        let mut mix =
+            Mix { fresh: state.fresh.into(), share: mixture.share as f32, slow: model.stepping.slow.into(), ..Mix::default() };
         let linked = state.walls.len() - platens.min(state.walls.len());
         for (k, (side, wall)) in mix.sides.iter_mut().zip(&state.walls).enumerate() {
             let platen = if k >= linked { (k - linked) as u32 } else { NONE };
@@ -278,16 +279,16 @@ impl Bodies {
         self.mix.reactions[..self.coupling.walls as usize].iter().map(|sum| both(*sum) / steps.max(1) as f64).collect()
     }
 
-    /// What the grains' own contacts, s, and those of points with grains and platens allow.
-    pub fn bounds(&self, platens: &[Platen]) -> (f64, Bound) {
-        let [of_point, of_grain] = Bound::SHARES;
-        let alone = of_point * f64::from(f32::from_bits(self.mix.point_rate)) + platens.iter().map(|p| p.rate).fold(0.0, f64::max);
-        let bound = Bound { points: f64::from(self.mix.share) * alone, grains: of_grain * f64::from(self.mix.ghost) };
+    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s².
+    pub fn bounds(&self, platens: &[Platen]) -> (f64, f64) {
+        let bound = Bound { points: f32::from_bits(self.mix.point_rate).into(), grains: self.mix.ghost.into() };
+        let share = (self.mix.slow != 0).then_some(self.mix.share.into());
+        let contacts = bound.frequency2(platens.iter().map(|p| p.rate).fold(0.0, f64::max), share);
         if self.coupling.grains == 0 {
-            return (f64::INFINITY, bound);
+            return (f64::INFINITY, contacts);
         }
         let own = if self.mix.own > 0.0 { 2.0 * self.safety / f64::from(self.mix.own).sqrt() } else { f64::INFINITY };
-        (own.min(self.coupling.least.into()), bound)
+        (own.min(self.coupling.least.into()), contacts)
     }
 
     /// What has gone wrong with a grain.

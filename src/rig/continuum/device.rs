@@ -1,7 +1,7 @@
 //! A test on a graphics device: the state goes there once; a look brings back what platens and walls feel, and points and grains come when they are asked for.
 
 use super::{Coupled, Rig, State};
-use crate::coupling::{Bound, Cycle, Rates};
+use crate::coupling::{Cycle, Rates};
 use crate::error::Result;
 use crate::gpu::{self, Adapter, Saved};
 use crate::model::Model;
@@ -55,8 +55,8 @@ impl Device {
         self.gpu.stable_step()
     }
 
-    /// What the grains' own contacts, s, and those of points with grains and platens allow.
-    pub(super) fn bounds(&self, platens: &[Platen]) -> (f64, Bound) {
+    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s².
+    pub(super) fn bounds(&self, platens: &[Platen]) -> (f64, f64) {
         self.gpu.bounds(platens)
     }
 

@@ -2,7 +2,7 @@
 
 use super::specimen::face;
 use super::{Coupled, LOOK, Phase, Rig, State};
-use crate::coupling::{Bound, Mixture, Rates};
+use crate::coupling::{Mixture, Rates};
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::continuum::Test;
@@ -58,10 +58,10 @@ impl Engine {
         }
     }
 
-    /// What the grains' own contacts, s, and those of points with grains and platens allow.
-    pub(super) fn bounds(&self, mixture: &mut Mixture, continuum: &Continuum, platens: &[Platen]) -> (f64, Bound) {
+    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s².
+    pub(super) fn bounds(&self, mixture: &mut Mixture, continuum: &Continuum, platens: &[Platen], slow: bool) -> (f64, f64) {
         match self {
-            Engine::Cpu | Engine::Mixture(_) => mixture.bounds(continuum, platens),
+            Engine::Cpu | Engine::Mixture(_) => mixture.bounds(continuum, platens, slow),
             #[cfg(feature = "gpu")]
             Engine::Gpu(device) => device.bounds(platens),
         }

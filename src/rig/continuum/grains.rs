@@ -50,6 +50,9 @@ pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Contin
     mixture
 }
 
+/// Share of what the slower side of a slow test could do at which a cycle ends rather than have one more step of the faster side.
+const NEARLY: f64 = 0.8;
+
 /// How points touch grains and walls.
 fn ghosts(model: &Model, rig: &Rig, mixture: &Mixture) -> GhostTable {
     let ghosts = rig.coarse.as_ref().map_or(&[][..], |c| &c.ghosts);
@@ -175,9 +178,16 @@ impl State {
     pub(super) fn find_cycle(&mut self, model: &Model, rig: &Rig, continuum: f64, engine: &Engine) -> Result<()> {
         let Some(mixture) = &mut self.mixture else { return Ok(()) };
         let safety = model.stepping.safety;
-        let (grains, contacts) = engine.bounds(mixture, &self.continuum, &self.platens);
+        let (grains, contacts) = engine.bounds(mixture, &self.continuum, &self.platens, model.stepping.slow);
         let rates = rig.coarse.as_ref().and_then(|c| c.rates);
-        let mut allowed = Allowed { grains, continuum: safety * continuum, contacts, safety, rates };
+        let mut allowed = Allowed {
+            grains,
+            continuum: safety * continuum,
+            contacts,
+            safety,
+            nearly: if model.stepping.slow { NEARLY } else { 1.0 },
+            rates,
+        };
         let mut cycle = Cycle::longest(&allowed);
         if rates.is_none() {
             allowed.rates = engine.rates(cycle.rates);
