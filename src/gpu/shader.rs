@@ -190,4 +190,25 @@ pub mod tests {
             reactions
         );
     }
+
+    /// Constants that stand in both.
+    #[test]
+    fn constants_are_those_of_the_processor() {
+        use crate::coupling::Bound;
+        use crate::gpu::grains::layout::{NONE, PARTNERS, PLACES, SIDES, SLOTS, WALLS};
+        use naga::{Expression, Literal};
+        let module = parsed(MIXTURE);
+        let literal = |name: &str| {
+            let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).expect("a constant");
+            let Expression::Literal(literal) = module.global_expressions[constant.init] else { panic!("{name} is a number") };
+            literal
+        };
+        for (name, value) in [("OF_POINT", Bound::SHARES[0]), ("OF_GRAIN", Bound::SHARES[1])] {
+            assert_eq!(literal(name), Literal::F32(value as f32), "{name}");
+        }
+        let whole = [PARTNERS, SIDES, SLOTS, PLACES, WALLS as usize, NONE as usize];
+        for (name, value) in ["PARTNERS", "SIDES", "SLOTS", "PLACES", "WALLS", "NONE"].iter().zip(whole) {
+            assert_eq!(literal(name), Literal::U32(value as u32), "{name}");
+        }
+    }
 }

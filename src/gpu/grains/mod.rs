@@ -4,7 +4,7 @@
 //! spring. Lists have a skin and are made anew on the device. Each of two grains finds their contact by itself, from the same numbers in the same order. A grain gathers what
 //! points give it over the cells around it, so nothing but integers is added atomically.
 
-mod layout;
+pub(super) mod layout;
 mod support;
 mod words;
 
