@@ -44,6 +44,7 @@ done
 run reduction_64 triaxial_20_50kPa --set grid.grains_per_point=64
 run reduction_8 triaxial_20_50kPa
 run full_40 triaxial_40_50kPa
+run full_40_ratio_2_5 triaxial_40_ratio_2_5
 run half_rate triaxial_20_50kPa --set test.strain_per_wave=1e-4
 
 of() { for name in "$@"; do echo "$runs/$name"; done; }
@@ -51,7 +52,8 @@ of() { for name in "$@"; do echo "$runs/$name"; done; }
 "$bin" plot $(of grains_1 grains_2 points_1 points_2 points_1_cells_2.5 points_1_cells_1.875) --show stress_ratio,volumetric_strain --out figures/mixture/twin_20
 "$bin" plot $(of grains_{1,2,3,4,5} points_{1,2,3,4,5}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_20_seeds
 "$bin" plot $(of grains40_{1,2,3} points40_{1,2,3}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_40
-"$bin" plot $(of full_40) --show stress_ratio,volumetric_strain,stress_bearers --out figures/mixture/full_40
+"$bin" plot $(of full_40) --show stress_bearers --out figures/mixture/full_40
+"$bin" plot $(of full_40 full_40_ratio_2_5) --show stress_ratio,volumetric_strain --out figures/mixture/full_40
 "$bin" plot $(of reduction_8 half_rate) --show stress_ratio --out figures/mixture/rate
 "$bin" plot $(of reduction_8) --show stress_bearers --out figures/mixture/reduction
 "$bin" plot $(of reduction_8 reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction

@@ -73,7 +73,7 @@ pub fn doubts(model: &Model, rig: &Rig) -> Vec<String> {
         ));
     }
     if rig.specimen().is_some() && content > CONTENT {
-        doubts.push(format!("{:.0} % of the mass are coarse grains: above {:.0} % points do not fill what is between them, and the mixture locks (with 40 % it was 1.5 times as strong as a twin of grains alone)", 100.0 * content, 100.0 * CONTENT));
+        doubts.push(format!("{:.0} % of the mass are coarse grains: above {:.0} % points do not fill what is between them, and the mixture may lock (in a small cube with 40 % it was 1.5 times as strong as a twin of grains alone)", 100.0 * content, 100.0 * CONTENT));
     }
     let grains = rig.coarse.as_ref().map_or(&[][..], |c| &c.grains);
     let count = grains.len() as f64;

@@ -63,10 +63,21 @@ fn a_grain_breaks_inside_a_continuum() {
     let out = folder.path().join("out");
     let sets: Vec<&str> = ["test.axial_strain=0.012", "records.rows=60"].into_iter().chain(QUIET).collect();
     run("mixture/oedometer_crushing", &out, &sets, &[]).assert().success();
-    let rows = columns(&out, ["crush_events", "grains", "coarse_mass_kg", "sigma_v_kPa", "q_skeleton_kPa", "q_kPa"]);
+    let rows =
+        columns(&out, ["crush_events", "grains", "coarse_mass_kg", "sigma_v_kPa", "q_skeleton_kPa", "q_kPa", "axial_strain"]);
     let (first, last) = (rows[0], rows[rows.len() - 1]);
     let [events, grains, mass, ..] = last;
     assert_eq!((events, grains), (1.0, 16.0), "{last:?}");
+    // the one that broke touched the platen; its daughters stay below
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(out.join("grains_final.csv")).expect("grains");
+    let (whole, daughters): (Vec<[f64; 2]>, Vec<[f64; 2]>) = reader
+        .records()
+        .map(|row| [2, 3, 4].map(|k| row.as_ref().expect("grain")[k].parse::<f64>().expect("number")))
+        .map(|[z, radius, generation]| [z + radius, generation])
+        .partition(|[_, generation]| *generation == 0.0);
+    assert!(whole.iter().all(|[top, _]| *top < 0.0101), "{whole:?}");
+    let (platen, top) = (0.015 * (1.0 - last[6]), daughters.iter().map(|d| d[0]).fold(0.0, f64::max));
+    assert!((top - platen).abs() < 5e-5, "{top} under {platen}");
     // 46.6 % of one of three equal grains (NOTES: sum of r³ of the pattern is 0.53378)
     assert!((mass / first[2] - (1.0 - (1.0 - 0.53378) / 3.0)).abs() < 1e-4, "{mass} of {}", first[2]);
     // the chain bears most of the deviatoric stress until it breaks

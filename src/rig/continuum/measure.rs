@@ -45,8 +45,8 @@ pub struct Moment {
     pub platen_work: f64,
     /// In the platens' contacts, since the start.
     pub stored: f64,
-    /// What platens, gravity and motion gave and neither motion, stresses nor contacts have: taken by local damping, by the transfer
-    /// between points and nodes, by wall friction, and by errors.
+    /// What platens, gravity, motion and released overlaps gave and neither motion, stresses nor contacts have: taken by local damping, by the
+    /// transfer between points and nodes, by wall friction, and by errors.
     pub dissipated: f64,
     /// Scale of all these.
     pub scale: f64,
@@ -177,7 +177,8 @@ impl State {
         let on_grains: f64 = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work).sum();
         let platen_work = self.platen_work(rig) + on_grains;
         let (fallen, stored) = (potential - now[1], now[2] - stored);
-        let given = platen_work + fallen + kinetic;
+        let released = self.mixture.as_ref().and_then(|m| m.fines.as_ref()).map_or(0.0, |f| f.released);
+        let given = platen_work + fallen + kinetic + released;
         let grains = self.mixture.as_ref().map(|m| {
             let g = &m.grains.grains;
             let (mass, volume) = g.mass_and_volume();
@@ -216,7 +217,7 @@ impl State {
             platen_work,
             stored,
             dissipated: given - now[0] - c.stress_work() - stored,
-            scale: platen_work.abs() + fallen.abs() + kinetic + c.stress_work().abs(),
+            scale: platen_work.abs() + fallen.abs() + kinetic + released + c.stress_work().abs(),
             totals,
             ..Moment::default()
         }
