@@ -216,18 +216,31 @@ fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
 }
 
 fn dispatch<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
+    // to ask for each grain whether something else pushes it costs 4 % of a step where nothing does
+    if input.outside.is_empty() {
+        vectorised::<LEDGER, CRUSH, ROLLING, false>(input, part);
+    } else {
+        vectorised::<LEDGER, CRUSH, ROLLING, true>(input, part);
+    }
+}
+
+fn vectorised<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, const OUTSIDE: bool>(input: &Input<'_>, part: Part<'_>) {
     match quads(input.arch) {
         #[cfg(target_arch = "x86_64")]
         Some(v3) => v3.vectorize(
             #[inline(always)]
-            || chunk::<Quad, LEDGER, CRUSH, ROLLING>(v3, input, part),
+            || chunk::<Quad, LEDGER, CRUSH, ROLLING, OUTSIDE>(v3, input, part),
         ),
-        _ => chunk::<Plain, LEDGER, CRUSH, ROLLING>((), input, part),
+        _ => chunk::<Plain, LEDGER, CRUSH, ROLLING, OUTSIDE>((), input, part),
     }
 }
 
 #[inline(always)]
-fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(token: F::Token, input: &Input<'_>, part: Part<'_>) {
+fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, const OUTSIDE: bool>(
+    token: F::Token,
+    input: &Input<'_>,
+    part: Part<'_>,
+) {
     let references = &input.neighbours.references()[part.first..][..part.pos.len()];
     let gravity = input.gravity != [0.0; 3];
     let all = |x| F::all(token, x);
@@ -236,7 +249,7 @@ fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(to
     for (k, ((((pos, vel), spin), flag), reference)) in rows {
         let i = part.first + k;
         let (p, v) = (F::of(token, *pos), F::of(token, *vel));
-        let outside = input.outside.get(i);
+        let outside = if OUTSIDE { input.outside.get(i) } else { None };
         if !gravity && outside.is_none() && input.neighbours.contacts.links(i).is_empty() {
             // most fragments fly free: nothing but their place changes, and nothing else is read
             let p = (p + v * drift).with_w_of(p);

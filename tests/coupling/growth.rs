@@ -65,6 +65,19 @@ fn a_grown_specimen_is_in_balance_with_points_or_grains() {
     same_files(&out("points"), &out("parts"));
 }
 
+/// Grains alone at constant volume: the lateral stress falls, and their contacts bear all of p.
+#[test]
+fn grains_alone_are_sheared_at_constant_volume() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("out");
+    run("mixture/twin_grains", &out, &[&SMALL[..], &["test.drainage=constant_volume"]].concat(), &[]).assert().success();
+    let rows = columns(&out, ["volumetric_strain", "sigma_3_kPa", "pore_pressure_kPa", "p_kPa", "p_skeleton_kPa"]);
+    assert!(rows[1..].iter().all(|r| r[0].abs() < 1e-7), "{rows:?}");
+    let [_, lateral, pore, p, skeleton] = rows[rows.len() - 1];
+    assert!(pore > 1.0 && (lateral + pore - 50.0).abs() < 1e-6, "{lateral} kPa and {pore} kPa");
+    assert!((skeleton / p - 1.0).abs() < 0.01, "{skeleton} of {p} kPa");
+}
+
 /// Coke that has grown with its fines breaks, and what it loses becomes points.
 #[test]
 fn fines_from_crushing_enter_a_grown_specimen() {

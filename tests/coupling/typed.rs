@@ -33,6 +33,19 @@ fn a_small_mixture_is_in_balance_and_resumes_to_the_byte() {
     same_files(&whole, &parts);
 }
 
+/// A shell keeps the volume of a cylinder as platens that of a box. Measured: 4e-5.
+#[test]
+fn a_cylinder_is_sheared_at_constant_volume() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("out");
+    let own = ["test.drainage=constant_volume", "grid.grains_per_point=64", "test.axial_strain=0.002", "records.rows=20"];
+    run("mixture/triaxial_cylinder", &out, &[&own[..], &QUIET].concat(), &[]).assert().success();
+    let rows = columns(&out, ["volumetric_strain", "sigma_3_kPa", "pore_pressure_kPa"]);
+    assert!(rows[2..].iter().all(|r| r[0].abs() < 1e-4), "{rows:?}");
+    let [_, lateral, pore] = rows[rows.len() - 1];
+    assert!(pore > 3.0 && (lateral + pore - 50.0).abs() < 1e-6, "{lateral} kPa and {pore} kPa");
+}
+
 /// At constant volume the space between the platens stays, who bears p adds up, and the equivalent pore pressure is what the lateral stress has lost.
 #[test]
 fn a_mixture_is_sheared_at_constant_volume() {
