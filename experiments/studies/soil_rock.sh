@@ -6,7 +6,7 @@ cd "$(dirname "$0")/../.."
 cargo build --release --quiet
 bin=${CARGO_TARGET_DIR:-target}/release/comminute
 modulus=${1:-50}
-out() { echo "runs/soil_rock/$modulus/fan_$1mm_$2kPa"; }
+out() { echo "runs/soil_rock/fan_$1mm_$2kPa_${modulus}GPa"; }
 for rock in 20 10 15; do
     for pressure in 200 800 400; do
         "$bin" run "experiments/mixture/fan_${rock}mm_${pressure}kPa.toml" --out "$(out $rock $pressure)" --continue \
@@ -16,3 +16,7 @@ done
 figures=figures/mixture/soil_rock_${modulus}GPa
 "$bin" plot "$(out 20 200)" "$(out 10 200)" "$(out 20 800)" "$(out 10 800)" --show stress_ratio,volumetric_strain --out "$figures"
 "$bin" plot "$(out 20 200)" --show stress_bearers --out "${figures}_bearers"
+# what the stiffness of contacts does, where both have been run
+if [ -e runs/soil_rock/fan_20mm_200kPa_50GPa/summary.json ] && [ -e runs/soil_rock/fan_20mm_200kPa_0.4GPa/summary.json ]; then
+    "$bin" plot runs/soil_rock/fan_20mm_200kPa_{50,0.4}GPa --show stress_ratio,volumetric_strain --out figures/mixture/soil_rock_contacts
+fi
