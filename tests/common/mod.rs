@@ -92,7 +92,12 @@ pub fn assembly_text(head: &str, stuff: &Stuff, balls: &[Ball], planes: &[Plane]
 /// As [`assembly_text`], the materials in `head`.
 pub fn assembly_text_of(head: &str, balls: &[Ball], planes: &[Plane]) -> String {
     let steps = if head.contains("duration_s") || head.contains("steps =") { "" } else { "steps = 1000000000\n" };
-    let mut text = format!("kind = \"assembly\"\n{steps}{head}\n");
+    format!("kind = \"assembly\"\n{steps}{head}\n{}", bodies_text(balls, planes))
+}
+
+/// Grains and walls of a free scene.
+pub fn bodies_text(balls: &[Ball], planes: &[Plane]) -> String {
+    let mut text = String::new();
     for b in balls {
         let _ = writeln!(
             text,

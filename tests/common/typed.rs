@@ -2,6 +2,7 @@
 
 use super::ROOT;
 use assert_cmd::Command;
+use csv::StringRecord;
 use serde_json::Value;
 use std::path::Path;
 
@@ -33,12 +34,26 @@ pub fn number(summary: &Value, key: &str) -> f64 {
 
 /// Rows of some columns of the history, those of its stage `load`.
 pub fn columns<const N: usize>(out: &Path, names: [&str; N]) -> Vec<[f64; N]> {
-    let mut reader = csv::Reader::from_path(out.join("history.csv")).expect("history");
-    let header = reader.headers().expect("header").clone();
-    let place = |name: &str| header.iter().position(|h| h == name).unwrap_or_else(|| panic!("{name}"));
-    let (at, stage) = (names.map(place), place("stage"));
-    let rows = reader.records().map(|row| row.expect("row"));
-    rows.filter(|row| &row[stage] == "load").map(|row| at.map(|k| row[k].parse().expect("number"))).collect()
+    let (header, rows) = table(&out.join("history.csv"));
+    let stage = place(&header, "stage");
+    let at = names.map(|name| place(&header, name));
+    rows.iter().filter(|row| &row[stage] == "load").map(|row| at.map(|k| row[k].parse().expect("number"))).collect()
+}
+
+/// Some columns of the grains at the end.
+pub fn final_grains<const N: usize>(out: &Path, names: [&str; N]) -> Vec<[f64; N]> {
+    let (header, rows) = table(&out.join("grains_final.csv"));
+    let at = names.map(|name| place(&header, name));
+    rows.iter().map(|row| at.map(|k| row[k].parse().expect("number"))).collect()
+}
+
+fn table(path: &Path) -> (StringRecord, Vec<StringRecord>) {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).expect("table");
+    (reader.headers().expect("header").clone(), reader.records().map(|row| row.expect("row")).collect())
+}
+
+fn place(header: &StringRecord, name: &str) -> usize {
+    header.iter().position(|h| h == name).unwrap_or_else(|| panic!("{name}"))
 }
 
 /// Whether two runs have left the same bytes.

@@ -1,6 +1,6 @@
 //! Mixtures as a user types them.
 
-use crate::common::typed::{columns, comminute, number, run, same_files, summary};
+use crate::common::typed::{columns, comminute, final_grains, number, run, same_files, summary};
 use predicates::prelude::{PredicateBooleanExt, predicate::str::contains};
 
 const QUIET: [&str; 2] = ["records.figures=false", "records.snapshots=false"];
@@ -82,10 +82,8 @@ fn a_grain_breaks_inside_a_continuum() {
     let [events, grains, mass, ..] = last;
     assert_eq!((events, grains), (1.0, 16.0), "{last:?}");
     // the one that broke touched the platen; its daughters stay below
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(out.join("grains_final.csv")).expect("grains");
-    let (whole, daughters): (Vec<[f64; 2]>, Vec<[f64; 2]>) = reader
-        .records()
-        .map(|row| [2, 3, 4].map(|k| row.as_ref().expect("grain")[k].parse::<f64>().expect("number")))
+    let (whole, daughters): (Vec<[f64; 2]>, Vec<[f64; 2]>) = final_grains(&out, ["z_m", "r_m", "generation"])
+        .into_iter()
         .map(|[z, radius, generation]| [z + radius, generation])
         .partition(|[_, generation]| *generation == 0.0);
     assert!(whole.iter().all(|[top, _]| *top < 0.0101), "{whole:?}");

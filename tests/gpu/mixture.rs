@@ -1,10 +1,9 @@
 //! Grains in a continuum on the device, as a user types them: against the processor within bands, momentum, breakage, bits after a stop, and what is refused.
 
 use crate::adapter::adapter;
-use crate::common::ROOT;
-use crate::common::typed::{columns, comminute, number, run, same_files, summary};
+use crate::common::typed::{columns, comminute, final_grains, number, run, same_files, summary};
+use crate::common::{Ball, Plane, ROOT, bodies_text};
 use crate::run::apart;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 const PLAIN: [&str; 2] = ["records.figures=false", "records.snapshots=false"];
@@ -90,11 +89,6 @@ fn a_ball_gives_its_momentum_to_points() {
         return;
     }
     let folder = tempfile::tempdir().expect("folder");
-    let velocity = |out: &Path| {
-        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(out.join("grains_final.csv")).expect("grains");
-        let place = reader.headers().expect("header").iter().position(|h| h == "vz_m_s").expect("column");
-        reader.records().next().expect("a grain").expect("row")[place].parse::<f64>().expect("number")
-    };
     for steps in ["1", "4"] {
         let grain_steps = format!("stepping.grain_steps={steps}");
         let sets = [&PLAIN[..], &["grid.cell_mm=13.6798076", "duration_s=0.0014", &grain_steps]].concat();
@@ -105,7 +99,7 @@ fn a_ball_gives_its_momentum_to_points() {
         });
         let [here, there] = outs.each_ref().map(|out| {
             let rows = columns(out, ["momentum_z_kg_m_s"]);
-            (velocity(out), rows[rows.len() - 1][0])
+            (final_grains(out, ["vz_m_s"])[0][0], rows[rows.len() - 1][0])
         });
         // that of the points, and of the grain; -5 m/s of 0.3351 kg at first
         let grain = 0.335_103_218;
@@ -138,27 +132,28 @@ fn a_block_slides_on_a_wall_as_on_the_cpu() {
 
 /// A pile of 1728 grains between walls, all of which touch their neighbours, on which fines have fallen.
 fn pile() -> String {
-    let mut scene = format!(
+    let head = format!(
         "kind = \"mixture\"\ndescription = \"fines on a pile\"\nsteps = 20\ngravity_m_s2 = [0.0, 0.0, -9.81]\nrecords.rows = 100\n\
          [materials]\nfines = \"{ROOT}/materials/li2023_fines.toml\"\ncoarse = \"{ROOT}/materials/li2023_coarse.toml\"\n\
          [[body]]\nshape = \"box\"\nmaterial = \"fines\"\nmin_mm = [0.0, 0.0, 60.0]\nmax_mm = [60.0, 60.0, 65.0]\nporosity = 0.365\n\
          velocity_m_s = [0.0, 0.0, -2.0]\n[grid]\ncell_mm = 5.0\nmin_mm = [-10.0, -10.0, -10.0]\nmax_mm = [70.0, 70.0, 90.0]\n"
     );
-    for [point, normal] in [
-        ["0.0, 0.0, 0.0", "0.0, 0.0, 1.0"],
-        ["0.0, 0.0, 0.0", "1.0, 0.0, 0.0"],
-        ["0.05989, 0.0, 0.0", "-1.0, 0.0, 0.0"],
-        ["0.0, 0.0, 0.0", "0.0, 1.0, 0.0"],
-        ["0.0, 0.05989, 0.0", "0.0, -1.0, 0.0"],
-    ] {
-        writeln!(scene, "[[wall]]\nkind = \"plane\"\npoint_m = [{point}]\nnormal = [{normal}]").expect("text");
-    }
-    let at = |n: usize| 0.0025 + 0.00499 * n as f64;
-    for (i, j, k) in (0..1728).map(|n| (n % 12, n / 12 % 12, n / 144)) {
-        let place = [at(i), at(j), at(k)];
-        writeln!(scene, "[[grain]]\nposition_m = {place:?}\nradius_m = 0.0025\nmaterial = \"coarse\"").expect("text");
-    }
-    scene
+    let wide = 0.05989;
+    let walls = [
+        ([0.0; 3], [0.0, 0.0, 1.0]),
+        ([0.0; 3], [1.0, 0.0, 0.0]),
+        ([wide, 0.0, 0.0], [-1.0, 0.0, 0.0]),
+        ([0.0; 3], [0.0, 1.0, 0.0]),
+        ([0.0, wide, 0.0], [0.0, -1.0, 0.0]),
+    ]
+    .map(|(point, normal)| Plane { point, normal, ..Plane::default() });
+    let grain = |n: u32| Ball {
+        at: [n % 12, n / 12 % 12, n / 144].map(|n| 0.0025 + 0.00499 * f64::from(n)),
+        radius: 0.0025,
+        material: Some("coarse"),
+        ..Ball::default()
+    };
+    head + &bodies_text(&(0..1728).map(grain).collect::<Vec<_>>(), &walls)
 }
 
 /// As many grains as a real mixture has, each with six neighbours: lists, shelves and a workgroup for each of them. Measured: kinetic energy of the grains 2e-8, of the points

@@ -177,8 +177,6 @@ impl State {
         let on_grains: f64 = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work).sum();
         let platen_work = self.platen_work(rig) + on_grains;
         let (fallen, stored) = (potential - now[1], now[2] - stored);
-        let released = self.mixture.as_ref().and_then(|m| m.fines.as_ref()).map_or(0.0, |f| f.released);
-        let given = platen_work + fallen + kinetic + released;
         let grains = self.mixture.as_ref().map(|m| {
             let g = &m.grains.grains;
             let (mass, volume) = g.mass_and_volume();
@@ -206,6 +204,8 @@ impl State {
                 }),
             }
         });
+        let released = grains.and_then(|g| g.fines).map_or(0.0, |f| f.released);
+        let given = platen_work + fallen + kinetic + released;
         let volume = totals.volume.max(f64::MIN_POSITIVE);
         let overall = grains.map_or(0.0, |g| g.void_ratio);
         Moment {
