@@ -38,14 +38,14 @@ fn laws(c: &mut Criterion) {
     let elastic = Law::Elastic(changing.elastic());
     let of = |plastic: f64| yielding(&changing, plastic);
     let cases = [
-        ("linear elastic", elastic, (PRESSED, Memory::default()), SHEARED),
-        ("Drucker-Prager, elastic point", steady, (PRESSED, Memory::default()), SHEARED),
-        ("Drucker-Prager, yielding", steady, yielding(&steady, 1e-3), SHEARED),
-        ("Drucker-Prager, apex", steady, ([0.0; 6], Memory::default()), SWELLING),
-        ("eq. 43, elastic point", changing, (PRESSED, Memory::default()), SHEARED),
-        ("eq. 43, yielding, hardening", changing, of(0.01), SHEARED),
-        ("eq. 43, yielding, softening", changing, of(0.05), SHEARED),
-        ("eq. 43, yielding, residual", changing, of(0.9), SHEARED),
+        ("linear elastic", &elastic, (PRESSED, Memory::default()), SHEARED),
+        ("Drucker-Prager, elastic point", &steady, (PRESSED, Memory::default()), SHEARED),
+        ("Drucker-Prager, yielding", &steady, yielding(&steady, 1e-3), SHEARED),
+        ("Drucker-Prager, apex", &steady, ([0.0; 6], Memory::default()), SWELLING),
+        ("eq. 43, elastic point", &changing, (PRESSED, Memory::default()), SHEARED),
+        ("eq. 43, yielding, hardening", &changing, of(0.01), SHEARED),
+        ("eq. 43, yielding, softening", &changing, of(0.05), SHEARED),
+        ("eq. 43, yielding, residual", &changing, of(0.9), SHEARED),
     ];
     for (name, law, (stress, memory), dstrain) in cases {
         group.bench_function(name, |b| {

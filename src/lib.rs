@@ -18,6 +18,7 @@ pub mod mpm;
 pub mod neighbours;
 pub mod packing;
 pub mod point_test;
+mod portable;
 pub mod real;
 pub mod record;
 pub mod reproduce;

@@ -10,9 +10,10 @@ use std::path::PathBuf;
 
 /// Measure a mixture of grains and points
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example, from the repository root: a mixture, and its fines alone\n\
+#[command(after_help = "Example, from the repository root: a mixture, its fines alone, and while it yields\n\
         \x20 comminute bench mixture experiments/mixture/triaxial_20_50kPa.toml --threads 1\n\
-        \x20 comminute bench mixture experiments/mixture/triaxial_20_50kPa.toml --threads 1 --set coarse.mass_fraction=0")]
+        \x20 comminute bench mixture experiments/mixture/triaxial_20_50kPa.toml --threads 1 --set coarse.mass_fraction=0\n\
+        \x20 comminute bench mixture experiments/mixture/triaxial_20_50kPa.toml --set test.strain_per_wave=2e-3 --warm-up 4000")]
 pub struct Args {
     /// Scene of a mixture (TOML) that need not grow first
     scene: PathBuf,

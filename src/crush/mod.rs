@@ -7,6 +7,5 @@ pub mod criterion;
 pub mod event;
 pub mod lost_mass;
 pub mod pattern;
-pub(crate) mod portable;
 pub mod spread;
 pub mod strength;

@@ -62,7 +62,7 @@ pub fn quaternion([a, b, c]: [[f64; 3]; 3]) -> [f64; 4] {
 
 /// A rotation by an angle, rad, of up to half a turn about a direction (not zero).
 pub fn about(direction: [f64; 3], angle: f64) -> [f64; 4] {
-    use crate::crush::portable::sin;
+    use crate::portable::sin;
     let (half, length) = (0.5 * angle, dot(direction, direction).sqrt());
     let [x, y, z] = scaled(direction, sin(half) / length);
     unit([sin(std::f64::consts::FRAC_PI_2 - half.abs()), x, y, z])

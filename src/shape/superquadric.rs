@@ -2,7 +2,7 @@
 
 use super::{Bulk, Mesh, Nearest, Solid};
 use crate::contact::force::{dot, less, scaled};
-use crate::crush::portable::{exp, ln_gamma, pow};
+use crate::portable::{exp, ln_gamma, pow};
 use serde::{Deserialize, Serialize};
 
 /// Half lengths a, b, c along the axes, m, and blockiness n₁ (towards z) and n₂ (around it).

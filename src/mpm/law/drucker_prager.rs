@@ -5,11 +5,11 @@
 //! accumulated plastic strain ([`Evolution`]).
 //!
 //! The return is implicit: the new stress lies on the surface of the new plastic strain. In (I1, J) it has a closed form
-//! where the surface stays; where it changes, one equation in the plastic strain remains. Small increments, nearly all of a quasi-static test, see the surface through
-//! its Taylor polynomial.
+//! where the surface stays; where it changes ([`Surface`]), one equation in the plastic strain remains.
 //!
 //! Holds for 0 <= psi <= phi: dissipation is then not negative. Material that was pulled apart does not remember its gap.
 
+use super::surface::{Origin, Place, Strength, Surface};
 use super::{Cone, Elastic, Evolution, Memory, Sym, tensor};
 use serde::{Deserialize, Serialize};
 
@@ -28,35 +28,9 @@ pub struct Parameters {
     pub tension: f64,
 }
 
-/// The surface at one plastic strain: J + alpha I1 = kappa.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Strength {
-    pub alpha: f64,
-    /// k c, Pa
-    pub kappa: f64,
-}
-
-impl Strength {
-    /// Deviatoric stress q at failure in triaxial compression at the cell pressure, Pa (compression positive).
-    pub fn q_compression(&self, cell: f64) -> f64 {
-        let root = 3f64.sqrt();
-        root * (3.0 * self.alpha * cell + self.kappa) / (1.0 - root * self.alpha)
-    }
-
-    /// Radial less axial stress at failure in triaxial extension at the cell pressure, Pa (compression positive).
-    pub fn q_extension(&self, cell: f64) -> f64 {
-        let root = 3f64.sqrt();
-        root * (3.0 * self.alpha * cell + self.kappa) / (1.0 + root * self.alpha)
-    }
-
-    /// sqrt(3 J2) on the surface at the mean pressure p, Pa (compression positive).
-    pub fn q_at(&self, p: f64) -> f64 {
-        3f64.sqrt() * (3.0 * self.alpha * p + self.kappa).max(0.0)
-    }
-}
-
 /// The law, with what follows from its parameters.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Parameters", into = "Parameters")]
 pub struct DruckerPrager {
     elastic: Elastic,
     /// Stress below this surface and below I1 = `floor_cut` is inside at any plastic strain.
@@ -68,20 +42,20 @@ pub struct DruckerPrager {
     per_multiplier: f64,
     /// 3 sigma_t, Pa
     cut: f64,
-    /// Plastic strain from which on the surface is `last`.
-    settled: f64,
-    last: Strength,
-    /// No third derivative of the surface with respect to the plastic strain is larger.
-    third: Strength,
+    surface: Surface,
     parameters: Parameters,
 }
 
-/// A surface that changes: its value at a plastic strain, its slope and its curvature.
-#[derive(Clone, Copy, Debug)]
-struct Changing {
-    value: Strength,
-    slope: Strength,
-    curvature: Strength,
+impl From<Parameters> for DruckerPrager {
+    fn from(parameters: Parameters) -> DruckerPrager {
+        DruckerPrager::new(parameters)
+    }
+}
+
+impl From<DruckerPrager> for Parameters {
+    fn from(law: DruckerPrager) -> Parameters {
+        law.parameters
+    }
 }
 
 /// A returned state: invariants, Pa, and whether it lies on the cone.
@@ -99,9 +73,8 @@ impl DruckerPrager {
         let alpha_psi = cone.at(dilation).alpha;
         let (least, most) = friction.range();
         let least_cohesion = cohesion.range().0;
-        let last = cone.at(friction.last());
-        let last = Strength { alpha: last.alpha, kappa: last.k * cohesion.last() };
-        let settled = friction.settled().max(cohesion.settled());
+        let surface = Surface::new(&Origin { cone, friction, cohesion });
+        let (last, settled) = (surface.last(), surface.settled());
         let mut law = DruckerPrager {
             elastic,
             // k falls as the angle rises
@@ -110,34 +83,14 @@ impl DruckerPrager {
             volume_return: 9.0 * elastic.bulk * alpha_psi,
             per_multiplier: (1.0 / 3.0 + 2.0 * (alpha_psi * alpha_psi)).sqrt(),
             cut: 3.0 * tension,
-            settled,
-            last,
-            third: Strength::default(),
+            surface,
             parameters,
         };
         if settled == 0.0 {
             law.floor = last;
             law.floor_cut = law.cut_of(last);
         }
-        law.third = law.largest_third();
         law
-    }
-
-    /// Bound of the third derivatives: twice the largest difference of curvatures between many places.
-    fn largest_third(&self) -> Strength {
-        const PLACES: u32 = 4096;
-        let Parameters { friction, cohesion, .. } = &self.parameters;
-        let at = |k: u32| self.settled * f64::from(k) / f64::from(PLACES);
-        let mut third = Strength::default();
-        for (low, high) in (1..PLACES).map(|k| (at(k), at(k + 1))) {
-            if friction.smooth_until(low).min(cohesion.smooth_until(low)) < high {
-                continue;
-            }
-            let (a, b) = (self.changing(low).curvature, self.changing(high).curvature);
-            third.alpha = third.alpha.max(2.0 * (b.alpha - a.alpha).abs() / (high - low));
-            third.kappa = third.kappa.max(2.0 * (b.kappa - a.kappa).abs() / (high - low));
-        }
-        third
     }
 
     pub fn elastic(&self) -> Elastic {
@@ -150,7 +103,7 @@ impl DruckerPrager {
 
     /// The surface at a plastic strain.
     pub fn strength(&self, plastic: f64) -> Strength {
-        if plastic >= self.settled { self.last } else { self.changing(plastic).value }
+        self.surface.value(plastic)
     }
 
     /// Largest I1, Pa, at a plastic strain: the cut-off or the apex.
@@ -181,19 +134,18 @@ impl DruckerPrager {
 
     #[inline(never)]
     fn corrected(&self, trial: Sym, i1: f64, j: f64, memory: Memory) -> (Sym, Memory) {
-        let (end, plastic) = if memory.plastic >= self.settled {
-            if self.inside(self.last, i1, j) {
-                return (trial, memory);
+        let before = memory.plastic;
+        let place = self.surface.place(before);
+        let strength = place.map_or(self.surface.last(), |place| place.value());
+        if self.inside(strength, i1, j) {
+            return (trial, memory);
+        }
+        let (end, plastic) = match place {
+            None => {
+                let end = self.returned(strength, i1, j);
+                (end, before + self.increment(i1, j, end))
             }
-            let end = self.returned(self.last, i1, j);
-            (end, memory.plastic + self.increment(i1, j, end))
-        } else {
-            let surface = self.changing(memory.plastic);
-            if self.inside(surface.value, i1, j) {
-                return (trial, memory);
-            }
-            let small = self.small(i1, j, memory.plastic, &surface);
-            small.unwrap_or_else(|| self.hardened(i1, j, memory.plastic, surface))
+            Some(place) => self.small(i1, j, before, place).unwrap_or_else(|| self.hardened(i1, j, before)),
         };
         let share = if j > 0.0 { end.j / j } else { 0.0 };
         let (before, after) = (i1 * (1.0 / 3.0), end.i1 * (1.0 / 3.0));
@@ -208,60 +160,29 @@ impl DruckerPrager {
         (stress, Memory { plastic })
     }
 
-    /// The surface below the settled plastic strain.
+    /// The return to the cone by Newton's method, for an increment over which the surface hardly bends ([`Place::onward`]); `None` for a larger
+    /// one, where the surface jumps, and at the cut-off or the apex.
     #[inline]
-    fn changing(&self, plastic: f64) -> Changing {
-        let p = &self.parameters;
-        let (angle, dangle, d2angle) = p.friction.at(plastic);
-        let (c, dc, d2c) = p.cohesion.at(plastic);
-        let cone = p.cone.at(angle);
-        let (dk, d2k) = (cone.dk * dangle, cone.d2k * (dangle * dangle) + cone.dk * d2angle);
-        Changing {
-            value: Strength { alpha: cone.alpha, kappa: cone.k * c },
-            slope: Strength { alpha: cone.dalpha * dangle, kappa: dk * c + cone.k * dc },
-            curvature: Strength {
-                alpha: cone.d2alpha * (dangle * dangle) + cone.dalpha * d2angle,
-                kappa: d2k * c + 2.0 * (dk * dc) + cone.k * d2c,
-            },
-        }
-    }
-
-    /// The return to the cone by the surface's Taylor polynomial of second order about the plastic strain before; `None` where the third order is not
-    /// nothing beside the increment, where the surface jumps, or at the cut-off or the apex.
-    #[inline]
-    fn small(&self, i1: f64, j: f64, before: f64, surface: &Changing) -> Option<(Returned, f64)> {
+    fn small(&self, i1: f64, j: f64, before: f64, place: Place<'_>) -> Option<(Returned, f64)> {
         const ROUNDS: u32 = 6;
-        // of what the trial is outside by, and of the stress
-        const NEGLIGIBLE: [f64; 2] = [1e-8, 1e-12];
-        let Changing { value, slope, curvature } = surface;
-        let first = j + value.alpha * i1 - value.kappa;
-        let enough = 1e-11 * first + 4.0 * f64::EPSILON * j;
-        let mut multiplier = 0.0;
+        let (mut multiplier, mut increment, mut enough) = (0.0, 0.0, None);
+        let mut at = place;
         for _ in 0..ROUNDS {
-            let e = self.per_multiplier * multiplier;
-            let alpha = value.alpha + e * (slope.alpha + 0.5 * e * curvature.alpha);
-            let kappa = value.kappa + e * (slope.kappa + 0.5 * e * curvature.kappa);
+            let Strength { alpha, kappa } = at.value();
             let end = i1 - self.volume_return * multiplier;
             let outside = (j - self.elastic.shear * multiplier) + alpha * end - kappa;
-            if outside.abs() <= enough {
-                let plastic = before + e;
-                let rest = (self.third.alpha * i1.abs().max(end.abs()) + self.third.kappa) * (e * e * e) * (1.0 / 6.0);
+            if outside.abs() <= *enough.get_or_insert(1e-11 * outside + 4.0 * f64::EPSILON * j) {
                 let within = end <= self.cut && alpha * end < kappa;
-                let p = &self.parameters;
-                let smooth = plastic <= p.friction.smooth_until(before) && plastic <= p.cohesion.smooth_until(before);
-                let good = e >= 0.0
-                    && within
-                    && smooth
-                    && plastic < self.settled
-                    && rest <= (NEGLIGIBLE[0] * first).min(NEGLIGIBLE[1] * j);
-                return good.then_some((Returned { i1: end, j: kappa - alpha * end, on_cone: true }, plastic));
+                return within.then_some((Returned { i1: end, j: kappa - alpha * end, on_cone: true }, before + increment));
             }
-            let softening = end * (slope.alpha + e * curvature.alpha) - (slope.kappa + e * curvature.kappa);
-            let tangent = self.elastic.shear + self.volume_return * alpha - self.per_multiplier * softening;
+            let slope = at.slope();
+            let tangent = self.elastic.shear + self.volume_return * alpha - self.per_multiplier * (end * slope.alpha - slope.kappa);
             if tangent <= 0.0 {
                 return None;
             }
             multiplier += outside / tangent;
+            increment = self.per_multiplier * multiplier;
+            at = place.onward(increment)?;
         }
         None
     }
@@ -315,14 +236,16 @@ impl DruckerPrager {
     /// Return to a surface that changes: finds the plastic strain e = e_before + increment(return to the surface of e) by Newton
     /// steps kept between bounds, and by halving where they do not help. A plastic strain at which the strength jumps upwards may
     /// have no such e; it is then taken just beyond the jump, with the stress between both surfaces that the plastic strain asks for.
-    fn hardened(&self, i1: f64, j: f64, before: f64, surface: Changing) -> (Returned, f64) {
+    fn hardened(&self, i1: f64, j: f64, before: f64) -> (Returned, f64) {
         const NEWTON: u32 = 10;
         const MOST: u32 = 100;
-        let Changing { value: mut strength, mut slope, .. } = surface;
         let mut low = before;
         let mut high = before + self.largest_increment(i1, j);
         let mut at = before;
         for round in 0..MOST {
+            let place = self.surface.place(at);
+            let (strength, slope) =
+                place.map_or((self.surface.last(), Strength::default()), |place| (place.value(), place.slope()));
             let end = self.returned(strength, i1, j);
             let increment = self.increment(i1, j, end);
             let rest = at - before - increment;
@@ -347,17 +270,8 @@ impl DruckerPrager {
             if at <= low || at >= high {
                 break;
             }
-            (strength, slope) = self.surface(at);
         }
         (self.at_jump(i1, j, high - before, self.strength(high)), high)
-    }
-
-    fn surface(&self, plastic: f64) -> (Strength, Strength) {
-        if plastic >= self.settled {
-            return (self.last, Strength::default());
-        }
-        let Changing { value, slope, .. } = self.changing(plastic);
-        (value, slope)
     }
 
     /// The state at which the plastic strain has grown by `increment`, if it lies within the surface; else the return to it.
@@ -379,31 +293,30 @@ impl DruckerPrager {
 #[cfg(test)]
 mod tests {
     use super::super::tests::laws;
-    use super::*;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// The Taylor polynomial is used for nearly all small increments, never over a jump, and gives what the iteration gives.
+    /// Newton's method alone does for nearly all small increments, never over a jump, and gives what the guarded iteration gives.
     #[test]
     fn small_increments_need_no_iteration() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
-        for law in laws().iter().filter(|l| l.settled > 0.0) {
+        for law in laws().iter().filter(|l| l.surface.settled() > 0.0) {
             let (mut used, mut asked) = (0, 0);
             for _ in 0..20_000 {
-                let before = law.settled * rng.random::<f64>() * rng.random::<f64>();
-                let surface = law.changing(before);
+                let before = law.surface.settled() * rng.random::<f64>() * rng.random::<f64>();
+                let place = law.surface.place(before).expect("a surface that changes");
                 let i1 = -1e5 * (0.01 + rng.random::<f64>());
-                let on = surface.value.kappa - surface.value.alpha * i1;
+                let on = place.value().kappa - place.value().alpha * i1;
                 let j = on + law.elastic.shear * 10f64.powf(rng.random_range(-9.0..-3.0));
-                let (full, at) = law.hardened(i1, j, before, surface);
+                let (full, at) = law.hardened(i1, j, before);
                 asked += u32::from(j - on < 1e-6 * law.elastic.shear);
-                if let Some((end, plastic)) = law.small(i1, j, before, &surface) {
+                if let Some((end, plastic)) = law.small(i1, j, before, place) {
                     used += u32::from(j - on < 1e-6 * law.elastic.shear);
                     let close = |a: f64, b: f64, scale: f64| (a - b).abs() <= 2e-8 * scale.abs();
                     assert!(close(plastic - before, at - before, at - before + 1e-8 * at), "{law:?} {before}: {plastic} {at}");
                     assert!(close(end.j, full.j, j) && close(end.i1, full.i1, i1), "{end:?} {full:?}");
-                    let jumps = |e: &Evolution| e.smooth_until(before) < plastic;
-                    assert!(!jumps(&law.parameters.friction) && !jumps(&law.parameters.cohesion));
+                    let p = &law.parameters;
+                    assert!(!p.friction.ends().chain(p.cohesion.ends()).any(|end| before < end && end < plastic));
                 }
             }
             assert!(used * 10 > asked * 9, "{law:?}: {used} of {asked}");

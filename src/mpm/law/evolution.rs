@@ -1,7 +1,7 @@
 //! How friction and cohesion follow the accumulated plastic strain. Li et al. (2023), Computers and Geotechnics 160, 105508:
 //! eq. 43 (cubic hardening, exponential softening; angles in rad) and Table 8 (linear hardening).
 
-use super::elementary::decay;
+use crate::portable::exp;
 use serde::{Deserialize, Serialize};
 
 /// Beyond this exponent what is left of a decay is below the last bit.
@@ -51,31 +51,26 @@ impl Evolution {
                 } else if e <= peak_strain {
                     (((a * e + b) * e + c) * e + d, (3.0 * a * e + 2.0 * b) * e + c, 6.0 * a * e + 2.0 * b)
                 } else {
-                    let left = (peak - residual) * decay(rate * (e - peak_strain));
+                    let left = (peak - residual) * exp(-rate * (e - peak_strain));
                     (residual + left, -rate * left, rate * rate * left)
                 }
             }
         }
     }
 
-    /// The plastic strain up to which value and slopes go on from those at `e` without a jump.
-    pub fn smooth_until(&self, e: f64) -> f64 {
-        match *self {
-            Evolution::Linear { strain, .. } if e < strain => strain,
-            // at 0 itself the value is another one
-            Evolution::CubicExponential { .. } if e <= 0.0 => 0.0,
-            Evolution::CubicExponential { peak_strain, .. } if e <= peak_strain => peak_strain,
-            _ => f64::INFINITY,
-        }
+    /// The plastic strains at which it jumps or bends, or from which on nothing changes; within 0 < e <= first end and so on it is smooth.
+    pub fn ends(&self) -> impl Iterator<Item = f64> {
+        let (bend, settled) = match *self {
+            Evolution::Constant(_) => (None, None),
+            Evolution::Linear { strain, .. } => (None, Some(strain)),
+            Evolution::CubicExponential { peak_strain, decay, .. } => (Some(peak_strain), Some(peak_strain + SETTLED / decay)),
+        };
+        bend.into_iter().chain(settled)
     }
 
     /// Plastic strain from which on nothing changes.
     pub fn settled(&self) -> f64 {
-        match *self {
-            Evolution::Constant(_) => 0.0,
-            Evolution::Linear { strain, .. } => strain,
-            Evolution::CubicExponential { peak_strain, decay, .. } => peak_strain + SETTLED / decay,
-        }
+        self.ends().last().unwrap_or(0.0)
     }
 
     /// The value after all changes.
@@ -153,7 +148,7 @@ pub mod tests {
                 let h = 1e-8;
                 let numeric = (law.at(e + h).0 - law.at(e - h).0) / (2.0 * h);
                 assert!((slope - numeric).abs() < 1e-5 * (1.0 + slope.abs()), "{law:?} at {e}: {slope} {numeric}");
-                if law.smooth_until(e - h) > e + h {
+                if !law.ends().any(|end| end > e - h && end <= e + h) {
                     let numeric = (law.at(e + h).1 - law.at(e - h).1) / (2.0 * h);
                     assert!((curvature - numeric).abs() < 1e-5 * (1.0 + curvature.abs()), "{law:?} at {e}: {curvature} {numeric}");
                 }

@@ -8,16 +8,17 @@ use serde::{Deserialize, Serialize};
 mod cone;
 mod drucker_prager;
 mod elastic;
-mod elementary;
 mod evolution;
+mod surface;
 pub mod tensor;
 #[cfg(test)]
 pub(crate) mod tests;
 
 pub use cone::Cone;
-pub use drucker_prager::{DruckerPrager, Parameters, Strength};
+pub use drucker_prager::{DruckerPrager, Parameters};
 pub use elastic::Elastic;
 pub use evolution::Evolution;
+pub use surface::Strength;
 pub use tensor::rotated;
 
 /// Symmetric tensor, components xx, yy, zz, xy, yz, zx (tensor components: half the engineering shear strain). Tension is
@@ -33,7 +34,7 @@ pub struct Memory {
 
 /// The law of a material: one of them for all of its points.
 #[expect(clippy::large_enum_variant, reason = "a scene has a few laws; points hold none")]
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Law {
     Elastic(Elastic),
     DruckerPrager(DruckerPrager),

@@ -214,8 +214,10 @@ fn distance(law: &DruckerPrager, steps: usize, seed: u64) -> f64 {
 
 #[test]
 fn coarse_steps_follow_a_fine_integration_of_the_rates() {
-    for law in [smooth(Cone::Outer), smooth(Cone::Inner), smooth(Cone::PlaneStrain), laws()[3], laws()[7], laws()[5]] {
-        let (ten, forty, many) = (distance(&law, 10, 5), distance(&law, 40, 5), distance(&law, 640, 5));
+    let laws = laws();
+    // the last three are the smooth ones
+    for law in [3, 5, 7, laws.len() - 3, laws.len() - 2, laws.len() - 1].map(|k| &laws[k]) {
+        let (ten, forty, many) = (distance(law, 10, 5), distance(law, 40, 5), distance(law, 640, 5));
         assert!(ten < 0.05 && forty < 0.015 && many < 1e-3, "{law:?}: {ten:e} {forty:e} {many:e}");
         assert!(forty < 0.4 * ten && many < 0.15 * forty, "first order: {ten:e} {forty:e} {many:e}");
     }
@@ -296,7 +298,7 @@ fn cohesionless_material_pulled_apart_has_no_stress() {
 
 #[test]
 fn without_friction_it_is_von_mises() {
-    let law = laws()[5];
+    let law = &laws()[5];
     let kappa = law.strength(0.0).kappa;
     for pressure in [-1e6, 0.0, 1e5, 1e7] {
         let stress = [-pressure, -pressure, -pressure, 0.0, 0.0, 0.0];

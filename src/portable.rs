@@ -1,4 +1,4 @@
-//! Power and sine from + - * / in a stated order, so that strengths and limits drawn while a run steps are the same
+//! Power, exponential, sine and ln Γ from + - * / in a stated order, so that what a run makes of them is the same
 //! bytes on every machine; the system library picks its own variant by instruction set.
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};

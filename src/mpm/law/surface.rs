@@ -1,0 +1,341 @@
+//! The surface J + alpha I1 = kappa over the accumulated plastic strain, as polynomials of fifth degree made once for a law: sine, exponential
+//! and root of every yielding point at every step cost a quarter of a triaxial test (perf).
+
+use super::{Cone, Evolution};
+
+/// The surface at one plastic strain: J + alpha I1 = kappa.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Strength {
+    pub alpha: f64,
+    /// k c, Pa
+    pub kappa: f64,
+}
+
+impl Strength {
+    /// Deviatoric stress q at failure in triaxial compression at the cell pressure, Pa (compression positive).
+    pub fn q_compression(&self, cell: f64) -> f64 {
+        let root = 3f64.sqrt();
+        root * (3.0 * self.alpha * cell + self.kappa) / (1.0 - root * self.alpha)
+    }
+
+    /// Radial less axial stress at failure in triaxial extension at the cell pressure, Pa (compression positive).
+    pub fn q_extension(&self, cell: f64) -> f64 {
+        let root = 3f64.sqrt();
+        root * (3.0 * self.alpha * cell + self.kappa) / (1.0 + root * self.alpha)
+    }
+
+    /// sqrt(3 J2) on the surface at the mean pressure p, Pa (compression positive).
+    pub fn q_at(&self, p: f64) -> f64 {
+        3f64.sqrt() * (3.0 * self.alpha * p + self.kappa).max(0.0)
+    }
+}
+
+/// The value at a plastic strain, its slope and its curvature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Changing {
+    value: Strength,
+    slope: Strength,
+    curvature: Strength,
+}
+
+/// What makes a surface: the cone, the friction angle, rad, and the cohesion, Pa.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin {
+    pub cone: Cone,
+    pub friction: Evolution,
+    pub cohesion: Evolution,
+}
+
+impl Origin {
+    /// The surface at a plastic strain as it is defined.
+    fn at(&self, plastic: f64) -> Changing {
+        let (angle, dangle, d2angle) = self.friction.at(plastic);
+        let (c, dc, d2c) = self.cohesion.at(plastic);
+        let cone = self.cone.at(angle);
+        let (dk, d2k) = (cone.dk * dangle, cone.d2k * (dangle * dangle) + cone.dk * d2angle);
+        Changing {
+            value: Strength { alpha: cone.alpha, kappa: cone.k * c },
+            slope: Strength { alpha: cone.dalpha * dangle, kappa: dk * c + cone.k * dc },
+            curvature: Strength {
+                alpha: cone.d2alpha * (dangle * dangle) + cone.dalpha * d2angle,
+                kappa: d2k * c + 2.0 * (dk * dc) + cone.k * d2c,
+            },
+        }
+    }
+}
+
+/// The surface from the first plastic strain on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Where it goes on without a jump, one after the other. Where it jumps at the very start, the first is the start alone.
+    pieces: Vec<Piece>,
+    /// From `settled` on.
+    last: Strength,
+    settled: f64,
+}
+
+/// From `start` to `end`, the end counted in.
+#[derive(Clone, Debug, PartialEq)]
+struct Piece {
+    start: f64,
+    end: f64,
+    /// Plastic strain of a cell.
+    width: f64,
+    per_width: f64,
+    cells: Vec<Cell>,
+}
+
+/// Coefficients of the polynomials in the plastic strain since the cell's start, from the constant term on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cell([Strength; 6]);
+
+/// A plastic strain at which the surface is asked for.
+#[derive(Clone, Copy)]
+pub struct Place<'a> {
+    piece: &'a Piece,
+    cell: &'a Cell,
+    plastic: f64,
+    /// Plastic strain since the cell's start.
+    x: f64,
+}
+
+impl Surface {
+    pub fn new(origin: &Origin) -> Surface {
+        let Origin { cone, friction, cohesion } = origin;
+        let mut ends: Vec<f64> = friction.ends().chain(cohesion.ends()).collect();
+        ends.sort_by(f64::total_cmp);
+        ends.dedup();
+        let mut pieces = Vec::with_capacity(ends.len() + 1);
+        let mut start = 0.0;
+        for end in ends {
+            pieces.push(Piece::new(origin, start, end));
+            start = end;
+        }
+        if let Some(first) = pieces.first() {
+            let initial = origin.at(0.0);
+            if initial.value != first.at(0.0).value() {
+                pieces.insert(0, Piece::of_start(initial));
+            }
+        }
+        let k = cone.at(friction.last()).k;
+        let last = Strength { alpha: cone.at(friction.last()).alpha, kappa: k * cohesion.last() };
+        Surface { pieces, last, settled: start }
+    }
+
+    /// Plastic strain from which on nothing changes.
+    #[inline]
+    pub fn settled(&self) -> f64 {
+        self.settled
+    }
+
+    /// The surface that stays.
+    #[inline]
+    pub fn last(&self) -> Strength {
+        self.last
+    }
+
+    /// The place of a plastic strain; `None` where nothing changes any more.
+    #[inline]
+    pub fn place(&self, plastic: f64) -> Option<Place<'_>> {
+        if plastic >= self.settled {
+            return None;
+        }
+        self.pieces.iter().find(|piece| plastic <= piece.end).map(|piece| piece.at(plastic))
+    }
+
+    /// The surface at a plastic strain.
+    #[inline]
+    pub fn value(&self, plastic: f64) -> Strength {
+        self.place(plastic).map_or(self.last, |place| place.value())
+    }
+}
+
+impl Piece {
+    /// As many cells as keep the error below `CLOSE` of the largest value.
+    fn new(origin: &Origin, start: f64, end: f64) -> Piece {
+        const CLOSE: f64 = 1e-12;
+        const MOST: u32 = 4096;
+        let mut cells = 64;
+        loop {
+            let piece = Piece::of_cells(origin, start, end, cells);
+            if cells >= MOST || piece.error(origin) <= CLOSE {
+                return piece;
+            }
+            cells *= 2;
+        }
+    }
+
+    fn of_cells(origin: &Origin, start: f64, end: f64, cells: u32) -> Piece {
+        let width = (end - start) / f64::from(cells);
+        // values and slopes at the ends are those within
+        let node = |k: u32| origin.at((start + f64::from(k) * width).clamp(start.next_up(), end.next_down()));
+        let nodes: Vec<Changing> = (0..=cells).map(node).collect();
+        let cells = nodes.windows(2).map(|w| Cell::between(&w[0], &w[1], width)).collect();
+        Piece { start, end, width, per_width: 1.0 / width, cells }
+    }
+
+    /// The start alone.
+    fn of_start(initial: Changing) -> Piece {
+        let Changing { value, slope, curvature } = initial;
+        let half = Strength { alpha: 0.5 * curvature.alpha, kappa: 0.5 * curvature.kappa };
+        let none = Strength::default();
+        let cell = Cell([value, slope, half, none, none, none]);
+        Piece { start: 0.0, end: 0.0, width: 0.0, per_width: 0.0, cells: vec![cell] }
+    }
+
+    /// Largest error within the cells over the largest value.
+    fn error(&self, origin: &Origin) -> f64 {
+        let (mut error, mut most) = (Strength::default(), Strength::default());
+        for k in 0..self.cells.len() {
+            for part in [0.25, 0.5, 0.75] {
+                let plastic = self.start + (k as f64 + part) * self.width;
+                let (is, should) = (self.at(plastic).value(), origin.at(plastic).value);
+                error.alpha = error.alpha.max((is.alpha - should.alpha).abs());
+                error.kappa = error.kappa.max((is.kappa - should.kappa).abs());
+                most.alpha = most.alpha.max(should.alpha);
+                most.kappa = most.kappa.max(should.kappa);
+            }
+        }
+        (error.alpha / most.alpha.max(f64::MIN_POSITIVE)).max(error.kappa / most.kappa.max(f64::MIN_POSITIVE))
+    }
+
+    #[inline]
+    fn at(&self, plastic: f64) -> Place<'_> {
+        let since = plastic - self.start;
+        let k = ((since * self.per_width) as usize).min(self.cells.len() - 1);
+        Place { piece: self, cell: &self.cells[k], plastic, x: since - k as f64 * self.width }
+    }
+}
+
+impl Cell {
+    /// Values, slopes and curvatures at both ends are met (Hermite).
+    fn between(a: &Changing, b: &Changing, width: f64) -> Cell {
+        let h = width;
+        let of = |of: fn(&Strength) -> f64| {
+            let (value, slope, curvature) = (of(&a.value), of(&a.slope), of(&a.curvature));
+            // what the Taylor polynomial of the start leaves at the end
+            let value_left = of(&b.value) - value - h * slope - 0.5 * (h * h) * curvature;
+            let slope_left = h * (of(&b.slope) - slope - h * curvature);
+            let curvature_left = h * h * (of(&b.curvature) - curvature);
+            let third = 10.0 * value_left - 4.0 * slope_left + 0.5 * curvature_left;
+            let fourth = -15.0 * value_left + 7.0 * slope_left - curvature_left;
+            let fifth = 6.0 * value_left - 3.0 * slope_left + 0.5 * curvature_left;
+            let cube = h * h * h;
+            [value, slope, 0.5 * curvature, third / cube, fourth / (cube * h), fifth / (cube * h * h)]
+        };
+        let (alpha, kappa) = (of(|s| s.alpha), of(|s| s.kappa));
+        Cell(std::array::from_fn(|k| Strength { alpha: alpha[k], kappa: kappa[k] }))
+    }
+}
+
+impl Place<'_> {
+    /// The place a little further on: at most an eighth of a cell, so far beyond its end it is as close as within; `None` beyond that,
+    /// backwards, and over a jump.
+    #[inline]
+    pub fn onward(self, by: f64) -> Option<Self> {
+        let near = by >= 0.0 && by <= 0.125 * self.piece.width && self.plastic + by <= self.piece.end;
+        near.then_some(Place { plastic: self.plastic + by, x: self.x + by, ..self })
+    }
+
+    #[inline]
+    pub fn value(&self) -> Strength {
+        let Cell([a, b, c, d, e, f]) = self.cell;
+        let x = self.x;
+        let of = |a: f64, b: f64, c: f64, d: f64, e: f64, f: f64| a + x * (b + x * (c + x * (d + x * (e + x * f))));
+        Strength {
+            alpha: of(a.alpha, b.alpha, c.alpha, d.alpha, e.alpha, f.alpha),
+            kappa: of(a.kappa, b.kappa, c.kappa, d.kappa, e.kappa, f.kappa),
+        }
+    }
+
+    #[inline]
+    pub fn slope(&self) -> Strength {
+        let Cell([_, b, c, d, e, f]) = self.cell;
+        let x = self.x;
+        let of = |b: f64, c: f64, d: f64, e: f64, f: f64| b + x * (2.0 * c + x * (3.0 * d + x * (4.0 * e + x * (5.0 * f))));
+        Strength { alpha: of(b.alpha, c.alpha, d.alpha, e.alpha, f.alpha), kappa: of(b.kappa, c.kappa, d.kappa, e.kappa, f.kappa) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::evolution::tests::LI;
+    use super::*;
+
+    fn origins() -> Vec<Origin> {
+        let softening = Evolution::Linear { initial: 3e4, last: 1e3, strain: 0.013 };
+        let mut out = Vec::new();
+        for cone in [Cone::Outer, Cone::Inner, Cone::PlaneStrain] {
+            for friction in [LI, Evolution::Linear { initial: 0.3, last: 0.7, strain: 0.1 }, Evolution::Constant(0.5)] {
+                for cohesion in [softening, Evolution::Constant(2e3), Evolution::Constant(0.0)] {
+                    out.push(Origin { cone, friction, cohesion });
+                }
+            }
+        }
+        out
+    }
+
+    fn close(a: Strength, b: Strength, within: f64) -> bool {
+        (a.alpha - b.alpha).abs() <= within * b.alpha.abs() && (a.kappa - b.kappa).abs() <= within * b.kappa.abs()
+    }
+
+    #[test]
+    fn it_is_the_surface_of_the_angle_and_the_cohesion() {
+        for origin in origins() {
+            let surface = Surface::new(&origin);
+            let settled = surface.settled();
+            for k in 0..=20_000 {
+                let plastic = 1.1 * settled * f64::from(k) / 20_000.0;
+                let (is, should) = (surface.value(plastic), origin.at(plastic));
+                assert!(close(is, should.value, 1e-11), "{origin:?} {plastic}: {is:?} {should:?}");
+                let Some(place) = surface.place(plastic) else { continue };
+                let (is, should) = (place.slope(), should.slope);
+                let (a, k) = ((is.alpha - should.alpha).abs(), (is.kappa - should.kappa).abs());
+                assert!(a < 1e-7 * (1.0 + should.alpha.abs()) && k < 1e-7 * (1.0 + should.kappa.abs()), "{origin:?} {plastic}");
+            }
+        }
+    }
+
+    /// Jumps stay where they are, to the last bit of the plastic strain, and no place goes over one.
+    #[test]
+    fn jumps_are_kept() {
+        let origin = Origin { cone: Cone::Outer, friction: LI, cohesion: Evolution::Constant(2e3) };
+        let surface = Surface::new(&origin);
+        let peak: f64 = 0.022;
+        for plastic in [0.0, 5e-324, 1e-300, peak.next_down(), peak, peak.next_up(), surface.settled()] {
+            assert!(close(surface.value(plastic), origin.at(plastic).value, 1e-13), "{plastic}");
+        }
+        assert!(!close(surface.value(0.0), surface.value(5e-324), 1e-3));
+        assert!(!close(surface.value(peak), surface.value(peak.next_up()), 1e-3));
+        let place = surface.place(peak - 1e-7).expect("a surface that changes");
+        assert!(place.onward(0.9e-7).is_some() && place.onward(1.1e-7).is_none() && place.onward(-1e-9).is_none());
+        assert!(surface.place(0.0).expect("a surface that changes").onward(1e-12).is_none());
+    }
+
+    /// A little beyond its cell a polynomial is as close as within.
+    #[test]
+    fn a_place_goes_on_beyond_its_cell() {
+        for origin in origins() {
+            let surface = Surface::new(&origin);
+            let settled = surface.settled();
+            let mut asked = 0;
+            for k in 0..3000 {
+                let plastic = settled * f64::from(k) / 3000.0;
+                let Some(place) = surface.place(plastic) else { continue };
+                for by in [1e-9, 1e-7, 1e-5] {
+                    let Some(on) = place.onward(by) else { continue };
+                    asked += 1;
+                    assert!(close(on.value(), origin.at(plastic + by).value, 1e-11), "{origin:?} {plastic} {by}");
+                }
+            }
+            assert!(settled == 0.0 || asked > 6000, "{asked}");
+        }
+    }
+
+    #[test]
+    fn what_stays_has_no_table() {
+        let origin = Origin { cone: Cone::Inner, friction: Evolution::Constant(0.4), cohesion: Evolution::Constant(1e3) };
+        let surface = Surface::new(&origin);
+        assert!(surface.pieces.is_empty() && surface.settled() == 0.0 && surface.value(0.0) == origin.at(0.0).value);
+    }
+}
