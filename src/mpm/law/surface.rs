@@ -3,6 +3,9 @@
 
 use super::{Cone, Evolution};
 
+/// A plastic strain, and its ratio to one, that is nothing.
+const NARROW: f64 = 1e-9;
+
 /// The surface at one plastic strain: J + alpha I1 = kappa.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Strength {
@@ -79,13 +82,13 @@ pub struct Surface {
 struct Piece {
     start: f64,
     end: f64,
-    /// Plastic strain of a cell.
+    /// Plastic strain of a cell; none at the start alone.
     width: f64,
     per_width: f64,
     cells: Vec<Cell>,
 }
 
-/// Coefficients of the polynomials in the plastic strain since the cell's start, from the constant term on.
+/// Coefficients of the polynomials in the place within the cell, 0 to 1, from the constant term on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cell([Strength; 6]);
 
@@ -95,7 +98,7 @@ pub struct Place<'a> {
     piece: &'a Piece,
     cell: &'a Cell,
     plastic: f64,
-    /// Plastic strain since the cell's start.
+    /// Within the cell, 0 to 1.
     x: f64,
 }
 
@@ -108,7 +111,10 @@ impl Surface {
         let mut pieces = Vec::with_capacity(ends.len() + 1);
         let mut start = 0.0;
         for end in ends {
-            pieces.push(Piece::new(origin, start, end));
+            // of what is narrower the next piece, continued backwards, is the start
+            if end - start > NARROW * (1.0 + end) {
+                pieces.push(Piece::new(origin, start, end));
+            }
             start = end;
         }
         if let Some(first) = pieces.first() {
@@ -180,7 +186,7 @@ impl Piece {
         let half = Strength { alpha: 0.5 * curvature.alpha, kappa: 0.5 * curvature.kappa };
         let none = Strength::default();
         let cell = Cell([value, slope, half, none, none, none]);
-        Piece { start: 0.0, end: 0.0, width: 0.0, per_width: 0.0, cells: vec![cell] }
+        Piece { start: 0.0, end: 0.0, width: 0.0, per_width: 1.0, cells: vec![cell] }
     }
 
     /// Largest error within the cells over the largest value.
@@ -201,27 +207,27 @@ impl Piece {
 
     #[inline]
     fn at(&self, plastic: f64) -> Place<'_> {
-        let since = plastic - self.start;
-        let k = ((since * self.per_width) as usize).min(self.cells.len() - 1);
-        Place { piece: self, cell: &self.cells[k], plastic, x: since - k as f64 * self.width }
+        let cells = (plastic - self.start) * self.per_width;
+        let k = (cells as usize).min(self.cells.len() - 1);
+        Place { piece: self, cell: &self.cells[k], plastic, x: cells - k as f64 }
     }
 }
 
 impl Cell {
     /// Values, slopes and curvatures at both ends are met (Hermite).
     fn between(a: &Changing, b: &Changing, width: f64) -> Cell {
-        let h = width;
         let of = |of: fn(&Strength) -> f64| {
-            let (value, slope, curvature) = (of(&a.value), of(&a.slope), of(&a.curvature));
+            let (value, slope, curvature) = (of(&a.value), width * of(&a.slope), width * (width * of(&a.curvature)));
             // what the Taylor polynomial of the start leaves at the end
-            let value_left = of(&b.value) - value - h * slope - 0.5 * (h * h) * curvature;
-            let slope_left = h * (of(&b.slope) - slope - h * curvature);
-            let curvature_left = h * h * (of(&b.curvature) - curvature);
+            let value_left = of(&b.value) - value - slope - 0.5 * curvature;
+            let slope_left = width * of(&b.slope) - slope - curvature;
+            let curvature_left = width * (width * of(&b.curvature)) - curvature;
             let third = 10.0 * value_left - 4.0 * slope_left + 0.5 * curvature_left;
             let fourth = -15.0 * value_left + 7.0 * slope_left - curvature_left;
             let fifth = 6.0 * value_left - 3.0 * slope_left + 0.5 * curvature_left;
-            let cube = h * h * h;
-            [value, slope, 0.5 * curvature, third / cube, fourth / (cube * h), fifth / (cube * h * h)]
+            let terms = [value, slope, 0.5 * curvature, third, fourth, fifth];
+            // a width at which they overflow
+            if terms.iter().all(|c| c.is_finite()) { terms } else { [value, of(&b.value) - value, 0.0, 0.0, 0.0, 0.0] }
         };
         let (alpha, kappa) = (of(|s| s.alpha), of(|s| s.kappa));
         Cell(std::array::from_fn(|k| Strength { alpha: alpha[k], kappa: kappa[k] }))
@@ -234,7 +240,7 @@ impl Place<'_> {
     #[inline]
     pub fn onward(self, by: f64) -> Option<Self> {
         let near = by >= 0.0 && by <= 0.125 * self.piece.width && self.plastic + by <= self.piece.end;
-        near.then_some(Place { plastic: self.plastic + by, x: self.x + by, ..self })
+        near.then_some(Place { plastic: self.plastic + by, x: self.x + by * self.piece.per_width, ..self })
     }
 
     #[inline]
@@ -251,8 +257,10 @@ impl Place<'_> {
     #[inline]
     pub fn slope(&self) -> Strength {
         let Cell([_, b, c, d, e, f]) = self.cell;
-        let x = self.x;
-        let of = |b: f64, c: f64, d: f64, e: f64, f: f64| b + x * (2.0 * c + x * (3.0 * d + x * (4.0 * e + x * (5.0 * f))));
+        let (x, per_width) = (self.x, self.piece.per_width);
+        let of = |b: f64, c: f64, d: f64, e: f64, f: f64| {
+            per_width * (b + x * (2.0 * c + x * (3.0 * d + x * (4.0 * e + x * (5.0 * f)))))
+        };
         Strength { alpha: of(b.alpha, c.alpha, d.alpha, e.alpha, f.alpha), kappa: of(b.kappa, c.kappa, d.kappa, e.kappa, f.kappa) }
     }
 }
@@ -329,6 +337,28 @@ mod tests {
                 }
             }
             assert!(settled == 0.0 || asked > 6000, "{asked}");
+        }
+    }
+
+    /// Ends beside each other; parts too narrow to be seen, and very wide ones.
+    #[test]
+    fn extreme_evolutions_have_a_surface() {
+        let linear = |strain: f64| Evolution::Linear { initial: 3e4, last: 1e3, strain };
+        let eq_43 = |peak_strain: f64, decay: f64| match LI {
+            Evolution::CubicExponential { initial, peak, residual, .. } => {
+                Evolution::CubicExponential { initial, cubic: [0.0, 0.0, 0.0, 0.4], peak_strain, peak, residual, decay }
+            }
+            _ => unreachable!(),
+        };
+        for friction in [eq_43(0.022, 50.0), eq_43(1e-70, 50.0), eq_43(0.022, 1e-200), eq_43(0.022, 1e200), eq_43(30.0, 1e-9)] {
+            for cohesion in [linear(0.022f64.next_up()), linear(1e-300), linear(0.8), linear(1e200)] {
+                let origin = Origin { cone: Cone::Outer, friction, cohesion };
+                let surface = Surface::new(&origin);
+                for plastic in [0.0, 1e-8, 1e-5, 0.0219, 0.0221, 0.3, 31.0, 1e6] {
+                    let (is, should) = (surface.value(plastic), origin.at(plastic).value);
+                    assert!(close(is, should, 1e-9), "{origin:?} {plastic}: {is:?} {should:?}");
+                }
+            }
         }
     }
 
