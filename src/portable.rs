@@ -102,6 +102,16 @@ mod tests {
     }
 
     #[test]
+    fn exponential_follows_the_library() {
+        for i in -700..=700 {
+            let x = f64::from(i) + 0.37;
+            let error = (exp(x) / x.exp() - 1.0).abs();
+            assert!(error < 1e-15, "exp {x}: {error:e}");
+        }
+        assert_eq!((exp(0.0), exp(-1e9), exp(1e9)), (1.0, 0.0, f64::INFINITY));
+    }
+
+    #[test]
     fn gamma_follows_the_library() {
         for i in 1..400 {
             let x = 0.05 * f64::from(i);

@@ -182,7 +182,7 @@ impl From<Evolution> for Evolution32 {
     }
 }
 
-/// A law's parameters; names as in `mpm::law::DruckerPrager`.
+/// A law's parameters; names as in `mpm::law`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Law32 {

@@ -1,5 +1,5 @@
 //! The surface J + alpha I1 = kappa over the accumulated plastic strain, as polynomials of fifth degree made once for a law: sine, exponential
-//! and root of every yielding point at every step cost a quarter of a triaxial test (perf).
+//! and root of every yielding point took 29 % of a step in shear (perf).
 
 use super::{Cone, Evolution};
 
@@ -111,20 +111,18 @@ impl Surface {
         let mut pieces = Vec::with_capacity(ends.len() + 1);
         let mut start = 0.0;
         for end in ends {
-            // of what is narrower the next piece, continued backwards, is the start
+            // what is narrower takes the value with which the next piece starts
             if end - start > NARROW * (1.0 + end) {
                 pieces.push(Piece::new(origin, start, end));
             }
             start = end;
         }
-        if let Some(first) = pieces.first() {
-            let initial = origin.at(0.0);
-            if initial.value != first.at(0.0).value() {
-                pieces.insert(0, Piece::of_start(initial));
-            }
+        let of_last = cone.at(friction.last());
+        let last = Strength { alpha: of_last.alpha, kappa: of_last.k * cohesion.last() };
+        let initial = origin.at(0.0);
+        if initial.value != pieces.first().map_or(last, |first| first.at(0.0).value()) {
+            pieces.insert(0, Piece::of_start(initial));
         }
-        let k = cone.at(friction.last()).k;
-        let last = Strength { alpha: cone.at(friction.last()).alpha, kappa: k * cohesion.last() };
         Surface { pieces, last, settled: start }
     }
 
@@ -207,7 +205,7 @@ impl Piece {
 
     #[inline]
     fn at(&self, plastic: f64) -> Place<'_> {
-        let cells = (plastic - self.start) * self.per_width;
+        let cells = ((plastic - self.start) * self.per_width).max(0.0);
         let k = (cells as usize).min(self.cells.len() - 1);
         Place { piece: self, cell: &self.cells[k], plastic, x: cells - k as f64 }
     }
@@ -320,23 +318,21 @@ mod tests {
         assert!(surface.place(0.0).expect("a surface that changes").onward(1e-12).is_none());
     }
 
-    /// A little beyond its cell a polynomial is as close as within.
+    /// An eighth of a cell beyond its end a polynomial is as close as within, and no place goes further.
     #[test]
     fn a_place_goes_on_beyond_its_cell() {
         for origin in origins() {
-            let surface = Surface::new(&origin);
-            let settled = surface.settled();
-            let mut asked = 0;
-            for k in 0..3000 {
-                let plastic = settled * f64::from(k) / 3000.0;
-                let Some(place) = surface.place(plastic) else { continue };
-                for by in [1e-9, 1e-7, 1e-5] {
-                    let Some(on) = place.onward(by) else { continue };
-                    asked += 1;
-                    assert!(close(on.value(), origin.at(plastic + by).value, 1e-11), "{origin:?} {plastic} {by}");
+            for piece in &Surface::new(&origin).pieces {
+                for k in 0..piece.cells.len().saturating_sub(1) {
+                    let plastic = piece.start + (k as f64 + 1.0 - 1e-9) * piece.width;
+                    let place = piece.at(plastic);
+                    assert!(std::ptr::eq(place.cell, &piece.cells[k]));
+                    let by = 0.1249 * piece.width;
+                    let on = place.onward(by).expect("a place within reach").value();
+                    assert!(close(on, origin.at(plastic + by).value, 1e-12), "{origin:?} {plastic}");
+                    assert!(place.onward(0.1251 * piece.width).is_none());
                 }
             }
-            assert!(settled == 0.0 || asked > 6000, "{asked}");
         }
     }
 
@@ -359,6 +355,27 @@ mod tests {
                     assert!(close(is, should, 1e-9), "{origin:?} {plastic}: {is:?} {should:?}");
                 }
             }
+        }
+    }
+
+    /// What changes over no strain at all jumps at the start.
+    #[test]
+    fn a_brittle_law_keeps_its_strength_until_it_yields() {
+        let cohesion = Evolution::Linear { initial: 3e4, last: 1e3, strain: 1e-10 };
+        let origin = Origin { cone: Cone::Outer, friction: Evolution::Constant(0.5), cohesion };
+        let surface = Surface::new(&origin);
+        assert_eq!(surface.value(0.0), origin.at(0.0).value);
+        assert_eq!(surface.value(1e-9), origin.at(1e-9).value);
+        // a peak and a decay that nobody can see
+        let cubic = [0.0, 0.0, 0.0, 0.4];
+        let friction =
+            Evolution::CubicExponential { initial: 0.4, cubic, peak_strain: 5e-10, peak: 0.5, residual: 0.3, decay: 3e10 };
+        let origin = Origin { cone: Cone::Outer, friction, cohesion: Evolution::Constant(1e3) };
+        let surface = Surface::new(&origin);
+        for plastic in [0.0, 1e-11, 4e-10, 6e-10, 1e-9, 2e-9, 1e-3] {
+            let alpha = surface.value(plastic).alpha;
+            // between the residual angle and the peak
+            assert!(alpha >= Cone::Outer.at(0.3).alpha && alpha <= Cone::Outer.at(0.5).alpha, "{plastic}: {alpha}");
         }
     }
 
