@@ -180,10 +180,8 @@ impl Piece {
 
     /// The start alone.
     fn of_start(initial: Changing) -> Piece {
-        let Changing { value, slope, curvature } = initial;
-        let half = Strength { alpha: 0.5 * curvature.alpha, kappa: 0.5 * curvature.kappa };
         let none = Strength::default();
-        let cell = Cell([value, slope, half, none, none, none]);
+        let cell = Cell([initial.value, initial.slope, none, none, none, none]);
         Piece { start: 0.0, end: 0.0, width: 0.0, per_width: 1.0, cells: vec![cell] }
     }
 
