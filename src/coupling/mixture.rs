@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::model::Model;
 use crate::mpm::Continuum;
-use crate::mpm::platen::Platen;
+use crate::mpm::platen::{self, Platen};
 use crate::rigid::{self, Blocks};
 use crate::step::{self, State, Work};
 use rayon::prelude::*;
@@ -177,7 +177,7 @@ impl Mixture {
         let dt = time * of_grains;
         for j in 1..rates.continuum {
             self.advance(parts, dt)?;
-            parts.platens.iter_mut().try_for_each(|p| p.press(parts.continuum))?;
+            platen::press(parts.platens, parts.continuum)?;
             self.find(parts, dt, [dt * f64::from(j), 0.0])?;
             self.give(parts, of_grains, [of_points, 0.0]);
         }

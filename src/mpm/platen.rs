@@ -13,6 +13,7 @@
 
 use super::{Continuum, Dimension, Settings};
 use crate::error::{Error, Result};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -50,14 +51,26 @@ pub struct Platen {
     contacts: Vec<Contact>,
 }
 
-/// A point in touch: identity, index, overlap, radius, unit normal into the material.
+/// A point in touch: identity, index, overlap, radius, half its edge, tangent stiffness, unit normal into the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Contact {
     id: u32,
     index: u32,
     overlap: f64,
     radius: f64,
+    half: f64,
+    tangent: f64,
     normal: [f64; 3],
+}
+
+/// All platens press: what they touch is found for several at once, what they give back summed one after the other.
+///
+/// # Errors
+/// A point whose centre a platen has passed.
+pub fn press(platens: &mut [Platen], continuum: &mut Continuum) -> Result<()> {
+    let points = &*continuum;
+    platens.par_iter_mut().for_each(|platen| platen.find(points));
+    platens.iter_mut().try_for_each(|platen| platen.push(continuum))
 }
 
 /// Ghost radius, m, of a point of so much solid volume (Li et al. 2023, eq. 22; in plane strain a disc's).
@@ -147,24 +160,18 @@ impl Platen {
     }
 
     /// Pushes the points in touch, for the next step, and sums what they give back in the order of ids.
-    ///
-    /// # Errors
-    /// A point whose centre the platen has passed.
-    pub fn press(&mut self, continuum: &mut Continuum) -> Result<()> {
+    fn push(&mut self, continuum: &mut Continuum) -> Result<()> {
         let before = self.reaction;
-        self.find(continuum)?;
-        let dimension = continuum.settings().dimension;
         (self.reaction, self.stiffness, self.stored, self.rate) = (0.0, 0.0, 0.0, 0.0);
-        for contact in &self.contacts {
-            let Contact { index, overlap, radius, normal, .. } = *contact;
-            let tangent = 2.0 * self.modulus * (radius * overlap).sqrt() * row(dimension, radius);
+        for &Contact { id, index, overlap, radius, half, tangent, normal } in &self.contacts {
+            if overlap > radius {
+                return Err(passed(continuum.steps(), id));
+            }
             let force = 2.0 / 3.0 * tangent * overlap;
             self.reaction += force;
             self.stiffness += tangent;
             self.stored += 0.4 * force * overlap;
             self.rate = self.rate.max(tangent / continuum.points().velocity[index as usize][3]);
-            let volume = continuum.points().position[index as usize][3];
-            let half = 0.5 * if dimension == Dimension::Space { cube_root(volume) } else { volume.sqrt() };
             continuum.push_beside(index as usize, normal.map(|n| n * force), normal.map(|n| -n * half), tangent);
         }
         self.touching = self.contacts.len() as u64;
@@ -174,7 +181,7 @@ impl Platen {
     }
 
     /// The points in touch, in the order of ids.
-    fn find(&mut self, continuum: &Continuum) -> Result<()> {
+    fn find(&mut self, continuum: &Continuum) {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let mut contacts = std::mem::take(&mut self.contacts);
         contacts.clear();
@@ -182,18 +189,18 @@ impl Platen {
             let (height, normal) = self.height(points.position[index]);
             if height < self.reach {
                 let radius = ghost_radius(dimension, points.solid(index));
-                let (overlap, id) = (radius - height, points.id[index]);
+                let overlap = radius - height;
                 if overlap > 0.0 {
-                    contacts.push(Contact { id, index: index as u32, overlap, radius, normal });
+                    let volume = points.position[index][3];
+                    let half = 0.5 * if dimension == Dimension::Space { cube_root(volume) } else { volume.sqrt() };
+                    let tangent = 2.0 * self.modulus * (radius * overlap).sqrt() * row(dimension, radius);
+                    let (id, index) = (points.id[index], index as u32);
+                    contacts.push(Contact { id, index, overlap, radius, half, tangent, normal });
                 }
             }
         });
         contacts.sort_unstable_by_key(|c| c.id);
         self.contacts = contacts;
-        match self.contacts.iter().find(|c| c.overlap > c.radius) {
-            Some(c) => Err(passed(continuum.steps(), c.id)),
-            None => Ok(()),
-        }
     }
 
     /// Corners of the part of the domain where points may touch it, m: of a plane along the axes what lies behind it and within reach.
@@ -294,7 +301,7 @@ mod tests {
                 for (corner, sign) in [(low, 1.0), (high, -1.0)] {
                     let normal = std::array::from_fn(|a| if a == axis { sign } else { 0.0 });
                     let mut platen = Platen::new(&c, corner, normal, 1e6);
-                    platen.find(&c).unwrap();
+                    platen.find(&c);
                     let mut all: Vec<u32> = (0..c.points().len())
                         .filter(|&i| platen.height(c.points().position[i]).0 < platen.reach)
                         .map(|i| c.points().id[i])

@@ -2,7 +2,7 @@
 
 use crate::common::{FLIP, continuum, elastic, fill, settings, steps};
 use comminute::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Parameters};
-use comminute::mpm::{Dimension, Platen, Transfer};
+use comminute::mpm::{Dimension, Platen, Transfer, platen};
 
 fn sand(friction: f64) -> Vec<Law> {
     vec![Law::DruckerPrager(DruckerPrager::new(Parameters {
@@ -76,12 +76,12 @@ fn a_platen_through_the_sample_stops_the_run() {
     let s = settings(Dimension::Space, 0.1, [8, 8, 10]);
     let points = fill(&s, [[0.2; 3], [0.6; 3]], 2, 1000.0, |_| true, |_| [0.0; 3]);
     let mut c = continuum(s, elastic(1e5, 0.3), points);
-    let mut platen = Platen::new(&c, [0.4, 0.4, 0.61], [0.0, 0.0, -1.0], 1e3);
-    platen.speed = 50.0;
+    let mut lid = [Platen::new(&c, [0.4, 0.4, 0.61], [0.0, 0.0, -1.0], 1e3)];
+    lid[0].speed = 50.0;
     let dt = c.stable_step(0.3);
     let told = (0..1000).find_map(|_| {
-        let passed = platen.press(&mut c).and_then(|()| c.step(dt)).err();
-        platen.advance(dt);
+        let passed = platen::press(&mut lid, &mut c).and_then(|()| c.step(dt)).err();
+        lid[0].advance(dt);
         passed
     });
     let told = told.expect("stopped").to_string();

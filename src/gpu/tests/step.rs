@@ -4,7 +4,7 @@ use super::{adapter, laws};
 use crate::gpu::continuum::Continuum;
 use crate::gpu::state::ghost_radius;
 use crate::mpm::law::{Elastic, Law};
-use crate::mpm::{self, Dimension, Drive, Platen, Point, Points, Ramp, Settings, ShapeFunctions, Transfer, Wall, area};
+use crate::mpm::{self, Dimension, Drive, Platen, Point, Points, Ramp, Settings, ShapeFunctions, Transfer, Wall, area, platen};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -236,8 +236,8 @@ fn platens_press_on_points() {
         }
     }
     let (mut in_sums, mut in_speed): (f64, f64) = (0.0, 0.0);
-    for (k, (p, here)) in gpu.platens().iter().zip(&mut platens).enumerate() {
-        here.press(&mut cpu).expect("pressed");
+    platen::press(&mut platens, &mut cpu).expect("pressed");
+    for (k, (p, here)) in gpu.platens().iter().zip(&platens).enumerate() {
         assert!(here.reaction > 0.0);
         let felt = |p: &Platen| [p.reaction, p.stiffness, p.stored, p.rate];
         for (a, b) in felt(&before[k]).into_iter().zip(felt(here)) {
@@ -302,8 +302,8 @@ fn a_pressed_column_follows_f64() {
         gpu.steps(50, dt).expect("steps");
         for step in 0..50 {
             let time = f64::from(50 * batch + step) * dt;
+            platen::press(&mut platens, &mut cpu).expect("pressed");
             for (k, (p, drift)) in platens.iter_mut().zip(&mut drifts).enumerate() {
-                p.press(&mut cpu).expect("pressed");
                 let axis = p.axis();
                 let face = [extents[axis], area(extents, axis)];
                 p.speed = if k == 4 { top(time).at(0.0) } else { side.speed(0.0, p, face, dt, drift) };
@@ -312,7 +312,7 @@ fn a_pressed_column_follows_f64() {
             platens.iter_mut().for_each(|p| p.advance(dt));
         }
     }
-    platens.iter_mut().for_each(|p| p.press(&mut cpu).expect("pressed"));
+    platen::press(&mut platens, &mut cpu).expect("pressed");
     let mut back = cpu.clone();
     gpu.read_back(&mut back).expect("read");
     let [v, x, stress, plastic, w] = apart(&cpu, &back);

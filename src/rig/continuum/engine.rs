@@ -6,7 +6,7 @@ use crate::coupling::{Mixture, Rates};
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::continuum::Test;
-use crate::mpm::{Continuum, Platen};
+use crate::mpm::{Continuum, Platen, platen};
 
 #[cfg(feature = "gpu")]
 use super::device::Device;
@@ -112,7 +112,7 @@ impl Engine {
 impl State {
     /// Platens press on the points.
     pub(super) fn press(&mut self) -> Result<()> {
-        self.platens.iter_mut().try_for_each(|platen| platen.press(&mut self.continuum))
+        platen::press(&mut self.platens, &mut self.continuum)
     }
 
     /// One step on the processor, with the platens' forces, and their way in it.
