@@ -46,8 +46,10 @@ run reduction_8 triaxial_20_50kPa
 run full_40 triaxial_40_50kPa
 run full_40_ratio_2_5 triaxial_40_ratio_2_5
 run half_rate triaxial_20_50kPa --set test.strain_per_wave=1.5e-4
-# with the usual gain: its platens hardly lag
+# with the usual gain: at the highest rate the platens lag
 run third_rate triaxial_20_50kPa --set test.strain_per_wave=1e-4 --set test.servo_gain=0.3
+run rate_2e-4 triaxial_20_50kPa --set test.strain_per_wave=2e-4 --set test.servo_gain=0.3
+run rate_4e-4 triaxial_20_50kPa --set test.strain_per_wave=4e-4 --set test.servo_gain=0.3
 
 of() { for name in "$@"; do echo "$runs/$name"; done; }
 "$bin" plot $(of fines_{1,2,3} points_fines_{1,2,3}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_00
@@ -56,7 +58,7 @@ of() { for name in "$@"; do echo "$runs/$name"; done; }
 "$bin" plot $(of grains40_{1,2,3} points40_{1,2,3}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_40
 "$bin" plot $(of full_40) --show stress_bearers --out figures/mixture/full_40
 "$bin" plot $(of full_40 full_40_ratio_2_5) --show stress_ratio,volumetric_strain --out figures/mixture/full_40
-"$bin" plot $(of reduction_8 half_rate third_rate) --show stress_ratio --out figures/mixture/rate
+"$bin" plot $(of reduction_8 half_rate third_rate rate_2e-4 rate_4e-4) --show stress_ratio --out figures/mixture/rate
 "$bin" plot $(of reduction_8) --show stress_bearers --out figures/mixture/reduction
 "$bin" plot $(of reduction_8 reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction
 "$bin" plot $(of cells_3.75 cells_2.5 cells_1.875 cells_1.25) --show stress_ratio --out figures/mixture/twin_cells

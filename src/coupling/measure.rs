@@ -5,9 +5,10 @@ use crate::contact::fabric::Fabric;
 use crate::contact::pairs::{FREE, Pairs};
 use crate::mpm::Continuum;
 use crate::step::State;
+use serde::{Deserialize, Serialize};
 
 /// Contributions to the mean stress of a volume along the three axes, Pa, compression positive. In balance their sum is the stress on its sides.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shares {
     /// Stress of the points over their volume.
     pub matrix: [f64; 3],
@@ -21,6 +22,16 @@ impl Shares {
     /// The sum along an axis.
     pub fn total(&self, axis: usize) -> f64 {
         self.matrix[axis] + self.skeleton[axis] + self.interface[axis]
+    }
+
+    /// Half way to others.
+    pub fn midway(self, to: Shares) -> Shares {
+        let mid = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
+        Shares {
+            matrix: mid(self.matrix, to.matrix),
+            skeleton: mid(self.skeleton, to.skeleton),
+            interface: mid(self.interface, to.interface),
+        }
     }
 }
 

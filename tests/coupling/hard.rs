@@ -5,7 +5,7 @@ use crate::common::typed::{columns, comminute, number, run, same_files, summary}
 use crate::points::{continuum, elastic};
 use crate::scene::{MASS, Meeting, STUFF, free_scene, impact, meeting, radius};
 use comminute::coupling::Rates;
-use comminute::mpm::Continuum;
+use comminute::mpm::{Continuum, Platen};
 
 const ONE: Rates = Rates { grains: 1, continuum: 1 };
 const QUIET: [&str; 2] = ["records.figures=false", "records.snapshots=false"];
@@ -82,6 +82,26 @@ fn a_point_between_a_grain_and_a_wall_holds() {
     }
     let after = kinetic(&m);
     assert!(m.velocity_of_grain()[2] > 0.0 && (after / before - 1.0).abs() < 0.01, "{after} of {before} J");
+}
+
+/// The same on a platen of a rig, which pushes the point beside its middle.
+#[test]
+fn a_point_between_a_grain_and_a_platen_holds() {
+    let floor = 5.0 * radius();
+    let mut m = meeting(&free_scene(&[ball(8.1, -5.0)]), one_point());
+    m.platens =
+        vec![Platen::new(&m.continuum, [0.0, 0.0, floor], [0.0, 0.0, 1.0], STUFF.young / (1.0 - STUFF.poisson * STUFF.poisson))];
+    let before = kinetic(&m);
+    let mut most = 0.0_f64;
+    for _ in 0..6000 {
+        m.go(1e-6, ONE, 1);
+        let (point, grain) = (m.continuum.points().position[0][2], m.mixture.grains.grains.pos[0][2]);
+        assert!(point > floor && grain > point, "{point} {grain} over {floor}");
+        most = most.max(m.platens[0].reaction);
+    }
+    let after = kinetic(&m);
+    assert!(most > 0.0 && m.velocity_of_grain()[2] > 0.0, "{most} N");
+    assert!((after / before - 1.0).abs() < 0.01, "{after} of {before} J");
 }
 
 /// A grain that is too soft to be held goes through a wall: the run says so and keeps its data.

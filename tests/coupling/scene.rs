@@ -4,7 +4,7 @@ use crate::common::{Ball, Stuff, model};
 use crate::points::{continuum, elastic, settings};
 use comminute::coupling::{Allowed, Cycle, GhostTable, Mixture, Parts, Rates, Rule};
 use comminute::model::{Model, Rig};
-use comminute::mpm::{Continuum, Dimension, Points};
+use comminute::mpm::{Continuum, Dimension, Platen, Points, platen};
 use comminute::rig::assembly;
 use comminute::step::Work;
 use std::f64::consts::PI;
@@ -25,6 +25,8 @@ pub struct Meeting {
     pub work: Work,
     pub continuum: Continuum,
     pub mixture: Mixture,
+    /// At rest; none by itself.
+    pub platens: Vec<Platen>,
 }
 
 /// `text` is a free scene of grains; ghosts are of its first material.
@@ -40,7 +42,7 @@ pub fn with_fines(text: &str, mut continuum: Continuum, fines: Option<Rule>) -> 
     let work = Work::new(&model, &mut state);
     let table = GhostTable::new(model.contact.law, &[0], &model.materials, &state.walls);
     let mixture = Mixture::new(&model, state, &mut continuum, fines);
-    Meeting { model, table, work, continuum, mixture }
+    Meeting { model, table, work, continuum, mixture, platens: Vec::new() }
 }
 
 impl Meeting {
@@ -65,8 +67,9 @@ impl Meeting {
     }
 
     fn cycle(&mut self, decide: impl FnOnce(&mut Mixture, &Continuum) -> Cycle) {
-        let Meeting { model, table, work, continuum, mixture } = self;
-        let mut parts = Parts { model, table, work, continuum, platens: &mut [] };
+        let Meeting { model, table, work, continuum, mixture, platens } = self;
+        platen::press(platens, continuum).unwrap_or_else(|e| panic!("{e}"));
+        let mut parts = Parts { model, table, work, continuum, platens };
         mixture.feel(&mut parts).unwrap_or_else(|e| panic!("{e}"));
         let cycle = decide(mixture, parts.continuum);
         mixture.go(&mut parts, cycle).unwrap_or_else(|e| panic!("{e}"));

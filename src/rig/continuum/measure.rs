@@ -1,16 +1,26 @@
-//! What a test shows: stresses and strains as means since the last look, energies at this instant.
+//! What a test shows: stresses and strains as means since the last row, who bears them as mean of the instants of both rows, energies at this instant.
 
 use super::{Phase, Rig, State, dimensions};
 use crate::coupling::{Shares, Touching};
 use crate::mpm::Totals;
 use serde::{Deserialize, Serialize};
 
-/// Sums over the steps since the last look.
+/// Sums over the steps since the last row.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Means {
     count: u64,
     sides: [f64; 6],
     extents: [f64; 3],
+    /// What the material bore in that row's instant.
+    borne: Option<Borne>,
+}
+
+/// What the material bears at an instant: too dear to be summed at each step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Borne {
+    /// Pa, as [`Moment::along_z`].
+    along_z: f64,
+    shares: Shares,
 }
 
 impl Means {
@@ -134,7 +144,8 @@ impl State {
         self.platens.iter().map(|p| p.stored).sum()
     }
 
-    /// Means since the last call, and this instant.
+    /// Means since the last call, and this instant. What the material bears is the mean of the instants of both calls: else it would be half a row ahead of
+    /// the stresses on the platens.
     pub fn moment(&mut self, rig: &Rig) -> Moment {
         let d = dimensions(rig);
         let means = std::mem::take(&mut self.means);
@@ -142,6 +153,13 @@ impl State {
         let mut moment = self.instant(rig);
         if rig.specimen().is_none() {
             return moment;
+        }
+        let now = Borne { along_z: moment.along_z, shares: moment.grains.map(|g| g.shares).unwrap_or_default() };
+        let before = means.borne.unwrap_or(now);
+        self.means.borne = Some(now);
+        moment.along_z = 0.5 * (before.along_z + now.along_z);
+        if let Some(grains) = &mut moment.grains {
+            grains.shares = before.shares.midway(now.shares);
         }
         let axis = d - 1;
         let pair = |a: usize| [means.sides[2 * a] / n, means.sides[2 * a + 1] / n];
