@@ -159,14 +159,14 @@ impl Platen {
         (0..3).find(|&a| self.normal[a] != 0.0).unwrap_or(0)
     }
 
-    /// Pushes the points in touch, for the next step, and sums what they give back in the order of ids.
+    /// Pushes the points in touch, for the next step, and sums what they give back in the order of ids. Where it has passed a point it does neither.
     fn push(&mut self, continuum: &mut Continuum) -> Result<()> {
+        if let Some(contact) = self.contacts.iter().find(|c| c.overlap > c.radius) {
+            return Err(passed(continuum.steps(), contact.id));
+        }
         let before = self.reaction;
         (self.reaction, self.stiffness, self.stored, self.rate) = (0.0, 0.0, 0.0, 0.0);
-        for &Contact { id, index, overlap, radius, half, tangent, normal } in &self.contacts {
-            if overlap > radius {
-                return Err(passed(continuum.steps(), id));
-            }
+        for &Contact { index, overlap, half, tangent, normal, .. } in &self.contacts {
             let force = 2.0 / 3.0 * tangent * overlap;
             self.reaction += force;
             self.stiffness += tangent;

@@ -67,21 +67,28 @@ fn a_point_between_two_grains_lets_them_bounce() {
     assert!((0..3).all(|a| (at[a] - 6.0 * radius()).abs() < 1e-9), "{at:?}");
 }
 
+/// The ball stays above the point and the point above what is below it, the ball goes up in the end, and energy is that of the start; answers the largest force on platens, N.
+fn comes_back(m: &mut Meeting, floor: f64) -> f64 {
+    let (before, mut most) = (kinetic(m), 0.0_f64);
+    for _ in 0..6000 {
+        m.go(1e-6, ONE, 1);
+        let (point, grain) = (m.continuum.points().position[0][2], m.mixture.grains.grains.pos[0][2]);
+        assert!(point > floor && grain > point, "{point} {grain} over {floor}");
+        most = m.platens.iter().map(|p| p.reaction).fold(most, f64::max);
+    }
+    let after = kinetic(m);
+    assert!(m.velocity_of_grain()[2] > 0.0 && (after / before - 1.0).abs() < 0.01, "{after} of {before} J");
+    most
+}
+
 /// A ball comes down on a point that lies on a wall: neither goes through, and no energy comes of it.
 #[test]
 fn a_point_between_a_grain_and_a_wall_holds() {
     let floor = 5.0 * radius();
     let wall = format!("[[wall]]\nkind = \"plane\"\npoint_m = [0.0, 0.0, {floor:?}]\nnormal = [0.0, 0.0, 1.0]\nfriction = 0.5\n");
     let mut m = meeting(&(free_scene(&[ball(8.1, -5.0)]) + "\n" + &wall), one_point());
-    let before = kinetic(&m);
-    assert!((before / (0.5 * MASS * 25.0) - 1.0).abs() < 1e-6);
-    for _ in 0..60 {
-        m.go(1e-6, ONE, 100);
-        let (point, grain) = (m.continuum.points().position[0][2], m.mixture.grains.grains.pos[0][2]);
-        assert!(point > floor && grain > point, "{point} {grain} over {floor}");
-    }
-    let after = kinetic(&m);
-    assert!(m.velocity_of_grain()[2] > 0.0 && (after / before - 1.0).abs() < 0.01, "{after} of {before} J");
+    assert!((kinetic(&m) / (0.5 * MASS * 25.0) - 1.0).abs() < 1e-6);
+    comes_back(&mut m, floor);
 }
 
 /// The same on a platen of a rig, which pushes the point beside its middle.
@@ -91,17 +98,8 @@ fn a_point_between_a_grain_and_a_platen_holds() {
     let mut m = meeting(&free_scene(&[ball(8.1, -5.0)]), one_point());
     m.platens =
         vec![Platen::new(&m.continuum, [0.0, 0.0, floor], [0.0, 0.0, 1.0], STUFF.young / (1.0 - STUFF.poisson * STUFF.poisson))];
-    let before = kinetic(&m);
-    let mut most = 0.0_f64;
-    for _ in 0..6000 {
-        m.go(1e-6, ONE, 1);
-        let (point, grain) = (m.continuum.points().position[0][2], m.mixture.grains.grains.pos[0][2]);
-        assert!(point > floor && grain > point, "{point} {grain} over {floor}");
-        most = most.max(m.platens[0].reaction);
-    }
-    let after = kinetic(&m);
-    assert!(most > 0.0 && m.velocity_of_grain()[2] > 0.0, "{most} N");
-    assert!((after / before - 1.0).abs() < 0.01, "{after} of {before} J");
+    let most = comes_back(&mut m, floor);
+    assert!(most > 0.0, "{most} N");
 }
 
 /// A grain that is too soft to be held goes through a wall: the run says so and keeps its data.
