@@ -104,14 +104,15 @@ impl Error {
         }
     }
 
-    /// 1 the run failed, 2 the command, scene or data is wrong (nothing was started), 130 interrupted.
+    /// 1 the run failed, 3 it has become unstable or left what is possible (its records are kept), 2 the command, scene or data is wrong (nothing was started), 130 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Input { .. } | Error::Several(_) | Error::Read { .. } | Error::Exists { .. } | Error::Checkpoint { .. } => 2,
             Error::Other { .. } | Error::Busy { .. } => 2,
             Error::Figure(FigureError::Io { .. } | FigureError::Draw { .. }) => 1,
             Error::Figure(_) => 2,
-            Error::Write { .. } | Error::Unstable { .. } | Error::Failed { .. } | Error::Campaign { .. } => 1,
+            Error::Unstable { .. } => 3,
+            Error::Write { .. } | Error::Failed { .. } | Error::Campaign { .. } => 1,
             Error::Interrupted { .. } | Error::Stopped { .. } => 130,
         }
     }

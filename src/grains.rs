@@ -26,6 +26,8 @@ pub struct Grains {
     pub lineage: Vec<u64>,
     /// 0 for initial grains, one more for each breakage.
     pub generation: Vec<u8>,
+    /// Step in which the grain was born of a breakage; 0 for initial grains.
+    pub born: Vec<u64>,
     pub material: Vec<u8>,
     /// Limit strength sigma_lim, Pa (infinite where the grain cannot break).
     pub strength: Vec<f64>,
@@ -68,6 +70,7 @@ impl Grains {
         self.id.push(self.next_id);
         self.lineage.push(crate::crush::strength::lineage_root(self.next_id));
         self.generation.push(0);
+        self.born.push(0);
         self.material.push(material);
         self.strength.push(f64::INFINITY);
         self.limit.push(f64::INFINITY);
@@ -113,6 +116,7 @@ impl Grains {
         apply(&mut self.id, order);
         apply(&mut self.lineage, order);
         apply(&mut self.generation, order);
+        apply(&mut self.born, order);
         apply(&mut self.material, order);
         apply(&mut self.strength, order);
         apply(&mut self.limit, order);

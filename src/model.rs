@@ -112,6 +112,20 @@ pub struct CrushModel {
     pub pattern: Pattern,
     /// Comminution limit, m, already multiplied by the scale N: only grains with a diameter above it break.
     pub d_limit: f64,
+    pub birth: Birth,
+    /// Daughters grow until they have their mother's mass; otherwise what they do not hold leaves the mechanics.
+    pub keeps_mass: bool,
+    /// Steps between two judgements of all grains.
+    pub interval: u64,
+}
+
+/// How daughters enter the assembly ([`crate::crush::birth`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Birth {
+    /// Where their mother was, with her overlaps, at once (Ciantia et al. 2015).
+    Overlapping,
+    /// Without overlap: the mother's hold on her neighbours fades over `release` steps, and daughters grow to their size in no less than `growth`.
+    Gradual { release: u32, growth: u32 },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -247,6 +261,19 @@ pub struct Loading {
     pub max_inertial_number: f64,
     /// The programme waits while a platen's stress differs from the target by more than this share (`Stresses::lag`).
     pub max_lag: f64,
+    /// First loading at this inertial number of the platen, the stress is what comes out; `None`: by stress. What lies below the largest stress so far is
+    /// unloaded and reloaded by stress in both.
+    pub strain_controlled: Option<f64>,
+    /// A row of the history after so much axial strain, and so many breakages, besides those by stress.
+    pub row_strain: Option<f64>,
+    pub row_events: Option<u64>,
+}
+
+impl Loading {
+    /// Largest stress asked for before stage `k`, Pa; 0 before the first.
+    pub fn before(&self, k: usize) -> f64 {
+        self.stages[..k].iter().copied().fold(0.0, f64::max)
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]

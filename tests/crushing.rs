@@ -4,18 +4,20 @@ mod common;
 
 use comminute::crush::event::Breakage;
 use comminute::crush::strength::lineage_child;
+use comminute::model::Drive;
+use comminute::step::State;
 use common::*;
 use std::f64::consts::PI;
 
 const COKE: Stuff = Stuff { young: 0.858e9, poisson: 0.3, density: 1040.0, friction: 0.4, restitution: 1.0 };
 const THETA: f64 = PI / 9.0;
 
-/// Keys of a crushing material: area model, mean strength at 2 mm in MPa, Weibull modulus, spread.
+/// Keys of a crushing material whose daughters are born where their mother was: area model, mean strength at 2 mm in MPa, Weibull modulus, spread.
 fn crushing(area: &str, strength: f64, m: f64, var: f64) -> String {
     let own = if area == "hertz" { "" } else { "material.strength.fixed_angle.theta0_rad = 0.3490658503988659\n" };
     let table = if area == "hertz" { "hertz_area" } else { "fixed_angle" };
     format!(
-        "crushing.enabled = true\ncrushing.area = \"{area}\"\nmaterial.strength.d0_mm = 2.0\n{own}\
+        "crushing.enabled = true\ncrushing.birth = \"overlapping\"\ncrushing.area = \"{area}\"\nmaterial.strength.d0_mm = 2.0\n{own}\
          material.strength.{table}.sigma_lim0_MPa = {strength:?}\nmaterial.strength.{table}.m = {m:?}\n\
          material.strength.{table}.var = {var:?}\nmaterial.comminution.d_limit_over_d50 = 0.25\n\
          material.comminution.d50_mm = 2.0\nmaterial.fines.d_min_mm = 1e-3\n"
@@ -343,4 +345,67 @@ fn a_crushing_oedometer_obeys_the_identities_of_table_4() {
     for i in 0..g.len() {
         assert_eq!(g.limit[i].is_finite(), 2.0 * g.pos[i][3] > 0.25 * 7.5e-3 * 4.0);
     }
+}
+
+/// Gradual birth between platens: no daughter overlaps anything, each ends with her own size, and the mass is hers from the first.
+#[test]
+fn daughters_begin_without_overlap_and_grow_to_their_size() {
+    let d = 2e-3;
+    for (lost_mass, larger) in [("leave", 1.0), ("grow", 1.233)] {
+        let head = crushing("fixed_angle", 30.0, 2.0, 0.0)
+            .replace("overlapping", "gradual")
+            .replace("d50_mm = 2.0", "d50_mm = 7.0")
+            + &format!("crushing.lost_mass = \"{lost_mass}\"\ncrushing.growth_steps = 400\nsteps = 1000000\ndamping.local = 0.7\n");
+        // the platens leave once it has broken, and all find room
+        let mut lab = pressed(&head, d, [0.0, 0.0, 1.0], 1e-2);
+        let (b, _) = until_broken(&mut lab);
+        let State { grains: g, walls, .. } = &lab.state;
+        let masses: Vec<f64> = g.mass.clone();
+        for p in &g.pos {
+            for w in walls {
+                // but by what it has grown in this one step; the mother's overlap was 0.04 mm
+                assert!(w.shape.towards(*p).1 > -2e-6, "{p:?} overlaps a platen");
+            }
+        }
+        assert!(g.pos.iter().zip(&masses).any(|(p, m)| COKE.mass(p[3]) < 0.97 * m), "some begin smaller than they are");
+        near("mass", masses.iter().sum::<f64>() + b.lost_mass, COKE.mass(0.5 * d), 1e-12 * COKE.mass(0.5 * d));
+        for w in &mut lab.state.walls {
+            w.drive = Drive::Velocity(-1e-2);
+        }
+        for _ in 0..2000 {
+            lab.see(|_, _, _| ());
+        }
+        let largest = lab.state.grains.pos.iter().map(|p| p[3]).fold(0.0, f64::max);
+        near("largest daughter", largest / (0.5 * d), 0.4641 * larger, 1e-3);
+        for (p, m) in lab.state.grains.pos.iter().zip(&lab.state.grains.mass) {
+            close("mass", *m, COKE.mass(p[3]), 1e-9);
+        }
+    }
+}
+
+/// Daughters that are born overlapping break by the way they are born: far above limits that they had exceeded before anything moved. Those born without do not.
+#[test]
+fn breakages_after_gradual_birth_are_loads_or_collisions() {
+    let of = |birth: &str| {
+        let sets =
+            ["crushing.enabled=true", "material.strength.fixed_angle.sigma_lim0_MPa=60", &format!("crushing.birth=\"{birth}\"")]
+                .map(String::from);
+        let model = model(&oedometer_text(160, 350.0, ""), &sets);
+        let (prepared, _) = prepare(&model, |_, _| ());
+        let mut press = Press::new(model, &prepared);
+        let mut all: Vec<Breakage> = Vec::new();
+        while !press.done() {
+            press.step();
+            all.extend(press.work.breakages.iter().cloned());
+        }
+        let young = all.iter().filter(|b| b.generation > 0 && b.age <= 20).count();
+        let shocks = all.iter().filter(|b| b.utilisation() > 1.1 && !b.is_collision()).count();
+        println!("{birth}: {} breakages, {young} young, {shocks} far above their limit at rest", all.len());
+        assert!(all.len() > 40);
+        (young as f64 / all.len() as f64, shocks as f64 / all.len() as f64)
+    };
+    let (young, shocks) = of("overlapping");
+    assert!(young > 0.1 && shocks > 0.05, "{young} {shocks}");
+    let (young, shocks) = of("gradual");
+    assert!(young < 0.05 && shocks < 0.01, "{young} {shocks}");
 }

@@ -45,7 +45,8 @@ fn scene() -> PathBuf {
     let text = format!(
         "base = {:?}\n[specimen]\nscale = 4.0\ngrains = 120\nporosity = 0.48\n[preparation]\ngrowth_friction = 0.4\n\
          [loading]\nmax_stress_kPa = 150.0\n[records]\nat_kPa = [50.0]\nfigures = false\ncheckpoint_seconds = 0.05\n\
-         [material]\nbase = {:?}\n[material.strength.fixed_angle]\nsigma_lim0_MPa = 100.0\n",
+         [material]\nbase = {:?}\n[material.strength.fixed_angle]\nsigma_lim0_MPa = 100.0\n\
+         [crushing]\nbirth = \"gradual\"\nlost_mass = \"grow\"\n",
         base.display().to_string(),
         base.with_file_name("../../materials/petroleum_coke.toml").display().to_string()
     );

@@ -29,7 +29,7 @@ use crate::crush::strength::{StrengthModel, Truncation};
 use crate::error::{Error, Result};
 use crate::gradation::mean_cubed_diameter;
 use crate::model::{
-    ContactLaw, ContactModel, CrushModel, Loading, Material, Model, Oedometer, Preparation, Records, Rig, Seeds, Specimen,
+    Birth, ContactLaw, ContactModel, CrushModel, Loading, Material, Model, Oedometer, Preparation, Records, Rig, Seeds, Specimen,
     Stepping, TangentialUnloading, WallFriction,
 };
 use crate::rig::cylinder::{TOP, walls};
@@ -186,7 +186,15 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
 pub fn breakable(model: &Model) -> Result<Model> {
     let pattern = Pattern::new(14).map_err(|what| Error::Failed { step: 0, what })?;
     let strength = StrengthModel { sigma_lim0: 1e15, d0: 2e-3, m: 10.0, var: 0.0, truncation: Truncation::Redraw, min_ratio: 0.0 };
-    let crush = CrushModel { area: AreaModel::FixedAngle { theta0: PI / 9.0 }, strength, pattern, d_limit: 1e-3 };
+    let crush = CrushModel {
+        area: AreaModel::FixedAngle { theta0: PI / 9.0 },
+        strength,
+        pattern,
+        d_limit: 1e-3,
+        birth: Birth::Overlapping,
+        keeps_mass: false,
+        interval: 1,
+    };
     Ok(Model { crush: Some(crush), ..model.clone() })
 }
 
@@ -230,6 +238,9 @@ fn rig(case: Case, grains: usize) -> Oedometer {
             pace: None,
             max_inertial_number: 1e-3,
             max_lag: 0.02,
+            strain_controlled: None,
+            row_strain: None,
+            row_events: None,
         },
     }
 }

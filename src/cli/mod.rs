@@ -196,6 +196,9 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
         count("grains_initial"),
         number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}")),
     );
+    for warning in outcome.summary["warnings"].as_array().into_iter().flatten().filter_map(|w| w.as_str()) {
+        eprintln!("warning: {warning}");
+    }
     if let Some(rises) = number("energy_rises").filter(|&n| n > 0.0) {
         eprintln!("warning: after {rises} breakages more elastic energy was stored around the event than before");
     }

@@ -3,15 +3,17 @@
 //! All grains that exceed in a step are judged on that step's forces, then broken in the order of ids (NOTES.md). Daughters inherit the
 //! mother's rigid-body motion and material, draw fresh strengths keyed by lineage, and start without history.
 
+use super::birth;
 use super::strength::{lineage_child, random_perpendicular};
-use crate::contact::force::{cross, dot};
+use crate::boundary::Wall;
+use crate::contact::force::{cross, dot, less};
 use crate::contact::law::PairTable;
 use crate::contact::{sweep, wall_sweep};
 use crate::grains::{sphere_volume, stiffness_radius};
-use crate::model::{ContactLaw, CrushModel, Model};
+use crate::model::{Birth, ContactLaw, CrushModel, Model};
 use crate::neighbours::{Neighbours, Pools};
 use crate::record::measure;
-use crate::step::{State, stability};
+use crate::step::{State, gather, stability};
 use serde::{Deserialize, Serialize};
 
 /// One breakage, as recorded.
@@ -24,12 +26,16 @@ pub struct Breakage {
     pub mother: u32,
     pub generation: u8,
     pub lineage: u64,
+    /// Steps since the mother's own birth; of initial grains all steps so far.
+    pub age: u64,
     /// Diameter, m.
     pub diameter: f64,
     /// Decisive normal force and its limit, N, on the contact area, m^2.
     pub force: f64,
     pub limit_force: f64,
     pub area: f64,
+    /// Force over limit a step before, by the way that the two bodies have moved against each other since.
+    pub before: f64,
     /// Limit strength, Pa.
     pub strength: f64,
     /// Direction of the decisive force.
@@ -46,6 +52,18 @@ pub struct Breakage {
     pub stored_after: f64,
 }
 
+impl Breakage {
+    /// Load over limit: how far above its limit the grain was when it was judged.
+    pub fn utilisation(&self) -> f64 {
+        self.force / self.limit_force
+    }
+
+    /// Whether two bodies have collided: a step before, the grain was still within its limit.
+    pub fn is_collision(&self) -> bool {
+        self.before <= 1.0
+    }
+}
+
 /// Siblings touch to rounding; a rise of stored energy below this share of force times radius is none.
 const ROUNDING: f64 = 1e-12;
 
@@ -56,6 +74,8 @@ struct Verdict {
     force: f64,
     limit_force: f64,
     area: f64,
+    /// As [`Breakage::before`].
+    before: f64,
 }
 
 /// Breaks the grains listed (indices in the order of ids).
@@ -69,14 +89,14 @@ pub fn break_grains(
 ) {
     let crush = model.crush.as_ref().expect("only judged grains fail");
     // all verdicts before any change
-    let verdicts: Vec<Verdict> = failing.iter().map(|&i| judge(crush, state, neighbours, table, i as usize)).collect();
+    let verdicts: Vec<Verdict> = failing.iter().map(|&i| judge(model, crush, state, neighbours, table, i as usize)).collect();
     for verdict in verdicts {
         out.push(break_one(model, crush, state, neighbours, table, &verdict));
     }
 }
 
 /// The contact with the largest load decides; among equals the first in the order of ids.
-fn judge(crush: &CrushModel, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> Verdict {
+fn judge(model: &Model, crush: &CrushModel, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> Verdict {
     let (mut best, mut load) = (None, f64::NEG_INFINITY);
     for e in neighbours.contacts.of(i) {
         let pool = if e.is_wall() { &state.wall_pairs } else { &state.pairs };
@@ -89,15 +109,36 @@ fn judge(crush: &CrushModel, state: &State, neighbours: &Neighbours, table: &Pai
     let slot = e.slot();
     let (r_eff, pair) = measure::pair_from(state, table, slot, e.is_wall());
     let g = &state.grains;
-    let d = 2.0 * g.pos[i][3];
+    // of the size that it was judged by, which it may still be growing to
+    let d = 2.0 * state.aftermath.radius(i, g);
     let force = load / crush.area.load_weight(r_eff, pair.e_eff);
+    let limit_force = crush.area.limit_force(g.strength[i], d, r_eff, pair.e_eff);
+    let arriving = |i: usize| arriving(model, state, neighbours, i);
+    let (touch, approach) = if e.is_wall() {
+        let touch = &state.wall_pairs.touch[slot];
+        (touch, dot(arriving(i), touch.normal) + state.walls[e.wall_index()].speed)
+    } else {
+        let [a, b] = state.pairs.ends[slot];
+        let touch = &state.pairs.touch[slot];
+        (touch, dot(less(arriving(a as usize), arriving(b as usize)), touch.normal))
+    };
+    let overlap = (touch.overlap - approach * state.dt).max(0.0);
+    let elastic = |overlap: f64| if overlap > 0.0 { stability::elastic(model, overlap, r_eff, pair).force } else { 0.0 };
     Verdict {
         grain: i,
         axis: measure::normal(state, slot, e.is_wall()),
         force,
-        limit_force: crush.area.limit_force(g.strength[i], d, r_eff, pair.e_eff),
+        limit_force,
         area: crush.area.area(force, d, r_eff, pair.e_eff),
+        before: (force - elastic(touch.overlap) + elastic(overlap)) / limit_force,
     }
+}
+
+/// Velocity, m/s, with which grain `i` has come to the place where it was judged: what the kick of this step has given it since is taken back.
+fn arriving(model: &Model, state: &State, neighbours: &Neighbours, i: usize) -> [f64; 3] {
+    let (f, _) = gather::force_and_torque(i, model, state, neighbours);
+    let [u, v, w, inverse_inertia] = state.grains.vel[i];
+    less([u, v, w], f.map(|f| f * inverse_inertia * state.dt))
 }
 
 fn break_one(
@@ -112,6 +153,7 @@ fn break_one(
     let g = &state.grains;
     let mother = Mother {
         pos: g.pos[m],
+        size: state.aftermath.radius(m, g),
         vel: g.vel[m],
         spin: g.spin[m],
         mass: g.mass[m],
@@ -125,21 +167,29 @@ fn break_one(
         mother: g.id[m],
         generation: mother.generation,
         lineage: mother.lineage,
-        diameter: 2.0 * mother.pos[3],
+        age: state.step - g.born[m],
+        diameter: 2.0 * mother.size,
         force: verdict.force,
         limit_force: verdict.limit_force,
         area: verdict.area,
+        before: verdict.before,
         strength: g.strength[m],
         axis: verdict.axis,
         position: [mother.pos[0], mother.pos[1], mother.pos[2]],
         lost_mass: 0.0,
-        smallest: 2.0 * mother.pos[3] * crush.pattern.smallest(),
+        smallest: 2.0 * mother.size * crush.pattern.smallest(),
         lost_momentum: momentum(state, m),
         lost_kinetic: 0.0,
         stored_before: energy_around(model, state, neighbours, table, m),
         stored_after: 0.0,
     };
     close_contacts(state, neighbours, m);
+    let around = obstacles(state, neighbours, m);
+    state.aftermath.forget(m);
+    if let Birth::Gradual { release, .. } = crush.birth {
+        let State { aftermath, grains, pairs, .. } = state;
+        aftermath.release(m, grains, neighbours, pairs, release);
+    }
     let kinetic = kinetic_energy(state, m);
     for k in 0..4 {
         state.ledger.gone[k] += state.grains.work[m][k];
@@ -152,10 +202,21 @@ fn break_one(
     let mut kept = 0.0;
     let mut daughters_kinetic = 0.0;
     let mut born = Vec::with_capacity(crush.pattern.count());
+    // in the sphere that she had; their own sizes are those of the sphere that she was growing to, and of all her mass if it is kept
+    let mass = if crush.keeps_mass { crush.pattern.volume_kept().cbrt().recip() } else { 1.0 };
+    let larger = mass * mother.size / mother.pos[3];
     for (k, (position, radius)) in crush.pattern.daughters(centre, mother.pos[3], verdict.axis, perpendicular).enumerate() {
         let i = if k == 0 { m } else { state.grains.len() };
-        place(model, crush, state, i, &mother, k as u32, position, radius);
+        let target = larger * radius;
+        place(model, crush, state, i, &mother, k as u32, position, target);
         kept += state.grains.mass[i];
+        if let Birth::Gradual { growth, .. } = crush.birth {
+            let free = around.free_radius(position, radius, &state.walls);
+            if free < target {
+                state.grains.pos[i][3] = free;
+                state.aftermath.grow(i, target, (target - free) / f64::from(growth.max(1)));
+            }
+        }
         if k == 0 {
             neighbours.refresh(i, &state.grains, &mut state.wall_pairs);
         } else {
@@ -180,13 +241,39 @@ fn break_one(
     let rounding = ROUNDING * verdict.force * mother.pos[3];
     l.rises += u64::from(event.stored_after > event.stored_before + rounding);
     state.crush_events += 1;
-    state.lost.push((event.lost_mass, event.smallest));
+    if !crush.keeps_mass {
+        state.lost.push((event.lost_mass, event.smallest));
+    }
     event
+}
+
+/// What daughters have to keep clear of at birth.
+struct Obstacles(Vec<[f64; 4]>);
+
+impl Obstacles {
+    /// Largest radius up to `radius`, m, of a daughter at `centre` that overlaps none of them and no wall.
+    fn free_radius(&self, centre: [f64; 3], radius: f64, walls: &[Wall]) -> f64 {
+        let [x, y, z] = centre;
+        let to_walls = walls.iter().map(|w| w.shape.towards([x, y, z, 0.0]).1).fold(radius, f64::min);
+        birth::free_radius(centre, radius, to_walls, &self.0)
+    }
+}
+
+/// Spheres (centre, radius) that overlap grain `m`: no daughter can reach another one.
+fn obstacles(state: &State, neighbours: &Neighbours, m: usize) -> Obstacles {
+    let g = &state.grains;
+    let overlaps = |q: &[f64; 4]| {
+        let (d, reach) = (sweep::difference(g.pos[m], *q), g.pos[m][3] + q[3]);
+        dot(d, d) < reach * reach
+    };
+    Obstacles(neighbours.around(m, &state.pairs).map(|(_, j)| g.pos[j]).filter(overlaps).collect())
 }
 
 /// What daughters inherit.
 struct Mother {
     pos: [f64; 4],
+    /// Radius that she had or was growing to, m.
+    size: f64,
     vel: [f64; 4],
     spin: [f64; 4],
     mass: f64,
@@ -218,6 +305,7 @@ fn place(model: &Model, crush: &CrushModel, state: &mut State, i: usize, mother:
     }
     g.lineage[i] = lineage_child(mother.lineage, k);
     g.generation[i] = mother.generation.saturating_add(1);
+    g.born[i] = state.step;
     arm_grain(model, crush, state, i);
 }
 

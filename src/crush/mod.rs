@@ -1,8 +1,9 @@
 //! How a grain breaks, after Ciantia, Arroyo, Calvetti & Gens (2015): when (`criterion`, `strength`), into what
 //! (`pattern`), and what becomes of the mass that the daughters do not hold (`lost_mass`).
 //!
-//! Laws only: they take and return plain values and know no arrays of grains, files or clocks.
+//! How daughters enter the assembly is in `birth`, one breakage in the assembly in `event`. The others are laws: they take and return plain values and know no arrays of grains, files or clocks.
 
+pub mod birth;
 pub mod criterion;
 pub mod event;
 pub mod lost_mass;

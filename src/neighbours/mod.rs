@@ -152,11 +152,15 @@ impl Neighbours {
         growth >= 0.0 || x * x + y * y + z * z > growth * growth
     }
 
+    /// Whether grain `i`, whose radius has changed, has left its sphere.
+    pub fn outgrown(&self, i: usize, g: &Grains) -> bool {
+        Self::outside(&self.reference[i], Plain::of((), g.pos[i]), ())
+    }
+
     /// After a change of radii: in `moved` the grains that have left their spheres.
     pub fn account_for_growth(&self, g: &Grains, moved: &mut Vec<u32>) {
         moved.clear();
-        let outside = |&i: &u32| Self::outside(&self.reference[i as usize], Plain::of((), g.pos[i as usize]), ());
-        moved.extend((0..g.len() as u32).filter(outside));
+        moved.extend((0..g.len() as u32).filter(|&i| self.outgrown(i as usize, g)));
     }
 
     /// References of all grains, for the pass that moves them.

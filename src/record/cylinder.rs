@@ -1,6 +1,8 @@
 //! Records of a cylindrical specimen under test: rows of history, gradations, breakages, and what the summary remembers of them.
 
+use super::breakages::Breakages;
 use super::measure;
+use super::quasi_static::{self, Held};
 use super::table::Row;
 use crate::crush::event::Breakage;
 use crate::gradation::{Gradation, Indices, sieve_sizes};
@@ -12,8 +14,6 @@ use serde::{Deserialize, Serialize};
 
 /// Sizes at which a gradation is written.
 const SIEVES: usize = 121;
-/// Records below this stress, Pa, are not held to the quasi-static thresholds (NOTES.md).
-const QUASI_STATIC_FROM: f64 = 50e3;
 
 /// What the recorder carries along; part of the checkpoint.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -27,6 +27,15 @@ pub struct Recorder {
     pub max_stress: f64,
     /// Initial mass, kg.
     pub mass: f64,
+    /// Largest overlap over the smaller radius at a record.
+    pub deepest: f64,
+    /// Over every step: how the test was held, and what has broken.
+    pub held: Held,
+    pub broken: Breakages,
+    /// Measured vertical stress, Pa, axial strain and breakages at the last record.
+    pub(super) row_stress: f64,
+    pub(super) row_strain: f64,
+    pub(super) row_events: u64,
     /// Worst values at records above 50 kPa: platen difference, distance from the target, inertial number.
     pub worst: [f64; 3],
     /// Energy error and non-conservative share at the last record.
@@ -89,7 +98,9 @@ impl Recorder {
         let of = |f: fn(&Indices) -> f64| indices.as_ref().map_or(f64::NAN, f);
 
         self.max_stress = self.max_stress.max(v);
-        if v >= QUASI_STATIC_FROM {
+        self.deepest = self.deepest.max(sums.worst_overlap);
+        (self.row_stress, self.row_strain, self.row_events) = (v, 1.0 - size.height / moment.start_height, state.crush_events);
+        if v >= quasi_static::FROM {
             for (worst, now) in self.worst.iter_mut().zip([s.platen_difference(), lag.abs(), inertial]) {
                 *worst = worst.max(now);
             }
@@ -154,6 +165,8 @@ impl Recorder {
                 ("energy_contacts_removed_J", balance.removed.into()),
                 ("energy_contacts_made_J", balance.made.into()),
                 ("energy_inertia_J", balance.inertia.into()),
+                ("energy_growth_J", balance.growth.into()),
+                ("energy_release_J", balance.release.into()),
                 ("energy_error", balance.error().into()),
                 ("energy_nonconservative", (balance.nonconservative() / balance.scale()).into()),
             ]);
@@ -204,9 +217,12 @@ pub fn breakage_row(b: &Breakage, sigma_v: f64) -> Row {
         ("mother", u64::from(b.mother).into()),
         ("generation", u64::from(b.generation).into()),
         ("lineage", format!("{:016x}", b.lineage).as_str().into()),
+        ("age_steps", b.age.into()),
         ("diameter_mm", (b.diameter * 1e3).into()),
         ("force_N", b.force.into()),
         ("limit_force_N", b.limit_force.into()),
+        ("utilisation", b.utilisation().into()),
+        ("utilisation_before", b.before.into()),
         ("area_mm2", (b.area * 1e6).into()),
         ("strength_MPa", (b.strength * 1e-6).into()),
         ("axis_x", b.axis[0].into()),

@@ -3,11 +3,12 @@
 //! With the leapfrog's kinetic energy ½ m v(t−½)·v(t+½) and path work summed by the trapezium ½ (F_old + F_new)·Δu, the balance
 //!
 //! ```text
-//! wall work − path work − damping − Δkinetic − Δpotential − kinetic lost in breakages + kinetic from re-scaled inertia = 0
+//! wall work + work of broken grains' fading hold − path work − damping − Δkinetic − Δpotential − kinetic lost in breakages
+//! + kinetic from re-scaled inertia = 0
 //! ```
 //!
 //! closes to rounding and to the turn of the normals within one step: `error` tests the bookkeeping and the integrator. The path
-//! work itself goes into stored elastic energy, slip and viscous loss; what remains is what the incremental tangential law does not
+//! work itself, with that of grains that grow, goes into stored elastic energy, slip and viscous loss; what remains is what the incremental tangential law does not
 //! conserve (a spring whose stiffness follows the normal force), reported apart as `nonconservative`.
 
 use super::measure::Sums;
@@ -29,6 +30,9 @@ pub struct Ledger {
     pub made: f64,
     /// Kinetic energy that came from changes of scaled inertia.
     pub inertia: f64,
+    /// Work of grains that grow on their contacts, and of broken grains' fading hold on their neighbours ([`crate::crush::birth`]).
+    pub growth: f64,
+    pub release: f64,
     /// Breakages after which more elastic energy was stored around the event than before.
     pub rises: u64,
     /// Stored, kinetic and potential energy at the start.
@@ -51,6 +55,8 @@ pub struct Balance {
     pub removed: f64,
     pub made: f64,
     pub inertia: f64,
+    pub growth: f64,
+    pub release: f64,
     /// Stored, kinetic, potential at the start.
     pub start: [f64; 3],
 }
@@ -84,6 +90,8 @@ impl Ledger {
             removed: self.removed,
             made: self.made,
             inertia: self.inertia,
+            growth: self.growth,
+            release: self.release + sums.release,
             start: self.start,
         }
     }
@@ -92,7 +100,7 @@ impl Ledger {
 impl Balance {
     /// What the balance does not account for, J.
     pub fn residual(&self) -> f64 {
-        self.wall + self.inertia
+        self.wall + self.inertia + self.release
             - self.path
             - self.damping
             - (self.kinetic - self.start[1])
@@ -103,7 +111,7 @@ impl Balance {
 
     /// Path work that is neither stored nor lost in slip and viscosity, J.
     pub fn nonconservative(&self) -> f64 {
-        self.path - (self.stored - self.start[0] + self.removed - self.made) - self.slip - self.viscous
+        self.path + self.growth - (self.stored - self.start[0] + self.removed - self.made) - self.slip - self.viscous
     }
 
     /// The energy that has gone through: work of walls, or the start's kinetic and potential energy in free scenes, J.

@@ -30,6 +30,8 @@ pub struct Sums {
     /// Sums of the magnitudes of grains' net forces and of normal contact forces, N.
     pub net_force: f64,
     pub contact_force: f64,
+    /// Work of this instant's fading forces over the last half step, J ([`crate::crush::birth`]).
+    pub release: f64,
     /// Volume that contacts overlap, m^3.
     pub overlap_volume: f64,
     pub mass: f64,
@@ -62,7 +64,7 @@ impl Sums {
 /// All sums of this instant.
 pub fn sums(model: &Model, state: &State, work: &Work) -> Sums {
     let g = &state.grains;
-    let mut s = Sums::default();
+    let mut s = Sums { release: 0.5 * state.dt * state.aftermath.power(g), ..Sums::default() };
     // velocities half a step before and after this instant
     let (back, kick) = if state.fresh { (0.5 * state.dt, 0.5 * state.dt) } else { (0.0, state.dt) };
     for &i in &g.by_id() {

@@ -3,6 +3,7 @@
 
 pub mod assembly;
 pub mod blocks;
+pub mod breakages;
 pub mod checkpoint;
 pub mod continuum;
 pub mod cylinder;
@@ -10,6 +11,7 @@ pub mod ledger;
 pub mod measure;
 pub mod oedometer;
 pub mod platen;
+pub mod quasi_static;
 pub mod specimen;
 pub mod table;
 pub mod triaxial;

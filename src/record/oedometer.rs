@@ -2,21 +2,30 @@
 
 use super::cylinder::{Due, Moment, Recorder};
 use crate::model::{Model, Oedometer};
-use crate::rig::cylinder::Stresses;
+use crate::rig::cylinder::{Stresses, Walls};
 use crate::rig::oedometer::{Loading, Phase};
 use crate::step::State;
 
+/// Where something breaks, rows follow each other before the measured stress has changed by more than this share: the stress of every breakage is near
+/// that of a row.
+const NEAR: f64 = 0.04;
+
 impl Recorder {
     /// Whether a record of an oedometer is due now.
-    pub fn due(&mut self, model: &Model, rig: &Oedometer, loading: &Loading) -> Option<Due> {
+    pub fn due(&mut self, model: &Model, rig: &Oedometer, loading: &Loading, state: &State) -> Option<Due> {
         let (k, holding) = match loading.phase {
             Phase::Settle => return None,
             Phase::Load(k) => (k, false),
             Phase::Hold(k) => (k, true),
             Phase::Done => (rig.loading.stages.len() - 1, true),
         };
-        let level =
-            ((loading.target / rig.specimen.isotropic_stress).log10() * f64::from(model.records.per_decade) + 1e-9).floor() as i64;
+        // under strain control the target is the measured stress, which may fall: levels are those of the largest
+        let reached = if rig.loading.strain_controlled.is_some() && loading.rising(k, rig) {
+            loading.target.max(loading.peak())
+        } else {
+            loading.target
+        };
+        let level = ((reached / rig.specimen.isotropic_stress).log10() * f64::from(model.records.per_decade) + 1e-9).floor() as i64;
         let first = self.last.is_none();
         if first || self.last.is_some_and(|(stage, _)| stage != k) {
             self.next_at = 0;
@@ -31,18 +40,28 @@ impl Recorder {
         if loading.rising(k, rig) {
             let start = if k == 0 { rig.specimen.isotropic_stress } else { rig.loading.stages[k - 1] };
             let end = rig.loading.stages[k];
-            let passed = at.iter().filter(|&&s| s > start && s < end && s <= loading.target).count();
+            let passed = at.iter().filter(|&&s| s > start && s < end && s <= reached).count();
             if passed > self.next_at {
                 self.next_at = passed;
                 self.last = Some((k, level));
                 return Some(Due::Full);
             }
         }
-        if self.last != Some((k, level)) {
+        if self.last != Some((k, level)) || self.between_levels(rig, loading, state) {
             self.last = Some((k, level));
             return Some(Due::Row);
         }
         None
+    }
+
+    /// Whether strain, breakages, or the stress at which the breakages since the last row have happened ask for a row.
+    fn between_levels(&self, rig: &Oedometer, loading: &Loading, state: &State) -> bool {
+        let events = state.crush_events - self.row_events;
+        let strain = 1.0 - Walls::of(state).height / loading.start.0 - self.row_strain;
+        let off = (Stresses::of(state).vertical() / self.row_stress - 1.0).abs();
+        rig.loading.row_events.is_some_and(|most| events >= most)
+            || rig.loading.row_strain.is_some_and(|most| strain.abs() >= most)
+            || (events > 0 && off > NEAR)
     }
 
     /// Whether a stage has just come to rest: its end is recorded in full.

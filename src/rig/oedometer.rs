@@ -46,10 +46,16 @@ pub struct Loading {
     pub start: (f64, f64),
     /// Largest platen speed, m per unit time.
     limit: f64,
+    /// Largest vertical stress so far, Pa.
+    peak: f64,
+    /// Whether the programme waits for the specimen.
+    pub waits: bool,
 }
 
 /// Steps between two looks at the platen's speed limit.
 const LOOK: u64 = 64;
+/// Steps in which a platen under strain control takes up its speed.
+const RAMP: u64 = 1024;
 /// A stage ends when the platens are this close to their target ...
 const CLOSE: f64 = 0.005;
 /// ... or after this many steps.
@@ -65,6 +71,8 @@ impl Loading {
             target: rig.specimen.isotropic_stress,
             start: (size.height, size.radius),
             limit: 0.0,
+            peak: rig.specimen.isotropic_stress,
+            waits: false,
         };
         (loading, state)
     }
@@ -100,7 +108,19 @@ impl Loading {
             }
             Phase::Load(k) => {
                 let stresses = Stresses::of(state);
-                if stresses.lag(self.target, rig) > rig.loading.max_lag {
+                self.peak = self.peak.max(stresses.vertical());
+                if self.strained(k, rig) {
+                    // the stress is what comes out
+                    self.target = stresses.vertical();
+                    state.reference_stress = state.reference_stress.max(self.target);
+                    if self.target >= stages[k] {
+                        self.target = stages[k];
+                        self.enter(Phase::Hold(k));
+                    }
+                    return;
+                }
+                self.waits = stresses.lag(self.target, rig) > rig.loading.max_lag;
+                if self.waits {
                     return;
                 }
                 let (increment, end) = (self.increment(&stresses, rig), stages[k]);
@@ -145,10 +165,33 @@ impl Loading {
         rig.loading.stages[k] > before
     }
 
+    /// Whether the present step of stage `k` is first loading controlled by strain.
+    fn strained(&self, k: usize, rig: &Oedometer) -> bool {
+        // a reloaded specimen is back on its way when it has its largest target again
+        rig.loading.strain_controlled.is_some() && self.rising(k, rig) && self.target >= rig.loading.before(k)
+    }
+
+    /// Largest vertical stress so far, Pa.
+    pub fn peak(&self) -> f64 {
+        self.peak
+    }
+
+    /// Inertial number of the platen's motion.
+    pub fn inertial_number(&self, rig: &Oedometer, state: &State) -> f64 {
+        if self.limit > 0.0 { state.walls[TOP].speed.abs() / self.limit * rig.loading.max_inertial_number } else { 0.0 }
+    }
+
     fn servo(&mut self, rig: &Oedometer, state: &mut State) {
         let size = Walls::of(state);
         if state.step.is_multiple_of(LOOK) || self.limit == 0.0 {
             self.limit = rig.loading.max_inertial_number * size.height / inertial_time(state, self.target);
+        }
+        if let (Phase::Load(k), Some(inertial)) = (&self.phase, rig.loading.strain_controlled)
+            && self.strained(*k, rig)
+        {
+            let ramp = (self.phase_steps as f64 / RAMP as f64).min(1.0);
+            state.walls[TOP].speed = ramp * self.limit * inertial / rig.loading.max_inertial_number;
+            return;
         }
         let force = self.target * size.platen_area();
         let w = &mut state.walls[TOP];

@@ -5,6 +5,7 @@ use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::gradation::Gradation;
 use crate::model::{Assembly, Model};
+use crate::record::breakages::OFF;
 use crate::record::cylinder::{self as records, Due, Moment, Recorder};
 use crate::record::table::Table;
 use crate::record::{assembly as assembly_records, checkpoint, measure, specimen, vtk};
@@ -156,13 +157,15 @@ impl Files {
         Ok(())
     }
 
-    /// Rows for the breakages of a step.
-    pub fn breakages(&mut self, out: &Path, breakages: &[Breakage], state: &State) -> Result<()> {
+    /// Rows for the breakages of a step; `target` is the vertical stress asked for, Pa, where one is.
+    pub fn breakages(&mut self, out: &Path, breakages: &[Breakage], state: &State, target: Option<f64>) -> Result<()> {
         if breakages.is_empty() {
             return Ok(());
         }
         let sigma_v = if state.walls.len() == 3 { Stresses::of(state).vertical() } else { f64::NAN };
+        let off = target.is_some_and(|target| (sigma_v / target - 1.0).abs() > OFF);
         for b in breakages {
+            self.recorder.broken.add(b, off);
             self.breakage.push(out, &records::breakage_row(b, sigma_v))?;
         }
         Ok(())

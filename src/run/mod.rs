@@ -13,9 +13,9 @@ use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::model::{Model, Rig};
 use crate::record::cylinder::Due;
-use crate::record::{checkpoint, specimen};
+use crate::record::{checkpoint, quasi_static, specimen};
 use crate::record::{oedometer, triaxial};
-use crate::rig::cylinder::Walls;
+use crate::rig::cylinder::{Stresses, Walls};
 use crate::rig::oedometer::{Loading, Phase};
 use crate::rig::triaxial::{self as shear, Shearing};
 use crate::rig::{assembly, preparation::Preparation};
@@ -238,6 +238,8 @@ fn fresh_work(model: &Model, state: &mut State) -> Work {
     work
 }
 
+/// Steps between looks at the energies of a test: an instability takes some tens to leave the range of numbers.
+const CLOSE_LOOK: u64 = 8;
 /// Steps between looks at the clock, the watchdog and Ctrl-C's flag (the flag itself at every step).
 const LOOK: u64 = 64;
 
@@ -247,6 +249,7 @@ struct Runner<'a> {
     progress: Progress,
     work: Work,
     bar: Bar,
+    watch: watch::Watch,
     started: Instant,
     last_checkpoint: Instant,
 }
@@ -257,7 +260,16 @@ impl<'a> Runner<'a> {
         progress.files.open(out, model, specimen)?;
         let work = fresh_work(model, &mut progress.state);
         let now = Instant::now();
-        Ok(Runner { model, out, progress, work, bar: Bar::new(quiet), started: now, last_checkpoint: now })
+        Ok(Runner {
+            model,
+            out,
+            progress,
+            work,
+            bar: Bar::new(quiet),
+            watch: watch::Watch::default(),
+            started: now,
+            last_checkpoint: now,
+        })
     }
 
     fn go(mut self, stop_after: Option<u64>) -> Result<Outcome> {
@@ -285,8 +297,10 @@ impl<'a> Runner<'a> {
                 self.checkpoint()?;
                 return Err(Error::Interrupted { step: self.progress.steps, out: self.out.into() });
             }
-            if self.progress.steps.is_multiple_of(LOOK) {
+            if self.progress.steps.is_multiple_of(CLOSE_LOOK) {
                 self.watch()?;
+            }
+            if self.progress.steps.is_multiple_of(LOOK) {
                 self.bar.show(self.model, &self.progress);
                 if self.last_checkpoint.elapsed() > Duration::from_secs_f64(self.model.records.checkpoint_seconds) {
                     self.checkpoint()?;
@@ -315,11 +329,18 @@ impl<'a> Runner<'a> {
             (Activity::Loading(loading), Rig::Oedometer(rig)) => {
                 progress.grain_steps += state.grains.len() as u64;
                 loading.advance(model, rig, state, work, |loading, state, work| {
-                    let due = files.recorder.due(model, rig, loading);
+                    if matches!(loading.phase, Phase::Load(_) | Phase::Hold(_)) {
+                        let stresses = Stresses::of(state);
+                        let inertial_number = loading.inertial_number(rig, state);
+                        let held = stresses.vertical();
+                        let now = quasi_static::Instant { target: loading.target, held, inertial_number, waits: loading.waits };
+                        files.recorder.held.look(&now, &stresses);
+                    }
+                    let due = files.recorder.due(model, rig, loading, state);
                     let due = if files.recorder.stage_end(rig, loading) { Some(Due::Full) } else { due };
                     files.observe(out, model, (state, work), due, || oedometer::moment(rig, loading, state))
                 })?;
-                files.breakages(out, &work.breakages, state)?;
+                files.breakages(out, &work.breakages, state, Some(loading.target))?;
                 Ok(loading.phase == Phase::Done)
             }
             (Activity::Shearing(shearing), Rig::Triaxial(rig)) => {
@@ -328,14 +349,14 @@ impl<'a> Runner<'a> {
                     let due = files.recorder.due_in_shear(rig, shearing, state);
                     files.observe(out, model, (state, work), due, || triaxial::moment(rig, shearing, state))
                 })?;
-                files.breakages(out, &work.breakages, state)?;
+                files.breakages(out, &work.breakages, state, None)?;
                 Ok(shearing.phase == shear::Phase::Done)
             }
             (_, Rig::Assembly(rig)) => {
                 progress.grain_steps += state.grains.len() as u64;
                 let last = assembly::done(rig, state);
                 assembly::advance(model, state, work, |state, work| files.observe_assembly(out, model, rig, state, work, last))?;
-                files.breakages(out, &work.breakages, state)?;
+                files.breakages(out, &work.breakages, state, None)?;
                 Ok(last)
             }
             _ => unreachable!("a test belongs to its rig"),
@@ -351,12 +372,21 @@ impl<'a> Runner<'a> {
         (self.progress.activity, self.progress.state) = test(self.model, grains, walls);
         self.progress.files.open(self.out, self.model, true)?;
         self.work = fresh_work(self.model, &mut self.progress.state);
-        Ok(())
+        // whatever may come, the specimen's test can begin again from here
+        self.checkpoint()
     }
 
     /// Stops a run that has lost its meaning, with what there is.
     fn watch(&mut self) -> Result<()> {
-        let lost = watch::grains(&self.progress.state, self.progress.state.step);
+        let Runner { model, progress, work, watch, .. } = self;
+        let state = &progress.state;
+        let mut lost = Ok(());
+        if matches!(progress.activity, Activity::Loading(_) | Activity::Shearing(_)) {
+            lost = watch.energy(model, state, work);
+        }
+        if progress.steps.is_multiple_of(LOOK) {
+            lost = lost.and_then(|()| watch::grains(state, state.step));
+        }
         if lost.is_err() {
             self.progress.files.flush(self.out)?;
         }

@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::figure;
 use crate::model::{Model, Oedometer, Rig, Triaxial};
 use crate::record::checkpoint;
+use crate::record::cylinder::Recorder;
 use crate::step::Work;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -81,6 +82,13 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
             put("d50_mm", json!(initial.diameter_at(0.5).map(|d| d * 1e3)));
         }
     }
+    if let Activity::Loading(_) = &progress.activity {
+        put("held_every_step", recorder.held.summary());
+    }
+    if model.crush.is_some() {
+        put("breakages", recorder.broken.summary());
+    }
+    put("warnings", json!(warnings(recorder)));
     put("energy_rises", json!(state.ledger.rises));
     let lost: f64 = state.lost.iter().map(|l| l.0).sum();
     put("mass_lost_kg", json!(lost));
@@ -94,6 +102,22 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
     put("version", json!(env!("CARGO_PKG_VERSION")));
     put("host", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
     Value::Object(s)
+}
+
+/// An overlap above this share of the smaller radius is named.
+const DEEP: f64 = 0.5;
+
+/// What a reader of the results must know, in words.
+fn warnings(recorder: &Recorder) -> Vec<String> {
+    let mut warnings = recorder.broken.warnings();
+    if recorder.deepest > DEEP {
+        warnings.push(format!(
+            "the deepest contact overlapped by {:.2} of the smaller grain's radius: fragments below the comminution limit cannot break and are pressed into \
+             larger grains; contacts are soft for these forces (material.elastic, material.linear)",
+            recorder.deepest
+        ));
+    }
+    warnings
 }
 
 /// Realised mean and coefficient of variation of the initial grains' strength over its size-dependent mean.

@@ -6,7 +6,27 @@ use crate::crush::criterion::{AreaModel, limit_strength, size_factor};
 use crate::crush::lost_mass::Fines;
 use crate::crush::pattern::Pattern;
 use crate::crush::strength::{StrengthModel, Truncation};
-use crate::model::{CrushModel, Oedometer, Rig, Triaxial};
+use crate::model::{Birth, CrushModel, Oedometer, Rig, Triaxial};
+use toml::{Table, Value};
+
+/// Writes what a scene leaves open and what depends on whether grains break.
+pub fn fill(scene: &mut Table) {
+    let kind = scene.get("kind").and_then(Value::as_str).unwrap_or("").to_string();
+    let breaks = scene.get("crushing").and_then(|c| c.get("enabled")).and_then(Value::as_bool) == Some(true);
+    let mut fill = |table: &str, key: &str, value: &str| {
+        if let Some(Value::Table(table)) = scene.get_mut(table) {
+            table.entry(key).or_insert(Value::String(value.into()));
+        }
+    };
+    if matches!(kind.as_str(), "oedometer" | "triaxial" | "assembly" | "mixture") {
+        // a breakage unloads its neighbourhood, and a tangential force that is kept then creates energy
+        fill("contact", "unloading", if breaks { "rescale" } else { "keep" });
+    }
+    if breaks && kind != "platen" {
+        // the continuum around grains has not been tried with daughters that grow
+        fill("crushing", "birth", if kind == "mixture" { "overlapping" } else { "gradual" });
+    }
+}
 
 impl View<'_> {
     /// Whether and how grains break, and how lost mass is spread.
@@ -48,8 +68,25 @@ impl View<'_> {
             AreaModel::FixedAngle { .. } => "strength.fixed_angle.m",
         };
         self.check(firm, &of.key(table), "gives strengths without limit at the sizes of this scene (eq. 7)");
-        let crush = CrushModel { area, strength, pattern, d_limit };
+        let birth = match self.text("crushing.birth") {
+            "overlapping" => Birth::Overlapping,
+            _ => Birth::Gradual { release: self.steps("crushing.release_steps"), growth: self.steps("crushing.growth_steps") },
+        };
+        let keeps_mass = self.text("crushing.lost_mass") == "grow";
+        self.check(
+            !keeps_mass || matches!(birth, Birth::Gradual { .. }),
+            "crushing.lost_mass",
+            "needs crushing.birth = \"gradual\" to be \"grow\"",
+        );
+        let points = self.text("crushing.lost_mass") == "points";
+        self.check(!points || matches!(rig, Rig::Continuum(_)), "crushing.lost_mass", "can be \"points\" in a mixture only");
+        let interval = self.whole("crushing.interval").unwrap_or(1);
+        let crush = CrushModel { area, strength, pattern, d_limit, birth, keeps_mass, interval };
         Some((Some(crush), fines))
+    }
+
+    fn steps(&self, key: &str) -> u32 {
+        self.whole(key).and_then(|n| u32::try_from(n).ok()).unwrap_or(1)
     }
 
     /// The one material of all grains, by number, where grains break.

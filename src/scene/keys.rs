@@ -9,6 +9,7 @@ const ANY: Range = Range::ANY;
 const POSITIVE: Range = Range::POSITIVE;
 const NOT_NEGATIVE: Range = Range::NOT_NEGATIVE;
 const COUNT: Shape = Integer { low: 1, high: 1_000_000_000_000 };
+const STEPS: Shape = Integer { low: 0, high: 1_000_000 };
 const FROM_ZERO: Shape = Integer { low: 0, high: i64::MAX };
 const VECTOR: Shape = Numbers(ANY, Some(3));
 const RATIO: Range = Range::below(0.0, 1.0);
@@ -343,8 +344,8 @@ pub const KEYS: &[Key] = &[
     both(
         "contact.unloading",
         Choice(&["keep", "rescale"]),
-        Is("\"keep\""),
-        "tangential force when the normal force falls: kept (the paper), or in proportion to its stiffness (cyclic loading)",
+        Absent,
+        "tangential force when the normal force falls: kept (the paper; if not written, where no grain breaks), or in proportion to its stiffness, which creates no energy (if not written, where grains break)",
     ),
     both("contact.rotation", Choice(&["free", "fixed"]), Is("\"free\""), "whether grains turn; fixed, they stand for angular ones"),
     cylinder("walls.friction.bottom", Number(FRICTION), Is("0.0"), "friction coefficient of the lower platen"),
@@ -354,11 +355,30 @@ pub const KEYS: &[Key] = &[
     grains("crushing.area", Choice(&["fixed_angle", "hertz"]), Is("\"fixed_angle\""), "contact area at failure: eq. 8, or eq. 9"),
     grains("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
     grains("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
-    mixture(
+    grains(
+        "crushing.birth",
+        Choice(&["gradual", "overlapping"]),
+        Absent,
+        "how daughters begin (if not written gradual, in a mixture overlapping): without overlap and without force, while the broken grain's hold on its neighbours fades; or where she was, with her overlaps, at once (the paper)",
+    ),
+    grains(
+        "crushing.release_steps",
+        STEPS,
+        Is("200"),
+        "gradual birth: steps in which the broken grain's hold on its neighbours fades",
+    ),
+    grains(
+        "crushing.growth_steps",
+        STEPS,
+        Is("1000"),
+        "gradual birth: steps in which a daughter grows to her size, at least; she waits while her load is near her limit",
+    ),
+    grains("crushing.interval", Integer { low: 1, high: 1_000_000 }, Is("1"), "steps between two judgements of all grains"),
+    grains(
         "crushing.lost_mass",
-        Choice(&["leave", "points"]),
+        Choice(&["leave", "grow", "points"]),
         Is("\"leave\""),
-        "what becomes of the mass that a breakage loses: it leaves the mechanics, or it becomes material points where there is room",
+        "what becomes of the mass that the daughters of a broken grain do not hold: it leaves the mechanics (the paper), the daughters grow until they have it (gradual birth), or in a mixture it becomes material points where there is room",
     ),
     mixture(
         "crushing.release_strain",
@@ -427,7 +447,18 @@ pub const KEYS: &[Key] = &[
         Is("0.15"),
         "axial strain at the end of shear; the cell pressure is specimen.isotropic_stress_kPa",
     ),
-    triaxial("loading.inertial_number", Number(POSITIVE), Is("0.0003"), "inertial number at which the top platen moves"),
+    oedometer(
+        "loading.control",
+        Choice(&["stress", "strain"]),
+        Is("\"stress\""),
+        "what the programme gives in first loading: the stress by `loading.programme`, or the strain, at loading.inertial_number, and the stress is what comes out; unloading and reloading are by stress",
+    ),
+    cylinder(
+        "loading.inertial_number",
+        Number(POSITIVE),
+        Is("0.0003"),
+        "inertial number at which the top platen moves (oedometer: with loading.control = \"strain\")",
+    ),
     platen(
         "loading.step",
         Number(Range::closed(1e-6, 1e-2)),
@@ -470,7 +501,13 @@ pub const KEYS: &[Key] = &[
         Is("[]"),
         "vertical stresses with a gradation and a snapshot, besides the first and the last",
     ),
-    triaxial("records.every_strain", Number(Range::between(0.0, 1.0)), Is("0.001"), "axial strain between rows of history"),
+    cylinder(
+        "records.every_strain",
+        Number(Range::between(0.0, 1.0)),
+        Absent,
+        "axial strain between rows of history: 0.001 in a triaxial test if not written; in an oedometer besides the rows by stress, 0.002 where loading.control = \"strain\", else none",
+    ),
+    oedometer("records.every_events", COUNT, Absent, "breakages between rows of history, besides those by stress and strain"),
     triaxial(
         "records.at_strain",
         Numbers(Range::between(0.0, 1.0), None),

@@ -112,6 +112,7 @@ pub fn load(path: impl AsRef<Path>, sets: &[String]) -> Result<Scene> {
     point_cloud::points(&mut layer)?;
     validate::validate(&mut layer)?;
     material::fill_d50(&mut layer.table);
+    crushing::fill(&mut layer.table);
     Ok(Scene { path: path.to_path_buf(), layer })
 }
 

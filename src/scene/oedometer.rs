@@ -14,6 +14,9 @@ impl View<'_> {
             pace: (self.text("loading.programme") == "adaptive").then(|| self.si("loading.pace")),
             max_inertial_number: self.si("loading.max_inertial_number"),
             max_lag: self.si("loading.max_lag"),
+            strain_controlled: (self.text("loading.control") == "strain").then(|| self.si("loading.inertial_number")),
+            row_strain: self.number("records.every_strain").or((self.text("loading.control") == "strain").then_some(0.002)),
+            row_events: self.whole("records.every_events"),
         };
         let isotropic = self.si("specimen.isotropic_stress_kPa");
         let (kpa, sigma_ref) = (1e-3 * isotropic, 1e-3 * loading.sigma_ref);

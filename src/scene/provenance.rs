@@ -88,13 +88,16 @@ const SETTLED: &[(&str, &str)] = &[
     ("tangential force on unloading", "contact.unloading"),
     ("rotation of grains", "contact.rotation"),
     ("daughters of a broken grain", "crushing.pattern"),
+    ("how daughters begin", "crushing.birth"),
+    ("steps between judgements", "crushing.interval"),
+    ("mass that daughters do not hold", "crushing.lost_mass"),
     ("smallest size of the lost mass", "material.fines.d_min_mm"),
     ("energy ledger", "records.energy"),
 ];
 
 /// Matters that no key changes in this version.
 const FIXED: &[(&str, &str)] = &[
-    ("when grains are judged", "every step of loading, on that step's forces; all that exceed break, in id order"),
+    ("when grains are judged", "in loading, on the forces of the step; all that exceed break, in id order"),
     ("azimuth of the pattern", "random, keyed by lineage"),
     ("logarithm and increment of eq. 18", "natural, one increment per step; lower platen fixed, upper moves"),
     ("oedometer stresses", "mean platen force over area; radial force over current height"),

@@ -8,7 +8,7 @@ impl View<'_> {
         Shear {
             axial_strain: self.si("loading.axial_strain"),
             inertial_number: self.si("loading.inertial_number"),
-            record_every: self.si("records.every_strain"),
+            record_every: self.number("records.every_strain").unwrap_or(0.001),
             record_at: self.numbers("records.at_strain"),
         }
     }

@@ -111,7 +111,7 @@ fn weigh(force: &mut [f64; 4], mass: f64, gravity: [f64; 3]) {
     }
 }
 
-/// Force and torque on grain `i` from contacts and gravity (before damping), with rolling where the run has it. Where grains do not turn,
+/// Force and torque on grain `i` from contacts, gravity and broken neighbours (before damping), with rolling where the run has it. Where grains do not turn,
 /// what keeps them from it takes the torque.
 pub fn force_and_torque(i: usize, model: &Model, state: &State, neighbours: &Neighbours) -> ([f64; 3], [f64; 3]) {
     let s = sum::<Plain, false>((), i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
@@ -121,6 +121,9 @@ pub fn force_and_torque(i: usize, model: &Model, state: &State, neighbours: &Nei
     }
     if model.gravity != [0.0; 3] {
         weigh(&mut f, state.grains.mass[i], model.gravity);
+    }
+    if !state.aftermath.is_empty() {
+        f.iter_mut().zip(state.aftermath.on(i)).for_each(|(sum, f)| *sum += f);
     }
     if !model.contact.turning {
         t = [0.0; 4];
@@ -162,7 +165,8 @@ pub fn advance(model: &Model, state: &mut State, work: &mut Work) {
     let Work { neighbours, flags, outside, task, arch, .. } = work;
     let (task, arch) = (*task / 4, *arch);
     let ledger = state.pairs.kept().work;
-    let crush = state.crushing;
+    // judged every so many steps
+    let crush = state.crushing && model.crush.as_ref().is_some_and(|c| state.step.is_multiple_of(c.interval));
     let State { grains, pairs, wall_pairs, .. } = state;
     let input = Input {
         neighbours,

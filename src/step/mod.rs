@@ -7,7 +7,7 @@
 //! 3. reactions of the walls, inertia or time step when due,
 //! 4. control: what the rig does with the forces of this instant (records, wall speeds),
 //! 5. grains: each sums its contacts in the order of its partners' ids, is judged, kicked and drifted; walls advance,
-//! 6. crush: grains whose load exceeded their limit are replaced by daughters, in id order.
+//! 6. crush: grains whose load exceeded their limit are replaced by daughters, in id order; what breakages have left to do goes on.
 //!
 //! Only + − × ÷ √ in a stated order reach the results.
 
@@ -21,6 +21,7 @@ use crate::contact::law::{Law, PairTable};
 use crate::contact::pairs::{FREE, Kept, Pairs};
 use crate::contact::part::{self, Slots};
 use crate::contact::{sweep, wall_sweep};
+use crate::crush::birth::{self, Aftermath};
 use crate::crush::criterion::AreaModel;
 use crate::crush::event::{self, Breakage};
 use crate::grains::Grains;
@@ -60,6 +61,8 @@ pub struct State {
     pub crush_events: u64,
     /// (lost mass, kg; smallest daughter's diameter, m) of each event, for the reconstructed gradation.
     pub lost: Vec<(f64, f64)>,
+    /// What breakages have left to do: radii that grow, forces that fade.
+    pub aftermath: Aftermath,
     /// The next kick is a half one: velocities are those of the full step.
     pub fresh: bool,
 }
@@ -160,6 +163,7 @@ impl State {
             ledger: Ledger::default(),
             crush_events: 0,
             lost: Vec::new(),
+            aftermath: Aftermath::default(),
             fresh: true,
         }
     }
@@ -198,7 +202,12 @@ pub fn feel(model: &Model, state: &mut State, work: &mut Work) {
 /// The second half: motion, and what breaks.
 pub fn go(model: &Model, state: &mut State, work: &mut Work) {
     let mut watch = Stopwatch::new(&mut work.clock);
+    stability::keep_up(model, state, work);
+    state.aftermath.push(&mut work.outside, state.grains.len());
+    let half = 0.5 * state.dt;
+    state.ledger.release += half * state.aftermath.power(&state.grains);
     gather::advance(model, state, work);
+    state.ledger.release += half * state.aftermath.power(&state.grains);
     work.outside.clear();
     alone(small(state, work), || collect(state, work));
     for w in &mut state.walls {
@@ -206,6 +215,9 @@ pub fn go(model: &Model, state: &mut State, work: &mut Work) {
     }
     watch.lap(&mut work.clock, 2);
     alone(small(state, work), || crush(model, state, work));
+    if !state.aftermath.is_empty() {
+        birth::advance(state, &work.neighbours, &mut work.moved);
+    }
     watch.lap(&mut work.clock, 3);
     state.step += 1;
     state.time += state.dt;
@@ -294,8 +306,9 @@ pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
         sweep::grains(model, table, &rules, grains, pairs, Slots::These(begun));
         reactions(model, table, &rules, grains, walls, wall_pairs, neighbours);
     });
+    state.aftermath.feel(model, &state.grains, &work.table);
     // newborn grains get their scaled inertia at birth; an unscaled time step has to follow them
-    let born = std::mem::take(&mut state.births) && !model.stepping.inertia_scaling;
+    let born = (std::mem::take(&mut state.births) || !state.aftermath.is_empty()) && !model.stepping.inertia_scaling;
     if born || state.step.is_multiple_of(state.stability_interval) {
         stability::refresh(model, state, work);
     }
@@ -415,6 +428,7 @@ pub fn permute(state: &mut State, work: &mut Work, order: &[u32]) {
         *i = place[*i as usize];
     }
     state.grains.permute(order);
+    state.aftermath.permute(&place);
     // slots in the order in which the pass over grains first meets them
     let slot_order = |pairs: &Pairs| {
         let mut slots: Vec<u32> = (0..pairs.slots() as u32).filter(|&s| pairs.ends[s as usize][0] != FREE).collect();

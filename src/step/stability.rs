@@ -69,7 +69,7 @@ pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a
 fn stiffness(i: usize, model: &Model, state: &State, neighbours: &Neighbours, table: &PairTable) -> f64 {
     let mut sum = 0.0;
     overlaps(i, state, neighbours, table, |o| sum += share(&elastic(model, o.depth, o.r_eff, o.pair)));
-    sum
+    sum + 2.0 * state.aftermath.stiffness(i)
 }
 
 /// Stiffness a grain of this size has when two contacts bear the reference stress on its cross-section.
@@ -167,6 +167,21 @@ fn rescale(model: &Model, state: &mut State, work: &mut Work) {
     for &(_, i) in &scratch.changed {
         if let Some(inertia) = scratch.inertia[i as usize] {
             set_inertia(state, i as usize, inertia);
+        }
+    }
+}
+
+/// Inertia, at every step, of the grains whose contacts change fast because something has just broken beside them (inertia scaling).
+pub fn keep_up(model: &Model, state: &mut State, work: &Work) {
+    if !model.stepping.inertia_scaling || state.aftermath.is_empty() {
+        return;
+    }
+    let restless: Vec<usize> = state.aftermath.restless().collect();
+    for i in restless {
+        if let Some(inertia) = new_inertia(i, model, state, &work.neighbours, &work.table)
+            && inertia > state.grains.inertia(i)
+        {
+            set_inertia(state, i, inertia);
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::gpu::device::refused;
 use crate::gpu::state::ghost_radius;
 use crate::grains::Grains;
-use crate::model::{TangentialUnloading, WallShape};
+use crate::model::{Birth, TangentialUnloading, WallShape};
 use crate::mpm::{Points, Settings};
 use std::f64::consts::PI;
 
@@ -118,6 +118,9 @@ fn lacking(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Vec<Err
     }
     if model.contact.unloading == TangentialUnloading::Rescale {
         lacks("contact.unloading", "rescale".into(), "use keep");
+    }
+    if model.crush.as_ref().is_some_and(|c| c.birth != Birth::Overlapping) {
+        lacks("crushing.birth", "gradual".into(), "use overlapping");
     }
     if mixture.fines.is_some() {
         lacks("crushing.lost_mass", "points".into(), "use leave");

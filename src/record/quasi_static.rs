@@ -1,0 +1,95 @@
+//! How well a test has held what it says, over every step and not only at records.
+
+use crate::rig::cylinder::Stresses;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+/// Steps below this stress, Pa, are not held to anything (NOTES.md).
+pub const FROM: f64 = 50e3;
+
+/// What has been worst so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Held {
+    /// Distance of the held stress from its target, over the target; the platens' difference over their mean; inertial number.
+    distance: f64,
+    platens: f64,
+    inertial: f64,
+    /// Steps looked at, and those in which the programme waited for the specimen.
+    steps: u64,
+    waited: u64,
+    /// Longest wait, steps, and the target then, Pa; the present wait.
+    longest: u64,
+    longest_at: f64,
+    waiting: u64,
+}
+
+/// What a rig says of one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Instant {
+    /// The stress that a servo is to hold, Pa, and what it is.
+    pub target: f64,
+    pub held: f64,
+    pub inertial_number: f64,
+    /// Whether the programme waits until the stress is near its target.
+    pub waits: bool,
+}
+
+impl Instant {
+    /// Distance from the target over the target.
+    pub fn distance(&self) -> f64 {
+        (self.held / self.target - 1.0).abs()
+    }
+}
+
+impl Held {
+    /// Takes in one step.
+    pub fn look(&mut self, now: &Instant, stresses: &Stresses) {
+        if stresses.vertical() < FROM {
+            return;
+        }
+        self.steps += 1;
+        self.distance = self.distance.max(now.distance());
+        self.platens = self.platens.max(stresses.platen_difference());
+        self.inertial = self.inertial.max(now.inertial_number);
+        self.waiting = if now.waits { self.waiting + 1 } else { 0 };
+        self.waited += u64::from(now.waits);
+        if self.waiting > self.longest {
+            (self.longest, self.longest_at) = (self.waiting, now.target);
+        }
+    }
+
+    /// For `summary.json`.
+    pub fn summary(&self) -> Value {
+        json!({
+            "above_kPa": FROM * 1e-3,
+            "steps": self.steps,
+            "largest_distance_from_target": self.distance,
+            "largest_platen_difference": self.platens,
+            "largest_inertial_number": self.inertial,
+            "waited_steps": self.waited,
+            "longest_wait_steps": self.longest,
+            "longest_wait_at_kPa": self.longest_at * 1e-3,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_worst_step_counts_and_waits_are_measured() {
+        let stresses = |top: f64, bottom: f64| Stresses { top, bottom, horizontal: 0.0 };
+        let now = |held: f64, waits: bool| Instant { target: 1e6, held, inertial_number: 1e-4, waits };
+        let mut held = Held::default();
+        held.look(&now(1e4, true), &stresses(1e4, 1e4));
+        assert_eq!(held, Held::default());
+        for (sigma, waits) in [(1e6, false), (0.7e6, true), (0.8e6, true), (0.99e6, false), (0.9e6, true)] {
+            held.look(&now(sigma, waits), &stresses(1.02 * sigma, 0.98 * sigma));
+        }
+        let s = held.summary();
+        assert!((s["largest_distance_from_target"].as_f64().unwrap() - 0.3).abs() < 1e-12);
+        assert!((s["largest_platen_difference"].as_f64().unwrap() - 0.04).abs() < 1e-12);
+        assert_eq!((s["waited_steps"].as_u64(), s["longest_wait_steps"].as_u64()), (Some(3), Some(2)));
+    }
+}
