@@ -86,9 +86,16 @@ pub enum ContactLaw {
     Hertz,
     /// Li et al. 2023 eqs (18)-(21): Hertz-Mindlin with viscous damping.
     HertzViscous,
+    /// As `HertzViscous`, but the normal force ends where it would turn tensile, with the damping that gives the same restitution.
+    HertzViscousNoTension,
 }
 
 impl ContactLaw {
+    /// Whether dashpots add to the springs, which then keep a column of their own.
+    pub fn is_viscous(self) -> bool {
+        matches!(self, ContactLaw::HertzViscous | ContactLaw::HertzViscousNoTension)
+    }
+
     /// Whether the normal force is in proportion to the overlap.
     pub fn is_linear(self) -> bool {
         matches!(self, ContactLaw::Linear | ContactLaw::LinearInherited)

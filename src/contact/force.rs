@@ -153,6 +153,9 @@ pub fn touching<R: Real, L: Law, const LEDGER: bool, const EXTRA: bool>(
     let mut normal_force = e.force;
     if L::VISCOUS {
         normal_force = normal_force + pair.viscous * (e.k_n * m.m_eff).sqrt() * approach;
+        if !L::TENSION {
+            normal_force = normal_force.at_least(0.0);
+        }
     }
 
     let mut spring = carried(old.spring.unwrap_or(old.touch.tangential), m, dt);

@@ -47,6 +47,8 @@ pub struct Elastic<R = f64> {
 pub trait Law: Copy + Send + Sync + 'static {
     /// Whether the law adds viscous forces.
     const VISCOUS: bool;
+    /// Whether the dashpot may make the normal force tensile at the end of an impact.
+    const TENSION: bool = true;
     /// Whether a grain's stiffness may be that of another size ([`crate::grains::Grains::stiffness_radius`]).
     const INHERITED: bool = false;
     fn elastic<R: Real>(overlap: R, r_eff: R, pair: &Pair<R>) -> Elastic<R>;
@@ -109,6 +111,48 @@ impl Law for HertzViscous {
     }
 }
 
+/// [`HertzViscous`] whose normal force ends where it would turn tensile. The impulse of a sliding contact is then exactly μ (1 + e) m* v, and the damping for a
+/// restitution e is that of [`viscous_coefficient_without_tension`].
+#[derive(Clone, Copy)]
+pub struct HertzViscousNoTension;
+
+impl Law for HertzViscousNoTension {
+    const VISCOUS: bool = true;
+    const TENSION: bool = false;
+    #[inline(always)]
+    fn elastic<R: Real>(overlap: R, r_eff: R, pair: &Pair<R>) -> Elastic<R> {
+        Hertz::elastic(overlap, r_eff, pair)
+    }
+}
+
+/// Viscous coefficient c of η = c √(S_n m*) that gives the restitution e in (0, 1] where the force ends at zero.
+///
+/// With z = δ^{5/4} Hertz's contact with Tsuji's damping is a linear oscillator of damping ratio ζ = √0.3 c (Antypov & Elliott 2011). That one leaves contact
+/// where its acceleration is zero, at the time t of tan(ω t) = −2 ζ ω / (1 − 2 ζ²), ω² = 1 − ζ², and with the speed e = exp(−ζ t) (Schwager & Pöschel 2007).
+pub fn viscous_coefficient_without_tension(restitution: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1e6);
+    // the root by halving: e falls with ζ
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if restitution_without_tension(middle) > restitution { low = middle } else { high = middle }
+    }
+    low / 0.3f64.sqrt()
+}
+
+/// Restitution of a damping ratio ζ where the force ends at zero.
+fn restitution_without_tension(zeta: f64) -> f64 {
+    let difference = 1.0 - zeta * zeta;
+    let omega = difference.abs().sqrt();
+    let (sine, cosine) = (2.0 * zeta * omega, 1.0 - 2.0 * zeta * zeta);
+    let time = match omega {
+        // the limit of both
+        omega if omega < 1e-6 => 2.0,
+        omega if difference > 0.0 => sine.atan2(-cosine) / omega,
+        omega => (sine / -cosine).atanh() / omega,
+    };
+    (-zeta * time).exp()
+}
+
 /// Viscous coefficient 2 √(5/6) β of a restitution e in (0, 1].
 pub fn viscous_coefficient(restitution: f64) -> f64 {
     let l = restitution.ln();
@@ -128,7 +172,7 @@ impl Pair {
     pub fn depth(&self, law: ContactLaw, r_eff: f64, force: f64) -> f64 {
         match law {
             ContactLaw::Linear | ContactLaw::LinearInherited => force / (self.a * r_eff),
-            ContactLaw::Hertz | ContactLaw::HertzViscous => (force / (self.a * r_eff.sqrt())).cbrt().powi(2),
+            _ => (force / (self.a * r_eff.sqrt())).cbrt().powi(2),
         }
     }
 
@@ -152,13 +196,16 @@ impl Pair {
     fn new(law: ContactLaw, e_eff: f64, g_eff: f64, k_eff: f64, alpha: f64, m1: &Material, m2: &Material) -> Pair {
         let (a, b) = match law {
             ContactLaw::Linear | ContactLaw::LinearInherited => (4.0 * k_eff, 4.0 * alpha * k_eff),
-            ContactLaw::Hertz | ContactLaw::HertzViscous => (4.0 / 3.0 * e_eff, 8.0 * g_eff),
+            _ => (4.0 / 3.0 * e_eff, 8.0 * g_eff),
         };
         Pair {
             a,
             b,
             friction: m1.friction.min(m2.friction),
-            viscous: viscous_coefficient((m1.restitution * m2.restitution).sqrt()),
+            viscous: match law {
+                ContactLaw::HertzViscousNoTension => viscous_coefficient_without_tension((m1.restitution * m2.restitution).sqrt()),
+                _ => viscous_coefficient((m1.restitution * m2.restitution).sqrt()),
+            },
             rolling: m1.rolling_friction.min(m2.rolling_friction),
             e_eff,
         }
@@ -246,6 +293,10 @@ macro_rules! with_law {
             }
             $crate::model::ContactLaw::HertzViscous => {
                 type $L = $crate::contact::law::HertzViscous;
+                $body
+            }
+            $crate::model::ContactLaw::HertzViscousNoTension => {
+                type $L = $crate::contact::law::HertzViscousNoTension;
                 $body
             }
         }

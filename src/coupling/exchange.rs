@@ -37,7 +37,7 @@ fn ratio(law: ContactLaw, pair: &Pair) -> f64 {
 impl Mixture {
     /// Grains, contacts and motion are those of the instant that was felt last.
     pub fn contacts(&self, model: &Model, table: &PairTable) -> Contacts {
-        let (g, viscous) = (&self.grains.grains, model.contact.law == ContactLaw::HertzViscous);
+        let (g, viscous) = (&self.grains.grains, model.contact.law.is_viscous());
         let mut place = vec![0; g.len()];
         for (k, i) in (0..).zip(g.by_id()) {
             place[i as usize] = k;
@@ -119,7 +119,7 @@ impl Mixture {
                 radius: ghost_radius(Dimension::Space, points.solid(point)),
                 mass: points.velocity[point][3],
                 touch: c.touch,
-                spring: if model.contact.law == ContactLaw::HertzViscous { c.spring } else { [0.0; 3] },
+                spring: if model.contact.law.is_viscous() { c.spring } else { [0.0; 3] },
                 stiffness: [c.stiffness, c.stiffness * ratio(model.contact.law, pair)],
                 reference: 0.0,
             }

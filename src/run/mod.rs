@@ -249,7 +249,6 @@ struct Runner<'a> {
     progress: Progress,
     work: Work,
     bar: Bar,
-    watch: watch::Watch,
     started: Instant,
     last_checkpoint: Instant,
 }
@@ -260,16 +259,7 @@ impl<'a> Runner<'a> {
         progress.files.open(out, model, specimen)?;
         let work = fresh_work(model, &mut progress.state);
         let now = Instant::now();
-        Ok(Runner {
-            model,
-            out,
-            progress,
-            work,
-            bar: Bar::new(quiet),
-            watch: watch::Watch::default(),
-            started: now,
-            last_checkpoint: now,
-        })
+        Ok(Runner { model, out, progress, work, bar: Bar::new(quiet), started: now, last_checkpoint: now })
     }
 
     fn go(mut self, stop_after: Option<u64>) -> Result<Outcome> {
@@ -298,7 +288,7 @@ impl<'a> Runner<'a> {
                 return Err(Error::Interrupted { step: self.progress.steps, out: self.out.into() });
             }
             if self.progress.steps.is_multiple_of(CLOSE_LOOK) {
-                self.watch()?;
+                self.watch(false)?;
             }
             if self.progress.steps.is_multiple_of(LOOK) {
                 self.bar.show(self.model, &self.progress);
@@ -307,7 +297,7 @@ impl<'a> Runner<'a> {
                 }
             }
         }
-        self.watch()?;
+        self.watch(true)?;
         self.bar.finish();
         summary::finish(self.model, self.out, &mut self.progress, &self.work)
     }
@@ -377,14 +367,14 @@ impl<'a> Runner<'a> {
     }
 
     /// Stops a run that has lost its meaning, with what there is.
-    fn watch(&mut self) -> Result<()> {
-        let Runner { model, progress, work, watch, .. } = self;
+    fn watch(&mut self, last: bool) -> Result<()> {
+        let Runner { progress, .. } = self;
         let state = &progress.state;
         let mut lost = Ok(());
         if matches!(progress.activity, Activity::Loading(_) | Activity::Shearing(_)) {
-            lost = watch.energy(model, state, work);
+            lost = watch::energy(state);
         }
-        if progress.steps.is_multiple_of(LOOK) {
+        if last || progress.steps.is_multiple_of(LOOK) {
             lost = lost.and_then(|()| watch::grains(state, state.step));
         }
         if lost.is_err() {

@@ -1,47 +1,37 @@
 //! What ends a run that has lost its meaning, before anything in it is not a number.
 
 use crate::error::{Error, Result};
-use crate::model::Model;
-use crate::record::measure;
-use crate::step::{State, Work};
+use crate::step::State;
 
 /// A grain is inside another one, and their contact no force any more, when they overlap by this many times the smaller radius.
 const SWALLOWED: f64 = 2.0;
 
-/// Looks after the energies of a quasi-static test.
-#[derive(Debug, Default)]
-pub struct Watch {
-    /// Kinetic energy, J, above which the elastic energy of all contacts is summed again.
-    allowance: f64,
-}
-
-impl Watch {
-    /// # Errors
-    /// Grains of a quasi-static test that have more kinetic energy than all contacts have elastic energy, or energy that is not a number.
-    pub fn energy(&mut self, model: &Model, state: &State, work: &Work) -> Result<()> {
-        let g = &state.grains;
-        let of = |i: usize| {
-            let [u, v, w, inverse] = g.vel[i];
-            0.5 * (u * u + v * v + w * w) / inverse
-        };
-        let kinetic: f64 = (0..g.len()).map(of).sum();
-        if kinetic <= self.allowance {
-            return Ok(());
-        }
-        let stored = measure::sums(model, state, work).stored;
-        self.allowance = 0.5 * stored;
-        if kinetic <= stored {
-            return Ok(());
-        }
-        let fastest = (0..g.len()).max_by(|&i, &j| of(i).total_cmp(&of(j))).unwrap_or(0);
-        let what = format!(
-            "the kinetic energy of the grains, {kinetic:.3e} J, is larger than the elastic energy of all contacts, {stored:.3e} J: a quasi-static test \
-             has become unstable; try stepping.safety = 0.4, contact.unloading = \"rescale\", crushing.birth = \"gradual\", in this order. Of all grains the \
-             fastest has diameter {:.3e} m",
-            2.0 * g.pos[fastest][3]
-        );
-        Err(Error::Unstable { step: state.step, what, grain: Some(u64::from(g.id[fastest])) })
+/// # Errors
+/// Grains of a quasi-static test that have more kinetic energy than walls and growth have ever given and contacts had at the start: the motion feeds itself.
+pub fn energy(state: &State) -> Result<()> {
+    let (g, ledger) = (&state.grains, &state.ledger);
+    let [stored, kinetic, _] = ledger.start;
+    if stored == 0.0 {
+        // the test has not begun
+        return Ok(());
     }
+    let of = |i: usize| {
+        let [u, v, w, inverse] = g.vel[i];
+        0.5 * (u * u + v * v + w * w) / inverse
+    };
+    let now: f64 = (0..g.len()).map(of).sum();
+    let given: f64 = state.walls.iter().map(|w| w.work.max(0.0)).sum();
+    let possible = stored + kinetic + given + ledger.growth.max(0.0) + ledger.inertia.max(0.0);
+    if now <= possible {
+        return Ok(());
+    }
+    let fastest = (0..g.len()).max_by(|&i, &j| of(i).total_cmp(&of(j))).unwrap_or(0);
+    let what = format!(
+        "the kinetic energy of the grains, {now:.3e} J, is more than all energy that they were ever given, {possible:.3e} J: the time step has become \
+         unstable; try stepping.safety = 0.4, contact.unloading = \"rescale\", crushing.birth = \"gradual\", in this order. The fastest grain has diameter {:.3e} m",
+        2.0 * g.pos[fastest][3]
+    );
+    Err(Error::Unstable { step: state.step, what, grain: Some(u64::from(g.id[fastest])) })
 }
 
 /// After `step` steps of the run.
@@ -81,4 +71,36 @@ pub fn grains(state: &State, step: u64) -> Result<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::boundary::Wall;
+    use crate::grains::Grains;
+
+    /// A test with one grain that moves, and one wall that has done this work, J.
+    fn state(speed: f64, work: f64) -> State {
+        let model = crate::bench::model(crate::bench::Case::Uniform, 1, crate::model::ContactLaw::Hertz, 0.2);
+        let mut grains = Grains::default();
+        grains.add([0.0; 3], 1e-3, 0, &model.materials);
+        grains.vel[0] = [speed, 0.0, 0.0, 1.0];
+        let spec = crate::model::WallSpec {
+            shape: crate::model::WallShape::Plane { point: [0.0, 0.0, -1e-3], normal: [0.0, 0.0, 1.0] },
+            friction: 0.0,
+            drive: crate::model::Drive::Fixed,
+            material: None,
+        };
+        let mut state = State::new(&model, grains, vec![Wall { work, ..Wall::new(&spec) }], true);
+        state.ledger.start = [1.0, 0.0, 0.0];
+        state
+    }
+
+    #[test]
+    fn energy_out_of_nothing_ends_a_test() {
+        assert!(energy(&state(1.9, 1.0)).is_ok());
+        let told = energy(&state(2.1, 1.0)).expect_err("2.2 J of 2 J");
+        assert!(told.exit_code() == 3 && told.to_string().contains("ever given"), "{told}");
+        assert!(energy(&state(f64::NAN, 1.0)).is_err(), "what is not a number is no energy");
+    }
 }

@@ -88,7 +88,7 @@ pub fn estimate(model: &Model) -> Estimate {
     if let Some(s) = model.rig.specimen() {
         let specimen = specimen(s);
         size_warnings(&specimen, &mut estimate.warnings);
-        if model.damping == 0.0 && model.contact.law != ContactLaw::HertzViscous {
+        if model.damping == 0.0 && !model.contact.law.is_viscous() {
             estimate.warnings.push("damping.local = 0: only sliding takes energy out of the specimen".into());
         }
         estimate.specimen = Some(specimen);
@@ -271,7 +271,7 @@ pub(super) fn share(law: ContactLaw, material: &crate::model::Material, r: f64, 
             let k = 2.0 * material.k_eff * r;
             (k, material.alpha_s * k)
         }
-        ContactLaw::Hertz | ContactLaw::HertzViscous => {
+        _ => {
             let (r_eff, nu) = (0.5 * r, material.poisson);
             let e_eff = material.young / (2.0 * (1.0 - nu * nu));
             let g_eff = material.young / (4.0 * (1.0 + nu) * (2.0 - nu));

@@ -337,9 +337,9 @@ pub const KEYS: &[Key] = &[
     ),
     both(
         "contact.law",
-        Choice(&["linear", "linear_inherited", "hertz", "hertz_viscous"]),
+        Choice(&["linear", "linear_inherited", "hertz", "hertz_viscous", "hertz_viscous_no_tension"]),
         Is("\"hertz\""),
-        "eq. 13; the same with the mother's stiffness for fragments; eq. 14 (Hertz-Mindlin); Hertz-Mindlin with viscous damping",
+        "eq. 13; the same with the mother's stiffness for fragments; eq. 14 (Hertz-Mindlin); Hertz-Mindlin with viscous damping; the same whose normal force never turns tensile, with which friction is mu times the impulse at any restitution",
     ),
     both(
         "contact.unloading",
@@ -561,7 +561,12 @@ pub const KEYS: &[Key] = &[
         Absent,
         "coefficient of sliding friction between grains; or `friction_angle_rad`",
     ),
-    every("material.contact.restitution", Number(Range::above(0.0, 1.0)), Is("1.0"), "restitution of the law hertz_viscous"),
+    every(
+        "material.contact.restitution",
+        Number(Range::above(0.0, 1.0)),
+        Is("1.0"),
+        "restitution of the laws hertz_viscous and hertz_viscous_no_tension",
+    ),
     every("material.contact.rolling_friction", Number(Range::closed(0.0, 10.0)), Is("0.0"), "coefficient of rolling friction"),
     every("material.gradation.points", Points, Required, "[diameter in mm, mass fraction finer] from 0 to 1, unscaled"),
     every("material.strength.d0_mm", Number(POSITIVE), Is("2.0"), "reference diameter of size hardening (eq. 7), unscaled"),

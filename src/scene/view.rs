@@ -112,6 +112,7 @@ impl<'a> View<'a> {
             "linear" => ContactLaw::Linear,
             "linear_inherited" => ContactLaw::LinearInherited,
             "hertz_viscous" => ContactLaw::HertzViscous,
+            "hertz_viscous_no_tension" => ContactLaw::HertzViscousNoTension,
             _ => ContactLaw::Hertz,
         }
     }
@@ -186,7 +187,7 @@ impl<'a> View<'a> {
                 format!("must be [0, 0, 0]: weight has no meaning when inertia is scaled; {counts}"),
             );
             self.check(
-                self.law() != ContactLaw::HertzViscous,
+                !self.law().is_viscous(),
                 "contact.law",
                 format!("must be \"linear\" or \"hertz\": a rate-dependent law has no meaning where {counts}"),
             );

@@ -163,5 +163,5 @@ fn a_grain_too_fast_for_its_step_is_told() {
     let folder = tempfile::tempdir().expect("folder");
     let sets = ["grain[0].velocity_m_s=[0.0, 0.0, -5000.0]", QUIET[0], QUIET[1]];
     let told = "further than a cell";
-    run("mixture/ball_impact", &folder.path().join("out"), &sets, &[]).assert().code(1).stderr(contains(told));
+    run("mixture/ball_impact", &folder.path().join("out"), &sets, &[]).assert().code(3).stderr(contains(told));
 }

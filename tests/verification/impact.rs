@@ -236,3 +236,34 @@ fn an_oblique_impact_keeps_angular_momentum_about_the_contact() {
         close("normal velocity", lab.velocity(0)[0], -speed, 1e-7);
     }
 }
+
+/// With the automatic step every restitution comes out, and without tension friction is its coefficient times the normal impulse, (1 + e) m v.
+#[test]
+fn restitution_and_friction_hold_at_every_restitution_with_the_automatic_step() {
+    let mut worst = 0.0f64;
+    for law in ["hertz_viscous", "hertz_viscous_no_tension"] {
+        for restitution in [0.05, 0.1, 0.3, 0.5, 0.8, 0.95, 1.0] {
+            let stuff = Stuff { restitution, ..LIMESTONE };
+            let (radius, friction, speed) = (0.01, 0.1, 0.5);
+            let ball = Ball { at: [-radius * 1.0001, 0.0, 0.0], radius, velocity: [speed, 4.0, 0.0], ..Ball::default() };
+            let wall = Plane { normal: [-1.0, 0.0, 0.0], friction, ..Plane::default() };
+            let mut lab = Lab::new(&assembly_text(&format!("contact.law = \"{law}\""), &stuff, &[ball], &[wall]));
+            let (mut met, mut steps) = (false, 0);
+            while !(met && lab.position(0)[0] < -radius) {
+                met |= lab.position(0)[0] > -radius;
+                lab.step();
+                steps += 1;
+                assert!(steps < 100_000, "it never parts");
+            }
+            let out = lab.velocity(0);
+            let error = -out[0] / speed / restitution - 1.0;
+            let impulse = (4.0 - out[1]) / (friction * (1.0 + restitution) * speed) - 1.0;
+            println!("{law} {restitution}: restitution off by {error:.1e}, impulse of friction by {impulse:.1e}, {steps} steps");
+            worst = worst.max(error.abs());
+            if law == "hertz_viscous_no_tension" {
+                worst = worst.max(impulse.abs());
+            }
+        }
+    }
+    assert!(worst < 0.01, "{worst}");
+}

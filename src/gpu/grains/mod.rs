@@ -178,7 +178,7 @@ impl Bodies {
             law: match model.contact.law {
                 ContactLaw::Linear | ContactLaw::LinearInherited => 0,
                 ContactLaw::Hertz => 1,
-                ContactLaw::HertzViscous => 2,
+                ContactLaw::HertzViscous | ContactLaw::HertzViscousNoTension => 2,
             },
             rates: 1,
             turning: model.contact.turning.into(),
@@ -388,7 +388,7 @@ impl Bodies {
         dt: f64,
     ) -> Result<()> {
         let (words, mix) = self.read(device, step)?;
-        let viscous = model.contact.law == ContactLaw::HertzViscous;
+        let viscous = model.contact.law.is_viscous();
         let settings = cpu.settings().clone();
         for (k, i) in mixture.grains.grains.by_id().into_iter().enumerate() {
             words::to_grain(&settings, &words.grains, k, &mut mixture.grains.grains, i as usize);

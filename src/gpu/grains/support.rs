@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::gpu::device::refused;
 use crate::gpu::state::ghost_radius;
 use crate::grains::Grains;
-use crate::model::{Birth, TangentialUnloading, WallShape};
+use crate::model::{Birth, ContactLaw, TangentialUnloading, WallShape};
 use crate::mpm::{Points, Settings};
 use std::f64::consts::PI;
 
@@ -115,6 +115,9 @@ fn lacking(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Vec<Err
     };
     if model.contact.rolling {
         lacks("material.contact.rolling_friction", "above 0".into(), "use none");
+    }
+    if model.contact.law == ContactLaw::HertzViscousNoTension {
+        lacks("contact.law", "hertz_viscous_no_tension".into(), "use hertz_viscous");
     }
     if model.contact.unloading == TangentialUnloading::Rescale {
         lacks("contact.unloading", "rescale".into(), "use keep");
