@@ -4,6 +4,7 @@
 //! Laws only: they take and return plain values and know no arrays of grains, files or clocks.
 
 pub mod criterion;
+pub mod crushing_stress;
 pub mod event;
 pub mod lost_mass;
 pub mod pattern;

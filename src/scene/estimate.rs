@@ -27,6 +27,9 @@ pub struct Estimate {
     /// Time step, s; `None` where time counts steps.
     #[serde(rename = "time_step_s")]
     pub time_step: Option<f64>,
+    /// Of a single grain, where grains break.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crushing_stress: Option<super::crushing_estimate::CrushingStress>,
     /// What limits the time step.
     pub time_step_limit: String,
     /// Loading steps (eq. 18), or steps of a free scene.
@@ -46,6 +49,14 @@ pub struct Specimen {
 
 /// Estimate the run of `model`.
 pub fn estimate(model: &Model) -> Estimate {
+    let mut estimate = without_strength(model);
+    estimate.crushing_stress = super::crushing_estimate::crushing_stress(model);
+    estimate.warnings.extend(estimate.crushing_stress.as_ref().and_then(|s| s.warning()));
+    estimate
+}
+
+/// Everything but what strengths mean.
+fn without_strength(model: &Model) -> Estimate {
     let (smallest, largest) = extremes(&model.rig);
     let grains = match &model.rig {
         Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => specimen.grains,
@@ -80,6 +91,7 @@ pub fn estimate(model: &Model) -> Estimate {
         memory_mb: 1e-6 * BYTES_PER_GRAIN * grains_final,
         specimen: None,
         continuum: None,
+        crushing_stress: None,
         time_step,
         time_step_limit,
         steps,
@@ -146,7 +158,7 @@ fn specimen(o: &model::Specimen) -> Specimen {
     }
 }
 
-fn median(points: &[(f64, f64)]) -> f64 {
+pub(super) fn median(points: &[(f64, f64)]) -> f64 {
     let half = points.windows(2).find(|w| w[1].1 >= 0.5);
     half.map_or(f64::NAN, |w| w[0].0 + (0.5 - w[0].1) / (w[1].1 - w[0].1) * (w[1].0 - w[0].0))
 }
