@@ -111,6 +111,7 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
             e.grains_final
         )?,
     }
+    crushing_stress(text, e)?;
     if let Some(s) = &e.specimen {
         writeln!(
             text,
@@ -130,6 +131,18 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
     writeln!(text, "  folder          {}", scene.default_out().display())
 }
 
+/// The strength law in the laboratory's terms.
+fn crushing_stress(text: &mut String, e: &Estimate) -> std::fmt::Result {
+    let Some(s) = &e.crushing_stress else { return Ok(()) };
+    writeln!(
+        text,
+        "  grain strength  mean F/d² of single grains of {:.3} mm (d50) between rigid platens: {} MPa",
+        s.d_mm,
+        // four digits
+        format!("{:.3e}", s.mean_mpa).parse::<f64>().unwrap_or(s.mean_mpa)
+    )
+}
+
 fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) -> std::fmt::Result {
     let [x, y, z] = c.cells;
     let grows = if c.grows { " (estimate: the specimen grows)" } else { "" };
@@ -141,6 +154,7 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
     if e.grains > 0 {
         writeln!(text, "  grains          {}{grows}", e.grains)?;
     }
+    crushing_stress(text, e)?;
     for (k, block) in c.blocks.iter().enumerate() {
         writeln!(text, "  block {k:<9} {block}")?;
     }

@@ -5,6 +5,7 @@
 
 pub mod birth;
 pub mod criterion;
+pub mod crushing_stress;
 pub mod event;
 pub mod lost_mass;
 pub mod pattern;

@@ -105,6 +105,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
             device_mb: device.as_ref().ok().map(|bytes| 1e-6 * *bytes as f64),
             device_lacks: device.err().map(|e| e.to_string().replace('\n', "; ")),
         }),
+        crushing_stress: None,
         time_step: Some(dt),
         time_step_limit: if model.stepping.dt.is_some() { "stepping.dt_s".into() } else { why.into() },
         steps,

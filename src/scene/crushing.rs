@@ -3,10 +3,11 @@
 use super::material::Named;
 use super::view::View;
 use crate::crush::criterion::{AreaModel, limit_strength, size_factor};
+use crate::crush::crushing_stress::Quoted;
 use crate::crush::lost_mass::Fines;
 use crate::crush::pattern::Pattern;
 use crate::crush::strength::{StrengthModel, Truncation};
-use crate::model::{Birth, CrushModel, Oedometer, Rig, Triaxial};
+use crate::model::{Birth, CrushModel, GrainSpec, Oedometer, Rig, Triaxial};
 use toml::{Table, Value};
 
 /// Writes what a scene leaves open and what depends on whether grains break.
@@ -89,25 +90,9 @@ impl View<'_> {
         self.whole(key).and_then(|n| u32::try_from(n).ok()).unwrap_or(1)
     }
 
-    /// The one material of all grains, by number, where grains break.
+    /// The one material of all grains, by number, where grains break; `None` with the reason noted where several would.
     fn grain_material(&self, rig: &Rig) -> Option<usize> {
-        let grains = match rig {
-            Rig::Oedometer(_) | Rig::Triaxial(_) => return Some(0),
-            Rig::Platen(platen) => return Some(usize::from(platen.grain)),
-            Rig::Assembly(assembly) => &assembly.grains,
-            Rig::Continuum(rig) => {
-                if let Some(growth) = &rig.growth {
-                    let all = growth.coarse.into_iter().chain((!growth.as_points).then_some(growth.fines));
-                    return self.one_material(all.map(|fraction| fraction.material));
-                }
-                &rig.coarse.as_ref()?.grains
-            }
-        };
-        self.one_material(grains.iter().map(|g| g.material))
-    }
-
-    /// The one material of grains, by number; `None` with the reason noted where several would break.
-    fn one_material(&self, mut materials: impl Iterator<Item = u8>) -> Option<usize> {
+        let mut materials = grain_materials(rig)?.into_iter();
         let Some(first) = materials.next() else { return Some(0) };
         let mixed = materials.any(|m| m != first);
         if mixed && self.flag("crushing.enabled") {
@@ -157,8 +142,8 @@ impl View<'_> {
             Some(theta0) => AreaModel::FixedAngle { theta0 },
             None => AreaModel::Hertz,
         };
-        let model = StrengthModel {
-            sigma_lim0: self.sigma_lim0(of, &table)?,
+        let shape = StrengthModel {
+            sigma_lim0: f64::NAN,
             d0: self.si(&of.key("strength.d0_mm")) * self.scale(),
             m: self.si(&format!("{table}.m")),
             var: self.si(&format!("{table}.var")),
@@ -169,17 +154,40 @@ impl View<'_> {
             },
             min_ratio: self.si(&of.key("strength.min_ratio")),
         };
-        Some((area, model))
+        let sigma_lim0 = self.sigma_lim0(of, &table, area, &shape)?;
+        Some((area, StrengthModel { sigma_lim0, ..shape }))
     }
 
-    /// Given, or from uniaxial strengths (eqs 2, 4, 6).
-    fn sigma_lim0(&self, of: &Named, table: &str) -> Option<f64> {
+    /// Given, or from the crushing stress of single grains (eqs 16, 17), or from uniaxial strengths (eqs 2, 4, 6).
+    fn sigma_lim0(&self, of: &Named, table: &str, area: AreaModel, shape: &StrengthModel) -> Option<f64> {
         let given = self.number(&format!("{table}.sigma_lim0_MPa"));
+        let crushing = self.number(&format!("{table}.crushing_stress_MPa"));
         let compressive = self.number(&format!("{table}.sigma_c_MPa"));
         let tensile = self.number(&format!("{table}.sigma_t_MPa"));
-        match (given, compressive, tensile) {
-            (Some(sigma), None, None) => Some(sigma),
-            (None, Some(c), Some(t)) => {
+        let quoted = format!("{table}.crushing_stress_is");
+        if crushing.is_none() && self.has(&quoted) {
+            self.refuse(&quoted, "belongs to crushing_stress_MPa, which is missing");
+            return None;
+        }
+        match (given, crushing, compressive, tensile) {
+            (Some(sigma), None, None, None) => Some(sigma),
+            (None, Some(stress), None, None) => {
+                let quoted = match self.text(&quoted) {
+                    "mean" => Quoted::Mean,
+                    "survival_37" => Quoted::Survival37,
+                    _ => {
+                        let message = "needs crushing_stress_is = \"mean\" or \"survival_37\" beside it: the mean F/d^2 of many grains, or what 37 % of them survive";
+                        self.refuse(&format!("{table}.crushing_stress_MPa"), message);
+                        return None;
+                    }
+                };
+                let e_eff = match area {
+                    AreaModel::FixedAngle { .. } => 1.0,
+                    AreaModel::Hertz => rigid_platens(self.elastic(of, true, "sigma_lim0 from crushing_stress_MPa (eq. 17)")?),
+                };
+                Some(shape.sigma_lim0_from(stress, area, e_eff, quoted))
+            }
+            (None, None, Some(c), Some(t)) => {
                 let (_, nu) = self.elastic(of, true, "the limit strength from sigma_c and sigma_t")?;
                 if c <= t {
                     let message = "must be larger than sigma_t_MPa (chi > 0, eq. 2)";
@@ -189,7 +197,7 @@ impl View<'_> {
                 Some(limit_strength(c, t, nu))
             }
             _ => {
-                let message = "must have sigma_lim0_MPa, or sigma_c_MPa with sigma_t_MPa";
+                let message = "must have sigma_lim0_MPa, or crushing_stress_MPa with crushing_stress_is, or sigma_c_MPa with sigma_t_MPa, one of them";
                 self.refuse(table, message);
                 None
             }
@@ -204,6 +212,28 @@ impl View<'_> {
             d_min: d_min.map_or(0.01 * smallest, |d| d * self.scale()),
         }
     }
+}
+
+/// E', Pa, of a grain of Young's modulus, Pa, and Poisson ratio against a rigid platen (eq. 11).
+pub fn rigid_platens((young, poisson): (f64, f64)) -> f64 {
+    young / (1.0 - poisson * poisson)
+}
+
+/// Materials of the scene's grains, by number, each as often as it is met; `None` where there can be no grains.
+pub fn grain_materials(rig: &Rig) -> Option<Vec<u8>> {
+    let of = |grains: &[GrainSpec]| grains.iter().map(|g| g.material).collect();
+    Some(match rig {
+        Rig::Oedometer(_) | Rig::Triaxial(_) => vec![0],
+        Rig::Platen(platen) => vec![platen.grain],
+        Rig::Assembly(assembly) => of(&assembly.grains),
+        Rig::Continuum(rig) => match &rig.growth {
+            Some(growth) => {
+                let all = growth.coarse.into_iter().chain((!growth.as_points).then_some(growth.fines));
+                all.map(|fraction| fraction.material).collect()
+            }
+            None => of(&rig.coarse.as_ref()?.grains),
+        },
+    })
 }
 
 /// Smallest and largest diameter of the scene, m.

@@ -2,7 +2,9 @@
 
 use super::crushing::extremes;
 use super::specimen::height;
-use crate::model::{self, Assembly, ContactLaw, Drive, Model, Oedometer, Rig, TangentialUnloading, Triaxial};
+use crate::contact::law::Pair;
+use crate::crush::criterion::{AreaModel, size_factor};
+use crate::model::{self, Assembly, ContactLaw, CrushModel, Drive, Model, Oedometer, Rig, TangentialUnloading, Triaxial};
 use crate::rig::platen::most_steps;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -27,6 +29,9 @@ pub struct Estimate {
     /// Time step, s; `None` where time counts steps.
     #[serde(rename = "time_step_s")]
     pub time_step: Option<f64>,
+    /// Of a single grain, where grains break.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crushing_stress: Option<super::crushing_estimate::CrushingStress>,
     /// What limits the time step.
     pub time_step_limit: String,
     /// Loading steps (eq. 18), or steps of a free scene.
@@ -46,6 +51,14 @@ pub struct Specimen {
 
 /// Estimate the run of `model`.
 pub fn estimate(model: &Model) -> Estimate {
+    let mut estimate = without_strength(model);
+    estimate.crushing_stress = super::crushing_estimate::crushing_stress(model);
+    estimate.warnings.extend(estimate.crushing_stress.as_ref().and_then(|s| s.warning()));
+    estimate
+}
+
+/// Everything but what strengths mean.
+fn without_strength(model: &Model) -> Estimate {
     let (smallest, largest) = extremes(&model.rig);
     let grains = match &model.rig {
         Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => specimen.grains,
@@ -80,6 +93,7 @@ pub fn estimate(model: &Model) -> Estimate {
         memory_mb: 1e-6 * BYTES_PER_GRAIN * grains_final,
         specimen: None,
         continuum: None,
+        crushing_stress: None,
         time_step,
         time_step_limit,
         steps,
@@ -119,7 +133,32 @@ pub fn estimate(model: &Model) -> Estimate {
             1e3 * largest
         ));
     }
+    if let (Some(crush), Some(specimen)) = (&model.crush, model.rig.specimen()) {
+        estimate.warnings.extend(weak_from_the_start(model, crush, specimen));
+    }
     estimate
+}
+
+/// Share of grains too weak for the isotropic stress from which on a scene is warned.
+const TOO_WEAK: f64 = 1e-3;
+
+/// Says how many grains of median size are drawn weaker than what the prepared specimen already puts on them, a force of stress times d².
+fn weak_from_the_start(model: &Model, crush: &CrushModel, specimen: &model::Specimen) -> Option<String> {
+    let d = median(&specimen.gradation);
+    let pair = Pair::between(model.contact.law, &model.materials[0], &model.materials[0]);
+    let mean = crush.strength.sigma_lim0 * size_factor(d, crush.strength.d0, crush.strength.m);
+    let share = specimen.isotropic_stress * d * d / crush.area.limit_force(mean, d, 0.25 * d, pair.e_eff);
+    // force goes with strength, or with its cube
+    let ratio = if crush.area == AreaModel::Hertz { share.cbrt() } else { share };
+    let weak = crush.strength.share_weaker(ratio);
+    (weak > TOO_WEAK).then(|| {
+        format!(
+            "{:.1} % of the grains are drawn weaker than the prepared specimen's own stress of {} kPa (below {ratio:.2} of the mean at their size): they break at the first \
+             step of loading, far above their limit; raise material.strength.min_ratio to {ratio:.2} or more, or lower var",
+            100.0 * weak,
+            1e-3 * specimen.isotropic_stress
+        )
+    })
 }
 
 const UNLOADING: &str = "loading.stages_kPa unload the specimen, and a tangential force that is kept on unloading creates energy; \
@@ -146,7 +185,7 @@ fn specimen(o: &model::Specimen) -> Specimen {
     }
 }
 
-fn median(points: &[(f64, f64)]) -> f64 {
+pub(super) fn median(points: &[(f64, f64)]) -> f64 {
     let half = points.windows(2).find(|w| w[1].1 >= 0.5);
     half.map_or(f64::NAN, |w| w[0].0 + (0.5 - w[0].1) / (w[1].1 - w[0].1) * (w[1].0 - w[0].0))
 }

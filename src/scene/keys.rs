@@ -20,6 +20,8 @@ const ANGLE: Range = Range::between(0.0, 1.57);
 const DEGREES: Range = Range::below(0.0, 89.0);
 const RADIANS: Range = Range::below(0.0, 1.55);
 const EVOLUTION: Shape = Choice(&["linear", "cubic_exponential"]);
+const QUOTED: Shape = Choice(&["mean", "survival_37"]);
+const QUOTED_WHAT: &str = "what `crushing_stress_MPa` is of many grains of one size: their mean, or what 37 % (1/e) of them survive, as Weibull plots give it";
 
 const fn both(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
     Key { path, shape, default, of: Of::Both, what }
@@ -104,6 +106,12 @@ pub const RIVALS: &[(&str, &str)] = &[
     ("friction_angle_rad", "friction"),
     ("sigma_lim0_MPa", "sigma_c_MPa"),
     ("sigma_lim0_MPa", "sigma_t_MPa"),
+    ("sigma_lim0_MPa", "crushing_stress_MPa"),
+    ("sigma_lim0_MPa", "crushing_stress_is"),
+    ("sigma_c_MPa", "crushing_stress_MPa"),
+    ("sigma_c_MPa", "crushing_stress_is"),
+    ("sigma_t_MPa", "crushing_stress_MPa"),
+    ("sigma_t_MPa", "crushing_stress_is"),
     ("steps", "duration_s"),
     ("grain", "grains_csv"),
     ("material", "materials"),
@@ -581,11 +589,28 @@ pub const KEYS: &[Key] = &[
         "material.strength.fixed_angle.sigma_lim0_MPa",
         Number(POSITIVE),
         Absent,
-        "mean limit strength at d0 (eq. 7); or `sigma_c_MPa` and `sigma_t_MPa`",
+        "mean limit strength at d0 (eq. 7), a force over the area of its contact: 4 / (pi sin^2 theta0) times F/d^2 of a single-grain test (eq. 16), 11 times at theta0 = 0.35; or `crushing_stress_MPa`, or `sigma_c_MPa` and `sigma_t_MPa`",
     ),
-    every("material.strength.fixed_angle.sigma_c_MPa", Number(POSITIVE), Absent, "uniaxial compressive strength (eq. 2)"),
+    every(
+        "material.strength.fixed_angle.crushing_stress_MPa",
+        Number(POSITIVE),
+        Absent,
+        "F/d^2 of grains of diameter d0 crushed between flat platens, as laboratories give it; sigma_lim0 follows from it by eq. 16 and does not depend on the platens. With `crushing_stress_is`",
+    ),
+    every("material.strength.fixed_angle.crushing_stress_is", QUOTED, Absent, QUOTED_WHAT),
+    every(
+        "material.strength.fixed_angle.sigma_c_MPa",
+        Number(POSITIVE),
+        Absent,
+        "uniaxial compressive strength of the grain's substance (eq. 2), not of a grain",
+    ),
     every("material.strength.fixed_angle.sigma_t_MPa", Number(POSITIVE), Absent, "uniaxial tensile strength (eq. 2)"),
-    every("material.strength.fixed_angle.theta0_rad", Number(ANGLE), Required, "angle of the contact area (eq. 8)"),
+    every(
+        "material.strength.fixed_angle.theta0_rad",
+        Number(ANGLE),
+        Required,
+        "angle of the contact area at failure (eq. 8), half the opening seen from the grain's centre. Single-grain tests give the product sigma_lim0 sin^2 theta0 only, and so do runs: any angle will do if sigma_lim0 goes with it (with `crushing_stress_MPa` it does). Without another source take 0.35, petroleum coke's of Ciantia et al. 2015 (there: 0.13 for silica sand)",
+    ),
     every("material.strength.fixed_angle.m", Number(POSITIVE), Required, "Weibull modulus, eq. 7"),
     every(
         "material.strength.fixed_angle.var",
@@ -597,8 +622,15 @@ pub const KEYS: &[Key] = &[
         "material.strength.hertz_area.sigma_lim0_MPa",
         Number(POSITIVE),
         Absent,
-        "mean limit strength at d0 (eq. 7); or `sigma_c_MPa` and `sigma_t_MPa`",
+        "mean limit strength at d0 (eq. 7), a force over Hertz's area of its contact, far above F/d^2 of a single-grain test, which goes with its cube (eq. 17); or `crushing_stress_MPa`, or `sigma_c_MPa` and `sigma_t_MPa`",
     ),
+    every(
+        "material.strength.hertz_area.crushing_stress_MPa",
+        Number(POSITIVE),
+        Absent,
+        "F/d^2 of grains of diameter d0 crushed between flat rigid platens; sigma_lim0 follows from it by eq. 17 with the material's elastic moduli and the spread of strengths. Platens of steel: multiply what was measured by (E'_steel / E'_rigid)^2, 0.55 for grains of E = 70 GPa (eq. 11). With `crushing_stress_is`",
+    ),
+    every("material.strength.hertz_area.crushing_stress_is", QUOTED, Absent, QUOTED_WHAT),
     every("material.strength.hertz_area.sigma_c_MPa", Number(POSITIVE), Absent, "uniaxial compressive strength (eq. 2)"),
     every("material.strength.hertz_area.sigma_t_MPa", Number(POSITIVE), Absent, "uniaxial tensile strength (eq. 2)"),
     every("material.strength.hertz_area.m", Number(POSITIVE), Required, "Weibull modulus, eq. 7"),

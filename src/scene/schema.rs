@@ -101,8 +101,9 @@ impl Range {
     }
 }
 
-/// Larger or (unless zero) smaller magnitudes are refused: squares and cubes of them must stay finite in SI units.
+/// Larger magnitudes are refused: squares and cubes of them must stay finite in SI units.
 const LARGEST: f64 = 1e15;
+/// Smaller magnitudes are what rounding leaves of a zero (a cosine of 90° is 6e-17): they are taken as 0 where 0 is allowed and refused elsewhere.
 const SMALLEST: f64 = 1e-15;
 
 /// What a key may hold.
@@ -239,14 +240,18 @@ fn number(value: &Value, range: &Range) -> Result<f64, String> {
     if !x.is_finite() {
         return Err("must be a finite number".into());
     }
+    let noise = x != 0.0 && x.abs() < SMALLEST;
+    if noise && range.holds(0.0) {
+        return Ok(0.0);
+    }
     if !range.holds(x) {
         return Err(format!("must be {}", range.text()));
     }
     if x.abs() > LARGEST {
         return Err(format!("must not be larger than {LARGEST:e}"));
     }
-    if x != 0.0 && x.abs() < SMALLEST {
-        return Err(format!("must be 0 or at least {SMALLEST:e} in size"));
+    if noise {
+        return Err(format!("must be at least {SMALLEST:e} in size"));
     }
     Ok(x)
 }
@@ -337,6 +342,18 @@ mod tests {
             let message = shape.accept(bad.clone()).unwrap_err();
             assert!(message.contains(says), "{bad:?}: {message}");
         }
+    }
+
+    #[test]
+    fn what_rounding_leaves_of_zero_is_zero() {
+        let cosine = std::f64::consts::FRAC_PI_2.cos();
+        for (shape, noise) in [(Shape::Number(Range::ANY), cosine), (Shape::Number(Range::NOT_NEGATIVE), -1e-17)] {
+            assert_eq!(shape.accept(Value::Float(noise)), Ok(Value::Float(0.0)));
+        }
+        let normal = Shape::Numbers(Range::ANY, Some(3)).accept(parse_literal("[6.1e-17, 0, 1]").unwrap());
+        assert_eq!(normal, Ok(parse_literal("[0.0, 0.0, 1.0]").unwrap()));
+        let pairs = Shape::Points.accept(parse_literal("[[-6.1e-17, 1]]").unwrap());
+        assert_eq!(pairs, Ok(parse_literal("[[0.0, 1.0]]").unwrap()));
     }
 
     #[test]

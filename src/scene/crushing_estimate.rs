@@ -1,0 +1,74 @@
+//! What the strengths of a scene mean for a single grain between platens: the number that laboratories give.
+
+use super::crushing::{grain_materials, rigid_platens};
+use super::estimate::median;
+use crate::crush::crushing_stress::Quoted;
+use crate::model::{Model, Rig};
+use serde::Serialize;
+
+/// Mean F/d^2, MPa, of grains that soils and bulk goods have, from loose agglomerates to single crystals of a tenth of a millimetre, with room on
+/// both sides: a unit that is wrong by 1000 lies outside.
+const USUAL: [f64; 2] = [0.5, 5000.0];
+
+/// Mean crushing stress at the median size of the scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CrushingStress {
+    /// Size of the grain, unscaled.
+    pub d_mm: f64,
+    /// Mean F/d^2 between rigid platens.
+    #[serde(rename = "mean_MPa")]
+    pub mean_mpa: f64,
+}
+
+impl CrushingStress {
+    /// What is to be said where no grain is as weak or as strong as this.
+    pub fn warning(&self) -> Option<String> {
+        let [low, high] = USUAL;
+        let beyond = !(low..=high).contains(&self.mean_mpa);
+        beyond.then(|| {
+            format!(
+                "a single grain of {:.3} mm breaks at a mean F/d^2 of {:.3e} MPa, outside {low} to {high} MPa: strengths are in MPa, and sigma_lim0 is not F/d^2 (crushing_stress_MPa is)",
+                self.d_mm, self.mean_mpa
+            )
+        })
+    }
+}
+
+/// Of the scene's strength law; `None` where nothing breaks.
+pub fn crushing_stress(model: &Model) -> Option<CrushingStress> {
+    let crush = model.crush.as_ref()?;
+    let number = grain_materials(&model.rig).and_then(|all| all.first().copied()).unwrap_or(0);
+    let material = model.materials.get(usize::from(number))?;
+    let d = middle_size(&model.rig)?;
+    let e_eff = rigid_platens((material.young, material.poisson));
+    let mean = crush.strength.crushing_stress(crush.area, e_eff, d, Quoted::Mean);
+    Some(CrushingStress { d_mm: 1e3 * d / model.scale, mean_mpa: 1e-6 * mean })
+}
+
+/// Median diameter of the grains by mass, m.
+fn middle_size(rig: &Rig) -> Option<f64> {
+    let listed = match rig {
+        Rig::Oedometer(_) | Rig::Triaxial(_) => return rig.specimen().map(|s| median(&s.gradation)),
+        Rig::Platen(p) => p.diameters.clone(),
+        Rig::Assembly(a) => a.grains.iter().map(|g| 2.0 * g.radius).collect(),
+        Rig::Continuum(rig) => match &rig.growth {
+            Some(growth) => {
+                let [low, high] = growth.coarse.unwrap_or(growth.fines).radii;
+                return Some(low + high);
+            }
+            None => rig.coarse.as_ref()?.grains.iter().map(|g| 2.0 * g.radius).collect(),
+        },
+    };
+    by_mass(listed)
+}
+
+/// Diameter below which half of the mass of these spheres is.
+fn by_mass(mut diameters: Vec<f64>) -> Option<f64> {
+    diameters.sort_by(f64::total_cmp);
+    let half = 0.5 * diameters.iter().map(|d| d * d * d).sum::<f64>();
+    let mut sum = 0.0;
+    diameters.into_iter().find(|d| {
+        sum += d * d * d;
+        sum >= half
+    })
+}
