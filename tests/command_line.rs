@@ -55,6 +55,15 @@ fn check_warns_of_unloading_with_a_kept_tangential_force() {
     comminute(&["check", COKE]).success().stderr(contains("creates energy").not());
 }
 
+/// With var. = 1 and the Hertzian area 2 % of the coke is drawn too weak for the prepared specimen; with a smallest ratio none is.
+#[test]
+fn check_warns_of_strengths_near_zero() {
+    let scene = "experiments/petroleum_coke/h-v-2.toml";
+    let told = "drawn weaker than the prepared specimen's own stress";
+    comminute(&["check", scene]).success().stderr(contains(told));
+    comminute(&["check", scene, "--set", "material.strength.min_ratio=0.08"]).success().stderr(contains(told).not());
+}
+
 #[test]
 fn check_as_json_is_one_object() {
     let assert = comminute(&["check", COKE, "--json", "--seed", "7"]).success().stderr("");
