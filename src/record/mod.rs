@@ -6,6 +6,7 @@ pub mod blocks;
 pub mod checkpoint;
 pub mod continuum;
 pub mod cylinder;
+pub mod dictionary;
 pub mod ledger;
 pub mod measure;
 pub mod oedometer;
