@@ -160,8 +160,7 @@ impl View<'_> {
                 Some(limit_strength(c, t, nu))
             }
             _ => {
-                let message =
-                    "must have sigma_lim0_MPa, or crushing_stress_MPa with crushing_stress_is, or sigma_c_MPa with sigma_t_MPa, one of them";
+                let message = "must have sigma_lim0_MPa, or crushing_stress_MPa with crushing_stress_is, or sigma_c_MPa with sigma_t_MPa, one of them";
                 self.refuse(table, message);
                 None
             }
