@@ -3,9 +3,12 @@
 
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
+use comminute::record::dictionary::SHEETS;
 use predicates::prelude::*;
 use predicates::str::contains;
+use std::collections::BTreeSet;
 use std::fs;
+use std::path::Path;
 
 const COKE: &str = "experiments/petroleum_coke/h-c-2.toml";
 
@@ -42,9 +45,10 @@ fn a_strength_from_single_grain_tests_is_their_mean_crushing_stress() {
     for (area, theta0) in [("fixed_angle", "theta0_rad = 0.35"), ("hertz", "")] {
         let given = format!("{theta0}\ncrushing_stress_MPa = 100\ncrushing_stress_is = \"mean\"");
         assert!((mean_mpa(coke_with(area, &given)) - 100.0).abs() < 1e-9, "{area}");
-        // the 37 % strength lies above the mean of a nearly normal distribution, not far
+        // 37 % of a normal spread of 0.4 lie above 1.137 times the mean; its cube is on the average 1.48, and 1.137^3 is 1.47
         let survived = mean_mpa(coke_with(area, &given.replace("mean", "survival_37")));
-        assert!((50.0..95.0).contains(&survived), "{area}: {survived}");
+        let expected = if area == "hertz" { 100.7 } else { 88.5 };
+        assert!((survived - expected).abs() < 2.0, "{area}: {survived}");
     }
     let as_limit = mean_mpa(coke_with("fixed_angle", "theta0_rad = 0.35\nsigma_lim0_MPa = 100"));
     assert!((as_limit - 9.3).abs() < 0.2, "eq. 16: {as_limit}");
@@ -66,4 +70,201 @@ fn pascals_in_a_key_of_megapascals_are_pointed_out() {
     comminute(&strength).success().stderr(contains("warning: a single grain").and(contains("0.5 to 5000 MPa")));
     comminute(&["check", COKE]).success().stderr(contains("mean F/d²").and(contains("warning: a single").not()));
     comminute(&["check", "--keys"]).success().stdout(contains("crushing_stress_MPa").and(contains("11 times at theta0 = 0.35")));
+}
+
+/// Templates, and what shortens their runs.
+const TEMPLATES: [(&str, &[&str]); 5] = [
+    (
+        "oedometer",
+        &[
+            "specimen.grains=200",
+            "specimen.diameter_mm=3",
+            "specimen.porosity=0.45",
+            "preparation.growth_friction=0.3",
+            "preparation.growth_steps=1500",
+            "loading.settle_steps=100",
+            "loading.max_stress_kPa=5000",
+            "loading.stages_kPa=[4000.0]",
+            "loading.pace=0.02",
+            "loading.max_inertial_number=0.01",
+            "records.at_kPa=[]",
+            "material.strength.fixed_angle.crushing_stress_MPa=8",
+        ],
+    ),
+    (
+        "triaxial",
+        &[
+            "specimen.grains=150",
+            "specimen.diameter_mm=2.5",
+            "specimen.porosity=0.43",
+            "preparation.growth_friction=0.3",
+            "preparation.growth_steps=1500",
+            "loading.settle_steps=100",
+            "loading.axial_strain=0.004",
+            "records.at_strain=[]",
+        ],
+    ),
+    ("grains", &["duration_s=0.0002", "records.every=50"]),
+    ("continuum", &["test.axial_strain=0.001"]),
+    ("mixture", &["test.axial_strain=0.001"]),
+];
+
+/// Runs a scene without figures into `out`.
+fn run(scene: &str, sets: &[&str], out: &Path) {
+    let out = out.display().to_string();
+    let mut args = vec!["run", scene, "--quiet", "--out", &out, "--set", "records.figures=false"];
+    args.extend(sets.iter().flat_map(|set| ["--set", set]));
+    comminute(&args).success();
+}
+
+#[test]
+fn what_new_writes_is_valid_and_runs_and_the_dictionary_has_every_column() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut columns = Seen::default();
+    for (kind, sets) in TEMPLATES {
+        let dir = folder.path().join(kind);
+        let path = dir.display().to_string();
+        comminute(&["new", kind, &path]).success().stderr(contains("scene.toml"));
+        comminute(&["new", kind, &path]).code(2).stderr(contains("is not empty"));
+        let scene = dir.join("scene.toml").display().to_string();
+        comminute(&["check", &scene]).success();
+        run(&scene, sets, &dir.join("run"));
+        columns.look(&dir.join("run"), if kind == "grains" { "assembly" } else { kind });
+    }
+    // what no template has: platens, rigid bodies, fines from crushing, undrained, one-dimensional and free continua
+    let more: [(&str, &str, &[&str]); 6] = [
+        ("platen", "experiments/platen/silica.toml", &["batch.grains=3", "batch.diameters_mm=[2.0]"]),
+        ("mixture", "experiments/mixture/sliding_box.toml", &["duration_s=0.002"]),
+        ("mixture", "mixture/scene.toml", &["test.axial_strain=0.001", "crushing.lost_mass=points"]),
+        ("continuum", "continuum/scene.toml", &["test.axial_strain=0.001", "test.drainage=constant_volume"]),
+        ("continuum", "experiments/mpm/oedometer.toml", &["test.axial_strain=0.001"]),
+        ("continuum", "experiments/mpm/column_collapse_2d.toml", &["duration_s=0.002"]),
+    ];
+    for (k, (kind, scene, sets)) in more.into_iter().enumerate() {
+        let out = folder.path().join(k.to_string());
+        let own = folder.path().join(scene);
+        let scene = if own.exists() { own.display().to_string() } else { scene.to_string() };
+        run(&scene, sets, &out);
+        columns.look(&out, kind);
+    }
+    columns.complete();
+    comminute(&["check", "--columns"]).success().stdout(contains("void_ratio_restored").and(contains("breakage.csv")));
+}
+
+/// Columns that have been met, by sheet of the dictionary.
+#[derive(Default)]
+struct Seen(BTreeSet<(usize, String)>);
+
+impl Seen {
+    /// Every table that lies in a run's folder.
+    fn look(&mut self, run: &Path, kind: &str) {
+        for entry in fs::read_dir(run).expect("run").flatten() {
+            let file = entry.file_name().to_string_lossy().into_owned();
+            if file.ends_with(".csv") {
+                self.table(&entry.path(), &file, kind);
+            }
+        }
+    }
+
+    fn table(&mut self, path: &Path, file: &str, kind: &str) {
+        let sheet = SHEETS.iter().position(|s| s.describes(file, kind));
+        let sheet = sheet.unwrap_or_else(|| panic!("the dictionary (src/record/dictionary.rs) lacks {file} of kind {kind}"));
+        let text = fs::read_to_string(path).expect("table");
+        let header = text.lines().find(|line| !line.starts_with('#')).expect("header");
+        for name in header.split(',') {
+            let known = SHEETS[sheet].columns.iter().any(|c| c.name == name);
+            assert!(known, "the dictionary (src/record/dictionary.rs) lacks the column {name} of {file}, kind {kind}");
+            self.0.insert((sheet, name.to_string()));
+        }
+    }
+
+    /// No table of runs has a column in the dictionary that none of them has.
+    fn complete(&self) {
+        for (k, sheet) in SHEETS.iter().enumerate().filter(|(_, s)| !s.of.starts_with("comminute")) {
+            for column in sheet.columns {
+                let met = self.0.contains(&(k, column.name.to_string()));
+                assert!(met, "no run leaves {} in {} ({})", column.name, sheet.files, sheet.of);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_template_needs_a_folder_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    comminute(&["new", "grains", &folder.path().display().to_string(), "--quiet"]).success().stderr("");
+    let file = folder.path().join("scene.toml").display().to_string();
+    comminute(&["new", "grains", &file]).code(2).stderr(contains("is a file"));
+}
+
+#[test]
+fn a_run_that_fails_while_it_is_prepared_does_not_take_its_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    let path = out.display().to_string();
+    let base = ["run", COKE, "--quiet", "--out", &path, "--set", "specimen.grains=150", "--set", "specimen.diameter_mm=100"];
+    let never = [&base[..], &["--set", "preparation.growth_steps=40", "--set", "preparation.max_steps=60"]].concat();
+    let names = || {
+        let mut names: Vec<String> =
+            fs::read_dir(&out).expect("folder").flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    };
+    for _ in 0..2 {
+        comminute(&never).failure().stderr(contains("holds a run").not());
+        assert_eq!(names(), ["failed.scene.toml"]);
+    }
+    let text = fs::read_to_string(out.join("failed.scene.toml")).expect("text");
+    assert!(text.starts_with("# This run failed") && text.contains("max_steps = 60"), "{text}");
+    comminute(&["check", &out.join("failed.scene.toml").display().to_string()]).success();
+    // what is the user's stays, and keeps the folder taken
+    fs::write(out.join("notes.txt"), "mine").expect("written");
+    comminute(&never).code(2).stderr(contains("holds a run"));
+    comminute(&[&never[..], &["--force"]].concat()).failure();
+    assert_eq!(names(), ["failed.scene.toml", "notes.txt"]);
+    // a run that gets further, or is stopped, keeps what it has
+    fs::remove_file(out.join("notes.txt")).expect("removed");
+    comminute(&[&base[..], &["--stop-after", "20"]].concat()).failure();
+    assert!(
+        names().contains(&"scene.resolved.toml".to_string()) && !names().contains(&"failed.scene.toml".to_string()),
+        "{:?}",
+        names()
+    );
+    comminute(&base).code(2).stderr(contains("holds a run"));
+}
+
+#[test]
+fn a_sweep_and_an_ensemble_begin_with_the_specimen_they_are_given() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let small = [
+        "specimen.grains=150",
+        "specimen.diameter_mm=100",
+        "specimen.porosity=0.45",
+        "preparation.growth_friction=0.3",
+        "loading.max_stress_kPa=10",
+        "loading.rate=0.5",
+        "records.figures=false",
+        "loading.settle_steps=50",
+    ];
+    let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
+    let made = at("made");
+    comminute(&[&["run", COKE, "--quiet", "--out", &made][..], &sets].concat()).success();
+    let specimen = format!("{made}/specimen.csv");
+    let given = ["--quiet", "--threads", "1", "--specimen", &specimen];
+    let (sweep, ensemble) = (at("sweep"), at("ensemble"));
+    comminute(&[&["sweep", COKE, "--grid", "damping.local=0.05,0.2", "--out", &sweep][..], &sets, &given].concat()).success();
+    comminute(&[&["ensemble", COKE, "--seeds", "1,2", "--out", &ensemble][..], &sets, &given].concat()).success();
+    let wanted = fs::read_to_string(&specimen).expect("specimen");
+    for run in ["sweep/local-0.05", "sweep/local-0.2", "ensemble/seed-1", "ensemble/seed-2"] {
+        let own = folder.path().join(run).join("specimen.csv");
+        let own = fs::read_to_string(&own).unwrap_or_else(|e| panic!("{run}: {e}"));
+        assert!(own == wanted, "{run}");
+    }
+    let listed = comminute(&[&["ensemble", COKE, "--list", "--seeds", "1"][..], &given].concat());
+    listed.success().stdout(contains("--specimen"));
+    let packing = [&["ensemble", COKE, "--vary", "packing", "--out", &ensemble][..], &given].concat();
+    comminute(&packing).code(2).stderr(contains("--vary strength"));
+    let missing = at("nowhere.csv");
+    comminute(&["sweep", COKE, "--grid", "damping.local=0.05", "--specimen", &missing]).code(2).stderr(contains("nowhere.csv"));
 }

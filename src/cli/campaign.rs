@@ -1,6 +1,6 @@
 //! What `ensemble` and `sweep` have in common: their options, running or listing jobs, and the closing lines.
 
-use comminute::campaign::{self, Job, Outcome};
+use comminute::campaign::{self, Job, Outcome, Vary};
 use comminute::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -18,6 +18,10 @@ pub struct Options {
     /// Who does the steps of a continuum
     #[arg(long, value_enum, default_value = "cpu")]
     backend: super::Backend,
+
+    /// Begin every run with a prepared specimen (specimen.csv of another run) instead of making one; seeds then choose strengths only
+    #[arg(long, value_name = "FILE")]
+    specimen: Option<PathBuf>,
 
     /// Print one shell command a line for each run instead of running them; what is done already is skipped when they are run
     #[arg(long)]
@@ -41,15 +45,28 @@ pub struct Options {
 }
 
 impl Options {
+    /// With one specimen for all runs, seeds of specimens would choose nothing.
+    ///
+    /// # Errors
+    /// `--vary packing` beside `--specimen`.
+    pub fn may_vary(&self, vary: Vary) -> Result<()> {
+        if self.specimen.is_some() && vary == Vary::Packing {
+            let message = "has nothing to choose beside --specimen, with which every run begins; --vary strength does";
+            return Err(Error::input("--vary packing", "", None, message));
+        }
+        Ok(())
+    }
+
     /// Lists or runs the jobs; `None` when they were listed.
     pub fn run(&self, jobs: &mut [Job]) -> Result<Option<Vec<Outcome>>> {
-        for file in &self.data {
+        for file in self.data.iter().chain(&self.specimen) {
             std::fs::File::open(file).map_err(Error::read(file))?;
         }
         let threads = self.threads.map(usize::from);
         for job in &mut *jobs {
             job.threads = threads.or(self.list.then_some(1));
             job.backend = self.backend.into();
+            job.specimen.clone_from(&self.specimen);
         }
         if self.list {
             super::print(&list(jobs, self.force)?)?;

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 #[command(after_help = "Example, from the repository root:\n  comminute check experiments/petroleum_coke/h-c-2.toml")]
 pub struct Args {
     /// Scene file (TOML)
-    #[arg(required_unless_present = "keys")]
+    #[arg(required_unless_present_any = ["keys", "columns"])]
     scene: Option<PathBuf>,
 
     #[command(flatten)]
@@ -23,6 +23,10 @@ pub struct Args {
     /// Print every key of scenes and materials instead, with its default and meaning
     #[arg(long)]
     keys: bool,
+
+    /// Print every column of the tables that runs leave instead, with its unit and meaning
+    #[arg(long, conflicts_with = "keys")]
+    columns: bool,
 
     /// Only say what is wrong
     #[arg(long)]
@@ -34,6 +38,9 @@ pub struct Args {
 }
 
 pub fn call(args: &Args) -> Result<()> {
+    if args.columns {
+        return print(comminute::record::dictionary::reference().trim_end());
+    }
     let path = match &args.scene {
         Some(path) if !args.keys => path,
         _ => return print(scene::key_reference().trim_end()),

@@ -56,6 +56,7 @@ impl From<What> for Vary {
 }
 
 pub fn call(args: &Args) -> Result<()> {
+    args.options.may_vary(args.vary.into())?;
     let seeds = parse_seeds(&args.seeds)?;
     let out = args.out.clone().unwrap_or_else(|| campaign::default_out(&args.scene, "ensemble"));
     let job = |seed: u64| Job::new(&args.scene, out.join(format!("seed-{seed}"))).with(&args.sets).seeded(args.vary.into(), seed);

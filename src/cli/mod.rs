@@ -12,6 +12,7 @@ mod calibrate_study;
 mod campaign;
 mod check;
 mod ensemble;
+mod new;
 mod plot;
 mod point_test;
 mod reproduce;
@@ -48,6 +49,8 @@ impl Cli {
 
 #[derive(Debug, Subcommand)]
 pub enum Verb {
+    /// Write a scene to begin with
+    New(new::Args),
     /// Run a scene and draw its figures
     Run(run::Args),
     /// Validate a scene and say what the run would be
@@ -75,6 +78,7 @@ pub enum Verb {
 impl Verb {
     pub fn call(self) -> Result<()> {
         match self {
+            Verb::New(args) => new::call(&args),
             Verb::Run(args) => run::call(args),
             Verb::Check(args) => check::call(&args),
             Verb::Plot(args) => plot::call(&args),

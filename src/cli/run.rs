@@ -2,7 +2,7 @@
 
 use super::Overrides;
 use comminute::error::{Error, Result};
-use comminute::run::{Backend, Found, Outcome, ResumeOptions, RunRequest, choose, look, resume, run};
+use comminute::run::{Backend, Found, Outcome, ResumeOptions, RunRequest, choose, look, occupied, resume, run};
 use comminute::scene;
 use std::path::{Path, PathBuf};
 
@@ -106,19 +106,16 @@ pub fn call(mut args: Args) -> Result<()> {
     super::close(&outcome, args.quiet, args.json)
 }
 
-/// A folder that holds anything is not written into unasked.
+/// A folder that holds anything but why a run failed is not written into unasked.
 fn free(out: &Path, force: bool) -> Result<()> {
     if out.is_file() {
         let message = "is a file; --out needs a folder";
         return Err(Error::input(out.display(), "", None, message));
     }
-    let mut entries = match std::fs::read_dir(out) {
-        Ok(entries) => entries,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        Err(source) => return Err(Error::Read { path: out.into(), source }),
-    };
-    if entries.next().is_some() && !force {
-        return Err(Error::Exists { path: out.into() });
+    match std::fs::read_dir(out) {
+        Ok(_) if occupied(out) && !force => Err(Error::Exists { path: out.into() }),
+        Ok(_) => Ok(()),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        Err(source) => Err(Error::Read { path: out.into(), source }),
     }
-    Ok(())
 }

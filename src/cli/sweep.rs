@@ -52,6 +52,7 @@ pub fn call(args: &Args) -> Result<()> {
     }
     let tables: Result<Vec<_>> = args.table.iter().map(|path| grid_table(path)).collect();
     let points = grid_points(&args.grid, tables?)?;
+    args.options.may_vary(args.vary.into())?;
     let seeds = args.seeds.as_deref().map(parse_seeds).transpose()?;
     let out = args.out.clone().unwrap_or_else(|| campaign::default_out(&args.scene, "sweep"));
     let mut jobs = Vec::new();

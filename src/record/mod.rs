@@ -7,6 +7,7 @@ pub mod breakages;
 pub mod checkpoint;
 pub mod continuum;
 pub mod cylinder;
+pub mod dictionary;
 pub mod ledger;
 pub mod measure;
 pub mod oedometer;

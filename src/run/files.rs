@@ -20,8 +20,11 @@ pub const SUMMARY: &str = "summary.json";
 pub const GRAINS_FINAL: &str = "grains_final.csv";
 pub const SNAPSHOTS: &str = "snapshots";
 pub const COLLECTION: &str = "snapshots.pvd";
+/// What a run leaves that failed before its test began: why, and its scene. A folder that holds nothing else is free.
+pub const FAILED: &str = "failed.scene.toml";
 /// What a run leaves: these are removed by `--force`, and nothing else.
-const OURS: [&str; 20] = [
+const OURS: [&str; 21] = [
+    FAILED,
     SPECIMEN,
     SUMMARY,
     COLLECTION,
@@ -44,11 +47,39 @@ const OURS: [&str; 20] = [
     "README.txt",
 ];
 
+/// Whether the folder holds more than the message of a run that failed before its test began.
+pub fn occupied(out: &Path) -> bool {
+    out.read_dir().is_ok_and(|entries| entries.flatten().any(|e| e.file_name() != FAILED))
+}
+
+/// Leaves of a run that failed before its test began no more than why and its scene, so that the folder is free for the next. A run that has
+/// records keeps all of them. Nothing that is not a run's is touched.
+pub fn release(out: &Path, why: &Error) {
+    let begun = [SPECIMEN, SUMMARY, "history.csv", crate::record::continuum::START, crate::record::platen::TESTS];
+    let resolved = out.join(crate::scene::RESOLVED);
+    let Ok(scene) = std::fs::read_to_string(&resolved) else { return };
+    if begun.iter().any(|name| out.join(name).exists()) {
+        return;
+    }
+    let why: String = why.to_string().lines().map(|line| format!("# {line}\n")).collect();
+    let head = "# This run failed before its test began:\n";
+    let tail = "# The scene with every default follows; the next run in this folder removes this file.\n\n";
+    if std::fs::write(out.join(FAILED), format!("{head}{why}{tail}{scene}")).is_ok() {
+        // what cannot be removed stays, and the folder stays taken
+        for path in [resolved, out.join(checkpoint::FILE), out.join("checkpoint.tmp")] {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
 /// Makes the folder, or empties it of an old run's files when forced.
 pub fn claim(out: &Path, force: bool) -> Result<()> {
-    let occupied = out.read_dir().is_ok_and(|mut entries| entries.next().is_some());
+    let occupied = occupied(out);
     if occupied && !force {
         return Err(Error::Exists { path: out.into() });
+    }
+    if !occupied && out.join(FAILED).exists() {
+        std::fs::remove_file(out.join(FAILED)).map_err(Error::write(out.join(FAILED)))?;
     }
     if occupied {
         for name in OURS {

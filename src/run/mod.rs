@@ -22,6 +22,7 @@ use crate::rig::{assembly, preparation::Preparation};
 use crate::step::{State, Work};
 pub use backend::{Backend, Chosen, choose, spheres_only};
 use files::Files;
+pub use files::occupied;
 pub use folder::{Found, Lock, lock, look};
 use progress_bar::Bar;
 pub use progress_bar::human;
@@ -117,7 +118,8 @@ pub fn stop_asked() -> bool {
 /// Runs a model from the start.
 ///
 /// # Errors
-/// Whatever keeps the run from starting (nothing is written then) or from ending (records and checkpoint are kept).
+/// Whatever keeps the run from starting (nothing is written then), from being prepared (why is written, and the folder is free for the next run), or
+/// from ending (records and checkpoint are kept).
 pub fn run(request: RunRequest) -> Result<Outcome> {
     let RunRequest { model, scene_resolved, out, force, threads, specimen, quiet, stop_after, backend, .. } = request;
     if matches!(model.rig, Rig::Platen(_)) {
@@ -132,8 +134,9 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
     files::claim(&out, force)?;
     let resolved = out.join(crate::scene::RESOLVED);
     std::fs::write(&resolved, scene_resolved).map_err(Error::write(&resolved))?;
-    let _lock = lock(&out)?;
-    in_pool(threads, move || {
+    let lock = lock(&out)?;
+    let folder = out.clone();
+    let outcome = in_pool(threads, move || {
         if let Rig::Platen(rig) = &model.rig {
             return platen::run(&model, rig, &out, quiet);
         }
@@ -169,6 +172,18 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
             loading_seconds: 0.0,
         };
         Runner::new(&model, &out, progress, quiet)?.go(stop_after)
+    });
+    released(outcome, &folder, lock)
+}
+
+/// The outcome; after a failure that was no interruption the folder is free again if nothing was recorded.
+fn released(outcome: Result<Outcome>, out: &Path, lock: Lock) -> Result<Outcome> {
+    // the lock is on a file that may have to go
+    drop(lock);
+    outcome.inspect_err(|error| {
+        if !matches!(error, Error::Interrupted { .. }) {
+            files::release(out, error);
+        }
     })
 }
 
@@ -182,7 +197,7 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
     }
     let scene = crate::scene::load(dir.join(crate::scene::RESOLVED), &[])?;
     let model = crate::scene::model(&scene)?;
-    let _lock = lock(dir)?;
+    let lock = lock(dir)?;
     if !matches!(model.rig, Rig::Continuum(_)) {
         choose(options.backend.unwrap_or_default(), &model)?;
     }
@@ -192,10 +207,11 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
     }
     if let Rig::Continuum(rig) = &model.rig {
         let resume = || continuum::resume(&model, rig, dir, options.backend, options.quiet, options.stop_after);
-        return in_pool(options.threads, resume);
+        return released(in_pool(options.threads, resume), dir, lock);
     }
     let progress: Progress = checkpoint::load(dir)?;
-    in_pool(options.threads, move || Runner::new(&model, dir, progress, options.quiet)?.go(options.stop_after))
+    let outcome = in_pool(options.threads, || Runner::new(&model, dir, progress, options.quiet)?.go(options.stop_after));
+    released(outcome, dir, lock)
 }
 
 /// A batch of platen tests has no state between its tests that could be kept.

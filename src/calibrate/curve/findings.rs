@@ -31,6 +31,10 @@ pub struct Estimate {
     pub upper: f64,
     /// Value of the likeliest draw.
     pub mode: f64,
+    /// Smallest and largest value that finished runs have.
+    pub finished: [f64; 2],
+    /// Part of the interval, or the estimate itself, lies where no run finished.
+    pub extrapolated: bool,
     /// Width of the interval over that of the prior.
     pub width_over_prior: f64,
     pub remark: String,
@@ -69,8 +73,8 @@ pub struct Findings {
     pub left_out: Option<LeftOut>,
 }
 
-/// Estimates with intervals and remarks from draws.
-pub fn estimates(parameters: &[Parameter], chain: &Chain, correlations: &[Vec<f64>]) -> Vec<Estimate> {
+/// Estimates with intervals and remarks from draws; `finished` are the ends of what finished runs have, in unit coordinates.
+pub fn estimates(parameters: &[Parameter], chain: &Chain, correlations: &[Vec<f64>], finished: &[[f64; 2]]) -> Vec<Estimate> {
     parameters
         .iter()
         .enumerate()
@@ -82,6 +86,16 @@ pub fn estimates(parameters: &[Parameter], chain: &Chain, correlations: &[Vec<f6
             let [low, middle, high] = chain.quantiles(k, [0.025, 0.5, 0.975]);
             let [prior_low, prior_high] = prior_interval(p);
             let width = (high - low) / (prior_high - prior_low);
+            let ends = finished[k];
+            let beyond = |u: f64| u < ends[0] || u > ends[1];
+            let extrapolated = [low, middle, high, chain.mode()[k]].into_iter().any(beyond);
+            let mut remark = remark(parameters, k, width, chain, correlations);
+            let runs = format!("runs finished from {} to {} only", p.rounded(ends[0]), p.rounded(ends[1]));
+            if beyond(middle) {
+                remark = format!("extrapolated, not found: {runs}");
+            } else if extrapolated {
+                remark += &format!("; the interval is extrapolated in part: {runs}");
+            }
             Estimate {
                 estimate: p.value(middle),
                 mean,
@@ -89,8 +103,10 @@ pub fn estimates(parameters: &[Parameter], chain: &Chain, correlations: &[Vec<f6
                 lower: p.value(low),
                 upper: p.value(high),
                 mode: p.value(chain.mode()[k]),
+                finished: ends.map(|u| p.value(u)),
+                extrapolated,
                 width_over_prior: width,
-                remark: remark(parameters, k, width, chain, correlations),
+                remark,
             }
         })
         .collect()
@@ -204,7 +220,7 @@ mod tests {
             log: vec![0.0; 1000],
             accepted: 0.5,
         };
-        let all = |c: &Chain, p: &[Parameter]| estimates(p, c, &correlations(c));
+        let all = |c: &Chain, p: &[Parameter]| estimates(p, c, &correlations(c), &[[0.0, 1.0]; 2]);
         let tied = all(&chain(&|t| [0.5 + 0.1 * t, 1.0 - t]), &parameters);
         assert!(
             tied[0].remark.starts_with("found; only together with stiffness: the larger one, the smaller"),
@@ -215,6 +231,16 @@ mod tests {
         let edge = all(&chain(&|t| [0.1 * t * t, (37.0 * t).fract() * 0.5 + 0.3]), &parameters);
         assert!(edge[0].remark.contains("below the lower bound"), "{}", edge[0].remark);
         assert!(edge[1].remark.starts_with("narrowed") && (edge[1].estimate - 0.55).abs() < 0.02, "{:?}", edge[1]);
+        // no run finished where the draws lie, or at one of their ends
+        let stiff = chain(&|t| [0.6 + 0.1 * t, 0.4 + 0.2 * t]);
+        let beyond = estimates(&parameters, &stiff, &correlations(&stiff), &[[0.0, 0.3], [0.1, 0.55]]);
+        assert!(beyond[0].extrapolated && beyond[0].remark.starts_with("extrapolated, not found: runs finished from 0 to 0.3"));
+        assert!(
+            beyond[1].extrapolated && beyond[1].remark.contains("in part: runs finished from 0.1 to 0.55"),
+            "{}",
+            beyond[1].remark
+        );
+        assert!(tied.iter().all(|e| !e.extrapolated && !e.remark.contains("extrapolated")));
         // as wide as a narrow prior: the curve has added nothing
         parameters[1].prior = Prior::Normal { mean: 0.5, sd: 0.05 };
         assert!((prior_interval(&parameters[1])[0] - 0.402).abs() < 0.002);

@@ -9,6 +9,7 @@
 
 pub mod design;
 pub mod emulator;
+pub mod failures;
 pub mod findings;
 pub mod gp;
 pub mod left_out;
@@ -161,7 +162,7 @@ fn findings(
     let found = Findings {
         left_out,
         scatter: scatter.collect(),
-        estimates: findings::estimates(parameters, &chain, &correlations),
+        estimates: findings::estimates(parameters, &chain, &correlations, &failures::finished(parameters.len(), &search.ended())),
         correlations,
         draws,
         bands: findings::bands(emulator, &chain, curve, &mut rng),

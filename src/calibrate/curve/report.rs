@@ -5,7 +5,7 @@ use super::parameter::Parameter;
 use super::posterior::Measured;
 use super::search::{Search, Settings};
 use super::target::{Kind, Target};
-use super::{Outcome, Request, block_name, log};
+use super::{Outcome, Request, block_name, failures, log};
 use crate::error::{Error, Result};
 use crate::figure::{self, FittedLine, PosteriorInput};
 use crate::record::table::number;
@@ -66,6 +66,7 @@ fn json(parts: &Parts<'_>) -> Value {
             json!({
                 "estimate": e.estimate, "lower": e.lower, "upper": e.upper, "mean": e.mean, "sd": e.sd, "mode": e.mode,
                 "prior": { "kind": prior_text(p), "lower": p.lower, "upper": p.upper },
+                "finished_runs": { "lower": e.finished[0], "upper": e.finished[1] }, "extrapolated": e.extrapolated,
                 "interval_over_prior": e.width_over_prior,
                 "variance_share_alone": share.first, "variance_share_with_others": share.total,
                 "remark": e.remark,
@@ -173,6 +174,21 @@ fn warnings(parts: &Parts<'_>) -> Vec<String> {
             all.push(format!("{name} lies outside of all {runs} runs at {count} of {of} points"));
         }
     }
+    let ended = parts.search.ended();
+    let tied = failures::tied(parts.parameters.len(), &ended);
+    all.extend(tied.iter().map(|t| failures::sentence(t, parts.parameters, &ended)));
+    for (p, e) in parts.parameters.iter().zip(&f.estimates) {
+        let (low, high) = (short(e.finished[0]), short(e.finished[1]));
+        if e.estimate < e.finished[0] || e.estimate > e.finished[1] {
+            all.push(format!("{} is an extrapolation: no run finished outside of {low} to {high}", p.short()));
+        }
+    }
+    if parts.settings.check > 0 && parts.checks.is_empty() {
+        all.push(format!(
+            "none of the {} runs with the likeliest parameters finished: the result is not checked",
+            parts.settings.check
+        ));
+    }
     if f.inflation > 1.0 {
         all.push("the scene cannot give this curve with any of these parameters within its scatter".into());
     }
@@ -186,6 +202,19 @@ fn warnings(parts: &Parts<'_>) -> Vec<String> {
         }
     }
     all
+}
+
+/// What may be said of the scene: nothing without a run at the parameters found, and nothing good beside a warning.
+fn conclusion(inflation: f64, checks: usize, warnings: &[String]) -> &'static str {
+    if inflation > 1.0 {
+        "The covariance was multiplied by that ratio, so the intervals are wider, but they hold for the best of a wrong model."
+    } else if checks == 0 {
+        "No run with the parameters found was made to its end, so nothing can be concluded about the scene."
+    } else if !warnings.is_empty() {
+        "The warnings above speak against the result."
+    } else {
+        "Nothing speaks against the scene."
+    }
 }
 
 fn report(parts: &Parts<'_>, table: &str, warnings: &[String]) -> String {
@@ -231,11 +260,7 @@ fn report(parts: &Parts<'_>, table: &str, warnings: &[String]) -> String {
          exceed that with probability {:.3}. {}\n",
         f.misfit.ratio,
         f.misfit.probability,
-        if f.inflation > 1.0 {
-            "The covariance was multiplied by that ratio, so the intervals are wider, but they hold for the best of a wrong model."
-        } else {
-            "Nothing speaks against the scene."
-        }
+        conclusion(f.inflation, parts.checks.len(), warnings)
     );
     let _ =
         writeln!(text, "The emulator has {} components, which hold {:.1} % of the runs' variance.\n", f.components, 100.0 * f.held);
@@ -311,4 +336,18 @@ fn figures(out: &Path, parts: &Parts<'_>) -> figure::Result<Vec<std::path::PathB
     let quantiles: Vec<Vec<[f64; 3]>> = parts.search.trace.iter().map(|t| t.quantiles.clone()).collect();
     files.extend(figure::draw_convergence(&inputs, &runs, &quantiles, out)?);
     Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::conclusion;
+
+    #[test]
+    fn without_a_check_nothing_is_concluded() {
+        let (none, one) = (Vec::new(), vec!["failures go with stiffness".to_string()]);
+        assert!(conclusion(1.0, 4, &none).starts_with("Nothing speaks against"));
+        assert!(conclusion(1.0, 0, &none).contains("nothing can be concluded"));
+        assert!(conclusion(1.0, 4, &one).contains("warnings above"));
+        assert!(conclusion(2.0, 4, &none).contains("wrong model"));
+    }
 }

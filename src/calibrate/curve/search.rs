@@ -156,6 +156,16 @@ impl<'a> Search<'a> {
         self.done().map(run).collect()
     }
 
+    /// Unit coordinates of the runs that have ended, and whether they finished.
+    pub fn ended(&self) -> Vec<(Vec<f64>, bool)> {
+        let ended = |(e, y): (&Evaluation, &Option<Vec<f64>>)| match (&e.status, y) {
+            (Status::Failed(_), _) => Some((self.unit(e), false)),
+            (_, Some(_)) => Some((self.unit(e), true)),
+            _ => None,
+        };
+        self.evaluations.iter().zip(&self.outputs).filter_map(ended).collect()
+    }
+
     pub fn failed(&self) -> usize {
         self.evaluations.iter().filter(|e| matches!(e.status, Status::Failed(_))).count()
     }

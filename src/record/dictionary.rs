@@ -1,0 +1,490 @@
+//! Every column of every table that runs leave: unit and meaning. `comminute check --columns` prints this.
+
+/// A column.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    pub name: &'static str,
+    /// `-` where there is none.
+    pub unit: &'static str,
+    pub what: &'static str,
+}
+
+/// A table, or several with the same columns.
+#[derive(Clone, Copy, Debug)]
+pub struct Sheet {
+    /// Names of the files, with commas between.
+    pub files: &'static str,
+    /// Kinds of scenes that leave it, or the command that does.
+    pub of: &'static str,
+    pub columns: &'static [Column],
+}
+
+impl Sheet {
+    /// Whether a run of this kind of scene leaves the file with these columns.
+    pub fn describes(&self, file: &str, kind: &str) -> bool {
+        self.files.split(", ").any(|f| f == file) && self.of.split(", ").any(|k| k == kind)
+    }
+}
+
+const fn column(name: &'static str, unit: &'static str, what: &'static str) -> Column {
+    Column { name, unit, what }
+}
+
+/// The dictionary.
+pub const SHEETS: &[Sheet] = &[
+    Sheet { files: "history.csv", of: "oedometer, triaxial", columns: SPECIMEN_HISTORY },
+    Sheet { files: "history.csv", of: "assembly", columns: FREE_HISTORY },
+    Sheet { files: "history.csv", of: "continuum, mixture", columns: CONTINUUM_HISTORY },
+    Sheet { files: "gsd.csv", of: "oedometer, triaxial", columns: GSD },
+    Sheet { files: "breakage.csv", of: "oedometer, triaxial, assembly, mixture", columns: BREAKAGE },
+    Sheet { files: "tracks.csv", of: "assembly", columns: TRACKS },
+    Sheet { files: "blocks.csv", of: "mixture", columns: BLOCKS },
+    Sheet { files: "specimen.csv, grains_start.csv", of: "oedometer, triaxial, assembly, mixture", columns: SPECIMEN },
+    Sheet { files: "grains_final.csv", of: "oedometer, triaxial, assembly, mixture", columns: GRAINS_FINAL },
+    Sheet { files: "points_start.csv, points_final.csv", of: "continuum, mixture", columns: POINTS },
+    Sheet { files: "platen.csv", of: "platen", columns: PLATEN },
+    Sheet { files: "force_displacement.csv", of: "platen", columns: FORCE_DISPLACEMENT },
+    Sheet { files: "survival.csv", of: "platen", columns: SURVIVAL },
+    Sheet { files: "limit_force.csv", of: "platen", columns: LIMITS },
+    Sheet { files: "sweep.csv", of: "comminute sweep, with a column for each key that is varied", columns: SWEEP },
+    Sheet {
+        files: "mean.csv",
+        of: "comminute ensemble, with _mean, _sd, _low and _high of every column of history.csv",
+        columns: MEAN,
+    },
+    Sheet { files: "runs.csv", of: "comminute plot and reproduce", columns: RUNS },
+];
+
+const SPECIMEN_HISTORY: &[Column] = &[
+    column("step", "-", "steps since the start of the test"),
+    column("stage", "-", "what the test does: settle, load, unload, reload (oedometer), or shear (triaxial)"),
+    column(
+        "target_kPa",
+        "kPa",
+        "stress that the platens (oedometer: vertical) or the cylinder (triaxial: cell pressure) are to hold now",
+    ),
+    column("sigma_v_kPa", "kPa", "vertical stress: mean of both platens' forces over the present area"),
+    column("sigma_h_kPa", "kPa", "horizontal stress: force on the cylinder over its present area"),
+    column("k0", "-", "oedometer: sigma_h over sigma_v"),
+    column("radial_strain", "-", "triaxial: shortening of the radius over that at the start of shear"),
+    column(
+        "volumetric_strain",
+        "-",
+        "triaxial: loss of volume between the walls over that at the start of shear, compression positive",
+    ),
+    column("diameter_mm", "mm", "triaxial: diameter of the cylinder"),
+    column("stress_ratio", "-", "triaxial: q over p"),
+    column("friction_angle_deg", "°", "triaxial: mobilised friction angle, asin((sigma_v - sigma_h) / (sigma_v + sigma_h))"),
+    column("q_kPa", "kPa", "deviatoric stress, sigma_v - sigma_h"),
+    column("p_kPa", "kPa", "mean stress, (sigma_v + 2 sigma_h) / 3"),
+    column("axial_strain", "-", "loss of height over the height at the start of the test, compression positive"),
+    column("height_mm", "mm", "distance of the platens"),
+    column(
+        "porosity",
+        "-",
+        "volume that grains do not fill over the volume between the walls; mass that breakages have lost counts as pores",
+    ),
+    column("void_ratio", "-", "porosity / (1 - porosity)"),
+    column("porosity_star", "-", "porosity with the pores inside the grains, 1 - (1 - n)(1 - n_int) (Ciantia et al. 2015, eq. 20)"),
+    column("porosity_restored", "-", "porosity if lost mass is counted as solid: what a laboratory measures"),
+    column("void_ratio_restored", "-", "void ratio if lost mass is counted as solid: the one to compare with a laboratory's curve"),
+    column("porosity_star_restored", "-", "both: lost mass as solid, inner pores as pores"),
+    column("platen_difference", "-", "difference of the two platens' stresses over their mean; small is quasi-static"),
+    column("coordination_number", "-", "twice the contacts over the grains"),
+    column(
+        "coordination_number_no_rattlers",
+        "-",
+        "the same without grains of fewer than two contacts, and without their contacts",
+    ),
+    column("fabric_zz", "-", "share of contact normals along the vertical: mean of n_z^2; 1/3 is isotropic"),
+    column("rattlers", "-", "grains with no contact or one"),
+    column("unbalanced_ratio", "-", "mean resultant force on a grain over the mean contact force; small is in balance"),
+    column(
+        "inertial_number",
+        "-",
+        "strain rate of the platen times d sqrt(rho / sigma_v), with the inertia used; below 0.001 is quasi-static",
+    ),
+    column("grains", "-", "grains now"),
+    column("crush_events", "-", "breakages so far"),
+    column(
+        "love_weber_sigma_v_kPa",
+        "kPa",
+        "vertical stress from contact forces in the inner 80 % (Love-Weber), to compare with the platens'",
+    ),
+    column("love_weber_sigma_h_kPa", "kPa", "horizontal stress from the same"),
+    column("overlap_fraction", "-", "volume of all overlaps over that of the grains; large is beyond the contact law"),
+    column("largest_overlap_ratio", "-", "largest overlap of a contact over the smaller radius"),
+    column("mass_grains_kg", "kg", "mass of the grains"),
+    column("mass_lost_kg", "kg", "mass that breakages have lost so far (dust that is no grain any more)"),
+    column("mass_error", "-", "mass of grains and lost mass less that at the start, over it; rounding only"),
+    column("d10_mm", "mm", "size below which 10 % of the mass is, lost mass restored (eq. 12), scale taken out"),
+    column("d30_mm", "mm", "the same for 30 %"),
+    column("d50_mm", "mm", "the same for 50 %: the median"),
+    column("d60_mm", "mm", "the same for 60 %"),
+    column("cu", "-", "uniformity, d60 / d10"),
+    column("cc", "-", "curvature, d30^2 / (d10 d60)"),
+    column("hardin_br", "-", "relative breakage of Hardin (1985): 0 none"),
+    column("einav_br", "-", "relative breakage of Einav (2007): 0 none, 1 the ultimate gradation"),
+    column("energy_wall_J", "J", "work that the walls have done on the grains"),
+    column("energy_path_J", "J", "work of the contact forces along the grains' way"),
+    column("energy_stored_J", "J", "elastic energy in the contacts"),
+    column("energy_slip_J", "J", "lost in sliding contacts"),
+    column("energy_viscous_J", "J", "lost in viscous contacts"),
+    column("energy_damping_J", "J", "taken by local damping"),
+    column("energy_kinetic_J", "J", "kinetic energy"),
+    column("energy_lost_kinetic_J", "J", "kinetic energy of broken grains less that of their daughters"),
+    column("energy_contacts_removed_J", "J", "elastic energy of contacts that went with broken grains"),
+    column("energy_contacts_made_J", "J", "elastic energy of contacts that daughters were born with"),
+    column("energy_inertia_J", "J", "kinetic energy that came from changes of scaled inertia"),
+    column("energy_error", "-", "what the balance does not account for over the energy that went through"),
+    column(
+        "energy_nonconservative",
+        "-",
+        "work along the way that was neither stored nor lost in slip and viscosity, over the energy that went through",
+    ),
+];
+
+const FREE_HISTORY: &[Column] = &[
+    column("step", "-", "steps since the start"),
+    column("time_s", "s", "time"),
+    column("grains", "-", "grains now"),
+    column("crush_events", "-", "breakages so far"),
+    column("coordination_number", "-", "twice the contacts over the grains"),
+    column("unbalanced_ratio", "-", "mean resultant force on a grain over the mean contact force"),
+    column("kinetic_energy_J", "J", "kinetic energy of the grains"),
+    column("stored_energy_J", "J", "elastic energy in the contacts"),
+    column("potential_energy_J", "J", "potential energy in gravity"),
+    column("slip_work_J", "J", "lost in sliding contacts"),
+    column("viscous_work_J", "J", "lost in viscous contacts"),
+    column("damping_work_J", "J", "taken by local damping"),
+    column("wall_work_J", "J", "work that the walls have done on the grains"),
+    column("energy_error", "-", "what the balance does not account for over the energy that went through"),
+    column(
+        "energy_nonconservative",
+        "-",
+        "work of contacts that was neither stored nor lost in slip and viscosity, over the energy that went through",
+    ),
+    column("mass_grains_kg", "kg", "mass of the grains"),
+    column("mass_lost_kg", "kg", "mass that breakages have lost so far"),
+];
+
+const CONTINUUM_HISTORY: &[Column] = &[
+    column("step", "-", "steps of the continuum since the start"),
+    column("time_s", "s", "time"),
+    column("stage", "-", "settle, or load"),
+    column("dt_s", "s", "time step"),
+    column("front_mm", "mm", "free scene: how far the material reaches along x"),
+    column("height_mm", "mm", "free scene: how high it reaches"),
+    column("axial_strain", "-", "test: axial strain since the start of loading, compression positive"),
+    column("volumetric_strain", "-", "triaxial: loss of volume between the platens over that at the start, compression positive"),
+    column("sigma_v_kPa", "kPa", "oedometer: vertical stress on the platens, a mean since the row before"),
+    column("sigma_h_kPa", "kPa", "oedometer: lateral stress, a mean since the row before"),
+    column("k0", "-", "oedometer: sigma_h over sigma_v"),
+    column("sigma_1_kPa", "kPa", "triaxial: axial stress, a mean since the row before"),
+    column("sigma_3_kPa", "kPa", "triaxial: lateral stress, a mean since the row before"),
+    column("principal_ratio", "-", "triaxial: sigma_1 over sigma_3"),
+    column("pore_pressure_kPa", "kPa", "triaxial at constant volume: equivalent pore pressure, cell pressure less lateral stress"),
+    column("q_kPa", "kPa", "test: deviatoric stress"),
+    column("p_kPa", "kPa", "test: mean stress"),
+    column("platen_difference", "-", "test: largest difference of two opposite sides over their mean; small is quasi-static"),
+    column("void_ratio", "-", "pores over solids by the volumes of the points"),
+    column("porosity", "-", "void_ratio / (1 + void_ratio)"),
+    column("plastic_strain_mean", "-", "accumulated plastic strain of the points, mean"),
+    column("plastic_strain_max", "-", "accumulated plastic strain of the points, largest"),
+    column("kinetic_J", "J", "kinetic energy"),
+    column("potential_J", "J", "potential energy in gravity"),
+    column("stress_work_J", "J", "work of the stresses in the points"),
+    column("platen_work_J", "J", "work that the platens have done"),
+    column("contact_J", "J", "energy in the platens' contacts since the start"),
+    column(
+        "dissipated_J",
+        "J",
+        "what was given and neither motion, stresses nor contacts have: damping, transfer, wall friction, errors",
+    ),
+    column("dissipated_share", "-", "dissipated_J over all energy given"),
+    column("momentum_x_kg_m_s", "kg m/s", "momentum along x"),
+    column("momentum_y_kg_m_s", "kg m/s", "momentum along y"),
+    column("momentum_z_kg_m_s", "kg m/s", "momentum along z"),
+    column("grains", "-", "mixture: grains now"),
+    column("crush_events", "-", "mixture: breakages so far"),
+    column("void_ratio_overall", "-", "mixture: pores over all solids, grains and points"),
+    column("coarse_mass_kg", "kg", "mixture: mass of the grains"),
+    column("coarse_kinetic_J", "J", "mixture: kinetic energy of the grains"),
+    column("coordination_number", "-", "mixture: twice the contacts between grains over the grains"),
+    column("platen_contacts", "-", "mixture: contacts of grains with walls and platens"),
+    column("point_contacts", "-", "mixture: contacts of grains and walls with points"),
+    column("fabric_xx", "-", "mixture: fabric tensor of contacts between grains; 0 without contacts"),
+    column("fabric_yy", "-", "mixture: the same"),
+    column("fabric_zz", "-", "mixture: the same"),
+    column("fabric_xy", "-", "mixture: the same"),
+    column("fabric_yz", "-", "mixture: the same"),
+    column("fabric_zx", "-", "mixture: the same"),
+    column("q_matrix_kPa", "kPa", "mixture: deviatoric stress that the points bear"),
+    column("q_skeleton_kPa", "kPa", "mixture: that contacts of grains with each other and with platens bear"),
+    column("q_interface_kPa", "kPa", "mixture: that contacts of grains with points bear"),
+    column("p_matrix_kPa", "kPa", "mixture: mean stress that the points bear"),
+    column("p_skeleton_kPa", "kPa", "mixture: that contacts of grains with each other and with platens bear"),
+    column("p_interface_kPa", "kPa", "mixture: that contacts of grains with points bear"),
+    column("sigma_zz_of_contacts_kPa", "kPa", "mixture: sum of the three shares along z; in balance it is the platens' stress"),
+    column("grain_steps", "-", "mixture: steps of the grains in one cycle"),
+    column("continuum_steps", "-", "mixture: steps of the continuum in one cycle"),
+    column("fines_points", "-", "mixture with crushing.lost_mass = \"points\": points that came from breakages"),
+    column("fines_mass_kg", "kg", "the same: mass that became points"),
+    column("reserve_mass_kg", "kg", "the same: mass that waits for room"),
+    column("total_mass_kg", "kg", "the same: mass of all there is"),
+    column("released_J", "J", "the same: energy from overlaps that were let go"),
+    column("lowest_grain_mm", "mm", "mixture, free scene: lowest point of a grain"),
+];
+
+const GSD: &[Column] = &[
+    column("step", "-", "step of the record"),
+    column("sigma_v_kPa", "kPa", "vertical stress then"),
+    column("diameter_mm", "mm", "sieve, scale taken out"),
+    column("passing_percent", "%", "mass that passes it over all mass, lost mass restored by eq. 12"),
+    column("passing_percent_grains", "%", "the same of the grains alone"),
+];
+
+const BREAKAGE: &[Column] = &[
+    column("event", "-", "number of the breakage, from 1"),
+    column("step", "-", "step at which it was"),
+    column("sigma_v_kPa", "kPa", "vertical stress then; empty without a specimen"),
+    column("mother", "-", "number of the grain that broke"),
+    column("generation", "-", "her generation: 0 a grain of the start, 1 a daughter of one, …"),
+    column("lineage", "-", "her line of descent, on which her strength depends"),
+    column("diameter_mm", "mm", "her diameter"),
+    column("force_N", "N", "normal force of the contact that broke her"),
+    column("limit_force_N", "N", "force that she could bear there"),
+    column("area_mm2", "mm²", "area on which it acted (eq. 8 or 9)"),
+    column("strength_MPa", "MPa", "her limit strength sigma_lim: force over that area, not over the square of the diameter"),
+    column("axis_x", "-", "direction of that force"),
+    column("axis_y", "-", "the same"),
+    column("axis_z", "-", "the same"),
+    column("x_mm", "mm", "her centre"),
+    column("y_mm", "mm", "the same"),
+    column("z_mm", "mm", "the same"),
+    column("lost_mass_g", "g", "mass that her daughters do not hold"),
+    column("smallest_daughter_mm", "mm", "diameter of the smallest daughter"),
+    column("stored_before_J", "J", "elastic energy of the contacts around before"),
+    column("stored_after_J", "J", "the same after"),
+];
+
+const TRACKS: &[Column] = &[
+    column("step", "-", "steps since the start"),
+    column("time_s", "s", "time"),
+    column("grain", "-", "number of the grain, from 0"),
+    column("x_m", "m", "centre"),
+    column("y_m", "m", "the same"),
+    column("z_m", "m", "the same"),
+    column("vx_m_s", "m/s", "velocity"),
+    column("vy_m_s", "m/s", "the same"),
+    column("vz_m_s", "m/s", "the same"),
+    column("wx_rad_s", "rad/s", "spin"),
+    column("wy_rad_s", "rad/s", "the same"),
+    column("wz_rad_s", "rad/s", "the same"),
+    column("fx_N", "N", "force of all contacts and gravity"),
+    column("fy_N", "N", "the same"),
+    column("fz_N", "N", "the same"),
+];
+
+const BLOCKS: &[Column] = &[
+    column("step", "-", "steps of the continuum since the start"),
+    column("time_s", "s", "time"),
+    column("block", "-", "number of the rigid body, from 0"),
+    column("mass_kg", "kg", "its mass"),
+    column("x_m", "m", "its centre"),
+    column("y_m", "m", "the same"),
+    column("z_m", "m", "the same"),
+    column("q_w", "-", "its attitude: quaternion from its own axes to those of the scene"),
+    column("q_x", "-", "the same"),
+    column("q_y", "-", "the same"),
+    column("q_z", "-", "the same"),
+    column("vx_m_s", "m/s", "velocity"),
+    column("vy_m_s", "m/s", "the same"),
+    column("vz_m_s", "m/s", "the same"),
+    column("wx_rad_s", "rad/s", "spin"),
+    column("wy_rad_s", "rad/s", "the same"),
+    column("wz_rad_s", "rad/s", "the same"),
+    column("points_x_N", "N", "force of the points on it"),
+    column("points_y_N", "N", "the same"),
+    column("points_z_N", "N", "the same"),
+    column("grains_x_N", "N", "force of the grains on it"),
+    column("grains_y_N", "N", "the same"),
+    column("grains_z_N", "N", "the same"),
+    column("walls_x_N", "N", "force of the walls on it"),
+    column("walls_y_N", "N", "the same"),
+    column("walls_z_N", "N", "the same"),
+    column("kinetic_J", "J", "its kinetic energy"),
+];
+
+const SPECIMEN: &[Column] = &[
+    column("x_m", "m", "centre"),
+    column("y_m", "m", "the same"),
+    column("z_m", "m", "the same"),
+    column("r_m", "m", "radius"),
+    column("generation", "-", "0 a grain of the start, 1 a daughter of one, …"),
+    column("material", "-", "name of its material"),
+];
+
+const GRAINS_FINAL: &[Column] = &[
+    column("x_m", "m", "centre"),
+    column("y_m", "m", "the same"),
+    column("z_m", "m", "the same"),
+    column("r_m", "m", "radius"),
+    column("generation", "-", "0 a grain of the start, 1 a daughter of one, …"),
+    column("material", "-", "name of its material"),
+    column("vx_m_s", "m/s", "velocity"),
+    column("vy_m_s", "m/s", "the same"),
+    column("vz_m_s", "m/s", "the same"),
+    column("wx_rad_s", "rad/s", "spin"),
+    column("wy_rad_s", "rad/s", "the same"),
+    column("wz_rad_s", "rad/s", "the same"),
+];
+
+const POINTS: &[Column] = &[
+    column("id", "-", "number of the point"),
+    column("x_m", "m", "place"),
+    column("y_m", "m", "the same"),
+    column("z_m", "m", "the same"),
+    column("volume_m3", "m³", "volume it stands for, pores included (in plane strain per metre)"),
+    column("plastic_strain", "-", "accumulated plastic strain"),
+    column("p_kPa", "kPa", "mean stress, compression positive"),
+    column("q_kPa", "kPa", "deviatoric stress, sqrt(3 J2)"),
+    column("vx_m_s", "m/s", "velocity"),
+    column("vy_m_s", "m/s", "the same"),
+    column("vz_m_s", "m/s", "the same"),
+    column("displacement_mm", "mm", "way from its place at the start, in a straight line"),
+];
+
+const PLATEN: &[Column] = &[
+    column("grain", "-", "number of the grain, from 0"),
+    column("diameter_mm", "mm", "its diameter"),
+    column("force_N", "N", "force at which it broke, or at the end of the test"),
+    column("censored", "-", "1: it did not break"),
+    column("displacement_mm", "mm", "way of the platen then"),
+    column("strength_MPa", "MPa", "limit strength sigma_lim; force over the square of the diameter is another number"),
+    column("limit_force_N", "N", "force that it can bear (eq. 16 or 17)"),
+    column("overshoot", "-", "force over limit force, less 1"),
+    column("largest_hertz_deviation", "-", "largest relative difference of the force from Hertz's"),
+    column("largest_platen_difference", "-", "largest difference of both platens' forces over their mean"),
+    column("steps", "-", "steps of the test"),
+];
+
+const FORCE_DISPLACEMENT: &[Column] = &[
+    column("grain", "-", "number of the grain, from 0"),
+    column("diameter_mm", "mm", "its diameter"),
+    column("displacement_mm", "mm", "way of the platen"),
+    column("force_bottom_N", "N", "force on the lower platen"),
+    column("force_top_N", "N", "force on the upper platen"),
+    column("force_hertz_N", "N", "Hertz's force at this way"),
+];
+
+const SURVIVAL: &[Column] = &[
+    column("diameter_from_mm", "mm", "smallest diameter of the class"),
+    column("diameter_to_mm", "mm", "largest diameter of the class"),
+    column("force_N", "N", "force at which a grain broke"),
+    column("survival", "-", "share of grains that bear more (Kaplan & Meier 1958)"),
+    column("survival_law", "-", "the same by the strength's law, for a class of one diameter"),
+];
+
+const LIMITS: &[Column] = &[
+    column("diameter_mm", "mm", "diameter"),
+    column("at_mean_strength_N", "N", "limit force of a grain of the mean strength of its size"),
+    column("weakest_5_percent_N", "N", "5 % of the grains bear less"),
+    column("median_N", "N", "half of the grains bear less"),
+    column("strongest_5_percent_N", "N", "5 % of the grains bear more"),
+];
+
+const SWEEP: &[Column] = &[
+    column("folder", "-", "folder of the run, below that of the sweep"),
+    column("status", "-", "done, failed or stopped"),
+    column("seed_packing", "-", "seed of the specimen"),
+    column("seed_strength", "-", "seed of the strengths"),
+    column("crush_events", "-", "breakages"),
+    column("grains_final", "-", "grains at the end"),
+    column("max_measured_stress_kPa", "kPa", "largest vertical stress"),
+    column("porosity_final", "-", "porosity at the end"),
+    column("void_ratio_final", "-", "void ratio at the end"),
+    column("k0_final", "-", "sigma_h over sigma_v at the end"),
+    column("steps", "-", "steps"),
+    column("wall_seconds", "s", "time that the run took"),
+    column("reason", "-", "why it failed"),
+];
+
+const MEAN: &[Column] = &[
+    column("stage", "-", "stage of the test"),
+    column("sigma_v_kPa", "kPa", "vertical stress at which the runs are compared"),
+    column("runs", "-", "runs that are averaged"),
+];
+
+const RUNS: &[Column] = &[
+    column("run", "-", "folder of the run"),
+    column("scene", "-", "name of its scene"),
+    column("seed", "-", "seed of the specimen"),
+    column("seed_packing", "-", "seed of the specimen"),
+    column("seed_strength", "-", "seed of the strengths"),
+    column("scale", "-", "scale N of the grains"),
+    column("height_mm", "mm", "height of the specimen at the start"),
+    column("max_stress_kPa", "kPa", "largest stress asked for"),
+    column("points", "-", "material points"),
+    column("grains", "-", "grains"),
+    column("coarse_mass_fraction", "-", "mass of the grains over that of all solids"),
+    column("grains_initial", "-", "grains at the start"),
+    column("crush_events", "-", "breakages"),
+    column("grains_final", "-", "grains at the end"),
+    column("excluded_grains", "-", "further grains that keeping all lost mass would have needed (Ciantia et al. 2015, Table 4)"),
+    column("porosity_final", "-", "porosity at the end"),
+    column("k0_final", "-", "sigma_h over sigma_v at the end"),
+    column("cell_pressure_kPa", "kPa", "cell pressure"),
+    column("peak_stress_ratio", "-", "largest sigma_1 over sigma_3"),
+    column("peak_axial_strain", "-", "axial strain at it"),
+    column("residual_stress_ratio", "-", "mean sigma_1 over sigma_3 at the end"),
+    column("mass_error", "-", "mass that was gained or lost by rounding, over all mass"),
+    column("dissipated_share", "-", "energy dissipated over all energy given"),
+    column("energy_error", "-", "what the energy balance does not account for, over the energy that went through"),
+    column("energy_nonconservative", "-", "work of contacts that was neither stored nor lost, over the energy that went through"),
+    column("largest_platen_difference", "-", "largest difference of opposite platens' stresses over their mean"),
+    column("largest_distance_from_target", "-", "largest difference of the stress from its target over the target"),
+    column("largest_inertial_number", "-", "largest inertial number"),
+    column("steps", "-", "steps"),
+    column("grain_steps", "-", "steps of the grains in one cycle"),
+    column("continuum_steps", "-", "steps of the continuum in one cycle"),
+    column("user_seconds", "s", "time of all cores"),
+    column("wall_seconds", "s", "time that the run took"),
+];
+
+/// The reference that `comminute check --columns` prints.
+pub fn reference() -> String {
+    let mut text = String::from(
+        "Columns of the tables that runs leave. Lengths of grains are those of the model: of a scene with specimen.scale they are larger by it,\n\
+         except sieves and d10 to d60. Empty: the value does not exist at this row. Figures have tables of their own beside them.\n",
+    );
+    for sheet in SHEETS {
+        text += &format!("\n{} ({})\n", sheet.files, sheet.of);
+        let width = sheet.columns.iter().map(|c| c.name.len()).max().unwrap_or(0);
+        for Column { name, unit, what } in sheet.columns {
+            text += &format!("  {name:<width$}  {unit:<7} {what}\n");
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_stands_once_and_has_the_unit_of_its_name() {
+        for sheet in SHEETS {
+            for (i, c) in sheet.columns.iter().enumerate() {
+                assert!(sheet.columns[..i].iter().all(|other| other.name != c.name), "{} of {}", c.name, sheet.files);
+                for (suffix, unit) in
+                    [("_kPa", "kPa"), ("_MPa", "MPa"), ("_mm", "mm"), ("_J", "J"), ("_N", "N"), ("_kg", "kg"), ("_m", "m")]
+                {
+                    if c.name.ends_with(suffix) {
+                        assert_eq!(c.unit, unit, "{} of {}", c.name, sheet.files);
+                    }
+                }
+            }
+        }
+    }
+}
