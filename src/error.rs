@@ -63,6 +63,9 @@ pub enum Error {
         /// Persistent id of the grain, where one is to blame.
         grain: Option<u64>,
     },
+    /// A continuum has left what is possible: its energy, its pores or its platens; what is recorded so far is kept.
+    #[error("step {step}: {what}")]
+    Impossible { step: u64, what: String },
     /// The run could not reach what the scene asks for.
     #[error("step {step}: {what}")]
     Failed { step: u64, what: String },
@@ -104,7 +107,7 @@ impl Error {
         }
     }
 
-    /// 1 the run failed, 2 the command, scene or data is wrong (nothing was started), 130 interrupted.
+    /// 1 the run failed, 2 the command, scene or data is wrong (nothing was started), 3 a continuum has left what is possible, 130 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Input { .. } | Error::Several(_) | Error::Read { .. } | Error::Exists { .. } | Error::Checkpoint { .. } => 2,
@@ -112,6 +115,7 @@ impl Error {
             Error::Figure(FigureError::Io { .. } | FigureError::Draw { .. }) => 1,
             Error::Figure(_) => 2,
             Error::Write { .. } | Error::Unstable { .. } | Error::Failed { .. } | Error::Campaign { .. } => 1,
+            Error::Impossible { .. } => 3,
             Error::Interrupted { .. } | Error::Stopped { .. } => 130,
         }
     }
