@@ -63,6 +63,9 @@ pub enum Error {
         /// Persistent id of the grain, where one is to blame.
         grain: Option<u64>,
     },
+    /// A continuum has left what is possible: its energy, its pores or its platens; what is recorded so far is kept.
+    #[error("step {step}: {what}")]
+    Impossible { step: u64, what: String },
     /// The run could not reach what the scene asks for.
     #[error("step {step}: {what}")]
     Failed { step: u64, what: String },
@@ -104,15 +107,16 @@ impl Error {
         }
     }
 
-    /// 1 the run failed, 3 it has become unstable or left what is possible (its records are kept), 2 the command, scene or data is wrong (nothing was started), 130 interrupted.
+    /// 1 the run failed, 2 the command, scene or data is wrong (nothing was started), 3 it has become unstable or left what is possible (its records are
+    /// kept), 130 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Input { .. } | Error::Several(_) | Error::Read { .. } | Error::Exists { .. } | Error::Checkpoint { .. } => 2,
             Error::Other { .. } | Error::Busy { .. } => 2,
             Error::Figure(FigureError::Io { .. } | FigureError::Draw { .. }) => 1,
             Error::Figure(_) => 2,
-            Error::Unstable { .. } => 3,
             Error::Write { .. } | Error::Failed { .. } | Error::Campaign { .. } => 1,
+            Error::Unstable { .. } | Error::Impossible { .. } => 3,
             Error::Interrupted { .. } | Error::Stopped { .. } => 130,
         }
     }

@@ -38,6 +38,8 @@ pub struct Recorder {
     pub worst: [f64; 2],
     /// Share of all energy given that is dissipated, in the last row.
     pub dissipated: f64,
+    /// Platen difference in the last row.
+    pub difference: f64,
     /// First and last row's axial strain and axial stress, for the modulus.
     pub first: Option<[f64; 2]>,
     pub last: [f64; 2],
@@ -153,6 +155,7 @@ impl Recorder {
 
     fn remember(&mut self, rig: &Rig, phase: Phase, m: &Moment) {
         (self.dissipated, self.void_ratio, self.plastic) = (m.dissipated_share(), m.void_ratio, m.plastic[1]);
+        self.difference = m.difference;
         let Some(s) = rig.specimen().filter(|_| phase != Phase::Settle) else { return };
         let now = [m.axial_strain, m.axial];
         self.first.get_or_insert(now);
@@ -170,6 +173,11 @@ impl Recorder {
                 *worst = worst.max(now);
             }
         }
+    }
+
+    /// Whether a test has gone so far that its quasi-static measures mean something: after the waves of its start.
+    pub fn under_way(&self, rig: &Rig, phase: Phase) -> bool {
+        phase != Phase::Settle && rig.specimen().is_some_and(|s| self.last[0] >= FROM * s.axial_strain)
     }
 
     /// Mean σ1/σ3 at the end.

@@ -221,6 +221,7 @@ impl Progress {
             if due.row {
                 engine.read_back(state, model)?;
                 history.push(out, &recorder.row(rig, state))?;
+                watch::continuum(rig, state, recorder)?;
                 if let Some(theirs) = state.blocks() {
                     blocks::rows(theirs, state.continuum.steps(), state.time).try_for_each(|row| blocks.push(out, &row))?;
                 }

@@ -3,3 +3,4 @@
 mod command_line;
 #[path = "../common/mod.rs"]
 mod common;
+mod watch;
