@@ -9,6 +9,7 @@ pub mod cylinder;
 pub mod ledger;
 pub mod measure;
 pub mod oedometer;
+pub mod old_names;
 pub mod platen;
 pub mod specimen;
 pub mod table;
