@@ -269,7 +269,10 @@ pub struct Coarser {
 impl std::fmt::Display for Coarser {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let by = self.by;
-        write!(f, "the reconstructed gradation is coarser than at the start, by an area of {by:.3e} over ln d: mass was lost or added")
+        write!(
+            f,
+            "the reconstructed gradation is coarser than at the start, by an area of {by:.3e} over ln d: mass was lost or added"
+        )
     }
 }
 

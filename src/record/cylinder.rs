@@ -229,8 +229,16 @@ pub fn initial_gradation(model: &Model, g: &Grains) -> Gradation {
     Gradation::new(grains, std::iter::empty(), model.fines, model.scale)
 }
 
+/// Where a test stands: its stage, vertical stress, Pa, and axial strain.
+#[derive(Clone, Copy, Debug)]
+pub struct At {
+    pub stage: &'static str,
+    pub sigma_v: f64,
+    pub axial_strain: f64,
+}
+
 /// Rows of `gsd.csv` for this instant.
-pub fn gradation_rows(model: &Model, state: &State, sigma_v: f64, initial: &Gradation) -> Vec<Row> {
+pub fn gradation_rows(model: &Model, state: &State, at: &At, initial: &Gradation) -> Vec<Row> {
     let now = gradation(model, state);
     let sizes = sieve_sizes(model.fines.d_min / model.scale, initial.largest().unwrap_or(model.fines.d_min), SIEVES);
     let (all, grains) = (now.curve(&sizes), now.curve_grains(&sizes));
@@ -240,7 +248,9 @@ pub fn gradation_rows(model: &Model, state: &State, sigma_v: f64, initial: &Grad
         .map(|(&d, (&a, &g))| -> Row {
             vec![
                 ("step", state.step.into()),
-                ("sigma_v_kPa", (sigma_v * 1e-3).into()),
+                ("stage", at.stage.into()),
+                ("sigma_v_kPa", (at.sigma_v * 1e-3).into()),
+                ("axial_strain", at.axial_strain.into()),
                 ("diameter_mm", (d * 1e3).into()),
                 ("passing_percent", (a * 100.0).into()),
                 ("passing_percent_grains", (g * 100.0).into()),

@@ -112,9 +112,10 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
 
 /// Where the void ratio first fell below what fines can fill; null where it never did.
 fn below_least(below: Option<BelowLeast>) -> Value {
-    below.map_or(Value::Null, |b| {
-        json!({"sigma_v_kPa": b.sigma_v * 1e-3, "axial_strain": b.axial_strain, "void_ratio": b.void_ratio})
-    })
+    below.map_or(
+        Value::Null,
+        |b| json!({"sigma_v_kPa": b.sigma_v * 1e-3, "axial_strain": b.axial_strain, "void_ratio": b.void_ratio}),
+    )
 }
 
 /// Realised mean and coefficient of variation of the initial grains' strength over its size-dependent mean.

@@ -249,7 +249,9 @@ fn deviations(file: &Columns, name: &str, factor: f64) -> Result<Vec<f64>> {
 /// A value that the quantity can have.
 fn check(file: &Columns, row: usize, name: &str, column: &str, value: f64) -> Result<()> {
     let allowed = match column {
-        "void_ratio" | "void_ratio_grains" | "void_ratio_star" => (value > 0.0 && value < 20.0).then_some(()).ok_or("must be > 0 and < 20"),
+        "void_ratio" | "void_ratio_grains" | "void_ratio_star" => {
+            (value > 0.0 && value < 20.0).then_some(()).ok_or("must be > 0 and < 20")
+        }
         "axial_strain" => (value > -0.5 && value < 0.95)
             .then_some(())
             .ok_or("must be a strain, compression positive, below 0.95; per cent are given as axial_strain_percent"),
