@@ -174,6 +174,14 @@ impl Gradation {
         sum.value() / self.total
     }
 
+    /// Passing from `d`, not below `d_min`, to the next size at which the curve jumps or bends: a + b rise(d).
+    fn piece(&self, d: f64) -> (f64, f64) {
+        let n = self.events.partition_point(|e| e.d_max <= d);
+        let whole = if n == 0 { 0.0 } else { self.events[n - 1].up_to };
+        let density = self.events.get(n).map_or(0.0, |coarser| coarser.density_from);
+        ((self.finer_grains(d) + whole) / self.total, density / self.total)
+    }
+
     fn finer_grains(&self, d: f64) -> f64 {
         match self.grains.partition_point(|g| g.0 <= d) {
             0 => 0.0,
@@ -241,31 +249,119 @@ pub struct Indices {
     pub hardin_br: Option<f64>,
     /// Einav's relative breakage B (Einav 2007, J. Mech. Phys. Solids 55, 1274-1297), -: area between the initial and the
     /// current curve over the area between the initial curve and the ultimate one, both over ln d. The ultimate curve
-    /// is eq. (12) with the run's alpha from its `d_min` to the largest initial grain; areas count from `d_min` up.
+    /// is eq. (12) with the run's alpha from its `d_min` to the largest initial grain; areas count from `d_min` up. What
+    /// is broken further than the ultimate gradation at some size counts as broken to it: 0..1.
     /// `None` where the initial curve is not coarser than the ultimate one.
     pub einav_br: Option<f64>,
+    /// Area by which the current curve lies beyond the ultimate one, over the same area as `einav_br`, -. In Einav's
+    /// theory it is 0. Eq. (12) puts the lost mass of each event below its smallest daughter, and has more of it fine
+    /// than one fractal from the largest grain down: 14 balls that break once leave more than Einav's ultimate fines.
+    pub einav_beyond: Option<f64>,
 }
+
+/// A gradation that is coarser than at the start: mass has gone astray, and no index of breakage means anything.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coarser {
+    /// Area between the curves over ln d that has gone the wrong way, -.
+    pub by: f64,
+}
+
+impl std::fmt::Display for Coarser {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let by = self.by;
+        write!(
+            f,
+            "the reconstructed gradation is coarser than at the start, by an area of {by:.3e} over ln d: mass was lost or added"
+        )
+    }
+}
+
+/// Areas over ln d up to this are rounding.
+const ROUNDING: f64 = 1e-9;
 
 impl Indices {
     /// Indices of `current`, breakage counted from `initial`; `None` where one of them has no mass.
-    pub fn between(initial: &Gradation, current: &Gradation) -> Option<Self> {
-        let [d10, d30, d50, d60] = [0.1, 0.3, 0.5, 0.6].map(|fraction| current.diameter_at(fraction));
-        let (d10, d30, d50, d60) = (d10?, d30?, d50?, d60?);
+    ///
+    /// # Errors
+    /// A current gradation that is coarser than the initial one.
+    pub fn between(initial: &Gradation, current: &Gradation) -> Result<Option<Self>, Coarser> {
+        let at = [0.1, 0.3, 0.5, 0.6].map(|fraction| current.diameter_at(fraction));
+        let ([Some(d10), Some(d30), Some(d50), Some(d60)], Some(largest)) = (at, initial.largest()) else { return Ok(None) };
 
         // The area between two curves is the difference of their mean logarithms; B_r is free of the base.
         let potential = initial.mean_log_above(HARDIN_SILT);
-        let broken = potential - current.mean_log_above(HARDIN_SILT);
+        let broken = finer(potential - current.mean_log_above(HARDIN_SILT))?;
         let hardin_br = (potential > 0.0).then(|| broken / potential);
 
         let fines = current.fines;
         let start = initial.mean_log_above(fines.d_min);
-        let ultimate = fines.mean_log_above(fines.d_min, initial.largest()?);
-        let possible = start - ultimate;
-        let broken = start - current.mean_log_above(fines.d_min);
-        let einav_br = (possible > 1e-12 * start).then(|| broken / possible);
-
-        Some(Self { d10, d30, d50, d60, cu: d60 / d10, cc: d30 * d30 / (d10 * d60), hardin_br, einav_br })
+        let broken = finer(start - current.mean_log_above(fines.d_min))?;
+        let [above, beyond] = areas_above([initial, current], largest);
+        // the ultimate curve where it is finer than the initial one
+        let possible = start - fines.mean_log_above(fines.d_min, largest) + above;
+        let reachable = possible > 1e-12 * start;
+        let einav_br = reachable.then(|| ((broken - beyond) / possible).clamp(0.0, 1.0));
+        let einav_beyond = reachable.then_some(beyond / possible);
+        let (cu, cc) = (d60 / d10, d30 * d30 / (d10 * d60));
+        Ok(Some(Self { d10, d30, d50, d60, cu, cc, hardin_br, einav_br, einav_beyond }))
     }
+}
+
+/// An area of breakage, without what rounding leaves below zero.
+fn finer(area: f64) -> Result<f64, Coarser> {
+    if area < -ROUNDING { Err(Coarser { by: -area }) } else { Ok(area.max(0.0)) }
+}
+
+/// Areas over ln d, from `d_min` to the largest initial grain, by which the initial curve lies above the ultimate one, and
+/// the current curve above both. Between two sizes at which a curve jumps or bends, all three are straight over eq. (12)'s
+/// `rise`, so each piece between two crossings has a closed form.
+fn areas_above([initial, current]: [&Gradation; 2], largest: f64) -> [f64; 2] {
+    let fines = current.fines;
+    if largest <= fines.d_min {
+        return [0.0; 2];
+    }
+    let mut sizes: Vec<f64> = [initial, current]
+        .iter()
+        .flat_map(|g| g.grains.iter().map(|g| g.0).chain(g.events.iter().map(|e| e.d_max)))
+        .filter(|&d| d > fines.d_min && d < largest)
+        .chain([fines.d_min, largest])
+        .collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    sizes.dedup();
+    let mut sums = [Sum::default(), Sum::default()];
+    let ultimate = (0.0, 1.0 / fines.rise(largest));
+    let mut last = (sizes[0], fines.rise(sizes[0]));
+    for &to in &sizes[1..] {
+        let (from, rise) = last;
+        let end = fines.rise(to);
+        last = (to, end);
+        let curves = [initial.piece(from), ultimate, current.piece(from)];
+        let at = |curve: (f64, f64), rise: f64| curve.0 + curve.1 * rise;
+        // all curves rise: below the start of the ultimate one nothing is above it
+        if at(curves[0], end).max(at(curves[2], end)) <= at(ultimate, rise) {
+            continue;
+        }
+        let mut cuts = vec![rise, end];
+        for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+            let crossing = (curves[b].0 - curves[a].0) / (curves[a].1 - curves[b].1);
+            if crossing > rise && crossing < end {
+                cuts.push(crossing);
+            }
+        }
+        cuts.sort_unstable_by(f64::total_cmp);
+        for cut in cuts.windows(2) {
+            let middle = 0.5 * (cut[0] + cut[1]);
+            let [a, u, c] = curves.map(|curve| at(curve, middle));
+            let area = |upper: (f64, f64), lower: (f64, f64)| fines.area((upper.0 - lower.0, upper.1 - lower.1), [cut[0], cut[1]]);
+            if a > u {
+                sums[0].add(area(curves[0], ultimate).max(0.0));
+            }
+            if c > a.max(u) {
+                sums[1].add(area(curves[2], if a > u { curves[0] } else { ultimate }).max(0.0));
+            }
+        }
+    }
+    sums.map(|sum| sum.value())
 }
 
 /// A piece of a gradation in which mass is uniform in diameter.
@@ -396,7 +492,7 @@ mod tests {
             let found = gradation.diameter_at(fraction).unwrap();
             assert!((found / d - 1.0).abs() < 1e-12, "{fraction}: {found}");
         }
-        let indices = Indices::between(&gradation, &gradation).unwrap();
+        let indices = Indices::between(&gradation, &gradation).unwrap().unwrap();
         assert!((indices.cu - 6.0).abs() < 1e-11);
         assert!((indices.cc - 1.5).abs() < 1e-11);
         // Eq. (12) inverted.
@@ -422,23 +518,23 @@ mod tests {
     #[test]
     fn breakage_is_zero_at_the_start_and_one_at_the_end() {
         let (initial, now) = fig_2(1.0);
-        let start = Indices::between(&initial, &initial).unwrap();
+        let start = Indices::between(&initial, &initial).unwrap().unwrap();
         assert_eq!((start.hardin_br, start.einav_br), (Some(0.0), Some(0.0)));
-        let later = Indices::between(&initial, &now).unwrap();
+        let later = Indices::between(&initial, &now).unwrap().unwrap();
         assert!(later.hardin_br.unwrap() > 0.1 && later.einav_br.unwrap() > 0.1);
         // Everything in the ultimate distribution, and everything silt.
         let ultimate = Gradation::new([], [(2.0, 1e-3)], FINES, 1.0);
-        let end = Indices::between(&initial, &ultimate).unwrap().einav_br;
+        let end = Indices::between(&initial, &ultimate).unwrap().unwrap().einav_br;
         assert!((end.unwrap() - 1.0).abs() < 1e-12);
         let silt = grains_only(&[(0.07e-3, 2.0)]);
-        assert_eq!(Indices::between(&initial, &silt).unwrap().hardin_br, Some(1.0));
+        assert_eq!(Indices::between(&initial, &silt).unwrap().unwrap().hardin_br, Some(1.0));
     }
 
     #[test]
     fn hardin_counts_decades_above_silt() {
         // Two decades of potential, one of them spent.
         let (initial, now) = (grains_only(&[(7.4e-3, 1.0)]), grains_only(&[(0.74e-3, 1.0)]));
-        let br = Indices::between(&initial, &now).unwrap().hardin_br.unwrap();
+        let br = Indices::between(&initial, &now).unwrap().unwrap().hardin_br.unwrap();
         assert!((br - 0.5).abs() < 1e-12);
     }
 
@@ -450,7 +546,7 @@ mod tests {
             let step = (1e-3_f64 / from).log10() / f64::from(steps);
             (0..steps).map(|i| from * 10.0_f64.powf((f64::from(i) + 0.5) * step)).map(|d| step * (a(d) - b(d))).sum::<f64>()
         };
-        let indices = Indices::between(&initial, &now).unwrap();
+        let indices = Indices::between(&initial, &now).unwrap().unwrap();
         let (f0, f) = (|d| initial.passing(d), |d| now.passing(d));
         let hardin = area(&f, &f0, HARDIN_SILT) / area(&|_| 1.0, &f0, HARDIN_SILT);
         assert!((indices.hardin_br.unwrap() - hardin).abs() < 1e-5);
@@ -459,14 +555,44 @@ mod tests {
         assert!((indices.einav_br.unwrap() - einav).abs() < 1e-5);
     }
 
+    /// Every grain breaks once into 14: by eq. (12) that is finer at small sizes than one fractal from the largest grain.
+    #[test]
+    fn what_is_finer_than_the_ultimate_gradation_stands_apart() {
+        let pattern = Pattern::new(14).unwrap();
+        let (d, fines) = (10e-3, FINES);
+        let daughters = pattern.balls().iter().map(|b| (b.radius * d, b.radius.powi(3)));
+        let lost = (1.0 - pattern.volume_kept(), pattern.smallest() * d);
+        let (initial, now) = (grains_only(&[(d, 1.0)]), Gradation::new(daughters, [lost], fines, 1.0));
+        let indices = Indices::between(&initial, &now).unwrap().unwrap();
+        let area = |f: &dyn Fn(f64) -> f64| {
+            let steps = 400_000;
+            let step = (d / fines.d_min).ln() / f64::from(steps);
+            (0..steps).map(|i| f(fines.d_min * ((f64::from(i) + 0.5) * step).exp()) * step).sum::<f64>()
+        };
+        let ultimate = |x: f64| fines.finer(x, d);
+        let possible = area(&|x| ultimate(x) - initial.passing(x));
+        let within = area(&|x| ultimate(x).min(now.passing(x)) - initial.passing(x)) / possible;
+        let beyond = area(&|x| (now.passing(x) - ultimate(x)).max(0.0)) / possible;
+        assert!((indices.einav_br.unwrap() - within).abs() < 1e-5, "{indices:?} {within}");
+        assert!((indices.einav_beyond.unwrap() - beyond).abs() < 1e-5, "{indices:?} {beyond}");
+        assert!(within < 1.0 && within + beyond > 1.0, "the whole area is above one: {within} {beyond}");
+    }
+
+    #[test]
+    fn a_coarser_gradation_is_an_error() {
+        let (initial, later) = (grains_only(&[(1e-3, 1.0), (2e-3, 1.0)]), grains_only(&[(2e-3, 1.0)]));
+        let error = Indices::between(&initial, &later).unwrap_err().to_string();
+        assert!(error.contains("coarser than at the start, by an area of 3.466e-1"), "{error}");
+    }
+
     #[test]
     fn breakage_without_potential_is_none() {
         let silt = grains_only(&[(0.05e-3, 1.0)]);
-        let indices = Indices::between(&silt, &silt).unwrap();
+        let indices = Indices::between(&silt, &silt).unwrap().unwrap();
         assert_eq!((indices.hardin_br, indices.einav_br), (None, None));
         assert_eq!(indices.cu, 1.0);
         let empty = grains_only(&[]);
-        assert!(Indices::between(&empty, &empty).is_none());
+        assert!(Indices::between(&empty, &empty).unwrap().is_none());
         assert_eq!(empty.passing(1.0), 0.0);
         assert_eq!(empty.curve(&[1e-3, 1.0]), [0.0, 0.0]);
         // What is no grain counts for nothing.
@@ -531,6 +657,37 @@ mod tests {
     }
 
     proptest! {
+        /// Any grains, broken in any order as often as one likes, some below the smallest size of fines.
+        #[test]
+        fn breakage_is_between_none_and_all(
+            sizes in prop::collection::vec(0.15e-3..20e-3_f64, 1..20),
+            broken in prop::collection::vec(0.0..1.0_f64, 0..200),
+            balls in prop::sample::select(vec![2_u32, 14]),
+            d_min in (-4.5..-2.5_f64).prop_map(|x| 10.0_f64.powf(x)),
+            alpha in prop::sample::select(vec![1.0, 2.6, 3.0, 3.3]),
+        ) {
+            let (pattern, fines) = (Pattern::new(balls).unwrap(), Fines { alpha, d_min });
+            let mut grains: Vec<(f64, f64)> = sizes.iter().map(|d| (*d, d.powi(3))).collect();
+            let initial = Gradation::new(grains.iter().copied(), [], fines, 1.0);
+            let (mut lost, mut last) = (Vec::new(), 0.0);
+            for (k, which) in broken.iter().enumerate() {
+                let (d, mass) = grains.swap_remove((which * grains.len() as f64) as usize);
+                grains.extend(pattern.balls().iter().map(|b| (b.radius * d, b.radius.powi(3) * mass)));
+                lost.push(((1.0 - pattern.volume_kept()) * mass, pattern.smallest() * d));
+                if k % 7 == 0 || k + 1 == broken.len() {
+                    let now = Gradation::new(grains.iter().copied(), lost.iter().copied(), fines, 1.0);
+                    let indices = Indices::between(&initial, &now).unwrap().unwrap();
+                    for br in [indices.hardin_br, indices.einav_br].into_iter().flatten() {
+                        prop_assert!((0.0..=1.0).contains(&br), "{:?}", indices);
+                    }
+                    let beyond = indices.einav_beyond.unwrap_or(0.0);
+                    let einav = indices.einav_br.unwrap_or(0.0);
+                    prop_assert!(beyond >= 0.0 && einav >= last - 1e-9, "{} {:?}", last, indices);
+                    last = einav;
+                }
+            }
+        }
+
         #[test]
         fn curves_rise_from_nothing_to_all(
             grains in sizes_and_masses(60),
@@ -558,7 +715,7 @@ mod tests {
                         + lost.iter().map(|e| e.0 * Fines { alpha, d_min: d_min / scale }.finer(d, e.1 / scale)).sum::<f64>();
                     prop_assert!((gradation.passing(d) - slow / mass).abs() < 1e-11);
                 }
-                let indices = Indices::between(&gradation, &gradation).unwrap();
+                let indices = Indices::between(&gradation, &gradation).unwrap().unwrap();
                 prop_assert!(indices.hardin_br.unwrap_or(0.0).abs() < 1e-12);
                 prop_assert!(indices.d10 <= indices.d30 && indices.d50 <= indices.d60);
             }

@@ -353,6 +353,10 @@ pub struct Records {
     pub per_decade: u32,
     /// Vertical stresses, Pa, at which a gradation and a snapshot are recorded besides the first and the last.
     pub at: Vec<f64>,
+    /// Void ratio of all dry mass below which fines cannot pack: the run says so there.
+    pub least_void_ratio: f64,
+    /// Whether the run ends there.
+    pub end_below_least: bool,
     /// Whether the energy ledger is kept.
     pub energy: bool,
     /// Whether ParaView snapshots are written at `at`.

@@ -171,6 +171,8 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
         records: Records {
             per_decade: 1,
             at: Vec::new(),
+            least_void_ratio: 0.0,
+            end_below_least: false,
             energy: false,
             snapshots: false,
             figures: false,

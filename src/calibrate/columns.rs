@@ -22,8 +22,9 @@ impl Columns {
         let text = text.trim_start_matches('\u{feff}');
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
-        let headers: Vec<String> =
+        let mut headers: Vec<String> =
             reader.headers().map_err(|e| wrong(String::new(), e.to_string()))?.iter().map(str::to_string).collect();
+        crate::record::old_names::renew(&mut headers);
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|e| wrong(String::new(), e.to_string()))?;

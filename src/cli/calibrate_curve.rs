@@ -12,7 +12,7 @@ use std::path::PathBuf;
     after_help = "Example, from the repository root:\n  comminute calibrate curve experiments/calibration/targets/target-05.csv --scene experiments/calibration/coke_small.toml --budget 60 --out runs/calibration"
 )]
 pub struct Args {
-    /// Curve: sigma_v_kPa or sigma_v_MPa with void_ratio, porosity, axial_strain or axial_strain_percent (or void_ratio_restored …, lost mass counted as fines), and sd, k0, k0_sd if known (CSV)
+    /// Curve: sigma_v_kPa or sigma_v_MPa with void_ratio, porosity, axial_strain or axial_strain_percent (of all dry mass, as the laboratory has them; void_ratio_grains, porosity_grains: of what is left in grains), and sd, k0, k0_sd if known (CSV)
     curve: PathBuf,
 
     /// Scene whose runs are to give the curve, as small as it can be (TOML); its [[calibrate]] tables say what may change

@@ -180,7 +180,7 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
             number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}")),
         );
         eprintln!("records in {}", outcome.out.display());
-        list_files(&outcome.figures);
+        count_figures(outcome);
         return Ok(());
     }
     if outcome.summary["kind"] == "continuum" || outcome.summary["kind"] == "mixture" {
@@ -189,8 +189,12 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
         let grains = number("grains").map_or(String::new(), |n| format!(" and {n} grains"));
         eprintln!("{} steps of {} points{grains}{ratio}, {seconds} s", count("steps"), count("points"));
         eprintln!("records in {}", outcome.out.display());
-        list_files(&outcome.figures);
+        count_figures(outcome);
         return Ok(());
+    }
+    let state = results(&outcome.summary);
+    if !state.is_empty() {
+        eprintln!("{state}");
     }
     eprintln!(
         "{} steps, {} crush events, {} grains from {}, {} s",
@@ -203,12 +207,44 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
     for warning in outcome.summary["warnings"].as_array().into_iter().flatten().filter_map(|w| w.as_str()) {
         eprintln!("warning: {warning}");
     }
+    if let Some(kpa) = outcome.summary.pointer("/below_least_void_ratio/sigma_v_kPa").and_then(serde_json::Value::as_f64) {
+        let ended = if outcome.summary.get("ended_early").is_some() { "; the run ended there" } else { "" };
+        let least = number("least_void_ratio").unwrap_or(f64::NAN);
+        eprintln!("warning: from {kpa:.0} kPa on the void ratio is below {least}, which fines cannot fill{ended}");
+    }
+    if let Some(beyond) = number("einav_beyond").filter(|b| *b > 0.01) {
+        eprintln!(
+            "warning: the gradation is finer than Einav's ultimate one by {beyond:.2} of the area that B_r is counted over (einav_beyond)"
+        );
+    }
     if let Some(rises) = number("energy_rises").filter(|&n| n > 0.0) {
         eprintln!("warning: after {rises} breakages more elastic energy was stored around the event than before");
     }
     eprintln!("records in {}", outcome.out.display());
-    list_files(&outcome.figures);
+    count_figures(outcome);
     Ok(())
+}
+
+/// What a test of a cylinder found, as `e = 0.461, k0 = 0.55, axial strain 8.1 %, B_r 0.21 (Hardin) 0.35 (Einav)`; empty for others.
+fn results(summary: &serde_json::Value) -> String {
+    let number = |key: &str| summary.get(key).and_then(serde_json::Value::as_f64);
+    let parts = [
+        number("max_measured_stress_kPa").map(|s| format!("up to {s:.0} kPa")),
+        number("void_ratio_final").map(|e| format!("e = {e:.3}")),
+        number("k0_final").map(|k| format!("k0 = {k:.3}")),
+        number("axial_strain_final").map(|s| format!("axial strain {:.2} %", 100.0 * s)),
+        number("hardin_br").map(|b| format!("B_r {b:.3} (Hardin)")),
+        number("einav_br").map(|b| format!("{b:.3} (Einav)")),
+    ];
+    parts.into_iter().flatten().collect::<Vec<String>>().join(", ")
+}
+
+/// Says how many figures were drawn, and where.
+fn count_figures(outcome: &comminute::run::Outcome) {
+    let count = outcome.figures.iter().filter(|f| f.extension().is_some_and(|e| e == "png")).count();
+    if count > 0 {
+        eprintln!("{count} figures in {}", outcome.out.join("figures").display());
+    }
 }
 
 /// Name the files that were drawn.

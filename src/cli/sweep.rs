@@ -88,14 +88,20 @@ fn named(job: Job, point: &Point) -> Result<Job> {
 }
 
 /// Columns of `sweep.csv` after the parameters, and where they stand in a summary.
-const RESULTS: [(&str, &str); 10] = [
+const RESULTS: [(&str, &str); 16] = [
     ("seed_packing", "/seed/packing"),
     ("seed_strength", "/seed/strength"),
     ("crush_events", "/crush_events"),
     ("grains_final", "/grains_final"),
     ("max_measured_stress_kPa", "/max_measured_stress_kPa"),
     ("porosity_final", "/porosity_final"),
-    ("void_ratio_final", ""),
+    ("void_ratio_final", "/void_ratio_final"),
+    ("void_ratio_grains_final", "/void_ratio_grains_final"),
+    ("axial_strain_final", "/axial_strain_final"),
+    ("below_least_void_ratio_kPa", "/below_least_void_ratio/sigma_v_kPa"),
+    ("hardin_br", "/hardin_br"),
+    ("einav_br", "/einav_br"),
+    ("energy_error", "/energy_error"),
     ("k0_final", "/k0_final"),
     ("steps", "/steps"),
     ("wall_seconds", "/wall_seconds"),
@@ -121,7 +127,7 @@ fn table(out: &Path, jobs: &[Job], rows: &[&Point], outcomes: &[Outcome]) -> Res
         let value = |key: &str| point.values.iter().find(|(k, _)| k == key).map_or("", |(_, v)| v.as_str()).to_string();
         let mut row = vec![folder, status.to_string()];
         row.extend(keys.iter().map(|key| value(key)));
-        row.extend(RESULTS.map(|(name, at)| result(outcome, name, at)));
+        row.extend(RESULTS.map(|(_, at)| result(outcome, at)));
         row.push(reason.unwrap_or("").to_string());
         file.write_record(row).map_err(failed)?;
     }
@@ -130,11 +136,8 @@ fn table(out: &Path, jobs: &[Job], rows: &[&Point], outcomes: &[Outcome]) -> Res
     Ok(path)
 }
 
-fn result(outcome: &Outcome, name: &str, at: &str) -> String {
+fn result(outcome: &Outcome, at: &str) -> String {
     let Some(summary) = outcome.summary() else { return String::new() };
     let number = |at: &str| summary.pointer(at).and_then(serde_json::Value::as_f64);
-    if name == "void_ratio_final" {
-        return number("/porosity_final").map_or(String::new(), |n| comminute::record::table::number(n / (1.0 - n)));
-    }
     number(at).map_or(String::new(), comminute::record::table::number)
 }

@@ -37,6 +37,21 @@ impl Fines {
         if exponent == 0.0 { log } else { (exponent * log).exp_m1() / exponent }
     }
 
+    /// ln(d / d_min) of the size at which [`Self::rise`] has a value.
+    fn log_of(&self, rise: f64) -> f64 {
+        let exponent = 3.0 - self.alpha;
+        if exponent == 0.0 { rise } else { (exponent * rise).ln_1p() / exponent }
+    }
+
+    /// Integral over ln d of a + b rise(d) between two values of `rise`.
+    pub(crate) fn area(&self, (a, b): (f64, f64), [from, to]: [f64; 2]) -> f64 {
+        let (lower, upper) = (self.log_of(from), self.log_of(to));
+        let span = upper - lower;
+        let exponent = 3.0 - self.alpha;
+        let risen = if exponent == 0.0 { 0.5 * span * (upper + lower) } else { ((to - from) - span) / exponent };
+        a * span + b * risen
+    }
+
     /// Mean over one event's lost mass of ln(d / `size`) where d is above `size`, 0 where it is not: the closed form of
     /// the integral of 1 - F over ln d from `size` up.
     pub(crate) fn mean_log_above(&self, size: f64, d_max: f64) -> f64 {

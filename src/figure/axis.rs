@@ -67,6 +67,8 @@ impl Axis {
         let step = minor(nice_step(span / 5.0)).0;
         // A limit that was asked for is kept, whatever rounding has left of it; elsewhere a curve does not touch the frame.
         let asked = |v: f64| self.include.iter().any(|limit| (limit - v).abs() <= 1e-9 * span);
+        // what settling leaves of a strain or a stress on the other side of an asked zero is too little to see
+        let lo = if self.include.contains(&0.0) && lo < 0.0 && lo > -0.01 * hi { 0.0 } else { lo };
         let low = if asked(lo) { lo } else { lo - 0.03 * span };
         let high = if asked(hi) { hi } else { hi + 0.03 * span };
         Range { scale: Scale::Linear, lo: (low / step + 1e-9).floor() * step, hi: (high / step - 1e-9).ceil() * step }

@@ -9,7 +9,17 @@ use std::path::Path;
 /// Columns of a stress axis and their factor to MPa.
 const STRESS: [(&str, f64); 2] = [("sigma_v_MPa", 1.0), ("sigma_v_kPa", 1e-3)];
 /// Quantities that can stand against stress.
-const QUANTITIES: [&str; 6] = ["porosity", "porosity_star", "void_ratio", "axial_strain", "k0", "crush_events"];
+const QUANTITIES: [&str; 9] = [
+    "void_ratio",
+    "void_ratio_grains",
+    "void_ratio_star",
+    "porosity",
+    "porosity_grains",
+    "porosity_star",
+    "axial_strain",
+    "k0",
+    "crush_events",
+];
 
 /// Axial strain in percent, and what can stand against it (triaxial tests).
 const STRAIN: (&str, f64) = ("axial_strain", 100.0);
@@ -39,8 +49,8 @@ impl Measured {
         }
         Err(FigureError::nothing(
             path,
-            "no columns to draw: need sigma_v_kPa or sigma_v_MPa with any of porosity, porosity_star, void_ratio, \
-             axial_strain, k0, crush_events; axial_strain with q_kPa or volumetric_strain; or diameter_mm with passing_percent",
+            "no columns to draw: need sigma_v_kPa or sigma_v_MPa with any of void_ratio or porosity (also with \
+             _grains or _star), axial_strain, k0, crush_events; axial_strain with q_kPa or volumetric_strain; or diameter_mm with passing_percent",
         ))
     }
 

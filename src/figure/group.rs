@@ -48,7 +48,7 @@ pub fn group(runs: Vec<Run>) -> Vec<Group> {
     for g in &mut groups {
         g.label = label(&g.runs);
         if let (false, Some(n)) = (one_scale, g.runs[0].scale) {
-            g.label += &format!(" (N = {n})");
+            g.label += &format!(" (grain scale {n})");
         }
     }
     tell_apart(&mut groups);
@@ -214,6 +214,9 @@ mod tests {
             d50_mm: None,
             grains: None,
             events: None,
+            volume: None,
+            least_void_ratio: 0.15,
+            asked: Vec::new(),
             history: None,
         }
     }
@@ -245,7 +248,7 @@ mod tests {
         let mut other = run("H-C", Some(1));
         other.scale = Some(1.0);
         let labels = labels(vec![run("H-C", Some(1)), other]);
-        assert_eq!(labels, ["H-C, seed 1 (N = 2)", "H-C, seed 1 (N = 1)"]);
+        assert_eq!(labels, ["H-C, seed 1 (grain scale 2)", "H-C, seed 1 (grain scale 1)"]);
     }
 
     #[test]

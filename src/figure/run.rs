@@ -33,8 +33,17 @@ pub struct Run {
     pub d50_mm: Option<f64>,
     pub grains: Option<(u64, u64)>,
     pub events: Option<u64>,
+    /// Volume at the start of the test, m³.
+    pub volume: Option<f64>,
+    /// Void ratio that fines can just fill.
+    pub least_void_ratio: f64,
+    /// Vertical stresses, kPa, or axial strains at which gradations were asked for.
+    pub asked: Vec<f64>,
     pub history: Option<Table>,
 }
+
+/// [`Run::least_void_ratio`] of runs that do not say it.
+const LEAST_VOID_RATIO: f64 = 0.15;
 
 /// Name of a run's folder, also where it is given as `.`.
 pub fn folder_name(dir: &Path) -> String {
@@ -59,6 +68,9 @@ impl Run {
             d50_mm: summary["d50_mm"].as_f64(),
             grains: summary["grains_initial"].as_u64().zip(summary["grains_final"].as_u64()),
             events: summary["crush_events"].as_u64(),
+            volume: volume(&summary),
+            least_void_ratio: summary["least_void_ratio"].as_f64().unwrap_or(LEAST_VOID_RATIO),
+            asked: asked(&dir.join(crate::scene::RESOLVED)),
             history,
         };
         if run.d50_mm.is_none() {
@@ -124,9 +136,16 @@ impl Run {
         Ok(table.texts("stage")?.iter().map(|s| (*s).to_string()).collect())
     }
 
-    /// `N = 2`, `d50 = 7.1 mm`.
+    /// The first value of a column on a test's way at which the void ratio is less than fines can fill.
+    pub fn below_least(&self, column: &str, factor: f64) -> Result<Option<f64>> {
+        let (Some(e), Some(x)) = (self.column("void_ratio")?, self.column(column)?) else { return Ok(None) };
+        let start = self.stages()?.iter().rposition(|s| s == "settle").unwrap_or(0);
+        Ok((start..e.len()).find(|&i| e[i] < self.least_void_ratio).map(|i| x[i] * factor))
+    }
+
+    /// `grain scale 2`, `d50 = 7.1 mm`.
     pub fn facts(&self) -> Vec<String> {
-        let scale = self.scale.map(|n| format!("N = {}", significant(n, 3)));
+        let scale = self.scale.map(|n| format!("grain scale {}", significant(n, 3)));
         let d50 = self.d50_mm.map(|d| format!("d_{{50}} = {} mm", significant(d, 3)));
         scale.into_iter().chain(d50).collect()
     }
@@ -148,6 +167,21 @@ impl Run {
             Some(s) => format!("{}, seeds {}/{}", self.name, s.packing, s.strength),
         }
     }
+}
+
+/// Volume of the cylinder at the start of its test, m³.
+fn volume(summary: &Value) -> Option<f64> {
+    let (d, h) = (summary["diameter_mm"].as_f64()? * 1e-3, summary["height_mm"].as_f64()? * 1e-3);
+    Some(0.25 * std::f64::consts::PI * d * d * h)
+}
+
+/// `records.at_kPa` or `records.at_strain` of the scene as it was run; empty without one.
+fn asked(scene: &Path) -> Vec<f64> {
+    let text = std::fs::read_to_string(scene).unwrap_or_default();
+    let table: toml::Table = text.parse().unwrap_or_default();
+    let list = |key: &str| table.get("records").and_then(|r| r.get(key)).and_then(toml::Value::as_array).cloned();
+    let list = list("at_kPa").or_else(|| list("at_strain")).unwrap_or_default();
+    list.iter().filter_map(|v| v.as_float().or_else(|| v.as_integer().map(|i| i as f64))).collect()
 }
 
 /// The summary as JSON, or null if there is none.
@@ -195,7 +229,7 @@ mod tests {
         let (_dir, run) = run(text, HISTORY);
         let run = run.expect("read");
         assert_eq!(run.label(), "H-C-2, seeds 1/4");
-        assert_eq!(run.facts(), ["N = 2", "d_{50} = 7 mm"]);
+        assert_eq!(run.facts(), ["grain scale 2", "d_{50} = 7 mm"]);
     }
 
     #[test]

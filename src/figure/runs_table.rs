@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Column and where its value stands in `summary.json`.
-const COLUMNS: [(&str, &str); 31] = [
+const COLUMNS: [(&str, &str); 35] = [
     ("scene", "/scene"),
     ("seed_packing", "/seed/packing"),
     ("seed_strength", "/seed/strength"),
@@ -20,7 +20,11 @@ const COLUMNS: [(&str, &str); 31] = [
     ("crush_events", "/crush_events"),
     ("grains_final", "/grains_final"),
     ("excluded_grains", "/excluded_grains"),
+    ("void_ratio_final", "/void_ratio_final"),
     ("porosity_final", "/porosity_final"),
+    ("below_least_void_ratio_kPa", "/below_least_void_ratio/sigma_v_kPa"),
+    ("hardin_br", "/hardin_br"),
+    ("einav_br", "/einav_br"),
     ("k0_final", "/k0_final"),
     ("cell_pressure_kPa", "/cell_pressure_kPa"),
     ("peak_stress_ratio", "/peak_stress_ratio"),

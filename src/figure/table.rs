@@ -25,7 +25,8 @@ impl Table {
             .collect();
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
-        let headers: Vec<String> = reader.headers().map_err(|e| FigureError::io(path, e))?.iter().map(str::to_string).collect();
+        let mut headers: Vec<String> = reader.headers().map_err(|e| FigureError::io(path, e))?.iter().map(str::to_string).collect();
+        crate::record::old_names::renew(&mut headers);
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|e| FigureError::io(path, e))?;

@@ -5,6 +5,7 @@ use super::measure;
 use super::quasi_static::{self, Held};
 use super::table::Row;
 use crate::crush::event::Breakage;
+use crate::error::{Error, Result};
 use crate::gradation::{Gradation, Indices, sieve_sizes};
 use crate::grains::Grains;
 use crate::model::Model;
@@ -42,9 +43,45 @@ pub struct Recorder {
     pub energy_error: f64,
     pub energy_nonconservative: f64,
     pub mass_error: f64,
-    /// Last recorded values for the summary: porosity, k0.
-    pub porosity: f64,
+    /// What the summary says of the last record.
     pub k0: f64,
+    pub at_end: AtEnd,
+    /// Where the void ratio first fell below `records.least_void_ratio`.
+    pub below_least: Option<BelowLeast>,
+}
+
+/// Values of the last record for the summary; ratios as in the history.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct AtEnd {
+    pub porosity: f64,
+    pub void_ratio: f64,
+    pub void_ratio_grains: f64,
+    pub void_ratio_star: f64,
+    pub axial_strain: f64,
+    pub hardin_br: f64,
+    pub einav_br: f64,
+    pub einav_beyond: f64,
+}
+
+/// The first record with a void ratio that fines cannot reach.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BelowLeast {
+    /// Vertical stress, Pa.
+    pub sigma_v: f64,
+    pub axial_strain: f64,
+    pub void_ratio: f64,
+}
+
+impl BelowLeast {
+    /// What a person is told, with the limit it fell below.
+    pub fn in_words(&self, least: f64) -> String {
+        format!(
+            "void ratio of all dry mass is {:.3} at {:.0} kPa, below records.least_void_ratio = {least}: grains have broken into more \
+             fines than the voids can hold; the curve has no meaning from there on",
+            self.void_ratio,
+            self.sigma_v * 1e-3
+        )
+    }
 }
 
 /// What a record is for.
@@ -70,7 +107,7 @@ pub struct Moment {
 
 impl Recorder {
     /// The row of this instant.
-    pub fn row(&mut self, model: &Model, moment: Moment, state: &State, work: &Work, initial: &Gradation) -> Row {
+    pub fn row(&mut self, model: &Model, moment: Moment, state: &State, work: &Work, initial: &Gradation) -> Result<Row> {
         let size = Walls::of(state);
         let s = Stresses::of(state);
         let sums = measure::sums(model, state, work);
@@ -80,8 +117,9 @@ impl Recorder {
         let internal = model.materials[0].internal_porosity;
         let lost: f64 = state.lost.iter().map(|l| l.0).sum();
         let lost_volume = lost / model.materials[0].density;
-        let porosity = 1.0 - sums.volume / size.volume();
-        let restored = 1.0 - (sums.volume + lost_volume) / size.volume();
+        // all dry mass is solid, the lost mass too; `grains` counts what is left in grains only
+        let porosity = 1.0 - (sums.volume + lost_volume) / size.volume();
+        let grains = 1.0 - sums.volume / size.volume();
         // n* = 1 − (1 − n)(1 − n_int), eq. (20)
         let star = |n: f64| 1.0 - (1.0 - n) * (1.0 - internal);
         let void_ratio = |n: f64| n / (1.0 - n);
@@ -93,8 +131,10 @@ impl Recorder {
         let low = size.bottom + 0.5 * (1.0 - inner) * size.height;
         let (lw_v, lw_h) = measure::love_weber(state, work, inner * size.radius, low, low + inner * size.height);
         let mass_error = (sums.mass + lost - self.mass) / self.mass;
-        let indices = Indices::between(initial, &gradation(model, state));
+        let indices = Indices::between(initial, &gradation(model, state))
+            .map_err(|e| Error::Failed { step: state.step, what: e.to_string() })?;
         let mm = |x: f64| x * 1e3;
+        let axial_strain = 1.0 - size.height / moment.start_height;
         let of = |f: fn(&Indices) -> f64| indices.as_ref().map_or(f64::NAN, f);
 
         self.max_stress = self.max_stress.max(v);
@@ -106,7 +146,20 @@ impl Recorder {
             }
         }
         (self.energy_error, self.energy_nonconservative) = (balance.error(), balance.nonconservative() / balance.scale());
-        (self.mass_error, self.porosity, self.k0) = (mass_error, porosity, h / v);
+        (self.mass_error, self.k0) = (mass_error, h / v);
+        self.at_end = AtEnd {
+            porosity,
+            void_ratio: void_ratio(porosity),
+            void_ratio_grains: void_ratio(grains),
+            void_ratio_star: void_ratio(star(porosity)),
+            axial_strain,
+            hardin_br: of(|i| i.hardin_br.unwrap_or(f64::NAN)),
+            einav_br: of(|i| i.einav_br.unwrap_or(f64::NAN)),
+            einav_beyond: of(|i| i.einav_beyond.unwrap_or(f64::NAN)),
+        };
+        if self.below_least.is_none() && void_ratio(porosity) < model.records.least_void_ratio {
+            self.below_least = Some(BelowLeast { sigma_v: v, axial_strain, void_ratio: void_ratio(porosity) });
+        }
 
         let mut row: Row = vec![
             ("step", state.step.into()),
@@ -119,14 +172,14 @@ impl Recorder {
         row.extend([
             ("q_kPa", (q * 1e-3).into()),
             ("p_kPa", (p * 1e-3).into()),
-            ("axial_strain", (1.0 - size.height / moment.start_height).into()),
+            ("axial_strain", axial_strain.into()),
             ("height_mm", mm(size.height).into()),
             ("porosity", porosity.into()),
             ("void_ratio", void_ratio(porosity).into()),
+            ("porosity_grains", grains.into()),
+            ("void_ratio_grains", void_ratio(grains).into()),
             ("porosity_star", star(porosity).into()),
-            ("porosity_restored", restored.into()),
-            ("void_ratio_restored", void_ratio(restored).into()),
-            ("porosity_star_restored", star(restored).into()),
+            ("void_ratio_star", void_ratio(star(porosity)).into()),
             ("platen_difference", s.platen_difference().into()),
             ("coordination_number", sums.coordination(n).into()),
             ("coordination_number_no_rattlers", sums.mechanical_coordination(n).into()),
@@ -151,6 +204,7 @@ impl Recorder {
             ("cc", of(|i| i.cc).into()),
             ("hardin_br", of(|i| i.hardin_br.unwrap_or(f64::NAN)).into()),
             ("einav_br", of(|i| i.einav_br.unwrap_or(f64::NAN)).into()),
+            ("einav_beyond", of(|i| i.einav_beyond.unwrap_or(f64::NAN)).into()),
         ]);
         if model.records.energy {
             row.extend([
@@ -171,7 +225,7 @@ impl Recorder {
                 ("energy_nonconservative", (balance.nonconservative() / balance.scale()).into()),
             ]);
         }
-        row
+        Ok(row)
     }
 }
 
@@ -188,8 +242,16 @@ pub fn initial_gradation(model: &Model, g: &Grains) -> Gradation {
     Gradation::new(grains, std::iter::empty(), model.fines, model.scale)
 }
 
+/// Where a test stands: its stage, vertical stress, Pa, and axial strain.
+#[derive(Clone, Copy, Debug)]
+pub struct At {
+    pub stage: &'static str,
+    pub sigma_v: f64,
+    pub axial_strain: f64,
+}
+
 /// Rows of `gsd.csv` for this instant.
-pub fn gradation_rows(model: &Model, state: &State, sigma_v: f64, initial: &Gradation) -> Vec<Row> {
+pub fn gradation_rows(model: &Model, state: &State, at: &At, initial: &Gradation) -> Vec<Row> {
     let now = gradation(model, state);
     let sizes = sieve_sizes(model.fines.d_min / model.scale, initial.largest().unwrap_or(model.fines.d_min), SIEVES);
     let (all, grains) = (now.curve(&sizes), now.curve_grains(&sizes));
@@ -199,7 +261,9 @@ pub fn gradation_rows(model: &Model, state: &State, sigma_v: f64, initial: &Grad
         .map(|(&d, (&a, &g))| -> Row {
             vec![
                 ("step", state.step.into()),
-                ("sigma_v_kPa", (sigma_v * 1e-3).into()),
+                ("stage", at.stage.into()),
+                ("sigma_v_kPa", (at.sigma_v * 1e-3).into()),
+                ("axial_strain", at.axial_strain.into()),
                 ("diameter_mm", (d * 1e3).into()),
                 ("passing_percent", (a * 100.0).into()),
                 ("passing_percent_grains", (g * 100.0).into()),

@@ -11,6 +11,7 @@ pub mod dictionary;
 pub mod ledger;
 pub mod measure;
 pub mod oedometer;
+pub mod old_names;
 pub mod platen;
 pub mod quasi_static;
 pub mod specimen;

@@ -122,7 +122,7 @@ pub fn write(rows: &[Row], path: &Path) -> Result<PathBuf> {
 }
 
 /// Columns of `runs.csv`, and where their values stand in a summary.
-const RUNS: [(&str, &str); 15] = [
+const RUNS: [(&str, &str); 16] = [
     ("seed", "/seed/packing"),
     ("scale", "/scale"),
     ("height_mm", "/height_mm"),
@@ -130,6 +130,7 @@ const RUNS: [(&str, &str); 15] = [
     ("grains_initial", "/grains_initial"),
     ("crush_events", "/crush_events"),
     ("grains_final", "/grains_final"),
+    ("void_ratio_final", "/void_ratio_final"),
     ("porosity_final", "/porosity_final"),
     ("k0_final", "/k0_final"),
     ("mass_error", "/mass_error"),

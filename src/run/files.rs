@@ -148,11 +148,14 @@ impl Files {
         moment: impl FnOnce() -> Moment,
     ) -> Result<()> {
         let (Some(due), Some(initial)) = (due, &self.initial) else { return Ok(()) };
-        let row = self.recorder.row(model, moment(), state, work, initial);
+        let moment = moment();
+        let stage = moment.stage;
+        let row = self.recorder.row(model, moment, state, work, initial)?;
         self.history.push(out, &row)?;
-        if due == Due::Full {
+        if due == Due::Full || self.ends_below_least(model) {
             let sigma_v = Stresses::of(state).vertical();
-            for row in records::gradation_rows(model, state, sigma_v, initial) {
+            let at = records::At { stage, sigma_v, axial_strain: self.recorder.at_end.axial_strain };
+            for row in records::gradation_rows(model, state, &at, initial) {
                 self.gsd.push(out, &row)?;
             }
             if model.records.snapshots {
@@ -163,6 +166,11 @@ impl Files {
             return Err(Error::Unstable { step: state.step, what: "the energy ledger is not a number".into(), grain: None });
         }
         Ok(())
+    }
+
+    /// Whether the run is to end because the void ratio is less than fines can fill.
+    pub fn ends_below_least(&self, model: &Model) -> bool {
+        model.records.end_below_least && self.recorder.below_least.is_some()
     }
 
     /// Records of a free scene, when due.

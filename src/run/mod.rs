@@ -282,9 +282,14 @@ impl<'a> Runner<'a> {
         let before = self.progress.seconds;
         let loading_before = self.progress.loading_seconds;
         let mut loading_since = (!matches!(self.progress.activity, Activity::Preparing(_))).then(Instant::now);
+        let mut below_least = self.progress.files.recorder.below_least;
         loop {
             let step = self.advance();
             let p = &mut self.progress;
+            if let (None, Some(below)) = (below_least, p.files.recorder.below_least) {
+                below_least = Some(below);
+                self.bar.warn(&below.in_words(self.model.records.least_void_ratio));
+            }
             p.seconds = before + self.started.elapsed().as_secs_f64();
             if loading_since.is_none() && !matches!(p.activity, Activity::Preparing(_)) {
                 loading_since = Some(Instant::now());
@@ -347,7 +352,7 @@ impl<'a> Runner<'a> {
                     files.observe(out, model, (state, work), due, || oedometer::moment(rig, loading, state))
                 })?;
                 files.breakages(out, &work.breakages, state, Some(loading.target))?;
-                Ok(loading.phase == Phase::Done)
+                Ok(loading.phase == Phase::Done || files.ends_below_least(model))
             }
             (Activity::Shearing(shearing), Rig::Triaxial(rig)) => {
                 progress.grain_steps += state.grains.len() as u64;
@@ -356,7 +361,7 @@ impl<'a> Runner<'a> {
                     files.observe(out, model, (state, work), due, || triaxial::moment(rig, shearing, state))
                 })?;
                 files.breakages(out, &work.breakages, state, None)?;
-                Ok(shearing.phase == shear::Phase::Done)
+                Ok(shearing.phase == shear::Phase::Done || files.ends_below_least(model))
             }
             (_, Rig::Assembly(rig)) => {
                 progress.grain_steps += state.grains.len() as u64;

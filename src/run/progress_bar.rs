@@ -91,6 +91,13 @@ impl Bar {
         }
     }
 
+    /// A warning while the run goes on; nothing when quiet.
+    pub fn warn(&self, text: &str) {
+        if let Some(bar) = &self.bar {
+            bar.suspend(|| eprintln!("warning: {text}"));
+        }
+    }
+
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::figure;
 use crate::model::{Model, Oedometer, Rig, Triaxial};
 use crate::record::checkpoint;
-use crate::record::cylinder::Recorder;
+use crate::record::cylinder::{BelowLeast, Recorder};
 use crate::step::Work;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -63,7 +63,20 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
     }
     if model.rig.specimen().is_some() {
         put("max_measured_stress_kPa", json!(recorder.max_stress * 1e-3));
-        put("porosity_final", json!(recorder.porosity));
+        let end = recorder.at_end;
+        put("void_ratio_final", json!(end.void_ratio));
+        put("void_ratio_grains_final", json!(end.void_ratio_grains));
+        put("void_ratio_star_final", json!(end.void_ratio_star));
+        put("porosity_final", json!(end.porosity));
+        put("axial_strain_final", json!(end.axial_strain));
+        put("hardin_br", json!(end.hardin_br));
+        put("einav_br", json!(end.einav_br));
+        put("einav_beyond", json!(end.einav_beyond));
+        put("least_void_ratio", json!(model.records.least_void_ratio));
+        put("below_least_void_ratio", below_least(recorder.below_least));
+        if let (Some(_), true) = (recorder.below_least, model.records.end_below_least) {
+            put("ended_early", json!("void ratio below records.least_void_ratio"));
+        }
         put("mass_error", json!(recorder.mass_error));
         if model.records.energy {
             put("energy_error", json!(recorder.energy_error));
@@ -118,6 +131,14 @@ fn warnings(recorder: &Recorder) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// Where the void ratio first fell below what fines can fill; null where it never did.
+fn below_least(below: Option<BelowLeast>) -> Value {
+    below.map_or(
+        Value::Null,
+        |b| json!({"sigma_v_kPa": b.sigma_v * 1e-3, "axial_strain": b.axial_strain, "void_ratio": b.void_ratio}),
+    )
 }
 
 /// Realised mean and coefficient of variation of the initial grains' strength over its size-dependent mean.

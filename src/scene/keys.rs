@@ -522,6 +522,18 @@ pub const KEYS: &[Key] = &[
         Is("[]"),
         "axial strains with a gradation and a snapshot, besides the first and the last",
     ),
+    cylinder(
+        "records.least_void_ratio",
+        Number(Range::between(0.0, 1.0)),
+        Is("0.15"),
+        "void ratio of all dry mass that fines can just fill: below it the run warns once, and figures draw curves in grey dashes",
+    ),
+    cylinder(
+        "records.end_below_least_void_ratio",
+        Flag,
+        Is("false"),
+        "whether the run ends in good order where the void ratio falls below records.least_void_ratio",
+    ),
     assembly("records.every", COUNT, Is("100"), "steps between rows of history and tracks"),
     assembly("records.tracks", IndicesOr("all"), Is("[]"), "grains (from 0) whose motion is recorded"),
     platen(

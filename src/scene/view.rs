@@ -219,6 +219,8 @@ impl<'a> View<'a> {
         Some(Records {
             per_decade: self.whole("records.per_decade").unwrap_or(1) as u32,
             at: self.numbers("records.at_kPa"),
+            least_void_ratio: self.number("records.least_void_ratio").unwrap_or(0.0),
+            end_below_least: self.flag("records.end_below_least_void_ratio"),
             energy: self.flag("records.energy"),
             snapshots: self.flag("records.snapshots"),
             figures: self.flag("records.figures"),

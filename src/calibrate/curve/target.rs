@@ -5,14 +5,15 @@ use crate::calibrate::columns::Columns;
 use crate::error::{Error, Result};
 use std::path::PathBuf;
 
-/// A quantity against vertical stress: its column in a history, and in the file of the curve with the factor to the former.
+/// A quantity against vertical stress: its column in a history, and in the file of the curve with the factor to the former. Void ratio
+/// and porosity count all dry mass as solid, as a laboratory does; `_restored`, an older name for that, is read too.
 const QUANTITIES: [(&str, &str, f64); 8] = [
     ("void_ratio", "void_ratio", 1.0),
-    ("void_ratio_restored", "void_ratio_restored", 1.0),
+    ("void_ratio_grains", "void_ratio_grains", 1.0),
+    ("void_ratio_star", "void_ratio_star", 1.0),
     ("porosity", "porosity", 1.0),
-    ("porosity_restored", "porosity_restored", 1.0),
+    ("porosity_grains", "porosity_grains", 1.0),
     ("porosity_star", "porosity_star", 1.0),
-    ("porosity_star_restored", "porosity_star_restored", 1.0),
     ("axial_strain", "axial_strain", 1.0),
     ("axial_strain", "axial_strain_percent", 0.01),
 ];
@@ -248,7 +249,9 @@ fn deviations(file: &Columns, name: &str, factor: f64) -> Result<Vec<f64>> {
 /// A value that the quantity can have.
 fn check(file: &Columns, row: usize, name: &str, column: &str, value: f64) -> Result<()> {
     let allowed = match column {
-        "void_ratio" | "void_ratio_restored" => (value > 0.0 && value < 20.0).then_some(()).ok_or("must be > 0 and < 20"),
+        "void_ratio" | "void_ratio_grains" | "void_ratio_star" => {
+            (value > 0.0 && value < 20.0).then_some(()).ok_or("must be > 0 and < 20")
+        }
         "axial_strain" => (value > -0.5 && value < 0.95)
             .then_some(())
             .ok_or("must be a strain, compression positive, below 0.95; per cent are given as axial_strain_percent"),
@@ -296,7 +299,7 @@ mod tests {
         let ok = "10,0.8\n100,0.7\n1000,0.6\n";
         for (text, says) in [
             ("sigma,void_ratio\n1,1\n".to_string(), "`sigma` does not say its unit"),
-            ("sigma_v_kPa,e\n1,1\n".into(), "need one of void_ratio, void_ratio_restored, porosity"),
+            ("sigma_v_kPa,e\n1,1\n".into(), "need one of void_ratio, void_ratio_grains, void_ratio_star, porosity"),
             (format!("sigma_v_kPa,void_ratio\n{ok}"), "has 3 points"),
             (format!("sigma_v_kPa,void_ratio\n{ok}500,0.65\n"), "line 5: sigma_v_kPa = 500: must be above"),
             (format!("sigma_v_kPa,void_ratio\n{ok}-5,0.65\n"), "line 5: sigma_v_kPa = -5: must be > 0"),
