@@ -188,6 +188,9 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
         let seconds = number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}"));
         let grains = number("grains").map_or(String::new(), |n| format!(" and {n} grains"));
         eprintln!("{} steps of {} points{grains}{ratio}, {seconds} s", count("steps"), count("points"));
+        if let Some(share) = number("dissipated_share").filter(|share| *share < 0.0) {
+            eprintln!("warning: dissipated_share = {share:.3}: more energy came out of the specimen than went in");
+        }
         eprintln!("records in {}", outcome.out.display());
         count_figures(outcome);
         return Ok(());

@@ -20,6 +20,8 @@ const SAME: f64 = 1.0;
 #[derive(Clone, Debug, PartialEq)]
 struct Gradation {
     sigma_v_mpa: f64,
+    /// Of a triaxial test, where gradations go by strain; not a number elsewhere.
+    strain: f64,
     /// Size in mm and per cent passing.
     points: Vec<Point>,
 }
@@ -32,9 +34,17 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
         _ => None,
     };
     let mut heading = title(input);
+    let mut by_strain = false;
     if let Some(run) = one {
-        series.extend(evolution(&read(run)?));
+        let all = read(run)?;
+        by_strain = all.iter().any(|g| g.strain.is_finite());
+        let chosen = choose(&all, &asked(run, by_strain));
+        series.extend(evolution(&chosen));
         heading.insert(0, run.label());
+        let left_out = loaded(&all).len() - chosen.len();
+        if left_out > 0 {
+            heading.push(format!("{left_out} more in gsd.csv"));
+        }
     } else {
         for (i, group) in input.groups.iter().enumerate() {
             series.extend(ends(group, i)?);
@@ -47,7 +57,7 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
     if series.is_empty() {
         return Ok(None);
     }
-    let legend_title = (one.is_some() && simulated).then(|| "σ_{v} (MPa)".to_string());
+    let legend_title = (one.is_some() && simulated).then(|| if by_strain { "axial strain (%)" } else { "σ_{v} (MPa)" }.to_string());
     Ok(Some(Plot {
         name: "gradation".into(),
         title: heading,
@@ -59,17 +69,20 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
     }))
 }
 
-/// The chosen gradations of one run in the order of stress, dark to light.
-fn evolution(all: &[Gradation]) -> Vec<Series> {
-    let chosen = choose(all);
+/// Stresses in MPa, or axial strains, at which the scene asked for gradations.
+fn asked(run: &Run, by_strain: bool) -> Vec<f64> {
+    run.asked.iter().map(|v| if by_strain { *v } else { v * 1e-3 }).collect()
+}
+
+/// The chosen gradations of one run, with their labels, in the order of stress or strain, dark to light.
+fn evolution(chosen: &[(String, &Gradation)]) -> Vec<Series> {
     let last = chosen.len().saturating_sub(1).max(1) as f64;
     chosen
         .iter()
         .enumerate()
-        .map(|(i, g)| {
-            let name = significant(g.sigma_v_mpa, 2);
+        .map(|(i, (name, g))| {
             let tone = colour::sequence(i as f64 / last * 0.92);
-            Series::line(&name, tone, colour::dash(i), g.points.clone())
+            Series::line(name, tone, colour::dash(i), g.points.clone())
         })
         .collect()
 }
@@ -97,20 +110,39 @@ fn ends(group: &Group, i: usize) -> Result<Vec<Series>> {
     Ok(out)
 }
 
-/// The records of first loading: those with a larger stress than any before.
+/// The records of first loading: those with a larger stress (axial strain in a triaxial test) than any before.
 fn loaded(all: &[Gradation]) -> Vec<&Gradation> {
     let mut most = f64::NEG_INFINITY;
     let rising = all.iter().filter(|g| {
-        let higher = g.sigma_v_mpa > most;
-        most = most.max(g.sigma_v_mpa);
+        let level = if g.strain.is_finite() { g.strain } else { g.sigma_v_mpa };
+        let higher = level > most;
+        most = most.max(level);
         higher
     });
     rising.collect()
 }
 
+/// A record this close to what was asked for, as a share of it, is the one asked for: it comes with the first step past it, or with the last
+/// one before it where the stress falls as grains break.
+const NEAR: f64 = 0.05;
+
+/// First, last and every one asked for, by the value that was asked for; without any between, those that differ most.
+fn choose<'a>(all: &'a [Gradation], asked: &[f64]) -> Vec<(String, &'a Gradation)> {
+    let level = |g: &Gradation| if g.strain.is_finite() { g.strain } else { g.sigma_v_mpa };
+    let shown = |g: &Gradation, v: f64| significant(if g.strain.is_finite() { 100.0 * v } else { v }, 3);
+    let rising = loaded(all);
+    let wanted = |g: &Gradation| asked.iter().copied().find(|a| (level(g) / a - 1.0).abs() < NEAR);
+    let label = |g: &Gradation| shown(g, wanted(g).unwrap_or(level(g)));
+    if !rising.iter().any(|g| wanted(g).is_some()) {
+        return most_different(rising).into_iter().map(|g| (label(g), g)).collect();
+    }
+    let last = rising.len() - 1;
+    let kept = rising.iter().enumerate().filter(|(i, g)| *i == 0 || *i == last || wanted(g).is_some());
+    kept.map(|(_, g)| (label(g), *g)).collect()
+}
+
 /// First, last, and those between that differ most from the ones already chosen.
-fn choose(all: &[Gradation]) -> Vec<&Gradation> {
-    let all = loaded(all);
+fn most_different(all: Vec<&Gradation>) -> Vec<&Gradation> {
     let Some(last) = all.len().checked_sub(1) else {
         return Vec::new();
     };
@@ -149,6 +181,8 @@ fn read(run: &Run) -> Result<Vec<Gradation>> {
     };
     let steps = table.numbers("step")?;
     let stress = table.numbers("sigma_v_kPa")?;
+    let shear = run.history.as_ref().is_some_and(|h| h.has("volumetric_strain")) && table.has("axial_strain");
+    let strain = if shear { table.numbers("axial_strain")? } else { vec![f64::NAN; stress.len()] };
     let (size, passing) = (table.numbers("diameter_mm")?, table.numbers("passing_percent")?);
     let mut out: Vec<Gradation> = Vec::new();
     let mut last = f64::NAN;
@@ -165,7 +199,7 @@ fn read(run: &Run) -> Result<Vec<Gradation>> {
         let point = (size[i], passing[i]);
         match out.last_mut() {
             Some(g) if !new => g.points.push(point),
-            _ => out.push(Gradation { sigma_v_mpa: stress[i] * 1e-3, points: vec![point] }),
+            _ => out.push(Gradation { sigma_v_mpa: stress[i] * 1e-3, strain: strain[i], points: vec![point] }),
         }
     }
     for g in &mut out {
@@ -188,13 +222,13 @@ mod tests {
     use super::*;
 
     fn gradation(sigma: f64, at_one: f64) -> Gradation {
-        Gradation { sigma_v_mpa: sigma, points: vec![(0.1, 0.0), (1.0, at_one), (10.0, 100.0)] }
+        Gradation { sigma_v_mpa: sigma, strain: f64::NAN, points: vec![(0.1, 0.0), (1.0, at_one), (10.0, 100.0)] }
     }
 
     #[test]
     fn first_last_and_the_most_different_are_chosen() {
         let all: Vec<Gradation> = (0..40).map(|i| gradation(0.1 * f64::from(i + 1), 2.0 * f64::from(i))).collect();
-        let chosen = choose(&all);
+        let chosen = most_different(loaded(&all));
         assert_eq!(chosen.len(), MOST);
         assert_eq!((chosen[0], chosen[MOST - 1]), (&all[0], &all[39]));
         assert!(chosen.windows(2).all(|w| w[1].points[1].1 - w[0].points[1].1 > 5.0));
@@ -204,11 +238,22 @@ mod tests {
     fn equal_gradations_and_unloading_are_drawn_once() {
         let mut all: Vec<Gradation> = (1..6).map(|i| gradation(f64::from(i), 20.0)).collect();
         all.push(gradation(0.5, 90.0));
-        let chosen = choose(&all);
+        let chosen = most_different(loaded(&all));
         let stresses: Vec<f64> = chosen.iter().map(|g| g.sigma_v_mpa).collect();
         assert_eq!(stresses, [1.0, 5.0]);
-        assert!(choose(&[]).is_empty());
-        assert_eq!(choose(&all[..1]).len(), 1);
+        assert!(choose(&[], &[]).is_empty());
+        assert_eq!(choose(&all[..1], &[]).len(), 1);
+    }
+
+    #[test]
+    fn what_was_asked_for_is_drawn_by_the_value_asked() {
+        let all: Vec<Gradation> = [0.005, 0.992, 2.0, 3.02, 4.5].map(|s| gradation(s, 10.0)).to_vec();
+        let labels = |asked: &[f64]| choose(&all, asked).into_iter().map(|(label, _)| label).collect::<Vec<_>>();
+        assert_eq!(labels(&[1.0, 3.0, 9.0]), ["0.005", "1", "3", "4.5"]);
+        let mut sheared = all.clone();
+        sheared.iter_mut().enumerate().for_each(|(k, g)| (g.strain, g.sigma_v_mpa) = (0.0502 * k as f64, 0.3));
+        let chosen = choose(&sheared, &[0.05, 0.1]);
+        assert_eq!(chosen.iter().map(|c| c.0.as_str()).collect::<Vec<_>>(), ["0", "5", "10", "20.1"]);
     }
 
     #[test]

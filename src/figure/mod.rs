@@ -25,6 +25,7 @@ mod run;
 mod runs_table;
 mod specimen;
 mod stress_path;
+mod survival;
 mod table;
 mod text;
 mod triaxial;
@@ -121,6 +122,7 @@ fn draw_all(input: &Input, out: &Path) -> Result<Vec<PathBuf>> {
 fn plots(input: &Input) -> Result<Vec<Plot>> {
     let mut plots: Vec<Plot> = if triaxial::is(input) { triaxial::plots(input)? } else { curves::plots(input)? };
     plots.extend(gradation::plot(input)?);
+    plots.extend(survival::plot(input)?);
     plots.extend(stress_path::plot(input)?);
     plots.extend(energy::plot(input)?);
     plots.extend(assembly::plots(input)?);

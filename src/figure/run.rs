@@ -39,6 +39,8 @@ pub struct Run {
     pub least_void_ratio: f64,
     /// Vertical stresses, kPa, or axial strains at which gradations were asked for.
     pub asked: Vec<f64>,
+    /// Name of the grains' material.
+    pub material: Option<String>,
     pub history: Option<Table>,
 }
 
@@ -59,6 +61,8 @@ impl Run {
         }
         let summary = read_summary(&dir.join("summary.json"))?;
         let history = Table::read_if_there(&dir.join("history.csv"))?;
+        let resolved = std::fs::read_to_string(dir.join(crate::scene::RESOLVED)).unwrap_or_default();
+        let resolved: toml::Table = resolved.parse().unwrap_or_default();
         let name = summary["scene"].as_str().map(scene_name);
         let mut run = Self {
             dir: dir.to_path_buf(),
@@ -70,7 +74,8 @@ impl Run {
             events: summary["crush_events"].as_u64(),
             volume: volume(&summary),
             least_void_ratio: summary["least_void_ratio"].as_f64().unwrap_or(LEAST_VOID_RATIO),
-            asked: asked(&dir.join(crate::scene::RESOLVED)),
+            asked: asked(&resolved),
+            material: resolved.get("material").and_then(|m| m.get("name")?.as_str()).map(str::to_string),
             history,
         };
         if run.d50_mm.is_none() {
@@ -143,11 +148,11 @@ impl Run {
         Ok((start..e.len()).find(|&i| e[i] < self.least_void_ratio).map(|i| x[i] * factor))
     }
 
-    /// `grain scale 2`, `d50 = 7.1 mm`.
+    /// `petroleum coke`, `grain scale 2`, `d50 = 7.1 mm`.
     pub fn facts(&self) -> Vec<String> {
         let scale = self.scale.map(|n| format!("grain scale {}", significant(n, 3)));
         let d50 = self.d50_mm.map(|d| format!("d_{{50}} = {} mm", significant(d, 3)));
-        scale.into_iter().chain(d50).collect()
+        self.material.clone().into_iter().chain(scale).chain(d50).collect()
     }
 
     /// `680 → 18 984 grains`, `1408 events`.
@@ -176,10 +181,8 @@ fn volume(summary: &Value) -> Option<f64> {
 }
 
 /// `records.at_kPa` or `records.at_strain` of the scene as it was run; empty without one.
-fn asked(scene: &Path) -> Vec<f64> {
-    let text = std::fs::read_to_string(scene).unwrap_or_default();
-    let table: toml::Table = text.parse().unwrap_or_default();
-    let list = |key: &str| table.get("records").and_then(|r| r.get(key)).and_then(toml::Value::as_array).cloned();
+fn asked(scene: &toml::Table) -> Vec<f64> {
+    let list = |key: &str| scene.get("records").and_then(|r| r.get(key)).and_then(toml::Value::as_array).cloned();
     let list = list("at_kPa").or_else(|| list("at_strain")).unwrap_or_default();
     list.iter().filter_map(|v| v.as_float().or_else(|| v.as_integer().map(|i| i as f64))).collect()
 }

@@ -526,7 +526,7 @@ pub const KEYS: &[Key] = &[
         "records.least_void_ratio",
         Number(Range::between(0.0, 1.0)),
         Is("0.15"),
-        "void ratio of all dry mass that fines can just fill: below it the run warns once, and figures draw curves in grey dashes",
+        "void ratio of all dry mass that fines can just fill: below it the run warns once, and figures draw curves pale and dashed",
     ),
     cylinder(
         "records.end_below_least_void_ratio",
