@@ -243,8 +243,8 @@ pub struct WallFriction {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preparation {
-    /// Friction coefficient between grains during radius expansion.
-    pub growth_friction: f64,
+    /// Friction coefficient between grains during radius expansion; `None`: as the target needs it.
+    pub growth_friction: Option<f64>,
     /// Steps of radius expansion.
     pub growth_steps: u64,
     /// Local damping during preparation.

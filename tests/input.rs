@@ -148,7 +148,7 @@ fn what_new_writes_is_valid_and_runs_and_the_dictionary_has_every_column() {
         columns.look(&out, kind);
     }
     columns.complete();
-    comminute(&["check", "--columns"]).success().stdout(contains("void_ratio_restored").and(contains("breakage.csv")));
+    comminute(&["check", "--columns"]).success().stdout(contains("void_ratio_grains").and(contains("breakage.csv")));
 }
 
 /// Columns that have been met, by sheet of the dictionary.

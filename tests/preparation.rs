@@ -12,6 +12,7 @@ fn small(porosity: f64, tolerance: f64, seed: u32) -> Model {
     let sets = [
         format!("specimen.porosity={porosity}"),
         format!("preparation.porosity_tolerance={tolerance}"),
+        "preparation.growth_friction=0.4".into(),
         format!("seed.packing={seed}"),
     ];
     model(&oedometer_text(160, 8.0, ""), &sets)

@@ -222,7 +222,7 @@ fn rig(case: Case, grains: usize) -> Oedometer {
         wall_friction: WallFriction { bottom: 0.0, top: 0.0, cylinder: 0.0 },
         isotropic_stress: STRESS,
         preparation: Preparation {
-            growth_friction: 0.13,
+            growth_friction: Some(0.13),
             growth_steps: 1500,
             damping: 0.7,
             porosity_tolerance: 0.02,

@@ -141,6 +141,15 @@ impl Aftermath {
         }
     }
 
+    /// Radii of all grains, m, as if those that grow had their size already.
+    pub fn radii(&self, g: &Grains) -> Vec<f64> {
+        let mut radii: Vec<f64> = g.pos.iter().map(|p| p[3]).collect();
+        for x in &self.growing {
+            radii[x.grain as usize] = x.target;
+        }
+        radii
+    }
+
     /// Grain `m` is no more.
     pub fn forget(&mut self, m: usize) {
         self.growing.retain(|x| x.grain != m as u32);

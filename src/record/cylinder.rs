@@ -232,7 +232,8 @@ impl Recorder {
 /// Present gradation, lost mass reconstructed (eq. 12).
 pub fn gradation(model: &Model, state: &State) -> Gradation {
     let g = &state.grains;
-    let grains = g.by_id().into_iter().map(|i| (2.0 * g.pos[i as usize][3], g.mass[i as usize]));
+    let radii = state.aftermath.radii(g);
+    let grains = g.by_id().into_iter().map(|i| (2.0 * radii[i as usize], g.mass[i as usize]));
     Gradation::new(grains, state.lost.iter().copied(), model.fines, model.scale)
 }
 

@@ -35,6 +35,7 @@ pub struct Sums {
     /// Volume that contacts overlap, m^3.
     pub overlap_volume: f64,
     pub mass: f64,
+    /// Of the grains, of those that grow what they will have, m^3.
     pub volume: f64,
     /// Inertial mass, kg.
     pub inertia: f64,
@@ -65,6 +66,7 @@ impl Sums {
 pub fn sums(model: &Model, state: &State, work: &Work) -> Sums {
     let g = &state.grains;
     let mut s = Sums { release: 0.5 * state.dt * state.aftermath.power(g), ..Sums::default() };
+    let radii = state.aftermath.radii(g);
     // velocities half a step before and after this instant
     let (back, kick) = if state.fresh { (0.5 * state.dt, 0.5 * state.dt) } else { (0.0, state.dt) };
     for &i in &g.by_id() {
@@ -75,7 +77,7 @@ pub fn sums(model: &Model, state: &State, work: &Work) -> Sums {
         let rotational = 0.4 * m * p[3] * p[3];
         s.inertia += m;
         s.mass += g.mass[i];
-        s.volume += sphere_volume(p[3]);
+        s.volume += sphere_volume(radii[i]);
         for k in 0..4 {
             s.work[k] += g.work[i][k];
         }

@@ -55,6 +55,13 @@ pub struct Preparation {
     limit: f64,
     /// What pressing has been tried.
     press: Press,
+    /// Friction with which the radii grew.
+    growth_friction: f64,
+    /// Porosity at which densification ends: the target, less what rest has been seen to change.
+    aim: f64,
+    /// Specimens that came to rest outside tolerance, and the assembly before densification to return to.
+    corrections: u32,
+    compacted: Option<Box<State>>,
 }
 
 /// Pressing: by which stress, over that of the specimen, and what is known of the stress that it takes.
@@ -80,10 +87,26 @@ const FRICTIONLESS: f64 = 1e-3;
 const PRESS_FIRST: f64 = 4.0;
 const PRESS_LAST: f64 = 512.0;
 const PRESS_SAME: f64 = 1.02;
+/// Friction while growing that is tried first where the scene leaves it open, what it is multiplied by where grains have grown too dense,
+/// and the last: more changes nothing.
+const GROWTH_FIRST: f64 = 0.4;
+const GROWTH_FACTOR: f64 = 3.0;
+const GROWTH_LAST: f64 = 10.0;
+/// Steps of compaction after which grains that press far harder than asked are let out faster.
+const PATIENCE: u64 = 10_000;
+/// Steps after which a stage without friction goes on though it is not at rest, where the scene leaves growth open: stiff grains under a small stress swing for long,
+/// and only the last rest has to be one.
+const SWING: u64 = 6_000;
+/// Corrections of the porosity at which densification ends, after a rest outside tolerance.
+const CORRECTIONS: u32 = 10;
 
 impl Preparation {
     /// The first state: grains at a fraction of their size, at random in a cylinder with some room.
     pub fn start(model: &Model, rig: &Specimen) -> (Preparation, State) {
+        Self::with_friction(model, rig, rig.preparation.growth_friction.unwrap_or(GROWTH_FIRST))
+    }
+
+    fn with_friction(model: &Model, rig: &Specimen, growth_friction: f64) -> (Preparation, State) {
         let radii = packing::radii(rig, model.seeds.packing);
         let volume: f64 = radii.iter().map(|&r| sphere_volume(r)).sum();
         let radius = 0.5 * rig.diameter;
@@ -95,12 +118,24 @@ impl Preparation {
         }
         let walls = walls(rig, radius, 0.0, height);
         let mut state = State::new(model, grains, walls, false);
-        state.friction = Some(rig.preparation.growth_friction);
+        state.friction = Some(growth_friction);
         state.damping = rig.preparation.damping;
         state.reference_stress = growth::STRESS * rig.isotropic_stress;
         state.stability_interval = 1;
         let press = Press { stress: PRESS_FIRST, weak: 1.0, strong: None, before: None };
-        (Preparation { stage: Stage::Growth, stage_steps: 0, steps: 0, radii, limit: 0.0, press }, state)
+        let preparation = Preparation {
+            stage: Stage::Growth,
+            stage_steps: 0,
+            steps: 0,
+            radii,
+            limit: 0.0,
+            press,
+            growth_friction,
+            aim: rig.porosity,
+            corrections: 0,
+            compacted: None,
+        };
+        (preparation, state)
     }
 
     /// One step. True when the specimen is ready.
@@ -117,7 +152,16 @@ impl Preparation {
         self.stage_steps += 1;
         self.steps += 1;
         if self.steps > rig.preparation.max_steps {
-            return Err(self.failure(rig, state, "did not come to rest within preparation.max_steps"));
+            let n = porosity(state);
+            let advice = if n > rig.porosity && self.stage != Stage::Growth {
+                format!(
+                    "; {n:.3} (void ratio {:.3}) is about the densest that it reaches: ask for a looser specimen, more grains or a wider gradation",
+                    n / (1.0 - n)
+                )
+            } else {
+                String::new()
+            };
+            return Err(self.failure(rig, state, &format!("did not come to rest within preparation.max_steps{advice}")));
         }
         match self.stage {
             Stage::Growth if self.stage_steps >= rig.preparation.growth_steps => {
@@ -129,12 +173,17 @@ impl Preparation {
             Stage::Compaction if self.at_rest(model, rig, state, work) => {
                 let n = porosity(state);
                 if n < rig.porosity * (1.0 - rig.preparation.porosity_tolerance) {
+                    if rig.preparation.growth_friction.is_none() && self.growth_friction < GROWTH_LAST {
+                        self.grow_again(model, rig, state, work);
+                        return Ok(false);
+                    }
                     return Err(self.failure(
                         rig,
                         state,
                         "the loosest packing is already denser; raise preparation.growth_friction",
                     ));
                 }
+                self.compacted = Some(Box::new(state.clone()));
                 self.enter(Stage::Densification);
             }
             Stage::Densification => {
@@ -146,12 +195,12 @@ impl Preparation {
                 } else if mu > 0.0 {
                     state.friction = Some(0.0);
                     self.stage_steps = 0;
-                } else if self.at_rest(model, rig, state, work) {
+                } else if self.settled(model, rig, state, work) {
                     self.press(state);
                 }
             }
-            Stage::Pressing if self.at_rest(model, rig, state, work) => self.enter(Stage::Release),
-            Stage::Release if self.at_rest(model, rig, state, work) => {
+            Stage::Pressing if self.settled(model, rig, state, work) => self.enter(Stage::Release),
+            Stage::Release if self.settled(model, rig, state, work) => {
                 if self.dense_enough(rig, state) {
                     self.finish(state);
                 } else if self.press.in_vain(porosity(state), rig) {
@@ -171,21 +220,51 @@ impl Preparation {
                     return Ok(true);
                 }
                 let before = if n < rig.porosity && self.press.softer() { self.press.before.take() } else { None };
-                let Some(before) = before else {
+                if let Some(before) = before {
+                    *state = State { step: state.step, time: state.time, ..*before };
+                    work.restart(model, state);
+                    self.press(state);
+                } else if !self.correct(n, model, rig, state, work) {
                     return Err(self.failure(rig, state, "came to rest outside preparation.porosity_tolerance"));
-                };
-                *state = State { step: state.step, time: state.time, ..*before };
-                work.restart(model, state);
-                self.press(state);
+                }
             }
             _ => {}
         }
         Ok(false)
     }
 
+    /// From the beginning with more friction: the grains grew too dense.
+    fn grow_again(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) {
+        let friction = (GROWTH_FACTOR * self.growth_friction).min(GROWTH_LAST);
+        let (steps, step, time) = (self.steps, state.step, state.time);
+        (*self, *state) = Self::with_friction(model, rig, friction);
+        self.steps = steps;
+        (state.step, state.time) = (step, time);
+        work.restart(model, state);
+    }
+
+    /// After a rest at porosity `n`, outside tolerance: densification again to another porosity, on from here if too loose, from its
+    /// beginning if too dense. False when that has been tried often enough.
+    fn correct(&mut self, n: f64, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> bool {
+        self.corrections += 1;
+        let dense = n < rig.porosity;
+        let (true, Some(compacted)) = (self.corrections <= CORRECTIONS, &self.compacted) else { return false };
+        if dense {
+            let (step, time) = (state.step, state.time);
+            *state = State { step, time, ..(**compacted).clone() };
+            work.restart(model, state);
+        } else {
+            state.friction = Some(model.materials.iter().map(|m| m.friction).fold(0.0, f64::max));
+        }
+        self.aim -= n - rig.porosity;
+        self.press = Press { stress: PRESS_FIRST, weak: 1.0, strong: None, before: None };
+        self.enter(Stage::Densification);
+        true
+    }
+
     /// Slightly above the target still serves: rest at final friction changes porosity little.
     fn dense_enough(&self, rig: &Specimen, state: &State) -> bool {
-        porosity(state) <= rig.porosity * (1.0 + 0.7 * rig.preparation.porosity_tolerance)
+        porosity(state) <= self.aim * (1.0 + 0.7 * rig.preparation.porosity_tolerance)
     }
 
     /// Final friction from here on.
@@ -216,7 +295,10 @@ impl Preparation {
         let size = Walls::of(state);
         if self.stage_steps.is_multiple_of(LOOK / 4) {
             // by the stress there is, not the one to come: a pressing starts as gently as the specimen is soft
-            let now = Stresses::of(state).top.clamp(rig.isotropic_stress, self.stress(rig));
+            // grains that grew into a space too small for them are let out as fast as they are stiff, where the scene leaves growth open
+            let open = rig.preparation.growth_friction.is_none() && self.stage == Stage::Compaction && self.stage_steps > PATIENCE;
+            let most = if open { f64::MAX } else { self.stress(rig) };
+            let now = Stresses::of(state).top.clamp(rig.isotropic_stress, most);
             state.reference_stress = now;
             self.limit = growth::INERTIAL * size.height / inertial_time(state, now);
         }
@@ -227,6 +309,12 @@ impl Preparation {
             let w = &mut state.walls[k];
             w.speed = servo_speed(stress * area, w.reaction, w.stiffness, rig.servo_gain, state.dt, limit);
         }
+    }
+
+    /// At rest, or swinging for so long that nothing more will come of it.
+    fn settled(&self, model: &Model, rig: &Specimen, state: &State, work: &Work) -> bool {
+        let long = rig.preparation.growth_friction.is_none() && self.stage_steps > SWING;
+        long || self.at_rest(model, rig, state, work)
     }
 
     fn at_rest(&self, model: &Model, rig: &Specimen, state: &State, work: &Work) -> bool {

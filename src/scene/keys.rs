@@ -114,6 +114,10 @@ pub const RIVALS: &[(&str, &str)] = &[
     ("sigma_t_MPa", "crushing_stress_is"),
     ("steps", "duration_s"),
     ("grain", "grains_csv"),
+    ("grains", "dry_mass_g"),
+    ("porosity", "void_ratio"),
+    ("porosity", "height_mm"),
+    ("void_ratio", "height_mm"),
     ("material", "materials"),
 ];
 
@@ -327,9 +331,27 @@ pub const KEYS: &[Key] = &[
         "scale N of eqs 13-15: sizes, d0 and the comminution limit are multiplied by it, gradations divided",
     ),
     cylinder("specimen.file", Text, Absent, "a prepared specimen (specimen.csv of a run) to begin with; option --specimen"),
-    cylinder("specimen.grains", Integer { low: 1, high: 100_000_000 }, Required, "grains at the start"),
+    cylinder("specimen.grains", Integer { low: 1, high: 100_000_000 }, Absent, "grains at the start; or dry_mass_g"),
+    cylinder(
+        "specimen.dry_mass_g",
+        Number(POSITIVE),
+        Absent,
+        "mass of the grains, of the size that they have at this scale: their number follows; or grains",
+    ),
     cylinder("specimen.diameter_mm", Number(POSITIVE), Required, "diameter of the oedometer"),
-    cylinder("specimen.porosity", Number(Range::between(0.0, 1.0)), Required, "intergranular porosity at the isotropic stress"),
+    cylinder(
+        "specimen.porosity",
+        Number(Range::between(0.0, 1.0)),
+        Absent,
+        "intergranular porosity at the isotropic stress; or void_ratio or height_mm",
+    ),
+    cylinder("specimen.void_ratio", Number(POSITIVE), Absent, "void ratio at the isotropic stress; or porosity or height_mm"),
+    cylinder(
+        "specimen.height_mm",
+        Number(POSITIVE),
+        Absent,
+        "height at the isotropic stress, with the grains and the diameter; or porosity or void_ratio",
+    ),
     cylinder("specimen.isotropic_stress_kPa", Number(POSITIVE), Is("5.0"), "stress of the prepared specimen"),
     platen(
         "batch.diameters_mm",
@@ -396,9 +418,9 @@ pub const KEYS: &[Key] = &[
     ),
     cylinder(
         "preparation.growth_friction",
-        Number(FRICTION),
-        Is("0.4"),
-        "friction between grains while their radii grow: it sets the loosest porosity that can be reached",
+        NumberOr(FRICTION, "auto"),
+        Is("\"auto\""),
+        "friction between grains while their radii grow: it sets the loosest porosity that can be reached; auto: 0.4, then more if the specimen comes out denser than asked",
     ),
     cylinder("preparation.growth_steps", COUNT, Is("8000"), "steps of radius growth"),
     cylinder("preparation.damping", Number(RATIO), Is("0.7"), "local damping during preparation"),

@@ -9,11 +9,16 @@ use std::f64::consts::PI;
 impl View<'_> {
     /// The specimen of an oedometer or a triaxial test.
     pub fn specimen(&self, of: &Named) -> Option<Specimen> {
+        let gradation = self.gradation(of)?;
+        let diameter = self.si("specimen.diameter_mm");
+        let grains = self.number_of_grains(of, &gradation)?;
+        let solid = grains as f64 * PI / 6.0 * mean_cubed_diameter(&gradation);
+        let porosity = self.porosity(solid, diameter)?;
         let specimen = Specimen {
-            diameter: self.si("specimen.diameter_mm"),
-            grains: usize::try_from(self.whole("specimen.grains")?).ok()?,
-            porosity: self.si("specimen.porosity"),
-            gradation: self.gradation(of)?,
+            diameter,
+            grains,
+            porosity,
+            gradation,
             wall_friction: WallFriction {
                 bottom: self.si("walls.friction.bottom"),
                 top: self.si("walls.friction.top"),
@@ -21,7 +26,7 @@ impl View<'_> {
             },
             isotropic_stress: self.si("specimen.isotropic_stress_kPa"),
             preparation: Preparation {
-                growth_friction: self.si("preparation.growth_friction"),
+                growth_friction: self.number("preparation.growth_friction"),
                 growth_steps: self.whole("preparation.growth_steps")?,
                 damping: self.si("preparation.damping"),
                 porosity_tolerance: self.si("preparation.porosity_tolerance"),
@@ -32,6 +37,49 @@ impl View<'_> {
         };
         self.room(&specimen);
         Some(specimen)
+    }
+
+    /// Grains, as said or from their mass.
+    fn number_of_grains(&self, of: &Named, gradation: &[(f64, f64)]) -> Option<usize> {
+        let mass = self.number("specimen.dry_mass_g").map(|grams| 1e-3 * grams);
+        match (self.whole("specimen.grains"), mass) {
+            (Some(grains), None) => usize::try_from(grains).ok(),
+            (None, Some(mass)) => {
+                let one = self.si(&of.key("grain.density_kg_m3")) * PI / 6.0 * mean_cubed_diameter(gradation);
+                let grains = (mass / one).round();
+                if !(1.0..=1e8).contains(&grains) {
+                    self.refuse("specimen.dry_mass_g", format!("would be {grains:.0} grains; must be 1 to 100 million"));
+                    return None;
+                }
+                Some(grains as usize)
+            }
+            _ => {
+                self.refuse("specimen", "must have grains or dry_mass_g, one of them");
+                None
+            }
+        }
+    }
+
+    /// Porosity, as said or from the void ratio or the height.
+    fn porosity(&self, solid: f64, diameter: f64) -> Option<f64> {
+        const KEYS: [&str; 3] = ["specimen.porosity", "specimen.void_ratio", "specimen.height_mm"];
+        let mut given = KEYS.iter().filter_map(|k| self.number(k).map(|value| (*k, value)));
+        let (Some((key, value)), None) = (given.next(), given.next()) else {
+            self.refuse("specimen", "must have porosity, void_ratio or height_mm, one of them");
+            return None;
+        };
+        let porosity = match key {
+            "specimen.void_ratio" => value / (1.0 + value),
+            "specimen.height_mm" => 1.0 - solid / (0.25 * PI * diameter * diameter * value),
+            _ => value,
+        };
+        let possible = porosity > 0.0 && porosity < 1.0;
+        self.check(
+            possible,
+            key,
+            format!("is a porosity of {porosity:.3}: the grains alone fill {:.4} mm", 4e3 * solid / (PI * diameter * diameter)),
+        );
+        possible.then_some(porosity)
     }
 
     /// The grains must fit between the walls.
