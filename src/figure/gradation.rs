@@ -230,7 +230,7 @@ mod tests {
         let all: Vec<Gradation> = (0..40).map(|i| gradation(0.1 * f64::from(i + 1), 2.0 * f64::from(i))).collect();
         let chosen = most_different(loaded(&all));
         assert_eq!(chosen.len(), MOST);
-        assert_eq!((chosen[0], chosen[MOST - 1]), (&all[0], &all[39]));
+        assert_eq!((chosen[0].sigma_v_mpa, chosen[MOST - 1].sigma_v_mpa), (all[0].sigma_v_mpa, all[39].sigma_v_mpa));
         assert!(chosen.windows(2).all(|w| w[1].points[1].1 - w[0].points[1].1 > 5.0));
     }
 
