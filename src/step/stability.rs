@@ -129,7 +129,7 @@ pub fn rayleigh(model: &Model, g: &Grains) -> f64 {
 }
 
 /// Restitution from which on dashpots are resolved by the step of an elastic impact.
-const LIVELY: f64 = 0.5;
+const LIVELY: f64 = 0.8;
 
 /// Share of the step of an elastic impact that resolves the dashpots, whose force comes from velocities half a step old: that makes an error in proportion to the
 /// step and, relative to what is left of the speed, to 1/e. With this share restitutions are within 1 % from 0.05 on (`tests/verification/impact.rs`).
