@@ -308,7 +308,8 @@ pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
     });
     state.aftermath.feel(model, &state.grains, &work.table);
     // newborn grains get their scaled inertia at birth; an unscaled time step has to follow them
-    let born = (std::mem::take(&mut state.births) || !state.aftermath.is_empty()) && !model.stepping.inertia_scaling;
+    let born =
+        (std::mem::take(&mut state.births) || state.aftermath.restless().next().is_some()) && !model.stepping.inertia_scaling;
     if born || state.step.is_multiple_of(state.stability_interval) {
         stability::refresh(model, state, work);
     }
