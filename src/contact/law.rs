@@ -172,7 +172,9 @@ impl Pair {
     pub fn depth(&self, law: ContactLaw, r_eff: f64, force: f64) -> f64 {
         match law {
             ContactLaw::Linear | ContactLaw::LinearInherited => force / (self.a * r_eff),
-            _ => (force / (self.a * r_eff.sqrt())).cbrt().powi(2),
+            ContactLaw::Hertz | ContactLaw::HertzViscous | ContactLaw::HertzViscousNoTension => {
+                (force / (self.a * r_eff.sqrt())).cbrt().powi(2)
+            }
         }
     }
 
@@ -196,15 +198,17 @@ impl Pair {
     fn new(law: ContactLaw, e_eff: f64, g_eff: f64, k_eff: f64, alpha: f64, m1: &Material, m2: &Material) -> Pair {
         let (a, b) = match law {
             ContactLaw::Linear | ContactLaw::LinearInherited => (4.0 * k_eff, 4.0 * alpha * k_eff),
-            _ => (4.0 / 3.0 * e_eff, 8.0 * g_eff),
+            ContactLaw::Hertz | ContactLaw::HertzViscous | ContactLaw::HertzViscousNoTension => (4.0 / 3.0 * e_eff, 8.0 * g_eff),
         };
+        let restitution = (m1.restitution * m2.restitution).sqrt();
         Pair {
             a,
             b,
             friction: m1.friction.min(m2.friction),
-            viscous: match law {
-                ContactLaw::HertzViscousNoTension => viscous_coefficient_without_tension((m1.restitution * m2.restitution).sqrt()),
-                _ => viscous_coefficient((m1.restitution * m2.restitution).sqrt()),
+            viscous: if law == ContactLaw::HertzViscousNoTension {
+                viscous_coefficient_without_tension(restitution)
+            } else {
+                viscous_coefficient(restitution)
             },
             rolling: m1.rolling_friction.min(m2.rolling_friction),
             e_eff,

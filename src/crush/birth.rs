@@ -12,6 +12,7 @@
 //! The mass is the daughter's own from birth on; only her radius lags behind. The work of growth on contacts and of the softening contacts is counted
 //! ([`crate::record::ledger::Ledger`]). The latter push neighbours only: the mother's contacts were nearly in balance, so they bring little momentum. A neighbour that breaks drops hers.
 
+use crate::boundary::Wall;
 use crate::contact::force::{dot, plus, scaled};
 use crate::contact::law::PairTable;
 use crate::contact::pairs::Pairs;
@@ -73,15 +74,31 @@ const WAIT: u32 = 16;
 /// Radius at birth over the radius to come, at least.
 const LEAST: f64 = 0.1;
 
-/// Radius up to `radius`, m, with which a daughter at `centre`, whose nearest wall is `to_walls`, m, away, overlaps none of the spheres `around` her; at least
-/// [`LEAST`] of it.
-pub fn free_radius(centre: [f64; 3], radius: f64, to_walls: f64, around: &[[f64; 4]]) -> f64 {
-    let mut free = radius.min(to_walls);
-    for q in around {
-        let d = [q[0] - centre[0], q[1] - centre[1], q[2] - centre[2]];
-        free = free.min(dot(d, d).sqrt() - q[3]);
+/// Spheres (centre, radius, m) that daughters have to keep clear of at birth.
+#[derive(Default)]
+pub struct Obstacles(Vec<[f64; 4]>);
+
+impl Obstacles {
+    /// Those that overlap grain `m`: no daughter in her sphere can reach another one.
+    pub fn around(m: usize, g: &Grains, neighbours: &Neighbours, pairs: &Pairs) -> Obstacles {
+        let overlaps = |q: &[f64; 4]| {
+            let (d, reach) = (sweep::difference(g.pos[m], *q), g.pos[m][3] + q[3]);
+            dot(d, d) < reach * reach
+        };
+        Obstacles(neighbours.around(m, pairs).map(|(_, j)| g.pos[j]).filter(overlaps).collect())
     }
-    free.max(LEAST * radius)
+
+    /// Radius up to `radius`, m, with which a daughter at `centre` overlaps none of them and no wall; at least [`LEAST`] of it.
+    pub fn free_radius(&self, centre: [f64; 3], radius: f64, walls: &[Wall]) -> f64 {
+        let [x, y, z] = centre;
+        let point = [x, y, z, 0.0];
+        let mut free = walls.iter().map(|w| w.shape.towards(point).1).fold(radius, f64::min);
+        for q in &self.0 {
+            let d = sweep::difference(point, *q);
+            free = free.min(dot(d, d).sqrt() - q[3]);
+        }
+        free.max(LEAST * radius)
+    }
 }
 
 impl Aftermath {
@@ -214,7 +231,7 @@ pub fn advance(state: &mut State, neighbours: &Neighbours, moved: &mut Vec<u32>)
     });
     aftermath.growing.retain_mut(|x| {
         let i = x.grain as usize;
-        let before = std::mem::take(&mut x.grown);
+        let grown = std::mem::take(&mut x.grown);
         if x.wait > 0 {
             x.wait -= 1;
             return true;
@@ -242,7 +259,7 @@ pub fn advance(state: &mut State, neighbours: &Neighbours, moved: &mut Vec<u32>)
         }
         let grows = g.pos[i][3] < x.target;
         // trapezium; the last step's second half is taken at once
-        ledger.growth += force * if grows { 0.5 * (before + x.grown) } else { 0.5 * before + x.grown };
+        ledger.growth += force * if grows { 0.5 * (grown + x.grown) } else { 0.5 * grown + x.grown };
         grows
     });
 }

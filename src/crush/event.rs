@@ -3,9 +3,8 @@
 //! All grains that exceed in a step are judged on that step's forces, then broken in the order of ids (NOTES.md). Daughters inherit the
 //! mother's rigid-body motion and material, draw fresh strengths keyed by lineage, and start without history.
 
-use super::birth;
+use super::birth::Obstacles;
 use super::strength::{lineage_child, random_perpendicular};
-use crate::boundary::Wall;
 use crate::contact::force::{cross, dot, less};
 use crate::contact::law::PairTable;
 use crate::contact::{sweep, wall_sweep};
@@ -184,10 +183,11 @@ fn break_one(
         stored_after: 0.0,
     };
     close_contacts(state, neighbours, m);
-    let around = obstacles(state, neighbours, m);
     state.aftermath.forget(m);
+    let mut obstacles = Obstacles::default();
     if let Birth::Gradual { release, .. } = crush.birth {
         let State { aftermath, grains, pairs, .. } = state;
+        obstacles = Obstacles::around(m, grains, neighbours, pairs);
         aftermath.release(m, grains, neighbours, pairs, release);
     }
     let kinetic = kinetic_energy(state, m);
@@ -211,7 +211,7 @@ fn break_one(
         place(model, crush, state, i, &mother, k as u32, position, target);
         kept += state.grains.mass[i];
         if let Birth::Gradual { growth, .. } = crush.birth {
-            let free = around.free_radius(position, radius, &state.walls);
+            let free = obstacles.free_radius(position, radius, &state.walls);
             if free < target {
                 state.grains.pos[i][3] = free;
                 state.aftermath.grow(i, target, (target - free) / f64::from(growth.max(1)));
@@ -245,28 +245,6 @@ fn break_one(
         state.lost.push((event.lost_mass, event.smallest));
     }
     event
-}
-
-/// What daughters have to keep clear of at birth.
-struct Obstacles(Vec<[f64; 4]>);
-
-impl Obstacles {
-    /// Largest radius up to `radius`, m, of a daughter at `centre` that overlaps none of them and no wall.
-    fn free_radius(&self, centre: [f64; 3], radius: f64, walls: &[Wall]) -> f64 {
-        let [x, y, z] = centre;
-        let to_walls = walls.iter().map(|w| w.shape.towards([x, y, z, 0.0]).1).fold(radius, f64::min);
-        birth::free_radius(centre, radius, to_walls, &self.0)
-    }
-}
-
-/// Spheres (centre, radius) that overlap grain `m`: no daughter can reach another one.
-fn obstacles(state: &State, neighbours: &Neighbours, m: usize) -> Obstacles {
-    let g = &state.grains;
-    let overlaps = |q: &[f64; 4]| {
-        let (d, reach) = (sweep::difference(g.pos[m], *q), g.pos[m][3] + q[3]);
-        dot(d, d) < reach * reach
-    };
-    Obstacles(neighbours.around(m, &state.pairs).map(|(_, j)| g.pos[j]).filter(overlaps).collect())
 }
 
 /// What daughters inherit.

@@ -38,16 +38,6 @@ impl Breakages {
         self.0.push(Broken { generation: b.generation, young, utilisation: b.utilisation(), before: b.before, off });
     }
 
-    /// Number of breakages.
-    pub fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    /// Whether nothing has broken.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
     fn share(&self, of: impl Fn(&Broken) -> bool) -> f64 {
         self.0.iter().filter(|b| of(b)).count() as f64 / self.0.len().max(1) as f64
     }
@@ -140,7 +130,7 @@ mod tests {
     #[test]
     fn nothing_broken_is_nothing_said() {
         let none = Breakages::default();
-        assert!(none.warnings().is_empty() && none.is_empty());
+        assert!(none.warnings().is_empty());
         assert_eq!(none.summary()["young_share"].as_f64(), Some(0.0));
     }
 }

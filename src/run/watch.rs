@@ -51,6 +51,8 @@ pub fn continuum(rig: &Rig, state: &continuum::State, row: &Recorder) -> Result<
     Ok(())
 }
 
+/// The kinetic energy of a test of a specimen of grains beside all energy that there can be.
+///
 /// # Errors
 /// Grains of a quasi-static test that have more kinetic energy than walls and growth have ever given and contacts had at the start: the motion feeds itself.
 pub fn energy(state: &State) -> Result<()> {

@@ -310,7 +310,7 @@ pub(super) fn share(law: ContactLaw, material: &crate::model::Material, r: f64, 
             let k = 2.0 * material.k_eff * r;
             (k, material.alpha_s * k)
         }
-        _ => {
+        ContactLaw::Hertz | ContactLaw::HertzViscous | ContactLaw::HertzViscousNoTension => {
             let (r_eff, nu) = (0.5 * r, material.poisson);
             let e_eff = material.young / (2.0 * (1.0 - nu * nu));
             let g_eff = material.young / (4.0 * (1.0 + nu) * (2.0 - nu));

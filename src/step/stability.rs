@@ -184,13 +184,15 @@ fn rescale(model: &Model, state: &mut State, work: &mut Work) {
 }
 
 /// Inertia, at every step, of the grains whose contacts change fast because something has just broken beside them (inertia scaling).
-pub fn keep_up(model: &Model, state: &mut State, work: &Work) {
+pub fn keep_up(model: &Model, state: &mut State, work: &mut Work) {
     if !model.stepping.inertia_scaling || state.aftermath.is_empty() {
         return;
     }
-    let restless: Vec<usize> = state.aftermath.restless().collect();
-    for i in restless {
-        if let Some(inertia) = new_inertia(i, model, state, &work.neighbours, &work.table)
+    let Work { neighbours, table, scratch, .. } = work;
+    scratch.restless.clear();
+    scratch.restless.extend(state.aftermath.restless());
+    for &i in &scratch.restless {
+        if let Some(inertia) = new_inertia(i, model, state, neighbours, table)
             && inertia > state.grains.inertia(i)
         {
             set_inertia(state, i, inertia);
@@ -198,9 +200,10 @@ pub fn keep_up(model: &Model, state: &mut State, work: &Work) {
     }
 }
 
-/// Buffers of [`rescale`].
+/// Buffers of [`rescale`] and [`keep_up`].
 #[derive(Default)]
 pub struct Scratch {
+    restless: Vec<usize>,
     inertia: Vec<Option<f64>>,
     changed: Vec<(u32, u32)>,
 }
