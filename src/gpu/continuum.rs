@@ -147,7 +147,7 @@ impl Continuum {
         let mut params = Params::of(&settings, cpu.points().len(), lightest);
         params.platens = platens.len() as u32;
         params.extents = [1.0; 3];
-        let mut state = state::to_device(&settings, cpu.points());
+        let mut state = state::to_device(&settings, cpu.points(), !platens.is_empty());
         let mut outside = Outside::default();
         for ((there, platen), drift) in outside.platens.iter_mut().zip(platens).zip(drifts) {
             *there = platen::to_device(platen, *drift, &settings);
@@ -163,7 +163,7 @@ impl Continuum {
             own.copy_from_slice(&saved.platens);
             before.1 = f64::from_bits(saved.work);
         }
-        let by_id = state::by_id(&state);
+        let by_id = state::by_id(&state, cpu.points().len());
         let laws: Vec<Law32> = cpu.laws().iter().map(Law32::from).collect();
         let status = Status { crossed: 1, ..Status::default() };
         let storage = Usage::STORAGE | Usage::COPY_SRC;
@@ -398,10 +398,10 @@ impl Continuum {
         Ok(())
     }
 
-    /// What the material extends over along each axis, m, for platens that hold a stress in the next batch: `extents` and, for each platen of the axis, `scale`
-    /// times its mean overlap less its way since the batch began. Until it is told, extents are 1 m and stay so.
-    pub fn material(&mut self, extents: [f64; 3], scale: [f64; 3]) {
-        (self.params.extents, self.params.scale) = (extents.map(|x| x as f32), scale.map(|x| x as f32));
+    /// What the material extends over along each axis, m, for platens that hold a stress in the next batch: `extents` and, where it follows
+    /// them, each platen's mean overlap less its way since the batch began. Until it is told, extents are 1 m and stay so.
+    pub fn material(&mut self, extents: [f64; 3], follows: bool) {
+        (self.params.extents, self.params.follows) = (extents.map(|x| x as f32), f32::from(follows));
     }
 
     fn submit(&self, encode: impl FnOnce(&Passes, &mut wgpu::ComputePass<'_>, &Groups)) -> wgpu::SubmissionIndex {

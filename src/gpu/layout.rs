@@ -30,9 +30,7 @@ pub struct Params {
     pub platens: u32,
     pub safety: f32,
     pub extents: [f32; 3],
-    pub unused_a: u32,
-    pub scale: [f32; 3],
-    pub unused_b: u32,
+    pub follows: f32,
     pub walls: [[u32; 4]; 6],
     pub drives: [Drive32; 6],
 }

@@ -2,7 +2,7 @@
 
 use super::device::refused;
 use super::layout::{Outside, groups};
-use super::state::PLANES;
+use super::state::planes;
 use crate::error::Result;
 use crate::mpm::Settings;
 
@@ -25,16 +25,16 @@ impl Sizes {
         let all = |more: u128| n.iter().map(|n| n + more).product::<u128>().min(1 << 40) as u64;
         let (cells, nodes) = (all(1), all(3));
         let [x, y] = groups(u32::try_from(points).unwrap_or(u32::MAX));
-        let planes: u64 = n.map(|n| nodes / (n as u64 + 3)).iter().sum();
+        let sides: u64 = n.map(|n| nodes / (n as u64 + 3)).iter().sum();
         Sizes {
-            state: 16 * PLANES as u64 * points,
+            state: 16 * planes(platens) as u64 * points,
             nodes: 48 * nodes,
             starts: 4 * (cells + 1 + cells.div_ceil(256)),
             counts: 4 * cells,
             order: 4 * points,
-            touching: 8 * planes,
-            // force and arm of each point, and sums of groups of points
-            outside: size_of::<Outside>() as u64 + 16 + if platens { 32 * points + 96 * (u64::from(x) * u64::from(y)) } else { 0 },
+            touching: 8 * sides,
+            // force on each point, and sums of groups of points
+            outside: size_of::<Outside>() as u64 + 16 + if platens { 16 * points + 96 * (u64::from(x) * u64::from(y)) } else { 0 },
         }
     }
 

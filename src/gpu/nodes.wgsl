@@ -11,6 +11,9 @@ const SHEAR: u32 = 5u; // stress xy, yz, zx; plastic strain
 const NORMAL_LOW: u32 = 6u; // low parts
 const SHEAR_LOW: u32 = 7u;
 const ENERGY: u32 = 8u; // stress work, its low part, id, ghost radius
+// between platens only
+const ARM: u32 = 9u; // how far beside the point its face lies across each axis, cells; 0 where nothing presses
+const ARM_LOW: u32 = 10u;
 
 // Planes of `nodes` entries each.
 const MOMENTUM: u32 = 0u; // momentum, mass
@@ -106,6 +109,29 @@ fn value(d: vec3<i32>, o: vec3<f32>) -> vec3<f32> {
 fn slope(d: vec3<i32>, o: vec3<f32>) -> vec3<f32> {
     let outer = select(0.5 + o, o - 0.5, d == vec3<i32>(0));
     return select(outer, -2.0 * o, d == vec3<i32>(1));
+}
+
+// For a traction on a face so many cells beside a point, of the first, middle or last of the three nodes along an axis: the mean of linear hats around it
+// (mpm/spline.rs).
+fn at_edge(d: i32, o: f32, arm: f32) -> f32 {
+    let n = clamp(floor(0.5 / abs(arm) + 0.5), 1.0, 8.0);
+    var sum = 0.0;
+    for (var k = 0.5; k < n; k += 1.0) {
+        let t = clamp(o + arm + k / n - 0.5, -1.0, 1.0);
+        sum += max(1.0 - abs(t - f32(d - 1)), 0.0) / n;
+    }
+    return sum;
+}
+
+// The same along all axes; where nothing presses the point's own functions `w`.
+fn at_faces(d: vec3<i32>, o: vec3<f32>, arm: vec3<f32>, w: vec3<f32>) -> vec3<f32> {
+    var there = w;
+    for (var a = 0u; a < 3u; a++) {
+        if arm[a] != 0.0 {
+            there[a] = at_edge(d[a], o[a], arm[a]);
+        }
+    }
+    return there;
 }
 
 fn near_wall(at: vec3<i32>) -> bool {
@@ -229,8 +255,8 @@ fn accelerate(one: Thread) {
                 if params.platens > 0u {
                     let push = outside.parts[i];
                     if any(push.xyz != vec3<f32>(0.0)) {
-                        // each component where it acts; the functions of the point's own cell go on beyond its edge
-                        let there = value(d, o + outside.parts[params.points + i].xyz);
+                        // each component on its face
+                        let there = at_faces(d, o, number(ARM, i).xyz, w);
                         let at_node = vec3<f32>(there.x * w.y * w.z, w.x * there.y * w.z, w.x * w.y * there.z);
                         let size = abs(push.xyz);
                         pressed += vec4<f32>(push.xyz * at_node, push.w * dot(size / (size.x + size.y + size.z), at_node));

@@ -28,9 +28,9 @@ struct Params {
     platens: u32,
     // share of what the platens' contacts allow that a step may have; 0: it is `dt`
     safety: f32,
-    // what the material extends over along each axis, less overlaps, when the batch begins, m; growth of it per overlap, less way, of a platen
+    // what the material extends over along each axis, less overlaps, when the batch begins, m; whether it follows the platens (1) or stays (0)
     extents: vec3<f32>,
-    scale: vec3<f32>,
+    follows: f32,
     // x low, x high, y low, …: kind (0 open, 1 symmetry, 2 stick, 3 friction), bits of the friction coefficient
     walls: array<vec4<u32>, 6>,
     drives: array<Drive, 6>,

@@ -1,4 +1,4 @@
-// Rigid planes along the axes that press on the points' ghost spheres (Li et al. 2023, eqs 18, 20, 22) with a traction on the points' faces.
+// Rigid planes along the axes that press on the points' ghost spheres (Li et al. 2023, eqs 18, 20, 22), by tractions on the points' faces.
 // Twins: mpm/platen.rs, mpm/drive.rs (f64), which say what is done and why.
 
 struct Platen {
@@ -39,7 +39,7 @@ struct Outside {
     // of the forces with which the domain's sides push, N
     sides: array<vec2<f32>, 6>,
     platens: array<Platen, 6>,
-    // force on each point and the stiffness that it pushes with; how far beside it along each axis it acts, cells; then sums of groups of points for each platen
+    // force on each point and the stiffness that it pushes with; then sums of groups of points for each platen
     parts: array<vec4<f32>>,
 }
 
@@ -67,7 +67,15 @@ fn press(
 ) {
     let i = linear(Thread(id, groups));
     var force = vec3<f32>(0.0);
-    var moment = vec3<f32>(0.0);
+    var arm = vec4<f32>(0.0);
+    var arm_low = vec4<f32>(0.0);
+    // half of the edge of what the point stands for at the start, cells
+    var half_edge = 0.0;
+    if i < params.points {
+        arm = number(ARM, i);
+        arm_low = number(ARM_LOW, i);
+        half_edge = 0.5 * cube_root(number(REST, i).w) * params.inverse_cell;
+    }
     var stiffness = 0.0;
     for (var k = 0u; k < params.platens; k++) {
         var own = vec4<f32>(0.0);
@@ -84,17 +92,26 @@ fn press(
             let scale = params.cell / UNITS;
             let radius = f32(radius_units) * scale;
             // further than two cells is out of reach, or far beyond
-            let overlap = select(select(deep * scale, 2.0 * params.cell, cells < -1), 0.0, cells > 1);
+            let of_point = select(select(deep * scale, 2.0 * params.cell, cells < -1), 0.0, cells > 1);
+            // a ghost stays as far inside the material from its face as at the start
+            let followed = arm[axis] * platen.normal < 0.0;
+            let further = select(0.0, (abs(arm[axis]) - half_edge) - platen.normal * arm_low[axis], followed);
+            let overlap = of_point + further * params.cell;
             if overlap > radius {
                 atomicMin(&status.fault, 8u * word(ENERGY, i).z + PASSED);
             } else if overlap > 0.0 {
                 let tangent = 2.0 * platen.modulus * sqrt(radius * overlap);
                 let f = 0.66666667 * tangent * overlap;
                 own = vec4<f32>(f, tangent, 0.4 * f * overlap, tangent / number(VELOCITY, i).w);
-                let half = 0.5 * cube_root(number(REST, i).w * (1.0 + number(NORMAL, i).w));
                 stiffness += tangent;
                 force[axis] += platen.normal * f;
-                moment[axis] -= f * half;
+                if !followed {
+                    arm[axis] = -platen.normal * half_edge;
+                    arm_low[axis] = 0.0;
+                }
+            } else if followed && of_point <= 0.0 {
+                arm[axis] = 0.0;
+                arm_low[axis] = 0.0;
             }
         }
         pressing[thread] = own;
@@ -106,15 +123,14 @@ fn press(
             workgroupBarrier();
         }
         if thread == 0u {
-            outside.parts[2u * params.points + (group.x + group.y * groups.x) * 6u + k] = pressing[0];
+            outside.parts[params.points + (group.x + group.y * groups.x) * 6u + k] = pressing[0];
         }
         workgroupBarrier();
     }
     if i < params.points {
-        let acts = force != vec3<f32>(0.0);
-        let arm = select(vec3<f32>(0.0), moment / select(vec3<f32>(1.0), force, acts), acts) * params.inverse_cell;
         outside.parts[i] = vec4<f32>(force, stiffness);
-        outside.parts[params.points + i] = vec4<f32>(arm, 0.0);
+        put(ARM, i, arm);
+        put(ARM_LOW, i, arm_low);
     }
 }
 
@@ -126,7 +142,7 @@ fn feel(@builtin(local_invocation_index) thread: u32) {
     for (var k = 0u; k < params.platens; k++) {
         var own = vec4<f32>(0.0);
         for (var g = thread; g < count; g += 256u) {
-            own = summed(own, outside.parts[2u * params.points + g * 6u + k]);
+            own = summed(own, outside.parts[params.points + g * 6u + k]);
         }
         pressing[thread] = own;
         workgroupBarrier();
@@ -184,6 +200,13 @@ fn ramp(d: Drive, time: f32) -> f32 {
     return d.value;
 }
 
+// A step that a side allows by itself, with contacts that add so much to the square of a frequency.
+fn with_contacts(dt: f32, contacts: f32) -> f32 {
+    let twice = 2.0 * params.safety;
+    let own = twice / dt;
+    return twice / sqrt(own * own + contacts);
+}
+
 // Begins a step: how long it is, and the way of the platens in it.
 @compute @workgroup_size(1)
 fn drive() {
@@ -195,7 +218,7 @@ fn drive() {
     for (var k = 0u; k < params.platens; k++) {
         let p = outside.platens[k];
         rate = max(rate, p.rate);
-        extents[p.axis] += params.scale[p.axis] * (p.overlap - p.way);
+        extents[p.axis] += params.follows * (p.overlap - p.way);
     }
     let dt = longest(params.dt, rate);
     outside.dt = dt;

@@ -52,6 +52,9 @@ fn advance(one: Thread) {
     put(VELOCITY, i, vec4<f32>(next.high.xyz, own.w));
     state[VELOCITY_LOW * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(next.low.xyz), word(VELOCITY_LOW, i).w);
     put(REST, i, vec4<f32>(there.rest, rest.w));
+    if params.platens > 0u {
+        follow(i, -d);
+    }
     var cell = place.w;
     if any(there.shift != vec3<i32>(0)) {
         if any(there.units >= vec3<i32>(HALF)) || any(there.units < vec3<i32>(-HALF)) {
@@ -68,6 +71,17 @@ fn advance(one: Thread) {
         atomicAdd(&status.crossed, 1u);
     }
     state[PLACE * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(there.units), cell);
+}
+
+// Faces that are followed move by so many cells against their points.
+fn follow(i: u32, by: vec3<f32>) {
+    let arm = number(ARM, i);
+    let pressed = arm.xyz != vec3<f32>(0.0);
+    if any(pressed) {
+        let next = add(arm, number(ARM_LOW, i), vec4<f32>(select(vec3<f32>(0.0), by, pressed), 0.0));
+        put(ARM, i, next.high);
+        put(ARM_LOW, i, next.low);
+    }
 }
 
 // W σ − σ W of the spin xy, yz, zx.
@@ -118,6 +132,20 @@ fn strain(one: Thread) {
         }
     }
     let scale = outside.dt * params.inverse_cell;
+    if params.platens > 0u {
+        let arm = number(ARM, i).xyz;
+        if any(arm != vec3<f32>(0.0)) {
+            var way = vec3<f32>(0.0);
+            for (var k = 0; k < 27; k++) {
+                let d = vec3<i32>(k % 3, (k / 3) % 3, k / 9);
+                let own = vec3<f32>(w[d.x].x, w[d.y].y, w[d.z].z);
+                let there = at_faces(d, o, arm, own);
+                let at_node = vec3<f32>(there.x * own.y * own.z, own.x * there.y * own.z, own.x * own.y * there.z);
+                way += nodes[SPEED * params.nodes + node_index(base + d)].xyz * at_node;
+            }
+            follow(i, way * scale);
+        }
+    }
     dx *= scale;
     dy *= scale;
     dz *= scale;

@@ -93,7 +93,7 @@ pub mod tests {
             platens,
             safety,
             extents,
-            scale,
+            follows,
             walls,
             drives
         );

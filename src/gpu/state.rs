@@ -1,10 +1,17 @@
 //! Points of the CPU to planes of the device, and back.
 
 use super::exact::{UNITS, place, placed, split};
-use crate::mpm::{Points, Settings};
+use crate::mpm::{Face, Points, Settings};
 
 /// Planes of four words per point; the order is that of `nodes.wgsl`.
-pub const PLANES: usize = 9;
+const PLANES: usize = 9;
+/// The last ones, only between platens.
+const FACES: usize = 2;
+
+/// How many planes there are.
+pub fn planes(platens: bool) -> usize {
+    PLANES + if platens { FACES } else { 0 }
+}
 
 /// Radius of a point's ghost sphere, m (Li et al. 2023, eq. 22): its solid volume, which stays.
 pub fn ghost_radius(points: &Points, i: usize) -> f64 {
@@ -13,9 +20,9 @@ pub fn ghost_radius(points: &Points, i: usize) -> f64 {
 }
 
 /// Planes one after the other. Points must lie within the domain.
-pub fn to_device(settings: &Settings, points: &Points) -> Vec<[u32; 4]> {
+pub fn to_device(settings: &Settings, points: &Points, platens: bool) -> Vec<[u32; 4]> {
     let n = points.len();
-    let mut planes = vec![[0_u32; 4]; PLANES * n];
+    let mut planes = vec![[0_u32; 4]; planes(platens) * n];
     let bits = f32::to_bits;
     let wide = settings.cells.map(|n| n as i32 + 1);
     for i in 0..n {
@@ -42,14 +49,20 @@ pub fn to_device(settings: &Settings, points: &Points) -> Vec<[u32; 4]> {
         for (plane, word) in words.into_iter().enumerate() {
             planes[plane * n + i] = word;
         }
+        if let (true, Some([beside, face])) = (platens, points.faces.get(i)) {
+            for a in (0..3).filter(|&a| beside[a] != 0.0) {
+                let arm = split((face[a] - p[a]) / settings.cell).map(bits);
+                (planes[PLANES * n + i][a], planes[(PLANES + 1) * n + i][a]) = (arm[0], arm[1]);
+            }
+        }
     }
     planes
 }
 
 /// Ids of the points and their places, in the order of ids.
-pub fn by_id(planes: &[[u32; 4]]) -> Vec<(u32, u32)> {
-    let last = &planes[(PLANES - 1) * (planes.len() / PLANES)..];
-    let mut all: Vec<(u32, u32)> = last.iter().map(|word| word[2]).zip(0..).collect();
+pub fn by_id(planes: &[[u32; 4]], points: usize) -> Vec<(u32, u32)> {
+    let of_ids = &planes[8 * points..9 * points];
+    let mut all: Vec<(u32, u32)> = of_ids.iter().map(|word| word[2]).zip(0..).collect();
     all.sort_unstable();
     all
 }
@@ -57,7 +70,7 @@ pub fn by_id(planes: &[[u32; 4]]) -> Vec<(u32, u32)> {
 /// Writes the state into the point of the same index; returns the stress work since the state went to the device, J. Mass, law and what a point
 /// was at the start stay as they are.
 pub fn to_point(settings: &Settings, planes: &[[u32; 4]], i: usize, points: &mut Points, to: usize) -> f64 {
-    let n = planes.len() / PLANES;
+    let n = points.len();
     let word = |plane: usize| planes[plane * n + i];
     let number = |plane: usize, k: usize| f32::from_bits(word(plane)[k]);
     let both = |high: usize, low: usize, k: usize| f64::from(number(high, k)) + f64::from(number(low, k));
@@ -73,5 +86,12 @@ pub fn to_point(settings: &Settings, planes: &[[u32; 4]], i: usize, points: &mut
     }
     points.position[to][3] = points.initial_volume[to] * (1.0 + both(4, 6, 3));
     points.memory[to].plastic = both(5, 7, 3);
+    if planes.len() > PLANES * n {
+        points.faces.resize(n, Face::default());
+        for a in 0..3 {
+            let beside = settings.cell * both(PLANES, PLANES + 1, a);
+            (points.faces[to][0][a], points.faces[to][1][a]) = (beside, points.position[to][a] + beside);
+        }
+    }
     f64::from(number(8, 0)) + f64::from(number(8, 1))
 }

@@ -323,6 +323,9 @@ fn permute(points: &mut Points, first: usize, source: &[u32], spare: &mut Spare)
     if !points.carried.is_empty() {
         array(&mut points.carried, first, source, &mut spare.triples);
     }
+    if !points.faces.is_empty() {
+        parts::<_, 2>(pulp::bytemuck::cast_slice_mut(&mut points.faces), first, source, &mut spare.triples);
+    }
 }
 
 /// Points of one task.

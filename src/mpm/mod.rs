@@ -21,10 +21,11 @@ mod stress;
 mod transfer;
 mod walls;
 
+pub use check::with_platens;
 pub use drive::{Drive, Ramp, area};
 pub use measure::Totals;
 pub use platen::Platen;
-pub use points::{Point, Points};
+pub use points::{Face, Point, Points};
 pub use spline::{BSpline, Gimp, Shape, ShapeFunctions};
 pub use walls::Wall;
 
@@ -140,6 +141,9 @@ impl Continuum {
             if settings.transfer == Transfer::Affine {
                 points.affine.push([[0.0; 3]; 3]);
             }
+            if !points.faces.is_empty() {
+                points.faces.push(Face::default());
+            }
         }
         first
     }
@@ -190,18 +194,32 @@ impl Continuum {
         }
     }
 
-    /// As [`Self::push`], each component acting so far beside the point along its own axis, m (at most half a cell): a traction on the
-    /// point's face. With generalised interpolation, whose functions end, it acts at the point.
-    pub fn push_beside(&mut self, i: usize, force: [f64; 3], beside: [f64; 3], stiffness: f64) {
-        if self.settings.shape != ShapeFunctions::BSpline {
-            return self.push(i, force, stiffness);
-        }
-        let push = self.work.outside.of_mut(i, self.points.len());
-        for ((sum, moment), (f, arm)) in push.beside.iter_mut().zip(&mut push.moment).zip(force.into_iter().zip(beside)) {
-            *sum += f;
-            *moment += f * arm;
+    /// As [`Self::push`], of a force along `normal`, into the material, on the face of the point that stands against it: each component acts as far beside the point
+    /// along its own axis as the face does. From then on the face is followed, [`Points::faces`], until [`Self::let_go`].
+    pub fn push_face(&mut self, i: usize, force: f64, normal: [f64; 3], stiffness: f64) {
+        let half = self.points.half_edge(i, self.settings.dimension);
+        let Points { faces, position, .. } = &mut self.points;
+        faces.resize(position.len(), Face::default());
+        let [beside, face] = &mut faces[i];
+        let push = self.work.outside.of_mut(i, position.len());
+        for a in (0..3).filter(|&a| normal[a] != 0.0) {
+            if beside[a] == 0.0 {
+                face[a] = position[i][a] - normal[a] * half;
+            }
+            beside[a] = face[a] - position[i][a];
+            push.beside[a] += normal[a] * force;
         }
         push.beside[3] += stiffness;
+    }
+
+    /// What pushed along `normal` does not touch the point at index `i` any more.
+    pub fn let_go(&mut self, i: usize, normal: [f64; 3]) {
+        let [beside, _] = &mut self.points.faces[i];
+        for (beside, normal) in beside.iter_mut().zip(normal) {
+            if *beside * normal < 0.0 {
+                *beside = 0.0;
+            }
+        }
     }
 
     /// What the stiffness of all that pushed in the last step adds at most to the square of a frequency of the points' motion, 1/s²; found where

@@ -2,13 +2,11 @@
 
 use super::blocks::NONE;
 
-/// What a point is given, N: force at the point; force beside it, and each component of the latter times how far beside the point along its own
-/// axis it acts, N m. The fourth of both forces is the stiffness of what pushes, N/m.
+/// What a point is given, N: force at the point, and on its faces across each axis ([`super::Points::faces`]). The fourth of both is the stiffness of what pushes, N/m.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Push {
     pub force: [f64; 4],
     pub beside: [f64; 4],
-    pub moment: [f64; 4],
 }
 
 /// The pushes of a step.

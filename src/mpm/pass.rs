@@ -5,6 +5,7 @@ use super::blocks::{BIAS, Blocks, EDGE, STAYS, TILE, block_corner, cell_key, cel
 use super::grid::load;
 use super::law::{Law, Memory, Sym};
 use super::outside::{Outside, Push};
+use super::points::Face;
 use super::spline::{Shape, Weights};
 use super::stress::{increments, turned, work};
 use super::transfer::{gather, gradient, spread, spread_affine, spread_stress};
@@ -85,6 +86,8 @@ pub struct Part<'a> {
     pub affine: &'a mut [[[f64; 3]; 3]],
     /// Empty unless something asks for it.
     pub carried: &'a mut [[f64; 3]],
+    /// Empty unless platens press.
+    pub faces: &'a mut [Face],
     /// New cell of each point that leaves its own.
     pub target: &'a mut [u64],
     pub tiles: &'a mut [[f64; 4]],
@@ -104,6 +107,7 @@ impl<'a> Part<'a> {
         let (m0, m1) = self.memory.split_at_mut(points);
         let (a0, a1) = self.affine.split_at_mut(if self.affine.is_empty() { 0 } else { points });
         let (c0, c1) = self.carried.split_at_mut(if self.carried.is_empty() { 0 } else { points });
+        let (e0, e1) = self.faces.split_at_mut(if self.faces.is_empty() { 0 } else { points });
         let (t0, t1) = self.target.split_at_mut(points);
         let (n0, n1) = self.tiles.split_at_mut(blocks * tile(D));
         let (l0, l1) = self.left.split_at_mut(blocks);
@@ -118,6 +122,7 @@ impl<'a> Part<'a> {
             memory: m0,
             affine: a0,
             carried: c0,
+            faces: e0,
             target: t0,
             tiles: n0,
             left: l0,
@@ -133,6 +138,7 @@ impl<'a> Part<'a> {
             memory: m1,
             affine: a1,
             carried: c1,
+            faces: e1,
             target: t1,
             tiles: n1,
             left: l1,
@@ -280,6 +286,18 @@ impl<F: Four, S: Shape> Place<F, S> {
         let t = self.in_cells(F::of(self.token, position)) - first;
         (t, self.shape.weights(self.token, t, self.inverse_cell))
     }
+
+    /// The shape functions `w` of a point `t` cells from its first node, with those of its face across `axis` instead, so far beside it, m.
+    #[inline(always)]
+    fn at_face(&self, t: [f64; 4], w: &Weights, axis: usize, beside: f64) -> Weights {
+        let mut w = *w;
+        let beside = beside * self.inverse_cell;
+        let values = self.shape.at_edge(t[axis] + beside, beside.abs());
+        for (node, value) in w.value.iter_mut().zip(values) {
+            node[axis] = value;
+        }
+        w
+    }
 }
 
 /// The cell of a position; also [`Pass`]'s, to the bit.
@@ -334,7 +352,7 @@ fn strain<F: Four, const D: usize, S: Shape>(
     velocity: &[[f64; 4]],
     sums: &mut Sums,
 ) {
-    let (_, w) = place.weights(part.position[p.i], p.cell);
+    let (t, w) = place.weights(part.position[p.i], p.cell);
     let dt = F::all(p.token, pass.dt);
     let [x, y, z] = gradient::<F, D>(p.token, velocity, p.at, &w);
     let (strain, spin) = increments([(x * dt).xyzw(), (y * dt).xyzw(), (z * dt).xyzw()]);
@@ -351,6 +369,12 @@ fn strain<F: Four, const D: usize, S: Shape>(
     part.position[p.i][3] = grown;
     part.stress[p.i] = stress;
     part.memory[p.i] = memory;
+    if let Some([beside, face]) = part.faces.get_mut(p.i) {
+        for a in (0..D).filter(|&a| beside[a] != 0.0) {
+            let w = place.at_face(t.xyzw(), &w, a, face[a] - part.position[p.i][a]);
+            face[a] += (gather::<F, D>(p.token, velocity, p.at, &w) * dt).xyzw()[a];
+        }
+    }
     spread_stress::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, pull(p.token, grown, &stress));
 }
 
@@ -363,20 +387,17 @@ fn forces<F: Four, const D: usize, S: Shape>(_: &Pass<'_, S>, place: &Place<F, S
 
 #[inline(always)]
 fn outside<F: Four, const D: usize, S: Shape>(pass: &Pass<'_, S>, place: &Place<F, S>, part: &mut Part<'_>, p: At<F::Token>) {
-    let Some(&Push { force, beside, moment }) = pass.outside.of(p.whole) else { return };
-    let position = part.position[p.i];
+    let Some(&Push { force, beside }) = pass.outside.of(p.whole) else { return };
+    let (t, w) = place.weights(part.position[p.i], p.cell);
     if force != [0.0; 4] {
-        let (_, w) = place.weights(position, p.cell);
         spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, force));
     }
-    // shape functions of the point's own cell, continued beyond its edge where the force acts there: force and moment stay exact
     for a in (0..D).filter(|&a| beside[a] != 0.0) {
-        let (mut there, mut along) = (position, [0.0; 4]);
-        there[a] += moment[a] / beside[a];
+        let mut along = [0.0; 4];
         along[a] = beside[a];
         // each component has the stiffness that it has of the force
         along[3] = beside[3] * (beside[a].abs() / (beside[0].abs() + beside[1].abs() + beside[2].abs()));
-        let (_, w) = place.weights(there, p.cell);
+        let w = place.at_face(t.xyzw(), &w, a, part.faces[p.i][0][a]);
         spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, along));
     }
 }

@@ -11,7 +11,7 @@
 //! come out too high by half a point's edge over the length at each end. So planes stand along the axes, and a shell's points in rings; of the moment
 //! that a shell's force has about a point, the part between different axes is left out.
 
-use super::{Continuum, Dimension, Settings};
+use super::{Continuum, Dimension, Points, Settings};
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -49,16 +49,18 @@ pub struct Platen {
     pub(crate) moved: f64,
     #[serde(skip)]
     contacts: Vec<Contact>,
+    /// Points that it no longer touches, by index.
+    #[serde(skip)]
+    left: Vec<u32>,
 }
 
-/// A point in touch: identity, index, overlap, radius, half its edge, tangent stiffness, unit normal into the material.
+/// A point in touch: identity, index, overlap, radius, tangent stiffness, unit normal into the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Contact {
     id: u32,
     index: u32,
     overlap: f64,
     radius: f64,
-    half: f64,
     tangent: f64,
     normal: [f64; 3],
 }
@@ -94,7 +96,7 @@ fn row(dimension: Dimension, radius: f64) -> f64 {
 }
 
 /// From + − × ÷ alone, so that it is the same bits everywhere; 0 for what is not positive.
-fn cube_root(x: f64) -> f64 {
+pub(super) fn cube_root(x: f64) -> f64 {
     if !(x.is_normal() && x > 0.0) {
         return 0.0;
     }
@@ -134,6 +136,7 @@ impl Platen {
             reach: ghost_radius(continuum.settings().dimension, most),
             moved: 0.0,
             contacts: Vec::new(),
+            left: Vec::new(),
         }
     }
 
@@ -164,15 +167,19 @@ impl Platen {
         if let Some(contact) = self.contacts.iter().find(|c| c.overlap > c.radius) {
             return Err(passed(continuum.steps(), contact.id));
         }
+        for &index in &self.left {
+            let at = continuum.points().position[index as usize];
+            continuum.let_go(index as usize, self.height(at).1);
+        }
         let before = self.reaction;
         (self.reaction, self.stiffness, self.stored, self.rate) = (0.0, 0.0, 0.0, 0.0);
-        for &Contact { index, overlap, half, tangent, normal, .. } in &self.contacts {
+        for &Contact { index, overlap, tangent, normal, .. } in &self.contacts {
             let force = 2.0 / 3.0 * tangent * overlap;
             self.reaction += force;
             self.stiffness += tangent;
             self.stored += 0.4 * force * overlap;
             self.rate = self.rate.max(tangent / continuum.points().velocity[index as usize][3]);
-            continuum.push_beside(index as usize, normal.map(|n| n * force), normal.map(|n| -n * half), tangent);
+            continuum.push_face(index as usize, force, normal, tangent);
         }
         self.touching = self.contacts.len() as u64;
         self.work += 0.5 * (before + self.reaction) * self.moved;
@@ -180,27 +187,39 @@ impl Platen {
         Ok(())
     }
 
+    /// Where the ghost of a point is, m: as far inside the material from its face as at the start; whether its face is followed.
+    fn ghost(&self, points: &Points, index: usize, dimension: Dimension) -> ([f64; 4], bool) {
+        let (mut place, mut followed) = (points.position[index], false);
+        if let Some([beside, face]) = points.faces.get(index) {
+            let normal = self.height(place).1;
+            for a in (0..3).filter(|&a| beside[a] * normal[a] < 0.0) {
+                (place[a], followed) = (face[a] + normal[a] * points.half_edge(index, dimension), true);
+            }
+        }
+        (place, followed)
+    }
+
     /// The points in touch, in the order of ids.
     fn find(&mut self, continuum: &Continuum) {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
-        let mut contacts = std::mem::take(&mut self.contacts);
+        let (mut contacts, mut left) = (std::mem::take(&mut self.contacts), std::mem::take(&mut self.left));
         contacts.clear();
+        left.clear();
         continuum.visit(self.vicinity(continuum), |index| {
-            let (height, normal) = self.height(points.position[index]);
-            if height < self.reach {
-                let radius = ghost_radius(dimension, points.solid(index));
-                let overlap = radius - height;
-                if overlap > 0.0 {
-                    let volume = points.position[index][3];
-                    let half = 0.5 * if dimension == Dimension::Space { cube_root(volume) } else { volume.sqrt() };
-                    let tangent = 2.0 * self.modulus * (radius * overlap).sqrt() * row(dimension, radius);
-                    let (id, index) = (points.id[index], index as u32);
-                    contacts.push(Contact { id, index, overlap, radius, half, tangent, normal });
-                }
+            let radius = ghost_radius(dimension, points.solid(index));
+            let (ghost, followed) = self.ghost(points, index, dimension);
+            let (height, normal) = self.height(ghost);
+            let overlap = radius - height;
+            if height < self.reach && overlap > 0.0 {
+                let tangent = 2.0 * self.modulus * (radius * overlap).sqrt() * row(dimension, radius);
+                let (id, index) = (points.id[index], index as u32);
+                contacts.push(Contact { id, index, overlap, radius, tangent, normal });
+            } else if followed && self.height(points.position[index]).0 >= radius {
+                left.push(index as u32);
             }
         });
         contacts.sort_unstable_by_key(|c| c.id);
-        self.contacts = contacts;
+        (self.contacts, self.left) = (contacts, left);
     }
 
     /// Corners of the part of the domain where points may touch it, m: of a plane along the axes what lies behind it and within reach.
@@ -242,11 +261,6 @@ impl Platen {
     pub(crate) fn withdraw(&mut self) {
         self.shift(-self.moved);
         self.moved = 0.0;
-    }
-
-    /// Largest stable time step of its contacts, s: 2/ω of a point on its spring.
-    pub fn stable_step(&self) -> f64 {
-        if self.rate > 0.0 { 2.0 / self.rate.sqrt() } else { f64::INFINITY }
     }
 }
 

@@ -3,7 +3,9 @@
 //! A point's index changes when it crosses cells; its [`Points::id`] never does. What is summed over points for a record is summed in the
 //! order of ids.
 
+use super::Dimension;
 use super::law::{Memory, Sym};
+use super::platen::cube_root;
 use serde::{Deserialize, Serialize};
 
 /// A point as it is made.
@@ -24,6 +26,9 @@ pub struct Point {
     pub law: u8,
 }
 
+/// See [`Points::faces`]: distances, then places.
+pub type Face = [[f64; 3]; 2];
+
 /// State of all points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Points {
@@ -42,6 +47,9 @@ pub struct Points {
     pub affine: Vec<[[f64; 3]; 3]>,
     /// Velocity, m/s, that carried the point in its last step (with FLIP not its own); empty unless something asks for it.
     pub carried: Vec<[f64; 3]>,
+    /// Face of the point that a platen presses on, across each axis: how far it lies beside the point, m (0 where nothing presses), and where it is, m, moved
+    /// along with the nodes since it was first touched; empty unless platens press.
+    pub faces: Vec<Face>,
     /// Index of the law.
     pub law: Vec<u8>,
     /// Persistent identity, in order of creation.
@@ -96,6 +104,7 @@ impl Points {
         kept(&mut self.initial_porosity, gone);
         kept(&mut self.affine, gone);
         kept(&mut self.carried, gone);
+        kept(&mut self.faces, gone);
         kept(&mut self.law, gone);
         kept(&mut self.id, gone);
     }
@@ -108,6 +117,12 @@ impl Points {
     /// Solid volume, m³, which stays.
     pub fn solid(&self, i: usize) -> f64 {
         (1.0 - self.initial_porosity[i]) * self.initial_volume[i]
+    }
+
+    /// Half of the edge of what the point stands for at the start, m.
+    pub fn half_edge(&self, i: usize, dimension: Dimension) -> f64 {
+        let volume = self.initial_volume[i];
+        0.5 * if dimension == Dimension::Space { cube_root(volume) } else { volume.sqrt() }
     }
 
     /// Current porosity: the solid volume (1 − n₀) V₀ stays.
@@ -132,6 +147,7 @@ impl Points {
             + scalars
             + affine
             + self.carried.capacity() * size_of::<[f64; 3]>()
+            + self.faces.capacity() * size_of::<Face>()
             + self.stress.capacity() * size_of::<Sym>()
             + self.memory.capacity() * size_of::<Memory>()
             + self.law.capacity()

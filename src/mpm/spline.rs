@@ -28,7 +28,13 @@ pub trait Shape: Copy + Send + Sync {
     fn reach(self) -> f64;
     /// `t`: distance from the first node in cells, in `reach` ≤ t < 1 + `reach`.
     fn weights<F: Four>(self, token: F::Token, t: F, inverse_cell: f64) -> Weights;
+    /// Values for a traction on the edge of what a point stands for, `half` cells beside the point, at `t` from the first node. They are those with which a uniform
+    /// stress is in balance wherever the points stand between the nodes: Σ V ∂N over an even row of points is the difference of these values at its ends.
+    fn at_edge(self, t: f64, half: f64) -> [f64; 3];
 }
+
+/// So many hats are as good as the spline.
+const MANY: f64 = 8.0;
 
 /// Quadratic B-spline.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +58,29 @@ impl Shape for BSpline {
             slope: [slope[0].xyzw(), slope[1].xyzw(), slope[2].xyzw()],
         }
     }
+
+    /// The slope of the spline at x is the difference of linear hats at x ± ½. Over n points per cell these differences cancel but for n hats at each end, which
+    /// stand evenly around it: their mean. With many points that is the spline itself.
+    #[inline(always)]
+    fn at_edge(self, t: f64, half: f64) -> [f64; 3] {
+        let n = (0.5 / half + 0.5).floor().clamp(1.0, MANY);
+        let mut sum = [0.0; 3];
+        let mut k = 0.5;
+        while k < n {
+            for (sum, hat) in sum.iter_mut().zip(hats(t + k / n - 0.5)) {
+                *sum += hat / n;
+            }
+            k += 1.0;
+        }
+        sum
+    }
+}
+
+/// Linear hats of the three nodes, which end at the outer ones.
+#[inline(always)]
+fn hats(t: f64) -> [f64; 3] {
+    let t = t.clamp(0.0, 2.0);
+    [0.0, 1.0, 2.0].map(|node: f64| (1.0 - (t - node).abs()).max(0.0))
 }
 
 /// Generalised interpolation; the half width l over the cell.
@@ -95,6 +124,12 @@ impl Shape for Gimp {
             }
         }
         weights
+    }
+
+    /// Linear hats, whose means over a point's box the functions are.
+    #[inline(always)]
+    fn at_edge(self, t: f64, _: f64) -> [f64; 3] {
+        hats(t)
     }
 }
 

@@ -128,7 +128,7 @@ fn stages<const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) -> Res
 
 fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) {
     let Continuum { settings, laws, points, work, .. } = c;
-    let Points { position, velocity, stress, memory, affine, carried, law, id, .. } = points;
+    let Points { position, velocity, stress, memory, affine, carried, faces, law, id, .. } = points;
     let pic = if let Transfer::Blend { pic } = settings.transfer { pic } else { 1.0 };
     let pass = Pass {
         arch: work.arch.unwrap_or_else(crate::real::arch),
@@ -157,6 +157,7 @@ fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, 
         memory,
         affine,
         carried,
+        faces,
         target: &mut work.target,
         tiles: &mut work.grid.tiles[..count * tile(D)],
         left: &mut work.left,

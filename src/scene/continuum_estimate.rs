@@ -6,10 +6,10 @@ use crate::error::Result;
 use crate::grains::sphere_volume;
 use crate::model::continuum::{Continuum, Fraction, Specimen, Test};
 use crate::model::{Model, Stepping};
-use crate::mpm::{Dimension, law::Law};
-use crate::rig::continuum::{State, contact_step};
+use crate::mpm::{Dimension, law::Law, with_platens};
+use crate::rig::continuum::{State, contact_rate};
 use serde::Serialize;
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::f64::consts::PI;
 
 /// Bytes of a point with its share of the grid.
 const BYTES_PER_POINT: f64 = 400.0;
@@ -60,8 +60,9 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
         None => (waves, "a compression wave through a cell"),
         Some(s) if points == 0 => (fines_step(model, rig, largest_stress(rig, s, law)), "contacts of the smallest grains"),
         Some(s) => {
-            let contact = contact_step(rig.settings.dimension, s, rig.points.velocity[0][3], largest_stress(rig, s, law));
-            if contact < waves { (contact, "the platens' contacts") } else { (waves, "a compression wave through a cell") }
+            let rate = contact_rate(rig.settings.dimension, s, rig.points.velocity[0][3], largest_stress(rig, s, law));
+            let why = if rate > 4.0 / (waves * waves) { "the platens' contacts" } else { "a compression wave through a cell" };
+            (with_platens(waves, rate, rig.settings.transfer), why)
         }
     };
     let (bound, why) = match coupled_bound(model, rig) {
@@ -144,7 +145,8 @@ fn coupled_bound(model: &Model, rig: &Continuum) -> Option<f64> {
     let s = Specimen { modulus: effective_modulus((fine.young, fine.poisson), (grain.young, grain.poisson)), ..specimen.clone() };
     let stress = largest_stress(rig, specimen, &rig.laws[usize::from(specimen.law)]);
     let mass = rig.points.velocity.first()?[3];
-    Some(contact_step(rig.settings.dimension, &s, mass, stress) * FRAC_1_SQRT_2)
+    let rate = contact_rate(rig.settings.dimension, &s, mass, stress);
+    (rate > 0.0).then(|| (2.0 / rate).sqrt())
 }
 
 fn speed(rig: &Continuum, i: usize) -> f64 {

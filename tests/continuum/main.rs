@@ -3,4 +3,5 @@
 mod command_line;
 #[path = "../common/mod.rs"]
 mod common;
+mod cubes;
 mod watch;

@@ -48,7 +48,7 @@ fn a_triaxial_test_of_a_mixture_is_that_of_the_cpu() {
     }
     let folder = tempfile::tempdir().expect("folder");
     // a row for each step, so that no means are compared with others
-    let sets = ["test.axial_strain=0.0008", "records.rows=5000", "stepping.grain_steps=1"];
+    let sets = ["test.axial_strain=0.0008", "records.rows=5000", "stepping.grain_steps=1", "damping.local=0.0"];
     let outs = both(folder.path(), TWIN, &sets, LOADED);
     let [q, volume, interface, contacts, kinetic] =
         ["q_kPa", "volumetric_strain", "q_interface_kPa", "sigma_zz_of_contacts_kPa", "coarse_kinetic_J"]

@@ -13,8 +13,8 @@ fn of_grains(k: u32) -> vec2<f32> {
 }
 
 fn longest(dt: f32, rate: f32) -> f32 {
-    if params.safety > 0.0 && rate > 0.0 {
-        return min(dt, params.safety * 2.0 / sqrt(rate));
+    if params.safety > 0.0 {
+        return with_contacts(dt, rate);
     }
     return dt;
 }

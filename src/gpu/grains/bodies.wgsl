@@ -28,13 +28,6 @@ fn of_grains(k: u32) -> vec2<f32> {
     return sum;
 }
 
-// A step that a side allows by itself, with contacts that add so much to the square of a frequency.
-fn with_contacts(dt: f32, contacts: f32) -> f32 {
-    let twice = 2.0 * params.safety;
-    let own = twice / dt;
-    return twice / sqrt(own * own + contacts);
-}
-
 // coupling/mod.rs: Bound::SHARES
 const OF_POINT: f32 = 3.0;
 const OF_GRAIN: f32 = 1.5;

@@ -78,8 +78,8 @@ impl Device {
         for (k, drive) in state.drives.iter().enumerate() {
             self.gpu.drive(k, *drive)?;
         }
-        let (extents, scale) = state.material(rig);
-        self.gpu.material(extents, scale);
+        let extents = state.material(rig);
+        self.gpu.material(extents, true);
         let (dt, safety) = match model.stepping.dt {
             Some(dt) => (dt, 0.0),
             None => (model.stepping.safety * state.bound, model.stepping.safety),
@@ -91,7 +91,7 @@ impl Device {
         let done = self.gpu.batch(n, dt, safety);
         let steps = self.gpu.steps_done() - before;
         if steps > 0 || self.gpu.broken() {
-            self.take(state, rig, steps, extents, scale);
+            self.take(state, rig, steps, extents);
         }
         done?;
         if self.gpu.broken() {
@@ -107,7 +107,7 @@ impl Device {
     }
 
     /// What a batch leaves, points and contacts apart.
-    fn take(&self, state: &mut State, rig: &Rig, steps: u64, extents: [f64; 3], scale: [f64; 3]) {
+    fn take(&self, state: &mut State, rig: &Rig, steps: u64, extents: [f64; 3]) {
         let c = &mut state.continuum;
         c.set_counters(self.gpu.steps_done(), c.stress_work(), self.gpu.wall_force());
         state.platens.clone_from_slice(self.gpu.platens());
@@ -126,7 +126,7 @@ impl Device {
             mixture.grains.step += steps * u64::from(mixture.cycle.rates.grains);
             mixture.grains.time += means.time;
         }
-        state.add(rig, &means, extents, scale);
+        state.add(rig, &means, extents);
     }
 
     /// The step in which grains break, on the processor, and back with their daughters.

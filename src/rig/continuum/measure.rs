@@ -120,12 +120,11 @@ impl State {
         }
     }
 
-    /// Adds the instants of a batch of steps on a device, which began with the extents and scale that [`State::material`] gave.
+    /// Adds the instants of a batch of steps on a device, which began with the extents that [`State::material`] gave.
     #[cfg(feature = "gpu")]
-    pub(super) fn add(&mut self, rig: &Rig, batch: &crate::gpu::Means, mut extents: [f64; 3], scale: [f64; 3]) {
+    pub(super) fn add(&mut self, rig: &Rig, batch: &crate::gpu::Means, mut extents: [f64; 3]) {
         for (platen, [way, overlap, _]) in self.platens.iter().zip(&batch.platens) {
-            let axis = platen.axis();
-            extents[axis] += scale[axis] * (overlap - way);
+            extents[platen.axis()] += overlap - way;
         }
         // the last walls of the grains are the platens
         let first = batch.grains.len().saturating_sub(batch.platens.len());
@@ -193,7 +192,7 @@ impl State {
         let [kinetic, potential, stored] = self.energy.unwrap_or(now);
         // walls of free scenes, and what platens do to grains
         let on_grains: f64 = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work).sum();
-        let platen_work = self.platen_work(rig) + on_grains;
+        let platen_work = self.platens.iter().map(|platen| platen.work).sum::<f64>() + on_grains;
         let (fallen, stored) = (potential - now[1], now[2] - stored);
         let grains = self.mixture.as_ref().map(|m| {
             let g = &m.grains.grains;

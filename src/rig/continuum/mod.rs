@@ -19,7 +19,7 @@ use crate::coupling::Mixture;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
-use crate::mpm::{Continuum, Dimension, Drive, Platen, Ramp};
+use crate::mpm::{Continuum, Dimension, Drive, Platen, Ramp, with_platens};
 use serde::{Deserialize, Serialize};
 
 /// Steps between two looks at what bounds the time step.
@@ -155,17 +155,16 @@ impl State {
         if self.mixture.is_some() {
             return self.find_cycle(model, rig, self.bound, engine);
         }
-        let contact = self.platens.iter().map(Platen::stable_step).fold(f64::INFINITY, f64::min);
+        let rate = self.platens.iter().map(|p| p.rate).fold(0.0, f64::max);
+        let bound = with_platens(self.bound, rate, rig.settings.transfer);
         self.dt = match model.stepping.dt {
-            None => model.stepping.safety * self.bound.min(contact),
-            Some(dt) if dt <= self.bound && dt <= contact => dt,
+            None => model.stepping.safety * bound,
+            Some(dt) if dt <= bound => dt,
             Some(dt) => {
-                let (what, bound) = if self.bound < contact {
-                    ("the time of a compression wave through a cell", self.bound)
-                } else {
-                    ("the platens' contacts", contact)
-                };
-                let what = format!("stepping.dt_s = {dt:e} is above {what}, {bound:.4e} s: use a smaller one, or \"auto\"");
+                let with = if rate > 0.0 { ", with the platens' contacts" } else { "" };
+                let what = format!(
+                    "stepping.dt_s = {dt:e} is above the time of a compression wave through a cell{with}, {bound:.4e} s: use a smaller one, or \"auto\""
+                );
                 return Err(Error::Unstable { step, what, grain: None });
             }
         };
@@ -201,4 +200,4 @@ impl State {
     }
 }
 
-pub use specimen::contact_step;
+pub use specimen::contact_rate;

@@ -24,11 +24,6 @@ fn offset(rig: &Rig, s: &Specimen) -> f64 {
     radius(rig, s) - 0.5 * s.spacing
 }
 
-/// How much shorter the distance of the outermost points is than the specimen, in half distances of two points: so many edges.
-fn rim(s: &Specimen, edges: f64) -> f64 {
-    if s.lattice { 0.5 * s.spacing * edges } else { 0.0 }
-}
-
 fn radius(rig: &Rig, s: &Specimen) -> f64 {
     let volume = s.roominess() * s.spacing.powi(dimensions(rig) as i32);
     ghost_radius(rig.settings.dimension, (1.0 - s.porosity) * volume)
@@ -87,58 +82,36 @@ pub(super) fn face(rig: &Rig, extents: [f64; 3], axis: usize) -> f64 {
 }
 
 impl State {
-    /// Extents of the material, m (in plane strain 1 along z): the distance of the outermost points, by the platens and their contacts,
-    /// in proportion to what it was at the start. The last half edges of points do not shorten between platens and would feign stiffness.
+    /// Extents of the material, m (in plane strain 1 along z): the distance of its faces, by the platens and their contacts.
     pub(super) fn extents_now(&self, rig: &Rig) -> [f64; 3] {
         let Some(s) = rig.specimen() else { return [0.0; 3] };
         let (d, radius) = (dimensions(rig), radius(rig, s));
-        // where the outermost points are: a ghost's radius, less the contacts' mean overlap, inside the platen
-        let inside = |p: &Platen| if s.lattice { radius - mean_overlap(p) } else { 0.0 };
+        // where the faces are: ghosts reach beyond them, less the contacts' mean overlap
+        let inside = |p: &Platen| if s.lattice { radius - 0.5 * s.spacing - mean_overlap(p) } else { 0.0 };
         let mut extents = s.size;
         if d == 2 {
             extents[2] = 1.0;
         }
         for (axis, extent) in extents.iter_mut().enumerate().take(d) {
             let facing = |sign: f64| self.platens.iter().find(|p| p.normal[axis] == sign);
-            let (length, edges) = match (facing(1.0), facing(-1.0), &self.platens[0]) {
-                (Some(low), Some(high), _) => ((high.point[axis] - inside(high)) - (low.point[axis] + inside(low)), 2.0),
-                (None, Some(high), _) => (high.point[axis] - inside(high) - s.lower[axis], 1.0),
-                (_, _, shell @ Platen { radius: Some(radius), .. }) if axis < 2 => (2.0 * (radius - inside(shell)), 2.0),
+            *extent = match (facing(1.0), facing(-1.0), &self.platens[0]) {
+                (Some(low), Some(high), _) => (high.point[axis] - inside(high)) - (low.point[axis] + inside(low)),
+                (None, Some(high), _) => high.point[axis] - inside(high) - s.lower[axis],
+                (_, _, shell @ Platen { radius: Some(radius), .. }) if axis < 2 => 2.0 * (radius - inside(shell)),
                 _ => continue,
             };
-            *extent *= length / (s.size[axis] - rim(s, edges));
         }
         extents
     }
 
-    /// In how many directions from the middle of the specimen points stand against `platen` or its opposite.
-    fn edges(&self, platen: &Platen) -> f64 {
-        let opposite = |p: &Platen| p.normal[platen.axis()] == 1.0;
-        if platen.radius.is_some() || self.platens.iter().any(opposite) { 2.0 } else { 1.0 }
-    }
-
-    /// Extents as a device follows them: less what overlaps add to them now, and how much they grow with a platen's mean overlap, less its way.
+    /// Extents as a device follows them: less what overlaps add to them now.
     #[cfg(feature = "gpu")]
-    pub(super) fn material(&self, rig: &Rig) -> ([f64; 3], [f64; 3]) {
-        let (mut extents, mut scale) = (self.extents_now(rig), [0.0; 3]);
-        let Some(s) = rig.specimen() else { return (extents, scale) };
+    pub(super) fn material(&self, rig: &Rig) -> [f64; 3] {
+        let mut extents = self.extents_now(rig);
         for platen in &self.platens {
-            let axis = platen.axis();
-            scale[axis] = s.size[axis] / (s.size[axis] - rim(s, self.edges(platen)));
-            extents[axis] -= scale[axis] * mean_overlap(platen);
+            extents[platen.axis()] -= mean_overlap(platen);
         }
-        (extents, scale)
-    }
-
-    /// Work of the platens on the faces where their forces act, J: a face moves as much more than its platen as the whole specimen shortens
-    /// more than the distance of its outermost points.
-    pub(super) fn platen_work(&self, rig: &Rig) -> f64 {
-        let Some(s) = rig.specimen() else { return 0.0 };
-        let share = |platen: &Platen| {
-            let axis = platen.axis();
-            platen.work * s.size[axis] / (s.size[axis] - rim(s, self.edges(platen)))
-        };
-        self.platens.iter().map(share).sum()
+        extents
     }
 
     /// Stress on each side, Pa, compression positive, in the order x low, x high, …; 0 where there is none.
@@ -254,11 +227,11 @@ impl State {
     }
 }
 
-/// What bounds the time step of a specimen's platens under a stress, s: 2/ω of a point of the mass `mass` on its spring.
-pub fn contact_step(dimension: Dimension, s: &Specimen, mass: f64, stress: f64) -> f64 {
+/// Stiffness of a contact of a specimen's platens under a stress over the mass `mass` of its point, 1/s².
+pub fn contact_rate(dimension: Dimension, s: &Specimen, mass: f64, stress: f64) -> f64 {
     let d = if dimension == Dimension::Space { 3 } else { 2 };
     let radius = ghost_radius(dimension, (1.0 - s.porosity) * s.roominess() * s.spacing.powi(d));
     let force = stress * s.roominess() * s.spacing.powi(d - 1);
     let depth = overlap(dimension, s.modulus, radius, force);
-    if depth > 0.0 { 2.0 / (1.5 * force / depth / mass).sqrt() } else { f64::INFINITY }
+    if depth > 0.0 { 1.5 * force / depth / mass } else { 0.0 }
 }
