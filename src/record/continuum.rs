@@ -1,5 +1,6 @@
 //! Records of a continuum: rows of history, what the summary remembers of them, points as files. Compression is positive.
 
+use super::gradations::At;
 use super::table::{Row, number};
 use super::vtk::{self, Field};
 use crate::error::{Error, Result};
@@ -40,6 +41,9 @@ pub struct Recorder {
     pub dissipated: f64,
     /// Platen difference in the last row.
     pub difference: f64,
+    /// Axial strain and axial stress, Pa, of the last row; the largest axial stress of a row of loading.
+    now: [f64; 2],
+    pub most: f64,
     /// First and last row's axial strain and axial stress, for the modulus.
     pub first: Option<[f64; 2]>,
     pub last: [f64; 2],
@@ -153,13 +157,19 @@ impl Recorder {
         row
     }
 
+    /// Where the test was at the last row, for a gradation.
+    pub fn at(&self, rig: &Rig, state: &State) -> At {
+        let [axial_strain, sigma_v] = if rig.specimen().is_some() { self.now } else { [f64::NAN; 2] };
+        At { step: state.continuum.steps(), stage: stage(state.phase), sigma_v, axial_strain }
+    }
+
     fn remember(&mut self, rig: &Rig, phase: Phase, m: &Moment) {
         (self.dissipated, self.void_ratio, self.plastic) = (m.dissipated_share(), m.void_ratio, m.plastic[1]);
-        self.difference = m.difference;
+        (self.difference, self.now) = (m.difference, [m.axial_strain, m.axial]);
         let Some(s) = rig.specimen().filter(|_| phase != Phase::Settle) else { return };
         let now = [m.axial_strain, m.axial];
         self.first.get_or_insert(now);
-        (self.last, self.lateral) = (now, m.lateral);
+        (self.last, self.lateral, self.most) = (now, m.lateral, self.most.max(m.axial));
         let ratio = m.axial / m.lateral;
         if ratio.is_finite() && ratio > self.peak[0] {
             self.peak = [ratio, m.axial_strain, m.q()];

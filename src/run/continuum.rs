@@ -11,6 +11,7 @@ use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
 use crate::mpm::law::Law;
 use crate::record::continuum::{self as records, END, GRAINS_START, Recorder, START};
+use crate::record::crushed::Crushed;
 use crate::record::table::Table;
 use crate::record::{blocks, checkpoint, specimen, vtk};
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
@@ -31,6 +32,8 @@ struct Progress {
     history: Table,
     /// Of rigid bodies; without them there is no file.
     blocks: Table,
+    /// Of grains that break.
+    crushed: Crushed,
     /// Time, s, and file of each snapshot.
     snapshots: Vec<(f64, String)>,
     seconds: f64,
@@ -52,9 +55,9 @@ pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     let (mut state, mut used) = (State::start(model, rig)?, Used::default());
     let engine = used.engine(chosen, &mut state, model, rig)?;
     let (history, blocks) = (Table::new("history.csv"), Table::new(blocks::TRACKS));
-    let (recorder, snapshots) = (Recorder::default(), Vec::new());
-    let progress =
-        Progress { state, growing: None, grown: None, used, recorder, history, blocks, snapshots, seconds: 0.0, user_seconds: 0.0 };
+    let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
+    let (growing, grown, [seconds, user_seconds]) = (None, None, [0.0; 2]);
+    let progress = Progress { state, growing, grown, used, recorder, history, blocks, crushed, snapshots, seconds, user_seconds };
     Ok(Begun { progress, engine })
 }
 
@@ -186,6 +189,7 @@ pub fn resume(
 
 fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let Begun { mut progress, mut engine } = begun;
+    progress.crushed.open(model, rig);
     let mut beside = Beside::new(model, out, quiet, stop_after, &progress);
     let before = progress.grown.as_ref().map_or(0, |g| g.steps);
     loop {
@@ -215,22 +219,30 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
 impl Progress {
     /// To the next look, with its records. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &Rig, engine: &mut Engine, out: &Path) -> Result<bool> {
-        let Progress { state, recorder, history, blocks, snapshots, .. } = self;
-        state.advance(model, rig, engine, |state, engine| {
+        let Progress { state, recorder, history, blocks, crushed, snapshots, .. } = self;
+        let advanced = state.advance(model, rig, engine, |state, engine| {
             let due = recorder.due(rig, state);
             if due.row {
                 engine.read_back(state, model)?;
-                history.push(out, &recorder.row(rig, state))?;
+                let mut row = recorder.row(rig, state);
+                row.extend(crushed.columns(model, state)?);
+                history.push(out, &row)?;
                 watch::continuum(rig, state, recorder)?;
                 if let Some(theirs) = state.blocks() {
                     blocks::rows(theirs, state.continuum.steps(), state.time).try_for_each(|row| blocks.push(out, &row))?;
                 }
             }
-            if due.frame && model.records.snapshots {
-                snapshot(out, state, snapshots)?;
+            if due.frame {
+                crushed.gradation(out, model, state, &recorder.at(rig, state))?;
+                if model.records.snapshots {
+                    snapshot(out, state, snapshots)?;
+                }
             }
             Ok(recorder.next(rig, state))
-        })?;
+        });
+        // what broke before an error is recorded as well
+        crushed.breakages(out, state)?;
+        advanced?;
         let done = state.phase == Phase::Done;
         let steps = state.continuum.steps();
         if let Some(mixture) = state.mixture.as_ref().filter(|_| done || steps.is_multiple_of(LOOK)) {
@@ -241,6 +253,7 @@ impl Progress {
 
     fn flush(&mut self, out: &Path) -> Result<()> {
         self.blocks.flush(out)?;
+        self.crushed.flush(out)?;
         self.history.flush(out)
     }
 
@@ -335,7 +348,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         Test::Oedometer(specimen) => {
             put("test", json!("oedometer"));
             put("axial_strain", json!(r.last[0]));
-            put("max_measured_stress_kPa", json!(1e-3 * r.last[1]));
+            put("max_measured_stress_kPa", json!(1e-3 * r.most));
             put("k0_final", json!(r.lateral / r.last[1]));
             // of an elastic specimen: σ = M ln(1/(1 − ε)) with the rate's true strain
             let true_strain = (1.0 / (1.0 - r.last[0])).ln();
@@ -370,6 +383,9 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         }
         if model.crush.is_some() {
             put("crush_events", json!(mixture.grains.crush_events));
+            for (key, value) in progress.crushed.summary(model, state) {
+                put(&key, value);
+            }
         }
         if let Some(fines) = &mixture.fines {
             put("fines_points", json!(fines.points));

@@ -5,8 +5,9 @@ use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::gradation::Gradation;
 use crate::model::{Assembly, Model};
-use crate::record::breakages::OFF;
-use crate::record::cylinder::{self as records, Due, Moment, Recorder};
+use crate::record::breakages::{self, OFF};
+use crate::record::cylinder::{Due, Moment, Recorder};
+use crate::record::gradations::{self, At};
 use crate::record::table::Table;
 use crate::record::{assembly as assembly_records, checkpoint, measure, specimen, vtk};
 use crate::rig::cylinder::{Stresses, Walls};
@@ -133,7 +134,7 @@ impl Files {
         if specimen {
             let (grains, _) = specimen::read(&out.join(SPECIMEN), &model.materials)?;
             self.recorder.mass = grains.mass_and_volume().0;
-            self.initial = Some(records::initial_gradation(model, &grains));
+            self.initial = Some(gradations::initial(model, &grains));
         }
         Ok(())
     }
@@ -154,8 +155,8 @@ impl Files {
         self.history.push(out, &row)?;
         if due == Due::Full || self.ends_below_least(model) {
             let sigma_v = Stresses::of(state).vertical();
-            let at = records::At { stage, sigma_v, axial_strain: self.recorder.at_end.axial_strain };
-            for row in records::gradation_rows(model, state, &at, initial) {
+            let at = At { step: state.step, stage, sigma_v, axial_strain: self.recorder.at_end.axial_strain };
+            for row in gradations::rows(model, &gradations::gradation(model, state), &at, initial) {
                 self.gsd.push(out, &row)?;
             }
             if model.records.snapshots {
@@ -205,7 +206,7 @@ impl Files {
         let off = target.is_some_and(|target| (sigma_v / target - 1.0).abs() > OFF);
         for b in breakages {
             self.recorder.broken.add(b, off);
-            self.breakage.push(out, &records::breakage_row(b, sigma_v))?;
+            self.breakage.push(out, &breakages::row(b, b.step, sigma_v))?;
         }
         Ok(())
     }
