@@ -260,7 +260,7 @@ pub fn draw_points(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// The top of the colour bar: all but the largest hundredth of the values lie below.
-fn high_of(mut values: Vec<f64>) -> f64 {
+pub(super) fn high_of(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(0.0)
 }

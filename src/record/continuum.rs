@@ -2,7 +2,7 @@
 
 use super::gradations::At;
 use super::table::{Row, number};
-use super::vtk::{self, Field};
+use super::vtk::{self, Fact, Field};
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::model::continuum::{Continuum as Rig, Drainage, Test};
@@ -231,7 +231,7 @@ fn invariants(s: &[f64; 6]) -> (f64, f64) {
 type Of<'a> = (&'static str, usize, &'a dyn Fn(usize) -> Vec<f64>);
 
 /// Writes a ParaView snapshot of the points.
-pub fn write_snapshot(path: &Path, state: &State) -> Result<()> {
+pub fn write_snapshot(path: &Path, facts: &[Fact], state: &State) -> Result<()> {
     let points = state.continuum.points();
     let fields: [Of; 9] = [
         ("id", 1, &|i| vec![f64::from(points.id[i])]),
@@ -244,28 +244,40 @@ pub fn write_snapshot(path: &Path, state: &State) -> Result<()> {
         ("porosity", 1, &|i| vec![points.porosity(i)]),
         ("material", 1, &|i| vec![f64::from(points.law[i])]),
     ];
-    write_fields(path, state.continuum.steps(), &points.by_id(), &points.position, &fields)
+    write_fields(path, facts, state.continuum.steps(), &points.by_id(), &points.position, &fields)
 }
 
-/// Writes a ParaView snapshot of the grains in a continuum.
-pub fn write_grains(path: &Path, step: u64, g: &Grains) -> Result<()> {
-    let fields: [Of; 6] = [
+/// Writes a ParaView snapshot of the grains in a continuum; `stresses` are their mean stresses by index, Pa, `descent` says who is the mother and the first
+/// ancestor of a grain.
+pub fn write_grains(
+    path: &Path,
+    facts: &[Fact],
+    step: u64,
+    g: &Grains,
+    stresses: &[f64],
+    descent: impl Fn(u32) -> (Option<u32>, u32),
+) -> Result<()> {
+    let fields: [Of; 10] = [
         ("id", 1, &|i| vec![f64::from(g.id[i])]),
         ("radius_m", 1, &|i| vec![g.pos[i][3]]),
         ("velocity_m_s", 3, &|i| g.vel[i][..3].to_vec()),
         ("spin_rad_s", 3, &|i| g.spin[i][..3].to_vec()),
         ("generation", 1, &|i| vec![f64::from(g.generation[i])]),
         ("material", 1, &|i| vec![f64::from(g.material[i])]),
+        ("strength_Pa", 1, &|i| vec![g.strength[i]]),
+        ("mean_stress_Pa", 1, &|i| vec![stresses[i]]),
+        ("mother_id", 1, &|i| vec![descent(g.id[i]).0.map_or(-1.0, f64::from)]),
+        ("ancestor_id", 1, &|i| vec![f64::from(descent(g.id[i]).1)]),
     ];
-    write_fields(path, step, &g.by_id(), &g.pos, &fields)
+    write_fields(path, facts, step, &g.by_id(), &g.pos, &fields)
 }
 
-fn write_fields(path: &Path, step: u64, order: &[u32], position: &[[f64; 4]], fields: &[Of]) -> Result<()> {
+fn write_fields(path: &Path, facts: &[Fact], step: u64, order: &[u32], position: &[[f64; 4]], fields: &[Of]) -> Result<()> {
     let indices = || order.iter().map(|&i| i as usize);
     let places: Vec<[f64; 3]> = indices().map(|i| [position[i][0], position[i][1], position[i][2]]).collect();
     let field = |&(name, components, of): &Of| Field { name, components, values: indices().flat_map(of).collect() };
     let fields: Vec<Field> = fields.iter().map(field).collect();
-    vtk::write_points(path, &places, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+    vtk::write_points(path, facts, &places, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
 }
 
 /// Columns of the grains in a continuum.

@@ -1,12 +1,14 @@
 //! Records of grains that break in a continuum: breakages, gradations, and the columns of breakage in the history, as specimens of grains have
 //! them. Gradations are those of the grains and of what they have lost; the material of the scene's points is not in them.
 
+use super::ancestors::Ancestors;
 use super::breakages::{self, Breakages};
 use super::gradations::{self, At, gradation};
 use super::table::{Row, Table};
 use crate::crush::lost_mass::excluded_grains;
 use crate::error::{Error, Result};
 use crate::gradation::{Gradation, Indices};
+use crate::grains::Grains;
 use crate::model::Model;
 use crate::model::continuum::Continuum as Rig;
 use crate::rig::continuum::State;
@@ -20,6 +22,7 @@ pub struct Crushed {
     gsd: Table,
     breakage: Table,
     broken: Breakages,
+    ancestors: Ancestors,
     /// Most contacts between grains and with walls at a row: nothing else breaks a grain.
     contacts: u64,
     /// Relative breakage of Hardin and of Einav at the last row, and what is beyond Einav's.
@@ -35,6 +38,7 @@ impl Default for Crushed {
             gsd: Table::new("gsd.csv"),
             breakage: Table::new("breakage.csv"),
             broken: Breakages::default(),
+            ancestors: Ancestors::default(),
             contacts: 0,
             indices: [f64::NAN; 3],
             initial: None,
@@ -95,11 +99,17 @@ impl Crushed {
         for broken in std::mem::take(&mut state.broken) {
             // nothing asks for a stress: the platens go at their speed
             self.broken.add(&broken.event, false);
+            self.ancestors.add(&broken.event);
             let mut row = breakages::row(&broken.event, broken.step, broken.axial);
             row.push(("time_s", broken.time.into()));
             self.breakage.push(out, &row)?;
         }
         Ok(())
+    }
+
+    /// Mother of a grain, and the grain of the start that it comes from.
+    pub fn descent(&self, model: &Model, grains: &Grains, id: u32) -> (Option<u32>, u32) {
+        self.ancestors.of(id, grains.next_id, model.crush.as_ref().map_or(1, |c| c.pattern.count()))
     }
 
     pub fn flush(&mut self, out: &Path) -> Result<()> {

@@ -37,6 +37,7 @@ pub const SHEETS: &[Sheet] = &[
     Sheet { files: "history.csv", of: "continuum, mixture", columns: CONTINUUM_HISTORY },
     Sheet { files: "gsd.csv", of: "oedometer, triaxial, mixture", columns: GSD },
     Sheet { files: "breakage.csv", of: "oedometer, triaxial, assembly, mixture", columns: BREAKAGE },
+    Sheet { files: "contacts_*.csv", of: "oedometer, triaxial, assembly, mixture", columns: CONTACTS },
     Sheet { files: "tracks.csv", of: "assembly", columns: TRACKS },
     Sheet { files: "blocks.csv", of: "mixture", columns: BLOCKS },
     Sheet { files: "specimen.csv, grains_start.csv", of: "oedometer, triaxial, assembly, mixture", columns: SPECIMEN },
@@ -310,6 +311,32 @@ const BREAKAGE: &[Column] = &[
     column("stored_before_J", "J", "elastic energy of the contacts around before"),
     column("stored_after_J", "J", "the same after"),
     column("time_s", "s", "mixture: time at the start of the cycle in which it was"),
+];
+
+const CONTACTS: &[Column] = &[
+    column("a", "-", "number of the grain that is the first body"),
+    column("kind_b", "-", "what the second body is: grain, wall, or point (of a continuum)"),
+    column(
+        "b",
+        "-",
+        "number of that grain or point, or name of the wall: bottom, top, cylinder, x_low, …; in a free scene wall_0, wall_1, …",
+    ),
+    column("x_m", "m", "point of contact: the middle of the overlap, on a wall its surface"),
+    column("y_m", "m", "the same"),
+    column("z_m", "m", "the same"),
+    column("a_x_m", "m", "centre of the first body"),
+    column("a_y_m", "m", "the same"),
+    column("a_z_m", "m", "the same"),
+    column("b_x_m", "m", "centre of the second body; of a wall the point of contact"),
+    column("b_y_m", "m", "the same"),
+    column("b_z_m", "m", "the same"),
+    column("normal_x_N", "N", "normal force on the first body"),
+    column("normal_y_N", "N", "the same"),
+    column("normal_z_N", "N", "the same"),
+    column("tangential_x_N", "N", "tangential force on the first body"),
+    column("tangential_y_N", "N", "the same"),
+    column("tangential_z_N", "N", "the same"),
+    column("overlap_m", "m", "overlap"),
 ];
 
 const TRACKS: &[Column] = &[
