@@ -9,7 +9,7 @@ use super::text::{self, Anchor, Line};
 pub const BAND_ALPHA: f64 = 0.25;
 const SIZE: f64 = 42.0;
 const ROW: f64 = 54.0;
-const SAMPLE: f64 = 104.0;
+const SAMPLE: f64 = 128.0;
 const GAP: f64 = 20.0;
 /// Air kept between the legend and the curves or the frame.
 const AIR: f64 = 20.0;
