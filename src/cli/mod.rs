@@ -257,6 +257,15 @@ fn breakage(summary: &serde_json::Value) -> String {
     parts.into_iter().flatten().collect::<Vec<String>>().join(", ")
 }
 
+/// What a run found, whatever its kind; empty where its summary does not say.
+fn found(summary: &serde_json::Value) -> String {
+    if summary["kind"] != "continuum" && summary["kind"] != "mixture" {
+        return results(summary);
+    }
+    let ratio = summary["peak_stress_ratio"].as_f64().map(|r| format!("peak σ1/σ3 {r:.4}"));
+    ratio.into_iter().chain(Some(breakage(summary)).filter(|b| !b.is_empty())).collect::<Vec<String>>().join(", ")
+}
+
 /// What a reader of the results must know.
 fn warn(summary: &serde_json::Value) {
     for warning in summary["warnings"].as_array().into_iter().flatten().filter_map(|w| w.as_str()) {
