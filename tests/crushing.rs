@@ -8,6 +8,7 @@ use comminute::crush::event::Breakage;
 use comminute::crush::strength::lineage_child;
 use comminute::model::Drive;
 use comminute::step::State;
+use common::typed::array;
 use common::*;
 use std::f64::consts::PI;
 
@@ -463,17 +464,6 @@ fn every_breakage_is_near_the_stress_of_a_row() {
         assert!(control == "stress" || off == 0.0, "{off}");
         assert!(summary["held_every_step"]["steps"].as_u64().expect("steps") > 1000);
     }
-}
-
-/// Arrays of numbers of a snapshot for ParaView, by name: `width` numbers of eight bytes a grain.
-fn array(file: &[u8], name: &str) -> Vec<[u8; 8]> {
-    let text = String::from_utf8_lossy(file);
-    let tag = text.split("<DataArray ").find(|tag| tag.contains(&format!("Name=\"{name}\""))).expect(name);
-    let offset: usize = tag.split("offset=\"").nth(1).and_then(|t| t.split('"').next()).expect("offset").parse().expect("number");
-    let mark = b"encoding=\"raw\">\n_";
-    let start = file.windows(mark.len()).position(|w| w == mark).expect("mark") + mark.len() + offset;
-    let count = u64::from_le_bytes(file[start..start + 8].try_into().expect("8 bytes")) as usize;
-    file[start + 8..start + 8 + count].as_chunks::<8>().0.to_vec()
 }
 
 /// What the snapshots of a run that is loaded and unloaded say, as a user asks for it: contacts bear the stress of their instant, grains the mean stress of the

@@ -21,8 +21,6 @@ const TAIL: f64 = 1e-4;
 const FEW: usize = 10;
 /// From this many curves on they share one legend entry.
 const CURVES: usize = 8;
-/// The dash of dots.
-const DOTS: usize = 2;
 
 /// A run with its tests.
 struct Batch<'a> {
@@ -101,20 +99,20 @@ fn force_displacement(batch: &Batch) -> Result<Option<Plot>> {
         let shown: Vec<usize> = c.clone().filter(|&k| x[k] >= from).collect();
         let points = |y: &[f64]| shown.iter().map(|&k| (x[k], y[k])).collect();
         let name = format!("grain {}, {}", grain[last], of_size(d[last]));
-        // the dots are Hertz's
         let (tone, dash, label) = if curves.len() < CURVES {
-            (colour::kind(i), colour::dash(if i < DOTS { i } else { i + 1 }), Some(of_size(d[last])))
+            (colour::kind(i), colour::dash(i), Some(of_size(d[last])))
         } else {
             (colour::sequence(i as f64 / (curves.len() - 1) as f64), colour::dash(0), (i == 0).then(|| "tests".into()))
         };
         series.push(Series { label, ..Series::line(&name, tone, dash, points(&top)) });
         let label = (i == 0).then(|| "Hertz, closed form".into());
-        closed.push(Series { label, ..Series::line(&format!("{name}, Hertz"), INK, colour::dash(DOTS), points(&hertz)) });
+        closed.push(Series { label, mark: Mark::Guide, ..Series::line(&format!("{name}, Hertz"), INK, &[], points(&hertz)) });
         if numbers.iter().position(|n| *n == grain[last]).is_some_and(|k| censored[k] == 0.0) {
             ends.0.push(x[last]);
             ends.1.push(top[last]);
         }
     }
+    // thin, on the lines of the tests
     series.extend(closed);
     series.push(symbols("breakage", INK, Shape::Diamond, ends));
     let label = "displacement of the platen (mm)";

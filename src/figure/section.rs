@@ -34,9 +34,12 @@ struct Cut {
     circles: Vec<([f64; 2], f64)>,
 }
 
-/// Points and grains of an instant: middle and edge or radius, m.
+/// Middle and edge of a point, m, and its value.
+type Coloured = ([f64; 3], f64, f64);
+
+/// Points and grains of an instant, these with middle and radius, m.
 struct Bodies {
-    points: Vec<([f64; 3], f64, f64)>,
+    points: Vec<Coloured>,
     grains: Vec<([f64; 3], f64)>,
 }
 
@@ -73,7 +76,7 @@ impl Bodies {
         let reach = FAR * edge;
         // points near the plane by columns as wide as a place can see
         let column = |x: f64, z: f64| [(x / reach).floor() as i64, (z / reach).floor() as i64];
-        let mut near: HashMap<[i64; 2], Vec<&([f64; 3], f64, f64)>> = HashMap::new();
+        let mut near: HashMap<[i64; 2], Vec<&Coloured>> = HashMap::new();
         for point in self.points.iter().filter(|p| (p.0[1] - y).abs() <= reach) {
             near.entry(column(point.0[0], point.0[2])).or_default().push(point);
         }

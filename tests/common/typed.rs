@@ -72,3 +72,14 @@ pub fn same_files(a: &Path, b: &Path) {
         assert!(bytes(a) == bytes(b) && (breaks || bytes(a).is_some()), "{file} differs");
     }
 }
+
+/// An array of a snapshot for ParaView, by name: numbers of eight bytes.
+pub fn array(file: &[u8], name: &str) -> Vec<[u8; 8]> {
+    let text = String::from_utf8_lossy(file);
+    let tag = text.split("<DataArray ").find(|tag| tag.contains(&format!("Name=\"{name}\""))).expect(name);
+    let offset: usize = tag.split("offset=\"").nth(1).and_then(|t| t.split('"').next()).expect("offset").parse().expect("number");
+    let mark = b"encoding=\"raw\">\n_";
+    let start = file.windows(mark.len()).position(|w| w == mark).expect("mark") + mark.len() + offset;
+    let count = u64::from_le_bytes(file[start..start + 8].try_into().expect("8 bytes")) as usize;
+    file[start + 8..start + 8 + count].as_chunks::<8>().0.to_vec()
+}

@@ -1,6 +1,6 @@
 //! Mixtures as a user types them.
 
-use crate::common::typed::{columns, comminute, final_grains, number, numbers, run, same_files, summary};
+use crate::common::typed::{array, columns, comminute, final_grains, number, numbers, run, same_files, summary};
 use predicates::prelude::{PredicateBooleanExt, predicate::str::contains};
 use std::path::Path;
 
@@ -90,7 +90,7 @@ fn a_mixture_is_sheared_at_constant_volume() {
 fn a_grain_breaks_inside_a_continuum() {
     let folder = tempfile::tempdir().expect("folder");
     let out = folder.path().join("out");
-    let sets = ["test.axial_strain=0.012", "records.rows=60", "records.snapshots=false"];
+    let sets = ["test.axial_strain=0.012", "records.rows=60", "records.frames=2", "records.contacts=true"];
     run("mixture/oedometer_crushing", &out, &sets, &[]).assert().success();
     let rows =
         columns(&out, ["crush_events", "grains", "coarse_mass_kg", "sigma_v_kPa", "q_skeleton_kPa", "q_kPa", "axial_strain"]);
@@ -137,7 +137,31 @@ fn leaves_what_grains_alone_do(out: &Path, before: f64) {
     assert_eq!(s["breakages"]["by_generation"][0]["breakages"], 1, "{s}");
     assert!((number(&s, "hardin_br") - hardin).abs() < 1e-8 && s["warnings"].as_array().is_some_and(Vec::is_empty), "{s}");
     assert!(number(&s, "max_measured_stress_kPa") > 0.999 * before, "{s}");
-    for figure in ["gradation", "breakage_mixture"] {
+    let snapshots = std::fs::read_dir(out.join("snapshots")).expect("snapshots").map(|f| f.expect("file").path());
+    let mut files: Vec<_> = snapshots.map(|p| (p.file_name().map(|n| n.to_string_lossy().into_owned()), p)).collect();
+    files.sort();
+    let of = |kind: &str| -> Vec<&Path> {
+        let own = files.iter().filter(|f| f.0.as_ref().is_some_and(|name| name.starts_with(kind)));
+        own.map(|f| f.1.as_path()).collect()
+    };
+    // halfway the chain bears what it hands from grain to grain and to the platen; points bear little of it
+    let [start, halfway, end] = of("contacts_")[..] else { panic!("{files:?}") };
+    let text = std::fs::read_to_string(halfway).expect("contacts");
+    let rows: Vec<Vec<&str>> = text.lines().filter(|l| !l.starts_with('#')).skip(1).map(|l| l.split(',').collect()).collect();
+    let down = |row: &Vec<&str>| row[14].parse::<f64>().expect("N").abs();
+    let chain: Vec<f64> = rows.iter().filter(|r| r[1] != "point").map(down).collect();
+    let top = rows.iter().find(|r| r[2] == "top").map(down).expect("the platen");
+    assert!(chain.len() == 4 && chain.iter().all(|f| (f / top - 1.0).abs() < 0.3) && (50.0..186.0).contains(&top), "{chain:?} N");
+    assert!(rows.iter().filter(|r| r[1] == "point").count() > 50 && start < end);
+    // the daughters of the one that broke, and the two others
+    let grains = std::fs::read(of("grains_")[2]).expect("a snapshot");
+    let numbers = |name: &str| -> Vec<f64> { array(&grains, name).into_iter().map(f64::from_le_bytes).collect() };
+    let mother = numbers("mother_id")[15];
+    assert_eq!(numbers("mother_id"), [&[-1.0; 2][..], &[mother; 14]].concat());
+    let whose = numbers("ancestor_id");
+    assert!(whose[2..].iter().all(|a| *a == mother) && whose[0] != mother && whose[1] != mother && mother < 3.0, "{whose:?}");
+    assert!(numbers("mean_stress_Pa")[0] > 1e4 && of("walls_").len() == 3 && out.join("walls.pvd").exists());
+    for figure in ["gradation", "breakage_mixture", "section", "force_chains"] {
         assert!(out.join("figures").join(figure).with_extension("svg").exists(), "{figure}");
     }
 }
