@@ -361,6 +361,8 @@ pub struct Records {
     pub energy: bool,
     /// Whether ParaView snapshots are written at `at`.
     pub snapshots: bool,
+    /// Whether the contacts of grains are written at the same instants.
+    pub contacts: bool,
     /// Whether figures are drawn at the end.
     pub figures: bool,
     /// Seconds of wall-clock time between checkpoints.

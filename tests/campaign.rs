@@ -82,6 +82,12 @@ fn an_ensemble_gives_means_and_bands_and_is_not_run_again() {
     let before = written(&dir, &folders);
     let again = call(&dir, &args, 0);
     assert!(said(&again).contains("3 of 3 runs done, 3 of them before"), "{}", said(&again));
+    // what they found, with its spread, and of each when they are drawn
+    let found = said(&again);
+    let e = found.lines().find_map(|l| l.trim().strip_prefix("void ratio at the end: ")).expect("what was found");
+    assert!(e.contains(" ± ") && e.contains("of 3 runs") && found.contains("breakages: "), "{found}");
+    let drawn = said(&call(&dir, &["plot", "e/seed-1", "e/seed-2", "--out", "both"], 0));
+    assert!(drawn.contains("e/seed-2: up to ") && drawn.contains("(Einav)"), "{drawn}");
     assert_eq!(written(&dir, &folders), before);
     // another scene in the same folders is refused, and says what differs
     let other = call(&dir, &[&args[..], &["--set", "loading.max_stress_kPa=50"]].concat(), 2);

@@ -8,6 +8,7 @@ use comminute::crush::event::Breakage;
 use comminute::crush::strength::lineage_child;
 use comminute::model::Drive;
 use comminute::step::State;
+use common::typed::array;
 use common::*;
 use std::f64::consts::PI;
 
@@ -463,4 +464,90 @@ fn every_breakage_is_near_the_stress_of_a_row() {
         assert!(control == "stress" || off == 0.0, "{off}");
         assert!(summary["held_every_step"]["steps"].as_u64().expect("steps") > 1000);
     }
+}
+
+/// What the snapshots of a run that is loaded and unloaded say, as a user asks for it: contacts bear the stress of their instant, grains the mean stress of the
+/// specimen, daughters know whose they are, and ParaView's list goes on while the stress falls.
+#[test]
+fn snapshots_say_what_grains_bear_and_whose_they_are() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("out");
+    let mut run = std::process::Command::new(cargo_bin("comminute"));
+    run.current_dir(env!("CARGO_MANIFEST_DIR"));
+    run.args(["run", "experiments/calibration/coke_small.toml", "--threads", "1", "--quiet", "--out"]).arg(&out);
+    for set in [
+        "loading.max_stress_kPa=800",
+        "loading.stages_kPa=[100]",
+        "material.strength.fixed_angle.sigma_lim0_MPa=100",
+        "records.contacts=true",
+    ] {
+        run.args(["--set", set]);
+    }
+    assert!(run.status().expect("started").success());
+    let text = |name: &str| std::fs::read_to_string(out.join(name)).expect("text");
+    let note = |text: &str, key: &str| -> f64 {
+        let line = text.lines().find_map(|l| l.strip_prefix(&format!("# {key} = "))).expect("note");
+        line.parse().expect("a number")
+    };
+    let radius = note(&text("specimen.csv"), "cylinder_radius_m");
+    let history = csv::Reader::from_path(out.join("history.csv"))
+        .expect("history")
+        .deserialize::<std::collections::HashMap<String, String>>()
+        .map(|row| row.expect("row"))
+        .collect::<Vec<_>>();
+    let names = |of: &str| {
+        let files = std::fs::read_dir(out.join("snapshots"))
+            .expect("snapshots")
+            .map(|f| f.expect("file").file_name().to_string_lossy().into_owned());
+        let mut names: Vec<String> = files.filter(|name| name.starts_with(of)).collect();
+        names.sort();
+        names
+    };
+    let steps = names("step_");
+    assert!(steps.len() >= 3 && names("walls_").len() == steps.len() && names("contacts_").len() == steps.len());
+    let mothers: std::collections::BTreeSet<i64> =
+        text("breakage.csv").lines().skip(1).map(|l| l.split(',').nth(3).expect("mother").parse().expect("number")).collect();
+    let mut daughters = 0;
+    for name in &steps {
+        let number = name.trim_start_matches("step_").trim_end_matches(".vtp");
+        let row = history.iter().find(|row| row["step"].parse::<u64>() == number.parse::<u64>()).expect("a row of that step");
+        let of = |column: &str| -> f64 { row[column].parse().expect("number") };
+        // both platens over their area
+        let contacts = text(&format!("snapshots/contacts_{number}.csv"));
+        let rows: Vec<Vec<&str>> =
+            contacts.lines().filter(|l| !l.starts_with('#')).skip(1).map(|l| l.split(',').collect()).collect();
+        let on = |wall: &str| -> f64 { rows.iter().filter(|r| r[2] == wall).map(|r| r[14].parse::<f64>().expect("N")).sum() };
+        let sigma = 0.5e-3 * (on("bottom") - on("top")) / (PI * radius * radius);
+        assert!(
+            (sigma / note(&contacts, "sigma_v_kPa") - 1.0).abs() < 1e-6 && (sigma / of("sigma_v_kPa") - 1.0).abs() < 1e-6,
+            "{sigma}"
+        );
+        assert!(rows.iter().all(|r| r[18].parse::<f64>().expect("overlap") > 0.0));
+        // the volume's mean stress is that of its grains by their volumes; friction on the walls bears a little of it
+        let file = std::fs::read(out.join("snapshots").join(name)).expect("snapshot");
+        let numbers = |name: &str| -> Vec<f64> { array(&file, name).into_iter().map(f64::from_le_bytes).collect() };
+        let whole = |name: &str| -> Vec<i64> { array(&file, name).into_iter().map(i64::from_le_bytes).collect() };
+        let volume = PI * radius * radius * 1e-3 * of("height_mm");
+        let borne: f64 = numbers("radius").iter().zip(numbers("mean_stress_Pa")).map(|(r, p)| 4.0 / 3.0 * PI * r.powi(3) * p).sum();
+        assert!((1e-3 * borne / volume / of("p_kPa") - 1.0).abs() < 0.05, "{} of {} kPa", 1e-3 * borne / volume, of("p_kPa"));
+        assert!(String::from_utf8_lossy(&file).contains("Name=\"sigma_v_kPa\""));
+        for ((id, mother), ancestor) in whole("id").into_iter().zip(whole("mother_id")).zip(whole("ancestor_id")) {
+            let of_the_start = (0..200).contains(&id);
+            assert!(if of_the_start {
+                mother == -1 && ancestor == id
+            } else {
+                mothers.contains(&mother) && (0..200).contains(&ancestor)
+            });
+            daughters += usize::from(!of_the_start);
+        }
+    }
+    assert!(daughters > 100, "{daughters}");
+    let list: Vec<f64> = text("snapshots.pvd")
+        .split("timestep=\"")
+        .skip(1)
+        .map(|t| t.split('"').next().expect("quote").parse().expect("number"))
+        .collect();
+    assert_eq!(list, (0..steps.len()).map(|k| k as f64).collect::<Vec<f64>>());
+    assert!(text("walls.pvd").contains("snapshots/walls_") && out.join("figures/force_chains.svg").exists());
+    assert!(text("figures/gradation.svg").contains("unloading stages not shown"));
 }

@@ -44,7 +44,7 @@ fn scene() -> PathBuf {
     let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/petroleum_coke/h-c-2.toml");
     let text = format!(
         "base = {:?}\n[specimen]\nscale = 4.0\ngrains = 120\nporosity = 0.48\n[preparation]\ngrowth_friction = 0.4\n\
-         [loading]\nmax_stress_kPa = 150.0\n[records]\nat_kPa = [50.0]\nfigures = false\ncheckpoint_seconds = 0.05\n\
+         [loading]\nmax_stress_kPa = 150.0\n[records]\nat_kPa = [50.0]\nfigures = false\ncontacts = true\ncheckpoint_seconds = 0.05\n\
          [material]\nbase = {:?}\n[material.strength.fixed_angle]\nsigma_lim0_MPa = 100.0\n\
          [crushing]\nbirth = \"gradual\"\nlost_mass = \"grow\"\n",
         base.display().to_string(),
@@ -94,6 +94,7 @@ fn whole() -> &'static Finished {
         let count = |key: &str| summary[key].as_u64().expect("count");
         assert!(count("crush_events") >= 5, "the scene breaks grains");
         assert!(files.keys().any(|k| k.ends_with(".vtp")), "the scene leaves snapshots");
+        assert!(files.keys().any(|k| k.contains("contacts_")), "the scene leaves contacts");
         let (preparation, steps) = (count("preparation_steps"), count("steps"));
         Finished { dir, files, preparation, steps }
     })

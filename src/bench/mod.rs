@@ -175,6 +175,7 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
             end_below_least: false,
             energy: false,
             snapshots: false,
+            contacts: false,
             figures: false,
             checkpoint_seconds: f64::INFINITY,
         },

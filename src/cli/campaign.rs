@@ -95,6 +95,10 @@ impl Options {
             let before = outcomes.iter().filter(|o| matches!(o, Outcome::Done { before: true, .. })).count();
             let note = if before > 0 { format!(", {before} of them before") } else { String::new() };
             eprintln!("{done} of {} runs done{note}", jobs.len());
+            let summaries: Vec<&serde_json::Value> = outcomes.iter().filter_map(Outcome::summary).collect();
+            for line in spread(&summaries) {
+                eprintln!("  {line}");
+            }
             let (drawn, tables): (Vec<_>, Vec<_>) = files.iter().partition(|f| f.parent().is_some_and(|p| p.ends_with("figures")));
             if let Some(folder) = drawn.first().and_then(|f| f.parent()) {
                 eprintln!("  {} files in {}", drawn.len(), folder.display());
@@ -103,6 +107,40 @@ impl Options {
         }
         campaign::close(jobs, outcomes)
     }
+}
+
+/// What runs found: quantity, where it stands in a summary, factor, decimals and unit.
+const FOUND: [(&str, &str, f64, usize, &str); 9] = [
+    ("largest stress", "/max_measured_stress_kPa", 1.0, 0, " kPa"),
+    ("peak σ1/σ3", "/peak_stress_ratio", 1.0, 3, ""),
+    ("void ratio at the end", "/void_ratio_final", 1.0, 3, ""),
+    ("axial strain at the end", "/axial_strain_final", 100.0, 2, " %"),
+    ("k0 at the end", "/k0_final", 1.0, 3, ""),
+    ("breakages", "/crush_events", 1.0, 0, ""),
+    ("grains at the end", "/grains_final", 1.0, 0, ""),
+    ("B_r (Hardin)", "/hardin_br", 1.0, 3, ""),
+    ("B_r (Einav)", "/einav_br", 1.0, 3, ""),
+];
+
+/// A line for each quantity that the runs have: mean, standard deviation, least and largest.
+fn spread(summaries: &[&serde_json::Value]) -> Vec<String> {
+    let line = |(name, at, factor, decimals, unit): (&str, &str, f64, usize, &str)| {
+        let all: Vec<f64> = summaries.iter().filter_map(|s| Some(factor * s.pointer(at)?.as_f64()?)).collect();
+        let n = all.len() as f64;
+        let mean = all.iter().sum::<f64>() / n;
+        let (least, most) = all.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+        match all.len() {
+            0 => None,
+            1 => Some(format!("{name}: {mean:.decimals$}{unit}")),
+            runs => {
+                let sd = (all.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n - 1.0)).sqrt();
+                Some(format!(
+                    "{name}: {mean:.decimals$} ± {sd:.decimals$}{unit} (mean and standard deviation of {runs} runs; {least:.decimals$} to {most:.decimals$})"
+                ))
+            }
+        }
+    };
+    FOUND.into_iter().filter_map(line).collect()
 }
 
 /// One word about an outcome, and why.
@@ -136,4 +174,17 @@ fn list(jobs: &[Job], force: bool) -> Result<String> {
 pub fn default_out(scene: &Path, kind: &str) -> PathBuf {
     let stem = scene.file_stem().map_or_else(|| "scene".into(), |s| s.to_string_lossy());
     Path::new("runs").join(format!("{stem}-{kind}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_runs_found_is_told_with_its_spread() {
+        let [a, b] = [0.3, 0.4].map(|e| serde_json::json!({"void_ratio_final": e, "crush_events": 1000.0 * e, "hardin_br": null}));
+        let told = spread(&[&a, &b]);
+        assert_eq!(told[0], "void ratio at the end: 0.350 ± 0.071 (mean and standard deviation of 2 runs; 0.300 to 0.400)");
+        assert_eq!((told.len(), spread(&[&a])[1].as_str()), (2, "breakages: 300"));
+    }
 }

@@ -187,7 +187,12 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
         let ratio = number("peak_stress_ratio").map_or(String::new(), |r| format!(", peak σ1/σ3 {r:.4}"));
         let seconds = number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}"));
         let grains = number("grains").map_or(String::new(), |n| format!(" and {n} grains"));
+        let broken = breakage(&outcome.summary);
+        if !broken.is_empty() {
+            eprintln!("{broken}");
+        }
         eprintln!("{} steps of {} points{grains}{ratio}, {seconds} s", count("steps"), count("points"));
+        warn(&outcome.summary);
         if let Some(share) = number("dissipated_share").filter(|share| *share < 0.0) {
             eprintln!("warning: dissipated_share = {share:.3}: more energy came out of the specimen than went in");
         }
@@ -207,9 +212,7 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
         count("grains_initial"),
         number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}")),
     );
-    for warning in outcome.summary["warnings"].as_array().into_iter().flatten().filter_map(|w| w.as_str()) {
-        eprintln!("warning: {warning}");
-    }
+    warn(&outcome.summary);
     if let Some(kpa) = outcome.summary.pointer("/below_least_void_ratio/sigma_v_kPa").and_then(serde_json::Value::as_f64) {
         let ended = if outcome.summary.get("ended_early").is_some() { "; the run ended there" } else { "" };
         let least = number("least_void_ratio").unwrap_or(f64::NAN);
@@ -240,6 +243,34 @@ fn results(summary: &serde_json::Value) -> String {
         number("einav_br").map(|b| format!("{b:.3} (Einav)")),
     ];
     parts.into_iter().flatten().collect::<Vec<String>>().join(", ")
+}
+
+/// What broke in a mixture, as `3 breakages, 0.12 g lost, B_r 0.21 (Hardin) 0.35 (Einav)`; empty where nothing can break.
+fn breakage(summary: &serde_json::Value) -> String {
+    let number = |key: &str| summary.get(key).and_then(serde_json::Value::as_f64);
+    let parts = [
+        number("crush_events").map(|n| format!("{n} breakage{}", if n == 1.0 { "" } else { "s" })),
+        number("mass_lost_kg").map(|m| format!("{:.3} g lost", 1e3 * m)),
+        number("hardin_br").map(|b| format!("B_r {b:.3} (Hardin)")),
+        number("einav_br").map(|b| format!("{b:.3} (Einav)")),
+    ];
+    parts.into_iter().flatten().collect::<Vec<String>>().join(", ")
+}
+
+/// What a run found, whatever its kind; empty where its summary does not say.
+fn found(summary: &serde_json::Value) -> String {
+    if summary["kind"] != "continuum" && summary["kind"] != "mixture" {
+        return results(summary);
+    }
+    let ratio = summary["peak_stress_ratio"].as_f64().map(|r| format!("peak σ1/σ3 {r:.4}"));
+    ratio.into_iter().chain(Some(breakage(summary)).filter(|b| !b.is_empty())).collect::<Vec<String>>().join(", ")
+}
+
+/// What a reader of the results must know.
+fn warn(summary: &serde_json::Value) {
+    for warning in summary["warnings"].as_array().into_iter().flatten().filter_map(|w| w.as_str()) {
+        eprintln!("warning: {warning}");
+    }
 }
 
 /// Says how many figures were drawn, and where.

@@ -2,7 +2,7 @@
 
 use comminute::error::{Error, Result};
 use comminute::figure;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Draw runs and data files into common figures
 #[derive(Debug, clap::Args)]
@@ -68,7 +68,20 @@ pub fn call(args: &Args) -> Result<()> {
         super::print(&serde_json::json!({ "files": files }).to_string())?;
     }
     if !args.quiet {
+        for dir in &args.runs {
+            tell(dir);
+        }
         super::list_files(&files);
     }
     Ok(())
+}
+
+/// What a run found, in a line; nothing where it has left no summary.
+fn tell(dir: &Path) {
+    let summary = std::fs::read_to_string(dir.join("summary.json")).ok();
+    let Some(summary) = summary.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok()) else { return };
+    let found = super::found(&summary);
+    if !found.is_empty() {
+        eprintln!("{}: {found}", dir.display());
+    }
 }

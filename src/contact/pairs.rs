@@ -151,6 +151,14 @@ impl Pairs {
         }
     }
 
+    /// Slots of the pairs that touch, in the order of their ends' identities.
+    pub fn touching(&self, id: impl Fn([u32; 2]) -> [u32; 2]) -> Vec<usize> {
+        let touching = |s: &usize| self.ends[*s][0] != FREE && self.touch[*s].overlap > 0.0;
+        let mut slots: Vec<usize> = (0..self.slots()).filter(touching).collect();
+        slots.sort_unstable_by_key(|&s| id(self.ends[s]));
+        slots
+    }
+
     /// Which columns there are.
     pub fn kept(&self) -> Kept {
         Kept { work: self.work.kept, rolling: self.rolling.kept, spring: self.spring.kept, load: self.load.kept }

@@ -70,6 +70,12 @@ impl Ghosts {
         self.near.iter().filter(|g| g.touch.overlap > 0.0)
     }
 
+    /// Contacts of grains with points that bear something, in order: indices of both, the ghost's radius, m, and the contact.
+    pub fn on_grains(&self) -> impl Iterator<Item = (usize, usize, f64, Touch)> {
+        let on_grain = self.touching().filter(|g| matches!(g.body, Body::Grain(_)));
+        on_grain.map(|g| (g.place[0] as usize, g.place[1] as usize, g.radius, g.touch))
+    }
+
     /// Elastic energy of all contacts, J.
     pub(super) fn stored(&self, share: f64) -> f64 {
         self.touching().map(|ghost| ghost.energy(share)).sum()

@@ -2,7 +2,6 @@
 
 use super::{Body, Mixture};
 use crate::contact::fabric::Fabric;
-use crate::contact::pairs::{FREE, Pairs};
 use crate::mpm::Continuum;
 use crate::step::State;
 use serde::{Deserialize, Serialize};
@@ -46,14 +45,6 @@ pub struct Touching {
     pub fabric: [f64; 6],
 }
 
-/// Slots in use with the identities of their ends, in that order.
-fn in_order(pairs: &Pairs, id: impl Fn([u32; 2]) -> [u32; 2]) -> Vec<usize> {
-    let touching = |s: &usize| pairs.ends[*s][0] != FREE && pairs.touch[*s].overlap > 0.0;
-    let mut slots: Vec<usize> = (0..pairs.slots()).filter(touching).collect();
-    slots.sort_unstable_by_key(|&s| id(pairs.ends[s]));
-    slots
-}
-
 impl Mixture {
     /// The shares of a volume, m³.
     pub fn shares(&self, continuum: &Continuum, volume: f64) -> Shares {
@@ -69,11 +60,11 @@ impl Mixture {
             }
         };
         let id = |i: u32| g.id[i as usize];
-        for s in in_order(&self.grains.pairs, |[i, j]| [id(i), id(j)]) {
+        for s in self.grains.pairs.touching(|[i, j]| [id(i), id(j)]) {
             let [p, q] = self.grains.pairs.ends[s].map(|i| g.pos[i as usize]);
             add(&mut shares.skeleton, self.grains.pairs.touch[s].force(), std::array::from_fn(|a| q[a] - p[a]));
         }
-        for s in in_order(&self.grains.wall_pairs, |[i, k]| [k, id(i)]) {
+        for s in self.grains.wall_pairs.touching(|[i, k]| [k, id(i)]) {
             let touch = &self.grains.wall_pairs.touch[s];
             let arm = g.pos[self.grains.wall_pairs.ends[s][0] as usize][3] - touch.overlap;
             add(&mut shares.skeleton, touch.force(), touch.normal.map(|n| n * arm));
@@ -89,12 +80,12 @@ impl Mixture {
     pub fn touching(&self) -> Touching {
         let (g, pairs) = (&self.grains.grains, &self.grains.pairs);
         let id = |i: u32| g.id[i as usize];
-        let between = in_order(pairs, |[i, j]| [id(i), id(j)]);
+        let between = pairs.touching(|[i, j]| [id(i), id(j)]);
         let mut fabric = Fabric::default();
         between.iter().for_each(|&s| fabric.add(pairs.touch[s].normal));
         Touching {
             grains: fabric.contacts,
-            walls: in_order(&self.grains.wall_pairs, |[i, k]| [k, id(i)]).len() as u64,
+            walls: self.grains.wall_pairs.touching(|[i, k]| [k, id(i)]).len() as u64,
             points: self.ghosts.touching().count() as u64,
             fabric: fabric.tensor(),
         }
@@ -113,10 +104,10 @@ impl Mixture {
         }
         let id = |i: u32| g.id[i as usize];
         let State { pairs, wall_pairs, .. } = &self.grains;
-        for s in in_order(pairs, |[i, j]| [id(i), id(j)]) {
+        for s in pairs.touching(|[i, j]| [id(i), id(j)]) {
             stored += self.energy * pairs.touch[s].normal_force * pairs.touch[s].overlap;
         }
-        for s in in_order(wall_pairs, |[i, k]| [k, id(i)]) {
+        for s in wall_pairs.touching(|[i, k]| [k, id(i)]) {
             stored += self.energy * wall_pairs.touch[s].normal_force * wall_pairs.touch[s].overlap;
         }
         if let Some(blocks) = &self.blocks {

@@ -8,6 +8,7 @@
 use super::{Bound, Fines, GhostTable, Ghosts, Rule};
 use crate::contact::force::plus;
 use crate::coupling::evaluate::Scene;
+use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::model::Model;
@@ -84,6 +85,9 @@ pub struct Mixture {
     pub blocks: Option<Box<Blocks>>,
     /// Where the mass that breakages lose becomes points.
     pub fines: Option<Box<Fines>>,
+    /// Breakages of a cycle, until they are taken.
+    #[serde(skip)]
+    pub breakages: Vec<Breakage>,
     /// Elastic energy of a contact between grains over its normal force and overlap: 2/5 by Hertz, 1/2 of a linear one.
     pub(super) energy: f64,
     /// The last cycle.
@@ -123,6 +127,7 @@ impl Mixture {
             ghosts: Ghosts::default(),
             blocks: None,
             fines: fines.map(|rule| Box::new(Fines::new(rule))),
+            breakages: Vec::new(),
             energy,
             cycle,
             cycles: 0,
@@ -231,6 +236,7 @@ impl Mixture {
             blocks.advance(parts.model, *fresh, dt);
         }
         step::go(parts.model, &mut self.grains, parts.work);
+        self.breakages.extend_from_slice(&parts.work.breakages);
         if let Some(fines) = &mut self.fines {
             fines.take(&parts.work.breakages);
         }

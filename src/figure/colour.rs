@@ -21,9 +21,21 @@ const KINDS: [Colour; 7] = [
     BLACK,
 ];
 
-/// Dash patterns in drawing units, drawn and skipped lengths in turn; empty = solid.
-const DASHES: [&[f64]; 6] =
-    [&[], &[34.0, 16.0], &[9.0, 12.0], &[34.0, 13.0, 9.0, 13.0], &[60.0, 16.0], &[34.0, 13.0, 9.0, 13.0, 9.0, 13.0]];
+/// Dash patterns in drawing units, drawn and skipped lengths in turn; empty = solid. A print in black and white tells so many lines apart.
+const DASHES: [&[f64]; 12] = [
+    &[],
+    &[34.0, 16.0],
+    &[9.0, 12.0],
+    &[34.0, 13.0, 9.0, 13.0],
+    &[64.0, 16.0],
+    &[34.0, 13.0, 9.0, 13.0, 9.0, 13.0],
+    &[34.0, 34.0],
+    &[9.0, 28.0],
+    &[64.0, 13.0, 9.0, 13.0],
+    &[64.0, 13.0, 22.0, 13.0],
+    &[34.0, 13.0, 9.0, 13.0, 9.0, 13.0, 9.0, 13.0],
+    &[64.0, 13.0, 9.0, 13.0, 9.0, 13.0],
+];
 
 /// Generations of grains: light for grains that never broke, then darker in print for each generation.
 const GENERATIONS: [Colour; 7] = [
@@ -51,7 +63,7 @@ pub fn kind(i: usize) -> Colour {
     KINDS[i % KINDS.len()]
 }
 
-/// Dash of the i-th kind; repeats after six.
+/// Dash of the i-th kind; repeats after twelve.
 pub fn dash(i: usize) -> &'static [f64] {
     DASHES[i % DASHES.len()]
 }
@@ -91,6 +103,16 @@ mod tests {
         let l: Vec<f64> = (0..=20).map(|i| luminance(sequence(f64::from(i) / 20.0))).collect();
         assert!(l.windows(2).all(|w| w[1] > w[0]), "{l:?}");
         assert_eq!(sequence(f64::NAN), sequence(0.0));
+    }
+
+    #[test]
+    fn lines_of_one_colour_are_told_apart_by_their_dashes() {
+        let all: Vec<&[f64]> = (0..DASHES.len()).map(dash).collect();
+        for (i, one) in all.iter().enumerate() {
+            assert!(one.len() % 2 == 0 && all[..i].iter().all(|other| other != one), "{one:?}");
+            // two repeats of the longest stand in the legend's and the graph's lines
+            assert!(one.iter().sum::<f64>() < 150.0, "{one:?}");
+        }
     }
 
     #[test]

@@ -49,6 +49,7 @@ pub fn plots(input: &Input) -> Result<Vec<Plot>> {
     {
         out.extend(run_out(run)?);
         out.extend(bearers(run)?);
+        out.extend(breakage(run)?);
         out.extend(energies(run)?);
     }
     Ok(out)
@@ -147,6 +148,35 @@ fn bearers(run: &Run) -> Result<Option<Plot>> {
     }))
 }
 
+/// How far the grains of a mixture have broken, against axial strain, or time in a free scene; nothing where none has.
+fn breakage(run: &Run) -> Result<Option<Plot>> {
+    // of grains alone these indices stand against stress
+    if run.column("platen_work_J")?.is_none() {
+        return Ok(None);
+    }
+    let free = run.column("axial_strain")?.is_none();
+    let x = if free { ("time_s", 1.0) } else { ("axial_strain", 100.0) };
+    let mut series = Vec::new();
+    for (i, (column, name)) in [("hardin_br", "Hardin"), ("einav_br", "Einav")].into_iter().enumerate() {
+        let points: Vec<_> = run.branches(x, (column, 1.0))?.into_iter().flat_map(|b| b.points).collect();
+        if points.iter().any(|p| p.1 > 0.0) {
+            series.push(Series::line(name, colour::kind(i), colour::dash(i), points));
+        }
+    }
+    let x = if free { Axis::linear("time (s)", "time_s") } else { Axis::linear("axial strain ε_{a} (%)", "axial_strain_percent") };
+    let mut title = vec![run.label()];
+    title.extend(run.events.map(|n| format!("{} breakage{} of grains", count(n), if n == 1 { "" } else { "s" })));
+    Ok((!series.is_empty()).then(|| Plot {
+        name: "breakage_mixture".into(),
+        title,
+        legend_title: None,
+        x: x.including(&[0.0]),
+        y: Axis::linear("breakage index of the grains B_{r} (–)", "breakage_index").including(&[0.0]),
+        series,
+        equal: false,
+    }))
+}
+
 /// Of free scenes: tests have stresses.
 fn energies(run: &Run) -> Result<Option<Plot>> {
     let Some(potential) = run.column("potential_J")?.filter(|_| run.history.as_ref().is_some_and(|h| h.has("front_mm"))) else {
@@ -230,7 +260,7 @@ pub fn draw_points(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// The top of the colour bar: all but the largest hundredth of the values lie below.
-fn high_of(mut values: Vec<f64>) -> f64 {
+pub(super) fn high_of(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(0.0)
 }

@@ -16,12 +16,48 @@ const MOST: usize = 7;
 /// Gradations closer than this (largest difference, per cent) are drawn once.
 const SAME: f64 = 1.0;
 
+/// By what the gradations of a run are told apart and put in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum By {
+    /// Vertical stress, MPa: a specimen of grains that is loaded by stress.
+    Stress,
+    /// Axial strain: triaxial tests, and grains in a continuum, whose platens go at their speed.
+    Strain,
+    /// Time, s: a free scene.
+    Time,
+}
+
+impl By {
+    fn legend(self) -> &'static str {
+        match self {
+            By::Stress => "σ_{v} (MPa)",
+            By::Strain => "axial strain (%)",
+            By::Time => "time (s)",
+        }
+    }
+
+    /// A value as the legend shows it.
+    fn shown(self, value: f64) -> String {
+        significant(if self == By::Strain { 100.0 * value } else { value }, 3)
+    }
+
+    fn with_unit(self, value: f64) -> String {
+        match self {
+            By::Stress => format!("{} MPa", significant(value, 2)),
+            By::Strain => format!("{} % strain", significant(100.0 * value, 2)),
+            By::Time => format!("{} s", significant(value, 2)),
+        }
+    }
+}
+
 /// The gradation of one record.
 #[derive(Clone, Debug, PartialEq)]
 struct Gradation {
-    sigma_v_mpa: f64,
-    /// Of a triaxial test, where gradations go by strain; not a number elsewhere.
-    strain: f64,
+    by: By,
+    /// Its stress, strain or time.
+    level: f64,
+    /// Recorded while the specimen was unloaded or loaded again.
+    unloaded: bool,
     /// Size in mm and per cent passing.
     points: Vec<Point>,
 }
@@ -34,16 +70,22 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
         _ => None,
     };
     let mut heading = title(input);
-    let mut by_strain = false;
+    let mut by = By::Stress;
     if let Some(run) = one {
         let all = read(run)?;
-        by_strain = all.iter().any(|g| g.strain.is_finite());
-        let chosen = choose(&all, &asked(run, by_strain));
+        by = all.first().map_or(By::Stress, |g| g.by);
+        let chosen = choose(&all, &asked(run, by));
         series.extend(evolution(&chosen));
         heading.insert(0, run.label());
-        let left_out = loaded(&all).len() - chosen.len();
-        if left_out > 0 {
-            heading.push(format!("{left_out} more in gsd.csv"));
+        let loading = loaded(&all).len();
+        if loading > chosen.len() {
+            heading.push(format!("{} more in gsd.csv", loading - chosen.len()));
+        }
+        if run.column("platen_work_J")?.is_some() {
+            heading.push("grains only, points not counted".into());
+        }
+        if all.iter().any(|g| g.unloaded) {
+            heading.push("unloading stages not shown".into());
         }
     } else {
         for (i, group) in input.groups.iter().enumerate() {
@@ -57,7 +99,7 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
     if series.is_empty() {
         return Ok(None);
     }
-    let legend_title = (one.is_some() && simulated).then(|| if by_strain { "axial strain (%)" } else { "σ_{v} (MPa)" }.to_string());
+    let legend_title = (one.is_some() && simulated).then(|| by.legend().to_string());
     Ok(Some(Plot {
         name: "gradation".into(),
         title: heading,
@@ -70,8 +112,8 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
 }
 
 /// Stresses in MPa, or axial strains, at which the scene asked for gradations.
-fn asked(run: &Run, by_strain: bool) -> Vec<f64> {
-    run.asked.iter().map(|v| if by_strain { *v } else { v * 1e-3 }).collect()
+fn asked(run: &Run, by: By) -> Vec<f64> {
+    run.asked.iter().map(|v| if by == By::Stress { v * 1e-3 } else { *v }).collect()
 }
 
 /// The chosen gradations of one run, with their labels, in the order of stress or strain, dark to light.
@@ -89,16 +131,15 @@ fn evolution(chosen: &[(String, &Gradation)]) -> Vec<Series> {
 
 /// First (dashed) and last gradation of a group.
 fn ends(group: &Group, i: usize) -> Result<Vec<Series>> {
-    let mut reached = f64::NAN;
-    let mut first = f64::NAN;
+    let (mut reached, mut first, mut by) = (f64::NAN, f64::NAN, By::Stress);
     for run in &group.runs {
         if let (Some(a), Some(b)) = (read(run)?.first(), loaded(&read(run)?).last()) {
-            first = a.sigma_v_mpa;
-            reached = reached.max(b.sigma_v_mpa);
+            (first, by) = (a.level, a.by);
+            reached = reached.max(b.level);
         }
     }
     let tone = colour::kind(i);
-    let name = |s| format!("{}: {} MPa", group.label, significant(s, 2));
+    let name = |level| format!("{}: {}", group.label, by.with_unit(level));
     let branch = |g: Option<&Gradation>| {
         let points = g.map(|g| g.points.clone());
         points.into_iter().map(|points| Branch { stage: String::new(), points })
@@ -110,13 +151,12 @@ fn ends(group: &Group, i: usize) -> Result<Vec<Series>> {
     Ok(out)
 }
 
-/// The records of first loading: those with a larger stress (axial strain in a triaxial test) than any before.
+/// The records of first loading: those at a larger stress (strain, time) than any before.
 fn loaded(all: &[Gradation]) -> Vec<&Gradation> {
     let mut most = f64::NEG_INFINITY;
     let rising = all.iter().filter(|g| {
-        let level = if g.strain.is_finite() { g.strain } else { g.sigma_v_mpa };
-        let higher = level > most;
-        most = most.max(level);
+        let higher = g.level > most;
+        most = most.max(g.level);
         higher
     });
     rising.collect()
@@ -128,11 +168,9 @@ const NEAR: f64 = 0.05;
 
 /// First, last and every one asked for, by the value that was asked for; without any between, those that differ most.
 fn choose<'a>(all: &'a [Gradation], asked: &[f64]) -> Vec<(String, &'a Gradation)> {
-    let level = |g: &Gradation| if g.strain.is_finite() { g.strain } else { g.sigma_v_mpa };
-    let shown = |g: &Gradation, v: f64| significant(if g.strain.is_finite() { 100.0 * v } else { v }, 3);
     let rising = loaded(all);
-    let wanted = |g: &Gradation| asked.iter().copied().find(|a| (level(g) / a - 1.0).abs() < NEAR);
-    let label = |g: &Gradation| shown(g, wanted(g).unwrap_or(level(g)));
+    let wanted = |g: &Gradation| asked.iter().copied().find(|a| (g.level / a - 1.0).abs() < NEAR);
+    let label = |g: &Gradation| g.by.shown(wanted(g).unwrap_or(g.level));
     if !rising.iter().any(|g| wanted(g).is_some()) {
         return most_different(rising).into_iter().map(|g| (label(g), g)).collect();
     }
@@ -181,17 +219,29 @@ fn read(run: &Run) -> Result<Vec<Gradation>> {
     };
     let steps = table.numbers("step")?;
     let stress = table.numbers("sigma_v_kPa")?;
-    let shear = run.history.as_ref().is_some_and(|h| h.has("volumetric_strain")) && table.has("axial_strain");
-    let strain = if shear { table.numbers("axial_strain")? } else { vec![f64::NAN; stress.len()] };
+    let in_continuum = table.has("time_s");
+    let by = match run.history.as_ref() {
+        Some(h) if in_continuum && h.has("front_mm") => By::Time,
+        Some(h) if (in_continuum || h.has("volumetric_strain")) && table.has("axial_strain") => By::Strain,
+        _ => By::Stress,
+    };
+    let level = match by {
+        By::Stress => stress.iter().map(|s| s * 1e-3).collect(),
+        By::Strain => table.numbers("axial_strain")?,
+        By::Time => table.numbers("time_s")?,
+    };
+    let stages = if table.has("stage") { table.texts("stage")? } else { Vec::new() };
+    let unloaded = |i: usize| stages.get(i).is_some_and(|s| ["unload", "reload"].contains(s));
     let (size, passing) = (table.numbers("diameter_mm")?, table.numbers("passing_percent")?);
     let mut out: Vec<Gradation> = Vec::new();
     let mut last = f64::NAN;
-    let start = run.loading_step()?;
+    // grains in a continuum begin with the settling stage, and what breaks in it counts
+    let start = if in_continuum { None } else { run.loading_step()? };
     for i in 0..table.len() {
         if start.is_some_and(|s| steps[i] < s) {
             continue;
         }
-        if !(size[i] > 0.0 && passing[i].is_finite() && stress[i].is_finite()) {
+        if !(size[i] > 0.0 && passing[i].is_finite() && level[i].is_finite()) {
             continue;
         }
         let new = steps[i] != last;
@@ -199,7 +249,7 @@ fn read(run: &Run) -> Result<Vec<Gradation>> {
         let point = (size[i], passing[i]);
         match out.last_mut() {
             Some(g) if !new => g.points.push(point),
-            _ => out.push(Gradation { sigma_v_mpa: stress[i] * 1e-3, strain: strain[i], points: vec![point] }),
+            _ => out.push(Gradation { by, level: level[i], unloaded: unloaded(i), points: vec![point] }),
         }
     }
     for g in &mut out {
@@ -222,7 +272,7 @@ mod tests {
     use super::*;
 
     fn gradation(sigma: f64, at_one: f64) -> Gradation {
-        Gradation { sigma_v_mpa: sigma, strain: f64::NAN, points: vec![(0.1, 0.0), (1.0, at_one), (10.0, 100.0)] }
+        Gradation { by: By::Stress, level: sigma, unloaded: false, points: vec![(0.1, 0.0), (1.0, at_one), (10.0, 100.0)] }
     }
 
     #[test]
@@ -230,7 +280,7 @@ mod tests {
         let all: Vec<Gradation> = (0..40).map(|i| gradation(0.1 * f64::from(i + 1), 2.0 * f64::from(i))).collect();
         let chosen = most_different(loaded(&all));
         assert_eq!(chosen.len(), MOST);
-        assert_eq!((chosen[0].sigma_v_mpa, chosen[MOST - 1].sigma_v_mpa), (all[0].sigma_v_mpa, all[39].sigma_v_mpa));
+        assert_eq!((chosen[0].level, chosen[MOST - 1].level), (all[0].level, all[39].level));
         assert!(chosen.windows(2).all(|w| w[1].points[1].1 - w[0].points[1].1 > 5.0));
     }
 
@@ -239,7 +289,7 @@ mod tests {
         let mut all: Vec<Gradation> = (1..6).map(|i| gradation(f64::from(i), 20.0)).collect();
         all.push(gradation(0.5, 90.0));
         let chosen = most_different(loaded(&all));
-        let stresses: Vec<f64> = chosen.iter().map(|g| g.sigma_v_mpa).collect();
+        let stresses: Vec<f64> = chosen.iter().map(|g| g.level).collect();
         assert_eq!(stresses, [1.0, 5.0]);
         assert!(choose(&[], &[]).is_empty());
         assert_eq!(choose(&all[..1], &[]).len(), 1);
@@ -251,7 +301,7 @@ mod tests {
         let labels = |asked: &[f64]| choose(&all, asked).into_iter().map(|(label, _)| label).collect::<Vec<_>>();
         assert_eq!(labels(&[1.0, 3.0, 9.0]), ["0.005", "1", "3", "4.5"]);
         let mut sheared = all.clone();
-        sheared.iter_mut().enumerate().for_each(|(k, g)| (g.strain, g.sigma_v_mpa) = (0.0502 * k as f64, 0.3));
+        sheared.iter_mut().enumerate().for_each(|(k, g)| (g.by, g.level) = (By::Strain, 0.0502 * k as f64));
         let chosen = choose(&sheared, &[0.05, 0.1]);
         assert_eq!(chosen.iter().map(|c| c.0.as_str()).collect::<Vec<_>>(), ["0", "5", "10", "20.1"]);
     }

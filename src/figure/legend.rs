@@ -9,7 +9,7 @@ use super::text::{self, Anchor, Line};
 pub const BAND_ALPHA: f64 = 0.25;
 const SIZE: f64 = 42.0;
 const ROW: f64 = 54.0;
-const SAMPLE: f64 = 104.0;
+const SAMPLE: f64 = 128.0;
 const GAP: f64 = 20.0;
 /// Air kept between the legend and the curves or the frame.
 const AIR: f64 = 20.0;
@@ -141,14 +141,32 @@ impl Legend {
     }
 }
 
+/// Parts of a sample, from its left end, where a dash pattern is drawn: it begins with the pattern's beginning, wherever it stands on the page.
+fn drawn(dash: &[f64]) -> Vec<(f64, f64)> {
+    let (mut parts, mut at) = (Vec::new(), 0.0);
+    for pair in dash.chunks(2).cycle().take_while(|pair| pair.len() == 2 && pair[0] + pair[1] > 0.0) {
+        if at >= SAMPLE {
+            break;
+        }
+        parts.push((at, (at + pair[0]).min(SAMPLE)));
+        at += pair[0] + pair[1];
+    }
+    if dash.is_empty() { vec![(0.0, SAMPLE)] } else { parts }
+}
+
 fn sample(canvas: &mut Canvas, entry: &Entry, x: f64, y: f64) {
     let ends = [(x, y), (x + SAMPLE, y)];
+    let line = |canvas: &mut Canvas, dash: &[f64]| {
+        for (from, to) in drawn(dash) {
+            canvas.line(&[(x + from, y), (x + to, y)], entry.colour, CURVE, &[]);
+        }
+    };
     match &entry.mark {
-        Mark::Line(dash) => canvas.line(&ends, entry.colour, CURVE, dash),
+        Mark::Line(dash) => line(canvas, dash),
         Mark::Band { dash, .. } => {
             let (a, b) = ((x, y - 17.0), (x + SAMPLE, y + 17.0));
             canvas.rect(a, b, entry.colour, BAND_ALPHA);
-            canvas.line(&ends, entry.colour, CURVE, dash);
+            line(canvas, dash);
         }
         Mark::Guide => canvas.line(&ends, entry.colour, 3.0, &[]),
         Mark::Symbols(shape) => symbol(canvas, *shape, (x + SAMPLE / 2.0, y), entry.colour),
@@ -169,6 +187,13 @@ mod tests {
     fn covers(l: &Legend, at: Point, p: Point) -> bool {
         let (w, h) = l.extent();
         p.0 >= at.0 && p.0 <= at.0 + w && p.1 >= at.1 && p.1 <= at.1 + h
+    }
+
+    #[test]
+    fn a_sample_begins_with_its_dash_and_ends_in_time() {
+        assert_eq!(drawn(&[]), [(0.0, SAMPLE)]);
+        assert_eq!(drawn(&[50.0, 30.0]), [(0.0, 50.0), (80.0, SAMPLE)]);
+        assert!(drawn(&[0.0, 0.0]).is_empty());
     }
 
     #[test]

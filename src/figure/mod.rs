@@ -13,6 +13,7 @@ mod curves;
 mod data;
 mod energy;
 mod error;
+mod force_chains;
 mod gradation;
 mod group;
 mod legend;
@@ -23,6 +24,7 @@ mod point_test;
 mod posterior;
 mod run;
 mod runs_table;
+mod section;
 mod specimen;
 mod stress_path;
 mod survival;
@@ -59,6 +61,8 @@ pub fn draw_run(dir: &Path) -> Result<Vec<PathBuf>> {
     let mut files = draw_all(&input, &out)?;
     files.extend(specimen::draw(&run, &Colouring::Generation, &out)?);
     files.extend(continuum::draw_points(&run, &out)?);
+    files.extend(section::draw(&run, &out)?);
+    files.extend(force_chains::draw(&run, &out)?);
     if files.is_empty() {
         let why = "nothing to draw: no records in history.csv, gsd.csv, platen.csv, tracks.csv, specimen.csv or grains_final.csv";
         return Err(FigureError::nothing(dir, why));

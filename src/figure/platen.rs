@@ -99,19 +99,20 @@ fn force_displacement(batch: &Batch) -> Result<Option<Plot>> {
         let shown: Vec<usize> = c.clone().filter(|&k| x[k] >= from).collect();
         let points = |y: &[f64]| shown.iter().map(|&k| (x[k], y[k])).collect();
         let name = format!("grain {}, {}", grain[last], of_size(d[last]));
-        let (tone, label) = if curves.len() < CURVES {
-            (colour::kind(i), Some(of_size(d[last])))
+        let (tone, dash, label) = if curves.len() < CURVES {
+            (colour::kind(i), colour::dash(i), Some(of_size(d[last])))
         } else {
-            (colour::sequence(i as f64 / (curves.len() - 1) as f64), (i == 0).then(|| "tests".into()))
+            (colour::sequence(i as f64 / (curves.len() - 1) as f64), colour::dash(0), (i == 0).then(|| "tests".into()))
         };
-        series.push(Series { label, ..Series::line(&name, tone, &[], points(&top)) });
+        series.push(Series { label, ..Series::line(&name, tone, dash, points(&top)) });
         let label = (i == 0).then(|| "Hertz, closed form".into());
-        closed.push(Series { label, ..Series::line(&format!("{name}, Hertz"), INK, colour::dash(2), points(&hertz)) });
+        closed.push(Series { label, mark: Mark::Guide, ..Series::line(&format!("{name}, Hertz"), INK, &[], points(&hertz)) });
         if numbers.iter().position(|n| *n == grain[last]).is_some_and(|k| censored[k] == 0.0) {
             ends.0.push(x[last]);
             ends.1.push(top[last]);
         }
     }
+    // thin, on the lines of the tests
     series.extend(closed);
     series.push(symbols("breakage", INK, Shape::Diamond, ends));
     let label = "displacement of the platen (mm)";
@@ -231,7 +232,7 @@ fn survival(batch: &Batch) -> Result<Option<Plot>> {
             (a, b) => format!("d = {}–{} mm", significant(*a, 3), significant(*b, 3)),
         };
         let tone = if classes.len() < CURVES { colour::kind(i) } else { colour::sequence(i as f64 / classes.len() as f64) };
-        series.push(Series::line(&name, tone, &[], steps));
+        series.push(Series::line(&name, tone, colour::dash(i), steps));
         let points: Vec<_> = own.iter().map(|&k| (force[k], law[k])).filter(|p| p.1.is_finite()).collect();
         if !points.is_empty() {
             let label = laws.is_empty().then(|| format!("{}, spread of the law", batch.equation()));

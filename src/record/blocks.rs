@@ -1,7 +1,7 @@
 //! Records of rigid bodies that are no spheres: a row of each at every row of the history, and their surfaces in snapshots.
 
 use super::table::Row;
-use super::vtk::{self, Field};
+use super::vtk::{self, Fact, Field};
 use crate::contact::force::{dot, plus};
 use crate::error::{Error, Result};
 use crate::rigid::Blocks;
@@ -47,7 +47,7 @@ pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> 
 }
 
 /// Writes a ParaView snapshot of their surfaces.
-pub fn write_surfaces(path: &Path, step: u64, blocks: &Blocks) -> Result<()> {
+pub fn write_surfaces(path: &Path, facts: &[Fact], step: u64, blocks: &Blocks) -> Result<()> {
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());
     let names = [("block", 1), ("velocity_m_s", 3), ("spin_rad_s", 3), ("speed_m_s", 1), ("material", 1)];
     let mut values: [Vec<f64>; 5] = Default::default();
@@ -63,5 +63,5 @@ pub fn write_surfaces(path: &Path, step: u64, blocks: &Blocks) -> Result<()> {
     }
     let field = |((name, components), values)| Field { name, components, values };
     let fields: Vec<Field> = names.into_iter().zip(values).map(field).collect();
-    vtk::write_surfaces(path, &corners, &triangles, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+    vtk::write_surfaces(path, facts, &corners, &triangles, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
 }

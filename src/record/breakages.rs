@@ -1,6 +1,7 @@
-//! What is remembered of all breakages of a run: how old the broken grains were, how far above their limits, and how far the stress was from what
-//! was asked for.
+//! Rows of `breakage.csv`, and what is remembered of all breakages of a run: how old the broken grains were, how far above their limits, and how far
+//! the stress was from what was asked for.
 
+use super::table::Row;
 use crate::crush::event::Breakage;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -99,6 +100,36 @@ impl Breakages {
         }
         warnings
     }
+}
+
+/// Row of `breakage.csv` for a breakage at this step and vertical stress, Pa.
+pub fn row(b: &Breakage, step: u64, sigma_v: f64) -> Row {
+    vec![
+        ("event", b.event.into()),
+        ("step", step.into()),
+        ("sigma_v_kPa", (sigma_v * 1e-3).into()),
+        ("mother", u64::from(b.mother).into()),
+        ("generation", u64::from(b.generation).into()),
+        ("lineage", format!("{:016x}", b.lineage).as_str().into()),
+        ("age_steps", b.age.into()),
+        ("diameter_mm", (b.diameter * 1e3).into()),
+        ("force_N", b.force.into()),
+        ("limit_force_N", b.limit_force.into()),
+        ("utilisation", b.utilisation().into()),
+        ("utilisation_before", b.before.into()),
+        ("area_mm2", (b.area * 1e6).into()),
+        ("strength_MPa", (b.strength * 1e-6).into()),
+        ("axis_x", b.axis[0].into()),
+        ("axis_y", b.axis[1].into()),
+        ("axis_z", b.axis[2].into()),
+        ("x_mm", (b.position[0] * 1e3).into()),
+        ("y_mm", (b.position[1] * 1e3).into()),
+        ("z_mm", (b.position[2] * 1e3).into()),
+        ("lost_mass_g", (b.lost_mass * 1e3).into()),
+        ("smallest_daughter_mm", (b.smallest * 1e3).into()),
+        ("stored_before_J", b.stored_before.into()),
+        ("stored_after_J", b.stored_after.into()),
+    ]
 }
 
 /// Of sorted numbers; 0 without any.

@@ -1,7 +1,8 @@
 //! Records of a continuum: rows of history, what the summary remembers of them, points as files. Compression is positive.
 
+use super::gradations::At;
 use super::table::{Row, number};
-use super::vtk::{self, Field};
+use super::vtk::{self, Fact, Field};
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::model::continuum::{Continuum as Rig, Drainage, Test};
@@ -40,6 +41,9 @@ pub struct Recorder {
     pub dissipated: f64,
     /// Platen difference in the last row.
     pub difference: f64,
+    /// Axial strain and axial stress, Pa, of the last row; the largest axial stress of a row of loading.
+    now: [f64; 2],
+    pub most: f64,
     /// First and last row's axial strain and axial stress, for the modulus.
     pub first: Option<[f64; 2]>,
     pub last: [f64; 2],
@@ -153,13 +157,19 @@ impl Recorder {
         row
     }
 
+    /// Where the test was at the last row, for a gradation.
+    pub fn at(&self, rig: &Rig, state: &State) -> At {
+        let [axial_strain, sigma_v] = if rig.specimen().is_some() { self.now } else { [f64::NAN; 2] };
+        At { step: state.continuum.steps(), stage: stage(state.phase), sigma_v, axial_strain }
+    }
+
     fn remember(&mut self, rig: &Rig, phase: Phase, m: &Moment) {
         (self.dissipated, self.void_ratio, self.plastic) = (m.dissipated_share(), m.void_ratio, m.plastic[1]);
-        self.difference = m.difference;
+        (self.difference, self.now) = (m.difference, [m.axial_strain, m.axial]);
         let Some(s) = rig.specimen().filter(|_| phase != Phase::Settle) else { return };
         let now = [m.axial_strain, m.axial];
         self.first.get_or_insert(now);
-        (self.last, self.lateral) = (now, m.lateral);
+        (self.last, self.lateral, self.most) = (now, m.lateral, self.most.max(m.axial));
         let ratio = m.axial / m.lateral;
         if ratio.is_finite() && ratio > self.peak[0] {
             self.peak = [ratio, m.axial_strain, m.q()];
@@ -221,7 +231,7 @@ fn invariants(s: &[f64; 6]) -> (f64, f64) {
 type Of<'a> = (&'static str, usize, &'a dyn Fn(usize) -> Vec<f64>);
 
 /// Writes a ParaView snapshot of the points.
-pub fn write_snapshot(path: &Path, state: &State) -> Result<()> {
+pub fn write_snapshot(path: &Path, facts: &[Fact], state: &State) -> Result<()> {
     let points = state.continuum.points();
     let fields: [Of; 9] = [
         ("id", 1, &|i| vec![f64::from(points.id[i])]),
@@ -234,28 +244,40 @@ pub fn write_snapshot(path: &Path, state: &State) -> Result<()> {
         ("porosity", 1, &|i| vec![points.porosity(i)]),
         ("material", 1, &|i| vec![f64::from(points.law[i])]),
     ];
-    write_fields(path, state.continuum.steps(), &points.by_id(), &points.position, &fields)
+    write_fields(path, facts, state.continuum.steps(), &points.by_id(), &points.position, &fields)
 }
 
-/// Writes a ParaView snapshot of the grains in a continuum.
-pub fn write_grains(path: &Path, step: u64, g: &Grains) -> Result<()> {
-    let fields: [Of; 6] = [
+/// Writes a ParaView snapshot of the grains in a continuum; `stresses` are their mean stresses by index, Pa, `descent` says who is the mother and the first
+/// ancestor of a grain.
+pub fn write_grains(
+    path: &Path,
+    facts: &[Fact],
+    step: u64,
+    g: &Grains,
+    stresses: &[f64],
+    descent: impl Fn(u32) -> (Option<u32>, u32),
+) -> Result<()> {
+    let fields: [Of; 10] = [
         ("id", 1, &|i| vec![f64::from(g.id[i])]),
         ("radius_m", 1, &|i| vec![g.pos[i][3]]),
         ("velocity_m_s", 3, &|i| g.vel[i][..3].to_vec()),
         ("spin_rad_s", 3, &|i| g.spin[i][..3].to_vec()),
         ("generation", 1, &|i| vec![f64::from(g.generation[i])]),
         ("material", 1, &|i| vec![f64::from(g.material[i])]),
+        ("strength_Pa", 1, &|i| vec![g.strength[i]]),
+        ("mean_stress_Pa", 1, &|i| vec![stresses[i]]),
+        ("mother_id", 1, &|i| vec![descent(g.id[i]).0.map_or(-1.0, f64::from)]),
+        ("ancestor_id", 1, &|i| vec![f64::from(descent(g.id[i]).1)]),
     ];
-    write_fields(path, step, &g.by_id(), &g.pos, &fields)
+    write_fields(path, facts, step, &g.by_id(), &g.pos, &fields)
 }
 
-fn write_fields(path: &Path, step: u64, order: &[u32], position: &[[f64; 4]], fields: &[Of]) -> Result<()> {
+fn write_fields(path: &Path, facts: &[Fact], step: u64, order: &[u32], position: &[[f64; 4]], fields: &[Of]) -> Result<()> {
     let indices = || order.iter().map(|&i| i as usize);
     let places: Vec<[f64; 3]> = indices().map(|i| [position[i][0], position[i][1], position[i][2]]).collect();
     let field = |&(name, components, of): &Of| Field { name, components, values: indices().flat_map(of).collect() };
     let fields: Vec<Field> = fields.iter().map(field).collect();
-    vtk::write_points(path, &places, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+    vtk::write_points(path, facts, &places, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
 }
 
 /// Columns of the grains in a continuum.

@@ -1,20 +1,16 @@
-//! Records of a cylindrical specimen under test: rows of history, gradations, breakages, and what the summary remembers of them.
+//! Records of a cylindrical specimen under test: rows of history, and what the summary remembers of them.
 
 use super::breakages::Breakages;
+use super::gradations::gradation;
 use super::measure;
 use super::quasi_static::{self, Held};
 use super::table::Row;
-use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
-use crate::gradation::{Gradation, Indices, sieve_sizes};
-use crate::grains::Grains;
+use crate::gradation::{Gradation, Indices};
 use crate::model::Model;
 use crate::rig::cylinder::{Stresses, TOP, Walls, inertial_time};
 use crate::step::{State, Work};
 use serde::{Deserialize, Serialize};
-
-/// Sizes at which a gradation is written.
-const SIEVES: usize = 121;
 
 /// What the recorder carries along; part of the checkpoint.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -227,78 +223,4 @@ impl Recorder {
         }
         Ok(row)
     }
-}
-
-/// Present gradation, lost mass reconstructed (eq. 12).
-pub fn gradation(model: &Model, state: &State) -> Gradation {
-    let g = &state.grains;
-    let radii = state.aftermath.radii(g);
-    let grains = g.by_id().into_iter().map(|i| (2.0 * radii[i as usize], g.mass[i as usize]));
-    Gradation::new(grains, state.lost.iter().copied(), model.fines, model.scale)
-}
-
-/// Gradation of a specimen before loading.
-pub fn initial_gradation(model: &Model, g: &Grains) -> Gradation {
-    let grains = (0..g.len()).map(|i| (2.0 * g.pos[i][3], g.mass[i]));
-    Gradation::new(grains, std::iter::empty(), model.fines, model.scale)
-}
-
-/// Where a test stands: its stage, vertical stress, Pa, and axial strain.
-#[derive(Clone, Copy, Debug)]
-pub struct At {
-    pub stage: &'static str,
-    pub sigma_v: f64,
-    pub axial_strain: f64,
-}
-
-/// Rows of `gsd.csv` for this instant.
-pub fn gradation_rows(model: &Model, state: &State, at: &At, initial: &Gradation) -> Vec<Row> {
-    let now = gradation(model, state);
-    let sizes = sieve_sizes(model.fines.d_min / model.scale, initial.largest().unwrap_or(model.fines.d_min), SIEVES);
-    let (all, grains) = (now.curve(&sizes), now.curve_grains(&sizes));
-    sizes
-        .iter()
-        .zip(all.iter().zip(&grains))
-        .map(|(&d, (&a, &g))| -> Row {
-            vec![
-                ("step", state.step.into()),
-                ("stage", at.stage.into()),
-                ("sigma_v_kPa", (at.sigma_v * 1e-3).into()),
-                ("axial_strain", at.axial_strain.into()),
-                ("diameter_mm", (d * 1e3).into()),
-                ("passing_percent", (a * 100.0).into()),
-                ("passing_percent_grains", (g * 100.0).into()),
-            ]
-        })
-        .collect()
-}
-
-/// Row of `breakage.csv`.
-pub fn breakage_row(b: &Breakage, sigma_v: f64) -> Row {
-    vec![
-        ("event", b.event.into()),
-        ("step", b.step.into()),
-        ("sigma_v_kPa", (sigma_v * 1e-3).into()),
-        ("mother", u64::from(b.mother).into()),
-        ("generation", u64::from(b.generation).into()),
-        ("lineage", format!("{:016x}", b.lineage).as_str().into()),
-        ("age_steps", b.age.into()),
-        ("diameter_mm", (b.diameter * 1e3).into()),
-        ("force_N", b.force.into()),
-        ("limit_force_N", b.limit_force.into()),
-        ("utilisation", b.utilisation().into()),
-        ("utilisation_before", b.before.into()),
-        ("area_mm2", (b.area * 1e6).into()),
-        ("strength_MPa", (b.strength * 1e-6).into()),
-        ("axis_x", b.axis[0].into()),
-        ("axis_y", b.axis[1].into()),
-        ("axis_z", b.axis[2].into()),
-        ("x_mm", (b.position[0] * 1e3).into()),
-        ("y_mm", (b.position[1] * 1e3).into()),
-        ("z_mm", (b.position[2] * 1e3).into()),
-        ("lost_mass_g", (b.lost_mass * 1e3).into()),
-        ("smallest_daughter_mm", (b.smallest * 1e3).into()),
-        ("stored_before_J", b.stored_before.into()),
-        ("stored_after_J", b.stored_after.into()),
-    ]
 }

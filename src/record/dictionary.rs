@@ -35,8 +35,9 @@ pub const SHEETS: &[Sheet] = &[
     Sheet { files: "history.csv", of: "oedometer, triaxial", columns: SPECIMEN_HISTORY },
     Sheet { files: "history.csv", of: "assembly", columns: FREE_HISTORY },
     Sheet { files: "history.csv", of: "continuum, mixture", columns: CONTINUUM_HISTORY },
-    Sheet { files: "gsd.csv", of: "oedometer, triaxial", columns: GSD },
+    Sheet { files: "gsd.csv", of: "oedometer, triaxial, mixture", columns: GSD },
     Sheet { files: "breakage.csv", of: "oedometer, triaxial, assembly, mixture", columns: BREAKAGE },
+    Sheet { files: "contacts_*.csv", of: "oedometer, triaxial, assembly, mixture", columns: CONTACTS },
     Sheet { files: "tracks.csv", of: "assembly", columns: TRACKS },
     Sheet { files: "blocks.csv", of: "mixture", columns: BLOCKS },
     Sheet { files: "specimen.csv, grains_start.csv", of: "oedometer, triaxial, assembly, mixture", columns: SPECIMEN },
@@ -241,26 +242,53 @@ const CONTINUUM_HISTORY: &[Column] = &[
     column("total_mass_kg", "kg", "the same: mass of all there is"),
     column("released_J", "J", "the same: energy from overlaps that were let go"),
     column("lowest_grain_mm", "mm", "mixture, free scene: lowest point of a grain"),
+    column(
+        "mass_lost_kg",
+        "kg",
+        "mixture whose grains break: mass that breakages have lost so far, that of fines which became points included",
+    ),
+    column(
+        "d10_mm",
+        "mm",
+        "the same: size below which 10 % of the mass of the grains and of what they have lost (eq. 12) is, points of the scene not counted",
+    ),
+    column("d30_mm", "mm", "the same for 30 %"),
+    column("d50_mm", "mm", "the same for 50 %: the median"),
+    column("d60_mm", "mm", "the same for 60 %"),
+    column("cu", "-", "the same: uniformity, d60 / d10"),
+    column("cc", "-", "the same: curvature, d30^2 / (d10 d60)"),
+    column("hardin_br", "-", "the same: relative breakage of Hardin (1985) of the grains: 0 none"),
+    column("einav_br", "-", "the same: relative breakage of Einav (2007) of the grains: 0 none, 1 all"),
+    column("einav_beyond", "-", "the same: what their gradation is finer than the ultimate one, over the same area"),
 ];
 
 const GSD: &[Column] = &[
     column("step", "-", "step of the record"),
-    column("stage", "-", "what the test was doing: load, unload, reload, shear"),
-    column("sigma_v_kPa", "kPa", "vertical stress then"),
+    column("stage", "-", "what the test was doing: load, unload, reload, shear, in a mixture settle or load"),
+    column("sigma_v_kPa", "kPa", "vertical stress then; empty without a specimen"),
     column("axial_strain", "-", "axial strain then, compression positive"),
     column("diameter_mm", "mm", "sieve, scale taken out"),
-    column("passing_percent", "%", "mass that passes it over all mass, lost mass restored by eq. 12"),
+    column(
+        "passing_percent",
+        "%",
+        "mass that passes it over all mass of grains and of what they have lost, restored by eq. 12; points of a scene are not counted",
+    ),
     column("passing_percent_grains", "%", "the same of the grains alone"),
+    column("time_s", "s", "mixture: time then"),
 ];
 
 const BREAKAGE: &[Column] = &[
     column("event", "-", "number of the breakage, from 1"),
-    column("step", "-", "step at which it was"),
+    column("step", "-", "step at which it was; in a mixture of the continuum"),
     column("sigma_v_kPa", "kPa", "vertical stress then; empty without a specimen"),
     column("mother", "-", "number of the grain that broke"),
     column("generation", "-", "her generation: 0 a grain of the start, 1 a daughter of one, …"),
     column("lineage", "-", "her line of descent, on which her strength depends"),
-    column("age_steps", "-", "steps since her own birth; of grains of the start steps of the test"),
+    column(
+        "age_steps",
+        "-",
+        "steps since her own birth, in a mixture those of the grains; of grains of the start steps of the test",
+    ),
     column("diameter_mm", "mm", "her diameter"),
     column("force_N", "N", "normal force of the contact that broke her"),
     column("limit_force_N", "N", "force that she could bear there"),
@@ -282,6 +310,33 @@ const BREAKAGE: &[Column] = &[
     column("smallest_daughter_mm", "mm", "diameter of the smallest daughter"),
     column("stored_before_J", "J", "elastic energy of the contacts around before"),
     column("stored_after_J", "J", "the same after"),
+    column("time_s", "s", "mixture: time at the start of the cycle in which it was"),
+];
+
+const CONTACTS: &[Column] = &[
+    column("a", "-", "number of the grain that is the first body"),
+    column("kind_b", "-", "what the second body is: grain, wall, or point (of a continuum)"),
+    column(
+        "b",
+        "-",
+        "number of that grain or point, or name of the wall: bottom, top, cylinder, x_low, …; in a free scene wall_0, wall_1, …",
+    ),
+    column("x_m", "m", "point of contact: the middle of the overlap, on a wall its surface"),
+    column("y_m", "m", "the same"),
+    column("z_m", "m", "the same"),
+    column("a_x_m", "m", "centre of the first body"),
+    column("a_y_m", "m", "the same"),
+    column("a_z_m", "m", "the same"),
+    column("b_x_m", "m", "centre of the second body; of a wall the point of contact"),
+    column("b_y_m", "m", "the same"),
+    column("b_z_m", "m", "the same"),
+    column("normal_x_N", "N", "normal force on the first body"),
+    column("normal_y_N", "N", "the same"),
+    column("normal_z_N", "N", "the same"),
+    column("tangential_x_N", "N", "tangential force on the first body"),
+    column("tangential_y_N", "N", "the same"),
+    column("tangential_z_N", "N", "the same"),
+    column("overlap_m", "m", "overlap"),
 ];
 
 const TRACKS: &[Column] = &[

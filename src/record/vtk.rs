@@ -1,5 +1,5 @@
 //! ParaView snapshots: one `.vtp` (VTK XML PolyData, one vertex per grain, arrays appended as raw little-endian
-//! binary) per instant, and one `.pvd` that lists them against stress or time.
+//! binary) per instant with what is known of it as field data, and one `.pvd` that lists them by number or time.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -15,6 +15,9 @@ pub enum VtkError {
     #[error("{path}: {source}")]
     Io { path: String, source: io::Error },
 }
+
+/// What is known of the instant of a snapshot: name with its unit, value. What is not finite is left out.
+pub type Fact = (&'static str, f64);
 
 /// The grains of one snapshot, one entry a grain in every array.
 #[derive(Clone, Debug, Default)]
@@ -33,6 +36,11 @@ pub struct SnapshotData {
     pub velocity: Vec<[f64; 3]>,
     /// Persistent grain number.
     pub id: Vec<u64>,
+    /// Mean stress from the contact forces over the grain's volume, Pa, compression positive.
+    pub mean_stress: Vec<f64>,
+    /// Number of the mother, -1 of an initial grain, and of the initial grain that it comes from.
+    pub mother: Vec<i64>,
+    pub ancestor: Vec<i64>,
 }
 
 impl SnapshotData {
@@ -54,6 +62,9 @@ impl SnapshotData {
             ("force", self.force.len()),
             ("velocity", self.velocity.len()),
             ("id", self.id.len()),
+            ("mean_stress_Pa", self.mean_stress.len()),
+            ("mother_id", self.mother.len()),
+            ("ancestor_id", self.ancestor.len()),
         ] {
             if have != want {
                 let path = path.display().to_string();
@@ -65,11 +76,11 @@ impl SnapshotData {
 }
 
 /// Writes one snapshot as `.vtp` with the point data `radius` (m), `generation`, `strength` (Pa), `force` (N),
-/// `velocity` (m/s, 3 components) and `id`.
-pub fn write_snapshot(path: &Path, points: &SnapshotData) -> Result<(), VtkError> {
+/// `velocity` (m/s, 3 components), `id`, `mean_stress_Pa`, `mother_id` and `ancestor_id`.
+pub fn write_snapshot(path: &Path, facts: &[Fact], points: &SnapshotData) -> Result<(), VtkError> {
     points.check(path)?;
     let n = points.len();
-    let (xml, arrays) = document(points, n);
+    let (xml, arrays) = document(facts, points, n);
     arrays.write(path, &xml)
 }
 
@@ -92,11 +103,11 @@ fn check_fields(path: &Path, fields: &[Field], n: usize) -> Result<(), VtkError>
 }
 
 /// Writes points with these fields as `.vtp`.
-pub fn write_points(path: &Path, position: &[[f64; 3]], fields: &[Field]) -> Result<(), VtkError> {
+pub fn write_points(path: &Path, facts: &[Fact], position: &[[f64; 3]], fields: &[Field]) -> Result<(), VtkError> {
     let n = position.len();
     check_fields(path, fields, n)?;
     let mut arrays = Arrays::default();
-    let mut xml = head(n, n, 0) + "<PointData>\n";
+    let mut xml = head(facts, n, n, 0) + "<PointData>\n";
     for field in fields {
         xml += &arrays.add("Float64", field.name, field.components, bytes(&field.values));
     }
@@ -106,11 +117,17 @@ pub fn write_points(path: &Path, position: &[[f64; 3]], fields: &[Field]) -> Res
 }
 
 /// Writes triangles with these fields, each a value or vector of a triangle, as `.vtp`.
-pub fn write_surfaces(path: &Path, corners: &[[f64; 3]], triangles: &[[u32; 3]], fields: &[Field]) -> Result<(), VtkError> {
+pub fn write_surfaces(
+    path: &Path,
+    facts: &[Fact],
+    corners: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    fields: &[Field],
+) -> Result<(), VtkError> {
     let n = triangles.len();
     check_fields(path, fields, n)?;
     let mut arrays = Arrays::default();
-    let mut xml = head(corners.len(), 0, n) + "<CellData>\n";
+    let mut xml = head(facts, corners.len(), 0, n) + "<CellData>\n";
     for field in fields {
         xml += &arrays.add("Float64", field.name, field.components, bytes(&field.values));
     }
@@ -124,8 +141,8 @@ pub fn write_surfaces(path: &Path, corners: &[[f64; 3]], triangles: &[[u32; 3]],
     arrays.write(path, &xml)
 }
 
-/// Writes a `.pvd` collection: for each snapshot its value on the time axis (stress in kPa, or seconds) and its file
-/// name relative to the collection.
+/// Writes a `.pvd` collection: for each snapshot its value on the time axis, which increases (its number from 0, or
+/// seconds), and its file name relative to the collection.
 pub fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Result<(), VtkError> {
     let mut xml = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\" \
@@ -185,24 +202,33 @@ impl Arrays {
     }
 }
 
-fn head(points: usize, vertices: usize, triangles: usize) -> String {
+fn head(facts: &[Fact], points: usize, vertices: usize, triangles: usize) -> String {
+    let one = |(name, value): &Fact| {
+        format!("<DataArray type=\"Float64\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">{value:?}</DataArray>\n")
+    };
+    let known: String = facts.iter().filter(|(_, value)| value.is_finite()).map(one).collect();
+    let known = if known.is_empty() { known } else { format!("<FieldData>\n{known}</FieldData>\n") };
     format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
-         header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfLines=\"0\" \
+         header_type=\"UInt64\">\n<PolyData>\n{known}<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfLines=\"0\" \
          NumberOfStrips=\"0\" NumberOfPolys=\"{triangles}\">\n"
     )
 }
 
 /// The XML up to the start of the appended bytes, and the arrays.
-fn document(points: &SnapshotData, n: usize) -> (String, Arrays) {
+fn document(facts: &[Fact], points: &SnapshotData, n: usize) -> (String, Arrays) {
     let mut arrays = Arrays::default();
-    let mut xml = head(n, n, 0) + "<PointData Scalars=\"generation\" Vectors=\"velocity\">\n";
+    let mut xml = head(facts, n, n, 0) + "<PointData Scalars=\"generation\" Vectors=\"velocity\">\n";
     xml += &arrays.add("Float64", "radius", 1, bytes(&points.radius));
     xml += &arrays.add("UInt32", "generation", 1, points.generation.iter().flat_map(|v| v.to_le_bytes()).collect());
     xml += &arrays.add("Float64", "strength", 1, bytes(&points.strength));
     xml += &arrays.add("Float64", "force", 1, bytes(&points.force));
     xml += &arrays.add("Float64", "velocity", 3, bytes(points.velocity.as_flattened()));
     xml += &arrays.add("UInt64", "id", 1, points.id.iter().flat_map(|v| v.to_le_bytes()).collect());
+    xml += &arrays.add("Float64", "mean_stress_Pa", 1, bytes(&points.mean_stress));
+    for (name, numbers) in [("mother_id", &points.mother), ("ancestor_id", &points.ancestor)] {
+        xml += &arrays.add("Int64", name, 1, numbers.iter().flat_map(|v| v.to_le_bytes()).collect());
+    }
     xml += "</PointData>\n";
     xml += &arrays.tail(&points.position);
     (xml, arrays)
@@ -221,7 +247,7 @@ fn escape(text: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     fn two_grains() -> SnapshotData {
@@ -233,11 +259,14 @@ mod tests {
             force: vec![10.0, 0.0],
             velocity: vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
             id: vec![7, u64::from(u32::MAX) + 5],
+            mean_stress: vec![2e5, 0.0],
+            mother: vec![-1, 7],
+            ancestor: vec![7, 7],
         }
     }
 
     /// Finds the array by its name in the XML and reads its bytes at the stated offset.
-    fn array(file: &[u8], name: &str) -> Vec<u8> {
+    pub fn array(file: &[u8], name: &str) -> Vec<u8> {
         let text = String::from_utf8_lossy(file);
         let tag = text.split("<DataArray ").find(|t| t.contains(&format!("Name=\"{name}\""))).expect("array is declared");
         let offset = tag.split("offset=\"").nth(1).and_then(|t| t.split('"').next());
@@ -249,7 +278,7 @@ mod tests {
         file[at + 8..at + 8 + n].to_vec()
     }
 
-    fn numbers(bytes: &[u8]) -> Vec<f64> {
+    pub fn numbers(bytes: &[u8]) -> Vec<f64> {
         let (chunks, rest) = bytes.as_chunks::<8>();
         assert!(rest.is_empty());
         chunks.iter().map(|c| f64::from_le_bytes(*c)).collect()
@@ -259,8 +288,12 @@ mod tests {
     fn every_array_is_found_at_its_stated_offset() {
         let dir = tempfile::tempdir().expect("folder");
         let path = dir.path().join("a.vtp");
-        write_snapshot(&path, &two_grains()).expect("written");
+        write_snapshot(&path, &[("sigma_v_kPa", 12.5), ("axial_strain", f64::NAN)], &two_grains()).expect("written");
         let file = std::fs::read(&path).expect("read");
+        let text = String::from_utf8_lossy(&file);
+        assert!(text.contains("Name=\"sigma_v_kPa\" NumberOfTuples=\"1\" format=\"ascii\">12.5<") && !text.contains("NaN"));
+        assert_eq!(numbers(&array(&file, "mean_stress_Pa")), [2e5, 0.0]);
+        assert_eq!(array(&file, "mother_id")[..8], (-1i64).to_le_bytes());
         assert_eq!(numbers(&array(&file, "radius")), [0.5, 0.25]);
         assert_eq!(numbers(&array(&file, "Points")), [0.1, 0.2, 0.3, -1.0, -2.0, -3.0]);
         assert_eq!(numbers(&array(&file, "velocity")), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
@@ -274,7 +307,7 @@ mod tests {
     fn unequal_arrays_are_refused_by_name() {
         let mut data = two_grains();
         data.force.pop();
-        let error = write_snapshot(Path::new("unused.vtp"), &data).expect_err("refused");
+        let error = write_snapshot(Path::new("unused.vtp"), &[], &data).expect_err("refused");
         assert_eq!(error.to_string(), "unused.vtp: snapshot array force has 1 values, 2 expected");
     }
 

@@ -7,12 +7,16 @@ use super::progress_bar::Bar;
 use super::{LOOK, Outcome, files, stop_asked, watch};
 use crate::error::{Error, Result};
 use crate::figure;
-use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
+use crate::model::{Model, WallShape};
 use crate::mpm::law::Law;
+use crate::mpm::{Dimension, Platen};
 use crate::record::continuum::{self as records, END, GRAINS_START, Recorder, START};
+use crate::record::crushed::Crushed;
 use crate::record::table::Table;
-use crate::record::{blocks, checkpoint, specimen, vtk};
+use crate::record::vtk::{self, Fact};
+use crate::record::walls::Loaded;
+use crate::record::{blocks, checkpoint, contacts, specimen};
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -31,6 +35,8 @@ struct Progress {
     history: Table,
     /// Of rigid bodies; without them there is no file.
     blocks: Table,
+    /// Of grains that break.
+    crushed: Crushed,
     /// Time, s, and file of each snapshot.
     snapshots: Vec<(f64, String)>,
     seconds: f64,
@@ -52,9 +58,9 @@ pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     let (mut state, mut used) = (State::start(model, rig)?, Used::default());
     let engine = used.engine(chosen, &mut state, model, rig)?;
     let (history, blocks) = (Table::new("history.csv"), Table::new(blocks::TRACKS));
-    let (recorder, snapshots) = (Recorder::default(), Vec::new());
-    let progress =
-        Progress { state, growing: None, grown: None, used, recorder, history, blocks, snapshots, seconds: 0.0, user_seconds: 0.0 };
+    let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
+    let (growing, grown, [seconds, user_seconds]) = (None, None, [0.0; 2]);
+    let progress = Progress { state, growing, grown, used, recorder, history, blocks, crushed, snapshots, seconds, user_seconds };
     Ok(Begun { progress, engine })
 }
 
@@ -186,6 +192,7 @@ pub fn resume(
 
 fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let Begun { mut progress, mut engine } = begun;
+    progress.crushed.open(model, rig);
     let mut beside = Beside::new(model, out, quiet, stop_after, &progress);
     let before = progress.grown.as_ref().map_or(0, |g| g.steps);
     loop {
@@ -215,22 +222,28 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
 impl Progress {
     /// To the next look, with its records. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &Rig, engine: &mut Engine, out: &Path) -> Result<bool> {
-        let Progress { state, recorder, history, blocks, snapshots, .. } = self;
-        state.advance(model, rig, engine, |state, engine| {
+        let Progress { state, recorder, history, blocks, crushed, snapshots, .. } = self;
+        let advanced = state.advance(model, rig, engine, |state, engine| {
             let due = recorder.due(rig, state);
             if due.row {
                 engine.read_back(state, model)?;
-                history.push(out, &recorder.row(rig, state))?;
+                let mut row = recorder.row(rig, state);
+                row.extend(crushed.columns(model, state)?);
+                history.push(out, &row)?;
                 watch::continuum(rig, state, recorder)?;
                 if let Some(theirs) = state.blocks() {
                     blocks::rows(theirs, state.continuum.steps(), state.time).try_for_each(|row| blocks.push(out, &row))?;
                 }
             }
-            if due.frame && model.records.snapshots {
-                snapshot(out, state, snapshots)?;
+            if due.frame {
+                crushed.gradation(out, model, state, &recorder.at(rig, state))?;
+                instant(out, model, state, &facts(rig, state, recorder), crushed, snapshots)?;
             }
             Ok(recorder.next(rig, state))
-        })?;
+        });
+        // what broke before an error is recorded as well
+        crushed.breakages(out, state)?;
+        advanced?;
         let done = state.phase == Phase::Done;
         let steps = state.continuum.steps();
         if let Some(mixture) = state.mixture.as_ref().filter(|_| done || steps.is_multiple_of(LOOK)) {
@@ -241,6 +254,7 @@ impl Progress {
 
     fn flush(&mut self, out: &Path) -> Result<()> {
         self.blocks.flush(out)?;
+        self.crushed.flush(out)?;
         self.history.flush(out)
     }
 
@@ -261,23 +275,74 @@ fn leave(model: &Model, rig: &Rig, state: &State, out: &Path) -> Result<()> {
     records::write_points(&out.join(END), rig, state.continuum.points(), Some(&rig.points))
 }
 
-fn snapshot(out: &Path, state: &State, snapshots: &mut Vec<(f64, String)>) -> Result<()> {
+/// What a snapshot says of its instant.
+fn facts(rig: &Rig, state: &State, recorder: &Recorder) -> Vec<Fact> {
+    let mut facts = vec![("step", state.continuum.steps() as f64), ("time_s", state.time)];
+    if rig.specimen().is_some() {
+        let at = recorder.at(rig, state);
+        facts.extend([("sigma_v_kPa", 1e-3 * at.sigma_v), ("axial_strain", at.axial_strain)]);
+    }
+    facts
+}
+
+/// Snapshots of points, grains, rigid bodies and walls, and contacts of grains, as far as the scene asks for them.
+fn instant(
+    out: &Path,
+    model: &Model,
+    state: &State,
+    facts: &[Fact],
+    crushed: &Crushed,
+    snapshots: &mut Vec<(f64, String)>,
+) -> Result<()> {
+    if !(model.records.snapshots || model.records.contacts) {
+        return Ok(());
+    }
     let dir = out.join(files::SNAPSHOTS);
     std::fs::create_dir_all(&dir).map_err(Error::write(&dir))?;
     let step = state.continuum.steps();
-    let name = format!("{}/step_{step:08}.vtp", files::SNAPSHOTS);
-    records::write_snapshot(&out.join(&name), state)?;
-    snapshots.push((state.time, name));
-    if let Some(mixture) = &state.mixture {
-        let name = format!("{}/grains_{step:08}.vtp", files::SNAPSHOTS);
-        records::write_grains(&out.join(name), step, &mixture.grains.grains)?;
+    let touching = state.mixture.as_ref().map_or(Vec::new(), |m| contacts::of_mixture(m, &state.continuum));
+    if let Some(mixture) = state.mixture.as_ref().filter(|_| model.records.contacts) {
+        let names = contacts::names(&mixture.grains.walls, !state.platens.is_empty());
+        contacts::write(&dir.join(format!("contacts_{step:08}.csv")), facts, &mixture.grains.grains, &names, &touching)?;
     }
-    if let Some(theirs) = state.blocks() {
-        let name = format!("{}/blocks_{step:08}.vtp", files::SNAPSHOTS);
-        blocks::write_surfaces(&out.join(name), step, theirs)?;
+    if !model.records.snapshots {
+        return Ok(());
     }
     let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
-    vtk::write_collection(&out.join(files::COLLECTION), snapshots).map_err(failed)
+    let name = format!("{}/step_{step:08}.vtp", files::SNAPSHOTS);
+    records::write_snapshot(&out.join(&name), facts, state)?;
+    snapshots.push((state.time, name));
+    vtk::write_collection(&out.join(files::COLLECTION), snapshots).map_err(failed)?;
+    if let Some(mixture) = &state.mixture {
+        let grains = &mixture.grains.grains;
+        let stresses = contacts::mean_stresses(grains, &touching);
+        let descent = |id| crushed.descent(model, grains, id);
+        records::write_grains(&dir.join(format!("grains_{step:08}.vtp")), facts, step, grains, &stresses, descent)?;
+        vtk::write_collection(&out.join(files::GRAINS), &files::beside(snapshots, "grains_")).map_err(failed)?;
+    }
+    if let Some(theirs) = state.blocks() {
+        blocks::write_surfaces(&dir.join(format!("blocks_{step:08}.vtp")), facts, step, theirs)?;
+    }
+    let loaded = walls(state);
+    let bodies = state.continuum.points().position.iter().map(|p| [p[0], p[1], p[2], 0.0]);
+    let bodies = bodies.chain(state.mixture.iter().flat_map(|m| m.grains.grains.pos.iter().copied()));
+    files::write_walls(out, step, bodies, &loaded, facts, snapshots)
+}
+
+/// Platens and shells of a test, or the walls of a free scene with grains; none in plane strain, where they are lines.
+fn walls(state: &State) -> Vec<Loaded> {
+    if state.continuum.settings().dimension == Dimension::PlaneStrain {
+        return Vec::new();
+    }
+    let platen = |p: &Platen| {
+        let plane = WallShape::Plane { point: p.point, normal: p.normal };
+        let shell = |radius| WallShape::Cylinder { centre: [p.point[0], p.point[1]], radius };
+        (p.radius.map_or(plane, shell), p.force())
+    };
+    match &state.mixture {
+        Some(mixture) if state.platens.is_empty() => mixture.grains.walls.iter().map(|w| (w.shape, w.reaction)).collect(),
+        _ => state.platens.iter().map(platen).collect(),
+    }
 }
 
 fn describe(rig: &Rig, state: &State) -> (f64, String) {
@@ -335,7 +400,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         Test::Oedometer(specimen) => {
             put("test", json!("oedometer"));
             put("axial_strain", json!(r.last[0]));
-            put("max_measured_stress_kPa", json!(1e-3 * r.last[1]));
+            put("max_measured_stress_kPa", json!(1e-3 * r.most));
             put("k0_final", json!(r.lateral / r.last[1]));
             // of an elastic specimen: σ = M ln(1/(1 − ε)) with the rate's true strain
             let true_strain = (1.0 / (1.0 - r.last[0])).ln();
@@ -370,6 +435,9 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         }
         if model.crush.is_some() {
             put("crush_events", json!(mixture.grains.crush_events));
+            for (key, value) in progress.crushed.summary(model, state) {
+                put(&key, value);
+            }
         }
         if let Some(fines) = &mixture.fines {
             put("fines_points", json!(fines.points));

@@ -5,10 +5,12 @@ use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::gradation::Gradation;
 use crate::model::{Assembly, Model};
-use crate::record::breakages::OFF;
-use crate::record::cylinder::{self as records, Due, Moment, Recorder};
+use crate::record::breakages::{self, OFF};
+use crate::record::cylinder::{Due, Moment, Recorder};
+use crate::record::gradations::{self, At};
 use crate::record::table::Table;
-use crate::record::{assembly as assembly_records, checkpoint, measure, specimen, vtk};
+use crate::record::vtk::{self, Fact};
+use crate::record::{ancestors::Ancestors, assembly as assembly_records, checkpoint, contacts, measure, specimen, walls};
 use crate::rig::cylinder::{Stresses, Walls};
 use crate::step::{State, Work};
 use serde::{Deserialize, Serialize};
@@ -19,15 +21,20 @@ pub const SUMMARY: &str = "summary.json";
 /// The grains at the end.
 pub const GRAINS_FINAL: &str = "grains_final.csv";
 pub const SNAPSHOTS: &str = "snapshots";
+/// Lists of snapshots for ParaView: of grains or points, of walls, and of grains in a continuum.
 pub const COLLECTION: &str = "snapshots.pvd";
+pub const WALLS: &str = "walls.pvd";
+pub const GRAINS: &str = "grains.pvd";
 /// What a run leaves that failed before its test began: why, and its scene. A folder that holds nothing else is free.
 pub const FAILED: &str = "failed.scene.toml";
 /// What a run leaves: these are removed by `--force`, and nothing else.
-const OURS: [&str; 21] = [
+const OURS: [&str; 23] = [
     FAILED,
     SPECIMEN,
     SUMMARY,
     COLLECTION,
+    WALLS,
+    GRAINS,
     "history.csv",
     "gsd.csv",
     "breakage.csv",
@@ -106,8 +113,9 @@ pub struct Files {
     breakage: Table,
     tracks: Table,
     pub recorder: Recorder,
-    /// Snapshots written: stress, kPa, or time, s, and file name.
+    /// Snapshots written: number from 0, or time, s, of a free scene, and file name.
     snapshots: Vec<(f64, String)>,
+    ancestors: Ancestors,
     /// Gradation before loading; read again from the specimen when a run is resumed.
     #[serde(skip)]
     pub initial: Option<Gradation>,
@@ -122,6 +130,7 @@ impl Default for Files {
             tracks: Table::new("tracks.csv"),
             recorder: Recorder::default(),
             snapshots: Vec::new(),
+            ancestors: Ancestors::default(),
             initial: None,
         }
     }
@@ -133,7 +142,7 @@ impl Files {
         if specimen {
             let (grains, _) = specimen::read(&out.join(SPECIMEN), &model.materials)?;
             self.recorder.mass = grains.mass_and_volume().0;
-            self.initial = Some(records::initial_gradation(model, &grains));
+            self.initial = Some(gradations::initial(model, &grains));
         }
         Ok(())
     }
@@ -154,13 +163,13 @@ impl Files {
         self.history.push(out, &row)?;
         if due == Due::Full || self.ends_below_least(model) {
             let sigma_v = Stresses::of(state).vertical();
-            let at = records::At { stage, sigma_v, axial_strain: self.recorder.at_end.axial_strain };
-            for row in records::gradation_rows(model, state, &at, initial) {
+            let at = At { step: state.step, stage, sigma_v, axial_strain: self.recorder.at_end.axial_strain };
+            for row in gradations::rows(model, &gradations::gradation(model, state), &at, initial) {
                 self.gsd.push(out, &row)?;
             }
-            if model.records.snapshots {
-                self.snapshot(out, state, work, sigma_v * 1e-3)?;
-            }
+            let facts =
+                [("step", state.step as f64), ("sigma_v_kPa", 1e-3 * sigma_v), ("axial_strain", self.recorder.at_end.axial_strain)];
+            self.instant(out, model, state, work, self.snapshots.len() as f64, &facts)?;
         }
         if model.records.energy && !self.recorder.energy_error.is_finite() {
             return Err(Error::Unstable { step: state.step, what: "the energy ledger is not a number".into(), grain: None });
@@ -190,8 +199,8 @@ impl Files {
         for row in assembly_records::track_rows(model, rig, state, work) {
             self.tracks.push(out, &row)?;
         }
-        if model.records.snapshots && (last || state.step == 0) {
-            self.snapshot(out, state, work, state.time)?;
+        if last || state.step == 0 {
+            self.instant(out, model, state, work, state.time, &[("step", state.step as f64), ("time_s", state.time)])?;
         }
         Ok(())
     }
@@ -205,19 +214,50 @@ impl Files {
         let off = target.is_some_and(|target| (sigma_v / target - 1.0).abs() > OFF);
         for b in breakages {
             self.recorder.broken.add(b, off);
-            self.breakage.push(out, &records::breakage_row(b, sigma_v))?;
+            self.ancestors.add(b);
+            self.breakage.push(out, &breakages::row(b, b.step, sigma_v))?;
         }
         Ok(())
     }
 
-    fn snapshot(&mut self, out: &Path, state: &State, work: &Work, at: f64) -> Result<()> {
+    /// Snapshots of grains and walls, and contacts, as far as the scene asks for them; `at` is the value on the time axis.
+    fn instant(&mut self, out: &Path, model: &Model, state: &State, work: &Work, at: f64, facts: &[Fact]) -> Result<()> {
+        if !(model.records.snapshots || model.records.contacts) {
+            return Ok(());
+        }
         let dir = out.join(SNAPSHOTS);
         std::fs::create_dir_all(&dir).map_err(Error::write(&dir))?;
+        let touching = contacts::of_grains(state);
+        if model.records.contacts {
+            let names = contacts::names(&state.walls, model.rig.specimen().is_some());
+            let path = dir.join(format!("contacts_{:08}.csv", state.step));
+            contacts::write(&path, facts, &state.grains, &names, &touching)?;
+        }
+        if model.records.snapshots {
+            self.snapshot(out, model, state, work, &contacts::mean_stresses(&state.grains, &touching), at, facts)?;
+        }
+        Ok(())
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn snapshot(
+        &mut self,
+        out: &Path,
+        model: &Model,
+        state: &State,
+        work: &Work,
+        stresses: &[f64],
+        at: f64,
+        facts: &[Fact],
+    ) -> Result<()> {
         let name = format!("{SNAPSHOTS}/step_{:08}.vtp", state.step);
         let g = &state.grains;
         let order = g.by_id();
         let forces = measure::largest_forces(state, work);
         let pick = |f: &dyn Fn(usize) -> f64| order.iter().map(|&i| f(i as usize)).collect::<Vec<f64>>();
+        let daughters = model.crush.as_ref().map_or(1, |c| c.pattern.count());
+        let descent = order.iter().map(|&i| self.ancestors.of(g.id[i as usize], g.next_id, daughters));
+        let (mother, ancestor) = descent.map(|(m, a)| (m.map_or(-1, i64::from), i64::from(a))).unzip();
         let data = vtk::SnapshotData {
             position: order.iter().map(|&i| [g.pos[i as usize][0], g.pos[i as usize][1], g.pos[i as usize][2]]).collect(),
             radius: pick(&|i| g.pos[i][3]),
@@ -226,11 +266,16 @@ impl Files {
             force: pick(&|i| forces[i]),
             velocity: order.iter().map(|&i| [g.vel[i as usize][0], g.vel[i as usize][1], g.vel[i as usize][2]]).collect(),
             id: order.iter().map(|&i| u64::from(g.id[i as usize])).collect(),
+            mean_stress: pick(&|i| stresses[i]),
+            mother,
+            ancestor,
         };
         let failed = |e: vtk::VtkError| Error::Failed { step: state.step, what: e.to_string() };
-        vtk::write_snapshot(&out.join(&name), &data).map_err(failed)?;
+        vtk::write_snapshot(&out.join(&name), facts, &data).map_err(failed)?;
         self.snapshots.push((at, name));
-        vtk::write_collection(&out.join(COLLECTION), &self.snapshots).map_err(failed)
+        vtk::write_collection(&out.join(COLLECTION), &self.snapshots).map_err(failed)?;
+        let loaded: Vec<walls::Loaded> = state.walls.iter().map(|w| (w.shape, w.reaction)).collect();
+        write_walls(out, state.step, g.pos.iter().copied(), &loaded, facts, &self.snapshots)
     }
 
     pub fn flush(&mut self, out: &Path) -> Result<()> {
@@ -239,6 +284,29 @@ impl Files {
         }
         Ok(())
     }
+}
+
+/// Writes the walls of a snapshot, where there are some, and the list of these files, which stand beside those of `snapshots`.
+pub fn write_walls(
+    out: &Path,
+    step: u64,
+    bodies: impl Iterator<Item = [f64; 4]>,
+    loaded: &[walls::Loaded],
+    facts: &[Fact],
+    snapshots: &[(f64, String)],
+) -> Result<()> {
+    if loaded.is_empty() {
+        return Ok(());
+    }
+    let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
+    let path = out.join(format!("{SNAPSHOTS}/walls_{step:08}.vtp"));
+    walls::write(&path, facts, loaded, walls::space(bodies, loaded)).map_err(failed)?;
+    vtk::write_collection(&out.join(WALLS), &beside(snapshots, "walls_")).map_err(failed)
+}
+
+/// The list of files of another kind beside snapshots.
+pub fn beside(snapshots: &[(f64, String)], kind: &str) -> Vec<(f64, String)> {
+    snapshots.iter().map(|(at, name)| (*at, name.replace("step_", kind))).collect()
 }
 
 /// Writes the last grains of a run.

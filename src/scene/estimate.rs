@@ -54,6 +54,7 @@ pub fn estimate(model: &Model) -> Estimate {
     let mut estimate = without_strength(model);
     estimate.crushing_stress = super::crushing_estimate::crushing_stress(model);
     estimate.warnings.extend(estimate.crushing_stress.as_ref().and_then(|s| s.warning()));
+    estimate.warnings.extend(super::breakable::none_breaks(model));
     estimate
 }
 

@@ -568,6 +568,12 @@ pub const KEYS: &[Key] = &[
     continuum("records.rows", Integer { low: 1, high: 100_000 }, Is("200"), "rows of history over the run"),
     continuum("records.frames", Integer { low: 1, high: 10_000 }, Is("5"), "snapshots over the run, besides the first"),
     states("records.snapshots", Flag, Is("true"), "whether ParaView snapshots are written"),
+    both(
+        "records.contacts",
+        Flag,
+        Is("false"),
+        "whether every contact of grains (bodies, place, forces, overlap) is written as snapshots/contacts_*.csv at the instants of snapshots; from these the figure of force chains is drawn",
+    ),
     every("records.figures", Flag, Is("true"), "whether figures are drawn"),
     states("records.checkpoint_seconds", Number(POSITIVE), Is("60.0"), "seconds of wall-clock time between checkpoints"),
     oedometer("calibrate.key", Text, Required, "key that `comminute calibrate curve` finds; no run looks at this table"),

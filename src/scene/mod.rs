@@ -4,6 +4,7 @@
 mod assembly;
 mod blocks;
 mod bodies;
+mod breakable;
 mod calibrate;
 mod continuum;
 mod continuum_estimate;

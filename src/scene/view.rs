@@ -223,6 +223,7 @@ impl<'a> View<'a> {
             end_below_least: self.flag("records.end_below_least_void_ratio"),
             energy: self.flag("records.energy"),
             snapshots: self.flag("records.snapshots"),
+            contacts: self.flag("records.contacts"),
             figures: self.flag("records.figures"),
             checkpoint_seconds: self.number("records.checkpoint_seconds").unwrap_or(60.0),
         })

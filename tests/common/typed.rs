@@ -56,11 +56,30 @@ fn place(header: &StringRecord, name: &str) -> usize {
     header.iter().position(|h| h == name).unwrap_or_else(|| panic!("{name}"))
 }
 
+/// Some columns of a table of numbers that a run has left; an empty cell is not a number.
+pub fn numbers<const N: usize>(path: &Path, names: [&str; N]) -> Vec<[f64; N]> {
+    let (header, rows) = table(path);
+    let at = names.map(|name| place(&header, name));
+    rows.iter().map(|row| at.map(|k| row[k].parse().unwrap_or(f64::NAN))).collect()
+}
+
 /// Whether two runs have left the same bytes.
 #[track_caller]
 pub fn same_files(a: &Path, b: &Path) {
-    for file in ["history.csv", "points_final.csv", "points_start.csv"] {
-        let bytes = |dir: &Path| std::fs::read(dir.join(file)).expect(file);
-        assert!(bytes(a) == bytes(b), "{file} differs");
+    for file in ["history.csv", "points_final.csv", "points_start.csv", "breakage.csv", "gsd.csv"] {
+        let bytes = |dir: &Path| std::fs::read(dir.join(file)).ok();
+        let breaks = ["breakage.csv", "gsd.csv"].contains(&file);
+        assert!(bytes(a) == bytes(b) && (breaks || bytes(a).is_some()), "{file} differs");
     }
+}
+
+/// An array of a snapshot for ParaView, by name: numbers of eight bytes.
+pub fn array(file: &[u8], name: &str) -> Vec<[u8; 8]> {
+    let text = String::from_utf8_lossy(file);
+    let tag = text.split("<DataArray ").find(|tag| tag.contains(&format!("Name=\"{name}\""))).expect(name);
+    let offset: usize = tag.split("offset=\"").nth(1).and_then(|t| t.split('"').next()).expect("offset").parse().expect("number");
+    let mark = b"encoding=\"raw\">\n_";
+    let start = file.windows(mark.len()).position(|w| w == mark).expect("mark") + mark.len() + offset;
+    let count = u64::from_le_bytes(file[start..start + 8].try_into().expect("8 bytes")) as usize;
+    file[start + 8..start + 8 + count].as_chunks::<8>().0.to_vec()
 }

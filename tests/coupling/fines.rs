@@ -1,7 +1,7 @@
 //! Fines from crushing that become points.
 
 use crate::common::model;
-use crate::common::typed::{columns, comminute, number, run, same_files, summary};
+use crate::common::typed::{columns, comminute, numbers, run, same_files, summary};
 use comminute::model::{Model, Rig};
 use comminute::rig::continuum::{Coupled, Engine, State};
 
@@ -172,10 +172,22 @@ fn fines_enter_an_oedometer_and_resume_to_the_byte() {
     assert!(rows.iter().all(|r| (r[4] / first[4] - 1.0).abs() < 1e-12), "{rows:?}");
     assert!(last[0] == 1.0 && last[1] > 10.0 && last[2] > 0.0 && last[3] > 0.0, "{last:?}");
     let s = summary(&whole);
-    let half = (number(&s, "steps") as u64 * 9 / 10).to_string();
-    run("mixture/oedometer_crushing", &parts, &sets, &["--stop-after", &half]).assert().code(130);
+    // just before the breakage and just after it; what a run had written since its checkpoint when it was killed goes
+    let at = numbers(&whole.join("breakage.csv"), ["step"])[0][0] as u64;
+    let later = || {
+        for file in ["breakage.csv", "gsd.csv", "history.csv"] {
+            let written = std::fs::read_to_string(parts.join(file)).unwrap_or_default();
+            std::fs::write(parts.join(file), format!("{written}2,9999,later\n")).expect(file);
+        }
+    };
+    let [before, after] = [at - 3, at + 3].map(|step| step.to_string());
+    run("mixture/oedometer_crushing", &parts, &sets, &["--stop-after", &before]).assert().code(130);
+    later();
+    comminute("resume").arg(&parts).args(["--threads", "2", "--quiet", "--stop-after", &after]).assert().code(130);
+    later();
     comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
     same_files(&whole, &parts);
+    assert_eq!(summary(&parts)["breakages"], s["breakages"]);
 }
 
 /// Grains alone at the start: the first points there are come from crushing. Without a soil around them some are pushed through the platen by grains: they are

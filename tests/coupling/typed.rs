@@ -1,7 +1,8 @@
 //! Mixtures as a user types them.
 
-use crate::common::typed::{columns, comminute, final_grains, number, run, same_files, summary};
+use crate::common::typed::{array, columns, comminute, final_grains, number, numbers, run, same_files, summary};
 use predicates::prelude::{PredicateBooleanExt, predicate::str::contains};
+use std::path::Path;
 
 const QUIET: [&str; 2] = ["records.figures=false", "records.snapshots=false"];
 
@@ -89,7 +90,7 @@ fn a_mixture_is_sheared_at_constant_volume() {
 fn a_grain_breaks_inside_a_continuum() {
     let folder = tempfile::tempdir().expect("folder");
     let out = folder.path().join("out");
-    let sets: Vec<&str> = ["test.axial_strain=0.012", "records.rows=60"].into_iter().chain(QUIET).collect();
+    let sets = ["test.axial_strain=0.012", "records.rows=60", "records.frames=2", "records.contacts=true"];
     run("mixture/oedometer_crushing", &out, &sets, &[]).assert().success();
     let rows =
         columns(&out, ["crush_events", "grains", "coarse_mass_kg", "sigma_v_kPa", "q_skeleton_kPa", "q_kPa", "axial_strain"]);
@@ -111,6 +112,83 @@ fn a_grain_breaks_inside_a_continuum() {
     assert!(before[4] > 0.5 * before[5], "{before:?}");
     let after = rows.iter().find(|r| r[0] > 0.0).expect("a row after");
     assert!(last[3] < 0.5 * before[3] && after[3] < before[3], "{before:?} {last:?}");
+    leaves_what_grains_alone_do(&out, before[3]);
+}
+
+/// The breakage with its stress, gradations, B_r in rows and summary, and their figures.
+fn leaves_what_grains_alone_do(out: &Path, before: f64) {
+    let broken = numbers(&out.join("breakage.csv"), ["event", "step", "sigma_v_kPa", "utilisation", "lost_mass_g"]);
+    let [[event, step, sigma, utilisation, lost]] = broken[..] else { panic!("{broken:?}") };
+    assert!(event == 1.0 && (1.0..1.01).contains(&utilisation), "{broken:?}");
+    // the stress of that instant is near the last row's, a mean, before the chain broke
+    assert!((sigma / before - 1.0).abs() < 0.2, "{sigma} kPa after a row of {before} kPa");
+    let rows = columns(out, ["step", "crush_events", "hardin_br", "einav_br", "mass_lost_kg", "d50_mm"]);
+    assert!(rows.iter().all(|r| (r[1] > 0.0) == (r[0] > step) && (r[2] > 0.0) == (r[1] > 0.0)), "{rows:?}");
+    let [.., hardin, einav, mass, d50] = rows[rows.len() - 1];
+    assert!(einav > hardin && hardin > 0.05 && (1e3 * mass / lost - 1.0).abs() < 1e-6 && (d50 - 5.0).abs() < 1e-6);
+    // one of three equal grains has broken: a third passes their size, and all of them at the start
+    let just_below = |at: &dyn Fn(f64) -> bool| {
+        let sieves = numbers(&out.join("gsd.csv"), ["axial_strain", "diameter_mm", "passing_percent"]);
+        sieves.iter().filter(|r| at(r[0]) && r[1] < 4.9).map(|r| r[2]).fold(0.0, f64::max)
+    };
+    let [start, end] = [just_below(&|e| e == 0.0), just_below(&|e| e > 0.0115)];
+    assert!(start == 0.0 && (end - 100.0 / 3.0).abs() < 1e-6, "{start} % {end} %");
+    let s = summary(out);
+    assert_eq!(s["breakages"]["by_generation"][0]["breakages"], 1, "{s}");
+    assert!((number(&s, "hardin_br") - hardin).abs() < 1e-8 && s["warnings"].as_array().is_some_and(Vec::is_empty), "{s}");
+    assert!(number(&s, "max_measured_stress_kPa") > 0.999 * before, "{s}");
+    let snapshots = std::fs::read_dir(out.join("snapshots")).expect("snapshots").map(|f| f.expect("file").path());
+    let mut files: Vec<_> = snapshots.map(|p| (p.file_name().map(|n| n.to_string_lossy().into_owned()), p)).collect();
+    files.sort();
+    let of = |kind: &str| -> Vec<&Path> {
+        let own = files.iter().filter(|f| f.0.as_ref().is_some_and(|name| name.starts_with(kind)));
+        own.map(|f| f.1.as_path()).collect()
+    };
+    // halfway the chain bears what it hands from grain to grain and to the platen; points bear little of it
+    let [start, halfway, end] = of("contacts_")[..] else { panic!("{files:?}") };
+    let text = std::fs::read_to_string(halfway).expect("contacts");
+    let rows: Vec<Vec<&str>> = text.lines().filter(|l| !l.starts_with('#')).skip(1).map(|l| l.split(',').collect()).collect();
+    let down = |row: &Vec<&str>| row[14].parse::<f64>().expect("N").abs();
+    let chain: Vec<f64> = rows.iter().filter(|r| r[1] != "point").map(down).collect();
+    let top = rows.iter().find(|r| r[2] == "top").map(down).expect("the platen");
+    assert!(chain.len() == 4 && chain.iter().all(|f| (f / top - 1.0).abs() < 0.3) && (50.0..186.0).contains(&top), "{chain:?} N");
+    assert!(rows.iter().filter(|r| r[1] == "point").count() > 50 && start < end);
+    // the daughters of the one that broke, and the two others
+    let grains = std::fs::read(of("grains_")[2]).expect("a snapshot");
+    let numbers = |name: &str| -> Vec<f64> { array(&grains, name).into_iter().map(f64::from_le_bytes).collect() };
+    let mother = numbers("mother_id")[15];
+    assert_eq!(numbers("mother_id"), [&[-1.0; 2][..], &[mother; 14]].concat());
+    let whose = numbers("ancestor_id");
+    assert!(whose[2..].iter().all(|a| *a == mother) && whose[0] != mother && whose[1] != mother && mother < 3.0, "{whose:?}");
+    assert!(numbers("mean_stress_Pa")[0] > 1e4 && of("walls_").len() == 3 && out.join("walls.pvd").exists());
+    for figure in ["gradation", "breakage_mixture", "section", "force_chains"] {
+        assert!(out.join("figures").join(figure).with_extension("svg").exists(), "{figure}");
+    }
+}
+
+/// Points that bear all: no grain comes to touch another one, so none can break, which is said before and after the run. Neither can one that is too small.
+#[test]
+fn grains_that_cannot_break_are_told() {
+    let none = "contacts with points break no grain";
+    check("oedometer_crushing", "seed.packing=1").success().stderr(contains(none).not());
+    check("oedometer_crushing", "grain[1].radius_m=0.0002").success().stderr(contains(none).not());
+    let apart = (0..3).map(|k| format!("grain[{k}].radius_m=0.0018"));
+    let sets: Vec<String> = apart.chain(["test.axial_strain=0.001".into(), "grid.cell_mm=3.0".into()]).collect();
+    let sets: Vec<&str> = sets.iter().map(String::as_str).chain(QUIET).collect();
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("out");
+    comminute("run")
+        .args(["experiments/mixture/oedometer_crushing.toml", "--threads", "1", "--out"])
+        .arg(&out)
+        .args(sets.iter().flat_map(|set| ["--set", set]))
+        .assert()
+        .success()
+        .stderr(contains("points keep all grains apart").and(contains("touched neither each other nor a wall")));
+    assert!(summary(&out)["warnings"][0].as_str().is_some_and(|w| w.contains("touched neither")));
+    let small: Vec<String> = (0..3).map(|k| format!("grain[{k}].radius_m=0.0001")).collect();
+    let mut command = comminute("check");
+    command.arg("experiments/mixture/oedometer_crushing.toml");
+    command.args(small.iter().flat_map(|set| ["--set", set])).assert().success().stderr(contains("the comminution limit is"));
 }
 
 #[test]

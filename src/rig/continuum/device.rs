@@ -148,7 +148,7 @@ impl Device {
                 state.platens.iter_mut().for_each(Platen::withdraw);
                 state.press()?;
                 self.gpu.give(&mut state.continuum)?;
-                coupled.go_on(state, model, cycle, done)?;
+                coupled.go_on(state, model, rig, cycle, done)?;
             }
         }
         feel(state, &mut self.coupled, model, rig)?;

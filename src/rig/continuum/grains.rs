@@ -1,6 +1,6 @@
 //! Grains in a continuum under test: the walls that they meet, and their cycles.
 
-use super::{Engine, Rig, State};
+use super::{Broken, Engine, Rig, State};
 use crate::boundary::Wall;
 use crate::coupling::{Allowed, Cycle, GhostTable, Mixture, Parts, Rates};
 use crate::error::{Error, Result};
@@ -108,8 +108,10 @@ impl Coupled {
         for (platen, wall) in platens.iter().rev().zip(mixture.grains.walls.iter_mut().rev()) {
             wall.speed = platen.speed;
         }
-        let cycle = mixture.cycle;
-        mixture.go(&mut Parts { model, table: &self.table, work: &mut self.work, continuum, platens }, cycle)?;
+        let (cycle, step) = (mixture.cycle, continuum.steps());
+        let done = mixture.go(&mut Parts { model, table: &self.table, work: &mut self.work, continuum, platens }, cycle);
+        state.take_breakages(rig, step);
+        done?;
         state.time += cycle.time;
         state.phase_time += cycle.time;
         Ok(())
@@ -117,11 +119,14 @@ impl Coupled {
 
     /// The rest of a cycle that a device has begun.
     #[cfg(feature = "gpu")]
-    pub(super) fn go_on(&mut self, state: &mut State, model: &Model, cycle: Cycle, done: u32) -> Result<()> {
+    pub(super) fn go_on(&mut self, state: &mut State, model: &Model, rig: &Rig, cycle: Cycle, done: u32) -> Result<()> {
         let State { continuum, mixture, platens, .. } = state;
         let Some(mixture) = mixture else { return Ok(()) };
         mixture.cycle = cycle;
-        mixture.go_on(&mut Parts { model, table: &self.table, work: &mut self.work, continuum, platens }, done)?;
+        let step = continuum.steps();
+        let done = mixture.go_on(&mut Parts { model, table: &self.table, work: &mut self.work, continuum, platens }, done);
+        state.take_breakages(rig, step);
+        done?;
         state.time += cycle.time;
         state.phase_time += cycle.time;
         Ok(())
@@ -140,6 +145,15 @@ impl State {
     /// Rigid bodies that are no spheres, where there are some.
     pub fn blocks(&self) -> Option<&Blocks> {
         self.mixture.as_ref()?.blocks.as_deref()
+    }
+
+    /// Keeps the breakages of a cycle that began at `step` for the records.
+    fn take_breakages(&mut self, rig: &Rig, step: u64) {
+        let Some(mixture) = self.mixture.as_mut().filter(|m| !m.breakages.is_empty()) else { return };
+        let events = std::mem::take(&mut mixture.breakages);
+        let axial = if rig.specimen().is_some() { self.axial_stress(rig) } else { f64::NAN };
+        let time = self.time;
+        self.broken.extend(events.into_iter().map(|event| Broken { event, step, time, axial }));
     }
 
     /// Asks `what` about a graphics device for this state.

@@ -16,6 +16,7 @@ pub use growth::{Growing, Grown, growing};
 pub use measure::{Coarse, Moment};
 
 use crate::coupling::Mixture;
+use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
@@ -33,6 +34,15 @@ pub enum Phase {
     /// The axial platens move, or the points by themselves.
     Load,
     Done,
+}
+
+/// A breakage, and where the test was: steps of the continuum, time, s, stress on the axial platens, Pa (not a number in a free scene).
+#[derive(Clone, Debug)]
+pub struct Broken {
+    pub event: Breakage,
+    pub step: u64,
+    pub time: f64,
+    pub axial: f64,
 }
 
 /// Everything that a restart needs.
@@ -58,6 +68,9 @@ pub struct State {
     #[serde(skip)]
     drives: Vec<Drive>,
     drift: Vec<f64>,
+    /// Breakages that have not been recorded yet.
+    #[serde(skip)]
+    pub broken: Vec<Broken>,
     /// Kinetic and potential energy of the points and elastic energy of the platens' contacts at the start, J.
     energy: Option<[f64; 3]>,
     means: measure::Means,
@@ -93,6 +106,7 @@ impl State {
             rate: 0.0,
             drives: Vec::new(),
             drift: Vec::new(),
+            broken: Vec::new(),
             energy: None,
             means: measure::Means::default(),
         };

@@ -123,6 +123,12 @@ impl State {
         self.stresses(rig, self.extents_now(rig), |k| self.platens[k].force(), |k| wall(k) + grains(k))
     }
 
+    /// Mean stress on both axial platens at this instant, Pa.
+    pub(super) fn axial_stress(&self, rig: &Rig) -> f64 {
+        let (sides, axis) = (self.sides(rig), dimensions(rig) - 1);
+        0.5 * (sides[2 * axis] + sides[2 * axis + 1])
+    }
+
     /// The same from the forces on platens and on the sides of the grid, along their inward normals.
     pub(super) fn stresses(
         &self,

@@ -1,0 +1,64 @@
+//! Whether grains that are to break can: larger than the comminution limit, and loaded by another grain or a wall. Contacts with points break nothing.
+
+use super::crushing::extremes;
+use crate::model::continuum::{Continuum, Specimen, Test};
+use crate::model::{CrushModel, GrainSpec, Model, Rig};
+
+/// Why none can break, in words; `None` where one can, or where nothing is to break.
+pub fn none_breaks(model: &Model) -> Option<String> {
+    let crush = model.crush.as_ref()?;
+    let (_, largest) = extremes(&model.rig);
+    if largest == 0.0 {
+        return Some("crushing.enabled = true, but there are no grains: what is points does not break".into());
+    }
+    if largest <= crush.d_limit {
+        return Some(format!(
+            "crushing.enabled = true, but no grain can break: the largest has {:.4} mm, the comminution limit is {:.4} mm",
+            1e3 * largest,
+            1e3 * crush.d_limit
+        ));
+    }
+    match &model.rig {
+        Rig::Continuum(rig) if rig.growth.is_none() => unloaded(crush, rig),
+        _ => None,
+    }
+}
+
+/// A mixture whose points keep all grains apart that could break.
+fn unloaded(crush: &CrushModel, rig: &Continuum) -> Option<String> {
+    let coarse = rig.coarse.as_ref()?;
+    let breakable = || coarse.grains.iter().enumerate().filter(|(_, g)| 2.0 * g.radius > crush.d_limit);
+    let loaded = match &rig.test {
+        Test::Free { .. } => coarse.grains.len() > 1 || !coarse.walls.is_empty(),
+        Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => breakable().any(|(i, g)| {
+            let mut others = coarse.grains.iter().enumerate().filter(|(j, _)| *j != i);
+            at_a_platen(s, g) || others.any(|(_, h)| meet(s, g, h))
+        }),
+    };
+    let why = "contacts with points break no grain, so that probably none breaks";
+    (!loaded).then(|| match rig.test {
+        Test::Free { .. } => format!("crushing.enabled = true, but there is no other grain and no [[wall]] to touch: {why}"),
+        _ => format!(
+            "crushing.enabled = true, but points keep all grains apart: none comes to touch another one or a platen if it moves with the material; {why}"
+        ),
+    })
+}
+
+/// Whether two grains touch at the end of a test in which they move with the material.
+fn meet(s: &Specimen, g: &GrainSpec, h: &GrainSpec) -> bool {
+    let [x, y, z]: [f64; 3] = std::array::from_fn(|a| g.position[a] - h.position[a]);
+    let z = z * (1.0 - s.axial_strain);
+    (x * x + y * y + z * z).sqrt() <= g.radius + h.radius
+}
+
+/// Whether a grain touches the bottom or the top then, or a side at the start.
+fn at_a_platen(s: &Specimen, g: &GrainSpec) -> bool {
+    let away = |a: usize| (g.position[a] - s.lower[a]).min(s.lower[a] + s.size[a] - g.position[a]);
+    let side = if s.round {
+        let [x, y, _] = s.base();
+        0.5 * s.size[0] - (g.position[0] - x).hypot(g.position[1] - y)
+    } else {
+        away(0).min(away(1))
+    };
+    (away(2) * (1.0 - s.axial_strain)).min(side) <= g.radius
+}
