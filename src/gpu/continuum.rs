@@ -201,7 +201,7 @@ impl Continuum {
         self.batch(n, dt, 0.0)
     }
 
-    /// `n` steps of at most `dt` seconds, and at most the share `safety` of what the platens' contacts allow at each.
+    /// `n` steps of at most `dt` seconds, and at most the share `safety` of what waves and the platens' contacts allow together at each.
     ///
     /// # Errors
     /// As [`Self::steps`].

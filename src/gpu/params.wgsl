@@ -26,7 +26,7 @@ struct Params {
     point_groups: vec2<u32>,
     cell_groups: vec2<u32>,
     platens: u32,
-    // share of what the platens' contacts allow that a step may have; 0: it is `dt`
+    // share of what waves and contacts allow that a step may have; 0: it is `dt`
     safety: f32,
     // what the material extends over along each axis, less overlaps, when the batch begins, m; whether it follows the platens (1) or stays (0)
     extents: vec3<f32>,

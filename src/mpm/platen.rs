@@ -6,10 +6,10 @@
 //! plane's infinite radius and stiffness), without friction. In plane strain the ghost is a disc, (1 − n) V = π r² with V per metre of
 //! thickness, which stands for a row of touching spheres of its radius, 1/(2 r) of them per metre.
 //!
-//! Li et al. spread the force to the nodes from the point (eq. 29). Here it acts where the material ends, half the point's edge nearer to the
-//! platen: a uniform stress is then in balance up to the face, where otherwise the outermost points would bear a fraction of it, and moduli
-//! come out too high by half a point's edge over the length at each end. So planes stand along the axes, and a shell's points in rings; of the moment
-//! that a shell's force has about a point, the part between different axes is left out.
+//! Li et al. spread the force to the nodes from the point (eq. 29). Here it acts on the point's face, where the material ends: a uniform stress is then in balance up to there,
+//! where otherwise the outermost points would bear a fraction of it, and moduli come out too high by half a point's edge over the length at each end. The face is followed with
+//! the nodes' velocities from the first touch on ([`super::Points::faces`]), and the ghost stays as far inside the material from it as at the start. So planes stand along the
+//! axes, and a shell's points in rings; each component of a shell's force acts on the face across its own axis.
 
 use super::{Continuum, Dimension, Points, Settings};
 use crate::error::{Error, Result};

@@ -84,9 +84,6 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
     {
         warnings.push(format!("test.strain_per_wave = {}: quasi-static loading keeps below {FAST}", s.strain_per_wave));
     }
-    if rig.specimen().is_some() && model.damping == 0.0 {
-        warnings.push("damping.local = 0: only the transfer and plastic flow take energy out of the specimen".into());
-    }
     if model.stepping.dt.is_some_and(|dt| dt > bound) {
         warnings.push(format!("stepping.dt_s is above what {why} allows, {bound:.3e} s: the run will be refused or stop"));
     }
