@@ -267,7 +267,7 @@ pub fn prepare(model: &Model, mut each: impl FnMut(&mut State, &mut Work)) -> (S
     loop {
         each(&mut state, &mut work);
         if preparation.advance(model, rig, &mut state, &mut work).unwrap_or_else(|e| panic!("{e}")) {
-            return (state, preparation.steps);
+            return (state, preparation.steps());
         }
     }
 }
