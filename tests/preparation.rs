@@ -52,7 +52,9 @@ struct Open {
 impl Open {
     fn new() -> Open {
         let folder = tempfile::tempdir().expect("a folder");
-        let text = oedometer_text(160, 5.5, "crushing.enabled = false").replace("specimen.porosity = 0.46", "specimen.void_ratio = 0.8");
+        let text = oedometer_text(160, 5.5, "crushing.enabled = false")
+            .replace("specimen.porosity = 0.46", "specimen.void_ratio = 0.8")
+            .replace("preparation.growth_friction = 0.4", "preparation.growth_friction = \"auto\"");
         std::fs::write(folder.path().join("scene.toml"), text).expect("written");
         Open { folder }
     }

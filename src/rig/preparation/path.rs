@@ -70,6 +70,8 @@ pub struct Path {
     place: Place,
     /// Porosity on the way at which it is left: the target, less what unloading and rest have been seen to change.
     aim: f64,
+    /// Porosities on the way that were too loose and too dense, the last of each.
+    known: [Option<f64>; 2],
     /// Stress asked of the walls while unloading, Pa.
     asked: f64,
     drive: Drive,
@@ -195,6 +197,7 @@ impl Path {
             stress,
             place,
             aim,
+            known: [None; 2],
             asked: stress,
             drive: Drive::default(),
             marks: Vec::new(),
@@ -370,7 +373,7 @@ impl Path {
         }
         let Some(left) = self.left.take() else { unreachable!("a place was left before this rest") };
         self.corrections += 1;
-        self.aim -= n - target;
+        self.aim_again(left.porosity, n - target);
         if n > target && self.exhausted() {
             return Err(self.failure(state, &nearest("dense", "take a wider gradation or a larger diameter and more grains", n)));
         }
@@ -386,6 +389,19 @@ impl Path {
         work.restart(model, state);
         self.enter(place.stage);
         Ok(false)
+    }
+
+    /// The next aim, after a specimen left at `porosity` came to rest looser than asked by `excess`: as much denser, but between the places known as too loose and too dense.
+    fn aim_again(&mut self, porosity: f64, excess: f64) {
+        let side = usize::from(excess < 0.0);
+        self.known[side] = Some(porosity);
+        self.aim = porosity - excess;
+        if let [Some(loose), Some(dense)] = self.known
+            && dense < loose
+            && !(dense < self.aim && self.aim < loose)
+        {
+            self.aim = 0.5 * (loose + dense);
+        }
     }
 
     /// The last place on the way that is looser than the aim, or the first; those after it are forgotten, and shear goes on in smaller cycles.
