@@ -43,15 +43,16 @@ draws | while IFS=';' read -r k cu n diameter share points; do
         row ",,,,,,,no range"
         continue
     fi
-    dense=$(of void_ratio_densest "$folder/range.json")
-    loose=$(of void_ratio_loosest "$folder/range.json")
+    dense=$(printf "%.4f" "$(of void_ratio_densest "$folder/range.json")")
+    loose=$(printf "%.4f" "$(of void_ratio_loosest "$folder/range.json")")
     e=$(awk "BEGIN { printf \"%.4f\", $loose - $share * ($loose - $dense) }")
     if "$program" run "$folder/scene/scene.toml" "${sets[@]}" --set specimen.void_ratio="$e" --set crushing.enabled=false --set loading.max_stress_kPa=5.5 \
-        --set 'loading.stages_kPa=[]' --set loading.settle_steps=1 --set 'records.at_kPa=[]' --set records.figures=false --threads 1 --quiet --force \
+        --set loading.control=stress --set 'loading.stages_kPa=[]' --set 'records.at_kPa=[]' --set records.figures=false --threads 1 --quiet --force \
         --out "$folder/run" > "$folder/run.log" 2>&1; then
         made=$(awk -F, '/^#/ { next } !c { for (i = 1; i <= NF; i++) if ($i == "porosity") c = i; next } { print $c; exit }' "$folder/run/history.csv")
         error=$(awk "BEGIN { n = $e / (1 + $e); printf \"%.2f\", 100 * ($made / n - 1) }")
-        row "$dense,$loose,$e,$made,$error,$(of wall_seconds "$folder/run/summary.json"),$(of preparation_steps "$folder/run/summary.json"),made"
+        seconds=$(awk "BEGIN { printf \"%.1f\", $(of wall_seconds "$folder/run/summary.json") - $(of loading_seconds "$folder/run/summary.json") }")
+        row "$dense,$loose,$e,$made,$error,$seconds,$(of preparation_steps "$folder/run/summary.json"),made"
     else
         row "$dense,$loose,$e,,,,,$(sed -n 's/.*preparation (\([a-z]*\)) \([^;:]*\).*/\2/p' "$folder/run.log" | tr ',' ' ' | head -1)"
     fi

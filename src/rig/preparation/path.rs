@@ -251,7 +251,9 @@ impl Path {
                 self.asked = (UNLOAD * self.asked).max(rig.isotropic_stress);
             }
             Stage::Unloading => self.enter(Stage::Rest),
-            Stage::Rest if self.at_rest(model, state, work) => return self.judge(model, rig, state, work),
+            Stage::Rest if self.too_dense(rig, state) || self.at_rest(model, state, work) => {
+                return self.judge(model, rig, state, work);
+            }
             _ => {}
         }
         Ok(false)
@@ -364,6 +366,20 @@ impl Path {
         areas.into_iter().all(close) && measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < growth::UNBALANCED
     }
 
+    /// Whether a specimen that is still coming to rest is denser than asked already: rest makes it denser only. The loosest is let come to rest, to be told.
+    fn too_dense(&self, rig: &Specimen, state: &State) -> bool {
+        let Wish::Porosity(target) = self.wish else { return false };
+        self.stage_steps.is_multiple_of(LOOK)
+            && !self.is_loosest()
+            && porosity(state) < (1.0 - rig.preparation.porosity_tolerance) * target
+    }
+
+    /// Whether the way was left at its beginning.
+    fn is_loosest(&self) -> bool {
+        let left = self.left.as_ref().map_or(f64::NEG_INFINITY, |m| m.porosity);
+        self.marks.first().is_some_and(|m| left >= m.porosity)
+    }
+
     /// At rest: ready, on along the way from where it was left, or back to a looser place.
     fn judge(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> Result<bool, Error> {
         let n = porosity(state);
@@ -371,13 +387,14 @@ impl Path {
         if (n - target).abs() <= rig.preparation.porosity_tolerance * target {
             return Ok(true);
         }
+        let loosest = self.is_loosest();
         let Some(left) = self.left.take() else { unreachable!("a place was left before this rest") };
         self.corrections += 1;
         self.aim_again(left.porosity, n - target);
         if n > target && self.exhausted() {
             return Err(self.failure(state, &nearest("dense", "take a wider gradation or a larger diameter and more grains", n)));
         }
-        if n < target && self.marks.len() == 1 && left.porosity >= self.marks[0].porosity {
+        if n < target && loosest {
             return Err(self.failure(state, &nearest("loose", "give the material more friction or rolling_friction", n)));
         }
         if self.corrections > CORRECTIONS {
