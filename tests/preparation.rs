@@ -114,6 +114,7 @@ fn what_lies_in_the_measured_range_is_made_and_what_does_not_is_refused() {
     }
     assert!(!open.range(&[]).2);
     let stated = ["--set", "specimen.relative_density=0.5", "--set", "preparation.growth_friction=0.4"];
+    open.call("check", &["--range", stated[2], stated[3]]).code(2).stderr(contains("preparation.growth_friction"));
     open.call("check", &stated).code(2).stderr(contains("specimen.relative_density").and(contains("auto")));
 }
 

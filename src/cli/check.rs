@@ -2,7 +2,7 @@
 
 use super::{Overrides, print};
 use comminute::crush::criterion::AreaModel;
-use comminute::error::Result;
+use comminute::error::{Error, Result};
 use comminute::model::{Model, Rig};
 use comminute::scene::{self, Estimate, Scene};
 use serde_json::json;
@@ -52,6 +52,10 @@ pub fn call(args: &Args) -> Result<()> {
     let scene = args.overrides.load(path)?;
     let mut model = scene::model(&scene)?;
     let reach = if args.range { scene::measured_reach(&model)? } else { scene::reach(&model) };
+    if args.range && reach.is_none() {
+        let what = "has to be \"auto\", of an oedometer or a triaxial test, for a range to be measured";
+        return Err(Error::input(path.display(), "preparation.growth_friction", None, what));
+    }
     if let Some(reach) = &reach {
         scene::within_reach(&scene, &model, reach)?;
         reach.settle(&mut model);
