@@ -196,6 +196,15 @@ impl Rig {
             Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
         }
     }
+
+    /// As [`Rig::specimen`], to be changed.
+    pub fn specimen_mut(&mut self) -> Option<&mut Specimen> {
+        match self {
+            Rig::Oedometer(rig) => Some(&mut rig.specimen),
+            Rig::Triaxial(rig) => Some(&mut rig.specimen),
+            Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
+        }
+    }
 }
 
 /// One-dimensional compression of a specimen in a ring of fixed radius.
@@ -218,8 +227,10 @@ pub struct Specimen {
     /// Diameter at the start, m.
     pub diameter: f64,
     pub grains: usize,
-    /// Target porosity at the isotropic stress.
+    /// Target porosity at the isotropic stress; with a relative density an estimate until the range is known ([`crate::rig::preparation::range::settle`]).
     pub porosity: f64,
+    /// Target between the loosest and the densest specimen that the program makes, 0 to 1, instead of a porosity.
+    pub relative_density: Option<f64>,
     /// Initial gradation, diameters in m already multiplied by N: points (diameter, mass fraction finer), increasing, 0 to 1;
     /// mass is uniform in diameter between two points.
     pub gradation: Vec<(f64, f64)>,

@@ -2,10 +2,14 @@
 
 mod common;
 
+use assert_cmd::Command;
+use assert_cmd::assert::Assert;
 use comminute::model::Model;
 use comminute::rig::preparation::{Preparation, porosity};
 use comminute::step::Work;
 use common::*;
+use predicates::prelude::*;
+use predicates::str::contains;
 
 /// 160 grains, as dense as asked and as exact.
 fn small(porosity: f64, tolerance: f64, seed: u32) -> Model {
@@ -38,4 +42,91 @@ fn a_porosity_out_of_reach_is_told_as_such() {
         }
     };
     assert!(error.contains("cannot make so few grains as dense as asked") && error.contains("target 0.4200"), "{error}");
+}
+
+/// A folder with a scene of 160 grains whose preparation is left to the program, and the cache that it uses.
+struct Open {
+    folder: tempfile::TempDir,
+}
+
+impl Open {
+    fn new() -> Open {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = oedometer_text(160, 5.5, "crushing.enabled = false")
+            .replace("specimen.porosity = 0.46", "specimen.void_ratio = 0.8")
+            .replace("preparation.growth_friction = 0.4", "preparation.growth_friction = \"auto\"");
+        std::fs::write(folder.path().join("scene.toml"), text).expect("written");
+        Open { folder }
+    }
+
+    fn call(&self, verb: &str, more: &[&str]) -> Assert {
+        let scene = self.folder.path().join("scene.toml").display().to_string();
+        let mut command = Command::cargo_bin("comminute").expect("the binary");
+        command.env("COMMINUTE_CACHE", self.folder.path().join("cache")).current_dir(self.folder.path());
+        command.args([verb, &scene]).args(more).assert()
+    }
+
+    /// Densest and loosest void ratio, and whether they are measured.
+    fn range(&self, more: &[&str]) -> (f64, f64, bool) {
+        let out = self.call("check", &[&["--json"], more].concat()).success().get_output().stdout.clone();
+        let value: serde_json::Value = serde_json::from_slice(&out).expect("json");
+        let range = &value["estimate"]["void_ratio_range"];
+        let number = |key: &str| range[key].as_f64().expect("a number");
+        (number("void_ratio_densest"), number("void_ratio_loosest"), range["measured"] == true)
+    }
+
+    /// Void ratio of the specimen that a run makes.
+    fn made(&self, set: &str, more: &[&str]) -> f64 {
+        self.call("run", &[&["--quiet", "--force", "--out", "run", "--set", set], more].concat()).success();
+        let text = std::fs::read_to_string(self.folder.path().join("run/history.csv")).expect("history");
+        let mut rows = text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect::<Vec<_>>());
+        let column = rows.next().and_then(|names| names.iter().position(|name| *name == "void_ratio")).expect("a column");
+        rows.next().expect("a row")[column].parse().expect("a number")
+    }
+}
+
+#[test]
+fn what_lies_in_the_measured_range_is_made_and_what_does_not_is_refused() {
+    let open = Open::new();
+    assert!(!open.range(&[]).2, "nothing has been measured");
+    let (dense, loose, measured) = open.range(&["--range"]);
+    assert!(measured && dense + 0.1 < loose, "{dense} {loose}");
+    assert_eq!(open.range(&[]), (dense, loose, true), "kept");
+    for share in [0.1, 0.5, 0.9] {
+        let asked = loose - share * (loose - dense);
+        let made = open.made(&format!("specimen.void_ratio={asked}"), &[]);
+        let porosity = |e: f64| e / (1.0 + e);
+        assert!((porosity(made) / porosity(asked) - 1.0).abs() < 0.021, "asked {asked}, made {made}");
+    }
+    let half = open.made("specimen.relative_density=0.5", &[]);
+    assert!((half - 0.5 * (dense + loose)).abs() < 0.04, "{half}");
+    for (key, beyond) in [("void_ratio", dense - 0.1), ("void_ratio", loose + 0.1), ("porosity", 0.2)] {
+        let set = format!("specimen.{key}={beyond}");
+        for verb in ["check", "run"] {
+            let nearest = contains("the nearest that works").and(contains(format!("specimen.{key} = ")));
+            open.call(verb, &["--set", &set]).code(2).stderr(nearest);
+        }
+    }
+    // a broken file is as good as none
+    let cache = open.folder.path().join("cache");
+    for entry in std::fs::read_dir(&cache).expect("cache").flatten() {
+        std::fs::write(entry.path(), "{").expect("written");
+    }
+    assert!(!open.range(&[]).2);
+    let stated = ["--set", "specimen.relative_density=0.5", "--set", "preparation.growth_friction=0.4"];
+    open.call("check", &["--range", stated[2], stated[3]]).code(2).stderr(contains("preparation.growth_friction"));
+    open.call("check", &stated).code(2).stderr(contains("specimen.relative_density").and(contains("auto")));
+}
+
+#[test]
+fn a_preparation_that_is_stopped_goes_on_to_the_same_specimen() {
+    let open = Open::new();
+    let specimen = |run: &str| std::fs::read(open.folder.path().join(run).join("specimen.csv")).expect("specimen");
+    open.call("run", &["--quiet", "--out", "whole", "--threads", "1"]).success();
+    let out = ["--quiet", "--out", "halves", "--continue", "--threads", "2"];
+    for stop in ["1000", "2500", "4000", "7000"] {
+        open.call("run", &[&out[..], &["--stop-after", stop]].concat()).code(130);
+    }
+    open.call("run", &out).success();
+    assert!(specimen("whole") == specimen("halves"));
 }

@@ -86,13 +86,13 @@ fn at_rest(model: &Model, progress: &mut impl FnMut(&str)) -> Result<State> {
     }
     let mut work = Work::new(&scaled, &mut state);
     while !preparation.advance(&scaled, &rig.specimen, &mut state, &mut work)? {
-        if preparation.steps.is_multiple_of(REPORT) {
+        if preparation.steps().is_multiple_of(REPORT) {
             let area = Walls::of(&state).platen_area();
             progress(&format!(
                 "packing of {} grains: {}, step {}, porosity {:.4}, stress {:.1} kPa, {:.0} s",
                 state.grains.len(),
-                preparation.stage.name(),
-                preparation.steps,
+                preparation.stage(),
+                preparation.steps(),
                 preparation::porosity(&state),
                 0.5e-3 * (state.walls[TOP].reaction + state.walls[BOTTOM].reaction) / area,
                 since.elapsed().as_secs_f64(),

@@ -2,7 +2,7 @@
 
 use super::{Overrides, print};
 use comminute::crush::criterion::AreaModel;
-use comminute::error::Result;
+use comminute::error::{Error, Result};
 use comminute::model::{Model, Rig};
 use comminute::scene::{self, Estimate, Scene};
 use serde_json::json;
@@ -28,6 +28,10 @@ pub struct Args {
     #[arg(long, conflicts_with = "keys")]
     columns: bool,
 
+    /// Measure the range of void ratios that can be made of these grains, by making the loosest and the densest specimen (seconds to minutes); it is kept in the user's cache
+    #[arg(long, conflicts_with_all = ["keys", "columns"])]
+    range: bool,
+
     /// Only say what is wrong
     #[arg(long)]
     quiet: bool,
@@ -46,8 +50,19 @@ pub fn call(args: &Args) -> Result<()> {
         _ => return print(scene::key_reference().trim_end()),
     };
     let scene = args.overrides.load(path)?;
-    let model = scene::model(&scene)?;
-    let estimate = scene::estimate(&model);
+    let mut model = scene::model(&scene)?;
+    let reach = if args.range { scene::measured_reach(&model)? } else { scene::reach(&model) };
+    if args.range && reach.is_none() {
+        let what = "has to be \"auto\", of an oedometer or a triaxial test, for a range to be measured";
+        return Err(Error::input(path.display(), "preparation.growth_friction", None, what));
+    }
+    if let Some(reach) = &reach {
+        scene::within_reach(&scene, &model, reach)?;
+        reach.settle(&mut model);
+    }
+    let mut estimate = scene::estimate(&model);
+    estimate.warnings.extend(reach.as_ref().and_then(|r| scene::doubt(&model, r)));
+    estimate.void_ratio_range = reach;
     if args.json {
         print(&as_json(&scene, &model, &estimate))?;
     } else if !args.quiet {
@@ -125,6 +140,11 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
             "  specimen        D = {:.2} mm, H = {:.2} mm (estimate); D = {:.1} d50 = {:.1} d_max, H = {:.1} d_max",
             s.diameter_mm, s.height_mm, s.diameter_over_d50, s.diameter_over_largest, s.height_over_largest
         )?;
+        if let Some(r) = &e.void_ratio_range {
+            let how = if r.measured { "measured" } else { "estimate; --range measures it" };
+            let (dense, loose) = (r.void_ratio_densest, r.void_ratio_loosest);
+            writeln!(text, "  void ratio      {:.3} is asked for; {dense:.3} to {loose:.3} can be made ({how})", s.void_ratio)?;
+        }
         writeln!(text, "  loading steps   {:.0} or more (the programme without waiting)", e.steps)?;
     } else {
         writeln!(text, "  steps           {:.0} (estimate)", e.steps)?;

@@ -2,7 +2,8 @@
 
 use super::Overrides;
 use comminute::error::{Error, Result};
-use comminute::run::{Backend, Found, Outcome, ResumeOptions, RunRequest, choose, look, occupied, resume, run};
+use comminute::rig::preparation::range::void_ratio;
+use comminute::run::{Backend, Found, Outcome, ResumeOptions, RunRequest, choose, look, occupied, resume, run, settle};
 use comminute::scene;
 use std::path::{Path, PathBuf};
 
@@ -61,7 +62,7 @@ pub fn call(mut args: Args) -> Result<()> {
         args.overrides.sets.push(format!("specimen.file={:?}", specimen.display().to_string()));
     }
     let scene = args.overrides.load(&args.scene)?;
-    let model = scene::model(&scene)?;
+    let mut model = scene::model(&scene)?;
     let out = args.out.unwrap_or_else(|| scene.default_out());
     if args.left {
         let found = look(&out, &scene, &model)?;
@@ -91,12 +92,27 @@ pub fn call(mut args: Args) -> Result<()> {
             eprintln!("warning: {warning}");
         }
     }
+    let threads = args.threads.map(usize::from);
+    if let (Some(reach), None) = (scene::reach(&model), scene.specimen()) {
+        scene::within_reach(&scene, &model, &reach)?;
+        warn(&scene::doubt(&model, &reach), args.quiet);
+        let density = model.rig.specimen().and_then(|rig| rig.relative_density);
+        if let (Some(density), false) = (density, args.quiet) {
+            let measuring = if reach.measured { "" } else { " (measured now, once for these grains)" };
+            eprintln!("relative density {density}: a share of the range of void ratios{measuring}");
+        }
+        if let (Some(range), false) = (settle(&mut model, threads)?, args.quiet) {
+            let n = model.rig.specimen().map_or(f64::NAN, |rig| rig.porosity);
+            let [e, dense, loose] = [n, range.densest, range.loosest].map(void_ratio);
+            eprintln!("void ratio {e:.3}, between {dense:.3} and {loose:.3} (measured)");
+        }
+    }
     let outcome = run(RunRequest {
         model,
         scene_resolved: scene::resolved(&scene),
         out,
         force: args.force,
-        threads: args.threads.map(usize::from),
+        threads,
         specimen: scene.specimen(),
         quiet: args.quiet,
         json: args.json,
@@ -104,6 +120,12 @@ pub fn call(mut args: Args) -> Result<()> {
         backend,
     })?;
     super::close(&outcome, args.quiet, args.json)
+}
+
+fn warn(what: &Option<String>, quiet: bool) {
+    if let (Some(what), false) = (what, quiet) {
+        eprintln!("warning: {what}");
+    }
 }
 
 /// A folder that holds anything but why a run failed is not written into unasked.

@@ -15,10 +15,11 @@ use crate::model::{Model, Rig};
 use crate::record::cylinder::Due;
 use crate::record::{checkpoint, quasi_static, specimen};
 use crate::record::{oedometer, triaxial};
+use crate::rig::assembly;
 use crate::rig::cylinder::{Stresses, Walls};
 use crate::rig::oedometer::{Loading, Phase};
+use crate::rig::preparation::{Preparation, range};
 use crate::rig::triaxial::{self as shear, Shearing};
-use crate::rig::{assembly, preparation::Preparation};
 use crate::step::{State, Work};
 pub use backend::{Backend, Chosen, choose, spheres_only};
 use files::Files;
@@ -115,13 +116,21 @@ pub fn stop_asked() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
+/// Turns a relative density of the model's specimen into a porosity ([`range::settle`]).
+///
+/// # Errors
+/// A range that cannot be measured.
+pub fn settle(model: &mut Model, threads: Option<usize>) -> Result<Option<range::Range>> {
+    in_pool(threads, || range::settle(model))
+}
+
 /// Runs a model from the start.
 ///
 /// # Errors
 /// Whatever keeps the run from starting (nothing is written then), from being prepared (why is written, and the folder is free for the next run), or
 /// from ending (records and checkpoint are kept).
 pub fn run(request: RunRequest) -> Result<Outcome> {
-    let RunRequest { model, scene_resolved, out, force, threads, specimen, quiet, stop_after, backend, .. } = request;
+    let RunRequest { mut model, scene_resolved, out, force, threads, specimen, quiet, stop_after, backend, .. } = request;
     if matches!(model.rig, Rig::Platen(_)) {
         never_halfway(stop_after)?;
     }
@@ -130,6 +139,9 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
         _ => None,
     };
     let given = specimen.map(|path| specimen::read(&path, &model.materials)).transpose()?;
+    if given.is_none() {
+        settle(&mut model, threads)?;
+    }
     lock(&out)?;
     files::claim(&out, force)?;
     let resolved = out.join(crate::scene::RESOLVED);

@@ -122,7 +122,7 @@ fn describe(model: &Model, p: &Progress) -> (f64, String) {
             let most = rig.specimen().map_or(1, |s| s.preparation.max_steps);
             let share = p.steps as f64 / most as f64;
             let porosity = crate::rig::preparation::porosity(&p.state);
-            (share, format!("preparing ({}), porosity {porosity:.4}, {n} grains", prep.stage.name()))
+            (share, format!("preparing ({}), porosity {porosity:.4}, {n} grains", prep.stage()))
         }
         (Activity::Loading(loading), Rig::Oedometer(rig)) => {
             // eq. (18) makes steps grow nearly in proportion to stress

@@ -93,6 +93,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
         grains_final: 0.0,
         memory_mb: 1e-6 * BYTES_PER_POINT * points as f64,
         specimen: None,
+        void_ratio_range: None,
         continuum: Some(Points {
             points,
             grows: rig.growth.is_some(),

@@ -23,6 +23,9 @@ pub struct Estimate {
     #[serde(rename = "memory_MB")]
     pub memory_mb: f64,
     pub specimen: Option<Specimen>,
+    /// Void ratios that can be made, where they are known or looked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub void_ratio_range: Option<super::Reach>,
     /// Of a continuum; grains are 0 there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub continuum: Option<super::continuum_estimate::Points>,
@@ -44,6 +47,8 @@ pub struct Estimate {
 pub struct Specimen {
     pub diameter_mm: f64,
     pub height_mm: f64,
+    /// Asked for, at the isotropic stress.
+    pub void_ratio: f64,
     pub diameter_over_d50: f64,
     pub diameter_over_largest: f64,
     pub height_over_largest: f64,
@@ -93,6 +98,7 @@ fn without_strength(model: &Model) -> Estimate {
         grains_final,
         memory_mb: 1e-6 * BYTES_PER_GRAIN * grains_final,
         specimen: None,
+        void_ratio_range: None,
         continuum: None,
         crushing_stress: None,
         time_step,
@@ -180,6 +186,7 @@ fn specimen(o: &model::Specimen) -> Specimen {
     Specimen {
         diameter_mm: 1e3 * o.diameter,
         height_mm: 1e3 * height,
+        void_ratio: o.porosity / (1.0 - o.porosity),
         diameter_over_d50: o.diameter / median(&o.gradation),
         diameter_over_largest: o.diameter / largest,
         height_over_largest: height / largest,

@@ -118,6 +118,9 @@ pub const RIVALS: &[(&str, &str)] = &[
     ("porosity", "void_ratio"),
     ("porosity", "height_mm"),
     ("void_ratio", "height_mm"),
+    ("relative_density", "porosity"),
+    ("relative_density", "void_ratio"),
+    ("relative_density", "height_mm"),
     ("material", "materials"),
 ];
 
@@ -343,14 +346,25 @@ pub const KEYS: &[Key] = &[
         "specimen.porosity",
         Number(Range::between(0.0, 1.0)),
         Absent,
-        "intergranular porosity at the isotropic stress; or void_ratio or height_mm",
+        "intergranular porosity at the isotropic stress; or void_ratio, relative_density or height_mm",
     ),
-    cylinder("specimen.void_ratio", Number(POSITIVE), Absent, "void ratio at the isotropic stress; or porosity or height_mm"),
+    cylinder(
+        "specimen.void_ratio",
+        Number(POSITIVE),
+        Absent,
+        "void ratio at the isotropic stress; or porosity, relative_density or height_mm",
+    ),
+    cylinder(
+        "specimen.relative_density",
+        Number(RATIO),
+        Absent,
+        "(e_max - e) / (e_max - e_min) between the loosest and the densest specimen that the program makes of these grains, which it measures once and keeps in the user's cache; needs preparation.growth_friction = \"auto\"; or porosity, void_ratio or height_mm",
+    ),
     cylinder(
         "specimen.height_mm",
         Number(POSITIVE),
         Absent,
-        "height at the isotropic stress, with the grains and the diameter; or porosity or void_ratio",
+        "height at the isotropic stress, with the grains and the diameter; or porosity, void_ratio or relative_density",
     ),
     cylinder("specimen.isotropic_stress_kPa", Number(POSITIVE), Is("5.0"), "stress of the prepared specimen"),
     platen(
@@ -420,7 +434,7 @@ pub const KEYS: &[Key] = &[
         "preparation.growth_friction",
         NumberOr(FRICTION, "auto"),
         Is("\"auto\""),
-        "friction between grains while their radii grow: it sets the loosest porosity that can be reached; auto: 0.4, then more if the specimen comes out denser than asked",
+        "friction between grains while their radii grow: it sets the loosest porosity that can be reached; auto: the specimen is compressed from its loosest state on while friction gives way, and sheared to and fro without friction where it has to be denser",
     ),
     cylinder("preparation.growth_steps", COUNT, Is("8000"), "steps of radius growth"),
     cylinder("preparation.damping", Number(RATIO), Is("0.7"), "local damping during preparation"),

@@ -24,6 +24,7 @@ mod overrides;
 mod platen;
 mod point_cloud;
 mod provenance;
+mod reach;
 mod schema;
 mod sources;
 mod specimen;
@@ -42,6 +43,7 @@ pub use files::read_text;
 pub use keys::reference as key_reference;
 pub use layers::shown;
 pub use provenance::{Assumption, Decision, assumptions, decisions};
+pub use reach::{Reach, doubt, measured_reach, reach, within_reach};
 
 use crate::error::{Error, Result};
 use crate::model::Model;

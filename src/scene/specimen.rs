@@ -6,6 +6,11 @@ use crate::gradation::mean_cubed_diameter;
 use crate::model::{Preparation, Specimen, WallFriction};
 use std::f64::consts::PI;
 
+/// Keys that give the density without more ado.
+pub const DENSITIES: [&str; 3] = ["specimen.porosity", "specimen.void_ratio", "specimen.height_mm"];
+
+const ONE_DENSITY: &str = "must have porosity, void_ratio, relative_density or height_mm, one of them";
+
 impl View<'_> {
     /// The specimen of an oedometer or a triaxial test.
     pub fn specimen(&self, of: &Named) -> Option<Specimen> {
@@ -13,11 +18,11 @@ impl View<'_> {
         let diameter = self.si("specimen.diameter_mm");
         let grains = self.number_of_grains(of, &gradation)?;
         let solid = grains as f64 * PI / 6.0 * mean_cubed_diameter(&gradation);
-        let porosity = self.porosity(solid, diameter)?;
-        let specimen = Specimen {
+        let mut specimen = Specimen {
             diameter,
             grains,
-            porosity,
+            porosity: f64::NAN,
+            relative_density: self.relative_density(),
             gradation,
             wall_friction: WallFriction {
                 bottom: self.si("walls.friction.bottom"),
@@ -35,8 +40,25 @@ impl View<'_> {
             servo_gain: self.si("loading.servo_gain"),
             settle_steps: self.whole("loading.settle_steps").unwrap_or(0),
         };
+        specimen.porosity = match specimen.relative_density {
+            Some(density) => super::reach::estimated(&specimen).porosity(density),
+            None => self.porosity(solid, diameter)?,
+        };
         self.room(&specimen);
         Some(specimen)
+    }
+
+    /// The relative density, where it is what the scene gives.
+    fn relative_density(&self) -> Option<f64> {
+        const KEY: &str = "specimen.relative_density";
+        let density = self.number(KEY)?;
+        self.check(
+            self.number("preparation.growth_friction").is_none(),
+            KEY,
+            "needs preparation.growth_friction = \"auto\": the range it refers to is that of this way of making specimens",
+        );
+        self.check(DENSITIES.iter().all(|k| self.number(k).is_none()), "specimen", ONE_DENSITY);
+        Some(density)
     }
 
     /// Grains, as said or from their mass.
@@ -62,10 +84,9 @@ impl View<'_> {
 
     /// Porosity, as said or from the void ratio or the height.
     fn porosity(&self, solid: f64, diameter: f64) -> Option<f64> {
-        const KEYS: [&str; 3] = ["specimen.porosity", "specimen.void_ratio", "specimen.height_mm"];
-        let mut given = KEYS.iter().filter_map(|k| self.number(k).map(|value| (*k, value)));
+        let mut given = DENSITIES.iter().filter_map(|k| self.number(k).map(|value| (*k, value)));
         let (Some((key, value)), None) = (given.next(), given.next()) else {
-            self.refuse("specimen", "must have porosity, void_ratio or height_mm, one of them");
+            self.refuse("specimen", ONE_DENSITY);
             return None;
         };
         let porosity = match key {

@@ -253,7 +253,7 @@ pub fn oedometer_text(grains: u32, max_stress: f64, more: &str) -> String {
     format!(
         "kind = \"oedometer\"\nname = \"small\"\nmaterial = \"{ROOT}/materials/petroleum_coke.toml\"\n\
          specimen.scale = 4.0\nspecimen.grains = {grains}\nspecimen.diameter_mm = 200.0\nspecimen.porosity = 0.46\n\
-         preparation.growth_steps = 1500\npreparation.porosity_tolerance = 0.02\n\
+         preparation.growth_friction = 0.4\npreparation.growth_steps = 1500\npreparation.porosity_tolerance = 0.02\n\
          loading.max_stress_kPa = {max_stress:?}\nloading.settle_steps = 500\n\
          stepping.inertia_scaling = true\nrecords.figures = false\n{more}\n"
     )
@@ -267,7 +267,7 @@ pub fn prepare(model: &Model, mut each: impl FnMut(&mut State, &mut Work)) -> (S
     loop {
         each(&mut state, &mut work);
         if preparation.advance(model, rig, &mut state, &mut work).unwrap_or_else(|e| panic!("{e}")) {
-            return (state, preparation.steps);
+            return (state, preparation.steps());
         }
     }
 }

@@ -1,15 +1,16 @@
-//! Preparation of a cylindrical specimen (Ciantia et al. 2015, Model application; NOTES.md): radius expansion, isotropic
+//! Preparation with a stated friction while growing (Ciantia et al. 2015, Model application; NOTES.md): radius expansion, isotropic
 //! compression under the platen's servo with friction lowered until the target porosity is reached, rest at final friction with platen and
 //! cylinder under servo.
 
-use super::cylinder::{BOTTOM, CYLINDER, Stresses, TOP, Walls, inertial_time, walls};
-use super::growth;
+use super::porosity;
 use crate::boundary::servo_speed;
 use crate::error::Error;
 use crate::grains::{Grains, sphere_volume};
 use crate::model::{Model, Specimen};
 use crate::packing;
 use crate::record::measure;
+use crate::rig::cylinder::{BOTTOM, CYLINDER, Stresses, TOP, Walls, inertial_time, walls};
+use crate::rig::growth;
 use crate::step::{self, State, Work};
 use serde::{Deserialize, Serialize};
 
@@ -44,7 +45,7 @@ impl Stage {
 
 /// Progress of a preparation; with the [`State`] it is all that a restart needs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Preparation {
+pub struct Stated {
     pub stage: Stage,
     /// Steps done in this stage, and in all.
     pub stage_steps: u64,
@@ -55,8 +56,6 @@ pub struct Preparation {
     limit: f64,
     /// What pressing has been tried.
     press: Press,
-    /// Friction with which the radii grew.
-    growth_friction: f64,
     /// Porosity at which densification ends: the target, less what rest has been seen to change.
     aim: f64,
     /// Specimens that came to rest outside tolerance, and the assembly before densification to return to.
@@ -87,26 +86,12 @@ const FRICTIONLESS: f64 = 1e-3;
 const PRESS_FIRST: f64 = 4.0;
 const PRESS_LAST: f64 = 512.0;
 const PRESS_SAME: f64 = 1.02;
-/// Friction while growing that is tried first where the scene leaves it open, what it is multiplied by where grains have grown too dense,
-/// and the last: more changes nothing.
-const GROWTH_FIRST: f64 = 0.4;
-const GROWTH_FACTOR: f64 = 3.0;
-const GROWTH_LAST: f64 = 10.0;
-/// Steps of compaction after which grains that press far harder than asked are let out faster.
-const PATIENCE: u64 = 10_000;
-/// Steps after which a stage without friction goes on though it is not at rest, where the scene leaves growth open: stiff grains under a small stress swing for long,
-/// and only the last rest has to be one.
-const SWING: u64 = 6_000;
 /// Corrections of the porosity at which densification ends, after a rest outside tolerance.
 const CORRECTIONS: u32 = 10;
 
-impl Preparation {
+impl Stated {
     /// The first state: grains at a fraction of their size, at random in a cylinder with some room.
-    pub fn start(model: &Model, rig: &Specimen) -> (Preparation, State) {
-        Self::with_friction(model, rig, rig.preparation.growth_friction.unwrap_or(GROWTH_FIRST))
-    }
-
-    fn with_friction(model: &Model, rig: &Specimen, growth_friction: f64) -> (Preparation, State) {
+    pub fn start(model: &Model, rig: &Specimen, growth_friction: f64) -> (Stated, State) {
         let radii = packing::radii(rig, model.seeds.packing);
         let volume: f64 = radii.iter().map(|&r| sphere_volume(r)).sum();
         let radius = 0.5 * rig.diameter;
@@ -123,14 +108,13 @@ impl Preparation {
         state.reference_stress = growth::STRESS * rig.isotropic_stress;
         state.stability_interval = 1;
         let press = Press { stress: PRESS_FIRST, weak: 1.0, strong: None, before: None };
-        let preparation = Preparation {
+        let preparation = Stated {
             stage: Stage::Growth,
             stage_steps: 0,
             steps: 0,
             radii,
             limit: 0.0,
             press,
-            growth_friction,
             aim: rig.porosity,
             corrections: 0,
             compacted: None,
@@ -173,10 +157,6 @@ impl Preparation {
             Stage::Compaction if self.at_rest(model, rig, state, work) => {
                 let n = porosity(state);
                 if n < rig.porosity * (1.0 - rig.preparation.porosity_tolerance) {
-                    if rig.preparation.growth_friction.is_none() && self.growth_friction < GROWTH_LAST {
-                        self.grow_again(model, rig, state, work);
-                        return Ok(false);
-                    }
                     return Err(self.failure(
                         rig,
                         state,
@@ -195,12 +175,12 @@ impl Preparation {
                 } else if mu > 0.0 {
                     state.friction = Some(0.0);
                     self.stage_steps = 0;
-                } else if self.settled(model, rig, state, work) {
+                } else if self.at_rest(model, rig, state, work) {
                     self.press(state);
                 }
             }
-            Stage::Pressing if self.settled(model, rig, state, work) => self.enter(Stage::Release),
-            Stage::Release if self.settled(model, rig, state, work) => {
+            Stage::Pressing if self.at_rest(model, rig, state, work) => self.enter(Stage::Release),
+            Stage::Release if self.at_rest(model, rig, state, work) => {
                 if self.dense_enough(rig, state) {
                     self.finish(state);
                 } else if self.press.in_vain(porosity(state), rig) {
@@ -231,16 +211,6 @@ impl Preparation {
             _ => {}
         }
         Ok(false)
-    }
-
-    /// From the beginning with more friction: the grains grew too dense.
-    fn grow_again(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) {
-        let friction = (GROWTH_FACTOR * self.growth_friction).min(GROWTH_LAST);
-        let (steps, step, time) = (self.steps, state.step, state.time);
-        (*self, *state) = Self::with_friction(model, rig, friction);
-        self.steps = steps;
-        (state.step, state.time) = (step, time);
-        work.restart(model, state);
     }
 
     /// After a rest at porosity `n`, outside tolerance: densification again to another porosity, on from here if too loose, from its
@@ -295,10 +265,7 @@ impl Preparation {
         let size = Walls::of(state);
         if self.stage_steps.is_multiple_of(LOOK / 4) {
             // by the stress there is, not the one to come: a pressing starts as gently as the specimen is soft
-            // grains that grew into a space too small for them are let out as fast as they are stiff, where the scene leaves growth open
-            let open = rig.preparation.growth_friction.is_none() && self.stage == Stage::Compaction && self.stage_steps > PATIENCE;
-            let most = if open { f64::MAX } else { self.stress(rig) };
-            let now = Stresses::of(state).top.clamp(rig.isotropic_stress, most);
+            let now = Stresses::of(state).top.clamp(rig.isotropic_stress, self.stress(rig));
             state.reference_stress = now;
             self.limit = growth::INERTIAL * size.height / inertial_time(state, now);
         }
@@ -309,12 +276,6 @@ impl Preparation {
             let w = &mut state.walls[k];
             w.speed = servo_speed(stress * area, w.reaction, w.stiffness, rig.servo_gain, state.dt, limit);
         }
-    }
-
-    /// At rest, or swinging for so long that nothing more will come of it.
-    fn settled(&self, model: &Model, rig: &Specimen, state: &State, work: &Work) -> bool {
-        let long = rig.preparation.growth_friction.is_none() && self.stage_steps > SWING;
-        long || self.at_rest(model, rig, state, work)
     }
 
     fn at_rest(&self, model: &Model, rig: &Specimen, state: &State, work: &Work) -> bool {
@@ -365,10 +326,4 @@ impl Press {
         self.stress = (self.weak * self.stress).sqrt();
         between
     }
-}
-
-/// Porosity of the grains in the space between the walls (overlaps not subtracted).
-pub fn porosity(state: &State) -> f64 {
-    let (_, volume) = state.grains.mass_and_volume();
-    1.0 - volume / Walls::of(state).volume()
 }

@@ -1,0 +1,63 @@
+//! Preparation of a cylindrical specimen: with the friction while growing that the scene states, or on the way from the loosest to the densest.
+
+mod drive;
+pub mod path;
+pub mod range;
+pub mod stated;
+
+use crate::error::Error;
+use crate::model::{Model, Specimen};
+use crate::rig::cylinder::Walls;
+use crate::step::{State, Work};
+use path::{Path, Wish};
+use serde::{Deserialize, Serialize};
+use stated::Stated;
+
+/// Progress of a preparation; with the [`State`] it is all that a restart needs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Preparation {
+    Stated(Stated),
+    Path(Box<Path>),
+}
+
+impl Preparation {
+    /// The first state: grains at a fraction of their size, at random in a cylinder with some room.
+    pub fn start(model: &Model, rig: &Specimen) -> (Preparation, State) {
+        if let Some(friction) = rig.preparation.growth_friction {
+            let (stated, state) = Stated::start(model, rig, friction);
+            return (Preparation::Stated(stated), state);
+        }
+        let (path, state) = Path::start(model, rig, Wish::Porosity(rig.porosity));
+        (Preparation::Path(Box::new(path)), state)
+    }
+
+    /// One step. True when the specimen is ready.
+    pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> Result<bool, Error> {
+        match self {
+            Preparation::Stated(stated) => stated.advance(model, rig, state, work),
+            Preparation::Path(path) => path.advance(model, rig, state, work),
+        }
+    }
+
+    /// What it is doing, for a person to read.
+    pub fn stage(&self) -> &'static str {
+        match self {
+            Preparation::Stated(stated) => stated.stage.name(),
+            Preparation::Path(path) => path.stage.name(),
+        }
+    }
+
+    /// Steps so far.
+    pub fn steps(&self) -> u64 {
+        match self {
+            Preparation::Stated(stated) => stated.steps,
+            Preparation::Path(path) => path.steps,
+        }
+    }
+}
+
+/// Porosity of the grains in the space between the walls (overlaps not subtracted).
+pub fn porosity(state: &State) -> f64 {
+    let (_, volume) = state.grains.mass_and_volume();
+    1.0 - volume / Walls::of(state).volume()
+}

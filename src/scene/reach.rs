@@ -1,0 +1,121 @@
+//! Densities that a scene's specimen can have: measured before, or estimated; and the refusal of others.
+
+use super::Scene;
+use super::estimate::median;
+use super::specimen::{DENSITIES, solid_volume};
+use super::view::View;
+use crate::error::{Error, Result};
+use crate::model::{Model, Specimen};
+use crate::rig::preparation::range::{self, Range, void_ratio};
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// The range of void ratios of a scene's specimen.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Reach {
+    pub void_ratio_densest: f64,
+    pub void_ratio_loosest: f64,
+    /// Whether the program has made both specimens; otherwise an estimate.
+    pub measured: bool,
+    #[serde(skip)]
+    pub range: Range,
+}
+
+impl Reach {
+    fn new(range: Range, measured: bool) -> Reach {
+        Reach { void_ratio_densest: void_ratio(range.densest), void_ratio_loosest: void_ratio(range.loosest), measured, range }
+    }
+
+    /// Gives a specimen of stated relative density the porosity that it is in this range.
+    pub fn settle(&self, model: &mut Model) {
+        if let Some(rig) = model.rig.specimen_mut()
+            && let Some(density) = rig.relative_density
+        {
+            rig.porosity = self.range.porosity(density);
+        }
+    }
+}
+
+/// Porosity by which the estimate may be wrong: it is within 0.01 over the specimens it was fitted to, all with a friction of 0.5.
+const MARGIN: f64 = 0.02;
+
+/// The range as it is known without making a specimen; none where the scene states the friction while growing, whose own range is another one.
+pub fn reach(model: &Model) -> Option<Reach> {
+    let rig = model.rig.specimen().filter(|o| o.preparation.growth_friction.is_none())?;
+    Some(range::known(model, rig).map_or_else(|| Reach::new(estimated(rig), false), |range| Reach::new(range, true)))
+}
+
+/// Makes the loosest and the densest specimen to see how dense they are; none as in [`reach`].
+///
+/// # Errors
+/// A specimen that cannot be made.
+pub fn measured_reach(model: &Model) -> Result<Option<Reach>> {
+    let Some(rig) = model.rig.specimen().filter(|o| o.preparation.growth_friction.is_none()) else { return Ok(None) };
+    Ok(Some(Reach::new(range::measure(model, rig)?, true)))
+}
+
+/// Refuses a target outside the range, with the nearest that works and its key. An estimate refuses only what it cannot be wrong about.
+///
+/// # Errors
+/// Such a target.
+pub fn within_reach(scene: &Scene, model: &Model, reach: &Reach) -> Result<()> {
+    let Some(rig) = model.rig.specimen().filter(|o| o.relative_density.is_none()) else { return Ok(()) };
+    let view = View::of(&scene.layer);
+    if view.get("specimen.file").is_some() {
+        return Ok(());
+    }
+    let margin = if reach.measured { 0.0 } else { MARGIN };
+    let wide = Range { loosest: reach.range.loosest + margin, densest: reach.range.densest - margin };
+    let Some(beyond) = wide.nearest(rig.porosity, rig.preparation.porosity_tolerance) else { return Ok(()) };
+    let nearest = if beyond == wide.loosest { reach.range.loosest } else { reach.range.densest };
+    let key = DENSITIES.into_iter().find(|k| view.get(k).is_some()).unwrap_or(DENSITIES[0]);
+    let value = match key {
+        "specimen.void_ratio" => void_ratio(nearest),
+        "specimen.height_mm" => 1e3 * solid_volume(rig) / ((1.0 - nearest) * 0.25 * PI * rig.diameter * rig.diameter),
+        _ => nearest,
+    };
+    let how = if reach.measured { "measured" } else { "estimated; comminute check --range measures it" };
+    let message = format!(
+        "is a void ratio of {:.3}, and grains like these can be brought to {:.3} to {:.3} ({how}): the nearest that works is {key} = {value:.4}",
+        void_ratio(rig.porosity),
+        reach.void_ratio_densest,
+        reach.void_ratio_loosest
+    );
+    view.refuse(key, message);
+    Error::all(view.into_errors())
+}
+
+/// Says where a target lies that only an estimate puts outside.
+pub fn doubt(model: &Model, reach: &Reach) -> Option<String> {
+    let rig = model.rig.specimen().filter(|o| o.relative_density.is_none())?;
+    let outside = reach.range.nearest(rig.porosity, rig.preparation.porosity_tolerance).is_some();
+    (outside && !reach.measured).then(|| {
+        format!(
+            "the void ratio asked for, {:.3}, is about an end of what can be reached ({:.3} to {:.3}, estimated): comminute check --range measures it",
+            void_ratio(rig.porosity),
+            reach.void_ratio_densest,
+            reach.void_ratio_loosest
+        )
+    })
+}
+
+/// The range, by a fit to twenty specimens of figures/specimens (Cu 1.3 to 4.8, 550 to 3600 grains): wider gradations are denser, and so are specimens that are wide and high against their grains.
+pub fn estimated(o: &Specimen) -> Range {
+    let uniformity = (size(o, 0.6) / size(o, 0.1)).ln();
+    let height = solid_volume(o) / (0.6 * PI * o.diameter * o.diameter / 4.0);
+    let d = median(&o.gradation);
+    // share of the specimen within a median grain of a wall
+    let walls = 2.0 * d / o.diameter + d / height;
+    let at = |[bulk, wide, wall]: [f64; 3]| (bulk - wide * uniformity + wall * walls).clamp(0.05, 0.95);
+    Range { loosest: at(LOOSEST), densest: at(DENSEST) }
+}
+
+/// Porosity of a uniform, endless specimen, its fall with ln(Cu), and its rise with the share of grains at walls.
+const LOOSEST: [f64; 3] = [0.455, 0.097, 0.113];
+const DENSEST: [f64; 3] = [0.390, 0.106, 0.162];
+
+/// Diameter, m, of which the share `finer` of the mass is finer.
+fn size(o: &Specimen, finer: f64) -> f64 {
+    let between = o.gradation.windows(2).find(|w| w[1].1 >= finer);
+    between.map_or(f64::NAN, |w| w[0].0 + (finer - w[0].1) / (w[1].1 - w[0].1) * (w[1].0 - w[0].0))
+}
