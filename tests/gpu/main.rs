@@ -181,8 +181,7 @@ fn a_platen_presses_a_block_to_its_stress() {
         2.0 / p.rate.sqrt()
     );
     assert!((p.reaction / force - 1.0).abs() < 5e-3 && (floor / force - 1.0).abs() < 5e-3 && (strain / exact - 1.0).abs() < 0.01);
-    // what the platen did is in its contacts, the block and the damping; the force acts on the points' faces, a twentieth of the height beside
-    // the places that the contacts know
+    // what the platen did is in its contacts, the block and, a twentieth, the damping
     let balance = (p.work - p.stored) / c.stress_work() - 1.0;
     println!("platen: work {:e} J, stored {:e} J, stress work {:e} J, balance {balance:e}", p.work, p.stored, c.stress_work());
     assert!(c.stress_work() > 0.0 && p.stored > 0.0 && balance.abs() < 0.1);

@@ -39,8 +39,9 @@ const CHAINS: &str = "../tests/gpu/chains";
 const TWIN: &str = "../tests/gpu/mixture";
 const LOADED: &str = "300";
 
-/// Rung 4 of a mixture between platens under servo: four grains among a thousand points. Measured: q 1.6e-4 of the largest, volumetric strain 3e-5, what contacts of grains and
-/// points bear of q 1.3e-4, stress of all contacts 5e-6, kinetic energy of the grains 4e-3.
+/// Rung 4 of a mixture between platens under servo: four grains among a thousand points. Without local damping, which goes by the sign of
+/// velocities and makes rounding visible (q 3e-4 then). Measured: q 6e-6 of the largest, volumetric strain 2e-6, what contacts of grains and points bear of q 1e-6, stress of all contacts
+/// 2e-7, kinetic energy of the grains 2e-5.
 #[test]
 fn a_triaxial_test_of_a_mixture_is_that_of_the_cpu() {
     if !adapter("a_triaxial_test_of_a_mixture_is_that_of_the_cpu") {
@@ -58,7 +59,7 @@ fn a_triaxial_test_of_a_mixture_is_that_of_the_cpu() {
     );
     let [[touch], [borne]] = [["point_contacts"], ["q_interface_kPa"]].map(|c| *columns(&outs[1], c).last().expect("rows"));
     assert!(touch > 100.0 && borne.abs() > 0.1, "{touch} {borne}");
-    assert!(q < 4e-4 && volume < 1e-4 && interface < 2e-4 && contacts < 1e-5 && kinetic < 5e-3);
+    assert!(q < 5e-5 && volume < 2e-5 && interface < 1e-5 && contacts < 2e-6 && kinetic < 2e-4);
 }
 
 /// A stopped run leaves the same bytes, with rates that it finds by itself, on any number of threads.
