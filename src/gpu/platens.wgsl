@@ -53,6 +53,11 @@ fn cube_root(x: f32) -> f32 {
     return y - (y * y * y - x) / (3.0 * y * y);
 }
 
+// Half of the edge of what a point stands for at the start, cells.
+fn half_edge(i: u32) -> f32 {
+    return 0.5 * cube_root(number(REST, i).w) * params.inverse_cell;
+}
+
 fn summed(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
     return vec4<f32>(a.xyz + b.xyz, max(a.w, b.w));
 }
@@ -69,12 +74,10 @@ fn press(
     var force = vec3<f32>(0.0);
     var arm = vec4<f32>(0.0);
     var arm_low = vec4<f32>(0.0);
-    // half of the edge of what the point stands for at the start, cells
-    var half_edge = 0.0;
+    var changed = false;
     if i < params.points {
         arm = number(ARM, i);
         arm_low = number(ARM_LOW, i);
-        half_edge = 0.5 * cube_root(number(REST, i).w) * params.inverse_cell;
     }
     var stiffness = 0.0;
     for (var k = 0u; k < params.platens; k++) {
@@ -95,7 +98,10 @@ fn press(
             let of_point = select(select(deep * scale, 2.0 * params.cell, cells < -1), 0.0, cells > 1);
             // a ghost stays as far inside the material from its face as at the start
             let followed = arm[axis] * platen.normal < 0.0;
-            let further = select(0.0, (abs(arm[axis]) - half_edge) - platen.normal * arm_low[axis], followed);
+            var further = 0.0;
+            if followed {
+                further = (abs(arm[axis]) - half_edge(i)) - platen.normal * arm_low[axis];
+            }
             let overlap = of_point + further * params.cell;
             if overlap > radius {
                 atomicMin(&status.fault, 8u * word(ENERGY, i).z + PASSED);
@@ -106,12 +112,14 @@ fn press(
                 stiffness += tangent;
                 force[axis] += platen.normal * f;
                 if !followed {
-                    arm[axis] = -platen.normal * half_edge;
+                    arm[axis] = -platen.normal * half_edge(i);
                     arm_low[axis] = 0.0;
+                    changed = true;
                 }
             } else if followed && of_point <= 0.0 {
                 arm[axis] = 0.0;
                 arm_low[axis] = 0.0;
+                changed = true;
             }
         }
         pressing[thread] = own;
@@ -129,8 +137,10 @@ fn press(
     }
     if i < params.points {
         outside.parts[i] = vec4<f32>(force, stiffness);
-        put(ARM, i, arm);
-        put(ARM_LOW, i, arm_low);
+        if changed {
+            put(ARM, i, arm);
+            put(ARM_LOW, i, arm_low);
+        }
     }
 }
 

@@ -197,19 +197,15 @@ impl Continuum {
     /// As [`Self::push`], of a force along `normal`, into the material, on the face of the point that stands against it: each component acts as far beside the point
     /// along its own axis as the face does. From then on the face is followed, [`Points::faces`], until [`Self::let_go`].
     pub fn push_face(&mut self, i: usize, force: f64, normal: [f64; 3], stiffness: f64) {
-        self.points.faces.resize(self.points.len(), Face::default());
-        let touched = self.points.faces[i][0];
-        if (0..3).any(|a| normal[a] != 0.0 && touched[a] == 0.0) {
-            let half = self.points.half_edge(i, self.settings.dimension);
-            for a in (0..3).filter(|&a| touched[a] == 0.0) {
-                self.points.faces[i][1][a] = self.points.position[i][a] - normal[a] * half;
-            }
-        }
-        let Points { faces, position, .. } = &mut self.points;
-        let [beside, face] = &mut faces[i];
-        let push = self.work.outside.of_mut(i, position.len());
+        let Continuum { points, work, settings, .. } = self;
+        points.faces.resize(points.len(), Face::default());
+        let push = work.outside.of_mut(i, points.len());
         for a in (0..3).filter(|&a| normal[a] != 0.0) {
-            beside[a] = face[a] - position[i][a];
+            if points.faces[i][0][a] == 0.0 {
+                points.faces[i][1][a] = points.position[i][a] - normal[a] * points.half_edge(i, settings.dimension);
+            }
+            let [beside, face] = &mut points.faces[i];
+            beside[a] = face[a] - points.position[i][a];
             push.beside[a] += normal[a] * force;
         }
         push.beside[3] += stiffness;

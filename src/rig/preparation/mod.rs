@@ -6,8 +6,11 @@ pub mod range;
 pub mod stated;
 
 use crate::error::Error;
+use crate::grains::{Grains, sphere_volume};
 use crate::model::{Model, Specimen};
-use crate::rig::cylinder::Walls;
+use crate::packing;
+use crate::rig::cylinder::{CYLINDER, Walls, walls};
+use crate::rig::growth;
 use crate::step::{State, Work};
 use path::{Path, Wish};
 use serde::{Deserialize, Serialize};
@@ -54,6 +57,33 @@ impl Preparation {
             Preparation::Path(path) => path.steps,
         }
     }
+}
+
+/// Final radii by id, m, and the first state: grains at a fraction of their size, at random in a cylinder in which they will leave so many pores.
+fn scattered(model: &Model, rig: &Specimen, porosity: f64, friction: f64) -> (Vec<f64>, State) {
+    let radii = packing::radii(rig, model.seeds.packing);
+    let volume: f64 = radii.iter().map(|&r| sphere_volume(r)).sum();
+    let radius = 0.5 * rig.diameter;
+    let height = packing::height_for(porosity, volume, radius);
+    let points = packing::random_points(radius, height, &radii, model.seeds.packing);
+    let mut grains = Grains::default();
+    for (&r, &p) in radii.iter().zip(&points) {
+        grains.add(p, growth::START * r, 0, &model.materials);
+    }
+    let mut state = State::new(model, grains, walls(rig, radius, 0.0, height), false);
+    state.friction = Some(friction);
+    state.damping = rig.preparation.damping;
+    state.stability_interval = 1;
+    (radii, state)
+}
+
+/// Whether these walls bear a stress, Pa, as nearly as at rest.
+fn bears(state: &State, held: &[usize], stress: f64) -> bool {
+    let size = Walls::of(state);
+    held.iter().all(|&k| {
+        let area = if k == CYLINDER { size.shell_area() } else { size.platen_area() };
+        (state.walls[k].reaction / area / stress - 1.0).abs() < growth::STRESS_AT_REST
+    })
 }
 
 /// Porosity of the grains in the space between the walls (overlaps not subtracted).

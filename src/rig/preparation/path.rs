@@ -6,14 +6,12 @@
 //! rest. Stresses on the way are those of a stated overlap: rearrangement under the small isotropic stress of stiff grains takes ten times as many steps.
 
 use super::drive::{Drive, mean_stress};
-use super::porosity;
+use super::{bears, porosity, scattered};
 use crate::contact::law::Pair;
 use crate::error::Error;
-use crate::grains::{Grains, sphere_volume};
 use crate::model::{ContactLaw, Model, Specimen};
-use crate::packing;
 use crate::record::measure;
-use crate::rig::cylinder::{BOTTOM, CYLINDER, TOP, Walls, walls};
+use crate::rig::cylinder::{BOTTOM, CYLINDER, TOP, walls};
 use crate::rig::growth;
 use crate::step::{self, State, Work, stability};
 use serde::{Deserialize, Serialize};
@@ -168,21 +166,9 @@ impl Path {
     /// The first state: grains at a fraction of their size, at random in a roomy cylinder.
     pub fn start(model: &Model, rig: &Specimen, wish: Wish) -> (Path, State) {
         let own = quasi_static(model);
-        let radii = packing::radii(rig, own.seeds.packing);
-        let volume: f64 = radii.iter().map(|&r| sphere_volume(r)).sum();
-        let radius = 0.5 * rig.diameter;
-        let height = packing::height_for(ROOM, volume, radius);
-        let points = packing::random_points(radius, height, &radii, own.seeds.packing);
-        let mut grains = Grains::default();
-        for (&r, &p) in radii.iter().zip(&points) {
-            grains.add(p, growth::START * r, 0, &own.materials);
-        }
-        let mut state = State::new(&own, grains, walls(rig, radius, 0.0, height), false);
+        let (radii, mut state) = scattered(&own, rig, ROOM, friction(&own));
         let stress = stress(&own, rig, &radii);
-        state.friction = Some(friction(&own));
-        state.damping = rig.preparation.damping;
         state.reference_stress = stress;
-        state.stability_interval = 1;
         let aim = match wish {
             Wish::Porosity(n) => n - SPRING * OVERLAP,
             Wish::Loosest | Wish::Densest => 0.0,
@@ -360,10 +346,8 @@ impl Path {
         if !self.stage_steps.is_multiple_of(LOOK) || self.stage_steps < 4 * LOOK {
             return false;
         }
-        let size = Walls::of(state);
-        let areas = [(TOP, size.platen_area()), (BOTTOM, size.platen_area()), (CYLINDER, size.shell_area())];
-        let close = |(k, area): (usize, f64)| (state.walls[k].reaction / (area * self.asked) - 1.0).abs() < growth::STRESS_AT_REST;
-        areas.into_iter().all(close) && measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < growth::UNBALANCED
+        bears(state, &[TOP, BOTTOM, CYLINDER], self.asked)
+            && measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < growth::UNBALANCED
     }
 
     /// Whether a specimen that is still coming to rest is denser than asked already: rest makes it denser only. The loosest is let come to rest, to be told.

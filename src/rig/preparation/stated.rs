@@ -2,14 +2,12 @@
 //! compression under the platen's servo with friction lowered until the target porosity is reached, rest at final friction with platen and
 //! cylinder under servo.
 
-use super::porosity;
+use super::{bears, porosity, scattered};
 use crate::boundary::servo_speed;
 use crate::error::Error;
-use crate::grains::{Grains, sphere_volume};
 use crate::model::{Model, Specimen};
-use crate::packing;
 use crate::record::measure;
-use crate::rig::cylinder::{BOTTOM, CYLINDER, Stresses, TOP, Walls, inertial_time, walls};
+use crate::rig::cylinder::{BOTTOM, CYLINDER, Stresses, TOP, Walls, inertial_time};
 use crate::rig::growth;
 use crate::step::{self, State, Work};
 use serde::{Deserialize, Serialize};
@@ -92,21 +90,8 @@ const CORRECTIONS: u32 = 10;
 impl Stated {
     /// The first state: grains at a fraction of their size, at random in a cylinder with some room.
     pub fn start(model: &Model, rig: &Specimen, growth_friction: f64) -> (Stated, State) {
-        let radii = packing::radii(rig, model.seeds.packing);
-        let volume: f64 = radii.iter().map(|&r| sphere_volume(r)).sum();
-        let radius = 0.5 * rig.diameter;
-        let height = packing::height_for(rig.porosity + ROOM, volume, radius);
-        let points = packing::random_points(radius, height, &radii, model.seeds.packing);
-        let mut grains = Grains::default();
-        for (&r, &p) in radii.iter().zip(&points) {
-            grains.add(p, growth::START * r, 0, &model.materials);
-        }
-        let walls = walls(rig, radius, 0.0, height);
-        let mut state = State::new(model, grains, walls, false);
-        state.friction = Some(growth_friction);
-        state.damping = rig.preparation.damping;
+        let (radii, mut state) = scattered(model, rig, rig.porosity + ROOM, growth_friction);
         state.reference_stress = growth::STRESS * rig.isotropic_stress;
-        state.stability_interval = 1;
         let press = Press { stress: PRESS_FIRST, weak: 1.0, strong: None, before: None };
         let preparation = Stated {
             stage: Stage::Growth,
@@ -282,15 +267,9 @@ impl Stated {
         if !self.stage_steps.is_multiple_of(LOOK) || self.stage_steps < 4 * LOOK {
             return false;
         }
-        let size = Walls::of(state);
-        let close = |stress: f64| (stress / self.stress(rig) - 1.0).abs() < growth::STRESS_AT_REST;
-        if !(close(state.walls[TOP].reaction / size.platen_area())
-            && close(state.walls[BOTTOM].reaction / size.platen_area())
-            && (self.stage != Stage::Rest || close(state.walls[CYLINDER].reaction / size.shell_area())))
-        {
-            return false;
-        }
-        measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < growth::UNBALANCED
+        let held: &[usize] = if self.stage == Stage::Rest { &[TOP, BOTTOM, CYLINDER] } else { &[TOP, BOTTOM] };
+        bears(state, held, self.stress(rig))
+            && measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < growth::UNBALANCED
     }
 
     fn failure(&self, rig: &Specimen, state: &State, what: &str) -> Error {
