@@ -61,27 +61,12 @@ impl Crushed {
         let (Some(initial), Some(mixture)) = (&self.initial, &state.mixture) else { return Ok(Row::new()) };
         let indices = Indices::between(initial, &gradation(model, &mixture.grains))
             .map_err(|e| Error::Failed { step: state.continuum.steps(), what: e.to_string() })?;
-        let of = |f: fn(&Indices) -> f64| indices.as_ref().map_or(f64::NAN, f);
-        self.indices = [
-            of(|i| i.hardin_br.unwrap_or(f64::NAN)),
-            of(|i| i.einav_br.unwrap_or(f64::NAN)),
-            of(|i| i.einav_beyond.unwrap_or(f64::NAN)),
-        ];
+        self.indices = gradations::breakage(indices.as_ref());
         let touching = mixture.touching();
         self.contacts = self.contacts.max(touching.grains + touching.walls);
-        let [hardin, einav, beyond] = self.indices;
-        Ok(vec![
-            ("mass_lost_kg", lost(state).into()),
-            ("d10_mm", (1e3 * of(|i| i.d10)).into()),
-            ("d30_mm", (1e3 * of(|i| i.d30)).into()),
-            ("d50_mm", (1e3 * of(|i| i.d50)).into()),
-            ("d60_mm", (1e3 * of(|i| i.d60)).into()),
-            ("cu", of(|i| i.cu).into()),
-            ("cc", of(|i| i.cc).into()),
-            ("hardin_br", hardin.into()),
-            ("einav_br", einav.into()),
-            ("einav_beyond", beyond.into()),
-        ])
+        let mut row: Row = vec![("mass_lost_kg", lost(state).into())];
+        row.extend(gradations::columns(indices.as_ref()));
+        Ok(row)
     }
 
     /// Rows of `gsd.csv` for this instant, where grains break.

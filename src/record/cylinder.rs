@@ -1,7 +1,7 @@
 //! Records of a cylindrical specimen under test: rows of history, and what the summary remembers of them.
 
 use super::breakages::Breakages;
-use super::gradations::gradation;
+use super::gradations::{self, gradation};
 use super::measure;
 use super::quasi_static::{self, Held};
 use super::table::Row;
@@ -131,7 +131,7 @@ impl Recorder {
             .map_err(|e| Error::Failed { step: state.step, what: e.to_string() })?;
         let mm = |x: f64| x * 1e3;
         let axial_strain = 1.0 - size.height / moment.start_height;
-        let of = |f: fn(&Indices) -> f64| indices.as_ref().map_or(f64::NAN, f);
+        let [hardin_br, einav_br, einav_beyond] = gradations::breakage(indices.as_ref());
 
         self.max_stress = self.max_stress.max(v);
         self.deepest = self.deepest.max(sums.worst_overlap);
@@ -149,9 +149,9 @@ impl Recorder {
             void_ratio_grains: void_ratio(grains),
             void_ratio_star: void_ratio(star(porosity)),
             axial_strain,
-            hardin_br: of(|i| i.hardin_br.unwrap_or(f64::NAN)),
-            einav_br: of(|i| i.einav_br.unwrap_or(f64::NAN)),
-            einav_beyond: of(|i| i.einav_beyond.unwrap_or(f64::NAN)),
+            hardin_br,
+            einav_br,
+            einav_beyond,
         };
         if self.below_least.is_none() && void_ratio(porosity) < model.records.least_void_ratio {
             self.below_least = Some(BelowLeast { sigma_v: v, axial_strain, void_ratio: void_ratio(porosity) });
@@ -192,16 +192,8 @@ impl Recorder {
             ("mass_grains_kg", sums.mass.into()),
             ("mass_lost_kg", lost.into()),
             ("mass_error", mass_error.into()),
-            ("d10_mm", mm(of(|i| i.d10)).into()),
-            ("d30_mm", mm(of(|i| i.d30)).into()),
-            ("d50_mm", mm(of(|i| i.d50)).into()),
-            ("d60_mm", mm(of(|i| i.d60)).into()),
-            ("cu", of(|i| i.cu).into()),
-            ("cc", of(|i| i.cc).into()),
-            ("hardin_br", of(|i| i.hardin_br.unwrap_or(f64::NAN)).into()),
-            ("einav_br", of(|i| i.einav_br.unwrap_or(f64::NAN)).into()),
-            ("einav_beyond", of(|i| i.einav_beyond.unwrap_or(f64::NAN)).into()),
         ]);
+        row.extend(gradations::columns(indices.as_ref()));
         if model.records.energy {
             row.extend([
                 ("energy_wall_J", balance.wall.into()),

@@ -1,7 +1,7 @@
 //! Gradations of the grains of a run: at an instant, before loading, and as rows of `gsd.csv`.
 
 use super::table::Row;
-use crate::gradation::{Gradation, sieve_sizes};
+use crate::gradation::{Gradation, Indices, sieve_sizes};
 use crate::grains::{Grains, sphere_volume};
 use crate::model::{GrainSpec, Model};
 use crate::step::State;
@@ -15,6 +15,29 @@ pub fn gradation(model: &Model, state: &State) -> Gradation {
     let radii = state.aftermath.radii(g);
     let grains = g.by_id().into_iter().map(|i| (2.0 * radii[i as usize], g.mass[i as usize]));
     Gradation::new(grains, state.lost.iter().copied(), model.fines, model.scale)
+}
+
+/// Relative breakage of Hardin and of Einav, and what is beyond Einav's; not numbers where there is none.
+pub fn breakage(indices: Option<&Indices>) -> [f64; 3] {
+    let of = |f: fn(&Indices) -> Option<f64>| indices.and_then(f).unwrap_or(f64::NAN);
+    [of(|i| i.hardin_br), of(|i| i.einav_br), of(|i| i.einav_beyond)]
+}
+
+/// Columns of a history that say how the gradation has changed.
+pub fn columns(indices: Option<&Indices>) -> Row {
+    let of = |f: fn(&Indices) -> f64| indices.map_or(f64::NAN, f);
+    let [hardin, einav, beyond] = breakage(indices);
+    vec![
+        ("d10_mm", (1e3 * of(|i| i.d10)).into()),
+        ("d30_mm", (1e3 * of(|i| i.d30)).into()),
+        ("d50_mm", (1e3 * of(|i| i.d50)).into()),
+        ("d60_mm", (1e3 * of(|i| i.d60)).into()),
+        ("cu", of(|i| i.cu).into()),
+        ("cc", of(|i| i.cc).into()),
+        ("hardin_br", hardin.into()),
+        ("einav_br", einav.into()),
+        ("einav_beyond", beyond.into()),
+    ]
 }
 
 /// Gradation of a specimen before loading.
