@@ -354,8 +354,9 @@ fn a_crushing_oedometer_obeys_the_identities_of_table_4() {
 #[test]
 fn daughters_begin_without_overlap_and_grow_to_their_size() {
     let d = 2e-3;
-    for (lost_mass, larger) in [("leave", 1.0), ("grow", 1.233)] {
-        let head = crushing("fixed_angle", 30.0, 2.0, 0.0)
+    // the strong grain is half her radius deep in each platen, and daughters at her edge would begin in it
+    for (lost_mass, larger, strength) in [("leave", 1.0, 30.0), ("grow", 1.233, 30.0), ("leave", 1.0, 1300.0)] {
+        let head = crushing("fixed_angle", strength, 2.0, 0.0)
             .replace("overlapping", "gradual")
             .replace("d50_mm = 2.0", "d50_mm = 7.0")
             + &format!("crushing.lost_mass = \"{lost_mass}\"\ncrushing.growth_steps = 400\nsteps = 1000000\ndamping.local = 0.7\n");
@@ -366,7 +367,7 @@ fn daughters_begin_without_overlap_and_grow_to_their_size() {
         let masses: Vec<f64> = g.mass.clone();
         for p in &g.pos {
             for w in walls {
-                // but by what it has grown in this one step; the mother's overlap was 0.04 mm
+                // but by what it has grown in this one step; the weak mother's overlap was 0.04 mm
                 assert!(w.shape.towards(*p).1 > -2e-6, "{p:?} overlaps a platen");
             }
         }

@@ -4,7 +4,8 @@
 //! at once), and the neighbours, which the mother has held until then, move into the gap within a few steps. Gradual birth takes both shocks away:
 //!
 //! - Daughters begin small enough to overlap no neighbour and no wall, so without force, and grow to their size. A daughter whose load comes
-//!   near her limit waits with it, so none is broken by her own growth.
+//!   near her limit waits with it, so none is broken by her own growth. Where the mother was pressed so deep into a wall or a neighbour that a daughter at her edge would begin inside of it, all
+//!   begin in the largest sphere around her middle that overlaps nothing, in proportion.
 //! - Each contact of the mother with a neighbour goes on, with the place where she was instead of her, and softens: its normal force is that of the law times the share of a number of steps that is
 //!   left. She loses her strength as a cracking grain does, not at an instant, and the neighbours close in at a pace that their contacts can follow. A neighbour
 //!   that moves away lets go, so nothing is thrown.
@@ -90,14 +91,23 @@ impl Obstacles {
 
     /// Radius up to `radius`, m, with which a daughter at `centre` overlaps none of them and no wall; at least [`LEAST`] of it.
     pub fn free_radius(&self, centre: [f64; 3], radius: f64, walls: &[Wall]) -> f64 {
-        let [x, y, z] = centre;
+        self.gap(centre, walls).clamp(LEAST * radius, radius)
+    }
+
+    /// Whether a daughter of this radius, m, at `centre` would begin in the reach of one of them or of a wall, as at the edge of a grain that was pressed deep into it.
+    pub fn bury(&self, centre: [f64; 3], radius: f64, walls: &[Wall]) -> bool {
+        self.gap(centre, walls) < LEAST * radius
+    }
+
+    /// Distance of the next surface, m; below zero behind it.
+    fn gap(&self, [x, y, z]: [f64; 3], walls: &[Wall]) -> f64 {
         let point = [x, y, z, 0.0];
-        let mut free = walls.iter().map(|w| w.shape.towards(point).1).fold(radius, f64::min);
-        for q in &self.0 {
+        let of_wall = |w: &Wall| w.shape.towards(point).1;
+        let of_grain = |q: &[f64; 4]| {
             let d = sweep::difference(point, *q);
-            free = free.min(dot(d, d).sqrt() - q[3]);
-        }
-        free.max(LEAST * radius)
+            dot(d, d).sqrt() - q[3]
+        };
+        walls.iter().map(of_wall).chain(self.0.iter().map(of_grain)).fold(f64::INFINITY, f64::min)
     }
 }
 

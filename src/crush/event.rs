@@ -202,10 +202,15 @@ fn break_one(
     let mut kept = 0.0;
     let mut daughters_kinetic = 0.0;
     let mut born = Vec::with_capacity(crush.pattern.count());
-    // in the sphere that she had; their own sizes are those of the sphere that she was growing to, and of all her mass if it is kept
+    // in the sphere that she had, or in what of it is free; their own sizes are those of the sphere that she was growing to, and of all her mass if it is kept
+    let in_sphere = |radius: f64| crush.pattern.daughters(centre, radius, verdict.axis, perpendicular);
+    let mut sphere = mother.pos[3];
+    if matches!(crush.birth, Birth::Gradual { .. }) && in_sphere(sphere).any(|(at, radius)| obstacles.bury(at, radius, &state.walls)) {
+        sphere = obstacles.free_radius(centre, sphere, &state.walls);
+    }
     let mass = if crush.keeps_mass { crush.pattern.volume_kept().cbrt().recip() } else { 1.0 };
-    let larger = mass * mother.size / mother.pos[3];
-    for (k, (position, radius)) in crush.pattern.daughters(centre, mother.pos[3], verdict.axis, perpendicular).enumerate() {
+    let larger = mass * mother.size / sphere;
+    for (k, (position, radius)) in in_sphere(sphere).enumerate() {
         let i = if k == 0 { m } else { state.grains.len() };
         let target = larger * radius;
         place(model, crush, state, i, &mother, k as u32, position, target);
