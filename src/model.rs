@@ -7,6 +7,7 @@ use crate::crush::criterion::AreaModel;
 use crate::crush::lost_mass::Fines;
 use crate::crush::pattern::Pattern;
 use crate::crush::strength::StrengthModel;
+use crate::mpm::law::Law;
 use serde::{Deserialize, Serialize};
 
 /// Everything immutable about one run. Lengths m, masses kg, stresses Pa, angles rad.
@@ -212,6 +213,20 @@ impl Rig {
 pub struct Oedometer {
     pub specimen: Specimen,
     pub loading: Loading,
+    /// Where the mass that breakages lose becomes material points.
+    pub fines: Option<Embedding>,
+}
+
+/// Fines from crushing as a continuum among the grains of a test.
+#[derive(Clone, Debug)]
+pub struct Embedding {
+    pub law: Law,
+    /// Porosity with which they begin, free of stress.
+    pub porosity: f64,
+    /// Edge of a cell, m.
+    pub cell: f64,
+    /// As [`crate::coupling::Rule::release_strain`].
+    pub release_strain: f64,
 }
 
 /// Drained shear of a specimen at constant cell pressure, which is the specimen's isotropic stress.

@@ -246,6 +246,7 @@ fn rig(case: Case, grains: usize) -> Oedometer {
             row_strain: None,
             row_events: None,
         },
+        fines: None,
     }
 }
 

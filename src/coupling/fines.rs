@@ -16,7 +16,8 @@ use crate::crush::event::Breakage;
 use crate::crush::strength::lineage_uniform;
 use crate::grains::Grains;
 use crate::mpm::platen::ghost_radius;
-use crate::mpm::{Continuum, Dimension, Platen, Point};
+use crate::mpm::{Continuum, Dimension, Point};
+use crate::step::State;
 use serde::{Deserialize, Serialize};
 
 /// How fines enter.
@@ -30,6 +31,8 @@ pub struct Rule {
     pub solid: f64,
     /// Density of the grains, kg/m³.
     pub density: f64,
+    /// Points begin at rest: inertia is scaled, and the momentum that a breakage leaves is not that of a mass.
+    pub at_rest: bool,
 }
 
 /// Mass, kg, momentum, kg m/s, and kinetic energy, J.
@@ -81,6 +84,8 @@ struct Around<'a> {
     centre: [f64; 3],
     radius: f64,
     grains: &'a Grains,
+    /// Their radii, m, or what they grow to.
+    radii: &'a [f64],
     /// Those near the mother.
     near: Vec<usize>,
     walls: &'a [Wall],
@@ -98,9 +103,18 @@ impl Fines {
     }
 
     /// What the breakages of a cycle have lost becomes points.
-    pub(super) fn enter(&mut self, grains: &Grains, walls: &[Wall], continuum: &mut Continuum, ghosts: &mut Ghosts) {
-        for event in std::mem::take(&mut self.waiting) {
-            let (mass, places) = self.places(&event, grains, walls, continuum);
+    pub(super) fn enter(&mut self, state: &State, continuum: &mut Continuum, ghosts: &mut Ghosts) {
+        if self.waiting.is_empty() {
+            return;
+        }
+        let State { grains, walls, aftermath, .. } = state;
+        // daughters that grow will be there
+        let radii = aftermath.radii(grains);
+        for mut event in std::mem::take(&mut self.waiting) {
+            if self.rule.at_rest {
+                (event.lost_momentum, event.lost_kinetic) = ([0.0; 3], 0.0);
+            }
+            let (mass, places) = self.places(&event, grains, &radii, walls, continuum);
             let share = mass * places.len() as f64 / event.lost_mass;
             let of = |share: f64| event.lost_momentum.map(|p| share * p);
             let velocity = event.lost_momentum.map(|p| p / event.lost_mass);
@@ -119,19 +133,23 @@ impl Fines {
         }
     }
 
-    /// Fines that a grain has pushed through a platen have no place in the continuum any more: back into the reserve.
-    pub(super) fn leave(&mut self, platens: &[Platen], continuum: &mut Continuum, ghosts: &mut Ghosts) {
+    /// Fines that a grain has pushed through a platen or wall have no place in the continuum any more: back into the reserve. `through` says of a place whether it is behind one.
+    pub(super) fn leave(&mut self, through: impl Fn([f64; 4]) -> bool, continuum: &mut Continuum, ghosts: &mut Ghosts) {
         let points = continuum.points();
-        let through = |i: usize| platens.iter().any(|platen| platen.height(points.position[i]).0 < 0.0);
-        let lost: Vec<usize> = (0..points.len()).filter(|&i| ghosts.is_newborn(points.id[i]) && through(i)).collect();
+        let lost: Vec<usize> =
+            (0..points.len()).filter(|&i| ghosts.is_newborn(points.id[i]) && through(points.position[i])).collect();
         if lost.is_empty() {
             return;
         }
         let mut gone = vec![false; points.len()];
         for i in lost {
-            let [u, v, w, mass] = points.velocity[i];
-            let momentum = [u, v, w].map(|u| mass * u);
-            self.reserve.add(mass, momentum, 0.5 * mass * (u * u + v * v + w * w));
+            let ([u, v, w, mut mass], mut velocity) = (points.velocity[i], [0.0; 3]);
+            if self.rule.at_rest {
+                mass = self.rule.density * points.solid(i);
+            } else {
+                velocity = [u, v, w];
+            }
+            self.reserve.add(mass, velocity.map(|u| mass * u), 0.5 * mass * dot(velocity, velocity));
             self.entered.mass -= mass;
             self.points -= 1;
             gone[i] = true;
@@ -141,7 +159,14 @@ impl Fines {
     }
 
     /// The mass of each of an event's points, kg, and their places.
-    fn places(&self, event: &Breakage, grains: &Grains, walls: &[Wall], continuum: &Continuum) -> (f64, Vec<[f64; 3]>) {
+    fn places(
+        &self,
+        event: &Breakage,
+        grains: &Grains,
+        radii: &[f64],
+        walls: &[Wall],
+        continuum: &Continuum,
+    ) -> (f64, Vec<[f64; 3]>) {
         let (rule, radius, lost) = (&self.rule, 0.5 * event.diameter, event.lost_mass / self.rule.density);
         // what daughters leave of the mother's sphere is as large as the fines without pores
         let room = (1.0 - rule.porosity) * (lost - within(continuum, event.position, radius)).max(0.0);
@@ -154,12 +179,12 @@ impl Fines {
         let reach = radius + ghost;
         let near = |i: &usize| {
             let p = grains.pos[*i];
-            let far = reach + p[3];
+            let far = reach + radii[*i];
             let d = less([p[0], p[1], p[2]], event.position);
             dot(d, d) < far * far
         };
         let near = (0..grains.len()).filter(near).collect();
-        let around = Around { centre: event.position, radius, grains, near, walls, continuum };
+        let around = Around { centre: event.position, radius, grains, radii, near, walls, continuum };
         let mut places = around.spread(event.lineage, ghost, number as usize);
         let mass = solid * rule.density;
         // who goes for one reason may leave another one alone
@@ -221,7 +246,7 @@ impl Around<'_> {
         let to = |i: &usize| {
             let g = self.grains.pos[*i];
             let d = less(p, [g[0], g[1], g[2]]);
-            dot(d, d).sqrt() - g[3]
+            dot(d, d).sqrt() - self.radii[*i]
         };
         self.near.iter().map(to).fold(f64::INFINITY, f64::min)
     }

@@ -15,6 +15,12 @@ impl Ghost {
         if k_n > 0.0 { share * self.touch.normal_force * self.touch.overlap + 0.5 * dot(t, t) / k_t } else { 0.0 }
     }
 
+    /// What it asks of the inertia of its ends, N/m ([`crate::step::stability`]).
+    pub(super) fn share(&self) -> f64 {
+        let [k_n, k_t] = self.stiffness;
+        (2.0 * k_n).max(7.0 * k_t)
+    }
+
     /// Force on the body, N.
     pub fn force(&self) -> [f64; 3] {
         self.touch.force()

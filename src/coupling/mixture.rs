@@ -222,8 +222,10 @@ impl Mixture {
         self.cycles += 1;
         self.advance(parts, time * (1.0 / f64::from(rates.continuum)))?;
         if let Some(fines) = &mut self.fines {
-            fines.enter(&self.grains.grains, &self.grains.walls, parts.continuum, &mut self.ghosts);
-            fines.leave(parts.platens, parts.continuum, &mut self.ghosts);
+            fines.enter(&self.grains, parts.continuum, &mut self.ghosts);
+            let platens = &*parts.platens;
+            let through = |p| platens.iter().any(|platen| platen.height(p).0 < 0.0);
+            fines.leave(through, parts.continuum, &mut self.ghosts);
         }
         Ok(())
     }

@@ -8,6 +8,7 @@
 //! Ghosts have no spin. Slip is taken from the velocity that carried the point, not from its own: with FLIP these differ, and only the first
 //! moves the contact point.
 
+mod embedded;
 mod evaluate;
 #[cfg(feature = "gpu")]
 pub(crate) mod exchange;
@@ -18,6 +19,7 @@ mod mixture;
 pub(crate) mod search;
 pub mod validity;
 
+pub use embedded::Embedded;
 pub use fines::{Account, Fines, Rule};
 pub use measure::{Shares, Touching};
 pub use mixture::{Allowed, Cycle, Mixture, Parts, Rates};

@@ -11,6 +11,7 @@ use crate::contact::{sweep, wall_sweep};
 use crate::grains::{sphere_volume, stiffness_radius};
 use crate::model::{Birth, ContactLaw, CrushModel, Model};
 use crate::neighbours::{Neighbours, Pools};
+use crate::portable;
 use crate::record::measure;
 use crate::step::{State, gather, stability};
 use serde::{Deserialize, Serialize};
@@ -205,10 +206,12 @@ fn break_one(
     // in the sphere that she had, or in what of it is free; their own sizes are those of the sphere that she was growing to, and of all her mass if it is kept
     let in_sphere = |radius: f64| crush.pattern.daughters(centre, radius, verdict.axis, perpendicular);
     let mut sphere = mother.pos[3];
-    if matches!(crush.birth, Birth::Gradual { .. }) && in_sphere(sphere).any(|(at, radius)| obstacles.bury(at, radius, &state.walls)) {
+    if matches!(crush.birth, Birth::Gradual { .. })
+        && in_sphere(sphere).any(|(at, radius)| obstacles.bury(at, radius, &state.walls))
+    {
         sphere = obstacles.free_radius(centre, sphere, &state.walls);
     }
-    let mass = if crush.keeps_mass { crush.pattern.volume_kept().cbrt().recip() } else { 1.0 };
+    let mass = if crush.keeps_mass { portable::pow(crush.pattern.volume_kept(), -1.0 / 3.0) } else { 1.0 };
     let larger = mass * mother.size / sphere;
     for (k, (position, radius)) in in_sphere(sphere).enumerate() {
         let i = if k == 0 { m } else { state.grains.len() };

@@ -3,7 +3,7 @@
 //! With the leapfrog's kinetic energy ½ m v(t−½)·v(t+½) and path work summed by the trapezium ½ (F_old + F_new)·Δu, the balance
 //!
 //! ```text
-//! wall work + work of broken grains' fading hold − path work − damping − Δkinetic − Δpotential − kinetic lost in breakages
+//! wall work + work of broken grains' fading hold − work on material points − path work − damping − Δkinetic − Δpotential − kinetic lost in breakages
 //! + kinetic from re-scaled inertia = 0
 //! ```
 //!
@@ -33,6 +33,8 @@ pub struct Ledger {
     /// Work of grains that grow on their contacts, and of broken grains' fading hold on their neighbours ([`crate::crush::birth`]).
     pub growth: f64,
     pub release: f64,
+    /// Work of grains and walls on fines that are material points ([`crate::coupling::Embedded`]).
+    pub points: f64,
     /// Breakages after which more elastic energy was stored around the event than before.
     pub rises: u64,
     /// Stored, kinetic and potential energy at the start.
@@ -57,6 +59,7 @@ pub struct Balance {
     pub inertia: f64,
     pub growth: f64,
     pub release: f64,
+    pub points: f64,
     /// Stored, kinetic, potential at the start.
     pub start: [f64; 3],
 }
@@ -92,6 +95,7 @@ impl Ledger {
             inertia: self.inertia,
             growth: self.growth,
             release: self.release + sums.release,
+            points: self.points,
             start: self.start,
         }
     }
@@ -107,6 +111,7 @@ impl Balance {
             - (self.potential - self.start[2])
             - self.lost_kinetic
             - self.lost_potential
+            - self.points
     }
 
     /// Path work that is neither stored nor lost in slip and viscosity, J.

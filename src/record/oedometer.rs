@@ -1,8 +1,9 @@
 //! Records of an oedometer run: which are due, and its own columns.
 
 use super::cylinder::{Due, Moment, Recorder};
+use crate::coupling::Fines;
 use crate::model::{Model, Oedometer};
-use crate::rig::cylinder::{Stresses, Walls};
+use crate::rig::cylinder::{BOTTOM, Stresses, TOP, Walls};
 use crate::rig::oedometer::{Loading, Phase};
 use crate::step::State;
 
@@ -80,13 +81,20 @@ impl Recorder {
 /// This instant of an oedometer.
 pub fn moment(rig: &Oedometer, loading: &Loading, state: &State) -> Moment {
     let s = Stresses::of(state);
-    Moment {
-        stage: stage_name(loading, rig),
-        target: loading.target,
-        held: s.vertical(),
-        start_height: loading.start.0,
-        own: vec![("k0", (s.horizontal / s.vertical()).into())],
+    let mut own = vec![("k0", (s.horizontal / s.vertical()).into())];
+    if let Some(embedded) = &loading.fines {
+        let Fines { points, entered, reserve, released, .. } = &embedded.fines;
+        let pressed = 0.5 * (embedded.pressed(BOTTOM) + embedded.pressed(TOP)) / Walls::of(state).platen_area();
+        own.extend([
+            ("fines_points", (*points).into()),
+            ("fines_mass_kg", entered.mass.into()),
+            ("reserve_mass_kg", reserve.mass.into()),
+            ("sigma_v_points_kPa", (1e-3 * pressed).into()),
+            ("energy_points_J", embedded.work.into()),
+            ("released_J", (*released).into()),
+        ]);
     }
+    Moment { stage: stage_name(loading, rig), target: loading.target, held: s.vertical(), start_height: loading.start.0, own }
 }
 
 fn stage_name(loading: &Loading, rig: &Oedometer) -> &'static str {

@@ -3,6 +3,7 @@
 
 use super::cylinder::{self, Stresses, TOP, Walls, inertial_time};
 use crate::boundary::servo_speed;
+use crate::coupling::Embedded;
 use crate::error::Error;
 use crate::grains::Grains;
 use crate::model::{Model, Oedometer};
@@ -50,6 +51,8 @@ pub struct Loading {
     peak: f64,
     /// Whether the programme waits for the specimen.
     pub waits: bool,
+    /// Fines from crushing, where they become material points.
+    pub fines: Option<Box<Embedded>>,
 }
 
 /// Steps between two looks at the platen's speed limit.
@@ -63,8 +66,12 @@ const HOLD_AT_MOST: u64 = 4000;
 
 impl Loading {
     /// Starts from a specimen: strengths drawn, no history, at rest.
-    pub fn start(model: &Model, rig: &Oedometer, grains: Grains, size: Walls) -> (Loading, State) {
+    ///
+    /// # Errors
+    /// A grid for fines that is not allowed.
+    pub fn start(model: &Model, rig: &Oedometer, grains: Grains, size: Walls) -> Result<(Loading, State), Error> {
         let state = cylinder::start(model, &rig.specimen, grains, size);
+        let fines = rig.fines.as_ref().map(|embedding| Embedded::new(model, embedding, size).map(Box::new)).transpose()?;
         let loading = Loading {
             phase: Phase::Settle,
             phase_steps: 0,
@@ -73,8 +80,9 @@ impl Loading {
             limit: 0.0,
             peak: rig.specimen.isotropic_stress,
             waits: false,
+            fines,
         };
-        (loading, state)
+        Ok((loading, state))
     }
 
     /// One step; `observe` sees the state when its forces are known.
@@ -86,13 +94,17 @@ impl Loading {
         work: &mut Work,
         observe: impl FnOnce(&Loading, &State, &Work) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let this = &mut *self;
-        step::step(model, state, work, |state, work| {
-            this.programme(model, rig, state, work);
-            observe(this, state, work)?;
-            this.servo(rig, state);
-            Ok::<(), Error>(())
-        })?;
+        step::feel(model, state, work);
+        if let Some(fines) = &mut self.fines {
+            fines.feel(model, state, work);
+        }
+        self.programme(model, rig, state, work);
+        observe(self, state, work)?;
+        self.servo(rig, state);
+        match &mut self.fines {
+            None => step::go(model, state, work),
+            Some(fines) => fines.go(model, state, work)?,
+        }
         self.phase_steps += 1;
         Ok(())
     }

@@ -158,7 +158,7 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
         let (activity, state) = match (&model.rig, model.rig.specimen(), given) {
             (_, Some(_), Some((grains, walls))) => {
                 specimen::write(&out.join(files::SPECIMEN), &grains, &model.materials, Some(walls))?;
-                test(&model, grains, walls)
+                test(&model, grains, walls)?
             }
             (_, Some(rig), None) => {
                 let (preparation, state) = Preparation::start(&model, rig);
@@ -245,15 +245,15 @@ fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> + Se
 }
 
 /// The test of a prepared specimen.
-fn test(model: &Model, grains: Grains, walls: Walls) -> (Activity, State) {
+fn test(model: &Model, grains: Grains, walls: Walls) -> Result<(Activity, State)> {
     match &model.rig {
         Rig::Oedometer(rig) => {
-            let (loading, state) = Loading::start(model, rig, grains, walls);
-            (Activity::Loading(loading), state)
+            let (loading, state) = Loading::start(model, rig, grains, walls)?;
+            Ok((Activity::Loading(loading), state))
         }
         Rig::Triaxial(rig) => {
             let (shearing, state) = Shearing::start(model, rig, grains, walls);
-            (Activity::Shearing(shearing), state)
+            Ok((Activity::Shearing(shearing), state))
         }
         Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => unreachable!("no specimen of grains"),
     }
@@ -392,7 +392,7 @@ impl<'a> Runner<'a> {
         let state = &self.progress.state;
         specimen::write(&path, &state.grains, &self.model.materials, Some(Walls::of(state)))?;
         let (grains, walls) = specimen::read(&path, &self.model.materials)?;
-        (self.progress.activity, self.progress.state) = test(self.model, grains, walls);
+        (self.progress.activity, self.progress.state) = test(self.model, grains, walls)?;
         self.progress.files.open(self.out, self.model, true)?;
         self.work = fresh_work(self.model, &mut self.progress.state);
         // whatever may come, the specimen's test can begin again from here

@@ -80,7 +80,11 @@ impl View<'_> {
             "needs crushing.birth = \"gradual\" to be \"grow\"",
         );
         let points = self.text("crushing.lost_mass") == "points";
-        self.check(!points || matches!(rig, Rig::Continuum(_)), "crushing.lost_mass", "can be \"points\" in a mixture only");
+        self.check(
+            !points || matches!(rig, Rig::Continuum(_) | Rig::Oedometer(_)),
+            "crushing.lost_mass",
+            "can be \"points\" in an oedometer or a mixture only",
+        );
         let interval = self.whole("crushing.interval").unwrap_or(1);
         let crush = CrushModel { area, strength, pattern, d_limit, birth, keeps_mass, interval };
         Some((Some(crush), fines))

@@ -71,6 +71,10 @@ const fn mixture(path: &'static str, shape: Shape, default: Default, what: &'sta
     Key { of: Of::Mixture, ..both(path, shape, default, what) }
 }
 
+const fn fines(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Fines, ..both(path, shape, default, what) }
+}
+
 const fn continuum(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
     Key { of: Of::Continuum, ..both(path, shape, default, what) }
 }
@@ -422,9 +426,21 @@ pub const KEYS: &[Key] = &[
         "crushing.lost_mass",
         Choice(&["leave", "grow", "points"]),
         Is("\"leave\""),
-        "what becomes of the mass that the daughters of a broken grain do not hold: it leaves the mechanics (the paper), the daughters grow until they have it (gradual birth), or in a mixture it becomes material points where there is room",
+        "what becomes of the mass that the daughters of a broken grain do not hold: it leaves the mechanics (the paper), the daughters grow until they have it (gradual birth), or in an oedometer or a mixture it becomes material points where there is room",
     ),
-    mixture(
+    oedometer(
+        "crushing.points_cell_mm",
+        NumberOr(POSITIVE, "auto"),
+        Is("\"auto\""),
+        "lost_mass = \"points\": edge of a cell of their grid, times the scale; auto: 0.4 of d50",
+    ),
+    oedometer(
+        "crushing.points_porosity",
+        Number(RATIO),
+        Is("0.45"),
+        "lost_mass = \"points\": porosity with which fines begin, free of stress",
+    ),
+    fines(
         "crushing.release_strain",
         Number(POSITIVE),
         Is("0.1"),
@@ -931,6 +947,7 @@ written beside it replaces them; it works in scenes, materials and [material]. E
             Of::Free => "; assembly, continuum, mixture",
             Of::Continuum => "; continuum, mixture",
             Of::Mixture => "; mixture",
+            Of::Fines => "; oedometer, mixture",
             Of::Listed => "; assembly, mixture",
             Of::Cylinder => "; oedometer, triaxial",
             Of::Oedometer => "; oedometer",

@@ -133,7 +133,7 @@ impl View<'_> {
         let density = materials[usize::from(breaking)].density;
         let (law, porosity) = (points.law[largest], points.initial_porosity[largest]);
         let release_strain = self.si("crushing.release_strain");
-        Some(Some(Rule { release_strain, law, porosity, solid, density }))
+        Some(Some(Rule { release_strain, law, porosity, solid, density, at_rest: false }))
     }
 
     /// Coarse grains at random in a specimen's box.

@@ -1,9 +1,46 @@
-//! From the keys of loading to [`Loading`].
+//! From the keys of an oedometer to [`Oedometer`].
 
+use super::estimate::median;
+use super::material::Named;
 use super::view::View;
-use crate::model::Loading;
+use crate::model::{Embedding, Loading, Oedometer};
+
+/// Edge of a cell of the fines' grid over d50, where the scene does not say it: two points stand for about as much as one daughter.
+const CELL: f64 = 0.4;
 
 impl View<'_> {
+    pub fn oedometer(&self, named: &[Named]) -> Option<Oedometer> {
+        let (specimen, loading) = (self.specimen(&named[0])?, self.loading());
+        let fines = if self.text("crushing.lost_mass") == "points" {
+            Some(self.embedding(named, median(&specimen.gradation))?)
+        } else {
+            None
+        };
+        Some(Oedometer { specimen, loading, fines })
+    }
+
+    /// Fines from crushing as a continuum, in a specimen with this d50, m, or `None` with the reasons noted.
+    fn embedding(&self, named: &[Named], d50: f64) -> Option<Embedding> {
+        let key = "crushing.lost_mass";
+        self.check(self.flag("crushing.enabled"), key, "\"points\" needs crushing.enabled = true");
+        self.check(
+            self.flag("stepping.inertia_scaling"),
+            key,
+            "\"points\" needs stepping.inertia_scaling = true in an oedometer: both sides make the same steps",
+        );
+        let law = &named[0].key("continuum");
+        if !self.has(law) {
+            self.refuse(law, "is missing: with crushing.lost_mass = \"points\" it says how fines behave (law, E_MPa, nu …; the material that `comminute new oedometer` writes has one)");
+            return None;
+        }
+        Some(Embedding {
+            law: self.continuum(&named[0])?,
+            porosity: self.si("crushing.points_porosity"),
+            cell: self.number("crushing.points_cell_mm").map_or(CELL * d50, |cell| cell * self.scale()),
+            release_strain: self.si("crushing.release_strain"),
+        })
+    }
+
     pub fn loading(&self) -> Loading {
         let mut stages = vec![self.si("loading.max_stress_kPa")];
         stages.extend(self.numbers("loading.stages_kPa"));

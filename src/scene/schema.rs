@@ -23,6 +23,8 @@ pub enum Of {
     Continuum,
     /// Grains in a continuum; every key of continua is one of theirs too.
     Mixture,
+    /// Scenes in which fines from crushing can become points.
+    Fines,
     /// Scenes that list grains and walls.
     Listed,
     /// Free scenes of grains, continua, and both.
@@ -38,6 +40,7 @@ impl Of {
             (Of::Both, kind) => !matches!(kind, Of::Platen | Of::Continuum),
             (Of::States, kind) => kind != Of::Platen,
             (Of::Continuum, kind) => matches!(kind, Of::Continuum | Of::Mixture),
+            (Of::Fines, kind) => matches!(kind, Of::Oedometer | Of::Mixture),
             (Of::Listed, kind) => matches!(kind, Of::Assembly | Of::Mixture),
             (Of::Free, kind) => matches!(kind, Of::Assembly | Of::Continuum | Of::Mixture),
             (Of::Cylinder, kind) => matches!(kind, Of::Oedometer | Of::Triaxial),

@@ -3,9 +3,7 @@
 use super::layers::{Layer, shown};
 use super::schema::unit;
 use crate::error::Error;
-use crate::model::{
-    ContactLaw, ContactModel, Material, Model, Oedometer, Records, Rig, Seeds, Stepping, TangentialUnloading, Triaxial,
-};
+use crate::model::{ContactLaw, ContactModel, Material, Model, Records, Rig, Seeds, Stepping, TangentialUnloading, Triaxial};
 use std::cell::RefCell;
 use toml::{Table, Value};
 
@@ -134,7 +132,7 @@ impl<'a> View<'a> {
             "platen" => Rig::Platen(self.platen(&named)?),
             "mixture" => Rig::Continuum(Box::new(self.mixture(&named, &materials)?)),
             "triaxial" => Rig::Triaxial(Triaxial { specimen: self.specimen(&named[0])?, shear: self.shear() }),
-            _ => Rig::Oedometer(Oedometer { specimen: self.specimen(&named[0])?, loading: self.loading() }),
+            _ => Rig::Oedometer(self.oedometer(&named)?),
         };
         let mut stepping = self.stepping();
         if let Rig::Continuum(rig) = &rig {

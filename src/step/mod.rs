@@ -201,6 +201,12 @@ pub fn feel(model: &Model, state: &mut State, work: &mut Work) {
 
 /// The second half: motion, and what breaks.
 pub fn go(model: &Model, state: &mut State, work: &mut Work) {
+    motion(model, state, work);
+    breakage(model, state, work);
+}
+
+/// Grains and walls move.
+pub fn motion(model: &Model, state: &mut State, work: &mut Work) {
     let mut watch = Stopwatch::new(&mut work.clock);
     stability::keep_up(model, state, work);
     state.aftermath.push(&mut work.outside, state.grains.len());
@@ -214,6 +220,11 @@ pub fn go(model: &Model, state: &mut State, work: &mut Work) {
         w.advance(state.dt);
     }
     watch.lap(&mut work.clock, 2);
+}
+
+/// Grains over their limit break, and what breakages have left to do goes on; the step is done.
+pub fn breakage(model: &Model, state: &mut State, work: &mut Work) {
+    let mut watch = Stopwatch::new(&mut work.clock);
     alone(small(state, work), || crush(model, state, work));
     if !state.aftermath.is_empty() {
         birth::advance(state, &work.neighbours, &mut work.moved);

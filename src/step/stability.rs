@@ -200,6 +200,15 @@ pub fn keep_up(model: &Model, state: &mut State, work: &mut Work) {
     }
 }
 
+/// Raises the inertia of grain `i` to what its contacts ask for with others, of elsewhere, whose Σ max(2 k_n, 7 k_t) is `others`, N/m (inertia scaling).
+pub fn hold(i: usize, others: f64, model: &Model, state: &mut State, work: &Work) {
+    let needed = stiffness(i, model, state, &work.neighbours, &work.table) + others;
+    let inertia = scaled_inertia(needed, state.damping, state.dt, model.stepping.safety);
+    if state.grains.inertia(i) < inertia {
+        set_inertia(state, i, MARGIN * inertia);
+    }
+}
+
 /// Buffers of [`rescale`] and [`keep_up`].
 #[derive(Default)]
 pub struct Scratch {

@@ -292,7 +292,7 @@ impl Press {
     pub fn from_file(model: Model, path: &Path) -> Press {
         let (grains, walls) = specimen::read(path, &model.materials).unwrap_or_else(|e| panic!("{e}"));
         let Rig::Oedometer(rig) = &model.rig else { panic!("an oedometer") };
-        let (loading, mut state) = Loading::start(&model, rig, grains, walls);
+        let (loading, mut state) = Loading::start(&model, rig, grains, walls).expect("starts");
         let work = Work::new(&model, &mut state);
         Press { model, loading, state, work }
     }
