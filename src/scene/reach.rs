@@ -26,13 +26,13 @@ impl Reach {
         Reach { void_ratio_densest: void_ratio(range.densest), void_ratio_loosest: void_ratio(range.loosest), measured, range }
     }
 
-    /// Gives a specimen of stated relative density the porosity that it is in this range.
+    /// Gives a specimen of stated relative density the porosity that it is in this range, and every specimen the range where it is measured.
     pub fn settle(&self, model: &mut Model) {
-        if let Some(rig) = model.rig.specimen_mut()
-            && let Some(density) = rig.relative_density
-        {
+        let Some(rig) = model.rig.specimen_mut() else { return };
+        if let Some(density) = rig.relative_density {
             rig.porosity = self.range.porosity(density);
         }
+        rig.range = self.measured.then_some(self.range);
     }
 }
 
