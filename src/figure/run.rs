@@ -88,6 +88,11 @@ impl Run {
         Ok(run)
     }
 
+    /// Whether it is a triaxial test.
+    pub fn is_triaxial(&self) -> bool {
+        self.history.as_ref().is_some_and(|h| h.has("volumetric_strain"))
+    }
+
     /// A column of the history, `None` if there is no such column.
     pub fn column(&self, name: &str) -> Result<Option<Vec<f64>>> {
         match &self.history {
