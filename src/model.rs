@@ -8,6 +8,7 @@ use crate::crush::lost_mass::Fines;
 use crate::crush::pattern::Pattern;
 use crate::crush::strength::StrengthModel;
 use crate::mpm::law::Law;
+use crate::rig::preparation::range::Range;
 use serde::{Deserialize, Serialize};
 
 /// Everything immutable about one run. Lengths m, masses kg, stresses Pa, angles rad.
@@ -246,6 +247,8 @@ pub struct Specimen {
     pub porosity: f64,
     /// Target between the loosest and the densest specimen that the program makes, 0 to 1, instead of a porosity.
     pub relative_density: Option<f64>,
+    /// The porosities between which the target lies, where they have been measured for the run.
+    pub range: Option<Range>,
     /// Initial gradation, diameters in m already multiplied by N: points (diameter, mass fraction finer), increasing, 0 to 1;
     /// mass is uniform in diameter between two points.
     pub gradation: Vec<(f64, f64)>,

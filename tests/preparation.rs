@@ -85,6 +85,15 @@ impl Open {
     }
 }
 
+impl Open {
+    /// Void ratios of the densest and the loosest specimen as the last run's summary says; NaN where it says none.
+    fn summary_range(&self) -> [f64; 2] {
+        let text = std::fs::read_to_string(self.folder.path().join("run/summary.json")).expect("summary");
+        let summary: serde_json::Value = serde_json::from_str(&text).expect("json");
+        ["void_ratio_densest", "void_ratio_loosest"].map(|key| summary[key].as_f64().unwrap_or(f64::NAN))
+    }
+}
+
 #[test]
 fn what_lies_in_the_measured_range_is_made_and_what_does_not_is_refused() {
     let open = Open::new();
@@ -98,8 +107,20 @@ fn what_lies_in_the_measured_range_is_made_and_what_does_not_is_refused() {
         let porosity = |e: f64| e / (1.0 + e);
         assert!((porosity(made) / porosity(asked) - 1.0).abs() < 0.021, "asked {asked}, made {made}");
     }
+    assert_eq!(open.summary_range(), [dense, loose], "a void ratio asked for");
     let half = open.made("specimen.relative_density=0.5", &[]);
     assert!((half - 0.5 * (dense + loose)).abs() < 0.04, "{half}");
+    assert_eq!(open.summary_range(), [dense, loose], "a relative density");
+    // a run that was stopped keeps what was measured for it
+    let halves = ["--quiet", "--force", "--out", "run", "--set", "specimen.relative_density=0.5"];
+    open.call("run", &[&halves[..], &["--stop-after", "100"]].concat()).code(130);
+    open.call("run", &["--quiet", "--continue", "--out", "run", "--set", "specimen.relative_density=0.5"]).success();
+    assert_eq!(open.summary_range(), [dense, loose], "resumed");
+    // a specimen from a file was made elsewhere
+    let file = open.folder.path().join("kept.csv");
+    std::fs::copy(open.folder.path().join("run/specimen.csv"), &file).expect("copied");
+    open.made("specimen.relative_density=0.5", &["--specimen", &file.display().to_string()]);
+    assert!(open.summary_range().iter().all(|e| e.is_nan()));
     for (key, beyond) in [("void_ratio", dense - 0.1), ("void_ratio", loose + 0.1), ("porosity", 0.2)] {
         let set = format!("specimen.{key}={beyond}");
         for verb in ["check", "run"] {

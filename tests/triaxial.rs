@@ -74,6 +74,18 @@ fn cell_pressure_is_held_strains_agree_with_the_walls_and_energy_closes() {
     }
 }
 
+/// Energies stand against strain, since the stress falls after its peak, and no line of a k0 is drawn.
+#[test]
+fn figures_are_those_of_shear() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("run");
+    run(&out, &[]).assert().success();
+    Command::cargo_bin("comminute").expect("the program").arg("plot").arg(&out).assert().success();
+    let text = |name: &str| fs::read_to_string(out.join("figures").join(name)).expect(name);
+    assert!(text("energy.csv").lines().next().is_some_and(|head| head.contains("axial_strain_percent")));
+    assert!(!text("stress_path.csv").contains("k_{0}"));
+}
+
 #[test]
 fn keys_of_the_oedometer_are_refused() {
     let folder = tempfile::tempdir().expect("folder");

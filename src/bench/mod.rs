@@ -220,6 +220,7 @@ fn rig(case: Case, grains: usize) -> Oedometer {
         grains,
         porosity: case.porosity(),
         relative_density: None,
+        range: None,
         gradation,
         wall_friction: WallFriction { bottom: 0.0, top: 0.0, cylinder: 0.0 },
         isotropic_stress: STRESS,

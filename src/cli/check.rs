@@ -63,6 +63,9 @@ pub fn call(args: &Args) -> Result<()> {
     let mut estimate = scene::estimate(&model);
     estimate.warnings.extend(reach.as_ref().and_then(|r| scene::doubt(&model, r)));
     estimate.void_ratio_range = reach;
+    if scene::is_given_its_specimen(&scene) {
+        estimate.seconds -= std::mem::take(&mut estimate.preparation_seconds);
+    }
     if args.json {
         print(&as_json(&scene, &model, &estimate))?;
     } else if !args.quiet {
@@ -127,7 +130,7 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
         },
         Some(c) => writeln!(
             text,
-            "  crushing        {}-ball pattern above {:.4} mm; perhaps {:.0} grains at the end (if every grain breaks twice)",
+            "  crushing        {}-ball pattern above {:.4} mm; perhaps {:.0} grains at the end (estimate)",
             c.pattern.count(),
             1e3 * c.d_limit,
             e.grains_final
@@ -153,6 +156,7 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
         Some(dt) => writeln!(text, "  time step       {dt:.3e} s (estimate): {}", e.time_step_limit)?,
         None => writeln!(text, "  time step       {}", e.time_step_limit)?,
     }
+    writeln!(text, "  time            {} on one thread (estimate)", comminute::run::human(e.seconds))?;
     writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
     writeln!(text, "  seeds           packing {}, strength {}", model.seeds.packing, model.seeds.strength)?;
     writeln!(text, "  folder          {}", scene.default_out().display())
@@ -190,7 +194,7 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
     if let Some(dt) = e.time_step {
         writeln!(text, "  time step       {dt:.3e} s (estimate): {}", e.time_step_limit)?;
     }
-    writeln!(text, "  time            {} on one thread (estimate)", comminute::run::human(c.seconds))?;
+    writeln!(text, "  time            {} on one thread (estimate)", comminute::run::human(e.seconds))?;
     writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
     match (c.device_mb, &c.device_lacks) {
         (Some(mb), _) => writeln!(text, "  graphics device {:.0} MB (estimate), with --backend gpu", mb.ceil())?,

@@ -96,6 +96,7 @@ pub fn call(mut args: Args) -> Result<()> {
     if let (Some(reach), None) = (scene::reach(&model), scene.specimen()) {
         scene::within_reach(&scene, &model, &reach)?;
         warn(&scene::doubt(&model, &reach), args.quiet);
+        reach.settle(&mut model);
         let density = model.rig.specimen().and_then(|rig| rig.relative_density);
         if let (Some(density), false) = (density, args.quiet) {
             let measuring = if reach.measured { "" } else { " (measured now, once for these grains)" };

@@ -105,7 +105,7 @@ fn series(drawn: &Drawn) -> Series {
         Look::Symbols(n) => Mark::Symbols(Shape::nth(*n)),
         Look::Line(n) => Mark::Line(colour::dash(*n)),
         Look::Band { low, high } => Mark::Band { low: low.clone(), high: high.clone(), dash: colour::dash(0) },
-        Look::Guide => Mark::Guide,
+        Look::Guide => Mark::Guide(&[]),
     };
     let colour = match drawn.tone {
         Tone::Kind(n) => colour::kind(n),

@@ -74,7 +74,9 @@ fn ratio(input: &Input) -> Result<Option<Plot>> {
             let Some(value) = summary[key].as_f64().filter(|v| seen.iter().all(|s| (s - v).abs() > 1e-3)) else { continue };
             seen.push(value);
             let name = format!("{name}: {value:.3}");
-            series.push(Series { mark: Mark::Guide, ..Series::line(&name, GREY, &[], vec![(0.0, value), (widest, value)]) });
+            // told apart from each other and, by their grey, from the runs
+            let dash = colour::dash(seen.len() - 1);
+            series.push(Series { mark: Mark::Guide(dash), ..Series::line(&name, GREY, &[], vec![(0.0, value), (widest, value)]) });
         }
     }
     Ok(Some(Plot {

@@ -1,4 +1,4 @@
-//! The energy ledger of one run against vertical stress.
+//! The energy ledger of one run against vertical stress, in a triaxial test, where that falls again, against axial strain.
 
 use super::Input;
 use super::axis::Axis;
@@ -32,9 +32,14 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
     let [run] = &group.runs[..] else {
         return Ok(None);
     };
+    let (against, x) = if run.is_triaxial() {
+        (("axial_strain", 100.0), Axis::linear("axial strain ε_{a} (%)", "axial_strain_percent").including(&[0.0]))
+    } else {
+        (("sigma_v_kPa", 1e-3), stress_axis())
+    };
     let mut terms = Vec::new();
     for (column, name) in TERMS.into_iter().chain([INERTIA]) {
-        let branches = run.branches(("sigma_v_kPa", 1e-3), (column, 1.0))?;
+        let branches = run.branches(against, (column, 1.0))?;
         let points: Vec<_> = branches.into_iter().flat_map(|b| b.points).collect();
         let most = points.iter().map(|p| p.1.abs()).fold(0.0, f64::max);
         terms.push((name, points, most));
@@ -61,7 +66,7 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
         name: "energy".into(),
         title: heading,
         legend_title: None,
-        x: stress_axis(),
+        x,
         y: Axis::linear(&format!("energy ({unit})"), &format!("energy_{unit}")).including(&[0.0]),
         series,
         equal: false,

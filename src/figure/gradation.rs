@@ -74,7 +74,7 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
     if let Some(run) = one {
         let all = read(run)?;
         by = all.first().map_or(By::Stress, |g| g.by);
-        let chosen = choose(&all, &asked(run, by));
+        let chosen = choose(&all, &asked(run, by), &stages(run, by));
         series.extend(evolution(&chosen));
         heading.insert(0, run.label());
         let loading = loaded(&all).len();
@@ -114,6 +114,11 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
 /// Stresses in MPa, or axial strains, at which the scene asked for gradations.
 fn asked(run: &Run, by: By) -> Vec<f64> {
     run.asked.iter().map(|v| if by == By::Stress { v * 1e-3 } else { *v }).collect()
+}
+
+/// Stresses in MPa between which stages of loading go.
+fn stages(run: &Run, by: By) -> Vec<f64> {
+    if by == By::Stress { run.stages.iter().map(|v| v * 1e-3).collect() } else { Vec::new() }
 }
 
 /// The chosen gradations of one run, with their labels, in the order of stress or strain, dark to light.
@@ -166,17 +171,31 @@ fn loaded(all: &[Gradation]) -> Vec<&Gradation> {
 /// one before it where the stress falls as grains break.
 const NEAR: f64 = 0.05;
 
-/// First, last and every one asked for, by the value that was asked for; without any between, those that differ most.
-fn choose<'a>(all: &'a [Gradation], asked: &[f64]) -> Vec<(String, &'a Gradation)> {
+/// First, last and every one asked for, by the value that was asked for, which at the end of a stage is the stage's; without any between, those that differ most.
+fn choose<'a>(all: &'a [Gradation], asked: &[f64], stages: &[f64]) -> Vec<(String, &'a Gradation)> {
     let rising = loaded(all);
-    let wanted = |g: &Gradation| asked.iter().copied().find(|a| (g.level / a - 1.0).abs() < NEAR);
-    let label = |g: &Gradation| g.by.shown(wanted(g).unwrap_or(g.level));
+    let wanted = |g: &Gradation| nearest(g.level, asked);
+    let label = |g: &Gradation| g.by.shown(wanted(g).or_else(|| nearest(g.level, stages)).unwrap_or(g.level));
     if !rising.iter().any(|g| wanted(g).is_some()) {
         return most_different(rising).into_iter().map(|g| (label(g), g)).collect();
     }
     let last = rising.len() - 1;
     let kept = rising.iter().enumerate().filter(|(i, g)| *i == 0 || *i == last || wanted(g).is_some());
-    kept.map(|(_, g)| (label(g), *g)).collect()
+    let mut chosen: Vec<(String, &Gradation)> = Vec::new();
+    for next in kept.map(|(_, g)| (label(g), *g)) {
+        // of two records for one value the later one
+        if chosen.last().is_some_and(|before| before.0 == next.0) {
+            chosen.pop();
+        }
+        chosen.push(next);
+    }
+    chosen
+}
+
+/// The nearest of these values, where one is near.
+fn nearest(level: f64, values: &[f64]) -> Option<f64> {
+    let off = |a: &f64| (level / a - 1.0).abs();
+    values.iter().copied().filter(|a| off(a) < NEAR).min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
 /// First, last, and those between that differ most from the ones already chosen.
@@ -291,18 +310,22 @@ mod tests {
         let chosen = most_different(loaded(&all));
         let stresses: Vec<f64> = chosen.iter().map(|g| g.level).collect();
         assert_eq!(stresses, [1.0, 5.0]);
-        assert!(choose(&[], &[]).is_empty());
-        assert_eq!(choose(&all[..1], &[]).len(), 1);
+        assert!(choose(&[], &[], &[]).is_empty());
+        assert_eq!(choose(&all[..1], &[], &[]).len(), 1);
     }
 
     #[test]
     fn what_was_asked_for_is_drawn_by_the_value_asked() {
         let all: Vec<Gradation> = [0.005, 0.992, 2.0, 3.02, 4.5].map(|s| gradation(s, 10.0)).to_vec();
-        let labels = |asked: &[f64]| choose(&all, asked).into_iter().map(|(label, _)| label).collect::<Vec<_>>();
-        assert_eq!(labels(&[1.0, 3.0, 9.0]), ["0.005", "1", "3", "4.5"]);
+        let labels = |asked: &[f64]| choose(&all, asked, &[4.6]).into_iter().map(|(label, _)| label).collect::<Vec<_>>();
+        assert_eq!(labels(&[1.0, 3.0, 9.0]), ["0.005", "1", "3", "4.6"]);
+        assert_eq!(labels(&[2.0, 2.05, 4.5]), ["0.005", "2", "4.5"], "the nearest value");
+        assert_eq!(labels(&[]), ["0.005"], "all alike");
+        let twice: Vec<Gradation> = [0.005, 0.98, 1.0].map(|s| gradation(s, 10.0)).to_vec();
+        assert_eq!(choose(&twice, &[1.0], &[]).iter().map(|c| c.1.level).collect::<Vec<_>>(), [0.005, 1.0], "one for each value");
         let mut sheared = all.clone();
         sheared.iter_mut().enumerate().for_each(|(k, g)| (g.by, g.level) = (By::Strain, 0.0502 * k as f64));
-        let chosen = choose(&sheared, &[0.05, 0.1]);
+        let chosen = choose(&sheared, &[0.05, 0.1], &[]);
         assert_eq!(chosen.iter().map(|c| c.0.as_str()).collect::<Vec<_>>(), ["0", "5", "10", "20.1"]);
     }
 

@@ -217,6 +217,7 @@ mod tests {
             volume: None,
             least_void_ratio: 0.15,
             asked: Vec::new(),
+            stages: Vec::new(),
             material: None,
             history: None,
         }

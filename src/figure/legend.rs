@@ -155,20 +155,19 @@ fn drawn(dash: &[f64]) -> Vec<(f64, f64)> {
 }
 
 fn sample(canvas: &mut Canvas, entry: &Entry, x: f64, y: f64) {
-    let ends = [(x, y), (x + SAMPLE, y)];
-    let line = |canvas: &mut Canvas, dash: &[f64]| {
+    let line = |canvas: &mut Canvas, width: f64, dash: &[f64]| {
         for (from, to) in drawn(dash) {
-            canvas.line(&[(x + from, y), (x + to, y)], entry.colour, CURVE, &[]);
+            canvas.line(&[(x + from, y), (x + to, y)], entry.colour, width, &[]);
         }
     };
     match &entry.mark {
-        Mark::Line(dash) => line(canvas, dash),
+        Mark::Line(dash) => line(canvas, CURVE, dash),
         Mark::Band { dash, .. } => {
             let (a, b) = ((x, y - 17.0), (x + SAMPLE, y + 17.0));
             canvas.rect(a, b, entry.colour, BAND_ALPHA);
-            line(canvas, dash);
+            line(canvas, CURVE, dash);
         }
-        Mark::Guide => canvas.line(&ends, entry.colour, 3.0, &[]),
+        Mark::Guide(dash) => line(canvas, 3.0, dash),
         Mark::Symbols(shape) => symbol(canvas, *shape, (x + SAMPLE / 2.0, y), entry.colour),
     }
 }

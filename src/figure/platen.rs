@@ -106,7 +106,7 @@ fn force_displacement(batch: &Batch) -> Result<Option<Plot>> {
         };
         series.push(Series { label, ..Series::line(&name, tone, dash, points(&top)) });
         let label = (i == 0).then(|| "Hertz, closed form".into());
-        closed.push(Series { label, mark: Mark::Guide, ..Series::line(&format!("{name}, Hertz"), INK, &[], points(&hertz)) });
+        closed.push(Series { label, mark: Mark::Guide(&[]), ..Series::line(&format!("{name}, Hertz"), INK, &[], points(&hertz)) });
         if numbers.iter().position(|n| *n == grain[last]).is_some_and(|k| censored[k] == 0.0) {
             ends.0.push(x[last]);
             ends.1.push(top[last]);
@@ -149,7 +149,7 @@ fn peak_force(batches: &[Batch]) -> Result<Option<Plot>> {
             if batches.len() == 1 {
                 let name = format!("{}, no spread", batch.equation());
                 let line = Series::line(&name, INK, &[], Vec::new());
-                series.push(Series { mark: Mark::Guide, x, y: law.numbers("at_mean_strength_N")?, ..line });
+                series.push(Series { mark: Mark::Guide(&[]), x, y: law.numbers("at_mean_strength_N")?, ..line });
             }
         }
         series.extend(measured(batch, &prefix, if batches.len() == 1 { INK } else { tone })?);
@@ -236,7 +236,7 @@ fn survival(batch: &Batch) -> Result<Option<Plot>> {
         let points: Vec<_> = own.iter().map(|&k| (force[k], law[k])).filter(|p| p.1.is_finite()).collect();
         if !points.is_empty() {
             let label = laws.is_empty().then(|| format!("{}, spread of the law", batch.equation()));
-            laws.push(Series { label, mark: Mark::Guide, ..Series::line(&format!("{name}, law"), INK, &[], points) });
+            laws.push(Series { label, mark: Mark::Guide(&[]), ..Series::line(&format!("{name}, law"), INK, &[], points) });
         }
     }
     series.extend(laws);

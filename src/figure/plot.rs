@@ -39,8 +39,8 @@ pub enum Mark {
     Line(&'static [f64]),
     /// A median line over the filled area between `low` and `high`.
     Band { low: Vec<f64>, high: Vec<f64>, dash: &'static [f64] },
-    /// A thin construction line (no simulation result).
-    Guide,
+    /// A thin construction line (no simulation result), with a dash pattern.
+    Guide(&'static [f64]),
     /// Symbols (measurements, published numbers), never joined.
     Symbols(Shape),
 }
@@ -241,7 +241,7 @@ impl Plot {
                 Mark::Line(dash) | Mark::Band { dash, .. } => {
                     canvas.line(&part, s.colour, CURVE, dash);
                 }
-                Mark::Guide => canvas.line(&part, s.colour, FRAME, &[]),
+                Mark::Guide(dash) => canvas.line(&part, s.colour, FRAME, dash),
                 Mark::Symbols(shape) => {
                     for p in part {
                         symbol(canvas, *shape, p, s.colour);
@@ -311,7 +311,7 @@ impl Plot {
             let kind = match s.mark {
                 Mark::Line(_) => "line",
                 Mark::Band { .. } => "band",
-                Mark::Guide => "guide",
+                Mark::Guide(_) => "guide",
                 Mark::Symbols(_) => "data",
             };
             let name = quoted(&s.name);
@@ -390,7 +390,7 @@ pub fn ray(name: &str, slope: f64, to: f64) -> Series {
         label: Some(name.into()),
         name: name.into(),
         colour: GREY,
-        mark: Mark::Guide,
+        mark: Mark::Guide(&[]),
         x: vec![0.0, to],
         y: vec![0.0, slope * to],
     }

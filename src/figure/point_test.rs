@@ -124,7 +124,7 @@ impl Records {
                 label: Some(name.clone()),
                 name,
                 colour: if i == 0 { colour::INK } else { colour::GREY },
-                mark: Mark::Guide,
+                mark: Mark::Guide(&[]),
                 x: vec![from, end],
                 y: vec![sign * (slope * from + intercept), sign * (slope * end + intercept)],
             });

@@ -61,7 +61,7 @@ pub fn draw_fitted(line: &FittedLine, out: &Path) -> Result<Vec<PathBuf>> {
             label: (i == 0).then(|| label.to_string()),
             name: format!("{label}, {}", i + 1),
             colour: colour::kind(1),
-            mark: Mark::Guide,
+            mark: Mark::Guide(&[]),
             x: xs.clone(),
             y: scaled(check, factor),
         });

@@ -39,6 +39,8 @@ pub struct Run {
     pub least_void_ratio: f64,
     /// Vertical stresses, kPa, or axial strains at which gradations were asked for.
     pub asked: Vec<f64>,
+    /// Vertical stresses, kPa, between which stages of loading go.
+    pub stages: Vec<f64>,
     /// Name of the grains' material.
     pub material: Option<String>,
     pub history: Option<Table>,
@@ -75,6 +77,7 @@ impl Run {
             volume: volume(&summary),
             least_void_ratio: summary["least_void_ratio"].as_f64().unwrap_or(LEAST_VOID_RATIO),
             asked: asked(&resolved),
+            stages: stages(&resolved),
             material: resolved.get("material").and_then(|m| m.get("name")?.as_str()).map(str::to_string),
             history,
         };
@@ -83,6 +86,11 @@ impl Run {
             run.d50_mm = d50.into_iter().find(|v| v.is_finite());
         }
         Ok(run)
+    }
+
+    /// Whether it is a triaxial test.
+    pub fn is_triaxial(&self) -> bool {
+        self.history.as_ref().is_some_and(|h| h.has("volumetric_strain"))
     }
 
     /// A column of the history, `None` if there is no such column.
@@ -184,7 +192,19 @@ fn volume(summary: &Value) -> Option<f64> {
 fn asked(scene: &toml::Table) -> Vec<f64> {
     let list = |key: &str| scene.get("records").and_then(|r| r.get(key)).and_then(toml::Value::as_array).cloned();
     let list = list("at_kPa").or_else(|| list("at_strain")).unwrap_or_default();
-    list.iter().filter_map(|v| v.as_float().or_else(|| v.as_integer().map(|i| i as f64))).collect()
+    list.iter().filter_map(number).collect()
+}
+
+/// `specimen.isotropic_stress_kPa`, `loading.max_stress_kPa` and `loading.stages_kPa` of the scene as it was run; empty without them.
+fn stages(scene: &toml::Table) -> Vec<f64> {
+    let of = |key: &str| scene.get("loading").and_then(|l| l.get(key));
+    let later = of("stages_kPa").and_then(toml::Value::as_array).into_iter().flatten();
+    let start = scene.get("specimen").and_then(|s| s.get("isotropic_stress_kPa"));
+    start.into_iter().chain(of("max_stress_kPa")).chain(later).filter_map(number).collect()
+}
+
+fn number(value: &toml::Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|i| i as f64))
 }
 
 /// The summary as JSON, or null if there is none.

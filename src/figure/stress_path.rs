@@ -7,6 +7,7 @@ use super::colour;
 use super::curves::title;
 use super::error::Result;
 use super::plot::{Plot, Series, ray};
+use super::run::Run;
 
 /// With more groups than this, K0 lines would only cross each other.
 const RAYS: usize = 3;
@@ -21,7 +22,9 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
     for (i, group) in input.groups.iter().enumerate() {
         let series = group
             .series(&group.label, colour::kind(i), colour::dash(i), false, |run| run.branches(("p_kPa", 1e-3), ("q_kPa", 1e-3)))?;
-        if let Some(mut line) = k0_line(&series) {
+        // the ratio that shear reaches is no k0
+        let at_rest = !group.runs.iter().any(Run::is_triaxial);
+        if let Some(mut line) = k0_line(&series).filter(|_| at_rest) {
             if !single {
                 line.colour = colour::kind(i);
                 line.label = line.label.map(|l| format!("{l} ({})", group.runs[0].name));

@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// Name of the file in a run's folder.
 pub const FILE: &str = "checkpoint.bin";
-const MAGIC: &[u8] = b"comminute checkpoint 6\n";
+const MAGIC: &[u8] = b"comminute checkpoint 9\n";
 
 /// Writes `progress` to `dir`.
 pub fn save<T: Serialize>(dir: &Path, progress: &T) -> Result<()> {

@@ -37,8 +37,13 @@ pub struct Instant {
 impl Instant {
     /// Distance from the target over the target.
     pub fn distance(&self) -> f64 {
-        (self.held / self.target - 1.0).abs()
+        distance(self.held, self.target)
     }
+}
+
+/// Distance of a stress from its target over the target.
+pub fn distance(stress: f64, target: f64) -> f64 {
+    (stress / target - 1.0).abs()
 }
 
 impl Held {

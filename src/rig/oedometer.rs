@@ -53,12 +53,16 @@ pub struct Loading {
     pub waits: bool,
     /// Fines from crushing, where they become material points.
     pub fines: Option<Box<Embedded>>,
+    /// Whether the present stage is under strain control: it stays so when the stress falls.
+    strained: bool,
 }
 
 /// Steps between two looks at the platen's speed limit.
 const LOOK: u64 = 64;
 /// Steps in which a platen under strain control takes up its speed.
 const RAMP: u64 = 1024;
+/// Share of the largest stress so far below which the platen's speed under strain control does not fall with the stress any more: without any stress it would stand still.
+const FALLEN: f64 = 0.01;
 /// A stage ends when the platens are this close to their target ...
 const CLOSE: f64 = 0.005;
 /// ... or after this many steps.
@@ -81,6 +85,7 @@ impl Loading {
             peak: rig.specimen.isotropic_stress,
             waits: false,
             fines,
+            strained: false,
         };
         Ok((loading, state))
     }
@@ -121,7 +126,8 @@ impl Loading {
             Phase::Load(k) => {
                 let stresses = Stresses::of(state);
                 self.peak = self.peak.max(stresses.vertical());
-                if self.strained(k, rig) {
+                self.strained = self.strained(k, rig);
+                if self.strained {
                     // the stress is what comes out
                     self.target = stresses.vertical();
                     state.reference_stress = state.reference_stress.max(self.target);
@@ -169,6 +175,7 @@ impl Loading {
     fn enter(&mut self, phase: Phase) {
         self.phase = phase;
         self.phase_steps = 0;
+        self.strained = false;
     }
 
     /// Whether stage `k` raises the stress.
@@ -179,8 +186,8 @@ impl Loading {
 
     /// Whether the present step of stage `k` is first loading controlled by strain.
     fn strained(&self, k: usize, rig: &Oedometer) -> bool {
-        // a reloaded specimen is back on its way when it has its largest target again
-        rig.loading.strain_controlled.is_some() && self.rising(k, rig) && self.target >= rig.loading.before(k)
+        // a reloaded specimen is back on its way when it has had its largest target again, though breakages may let the stress fall below it
+        rig.loading.strain_controlled.is_some() && self.rising(k, rig) && (self.strained || self.target >= rig.loading.before(k))
     }
 
     /// Largest vertical stress so far, Pa.
@@ -196,7 +203,9 @@ impl Loading {
     fn servo(&mut self, rig: &Oedometer, state: &mut State) {
         let size = Walls::of(state);
         if state.step.is_multiple_of(LOOK) || self.limit == 0.0 {
-            self.limit = rig.loading.max_inertial_number * size.height / inertial_time(state, self.target);
+            // a platen under strain control goes on where breakages have taken all stress away
+            let pressure = if self.strained { self.target.max(FALLEN * self.peak) } else { self.target };
+            self.limit = rig.loading.max_inertial_number * size.height / inertial_time(state, pressure);
         }
         if let (Phase::Load(k), Some(inertial)) = (&self.phase, rig.loading.strain_controlled)
             && self.strained(*k, rig)

@@ -8,6 +8,7 @@ use crate::model::{Assembly, Model};
 use crate::record::breakages::{self, OFF};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::record::gradations::{self, At};
+use crate::record::quasi_static::distance;
 use crate::record::table::Table;
 use crate::record::vtk::{self, Fact};
 use crate::record::{ancestors::Ancestors, assembly as assembly_records, checkpoint, contacts, measure, specimen, walls};
@@ -211,7 +212,7 @@ impl Files {
             return Ok(());
         }
         let sigma_v = if state.walls.len() == 3 { Stresses::of(state).vertical() } else { f64::NAN };
-        let off = target.is_some_and(|target| (sigma_v / target - 1.0).abs() > OFF);
+        let off = target.is_some_and(|target| distance(sigma_v, target) > OFF);
         for b in breakages {
             self.recorder.broken.add(b, off);
             self.ancestors.add(b);

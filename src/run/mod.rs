@@ -91,6 +91,8 @@ struct Progress {
     steps: u64,
     preparation_steps: u64,
     grains_initial: usize,
+    /// Porosities of the loosest and the densest specimen, where they have been measured for the run.
+    range: Option<range::Range>,
     /// Σ grains over loading steps, for the speed.
     grain_steps: u64,
     /// Wall-clock seconds in all, and during loading.
@@ -172,6 +174,7 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
             _ => unreachable!("a rig has a specimen or is an assembly"),
         };
         let grains_initial = state.grains.len();
+        let range = model.rig.specimen().and_then(|rig| rig.range);
         let progress = Progress {
             activity,
             state,
@@ -179,6 +182,7 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
             steps: 0,
             preparation_steps: 0,
             grains_initial,
+            range,
             grain_steps: 0,
             seconds: 0.0,
             loading_seconds: 0.0,

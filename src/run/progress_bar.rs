@@ -151,6 +151,7 @@ fn describe(model: &Model, p: &Progress) -> (f64, String) {
 
 pub fn human(seconds: f64) -> String {
     match seconds {
+        s if s < 9.5 => format!("{s:.1} s"),
         s if s < 90.0 => format!("{s:.0} s"),
         s if s < 5400.0 => format!("{:.0} min", s / 60.0),
         s => format!("{:.1} h", s / 3600.0),

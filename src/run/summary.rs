@@ -7,6 +7,7 @@ use crate::figure;
 use crate::model::{Model, Oedometer, Rig, Triaxial};
 use crate::record::checkpoint;
 use crate::record::cylinder::{BelowLeast, Recorder};
+use crate::rig::preparation::range::void_ratio;
 use crate::step::Work;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -49,6 +50,10 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
     }
     put("steps", json!(state.step));
     put("preparation_steps", json!(progress.preparation_steps));
+    if let Some(range) = progress.range {
+        put("void_ratio_loosest", json!(void_ratio(range.loosest)));
+        put("void_ratio_densest", json!(void_ratio(range.densest)));
+    }
     if let (Activity::Loading(loading), Rig::Oedometer(rig)) = (&progress.activity, &model.rig) {
         let largest = rig.loading.stages.iter().copied().fold(rig.specimen.isotropic_stress, f64::max);
         put("max_stress_kPa", json!(largest * 1e-3));

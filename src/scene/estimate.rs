@@ -1,25 +1,28 @@
 //! What a run would be, before it is started. Rough on purpose: orders of magnitude for a person to judge.
 
 use super::crushing::extremes;
+use super::duration::strained_steps;
 use super::specimen::height;
 use crate::contact::law::Pair;
 use crate::crush::criterion::{AreaModel, size_factor};
 use crate::model::{self, Assembly, ContactLaw, CrushModel, Drive, Model, Oedometer, Rig, TangentialUnloading, Triaxial};
 use crate::rig::platen::most_steps;
+use crate::step::stability;
 use serde::Serialize;
 use std::f64::consts::PI;
 
 /// Bytes of one grain with its contacts.
 const BYTES_PER_GRAIN: f64 = 600.0;
-/// Crush events per initial grain that the growth guess takes: petroleum coke at 5 MPa (Ciantia et al. 2015, Table 4).
-const EVENTS_PER_GRAIN: f64 = 2.0;
 
 /// Expected size, step and duration of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Estimate {
     pub grains: usize,
-    /// If every initial grain broke twice, as petroleum coke does at 5 MPa; equal to `grains` without crushing.
+    /// With those that breakages are expected to add; equal to `grains` without crushing.
     pub grains_final: f64,
+    /// On one thread, s: preparation, test and figures; and the preparation alone.
+    pub seconds: f64,
+    pub preparation_seconds: f64,
     #[serde(rename = "memory_MB")]
     pub memory_mb: f64,
     pub specimen: Option<Specimen>,
@@ -72,18 +75,17 @@ fn without_strength(model: &Model) -> Estimate {
         Rig::Platen(p) => p.diameters.len(),
         Rig::Continuum(rig) => return super::continuum_estimate::estimate(model, rig),
     };
-    let daughters = match model.rig {
-        Rig::Platen(_) => 1,
-        _ => model.crush.as_ref().map_or(1, |c| c.pattern.count()),
-    };
-    let grains_final = grains as f64 * (1.0 + EVENTS_PER_GRAIN * (daughters - 1) as f64);
     let finest = match &model.crush {
         Some(c) if c.d_limit < largest => smallest.min(c.pattern.smallest() * c.d_limit),
         _ => smallest,
     };
     let (time_step, time_step_limit) = time_step(model, finest);
+    let stages = match &model.rig {
+        Rig::Oedometer(o) => stage_steps(model, o, time_step),
+        _ => Vec::new(),
+    };
     let steps = match &model.rig {
-        Rig::Oedometer(o) => loading_steps(o),
+        Rig::Oedometer(_) => stages.iter().sum::<f64>().ceil(),
         Rig::Triaxial(t) => shear_steps(model, t, time_step),
         Rig::Assembly(a) => match (a.steps, a.duration, time_step) {
             (Some(steps), ..) => steps as f64,
@@ -93,10 +95,13 @@ fn without_strength(model: &Model) -> Estimate {
         Rig::Platen(p) => most_steps(p) * grains as f64,
         Rig::Continuum(_) => 0.0,
     };
+    let expected = super::duration::duration(model, grains, steps, &stages);
     let mut estimate = Estimate {
         grains,
-        grains_final,
-        memory_mb: 1e-6 * BYTES_PER_GRAIN * grains_final,
+        grains_final: expected.grains,
+        seconds: expected.seconds,
+        preparation_seconds: expected.preparation,
+        memory_mb: 1e-6 * BYTES_PER_GRAIN * expected.grains,
         specimen: None,
         void_ratio_range: None,
         continuum: None,
@@ -247,36 +252,47 @@ fn quasi_static_warnings(model: &Model, o: &Oedometer, estimate: &mut Estimate) 
     }
 }
 
-/// Steps of the loading stages by eq. (18): the increment is L_C (sigma_ref + sigma_ref ln(sigma/sigma_ref)); of an adaptive programme, if
-/// nothing held it back.
-fn loading_steps(o: &Oedometer) -> f64 {
+/// Steps of each loading stage by eq. (18): the increment is L_C (sigma_ref + sigma_ref ln(sigma/sigma_ref)); of an adaptive programme, if
+/// nothing held it back; where first loading is by strain, those in which the platen goes so far.
+fn stage_steps(model: &Model, o: &Oedometer, time_step: Option<f64>) -> Vec<f64> {
     let l = &o.loading;
-    let mut from = o.specimen.isotropic_stress;
-    let mut steps = 0.0;
-    for to in &l.stages {
+    let of = |from: f64, to: f64| {
         let (a, b) = ((from / l.sigma_ref).ln(), (to / l.sigma_ref).ln());
         let integrand = |u: f64| l.pace.map_or_else(|| u.exp() / (l.rate * (1.0 + u)), |pace| 1.0 / pace);
-        steps += simpson(integrand, a.min(b), a.max(b));
-        from = *to;
-    }
-    steps.ceil()
+        simpson(integrand, a.min(b), a.max(b))
+    };
+    let stage = |(k, &to): (usize, &f64)| {
+        let from = if k == 0 { o.specimen.isotropic_stress } else { l.stages[k - 1] };
+        let before = l.before(k).max(o.specimen.isotropic_stress);
+        match l.strain_controlled {
+            Some(inertial) if to > before => {
+                of(from, before) + strained_steps(model, o, inertial, [before, to], time_step.unwrap_or(1.0))
+            }
+            _ => of(from, to),
+        }
+    };
+    l.stages.iter().enumerate().map(stage).collect()
 }
 
-/// Steps of shear at the inertial number asked for. With scaled inertia the time scale d √(ρ/p) of rearrangement follows from the inertia for which
-/// a step is stable under contact forces of p d².
+/// Steps of shear at the inertial number asked for.
 fn shear_steps(model: &Model, t: &Triaxial, time_step: Option<f64>) -> f64 {
-    let p = t.specimen.isotropic_stress;
-    let d = median(&t.specimen.gradation);
+    let strain_time =
+        t.shear.axial_strain / t.shear.inertial_number * rearrangement(model, &t.specimen, t.specimen.isotropic_stress);
+    (strain_time / time_step.unwrap_or(1.0)).ceil()
+}
+
+/// Time scale d √(ρ/p) in which grains of a specimen are rearranged under a stress, s. With scaled inertia it is counted in steps, and follows from the inertia for
+/// which a step is stable under contact forces of p d².
+pub(super) fn rearrangement(model: &Model, specimen: &model::Specimen, p: f64) -> f64 {
+    let d = median(&specimen.gradation);
     let Some(material) = model.materials.first() else { return 0.0 };
-    let time = if model.stepping.inertia_scaling {
+    if model.stepping.inertia_scaling {
         // m = Σ k dt²/ω² with some six contacts
         let stiffness = 3.0 * share(model.contact.law, material, 0.5 * d, p * d * d);
         (stiffness / (p * d)).sqrt()
     } else {
         d * (material.density / p).sqrt()
-    };
-    let strain_time = t.shear.axial_strain / t.shear.inertial_number * time;
-    (strain_time / time_step.unwrap_or(1.0)).ceil()
+    }
 }
 
 fn inertial_warning(key: &str, value: f64, warnings: &mut Vec<String>) {
@@ -307,8 +323,25 @@ fn time_step(model: &Model, finest: f64) -> (Option<f64>, String) {
     let share = model.materials.iter().map(|material| share(model.contact.law, material, r, load)).fold(0.0, f64::max);
     // two contacts bear the load
     let dt = model.stepping.safety * 2.0 / (2.0 * share / m).sqrt();
+    let resolved = stability::rayleigh_of(model, listed(model, finest));
+    if resolved < dt {
+        return (
+            Some(resolved),
+            format!("a share of the Rayleigh step of the smallest grain ({:.4} mm) or of the stiffest", 1e3 * finest),
+        );
+    }
     let text = format!("stiffness of contacts of the smallest grain ({:.4} mm), {why}", 1e3 * finest);
     (Some(dt), text)
+}
+
+/// Diameters and materials of the grains that bound a step: those that a scene lists, and the finest that there can be.
+fn listed(model: &Model, finest: f64) -> Vec<(f64, u8)> {
+    let own = match &model.rig {
+        Rig::Assembly(a) => a.grains.iter().map(|g| (2.0 * g.radius, g.material)).collect(),
+        _ => Vec::new(),
+    };
+    let broken = model.crush.is_some() || own.is_empty();
+    own.into_iter().chain(broken.then_some((finest, 0))).collect()
 }
 
 /// max(2 k_n, 7 k_t), N/m, of a contact of two grains of radius `r` under `force`: what bounds the step.

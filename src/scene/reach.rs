@@ -26,13 +26,13 @@ impl Reach {
         Reach { void_ratio_densest: void_ratio(range.densest), void_ratio_loosest: void_ratio(range.loosest), measured, range }
     }
 
-    /// Gives a specimen of stated relative density the porosity that it is in this range.
+    /// Gives a specimen of stated relative density the porosity that it is in this range, and every specimen the range where it is measured.
     pub fn settle(&self, model: &mut Model) {
-        if let Some(rig) = model.rig.specimen_mut()
-            && let Some(density) = rig.relative_density
-        {
+        let Some(rig) = model.rig.specimen_mut() else { return };
+        if let Some(density) = rig.relative_density {
             rig.porosity = self.range.porosity(density);
         }
+        rig.range = self.measured.then_some(self.range);
     }
 }
 
@@ -61,7 +61,7 @@ pub fn measured_reach(model: &Model) -> Result<Option<Reach>> {
 pub fn within_reach(scene: &Scene, model: &Model, reach: &Reach) -> Result<()> {
     let Some(rig) = model.rig.specimen().filter(|o| o.relative_density.is_none()) else { return Ok(()) };
     let view = View::of(&scene.layer);
-    if view.get("specimen.file").is_some() {
+    if is_given_its_specimen(scene) {
         return Ok(());
     }
     let margin = if reach.measured { 0.0 } else { MARGIN };
@@ -83,6 +83,11 @@ pub fn within_reach(scene: &Scene, model: &Model, reach: &Reach) -> Result<()> {
     );
     view.refuse(key, message);
     Error::all(view.into_errors())
+}
+
+/// Whether the scene begins with a specimen from a file, which is not made again.
+pub fn is_given_its_specimen(scene: &Scene) -> bool {
+    View::of(&scene.layer).get("specimen.file").is_some()
 }
 
 /// Says where a target lies that only an estimate puts outside.

@@ -23,6 +23,7 @@ impl View<'_> {
             grains,
             porosity: f64::NAN,
             relative_density: self.relative_density(),
+            range: None,
             gradation,
             wall_friction: WallFriction {
                 bottom: self.si("walls.friction.bottom"),

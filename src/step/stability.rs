@@ -12,7 +12,7 @@ use super::{State, Work};
 use crate::contact::force::dot;
 use crate::contact::law::{Elastic, Law, Pair, PairTable};
 use crate::contact::sweep::{difference, r_eff};
-use crate::grains::Grains;
+use crate::grains::{Grains, sphere_volume};
 use crate::model::{ContactLaw, Model};
 use crate::neighbours::Neighbours;
 use crate::with_law;
@@ -111,21 +111,33 @@ pub fn first_step(model: &Model, state: &State) -> f64 {
 
 /// That share of the least of these over the grains, s.
 pub fn rayleigh(model: &Model, g: &Grains) -> f64 {
-    let mut least = f64::INFINITY;
-    for i in 0..g.len() {
-        let m = &model.materials[g.material[i] as usize];
-        let r = g.pos[i][3];
-        let dt = match model.contact.law {
-            ContactLaw::Linear | ContactLaw::LinearInherited => (g.mass[i] / (4.0 * m.k_eff * g.stiffness_radius(i))).sqrt(),
-            _ => {
-                let shear = m.young / (2.0 * (1.0 + m.poisson));
-                std::f64::consts::PI * r * (m.density / shear).sqrt() / (0.163 * m.poisson + 0.877)
-            }
-        };
-        least = least.min(dt);
-    }
+    let least = (0..g.len())
+        .map(|i| free_step(model, g.material[i], g.mass[i], g.pos[i][3], g.stiffness_radius(i)))
+        .fold(f64::INFINITY, f64::min);
     // without grains nothing bounds it
     if least.is_finite() { model.stepping.rayleigh() * resolved(model) * least } else { 1.0 }
+}
+
+/// As [`rayleigh`], of grains of these diameters, m, and materials, before there are any.
+pub fn rayleigh_of(model: &Model, grains: impl IntoIterator<Item = (f64, u8)>) -> f64 {
+    let of = |(d, material): (f64, u8)| {
+        let r = 0.5 * d;
+        free_step(model, material, model.materials[usize::from(material)].density * sphere_volume(r), r, r)
+    };
+    let least = grains.into_iter().map(of).fold(f64::INFINITY, f64::min);
+    if least.is_finite() { model.stepping.rayleigh() * resolved(model) * least } else { 1.0 }
+}
+
+/// Step, s, of a grain by itself: Rayleigh's, or that of a free oscillation.
+fn free_step(model: &Model, material: u8, mass: f64, r: f64, stiffness_radius: f64) -> f64 {
+    let m = &model.materials[material as usize];
+    match model.contact.law {
+        ContactLaw::Linear | ContactLaw::LinearInherited => (mass / (4.0 * m.k_eff * stiffness_radius)).sqrt(),
+        _ => {
+            let shear = m.young / (2.0 * (1.0 + m.poisson));
+            std::f64::consts::PI * r * (m.density / shear).sqrt() / (0.163 * m.poisson + 0.877)
+        }
+    }
 }
 
 /// Restitution from which on dashpots are resolved by the step of an elastic impact.

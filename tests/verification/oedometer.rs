@@ -4,6 +4,7 @@ use crate::common::*;
 use comminute::boundary::Wall;
 use comminute::model::WallShape;
 use comminute::rig::cylinder::{CYLINDER, Stresses, Walls};
+use comminute::rig::oedometer::Phase;
 use comminute::step::State;
 
 const WEAK: &[&str] = &["material.strength.fixed_angle.sigma_lim0_MPa=100", "crushing.enabled=true"];
@@ -159,4 +160,31 @@ fn an_adaptive_programme_is_quicker_and_stays_near_its_target() {
     assert!(2 * adaptive.0 < fixed.0, "{} steps instead of {}", adaptive.0, fixed.0);
     assert!(adaptive.1 < fixed.1, "{} off the target instead of {}", adaptive.1, fixed.1);
     close("height at the end", adaptive.2, fixed.2, 1e-3);
+}
+
+/// A specimen that was unloaded and loaded again beyond its largest stress is under strain control to the end of the stage, also where breakages let the stress
+/// fall below that stress once more.
+#[test]
+fn strain_control_outlasts_a_fall_of_the_stress_after_reloading() {
+    let sets = ["loading.stages_kPa=[100, 900]", "loading.control=strain", "loading.inertial_number=0.0005", WEAK[0], WEAK[1]];
+    let before = 400e3;
+    let mut press = coke(120, 4.0, 1e-3 * before, &sets, 2);
+    let (mut passed, mut fell, mut steps) = (false, 0, 0);
+    while !press.done() {
+        press.see(|_, loading, state, _| {
+            if loading.phase != Phase::Load(2) {
+                return;
+            }
+            let stress = Stresses::of(state).vertical();
+            if passed {
+                assert_eq!(loading.target, stress, "step {}: the stress is held", state.step);
+                fell += u32::from(stress < before);
+                steps += 1;
+            }
+            passed |= loading.target >= before;
+        });
+        assert!(press.state.step < 400_000, "loading stands still at {:.0} Pa", press.loading.target);
+    }
+    println!("{fell} of {steps} steps below {before} Pa");
+    assert!(fell > 0, "the stress never fell below its former largest");
 }

@@ -85,6 +85,7 @@ pub fn settle(model: &mut Model) -> Result<Option<Range>, Error> {
     if let Some(rig) = model.rig.specimen_mut() {
         rig.porosity = range.porosity(density);
         rig.relative_density = None;
+        rig.range = Some(range);
     }
     Ok(Some(range))
 }
