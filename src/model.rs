@@ -215,7 +215,7 @@ pub struct Oedometer {
     pub specimen: Specimen,
     pub loading: Loading,
     /// Where the mass that breakages lose becomes material points.
-    pub fines: Option<Embedding>,
+    pub fines: Option<Box<Embedding>>,
 }
 
 /// Fines from crushing as a continuum among the grains of a test.

@@ -135,6 +135,15 @@ fn what_new_writes_is_valid_and_runs_and_the_dictionary_has_every_column() {
         run(&scene, sets, &dir.join("run"));
         columns.look(&dir.join("run"), if kind == "grains" { "assembly" } else { kind });
     }
+    // fines from crushing in the oedometer, which must have had some
+    let (_, weak) = TEMPLATES[0];
+    let points = folder.path().join("points");
+    run(
+        &folder.path().join("oedometer/scene.toml").display().to_string(),
+        &[weak, &["crushing.lost_mass=points", "loading.max_stress_kPa=2000", "loading.stages_kPa=[]"]].concat(),
+        &points,
+    );
+    columns.look(&points, "oedometer");
     // what no template has: platens, rigid bodies, fines from crushing, undrained, one-dimensional and free continua
     let more: [(&str, &str, &[&str]); 6] = [
         ("platen", "experiments/platen/silica.toml", &["batch.grains=3", "batch.diameters_mm=[2.0]"]),

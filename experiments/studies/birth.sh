@@ -1,21 +1,41 @@
 #!/usr/bin/env bash
 # What the way in which daughters are born does: the small runs of Ciantia et al. (2015) with daughters that overlap as in the paper, that begin without overlap, and
-# that overlap but are judged every 50 steps only. The runs behind figures/birth. What is done is not done again.
+# that overlap but are judged every 50 steps only. The runs behind figures/birth.
+# A run that has its row in figures/birth/birth.csv is not made again, unless another one needs its specimen.
 # From the repository root: experiments/studies/birth.sh [FOLDER [SEEDS]], e.g. experiments/studies/birth.sh runs/birth "1 2 3 4 5"
 set -eu
 out=${1:-runs/birth}
 program=${COMMINUTE:-target/release/comminute}
+table=figures/birth/birth.csv
+
+# the row of a finished run: shares and quantiles of its breakages, and the last row of its history
+row() {
+    awk -F, -v run="$1" -v birth="$2" -v seed="$3" '
+        /^#/ { next }
+        FNR == 1 { file++; for (i = 1; i <= NF; i++) column[file, $i] = i; next }
+        file == 1 { n++; u[n] = $column[1, "utilisation"] + 0
+            if ($column[1, "generation"] > 0 && $column[1, "age_steps"] <= 20) young++
+            if (u[n] > 1.1) { above++; if ($column[1, "utilisation_before"] - 1 > 0.05 * (u[n] - 1)) resting++ } }
+        file == 2 { e = $column[2, "void_ratio"]; g = $column[2, "porosity_grains"]; s = $column[2, "sigma_v_kPa"]; k = $column[2, "k0"] }
+        END { for (i = 2; i <= n; i++) { x = u[i]; for (j = i - 1; j && u[j] > x; j--) u[j + 1] = u[j]; u[j + 1] = x }
+            median = n % 2 ? u[(n + 1) / 2] : (u[n / 2] + u[n / 2 + 1]) / 2
+            printf "%s,%s,%s,%d,%.4f,%.4f,%.4f,%.4f,%.2f,%s,%s,%s,%s\n", run, birth, seed, n, young / n, above / n, resting / n, median, u[n], g, e, s, k }' \
+        "$4/breakage.csv" "$4/history.csv"
+}
 
 for seed in ${2:-1 2 3 4 5}; do
     for scene in petroleum_coke/h-c-2 petroleum_coke/l-c-2 petroleum_coke/h-v-2 silica/h-c-2 silica/h-v-2 fontainebleau/h-c-10 \
         fontainebleau/l-c-10 fontainebleau/h-v-10; do
         of=$out/${scene/\//-}
         name=$(sed -n 's/^name = "\(.*\)"/\1/p' "experiments/$scene.toml")
+        [ "$(grep -c "^$name,[^,]*,$seed," "$table")" -lt 3 ] || continue
         run() {
             local specimen=()
+            ! grep -q "^$name,$1,$seed," "$table" || [ "$1" = overlapping ] || return 0
             [ "$1" = overlapping ] || specimen=(--specimen "$of-overlapping/seed-$seed/specimen.csv")
             "$program" run "experiments/$scene.toml" --continue --threads 1 --quiet --seed "$seed" --out "$of-$1/seed-$seed" "${specimen[@]}" \
-                --set "name=\"$name-$1\"" --set records.figures=false --set records.snapshots=false "${@:2}" || echo "$of-$1/seed-$seed failed" >&2
+                --set "name=\"$name-$1\"" --set records.figures=false --set records.snapshots=false "${@:2}" || { echo "$of-$1/seed-$seed failed" >&2; return 0; }
+            grep -q "^$name,$1,$seed," "$table" || row "$name" "$1" "$seed" "$of-$1/seed-$seed" >> "$table"
         }
         run overlapping
         run gradual --set crushing.birth=gradual

@@ -51,7 +51,7 @@ pub fn call(args: &Args) -> Result<()> {
     };
     let scene = args.overrides.load(path)?;
     let mut model = scene::model(&scene)?;
-    let reach = if args.range { scene::measured_reach(&model)? } else { scene::reach(&model) };
+    let reach = if args.range { scene::measured_reach(&model)? } else { scene::sure_reach(&scene, &model, false)? };
     if args.range && reach.is_none() {
         let what = "has to be \"auto\", of an oedometer or a triaxial test, for a range to be measured";
         return Err(Error::input(path.display(), "preparation.growth_friction", None, what));

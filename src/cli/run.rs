@@ -93,9 +93,8 @@ pub fn call(mut args: Args) -> Result<()> {
         }
     }
     let threads = args.threads.map(usize::from);
-    if let (Some(reach), None) = (scene::reach(&model), scene.specimen()) {
+    if let (Some(reach), None) = (scene::sure_reach(&scene, &model, true)?, scene.specimen()) {
         scene::within_reach(&scene, &model, &reach)?;
-        warn(&scene::doubt(&model, &reach), args.quiet);
         reach.settle(&mut model);
         let density = model.rig.specimen().and_then(|rig| rig.relative_density);
         if let (Some(density), false) = (density, args.quiet) {
@@ -121,12 +120,6 @@ pub fn call(mut args: Args) -> Result<()> {
         backend,
     })?;
     super::close(&outcome, args.quiet, args.json)
-}
-
-fn warn(what: &Option<String>, quiet: bool) {
-    if let (Some(what), false) = (what, quiet) {
-        eprintln!("warning: {what}");
-    }
 }
 
 /// A folder that holds anything but why a run failed is not written into unasked.

@@ -320,7 +320,7 @@ mod tests {
         let labels = |asked: &[f64]| choose(&all, asked, &[4.6]).into_iter().map(|(label, _)| label).collect::<Vec<_>>();
         assert_eq!(labels(&[1.0, 3.0, 9.0]), ["0.005", "1", "3", "4.6"]);
         assert_eq!(labels(&[2.0, 2.05, 4.5]), ["0.005", "2", "4.5"], "the nearest value");
-        assert_eq!(labels(&[]), ["0.005"], "all alike");
+        assert_eq!(labels(&[]), ["0.005", "4.6"], "all alike: the first and the last");
         let twice: Vec<Gradation> = [0.005, 0.98, 1.0].map(|s| gradation(s, 10.0)).to_vec();
         assert_eq!(choose(&twice, &[1.0], &[]).iter().map(|c| c.1.level).collect::<Vec<_>>(), [0.005, 1.0], "one for each value");
         let mut sheared = all.clone();

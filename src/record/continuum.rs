@@ -6,7 +6,7 @@ use super::vtk::{self, Fact, Field};
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::model::continuum::{Continuum as Rig, Drainage, Test};
-use crate::mpm::{Dimension, Points};
+use crate::mpm::{Continuum, Dimension, Points};
 use crate::rig::continuum::{Coarse, Moment, Phase, State};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -231,8 +231,8 @@ fn invariants(s: &[f64; 6]) -> (f64, f64) {
 type Of<'a> = (&'static str, usize, &'a dyn Fn(usize) -> Vec<f64>);
 
 /// Writes a ParaView snapshot of the points.
-pub fn write_snapshot(path: &Path, facts: &[Fact], state: &State) -> Result<()> {
-    let points = state.continuum.points();
+pub fn write_snapshot(path: &Path, facts: &[Fact], continuum: &Continuum) -> Result<()> {
+    let points = continuum.points();
     let fields: [Of; 9] = [
         ("id", 1, &|i| vec![f64::from(points.id[i])]),
         ("velocity_m_s", 3, &|i| points.velocity[i][..3].to_vec()),
@@ -244,7 +244,7 @@ pub fn write_snapshot(path: &Path, facts: &[Fact], state: &State) -> Result<()> 
         ("porosity", 1, &|i| vec![points.porosity(i)]),
         ("material", 1, &|i| vec![f64::from(points.law[i])]),
     ];
-    write_fields(path, facts, state.continuum.steps(), &points.by_id(), &points.position, &fields)
+    write_fields(path, facts, continuum.steps(), &points.by_id(), &points.position, &fields)
 }
 
 /// Writes a ParaView snapshot of the grains in a continuum; `stresses` are their mean stresses by index, Pa, `descent` says who is the mother and the first

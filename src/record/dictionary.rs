@@ -150,6 +150,12 @@ const SPECIMEN_HISTORY: &[Column] = &[
         "-",
         "work along the way that was neither stored nor lost in slip and viscosity, over the energy that went through",
     ),
+    column("fines_points", "-", "oedometer with crushing.lost_mass = \"points\": points that came from breakages"),
+    column("fines_mass_kg", "kg", "the same: mass that became points"),
+    column("reserve_mass_kg", "kg", "the same: mass that waits for room"),
+    column("sigma_v_points_kPa", "kPa", "the same: part of the vertical stress that points bear at the platens"),
+    column("energy_points_J", "J", "the same: work of grains and walls on points"),
+    column("released_J", "J", "the same: energy from overlaps that were let go"),
 ];
 
 const FREE_HISTORY: &[Column] = &[
@@ -236,11 +242,9 @@ const CONTINUUM_HISTORY: &[Column] = &[
     column("sigma_zz_of_contacts_kPa", "kPa", "mixture: sum of the three shares along z; in balance it is the platens' stress"),
     column("grain_steps", "-", "mixture: steps of the grains in one cycle"),
     column("continuum_steps", "-", "mixture: steps of the continuum in one cycle"),
-    column("fines_points", "-", "oedometer, mixture with crushing.lost_mass = \"points\": points that came from breakages"),
+    column("fines_points", "-", "mixture with crushing.lost_mass = \"points\": points that came from breakages"),
     column("fines_mass_kg", "kg", "the same: mass that became points"),
     column("reserve_mass_kg", "kg", "the same: mass that waits for room"),
-    column("sigma_v_points_kPa", "kPa", "oedometer, the same: part of the vertical stress that points bear at the platens"),
-    column("energy_points_J", "J", "oedometer, the same: work of grains and walls on points"),
     column("total_mass_kg", "kg", "the same: mass of all there is"),
     column("released_J", "J", "the same: energy from overlaps that were let go"),
     column("lowest_grain_mm", "mm", "mixture, free scene: lowest point of a grain"),
@@ -298,7 +302,7 @@ const BREAKAGE: &[Column] = &[
     column(
         "utilisation_before",
         "-",
-        "the same a step before, by the way that the two bodies have come since; below 1: they have collided",
+        "the same a step before, by the way that the two bodies have come since; below 1 (but for a twentieth of the excess): they have collided",
     ),
     column("area_mm2", "mm²", "area on which it acted (eq. 8 or 9)"),
     column("strength_MPa", "MPa", "her limit strength sigma_lim: force over that area, not over the square of the diameter"),

@@ -310,7 +310,7 @@ fn instant(
     }
     let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
     let name = format!("{}/step_{step:08}.vtp", files::SNAPSHOTS);
-    records::write_snapshot(&out.join(&name), facts, state)?;
+    records::write_snapshot(&out.join(&name), facts, &state.continuum)?;
     snapshots.push((state.time, name));
     vtk::write_collection(&out.join(files::COLLECTION), snapshots).map_err(failed)?;
     if let Some(mixture) = &state.mixture {

@@ -5,6 +5,7 @@ use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::gradation::Gradation;
 use crate::model::{Assembly, Model};
+use crate::mpm::Continuum;
 use crate::record::breakages::{self, OFF};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::record::gradations::{self, At};
@@ -22,20 +23,22 @@ pub const SUMMARY: &str = "summary.json";
 /// The grains at the end.
 pub const GRAINS_FINAL: &str = "grains_final.csv";
 pub const SNAPSHOTS: &str = "snapshots";
-/// Lists of snapshots for ParaView: of grains or points, of walls, and of grains in a continuum.
+/// Lists of snapshots for ParaView: of grains or points, of walls, of grains in a continuum, and of fines among grains.
 pub const COLLECTION: &str = "snapshots.pvd";
 pub const WALLS: &str = "walls.pvd";
 pub const GRAINS: &str = "grains.pvd";
+pub const FINES: &str = "fines.pvd";
 /// What a run leaves that failed before its test began: why, and its scene. A folder that holds nothing else is free.
 pub const FAILED: &str = "failed.scene.toml";
 /// What a run leaves: these are removed by `--force`, and nothing else.
-const OURS: [&str; 23] = [
+const OURS: [&str; 24] = [
     FAILED,
     SPECIMEN,
     SUMMARY,
     COLLECTION,
     WALLS,
     GRAINS,
+    FINES,
     "history.csv",
     "gsd.csv",
     "breakage.csv",
@@ -148,12 +151,13 @@ impl Files {
         Ok(())
     }
 
-    /// A record of a specimen under test, if one is due.
+    /// A record of a specimen under test, if one is due; `fines` are material points among the grains.
     pub fn observe(
         &mut self,
         out: &Path,
         model: &Model,
         (state, work): (&State, &Work),
+        fines: Option<&Continuum>,
         due: Option<Due>,
         moment: impl FnOnce() -> Moment,
     ) -> Result<()> {
@@ -171,6 +175,15 @@ impl Files {
             let facts =
                 [("step", state.step as f64), ("sigma_v_kPa", 1e-3 * sigma_v), ("axial_strain", self.recorder.at_end.axial_strain)];
             self.instant(out, model, state, work, self.snapshots.len() as f64, &facts)?;
+            if let (Some(fines), true) = (fines, model.records.snapshots) {
+                crate::record::continuum::write_snapshot(
+                    &out.join(format!("{SNAPSHOTS}/fines_{:08}.vtp", state.step)),
+                    &facts,
+                    fines,
+                )?;
+                let failed = |e: vtk::VtkError| Error::Failed { step: state.step, what: e.to_string() };
+                vtk::write_collection(&out.join(FINES), &beside(&self.snapshots, "fines_")).map_err(failed)?;
+            }
         }
         if model.records.energy && !self.recorder.energy_error.is_finite() {
             return Err(Error::Unstable { step: state.step, what: "the energy ledger is not a number".into(), grain: None });

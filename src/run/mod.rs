@@ -9,6 +9,7 @@ mod progress_bar;
 mod summary;
 mod watch;
 
+use crate::coupling::Embedded;
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::model::{Model, Rig};
@@ -365,7 +366,8 @@ impl<'a> Runner<'a> {
                     }
                     let due = files.recorder.due(model, rig, loading, state);
                     let due = if files.recorder.stage_end(rig, loading) { Some(Due::Full) } else { due };
-                    files.observe(out, model, (state, work), due, || oedometer::moment(rig, loading, state))
+                    let fines = loading.fines.as_deref().map(Embedded::continuum);
+                    files.observe(out, model, (state, work), fines, due, || oedometer::moment(rig, loading, state))
                 })?;
                 files.breakages(out, &work.breakages, state, Some(loading.target))?;
                 Ok(loading.phase == Phase::Done || files.ends_below_least(model))
@@ -374,7 +376,7 @@ impl<'a> Runner<'a> {
                 progress.grain_steps += state.grains.len() as u64;
                 shearing.advance(model, rig, state, work, |shearing, state, work| {
                     let due = files.recorder.due_in_shear(rig, shearing, state);
-                    files.observe(out, model, (state, work), due, || triaxial::moment(rig, shearing, state))
+                    files.observe(out, model, (state, work), None, due, || triaxial::moment(rig, shearing, state))
                 })?;
                 files.breakages(out, &work.breakages, state, None)?;
                 Ok(shearing.phase == shear::Phase::Done || files.ends_below_least(model))

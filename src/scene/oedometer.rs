@@ -12,7 +12,7 @@ impl View<'_> {
     pub fn oedometer(&self, named: &[Named]) -> Option<Oedometer> {
         let (specimen, loading) = (self.specimen(&named[0])?, self.loading());
         let fines = if self.text("crushing.lost_mass") == "points" {
-            Some(self.embedding(named, median(&specimen.gradation))?)
+            Some(Box::new(self.embedding(named, median(&specimen.gradation))?))
         } else {
             None
         };

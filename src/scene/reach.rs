@@ -36,8 +36,8 @@ impl Reach {
     }
 }
 
-/// Porosity by which the estimate may be wrong: it is within 0.01 over the specimens it was fitted to, all with a friction of 0.5.
-const MARGIN: f64 = 0.02;
+/// Grains up to which `check` makes both specimens where only an estimate puts a target outside: some seconds.
+const FEW: usize = 2000;
 
 /// The range as it is known without making a specimen; none where the scene states the friction while growing, whose own range is another one.
 pub fn reach(model: &Model) -> Option<Reach> {
@@ -54,29 +54,36 @@ pub fn measured_reach(model: &Model) -> Result<Option<Reach>> {
     Ok(Some(Reach::new(range::measure(model, rig)?, true)))
 }
 
-/// Refuses a target outside the range, with the nearest that works and its key. An estimate refuses only what it cannot be wrong about.
+/// As [`reach`], but measured where an estimate puts the scene's target outside and the specimen is not given: `always`, or for few grains only. An estimate refuses nothing.
+///
+/// # Errors
+/// A specimen that cannot be made.
+pub fn sure_reach(scene: &Scene, model: &Model, always: bool) -> Result<Option<Reach>> {
+    let estimate = reach(model);
+    let doubtful = estimate.as_ref().is_some_and(|reach| doubt(model, reach).is_some());
+    let few = model.rig.specimen().is_some_and(|rig| rig.grains <= FEW);
+    if doubtful && (always || few) && !is_given_its_specimen(scene) { measured_reach(model) } else { Ok(estimate) }
+}
+
+/// Refuses a target outside the measured range, with the nearest that works and its key.
 ///
 /// # Errors
 /// Such a target.
 pub fn within_reach(scene: &Scene, model: &Model, reach: &Reach) -> Result<()> {
     let Some(rig) = model.rig.specimen().filter(|o| o.relative_density.is_none()) else { return Ok(()) };
     let view = View::of(&scene.layer);
-    if is_given_its_specimen(scene) {
+    if is_given_its_specimen(scene) || !reach.measured {
         return Ok(());
     }
-    let margin = if reach.measured { 0.0 } else { MARGIN };
-    let wide = Range { loosest: reach.range.loosest + margin, densest: reach.range.densest - margin };
-    let Some(beyond) = wide.nearest(rig.porosity, rig.preparation.porosity_tolerance) else { return Ok(()) };
-    let nearest = if beyond == wide.loosest { reach.range.loosest } else { reach.range.densest };
+    let Some(nearest) = reach.range.nearest(rig.porosity, rig.preparation.porosity_tolerance) else { return Ok(()) };
     let key = DENSITIES.into_iter().find(|k| view.get(k).is_some()).unwrap_or(DENSITIES[0]);
     let value = match key {
         "specimen.void_ratio" => void_ratio(nearest),
         "specimen.height_mm" => 1e3 * solid_volume(rig) / ((1.0 - nearest) * 0.25 * PI * rig.diameter * rig.diameter),
         _ => nearest,
     };
-    let how = if reach.measured { "measured" } else { "estimated; comminute check --range measures it" };
     let message = format!(
-        "is a void ratio of {:.3}, and grains like these can be brought to {:.3} to {:.3} ({how}): the nearest that works is {key} = {value:.4}",
+        "is a void ratio of {:.3}, and grains like these can be brought to {:.3} to {:.3} (measured): the nearest that works is {key} = {value:.4}",
         void_ratio(rig.porosity),
         reach.void_ratio_densest,
         reach.void_ratio_loosest
@@ -96,7 +103,7 @@ pub fn doubt(model: &Model, reach: &Reach) -> Option<String> {
     let outside = reach.range.nearest(rig.porosity, rig.preparation.porosity_tolerance).is_some();
     (outside && !reach.measured).then(|| {
         format!(
-            "the void ratio asked for, {:.3}, is about an end of what can be reached ({:.3} to {:.3}, estimated): comminute check --range measures it",
+            "the void ratio asked for, {:.3}, may be outside of what can be reached ({:.3} to {:.3}, estimated): comminute check --range measures it, and so does the run before it begins",
             void_ratio(rig.porosity),
             reach.void_ratio_densest,
             reach.void_ratio_loosest
@@ -104,7 +111,7 @@ pub fn doubt(model: &Model, reach: &Reach) -> Option<String> {
     })
 }
 
-/// The range, by a fit to twenty specimens of figures/specimens (Cu 1.3 to 4.8, 550 to 3600 grains): wider gradations are denser, and so are specimens that are wide and high against their grains.
+/// The range, by a fit to twenty specimens of figures/specimens (Cu 1.3 to 4.8, 550 to 3600 grains, friction 0.5; small ones of nearly one size under stress are up to 0.035 denser): wider gradations are denser, and so are specimens that are wide and high against their grains.
 pub fn estimated(o: &Specimen) -> Range {
     let uniformity = (size(o, 0.6) / size(o, 0.1)).ln();
     let height = solid_volume(o) / (0.6 * PI * o.diameter * o.diameter / 4.0);
