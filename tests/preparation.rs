@@ -139,6 +139,26 @@ fn what_lies_in_the_measured_range_is_made_and_what_does_not_is_refused() {
     open.call("check", &stated).code(2).stderr(contains("specimen.relative_density").and(contains("auto")));
 }
 
+/// The loosest specimen of a wide gradation (Cu 5.2) creeps for longer than this if it stays as heavily damped as it is prepared.
+#[test]
+fn the_loosest_of_a_wide_gradation_comes_to_rest() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sand = folder.path().join("sand");
+    Command::cargo_bin("comminute").expect("the binary").args(["new", "oedometer", "--quiet"]).arg(&sand).assert().success();
+    let mut check = Command::cargo_bin("comminute").expect("the binary");
+    check.env("COMMINUTE_CACHE", folder.path()).arg("check").arg(sand.join("scene.toml")).arg("--range");
+    for set in [
+        "material.gradation.points=[[0.11399, 0], [0.13411, 0.1], [0.18635, 0.2], [0.25895, 0.3], [0.35982, 0.4], [0.50000, 0.5], [0.69478, 0.6], [0.95379, 1]]",
+        "specimen.grains=600",
+        "specimen.diameter_mm=2.16",
+        "specimen.relative_density=0.5",
+        "preparation.max_steps=120000",
+    ] {
+        check.args(["--set", set]);
+    }
+    check.assert().success().stderr(contains("can be made (measured)"));
+}
+
 #[test]
 fn a_preparation_that_is_stopped_goes_on_to_the_same_specimen() {
     let open = Open::new();

@@ -41,5 +41,5 @@ for way in leave grow points; do
             "$of/history.csv" >> "$table"
     done
 done
-"$program" plot "$out"/leave-3 "$out"/grow-3 "$out"/points-3 --data figures/lost_mass/ganju.csv --show compression,k0,crush_events --quiet --out figures/lost_mass
-"$program" plot "$out"/grow-* --show compression --quiet --out figures/lost_mass/grow
+"$program" plot "$out"/leave-3 "$out"/grow-3 "$out"/points-3 --data figures/lost_mass/ganju.csv --show void_ratio,k0,crush_events --quiet --out figures/lost_mass
+"$program" plot "$out"/grow-* --show void_ratio --quiet --out figures/lost_mass/grow

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # How many specimens can be made: 60 of gradations with Cu 1.1 to 6, of void ratios inside the measured range and of up to 20 000 grains, drawn evenly by three irrational
-# steps; the fewest grains are 500, or as many as make the specimen four largest grains wide. The smallest come first; what is done is not done again. The table behind figures/specimens.
+# steps; the fewest grains are 500, or as many as make the specimen four largest grains wide. The smallest come first; what has its row in the table is not done again. The table behind figures/specimens.
 # From the repository root: experiments/studies/specimens.sh [FOLDER [MOST_GRAINS]], e.g. experiments/studies/specimens.sh runs/specimens 3000
 set -eu
 out=${1:-runs/specimens}
@@ -8,7 +8,8 @@ most=${2:-20000}
 program=${COMMINUTE:-target/release/comminute}
 table=figures/specimens/specimens.csv
 export COMMINUTE_CACHE=$out/cache
-mkdir -p "$out" figures/specimens
+mkdir -p "$out"
+[ -e "$table" ] || echo "number,cu,grains,diameter_mm,void_ratio_densest,void_ratio_loosest,void_ratio_asked,porosity_made,error_percent,seconds,steps,outcome" > "$table"
 
 # number, Cu, grains, diameter in mm, place in the range (0 loosest), gradation: D50 0.5 mm, straight in log d from D10 to D60, short tails; height 0.7 diameters
 draws() {
@@ -34,11 +35,11 @@ of() { sed -n "s/.*\"$1\": \([-0-9.e]*\).*/\1/p" "$2" | head -1; }
 draws | while IFS=';' read -r k cu n diameter share points; do
     [ "$n" -le "$most" ] || continue
     folder=$out/$k
-    [ -e "$folder/row.csv" ] && continue
+    ! grep -q "^$k," "$table" || continue
     mkdir -p "$folder"
     [ -e "$folder/scene/scene.toml" ] || "$program" new oedometer "$folder/scene" --quiet
     sets=(--set "material.gradation.points=$points" --set specimen.grains="$n" --set specimen.diameter_mm="$diameter" --set seed.packing="$k")
-    row() { echo "$k,$cu,$n,$diameter,$1" > "$folder/row.csv"; }
+    row() { echo "$k,$cu,$n,$diameter,$1" >> "$table"; }
     if ! "$program" check "$folder/scene/scene.toml" "${sets[@]}" --set specimen.relative_density=0.5 --range --json > "$folder/range.json" 2> "$folder/range.log"; then
         row ",,,,,,,no range"
         continue
@@ -57,8 +58,3 @@ draws | while IFS=';' read -r k cu n diameter share points; do
         row "$dense,$loose,$e,,,,,$(sed -n 's/.*preparation (\([a-z]*\)) \([^;:]*\).*/\2/p' "$folder/run.log" | tr ',' ' ' | head -1)"
     fi
 done
-
-{
-    echo "number,cu,grains,diameter_mm,void_ratio_densest,void_ratio_loosest,void_ratio_asked,porosity_made,error_percent,seconds,steps,outcome"
-    cat "$out"/*/row.csv | sort -t, -k3n
-} > "$table"

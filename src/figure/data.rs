@@ -54,11 +54,19 @@ impl Measured {
         ))
     }
 
-    /// Symbols of a quantity against stress in MPa; empty if the file does not have it.
+    /// Symbols of a quantity against stress in MPa; empty if the file does not have it. A void ratio is a porosity as well, and a porosity a void ratio.
     pub fn against_stress(&self, column: &str, factor: f64) -> Result<Vec<Series>> {
-        match STRESS.iter().find(|(c, _)| self.table.has(c)) {
-            Some(stress) if self.table.has(column) => self.symbols(*stress, (column, factor), "series"),
-            _ => Ok(Vec::new()),
+        let Some(stress) = STRESS.iter().find(|(c, _)| self.table.has(c)) else { return Ok(Vec::new()) };
+        let named =
+            |from: &str, to: &str| column.strip_prefix(from).map(|which| format!("{to}{which}")).filter(|c| self.table.has(c));
+        if self.table.has(column) {
+            self.symbols(*stress, (column, |y| factor * y), "series")
+        } else if let Some(void_ratio) = named("porosity", "void_ratio") {
+            self.symbols(*stress, (&void_ratio, |e| factor * e / (1.0 + e)), "series")
+        } else if let Some(porosity) = named("void_ratio", "porosity") {
+            self.symbols(*stress, (&porosity, |n| factor * n / (1.0 - n)), "series")
+        } else {
+            Ok(Vec::new())
         }
     }
 
@@ -67,7 +75,7 @@ impl Measured {
         if !(self.table.has(STRAIN.0) && self.table.has(column)) {
             return Ok(Vec::new());
         }
-        self.symbols(STRAIN, (column, factor), "series")
+        self.symbols(STRAIN, (column, |y| factor * y), "series")
     }
 
     /// Symbols of a gradation, one series for each stress if the file has stresses.
@@ -77,10 +85,10 @@ impl Measured {
         }
         let by_stress = STRESS.iter().find(|(c, _)| self.table.has(c));
         let split = by_stress.map_or("series", |(c, _)| *c);
-        self.symbols(("diameter_mm", 1.0), ("passing_percent", 1.0), split)
+        self.symbols(("diameter_mm", 1.0), ("passing_percent", |y| y), split)
     }
 
-    fn symbols(&self, x: (&str, f64), y: (&str, f64), split: &str) -> Result<Vec<Series>> {
+    fn symbols(&self, x: (&str, f64), y: (&str, impl Fn(f64) -> f64), split: &str) -> Result<Vec<Series>> {
         let (xs, ys) = (self.table.numbers(x.0)?, self.table.numbers(y.0)?);
         let names = if self.table.has(split) { self.table.texts(split)? } else { vec![""; xs.len()] };
         let mut out: Vec<(&str, Series)> = Vec::new();
@@ -104,7 +112,7 @@ impl Measured {
                 out.len() - 1
             });
             out[at].1.x.push(xs[i] * x.1);
-            out[at].1.y.push(ys[i] * y.1);
+            out[at].1.y.push(y.1(ys[i]));
         }
         Ok(out.into_iter().map(|(_, s)| s).collect())
     }
@@ -140,6 +148,15 @@ mod tests {
         let s = mpa.against_stress("axial_strain", 100.0).expect("series");
         assert_eq!((s[0].x[0], s[0].y[0]), (2.0, 10.0));
         assert_eq!(s[0].name, "Test A");
+    }
+
+    #[test]
+    fn a_void_ratio_is_drawn_as_a_porosity_and_back() {
+        let e = read("sigma_v_MPa,void_ratio\n2,0.25\n").expect("read");
+        assert_eq!(e.against_stress("porosity", 1.0).expect("series")[0].y, [0.2]);
+        assert!(e.against_stress("porosity_star", 1.0).expect("none").is_empty());
+        let n = read("sigma_v_MPa,porosity_grains\n2,0.2\n").expect("read");
+        assert!((n.against_stress("void_ratio_grains", 1.0).expect("series")[0].y[0] - 0.25).abs() < 1e-15);
     }
 
     #[test]

@@ -116,7 +116,7 @@ const SHEAR_RISE: f64 = 0.5;
 /// Amplitude of a cycle (larger ones end looser), and the sum of strains after which no cycle densifies by more than 0.0001.
 const AMPLITUDE: f64 = 0.01;
 const SHEARED: f64 = 1.0;
-/// Damping while shearing, at most: grains that swing find denser places.
+/// Damping while shearing, and of a long rest, at most: grains that swing find denser places.
 const SHEAR_DAMPING: f64 = 0.1;
 /// Share of friction that goes, or comes back, in a step in which the stress is wrong by its own size or more.
 const VALVE: f64 = 1e-2;
@@ -125,6 +125,8 @@ const JAMMED: f64 = 0.8;
 /// Friction below which it is zero, and the stress, over that of compression, that then ends compression.
 const FRICTIONLESS: f64 = 1e-2;
 const SPENT: f64 = 2.0;
+/// Steps of rest after which grains that are still not at rest are damped no more than while shearing: the loosest specimens of wide gradations creep on, under heavy damping for hundreds of thousands of steps.
+const CREEP: u64 = 30_000;
 /// Steps between looks at rest.
 const LOOK: u64 = 64;
 /// Unbalanced ratio of quiet grains, and the steps after which they are taken for quiet (a specimen too loose to bear anything).
@@ -237,6 +239,7 @@ impl Path {
                 self.asked = (UNLOAD * self.asked).max(rig.isotropic_stress);
             }
             Stage::Unloading => self.enter(Stage::Rest),
+            Stage::Rest if self.stage_steps == CREEP => state.damping = state.damping.min(SHEAR_DAMPING),
             Stage::Rest if self.too_dense(rig, state) || self.at_rest(model, state, work) => {
                 return self.judge(model, rig, state, work);
             }

@@ -19,6 +19,8 @@ pub struct Range {
 
 /// Seed of the packing whose ends are measured: specimens of one scene have one range, whatever their own.
 const SEED: u64 = 1;
+/// Number of the way that is taken, to be raised with every change of [`super::path`]'s ends: ranges of before are not read.
+const WAY: u32 = 2;
 /// What the names of its files in the cache begin with.
 const PREFIX: &str = "range-";
 
@@ -106,8 +108,9 @@ fn end(model: &Model, rig: &Specimen, wish: Wish) -> Result<f64, Error> {
 fn depends_on(model: &Model, rig: &Specimen) -> String {
     let p = &rig.preparation;
     format!(
-        "comminute {} diameter {:?} grains {} gradation {:?} walls {:?} stress {:?} growth {} damping {:?} servo {:?} material {:?} contact {:?} stepping {:?} gravity {:?}",
+        "comminute {} way {} diameter {:?} grains {} gradation {:?} walls {:?} stress {:?} growth {} damping {:?} servo {:?} material {:?} contact {:?} stepping {:?} gravity {:?}",
         env!("CARGO_PKG_VERSION"),
+        WAY,
         rig.diameter,
         rig.grains,
         rig.gradation,
