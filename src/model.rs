@@ -230,6 +230,16 @@ pub struct Embedding {
     pub release_strain: f64,
 }
 
+impl Embedding {
+    /// Points along the edge of a cell that they fill.
+    const PER_EDGE: f64 = 2.0;
+
+    /// Volume of the solid that a point stands for, m³.
+    pub fn solid(&self) -> f64 {
+        (1.0 - self.porosity) * (self.cell / Self::PER_EDGE).powi(3)
+    }
+}
+
 /// Drained shear of a specimen at constant cell pressure, which is the specimen's isotropic stress.
 #[derive(Clone, Debug)]
 pub struct Triaxial {

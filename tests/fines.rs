@@ -28,6 +28,7 @@ fn run(dir: &Path, name: &str, more: &[&str]) -> std::process::Output {
         "records.figures=false",
         "records.snapshots=false",
         "material.strength.fixed_angle.crushing_stress_MPa=35",
+        "material.elastic.G_GPa=3",
     ] {
         command.args(["--set", set]);
     }

@@ -66,7 +66,7 @@ impl Embedded {
         let mut continuum = Continuum::new(settings, vec![embedding.law.clone()], Points::default())?;
         continuum.keep_carried();
         let density = model.materials[0].density;
-        let solid = (1.0 - embedding.porosity) * (cell / f64::from(PER_EDGE)).powi(3);
+        let solid = embedding.solid();
         let rule =
             Rule { release_strain: embedding.release_strain, law: 0, porosity: embedding.porosity, solid, density, at_rest: true };
         // c² ρ of the law, for any density
@@ -207,6 +207,3 @@ impl Embedded {
         }
     }
 }
-
-/// Points along the edge of a cell.
-const PER_EDGE: u32 = 2;

@@ -77,7 +77,7 @@ impl View<'_> {
         self.check(
             !keeps_mass || matches!(birth, Birth::Gradual { .. }),
             "crushing.lost_mass",
-            "needs crushing.birth = \"gradual\" to be \"grow\"",
+            "needs crushing.birth = \"gradual\" to be \"grow\": pieces with all of her mass that begin overlapping hold thousands of times what their mother did",
         );
         let points = self.text("crushing.lost_mass") == "points";
         self.check(
