@@ -22,7 +22,7 @@ for m in 2 5 10; do
     run "grow-$m" "${same[@]}" --set crushing.lost_mass=grow --set material.strength.fixed_angle.m="$m.0"
 done
 
-# void ratio at four stresses, slope of log e against log σ_v from 40 MPa on while e is above 0.15, that of the theory (1/2b, b = 3/m), and what the run took
+# void ratio at four stresses, slope of log e against log σ_v from 30 to 90 MPa where e stays above 0.15, that of the theory (1/2b, b = 3/m), and what the run took
 table=figures/lost_mass/lost_mass.csv
 echo "lost_mass,m,void_ratio_10_MPa,void_ratio_30_MPa,void_ratio_50_MPa,void_ratio_90_MPa,slope,slope_theory,k0_end,breakages,steps,seconds" > "$table"
 for way in leave grow points; do
@@ -35,8 +35,8 @@ for way in leave grow points; do
             !c { for (i = 1; i <= NF; i++) at[$i] = i; c = 1; next }
             { s = $at["sigma_v_kPa"] / 1e3; e = $at["void_ratio"] + 0; k = $at["k0"]; events = $at["crush_events"]; steps = $at["step"]
               split("10 30 50 90", w, " "); for (j = 1; j <= 4; j++) if (!(j in found) && s >= w[j]) found[j] = e
-              if (s >= 40 && e > 0.15) { x = log(s); y = log(e); n++; sx += x; sy += y; xx += x * x; xy += x * y } }
-            END { slope = n > 2 && n * xx - sx * sx > 1e-3 ? sprintf("%.2f", (n * xy - sx * sy) / (n * xx - sx * sx)) : ""
+              if (s >= 30 && s <= 90) { if (e < 0.15) closed = 1; x = log(s); y = log(e); n++; sx += x; sy += y; xx += x * x; xy += x * y } }
+            END { slope = n > 2 && !closed ? sprintf("%.2f", (n * xy - sx * sy) / (n * xx - sx * sx)) : ""
               printf "%s,%s,%.3f,%.3f,%.3f,%.3f,%s,%.2f,%.2f,%d,%d,%.0f\n", way, m, found[1], found[2], found[3], found[4], slope, -m / 6, k, events, steps, seconds }' \
             "$of/history.csv" >> "$table"
     done

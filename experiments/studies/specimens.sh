@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # How many specimens can be made: 60 of gradations with Cu 1.1 to 6, of void ratios inside the measured range and of up to 20 000 grains, drawn evenly by three irrational
-# steps; the fewest grains are 500, or as many as make the specimen four largest grains wide. The smallest come first; what has its row in the table is not done again. The table behind figures/specimens.
+# steps; the fewest grains are 500, or as many as make the specimen four largest grains wide. The smallest come first; what has its row in the table is not done again (take the row out to try once more). The table behind figures/specimens.
 # From the repository root: experiments/studies/specimens.sh [FOLDER [MOST_GRAINS]], e.g. experiments/studies/specimens.sh runs/specimens 3000
 set -eu
 out=${1:-runs/specimens}

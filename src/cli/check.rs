@@ -51,7 +51,7 @@ pub fn call(args: &Args) -> Result<()> {
     };
     let scene = args.overrides.load(path)?;
     let mut model = scene::model(&scene)?;
-    let reach = if args.range { scene::measured_reach(&model)? } else { scene::sure_reach(&scene, &model, false)? };
+    let reach = if args.range { scene::measured_reach(&model)? } else { scene::sure_reach(&scene, &model, false) };
     if args.range && reach.is_none() {
         let what = "has to be \"auto\", of an oedometer or a triaxial test, for a range to be measured";
         return Err(Error::input(path.display(), "preparation.growth_friction", None, what));
@@ -61,7 +61,8 @@ pub fn call(args: &Args) -> Result<()> {
         reach.settle(&mut model);
     }
     let mut estimate = scene::estimate(&model);
-    estimate.warnings.extend(reach.as_ref().and_then(|r| scene::doubt(&model, r)));
+    let made = reach.as_ref().filter(|_| !scene::is_given_its_specimen(&scene));
+    estimate.warnings.extend(made.and_then(|r| scene::doubt(&model, r)));
     estimate.void_ratio_range = reach;
     if scene::is_given_its_specimen(&scene) {
         estimate.seconds -= std::mem::take(&mut estimate.preparation_seconds);

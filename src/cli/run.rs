@@ -3,7 +3,7 @@
 use super::Overrides;
 use comminute::error::{Error, Result};
 use comminute::rig::preparation::range::void_ratio;
-use comminute::run::{Backend, Found, Outcome, ResumeOptions, RunRequest, choose, look, occupied, resume, run, settle};
+use comminute::run::{Backend, Found, Outcome, ResumeOptions, RunRequest, choose, in_pool, look, occupied, resume, run, settle};
 use comminute::scene;
 use std::path::{Path, PathBuf};
 
@@ -93,7 +93,11 @@ pub fn call(mut args: Args) -> Result<()> {
         }
     }
     let threads = args.threads.map(usize::from);
-    if let (Some(reach), None) = (scene::sure_reach(&scene, &model, true)?, scene.specimen()) {
+    if !args.quiet && !scene::is_given_its_specimen(&scene) {
+        scene::reach(&model).and_then(|reach| scene::doubt(&model, &reach)).iter().for_each(|doubt| eprintln!("{doubt}"));
+    }
+    let reach = in_pool(threads, || Ok(scene::sure_reach(&scene, &model, true)))?;
+    if let (Some(reach), None) = (reach, scene.specimen()) {
         scene::within_reach(&scene, &model, &reach)?;
         reach.settle(&mut model);
         let density = model.rig.specimen().and_then(|rig| rig.relative_density);

@@ -95,16 +95,20 @@ impl Embedded {
     /// The forces of this instant between points and grains and walls; walls' reactions are then of both.
     pub fn feel(&mut self, model: &Model, state: &mut State, work: &mut Work) {
         if self.continuum.points().is_empty() {
+            self.ghosts.clear();
+            self.pressed.fill(0.0);
+            state.ledger.points = self.work;
             return;
         }
         let Embedded { continuum, ghosts, fines, table, held, .. } = self;
-        let State { grains, walls, dt, .. } = &*state;
+        let State { grains, walls, dt, aftermath, .. } = &*state;
         let table = table.get_or_insert_with(|| GhostTable::new(model.contact.law, &[0], &model.materials, walls));
         let fastest = |v: f64, [x, y, z]: [f64; 3]| v.max(x * x + y * y + z * z);
         let points = continuum.points().carried.iter().fold(0.0, |v, c| fastest(v, *c)).sqrt();
         let bodies = grains.vel.iter().fold(0.0, |v, c| fastest(v, [c[0], c[1], c[2]])).sqrt();
         let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
-        ghosts.update(grains, walls, continuum, dt * (points + bodies.max(wall)));
+        let way = dt * (points + bodies.max(wall)) + aftermath.fastest_growth();
+        ghosts.update(grains, walls, continuum, way);
         let scene = Scene { grains, walls, continuum, table, unloading: model.contact.unloading, dt: *dt, ahead: [0.0; 2] };
         ghosts.evaluate(&scene);
         fines.released += ghosts.release(&scene, fines.rule.release_strain);
@@ -115,6 +119,8 @@ impl Embedded {
             held[ghost.place[1] as usize] += ghost.stiffness[0].max(ghost.stiffness[1]);
         }
         self.press(state);
+        // the ledger is that of this instant: half of its work on points is still to come
+        state.ledger.points = self.work + 0.5 * state.dt * self.power(state);
         if state.step.is_multiple_of(LOOK) {
             self.hold_grains(model, state, work);
         }
@@ -171,7 +177,6 @@ impl Embedded {
         let walls = &state.walls;
         let outside = |[x, y, z, _]: [f64; 4]| walls.iter().any(|w| w.shape.towards([x, y, z, 0.0]).1 < 0.0);
         self.fines.leave(outside, &mut self.continuum, &mut self.ghosts);
-        state.ledger.points = self.work;
         Ok(())
     }
 
@@ -191,8 +196,10 @@ impl Embedded {
     fn hold_points(&mut self, model: &Model, dt: f64) {
         let Embedded { continuum, held, modulus, .. } = self;
         held.resize(continuum.points().len(), 0.0);
-        let (cell, safety) = (continuum.settings().cell, model.stepping.safety);
-        let of = |(p, k): (&[f64; 4], &f64)| dt * dt / (safety * safety) * (*modulus * p[3] / (cell * cell) + 0.5 * k);
+        let (cell, damping, safety) = (continuum.settings().cell, continuum.settings().damping, model.stepping.safety);
+        // local damping adds to forces on what slows down, as with grains
+        let step = (1.0 + damping) * dt * dt / (safety * safety);
+        let of = |(p, k): (&[f64; 4], &f64)| step * (*modulus * p[3] / (cell * cell) + 0.5 * k);
         let points = continuum.points();
         let needed = points.position.iter().zip(held.iter()).map(of);
         if !needed.zip(&points.velocity).any(|(needed, v)| v[3] < needed) {

@@ -219,7 +219,7 @@ impl Around<'_> {
             .map(|p| (p, self.clearance(p) / ghost))
             .filter(|(_, room)| *room >= 1.0 - DEEPEST)
             .collect();
-        let mut places: Vec<[f64; 3]> = Vec::with_capacity(number);
+        let mut places: Vec<[f64; 3]> = Vec::with_capacity(number.min(CANDIDATES as usize));
         while places.len() < number {
             // the first of the best: a fixed order
             let mut best: Option<usize> = None;

@@ -293,7 +293,8 @@ impl Mixture {
             too_fast(grains, continuum, dt)?;
         }
         let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
-        self.ghosts.update(grains, walls, continuum, dt * (point + grain.max(wall)));
+        let way = dt * (point + grain.max(wall)) + self.grains.aftermath.fastest_growth();
+        self.ghosts.update(grains, walls, continuum, way);
         let scene = Scene { grains, walls, continuum, table, unloading: parts.model.contact.unloading, dt, ahead };
         self.ghosts.evaluate(&scene);
         if let Some(fines) = self.fines.as_mut().filter(|f| f.points > 0) {

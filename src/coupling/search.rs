@@ -59,6 +59,11 @@ impl Ghosts {
         }
     }
 
+    /// Forgets all contacts.
+    pub(super) fn clear(&mut self) {
+        self.near.clear();
+    }
+
     fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);

@@ -117,6 +117,11 @@ impl Aftermath {
         self.growing.is_empty() && self.fading.is_empty()
     }
 
+    /// What a grain grows in one step at most, m.
+    pub fn fastest_growth(&self) -> f64 {
+        self.growing.iter().map(|x| x.rate).fold(0.0, f64::max)
+    }
+
     /// Lets grain `grain` grow to the radius `target`, m, by `rate`, m, in a step.
     pub fn grow(&mut self, grain: usize, target: f64, rate: f64) {
         self.growing.push(Growing { grain: grain as u32, target, rate, grown: 0.0, wait: 0 });

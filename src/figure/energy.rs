@@ -8,7 +8,7 @@ use super::error::Result;
 use super::plot::{Plot, Series};
 
 /// Ledger columns in the order of the legend; the work of the walls is what all the others share.
-const TERMS: [(&str, &str); 9] = [
+const TERMS: [(&str, &str); 12] = [
     ("energy_wall_J", "work of the walls"),
     ("energy_slip_J", "slip"),
     ("energy_stored_J", "stored"),
@@ -18,6 +18,9 @@ const TERMS: [(&str, &str); 9] = [
     ("energy_lost_kinetic_J", "motion of lost mass"),
     ("energy_contacts_removed_J", "contacts removed"),
     ("energy_contacts_made_J", "contacts made"),
+    ("energy_points_J", "work on fines"),
+    ("energy_growth_J", "growth of fragments"),
+    ("energy_release_J", "hold of broken grains"),
 ];
 /// The re-scaled inertia is a term of its own.
 const INERTIA: (&str, &str) = ("energy_inertia_J", "re-scaled inertia");

@@ -72,7 +72,14 @@ pub fn sums(model: &Model, state: &State, work: &Work) -> Sums {
     for &i in &g.by_id() {
         let i = i as usize;
         let (p, v, w) = (g.pos[i], g.vel[i], g.spin[i]);
-        let (f, t) = gather::force_and_torque(i, model, state, &work.neighbours);
+        let (mut f, mut t) = gather::force_and_torque(i, model, state, &work.neighbours);
+        // forces of material points, which the coming step will take
+        if let Some([force, torque]) = work.outside.get(i) {
+            f.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+            if model.contact.turning {
+                t.iter_mut().zip(torque).for_each(|(sum, t)| *sum += t);
+            }
+        }
         let m = g.inertia(i);
         let rotational = 0.4 * m * p[3] * p[3];
         s.inertia += m;

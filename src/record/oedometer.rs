@@ -90,7 +90,7 @@ pub fn moment(rig: &Oedometer, loading: &Loading, state: &State) -> Moment {
             ("fines_mass_kg", entered.mass.into()),
             ("reserve_mass_kg", reserve.mass.into()),
             ("sigma_v_points_kPa", (1e-3 * pressed).into()),
-            ("energy_points_J", embedded.work.into()),
+            ("energy_points_J", state.ledger.points.into()),
             ("released_J", (*released).into()),
         ]);
     }

@@ -240,7 +240,10 @@ fn never_halfway(stop_after: Option<u64>) -> Result<()> {
 }
 
 /// Runs inside a pool of its own, so that the loop's thread is one of the workers.
-fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+///
+/// # Errors
+/// No threads, or the job's.
+pub fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> + Send) -> Result<T> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
         .build()

@@ -44,7 +44,7 @@ pub use files::read_text;
 pub use keys::reference as key_reference;
 pub use layers::shown;
 pub use provenance::{Assumption, Decision, assumptions, decisions};
-pub use reach::{Reach, doubt, is_given_its_specimen, measured_reach, sure_reach, within_reach};
+pub use reach::{Reach, doubt, is_given_its_specimen, measured_reach, reach, sure_reach, within_reach};
 
 use crate::error::{Error, Result};
 use crate::model::Model;

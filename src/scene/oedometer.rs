@@ -7,6 +7,8 @@ use crate::model::{Embedding, Loading, Oedometer};
 
 /// Edge of a cell of the fines' grid over d50, where the scene does not say it: two points stand for about as much as one daughter.
 const CELL: f64 = 0.4;
+/// What it may be: smaller ones make more points of a breakage than there are places for, larger ones hold several grains.
+const CELLS: std::ops::RangeInclusive<f64> = 0.1..=2.0;
 
 impl View<'_> {
     pub fn oedometer(&self, named: &[Named]) -> Option<Oedometer> {
@@ -33,10 +35,21 @@ impl View<'_> {
             self.refuse(law, "is missing: with crushing.lost_mass = \"points\" it says how fines behave (law, E_MPa, nu …; the material that `comminute new oedometer` writes has one)");
             return None;
         }
+        let cell = self.number("crushing.points_cell_mm").map_or(CELL * d50, |cell| cell * self.scale());
+        self.check(
+            CELLS.contains(&(cell / d50)),
+            "crushing.points_cell_mm",
+            format!(
+                "must be between {} and {} of the specimen's d50 with its grain scale, {:.4} mm here",
+                CELLS.start(),
+                CELLS.end(),
+                1e3 * d50
+            ),
+        );
         Some(Embedding {
             law: self.continuum(&named[0])?,
             porosity: self.si("crushing.points_porosity"),
-            cell: self.number("crushing.points_cell_mm").map_or(CELL * d50, |cell| cell * self.scale()),
+            cell,
             release_strain: self.si("crushing.release_strain"),
         })
     }

@@ -55,14 +55,12 @@ pub fn measured_reach(model: &Model) -> Result<Option<Reach>> {
 }
 
 /// As [`reach`], but measured where an estimate puts the scene's target outside and the specimen is not given: `always`, or for few grains only. An estimate refuses nothing.
-///
-/// # Errors
-/// A specimen that cannot be made.
-pub fn sure_reach(scene: &Scene, model: &Model, always: bool) -> Result<Option<Reach>> {
+/// Where an end of the range cannot be made the estimate stands.
+pub fn sure_reach(scene: &Scene, model: &Model, always: bool) -> Option<Reach> {
     let estimate = reach(model);
     let doubtful = estimate.as_ref().is_some_and(|reach| doubt(model, reach).is_some());
     let few = model.rig.specimen().is_some_and(|rig| rig.grains <= FEW);
-    if doubtful && (always || few) && !is_given_its_specimen(scene) { measured_reach(model) } else { Ok(estimate) }
+    if doubtful && (always || few) && !is_given_its_specimen(scene) { measured_reach(model).unwrap_or(estimate) } else { estimate }
 }
 
 /// Refuses a target outside the measured range, with the nearest that works and its key.
