@@ -119,9 +119,9 @@ impl Balance {
         self.path + self.growth - (self.stored - self.start[0] + self.removed - self.made) - self.slip - self.viscous
     }
 
-    /// The energy that has gone through: work of walls, or the start's kinetic and potential energy in free scenes, J.
+    /// The energy that has gone through: work of walls and of growing daughters, or the start's kinetic and potential energy in free scenes, J.
     pub fn scale(&self) -> f64 {
-        self.wall.abs().max(self.path.abs()).max(self.start[1].abs()).max(f64::MIN_POSITIVE)
+        self.wall.abs().max(self.path.abs()).max(self.growth.abs()).max(self.start[1].abs()).max(f64::MIN_POSITIVE)
     }
 
     /// Residual over the energy gone through.

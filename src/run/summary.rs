@@ -106,7 +106,11 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
     if model.crush.is_some() {
         put("breakages", recorder.broken.summary());
     }
-    put("warnings", json!(warnings(recorder)));
+    let growth = state.ledger.growth / state.walls.iter().map(|w| w.work).sum::<f64>().abs().max(f64::MIN_POSITIVE);
+    if model.records.energy && model.crush.as_ref().is_some_and(|crush| crush.keeps_mass) {
+        put("growth_over_wall_work", json!(growth));
+    }
+    put("warnings", json!(warnings(recorder, growth)));
     put("energy_rises", json!(state.ledger.rises));
     let lost: f64 = state.lost.iter().map(|l| l.0).sum();
     put("mass_lost_kg", json!(lost));
@@ -125,14 +129,23 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
 /// An overlap above this share of the smaller radius is named.
 const DEEP: f64 = 0.5;
 
-/// What a reader of the results must know, in words.
-fn warnings(recorder: &Recorder) -> Vec<String> {
+/// Work of growing daughters over that of the walls above which it is named.
+const GROWN: f64 = 0.25;
+
+/// What a reader of the results must know, in words. `growth`: work of growing daughters over that of the walls.
+fn warnings(recorder: &Recorder, growth: f64) -> Vec<String> {
     let mut warnings = recorder.broken.warnings();
     if recorder.deepest > DEEP {
         warnings.push(format!(
             "the deepest contact overlapped by {:.2} of the smaller grain's radius: fragments below the comminution limit cannot break and are pressed into \
              larger grains; contacts are soft for these forces (material.elastic, material.linear)",
             recorder.deepest
+        ));
+    }
+    if growth > GROWN {
+        warnings.push(format!(
+            "daughters that grew did {growth:.1} times the work of the walls: stresses and the void ratio beyond yield are theirs too; crushing.lost_mass = \"points\" \
+             keeps the mass without this"
         ));
     }
     warnings
