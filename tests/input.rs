@@ -88,6 +88,7 @@ const TEMPLATES: [(&str, &[&str]); 5] = [
             "loading.pace=0.02",
             "loading.max_inertial_number=0.01",
             "records.at_kPa=[]",
+            "crushing.lost_mass=grow",
             "material.strength.fixed_angle.crushing_stress_MPa=8",
         ],
     ),

@@ -13,7 +13,7 @@ const CELLS: std::ops::RangeInclusive<f64> = 0.1..=2.0;
 impl View<'_> {
     pub fn oedometer(&self, named: &[Named]) -> Option<Oedometer> {
         let (specimen, loading) = (self.specimen(&named[0])?, self.loading());
-        let fines = if self.text("crushing.lost_mass") == "points" {
+        let fines = if self.flag("crushing.enabled") && self.text("crushing.lost_mass") == "points" {
             Some(Box::new(self.embedding(named, median(&specimen.gradation))?))
         } else {
             None
@@ -24,7 +24,6 @@ impl View<'_> {
     /// Fines from crushing as a continuum, in a specimen with this d50, m, or `None` with the reasons noted.
     fn embedding(&self, named: &[Named], d50: f64) -> Option<Embedding> {
         let key = "crushing.lost_mass";
-        self.check(self.flag("crushing.enabled"), key, "\"points\" needs crushing.enabled = true");
         self.check(
             self.flag("stepping.inertia_scaling"),
             key,
