@@ -63,7 +63,7 @@ pub enum Error {
         /// Persistent id of the grain, where one is to blame.
         grain: Option<u64>,
     },
-    /// A continuum has left what is possible: its energy, its pores or its platens; what is recorded so far is kept.
+    /// A test has left what is possible: a continuum's energy or platens, or anything's voids; what is recorded so far is kept.
     #[error("step {step}: {what}")]
     Impossible { step: u64, what: String },
     /// The run could not reach what the scene asks for.

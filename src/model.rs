@@ -396,6 +396,8 @@ pub struct Records {
     pub least_void_ratio: f64,
     /// Whether the run ends there.
     pub end_below_least: bool,
+    /// Whether the run stops where solids would fill more than the whole volume.
+    pub stop_without_voids: bool,
     /// Whether the energy ledger is kept.
     pub energy: bool,
     /// Whether ParaView snapshots are written at `at`.

@@ -552,3 +552,38 @@ fn snapshots_say_what_grains_bear_and_whose_they_are() {
     assert!(text("walls.pvd").contains("snapshots/walls_") && out.join("figures/force_chains.svg").exists());
     assert!(text("figures/gradation.svg").contains("unloading stages not shown"));
 }
+
+/// A specimen that is loaded again under strain control has its rows and gradations by stress from the start of that stage on, not only past its former largest stress.
+#[test]
+fn rows_by_stress_go_on_while_a_specimen_is_reloaded() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("out");
+    let mut run = std::process::Command::new(cargo_bin("comminute"));
+    run.current_dir(env!("CARGO_MANIFEST_DIR"));
+    run.args(["run", "experiments/calibration/coke_small.toml", "--threads", "1", "--quiet", "--out"]).arg(&out);
+    for set in [
+        "crushing.enabled=false",
+        "loading.control=strain",
+        "loading.max_stress_kPa=400",
+        "loading.stages_kPa=[100, 500]",
+        "records.every_strain=0.9",
+        "records.at_kPa=[200]",
+    ] {
+        run.args(["--set", set]);
+    }
+    assert!(run.status().expect("started").success());
+    let stresses = |file: &str| -> Vec<f64> {
+        let mut reader = csv::Reader::from_path(out.join(file)).expect(file);
+        let stress = reader.headers().expect("header").iter().position(|h| h == "sigma_v_kPa").expect("column");
+        let rows = reader.records().map(|row| row.expect("row")).filter(|row| &row[1] == "reload");
+        rows.map(|row| row[stress].parse().expect("kPa")).collect()
+    };
+    let rows = stresses("history.csv");
+    assert!(rows.iter().filter(|s| (110.0..390.0).contains(*s)).count() > 10, "{rows:?}");
+    let mut gradations = stresses("gsd.csv");
+    gradations.dedup();
+    assert_eq!(gradations.len(), 3, "{gradations:?}");
+    for (found, asked) in gradations.iter().zip([100.0, 200.0, 500.0]) {
+        assert!((found / asked - 1.0f64).abs() < 0.05, "{gradations:?}");
+    }
+}

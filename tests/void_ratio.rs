@@ -63,3 +63,31 @@ fn void_ratio_is_that_of_all_dry_mass_and_a_run_ends_below_the_least() {
     let gsd = fs::read_to_string(out.join("gsd.csv")).expect("gradations");
     assert!(gsd.starts_with("step,stage,sigma_v_kPa,axial_strain,diameter_mm,") && gsd.contains(",load,"));
 }
+
+/// Weak grains without inner pores whose lost mass bears nothing: solids soon fill more than the whole volume.
+#[test]
+fn a_run_stops_itself_where_solids_fill_more_than_the_whole_volume() {
+    let folder = tempfile::tempdir().expect("folder");
+    let scene = folder.path().join("scene.toml");
+    fs::write(&scene, oedometer_text(120, 250.0, "")).expect("scene");
+    let weak = [
+        "crushing.enabled=true",
+        "material.strength.fixed_angle.sigma_lim0_MPa=20",
+        "material.grain.internal_porosity=0",
+        "records.snapshots=false",
+    ];
+    let out = folder.path().join("stopped");
+    let mut command = Command::cargo_bin("comminute").expect("the program");
+    command.arg("run").arg(&scene).arg("--out").arg(&out).args(["--threads", "1"]);
+    for set in weak {
+        command.args(["--set", set]);
+    }
+    let said = String::from_utf8(command.assert().code(3).get_output().stderr.clone()).expect("text");
+    assert!(said.contains("fill more than the whole volume") && said.contains("records.stop_without_voids = false"), "{said}");
+    let e = column(&out, "void_ratio");
+    assert!(e[e.len() - 1] < 0.0 && e[..e.len() - 1].iter().all(|e| *e >= 0.0), "all records up to there");
+    let gsd = fs::read_to_string(out.join("gsd.csv")).expect("gradations");
+    assert!(gsd.lines().count() > 20, "a gradation at the start and at the stop");
+
+    run(&scene, &folder.path().join("on"), &[&weak[..], &["records.stop_without_voids=false"]].concat());
+}

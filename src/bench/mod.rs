@@ -173,6 +173,7 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
             at: Vec::new(),
             least_void_ratio: 0.0,
             end_below_least: false,
+            stop_without_voids: false,
             energy: false,
             snapshots: false,
             contacts: false,

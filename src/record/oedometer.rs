@@ -20,13 +20,14 @@ impl Recorder {
             Phase::Hold(k) => (k, true),
             Phase::Done => (rig.loading.stages.len() - 1, true),
         };
-        // under strain control the target is the measured stress, which may fall: levels are those of the largest
-        let reached = if rig.loading.strain_controlled.is_some() && loading.rising(k, rig) {
-            loading.target.max(loading.peak())
-        } else {
-            loading.target
-        };
-        let level = ((reached / rig.specimen.isotropic_stress).log10() * f64::from(model.records.per_decade) + 1e-9).floor() as i64;
+        let level = (loading.target / rig.specimen.isotropic_stress).log10() * f64::from(model.records.per_decade);
+        let mut level = (level + 1e-9).floor() as i64;
+        // under strain control the target is the measured stress, which may fall: levels are those of the largest of this stage
+        if let (Some(_), true, Some((stage, most))) = (&rig.loading.strain_controlled, loading.rising(k, rig), self.last)
+            && stage == k
+        {
+            level = level.max(most);
+        }
         let first = self.last.is_none();
         if first || self.last.is_some_and(|(stage, _)| stage != k) {
             self.next_at = 0;
@@ -41,7 +42,7 @@ impl Recorder {
         if loading.rising(k, rig) {
             let start = if k == 0 { rig.specimen.isotropic_stress } else { rig.loading.stages[k - 1] };
             let end = rig.loading.stages[k];
-            let passed = at.iter().filter(|&&s| s > start && s < end && s <= reached).count();
+            let passed = at.iter().filter(|&&s| s > start && s < end && s <= loading.target).count();
             if passed > self.next_at {
                 self.next_at = passed;
                 self.last = Some((k, level));

@@ -190,11 +190,6 @@ impl Loading {
         rig.loading.strain_controlled.is_some() && self.rising(k, rig) && (self.strained || self.target >= rig.loading.before(k))
     }
 
-    /// Largest vertical stress so far, Pa.
-    pub fn peak(&self) -> f64 {
-        self.peak
-    }
-
     /// Inertial number of the platen's motion.
     pub fn inertial_number(&self, rig: &Oedometer, state: &State) -> f64 {
         if self.limit > 0.0 { state.walls[TOP].speed.abs() / self.limit * rig.loading.max_inertial_number } else { 0.0 }

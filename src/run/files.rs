@@ -1,6 +1,6 @@
 //! The files of a run that grow while it runs, and the folder they lie in.
 
-use super::Progress;
+use super::{Progress, watch};
 use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::gradation::Gradation;
@@ -166,7 +166,8 @@ impl Files {
         let stage = moment.stage;
         let row = self.recorder.row(model, moment, state, work, initial)?;
         self.history.push(out, &row)?;
-        if due == Due::Full || self.ends_below_least(model) {
+        let voids = watch::voids(model, state.step, &self.recorder.at_end);
+        if due == Due::Full || self.ends_below_least(model) || voids.is_err() {
             let sigma_v = Stresses::of(state).vertical();
             let at = At { step: state.step, stage, sigma_v, axial_strain: self.recorder.at_end.axial_strain };
             for row in gradations::rows(model, &gradations::gradation(model, state), &at, initial) {
@@ -188,7 +189,7 @@ impl Files {
         if model.records.energy && !self.recorder.energy_error.is_finite() {
             return Err(Error::Unstable { step: state.step, what: "the energy ledger is not a number".into(), grain: None });
         }
-        Ok(())
+        voids
     }
 
     /// Whether the run is to end because the void ratio is less than fines can fill.

@@ -1,8 +1,10 @@
 //! What ends a run that has lost its meaning, before anything in it is not a number.
 
 use crate::error::{Error, Result};
+use crate::model::Model;
 use crate::model::continuum::Continuum as Rig;
 use crate::record::continuum::Recorder;
+use crate::record::cylinder::AtEnd;
 use crate::rig::continuum;
 use crate::step::State;
 
@@ -52,6 +54,23 @@ fn unbalanced(dissipated: f64, difference: f64) -> Option<String> {
         ));
     }
     None
+}
+
+/// The voids of a specimen at its last row.
+///
+/// # Errors
+/// Dry mass that, without the grains' own pores, would fill more than the whole volume, unless the scene goes on without voids.
+pub fn voids(model: &Model, step: u64, row: &AtEnd) -> Result<()> {
+    if row.void_ratio_star >= 0.0 || !model.records.stop_without_voids {
+        return Ok(());
+    }
+    let what = format!(
+        "the void ratio of all dry mass, the grains' own pores counted as voids, is {:.4} at an axial strain of {:.4}: the solids would fill more than the whole volume (what breakages have lost bears \
+         nothing, and overlaps count twice); stop at a lower stress, use stronger grains or keep the mass (crushing.lost_mass = \"points\" in an oedometer, or \"grow\"), \
+         or go on with records.stop_without_voids = false",
+        row.void_ratio, row.axial_strain
+    );
+    Err(Error::Impossible { step, what })
 }
 
 /// The kinetic energy of a test of a specimen of grains beside all energy that there can be.

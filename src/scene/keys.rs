@@ -586,6 +586,12 @@ pub const KEYS: &[Key] = &[
         Is("false"),
         "whether the run ends in good order where the void ratio falls below records.least_void_ratio",
     ),
+    cylinder(
+        "records.stop_without_voids",
+        Flag,
+        Is("true"),
+        "whether the run stops itself (exit code 3, records kept) where void_ratio_star falls below 0: all dry mass, without the grains' own pores, would fill more than the whole volume",
+    ),
     assembly("records.every", COUNT, Is("100"), "steps between rows of history and tracks"),
     assembly("records.tracks", IndicesOr("all"), Is("[]"), "grains (from 0) whose motion is recorded"),
     platen(

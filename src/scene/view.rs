@@ -219,6 +219,7 @@ impl<'a> View<'a> {
             at: self.numbers("records.at_kPa"),
             least_void_ratio: self.number("records.least_void_ratio").unwrap_or(0.0),
             end_below_least: self.flag("records.end_below_least_void_ratio"),
+            stop_without_voids: self.flag("records.stop_without_voids"),
             energy: self.flag("records.energy"),
             snapshots: self.flag("records.snapshots"),
             contacts: self.flag("records.contacts"),
