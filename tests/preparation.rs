@@ -99,7 +99,7 @@ fn what_lies_in_the_measured_range_is_made_and_what_does_not_is_refused() {
     let open = Open::new();
     assert!(!open.range(&[]).2, "nothing has been measured");
     let (dense, loose, measured) = open.range(&["--range"]);
-    assert!(measured && dense + 0.1 < loose, "{dense} {loose}");
+    assert!(measured && dense + 0.05 < loose, "{dense} {loose}");
     assert_eq!(open.range(&[]), (dense, loose, true), "kept");
     for share in [0.1, 0.5, 0.9] {
         let asked = loose - share * (loose - dense);
@@ -139,7 +139,7 @@ fn what_lies_in_the_measured_range_is_made_and_what_does_not_is_refused() {
     open.call("check", &stated).code(2).stderr(contains("specimen.relative_density").and(contains("auto")));
 }
 
-/// The loosest specimen of a wide gradation (Cu 5.2) creeps for longer than this if it stays as heavily damped as it is prepared.
+/// The loosest specimen of a wide gradation (Cu 5.2): one that is only taken to bear a stress, while it moves, collapses under the small stress of rest for longer than this.
 #[test]
 fn the_loosest_of_a_wide_gradation_comes_to_rest() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -152,7 +152,7 @@ fn the_loosest_of_a_wide_gradation_comes_to_rest() {
         "specimen.grains=600",
         "specimen.diameter_mm=2.16",
         "specimen.relative_density=0.5",
-        "preparation.max_steps=120000",
+        "preparation.max_steps=60000",
     ] {
         check.args(["--set", set]);
     }
