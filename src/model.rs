@@ -398,6 +398,8 @@ pub struct Records {
     pub end_below_least: bool,
     /// Whether the run stops where solids would fill more than the whole volume.
     pub stop_without_voids: bool,
+    /// Overlap of two grains over the radius of the smaller at which the run stops.
+    pub stop_at_overlap: f64,
     /// Whether the energy ledger is kept.
     pub energy: bool,
     /// Whether ParaView snapshots are written at `at`.

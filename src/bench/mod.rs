@@ -174,6 +174,7 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
             least_void_ratio: 0.0,
             end_below_least: false,
             stop_without_voids: false,
+            stop_at_overlap: 2.0,
             energy: false,
             snapshots: false,
             contacts: false,

@@ -247,7 +247,7 @@ impl Progress {
         let done = state.phase == Phase::Done;
         let steps = state.continuum.steps();
         if let Some(mixture) = state.mixture.as_ref().filter(|_| done || steps.is_multiple_of(LOOK)) {
-            watch::grains(&mixture.grains, steps)?;
+            watch::grains(&mixture.grains, model.records.stop_at_overlap, steps)?;
         }
         Ok(done)
     }

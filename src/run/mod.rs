@@ -410,14 +410,14 @@ impl<'a> Runner<'a> {
 
     /// Stops a run that has lost its meaning, with what there is.
     fn watch(&mut self, last: bool) -> Result<()> {
-        let Runner { progress, .. } = self;
+        let Runner { model, progress, .. } = self;
         let state = &progress.state;
         let mut lost = Ok(());
         if matches!(progress.activity, Activity::Loading(_) | Activity::Shearing(_)) {
             lost = watch::energy(state);
         }
         if last || progress.steps.is_multiple_of(LOOK) {
-            lost = lost.and_then(|()| watch::grains(state, state.step));
+            lost = lost.and_then(|()| watch::grains(state, model.records.stop_at_overlap, state.step));
         }
         if lost.is_err() {
             self.progress.files.flush(self.out)?;

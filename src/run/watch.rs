@@ -8,9 +8,6 @@ use crate::record::cylinder::AtEnd;
 use crate::rig::continuum;
 use crate::step::State;
 
-/// A grain is inside another one, and their contact no force any more, when they overlap by this many times the smaller radius.
-const SWALLOWED: f64 = 2.0;
-
 /// Energy that appears from nothing, as a share of all given. Measured: above -0.001 in the scenes, and above -1e-4 in cubes of 4 to 16 cells without damping and PIC.
 const CREATED: f64 = 0.05;
 /// Opposite platens whose forces differ by more than their mean: the rest would accelerate the specimen as if one of them were not there.
@@ -103,11 +100,11 @@ pub fn energy(state: &State) -> Result<()> {
     Err(Error::Unstable { step: state.step, what, grain: Some(u64::from(g.id[fastest])) })
 }
 
-/// After `step` steps of the run.
+/// After `step` steps of the run; grains may overlap by `deepest` of the smaller one's radius.
 ///
 /// # Errors
-/// A grain that is nowhere, has left through a wall, or is inside another one.
-pub fn grains(state: &State, step: u64) -> Result<()> {
+/// A grain that is nowhere, has left through a wall, or is too deep in another one.
+pub fn grains(state: &State, deepest: f64, step: u64) -> Result<()> {
     let g = &state.grains;
     let bad = |i: usize, what: String| Err(Error::Unstable { step, what, grain: Some(u64::from(g.id[i])) });
     for (i, p) in g.pos.iter().enumerate() {
@@ -127,12 +124,13 @@ pub fn grains(state: &State, step: u64) -> Result<()> {
         let [i, j] = ends.map(|i| i as usize);
         let small = if g.pos[i][3] < g.pos[j][3] { i } else { j };
         // what has just been born may still have to grow out of a neighbour
-        if touch.overlap > SWALLOWED * g.pos[small][3] && state.aftermath.radius(small, g) == g.pos[small][3] {
+        if touch.overlap > deepest * g.pos[small][3] && state.aftermath.radius(small, g) == g.pos[small][3] {
             let large = if small == i { j } else { i };
             let what = format!(
-                "a grain of diameter {:.3e} m is inside one of {:.3e} m (grain {}): contacts are too soft for these forces; raise material.elastic or the \
-                 comminution limit, or load to a lower stress",
+                "a grain of diameter {:.3e} m is {:.2} of its radius deep in one of {:.3e} m (grain {}): contacts are too soft for these forces; raise material.elastic \
+                 or the comminution limit, load to a lower stress, or go on with a higher records.stop_at_overlap",
                 2.0 * g.pos[small][3],
+                touch.overlap / g.pos[small][3],
                 2.0 * g.pos[large][3],
                 g.id[large]
             );

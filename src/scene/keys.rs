@@ -600,6 +600,12 @@ pub const KEYS: &[Key] = &[
         Is("\"typical\""),
         "grains (from 0) whose force-displacement curves are written, or the one of median strength of each diameter (four of a gradation)",
     ),
+    both(
+        "records.stop_at_overlap",
+        Number(POSITIVE),
+        Is("2.0"),
+        "overlap of two grains over the radius of the smaller at which the run stops itself (exit code 3, records kept): at 2 the smaller is inside the larger",
+    ),
     both("records.energy", Flag, Is("true"), "whether the energy ledger is kept"),
     continuum("records.rows", Integer { low: 1, high: 100_000 }, Is("200"), "rows of history over the run"),
     continuum("records.frames", Integer { low: 1, high: 10_000 }, Is("5"), "snapshots over the run, besides the first"),

@@ -220,6 +220,7 @@ impl<'a> View<'a> {
             least_void_ratio: self.number("records.least_void_ratio").unwrap_or(0.0),
             end_below_least: self.flag("records.end_below_least_void_ratio"),
             stop_without_voids: self.flag("records.stop_without_voids"),
+            stop_at_overlap: self.number("records.stop_at_overlap").unwrap_or(f64::INFINITY),
             energy: self.flag("records.energy"),
             snapshots: self.flag("records.snapshots"),
             contacts: self.flag("records.contacts"),
