@@ -84,25 +84,34 @@ struct Verdict {
     before: f64,
 }
 
-/// Breaks the grains listed (indices in the order of ids).
+/// Breaks the grains listed (indices in the order of ids); `outside` are the forces that grains took from elsewhere in this step, [`crate::step::Work::outside`].
 pub fn break_grains(
     model: &Model,
     state: &mut State,
     neighbours: &mut Neighbours,
     table: &PairTable,
+    outside: &[[[f64; 4]; 2]],
     failing: &[u32],
     out: &mut Vec<Breakage>,
 ) {
     let crush = model.crush.as_ref().expect("only judged grains fail");
     // all verdicts before any change
-    let verdicts: Vec<Verdict> = failing.iter().map(|&i| judge(model, crush, state, neighbours, table, i as usize)).collect();
+    let verdicts: Vec<Verdict> = failing.iter().map(|&i| judge(model, crush, state, neighbours, table, outside, i as usize)).collect();
     for verdict in verdicts {
         out.push(break_one(model, crush, state, neighbours, table, &verdict));
     }
 }
 
 /// The contact with the largest load decides; among equals the first in the order of ids.
-fn judge(model: &Model, crush: &CrushModel, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> Verdict {
+fn judge(
+    model: &Model,
+    crush: &CrushModel,
+    state: &State,
+    neighbours: &Neighbours,
+    table: &PairTable,
+    outside: &[[[f64; 4]; 2]],
+    i: usize,
+) -> Verdict {
     let (mut best, mut load) = (None, f64::NEG_INFINITY);
     for e in neighbours.contacts.of(i) {
         let pool = if e.is_wall() { &state.wall_pairs } else { &state.pairs };
@@ -119,7 +128,7 @@ fn judge(model: &Model, crush: &CrushModel, state: &State, neighbours: &Neighbou
     let d = 2.0 * state.aftermath.radius(i, g);
     let force = load / crush.area.load_weight(r_eff, pair.e_eff);
     let limit_force = crush.area.limit_force(g.strength[i], d, r_eff, pair.e_eff);
-    let arriving = |i: usize| arriving(model, state, neighbours, i);
+    let arriving = |i: usize| arriving(model, state, neighbours, outside, i);
     let (touch, approach) = if e.is_wall() {
         let touch = &state.wall_pairs.touch[slot];
         (touch, dot(arriving(i), touch.normal) + state.walls[e.wall_index()].speed)
@@ -141,8 +150,11 @@ fn judge(model: &Model, crush: &CrushModel, state: &State, neighbours: &Neighbou
 }
 
 /// Velocity, m/s, with which grain `i` has come to the place where it was judged: what the kick of this step has given it since is taken back.
-fn arriving(model: &Model, state: &State, neighbours: &Neighbours, i: usize) -> [f64; 3] {
-    let (f, _) = gather::force_and_torque(i, model, state, neighbours);
+fn arriving(model: &Model, state: &State, neighbours: &Neighbours, outside: &[[[f64; 4]; 2]], i: usize) -> [f64; 3] {
+    let (mut f, _) = gather::force_and_torque(i, model, state, neighbours);
+    if let Some([force, _]) = outside.get(i) {
+        f.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
+    }
     let [u, v, w, inverse_inertia] = state.grains.vel[i];
     less([u, v, w], f.map(|f| f * inverse_inertia * state.dt))
 }

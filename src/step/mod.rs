@@ -214,7 +214,6 @@ pub fn motion(model: &Model, state: &mut State, work: &mut Work) {
     state.ledger.release += half * state.aftermath.power(&state.grains);
     gather::advance(model, state, work);
     state.ledger.release += half * state.aftermath.power(&state.grains);
-    work.outside.clear();
     alone(small(state, work), || collect(state, work));
     for w in &mut state.walls {
         w.advance(state.dt);
@@ -226,6 +225,7 @@ pub fn motion(model: &Model, state: &mut State, work: &mut Work) {
 pub fn breakage(model: &Model, state: &mut State, work: &mut Work) {
     let mut watch = Stopwatch::new(&mut work.clock);
     alone(small(state, work), || crush(model, state, work));
+    work.outside.clear();
     if !state.aftermath.is_empty() {
         birth::advance(state, &work.neighbours, &mut work.moved);
     }
@@ -399,8 +399,8 @@ fn crush(model: &Model, state: &mut State, work: &mut Work) {
     work.failing.sort_unstable_by_key(|&i| state.grains.id[i as usize]);
     let before = state.grains.len();
     state.births = true;
-    let Work { neighbours, failing, breakages, table, .. } = work;
-    event::break_grains(model, state, neighbours, table, failing, breakages);
+    let Work { neighbours, failing, breakages, table, outside, .. } = work;
+    event::break_grains(model, state, neighbours, table, outside, failing, breakages);
     work.births_since_reorder += state.grains.len() - before;
     work.flags.resize(state.grains.len(), 0);
 }
