@@ -215,9 +215,9 @@ fn an_unstable_run_stops_itself_and_keeps_its_data() {
         let dir = out.path().join("run").display().to_string();
         let args =
             ["run", "experiments/free/box_settling.toml", "--out", &dir, "--set", "stepping.dt_s=0.01", "--set", "records.every=1"];
-        comminute(&[&args, more].concat())
-            .code(3)
-            .stderr(contains("position is not a number").or(contains("has left through wall")).or(contains("of its radius deep in one of")));
+        comminute(&[&args, more].concat()).code(3).stderr(
+            contains("position is not a number").or(contains("has left through wall")).or(contains("of its radius deep in one of")),
+        );
         let history = fs::read_to_string(out.path().join("run/history.csv")).expect("history");
         assert!(history.lines().count() > 20, "{history}");
         assert!(!out.path().join("run/summary.json").exists(), "an unstable run is not a finished one");
@@ -231,7 +231,10 @@ fn a_run_stops_at_the_overlap_that_the_scene_states() {
     let dir = |name: &str| out.path().join(name).display().to_string();
     let settle = |name: &str, more: &[&str]| {
         let dir = dir(name);
-        comminute(&[&["run", "experiments/free/box_settling.toml", "--quiet", "--out", &dir, "--set", "duration_s=0.1"][..], more].concat())
+        comminute(
+            &[&["run", "experiments/free/box_settling.toml", "--quiet", "--out", &dir, "--set", "duration_s=0.1"][..], more]
+                .concat(),
+        )
     };
     settle("allowed", &[]).success();
     let said = contains("of its radius deep in one of").and(contains("records.stop_at_overlap"));

@@ -96,7 +96,8 @@ pub fn break_grains(
 ) {
     let crush = model.crush.as_ref().expect("only judged grains fail");
     // all verdicts before any change
-    let verdicts: Vec<Verdict> = failing.iter().map(|&i| judge(model, crush, state, neighbours, table, outside, i as usize)).collect();
+    let verdicts: Vec<Verdict> =
+        failing.iter().map(|&i| judge(model, crush, state, neighbours, table, outside, i as usize)).collect();
     for verdict in verdicts {
         out.push(break_one(model, crush, state, neighbours, table, &verdict));
     }
