@@ -152,7 +152,7 @@ fn the_loosest_of_a_wide_gradation_comes_to_rest() {
         "specimen.grains=600",
         "specimen.diameter_mm=2.16",
         "specimen.relative_density=0.5",
-        "preparation.max_steps=60000",
+        "preparation.max_steps=100000",
     ] {
         check.args(["--set", set]);
     }

@@ -66,9 +66,9 @@ pub struct Path {
     /// Stress of compression, Pa.
     stress: f64,
     place: Place,
-    /// Porosity on the way at which it is left: the target, less what unloading and rest have been seen to change.
+    /// Porosity, as foreseen ([`Path::foreseen`]), at which the way is left: the target, less by what specimens have been seen to come to rest looser than foreseen.
     aim: f64,
-    /// Porosities on the way that were too loose and too dense, the last of each.
+    /// Porosities foreseen that were too loose and too dense, the last of each.
     known: [Option<f64>; 2],
     /// Stress asked of the walls while unloading, Pa.
     asked: f64,
@@ -97,6 +97,7 @@ struct Place {
 /// A state on the way.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Mark {
+    /// As foreseen ([`Path::foreseen`]).
     porosity: f64,
     place: Place,
     drive: Drive,
@@ -121,7 +122,9 @@ const VALVE: f64 = 1e-2;
 const PRESS: f64 = 1.1;
 /// Friction below which it is zero, and the stress, over that of compression, that then ends compression.
 const FRICTIONLESS: f64 = 1e-2;
-const SPENT: f64 = 2.0;
+const SPENT: f64 = 1.2;
+/// Stress, over that of compression, at which jammed grains are not compressed further until their friction has given way.
+const FULL: f64 = 2.0;
 /// Steps of rest after which quiet grains are at rest: the loosest specimens of wide gradations creep on, by 0.3 % of the porosity in the next 10^5 steps.
 const CREEP: u64 = 10_000;
 /// Steps between looks at rest.
@@ -134,7 +137,7 @@ const UNLOAD: f64 = 0.997;
 /// Fall of porosity between two marks, over the porosity, and how many are kept.
 const MARK: f64 = 0.01;
 const MARKS: usize = 4;
-/// Rise of porosity over the overlap while stress is let down, for the first aim: overlaps end, in three directions.
+/// Rise of porosity over the overlap while stress is let down: overlaps end, in three directions. Measured: 0.8 to 1.2.
 const SPRING: f64 = 1.0;
 /// Specimens that came to rest outside tolerance before that is an error.
 const CORRECTIONS: u32 = 12;
@@ -169,7 +172,7 @@ impl Path {
         let stress = stress(&own, rig, &radii);
         state.reference_stress = stress;
         let aim = match wish {
-            Wish::Porosity(n) => n - SPRING * OVERLAP,
+            Wish::Porosity(n) => n,
             Wish::Loosest | Wish::Densest => 0.0,
         };
         let place = Place { stage: Stage::Compression, jammed: false, cycles: 0, amplitude: AMPLITUDE, sheared: 0.0 };
@@ -205,8 +208,9 @@ impl Path {
         match self.stage {
             Stage::Growth => growth::grow(model, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work),
             Stage::Compression => {
-                let rate = if self.place.jammed { 1.0 } else { (1.0 - mean_stress(state) / (PRESS * self.stress)).clamp(0.0, 1.0) };
-                Drive::strain(self.drive.rate * rate, 0.0, state, work);
+                let stress = mean_stress(state) / self.stress;
+                let eased = if self.place.jammed { FULL - stress } else { 1.0 - stress / PRESS };
+                Drive::strain(self.drive.rate * eased.clamp(0.0, 1.0), 0.0, state, work);
             }
             Stage::Shearing => self.shear(state, work),
             _ => {}
@@ -251,7 +255,7 @@ impl Path {
 
     /// Where grains have jammed, the loosest place: the way is left there or goes on.
     fn jammed(&mut self, rig: &Specimen, state: &mut State) {
-        let n = porosity(state);
+        let n = self.foreseen(state);
         self.place.jammed = true;
         state.damping = rig.preparation.damping;
         self.mark(n, state);
@@ -262,7 +266,7 @@ impl Path {
 
     /// After a step of compression of jammed grains: friction gives way to a stress that is too high, and comes back under one that is too low.
     fn compressed(&mut self, model: &Model, rig: &Specimen, state: &mut State) {
-        let (first, n, sigma) = (friction(model), porosity(state), mean_stress(state));
+        let (first, n, sigma) = (friction(model), self.foreseen(state), mean_stress(state));
         let excess = (sigma / self.stress - 1.0).clamp(-1.0, 1.0);
         let mu = state.friction.unwrap_or(first) * (1.0 - VALVE * excess);
         state.friction = Some(mu.clamp((0.1 * FRICTIONLESS).min(first), first));
@@ -304,12 +308,18 @@ impl Path {
         self.place.cycles += 1;
         // what rounding has left of the shear
         state.walls[CYLINDER].shape = walls(rig, 0.5 * rig.diameter, 0.0, 1.0)[CYLINDER].shape;
-        let n = porosity(state);
+        let n = self.foreseen(state);
         if n <= self.aim || self.exhausted() {
             self.leave(n, rig, state);
         } else {
             self.mark(n, state);
         }
+    }
+
+    /// Porosity to which a specimen that were left now would come: the overlaps of its present stress end, after Hertz.
+    fn foreseen(&self, state: &State) -> f64 {
+        let stress = (mean_stress(state) / self.stress).max(0.0);
+        porosity(state) + SPRING * OVERLAP * stress.cbrt().powi(2)
     }
 
     fn exhausted(&self) -> bool {
