@@ -27,7 +27,7 @@ fn run(dir: &Path, name: &str, more: &[&str]) -> std::process::Output {
         "records.at_kPa=[5000.0]",
         "records.figures=false",
         "records.snapshots=false",
-        "material.strength.fixed_angle.crushing_stress_MPa=35",
+        "material.strength.fixed_angle.crushing_stress_MPa=28",
         "material.elastic.G_GPa=3",
     ] {
         command.args(["--set", set]);
@@ -62,14 +62,17 @@ fn fines_of_an_oedometer_bear_their_share() {
             "energy_error",
             "energy_points_J",
             "released_J",
+            "energy_kinetic_J",
+            "energy_wall_J",
         ],
     );
     let mut bearing = 0;
     // nothing has been done yet at the first row
-    for [sigma, borne, points, entered, reserve, lost, error, work, released] in &rows[1..] {
+    for [sigma, borne, points, entered, reserve, lost, error, work, released, kinetic, by_walls] in &rows[1..] {
         assert!((entered + reserve - lost).abs() <= 1e-8 * lost, "{entered} + {reserve} of {lost} kg");
         assert!((0.0..=*sigma).contains(borne), "{borne} of {sigma} kPa");
-        assert!(error.abs() < 3e-5, "the ledger is open by {error}");
+        // between two half steps the kinetic energy of a burst is known to one per cent
+        assert!(error.abs() < 3e-7 + 0.01 * kinetic / by_walls, "the ledger is open by {error}");
         assert!(*points > 0.0 || (*borne == 0.0 && *work == 0.0), "nothing where nothing has broken");
         assert!(work + released >= -1e-9, "points give back no more than they were given: {work} and {released} J");
         bearing += usize::from(*borne > 0.01 * sigma);
