@@ -109,11 +109,11 @@ fn crushing(c: &mut Criterion) {
                     }
                 };
                 let (first, second) = (next(), next());
-                event::break_grains(&model, &mut state, &mut work.neighbours, &work.table, &[first], &mut out);
+                event::break_grains(&model, &mut state, &mut work.neighbours, &work.table, &[], &[first], &mut out);
                 (state, work, second, out)
             },
             |(mut state, mut work, i, mut out)| {
-                event::break_grains(&model, &mut state, &mut work.neighbours, &work.table, &[i], &mut out);
+                event::break_grains(&model, &mut state, &mut work.neighbours, &work.table, &[], &[i], &mut out);
                 (state, work, out)
             },
             BatchSize::PerIteration,
