@@ -3,8 +3,8 @@
 //! The index of a grain may change (re-ordering in memory, breakage); its [`Grains::id`] never does. Everything that is
 //! summed over grains is summed in the order of ids, so that memory order cannot change a bit.
 
+use crate::math::real::Real;
 use crate::model::Material;
-use crate::real::Real;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -68,7 +68,7 @@ impl Grains {
         self.spin.push([0.0; 4]);
         self.mass.push(mass);
         self.id.push(self.next_id);
-        self.lineage.push(crate::crush::strength::lineage_root(self.next_id));
+        self.lineage.push(crate::math::random::lineage_root(self.next_id));
         self.generation.push(0);
         self.born.push(0);
         self.material.push(material);

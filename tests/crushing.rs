@@ -5,7 +5,7 @@ mod common;
 use assert_cmd::cargo::cargo_bin;
 
 use comminute::crush::event::Breakage;
-use comminute::crush::strength::lineage_child;
+use comminute::math::random::lineage_child;
 use comminute::model::Drive;
 use comminute::step::State;
 use common::typed::array;

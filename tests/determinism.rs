@@ -2,8 +2,8 @@
 
 mod common;
 
+use comminute::math::real::at_best;
 use comminute::model::Model;
-use comminute::real::at_best;
 use comminute::step::{State, Work, permute};
 use common::*;
 use rand::seq::SliceRandom;

@@ -3,9 +3,9 @@
 //! of a crushed specimen are.
 
 use super::{Case, model, skeleton};
-use crate::contact::force::dot;
 use crate::error::{Error, Result};
 use crate::grains::Grains;
+use crate::math::vector::dot;
 use crate::model::{ContactLaw, Model, Rig};
 use crate::packing as sampling;
 use crate::record::specimen;

@@ -239,7 +239,7 @@ fn same_bits(rows: &[Row]) -> Result<()> {
 }
 
 fn head(machines: &[Machine], packings: &[Packing]) {
-    let simd = comminute::real::name(comminute::real::arch());
+    let simd = comminute::math::real::name(comminute::math::real::arch());
     eprintln!("{}, {simd}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
     for m in machines {
         eprintln!("{} threads: memory {:.1} GB/s, {:.1} Gflop/s (f64, not fused)", m.threads, 1e-9 * m.bandwidth, 1e-9 * m.flops);
@@ -326,7 +326,7 @@ fn as_json(args: &Args, machines: &[Machine], packings: &[Packing], rows: &[Row]
             "processor": processor(),
             "cores": std::thread::available_parallelism().map_or(1, usize::from),
             "load_average": bench::load_average(),
-            "simd": comminute::real::name(comminute::real::arch()),
+            "simd": comminute::math::real::name(comminute::math::real::arch()),
             "limits": machines
                 .iter()
                 .map(|m| json!({ "threads": m.threads, "bytes_per_second": m.bandwidth, "flops": m.flops }))

@@ -41,7 +41,7 @@ pub fn call(args: &Args) -> Result<()> {
         rows.push(row);
     }
     if blocks.json {
-        let simd = comminute::real::name(comminute::real::arch());
+        let simd = comminute::math::real::name(comminute::math::real::arch());
         let rows: Vec<Value> = rows.iter().map(as_json).collect();
         super::print(&format!("{:#}", json!({ "processor": processor(), "simd": simd, "steps": blocks.steps, "rows": rows })))?;
     }

@@ -31,7 +31,7 @@ pub struct Args {
 pub fn call(args: &Args) -> Result<()> {
     let threads = some_threads(&args.blocks.threads);
     let transfer = if args.affine { Transfer::Affine } else { Transfer::Blend { pic: 0.0 } };
-    let simd = comminute::real::name(comminute::real::arch());
+    let simd = comminute::math::real::name(comminute::math::real::arch());
     if !args.blocks.quiet {
         eprintln!("{}, {simd}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
         eprintln!("{:>9} {:>3}  {:>16} {:>13} {:>8} {:>7}", "points", "thr", "M point-steps/s", "min - max", "/cpu-s", "B/point");

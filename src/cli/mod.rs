@@ -36,13 +36,13 @@ pub struct Cli {
 
     /// Instructions of the inner loops, at best; changes no bit of the results
     #[arg(long, global = true, value_name = "SET", env = "COMMINUTE_SIMD", hide_env_values = true, default_value = "best")]
-    #[arg(value_parser = comminute::real::ARCHS)]
+    #[arg(value_parser = comminute::math::real::ARCHS)]
     simd: String,
 }
 
 impl Cli {
     pub fn call(self) -> Result<()> {
-        comminute::real::choose(&self.simd);
+        comminute::math::real::choose(&self.simd);
         self.verb.call()
     }
 }

@@ -6,8 +6,9 @@
 
 use super::law::{Law, Pair};
 use super::pairs::Touch;
+use crate::math::real::Real;
+use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::model::TangentialUnloading;
-use crate::real::Real;
 
 /// Relative motion of two bodies near each other.
 #[derive(Clone, Copy, Debug, Default)]
@@ -79,31 +80,6 @@ pub struct Memory<R = f64> {
     pub load: Option<R>,
     /// Path, slip, viscous work of this step, J.
     pub work: Option<[R; 3]>,
-}
-
-#[inline(always)]
-pub fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-pub fn cross<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-#[inline(always)]
-pub fn plus<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-#[inline(always)]
-pub fn less<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline(always)]
-pub fn scaled<R: Real>(a: [R; 3], s: R) -> [R; 3] {
-    [a[0] * s, a[1] * s, a[2] * s]
 }
 
 /// Turns a vector of the contact plane with the contact: about the normal with the mean spin, then into the new plane,

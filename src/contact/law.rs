@@ -9,8 +9,8 @@
 //! On a wall the law is that of a mirrored identical grain (NOTES.md): R* = r, E* = E/(1 − ν²), G* = G/(2 − ν).
 
 use crate::crush::criterion::effective_modulus;
+use crate::math::real::{Lanes, Real};
 use crate::model::{ContactLaw, Material, Model};
-use crate::real::{Lanes, Real};
 use pulp::Simd;
 
 /// Parameters of the contacts between two materials. Prefactors `a` (normal) and `b` (tangential) are per law.

@@ -3,7 +3,7 @@
 use super::force::Memory;
 use super::law::Law;
 use super::pairs::{Pairs, Touch};
-use crate::real::{Lanes, Real};
+use crate::math::real::{Lanes, Real};
 use pulp::Simd;
 
 /// Contacts per parallel task; up to one and a half of them threads cost more than they bring.

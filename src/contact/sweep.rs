@@ -6,8 +6,9 @@ use super::law::{Law, Pair, PairTable};
 use super::pairs::{FREE, Pairs};
 use super::part::{Part, Slots, for_each_part};
 use crate::grains::{Grains, stiffness_radius};
+use crate::math::real::{Lanes, Real};
+use crate::math::vector::{dot, less, plus, scaled};
 use crate::model::{ContactModel, Model, TangentialUnloading};
-use crate::real::{Lanes, Real};
 use crate::with_law;
 use pulp::{Simd, WithSimd};
 use std::marker::PhantomData;
@@ -86,7 +87,7 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> 
         let (p, q) = (g.pos[i], g.pos[j]);
         let d = difference(p, q);
         let reach = p[3] + q[3];
-        let distance = force::dot(d, d).sqrt();
+        let distance = dot(d, d).sqrt();
         let old = part.read::<L, EXTRA>(s);
         // an overlap that rounds to nothing is none
         if distance < reach {
@@ -117,7 +118,7 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> 
         let p = Lanes::columns(simd, |k| pos[first(k)]);
         let q = Lanes::columns(simd, |k| pos[second(k)]);
         let d = difference(p, q);
-        let distance = force::dot(d, d).sqrt();
+        let distance = dot(d, d).sqrt();
         if !Lanes::all(simd, (p[3] + q[3]).above(distance)) {
             return false;
         }
@@ -159,7 +160,7 @@ fn meeting<R: Real>(d: [R; 3], distance: R, r: [R; 2], m_eff: R, motion: Motion<
     let reach = r[0] + r[1];
     // one division for 1/distance and 1/(r_i + r_j)
     let both = distance.constant(1.0) / (distance * reach);
-    let normal = force::scaled(d, both * reach);
+    let normal = scaled(d, both * reach);
     Meeting { normal, overlap: reach - distance, r_eff: r[0] * r[1] * (both * distance), m_eff, motion }
 }
 
@@ -175,9 +176,9 @@ fn relative<R: Real>(v: [[R; 4]; 2], w: [[R; 4]; 2], r: [R; 2]) -> Motion<R> {
     let xyz = |u: [R; 4]| [u[0], u[1], u[2]];
     let ([v0, v1], [w0, w1]) = (v.map(xyz), w.map(xyz));
     Motion {
-        centres: force::less(v0, v1),
-        turning: force::plus(force::scaled(w0, r[0]), force::scaled(w1, r[1])),
-        mean_spin: force::plus(w0, w1).map(|x| x * 0.5),
-        spin_difference: force::less(w0, w1),
+        centres: less(v0, v1),
+        turning: plus(scaled(w0, r[0]), scaled(w1, r[1])),
+        mean_spin: plus(w0, w1).map(|x| x * 0.5),
+        spin_difference: less(w0, w1),
     }
 }

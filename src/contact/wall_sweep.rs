@@ -6,8 +6,9 @@ use super::pairs::{FREE, Pairs};
 use super::part::{Part, Slots, for_each_part};
 use crate::boundary::Wall;
 use crate::grains::{Grains, stiffness_radius};
+use crate::math::real::{Lanes, MOST_LANES, Real};
+use crate::math::vector::{plus, scaled};
 use crate::model::Model;
-use crate::real::{Lanes, MOST_LANES, Real};
 use crate::with_law;
 use pulp::{Simd, WithSimd};
 use std::marker::PhantomData;
@@ -31,8 +32,8 @@ pub fn motion_on_wall(g: &Grains, i: usize, normal: [f64; 3], speed: f64) -> Mot
 fn relative_to_wall<R: Real>(v: [R; 4], w: [R; 4], r: R, normal: [R; 3], speed: R) -> Motion<R> {
     let spin = [w[0], w[1], w[2]];
     Motion {
-        centres: force::plus([v[0], v[1], v[2]], force::scaled(normal, speed)),
-        turning: force::scaled(spin, r),
+        centres: plus([v[0], v[1], v[2]], scaled(normal, speed)),
+        turning: scaled(spin, r),
         mean_spin: spin,
         spin_difference: spin,
     }

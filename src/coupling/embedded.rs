@@ -7,8 +7,8 @@
 
 use super::evaluate::Scene;
 use super::{Body, Fines, GhostTable, Ghosts, Rule};
-use crate::contact::force::{cross, dot, scaled};
 use crate::error::Result;
+use crate::math::vector::{cross, dot, scaled};
 use crate::model::{Embedding, Model};
 use crate::mpm::{Continuum, Dimension, Points, Settings, ShapeFunctions, Transfer, Wall as Side};
 use crate::rig::cylinder::Walls;

@@ -11,10 +11,10 @@
 
 use super::Ghosts;
 use crate::boundary::Wall;
-use crate::contact::force::{dot, less};
 use crate::crush::event::Breakage;
-use crate::crush::strength::lineage_uniform;
 use crate::grains::Grains;
+use crate::math::random::lineage_uniform;
+use crate::math::vector::{dot, less};
 use crate::mpm::platen::ghost_radius;
 use crate::mpm::{Continuum, Dimension, Point};
 use crate::step::State;

@@ -2,9 +2,9 @@
 
 use super::evaluate::Scene;
 use super::{Body, Bound, Ghost, Ghosts};
-use crate::contact::force::{cross, dot, less, scaled};
 use crate::contact::pairs::Touch;
 use crate::grains::Grains;
+use crate::math::vector::{cross, dot, less, scaled};
 use crate::mpm::Continuum;
 
 impl Ghost {

@@ -6,11 +6,11 @@
 //! of these forces: impulses are equal and opposite, so momentum is conserved to rounding, whatever κ is. With κ = 1 both are found from one instant.
 
 use super::{Bound, Fines, GhostTable, Ghosts, Rule};
-use crate::contact::force::plus;
 use crate::coupling::evaluate::Scene;
 use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::grains::Grains;
+use crate::math::vector::plus;
 use crate::model::Model;
 use crate::mpm::Continuum;
 use crate::mpm::platen::{self, Platen};

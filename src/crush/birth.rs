@@ -14,11 +14,11 @@
 //! ([`crate::record::ledger::Ledger`]). The latter push neighbours only: the mother's contacts were nearly in balance, so they bring little momentum. A neighbour that breaks drops hers.
 
 use crate::boundary::Wall;
-use crate::contact::force::{dot, plus, scaled};
 use crate::contact::law::PairTable;
 use crate::contact::pairs::Pairs;
 use crate::contact::sweep;
 use crate::grains::Grains;
+use crate::math::vector::{dot, plus, scaled};
 use crate::model::Model;
 use crate::neighbours::Neighbours;
 use crate::neighbours::adjacency::Entry;

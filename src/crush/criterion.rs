@@ -9,7 +9,7 @@
 //!
 //! Valid for small contact areas and `chi` > 0 (geological materials: 10 to 170).
 
-use crate::portable;
+use crate::math::portable;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_4, PI, SQRT_2};
 

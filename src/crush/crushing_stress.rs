@@ -13,7 +13,7 @@
 
 use super::criterion::{AreaModel, size_factor};
 use super::strength::{StrengthModel, Truncation};
-use crate::portable;
+use crate::math::portable;
 
 /// Which of the crushing stresses of many grains of one size is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,7 +122,7 @@ fn whole_power(x: f64, power: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crush::strength::lineage_root;
+    use crate::math::random::lineage_root;
 
     const E_EFF: f64 = 50e9;
 

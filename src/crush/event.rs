@@ -4,14 +4,14 @@
 //! mother's rigid-body motion and material, draw fresh strengths keyed by lineage, and start without history.
 
 use super::birth::Obstacles;
-use super::strength::{lineage_child, random_perpendicular};
-use crate::contact::force::{cross, dot, less};
 use crate::contact::law::PairTable;
 use crate::contact::{sweep, wall_sweep};
 use crate::grains::{sphere_volume, stiffness_radius};
+use crate::math::portable;
+use crate::math::random::{lineage_child, random_perpendicular};
+use crate::math::vector::{cross, dot, less};
 use crate::model::{Birth, ContactLaw, CrushModel, Model};
 use crate::neighbours::{Neighbours, Pools};
-use crate::portable;
 use crate::record::measure;
 use crate::step::{State, gather, stability};
 use serde::{Deserialize, Serialize};

@@ -208,8 +208,8 @@ fn inside(sphere: &Sphere) -> Ball {
 
 #[cfg(test)]
 mod tests {
-    use super::super::strength::random_perpendicular;
     use super::*;
+    use crate::math::random::random_perpendicular;
     use proptest::prelude::*;
 
     fn pattern(count: u32) -> Pattern {

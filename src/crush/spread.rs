@@ -50,7 +50,7 @@ impl StrengthModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crush::strength::lineage_root;
+    use crate::math::random::lineage_root;
 
     fn law(var: f64, truncation: Truncation) -> StrengthModel {
         StrengthModel { sigma_lim0: 1.0, d0: 1.0, m: 3.0, var, truncation, min_ratio: 0.0 }

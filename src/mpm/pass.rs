@@ -10,8 +10,8 @@ use super::spline::{Shape, Weights};
 use super::stress::{increments, turned, work};
 use super::transfer::{gather, gradient, spread, spread_affine, spread_stress};
 #[cfg(target_arch = "x86_64")]
-use crate::real::Quad;
-use crate::real::{Four, Plain, quads};
+use crate::math::real::Quad;
+use crate::math::real::{Four, Plain, quads};
 use pulp::Arch;
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -2,7 +2,7 @@
 //!
 //! Along an axis in units of the cell, a point at ξ belongs to the cell ⌊ξ − reach⌋ and reaches that node and the two after it.
 
-use crate::real::Four;
+use crate::math::real::Four;
 use serde::{Deserialize, Serialize};
 
 /// Which shape functions.
@@ -136,7 +136,7 @@ impl Shape for Gimp {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::real::Plain;
+    use crate::math::real::Plain;
     use proptest::prelude::*;
 
     fn at(shape: impl Shape, s: f64) -> (f64, Weights) {

@@ -131,7 +131,7 @@ fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, 
     let Points { position, velocity, stress, memory, affine, carried, faces, law, id, .. } = points;
     let pic = if let Transfer::Blend { pic } = settings.transfer { pic } else { 1.0 };
     let pass = Pass {
-        arch: work.arch.unwrap_or_else(crate::real::arch),
+        arch: work.arch.unwrap_or_else(crate::math::real::arch),
         shape,
         blocks: &work.blocks,
         laws,

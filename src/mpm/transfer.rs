@@ -5,7 +5,7 @@
 
 use super::blocks::TILE;
 use super::spline::Weights;
-use crate::real::Four;
+use crate::math::real::Four;
 
 /// Does `body` for each row of three nodes that a point reaches: place of its first node in the tile, and the factors along y and z. A macro, as a
 /// closure that is not inlined would lose the instruction set.

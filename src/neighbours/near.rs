@@ -2,7 +2,8 @@
 //! contacts by far.
 
 use crate::contact::pairs::FREE;
-use crate::contact::{force::dot, part::few, sweep::difference};
+use crate::contact::{part::few, sweep::difference};
+use crate::math::vector::dot;
 use rayon::prelude::*;
 
 #[derive(Default)]

@@ -2,8 +2,8 @@
 
 use super::table::Row;
 use super::vtk::{self, Fact, Field};
-use crate::contact::force::{dot, plus};
 use crate::error::{Error, Result};
+use crate::math::vector::{dot, plus};
 use crate::rigid::Blocks;
 use std::path::Path;
 

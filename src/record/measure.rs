@@ -1,9 +1,9 @@
 //! Measures of one instant, all summed in the order of ids. Called when the forces of the instant are known (the control stage).
 
 use crate::contact::fabric::Fabric;
-use crate::contact::force::dot;
 use crate::contact::sweep::{difference, r_eff};
 use crate::grains::sphere_volume;
+use crate::math::vector::dot;
 use crate::model::Model;
 use crate::step::{State, Work, gather, stability};
 use std::f64::consts::PI;

@@ -2,11 +2,12 @@
 
 use super::{Block, Blocks, Pose};
 use crate::boundary::Wall;
-use crate::contact::force::{self, Meeting, Memory, Motion, Rules, cross, dot, less, plus, scaled};
+use crate::contact::force::{self, Meeting, Memory, Motion, Rules};
 use crate::contact::law::{Law, Pair, PairTable};
 use crate::contact::pairs::Touch;
 use crate::coupling::{Bound, GhostTable};
 use crate::grains::Grains;
+use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::model::{ContactLaw, TangentialUnloading};
 use crate::mpm::Continuum;
 use crate::with_law;

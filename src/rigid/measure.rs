@@ -1,7 +1,7 @@
 //! What bodies bear and hold: for records.
 
 use super::{Block, Blocks, Other};
-use crate::contact::force::{dot, plus, scaled};
+use crate::math::vector::{dot, plus, scaled};
 use crate::model::Model;
 
 impl Block {

@@ -88,7 +88,7 @@ impl Blocks {
 
     /// Largest speed of any part of a body, m/s.
     pub fn fastest(&self) -> f64 {
-        use crate::contact::force::dot;
+        use crate::math::vector::dot;
         let of = |b: &Block| {
             let w = b.spin();
             dot(b.velocity, b.velocity).sqrt() + dot(w, w).sqrt() * b.solid().reach()

@@ -5,7 +5,7 @@
 //! angle that its own part of the kinetic energy gives. It is symplectic and reversible: energy swings by the square of the step and does not drift.
 
 use super::Block;
-use crate::contact::force::{cross, dot, plus, scaled};
+use crate::math::vector::{cross, dot, plus, scaled};
 
 /// Where a body is and how it lies: its centre, m, and its principal axes in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +62,7 @@ pub fn quaternion([a, b, c]: [[f64; 3]; 3]) -> [f64; 4] {
 
 /// A rotation by an angle, rad, of up to half a turn about a direction (not zero).
 pub fn about(direction: [f64; 3], angle: f64) -> [f64; 4] {
-    use crate::portable::sin;
+    use crate::math::portable::sin;
     let (half, length) = (0.5 * angle, dot(direction, direction).sqrt());
     let [x, y, z] = scaled(direction, sin(half) / length);
     unit([sin(std::f64::consts::FRAC_PI_2 - half.abs()), x, y, z])

@@ -469,7 +469,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         put("adapter_is_software", json!(software));
     }
     put("threads", json!(rayon::current_num_threads()));
-    put("simd", json!(crate::real::name(crate::real::arch())));
+    put("simd", json!(crate::math::real::name(crate::math::real::arch())));
     put("version", json!(env!("CARGO_PKG_VERSION")));
     put("host", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
     Value::Object(s)

@@ -120,7 +120,7 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
     put("particle_steps_per_second", json!(progress.grain_steps as f64 / progress.loading_seconds.max(1e-9)));
     put("bytes_per_grain", json!(work.bytes(state) as f64 / state.grains.len().max(1) as f64));
     put("threads", json!(rayon::current_num_threads()));
-    put("simd", json!(crate::real::name(work.arch)));
+    put("simd", json!(crate::math::real::name(work.arch)));
     put("version", json!(env!("CARGO_PKG_VERSION")));
     put("host", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
     Value::Object(s)
@@ -175,7 +175,7 @@ fn strengths(model: &Model, progress: &Progress) -> Value {
         .enumerate()
         .map(|(k, &r)| {
             let d = 2.0 * r;
-            let lineage = crate::crush::strength::lineage_root(k as u32);
+            let lineage = crate::math::random::lineage_root(k as u32);
             let mean = crush.strength.sigma_lim0 * crate::crush::criterion::size_factor(d, crush.strength.d0, crush.strength.m);
             crush.strength.draw(model.seeds.strength, lineage, d) / mean
         })

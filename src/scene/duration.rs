@@ -6,8 +6,8 @@
 use super::crushing::rigid_platens;
 use super::estimate::{median, rearrangement};
 use crate::crush::criterion::size_factor;
-use crate::crush::strength::lineage_root;
 use crate::grains::sphere_volume;
+use crate::math::random::lineage_root;
 use crate::model::{CrushModel, Drive, Embedding, Model, Oedometer, Rig, Specimen};
 use crate::packing;
 

@@ -1,7 +1,7 @@
 //! A box with sharp edges.
 
 use super::{Bulk, Mesh, Nearest, Solid};
-use crate::contact::force::dot;
+use crate::math::vector::dot;
 use serde::{Deserialize, Serialize};
 
 /// Half edges along the axes, m.

@@ -1,7 +1,7 @@
 //! Surfaces as triangles.
 
 use super::Bulk;
-use crate::contact::force::{cross, dot, less};
+use crate::math::vector::{cross, dot, less};
 use parry3d_f64::mass_properties::MassProperties;
 use parry3d_f64::math::{Matrix, Vector};
 

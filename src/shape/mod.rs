@@ -2,7 +2,7 @@
 //!
 //! [`Solid`] is all that the rest knows of a shape. What touches a body is a sphere (a grain, the ghost of a material point), whose middle asks for the
 //! nearest point, or a plane, which looks at the [spots](Solid::spot) of the body that can reach it. Only + − × ÷ √ stand behind the answers, or what
-//! `crate::portable` makes of them.
+//! `crate::math::portable` makes of them.
 
 mod cuboid;
 mod mesh;

@@ -1,7 +1,7 @@
 //! Rounded convex polyhedra: the hull of some points, with a sphere swept over it (Minkowski sum, as in Jiang et al. 2020).
 
 use super::{Bulk, Mesh, Nearest, Solid};
-use crate::contact::force::{cross, dot, less, plus, scaled};
+use crate::math::vector::{cross, dot, less, plus, scaled};
 use nalgebra::{Matrix3, SymmetricEigen};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query::PointQueryWithLocation;

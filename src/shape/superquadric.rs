@@ -1,8 +1,8 @@
 //! Superquadrics, Li et al. 2023, eq. (39): f(x) = (|x/a|^n₂ + |y/b|^n₂)^(n₁/n₂) + |z/c|^n₁ − 1, with n₁, n₂ ≥ 2.
 
 use super::{Bulk, Mesh, Nearest, Solid};
-use crate::contact::force::{dot, less, scaled};
-use crate::portable::{exp, ln_gamma, pow};
+use crate::math::portable::{exp, ln_gamma, pow};
+use crate::math::vector::{dot, less, scaled};
 use serde::{Deserialize, Serialize};
 
 /// Half lengths a, b, c along the axes, m, and blockiness n₁ (towards z) and n₂ (around it).

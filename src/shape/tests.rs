@@ -1,7 +1,7 @@
 //! Shapes against closed forms, and what must hold for any of them.
 
 use super::*;
-use crate::contact::force::{dot, less, plus, scaled};
+use crate::math::vector::{dot, less, plus, scaled};
 use proptest::prelude::*;
 
 /// The unit vector between two numbers of −1..1.

@@ -4,12 +4,12 @@
 use super::{State, Work};
 use crate::contact::pairs::{Pairs, Touch};
 use crate::contact::part::few;
+#[cfg(target_arch = "x86_64")]
+use crate::math::real::Quad;
+use crate::math::real::{Four, Plain, quads};
 use crate::model::Model;
 use crate::neighbours::Neighbours;
 use crate::neighbours::adjacency::Link;
-#[cfg(target_arch = "x86_64")]
-use crate::real::Quad;
-use crate::real::{Four, Plain, quads};
 use pulp::Arch;
 
 /// Flag: the grain has used up its skin.

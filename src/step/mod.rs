@@ -16,7 +16,6 @@ pub mod stability;
 
 use crate::boundary::Wall;
 use crate::contact::force::Rules;
-use crate::contact::force::dot;
 use crate::contact::law::{Law, PairTable};
 use crate::contact::pairs::{FREE, Kept, Pairs};
 use crate::contact::part::{self, Slots};
@@ -25,6 +24,7 @@ use crate::crush::birth::{self, Aftermath};
 use crate::crush::criterion::AreaModel;
 use crate::crush::event::{self, Breakage};
 use crate::grains::Grains;
+use crate::math::vector::dot;
 use crate::model::Model;
 use crate::neighbours::{Neighbours, Pools};
 use crate::record::ledger::Ledger;
@@ -114,7 +114,7 @@ impl Work {
             births_since_reorder: 0,
             rebuild_always: false,
             task: part::TASK,
-            arch: crate::real::arch(),
+            arch: crate::math::real::arch(),
             clock: None,
         }
     }

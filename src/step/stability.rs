@@ -9,10 +9,10 @@
 //! m_i = (1 + α) Σ max(2 k_n, 7 k_t) dt² / (4 safety²).
 
 use super::{State, Work};
-use crate::contact::force::dot;
 use crate::contact::law::{Elastic, Law, Pair, PairTable};
 use crate::contact::sweep::{difference, r_eff};
 use crate::grains::{Grains, sphere_volume};
+use crate::math::vector::dot;
 use crate::model::{ContactLaw, Model};
 use crate::neighbours::Neighbours;
 use crate::with_law;

@@ -1,8 +1,8 @@
 //! The same bytes whatever the number of threads, the order of points in memory, the instruction set or the age of the grid.
 
 use crate::common::*;
+use comminute::math::real::at_best;
 use comminute::mpm::{Continuum, Dimension, Points, Settings, ShapeFunctions, Transfer, Wall};
-use comminute::real::at_best;
 
 /// A block thrown into a corner, so that points cross cells and blocks all the time.
 fn thrown(dimension: Dimension, transfer: Transfer, shape: ShapeFunctions) -> (Settings, Points) {

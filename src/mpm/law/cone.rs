@@ -7,7 +7,7 @@
 //! - plane strain, the same collapse load in plane strain with associated flow: alpha = tan / sqrt(9 + 12 tan²),
 //!   k = 3 / sqrt(9 + 12 tan²); Jiang et al. (2020), eq. 35 (its q_phi is 3 alpha) and Zhang et al., eq. 6.
 
-use crate::portable::sin;
+use crate::math::portable::sin;
 use serde::{Deserialize, Serialize};
 
 /// A cone's place at the Mohr-Coulomb pyramid.

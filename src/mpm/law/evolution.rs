@@ -1,7 +1,7 @@
 //! How friction and cohesion follow the accumulated plastic strain. Li et al. (2023), Computers and Geotechnics 160, 105508:
 //! eq. 43 (cubic hardening, exponential softening; angles in rad) and Table 8 (linear hardening).
 
-use crate::portable::exp;
+use crate::math::portable::exp;
 use serde::{Deserialize, Serialize};
 
 /// Beyond this exponent what is left of a decay is below the last bit.

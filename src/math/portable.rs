@@ -9,7 +9,7 @@ const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
 /// `base^exponent` for a positive `base`, to a few units in the last place while the result is not extreme.
 /// A `base` that is not a positive normal number gives NaN.
-pub(crate) fn pow(base: f64, exponent: f64) -> f64 {
+pub fn pow(base: f64, exponent: f64) -> f64 {
     exp(exponent * ln(base))
 }
 
@@ -37,7 +37,7 @@ fn ln(x: f64) -> f64 {
 }
 
 /// Exponential: 2^n times the Taylor series of the remainder, |remainder| <= ln 2 / 2.
-pub(crate) fn exp(x: f64) -> f64 {
+pub fn exp(x: f64) -> f64 {
     if x.is_nan() {
         return x;
     }
@@ -58,7 +58,7 @@ pub(crate) fn exp(x: f64) -> f64 {
 }
 
 /// Sine of an angle within -pi/2..pi/2, rad, by its Taylor series.
-pub(crate) fn sin(angle: f64) -> f64 {
+pub fn sin(angle: f64) -> f64 {
     let square = angle * angle;
     let mut sum = 1.0;
     for k in (1..=12).rev() {
@@ -68,7 +68,7 @@ pub(crate) fn sin(angle: f64) -> f64 {
 }
 
 /// ln Γ(x) for x > 0: Stirling's series from x ≥ 12 on, Γ(x + 1) = x Γ(x) below.
-pub(crate) fn ln_gamma(x: f64) -> f64 {
+pub fn ln_gamma(x: f64) -> f64 {
     const SERIES: [f64; 6] = [1.0 / 12.0, -1.0 / 360.0, 1.0 / 1260.0, -1.0 / 1680.0, 1.0 / 1188.0, -691.0 / 360_360.0];
     const HALF_LN_2_PI: f64 = 0.918_938_533_204_672_7;
     let (mut large, mut product) = (x, 1.0);
