@@ -1,8 +1,9 @@
 //! The hot loops by themselves, on the bench's packing of 5 000 grains (made on first use, kept in `runs/bench`).
 
 use comminute::bench::{self, Case, Packing};
+use comminute::contact::ContactLaw;
 use comminute::crush::event;
-use comminute::model::{ContactLaw, Model};
+use comminute::model::Model;
 use comminute::mpm::Transfer;
 use comminute::neighbours::adjacency::Entry;
 use comminute::neighbours::{Neighbours, Pools};
@@ -24,7 +25,7 @@ fn packing() -> Packing {
 fn ready(model: &Model, packing: &Packing) -> (State, Work) {
     let (mut state, mut work) = bench::start(model, packing);
     for _ in 0..500 {
-        let Ok(()) = step::step(model, &mut state, &mut work, |_, _| Ok::<(), Infallible>(()));
+        let Ok(()) = step::step(&model.physics, &mut state, &mut work, |_, _| Ok::<(), Infallible>(()));
     }
     (state, work)
 }
@@ -40,7 +41,7 @@ fn loops(c: &mut Criterion) {
         let (mut state, mut work) = ready(&model, &packing);
         state.dt = STILL;
         group.bench_function(format!("contacts, {name}"), |b| {
-            one.install(|| b.iter(|| step::contacts(&model, &mut state, &mut work)));
+            one.install(|| b.iter(|| step::contacts(&model.physics, &mut state, &mut work)));
         });
     }
 
@@ -49,17 +50,17 @@ fn loops(c: &mut Criterion) {
     let mut still = state.clone();
     still.dt = STILL;
     group.bench_function("gather and advance", |b| {
-        one.install(|| b.iter(|| gather::advance(&model, &mut still, &mut work)));
+        one.install(|| b.iter(|| gather::advance(&model.physics, &mut still, &mut work)));
     });
     still.crushing = true;
     group.bench_function("gather and advance, judging every grain", |b| {
-        one.install(|| b.iter(|| gather::advance(&model, &mut still, &mut work)));
+        one.install(|| b.iter(|| gather::advance(&model.physics, &mut still, &mut work)));
     });
     let mut moving = state.clone();
     group.bench_function("whole step", |b| {
         one.install(|| {
             b.iter(|| {
-                let Ok(()) = step::step(&model, &mut moving, &mut work, |_, _| Ok::<(), Infallible>(()));
+                let Ok(()) = step::step(&model.physics, &mut moving, &mut work, |_, _| Ok::<(), Infallible>(()));
             });
         });
     });
@@ -98,7 +99,7 @@ fn crushing(c: &mut Criterion) {
         b.iter_batched(
             || {
                 let mut state = state.clone();
-                let mut work = Work::new(&model, &mut state);
+                let mut work = Work::new(&model.physics, &mut state);
                 // one before, so that the arrays have room
                 let mut out = Vec::with_capacity(2);
                 let mut next = || loop {
@@ -109,11 +110,11 @@ fn crushing(c: &mut Criterion) {
                     }
                 };
                 let (first, second) = (next(), next());
-                event::break_grains(&model, &mut state, &mut work.neighbours, &work.table, &[], &[first], &mut out);
+                event::break_grains(&model.physics, &mut state, &mut work.neighbours, &work.table, &[], &[first], &mut out);
                 (state, work, second, out)
             },
             |(mut state, mut work, i, mut out)| {
-                event::break_grains(&model, &mut state, &mut work.neighbours, &work.table, &[], &[i], &mut out);
+                event::break_grains(&model.physics, &mut state, &mut work.neighbours, &work.table, &[], &[i], &mut out);
                 (state, work, out)
             },
             BatchSize::PerIteration,

@@ -1,9 +1,38 @@
 //! Walls: rigid planes and vertical cylinders, and their drives. A wall moves along its own normal only; its speed is positive
 //! into the grains.
 
-use crate::model::{Drive, WallShape, WallSpec};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
+
+#[derive(Clone, Debug)]
+pub struct WallSpec {
+    pub shape: WallShape,
+    pub friction: f64,
+    pub drive: Drive,
+    /// Material of the wall; `None`: rigid (NOTES.md).
+    pub material: Option<u8>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum WallShape {
+    /// Grains are on the side to which `normal` points.
+    Plane { point: [f64; 3], normal: [f64; 3] },
+    /// Vertical cylinder (axis z), grains inside.
+    Cylinder { centre: [f64; 2], radius: f64 },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Drive {
+    Fixed,
+    /// Velocity along the wall's normal direction into the grains, m/s (cylinder: inwards).
+    Velocity(f64),
+    /// Held at a normal stress, Pa, over `area`, m^2 (cylinder: its own current area).
+    Stress {
+        stress: f64,
+        area: f64,
+        gain: f64,
+    },
+}
 
 /// A wall and its state.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -3,8 +3,8 @@
 //! The index of a grain may change (re-ordering in memory, breakage); its [`Grains::id`] never does. Everything that is
 //! summed over grains is summed in the order of ids, so that memory order cannot change a bit.
 
+use crate::material::Material;
 use crate::math::real::Real;
-use crate::model::Material;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ pub struct Grains {
     /// Velocity, m/s; the last lane is the inverse of the inertial mass, 1/kg.
     pub vel: Vec<[f64; 4]>,
     /// Spin, rad/s; the last lane is the excess of the radius that sets the stiffness of contacts over the grain's own radius, divided by the latter:
-    /// 0 but for daughters under [`crate::model::ContactLaw::LinearInherited`].
+    /// 0 but for daughters under [`crate::contact::ContactLaw::LinearInherited`].
     pub spin: Vec<[f64; 4]>,
     /// Real mass, kg (the inertial mass differs from it in inertia-scaled runs).
     pub mass: Vec<f64>,

@@ -3,11 +3,10 @@
 
 pub mod continuum;
 
-use crate::crush::criterion::AreaModel;
+use crate::boundary::WallSpec;
 use crate::crush::lost_mass::Fines;
-use crate::crush::pattern::Pattern;
-use crate::crush::strength::StrengthModel;
 use crate::mpm::law::Law;
+use crate::physics::Physics;
 use crate::rig::preparation::range::Range;
 use serde::{Deserialize, Serialize};
 
@@ -17,20 +16,12 @@ pub struct Model {
     /// Name of the scene, used for the run folder and legends.
     pub name: String,
     pub seeds: Seeds,
-    /// Index 0 is the material of generated grains.
-    pub materials: Vec<Material>,
-    pub contact: ContactModel,
-    /// `None`: grains do not break, and nothing is tracked for it.
-    pub crush: Option<CrushModel>,
+    /// What the time step needs.
+    pub physics: Physics,
     /// How lost mass is distributed over sizes in the reconstructed gradation (eq. 12).
     pub fines: Fines,
     /// Scale N (eqs 13-15): gradations are divided by it before they are reported.
     pub scale: f64,
-    /// Cundall's local non-viscous damping coefficient, 0..1.
-    pub damping: f64,
-    /// Gravity, m/s^2.
-    pub gravity: [f64; 3],
-    pub stepping: Stepping,
     pub rig: Rig,
     /// Records and outputs.
     pub records: Records,
@@ -41,121 +32,6 @@ pub struct Model {
 pub struct Seeds {
     pub packing: u64,
     pub strength: u64,
-}
-
-/// What is true of a grain material.
-#[derive(Clone, Debug)]
-pub struct Material {
-    pub name: String,
-    /// Density of the grain including its internal pores, kg/m^3.
-    pub density: f64,
-    /// Internal porosity n_int (eq. 19).
-    pub internal_porosity: f64,
-    /// Young's modulus, Pa, and Poisson ratio. Used by the Hertzian laws and the Hertzian contact area.
-    pub young: f64,
-    pub poisson: f64,
-    /// K_eff of the linear law, Pa, and alpha_S = k_S / k_N (eq. 13).
-    pub k_eff: f64,
-    pub alpha_s: f64,
-    /// Sliding friction mu = tan(phi) between grains of this material.
-    pub friction: f64,
-    /// Coefficient of restitution (law `hertz_viscous`); 1 = no viscous damping.
-    pub restitution: f64,
-    /// Rolling friction (torque limit mu_r R* F_n); 0 = none.
-    pub rolling_friction: f64,
-}
-
-/// The law of every contact of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ContactModel {
-    pub law: ContactLaw,
-    pub unloading: TangentialUnloading,
-    /// Whether any material has rolling friction.
-    pub rolling: bool,
-    /// Whether grains turn. Grains kept from turning stand for angular ones.
-    pub turning: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ContactLaw {
-    /// Ciantia et al. 2015 eq. (13).
-    Linear,
-    /// As `Linear`, but fragments keep the stiffness of the initial grain they come from: D1, D2 of eq. (13) are its diameter. A reading of the paper
-    /// (daughters "assume the … material parameters of the mother", and its code sets stiffness ball by ball), here to be compared with the other.
-    LinearInherited,
-    /// Ciantia et al. 2015 eq. (14); Li et al. 2023 eqs (20), (21) for pairs of different materials.
-    Hertz,
-    /// Li et al. 2023 eqs (18)-(21): Hertz-Mindlin with viscous damping.
-    HertzViscous,
-    /// As `HertzViscous`, but the normal force ends where it would turn tensile, with the damping that gives the same restitution.
-    HertzViscousNoTension,
-}
-
-impl ContactLaw {
-    /// Whether dashpots add to the springs, which then keep a column of their own.
-    pub fn is_viscous(self) -> bool {
-        matches!(self, ContactLaw::HertzViscous | ContactLaw::HertzViscousNoTension)
-    }
-
-    /// Whether the normal force is in proportion to the overlap.
-    pub fn is_linear(self) -> bool {
-        matches!(self, ContactLaw::Linear | ContactLaw::LinearInherited)
-    }
-}
-
-/// What the tangential force does when the normal force falls.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TangentialUnloading {
-    /// The tangential force stays (the paper).
-    Keep,
-    /// The tangential force falls in proportion to k_S.
-    Rescale,
-}
-
-#[derive(Clone, Debug)]
-pub struct CrushModel {
-    pub area: AreaModel,
-    pub strength: StrengthModel,
-    pub pattern: Pattern,
-    /// Comminution limit, m, already multiplied by the scale N: only grains with a diameter above it break.
-    pub d_limit: f64,
-    pub birth: Birth,
-    /// Daughters grow until they have their mother's mass; otherwise what they do not hold leaves the mechanics.
-    pub keeps_mass: bool,
-    /// Steps between two judgements of all grains.
-    pub interval: u64,
-}
-
-/// How daughters enter the assembly ([`crate::crush::birth`]).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Birth {
-    /// Where their mother was, with her overlaps, at once (Ciantia et al. 2015).
-    Overlapping,
-    /// Without overlap: the mother's hold on her neighbours fades over `release` steps, and daughters grow to their size in no less than `growth`.
-    Gradual { release: u32, growth: u32 },
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stepping {
-    /// Fraction of the stable step (sufficient bound, see `step::stability`), 0..1.
-    pub safety: f64,
-    /// Quasi-static inertia scaling: every grain gets the inertia for which the step is stable; time is counted in steps.
-    pub inertia_scaling: bool,
-    /// A fixed time step, s (free scenes); `None`: computed from contact stiffness and inertia.
-    pub dt: Option<f64>,
-    /// Grains and points come upon each other slowly: contacts have to be stable, and need not be resolved as in an impact.
-    pub slow: bool,
-    /// Neighbour skin of a grain over its radius.
-    pub skin: f64,
-}
-
-impl Stepping {
-    /// Share of the Rayleigh step that grains may go before any contact is known. Slow ones need no more steps than the points.
-    pub fn rayleigh(&self) -> f64 {
-        if self.slow { 0.4 } else { 0.1 }
-    }
 }
 
 /// The laboratory.
@@ -354,36 +230,6 @@ pub struct GrainSpec {
     pub velocity: [f64; 3],
     pub spin: [f64; 3],
     pub material: u8,
-}
-
-#[derive(Clone, Debug)]
-pub struct WallSpec {
-    pub shape: WallShape,
-    pub friction: f64,
-    pub drive: Drive,
-    /// Material of the wall; `None`: rigid (NOTES.md).
-    pub material: Option<u8>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum WallShape {
-    /// Grains are on the side to which `normal` points.
-    Plane { point: [f64; 3], normal: [f64; 3] },
-    /// Vertical cylinder (axis z), grains inside.
-    Cylinder { centre: [f64; 2], radius: f64 },
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Drive {
-    Fixed,
-    /// Velocity along the wall's normal direction into the grains, m/s (cylinder: inwards).
-    Velocity(f64),
-    /// Held at a normal stress, Pa, over `area`, m^2 (cylinder: its own current area).
-    Stress {
-        stress: f64,
-        area: f64,
-        gain: f64,
-    },
 }
 
 #[derive(Clone, Debug)]

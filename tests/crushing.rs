@@ -4,9 +4,9 @@ mod common;
 
 use assert_cmd::cargo::cargo_bin;
 
+use comminute::boundary::Drive;
 use comminute::crush::event::Breakage;
 use comminute::math::random::lineage_child;
-use comminute::model::Drive;
 use comminute::step::State;
 use common::typed::array;
 use common::*;

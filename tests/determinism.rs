@@ -107,7 +107,7 @@ fn scratch_dropped_now_and_then_gives_the_same_bytes() {
             run(model, |state, work| {
                 steps += 1;
                 if steps.is_multiple_of(101) {
-                    *work = Work::new(&again, state);
+                    *work = Work::new(&again.physics, state);
                 }
             })
         }),

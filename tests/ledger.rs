@@ -195,7 +195,7 @@ fn a_crushing_oedometer_closes() {
         let look = press.state.step > 2000 && press.state.step.is_multiple_of(250);
         press.see(|model, _, state, work| {
             if look {
-                last = state.ledger.balance(&state.walls, &comminute::record::measure::sums(model, state, work));
+                last = state.ledger.balance(&state.walls, &comminute::record::measure::sums(&model.physics, state, work));
                 worst = worst.max(last.error().abs());
             }
         });

@@ -1,6 +1,7 @@
 //! Every scene of the repository is valid, and its resolved form is the same scene.
 
-use comminute::model::{Drive, Model, Rig, WallShape};
+use comminute::boundary::{Drive, WallShape};
+use comminute::model::{Model, Rig};
 use comminute::scene::{self, Scene};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -79,16 +80,16 @@ fn table_3_is_what_the_coke_scenes_say() {
         let s = e.specimen.expect("an oedometer");
         assert_eq!(e.grains, grains);
         assert!((s.height_mm / height - 1.0).abs() < 2e-3, "{name}: {}", s.height_mm);
-        assert_eq!(m.contact.law == comminute::model::ContactLaw::Linear, linear);
-        let material = &m.materials[0];
+        assert_eq!(m.physics.contact.law == comminute::contact::ContactLaw::Linear, linear);
+        let material = &m.physics.materials[0];
         assert!((material.young - 0.858e9).abs() < 1.0);
         assert!((material.friction - 0.4228).abs() < 1e-4);
-        let crush = m.crush.expect("it crushes");
+        let crush = m.physics.crush.expect("it crushes");
         assert!((crush.d_limit - 1.875e-3 * m.scale).abs() < 1e-12);
         assert!((crush.strength.d0 - 2e-3 * m.scale).abs() < 1e-12);
         assert!((5e4..1.3e5).contains(&e.steps));
         let twin = model(&format!("petroleum_coke/{name}-nc.toml"), &[]);
-        assert!(twin.crush.is_none());
+        assert!(twin.physics.crush.is_none());
         assert_eq!(format!("{:?}", twin.rig), format!("{:?}", m.rig));
     }
 }
@@ -118,8 +119,8 @@ fn overrides_reach_every_table_and_mark_the_source() {
     let sets =
         ["material.strength.fixed_angle.m=3", "material.elastic.E_GPa=1", "loading.stages_kPa=[100, 2000]", "contact.law=linear"];
     let m = model("petroleum_coke/h-c-2.toml", &sets);
-    assert_eq!(m.crush.expect("it crushes").strength.m, 3.0);
-    assert_eq!(m.materials[0].young, 1e9);
+    assert_eq!(m.physics.crush.expect("it crushes").strength.m, 3.0);
+    assert_eq!(m.physics.materials[0].young, 1e9);
     let Rig::Oedometer(o) = &m.rig else { panic!() };
     assert_eq!(o.loading.stages, [5e6, 1e5, 2e6]);
     let text = scene::resolved(&scene("petroleum_coke/h-c-2.toml", &sets));
@@ -130,7 +131,7 @@ fn overrides_reach_every_table_and_mark_the_source() {
 #[test]
 fn the_other_contact_area_takes_its_own_strength() {
     let m = model("petroleum_coke/h-c-2.toml", &["crushing.area=hertz"]);
-    let strength = m.crush.expect("it crushes").strength;
+    let strength = m.physics.crush.expect("it crushes").strength;
     assert_eq!((strength.sigma_lim0, strength.m), (2e8, 10.0));
 }
 
@@ -138,7 +139,7 @@ fn the_other_contact_area_takes_its_own_strength() {
 fn limit_strength_may_come_from_uniaxial_strengths() {
     let sets = ["material.strength.fixed_angle.sigma_c_MPa=1100", "material.strength.fixed_angle.sigma_t_MPa=48"];
     let m = model("petroleum_coke/h-c-2.toml", &sets);
-    let sigma = m.crush.expect("it crushes").strength.sigma_lim0;
+    let sigma = m.physics.crush.expect("it crushes").strength.sigma_lim0;
     assert!((sigma - 2309.95e6).abs() < 0.01e6, "{sigma}");
 }
 
@@ -170,7 +171,7 @@ fn a_box_is_six_planes_that_face_its_inside() {
     let m = written(&text, &[]).expect("valid");
     let Rig::Assembly(a) = &m.rig else { panic!() };
     assert_eq!(a.walls.len(), 7);
-    assert_eq!(m.materials[usize::from(a.grains[0].material)].name, "steel");
+    assert_eq!(m.physics.materials[usize::from(a.grains[0].material)].name, "steel");
     for wall in &a.walls[..6] {
         let WallShape::Plane { point, normal } = wall.shape else { panic!() };
         let inward: f64 = (0..3).map(|k| ([0.0, 0.0, 1.0][k] - point[k]) * normal[k]).sum();
@@ -276,7 +277,7 @@ fn a_material_may_be_named_beside_changes_of_it() {
     write("b.toml", "base = \"a.toml\"\n[material.elastic]\nE_GPa = 60\n");
     let scene = scene::load(folder.path().join("b.toml"), &[]).expect("valid");
     let m = scene::model(&scene).expect("valid");
-    assert_eq!((m.materials[0].young, m.materials[0].poisson), (60e9, 0.3));
+    assert_eq!((m.physics.materials[0].young, m.physics.materials[0].poisson), (60e9, 0.3));
     let text = scene::resolved(&scene);
     for line in ["source.density_kg_m3 = \"a book\"", "source.nu = \"replaced in a.toml\"", "source.E_GPa = \"replaced in b.toml\""]
     {

@@ -29,9 +29,9 @@ const PLAIN: usize = 50;
 /// None that a packing of the bench has.
 pub fn burst(model: &Model, mut state: State, events: usize) -> Result<Burst> {
     let model = &breakable(model)?;
-    let mut work = Work::new(model, &mut state);
+    let mut work = Work::new(&model.physics, &mut state);
     let advance = |state: &mut State, work: &mut Work| {
-        let Ok(()) = step::step(model, state, work, |_, _| Ok::<(), Infallible>(()));
+        let Ok(()) = step::step(&model.physics, state, work, |_, _| Ok::<(), Infallible>(()));
     };
     state.crushing = true;
     for _ in 0..PLAIN {

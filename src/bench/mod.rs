@@ -22,16 +22,18 @@ pub use packing::{Packing, packing};
 pub use speed::{Plan, Speed, load_average, measure, pool};
 
 use crate::boundary::Wall;
+use crate::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use crate::crush::criterion::AreaModel;
 use crate::crush::lost_mass::Fines;
 use crate::crush::pattern::Pattern;
 use crate::crush::strength::{StrengthModel, Truncation};
+use crate::crush::{Birth, CrushModel};
 use crate::error::{Error, Result};
 use crate::gradation::mean_cubed_diameter;
-use crate::model::{
-    Birth, ContactLaw, ContactModel, CrushModel, Loading, Material, Model, Oedometer, Preparation, Records, Rig, Seeds, Specimen,
-    Stepping, TangentialUnloading, WallFriction,
-};
+use crate::material::Material;
+use crate::model::{Loading, Model, Oedometer, Preparation, Records, Rig, Seeds, Specimen, WallFriction};
+use crate::physics::Physics;
+use crate::physics::Stepping;
 use crate::rig::cylinder::{TOP, walls};
 use crate::step::{State, Work, reorder};
 use std::f64::consts::PI;
@@ -159,14 +161,16 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
     Model {
         name: format!("bench-{}-{grains}", case.name()),
         seeds: Seeds { packing: 1, strength: 1 },
-        materials: vec![material],
-        contact: ContactModel { law, unloading: TangentialUnloading::Keep, rolling: false, turning: true },
-        crush: None,
+        physics: Physics {
+            materials: vec![material],
+            contact: ContactModel { law, unloading: TangentialUnloading::Keep, rolling: false, turning: true },
+            crush: None,
+            damping: 0.0,
+            gravity: [0.0; 3],
+            stepping: Stepping { safety: 0.8, inertia_scaling: false, dt: Some(case.time_step()), slow: false, skin },
+        },
         fines: Fines { alpha: 2.6, d_min: 1e-5 },
         scale: 1.0,
-        damping: 0.0,
-        gravity: [0.0; 3],
-        stepping: Stepping { safety: 0.8, inertia_scaling: false, dt: Some(case.time_step()), slow: false, skin },
         rig: Rig::Oedometer(rig(case, grains)),
         records: Records {
             per_decade: 1,
@@ -194,13 +198,14 @@ pub fn breakable(model: &Model) -> Result<Model> {
     let crush = CrushModel {
         area: AreaModel::FixedAngle { theta0: PI / 9.0 },
         strength,
+        seed: model.seeds.strength,
         pattern,
         d_limit: 1e-3,
         birth: Birth::Overlapping,
         keeps_mass: false,
         interval: 1,
     };
-    Ok(Model { crush: Some(crush), ..model.clone() })
+    Ok(Model { physics: Physics { crush: Some(crush), ..model.physics.clone() }, ..model.clone() })
 }
 
 /// The large grains of a wide packing by themselves: so few that the walls keep them looser.
@@ -262,8 +267,8 @@ pub fn start(model: &Model, packing: &Packing) -> (State, Work) {
         wall.material = Some(0);
     }
     around[TOP].speed = PLATEN_SPEED;
-    let mut state = State::new(model, packing.grains.clone(), around, false);
-    let mut work = Work::new(model, &mut state);
+    let mut state = State::new(&model.physics, packing.grains.clone(), around, false);
+    let mut work = Work::new(&model.physics, &mut state);
     reorder(&mut state, &mut work);
     (state, work)
 }

@@ -3,10 +3,11 @@
 //! of a crushed specimen are.
 
 use super::{Case, model, skeleton};
+use crate::contact::ContactLaw;
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::math::vector::dot;
-use crate::model::{ContactLaw, Model, Rig};
+use crate::model::{Model, Rig};
 use crate::packing as sampling;
 use crate::record::specimen;
 use crate::rig::cylinder::{BOTTOM, TOP, Walls};
@@ -43,7 +44,7 @@ pub fn packing(case: Case, grains: usize, folder: &Path, mut progress: impl FnMu
     let model = model(case, grains, ContactLaw::Hertz, 0.1);
     let path = folder.join(format!("{}-{grains}.csv", case.stem()));
     let seconds = if path.exists() { None } else { Some(make(case, &model, &path, &mut progress)?) };
-    let (found, walls) = specimen::read(&path, &model.materials)?;
+    let (found, walls) = specimen::read(&path, &model.physics.materials)?;
     let (low, high) = case.radii();
     if found.len() != grains || found.pos.iter().any(|p| p[3] < 0.999 * low || p[3] > 1.001 * high) {
         let message = format!("is not the bench's packing of {grains} grains: delete it to have it made anew");
@@ -70,7 +71,7 @@ fn make(case: Case, model: &Model, path: &Path, progress: &mut impl FnMut(&str))
         }
     };
     let unfinished = path.with_extension("tmp");
-    specimen::write(&unfinished, &state.grains, &model.materials, Some(Walls::of(&state)))?;
+    specimen::write(&unfinished, &state.grains, &model.physics.materials, Some(Walls::of(&state)))?;
     std::fs::rename(&unfinished, path).map_err(Error::write(path))?;
     Ok(since.elapsed().as_secs_f64())
 }
@@ -84,7 +85,7 @@ fn at_rest(model: &Model, progress: &mut impl FnMut(&str)) -> Result<State> {
     for wall in &mut state.walls {
         wall.material = Some(0);
     }
-    let mut work = Work::new(&scaled, &mut state);
+    let mut work = Work::new(&scaled.physics, &mut state);
     while !preparation.advance(&scaled, &rig.specimen, &mut state, &mut work)? {
         if preparation.steps().is_multiple_of(REPORT) {
             let area = Walls::of(&state).platen_area();
@@ -123,7 +124,7 @@ fn strew(state: &mut State, radii: &[f64], model: &Model) {
             let near = (0..27).filter_map(|n| cells.get(&[i + n % 3 - 1, j + n / 3 % 3 - 1, k + n / 9 - 1]));
             if large.iter().chain(near.flatten()).all(|q| apart(p, r, q)) {
                 cells.entry(place(p)).or_default().push([p[0], p[1], p[2], r]);
-                state.grains.add(p, r, 0, &model.materials);
+                state.grains.add(p, r, 0, &model.physics.materials);
                 break;
             }
         }
@@ -133,8 +134,8 @@ fn strew(state: &mut State, radii: &[f64], model: &Model) {
 /// The model with scaled inertia, for making the packing.
 fn scaled(model: &Model) -> Model {
     let mut scaled = model.clone();
-    scaled.stepping.inertia_scaling = true;
-    scaled.stepping.dt = None;
-    scaled.stepping.skin = 0.15;
+    scaled.physics.stepping.inertia_scaling = true;
+    scaled.physics.stepping.dt = None;
+    scaled.physics.stepping.skin = 0.15;
     scaled
 }

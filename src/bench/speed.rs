@@ -121,18 +121,18 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
 
     let mut ended = state.clone();
     // forces of this instant, for the checks
-    step::contacts(model, &mut state, &mut work);
+    step::contacts(&model.physics, &mut state, &mut work);
     let size = Walls::of(&state);
     let (vertical, _) = love_weber(&state, &work, size.radius, size.bottom, size.bottom + size.height);
     let stresses = Stresses::of(&state);
-    let sums = sums(model, &state, &work);
+    let sums = sums(&model.physics, &state, &work);
     if !(vertical.is_finite() && stresses.vertical().is_finite()) {
         let what = format!("the bench has lost its packing (dt {:e} s)", state.dt);
         return Err(Error::Unstable { step: state.step, what, grain: None });
     }
     let bytes = work.bytes(&state) as f64;
 
-    let mut work = Work::new(model, &mut ended);
+    let mut work = Work::new(&model.physics, &mut ended);
     run(model, &mut ended, &mut work, 50);
     work.clock = Some([0; 4]);
     run(model, &mut ended, &mut work, plan.clocked);
@@ -168,7 +168,7 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
 fn run(model: &Model, state: &mut State, work: &mut Work, steps: u64) -> u64 {
     let (mut searches, mut last) = (0, work.neighbours.searches);
     for _ in 0..steps {
-        let Ok(()) = step::step(model, state, work, |_, _| Ok::<(), Infallible>(()));
+        let Ok(()) = step::step(&model.physics, state, work, |_, _| Ok::<(), Infallible>(()));
         let now = work.neighbours.searches;
         // a re-ordering of memory begins the count anew
         searches += now.checked_sub(last).unwrap_or(now);

@@ -1,8 +1,8 @@
 //! `comminute bench`: the engine's speed on this machine.
 
 use comminute::bench::{self, Burst, Case, Machine, Packing, Plan, Speed};
+use comminute::contact::ContactLaw;
 use comminute::error::{Error, Result};
-use comminute::model::ContactLaw;
 use serde_json::{Value, json};
 use std::io::IsTerminal;
 use std::path::PathBuf;

@@ -80,8 +80,8 @@ fn as_json(scene: &Scene, model: &Model, estimate: &Estimate) -> String {
         "scene": model.name,
         "description": scene.description(),
         "out": scene.default_out(),
-        "materials": model.materials.iter().map(|m| &m.name).collect::<Vec<_>>(),
-        "crushing": model.crush.is_some(),
+        "materials": model.physics.materials.iter().map(|m| &m.name).collect::<Vec<_>>(),
+        "crushing": model.physics.crush.is_some(),
         "seed": model.seeds,
         "estimate": estimate,
         "assumed": scene::assumptions(scene),
@@ -117,13 +117,13 @@ fn as_text(scene: &Scene, model: &Model, estimate: &Estimate) -> String {
 
 fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::fmt::Result {
     writeln!(text, "{}: {}", model.name, scene.description())?;
-    let names: Vec<&str> = model.materials.iter().map(|m| m.name.as_str()).collect();
+    let names: Vec<&str> = model.physics.materials.iter().map(|m| m.name.as_str()).collect();
     writeln!(text, "  material        {}", names.join(", "))?;
     if let Some(c) = &e.continuum {
         return continuum(text, scene, c, e);
     }
     writeln!(text, "  grains          {}", e.grains)?;
-    match &model.crush {
+    match &model.physics.crush {
         None => writeln!(text, "  crushing        off")?,
         Some(c) if matches!(model.rig, Rig::Platen(_)) => match c.area {
             AreaModel::FixedAngle { theta0 } => writeln!(text, "  crushing        fixed contact angle {theta0:.4} rad (eq. 16)")?,

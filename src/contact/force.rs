@@ -6,9 +6,9 @@
 
 use super::law::{Law, Pair};
 use super::pairs::Touch;
+use crate::contact::TangentialUnloading;
 use crate::math::real::Real;
 use crate::math::vector::{cross, dot, less, plus, scaled};
-use crate::model::TangentialUnloading;
 
 /// Relative motion of two bodies near each other.
 #[derive(Clone, Copy, Debug, Default)]

@@ -8,9 +8,11 @@
 //!
 //! On a wall the law is that of a mirrored identical grain (NOTES.md): R* = r, E* = E/(1 − ν²), G* = G/(2 − ν).
 
-use crate::crush::criterion::effective_modulus;
+use crate::contact::ContactLaw;
+use crate::material::Material;
+use crate::material::effective_modulus;
 use crate::math::real::{Lanes, Real};
-use crate::model::{ContactLaw, Material, Model};
+use crate::physics::Physics;
 use pulp::Simd;
 
 /// Parameters of the contacts between two materials. Prefactors `a` (normal) and `b` (tangential) are per law.
@@ -226,9 +228,9 @@ pub struct PairTable {
 
 impl PairTable {
     /// `friction` replaces the friction between grains during preparation.
-    pub fn new(model: &Model, walls: &[crate::boundary::Wall], friction: Option<f64>) -> PairTable {
-        let m = &model.materials;
-        let law = model.contact.law;
+    pub fn new(physics: &Physics, walls: &[crate::boundary::Wall], friction: Option<f64>) -> PairTable {
+        let m = &physics.materials;
+        let law = physics.contact.law;
         let mut grains = Vec::with_capacity(m.len() * m.len());
         for m1 in m {
             for m2 in m {
@@ -283,23 +285,23 @@ impl PairTable {
 macro_rules! with_law {
     ($law:expr, $L:ident => $body:expr) => {
         match $law {
-            $crate::model::ContactLaw::Linear => {
+            $crate::contact::ContactLaw::Linear => {
                 type $L = $crate::contact::law::Linear;
                 $body
             }
-            $crate::model::ContactLaw::LinearInherited => {
+            $crate::contact::ContactLaw::LinearInherited => {
                 type $L = $crate::contact::law::LinearInherited;
                 $body
             }
-            $crate::model::ContactLaw::Hertz => {
+            $crate::contact::ContactLaw::Hertz => {
                 type $L = $crate::contact::law::Hertz;
                 $body
             }
-            $crate::model::ContactLaw::HertzViscous => {
+            $crate::contact::ContactLaw::HertzViscous => {
                 type $L = $crate::contact::law::HertzViscous;
                 $body
             }
-            $crate::model::ContactLaw::HertzViscousNoTension => {
+            $crate::contact::ContactLaw::HertzViscousNoTension => {
                 type $L = $crate::contact::law::HertzViscousNoTension;
                 $body
             }

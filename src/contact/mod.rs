@@ -3,7 +3,10 @@
 pub mod fabric;
 pub mod force;
 pub mod law;
+mod model;
 pub mod pairs;
 pub mod part;
 pub mod sweep;
 pub mod wall_sweep;
+
+pub use model::{ContactLaw, ContactModel, TangentialUnloading};

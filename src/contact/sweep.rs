@@ -5,19 +5,20 @@ use super::force::{self, Meeting, Motion, Rules};
 use super::law::{Law, Pair, PairTable};
 use super::pairs::{FREE, Pairs};
 use super::part::{Part, Slots, for_each_part};
+use crate::contact::{ContactModel, TangentialUnloading};
 use crate::grains::{Grains, stiffness_radius};
 use crate::math::real::{Lanes, Real};
 use crate::math::vector::{dot, less, plus, scaled};
-use crate::model::{ContactModel, Model, TangentialUnloading};
+use crate::physics::Physics;
 use crate::with_law;
 use pulp::{Simd, WithSimd};
 use std::marker::PhantomData;
 
 /// Contacts of grains with grains.
-pub fn grains(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs, slots: Slots<'_>) {
+pub fn grains(physics: &Physics, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs, slots: Slots<'_>) {
     let ledger = pairs.kept().work;
-    let extra = needs_extra(&model.contact, pairs, rules, model.materials.len());
-    with_law!(model.contact.law, L => match (ledger, extra) {
+    let extra = needs_extra(&physics.contact, pairs, rules, physics.materials.len());
+    with_law!(physics.contact.law, L => match (ledger, extra) {
         (false, false) => sweep_grains::<L, false, false>(table, rules, g, pairs, slots),
         (true, false) => sweep_grains::<L, true, false>(table, rules, g, pairs, slots),
         (false, true) => sweep_grains::<L, false, true>(table, rules, g, pairs, slots),

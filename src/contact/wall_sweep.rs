@@ -8,15 +8,15 @@ use crate::boundary::Wall;
 use crate::grains::{Grains, stiffness_radius};
 use crate::math::real::{Lanes, MOST_LANES, Real};
 use crate::math::vector::{plus, scaled};
-use crate::model::Model;
+use crate::physics::Physics;
 use crate::with_law;
 use pulp::{Simd, WithSimd};
 use std::marker::PhantomData;
 
 /// All contacts of grains with walls.
-pub fn walls(model: &Model, table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
+pub fn walls(physics: &Physics, table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
     let ledger = pairs.kept().work;
-    with_law!(model.contact.law, L => match ledger {
+    with_law!(physics.contact.law, L => match ledger {
         false => sweep_walls::<L, false>(table, rules, g, walls, pairs),
         true => sweep_walls::<L, true>(table, rules, g, walls, pairs),
     })

@@ -61,11 +61,11 @@ impl Embedded {
             gravity: [0.0; 3],
             shape: ShapeFunctions::BSpline,
             transfer: Transfer::Affine,
-            damping: model.damping,
+            damping: model.physics.damping,
         };
         let mut continuum = Continuum::new(settings, vec![embedding.law.clone()], Points::default())?;
         continuum.keep_carried();
-        let density = model.materials[0].density;
+        let density = model.physics.materials[0].density;
         let solid = embedding.solid();
         let rule =
             Rule { release_strain: embedding.release_strain, law: 0, porosity: embedding.porosity, solid, density, at_rest: true };
@@ -102,14 +102,14 @@ impl Embedded {
         }
         let Embedded { continuum, ghosts, fines, table, held, .. } = self;
         let State { grains, walls, dt, aftermath, .. } = &*state;
-        let table = table.get_or_insert_with(|| GhostTable::new(model.contact.law, &[0], &model.materials, walls));
+        let table = table.get_or_insert_with(|| GhostTable::new(model.physics.contact.law, &[0], &model.physics.materials, walls));
         let fastest = |v: f64, [x, y, z]: [f64; 3]| v.max(x * x + y * y + z * z);
         let points = continuum.points().carried.iter().fold(0.0, |v, c| fastest(v, *c)).sqrt();
         let bodies = grains.vel.iter().fold(0.0, |v, c| fastest(v, [c[0], c[1], c[2]])).sqrt();
         let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
         let way = dt * (points + bodies.max(wall)) + aftermath.fastest_growth();
         ghosts.update(grains, walls, continuum, way);
-        let scene = Scene { grains, walls, continuum, table, unloading: model.contact.unloading, dt: *dt, ahead: [0.0; 2] };
+        let scene = Scene { grains, walls, continuum, table, unloading: model.physics.contact.unloading, dt: *dt, ahead: [0.0; 2] };
         ghosts.evaluate(&scene);
         fines.released += ghosts.release(&scene, fines.rule.release_strain);
         ghosts.give(grains, &mut work.outside, 1.0, continuum, [1.0, 0.0]);
@@ -153,7 +153,7 @@ impl Embedded {
             while let Some(next) = touching.next_if(|next| next.body == first.body) {
                 sum += next.share();
             }
-            stability::hold(first.place[0] as usize, sum, model, state, work);
+            stability::hold(first.place[0] as usize, sum, &model.physics, state, work);
         }
     }
 
@@ -164,10 +164,10 @@ impl Embedded {
     pub fn go(&mut self, model: &Model, state: &mut State, work: &mut Work) -> Result<()> {
         let half = 0.5 * state.dt;
         let mut given = half * self.power(state);
-        step::motion(model, state, work);
+        step::motion(&model.physics, state, work);
         given += half * self.power(state);
         self.work += given;
-        step::breakage(model, state, work);
+        step::breakage(&model.physics, state, work);
         if !self.continuum.points().is_empty() {
             self.hold_points(model, state.dt);
             self.continuum.step(state.dt)?;
@@ -196,7 +196,7 @@ impl Embedded {
     fn hold_points(&mut self, model: &Model, dt: f64) {
         let Embedded { continuum, held, modulus, .. } = self;
         held.resize(continuum.points().len(), 0.0);
-        let (cell, damping, safety) = (continuum.settings().cell, continuum.settings().damping, model.stepping.safety);
+        let (cell, damping, safety) = (continuum.settings().cell, continuum.settings().damping, model.physics.stepping.safety);
         // local damping adds to forces on what slows down, as with grains
         let step = (1.0 + damping) * dt * dt / (safety * safety);
         let of = |(p, k): (&[f64; 4], &f64)| step * (*modulus * p[3] / (cell * cell) + 0.5 * k);

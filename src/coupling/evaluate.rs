@@ -2,13 +2,13 @@
 
 use super::{Body, Ghost, GhostTable, Ghosts};
 use crate::boundary::Wall;
+use crate::contact::TangentialUnloading;
 use crate::contact::force::{self, Meeting, Memory, Motion, Rules};
 use crate::contact::law::{Law, Pair, PairTable};
 use crate::contact::pairs::Touch;
 use crate::grains::Grains;
 use crate::math::real::{Lanes, MOST_LANES, arch};
 use crate::math::vector::{dot, less, scaled};
-use crate::model::TangentialUnloading;
 use crate::mpm::Continuum;
 use crate::with_law;
 use pulp::{Simd, WithSimd};

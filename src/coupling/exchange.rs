@@ -1,12 +1,13 @@
 //! The contacts of a mixture as plain lists, for those who do its steps elsewhere, and back.
 
 use super::{Body, Ghost, GhostTable, Mixture};
+use crate::contact::ContactLaw;
 use crate::contact::law::{Pair, PairTable};
 use crate::contact::pairs::{FREE, Kept, Pairs, Touch};
 use crate::contact::sweep::r_eff;
-use crate::model::{ContactLaw, Model};
 use crate::mpm::platen::ghost_radius;
 use crate::mpm::{Continuum, Dimension};
+use crate::physics::Physics;
 use crate::step::stability::elastic;
 
 /// A contact that bears something.
@@ -36,8 +37,8 @@ fn ratio(law: ContactLaw, pair: &Pair) -> f64 {
 
 impl Mixture {
     /// Grains, contacts and motion are those of the instant that was felt last.
-    pub fn contacts(&self, model: &Model, table: &PairTable) -> Contacts {
-        let (g, viscous) = (&self.grains.grains, model.contact.law.is_viscous());
+    pub fn contacts(&self, physics: &Physics, table: &PairTable) -> Contacts {
+        let (g, viscous) = (&self.grains.grains, physics.contact.law.is_viscous());
         let mut place = vec![0; g.len()];
         for (k, i) in (0..).zip(g.by_id()) {
             place[i as usize] = k;
@@ -46,7 +47,7 @@ impl Mixture {
             let touching = |s: &usize| pairs.ends[*s][0] != FREE && pairs.touch[*s].overlap > 0.0;
             let contact = |s: usize| {
                 let (touch, (r_eff, pair)) = (pairs.touch[s], of_pair(pairs.ends[s].map(|i| i as usize)));
-                let stiffness = elastic(model, touch.overlap, r_eff, &pair).k_n;
+                let stiffness = elastic(physics, touch.overlap, r_eff, &pair).k_n;
                 Contact { ends: ends(pairs.ends[s]), touch, spring: pairs.spring(s), stiffness }
             };
             (0..pairs.slots()).filter(touching).map(contact).collect()
@@ -70,7 +71,7 @@ impl Mixture {
     }
 
     /// Takes contacts over that were found elsewhere at this instant, after grain steps of `dt` seconds. Lists have to be made anew.
-    pub fn take_contacts(&mut self, model: &Model, table: &GhostTable, continuum: &Continuum, contacts: &Contacts, dt: f64) {
+    pub fn take_contacts(&mut self, physics: &Physics, table: &GhostTable, continuum: &Continuum, contacts: &Contacts, dt: f64) {
         let order = self.grains.grains.by_id();
         let kept = self.grains.pairs.kept();
         let fill = |contacts: &[Contact], walls: bool| {
@@ -87,7 +88,7 @@ impl Mixture {
         };
         let (mut pairs, mut wall_pairs) = (fill(&contacts.grains, false), fill(&contacts.walls, true));
         if kept.load {
-            let (g, materials) = (&self.grains.grains, PairTable::new(model, &self.grains.walls, self.grains.friction));
+            let (g, materials) = (&self.grains.grains, PairTable::new(physics, &self.grains.walls, self.grains.friction));
             let weigh = |pairs: &mut Pairs, r_eff: &dyn Fn([usize; 2]) -> f64, pair: &dyn Fn([usize; 2]) -> Pair| {
                 for s in 0..pairs.slots() {
                     let ends = pairs.ends[s].map(|i| i as usize);
@@ -119,8 +120,8 @@ impl Mixture {
                 radius: ghost_radius(Dimension::Space, points.solid(point)),
                 mass: points.velocity[point][3],
                 touch: c.touch,
-                spring: if model.contact.law.is_viscous() { c.spring } else { [0.0; 3] },
-                stiffness: [c.stiffness, c.stiffness * ratio(model.contact.law, pair)],
+                spring: if physics.contact.law.is_viscous() { c.spring } else { [0.0; 3] },
+                stiffness: [c.stiffness, c.stiffness * ratio(physics.contact.law, pair)],
                 reference: 0.0,
             }
         };

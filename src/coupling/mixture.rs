@@ -11,9 +11,9 @@ use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::math::vector::plus;
-use crate::model::Model;
 use crate::mpm::Continuum;
 use crate::mpm::platen::{self, Platen};
+use crate::physics::Physics;
 use crate::rigid::{self, Blocks};
 use crate::step::{self, State, Work};
 use rayon::prelude::*;
@@ -110,7 +110,7 @@ pub struct Mixture {
 
 /// What a mixture works on besides itself.
 pub struct Parts<'a> {
-    pub model: &'a Model,
+    pub physics: &'a Physics,
     pub table: &'a GhostTable,
     pub work: &'a mut Work,
     pub continuum: &'a mut Continuum,
@@ -118,8 +118,8 @@ pub struct Parts<'a> {
 }
 
 impl Mixture {
-    pub fn new(model: &Model, grains: State, continuum: &mut Continuum, fines: Option<Rule>) -> Mixture {
-        let energy = if model.contact.law.is_linear() { 0.5 } else { 0.4 };
+    pub fn new(physics: &Physics, grains: State, continuum: &mut Continuum, fines: Option<Rule>) -> Mixture {
+        let energy = if physics.contact.law.is_linear() { 0.5 } else { 0.4 };
         continuum.keep_carried();
         let cycle = Cycle { time: 0.0, rates: Rates { grains: 1, continuum: 1 } };
         Mixture {
@@ -145,7 +145,7 @@ impl Mixture {
     /// # Errors
     /// Rigid bodies that come within reach of each other.
     pub fn feel(&mut self, parts: &mut Parts<'_>) -> Result<()> {
-        step::feel(parts.model, &mut self.grains, parts.work);
+        step::feel(parts.physics, &mut self.grains, parts.work);
         self.note_bound();
         self.find(parts, self.last, [0.0; 2])?;
         self.meet(parts);
@@ -207,7 +207,7 @@ impl Mixture {
     fn end(&mut self, parts: &mut Parts<'_>, mut left: f64, mut steps: u32) -> Result<()> {
         let Cycle { time, rates } = self.cycle;
         while steps > 0 {
-            step::feel(parts.model, &mut self.grains, parts.work);
+            step::feel(parts.physics, &mut self.grains, parts.work);
             if self.note_bound() {
                 steps = steps.max((left / self.own).ceil().min(MOST) as u32);
             }
@@ -235,9 +235,9 @@ impl Mixture {
         if let Some(blocks) = &mut self.blocks {
             let State { grains, walls, fresh, .. } = &mut self.grains;
             blocks.give_others(grains, &mut parts.work.outside, walls, dt);
-            blocks.advance(parts.model, *fresh, dt);
+            blocks.advance(parts.physics, *fresh, dt);
         }
-        step::go(parts.model, &mut self.grains, parts.work);
+        step::go(parts.physics, &mut self.grains, parts.work);
         self.breakages.extend_from_slice(&parts.work.breakages);
         if let Some(fines) = &mut self.fines {
             fines.take(&parts.work.breakages);
@@ -295,7 +295,7 @@ impl Mixture {
         let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
         let way = dt * (point + grain.max(wall)) + self.grains.aftermath.fastest_growth();
         self.ghosts.update(grains, walls, continuum, way);
-        let scene = Scene { grains, walls, continuum, table, unloading: parts.model.contact.unloading, dt, ahead };
+        let scene = Scene { grains, walls, continuum, table, unloading: parts.physics.contact.unloading, dt, ahead };
         self.ghosts.evaluate(&scene);
         if let Some(fines) = self.fines.as_mut().filter(|f| f.points > 0) {
             fines.released += self.ghosts.release(&scene, fines.rule.release_strain);
@@ -350,8 +350,8 @@ fn too_fast(grains: &Grains, continuum: &Continuum, dt: f64) -> Result<()> {
 
 /// What contacts of rigid bodies are found from.
 fn rigid_scene<'a>(state: &'a State, parts: &'a Parts<'_>, dt: f64, ahead: [f64; 2]) -> rigid::Scene<'a> {
-    let Parts { model, table, work, continuum, .. } = parts;
+    let Parts { physics, table, work, continuum, .. } = parts;
     let State { grains, walls, .. } = state;
-    let (law, unloading) = (model.contact.law, model.contact.unloading);
+    let (law, unloading) = (physics.contact.law, physics.contact.unloading);
     rigid::Scene { grains, walls, continuum, ghosts: table, table: &work.table, law, unloading, dt, ahead }
 }

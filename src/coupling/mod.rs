@@ -25,9 +25,10 @@ pub use measure::{Shares, Touching};
 pub use mixture::{Allowed, Cycle, Mixture, Parts, Rates};
 
 use crate::boundary::Wall;
+use crate::contact::ContactLaw;
 use crate::contact::law::{Pair, PairTable};
 use crate::contact::pairs::Touch;
-use crate::model::{ContactLaw, Material};
+use crate::material::Material;
 use search::Age;
 use serde::{Deserialize, Serialize};
 

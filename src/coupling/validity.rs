@@ -2,10 +2,10 @@
 //! coarse grains; with 40 % the twin of grains alone (figures/mixture) does not agree.
 
 use crate::grains::sphere_volume;
-use crate::model::Model;
 use crate::model::continuum::Continuum as Rig;
 use crate::mpm::Dimension;
 use crate::mpm::platen::ghost_radius;
+use crate::physics::Physics;
 
 /// Mean diameter of coarse grains over that of ghosts, at least; a little room for how a gradation is drawn.
 const RATIO: f64 = 4.9;
@@ -27,8 +27,8 @@ struct Sizes {
 }
 
 /// Sizes of the grains and points there are, or of those that will grow; `None` where one of both kinds is missing.
-fn sizes(model: &Model, rig: &Rig) -> Option<Sizes> {
-    let density = |material: u8| model.materials[usize::from(material)].density;
+fn sizes(physics: &Physics, rig: &Rig) -> Option<Sizes> {
+    let density = |material: u8| physics.materials[usize::from(material)].density;
     let grains = &rig.coarse.as_ref()?.grains;
     if let (Some(growth), true) = (&rig.growth, grains.is_empty()) {
         let coarse = growth.coarse.filter(|_| growth.as_points && growth.fines.count() > 0)?;
@@ -56,8 +56,8 @@ fn sizes(model: &Model, rig: &Rig) -> Option<Sizes> {
 }
 
 /// What is outside of that range, in words.
-pub fn doubts(model: &Model, rig: &Rig) -> Vec<String> {
-    let Some(Sizes { mean, least, ghosts: [ghost, widest], content }) = sizes(model, rig) else { return Vec::new() };
+pub fn doubts(physics: &Physics, rig: &Rig) -> Vec<String> {
+    let Some(Sizes { mean, least, ghosts: [ghost, widest], content }) = sizes(physics, rig) else { return Vec::new() };
     let mut doubts = Vec::new();
     if mean < RATIO * ghost {
         doubts.push(format!(

@@ -19,9 +19,9 @@ use crate::contact::pairs::Pairs;
 use crate::contact::sweep;
 use crate::grains::Grains;
 use crate::math::vector::{dot, plus, scaled};
-use crate::model::Model;
 use crate::neighbours::Neighbours;
 use crate::neighbours::adjacency::Entry;
+use crate::physics::Physics;
 use crate::step::{State, stability};
 use serde::{Deserialize, Serialize};
 
@@ -155,7 +155,7 @@ impl Aftermath {
     }
 
     /// Forces of the softening contacts at the present positions.
-    pub fn feel(&mut self, model: &Model, g: &Grains, table: &PairTable) {
+    pub fn feel(&mut self, physics: &Physics, g: &Grains, table: &PairTable) {
         for x in &mut self.fading {
             let i = x.grain as usize;
             let (p, q) = (x.place, g.pos[i]);
@@ -165,7 +165,7 @@ impl Aftermath {
             (x.force, x.stiffness) = ([0.0; 3], 0.0);
             if overlap > 0.0 && distance > 0.0 {
                 let r_eff = sweep::r_eff(x.stiffness_radius, g.stiffness_radius(i));
-                let elastic = stability::elastic(model, overlap, r_eff, table.grains(x.material, g.material[i]));
+                let elastic = stability::elastic(physics, overlap, r_eff, table.grains(x.material, g.material[i]));
                 let share = f64::from(x.left) / f64::from(x.of);
                 x.force = scaled(d, share * elastic.force / distance);
                 x.stiffness = share * elastic.k_n;

@@ -38,11 +38,6 @@ pub fn size_factor(d: f64, d0_scaled: f64, m: f64) -> f64 {
     portable::pow(d / d0_scaled, -3.0 / m)
 }
 
-/// E' of a contact of two bodies, each given by Young's modulus, Pa, and Poisson ratio, Pa (eq. 11).
-pub fn effective_modulus((e1, nu1): (f64, f64), (e2, nu2): (f64, f64)) -> f64 {
-    1.0 / ((1.0 - nu1 * nu1) / e1 + (1.0 - nu2 * nu2) / e2)
-}
-
 /// How the area A_F on which a contact force acts is found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum AreaModel {

@@ -4,14 +4,16 @@
 //! mother's rigid-body motion and material, draw fresh strengths keyed by lineage, and start without history.
 
 use super::birth::Obstacles;
+use crate::contact::ContactLaw;
 use crate::contact::law::PairTable;
 use crate::contact::{sweep, wall_sweep};
+use crate::crush::{Birth, CrushModel};
 use crate::grains::{sphere_volume, stiffness_radius};
 use crate::math::portable;
 use crate::math::random::{lineage_child, random_perpendicular};
 use crate::math::vector::{cross, dot, less};
-use crate::model::{Birth, ContactLaw, CrushModel, Model};
 use crate::neighbours::{Neighbours, Pools};
+use crate::physics::Physics;
 use crate::record::measure;
 use crate::step::{State, gather, stability};
 use serde::{Deserialize, Serialize};
@@ -86,7 +88,7 @@ struct Verdict {
 
 /// Breaks the grains listed (indices in the order of ids); `outside` are the forces that grains took from elsewhere in this step, [`crate::step::Work::outside`].
 pub fn break_grains(
-    model: &Model,
+    physics: &Physics,
     state: &mut State,
     neighbours: &mut Neighbours,
     table: &PairTable,
@@ -94,18 +96,18 @@ pub fn break_grains(
     failing: &[u32],
     out: &mut Vec<Breakage>,
 ) {
-    let crush = model.crush.as_ref().expect("only judged grains fail");
+    let crush = physics.crush.as_ref().expect("only judged grains fail");
     // all verdicts before any change
     let verdicts: Vec<Verdict> =
-        failing.iter().map(|&i| judge(model, crush, state, neighbours, table, outside, i as usize)).collect();
+        failing.iter().map(|&i| judge(physics, crush, state, neighbours, table, outside, i as usize)).collect();
     for verdict in verdicts {
-        out.push(break_one(model, crush, state, neighbours, table, &verdict));
+        out.push(break_one(physics, crush, state, neighbours, table, &verdict));
     }
 }
 
 /// The contact with the largest load decides; among equals the first in the order of ids.
 fn judge(
-    model: &Model,
+    physics: &Physics,
     crush: &CrushModel,
     state: &State,
     neighbours: &Neighbours,
@@ -129,7 +131,7 @@ fn judge(
     let d = 2.0 * state.aftermath.radius(i, g);
     let force = load / crush.area.load_weight(r_eff, pair.e_eff);
     let limit_force = crush.area.limit_force(g.strength[i], d, r_eff, pair.e_eff);
-    let arriving = |i: usize| arriving(model, state, neighbours, outside, i);
+    let arriving = |i: usize| arriving(physics, state, neighbours, outside, i);
     let (touch, approach) = if e.is_wall() {
         let touch = &state.wall_pairs.touch[slot];
         (touch, dot(arriving(i), touch.normal) + state.walls[e.wall_index()].speed)
@@ -139,7 +141,7 @@ fn judge(
         (touch, dot(less(arriving(a as usize), arriving(b as usize)), touch.normal))
     };
     let overlap = (touch.overlap - approach * state.dt).max(0.0);
-    let elastic = |overlap: f64| if overlap > 0.0 { stability::elastic(model, overlap, r_eff, pair).force } else { 0.0 };
+    let elastic = |overlap: f64| if overlap > 0.0 { stability::elastic(physics, overlap, r_eff, pair).force } else { 0.0 };
     Verdict {
         grain: i,
         axis: measure::normal(state, slot, e.is_wall()),
@@ -151,8 +153,8 @@ fn judge(
 }
 
 /// Velocity, m/s, with which grain `i` has come to the place where it was judged: what the kick of this step has given it since is taken back.
-fn arriving(model: &Model, state: &State, neighbours: &Neighbours, outside: &[[[f64; 4]; 2]], i: usize) -> [f64; 3] {
-    let (mut f, _) = gather::force_and_torque(i, model, state, neighbours);
+fn arriving(physics: &Physics, state: &State, neighbours: &Neighbours, outside: &[[[f64; 4]; 2]], i: usize) -> [f64; 3] {
+    let (mut f, _) = gather::force_and_torque(i, physics, state, neighbours);
     if let Some([force, _]) = outside.get(i) {
         f.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
     }
@@ -161,7 +163,7 @@ fn arriving(model: &Model, state: &State, neighbours: &Neighbours, outside: &[[[
 }
 
 fn break_one(
-    model: &Model,
+    physics: &Physics,
     crush: &CrushModel,
     state: &mut State,
     neighbours: &mut Neighbours,
@@ -199,7 +201,7 @@ fn break_one(
         smallest: 2.0 * mother.size * crush.pattern.smallest(),
         lost_momentum: momentum(state, m),
         lost_kinetic: 0.0,
-        stored_before: energy_around(model, state, neighbours, table, m),
+        stored_before: energy_around(physics, state, neighbours, table, m),
         stored_after: 0.0,
     };
     close_contacts(state, neighbours, m);
@@ -218,7 +220,7 @@ fn break_one(
     neighbours.detach(m, &state.grains, &mut pools);
 
     let centre = event.position;
-    let perpendicular = random_perpendicular(model.seeds.strength, mother.lineage, verdict.axis);
+    let perpendicular = random_perpendicular(crush.seed, mother.lineage, verdict.axis);
     let mut kept = 0.0;
     let mut daughters_kinetic = 0.0;
     let mut born = Vec::with_capacity(crush.pattern.count());
@@ -235,7 +237,7 @@ fn break_one(
     for (k, (position, radius)) in in_sphere(sphere).enumerate() {
         let i = if k == 0 { m } else { state.grains.len() };
         let target = larger * radius;
-        place(model, crush, state, i, &mother, k as u32, position, target);
+        place(physics, crush, state, i, &mother, k as u32, position, target);
         kept += state.grains.mass[i];
         if let Birth::Gradual { growth, .. } = crush.birth {
             let free = obstacles.free_radius(position, radius, &state.walls);
@@ -252,17 +254,17 @@ fn break_one(
         born.push(i);
     }
     for &i in &born {
-        stability::birth(i, model, state, neighbours, table);
+        stability::birth(i, physics, state, neighbours, table);
         daughters_kinetic += kinetic_energy(state, i);
         event.lost_momentum.iter_mut().zip(momentum(state, i)).for_each(|(sum, p)| *sum -= p);
         // siblings only touch, so each new contact is counted once
-        event.stored_after += energy_around(model, state, neighbours, table, i);
+        event.stored_after += energy_around(physics, state, neighbours, table, i);
     }
     event.lost_mass = mother.mass - kept;
     event.lost_kinetic = kinetic - daughters_kinetic;
     let l = &mut state.ledger;
     l.lost_kinetic += event.lost_kinetic;
-    l.lost_potential -= event.lost_mass * dot(model.gravity, centre);
+    l.lost_potential -= event.lost_mass * dot(physics.gravity, centre);
     l.removed += event.stored_before;
     l.made += event.stored_after;
     let rounding = ROUNDING * verdict.force * mother.pos[3];
@@ -289,13 +291,22 @@ struct Mother {
 
 /// Puts daughter `k` at index `i`.
 #[allow(clippy::too_many_arguments)]
-fn place(model: &Model, crush: &CrushModel, state: &mut State, i: usize, mother: &Mother, k: u32, position: [f64; 3], radius: f64) {
+fn place(
+    physics: &Physics,
+    crush: &CrushModel,
+    state: &mut State,
+    i: usize,
+    mother: &Mother,
+    k: u32,
+    position: [f64; 3],
+    radius: f64,
+) {
     let g = &mut state.grains;
     if i == g.len() {
-        g.add(position, radius, mother.material, &model.materials);
+        g.add(position, radius, mother.material, &physics.materials);
     } else {
         g.pos[i] = [position[0], position[1], position[2], radius];
-        g.mass[i] = model.materials[mother.material as usize].density * sphere_volume(radius);
+        g.mass[i] = physics.materials[mother.material as usize].density * sphere_volume(radius);
         g.id[i] = g.next_id;
         g.next_id += 1;
         g.work[i] = [0.0; 4];
@@ -304,21 +315,21 @@ fn place(model: &Model, crush: &CrushModel, state: &mut State, i: usize, mother:
     let c = cross([mother.spin[0], mother.spin[1], mother.spin[2]], arm);
     g.vel[i] = [mother.vel[0] + c[0], mother.vel[1] + c[1], mother.vel[2] + c[2], 1.0 / g.mass[i]];
     g.spin[i] = mother.spin;
-    if model.contact.law == ContactLaw::LinearInherited {
+    if physics.contact.law == ContactLaw::LinearInherited {
         let sized = stiffness_radius(mother.pos, mother.spin);
         g.spin[i][3] = (sized - radius) / radius;
     }
     g.lineage[i] = lineage_child(mother.lineage, k);
     g.generation[i] = mother.generation.saturating_add(1);
     g.born[i] = state.step;
-    arm_grain(model, crush, state, i);
+    arm_grain(crush, state, i);
 }
 
 /// Draws a grain's strength and sets its limit; grains at or below the comminution limit cannot break.
-pub fn arm_grain(model: &Model, crush: &CrushModel, state: &mut State, i: usize) {
+pub fn arm_grain(crush: &CrushModel, state: &mut State, i: usize) {
     let g = &mut state.grains;
     let d = 2.0 * g.pos[i][3];
-    g.strength[i] = crush.strength.draw(model.seeds.strength, g.lineage[i], d);
+    g.strength[i] = crush.strength.draw(crush.seed, g.lineage[i], d);
     g.limit[i] = if d > crush.d_limit { crush.area.limit(g.strength[i], d) } else { f64::INFINITY };
 }
 
@@ -338,10 +349,10 @@ fn kinetic_energy(state: &State, i: usize) -> f64 {
 }
 
 /// Elastic energy of a grain's contacts at the present positions, J.
-fn energy_around(model: &Model, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> f64 {
+fn energy_around(physics: &Physics, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> f64 {
     let mut sum = 0.0;
     stability::overlaps(i, state, neighbours, table, |o| {
-        let elastic = stability::elastic(model, o.depth, o.r_eff, o.pair);
+        let elastic = stability::elastic(physics, o.depth, o.r_eff, o.pair);
         sum += elastic.energy + measure::tangential_energy(o.spring, elastic.k_t);
     });
     sum

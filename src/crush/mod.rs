@@ -8,6 +8,9 @@ pub mod criterion;
 pub mod crushing_stress;
 pub mod event;
 pub mod lost_mass;
+mod model;
 pub mod pattern;
 pub mod spread;
 pub mod strength;
+
+pub use model::{Birth, CrushModel};

@@ -10,8 +10,8 @@ use super::state;
 use super::support::sizes;
 use crate::coupling::{GhostTable, Mixture};
 use crate::error::{Error, Result};
-use crate::model::Model;
 use crate::mpm::{self, Drive, Platen, Ramp, Settings};
+use crate::physics::Physics;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use wgpu::BufferUsages as Usage;
@@ -318,7 +318,7 @@ impl Continuum {
     ///
     /// # Errors
     /// As [`Self::read_back`].
-    pub fn read_grains(&self, coarse: (&Model, &GhostTable), mixture: &mut Mixture, cpu: &mut mpm::Continuum) -> Result<()> {
+    pub fn read_grains(&self, coarse: (&Physics, &GhostTable), mixture: &mut Mixture, cpu: &mut mpm::Continuum) -> Result<()> {
         let Some(bodies) = &self.bodies else { return Ok(()) };
         let point = self.places(cpu);
         let dt = f64::from(self.outside.dt) / f64::from(bodies.coupling.rates);

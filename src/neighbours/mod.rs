@@ -14,10 +14,10 @@ mod grid;
 mod near;
 
 use crate::boundary::Wall;
+use crate::boundary::WallShape;
 use crate::contact::pairs::{FREE, Pairs};
 use crate::grains::Grains;
 use crate::math::real::{Four, Plain};
-use crate::model::WallShape;
 use adjacency::{Adjacency, Entry};
 use grid::Grid;
 use near::Near;

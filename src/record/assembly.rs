@@ -7,7 +7,7 @@ use crate::step::{State, Work, gather};
 
 /// The row of this instant: energies and walls.
 pub fn history_row(model: &Model, state: &State, work: &Work) -> Row {
-    let sums = measure::sums(model, state, work);
+    let sums = measure::sums(&model.physics, state, work);
     let balance = state.ledger.balance(&state.walls, &sums);
     let lost: f64 = state.lost.iter().map(|l| l.0).sum();
     vec![
@@ -38,7 +38,7 @@ pub fn track_rows(model: &Model, rig: &Assembly, state: &State, work: &Work) -> 
     let mut rows = Vec::new();
     for &id in &rig.tracks {
         let Some(i) = g.id.iter().position(|&k| k == id) else { continue };
-        let (f, t) = gather::force_and_torque(i, model, state, &work.neighbours);
+        let (f, t) = gather::force_and_torque(i, &model.physics, state, &work.neighbours);
         let m = g.inertia(i);
         let (p, v, w) = (g.pos[i], g.vel[i], g.spin[i]);
         let inertia = 0.4 * m * p[3] * p[3];

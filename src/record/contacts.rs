@@ -3,11 +3,11 @@
 use super::table::number;
 use super::vtk::Fact;
 use crate::boundary::Wall;
+use crate::boundary::WallShape;
 use crate::contact::pairs::Touch;
 use crate::coupling::Mixture;
 use crate::error::{Error, Result};
 use crate::grains::{Grains, sphere_volume};
-use crate::model::WallShape;
 use crate::mpm::Continuum;
 use crate::step::State;
 use std::fmt::Write as _;

@@ -49,7 +49,7 @@ impl Default for Crushed {
 impl Crushed {
     /// Takes the gradation that breakage is counted from, where grains break.
     pub fn open(&mut self, model: &Model, rig: &Rig) {
-        let coarse = rig.coarse.as_ref().filter(|c| model.crush.is_some() && !c.grains.is_empty());
+        let coarse = rig.coarse.as_ref().filter(|c| model.physics.crush.is_some() && !c.grains.is_empty());
         self.initial = coarse.map(|c| gradations::of_listed(model, &c.grains));
     }
 
@@ -94,7 +94,7 @@ impl Crushed {
 
     /// Mother of a grain, and the grain of the start that it comes from.
     pub fn descent(&self, model: &Model, grains: &Grains, id: u32) -> (Option<u32>, u32) {
-        self.ancestors.of(id, grains.next_id, model.crush.as_ref().map_or(1, |c| c.pattern.count()))
+        self.ancestors.of(id, grains.next_id, model.physics.crush.as_ref().map_or(1, |c| c.pattern.count()))
     }
 
     pub fn flush(&mut self, out: &Path) -> Result<()> {
@@ -105,7 +105,7 @@ impl Crushed {
     /// What the summary says of breakage; nothing where nothing can break.
     pub fn summary(&self, model: &Model, state: &State) -> Map<String, Value> {
         let mut s = Map::new();
-        let (Some(crush), Some(initial), Some(mixture)) = (&model.crush, &self.initial, &state.mixture) else { return s };
+        let (Some(crush), Some(initial), Some(mixture)) = (&model.physics.crush, &self.initial, &state.mixture) else { return s };
         let mut put = |key: &str, value: Value| s.insert(key.into(), value);
         let excluded = excluded_grains(mixture.grains.crush_events, &crush.pattern);
         put("excluded_grains", json!(excluded.paper));

@@ -106,13 +106,13 @@ impl Recorder {
     pub fn row(&mut self, model: &Model, moment: Moment, state: &State, work: &Work, initial: &Gradation) -> Result<Row> {
         let size = Walls::of(state);
         let s = Stresses::of(state);
-        let sums = measure::sums(model, state, work);
+        let sums = measure::sums(&model.physics, state, work);
         let n = state.grains.len();
         let (v, h) = (s.vertical(), s.horizontal);
         let (q, p) = (v - h, (v + 2.0 * h) / 3.0);
-        let internal = model.materials[0].internal_porosity;
+        let internal = model.physics.materials[0].internal_porosity;
         let lost: f64 = state.lost.iter().map(|l| l.0).sum();
-        let lost_volume = lost / model.materials[0].density;
+        let lost_volume = lost / model.physics.materials[0].density;
         // all dry mass is solid, the lost mass too; `grains` counts what is left in grains only
         let porosity = 1.0 - (sums.volume + lost_volume) / size.volume();
         let grains = 1.0 - sums.volume / size.volume();

@@ -48,7 +48,7 @@ pub fn initial(model: &Model, g: &Grains) -> Gradation {
 
 /// Gradation of grains that are listed.
 pub fn of_listed(model: &Model, grains: &[GrainSpec]) -> Gradation {
-    let mass = |g: &GrainSpec| model.materials[usize::from(g.material)].density * sphere_volume(g.radius);
+    let mass = |g: &GrainSpec| model.physics.materials[usize::from(g.material)].density * sphere_volume(g.radius);
     let grains = grains.iter().map(|g| (2.0 * g.radius, mass(g)));
     Gradation::new(grains, std::iter::empty(), model.fines, model.scale)
 }

@@ -4,7 +4,7 @@ use crate::contact::fabric::Fabric;
 use crate::contact::sweep::{difference, r_eff};
 use crate::grains::sphere_volume;
 use crate::math::vector::dot;
-use crate::model::Model;
+use crate::physics::Physics;
 use crate::step::{State, Work, gather, stability};
 use std::f64::consts::PI;
 
@@ -63,7 +63,7 @@ impl Sums {
 }
 
 /// All sums of this instant.
-pub fn sums(model: &Model, state: &State, work: &Work) -> Sums {
+pub fn sums(physics: &Physics, state: &State, work: &Work) -> Sums {
     let g = &state.grains;
     let mut s = Sums { release: 0.5 * state.dt * state.aftermath.power(g), ..Sums::default() };
     let radii = state.aftermath.radii(g);
@@ -72,11 +72,11 @@ pub fn sums(model: &Model, state: &State, work: &Work) -> Sums {
     for &i in &g.by_id() {
         let i = i as usize;
         let (p, v, w) = (g.pos[i], g.vel[i], g.spin[i]);
-        let (mut f, mut t) = gather::force_and_torque(i, model, state, &work.neighbours);
+        let (mut f, mut t) = gather::force_and_torque(i, physics, state, &work.neighbours);
         // forces of material points, which the coming step will take
         if let Some([force, torque]) = work.outside.get(i) {
             f.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
-            if model.contact.turning {
+            if physics.contact.turning {
                 t.iter_mut().zip(torque).for_each(|(sum, t)| *sum += t);
             }
         }
@@ -93,7 +93,7 @@ pub fn sums(model: &Model, state: &State, work: &Work) -> Sums {
             let (before, after) = (v[a] - back * f[a] / m, v[a] + kick * f[a] / m);
             let (spin_before, spin_after) = (w[a] - back * t[a] / rotational, w[a] + kick * t[a] / rotational);
             s.kinetic += 0.5 * m * before * after + 0.5 * rotational * spin_before * spin_after;
-            s.potential -= g.mass[i] * model.gravity[a] * p[a];
+            s.potential -= g.mass[i] * physics.gravity[a] * p[a];
             s.work[3] += 0.5 * state.damping * state.dt * (f[a].abs() * v[a].abs() + t[a].abs() * w[a].abs());
         }
         s.net_force += dot(f, f).sqrt();
@@ -115,7 +115,7 @@ pub fn sums(model: &Model, state: &State, work: &Work) -> Sums {
                 continue;
             }
             s.worst_overlap = s.worst_overlap.max(touch.overlap / smaller_radius(state, slot, e.is_wall()));
-            s.stored += stored(model, state, work, slot, e.is_wall());
+            s.stored += stored(physics, state, work, slot, e.is_wall());
             let normal = normal_force(state, slot, e.is_wall());
             s.contact_force += normal;
             if e.is_wall() {
@@ -196,10 +196,10 @@ pub fn pair_from<'a>(
 }
 
 /// Elastic energy of a touching slot as the last sweep left it, J: normal, and F_t² / (2 k_t).
-pub fn stored(model: &Model, state: &State, work: &Work, slot: usize, wall: bool) -> f64 {
+pub fn stored(physics: &Physics, state: &State, work: &Work, slot: usize, wall: bool) -> f64 {
     let pool = if wall { &state.wall_pairs } else { &state.pairs };
     let (r_eff, pair) = pair_of(state, work, slot, wall);
-    let e = stability::elastic(model, pool.touch[slot].overlap, r_eff, pair);
+    let e = stability::elastic(physics, pool.touch[slot].overlap, r_eff, pair);
     e.energy + tangential_energy(pool.spring(slot), e.k_t)
 }
 

@@ -1,9 +1,10 @@
 //! Records of single grains between platens: `platen.csv`, `force_displacement.csv`, `survival.csv`, `limit_force.csv`.
 
 use super::table::{Row, Table, Value};
+use crate::crush::CrushModel;
 use crate::crush::criterion::{AreaModel, size_factor};
 use crate::error::Result;
-use crate::model::{CrushModel, Model, Platen};
+use crate::model::{Model, Platen};
 use crate::rig::platen::{Test, hertz, pair};
 use std::path::Path;
 
@@ -27,7 +28,7 @@ pub fn write(out: &Path, model: &Model, rig: &Platen, tests: &[Test]) -> Result<
     let e_eff = pair(model, rig).e_eff;
     save(out, CURVES, tests.iter().flat_map(|t| curve_rows(t, e_eff)))?;
     save(out, SURVIVAL, classes(rig, tests).iter().flat_map(|class| survival_rows(model, rig, class)))?;
-    let Some(crush) = &model.crush else { return Ok(()) };
+    let Some(crush) = &model.physics.crush else { return Ok(()) };
     save(out, LIMITS, limit_rows(crush, rig, e_eff).into_iter())
 }
 
@@ -108,7 +109,8 @@ fn survival_rows(model: &Model, rig: &Platen, class: &Class) -> Vec<Row> {
     let mut rows = Vec::new();
     for (i, t) in tests.iter().enumerate().filter(|(_, t)| t.broken) {
         survival *= 1.0 - 1.0 / (tests.len() - i) as f64;
-        let law = model.crush.as_ref().filter(|_| class.from == class.to).map_or(f64::NAN, |c| survival_of_law(c, model, rig, t));
+        let law =
+            model.physics.crush.as_ref().filter(|_| class.from == class.to).map_or(f64::NAN, |c| survival_of_law(c, model, rig, t));
         rows.push(vec![
             ("diameter_from_mm", (1e3 * class.from).into()),
             ("diameter_to_mm", (1e3 * class.to).into()),

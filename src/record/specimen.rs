@@ -3,7 +3,8 @@
 
 use crate::error::{Error, Result};
 use crate::grains::Grains;
-use crate::model::{Material, Model};
+use crate::material::Material;
+use crate::model::Model;
 use crate::rig::cylinder::Walls;
 use crate::step::State;
 use std::fmt::Write as _;
@@ -16,7 +17,7 @@ pub fn write(path: &Path, grains: &Grains, materials: &[Material], walls: Option
 
 /// Writes the grains as they are, with velocities and spins.
 pub fn write_final(path: &Path, state: &State, model: &Model, walls: Option<Walls>) -> Result<()> {
-    save(path, &state.grains, &model.materials, walls, true)
+    save(path, &state.grains, &model.physics.materials, walls, true)
 }
 
 fn save(path: &Path, g: &Grains, materials: &[Material], walls: Option<Walls>, moving: bool) -> Result<()> {

@@ -1,7 +1,7 @@
 //! Walls of an instant as triangles for ParaView: platens as discs or rectangles, cylinders as tubes, planes of free scenes as far as the bodies reach.
 
 use super::vtk::{self, Fact, Field, VtkError};
-use crate::model::WallShape;
+use crate::boundary::WallShape;
 use std::f64::consts::TAU;
 use std::path::Path;
 

@@ -1,9 +1,10 @@
 //! Free assemblies: listed or imported grains, walls, gravity, a duration or a number of steps.
 
+use crate::boundary::{Drive, WallShape};
 use crate::boundary::{Wall, servo_speed};
 use crate::error::Error;
 use crate::grains::{Grains, sphere_volume};
-use crate::model::{Assembly, Drive, Model, WallShape};
+use crate::model::{Assembly, Model};
 use crate::record::measure;
 use crate::step::{self, State, Work};
 
@@ -11,17 +12,17 @@ use crate::step::{self, State, Work};
 pub fn start(model: &Model, rig: &Assembly) -> State {
     let mut grains = Grains::default();
     for s in &rig.grains {
-        let i = grains.add(s.position, s.radius, s.material, &model.materials);
+        let i = grains.add(s.position, s.radius, s.material, &model.physics.materials);
         let m = grains.vel[i][3];
         grains.vel[i] = [s.velocity[0], s.velocity[1], s.velocity[2], m];
         grains.spin[i] = [s.spin[0], s.spin[1], s.spin[2], 0.0];
     }
-    let mut state = State::new(model, grains, rig.walls.iter().map(Wall::new).collect(), model.records.energy);
+    let mut state = State::new(&model.physics, grains, rig.walls.iter().map(Wall::new).collect(), model.records.energy);
     state.reference_stress = LEAST_STRESS;
-    if let Some(crush) = &model.crush {
+    if let Some(crush) = &model.physics.crush {
         state.crushing = true;
         for i in 0..state.grains.len() {
-            crate::crush::event::arm_grain(model, crush, &mut state, i);
+            crate::crush::event::arm_grain(crush, &mut state, i);
         }
     }
     state
@@ -39,7 +40,7 @@ pub fn advance(
     work: &mut Work,
     observe: impl FnOnce(&State, &Work) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    step::step(model, state, work, |state, work| {
+    step::step(&model.physics, state, work, |state, work| {
         if state.step == 0 {
             open(model, state, work);
         }
@@ -56,7 +57,7 @@ fn open(model: &Model, state: &mut State, work: &Work) {
     for w in state.pairs.work.iter_mut().chain(state.wall_pairs.work.iter_mut()) {
         *w = [0.0; 4];
     }
-    let sums = measure::sums(model, state, work);
+    let sums = measure::sums(&model.physics, state, work);
     state.ledger.start = [sums.stored, sums.kinetic, sums.potential];
 }
 
@@ -68,7 +69,7 @@ const LEAST_STRESS: f64 = 1e3;
 const LOOK: u64 = 32;
 
 fn drive(model: &Model, state: &mut State, work: &Work) {
-    if model.stepping.inertia_scaling && state.step.is_multiple_of(LOOK) {
+    if model.physics.stepping.inertia_scaling && state.step.is_multiple_of(LOOK) {
         state.reference_stress = contact_pressure(state, work).max(LEAST_STRESS);
     }
     let mean_radius = state.grains.pos.iter().map(|p| p[3]).sum::<f64>() / state.grains.len().max(1) as f64;

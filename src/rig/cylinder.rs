@@ -1,8 +1,9 @@
 //! A cylindrical specimen between its walls: two platens and a shell.
 
 use crate::boundary::Wall;
+use crate::boundary::{Drive, WallShape, WallSpec};
 use crate::grains::Grains;
-use crate::model::{Drive, Model, Specimen, WallShape, WallSpec};
+use crate::model::{Model, Specimen};
 use crate::step::State;
 use std::f64::consts::PI;
 
@@ -100,12 +101,12 @@ pub fn inertial_time(state: &State, pressure: f64) -> f64 {
 /// The state from which a specimen is tested: no history, at rest, strengths drawn, the damping of its preparation.
 pub fn start(model: &Model, specimen: &Specimen, grains: Grains, size: Walls) -> State {
     let walls = walls(specimen, size.radius, size.bottom, size.height);
-    let mut state = State::new(model, grains, walls, model.records.energy);
+    let mut state = State::new(&model.physics, grains, walls, model.records.energy);
     state.reference_stress = specimen.isotropic_stress;
     state.damping = specimen.preparation.damping;
-    if let Some(crush) = &model.crush {
+    if let Some(crush) = &model.physics.crush {
         for i in 0..state.grains.len() {
-            crate::crush::event::arm_grain(model, crush, &mut state, i);
+            crate::crush::event::arm_grain(crush, &mut state, i);
         }
     }
     state
@@ -113,11 +114,11 @@ pub fn start(model: &Model, specimen: &Specimen, grains: Grains, size: Walls) ->
 
 /// The test begins: damping and crushing as the scene asks, ledger open.
 pub fn begin(model: &Model, state: &mut State, work: &crate::step::Work) {
-    state.damping = model.damping;
-    state.crushing = model.crush.is_some();
+    state.damping = model.physics.damping;
+    state.crushing = model.physics.crush.is_some();
     let State { ledger, grains, walls, .. } = state;
     ledger.open(grains, walls);
-    let sums = crate::record::measure::sums(model, state, work);
+    let sums = crate::record::measure::sums(&model.physics, state, work);
     state.ledger.start = [sums.stored, sums.kinetic, sums.potential];
     // the sweep of this instant belongs to what was before
     for w in state.pairs.work.iter_mut().chain(state.wall_pairs.work.iter_mut()) {

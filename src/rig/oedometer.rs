@@ -99,7 +99,7 @@ impl Loading {
         work: &mut Work,
         observe: impl FnOnce(&Loading, &State, &Work) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        step::feel(model, state, work);
+        step::feel(&model.physics, state, work);
         if let Some(fines) = &mut self.fines {
             fines.feel(model, state, work);
         }
@@ -107,7 +107,7 @@ impl Loading {
         observe(self, state, work)?;
         self.servo(rig, state);
         match &mut self.fines {
-            None => step::go(model, state, work),
+            None => step::go(&model.physics, state, work),
             Some(fines) => fines.go(model, state, work)?,
         }
         self.phase_steps += 1;

@@ -7,11 +7,12 @@
 //! F = 4/3 E* √r (δ/2)^{3/2}.
 
 use crate::boundary::Wall;
+use crate::boundary::{Drive, WallShape, WallSpec};
 use crate::contact::law::Pair;
 use crate::crush::event::arm_grain;
 use crate::error::Error;
 use crate::grains::Grains;
-use crate::model::{Drive, Model, Platen, WallShape, WallSpec};
+use crate::model::{Model, Platen};
 use crate::step::{self, State, Work};
 use std::f64::consts::PI;
 
@@ -60,11 +61,11 @@ pub struct Point {
 
 /// Contact parameters of grain and platen.
 pub fn pair(model: &Model, rig: &Platen) -> Pair {
-    let m = &model.materials;
+    let m = &model.physics.materials;
     let grain = &m[usize::from(rig.grain)];
     match rig.platen {
-        Some(k) => Pair::between(model.contact.law, grain, &m[usize::from(k)]),
-        None => Pair::on_wall(model.contact.law, grain, 0.0),
+        Some(k) => Pair::between(model.physics.contact.law, grain, &m[usize::from(k)]),
+        None => Pair::on_wall(model.physics.contact.law, grain, 0.0),
     }
 }
 
@@ -90,17 +91,17 @@ fn seated(model: &Model, rig: &Platen, number: u32) -> State {
     let r = 0.5 * d;
     // the number is the identity: by it the strength is drawn
     let mut grains = Grains { next_id: number, ..Grains::default() };
-    grains.add([0.0; 3], r, rig.grain, &model.materials);
+    grains.add([0.0; 3], r, rig.grain, &model.physics.materials);
     let at = r - 0.5 * SEATING * d;
     let platen = |side: f64| {
         let shape = WallShape::Plane { point: [0.0, 0.0, side * at], normal: [0.0, 0.0, -side] };
         Wall::new(&WallSpec { shape, friction: 0.0, drive: Drive::Fixed, material: rig.platen })
     };
-    let mut state = State::new(model, grains, vec![platen(-1.0), platen(1.0)], false);
+    let mut state = State::new(&model.physics, grains, vec![platen(-1.0), platen(1.0)], false);
     state.reference_stress = FLOOR * hertz(pair(model, rig).e_eff, r, SEATING * d) / (PI * r * r);
-    if let Some(crush) = &model.crush {
+    if let Some(crush) = &model.physics.crush {
         state.crushing = true;
-        arm_grain(model, crush, &mut state, 0);
+        arm_grain(crush, &mut state, 0);
     }
     state
 }
@@ -120,8 +121,8 @@ pub fn press(model: &Model, rig: &Platen, number: u32, stop: impl Fn() -> bool) 
     let d = rig.diameters[number as usize];
     let e_eff = pair(model, rig).e_eff;
     let mut state = seated(model, rig, number);
-    let mut work = Work::new(model, &mut state);
-    let limit_force = model.crush.as_ref().filter(|c| d > c.d_limit);
+    let mut work = Work::new(&model.physics, &mut state);
+    let limit_force = model.physics.crush.as_ref().filter(|c| d > c.d_limit);
     let mut test = Test {
         grain: number,
         diameter: d,
@@ -139,7 +140,7 @@ pub fn press(model: &Model, rig: &Platen, number: u32, stop: impl Fn() -> bool) 
     let mut next = 0.0;
     let mut over = false;
     loop {
-        step::step(model, &mut state, &mut work, |state, _| {
+        step::step(&model.physics, &mut state, &mut work, |state, _| {
             let delta = d - (height(&state.walls[1]) - height(&state.walls[0]));
             let point = Point { displacement: delta, bottom: state.walls[0].reaction, top: state.walls[1].reaction };
             observe(&mut test, &point, hertz(e_eff, 0.5 * d, delta), state.step)?;

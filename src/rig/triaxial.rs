@@ -63,7 +63,7 @@ impl Shearing {
         observe: impl FnOnce(&Shearing, &State, &Work) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let this = &mut *self;
-        step::step(model, state, work, |state, work| {
+        step::step(&model.physics, state, work, |state, work| {
             this.programme(model, rig, state, work)?;
             observe(this, state, work)?;
             this.servo(rig, state);
@@ -109,7 +109,7 @@ impl Shearing {
         }
         let Stresses { top, bottom, horizontal } = Stresses::of(state);
         [top, bottom, horizontal].iter().all(|s| (s / rig.specimen.isotropic_stress - 1.0).abs() < STRESS_AT_REST)
-            && measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < UNBALANCED_AT_REST
+            && measure::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < UNBALANCED_AT_REST
     }
 
     fn servo(&mut self, rig: &Triaxial, state: &mut State) {

@@ -2,11 +2,11 @@
 
 use super::{Block, Blocks, Other};
 use crate::math::vector::{dot, plus, scaled};
-use crate::model::Model;
+use crate::physics::Physics;
 
 impl Block {
     /// What it is, for a person.
-    pub fn in_words(&self, model: &Model) -> String {
+    pub fn in_words(&self, physics: &Physics) -> String {
         let [w, x, y, z] = self.turn;
         let pose = self.pose(0.0);
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -16,7 +16,7 @@ impl Block {
         }
         let [dx, dy, dz] = std::array::from_fn(|a| format!("{:.4}", 1e3 * (high[a] - low[a])));
         let turned = if [w, x, y, z] == [1.0, 0.0, 0.0, 0.0] { "" } else { " as it is turned" };
-        let (kind, material) = (self.shape.name(), &model.materials[usize::from(self.material)].name);
+        let (kind, material) = (self.shape.name(), &physics.materials[usize::from(self.material)].name);
         format!("{kind} of {material}, {dx} × {dy} × {dz} mm{turned}, {:.6} kg", self.mass)
     }
 }

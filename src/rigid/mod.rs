@@ -16,6 +16,7 @@ pub use contact::{Contact, Other, Scene};
 pub use motion::Pose;
 
 use crate::coupling::search::Age;
+use crate::physics::Physics;
 use crate::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
 
@@ -97,23 +98,23 @@ impl Blocks {
     }
 
     /// The second half of a step: kicks, the first one half, and drifts. What was given is used up.
-    pub fn advance(&mut self, model: &crate::model::Model, fresh: bool, dt: f64) {
+    pub fn advance(&mut self, physics: &Physics, fresh: bool, dt: f64) {
         let kick = if fresh { 0.5 * dt } else { dt };
         for (block, given) in self.blocks.iter_mut().zip(&mut self.given) {
             let [mut force, mut torque] = std::mem::take(given);
-            for (f, g) in force.iter_mut().zip(model.gravity) {
+            for (f, g) in force.iter_mut().zip(physics.gravity) {
                 *f += block.mass * g;
             }
             // local damping of each component, −α |F| sign(v), as of grains
             let damped = |f: [f64; 3], v: [f64; 3]| -> [f64; 3] {
                 let against = |a: usize| if v[a] == 0.0 { 0.0 } else { f[a].abs().copysign(-v[a]) };
-                std::array::from_fn(|a| f[a] + model.damping * against(a))
+                std::array::from_fn(|a| f[a] + physics.damping * against(a))
             };
-            if model.damping > 0.0 {
+            if physics.damping > 0.0 {
                 force = damped(force, block.velocity);
                 torque = damped(torque, block.spin());
             }
-            if !model.contact.turning {
+            if !physics.contact.turning {
                 torque = [0.0; 3];
             }
             block.advance([force, torque], kick, dt);

@@ -5,10 +5,11 @@
 use super::backend::{Backend, Chosen, Used, choose};
 use super::progress_bar::Bar;
 use super::{LOOK, Outcome, files, stop_asked, watch};
+use crate::boundary::WallShape;
 use crate::error::{Error, Result};
 use crate::figure;
+use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
-use crate::model::{Model, WallShape};
 use crate::mpm::law::Law;
 use crate::mpm::{Dimension, Platen};
 use crate::record::continuum::{self as records, END, GRAINS_START, Recorder, START};
@@ -103,7 +104,7 @@ fn grow(model: &Model, rig: &Rig, begun: &mut Begun, out: &Path, quiet: bool, st
     let Begun { progress, engine } = begun;
     let Some(growth) = &rig.growth else { return Ok(None) };
     let mut beside = Beside::new(model, out, quiet, stop_after, progress);
-    let by = growing(model);
+    let by = growing(&model.physics);
     let mut work = progress.growing.as_mut().map(|specimen| specimen.work(&by));
     while let (Some(specimen), Some(work)) = (&mut progress.growing, &mut work) {
         if specimen.advance(&by, rig, growth, work)? {
@@ -160,7 +161,7 @@ fn prepared(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool,
     let rig = own.as_ref().unwrap_or(rig);
     records::write_points(&out.join(START), rig, &rig.points, None)?;
     if let Some(mixture) = &begun.progress.state.mixture {
-        specimen::write(&out.join(GRAINS_START), &mixture.grains.grains, &model.materials, None)?;
+        specimen::write(&out.join(GRAINS_START), &mixture.grains.grains, &model.physics.materials, None)?;
     }
     go(model, rig, out, begun, quiet, stop_after)
 }
@@ -433,7 +434,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
             put("blocks", json!(blocks.blocks.len()));
             put("block_contacts", json!(blocks.touching().count()));
         }
-        if model.crush.is_some() {
+        if model.physics.crush.is_some() {
             put("crush_events", json!(mixture.grains.crush_events));
             for (key, value) in progress.crushed.summary(model, state) {
                 put(&key, value);
@@ -450,7 +451,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         // of the last cycle
         put("grain_steps", json!(mixture.cycle.rates.grains));
         put("continuum_steps", json!(mixture.cycle.rates.continuum));
-        put("outside_of_the_method", json!(crate::coupling::validity::doubts(model, rig)));
+        put("outside_of_the_method", json!(crate::coupling::validity::doubts(&model.physics, rig)));
     }
     put("void_ratio_final", json!(r.void_ratio));
     put("largest_plastic_strain", json!(r.plastic));

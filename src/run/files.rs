@@ -144,7 +144,7 @@ impl Files {
     /// Gets ready to record; `specimen` says whether there is one whose gradation is the initial one.
     pub fn open(&mut self, out: &Path, model: &Model, specimen: bool) -> Result<()> {
         if specimen {
-            let (grains, _) = specimen::read(&out.join(SPECIMEN), &model.materials)?;
+            let (grains, _) = specimen::read(&out.join(SPECIMEN), &model.physics.materials)?;
             self.recorder.mass = grains.mass_and_volume().0;
             self.initial = Some(gradations::initial(model, &grains));
         }
@@ -270,7 +270,7 @@ impl Files {
         let order = g.by_id();
         let forces = measure::largest_forces(state, work);
         let pick = |f: &dyn Fn(usize) -> f64| order.iter().map(|&i| f(i as usize)).collect::<Vec<f64>>();
-        let daughters = model.crush.as_ref().map_or(1, |c| c.pattern.count());
+        let daughters = model.physics.crush.as_ref().map_or(1, |c| c.pattern.count());
         let descent = order.iter().map(|&i| self.ancestors.of(g.id[i as usize], g.next_id, daughters));
         let (mother, ancestor) = descent.map(|(m, a)| (m.map_or(-1, i64::from), i64::from(a))).unzip();
         let data = vtk::SnapshotData {

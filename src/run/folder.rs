@@ -87,7 +87,7 @@ fn same_specimen(file: &Path, own: &Path, model: &Model) -> Result<bool> {
     if !own.exists() {
         return Ok(true);
     }
-    let (a, b) = (specimen::read(file, &model.materials)?.0, specimen::read(own, &model.materials)?.0);
+    let (a, b) = (specimen::read(file, &model.physics.materials)?.0, specimen::read(own, &model.physics.materials)?.0);
     Ok(a.pos == b.pos)
 }
 

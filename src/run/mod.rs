@@ -141,7 +141,7 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
         Rig::Continuum(rig) => Some(continuum::begin(&model, rig, backend)?),
         _ => None,
     };
-    let given = specimen.map(|path| specimen::read(&path, &model.materials)).transpose()?;
+    let given = specimen.map(|path| specimen::read(&path, &model.physics.materials)).transpose()?;
     if given.is_none() {
         settle(&mut model, threads)?;
     }
@@ -160,7 +160,7 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
         }
         let (activity, state) = match (&model.rig, model.rig.specimen(), given) {
             (_, Some(_), Some((grains, walls))) => {
-                specimen::write(&out.join(files::SPECIMEN), &grains, &model.materials, Some(walls))?;
+                specimen::write(&out.join(files::SPECIMEN), &grains, &model.physics.materials, Some(walls))?;
                 test(&model, grains, walls)?
             }
             (_, Some(rig), None) => {
@@ -169,7 +169,7 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
             }
             (Rig::Assembly(rig), ..) => {
                 let state = assembly::start(&model, rig);
-                specimen::write(&out.join(files::SPECIMEN), &state.grains, &model.materials, None)?;
+                specimen::write(&out.join(files::SPECIMEN), &state.grains, &model.physics.materials, None)?;
                 (Activity::Assembly, state)
             }
             _ => unreachable!("a rig has a specimen or is an assembly"),
@@ -269,7 +269,7 @@ fn test(model: &Model, grains: Grains, walls: Walls) -> Result<(Activity, State)
 
 /// Scratch for a state, with grains near in space put near in memory.
 fn fresh_work(model: &Model, state: &mut State) -> Work {
-    let mut work = Work::new(model, state);
+    let mut work = Work::new(&model.physics, state);
     crate::step::reorder(state, &mut work);
     work
 }
@@ -399,8 +399,8 @@ impl<'a> Runner<'a> {
     fn load(&mut self) -> Result<()> {
         let path = self.out.join(files::SPECIMEN);
         let state = &self.progress.state;
-        specimen::write(&path, &state.grains, &self.model.materials, Some(Walls::of(state)))?;
-        let (grains, walls) = specimen::read(&path, &self.model.materials)?;
+        specimen::write(&path, &state.grains, &self.model.physics.materials, Some(Walls::of(state)))?;
+        let (grains, walls) = specimen::read(&path, &self.model.physics.materials)?;
         (self.progress.activity, self.progress.state) = test(self.model, grains, walls)?;
         self.progress.files.open(self.out, self.model, true)?;
         self.work = fresh_work(self.model, &mut self.progress.state);

@@ -86,7 +86,7 @@ fn summary(model: &Model, rig: &Platen, tests: &[Test]) -> Value {
     // what breaks on being seated has met its limit at an unknown force
     let seated = |t: &Test| t.broken && t.steps == 1;
     let overshoot = |t: &Test| t.limit_force.filter(|_| t.broken && !seated(t)).map_or(0.0, |limit| t.force / limit - 1.0);
-    let name = |k: u8| model.materials[usize::from(k)].name.clone();
+    let name = |k: u8| model.physics.materials[usize::from(k)].name.clone();
     let pair = pair(model, rig);
     json!({
         "scene": model.name,
@@ -95,7 +95,7 @@ fn summary(model: &Model, rig: &Platen, tests: &[Test]) -> Value {
         "grain": name(rig.grain),
         "platen": rig.platen.map_or("rigid".into(), name),
         "E_star_GPa": 1e-9 * pair.e_eff,
-        "area": model.crush.as_ref().map(|c| match c.area {
+        "area": model.physics.crush.as_ref().map(|c| match c.area {
             crate::crush::criterion::AreaModel::Hertz => "hertz",
             crate::crush::criterion::AreaModel::FixedAngle { .. } => "fixed_angle",
         }),
@@ -115,7 +115,7 @@ fn summary(model: &Model, rig: &Platen, tests: &[Test]) -> Value {
 
 /// Realised mean and coefficient of variation of strength over its size-dependent mean.
 fn strengths(model: &Model, tests: &[Test]) -> Value {
-    let Some(crush) = &model.crush else { return Value::Null };
+    let Some(crush) = &model.physics.crush else { return Value::Null };
     let s = &crush.strength;
     let mean_at = |d: f64| s.sigma_lim0 * crate::crush::criterion::size_factor(d, s.d0, s.m);
     let ratios: Vec<f64> = tests.iter().map(|t| t.strength / mean_at(t.diameter)).collect();

@@ -42,7 +42,7 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
     put("grains_initial", json!(progress.grains_initial));
     put("grains_final", json!(state.grains.len()));
     put("crush_events", json!(state.crush_events));
-    if let Some(crush) = &model.crush {
+    if let Some(crush) = &model.physics.crush {
         let excluded = excluded_grains(state.crush_events, &crush.pattern);
         put("excluded_grains", json!(excluded.paper));
         put("excluded_grains_smallest", json!(excluded.smallest));
@@ -103,11 +103,11 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
     if let Activity::Loading(_) = &progress.activity {
         put("held_every_step", recorder.held.summary());
     }
-    if model.crush.is_some() {
+    if model.physics.crush.is_some() {
         put("breakages", recorder.broken.summary());
     }
     let growth = state.ledger.growth / state.walls.iter().map(|w| w.work).sum::<f64>().abs().max(f64::MIN_POSITIVE);
-    if model.records.energy && model.crush.as_ref().is_some_and(|crush| crush.keeps_mass) {
+    if model.records.energy && model.physics.crush.as_ref().is_some_and(|crush| crush.keeps_mass) {
         put("growth_over_wall_work", json!(growth));
     }
     put("warnings", json!(warnings(recorder, growth)));
@@ -161,7 +161,7 @@ fn below_least(below: Option<BelowLeast>) -> Value {
 
 /// Realised mean and coefficient of variation of the initial grains' strength over its size-dependent mean.
 fn strengths(model: &Model, progress: &Progress) -> Value {
-    let Some(crush) = &model.crush else { return Value::Null };
+    let Some(crush) = &model.physics.crush else { return Value::Null };
     let radii: Vec<f64> = match &model.rig {
         Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => {
             crate::packing::radii(specimen, model.seeds.packing)

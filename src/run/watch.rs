@@ -148,17 +148,17 @@ mod tests {
 
     /// A test with one grain that moves, and one wall that has done this work, J.
     fn state(speed: f64, work: f64) -> State {
-        let model = crate::bench::model(crate::bench::Case::Uniform, 1, crate::model::ContactLaw::Hertz, 0.2);
+        let model = crate::bench::model(crate::bench::Case::Uniform, 1, crate::contact::ContactLaw::Hertz, 0.2);
         let mut grains = Grains::default();
-        grains.add([0.0; 3], 1e-3, 0, &model.materials);
+        grains.add([0.0; 3], 1e-3, 0, &model.physics.materials);
         grains.vel[0] = [speed, 0.0, 0.0, 1.0];
-        let spec = crate::model::WallSpec {
-            shape: crate::model::WallShape::Plane { point: [0.0, 0.0, -1e-3], normal: [0.0, 0.0, 1.0] },
+        let spec = crate::boundary::WallSpec {
+            shape: crate::boundary::WallShape::Plane { point: [0.0, 0.0, -1e-3], normal: [0.0, 0.0, 1.0] },
             friction: 0.0,
-            drive: crate::model::Drive::Fixed,
+            drive: crate::boundary::Drive::Fixed,
             material: None,
         };
-        let mut state = State::new(&model, grains, vec![Wall { work, ..Wall::new(&spec) }], true);
+        let mut state = State::new(&model.physics, grains, vec![Wall { work, ..Wall::new(&spec) }], true);
         state.ledger.start = [1.0, 0.0, 0.0];
         state
     }

@@ -3,7 +3,8 @@
 use super::material::Named;
 use super::schema::unit;
 use super::view::View;
-use crate::model::{Assembly, Drive, GrainSpec, WallShape, WallSpec};
+use crate::boundary::{Drive, WallShape, WallSpec};
+use crate::model::{Assembly, GrainSpec};
 use std::collections::HashMap;
 use toml::{Table, Value};
 

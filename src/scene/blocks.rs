@@ -4,7 +4,7 @@ use super::bodies::{number, vector};
 use super::material::Named;
 use super::view::View;
 use crate::boundary::Wall;
-use crate::model::Material;
+use crate::material::Material;
 use crate::model::continuum::{Coarse, Continuum, Test};
 use crate::rigid::Block;
 use crate::rigid::motion::{about, product, quaternion};

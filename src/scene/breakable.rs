@@ -1,12 +1,13 @@
 //! Whether grains that are to break can: larger than the comminution limit, and loaded by another grain or a wall. Contacts with points break nothing.
 
 use super::crushing::extremes;
+use crate::crush::CrushModel;
 use crate::model::continuum::{Continuum, Specimen, Test};
-use crate::model::{CrushModel, GrainSpec, Model, Rig};
+use crate::model::{GrainSpec, Model, Rig};
 
 /// Why none can break, in words; `None` where one can, or where nothing is to break.
 pub fn none_breaks(model: &Model) -> Option<String> {
-    let crush = model.crush.as_ref()?;
+    let crush = model.physics.crush.as_ref()?;
     let (_, largest) = extremes(&model.rig);
     if largest == 0.0 {
         return Some("crushing.enabled = true, but there are no grains: what is points does not break".into());

@@ -2,12 +2,14 @@
 
 use super::duration::{GRAIN_AMONG_POINTS, POINT, START, growth};
 use super::estimate::{Estimate, share};
-use crate::crush::criterion::effective_modulus;
 use crate::error::Result;
 use crate::grains::sphere_volume;
+use crate::material::effective_modulus;
+use crate::model::Model;
 use crate::model::continuum::{Continuum, Fraction, Growth, Specimen, Test};
-use crate::model::{Model, Stepping};
 use crate::mpm::{Dimension, law::Law, with_platens};
+use crate::physics::Physics;
+use crate::physics::Stepping;
 use crate::rig::continuum::{State, contact_rate};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -74,7 +76,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
         Some(coupled) if coupled < bound * (1.0 - 1e-9) => (coupled, TOUCHING),
         _ => (bound, why),
     };
-    let dt = model.stepping.dt.unwrap_or(model.stepping.safety * bound);
+    let dt = model.physics.stepping.dt.unwrap_or(model.physics.stepping.safety * bound);
     let steps = match &rig.test {
         Test::Free { duration: Some(t), .. } => (t / dt).ceil(),
         Test::Free { steps, .. } => steps.unwrap_or(0) as f64,
@@ -83,13 +85,13 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
             (s.axial_strain / s.strain_per_wave * wave / dt).ceil()
         }
     };
-    let mut warnings = crate::coupling::validity::doubts(model, rig);
+    let mut warnings = crate::coupling::validity::doubts(&model.physics, rig);
     if let Some(s) = rig.specimen()
         && s.strain_per_wave > FAST
     {
         warnings.push(format!("test.strain_per_wave = {}: quasi-static loading keeps below {FAST}", s.strain_per_wave));
     }
-    if model.stepping.dt.is_some_and(|dt| dt > bound) {
+    if model.physics.stepping.dt.is_some_and(|dt| dt > bound) {
         warnings.push(format!("stepping.dt_s is above what {why} allows, {bound:.3e} s: the run will be refused or stop"));
     }
     let touching = if why == TOUCHING { 1.0 } else { touching_later(rig) };
@@ -110,13 +112,13 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
             grows: rig.growth.is_some(),
             cells: rig.settings.cells,
             points_per_cell: rig.per_edge.pow(d as u32),
-            blocks: rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.in_words(model)).collect(),
+            blocks: rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.in_words(&model.physics)).collect(),
             device_mb: device.as_ref().ok().map(|bytes| 1e-6 * *bytes as f64),
             device_lacks: device.err().map(|e| e.to_string().replace('\n', "; ")),
         }),
         crushing_stress: None,
         time_step: Some(dt),
-        time_step_limit: if model.stepping.dt.is_some() { "stepping.dt_s".into() } else { why.into() },
+        time_step_limit: if model.physics.stepping.dt.is_some() { "stepping.dt_s".into() } else { why.into() },
         steps,
         warnings,
     }
@@ -125,8 +127,8 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
 /// What a grown specimen without points allows, s: two contacts of its smallest grain bear the stress on its section.
 fn fines_step(model: &Model, rig: &Continuum, stress: f64) -> f64 {
     let Some(Fraction { material, radii: [r, _], .. }) = rig.growth.map(|g| g.fines) else { return f64::INFINITY };
-    let material = &model.materials[usize::from(material)];
-    2.0 / (2.0 * share(model.contact.law, material, r, stress * PI * r * r) / (material.density * sphere_volume(r))).sqrt()
+    let material = &model.physics.materials[usize::from(material)];
+    2.0 / (2.0 * share(model.physics.contact.law, material, r, stress * PI * r * r) / (material.density * sphere_volume(r))).sqrt()
 }
 
 /// Steps over those that are said, where blocks touch points only later.
@@ -146,7 +148,7 @@ struct Broken {
 /// As the stress between the platens breaks grains; none of a scene without platens is expected to break.
 fn broken(model: &Model, rig: &Continuum) -> Broken {
     let none = Broken { steps: 1.0, points: 0.0, grains: 0.0 };
-    let (Some(crush), Some(specimen)) = (&model.crush, rig.specimen()) else { return none };
+    let (Some(crush), Some(specimen)) = (&model.physics.crush, rig.specimen()) else { return none };
     let sizes: Vec<f64> = match (&rig.growth, &rig.coarse) {
         (Some(Growth { coarse: Some(coarse), .. }), _) => vec![coarse.mean_diameter(); coarse.count()],
         (None, Some(coarse)) => coarse.grains.iter().map(|g| 2.0 * g.radius).collect(),
@@ -182,11 +184,12 @@ pub fn wave_step(rig: &Continuum) -> f64 {
 fn coupled_bound(model: &Model, rig: &Continuum) -> Option<f64> {
     rig.coarse.as_ref()?;
     let Some(growth) = &rig.growth else {
-        let model = Model { stepping: Stepping { dt: None, ..model.stepping }, ..model.clone() };
-        return State::first_step(&model, rig).ok().map(|dt| dt / model.stepping.safety);
+        let stepping = Stepping { dt: None, ..model.physics.stepping };
+        let model = Model { physics: Physics { stepping, ..model.physics.clone() }, ..model.clone() };
+        return State::first_step(&model, rig).ok().map(|dt| dt / model.physics.stepping.safety);
     };
     let (specimen, of) = (rig.specimen()?, growth.coarse.filter(|_| growth.as_points)?);
-    let [fine, grain] = [growth.fines, of].map(|f| &model.materials[usize::from(f.material)]);
+    let [fine, grain] = [growth.fines, of].map(|f| &model.physics.materials[usize::from(f.material)]);
     let s = Specimen { modulus: effective_modulus((fine.young, fine.poisson), (grain.young, grain.poisson)), ..specimen.clone() };
     let stress = largest_stress(rig, specimen, &rig.laws[usize::from(specimen.law)]);
     let mass = rig.points.velocity.first()?[3];

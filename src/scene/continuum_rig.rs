@@ -4,11 +4,15 @@ use super::bodies::{number, vector};
 use super::continuum_estimate::wave_step;
 use super::material::Named;
 use super::view::View;
+use crate::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use crate::crush::lost_mass::Fines;
+use crate::material::Material;
 use crate::model::continuum::{Continuum, Drainage, Specimen, Test};
-use crate::model::{ContactLaw, ContactModel, Material, Model, Rig, Seeds, Stepping, TangentialUnloading};
+use crate::model::{Model, Rig, Seeds};
 use crate::mpm::law::Law;
 use crate::mpm::{Dimension, Points, Settings, ShapeFunctions, Transfer, Wall};
+use crate::physics::Physics;
+use crate::physics::Stepping;
 
 /// E* of platens over the continuum's oedometric modulus, where no grain says it.
 const STIFF: f64 = 50.0;
@@ -26,14 +30,21 @@ impl View<'_> {
         Some(Model {
             name: self.text("name").into(),
             seeds: Seeds { packing: 1, strength: 1 },
-            materials,
-            contact: ContactModel { law: ContactLaw::Hertz, unloading: TangentialUnloading::Keep, rolling: false, turning: true },
-            crush: None,
+            physics: Physics {
+                materials,
+                contact: ContactModel {
+                    law: ContactLaw::Hertz,
+                    unloading: TangentialUnloading::Keep,
+                    rolling: false,
+                    turning: true,
+                },
+                crush: None,
+                damping: settings.damping,
+                gravity: settings.gravity,
+                stepping: Stepping { safety: self.si("stepping.safety"), inertia_scaling: false, dt, slow: false, skin: 0.0 },
+            },
             fines: Fines { alpha: 2.6, d_min: 1e-9 },
             scale: 1.0,
-            damping: settings.damping,
-            gravity: settings.gravity,
-            stepping: Stepping { safety: self.si("stepping.safety"), inertia_scaling: false, dt, slow: false, skin: 0.0 },
             rig: Rig::Continuum(Box::new(rig)),
             records,
         })

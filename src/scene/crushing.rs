@@ -7,7 +7,8 @@ use crate::crush::crushing_stress::Quoted;
 use crate::crush::lost_mass::Fines;
 use crate::crush::pattern::Pattern;
 use crate::crush::strength::{StrengthModel, Truncation};
-use crate::model::{Birth, CrushModel, GrainSpec, Oedometer, Rig, Triaxial};
+use crate::crush::{Birth, CrushModel};
+use crate::model::{GrainSpec, Oedometer, Rig, Triaxial};
 use toml::{Table, Value};
 
 /// Writes what a scene leaves open and what depends on whether grains break.
@@ -86,7 +87,8 @@ impl View<'_> {
             "can be \"points\" in an oedometer or a mixture only",
         );
         let interval = self.whole("crushing.interval").unwrap_or(1);
-        let crush = CrushModel { area, strength, pattern, d_limit, birth, keeps_mass, interval };
+        let crush =
+            CrushModel { area, strength, seed: self.whole("seed.strength")?, pattern, d_limit, birth, keeps_mass, interval };
         Some((Some(crush), fines))
     }
 

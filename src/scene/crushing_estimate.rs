@@ -36,9 +36,9 @@ impl CrushingStress {
 
 /// Of the scene's strength law; `None` where nothing breaks.
 pub fn crushing_stress(model: &Model) -> Option<CrushingStress> {
-    let crush = model.crush.as_ref()?;
+    let crush = model.physics.crush.as_ref()?;
     let number = grain_materials(&model.rig).and_then(|all| all.first().copied()).unwrap_or(0);
-    let material = model.materials.get(usize::from(number))?;
+    let material = model.physics.materials.get(usize::from(number))?;
     let d = middle_size(&model.rig)?;
     let e_eff = rigid_platens((material.young, material.poisson));
     let mean = crush.strength.crushing_stress(crush.area, e_eff, d, Quoted::Mean);

@@ -5,10 +5,12 @@
 
 use super::crushing::rigid_platens;
 use super::estimate::{median, rearrangement};
+use crate::boundary::Drive;
+use crate::crush::CrushModel;
 use crate::crush::criterion::size_factor;
 use crate::grains::sphere_volume;
 use crate::math::random::lineage_root;
-use crate::model::{CrushModel, Drive, Embedding, Model, Oedometer, Rig, Specimen};
+use crate::model::{Embedding, Model, Oedometer, Rig, Specimen};
 use crate::packing;
 
 /// Start of the program, and the figures of a small run, s.
@@ -60,12 +62,12 @@ pub fn duration(model: &Model, grains: usize, steps: f64, stages: &[f64]) -> Dur
     if let Rig::Platen(_) = model.rig {
         return Duration { seconds: START + steps * PLATEN, preparation: 0.0, grains: n };
     }
-    let [mean, last] = match (&model.crush, sizes(model)) {
+    let [mean, last] = match (&model.physics.crush, sizes(model)) {
         (Some(crush), Some(sizes)) => growth(model, crush, &sizes, stress(model)),
         _ => [1.0, 1.0],
     };
     let of = |steps: f64, n: f64| steps * (STEP + n * GRAIN);
-    let points = match (&model.rig, &model.crush) {
+    let points = match (&model.rig, &model.physics.crush) {
         (Rig::Oedometer(o), Some(crush)) => o.fines.as_ref().map_or(0.0, |fines| points(&o.specimen, fines, crush)),
         _ => 0.0,
     };
@@ -98,7 +100,7 @@ fn points(specimen: &Specimen, fines: &Embedding, crush: &CrushModel) -> f64 {
 
 /// Steps in first loading over those that the programme takes by itself.
 fn waiting(model: &Model, o: &Oedometer) -> f64 {
-    match (o.loading.strain_controlled, o.loading.pace, &model.crush) {
+    match (o.loading.strain_controlled, o.loading.pace, &model.physics.crush) {
         (None, Some(_), _) => ADAPTS,
         (None, None, Some(_)) => WAITS,
         _ => 1.0,
@@ -156,7 +158,7 @@ pub fn growth(model: &Model, crush: &CrushModel, sizes: &[f64], stress: f64) -> 
 /// Breakages, with those of daughters, for each of the grains of these diameters, m, that a rising stress, Pa, brings about.
 pub fn breakages(model: &Model, crush: &CrushModel, sizes: &[f64], stress: f64) -> f64 {
     let number = super::crushing::grain_materials(&model.rig).and_then(|all| all.first().copied()).unwrap_or(0);
-    let Some(material) = model.materials.get(usize::from(number)) else { return 0.0 };
+    let Some(material) = model.physics.materials.get(usize::from(number)) else { return 0.0 };
     let e_eff = rigid_platens((material.young, material.poisson));
     let ratios: Vec<f64> = (0..DRAWS).map(|k| crush.strength.draw(1, lineage_root(k), crush.strength.d0)).collect();
     let broken = |d: f64| {

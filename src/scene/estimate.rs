@@ -3,9 +3,12 @@
 use super::crushing::extremes;
 use super::duration::strained_steps;
 use super::specimen::height;
+use crate::boundary::Drive;
 use crate::contact::law::Pair;
+use crate::contact::{ContactLaw, TangentialUnloading};
+use crate::crush::CrushModel;
 use crate::crush::criterion::{AreaModel, size_factor};
-use crate::model::{self, Assembly, ContactLaw, CrushModel, Drive, Model, Oedometer, Rig, TangentialUnloading, Triaxial};
+use crate::model::{self, Assembly, Model, Oedometer, Rig, Triaxial};
 use crate::rig::platen::most_steps;
 use crate::step::stability;
 use serde::Serialize;
@@ -75,7 +78,7 @@ fn without_strength(model: &Model) -> Estimate {
         Rig::Platen(p) => p.diameters.len(),
         Rig::Continuum(rig) => return super::continuum_estimate::estimate(model, rig),
     };
-    let finest = match &model.crush {
+    let finest = match &model.physics.crush {
         Some(c) if c.d_limit < largest => smallest.min(c.pattern.smallest() * c.d_limit),
         _ => smallest,
     };
@@ -114,7 +117,7 @@ fn without_strength(model: &Model) -> Estimate {
     if let Some(s) = model.rig.specimen() {
         let specimen = specimen(s);
         size_warnings(&specimen, &mut estimate.warnings);
-        if model.damping == 0.0 && !model.contact.law.is_viscous() {
+        if model.physics.damping == 0.0 && !model.physics.contact.law.is_viscous() {
             estimate.warnings.push("damping.local = 0: only sliding takes energy out of the specimen".into());
         }
         estimate.specimen = Some(specimen);
@@ -129,14 +132,14 @@ fn without_strength(model: &Model) -> Estimate {
             let list = never.join(", ");
             estimate.warnings.push(format!("records.at_kPa: {list} will not be reached"));
         }
-        if !o.loading.stages.is_sorted() && model.contact.unloading == TangentialUnloading::Keep {
+        if !o.loading.stages.is_sorted() && model.physics.contact.unloading == TangentialUnloading::Keep {
             estimate.warnings.push(UNLOADING.into());
         }
     }
     if let Rig::Platen(p) = &model.rig {
         super::platen::warnings(model, p, &mut estimate.warnings);
     }
-    if let Some(crush) = &model.crush
+    if let Some(crush) = &model.physics.crush
         && crush.d_limit >= largest
     {
         estimate.warnings.push(format!(
@@ -145,7 +148,7 @@ fn without_strength(model: &Model) -> Estimate {
             1e3 * largest
         ));
     }
-    if let (Some(crush), Some(specimen)) = (&model.crush, model.rig.specimen()) {
+    if let (Some(crush), Some(specimen)) = (&model.physics.crush, model.rig.specimen()) {
         estimate.warnings.extend(weak_from_the_start(model, crush, specimen));
     }
     estimate
@@ -157,7 +160,7 @@ const TOO_WEAK: f64 = 1e-3;
 /// Says how many grains of median size are drawn weaker than what the prepared specimen already puts on them, a force of stress times d².
 fn weak_from_the_start(model: &Model, crush: &CrushModel, specimen: &model::Specimen) -> Option<String> {
     let d = median(&specimen.gradation);
-    let pair = Pair::between(model.contact.law, &model.materials[0], &model.materials[0]);
+    let pair = Pair::between(model.physics.contact.law, &model.physics.materials[0], &model.physics.materials[0]);
     let mean = crush.strength.sigma_lim0 * size_factor(d, crush.strength.d0, crush.strength.m);
     let share = specimen.isotropic_stress * d * d / crush.area.limit_force(mean, d, 0.25 * d, pair.e_eff);
     // force goes with strength, or with its cube
@@ -241,7 +244,7 @@ fn quasi_static_warnings(model: &Model, o: &Oedometer, estimate: &mut Estimate) 
         // a strain of 0.3 over the whole loading
         let duration = estimate.steps * dt;
         let size = o.specimen.gradation.last().map_or(0.0, |p| p.0);
-        let density = model.materials.first().map_or(0.0, |m| m.density);
+        let density = model.physics.materials.first().map_or(0.0, |m| m.density);
         let inertial = 0.3 / duration * size * (density / 50e3).sqrt();
         if inertial > 1e-3 {
             warnings.push(format!(
@@ -285,10 +288,10 @@ fn shear_steps(model: &Model, t: &Triaxial, time_step: Option<f64>) -> f64 {
 /// which a step is stable under contact forces of p d².
 pub(super) fn rearrangement(model: &Model, specimen: &model::Specimen, p: f64) -> f64 {
     let d = median(&specimen.gradation);
-    let Some(material) = model.materials.first() else { return 0.0 };
-    if model.stepping.inertia_scaling {
+    let Some(material) = model.physics.materials.first() else { return 0.0 };
+    if model.physics.stepping.inertia_scaling {
         // m = Σ k dt²/ω² with some six contacts
-        let stiffness = 3.0 * share(model.contact.law, material, 0.5 * d, p * d * d);
+        let stiffness = 3.0 * share(model.physics.contact.law, material, 0.5 * d, p * d * d);
         (stiffness / (p * d)).sqrt()
     } else {
         d * (material.density / p).sqrt()
@@ -310,20 +313,21 @@ fn simpson(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
 
 /// Time step, s, and what limits it.
 fn time_step(model: &Model, finest: f64) -> (Option<f64>, String) {
-    if model.stepping.inertia_scaling {
+    if model.physics.stepping.inertia_scaling {
         let text = "inertia scaled: every grain has the same stable step, and time counts steps";
         return (None, text.into());
     }
-    if let Some(dt) = model.stepping.dt {
+    if let Some(dt) = model.physics.stepping.dt {
         return (Some(dt), "stepping.dt_s".into());
     }
     let r = 0.5 * finest;
     let (load, why) = load(model, r);
-    let m = model.materials.iter().map(|m| m.density).fold(f64::INFINITY, f64::min) * 4.0 / 3.0 * PI * r * r * r;
-    let share = model.materials.iter().map(|material| share(model.contact.law, material, r, load)).fold(0.0, f64::max);
+    let m = model.physics.materials.iter().map(|m| m.density).fold(f64::INFINITY, f64::min) * 4.0 / 3.0 * PI * r * r * r;
+    let share =
+        model.physics.materials.iter().map(|material| share(model.physics.contact.law, material, r, load)).fold(0.0, f64::max);
     // two contacts bear the load
-    let dt = model.stepping.safety * 2.0 / (2.0 * share / m).sqrt();
-    let resolved = stability::rayleigh_of(model, listed(model, finest));
+    let dt = model.physics.stepping.safety * 2.0 / (2.0 * share / m).sqrt();
+    let resolved = stability::rayleigh_of(&model.physics, listed(model, finest));
     if resolved < dt {
         return (
             Some(resolved),
@@ -340,12 +344,12 @@ fn listed(model: &Model, finest: f64) -> Vec<(f64, u8)> {
         Rig::Assembly(a) => a.grains.iter().map(|g| (2.0 * g.radius, g.material)).collect(),
         _ => Vec::new(),
     };
-    let broken = model.crush.is_some() || own.is_empty();
+    let broken = model.physics.crush.is_some() || own.is_empty();
     own.into_iter().chain(broken.then_some((finest, 0))).collect()
 }
 
 /// max(2 k_n, 7 k_t), N/m, of a contact of two grains of radius `r` under `force`: what bounds the step.
-pub(super) fn share(law: ContactLaw, material: &crate::model::Material, r: f64, force: f64) -> f64 {
+pub(super) fn share(law: ContactLaw, material: &crate::material::Material, r: f64, force: f64) -> f64 {
     let (k_n, k_t) = match law {
         ContactLaw::Linear | ContactLaw::LinearInherited => {
             let k = 2.0 * material.k_eff * r;
@@ -397,7 +401,7 @@ fn load(model: &Model, r: f64) -> (f64, String) {
 
 /// Peak force, N, of two grains of radius `r` that meet at `speed` (Hertz), as a scale for every law.
 fn impact(model: &Model, r: f64, speed: f64) -> f64 {
-    let Some(material) = model.materials.iter().max_by(|a, b| a.young.total_cmp(&b.young)) else {
+    let Some(material) = model.physics.materials.iter().max_by(|a, b| a.young.total_cmp(&b.young)) else {
         return 0.0;
     };
     let (r_eff, m_eff) = (0.5 * r, 0.5 * material.density * 4.0 / 3.0 * PI * r * r * r);
@@ -427,7 +431,7 @@ fn speed(model: &Model, a: &Assembly) -> f64 {
         }
     }
     let extent = norm([high[0] - low[0], high[1] - low[1], high[2] - low[2]]);
-    let fall = (2.0 * norm(model.gravity) * extent).sqrt();
+    let fall = (2.0 * norm(model.physics.gravity) * extent).sqrt();
     let moving = 2.0 * grains.fold(0.0, f64::max) + walls.fold(0.0, f64::max);
     (moving + fall).max(1e-3)
 }

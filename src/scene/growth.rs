@@ -2,7 +2,7 @@
 
 use super::material::Named;
 use super::view::View;
-use crate::model::Material;
+use crate::material::Material;
 use crate::model::continuum::{Fraction, Growth, Specimen};
 
 impl View<'_> {

@@ -3,10 +3,11 @@
 use super::material::Named;
 use super::schema::unit;
 use super::view::View;
+use crate::crush::CrushModel;
 use crate::crush::criterion::size_factor;
 use crate::gradation::stratified_diameters;
 use crate::math::random::lineage_root;
-use crate::model::{CrushModel, Model, Platen, Rig, Seeds};
+use crate::model::{Model, Platen, Rig};
 use crate::rig::platen::{hertz_displacement, pair};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -94,15 +95,15 @@ impl View<'_> {
     }
 
     /// Chooses typical curves where none are listed: the median strength of each diameter, or sizes spread over a gradation.
-    pub fn typical(&self, rig: &mut Rig, crush: Option<&CrushModel>, seeds: Seeds) {
+    pub fn typical(&self, rig: &mut Rig, crush: Option<&CrushModel>) {
         let Rig::Platen(rig) = rig else { return };
         if !self.text("records.curves").is_empty() {
-            rig.curves = typical(rig, crush, seeds);
+            rig.curves = typical(rig, crush);
         }
     }
 }
 
-fn typical(rig: &Platen, crush: Option<&CrushModel>, seeds: Seeds) -> Vec<u32> {
+fn typical(rig: &Platen, crush: Option<&CrushModel>) -> Vec<u32> {
     let d = |i: u32| rig.diameters[i as usize];
     let mut order: Vec<u32> = (0..rig.diameters.len() as u32).collect();
     let mut chosen: Vec<u32> = if rig.graded {
@@ -110,7 +111,7 @@ fn typical(rig: &Platen, crush: Option<&CrushModel>, seeds: Seeds) -> Vec<u32> {
         let parts = OF_GRADATION.min(order.len());
         (0..parts).map(|k| order[(2 * k + 1) * order.len() / (2 * parts)]).collect()
     } else {
-        let strength = |i: u32| crush.map_or(0.0, |c| c.strength.draw(seeds.strength, lineage_root(i), d(i)));
+        let strength = |i: u32| crush.map_or(0.0, |c| c.strength.draw(c.seed, lineage_root(i), d(i)));
         let middle = |same: &mut [u32]| {
             same.sort_by(|&a, &b| strength(a).total_cmp(&strength(b)).then(a.cmp(&b)));
             same[same.len() / 2]
@@ -126,7 +127,7 @@ const OVERSHOOT: f64 = 1e-3;
 
 /// What a batch will not show as one might expect.
 pub fn warnings(model: &Model, rig: &Platen, out: &mut Vec<String>) {
-    let Some(crush) = &model.crush else {
+    let Some(crush) = &model.physics.crush else {
         out.push("crushing.enabled = false: every grain is pressed to the end of its test".into());
         return;
     };

@@ -2,8 +2,12 @@
 
 use super::layers::{Layer, shown};
 use super::schema::unit;
+use crate::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use crate::error::Error;
-use crate::model::{ContactLaw, ContactModel, Material, Model, Records, Rig, Seeds, Stepping, TangentialUnloading, Triaxial};
+use crate::material::Material;
+use crate::model::{Model, Records, Rig, Seeds, Triaxial};
+use crate::physics::Physics;
+use crate::physics::Stepping;
 use std::cell::RefCell;
 use toml::{Table, Value};
 
@@ -140,26 +144,28 @@ impl<'a> View<'a> {
         }
         let (crush, fines) = self.crushing(&named, &rig)?;
         let seeds = Seeds { packing: self.whole("seed.packing")?, strength: self.whole("seed.strength")? };
-        self.typical(&mut rig, crush.as_ref(), seeds);
+        self.typical(&mut rig, crush.as_ref());
         Some(Model {
             name: self.text("name").into(),
             seeds,
-            contact: ContactModel {
-                law: self.law(),
-                unloading: match self.text("contact.unloading") {
-                    "rescale" => TangentialUnloading::Rescale,
-                    _ => TangentialUnloading::Keep,
+            physics: Physics {
+                contact: ContactModel {
+                    law: self.law(),
+                    unloading: match self.text("contact.unloading") {
+                        "rescale" => TangentialUnloading::Rescale,
+                        _ => TangentialUnloading::Keep,
+                    },
+                    rolling,
+                    turning: self.turning(),
                 },
-                rolling,
-                turning: self.turning(),
+                materials,
+                crush,
+                damping: self.number("damping.local").unwrap_or(0.0),
+                gravity: self.gravity(),
+                stepping,
             },
-            materials,
-            crush,
             fines,
             scale: self.scale(),
-            damping: self.number("damping.local").unwrap_or(0.0),
-            gravity: self.gravity(),
-            stepping,
             rig,
             records: self.records()?,
         })

@@ -7,9 +7,9 @@ use crate::contact::part::few;
 #[cfg(target_arch = "x86_64")]
 use crate::math::real::Quad;
 use crate::math::real::{Four, Plain, quads};
-use crate::model::Model;
 use crate::neighbours::Neighbours;
 use crate::neighbours::adjacency::Link;
+use crate::physics::Physics;
 use pulp::Arch;
 
 /// Flag: the grain has used up its skin.
@@ -113,19 +113,19 @@ fn weigh(force: &mut [f64; 4], mass: f64, gravity: [f64; 3]) {
 
 /// Force and torque on grain `i` from contacts, gravity and broken neighbours (before damping), with rolling where the run has it. Where grains do not turn,
 /// what keeps them from it takes the torque.
-pub fn force_and_torque(i: usize, model: &Model, state: &State, neighbours: &Neighbours) -> ([f64; 3], [f64; 3]) {
+pub fn force_and_torque(i: usize, physics: &Physics, state: &State, neighbours: &Neighbours) -> ([f64; 3], [f64; 3]) {
     let s = sum::<Plain, false>((), i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
     let (mut f, mut t) = (s.force.xyzw(), s.torque.xyzw());
-    if model.contact.rolling {
+    if physics.contact.rolling {
         add_rolling(&mut t, i, neighbours, &state.pairs, &state.wall_pairs);
     }
-    if model.gravity != [0.0; 3] {
-        weigh(&mut f, state.grains.mass[i], model.gravity);
+    if physics.gravity != [0.0; 3] {
+        weigh(&mut f, state.grains.mass[i], physics.gravity);
     }
     if !state.aftermath.is_empty() {
         f.iter_mut().zip(state.aftermath.on(i)).for_each(|(sum, f)| *sum += f);
     }
-    if !model.contact.turning {
+    if !physics.contact.turning {
         t = [0.0; 4];
     }
     ([f[0], f[1], f[2]], [t[0], t[1], t[2]])
@@ -161,12 +161,12 @@ struct Input<'a> {
 }
 
 /// Judges, kicks and drifts all grains, so many to a parallel task; leaves a flag per grain.
-pub fn advance(model: &Model, state: &mut State, work: &mut Work) {
+pub fn advance(physics: &Physics, state: &mut State, work: &mut Work) {
     let Work { neighbours, flags, outside, task, arch, .. } = work;
     let (task, arch) = (*task / 4, *arch);
     let ledger = state.pairs.kept().work;
     // judged every so many steps
-    let crush = state.crushing && model.crush.as_ref().is_some_and(|c| state.step.is_multiple_of(c.interval));
+    let crush = state.crushing && physics.crush.as_ref().is_some_and(|c| state.step.is_multiple_of(c.interval));
     let State { grains, pairs, wall_pairs, .. } = state;
     let input = Input {
         neighbours,
@@ -174,9 +174,9 @@ pub fn advance(model: &Model, state: &mut State, work: &mut Work) {
         wall_pairs,
         limit: &grains.limit,
         mass: &grains.mass,
-        gravity: model.gravity,
+        gravity: physics.gravity,
         damping: state.damping,
-        turning: if model.contact.turning { 2.5 } else { 0.0 },
+        turning: if physics.contact.turning { 2.5 } else { 0.0 },
         dt: state.dt,
         kick: if state.fresh { 0.5 * state.dt } else { state.dt },
         outside,
@@ -184,7 +184,7 @@ pub fn advance(model: &Model, state: &mut State, work: &mut Work) {
         arch,
     };
     let part = Part { first: 0, pos: &mut grains.pos, vel: &mut grains.vel, spin: &mut grains.spin, work: &mut grains.work, flags };
-    match (ledger, crush, model.contact.rolling) {
+    match (ledger, crush, physics.contact.rolling) {
         (false, false, false) => run::<false, false, false>(&input, part),
         (true, false, false) => run::<true, false, false>(&input, part),
         (false, true, false) => run::<false, true, false>(&input, part),

@@ -25,8 +25,8 @@ use crate::crush::criterion::AreaModel;
 use crate::crush::event::{self, Breakage};
 use crate::grains::Grains;
 use crate::math::vector::dot;
-use crate::model::Model;
 use crate::neighbours::{Neighbours, Pools};
+use crate::physics::Physics;
 use crate::record::ledger::Ledger;
 use crate::with_law;
 use rayon::prelude::*;
@@ -96,12 +96,12 @@ pub struct Work {
 }
 
 impl Work {
-    pub fn new(model: &Model, state: &mut State) -> Work {
+    pub fn new(physics: &Physics, state: &mut State) -> Work {
         let State { grains, walls, pairs, wall_pairs, .. } = state;
-        let neighbours = Neighbours::new(grains, walls, &mut Pools { pairs, wall_pairs }, model.stepping.skin);
+        let neighbours = Neighbours::new(grains, walls, &mut Pools { pairs, wall_pairs }, physics.stepping.skin);
         Work {
             neighbours,
-            table: PairTable::new(model, walls, state.friction),
+            table: PairTable::new(physics, walls, state.friction),
             moved: Vec::new(),
             failing: Vec::new(),
             parted: Vec::new(),
@@ -120,9 +120,9 @@ impl Work {
     }
 
     /// The state has become another one: all anew but what was asked for.
-    pub fn restart(&mut self, model: &Model, state: &mut State) {
+    pub fn restart(&mut self, physics: &Physics, state: &mut State) {
         let Work { rebuild_always, task, arch, clock, .. } = *self;
-        *self = Work { rebuild_always, task, arch, clock, ..Work::new(model, state) };
+        *self = Work { rebuild_always, task, arch, clock, ..Work::new(physics, state) };
     }
 
     /// The radii have changed: grains that have outgrown their neighbourhood are searched before the next forces.
@@ -139,12 +139,12 @@ impl Work {
 
 impl State {
     /// A state without preparation: the given grains and walls at rest or moving, ledger open.
-    pub fn new(model: &Model, grains: Grains, walls: Vec<Wall>, energy: bool) -> State {
+    pub fn new(physics: &Physics, grains: Grains, walls: Vec<Wall>, energy: bool) -> State {
         let kept = Kept {
             work: energy,
-            rolling: model.contact.rolling,
-            spring: with_law!(model.contact.law, L => L::VISCOUS),
-            load: model.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz),
+            rolling: physics.contact.rolling,
+            spring: with_law!(physics.contact.law, L => L::VISCOUS),
+            load: physics.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz),
         };
         State {
             step: 0,
@@ -155,7 +155,7 @@ impl State {
             walls,
             wall_pairs: Pairs::new(kept),
             friction: None,
-            damping: model.damping,
+            damping: physics.damping,
             crushing: false,
             reference_stress: 0.0,
             stability_interval: STABILITY_INTERVAL,
@@ -174,19 +174,19 @@ const STABILITY_INTERVAL: u64 = 32;
 
 /// Advances by one step. `control` runs when the forces of this instant are known; it may change wall speeds.
 pub fn step<E>(
-    model: &Model,
+    physics: &Physics,
     state: &mut State,
     work: &mut Work,
     control: impl FnOnce(&mut State, &mut Work) -> Result<(), E>,
 ) -> Result<(), E> {
-    feel(model, state, work);
+    feel(physics, state, work);
     control(state, work)?;
-    go(model, state, work);
+    go(physics, state, work);
     Ok(())
 }
 
 /// The first half of a step: the forces of this instant.
-pub fn feel(model: &Model, state: &mut State, work: &mut Work) {
+pub fn feel(physics: &Physics, state: &mut State, work: &mut Work) {
     let mut watch = Stopwatch::new(&mut work.clock);
     tidy(state, work);
     if watch.0.is_some() {
@@ -195,24 +195,24 @@ pub fn feel(model: &Model, state: &mut State, work: &mut Work) {
         search(&mut work.neighbours, &mut work.moved, work.rebuild_always, grains, walls, wall_pairs);
     }
     watch.lap(&mut work.clock, 0);
-    contacts(model, state, work);
+    contacts(physics, state, work);
     watch.lap(&mut work.clock, 1);
 }
 
 /// The second half: motion, and what breaks.
-pub fn go(model: &Model, state: &mut State, work: &mut Work) {
-    motion(model, state, work);
-    breakage(model, state, work);
+pub fn go(physics: &Physics, state: &mut State, work: &mut Work) {
+    motion(physics, state, work);
+    breakage(physics, state, work);
 }
 
 /// Grains and walls move.
-pub fn motion(model: &Model, state: &mut State, work: &mut Work) {
+pub fn motion(physics: &Physics, state: &mut State, work: &mut Work) {
     let mut watch = Stopwatch::new(&mut work.clock);
-    stability::keep_up(model, state, work);
+    stability::keep_up(physics, state, work);
     state.aftermath.push(&mut work.outside, state.grains.len());
     let half = 0.5 * state.dt;
     state.ledger.release += half * state.aftermath.power(&state.grains);
-    gather::advance(model, state, work);
+    gather::advance(physics, state, work);
     state.ledger.release += half * state.aftermath.power(&state.grains);
     alone(small(state, work), || collect(state, work));
     for w in &mut state.walls {
@@ -222,9 +222,9 @@ pub fn motion(model: &Model, state: &mut State, work: &mut Work) {
 }
 
 /// Grains over their limit break, and what breakages have left to do goes on; the step is done.
-pub fn breakage(model: &Model, state: &mut State, work: &mut Work) {
+pub fn breakage(physics: &Physics, state: &mut State, work: &mut Work) {
     let mut watch = Stopwatch::new(&mut work.clock);
-    alone(small(state, work), || crush(model, state, work));
+    alone(small(state, work), || crush(physics, state, work));
     work.outside.clear();
     if !state.aftermath.is_empty() {
         birth::advance(state, &work.neighbours, &mut work.moved);
@@ -286,26 +286,26 @@ fn search(lists: &mut Neighbours, moved: &mut Vec<u32>, all: bool, grains: &Grai
 }
 
 /// Forces of all contacts at the present positions, the walls' reactions, and, when due, inertia or time step.
-pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
+pub fn contacts(physics: &Physics, state: &mut State, work: &mut Work) {
     if work.table_friction != state.friction {
-        work.table = PairTable::new(model, &state.walls, state.friction);
+        work.table = PairTable::new(physics, &state.walls, state.friction);
         work.table_friction = state.friction;
     }
     if state.dt == 0.0 {
-        state.dt = stability::first_step(model, state);
+        state.dt = stability::first_step(physics, state);
     }
-    let rules = Rules { dt: state.dt, unloading: model.contact.unloading, task: work.task, arch: work.arch };
+    let rules = Rules { dt: state.dt, unloading: physics.contact.unloading, task: work.task, arch: work.arch };
     let small = small(state, work);
     let task = work.task;
     let State { grains, walls, pairs, wall_pairs, .. } = state;
     let Work { table, neighbours, begun, moved, rebuild_always, .. } = work;
     let table = &*table;
     // the lists change only what does not touch, which the sweep of contacts leaves alone
-    let mut sweep = || sweep::grains(model, table, &rules, grains, pairs, Slots::All);
+    let mut sweep = || sweep::grains(physics, table, &rules, grains, pairs, Slots::All);
     let mut lists = || {
         search(neighbours, moved, *rebuild_always, grains, walls, wall_pairs);
         neighbours.meet(&grains.pos, 4 * task);
-        wall_sweep::walls(model, table, &rules, grains, walls, wall_pairs);
+        wall_sweep::walls(physics, table, &rules, grains, walls, wall_pairs);
     };
     if small {
         (sweep(), lists())
@@ -314,20 +314,20 @@ pub fn contacts(model: &Model, state: &mut State, work: &mut Work) {
     };
     alone(small, || {
         neighbours.join(grains, pairs, begun);
-        sweep::grains(model, table, &rules, grains, pairs, Slots::These(begun));
-        reactions(model, table, &rules, grains, walls, wall_pairs, neighbours);
+        sweep::grains(physics, table, &rules, grains, pairs, Slots::These(begun));
+        reactions(physics, table, &rules, grains, walls, wall_pairs, neighbours);
     });
-    state.aftermath.feel(model, &state.grains, &work.table);
+    state.aftermath.feel(physics, &state.grains, &work.table);
     // newborn grains get their scaled inertia at birth; an unscaled time step has to follow them
     let born =
-        (std::mem::take(&mut state.births) || state.aftermath.restless().next().is_some()) && !model.stepping.inertia_scaling;
+        (std::mem::take(&mut state.births) || state.aftermath.restless().next().is_some()) && !physics.stepping.inertia_scaling;
     if born || state.step.is_multiple_of(state.stability_interval) {
-        stability::refresh(model, state, work);
+        stability::refresh(physics, state, work);
     }
 }
 
 fn reactions(
-    model: &Model,
+    physics: &Physics,
     table: &PairTable,
     rules: &Rules,
     grains: &Grains,
@@ -345,7 +345,7 @@ fn reactions(
                 sum -= dot(force, n);
                 shear -= force[2] - dot(force, n) * n[2];
                 let pair = table.wall(k, grains.material[i]);
-                stiffness += stability::elastic(model, touch.overlap, grains.pos[i][3], pair).k_n;
+                stiffness += stability::elastic(physics, touch.overlap, grains.pos[i][3], pair).k_n;
             }
         }
         wall.work += 0.5 * (wall.reaction + sum) * wall.speed * rules.dt;
@@ -388,7 +388,7 @@ pub fn flagged(flags: &[u8], mut each: impl FnMut(u32, u8)) {
     }
 }
 
-fn crush(model: &Model, state: &mut State, work: &mut Work) {
+fn crush(physics: &Physics, state: &mut State, work: &mut Work) {
     work.breakages.clear();
     if work.failing.is_empty() {
         return;
@@ -400,7 +400,7 @@ fn crush(model: &Model, state: &mut State, work: &mut Work) {
     let before = state.grains.len();
     state.births = true;
     let Work { neighbours, failing, breakages, table, outside, .. } = work;
-    event::break_grains(model, state, neighbours, table, outside, failing, breakages);
+    event::break_grains(physics, state, neighbours, table, outside, failing, breakages);
     work.births_since_reorder += state.grains.len() - before;
     work.flags.resize(state.grains.len(), 0);
 }

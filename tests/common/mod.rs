@@ -143,7 +143,7 @@ impl Lab {
     pub fn of(model: Model) -> Lab {
         let Rig::Assembly(rig) = &model.rig else { panic!("an assembly") };
         let mut state = assembly::start(&model, rig);
-        let work = Work::new(&model, &mut state);
+        let work = Work::new(&model.physics, &mut state);
         Lab { model, state, work }
     }
 
@@ -176,7 +176,7 @@ impl Lab {
 
     /// One step, with the energy balance of its forces.
     pub fn balance(&mut self) -> Balance {
-        self.see(|model, state, work| state.ledger.balance(&state.walls, &measure::sums(model, state, work)))
+        self.see(|model, state, work| state.ledger.balance(&state.walls, &measure::sums(&model.physics, state, work)))
     }
 
     pub fn index(&self, id: u32) -> usize {
@@ -200,7 +200,7 @@ impl Lab {
 fn now(model: &Model, state: &State, work: &Work, id: u32) -> Now {
     let g = &state.grains;
     let i = g.id.iter().position(|&k| k == id).expect("a grain of this id");
-    let (force, torque) = gather::force_and_torque(i, model, state, &work.neighbours);
+    let (force, torque) = gather::force_and_torque(i, &model.physics, state, &work.neighbours);
     let half = if state.fresh { 0.0 } else { 0.5 * state.dt };
     let (m, r) = (g.inertia(i), g.pos[i][3]);
     Now {
@@ -263,7 +263,7 @@ pub fn oedometer_text(grains: u32, max_stress: f64, more: &str) -> String {
 pub fn prepare(model: &Model, mut each: impl FnMut(&mut State, &mut Work)) -> (State, u64) {
     let Some(rig) = model.rig.specimen() else { panic!("a specimen") };
     let (mut preparation, mut state) = Preparation::start(model, rig);
-    let mut work = Work::new(model, &mut state);
+    let mut work = Work::new(&model.physics, &mut state);
     loop {
         each(&mut state, &mut work);
         if preparation.advance(model, rig, &mut state, &mut work).unwrap_or_else(|e| panic!("{e}")) {
@@ -285,15 +285,15 @@ impl Press {
     pub fn new(model: Model, prepared: &State) -> Press {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("specimen.csv");
-        specimen::write(&path, &prepared.grains, &model.materials, Some(Walls::of(prepared))).expect("written");
+        specimen::write(&path, &prepared.grains, &model.physics.materials, Some(Walls::of(prepared))).expect("written");
         Press::from_file(model, &path)
     }
 
     pub fn from_file(model: Model, path: &Path) -> Press {
-        let (grains, walls) = specimen::read(path, &model.materials).unwrap_or_else(|e| panic!("{e}"));
+        let (grains, walls) = specimen::read(path, &model.physics.materials).unwrap_or_else(|e| panic!("{e}"));
         let Rig::Oedometer(rig) = &model.rig else { panic!("an oedometer") };
         let (loading, mut state) = Loading::start(&model, rig, grains, walls).expect("starts");
-        let work = Work::new(&model, &mut state);
+        let work = Work::new(&model.physics, &mut state);
         Press { model, loading, state, work }
     }
 

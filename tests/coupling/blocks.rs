@@ -127,7 +127,7 @@ fn ball_of_points() -> Meeting {
     // the grain in its place goes elsewhere
     let g = &mut m.mixture.grains.grains;
     (g.pos[0], g.vel[0][2]) = ([r, r, r, r], 0.0);
-    m.work.restart(&m.model, &mut m.mixture.grains);
+    m.work.restart(&m.model.physics, &mut m.mixture.grains);
     with(m, vec![body])
 }
 
@@ -158,7 +158,7 @@ fn threads_and_restarts_change_no_bit_of_bodies() {
             other.go(2e-6, ONE, 47);
             let bytes = postcard::to_allocvec(&(&other.mixture, &other.continuum)).expect("written");
             (other.mixture, other.continuum) = postcard::from_bytes(&bytes).expect("read");
-            other.work.restart(&other.model, &mut other.mixture.grains);
+            other.work.restart(&other.model.physics, &mut other.mixture.grains);
         }
     });
     // where a point stands in memory may differ

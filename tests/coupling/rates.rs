@@ -73,7 +73,7 @@ fn threads_and_scratch_change_no_bit() {
             // what a restart does
             let bytes = postcard::to_allocvec(&(&other.mixture, &other.continuum)).expect("written");
             (other.mixture, other.continuum) = postcard::from_bytes(&bytes).expect("read");
-            other.work.restart(&other.model, &mut other.mixture.grains);
+            other.work.restart(&other.model.physics, &mut other.mixture.grains);
         }
     });
     assert!(state(&reference) == state(&other));

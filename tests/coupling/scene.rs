@@ -39,9 +39,9 @@ pub fn with_fines(text: &str, mut continuum: Continuum, fines: Option<Rule>) -> 
     let model = model(text, &[]);
     let Rig::Assembly(rig) = &model.rig else { panic!("a free scene") };
     let mut state = assembly::start(&model, rig);
-    let work = Work::new(&model, &mut state);
-    let table = GhostTable::new(model.contact.law, &[0], &model.materials, &state.walls);
-    let mixture = Mixture::new(&model, state, &mut continuum, fines);
+    let work = Work::new(&model.physics, &mut state);
+    let table = GhostTable::new(model.physics.contact.law, &[0], &model.physics.materials, &state.walls);
+    let mixture = Mixture::new(&model.physics, state, &mut continuum, fines);
     Meeting { model, table, work, continuum, mixture, platens: Vec::new() }
 }
 
@@ -69,7 +69,7 @@ impl Meeting {
     fn cycle(&mut self, decide: impl FnOnce(&mut Mixture, &Continuum) -> Cycle) {
         let Meeting { model, table, work, continuum, mixture, platens } = self;
         platen::press(platens, continuum).unwrap_or_else(|e| panic!("{e}"));
-        let mut parts = Parts { model, table, work, continuum, platens };
+        let mut parts = Parts { physics: &model.physics, table, work, continuum, platens };
         mixture.feel(&mut parts).unwrap_or_else(|e| panic!("{e}"));
         let cycle = decide(mixture, parts.continuum);
         mixture.go(&mut parts, cycle).unwrap_or_else(|e| panic!("{e}"));

@@ -66,7 +66,7 @@ fn a_push_runs_along_a_chain_with_the_speed_of_sound() {
     lab = {
         let mut model = lab.model;
         let comminute::model::Rig::Assembly(rig) = &mut model.rig else { unreachable!() };
-        rig.walls[0].drive = comminute::model::Drive::Velocity(v);
+        rig.walls[0].drive = comminute::boundary::Drive::Velocity(v);
         Lab::of(model)
     };
     let mut arrival = [0.0f64; 2];

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use comminute::boundary::Wall;
-use comminute::model::WallShape;
+use comminute::boundary::WallShape;
 use comminute::rig::cylinder::{CYLINDER, Stresses, Walls};
 use comminute::rig::oedometer::Phase;
 use comminute::step::State;

@@ -85,7 +85,7 @@ impl Area {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crush::criterion::effective_modulus;
+    use crate::material::effective_modulus;
     use std::f64::consts::PI;
 
     #[test]

@@ -1,8 +1,8 @@
 //! What the forces do not say and has to be given: the contact angle, or the moduli of grain and platen.
 
 use super::area::{Area, Model};
-use crate::crush::criterion::effective_modulus;
 use crate::error::{Error, Result};
+use crate::material::effective_modulus;
 use crate::scene::{material_keys, shown};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};

@@ -15,13 +15,14 @@ pub use support::{Sizes, sizes};
 
 use super::device::{Device, refused};
 use super::platen::both;
+use crate::contact::ContactLaw;
 use crate::contact::law::{Pair, PairTable};
 use crate::coupling::exchange::Contacts;
 use crate::coupling::{Body, Bound, GhostTable, Mixture};
 use crate::crush::criterion::AreaModel;
 use crate::error::{Error, Result};
-use crate::model::{ContactLaw, Model};
 use crate::mpm::{Continuum as Cpu, Platen};
+use crate::physics::Physics;
 use crate::step::stability::rayleigh;
 use layout::{SIDES, SLOTS};
 use serde::{Deserialize, Serialize};
@@ -36,7 +37,7 @@ const WHOLE: f64 = 1000.0;
 /// Grains that go to the device with a continuum: as they are when the forces of their instant are known.
 #[derive(Clone, Copy)]
 pub struct Coarse<'a> {
-    pub model: &'a Model,
+    pub physics: &'a Physics,
     pub mixture: &'a Mixture,
     pub table: &'a GhostTable,
 }
@@ -90,10 +91,10 @@ struct Words {
 
 impl Words {
     fn of(coarse: &Coarse<'_>, cpu: &Cpu, split_at: u32) -> Words {
-        let Coarse { model, mixture, .. } = coarse;
+        let Coarse { physics, mixture, .. } = coarse;
         let state = &mixture.grains;
-        let table = PairTable::new(model, &state.walls, state.friction);
-        let Contacts { grains, walls, ghosts } = mixture.contacts(model, &table);
+        let table = PairTable::new(physics, &state.walls, state.friction);
+        let Contacts { grains, walls, ghosts } = mixture.contacts(physics, &table);
         // both grains of a contact keep it
         let twice = grains.iter().flat_map(|c| [words::kept(c.ends[0], c.ends[1], c), words::kept(c.ends[1], c.ends[0], c)]);
         let on_walls = walls.iter().map(|c| words::kept(c.ends[0], words::body(Body::Wall(c.ends[1])), c));
@@ -132,7 +133,7 @@ impl Bodies {
     /// # Errors
     /// A state of other grains; no room.
     pub fn new(device: &Device, cpu: &Cpu, coarse: &Coarse<'_>, platens: usize, saved: Option<&Saved>) -> Result<Bodies> {
-        let Coarse { model, mixture, table } = coarse;
+        let Coarse { physics, mixture, table } = coarse;
         let (settings, points, state) = (cpu.settings(), cpu.points(), &mixture.grains);
         let n = state.grains.len();
         let split_at = support::split(settings, &state.grains);
@@ -150,8 +151,8 @@ impl Bodies {
         sizes.check(&device.device.limits())?;
         let rows = sizes.room;
         let shelves = support::shelves(settings, points, &state.grains);
-        let materials = model.materials.len();
-        let pairs = PairTable::new(model, &state.walls, state.friction);
+        let materials = physics.materials.len();
+        let pairs = PairTable::new(physics, &state.walls, state.friction);
         let laws = cpu.laws().len();
         let ghost_walls = table.touched_walls();
         let mut all: Vec<[f32; 4]> = Vec::new();
@@ -175,18 +176,18 @@ impl Bodies {
             materials: materials as u32,
             laws: laws as u32,
             split: split_at,
-            law: match model.contact.law {
+            law: match physics.contact.law {
                 ContactLaw::Linear | ContactLaw::LinearInherited => 0,
                 ContactLaw::Hertz => 1,
                 ContactLaw::HertzViscous | ContactLaw::HertzViscousNoTension => 2,
             },
             rates: 1,
-            turning: model.contact.turning.into(),
-            hertz_area: model.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz).into(),
+            turning: physics.contact.turning.into(),
+            hertz_area: physics.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz).into(),
             crushing: state.crushing.into(),
             skin: SKIN as f32,
             reach: (most / settings.cell) as f32,
-            least: rayleigh(model, &state.grains) as f32,
+            least: rayleigh(physics, &state.grains) as f32,
             damping: state.damping as f32,
             shelf: shelves.along,
             shelves: shelves.along.iter().product::<i32>() as u32,
@@ -197,7 +198,7 @@ impl Bodies {
             tables: starts,
         };
         let mut mix =
-            Mix { fresh: state.fresh.into(), share: mixture.share as f32, slow: model.stepping.slow.into(), ..Mix::default() };
+            Mix { fresh: state.fresh.into(), share: mixture.share as f32, slow: physics.stepping.slow.into(), ..Mix::default() };
         let linked = state.walls.len() - platens.min(state.walls.len());
         for (k, (side, wall)) in mix.sides.iter_mut().zip(&state.walls).enumerate() {
             let platen = if k >= linked { (k - linked) as u32 } else { NONE };
@@ -250,7 +251,7 @@ impl Bodies {
             pushes: device.buffer("pushes", bytemuck::cast_slice(&pushes), storage),
             searches: device.empty("searches", 24, Usage::STORAGE | Usage::INDIRECT),
         })?;
-        Ok(Bodies { buffers, coupling, mix, sizes, points: points.len(), work, safety: model.stepping.safety })
+        Ok(Bodies { buffers, coupling, mix, sizes, points: points.len(), work, safety: physics.stepping.safety })
     }
 
     /// Bytes on the device.
@@ -381,14 +382,14 @@ impl Bodies {
     pub fn read_back(
         &self,
         (device, step): (&Device, u64),
-        (model, table): (&Model, &GhostTable),
+        (physics, table): (&Physics, &GhostTable),
         mixture: &mut Mixture,
         cpu: &mut Cpu,
         point: &[u32],
         dt: f64,
     ) -> Result<()> {
         let (words, mix) = self.read(device, step)?;
-        let viscous = model.contact.law.is_viscous();
+        let viscous = physics.contact.law.is_viscous();
         let settings = cpu.settings().clone();
         for (k, i) in mixture.grains.grains.by_id().into_iter().enumerate() {
             words::to_grain(&settings, &words.grains, k, &mut mixture.grains.grains, i as usize);
@@ -420,7 +421,7 @@ impl Bodies {
         }
         mixture.grains.fresh = mix.fresh != 0;
         (mixture.share, mixture.alone) = (mix.share.into(), Some(mix.alone.into()));
-        mixture.take_contacts(model, table, cpu, &contacts, dt);
+        mixture.take_contacts(physics, table, cpu, &contacts, dt);
         Ok(())
     }
 

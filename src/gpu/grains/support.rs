@@ -2,11 +2,13 @@
 
 use super::layout::{CONTACT, GRAIN, Mix, PLACES, SIDES, SLOTS};
 use super::{Coarse, SKIN, WHOLE};
+use crate::boundary::WallShape;
+use crate::contact::{ContactLaw, TangentialUnloading};
+use crate::crush::Birth;
 use crate::error::{Error, Result};
 use crate::gpu::device::refused;
 use crate::gpu::state::ghost_radius;
 use crate::grains::Grains;
-use crate::model::{Birth, ContactLaw, TangentialUnloading, WallShape};
 use crate::mpm::{Points, Settings};
 use std::f64::consts::PI;
 
@@ -108,21 +110,21 @@ pub fn sizes(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Resul
 
 /// What the GPU path does not have.
 fn lacking(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Vec<Error> {
-    let Coarse { model, mixture, .. } = coarse;
+    let Coarse { physics, mixture, .. } = coarse;
     let mut errors = Vec::new();
     let mut lacks = |key: &str, value: String, what: &str| {
         errors.push(refused(key, value, format!("is not available on the GPU: {what}, or --backend cpu")));
     };
-    if model.contact.rolling {
+    if physics.contact.rolling {
         lacks("material.contact.rolling_friction", "above 0".into(), "use none");
     }
-    if model.contact.law == ContactLaw::HertzViscousNoTension {
+    if physics.contact.law == ContactLaw::HertzViscousNoTension {
         lacks("contact.law", "hertz_viscous_no_tension".into(), "use hertz_viscous");
     }
-    if model.contact.unloading == TangentialUnloading::Rescale {
+    if physics.contact.unloading == TangentialUnloading::Rescale {
         lacks("contact.unloading", "rescale".into(), "use keep");
     }
-    if model.crush.as_ref().is_some_and(|c| c.birth != Birth::Overlapping) {
+    if physics.crush.as_ref().is_some_and(|c| c.birth != Birth::Overlapping) {
         lacks("crushing.birth", "gradual".into(), "use overlapping");
     }
     if mixture.fines.is_some() {

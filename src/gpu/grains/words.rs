@@ -2,12 +2,12 @@
 
 use super::layout::{CONTACT, GRAIN, NONE, PLACES, SLOTS, Side, WALLS};
 use crate::boundary::Wall;
+use crate::boundary::WallShape;
 use crate::contact::pairs::Touch;
 use crate::coupling::Body;
 use crate::coupling::exchange::Contact;
 use crate::gpu::exact::{place, placed, split};
 use crate::grains::Grains;
-use crate::model::WallShape;
 use crate::mpm::Settings;
 
 const BITS: fn(f32) -> u32 = f32::to_bits;

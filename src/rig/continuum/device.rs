@@ -68,7 +68,7 @@ impl Device {
     pub(super) fn read_back(&self, state: &mut State, model: &Model) -> Result<()> {
         self.gpu.read_back(&mut state.continuum)?;
         if let (Some(mixture), Some(coupled)) = (&mut state.mixture, &self.coupled) {
-            self.gpu.read_grains((model, coupled.table()), mixture, &mut state.continuum)?;
+            self.gpu.read_grains((&model.physics, coupled.table()), mixture, &mut state.continuum)?;
         }
         Ok(())
     }
@@ -80,9 +80,9 @@ impl Device {
         }
         let extents = state.material(rig);
         self.gpu.material(extents, true);
-        let (dt, safety) = match model.stepping.dt {
+        let (dt, safety) = match model.physics.stepping.dt {
             Some(dt) => (dt, 0.0),
-            None => (model.stepping.safety * state.bound, model.stepping.safety),
+            None => (model.physics.stepping.safety * state.bound, model.physics.stepping.safety),
         };
         if let Some(mixture) = &state.mixture {
             self.gpu.rates(mixture.cycle.rates.grains);
@@ -173,5 +173,5 @@ fn feel(state: &mut State, coupled: &mut Option<Coupled>, model: &Model, rig: &R
 
 fn coarse<'a>(state: &'a State, coupled: Option<&'a Coupled>, model: &'a Model) -> Option<gpu::Coarse<'a>> {
     let (mixture, coupled) = (state.mixture.as_deref()?, coupled?);
-    Some(gpu::Coarse { model, mixture, table: coupled.table() })
+    Some(gpu::Coarse { physics: &model.physics, mixture, table: coupled.table() })
 }

@@ -2,12 +2,13 @@
 
 use super::{Broken, Engine, Rig, State};
 use crate::boundary::Wall;
+use crate::boundary::{Drive, WallShape, WallSpec};
 use crate::coupling::{Allowed, Cycle, GhostTable, Mixture, Parts, Rates};
 use crate::error::{Error, Result};
 #[cfg(feature = "gpu")]
 use crate::gpu;
 use crate::model::continuum::{Coarse, Specimen, Test};
-use crate::model::{Assembly, Drive, Model, WallShape, WallSpec};
+use crate::model::{Assembly, Model};
 use crate::mpm::{Continuum, Platen};
 #[cfg(feature = "gpu")]
 use crate::mpm::{Points, Settings};
@@ -43,7 +44,7 @@ pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Contin
         Test::Triaxial { .. } => platens.iter().map(of).collect(),
     };
     let scene = Assembly { grains: coarse.grains.clone(), walls, steps: None, duration: None, tracks: Vec::new(), record_every: 1 };
-    let mut mixture = Mixture::new(model, assembly::start(model, &scene), continuum, coarse.fines);
+    let mut mixture = Mixture::new(&model.physics, assembly::start(model, &scene), continuum, coarse.fines);
     if !coarse.blocks.is_empty() {
         mixture.blocks = Some(Box::new(Blocks::new(coarse.blocks.clone())));
     }
@@ -58,7 +59,7 @@ fn ghosts(model: &Model, rig: &Rig, mixture: &Mixture) -> GhostTable {
     let ghosts = rig.coarse.as_ref().map_or(&[][..], |c| &c.ghosts);
     // points meet platens and sides of the grid by themselves
     let walls: &[Wall] = if rig.specimen().is_some() { &[] } else { &mixture.grains.walls };
-    GhostTable::new(model.contact.law, ghosts, &model.materials, walls)
+    GhostTable::new(model.physics.contact.law, ghosts, &model.physics.materials, walls)
 }
 
 /// What a mixture needs besides its state; may be dropped and made anew between any two cycles.
@@ -69,7 +70,7 @@ pub struct Coupled {
 
 impl Coupled {
     pub fn new(model: &Model, rig: &Rig, mixture: &mut Mixture) -> Coupled {
-        Coupled { table: ghosts(model, rig, mixture), work: Work::new(model, &mut mixture.grains) }
+        Coupled { table: ghosts(model, rig, mixture), work: Work::new(&model.physics, &mut mixture.grains) }
     }
 
     #[cfg(feature = "gpu")]
@@ -81,7 +82,7 @@ impl Coupled {
     #[cfg(feature = "gpu")]
     pub(super) fn renew(&mut self, state: &mut State, model: &Model) {
         if let Some(mixture) = &mut state.mixture {
-            self.work.restart(model, &mut mixture.grains);
+            self.work.restart(&model.physics, &mut mixture.grains);
         }
     }
 
@@ -92,7 +93,13 @@ impl Coupled {
     pub(super) fn feel(&mut self, state: &mut State, model: &Model) -> Result<()> {
         let State { continuum, mixture, platens, .. } = state;
         let Some(mixture) = mixture else { return Ok(()) };
-        mixture.feel(&mut Parts { model, table: &self.table, work: &mut self.work, continuum, platens: &mut [] })?;
+        mixture.feel(&mut Parts {
+            physics: &model.physics,
+            table: &self.table,
+            work: &mut self.work,
+            continuum,
+            platens: &mut [],
+        })?;
         for (platen, wall) in platens.iter_mut().rev().zip(mixture.grains.walls.iter().rev()) {
             platen.others = [wall.reaction, wall.stiffness];
         }
@@ -109,7 +116,8 @@ impl Coupled {
             wall.speed = platen.speed;
         }
         let (cycle, step) = (mixture.cycle, continuum.steps());
-        let done = mixture.go(&mut Parts { model, table: &self.table, work: &mut self.work, continuum, platens }, cycle);
+        let done =
+            mixture.go(&mut Parts { physics: &model.physics, table: &self.table, work: &mut self.work, continuum, platens }, cycle);
         state.take_breakages(rig, step);
         done?;
         state.time += cycle.time;
@@ -124,7 +132,8 @@ impl Coupled {
         let Some(mixture) = mixture else { return Ok(()) };
         mixture.cycle = cycle;
         let step = continuum.steps();
-        let done = mixture.go_on(&mut Parts { model, table: &self.table, work: &mut self.work, continuum, platens }, done);
+        let done = mixture
+            .go_on(&mut Parts { physics: &model.physics, table: &self.table, work: &mut self.work, continuum, platens }, done);
         state.take_breakages(rig, step);
         done?;
         state.time += cycle.time;
@@ -185,21 +194,21 @@ impl State {
             return Err(Error::input("gpu", "stepping.continuum_steps", Some(steps.to_string()), message));
         }
         let table = ghosts(model, rig, mixture);
-        what(&rig.settings, &rig.points, &self.platens, Some(&gpu::Coarse { model, mixture, table: &table }))
+        what(&rig.settings, &rig.points, &self.platens, Some(&gpu::Coarse { physics: &model.physics, mixture, table: &table }))
     }
 
     /// The next cycle; `continuum` is what waves allow, s.
     pub(super) fn find_cycle(&mut self, model: &Model, rig: &Rig, continuum: f64, engine: &Engine) -> Result<()> {
         let Some(mixture) = &mut self.mixture else { return Ok(()) };
-        let safety = model.stepping.safety;
-        let (grains, contacts) = engine.bounds(mixture, &self.continuum, &self.platens, model.stepping.slow);
+        let safety = model.physics.stepping.safety;
+        let (grains, contacts) = engine.bounds(mixture, &self.continuum, &self.platens, model.physics.stepping.slow);
         let rates = rig.coarse.as_ref().and_then(|c| c.rates);
         let mut allowed = Allowed {
             grains,
             continuum: safety * continuum,
             contacts,
             safety,
-            nearly: if model.stepping.slow { NEARLY } else { 1.0 },
+            nearly: if model.physics.stepping.slow { NEARLY } else { 1.0 },
             rates,
         };
         let mut cycle = Cycle::longest(&allowed);
@@ -207,7 +216,7 @@ impl State {
             allowed.rates = engine.rates(cycle.rates);
             cycle = Cycle::longest(&allowed);
         }
-        mixture.cycle = match model.stepping.dt {
+        mixture.cycle = match model.physics.stepping.dt {
             None => cycle,
             Some(time) if safety * time <= cycle.time => Cycle { time, rates: rates.unwrap_or(Rates { grains: 1, continuum: 1 }) },
             Some(time) => {

@@ -3,13 +3,16 @@
 //! grains, for the same test without a continuum.
 
 use super::grains::side as wall_of;
+use crate::boundary::WallShape;
 use crate::boundary::{Wall, servo_speed};
 use crate::error::{Error, Result};
 use crate::grains::{Grains, sphere_volume};
 use crate::model::continuum::{Coarse, Continuum as Rig, Growth, Specimen, Test};
-use crate::model::{GrainSpec, Model, Stepping, WallShape};
+use crate::model::{GrainSpec, Model};
 use crate::mpm::{Point, Points};
 use crate::packing;
+use crate::physics::Physics;
+use crate::physics::Stepping;
 use crate::record::measure;
 use crate::rig::cylinder::inertial_time;
 use crate::rig::growth::{self, INERTIAL, STRESS_AT_REST, UNBALANCED};
@@ -62,13 +65,13 @@ pub struct Grown {
     pub steps: u64,
 }
 
-/// The model by which grains grow: their inertia follows their contacts, and nothing but walls acts on them.
-pub fn growing(model: &Model) -> Model {
-    Model {
-        stepping: Stepping { inertia_scaling: true, dt: None, ..model.stepping },
+/// The physics by which grains grow: their inertia follows their contacts, and nothing but walls acts on them.
+pub fn growing(physics: &Physics) -> Physics {
+    Physics {
+        stepping: Stepping { inertia_scaling: true, dt: None, ..physics.stepping },
         crush: None,
         gravity: [0.0; 3],
-        ..model.clone()
+        ..physics.clone()
     }
 }
 
@@ -92,9 +95,10 @@ impl Growing {
                 specimen.lower[a] + 0.5 * (specimen.size[a] - room) + room * rng.random::<f64>()
             });
             let material = if k < coarse { growth.coarse.map_or(0, |c| c.material) } else { growth.fines.material };
-            grains.add(at, growth::START * r, material, &model.materials);
+            grains.add(at, growth::START * r, material, &model.physics.materials);
         }
-        let mut state = State::new(&growing(model), grains, (0..6).map(|k| Wall::new(&wall_of(specimen, k))).collect(), false);
+        let mut state =
+            State::new(&growing(&model.physics), grains, (0..6).map(|k| Wall::new(&wall_of(specimen, k))).collect(), false);
         state.friction = growth.friction;
         state.damping = DAMPING;
         state.reference_stress = growth::STRESS * growth.stress;
@@ -102,9 +106,9 @@ impl Growing {
         Ok(Growing { state, radii, coarse, stage: Stage::Growth, steps: 0, from: 0 })
     }
 
-    /// Scratch for its steps, which are those of the model of [`growing`].
-    pub fn work(&mut self, model: &Model) -> Work {
-        Work::new(model, &mut self.state)
+    /// Scratch for its steps, by [`growing`].
+    pub fn work(&mut self, physics: &Physics) -> Work {
+        Work::new(physics, &mut self.state)
     }
 
     pub fn steps(&self) -> u64 {
@@ -124,12 +128,12 @@ impl Growing {
     ///
     /// # Errors
     /// Grains that do not come to rest at the stress.
-    pub fn advance(&mut self, model: &Model, rig: &Rig, growth: &Growth, work: &mut Work) -> Result<bool> {
+    pub fn advance(&mut self, physics: &Physics, rig: &Rig, growth: &Growth, work: &mut Work) -> Result<bool> {
         let (stage, state) = (self.stage, &mut self.state);
         if stage == Stage::Growth {
-            growth::grow(model, &self.radii, self.steps, growth.steps, state, work);
+            growth::grow(physics, &self.radii, self.steps, growth.steps, state, work);
         }
-        step::step(model, state, work, |state, _| {
+        step::step(physics, state, work, |state, _| {
             if stage != Stage::Growth {
                 servo(rig, growth.stress, state);
             }
@@ -145,11 +149,11 @@ impl Growing {
                 self.state.stability_interval = LOOK / 8;
                 self.enter(Stage::Pressing);
             }
-            Stage::Pressing if self.at_rest(model, rig, growth.stress, work, NEARLY * UNBALANCED) => {
+            Stage::Pressing if self.at_rest(physics, rig, growth.stress, work, NEARLY * UNBALANCED) => {
                 self.state.friction = None;
                 self.enter(Stage::Rest);
             }
-            Stage::Rest if self.at_rest(model, rig, growth.stress, work, UNBALANCED) => self.enter(Stage::Done),
+            Stage::Rest if self.at_rest(physics, rig, growth.stress, work, UNBALANCED) => self.enter(Stage::Done),
             _ => {}
         }
         Ok(self.stage == Stage::Done)
@@ -160,14 +164,14 @@ impl Growing {
     }
 
     /// Whether all walls that move bear the stress and grains are in balance; looked at now and then, and not at once.
-    fn at_rest(&self, model: &Model, rig: &Rig, stress: f64, work: &Work, unbalanced: f64) -> bool {
+    fn at_rest(&self, physics: &Physics, rig: &Rig, stress: f64, work: &Work, unbalanced: f64) -> bool {
         if self.steps < self.from + 4 * LOOK || !self.steps.is_multiple_of(LOOK) {
             return false;
         }
         let [_, size] = extent(&self.state);
         let close = |k: usize| (side(&self.state, size, k) / stress - 1.0).abs() < STRESS_AT_REST;
         (0..6).filter(|k| moves(rig, *k)).all(close)
-            && measure::sums(model, &self.state, work).unbalanced_ratio(self.state.grains.len()) < unbalanced
+            && measure::sums(physics, &self.state, work).unbalanced_ratio(self.state.grains.len()) < unbalanced
     }
 
     fn restless(&self, growth: &Growth) -> Error {
@@ -233,7 +237,7 @@ impl Grown {
             Some(s) if fine.is_empty() => s.porosity,
             _ => 1.0 - solid(fine) / whole,
         };
-        let density = model.materials[usize::from(growth.fines.material)].density;
+        let density = model.physics.materials[usize::from(growth.fines.material)].density;
         let mut rig = rig.clone();
         if let Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } = &mut rig.test {
             *s = Specimen {

@@ -88,7 +88,7 @@ impl State {
     /// What the method does not allow, and a time step above the bound.
     pub fn start(model: &Model, rig: &Rig) -> Result<State> {
         let continuum = Continuum::new(rig.settings.clone(), rig.laws.clone(), rig.points.clone())?;
-        if let Some(dt) = model.stepping.dt {
+        if let Some(dt) = model.physics.stepping.dt {
             continuum.check_step(dt)?;
         }
         let platens = specimen::platens(rig, &continuum);
@@ -171,8 +171,8 @@ impl State {
         }
         let rate = self.platens.iter().map(|p| p.rate).fold(0.0, f64::max);
         let bound = with_platens(self.bound, rate, rig.settings.transfer);
-        self.dt = match model.stepping.dt {
-            None => model.stepping.safety * bound,
+        self.dt = match model.physics.stepping.dt {
+            None => model.physics.stepping.safety * bound,
             Some(dt) if dt <= bound => dt,
             Some(dt) => {
                 let with = if rate > 0.0 { ", with the platens' contacts" } else { "" };

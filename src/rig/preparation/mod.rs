@@ -68,9 +68,9 @@ fn scattered(model: &Model, rig: &Specimen, porosity: f64, friction: f64) -> (Ve
     let points = packing::random_points(radius, height, &radii, model.seeds.packing);
     let mut grains = Grains::default();
     for (&r, &p) in radii.iter().zip(&points) {
-        grains.add(p, growth::START * r, 0, &model.materials);
+        grains.add(p, growth::START * r, 0, &model.physics.materials);
     }
-    let mut state = State::new(model, grains, walls(rig, radius, 0.0, height), false);
+    let mut state = State::new(&model.physics, grains, walls(rig, radius, 0.0, height), false);
     state.friction = Some(friction);
     state.damping = rig.preparation.damping;
     state.stability_interval = 1;

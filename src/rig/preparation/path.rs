@@ -7,9 +7,10 @@
 
 use super::drive::{Drive, mean_stress};
 use super::{bears, porosity, scattered};
+use crate::contact::ContactLaw;
 use crate::contact::law::Pair;
 use crate::error::Error;
-use crate::model::{ContactLaw, Model, Specimen};
+use crate::model::{Model, Specimen};
 use crate::record::measure;
 use crate::rig::cylinder::{BOTTOM, CYLINDER, TOP, walls};
 use crate::rig::growth;
@@ -145,11 +146,11 @@ const CORRECTIONS: u32 = 12;
 /// The model under which specimens are made: without breakage, with scaled inertia, hence without dashpots, where gravity allows it.
 fn quasi_static(model: &Model) -> Model {
     let mut own = model.clone();
-    own.crush = None;
-    if own.gravity == [0.0; 3] {
-        own.stepping.inertia_scaling = true;
-        if own.contact.law.is_viscous() {
-            own.contact.law = ContactLaw::Hertz;
+    own.physics.crush = None;
+    if own.physics.gravity == [0.0; 3] {
+        own.physics.stepping.inertia_scaling = true;
+        if own.physics.contact.law.is_viscous() {
+            own.physics.contact.law = ContactLaw::Hertz;
         }
     }
     own
@@ -159,8 +160,8 @@ fn quasi_static(model: &Model) -> Model {
 fn stress(model: &Model, rig: &Specimen, radii: &[f64]) -> f64 {
     let volume: f64 = radii.iter().map(|&r| r * r * r).sum();
     let r = (volume / radii.len() as f64).cbrt();
-    let pair = Pair::between(model.contact.law, &model.materials[0], &model.materials[0]);
-    let force = stability::elastic(model, OVERLAP * r, 0.5 * r, &pair).force;
+    let pair = Pair::between(model.physics.contact.law, &model.physics.materials[0], &model.physics.materials[0]);
+    let force = stability::elastic(&model.physics, OVERLAP * r, 0.5 * r, &pair).force;
     (force / (4.0 * r * r)).max(rig.isotropic_stress)
 }
 
@@ -206,7 +207,7 @@ impl Path {
 
     fn go(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> Result<bool, Error> {
         match self.stage {
-            Stage::Growth => growth::grow(model, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work),
+            Stage::Growth => growth::grow(&model.physics, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work),
             Stage::Compression => {
                 let stress = mean_stress(state) / self.stress;
                 let eased = if self.place.jammed { FULL - stress } else { 1.0 - stress / PRESS };
@@ -215,7 +216,7 @@ impl Path {
             Stage::Shearing => self.shear(state, work),
             _ => {}
         }
-        step::step(model, state, work, |state, _| {
+        step::step(&model.physics, state, work, |state, _| {
             if matches!(self.stage, Stage::Unloading | Stage::Rest) {
                 self.drive.servo(self.asked, self.stage_steps, rig, state);
             }
@@ -357,7 +358,8 @@ impl Path {
     }
 
     fn quiet(&self, model: &Model, state: &State, work: &Work) -> bool {
-        self.stage_steps.is_multiple_of(LOOK) && measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < QUIET
+        self.stage_steps.is_multiple_of(LOOK)
+            && measure::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < QUIET
     }
 
     fn at_rest(&self, model: &Model, state: &State, work: &Work) -> bool {
@@ -366,7 +368,7 @@ impl Path {
         }
         let unbalanced = if self.stage_steps < CREEP { growth::UNBALANCED } else { QUIET };
         bears(state, &[TOP, BOTTOM, CYLINDER], self.asked)
-            && measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < unbalanced
+            && measure::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < unbalanced
     }
 
     /// Whether a specimen that is still coming to rest is denser than asked already: rest makes it denser only. The loosest is let come to rest, to be told.
@@ -406,7 +408,7 @@ impl Path {
         let Mark { place, drive, state: before, .. } = if n > target { left } else { self.back() };
         *state = State { step: state.step, time: state.time, ..before };
         (self.place, self.drive) = (place, drive);
-        work.restart(model, state);
+        work.restart(&model.physics, state);
         self.enter(place.stage);
         Ok(false)
     }
@@ -449,7 +451,7 @@ impl Path {
 /// Friction at the beginning of the way: the material's. With 0.5 for a material of 0.2 specimens of 3000 grains end looser by 0.01 in void ratio, after a collapse, of up to 10^5 steps
 /// where the gradation is wide, as soon as friction is the material's.
 fn friction(model: &Model) -> f64 {
-    model.materials.iter().map(|m| m.friction).fold(0.0, f64::max)
+    model.physics.materials.iter().map(|m| m.friction).fold(0.0, f64::max)
 }
 
 /// What is said of a target beyond an end of the way.

@@ -95,7 +95,7 @@ pub fn settle(model: &mut Model) -> Result<Option<Range>, Error> {
 /// Porosity at one end of the way.
 fn end(model: &Model, rig: &Specimen, wish: Wish) -> Result<f64, Error> {
     let (mut path, mut state) = Path::start(model, rig, wish);
-    let mut work = Work::new(model, &mut state);
+    let mut work = Work::new(&model.physics, &mut state);
     while !path.advance(model, rig, &mut state, &mut work)? {
         if stop_asked() {
             return Err(Error::Failed { step: path.steps, what: "stopped while the range of void ratios was measured".into() });
@@ -119,10 +119,10 @@ fn depends_on(model: &Model, rig: &Specimen) -> String {
         p.growth_steps,
         p.damping,
         rig.servo_gain,
-        model.materials,
-        model.contact,
-        model.stepping,
-        model.gravity,
+        model.physics.materials,
+        model.physics.contact,
+        model.physics.stepping,
+        model.physics.gravity,
     )
 }
 

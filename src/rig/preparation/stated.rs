@@ -110,9 +110,9 @@ impl Stated {
     /// One step. True when the specimen is ready.
     pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> Result<bool, Error> {
         if self.stage == Stage::Growth {
-            growth::grow(model, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work);
+            growth::grow(&model.physics, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work);
         }
-        step::step(model, state, work, |state, _| {
+        step::step(&model.physics, state, work, |state, _| {
             if self.stage != Stage::Growth {
                 self.servo(rig, state);
             }
@@ -187,7 +187,7 @@ impl Stated {
                 let before = if n < rig.porosity && self.press.softer() { self.press.before.take() } else { None };
                 if let Some(before) = before {
                     *state = State { step: state.step, time: state.time, ..*before };
-                    work.restart(model, state);
+                    work.restart(&model.physics, state);
                     self.press(state);
                 } else if !self.correct(n, model, rig, state, work) {
                     return Err(self.failure(rig, state, "came to rest outside preparation.porosity_tolerance"));
@@ -207,9 +207,9 @@ impl Stated {
         if dense {
             let (step, time) = (state.step, state.time);
             *state = State { step, time, ..(**compacted).clone() };
-            work.restart(model, state);
+            work.restart(&model.physics, state);
         } else {
-            state.friction = Some(model.materials.iter().map(|m| m.friction).fold(0.0, f64::max));
+            state.friction = Some(model.physics.materials.iter().map(|m| m.friction).fold(0.0, f64::max));
         }
         self.aim -= n - rig.porosity;
         self.press = Press { stress: PRESS_FIRST, weak: 1.0, strong: None, before: None };
@@ -269,7 +269,7 @@ impl Stated {
         }
         let held: &[usize] = if self.stage == Stage::Rest { &[TOP, BOTTOM, CYLINDER] } else { &[TOP, BOTTOM] };
         bears(state, held, self.stress(rig))
-            && measure::sums(model, state, work).unbalanced_ratio(state.grains.len()) < growth::UNBALANCED
+            && measure::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < growth::UNBALANCED
     }
 
     fn failure(&self, rig: &Specimen, state: &State, what: &str) -> Error {
