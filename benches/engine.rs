@@ -2,12 +2,13 @@
 
 use comminute::bench::{self, Case, Packing};
 use comminute::contact::ContactLaw;
-use comminute::crush::event;
+use comminute::dem;
+use comminute::dem::event;
+use comminute::dem::{State, Work, gather};
 use comminute::model::Model;
 use comminute::mpm::Transfer;
 use comminute::neighbours::adjacency::Entry;
 use comminute::neighbours::{Neighbours, Pools};
-use comminute::step::{self, State, Work, gather};
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use std::convert::Infallible;
 use std::hint::black_box;
@@ -25,7 +26,7 @@ fn packing() -> Packing {
 fn ready(model: &Model, packing: &Packing) -> (State, Work) {
     let (mut state, mut work) = bench::start(model, packing);
     for _ in 0..500 {
-        let Ok(()) = step::step(&model.physics, &mut state, &mut work, |_, _| Ok::<(), Infallible>(()));
+        let Ok(()) = dem::step(&model.physics, &mut state, &mut work, |_, _| Ok::<(), Infallible>(()));
     }
     (state, work)
 }
@@ -41,7 +42,7 @@ fn loops(c: &mut Criterion) {
         let (mut state, mut work) = ready(&model, &packing);
         state.dt = STILL;
         group.bench_function(format!("contacts, {name}"), |b| {
-            one.install(|| b.iter(|| step::contacts(&model.physics, &mut state, &mut work)));
+            one.install(|| b.iter(|| dem::contacts(&model.physics, &mut state, &mut work)));
         });
     }
 
@@ -60,7 +61,7 @@ fn loops(c: &mut Criterion) {
     group.bench_function("whole step", |b| {
         one.install(|| {
             b.iter(|| {
-                let Ok(()) = step::step(&model.physics, &mut moving, &mut work, |_, _| Ok::<(), Infallible>(()));
+                let Ok(()) = dem::step(&model.physics, &mut moving, &mut work, |_, _| Ok::<(), Infallible>(()));
             });
         });
     });
@@ -86,7 +87,7 @@ fn neighbours(c: &mut Criterion) {
             black_box(Neighbours::new(grains, walls, &mut Pools { pairs, wall_pairs }, bench::SKIN))
         });
     });
-    group.bench_function("memory order", |b| b.iter(|| step::reorder(&mut state, &mut work)));
+    group.bench_function("memory order", |b| b.iter(|| dem::reorder(&mut state, &mut work)));
     group.finish();
 }
 

@@ -80,6 +80,19 @@ pub enum Error {
     Interrupted { step: u64, out: PathBuf },
 }
 
+impl From<engine::error::Error> for Error {
+    fn from(error: engine::error::Error) -> Self {
+        use engine::error::Error as Engine;
+        match error {
+            Engine::Refused { of, key, value, message } => Error::Input { place: of.into(), key, value, message },
+            Engine::Several(errors) => Error::Several(errors.into_iter().map(Error::from).collect()),
+            Engine::Unstable { step, what, grain } => Error::Unstable { step, what, grain },
+            Engine::Failed { step, what } => Error::Failed { step, what },
+            other => Error::Failed { step: 0, what: other.to_string() },
+        }
+    }
+}
+
 impl Error {
     /// A wrong value at `key` of `place`.
     pub fn input(place: impl fmt::Display, key: impl Into<String>, value: Option<String>, message: impl Into<String>) -> Self {

@@ -3,7 +3,7 @@
 //!
 //! Fractions are 0..1 of the mass finer than or equal to a size; sizes are diameters, m; masses kg.
 
-use crate::crush::lost_mass::Fines;
+use engine::breakage::lost_mass::Fines;
 use rand::seq::SliceRandom;
 use rand::{Rng, RngExt};
 
@@ -447,7 +447,7 @@ impl Sum {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crush::pattern::Pattern;
+    use engine::breakage::pattern::Pattern;
     use proptest::prelude::*;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::SeedableRng;

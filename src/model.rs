@@ -2,12 +2,13 @@
 //! [`crate::scene::model`], the only gate, and is in SI units, finite and consistent by construction.
 
 pub mod continuum;
+pub mod validity;
 
-use crate::boundary::WallSpec;
-use crate::crush::lost_mass::Fines;
-use crate::mpm::law::Law;
-use crate::physics::Physics;
 use crate::rig::preparation::range::Range;
+use engine::boundary::WallSpec;
+use engine::breakage::lost_mass::Fines;
+use engine::coupling::Embedding;
+use engine::dem::physics::Physics;
 use serde::{Deserialize, Serialize};
 
 /// Everything immutable about one run. Lengths m, masses kg, stresses Pa, angles rad.
@@ -92,28 +93,6 @@ pub struct Oedometer {
     pub loading: Loading,
     /// Where the mass that breakages lose becomes material points.
     pub fines: Option<Box<Embedding>>,
-}
-
-/// Fines from crushing as a continuum among the grains of a test.
-#[derive(Clone, Debug)]
-pub struct Embedding {
-    pub law: Law,
-    /// Porosity with which they begin, free of stress.
-    pub porosity: f64,
-    /// Edge of a cell, m.
-    pub cell: f64,
-    /// As [`crate::coupling::Rule::release_strain`].
-    pub release_strain: f64,
-}
-
-impl Embedding {
-    /// Points along the edge of a cell that they fill.
-    const PER_EDGE: f64 = 2.0;
-
-    /// Volume of the solid that a point stands for, m³.
-    pub fn solid(&self) -> f64 {
-        (1.0 - self.porosity) * (self.cell / Self::PER_EDGE).powi(3)
-    }
 }
 
 /// Drained shear of a specimen at constant cell pressure, which is the specimen's isotropic stress.

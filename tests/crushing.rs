@@ -5,9 +5,9 @@ mod common;
 use assert_cmd::cargo::cargo_bin;
 
 use comminute::boundary::Drive;
-use comminute::crush::event::Breakage;
+use comminute::dem::State;
+use comminute::dem::event::Breakage;
 use comminute::math::random::lineage_child;
-use comminute::step::State;
 use common::typed::array;
 use common::*;
 use std::f64::consts::PI;
@@ -245,7 +245,7 @@ fn grains_that_fail_together_break_in_the_order_of_ids() {
     let run = |shuffle: bool| {
         let mut lab = row(&[2e-3; 5], &head, 2.0);
         if shuffle {
-            comminute::step::permute(&mut lab.state, &mut lab.work, &[3, 0, 4, 2, 1]);
+            comminute::dem::permute(&mut lab.state, &mut lab.work, &[3, 0, 4, 2, 1]);
         }
         until_broken(&mut lab);
         let events = lab.work.breakages.clone();

@@ -2,9 +2,9 @@
 
 mod common;
 
+use comminute::dem::{State, Work, permute};
 use comminute::math::real::at_best;
 use comminute::model::Model;
-use comminute::step::{State, Work, permute};
 use common::*;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};

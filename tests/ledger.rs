@@ -2,7 +2,7 @@
 
 mod common;
 
-use comminute::record::ledger::Balance;
+use comminute::dem::ledger::Balance;
 use common::*;
 
 const STUFF: Stuff = Stuff { young: 1e8, poisson: 0.25, density: 2000.0, friction: 0.4, restitution: 1.0 };
@@ -195,7 +195,7 @@ fn a_crushing_oedometer_closes() {
         let look = press.state.step > 2000 && press.state.step.is_multiple_of(250);
         press.see(|model, _, state, work| {
             if look {
-                last = state.ledger.balance(&state.walls, &comminute::record::measure::sums(&model.physics, state, work));
+                last = state.ledger.balance(&state.walls, &comminute::dem::observables::sums(&model.physics, state, work));
                 worst = worst.max(last.error().abs());
             }
         });

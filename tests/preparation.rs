@@ -4,9 +4,9 @@ mod common;
 
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
+use comminute::dem::Work;
 use comminute::model::Model;
 use comminute::rig::preparation::{Preparation, porosity};
-use comminute::step::Work;
 use common::*;
 use predicates::prelude::*;
 use predicates::str::contains;

@@ -3,7 +3,8 @@
 use super::{breakable, speed::median};
 use crate::error::Result;
 use crate::model::Model;
-use crate::step::{self, State, Work};
+use engine::dem;
+use engine::dem::{State, Work};
 use std::convert::Infallible;
 use std::time::Instant;
 
@@ -31,7 +32,7 @@ pub fn burst(model: &Model, mut state: State, events: usize) -> Result<Burst> {
     let model = &breakable(model)?;
     let mut work = Work::new(&model.physics, &mut state);
     let advance = |state: &mut State, work: &mut Work| {
-        let Ok(()) = step::step(&model.physics, state, work, |_, _| Ok::<(), Infallible>(()));
+        let Ok(()) = dem::step(&model.physics, state, work, |_, _| Ok::<(), Infallible>(()));
     };
     state.crushing = true;
     for _ in 0..PLAIN {
@@ -69,7 +70,7 @@ fn victims(state: &State, work: &Work, events: usize) -> Vec<u32> {
     let n = state.grains.len();
     let loaded: Vec<u32> = (0..n)
         .filter(|&i| {
-            let touching = |e: &crate::neighbours::adjacency::Entry| !e.is_wall() && state.pairs.touch[e.slot()].overlap > 0.0;
+            let touching = |e: &engine::neighbours::adjacency::Entry| !e.is_wall() && state.pairs.touch[e.slot()].overlap > 0.0;
             work.neighbours.contacts.of(i).filter(touching).count() >= 4
         })
         .map(|i| state.grains.id[i])

@@ -1,6 +1,6 @@
 //! What the machine itself can do: the limits against which the stages of a step are held (a roofline).
 
-use crate::math::real::{self, Lanes};
+use engine::math::real::{self, Lanes};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use std::hint::black_box;

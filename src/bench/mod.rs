@@ -21,21 +21,21 @@ pub use mpm_gpu::{GpuSpeed, mpm_gpu_speed};
 pub use packing::{Packing, packing};
 pub use speed::{Plan, Speed, load_average, measure, pool};
 
-use crate::boundary::Wall;
-use crate::contact::{ContactLaw, ContactModel, TangentialUnloading};
-use crate::crush::criterion::AreaModel;
-use crate::crush::lost_mass::Fines;
-use crate::crush::pattern::Pattern;
-use crate::crush::strength::{StrengthModel, Truncation};
-use crate::crush::{Birth, CrushModel};
 use crate::error::{Error, Result};
 use crate::gradation::mean_cubed_diameter;
-use crate::material::Material;
 use crate::model::{Loading, Model, Oedometer, Preparation, Records, Rig, Seeds, Specimen, WallFriction};
-use crate::physics::Physics;
-use crate::physics::Stepping;
 use crate::rig::cylinder::{TOP, walls};
-use crate::step::{State, Work, reorder};
+use engine::boundary::Wall;
+use engine::breakage::criterion::AreaModel;
+use engine::breakage::lost_mass::Fines;
+use engine::breakage::pattern::Pattern;
+use engine::breakage::strength::{StrengthModel, Truncation};
+use engine::breakage::{Birth, CrushModel};
+use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
+use engine::dem::physics::Physics;
+use engine::dem::physics::Stepping;
+use engine::dem::{State, Work, reorder};
+use engine::material::Material;
 use std::f64::consts::PI;
 
 /// Time step of the uniform packing, s: 15 % of the Rayleigh step.

@@ -3,8 +3,8 @@
 use super::speed::{cpu_seconds, median};
 use super::{load_average, pool};
 use crate::error::Result;
-use crate::mpm::law::{Elastic, Law};
-use crate::mpm::{Continuum, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
+use engine::mpm::law::{Elastic, Law};
+use engine::mpm::{Continuum, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
 use std::time::Instant;
 
 /// Cell, m; density, kg/m³; Young's modulus, Pa, and Poisson's ratio; time step over the bound.

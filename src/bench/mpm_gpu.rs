@@ -3,8 +3,8 @@
 use super::mpm::mpm_case;
 use super::speed::median;
 use crate::error::Result;
-use crate::gpu;
-use crate::mpm::Transfer;
+use engine::gpu;
+use engine::mpm::Transfer;
 use std::time::Instant;
 
 /// What was measured on the graphics device.

@@ -3,16 +3,17 @@
 //! of a crushed specimen are.
 
 use super::{Case, model, skeleton};
-use crate::contact::ContactLaw;
 use crate::error::{Error, Result};
-use crate::grains::Grains;
-use crate::math::vector::dot;
 use crate::model::{Model, Rig};
 use crate::packing as sampling;
 use crate::record::specimen;
-use crate::rig::cylinder::{BOTTOM, TOP, Walls};
+use crate::rig::cylinder::{BOTTOM, TOP, space};
 use crate::rig::preparation::{self, Preparation};
-use crate::step::{State, Work};
+use engine::boundary::CylinderSpace;
+use engine::contact::ContactLaw;
+use engine::dem::{State, Work};
+use engine::grains::Grains;
+use engine::math::vector::dot;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -21,7 +22,7 @@ use std::time::Instant;
 pub struct Packing {
     pub case: Case,
     pub grains: Grains,
-    pub walls: Walls,
+    pub walls: CylinderSpace,
     pub path: PathBuf,
     /// Seconds it took to make; `None` when it was there already.
     pub seconds: Option<f64>,
@@ -71,7 +72,7 @@ fn make(case: Case, model: &Model, path: &Path, progress: &mut impl FnMut(&str))
         }
     };
     let unfinished = path.with_extension("tmp");
-    specimen::write(&unfinished, &state.grains, &model.physics.materials, Some(Walls::of(&state)))?;
+    specimen::write(&unfinished, &state.grains, &model.physics.materials, Some(space(&state)))?;
     std::fs::rename(&unfinished, path).map_err(Error::write(path))?;
     Ok(since.elapsed().as_secs_f64())
 }
@@ -88,7 +89,7 @@ fn at_rest(model: &Model, progress: &mut impl FnMut(&str)) -> Result<State> {
     let mut work = Work::new(&scaled.physics, &mut state);
     while !preparation.advance(&scaled, &rig.specimen, &mut state, &mut work)? {
         if preparation.steps().is_multiple_of(REPORT) {
-            let area = Walls::of(&state).platen_area();
+            let area = space(&state).platen_area();
             progress(&format!(
                 "packing of {} grains: {}, step {}, porosity {:.4}, stress {:.1} kPa, {:.0} s",
                 state.grains.len(),
@@ -105,7 +106,7 @@ fn at_rest(model: &Model, progress: &mut impl FnMut(&str)) -> Result<State> {
 
 /// Puts small grains at random where they touch nothing.
 fn strew(state: &mut State, radii: &[f64], model: &Model) {
-    let walls = Walls::of(state);
+    let walls = space(state);
     let large = state.grains.pos.clone();
     let cell = 2.0 * radii.iter().copied().fold(0.0, f64::max);
     let place = |p: [f64; 3]| p.map(|x| (x / cell).floor() as i64);

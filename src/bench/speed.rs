@@ -1,12 +1,13 @@
 //! Grain-steps per second, memory and the share of each stage.
 
 use super::{Demand, Machine, Packing, start};
-use crate::contact::pairs::{FREE, Pairs};
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::record::measure::{love_weber, sums};
-use crate::rig::cylinder::{Stresses, Walls};
-use crate::step::{self, State, Work};
+use crate::rig::cylinder::{Stresses, space};
+use engine::contact::pairs::{FREE, Pairs};
+use engine::dem;
+use engine::dem::observables::{love_weber, sums};
+use engine::dem::{State, Work};
 use std::convert::Infallible;
 use std::time::Instant;
 
@@ -121,8 +122,8 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
 
     let mut ended = state.clone();
     // forces of this instant, for the checks
-    step::contacts(&model.physics, &mut state, &mut work);
-    let size = Walls::of(&state);
+    dem::contacts(&model.physics, &mut state, &mut work);
+    let size = space(&state);
     let (vertical, _) = love_weber(&state, &work, size.radius, size.bottom, size.bottom + size.height);
     let stresses = Stresses::of(&state);
     let sums = sums(&model.physics, &state, &work);
@@ -168,7 +169,7 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
 fn run(model: &Model, state: &mut State, work: &mut Work, steps: u64) -> u64 {
     let (mut searches, mut last) = (0, work.neighbours.searches);
     for _ in 0..steps {
-        let Ok(()) = step::step(&model.physics, state, work, |_, _| Ok::<(), Infallible>(()));
+        let Ok(()) = dem::step(&model.physics, state, work, |_, _| Ok::<(), Infallible>(()));
         let now = work.neighbours.searches;
         // a re-ordering of memory begins the count anew
         searches += now.checked_sub(last).unwrap_or(now);

@@ -283,7 +283,7 @@ impl Fines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Memory, Parameters};
+    use engine::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Memory, Parameters};
 
     /// A test of the law itself, its lateral strain found so that the cell pressure stays, gives the law back.
     #[test]

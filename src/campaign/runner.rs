@@ -176,7 +176,7 @@ impl Crew {
         let file = File::create(&log).map_err(Error::write(&log))?;
         let mut command = Command::new(&self.program);
         command.args(job.args()).stdin(Stdio::null()).stdout(Stdio::null()).stderr(file);
-        command.env("COMMINUTE_SIMD", crate::math::real::name(crate::math::real::arch()));
+        command.env("COMMINUTE_SIMD", engine::math::real::name(engine::math::real::arch()));
         if job.threads.is_none() {
             command.args(["--threads", &self.threads.to_string()]);
         }

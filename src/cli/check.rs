@@ -1,7 +1,7 @@
 //! `comminute check SCENE`
 
 use super::{Overrides, print};
-use comminute::crush::criterion::AreaModel;
+use comminute::breakage::criterion::AreaModel;
 use comminute::error::{Error, Result};
 use comminute::model::{Model, Rig};
 use comminute::scene::{self, Estimate, Scene};

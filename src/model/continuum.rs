@@ -1,10 +1,10 @@
 //! What a run of a continuum knows.
 
 use super::{GrainSpec, WallSpec};
-use crate::coupling::{Rates, Rule};
-use crate::mpm::law::Law;
-use crate::mpm::{Points, Settings};
-use crate::rigid::Block;
+use engine::coupling::{Rates, Rule};
+use engine::mpm::law::Law;
+use engine::mpm::{Points, Settings};
+use engine::rigid::Block;
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4};
 
 /// Material points on a grid, and what is done with them.

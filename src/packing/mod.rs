@@ -43,7 +43,7 @@ pub fn sizes(radii: [f64; 2], volume: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let mut sum = 0.0;
     loop {
         let r = radii[0] + (radii[1] - radii[0]) * rng.random::<f64>();
-        let v = crate::grains::sphere_volume(r);
+        let v = engine::grains::sphere_volume(r);
         if sum + 0.5 * v > volume {
             return sizes;
         }
@@ -92,7 +92,7 @@ pub fn dispersed(
         let mut draw = || std::array::from_fn(|a| lower[a] + margin + (size[a] - 2.0 * margin) * rng.random::<f64>());
         let Some(centre) = (0..TRIES).map(|_| draw()).find(|c| free(c)) else { return Err(placed) };
         spheres.push((centre, r));
-        placed += crate::grains::sphere_volume(r);
+        placed += engine::grains::sphere_volume(r);
     }
     Ok(spheres)
 }

@@ -2,7 +2,7 @@
 
 use super::{Path, Settings};
 use crate::error::{Error, Result};
-use crate::mpm::law::{Law, Memory, Strength, Sym, rotated, tensor};
+use engine::mpm::law::{Law, Memory, Strength, Sym, rotated, tensor};
 
 /// What is recorded of a step; stresses in Pa, compression positive.
 #[derive(Clone, Copy, Debug, PartialEq)]

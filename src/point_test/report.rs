@@ -3,9 +3,9 @@
 use super::{Path as Way, Row, Settings, Test};
 use crate::error::{Error, Result};
 use crate::figure;
-use crate::mpm::law::{Evolution, Law, Strength};
 use crate::record::table::{Row as Record, Table};
 use crate::scene::Continuum;
+use engine::mpm::law::{Evolution, Law, Strength};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};

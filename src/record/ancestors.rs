@@ -1,6 +1,6 @@
 //! Who a grain comes from: daughters get the next numbers in the order of the breakages, so that a list of mothers tells the whole descent.
 
-use crate::crush::event::Breakage;
+use engine::dem::event::Breakage;
 use serde::{Deserialize, Serialize};
 
 /// The mother of each breakage, in their order; part of the checkpoint.

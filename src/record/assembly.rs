@@ -1,13 +1,13 @@
 //! Records of a free assembly: sums in `history.csv`, chosen grains in `tracks.csv`.
 
-use super::measure;
 use super::table::Row;
 use crate::model::{Assembly, Model};
-use crate::step::{State, Work, gather};
+use engine::dem::observables;
+use engine::dem::{State, Work, gather};
 
 /// The row of this instant: energies and walls.
 pub fn history_row(model: &Model, state: &State, work: &Work) -> Row {
-    let sums = measure::sums(&model.physics, state, work);
+    let sums = observables::sums(&model.physics, state, work);
     let balance = state.ledger.balance(&state.walls, &sums);
     let lost: f64 = state.lost.iter().map(|l| l.0).sum();
     vec![

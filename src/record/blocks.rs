@@ -3,8 +3,8 @@
 use super::table::Row;
 use super::vtk::{self, Fact, Field};
 use crate::error::{Error, Result};
-use crate::math::vector::{dot, plus};
-use crate::rigid::Blocks;
+use engine::math::vector::{dot, plus};
+use engine::rigid::Blocks;
 use std::path::Path;
 
 /// Where they were, how they moved, what they bore.

@@ -2,7 +2,7 @@
 //! the stress was from what was asked for.
 
 use super::table::Row;
-use crate::crush::event::{Breakage, collided};
+use engine::dem::event::{Breakage, collided};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 

@@ -2,14 +2,14 @@
 
 use super::table::number;
 use super::vtk::Fact;
-use crate::boundary::Wall;
-use crate::boundary::WallShape;
-use crate::contact::pairs::Touch;
-use crate::coupling::Mixture;
 use crate::error::{Error, Result};
-use crate::grains::{Grains, sphere_volume};
-use crate::mpm::Continuum;
-use crate::step::State;
+use engine::boundary::Wall;
+use engine::boundary::WallShape;
+use engine::contact::pairs::Touch;
+use engine::coupling::Mixture;
+use engine::dem::State;
+use engine::grains::{Grains, sphere_volume};
+use engine::mpm::Continuum;
 use std::fmt::Write as _;
 use std::path::Path;
 

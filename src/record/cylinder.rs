@@ -2,14 +2,14 @@
 
 use super::breakages::Breakages;
 use super::gradations::{self, gradation};
-use super::measure;
 use super::quasi_static::{self, Held};
 use super::table::Row;
 use crate::error::{Error, Result};
 use crate::gradation::{Gradation, Indices};
 use crate::model::Model;
-use crate::rig::cylinder::{Stresses, TOP, Walls, inertial_time};
-use crate::step::{State, Work};
+use crate::rig::cylinder::{Stresses, TOP, inertial_time, space};
+use engine::dem::observables;
+use engine::dem::{State, Work};
 use serde::{Deserialize, Serialize};
 
 /// What the recorder carries along; part of the checkpoint.
@@ -104,9 +104,9 @@ pub struct Moment {
 impl Recorder {
     /// The row of this instant.
     pub fn row(&mut self, model: &Model, moment: Moment, state: &State, work: &Work, initial: &Gradation) -> Result<Row> {
-        let size = Walls::of(state);
+        let size = space(state);
         let s = Stresses::of(state);
-        let sums = measure::sums(&model.physics, state, work);
+        let sums = observables::sums(&model.physics, state, work);
         let n = state.grains.len();
         let (v, h) = (s.vertical(), s.horizontal);
         let (q, p) = (v - h, (v + 2.0 * h) / 3.0);
@@ -125,7 +125,7 @@ impl Recorder {
         let balance = state.ledger.balance(&state.walls, &sums);
         let inner = 0.8;
         let low = size.bottom + 0.5 * (1.0 - inner) * size.height;
-        let (lw_v, lw_h) = measure::love_weber(state, work, inner * size.radius, low, low + inner * size.height);
+        let (lw_v, lw_h) = observables::love_weber(state, work, inner * size.radius, low, low + inner * size.height);
         let mass_error = (sums.mass + lost - self.mass) / self.mass;
         let indices = Indices::between(initial, &gradation(model, state))
             .map_err(|e| Error::Failed { step: state.step, what: e.to_string() })?;

@@ -2,9 +2,9 @@
 
 use super::table::Row;
 use crate::gradation::{Gradation, Indices, sieve_sizes};
-use crate::grains::{Grains, sphere_volume};
 use crate::model::{GrainSpec, Model};
-use crate::step::State;
+use engine::dem::State;
+use engine::grains::{Grains, sphere_volume};
 
 /// Sizes at which a gradation is written.
 const SIEVES: usize = 121;

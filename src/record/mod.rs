@@ -12,8 +12,6 @@ pub mod crushed;
 pub mod cylinder;
 pub mod dictionary;
 pub mod gradations;
-pub mod ledger;
-pub mod measure;
 pub mod oedometer;
 pub mod old_names;
 pub mod platen;

@@ -1,11 +1,11 @@
 //! Records of an oedometer run: which are due, and its own columns.
 
 use super::cylinder::{Due, Moment, Recorder};
-use crate::coupling::Fines;
 use crate::model::{Model, Oedometer};
-use crate::rig::cylinder::{BOTTOM, Stresses, TOP, Walls};
+use crate::rig::cylinder::{BOTTOM, Stresses, TOP, space};
 use crate::rig::oedometer::{Loading, Phase};
-use crate::step::State;
+use engine::coupling::Fines;
+use engine::dem::State;
 
 /// Where something breaks, rows follow each other before the measured stress has changed by more than this share: the stress of every breakage is near
 /// that of a row.
@@ -59,7 +59,7 @@ impl Recorder {
     /// Whether strain, breakages, or the stress at which the breakages since the last row have happened ask for a row.
     fn between_levels(&self, rig: &Oedometer, loading: &Loading, state: &State) -> bool {
         let events = state.crush_events - self.row_events;
-        let strain = 1.0 - Walls::of(state).height / loading.start.0 - self.row_strain;
+        let strain = 1.0 - space(state).height / loading.start.0 - self.row_strain;
         let off = (Stresses::of(state).vertical() / self.row_stress - 1.0).abs();
         rig.loading.row_events.is_some_and(|most| events >= most)
             || rig.loading.row_strain.is_some_and(|most| strain.abs() >= most)
@@ -85,7 +85,7 @@ pub fn moment(rig: &Oedometer, loading: &Loading, state: &State) -> Moment {
     let mut own = vec![("k0", (s.horizontal / s.vertical()).into())];
     if let Some(embedded) = &loading.fines {
         let Fines { points, entered, reserve, released, .. } = &embedded.fines;
-        let pressed = 0.5 * (embedded.pressed(BOTTOM) + embedded.pressed(TOP)) / Walls::of(state).platen_area();
+        let pressed = 0.5 * (embedded.pressed(BOTTOM) + embedded.pressed(TOP)) / space(state).platen_area();
         own.extend([
             ("fines_points", (*points).into()),
             ("fines_mass_kg", entered.mass.into()),

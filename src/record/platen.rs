@@ -1,11 +1,11 @@
 //! Records of single grains between platens: `platen.csv`, `force_displacement.csv`, `survival.csv`, `limit_force.csv`.
 
 use super::table::{Row, Table, Value};
-use crate::crush::CrushModel;
-use crate::crush::criterion::{AreaModel, size_factor};
 use crate::error::Result;
 use crate::model::{Model, Platen};
 use crate::rig::platen::{Test, hertz, pair};
+use engine::breakage::CrushModel;
+use engine::breakage::criterion::{AreaModel, size_factor};
 use std::path::Path;
 
 pub const TESTS: &str = "platen.csv";

@@ -2,25 +2,25 @@
 //! bits; a checksum guards against edits that were not meant.
 
 use crate::error::{Error, Result};
-use crate::grains::Grains;
-use crate::material::Material;
 use crate::model::Model;
-use crate::rig::cylinder::Walls;
-use crate::step::State;
+use engine::boundary::CylinderSpace;
+use engine::dem::State;
+use engine::grains::Grains;
+use engine::material::Material;
 use std::fmt::Write as _;
 use std::path::Path;
 
 /// Writes grains at rest with the walls around them (the prepared specimen: no velocities, no contact history).
-pub fn write(path: &Path, grains: &Grains, materials: &[Material], walls: Option<Walls>) -> Result<()> {
+pub fn write(path: &Path, grains: &Grains, materials: &[Material], walls: Option<CylinderSpace>) -> Result<()> {
     save(path, grains, materials, walls, false)
 }
 
 /// Writes the grains as they are, with velocities and spins.
-pub fn write_final(path: &Path, state: &State, model: &Model, walls: Option<Walls>) -> Result<()> {
+pub fn write_final(path: &Path, state: &State, model: &Model, walls: Option<CylinderSpace>) -> Result<()> {
     save(path, &state.grains, &model.physics.materials, walls, true)
 }
 
-fn save(path: &Path, g: &Grains, materials: &[Material], walls: Option<Walls>, moving: bool) -> Result<()> {
+fn save(path: &Path, g: &Grains, materials: &[Material], walls: Option<CylinderSpace>, moving: bool) -> Result<()> {
     let mut rows = String::from("x_m,y_m,z_m,r_m,generation,material");
     rows += if moving { ",vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s\n" } else { "\n" };
     for &i in &g.by_id() {
@@ -52,7 +52,7 @@ pub fn checksum(text: &str) -> u64 {
 ///
 /// # Errors
 /// A file that is not a specimen, has changed since it was written, or names a material the run does not have.
-pub fn read(path: &Path, materials: &[Material]) -> Result<(Grains, Walls)> {
+pub fn read(path: &Path, materials: &[Material]) -> Result<(Grains, CylinderSpace)> {
     let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
     let wrong = |key: &str, value: Option<String>, message: &str| Error::input(path.display(), key, value, message);
     let note = |key: &str| -> Result<f64> {
@@ -65,7 +65,7 @@ pub fn read(path: &Path, materials: &[Material]) -> Result<(Grains, Walls)> {
             .filter(|x| x.is_finite())
             .ok_or_else(|| wrong(key, Some(line.into()), "must be a finite number, m"))
     };
-    let walls = Walls { radius: note("cylinder_radius_m")?, height: note("height_m")?, bottom: note("bottom_m")? };
+    let walls = CylinderSpace { radius: note("cylinder_radius_m")?, height: note("height_m")?, bottom: note("bottom_m")? };
     if walls.radius <= 0.0 || walls.height <= 0.0 {
         return Err(wrong("height_m", None, "radius and height must be > 0"));
     }

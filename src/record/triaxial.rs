@@ -2,9 +2,9 @@
 
 use super::cylinder::{Due, Moment, Recorder};
 use crate::model::Triaxial;
-use crate::rig::cylinder::{Stresses, Walls};
+use crate::rig::cylinder::{Stresses, space};
 use crate::rig::triaxial::{Phase, Shearing};
-use crate::step::State;
+use engine::dem::State;
 
 impl Recorder {
     /// Whether a record of a triaxial test is due now.
@@ -29,7 +29,7 @@ impl Recorder {
 
 /// This instant of a triaxial test. Strains are compression positive; volumetric strain is that of the space between the walls.
 pub fn moment(rig: &Triaxial, shearing: &Shearing, state: &State) -> Moment {
-    let (s, size) = (Stresses::of(state), Walls::of(state));
+    let (s, size) = (Stresses::of(state), space(state));
     let (height, radius) = shearing.start;
     let (v, h) = (s.vertical(), s.horizontal);
     let relative = size.radius / radius;

@@ -1,7 +1,7 @@
 //! Walls of an instant as triangles for ParaView: platens as discs or rectangles, cylinders as tubes, planes of free scenes as far as the bodies reach.
 
 use super::vtk::{self, Fact, Field, VtkError};
-use crate::boundary::WallShape;
+use engine::boundary::WallShape;
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -115,7 +115,7 @@ fn face(point: [f64; 3], normal: [f64; 3], low: [f64; 3], high: [f64; 3]) -> [[f
     along[least] += 1.0;
     let length = along.iter().map(|x| x * x).sum::<f64>().sqrt();
     let along = along.map(|x| x / length);
-    let across = crate::math::vector::cross(normal, along);
+    let across = engine::math::vector::cross(normal, along);
     [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
         .map(|(a, b)| std::array::from_fn(|k| middle[k] - height * normal[k] + half * (a * along[k] + b * across[k])))
 }
@@ -137,8 +137,8 @@ mod tests {
         let at = |k: usize| -> [f64; 3] { std::array::from_fn(|a| corners[3 * k + a]) };
         let half = |t: &[usize]| {
             let [p, q, r] = [at(t[0]), at(t[1]), at(t[2])];
-            let n = crate::math::vector::cross(crate::math::vector::less(q, p), crate::math::vector::less(r, p));
-            0.5 * crate::math::vector::dot(n, n).sqrt()
+            let n = engine::math::vector::cross(engine::math::vector::less(q, p), engine::math::vector::less(r, p));
+            0.5 * engine::math::vector::dot(n, n).sqrt()
         };
         ends.chunks(3).map(half).sum()
     }

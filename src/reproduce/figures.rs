@@ -2,10 +2,10 @@
 
 use super::plan::{Content, Figure, StrengthSet};
 use super::results::Done;
-use crate::crush::criterion::{AreaModel, size_factor};
 use crate::error::Result;
 use crate::figure::{self, Colouring, Drawn, Graph, Look, Quantity, Tone};
-use crate::material::effective_modulus;
+use engine::breakage::criterion::{AreaModel, size_factor};
+use engine::material::effective_modulus;
 use std::path::{Path, PathBuf};
 
 /// Draws one figure into `dir` and returns the files; none if none of its runs is done, or if they have nothing of it.

@@ -1,12 +1,13 @@
 //! Free assemblies: listed or imported grains, walls, gravity, a duration or a number of steps.
 
-use crate::boundary::{Drive, WallShape};
-use crate::boundary::{Wall, servo_speed};
 use crate::error::Error;
-use crate::grains::{Grains, sphere_volume};
 use crate::model::{Assembly, Model};
-use crate::record::measure;
-use crate::step::{self, State, Work};
+use engine::boundary::{Drive, WallShape};
+use engine::boundary::{Wall, servo_speed};
+use engine::dem;
+use engine::dem::observables;
+use engine::dem::{State, Work};
+use engine::grains::{Grains, sphere_volume};
 
 /// The first state of a free scene.
 pub fn start(model: &Model, rig: &Assembly) -> State {
@@ -22,7 +23,7 @@ pub fn start(model: &Model, rig: &Assembly) -> State {
     if let Some(crush) = &model.physics.crush {
         state.crushing = true;
         for i in 0..state.grains.len() {
-            crate::crush::event::arm_grain(crush, &mut state, i);
+            engine::dem::event::arm_grain(crush, &mut state, i);
         }
     }
     state
@@ -40,7 +41,7 @@ pub fn advance(
     work: &mut Work,
     observe: impl FnOnce(&State, &Work) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    step::step(&model.physics, state, work, |state, work| {
+    dem::step(&model.physics, state, work, |state, work| {
         if state.step == 0 {
             open(model, state, work);
         }
@@ -57,7 +58,7 @@ fn open(model: &Model, state: &mut State, work: &Work) {
     for w in state.pairs.work.iter_mut().chain(state.wall_pairs.work.iter_mut()) {
         *w = [0.0; 4];
     }
-    let sums = measure::sums(&model.physics, state, work);
+    let sums = observables::sums(&model.physics, state, work);
     state.ledger.start = [sums.stored, sums.kinetic, sums.potential];
 }
 
@@ -82,7 +83,7 @@ fn drive(model: &Model, state: &mut State, work: &Work) {
             Drive::Stress { stress, area, gain } => {
                 let area = match w.shape {
                     WallShape::Plane { .. } => area,
-                    WallShape::Cylinder { radius, .. } => crate::boundary::shell_area(radius, extent_z(state)),
+                    WallShape::Cylinder { radius, .. } => engine::boundary::shell_area(radius, extent_z(state)),
                 };
                 servo_speed(stress * area, w.reaction, w.stiffness, gain, state.dt, limit)
             }
@@ -116,7 +117,7 @@ fn contact_pressure(state: &State, work: &Work) -> f64 {
                 (&state.pairs, g.pos[i][3] + g.pos[state.pairs.ends[slot][1] as usize][3])
             };
             if pool.touch[slot].overlap > 0.0 {
-                sum += measure::normal_force(state, slot, e.is_wall()) * length;
+                sum += observables::normal_force(state, slot, e.is_wall()) * length;
             }
         }
     }

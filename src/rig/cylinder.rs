@@ -1,11 +1,9 @@
 //! A cylindrical specimen between its walls: two platens and a shell.
 
-use crate::boundary::Wall;
-use crate::boundary::{Drive, WallShape, WallSpec};
-use crate::grains::Grains;
 use crate::model::{Model, Specimen};
-use crate::step::State;
-use std::f64::consts::PI;
+use engine::boundary::{CylinderSpace, Drive, Wall, WallShape, WallSpec};
+use engine::dem::State;
+use engine::grains::Grains;
 
 /// Indices of the walls.
 pub const BOTTOM: usize = 0;
@@ -23,33 +21,12 @@ pub fn walls(specimen: &Specimen, radius: f64, bottom: f64, height: f64) -> Vec<
 }
 
 /// The space between the walls.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Walls {
-    pub bottom: f64,
-    pub height: f64,
-    pub radius: f64,
-}
-
-impl Walls {
-    pub fn of(state: &State) -> Walls {
-        let z = |k: usize| match state.walls[k].shape {
-            WallShape::Plane { point, .. } => point[2],
-            WallShape::Cylinder { radius, .. } => radius,
-        };
-        Walls { bottom: z(BOTTOM), height: z(TOP) - z(BOTTOM), radius: z(CYLINDER) }
-    }
-
-    pub fn platen_area(&self) -> f64 {
-        PI * self.radius * self.radius
-    }
-
-    pub fn shell_area(&self) -> f64 {
-        crate::boundary::shell_area(self.radius, self.height)
-    }
-
-    pub fn volume(&self) -> f64 {
-        self.platen_area() * self.height
-    }
+pub fn space(state: &State) -> CylinderSpace {
+    let z = |k: usize| match state.walls[k].shape {
+        WallShape::Plane { point, .. } => point[2],
+        WallShape::Cylinder { radius, .. } => radius,
+    };
+    CylinderSpace { bottom: z(BOTTOM), height: z(TOP) - z(BOTTOM), radius: z(CYLINDER) }
 }
 
 /// Stresses at the walls, Pa, compression positive (NOTES.md: decisions).
@@ -63,7 +40,7 @@ pub struct Stresses {
 
 impl Stresses {
     pub fn of(state: &State) -> Stresses {
-        let size = Walls::of(state);
+        let size = space(state);
         Stresses {
             top: state.walls[TOP].reaction / size.platen_area(),
             bottom: state.walls[BOTTOM].reaction / size.platen_area(),
@@ -90,7 +67,7 @@ pub fn inertial_time(state: &State, pressure: f64) -> f64 {
     let (mut inertia, mut volume, mut weighted) = (0.0, 0.0, 0.0);
     for &i in &g.by_id() {
         let i = i as usize;
-        let v = crate::grains::sphere_volume(g.pos[i][3]);
+        let v = engine::grains::sphere_volume(g.pos[i][3]);
         inertia += g.inertia(i);
         volume += v;
         weighted += 2.0 * g.pos[i][3] * v;
@@ -99,26 +76,26 @@ pub fn inertial_time(state: &State, pressure: f64) -> f64 {
 }
 
 /// The state from which a specimen is tested: no history, at rest, strengths drawn, the damping of its preparation.
-pub fn start(model: &Model, specimen: &Specimen, grains: Grains, size: Walls) -> State {
+pub fn start(model: &Model, specimen: &Specimen, grains: Grains, size: CylinderSpace) -> State {
     let walls = walls(specimen, size.radius, size.bottom, size.height);
     let mut state = State::new(&model.physics, grains, walls, model.records.energy);
     state.reference_stress = specimen.isotropic_stress;
     state.damping = specimen.preparation.damping;
     if let Some(crush) = &model.physics.crush {
         for i in 0..state.grains.len() {
-            crate::crush::event::arm_grain(crush, &mut state, i);
+            engine::dem::event::arm_grain(crush, &mut state, i);
         }
     }
     state
 }
 
 /// The test begins: damping and crushing as the scene asks, ledger open.
-pub fn begin(model: &Model, state: &mut State, work: &crate::step::Work) {
+pub fn begin(model: &Model, state: &mut State, work: &engine::dem::Work) {
     state.damping = model.physics.damping;
     state.crushing = model.physics.crush.is_some();
     let State { ledger, grains, walls, .. } = state;
     ledger.open(grains, walls);
-    let sums = crate::record::measure::sums(&model.physics, state, work);
+    let sums = engine::dem::observables::sums(&model.physics, state, work);
     state.ledger.start = [sums.stored, sums.kinetic, sums.potential];
     // the sweep of this instant belongs to what was before
     for w in state.pairs.work.iter_mut().chain(state.wall_pairs.work.iter_mut()) {

@@ -1,8 +1,8 @@
 //! Radius expansion: grains grow where they stand until they have their size. What preparations of cylinders and of boxes share.
 
-use crate::grains::sphere_volume;
-use crate::physics::Physics;
-use crate::step::{State, Work};
+use engine::dem::physics::Physics;
+use engine::dem::{State, Work};
+use engine::grains::sphere_volume;
 
 /// Radii at the start of growth over final radii.
 pub const START: f64 = 0.35;

@@ -1,13 +1,15 @@
 //! The oedometer: a cylinder of fixed radius, a fixed bottom platen, a top platen that follows the load programme of
 //! Ciantia et al. 2015 eq. (18) under stress servo.
 
-use super::cylinder::{self, Stresses, TOP, Walls, inertial_time};
-use crate::boundary::servo_speed;
-use crate::coupling::Embedded;
+use super::cylinder::{self, Stresses, TOP, inertial_time, space};
 use crate::error::Error;
-use crate::grains::Grains;
 use crate::model::{Model, Oedometer};
-use crate::step::{self, State, Work};
+use engine::boundary::CylinderSpace;
+use engine::boundary::servo_speed;
+use engine::coupling::Embedded;
+use engine::dem;
+use engine::dem::{State, Work};
+use engine::grains::Grains;
 use serde::{Deserialize, Serialize};
 
 impl Stresses {
@@ -73,9 +75,9 @@ impl Loading {
     ///
     /// # Errors
     /// A grid for fines that is not allowed.
-    pub fn start(model: &Model, rig: &Oedometer, grains: Grains, size: Walls) -> Result<(Loading, State), Error> {
+    pub fn start(model: &Model, rig: &Oedometer, grains: Grains, size: CylinderSpace) -> Result<(Loading, State), Error> {
         let state = cylinder::start(model, &rig.specimen, grains, size);
-        let fines = rig.fines.as_ref().map(|embedding| Embedded::new(model, embedding, size).map(Box::new)).transpose()?;
+        let fines = rig.fines.as_ref().map(|embedding| Embedded::new(&model.physics, embedding, size).map(Box::new)).transpose()?;
         let loading = Loading {
             phase: Phase::Settle,
             phase_steps: 0,
@@ -99,16 +101,16 @@ impl Loading {
         work: &mut Work,
         observe: impl FnOnce(&Loading, &State, &Work) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        step::feel(&model.physics, state, work);
+        dem::feel(&model.physics, state, work);
         if let Some(fines) = &mut self.fines {
-            fines.feel(model, state, work);
+            fines.feel(&model.physics, state, work);
         }
         self.programme(model, rig, state, work);
         observe(self, state, work)?;
         self.servo(rig, state);
         match &mut self.fines {
-            None => step::go(&model.physics, state, work),
-            Some(fines) => fines.go(model, state, work)?,
+            None => dem::go(&model.physics, state, work),
+            Some(fines) => fines.go(&model.physics, state, work)?,
         }
         self.phase_steps += 1;
         Ok(())
@@ -120,7 +122,7 @@ impl Loading {
         match self.phase {
             Phase::Settle if self.phase_steps >= rig.specimen.settle_steps => {
                 cylinder::begin(model, state, work);
-                self.start = (Walls::of(state).height, Walls::of(state).radius);
+                self.start = (space(state).height, space(state).radius);
                 self.enter(Phase::Load(0));
             }
             Phase::Load(k) => {
@@ -196,7 +198,7 @@ impl Loading {
     }
 
     fn servo(&mut self, rig: &Oedometer, state: &mut State) {
-        let size = Walls::of(state);
+        let size = space(state);
         if state.step.is_multiple_of(LOOK) || self.limit == 0.0 {
             // a platen under strain control goes on where breakages have taken all stress away
             let pressure = if self.strained { self.target.max(FALLEN * self.peak) } else { self.target };

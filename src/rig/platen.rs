@@ -6,14 +6,15 @@
 //! grain's size and strength. δ is the sum of both contacts' overlaps; of Hertz' closed form each bears
 //! F = 4/3 E* √r (δ/2)^{3/2}.
 
-use crate::boundary::Wall;
-use crate::boundary::{Drive, WallShape, WallSpec};
-use crate::contact::law::Pair;
-use crate::crush::event::arm_grain;
 use crate::error::Error;
-use crate::grains::Grains;
 use crate::model::{Model, Platen};
-use crate::step::{self, State, Work};
+use engine::boundary::Wall;
+use engine::boundary::{Drive, WallShape, WallSpec};
+use engine::contact::law::Pair;
+use engine::dem;
+use engine::dem::event::arm_grain;
+use engine::dem::{State, Work};
+use engine::grains::Grains;
 use std::f64::consts::PI;
 
 /// Displacement at the first step over the diameter: what seats the grain.
@@ -140,7 +141,7 @@ pub fn press(model: &Model, rig: &Platen, number: u32, stop: impl Fn() -> bool) 
     let mut next = 0.0;
     let mut over = false;
     loop {
-        step::step(&model.physics, &mut state, &mut work, |state, _| {
+        dem::step(&model.physics, &mut state, &mut work, |state, _| {
             let delta = d - (height(&state.walls[1]) - height(&state.walls[0]));
             let point = Point { displacement: delta, bottom: state.walls[0].reaction, top: state.walls[1].reaction };
             observe(&mut test, &point, hertz(e_eff, 0.5 * d, delta), state.step)?;

@@ -1,13 +1,15 @@
 //! Drained triaxial compression of a cylindrical specimen: the shell holds the cell pressure under servo, the bottom platen is fixed and the top
 //! one moves at a speed that keeps the inertial number (Ciantia et al. 2015, Fig. 12).
 
-use super::cylinder::{self, Stresses, TOP, Walls, inertial_time};
-use crate::boundary::servo_speed;
+use super::cylinder::{self, Stresses, TOP, inertial_time, space};
 use crate::error::Error;
-use crate::grains::Grains;
 use crate::model::{Model, Triaxial};
-use crate::record::measure;
-use crate::step::{self, State, Work};
+use engine::boundary::CylinderSpace;
+use engine::boundary::servo_speed;
+use engine::dem;
+use engine::dem::observables;
+use engine::dem::{State, Work};
+use engine::grains::Grains;
 use serde::{Deserialize, Serialize};
 
 /// Where a test is.
@@ -45,7 +47,7 @@ const SETTLE_AT_MOST: u64 = 100;
 
 impl Shearing {
     /// Starts from a specimen: strengths drawn, no history, at rest.
-    pub fn start(model: &Model, rig: &Triaxial, grains: Grains, size: Walls) -> (Shearing, State) {
+    pub fn start(model: &Model, rig: &Triaxial, grains: Grains, size: CylinderSpace) -> (Shearing, State) {
         let state = cylinder::start(model, &rig.specimen, grains, size);
         (Shearing { phase: Phase::Settle, phase_steps: 0, start: (size.height, size.radius), rate: 0.0 }, state)
     }
@@ -63,7 +65,7 @@ impl Shearing {
         observe: impl FnOnce(&Shearing, &State, &Work) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let this = &mut *self;
-        step::step(&model.physics, state, work, |state, work| {
+        dem::step(&model.physics, state, work, |state, work| {
             this.programme(model, rig, state, work)?;
             observe(this, state, work)?;
             this.servo(rig, state);
@@ -75,14 +77,14 @@ impl Shearing {
 
     /// Axial strain since the start of shear, compression positive.
     pub fn axial_strain(&self, state: &State) -> f64 {
-        1.0 - Walls::of(state).height / self.start.0
+        1.0 - space(state).height / self.start.0
     }
 
     fn programme(&mut self, model: &Model, rig: &Triaxial, state: &mut State, work: &Work) -> Result<(), Error> {
         match self.phase {
             Phase::Settle if self.at_rest(model, rig, state, work) => {
                 cylinder::begin(model, state, work);
-                let size = Walls::of(state);
+                let size = space(state);
                 self.start = (size.height, size.radius);
                 (self.phase, self.phase_steps) = (Phase::Shear, 0);
             }
@@ -109,11 +111,11 @@ impl Shearing {
         }
         let Stresses { top, bottom, horizontal } = Stresses::of(state);
         [top, bottom, horizontal].iter().all(|s| (s / rig.specimen.isotropic_stress - 1.0).abs() < STRESS_AT_REST)
-            && measure::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < UNBALANCED_AT_REST
+            && observables::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < UNBALANCED_AT_REST
     }
 
     fn servo(&mut self, rig: &Triaxial, state: &mut State) {
-        let (size, stresses) = (Walls::of(state), Stresses::of(state));
+        let (size, stresses) = (space(state), Stresses::of(state));
         let cell = rig.specimen.isotropic_stress;
         if self.phase_steps.is_multiple_of(LOOK) || self.rate == 0.0 {
             let mean = (stresses.vertical() + 2.0 * stresses.horizontal) / 3.0;

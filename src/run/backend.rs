@@ -96,7 +96,7 @@ fn adapter(model: &Model) -> Result<(String, bool)> {
 #[cfg(feature = "gpu")]
 fn of_continuum(model: &Model, rig: &Rig) -> Result<(String, bool)> {
     let state = State::start(model, rig)?;
-    let adapter = state.on_device(model, rig, crate::gpu::fits)?;
+    let adapter = state.on_device(model, rig, engine::gpu::fits)?;
     Ok((adapter.name, adapter.software))
 }
 

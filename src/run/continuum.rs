@@ -5,20 +5,21 @@
 use super::backend::{Backend, Chosen, Used, choose};
 use super::progress_bar::Bar;
 use super::{LOOK, Outcome, files, stop_asked, watch};
-use crate::boundary::WallShape;
 use crate::error::{Error, Result};
 use crate::figure;
 use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
-use crate::mpm::law::Law;
-use crate::mpm::{Dimension, Platen};
-use crate::record::continuum::{self as records, END, GRAINS_START, Recorder, START};
+use crate::record::continuum as records;
+use crate::record::continuum::{END, GRAINS_START, Recorder, START};
 use crate::record::crushed::Crushed;
 use crate::record::table::Table;
 use crate::record::vtk::{self, Fact};
 use crate::record::walls::Loaded;
 use crate::record::{blocks, checkpoint, contacts, specimen};
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
+use engine::boundary::WallShape;
+use engine::mpm::law::Law;
+use engine::mpm::{Dimension, Platen};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -451,7 +452,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         // of the last cycle
         put("grain_steps", json!(mixture.cycle.rates.grains));
         put("continuum_steps", json!(mixture.cycle.rates.continuum));
-        put("outside_of_the_method", json!(crate::coupling::validity::doubts(&model.physics, rig)));
+        put("outside_of_the_method", json!(crate::model::validity::doubts(&model.physics, rig)));
     }
     put("void_ratio_final", json!(r.void_ratio));
     put("largest_plastic_strain", json!(r.plastic));
@@ -470,7 +471,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         put("adapter_is_software", json!(software));
     }
     put("threads", json!(rayon::current_num_threads()));
-    put("simd", json!(crate::math::real::name(crate::math::real::arch())));
+    put("simd", json!(engine::math::real::name(engine::math::real::arch())));
     put("version", json!(env!("CARGO_PKG_VERSION")));
     put("host", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
     Value::Object(s)
@@ -507,9 +508,13 @@ fn closed_forms(rig: &Rig, cell: f64) -> Option<[f64; 2]> {
 }
 
 #[cfg(all(test, feature = "gpu"))]
+#[path = "../engine/gpu/tests/adapter.rs"]
+mod adapter;
+
+#[cfg(all(test, feature = "gpu"))]
 mod tests {
+    use super::adapter::adapter;
     use super::*;
-    use crate::gpu::tests::adapter;
     use crate::model;
 
     /// Records up to the last one and the points of that are kept, and the checkpoint before it goes on elsewhere.

@@ -1,20 +1,22 @@
 //! The files of a run that grow while it runs, and the folder they lie in.
 
 use super::{Progress, watch};
-use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::gradation::Gradation;
 use crate::model::{Assembly, Model};
-use crate::mpm::Continuum;
+use crate::record::ancestors::Ancestors;
 use crate::record::breakages::{self, OFF};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::record::gradations::{self, At};
 use crate::record::quasi_static::distance;
 use crate::record::table::Table;
 use crate::record::vtk::{self, Fact};
-use crate::record::{ancestors::Ancestors, assembly as assembly_records, checkpoint, contacts, measure, specimen, walls};
-use crate::rig::cylinder::{Stresses, Walls};
-use crate::step::{State, Work};
+use crate::record::{assembly as assembly_records, checkpoint, contacts, specimen, walls};
+use crate::rig::cylinder::{Stresses, space};
+use engine::dem::event::Breakage;
+use engine::dem::observables;
+use engine::dem::{State, Work};
+use engine::mpm::Continuum;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -268,7 +270,7 @@ impl Files {
         let name = format!("{SNAPSHOTS}/step_{:08}.vtp", state.step);
         let g = &state.grains;
         let order = g.by_id();
-        let forces = measure::largest_forces(state, work);
+        let forces = observables::largest_forces(state, work);
         let pick = |f: &dyn Fn(usize) -> f64| order.iter().map(|&i| f(i as usize)).collect::<Vec<f64>>();
         let daughters = model.physics.crush.as_ref().map_or(1, |c| c.pattern.count());
         let descent = order.iter().map(|&i| self.ancestors.of(g.id[i as usize], g.next_id, daughters));
@@ -326,6 +328,6 @@ pub fn beside(snapshots: &[(f64, String)], kind: &str) -> Vec<(f64, String)> {
 
 /// Writes the last grains of a run.
 pub fn write_final(out: &Path, model: &Model, progress: &Progress) -> Result<()> {
-    let walls = model.rig.specimen().map(|_| Walls::of(&progress.state));
+    let walls = model.rig.specimen().map(|_| space(&progress.state));
     specimen::write_final(&out.join(GRAINS_FINAL), &progress.state, model, walls)
 }

@@ -9,20 +9,22 @@ mod progress_bar;
 mod summary;
 mod watch;
 
-use crate::coupling::Embedded;
 use crate::error::{Error, Result};
-use crate::grains::Grains;
 use crate::model::{Model, Rig};
 use crate::record::cylinder::Due;
 use crate::record::{checkpoint, quasi_static, specimen};
 use crate::record::{oedometer, triaxial};
 use crate::rig::assembly;
-use crate::rig::cylinder::{Stresses, Walls};
+use crate::rig::cylinder::{Stresses, space};
 use crate::rig::oedometer::{Loading, Phase};
 use crate::rig::preparation::{Preparation, range};
-use crate::rig::triaxial::{self as shear, Shearing};
-use crate::step::{State, Work};
+use crate::rig::triaxial as shear;
+use crate::rig::triaxial::Shearing;
 pub use backend::{Backend, Chosen, choose, spheres_only};
+use engine::boundary::CylinderSpace;
+use engine::coupling::Embedded;
+use engine::dem::{State, Work};
+use engine::grains::Grains;
 use files::Files;
 pub use files::occupied;
 pub use folder::{Found, Lock, lock, look};
@@ -253,7 +255,7 @@ pub fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> 
 }
 
 /// The test of a prepared specimen.
-fn test(model: &Model, grains: Grains, walls: Walls) -> Result<(Activity, State)> {
+fn test(model: &Model, grains: Grains, walls: CylinderSpace) -> Result<(Activity, State)> {
     match &model.rig {
         Rig::Oedometer(rig) => {
             let (loading, state) = Loading::start(model, rig, grains, walls)?;
@@ -270,7 +272,7 @@ fn test(model: &Model, grains: Grains, walls: Walls) -> Result<(Activity, State)
 /// Scratch for a state, with grains near in space put near in memory.
 fn fresh_work(model: &Model, state: &mut State) -> Work {
     let mut work = Work::new(&model.physics, state);
-    crate::step::reorder(state, &mut work);
+    engine::dem::reorder(state, &mut work);
     work
 }
 
@@ -399,7 +401,7 @@ impl<'a> Runner<'a> {
     fn load(&mut self) -> Result<()> {
         let path = self.out.join(files::SPECIMEN);
         let state = &self.progress.state;
-        specimen::write(&path, &state.grains, &self.model.physics.materials, Some(Walls::of(state)))?;
+        specimen::write(&path, &state.grains, &self.model.physics.materials, Some(space(state)))?;
         let (grains, walls) = specimen::read(&path, &self.model.physics.materials)?;
         (self.progress.activity, self.progress.state) = test(self.model, grains, walls)?;
         self.progress.files.open(self.out, self.model, true)?;

@@ -96,8 +96,8 @@ fn summary(model: &Model, rig: &Platen, tests: &[Test]) -> Value {
         "platen": rig.platen.map_or("rigid".into(), name),
         "E_star_GPa": 1e-9 * pair.e_eff,
         "area": model.physics.crush.as_ref().map(|c| match c.area {
-            crate::crush::criterion::AreaModel::Hertz => "hertz",
-            crate::crush::criterion::AreaModel::FixedAngle { .. } => "fixed_angle",
+            engine::breakage::criterion::AreaModel::Hertz => "hertz",
+            engine::breakage::criterion::AreaModel::FixedAngle { .. } => "fixed_angle",
         }),
         "tests": tests.len(),
         "crush_events": broken.clone().count(),
@@ -117,7 +117,7 @@ fn summary(model: &Model, rig: &Platen, tests: &[Test]) -> Value {
 fn strengths(model: &Model, tests: &[Test]) -> Value {
     let Some(crush) = &model.physics.crush else { return Value::Null };
     let s = &crush.strength;
-    let mean_at = |d: f64| s.sigma_lim0 * crate::crush::criterion::size_factor(d, s.d0, s.m);
+    let mean_at = |d: f64| s.sigma_lim0 * engine::breakage::criterion::size_factor(d, s.d0, s.m);
     let ratios: Vec<f64> = tests.iter().map(|t| t.strength / mean_at(t.diameter)).collect();
     super::summary::moments(&ratios)
 }

@@ -1,14 +1,14 @@
 //! The end of a run: `grains_final.csv`, figures, `summary.json`. Clocks, host facts and versions stand here only.
 
 use super::{Activity, Outcome, Progress, files};
-use crate::crush::lost_mass::excluded_grains;
 use crate::error::{Error, Result};
 use crate::figure;
 use crate::model::{Model, Oedometer, Rig, Triaxial};
 use crate::record::checkpoint;
 use crate::record::cylinder::{BelowLeast, Recorder};
 use crate::rig::preparation::range::void_ratio;
-use crate::step::Work;
+use engine::breakage::lost_mass::excluded_grains;
+use engine::dem::Work;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
@@ -120,7 +120,7 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
     put("particle_steps_per_second", json!(progress.grain_steps as f64 / progress.loading_seconds.max(1e-9)));
     put("bytes_per_grain", json!(work.bytes(state) as f64 / state.grains.len().max(1) as f64));
     put("threads", json!(rayon::current_num_threads()));
-    put("simd", json!(crate::math::real::name(work.arch)));
+    put("simd", json!(engine::math::real::name(work.arch)));
     put("version", json!(env!("CARGO_PKG_VERSION")));
     put("host", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
     Value::Object(s)
@@ -175,8 +175,8 @@ fn strengths(model: &Model, progress: &Progress) -> Value {
         .enumerate()
         .map(|(k, &r)| {
             let d = 2.0 * r;
-            let lineage = crate::math::random::lineage_root(k as u32);
-            let mean = crush.strength.sigma_lim0 * crate::crush::criterion::size_factor(d, crush.strength.d0, crush.strength.m);
+            let lineage = engine::math::random::lineage_root(k as u32);
+            let mean = crush.strength.sigma_lim0 * engine::breakage::criterion::size_factor(d, crush.strength.d0, crush.strength.m);
             crush.strength.draw(model.seeds.strength, lineage, d) / mean
         })
         .collect();

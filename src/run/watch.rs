@@ -6,7 +6,7 @@ use crate::model::continuum::Continuum as Rig;
 use crate::record::continuum::Recorder;
 use crate::record::cylinder::AtEnd;
 use crate::rig::continuum;
-use crate::step::State;
+use engine::dem::State;
 
 /// Energy that appears from nothing, as a share of all given. Measured: above -0.001 in the scenes, and above -1e-4 in cubes of 4 to 16 cells without damping and PIC.
 const CREATED: f64 = 0.05;
@@ -143,19 +143,19 @@ pub fn grains(state: &State, deepest: f64, step: u64) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::boundary::Wall;
-    use crate::grains::Grains;
+    use engine::boundary::Wall;
+    use engine::grains::Grains;
 
     /// A test with one grain that moves, and one wall that has done this work, J.
     fn state(speed: f64, work: f64) -> State {
-        let model = crate::bench::model(crate::bench::Case::Uniform, 1, crate::contact::ContactLaw::Hertz, 0.2);
+        let model = crate::bench::model(crate::bench::Case::Uniform, 1, engine::contact::ContactLaw::Hertz, 0.2);
         let mut grains = Grains::default();
         grains.add([0.0; 3], 1e-3, 0, &model.physics.materials);
         grains.vel[0] = [speed, 0.0, 0.0, 1.0];
-        let spec = crate::boundary::WallSpec {
-            shape: crate::boundary::WallShape::Plane { point: [0.0, 0.0, -1e-3], normal: [0.0, 0.0, 1.0] },
+        let spec = engine::boundary::WallSpec {
+            shape: engine::boundary::WallShape::Plane { point: [0.0, 0.0, -1e-3], normal: [0.0, 0.0, 1.0] },
             friction: 0.0,
-            drive: crate::boundary::Drive::Fixed,
+            drive: engine::boundary::Drive::Fixed,
             material: None,
         };
         let mut state = State::new(&model.physics, grains, vec![Wall { work, ..Wall::new(&spec) }], true);

@@ -3,8 +3,8 @@
 use super::material::Named;
 use super::schema::unit;
 use super::view::View;
-use crate::boundary::{Drive, WallShape, WallSpec};
 use crate::model::{Assembly, GrainSpec};
+use engine::boundary::{Drive, WallShape, WallSpec};
 use std::collections::HashMap;
 use toml::{Table, Value};
 

@@ -3,12 +3,12 @@
 use super::bodies::{number, vector};
 use super::material::Named;
 use super::view::View;
-use crate::boundary::Wall;
-use crate::material::Material;
 use crate::model::continuum::{Coarse, Continuum, Test};
-use crate::rigid::Block;
-use crate::rigid::motion::{about, product, quaternion};
-use crate::shape::{Cuboid, Polyhedron, Shape, Superquadric};
+use engine::boundary::Wall;
+use engine::material::Material;
+use engine::rigid::Block;
+use engine::rigid::motion::{about, product, quaternion};
+use engine::shape::{Cuboid, Polyhedron, Shape, Superquadric};
 use toml::{Table, Value};
 
 /// Fewest numbers of a polyhedron's points.

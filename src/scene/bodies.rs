@@ -3,8 +3,8 @@
 use super::material::Named;
 use super::schema::unit;
 use super::view::View;
-use crate::math::portable::sin;
-use crate::mpm::{Dimension, Point, Points, Settings, Wall};
+use engine::math::portable::sin;
+use engine::mpm::{Dimension, Point, Points, Settings, Wall};
 use std::f64::consts::{FRAC_PI_2, PI};
 use toml::{Table, Value};
 

@@ -1,9 +1,9 @@
 //! Whether grains that are to break can: larger than the comminution limit, and loaded by another grain or a wall. Contacts with points break nothing.
 
 use super::crushing::extremes;
-use crate::crush::CrushModel;
 use crate::model::continuum::{Continuum, Specimen, Test};
 use crate::model::{GrainSpec, Model, Rig};
+use engine::breakage::CrushModel;
 
 /// Why none can break, in words; `None` where one can, or where nothing is to break.
 pub fn none_breaks(model: &Model) -> Option<String> {

@@ -6,7 +6,7 @@ use super::provenance::{Assumption, assumed_in};
 use super::view::View;
 use super::{files, overrides, validate, write};
 use crate::error::{Error, Result};
-use crate::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Parameters};
+use engine::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Parameters};
 use std::path::Path;
 use toml::Value;
 

@@ -3,14 +3,15 @@
 use super::duration::{GRAIN_AMONG_POINTS, POINT, START, growth};
 use super::estimate::{Estimate, share};
 use crate::error::Result;
-use crate::grains::sphere_volume;
-use crate::material::effective_modulus;
 use crate::model::Model;
 use crate::model::continuum::{Continuum, Fraction, Growth, Specimen, Test};
-use crate::mpm::{Dimension, law::Law, with_platens};
-use crate::physics::Physics;
-use crate::physics::Stepping;
 use crate::rig::continuum::{State, contact_rate};
+use engine::dem::physics::Physics;
+use engine::dem::physics::Stepping;
+use engine::grains::sphere_volume;
+use engine::material::effective_modulus;
+use engine::mpm::law::Law;
+use engine::mpm::{Dimension, with_platens};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -49,7 +50,7 @@ pub struct Points {
 /// Bytes on a graphics device.
 #[cfg(feature = "gpu")]
 fn device_bytes(model: &Model, rig: &Continuum) -> Result<u64> {
-    State::start(model, rig)?.on_device(model, rig, crate::gpu::needs)
+    State::start(model, rig)?.on_device(model, rig, engine::gpu::needs)
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -85,7 +86,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
             (s.axial_strain / s.strain_per_wave * wave / dt).ceil()
         }
     };
-    let mut warnings = crate::coupling::validity::doubts(&model.physics, rig);
+    let mut warnings = crate::model::validity::doubts(&model.physics, rig);
     if let Some(s) = rig.specimen()
         && s.strain_per_wave > FAST
     {

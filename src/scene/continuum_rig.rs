@@ -4,15 +4,15 @@ use super::bodies::{number, vector};
 use super::continuum_estimate::wave_step;
 use super::material::Named;
 use super::view::View;
-use crate::contact::{ContactLaw, ContactModel, TangentialUnloading};
-use crate::crush::lost_mass::Fines;
-use crate::material::Material;
 use crate::model::continuum::{Continuum, Drainage, Specimen, Test};
 use crate::model::{Model, Rig, Seeds};
-use crate::mpm::law::Law;
-use crate::mpm::{Dimension, Points, Settings, ShapeFunctions, Transfer, Wall};
-use crate::physics::Physics;
-use crate::physics::Stepping;
+use engine::breakage::lost_mass::Fines;
+use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
+use engine::dem::physics::Physics;
+use engine::dem::physics::Stepping;
+use engine::material::Material;
+use engine::mpm::law::Law;
+use engine::mpm::{Dimension, Points, Settings, ShapeFunctions, Transfer, Wall};
 
 /// E* of platens over the continuum's oedometric modulus, where no grain says it.
 const STIFF: f64 = 50.0;

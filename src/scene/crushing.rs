@@ -2,13 +2,13 @@
 
 use super::material::Named;
 use super::view::View;
-use crate::crush::criterion::{AreaModel, limit_strength, size_factor};
-use crate::crush::crushing_stress::Quoted;
-use crate::crush::lost_mass::Fines;
-use crate::crush::pattern::Pattern;
-use crate::crush::strength::{StrengthModel, Truncation};
-use crate::crush::{Birth, CrushModel};
 use crate::model::{GrainSpec, Oedometer, Rig, Triaxial};
+use engine::breakage::criterion::{AreaModel, limit_strength, size_factor};
+use engine::breakage::crushing_stress::Quoted;
+use engine::breakage::lost_mass::Fines;
+use engine::breakage::pattern::Pattern;
+use engine::breakage::strength::{StrengthModel, Truncation};
+use engine::breakage::{Birth, CrushModel};
 use toml::{Table, Value};
 
 /// Writes what a scene leaves open and what depends on whether grains break.

@@ -2,8 +2,8 @@
 
 use super::crushing::{grain_materials, rigid_platens};
 use super::estimate::median;
-use crate::crush::crushing_stress::Quoted;
 use crate::model::{Model, Rig};
+use engine::breakage::crushing_stress::Quoted;
 use serde::Serialize;
 
 /// Mean F/d^2, MPa, of grains that soils and bulk goods have, from loose agglomerates to single crystals of a tenth of a millimetre, with room on

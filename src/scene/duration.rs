@@ -5,13 +5,14 @@
 
 use super::crushing::rigid_platens;
 use super::estimate::{median, rearrangement};
-use crate::boundary::Drive;
-use crate::crush::CrushModel;
-use crate::crush::criterion::size_factor;
-use crate::grains::sphere_volume;
-use crate::math::random::lineage_root;
-use crate::model::{Embedding, Model, Oedometer, Rig, Specimen};
+use crate::model::{Model, Oedometer, Rig, Specimen};
 use crate::packing;
+use engine::boundary::Drive;
+use engine::breakage::CrushModel;
+use engine::breakage::criterion::size_factor;
+use engine::coupling::Embedding;
+use engine::grains::sphere_volume;
+use engine::math::random::lineage_root;
 
 /// Start of the program, and the figures of a small run, s.
 pub const START: f64 = 0.25;

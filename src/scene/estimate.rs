@@ -3,14 +3,14 @@
 use super::crushing::extremes;
 use super::duration::strained_steps;
 use super::specimen::height;
-use crate::boundary::Drive;
-use crate::contact::law::Pair;
-use crate::contact::{ContactLaw, TangentialUnloading};
-use crate::crush::CrushModel;
-use crate::crush::criterion::{AreaModel, size_factor};
 use crate::model::{self, Assembly, Model, Oedometer, Rig, Triaxial};
 use crate::rig::platen::most_steps;
-use crate::step::stability;
+use engine::boundary::Drive;
+use engine::breakage::CrushModel;
+use engine::breakage::criterion::{AreaModel, size_factor};
+use engine::contact::law::Pair;
+use engine::contact::{ContactLaw, TangentialUnloading};
+use engine::dem::stability;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -349,7 +349,7 @@ fn listed(model: &Model, finest: f64) -> Vec<(f64, u8)> {
 }
 
 /// max(2 k_n, 7 k_t), N/m, of a contact of two grains of radius `r` under `force`: what bounds the step.
-pub(super) fn share(law: ContactLaw, material: &crate::material::Material, r: f64, force: f64) -> f64 {
+pub(super) fn share(law: ContactLaw, material: &engine::material::Material, r: f64, force: f64) -> f64 {
     let (k_n, k_t) = match law {
         ContactLaw::Linear | ContactLaw::LinearInherited => {
             let k = 2.0 * material.k_eff * r;

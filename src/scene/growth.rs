@@ -2,8 +2,8 @@
 
 use super::material::Named;
 use super::view::View;
-use crate::material::Material;
 use crate::model::continuum::{Fraction, Growth, Specimen};
+use engine::material::Material;
 
 impl View<'_> {
     /// Material and radii, m, of a specimen's coarse grains, if it has some, and their share of the mass; `None` with the reason noted.

@@ -1,7 +1,7 @@
 //! From the keys of a material to [`Material`].
 
 use super::view::View;
-use crate::material::Material;
+use engine::material::Material;
 use toml::{Table, Value};
 
 /// A material of the scene: its name there and the table that holds it.

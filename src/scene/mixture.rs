@@ -2,15 +2,15 @@
 
 use super::material::Named;
 use super::view::View;
-use crate::contact::law::Pair;
-use crate::coupling::{Rates, Rule};
-use crate::grains::sphere_volume;
-use crate::material::Material;
 use crate::model::GrainSpec;
 use crate::model::continuum::{Coarse, Continuum, Specimen};
-use crate::mpm::platen::ghost_radius;
-use crate::mpm::{Dimension, Points};
 use crate::packing::dispersed;
+use engine::contact::law::Pair;
+use engine::coupling::{Rates, Rule};
+use engine::grains::sphere_volume;
+use engine::material::Material;
+use engine::mpm::platen::ghost_radius;
+use engine::mpm::{Dimension, Points};
 
 /// Room between coarse grains, and between them and platens, when they are placed, over the distance of two points.
 const ROOM: f64 = 0.5;

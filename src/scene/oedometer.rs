@@ -3,7 +3,8 @@
 use super::estimate::median;
 use super::material::Named;
 use super::view::View;
-use crate::model::{Embedding, Loading, Oedometer};
+use crate::model::{Loading, Oedometer};
+use engine::coupling::Embedding;
 
 /// Edge of a cell of the fines' grid over d50, where the scene does not say it: two points stand for about as much as one daughter.
 const CELL: f64 = 0.4;

@@ -3,12 +3,12 @@
 use super::material::Named;
 use super::schema::unit;
 use super::view::View;
-use crate::crush::CrushModel;
-use crate::crush::criterion::size_factor;
 use crate::gradation::stratified_diameters;
-use crate::math::random::lineage_root;
 use crate::model::{Model, Platen, Rig};
 use crate::rig::platen::{hertz_displacement, pair};
+use engine::breakage::CrushModel;
+use engine::breakage::criterion::size_factor;
+use engine::math::random::lineage_root;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use toml::Value;

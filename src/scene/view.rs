@@ -2,12 +2,12 @@
 
 use super::layers::{Layer, shown};
 use super::schema::unit;
-use crate::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use crate::error::Error;
-use crate::material::Material;
 use crate::model::{Model, Records, Rig, Seeds, Triaxial};
-use crate::physics::Physics;
-use crate::physics::Stepping;
+use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
+use engine::dem::physics::Physics;
+use engine::dem::physics::Stepping;
+use engine::material::Material;
 use std::cell::RefCell;
 use toml::{Table, Value};
 

@@ -3,7 +3,7 @@
 use super::block::{self, APIC, FLIP, GIMP, Method, elastic, fill};
 use super::{Case, Found, Task};
 use crate::error::Result;
-use crate::mpm::Continuum;
+use engine::mpm::Continuum;
 use std::f64::consts::PI;
 
 pub const CASE: Case = Case {

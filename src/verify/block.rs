@@ -1,8 +1,8 @@
 //! Blocks of points on a grid, for cases that no scene describes.
 
 use crate::error::Result;
-use crate::mpm::law::{Elastic, Law};
-use crate::mpm::{Continuum, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
+use engine::mpm::law::{Elastic, Law};
+use engine::mpm::{Continuum, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
 
 /// How points and nodes talk.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,5 +72,5 @@ pub fn elastic(young: f64, poisson: f64) -> Vec<Law> {
 /// # Errors
 /// A lost point.
 pub fn steps(c: &mut Continuum, dt: f64, n: u64) -> Result<()> {
-    (0..n).try_for_each(|_| c.step(dt))
+    (0..n).try_for_each(|_| Ok(c.step(dt)?))
 }

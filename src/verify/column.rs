@@ -3,7 +3,7 @@
 use super::block::{self, FLIP, GIMP, Method, SMOOTH, elastic, fill};
 use super::{Case, Found, Task};
 use crate::error::Result;
-use crate::mpm::{Continuum, Dimension, Wall};
+use engine::mpm::{Continuum, Dimension, Wall};
 
 pub const CASE: Case = Case {
     name: "column",

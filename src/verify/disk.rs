@@ -3,8 +3,8 @@
 use super::block::{self, APIC, FLIP, Method, PIC, elastic, fill};
 use super::{Case, Found, Task};
 use crate::error::Result;
-use crate::mpm::law::Sym;
-use crate::mpm::{Continuum, Dimension, Transfer};
+use engine::mpm::law::Sym;
+use engine::mpm::{Continuum, Dimension, Transfer};
 use std::f64::consts::PI;
 
 pub const CASE: Case = Case {

@@ -3,7 +3,7 @@
 use super::block::{self, APIC, FLIP, GIMP, Method, SMOOTH, elastic, fill};
 use super::{Case, Found, Task};
 use crate::error::Result;
-use crate::mpm::{Continuum, Dimension};
+use engine::mpm::{Continuum, Dimension};
 
 pub const CASE: Case = Case {
     name: "patch",

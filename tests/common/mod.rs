@@ -3,14 +3,16 @@
 
 pub mod typed;
 
+use comminute::dem::ledger::Balance;
+use comminute::dem::observables;
+use comminute::dem::{State, Work, gather};
 use comminute::model::{Model, Rig};
-use comminute::record::ledger::Balance;
-use comminute::record::{measure, specimen};
-use comminute::rig::cylinder::Walls;
+use comminute::record::specimen;
+use comminute::rig::assembly;
+use comminute::rig::cylinder::space;
 use comminute::rig::oedometer::{Loading, Phase};
-use comminute::rig::{assembly, preparation::Preparation};
+use comminute::rig::preparation::Preparation;
 use comminute::scene;
-use comminute::step::{State, Work, gather};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -176,7 +178,7 @@ impl Lab {
 
     /// One step, with the energy balance of its forces.
     pub fn balance(&mut self) -> Balance {
-        self.see(|model, state, work| state.ledger.balance(&state.walls, &measure::sums(&model.physics, state, work)))
+        self.see(|model, state, work| state.ledger.balance(&state.walls, &observables::sums(&model.physics, state, work)))
     }
 
     pub fn index(&self, id: u32) -> usize {
@@ -285,7 +287,7 @@ impl Press {
     pub fn new(model: Model, prepared: &State) -> Press {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("specimen.csv");
-        specimen::write(&path, &prepared.grains, &model.physics.materials, Some(Walls::of(prepared))).expect("written");
+        specimen::write(&path, &prepared.grains, &model.physics.materials, Some(space(prepared))).expect("written");
         Press::from_file(model, &path)
     }
 

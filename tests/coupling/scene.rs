@@ -2,11 +2,12 @@
 
 use crate::common::{Ball, Stuff, model};
 use crate::points::{continuum, elastic, settings};
-use comminute::coupling::{Allowed, Cycle, GhostTable, Mixture, Parts, Rates, Rule};
+use comminute::coupling::{Allowed, Cycle, Mixture, Parts, Rates, Rule};
+use comminute::dem::Work;
 use comminute::model::{Model, Rig};
 use comminute::mpm::{Continuum, Dimension, Platen, Points, platen};
+use comminute::point_contacts::GhostTable;
 use comminute::rig::assembly;
-use comminute::step::Work;
 use std::f64::consts::PI;
 
 /// The balls of Li et al. 2023, section 3.1 and Table 1: mass 0.3351 kg each, E = 1 GPa, ν = 0.2, μ = 0.8.

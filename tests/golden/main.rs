@@ -2,7 +2,7 @@
 //! instructions. A change that is meant to change results says so in its message and writes the table anew: `COMMINUTE_GOLDEN=write cargo test --release --test golden`.
 
 #[cfg(feature = "gpu")]
-#[path = "../../src/gpu/tests/adapter.rs"]
+#[path = "../../src/engine/gpu/tests/adapter.rs"]
 mod adapter;
 mod runs;
 

@@ -3,7 +3,7 @@
 //! Without an adapter these tests are skipped with a line that says so; with COMMINUTE_REQUIRE_GPU=1 they fail.
 #![cfg(feature = "gpu")]
 
-#[path = "../../src/gpu/tests/adapter.rs"]
+#[path = "../../src/engine/gpu/tests/adapter.rs"]
 mod adapter;
 #[path = "../common/mod.rs"]
 mod common;
@@ -263,6 +263,7 @@ fn what_the_gpu_lacks_is_refused_by_name() {
         let points = lattice(&s, [2, 2, 1], 1000.0, |_| [0.0; 3]);
         let cpu = Continuum::new(s, vec![soil()], points).unwrap();
         let error = gpu::Continuum::new(&cpu).err().expect("refused");
+        let error = comminute::error::Error::from(error);
         assert_eq!(error.exit_code(), 2);
         error.to_string()
     };

@@ -35,7 +35,7 @@ fn elastic_collisions_keep_energy() {
         for k in 0..rounds {
             lab.steps(49);
             let (sums, balance) = lab.see(|model, state, work| {
-                let sums = comminute::record::measure::sums(&model.physics, state, work);
+                let sums = comminute::dem::observables::sums(&model.physics, state, work);
                 let balance = state.ledger.balance(&state.walls, &sums);
                 (sums, balance)
             });

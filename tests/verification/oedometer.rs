@@ -3,9 +3,9 @@
 use crate::common::*;
 use comminute::boundary::Wall;
 use comminute::boundary::WallShape;
-use comminute::rig::cylinder::{CYLINDER, Stresses, Walls};
+use comminute::dem::State;
+use comminute::rig::cylinder::{CYLINDER, Stresses, space};
 use comminute::rig::oedometer::Phase;
-use comminute::step::State;
 
 const WEAK: &[&str] = &["material.strength.fixed_angle.sigma_lim0_MPa=100", "crushing.enabled=true"];
 
@@ -40,7 +40,7 @@ fn resize(state: &mut State, factor: f64) {
 
 /// Target, vertical and horizontal stress, Pa, and axial strain.
 fn reading(press: &Press) -> [f64; 4] {
-    let (s, size) = (Stresses::of(&press.state), Walls::of(&press.state));
+    let (s, size) = (Stresses::of(&press.state), space(&press.state));
     [press.loading.target, s.vertical(), s.horizontal, 1.0 - size.height / press.loading.start.0]
 }
 
@@ -128,7 +128,7 @@ fn wall_friction_carries_the_difference_of_the_platens() {
     }
     let s = Stresses::of(&press.state);
     close("the driven platen", s.top, press.loading.target, 0.01);
-    let area = Walls::of(&press.state).platen_area();
+    let area = space(&press.state).platen_area();
     let carried = -press.state.walls[CYLINDER].shear_z / area;
     println!("top {:.1} kPa, bottom {:.1} kPa, wall {:.1} kPa", 1e-3 * s.top, 1e-3 * s.bottom, 1e-3 * carried);
     assert!(s.bottom < 0.95 * s.top && s.bottom > 0.5 * s.top);
@@ -153,7 +153,7 @@ fn an_adaptive_programme_is_quicker_and_stays_near_its_target() {
         off.sort_unstable_by(f64::total_cmp);
         let most = off[off.len() * 99 / 100];
         println!("{programme}: {} steps, {most:.4} off in all but a hundredth of them", press.state.step);
-        (press.state.step, most, Walls::of(&press.state).height)
+        (press.state.step, most, space(&press.state).height)
     };
     let fixed = run("loading.programme=eq18");
     let adaptive = run("loading.programme=adaptive");

@@ -1,6 +1,6 @@
 //! From a crushing force to a strength and back (Ciantia et al. 2015, eqs 16, 17), with what is known of the area.
 
-use crate::crush::criterion::AreaModel;
+use engine::breakage::criterion::AreaModel;
 use serde::Serialize;
 
 /// An area model by its name.
@@ -85,7 +85,7 @@ impl Area {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::effective_modulus;
+    use engine::material::effective_modulus;
     use std::f64::consts::PI;
 
     #[test]

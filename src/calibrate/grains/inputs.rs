@@ -2,8 +2,8 @@
 
 use super::area::{Area, Model};
 use crate::error::{Error, Result};
-use crate::material::effective_modulus;
 use crate::scene::{material_keys, shown};
+use engine::material::effective_modulus;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 

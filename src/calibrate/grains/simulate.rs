@@ -2,8 +2,8 @@
 
 use super::area::Area;
 use super::data::{Data, Grain};
-use crate::crush::strength::StrengthModel;
-use crate::math::random::lineage_root;
+use engine::breakage::strength::StrengthModel;
+use engine::math::random::lineage_root;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::path::PathBuf;

@@ -7,8 +7,8 @@ use super::data::Data;
 use super::fit::{Estimate, Fit, Intervals, preferred};
 use super::simulate::tests;
 use super::spread::{Law, Spread};
-use crate::crush::strength::{StrengthModel, Truncation};
-use crate::material::effective_modulus;
+use engine::breakage::strength::{StrengthModel, Truncation};
+use engine::material::effective_modulus;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 

@@ -11,7 +11,7 @@ use super::simulate::{generator, tests as simulated, unit};
 use super::spread::{Law, Spread};
 use super::study::Case;
 use super::{Calibration, Settings, calibrate, goodness};
-use crate::crush::strength::{StrengthModel, Truncation};
+use engine::breakage::strength::{StrengthModel, Truncation};
 use std::path::{Path, PathBuf};
 
 const SETTINGS: Settings = Settings { intervals: Intervals::Profile, samples: 0, seed: 1 };

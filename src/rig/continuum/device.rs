@@ -1,11 +1,11 @@
 //! A test on a graphics device: the state goes there once; a look brings back what platens and walls feel, and points and grains come when they are asked for.
 
 use super::{Coupled, Rig, State};
-use crate::coupling::{Cycle, Rates};
 use crate::error::Result;
-use crate::gpu::{self, Adapter, Saved};
 use crate::model::Model;
-use crate::mpm::Platen;
+use ::engine::coupling::{Cycle, Rates};
+use ::engine::gpu::{self, Adapter, Saved};
+use ::engine::mpm::Platen;
 
 /// The points and platens of a [`State`] on the device, and its grains.
 pub struct Device {
@@ -34,7 +34,7 @@ impl Device {
     /// # Errors
     /// A device that was lost.
     pub fn save(&self) -> Result<Saved> {
-        self.gpu.save()
+        Ok(self.gpu.save()?)
     }
 
     pub fn adapter(&self) -> &Adapter {
@@ -153,7 +153,7 @@ impl Device {
         }
         feel(state, &mut self.coupled, model, rig)?;
         let coarse = coarse(state, self.coupled.as_ref(), model);
-        self.gpu.again(&state.continuum, &state.platens, &state.drift, coarse.as_ref(), None)
+        Ok(self.gpu.again(&state.continuum, &state.platens, &state.drift, coarse.as_ref(), None)?)
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::specimen::face;
 use super::{Coupled, LOOK, Phase, Rig, State};
-use crate::coupling::{Mixture, Rates};
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::continuum::Test;
-use crate::mpm::{Continuum, Platen, platen};
+use ::engine::coupling::{Mixture, Rates};
+use ::engine::mpm::{Continuum, Platen, platen};
 
 #[cfg(feature = "gpu")]
 use super::device::Device;
@@ -112,7 +112,7 @@ impl Engine {
 impl State {
     /// Platens press on the points.
     pub(super) fn press(&mut self) -> Result<()> {
-        platen::press(&mut self.platens, &mut self.continuum)
+        Ok(platen::press(&mut self.platens, &mut self.continuum)?)
     }
 
     /// One step on the processor, with the platens' forces, and their way in it.

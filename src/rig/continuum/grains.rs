@@ -1,20 +1,21 @@
 //! Grains in a continuum under test: the walls that they meet, and their cycles.
 
 use super::{Broken, Engine, Rig, State};
-use crate::boundary::Wall;
-use crate::boundary::{Drive, WallShape, WallSpec};
-use crate::coupling::{Allowed, Cycle, GhostTable, Mixture, Parts, Rates};
 use crate::error::{Error, Result};
-#[cfg(feature = "gpu")]
-use crate::gpu;
 use crate::model::continuum::{Coarse, Specimen, Test};
 use crate::model::{Assembly, Model};
-use crate::mpm::{Continuum, Platen};
-#[cfg(feature = "gpu")]
-use crate::mpm::{Points, Settings};
 use crate::rig::assembly;
-use crate::rigid::Blocks;
-use crate::step::Work;
+use ::engine::boundary::Wall;
+use ::engine::boundary::{Drive, WallShape, WallSpec};
+use ::engine::coupling::{Allowed, Cycle, Mixture, Parts, Rates};
+use ::engine::dem::Work;
+#[cfg(feature = "gpu")]
+use ::engine::gpu;
+use ::engine::mpm::{Continuum, Platen};
+#[cfg(feature = "gpu")]
+use ::engine::mpm::{Points, Settings};
+use ::engine::point_contacts::GhostTable;
+use ::engine::rigid::Blocks;
 
 /// A rigid plane without friction.
 fn smooth(point: [f64; 3], normal: [f64; 3]) -> WallSpec {
@@ -174,13 +175,13 @@ impl State {
         &self,
         model: &Model,
         rig: &Rig,
-        what: impl FnOnce(&Settings, &Points, &[Platen], Option<&gpu::Coarse<'_>>) -> Result<T>,
+        what: impl FnOnce(&Settings, &Points, &[Platen], Option<&gpu::Coarse<'_>>) -> ::engine::error::Result<T>,
     ) -> Result<T> {
         if rig.specimen().is_some_and(|s| s.round) {
             let message = "cylinders are not available on the GPU: use --backend cpu";
             return Err(Error::input("gpu", "body[0].shape", Some("cylinder".into()), message));
         }
-        let Some(mixture) = self.mixture.as_deref() else { return what(&rig.settings, &rig.points, &self.platens, None) };
+        let Some(mixture) = self.mixture.as_deref() else { return Ok(what(&rig.settings, &rig.points, &self.platens, None)?) };
         if rig.growth.is_some() {
             return Err(Error::input(
                 "gpu",
@@ -194,7 +195,7 @@ impl State {
             return Err(Error::input("gpu", "stepping.continuum_steps", Some(steps.to_string()), message));
         }
         let table = ghosts(model, rig, mixture);
-        what(&rig.settings, &rig.points, &self.platens, Some(&gpu::Coarse { physics: &model.physics, mixture, table: &table }))
+        Ok(what(&rig.settings, &rig.points, &self.platens, Some(&gpu::Coarse { physics: &model.physics, mixture, table: &table }))?)
     }
 
     /// The next cycle; `continuum` is what waves allow, s.

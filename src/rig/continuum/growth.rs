@@ -3,20 +3,21 @@
 //! grains, for the same test without a continuum.
 
 use super::grains::side as wall_of;
-use crate::boundary::WallShape;
-use crate::boundary::{Wall, servo_speed};
 use crate::error::{Error, Result};
-use crate::grains::{Grains, sphere_volume};
 use crate::model::continuum::{Coarse, Continuum as Rig, Growth, Specimen, Test};
 use crate::model::{GrainSpec, Model};
-use crate::mpm::{Point, Points};
 use crate::packing;
-use crate::physics::Physics;
-use crate::physics::Stepping;
-use crate::record::measure;
 use crate::rig::cylinder::inertial_time;
 use crate::rig::growth::{self, INERTIAL, STRESS_AT_REST, UNBALANCED};
-use crate::step::{self, State, Work};
+use ::engine::boundary::WallShape;
+use ::engine::boundary::{Wall, servo_speed};
+use ::engine::dem;
+use ::engine::dem::observables;
+use ::engine::dem::physics::Physics;
+use ::engine::dem::physics::Stepping;
+use ::engine::dem::{State, Work};
+use ::engine::grains::{Grains, sphere_volume};
+use ::engine::mpm::{Point, Points};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -133,7 +134,7 @@ impl Growing {
         if stage == Stage::Growth {
             growth::grow(physics, &self.radii, self.steps, growth.steps, state, work);
         }
-        step::step(physics, state, work, |state, _| {
+        dem::step(physics, state, work, |state, _| {
             if stage != Stage::Growth {
                 servo(rig, growth.stress, state);
             }
@@ -171,7 +172,7 @@ impl Growing {
         let [_, size] = extent(&self.state);
         let close = |k: usize| (side(&self.state, size, k) / stress - 1.0).abs() < STRESS_AT_REST;
         (0..6).filter(|k| moves(rig, *k)).all(close)
-            && measure::sums(physics, &self.state, work).unbalanced_ratio(self.state.grains.len()) < unbalanced
+            && observables::sums(physics, &self.state, work).unbalanced_ratio(self.state.grains.len()) < unbalanced
     }
 
     fn restless(&self, growth: &Growth) -> Error {
@@ -205,7 +206,7 @@ fn extent(state: &State) -> [[f64; 3]; 2] {
 
 /// Stress on a side, Pa.
 fn side(state: &State, size: [f64; 3], k: usize) -> f64 {
-    state.walls[k].reaction / crate::mpm::area(size, k / 2)
+    state.walls[k].reaction / ::engine::mpm::area(size, k / 2)
 }
 
 /// Which walls move: all in a triaxial test, the top in an oedometer.
@@ -220,7 +221,7 @@ fn servo(rig: &Rig, stress: f64, state: &mut State) {
     state.reference_stress = stress;
     let limit = 0.5 * INERTIAL * least / inertial_time(state, now);
     for k in (0..6).filter(|k| moves(rig, *k)) {
-        let force = stress * crate::mpm::area(size, k / 2);
+        let force = stress * ::engine::mpm::area(size, k / 2);
         let (dt, w) = (state.dt, &mut state.walls[k]);
         w.speed = servo_speed(force, w.reaction, w.stiffness, GAIN, dt, limit);
     }

@@ -1,8 +1,8 @@
 //! What a test shows: stresses and strains as means since the last row, who bears them as mean of the instants of both rows, energies at this instant.
 
 use super::{Phase, Rig, State, dimensions};
-use crate::coupling::{Shares, Touching};
-use crate::mpm::Totals;
+use ::engine::coupling::{Shares, Touching};
+use ::engine::mpm::Totals;
 use serde::{Deserialize, Serialize};
 
 /// Sums over the steps since the last row.
@@ -122,7 +122,7 @@ impl State {
 
     /// Adds the instants of a batch of steps on a device, which began with the extents that [`State::material`] gave.
     #[cfg(feature = "gpu")]
-    pub(super) fn add(&mut self, rig: &Rig, batch: &crate::gpu::Means, mut extents: [f64; 3]) {
+    pub(super) fn add(&mut self, rig: &Rig, batch: &::engine::gpu::Means, mut extents: [f64; 3]) {
         for (platen, [way, overlap, _]) in self.platens.iter().zip(&batch.platens) {
             extents[platen.axis()] += overlap - way;
         }

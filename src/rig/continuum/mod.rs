@@ -15,12 +15,12 @@ pub use grains::Coupled;
 pub use growth::{Growing, Grown, growing};
 pub use measure::{Coarse, Moment};
 
-use crate::coupling::Mixture;
-use crate::crush::event::Breakage;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
-use crate::mpm::{Continuum, Dimension, Drive, Platen, Ramp, with_platens};
+use ::engine::coupling::Mixture;
+use ::engine::dem::event::Breakage;
+use ::engine::mpm::{Continuum, Dimension, Drive, Platen, Ramp, with_platens};
 use serde::{Deserialize, Serialize};
 
 /// Steps between two looks at what bounds the time step.

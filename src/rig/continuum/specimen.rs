@@ -3,8 +3,8 @@
 use super::{Phase, Rig, State, dimensions};
 use crate::error::{Error, Result};
 use crate::model::continuum::{Drainage, Specimen, Test};
-use crate::mpm::platen::{Platen, ghost_radius, overlap};
-use crate::mpm::{Continuum, Dimension, Drive, Ramp, area};
+use ::engine::mpm::platen::{Platen, ghost_radius, overlap};
+use ::engine::mpm::{Continuum, Dimension, Drive, Ramp, area};
 use std::f64::consts::{FRAC_PI_4, PI};
 
 /// Lateral platens may move this many times as fast as the axial ones strain the specimen.

@@ -1,10 +1,10 @@
 //! How walls move while a specimen is made on the way from loose to dense: strain that all grains share, and a servo.
 
-use crate::boundary::servo_speed;
 use crate::model::Specimen;
-use crate::rig::cylinder::{CYLINDER, Stresses, TOP, Walls, inertial_time};
+use crate::rig::cylinder::{CYLINDER, Stresses, TOP, inertial_time, space};
 use crate::rig::growth;
-use crate::step::{State, Work};
+use engine::boundary::servo_speed;
+use engine::dem::{State, Work};
 use serde::{Deserialize, Serialize};
 
 /// Inertial number of strain on the way: as fast as a packing without friction can follow under [`super::path`]'s stress.
@@ -34,7 +34,7 @@ impl Drive {
     /// Strains the specimen and its walls alike in one step, `along` its axis and `across` it, compression positive: what a platen alone would press together
     /// next to itself is shared by all.
     pub fn strain(along: f64, across: f64, state: &mut State, work: &mut Work) {
-        let size = Walls::of(state);
+        let size = space(state);
         let (z, xy) = (along * state.dt, across * state.dt);
         for p in &mut state.grains.pos {
             *p = [p[0] - xy * p[0], p[1] - xy * p[1], p[2] - z * (p[2] - size.bottom), p[3]];
@@ -46,7 +46,7 @@ impl Drive {
 
     /// Top and cylinder towards `asked`, Pa.
     pub fn servo(&mut self, asked: f64, steps: u64, rig: &Specimen, state: &mut State) {
-        let size = Walls::of(state);
+        let size = space(state);
         if steps.is_multiple_of(LOOK) {
             state.reference_stress = Stresses::of(state).top.clamp(rig.isotropic_stress, asked.max(rig.isotropic_stress));
             self.rate = growth::INERTIAL / inertial_time(state, state.reference_stress);

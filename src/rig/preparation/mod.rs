@@ -6,12 +6,12 @@ pub mod range;
 pub mod stated;
 
 use crate::error::Error;
-use crate::grains::{Grains, sphere_volume};
 use crate::model::{Model, Specimen};
 use crate::packing;
-use crate::rig::cylinder::{CYLINDER, Walls, walls};
+use crate::rig::cylinder::{CYLINDER, space, walls};
 use crate::rig::growth;
-use crate::step::{State, Work};
+use engine::dem::{State, Work};
+use engine::grains::{Grains, sphere_volume};
 use path::{Path, Wish};
 use serde::{Deserialize, Serialize};
 use stated::Stated;
@@ -79,7 +79,7 @@ fn scattered(model: &Model, rig: &Specimen, porosity: f64, friction: f64) -> (Ve
 
 /// Whether these walls bear a stress, Pa, as nearly as at rest.
 fn bears(state: &State, held: &[usize], stress: f64) -> bool {
-    let size = Walls::of(state);
+    let size = space(state);
     held.iter().all(|&k| {
         let area = if k == CYLINDER { size.shell_area() } else { size.platen_area() };
         (state.walls[k].reaction / area / stress - 1.0).abs() < growth::STRESS_AT_REST
@@ -89,5 +89,5 @@ fn bears(state: &State, held: &[usize], stress: f64) -> bool {
 /// Porosity of the grains in the space between the walls (overlaps not subtracted).
 pub fn porosity(state: &State) -> f64 {
     let (_, volume) = state.grains.mass_and_volume();
-    1.0 - volume / Walls::of(state).volume()
+    1.0 - volume / space(state).volume()
 }

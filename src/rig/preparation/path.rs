@@ -7,14 +7,15 @@
 
 use super::drive::{Drive, mean_stress};
 use super::{bears, porosity, scattered};
-use crate::contact::ContactLaw;
-use crate::contact::law::Pair;
 use crate::error::Error;
 use crate::model::{Model, Specimen};
-use crate::record::measure;
 use crate::rig::cylinder::{BOTTOM, CYLINDER, TOP, walls};
 use crate::rig::growth;
-use crate::step::{self, State, Work, stability};
+use engine::contact::ContactLaw;
+use engine::contact::law::Pair;
+use engine::dem;
+use engine::dem::observables;
+use engine::dem::{State, Work, stability};
 use serde::{Deserialize, Serialize};
 
 /// Where on its way a specimen is.
@@ -216,7 +217,7 @@ impl Path {
             Stage::Shearing => self.shear(state, work),
             _ => {}
         }
-        step::step(&model.physics, state, work, |state, _| {
+        dem::step(&model.physics, state, work, |state, _| {
             if matches!(self.stage, Stage::Unloading | Stage::Rest) {
                 self.drive.servo(self.asked, self.stage_steps, rig, state);
             }
@@ -359,7 +360,7 @@ impl Path {
 
     fn quiet(&self, model: &Model, state: &State, work: &Work) -> bool {
         self.stage_steps.is_multiple_of(LOOK)
-            && measure::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < QUIET
+            && observables::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < QUIET
     }
 
     fn at_rest(&self, model: &Model, state: &State, work: &Work) -> bool {
@@ -368,7 +369,7 @@ impl Path {
         }
         let unbalanced = if self.stage_steps < CREEP { growth::UNBALANCED } else { QUIET };
         bears(state, &[TOP, BOTTOM, CYLINDER], self.asked)
-            && measure::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < unbalanced
+            && observables::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < unbalanced
     }
 
     /// Whether a specimen that is still coming to rest is denser than asked already: rest makes it denser only. The loosest is let come to rest, to be told.

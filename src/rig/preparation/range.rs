@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::model::{Model, Specimen};
 use crate::record::specimen::checksum;
 use crate::run::stop_asked;
-use crate::step::Work;
+use engine::dem::Work;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 

@@ -3,13 +3,14 @@
 //! cylinder under servo.
 
 use super::{bears, porosity, scattered};
-use crate::boundary::servo_speed;
 use crate::error::Error;
 use crate::model::{Model, Specimen};
-use crate::record::measure;
-use crate::rig::cylinder::{BOTTOM, CYLINDER, Stresses, TOP, Walls, inertial_time};
+use crate::rig::cylinder::{BOTTOM, CYLINDER, Stresses, TOP, inertial_time, space};
 use crate::rig::growth;
-use crate::step::{self, State, Work};
+use engine::boundary::servo_speed;
+use engine::dem;
+use engine::dem::observables;
+use engine::dem::{State, Work};
 use serde::{Deserialize, Serialize};
 
 /// Where preparation is.
@@ -112,7 +113,7 @@ impl Stated {
         if self.stage == Stage::Growth {
             growth::grow(&model.physics, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work);
         }
-        step::step(&model.physics, state, work, |state, _| {
+        dem::step(&model.physics, state, work, |state, _| {
             if self.stage != Stage::Growth {
                 self.servo(rig, state);
             }
@@ -247,7 +248,7 @@ impl Stated {
     }
 
     fn servo(&mut self, rig: &Specimen, state: &mut State) {
-        let size = Walls::of(state);
+        let size = space(state);
         if self.stage_steps.is_multiple_of(LOOK / 4) {
             // by the stress there is, not the one to come: a pressing starts as gently as the specimen is soft
             let now = Stresses::of(state).top.clamp(rig.isotropic_stress, self.stress(rig));
@@ -269,7 +270,7 @@ impl Stated {
         }
         let held: &[usize] = if self.stage == Stage::Rest { &[TOP, BOTTOM, CYLINDER] } else { &[TOP, BOTTOM] };
         bears(state, held, self.stress(rig))
-            && measure::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < growth::UNBALANCED
+            && observables::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < growth::UNBALANCED
     }
 
     fn failure(&self, rig: &Specimen, state: &State, what: &str) -> Error {

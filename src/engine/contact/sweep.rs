@@ -1,0 +1,184 @@
+//! The sweep over contacts between grains: every pair's geometry, then its force, as many at once as the processor has lanes. Parallel over
+//! slots; each slot writes only itself and reads the grains, so no result depends on threads or on the order of slots.
+
+use super::force::{self, Meeting, Motion, Rules};
+use super::law::{Law, Pair, PairTable};
+use super::pairs::{FREE, Pairs};
+use super::part::{Part, Slots, for_each_part};
+use crate::contact::{ContactModel, TangentialUnloading};
+use crate::grains::{Grains, stiffness_radius};
+use crate::math::real::{Lanes, Real};
+use crate::math::vector::{dot, less, plus, scaled};
+use crate::with_law;
+use pulp::{Simd, WithSimd};
+use std::marker::PhantomData;
+
+/// Contacts of grains with grains.
+pub fn grains(contact: &ContactModel, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs, slots: Slots<'_>) {
+    let ledger = pairs.kept().work;
+    let extra = needs_extra(contact, pairs, rules, table.materials());
+    with_law!(contact.law, L => match (ledger, extra) {
+        (false, false) => sweep_grains::<L, false, false>(table, rules, g, pairs, slots),
+        (true, false) => sweep_grains::<L, true, false>(table, rules, g, pairs, slots),
+        (false, true) => sweep_grains::<L, false, true>(table, rules, g, pairs, slots),
+        (true, true) => sweep_grains::<L, true, true>(table, rules, g, pairs, slots),
+    })
+}
+
+/// Whether the contacts need more than one material's normal and tangential law with a kept tangential force.
+fn needs_extra(contact: &ContactModel, pairs: &Pairs, rules: &Rules, materials: usize) -> bool {
+    contact.rolling || rules.unloading == TangentialUnloading::Rescale || pairs.kept().load || materials > 1
+}
+
+fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(
+    table: &PairTable,
+    rules: &Rules,
+    g: &Grains,
+    pairs: &mut Pairs,
+    slots: Slots<'_>,
+) {
+    for_each_part(pairs, slots, rules.task, |part| {
+        rules.arch.dispatch(Sweep::<L, LEDGER, EXTRA> { table, rules, g, part, law: PhantomData });
+    });
+}
+
+/// A part of the contacts between grains.
+struct Sweep<'a, L, const LEDGER: bool, const EXTRA: bool> {
+    table: &'a PairTable,
+    rules: &'a Rules,
+    g: &'a Grains,
+    part: Part<'a>,
+    law: PhantomData<L>,
+}
+
+impl<L: Law, const LEDGER: bool, const EXTRA: bool> WithSimd for Sweep<'_, L, LEDGER, EXTRA> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let n = self.part.ends.len();
+        let lanes = Lanes::<S>::COUNT;
+        let one_pair = self.table.grains(0, 0).map(|x| Lanes::constants(simd, x));
+        let mut s = 0;
+        while lanes > 1 && s + lanes <= n {
+            if !self.together(simd, s, &one_pair) {
+                for k in s..s + lanes {
+                    self.alone(k);
+                }
+            }
+            s += lanes;
+        }
+        for k in s..n {
+            self.alone(k);
+        }
+    }
+}
+
+impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> {
+    /// The contact in slot `s`.
+    #[inline(always)]
+    fn alone(&mut self, s: usize) {
+        let Sweep { table, rules, g, part, .. } = self;
+        let [i, j] = part.ends[s];
+        if i == FREE {
+            return;
+        }
+        let (i, j) = (i as usize, j as usize);
+        let (p, q) = (g.pos[i], g.pos[j]);
+        let d = difference(p, q);
+        let reach = p[3] + q[3];
+        let distance = dot(d, d).sqrt();
+        let old = part.read::<L, EXTRA>(s);
+        // an overlap that rounds to nothing is none
+        if distance < reach {
+            let m_eff = if L::VISCOUS { 1.0 / (g.vel[i][3] + g.vel[j][3]) } else { 0.0 };
+            let mut meeting = meeting(d, distance, [p[3], q[3]], m_eff, motion(g, i, j));
+            if L::INHERITED {
+                meeting.r_eff = r_eff(g.stiffness_radius(i), g.stiffness_radius(j));
+            }
+            let pair = if EXTRA { table.grains(g.material[i], g.material[j]) } else { table.grains(0, 0) };
+            part.write(s, force::touching::<f64, L, LEDGER, EXTRA>(&meeting, pair, rules, &old));
+        } else {
+            part.write(s, force::apart::<LEDGER>(|| motion(g, i, j), rules.dt, &old));
+        }
+    }
+
+    /// The contacts from slot `s` on, one in each lane; false, and nothing done, unless all of them touch.
+    #[inline(always)]
+    fn together<S: Simd>(&mut self, simd: S, s: usize, one_pair: &Pair<Lanes<S>>) -> bool {
+        let Sweep { table, rules, g, part, .. } = self;
+        let n = g.pos.len();
+        let (pos, vel, spin) = (&g.pos[..n], &g.vel[..n], &g.spin[..n]);
+        let ends = &part.ends[s..s + Lanes::<S>::COUNT];
+        if ends.iter().any(|e| e[0] == FREE) {
+            return false;
+        }
+        let first = |k: usize| ends[k][0] as usize;
+        let second = |k: usize| ends[k][1] as usize;
+        let p = Lanes::columns(simd, |k| pos[first(k)]);
+        let q = Lanes::columns(simd, |k| pos[second(k)]);
+        let d = difference(p, q);
+        let distance = dot(d, d).sqrt();
+        if !Lanes::all(simd, (p[3] + q[3]).above(distance)) {
+            return false;
+        }
+        let v = [Lanes::columns(simd, |k| vel[first(k)]), Lanes::columns(simd, |k| vel[second(k)])];
+        let w = [Lanes::columns(simd, |k| spin[first(k)]), Lanes::columns(simd, |k| spin[second(k)])];
+        let motion = relative(v, w, [p[3], q[3]]);
+        let m_eff = if L::VISCOUS { d[0].constant(1.0) / (v[0][3] + v[1][3]) } else { d[0] };
+        let mut meeting = meeting(d, distance, [p[3], q[3]], m_eff, motion);
+        if L::INHERITED {
+            meeting.r_eff = r_eff(stiffness_radius(p, w[0]), stiffness_radius(q, w[1]));
+        }
+        let old = part.read_lanes::<S, L, EXTRA>(simd, |k| s + k);
+        let pair = if EXTRA && !table.is_single() {
+            &PairTable::lanes(simd, |k| table.grains(g.material[first(k)], g.material[second(k)]))
+        } else {
+            one_pair
+        };
+        let new = force::touching::<Lanes<S>, L, LEDGER, EXTRA>(&meeting, pair, rules, &old);
+        part.write_lanes(simd, |k| s + k, &new);
+        true
+    }
+}
+
+/// From the centre of `p` to that of `q`: the one place where displacement differences are taken.
+#[inline(always)]
+pub fn difference<R: Real>(p: [R; 4], q: [R; 4]) -> [R; 3] {
+    [q[0] - p[0], q[1] - p[1], q[2] - p[2]]
+}
+
+/// R* of two radii.
+#[inline(always)]
+pub fn r_eff<R: Real>(a: R, b: R) -> R {
+    a * b / (a + b)
+}
+
+/// Two spheres of radii `r` that overlap: `d` from the first centre to the second, `distance` its length.
+#[inline(always)]
+fn meeting<R: Real>(d: [R; 3], distance: R, r: [R; 2], m_eff: R, motion: Motion<R>) -> Meeting<R> {
+    let reach = r[0] + r[1];
+    // one division for 1/distance and 1/(r_i + r_j)
+    let both = distance.constant(1.0) / (distance * reach);
+    let normal = scaled(d, both * reach);
+    Meeting { normal, overlap: reach - distance, r_eff: r[0] * r[1] * (both * distance), m_eff, motion }
+}
+
+/// Motion of grain i against grain j.
+#[inline(always)]
+pub fn motion(g: &Grains, i: usize, j: usize) -> Motion {
+    relative([g.vel[i], g.vel[j]], [g.spin[i], g.spin[j]], [g.pos[i][3], g.pos[j][3]])
+}
+
+/// Motion of the first of two spheres against the second, from their velocities, spins and radii.
+#[inline(always)]
+fn relative<R: Real>(v: [[R; 4]; 2], w: [[R; 4]; 2], r: [R; 2]) -> Motion<R> {
+    let xyz = |u: [R; 4]| [u[0], u[1], u[2]];
+    let ([v0, v1], [w0, w1]) = (v.map(xyz), w.map(xyz));
+    Motion {
+        centres: less(v0, v1),
+        turning: plus(scaled(w0, r[0]), scaled(w1, r[1])),
+        mean_spin: plus(w0, w1).map(|x| x * 0.5),
+        spin_difference: less(w0, w1),
+    }
+}

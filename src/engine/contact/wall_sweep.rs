@@ -1,0 +1,139 @@
+//! The sweep over contacts with walls. Most of those listed do not touch: those that do are collected until they fill the lanes.
+
+use super::ContactLaw;
+use super::force::{self, Meeting, Motion, Rules};
+use super::law::{Law, PairTable};
+use super::pairs::{FREE, Pairs};
+use super::part::{Part, Slots, for_each_part};
+use crate::boundary::Wall;
+use crate::grains::{Grains, stiffness_radius};
+use crate::math::real::{Lanes, MOST_LANES, Real};
+use crate::math::vector::{plus, scaled};
+use crate::with_law;
+use pulp::{Simd, WithSimd};
+use std::marker::PhantomData;
+
+/// All contacts of grains with walls.
+pub fn walls(law: ContactLaw, table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
+    let ledger = pairs.kept().work;
+    with_law!(law, L => match ledger {
+        false => sweep_walls::<L, false>(table, rules, g, walls, pairs),
+        true => sweep_walls::<L, true>(table, rules, g, walls, pairs),
+    })
+}
+
+/// Motion of grain i against a wall that moves against `normal` (into the grains) with `speed`.
+#[inline(always)]
+pub fn motion_on_wall(g: &Grains, i: usize, normal: [f64; 3], speed: f64) -> Motion {
+    relative_to_wall(g.vel[i], g.spin[i], g.pos[i][3], normal, speed)
+}
+
+#[inline(always)]
+fn relative_to_wall<R: Real>(v: [R; 4], w: [R; 4], r: R, normal: [R; 3], speed: R) -> Motion<R> {
+    let spin = [w[0], w[1], w[2]];
+    Motion {
+        centres: plus([v[0], v[1], v[2]], scaled(normal, speed)),
+        turning: scaled(spin, r),
+        mean_spin: spin,
+        spin_difference: spin,
+    }
+}
+
+fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
+    for_each_part(pairs, Slots::All, rules.task, |part| {
+        rules.arch.dispatch(WallSweep::<L, LEDGER> { table, rules, g, walls, part, law: PhantomData });
+    });
+}
+
+/// A part of the contacts with walls.
+struct WallSweep<'a, L, const LEDGER: bool> {
+    table: &'a PairTable,
+    rules: &'a Rules,
+    g: &'a Grains,
+    walls: &'a [Wall],
+    part: Part<'a>,
+    law: PhantomData<L>,
+}
+
+/// A contact with a wall: its slot, and its normal and overlap.
+#[derive(Clone, Copy, Default)]
+struct OnWall {
+    slot: usize,
+    at: [f64; 4],
+}
+
+impl<L: Law, const LEDGER: bool> WithSimd for WallSweep<'_, L, LEDGER> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let lanes = Lanes::<S>::COUNT;
+        let mut waiting = [OnWall::default(); MOST_LANES];
+        let mut n = 0;
+        for slot in 0..self.part.ends.len() {
+            let [i, k] = self.part.ends[slot];
+            if i == FREE {
+                continue;
+            }
+            let ([x, y, z], gap) = self.walls[k as usize].shape.towards(self.g.pos[i as usize]);
+            if gap >= 0.0 {
+                self.apart(slot, [x, y, z]);
+                continue;
+            }
+            waiting[n] = OnWall { slot, at: [x, y, z, -gap] };
+            n += 1;
+            if n == lanes {
+                n = 0;
+                if lanes == 1 { self.alone(waiting[0]) } else { self.together(simd, &waiting[..lanes]) }
+            }
+        }
+        for &one in &waiting[..n] {
+            self.alone(one);
+        }
+    }
+}
+
+impl<L: Law, const LEDGER: bool> WallSweep<'_, L, LEDGER> {
+    #[inline(always)]
+    fn apart(&mut self, slot: usize, normal: [f64; 3]) {
+        let [i, k] = self.part.ends[slot];
+        let old = self.part.read::<L, true>(slot);
+        // only what has just ended leaves anything to write
+        if old.touch.overlap > 0.0 || LEDGER && self.part.work[slot][0] != 0.0 {
+            let motion = || motion_on_wall(self.g, i as usize, normal, self.walls[k as usize].speed);
+            self.part.write(slot, force::apart::<LEDGER>(motion, self.rules.dt, &old));
+        }
+    }
+
+    #[inline(always)]
+    fn alone(&mut self, OnWall { slot, at: [x, y, z, overlap] }: OnWall) {
+        let WallSweep { table, rules, g, walls, part, .. } = self;
+        let [i, k] = part.ends[slot].map(|e| e as usize);
+        let normal = [x, y, z];
+        let motion = motion_on_wall(g, i, normal, walls[k].speed);
+        let meeting = Meeting { normal, overlap, r_eff: g.stiffness_radius(i), m_eff: 1.0 / g.vel[i][3], motion };
+        let pair = table.wall(k, g.material[i]);
+        part.write(slot, force::touching::<f64, L, LEDGER, true>(&meeting, pair, rules, &part.read::<L, true>(slot)));
+    }
+
+    #[inline(always)]
+    fn together<S: Simd>(&mut self, simd: S, those: &[OnWall]) {
+        let WallSweep { table, rules, g, walls, part, .. } = self;
+        let slot = |k: usize| those[k].slot;
+        let ends = part.ends;
+        let (grain, wall) = (|k: usize| ends[slot(k)][0] as usize, |k: usize| ends[slot(k)][1] as usize);
+        let [x, y, z, overlap] = Lanes::columns(simd, |k| those[k].at);
+        let p = Lanes::columns(simd, |k| g.pos[grain(k)]);
+        let r = p[3];
+        let v = Lanes::columns(simd, |k| g.vel[grain(k)]);
+        let w = Lanes::columns(simd, |k| g.spin[grain(k)]);
+        let [speed, ..] = Lanes::columns(simd, |k| [walls[wall(k)].speed; 4]);
+        let normal = [x, y, z];
+        let motion = relative_to_wall(v, w, r, normal, speed);
+        let r_eff = if L::INHERITED { stiffness_radius(p, w) } else { r };
+        let meeting = Meeting { normal, overlap, r_eff, m_eff: r.constant(1.0) / v[3], motion };
+        let pair = PairTable::lanes(simd, |k| table.wall(wall(k), g.material[grain(k)]));
+        let old = part.read_lanes::<S, L, true>(simd, slot);
+        part.write_lanes(simd, slot, &force::touching::<Lanes<S>, L, LEDGER, true>(&meeting, &pair, rules, &old));
+    }
+}

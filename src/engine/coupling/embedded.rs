@@ -1,0 +1,241 @@
+//! Fines from crushing as material points among the grains of a test that is driven by walls with scaled inertia: both sides make the same steps.
+//!
+//! Nothing is there before the first breakage, and nothing is done. From then on each step finds the ghost contacts of points with grains and walls, gives both their forces, and lets
+//! the continuum make a step beside the grains'. Time counts steps, so a point's inertia, like a grain's, is what its step asks for: with the leapfrog's bound 1/dt² ≥ (c/h)² + k/2m (of
+//! [`crate::mpm::with_platens`] with APIC, and a contact's stiffness shared between its two ends as in [`crate::dem::stability`]), m = dt²/s² (M V/h² + k/2), where M is the law's modulus of
+//! compression, V the volume, h the cell, k the sum of its contacts' stiffness and s the scene's safety. Grains that points touch get what these contacts ask for as well.
+
+use super::evaluate::Scene;
+use super::{Body, Fines, Ghosts, Rule};
+use crate::boundary::CylinderSpace;
+use crate::dem;
+use crate::dem::physics::Physics;
+use crate::dem::{State, Work, stability};
+use crate::error::Result;
+use crate::math::vector::{cross, dot, scaled};
+use crate::mpm::law::Law;
+use crate::mpm::{Continuum, Dimension, Points, Settings, ShapeFunctions, Transfer, Wall as Side};
+use crate::point_contacts::GhostTable;
+use serde::{Deserialize, Serialize};
+
+/// Cells of the grid beyond the specimen on each side.
+const MARGIN: f64 = 3.0;
+/// By how much more than what is needed inertia is raised, so that it need not be raised again at once.
+const MORE: f64 = 1.2;
+/// Steps between two looks at the inertia of the grains that points touch.
+const LOOK: u64 = 8;
+
+/// Fines from crushing as a continuum among the grains of a test.
+#[derive(Clone, Debug)]
+pub struct Embedding {
+    pub law: Law,
+    /// Porosity with which they begin, free of stress.
+    pub porosity: f64,
+    /// Edge of a cell, m.
+    pub cell: f64,
+    /// As [`engine::coupling::Rule::release_strain`].
+    pub release_strain: f64,
+}
+
+impl Embedding {
+    /// Points along the edge of a cell that they fill.
+    const PER_EDGE: f64 = 2.0;
+
+    /// Volume of the solid that a point stands for, m³.
+    pub fn solid(&self) -> f64 {
+        (1.0 - self.porosity) * (self.cell / Self::PER_EDGE).powi(3)
+    }
+}
+
+/// The fines of a test as points.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Embedded {
+    continuum: Continuum,
+    ghosts: Ghosts,
+    pub fines: Fines,
+    /// Modulus of compression K + 4/3 G of their law, Pa.
+    modulus: f64,
+    /// What the points press on each wall, N.
+    pressed: Vec<f64>,
+    /// Work of grains and walls on the points so far, J.
+    pub work: f64,
+    /// Contact parameters; made from the model at the first look.
+    #[serde(skip)]
+    table: Option<GhostTable>,
+    /// Scratch: stiffness, N/m, of the ghost contacts of each point.
+    #[serde(skip)]
+    held: Vec<f64>,
+}
+
+impl Embedded {
+    /// No points yet, on a grid around the specimen.
+    ///
+    /// # Errors
+    /// A grid that is not allowed.
+    pub fn new(physics: &Physics, embedding: &Embedding, size: CylinderSpace) -> Result<Embedded> {
+        let cell = embedding.cell;
+        let wide = ((2.0 * size.radius / cell).ceil() + 2.0 * MARGIN) as u32;
+        let high = ((size.height / cell).ceil() + 2.0 * MARGIN) as u32;
+        let middle = 0.5 * f64::from(wide) * cell;
+        let settings = Settings {
+            dimension: Dimension::Space,
+            cell,
+            lower: [-middle, -middle, size.bottom - MARGIN * cell],
+            cells: [wide, wide, high],
+            walls: [Side::Open; 6],
+            gravity: [0.0; 3],
+            shape: ShapeFunctions::BSpline,
+            transfer: Transfer::Affine,
+            damping: physics.damping,
+        };
+        let mut continuum = Continuum::new(settings, vec![embedding.law.clone()], Points::default())?;
+        continuum.keep_carried();
+        let density = physics.materials[0].density;
+        let solid = embedding.solid();
+        let rule =
+            Rule { release_strain: embedding.release_strain, law: 0, porosity: embedding.porosity, solid, density, at_rest: true };
+        // c² ρ of the law, for any density
+        let modulus = embedding.law.wave_speed(1.0).powi(2);
+        Ok(Embedded {
+            continuum,
+            ghosts: Ghosts::default(),
+            fines: Fines::new(rule),
+            modulus,
+            pressed: vec![0.0; 3],
+            work: 0.0,
+            table: None,
+            held: Vec::new(),
+        })
+    }
+
+    pub fn continuum(&self) -> &Continuum {
+        &self.continuum
+    }
+
+    /// What the points press on wall `k`, N.
+    pub fn pressed(&self, k: usize) -> f64 {
+        self.pressed[k]
+    }
+
+    /// The forces of this instant between points and grains and walls; walls' reactions are then of both.
+    pub fn feel(&mut self, physics: &Physics, state: &mut State, work: &mut Work) {
+        if self.continuum.points().is_empty() {
+            self.ghosts.clear();
+            self.pressed.fill(0.0);
+            state.ledger.points = self.work;
+            return;
+        }
+        let Embedded { continuum, ghosts, fines, table, held, .. } = self;
+        let State { grains, walls, dt, aftermath, .. } = &*state;
+        let table = table.get_or_insert_with(|| GhostTable::new(physics.contact.law, &[0], &physics.materials, walls));
+        let fastest = |v: f64, [x, y, z]: [f64; 3]| v.max(x * x + y * y + z * z);
+        let points = continuum.points().carried.iter().fold(0.0, |v, c| fastest(v, *c)).sqrt();
+        let bodies = grains.vel.iter().fold(0.0, |v, c| fastest(v, [c[0], c[1], c[2]])).sqrt();
+        let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
+        let way = dt * (points + bodies.max(wall)) + aftermath.fastest_growth();
+        ghosts.update(grains, walls, continuum, way);
+        let scene = Scene { grains, walls, continuum, table, unloading: physics.contact.unloading, dt: *dt, ahead: [0.0; 2] };
+        ghosts.evaluate(&scene);
+        fines.released += ghosts.release(&scene, fines.rule.release_strain);
+        ghosts.give(grains, &mut work.outside, 1.0, continuum, [1.0, 0.0]);
+        held.clear();
+        held.resize(continuum.points().len(), 0.0);
+        for ghost in ghosts.touching() {
+            held[ghost.place[1] as usize] += ghost.stiffness[0].max(ghost.stiffness[1]);
+        }
+        self.press(state);
+        // the ledger is that of this instant: half of its work on points is still to come
+        state.ledger.points = self.work + 0.5 * state.dt * self.power(state);
+        if state.step.is_multiple_of(LOOK) {
+            self.hold_grains(physics, state, work);
+        }
+    }
+
+    /// Adds what points press to the walls' reactions and work, which are those of grains so far.
+    fn press(&mut self, state: &mut State) {
+        let Embedded { ghosts, pressed, work, .. } = self;
+        for (k, (wall, before)) in state.walls.iter_mut().zip(pressed.iter_mut()).enumerate() {
+            let (mut now, mut stiffness) = (0.0, 0.0);
+            for ghost in ghosts.touching().filter(|g| g.body == Body::Wall(k as u32)) {
+                now += ghost.touch.normal_force;
+                stiffness += ghost.stiffness[0];
+            }
+            // trapezium: the sweep has counted half of what they pressed before as if grains had
+            let way = wall.speed * state.dt;
+            wall.work += 0.5 * now * way;
+            *work += 0.5 * (*before + now) * way;
+            wall.reaction += now;
+            wall.stiffness += stiffness;
+            *before = now;
+        }
+    }
+
+    /// Raises the inertia of grains that need more than their own contacts ask for.
+    fn hold_grains(&self, physics: &Physics, state: &mut State, work: &Work) {
+        let mut touching = self.ghosts.touching().filter(|g| matches!(g.body, Body::Grain(_))).peekable();
+        while let Some(first) = touching.next() {
+            let mut sum = first.share();
+            while let Some(next) = touching.next_if(|next| next.body == first.body) {
+                sum += next.share();
+            }
+            stability::hold(first.place[0] as usize, sum, physics, state, work);
+        }
+    }
+
+    /// Motion of grains and points, what breaks, and what becomes points of it.
+    ///
+    /// # Errors
+    /// A lost point.
+    pub fn go(&mut self, physics: &Physics, state: &mut State, work: &mut Work) -> Result<()> {
+        let half = 0.5 * state.dt;
+        let mut given = half * self.power(state);
+        dem::motion(physics, state, work);
+        given += half * self.power(state);
+        self.work += given;
+        dem::breakage(physics, state, work);
+        if !self.continuum.points().is_empty() {
+            self.hold_points(physics, state.dt);
+            self.continuum.step(state.dt)?;
+        }
+        self.fines.take(&work.breakages);
+        self.fines.enter(state, &mut self.continuum, &mut self.ghosts);
+        let walls = &state.walls;
+        let outside = |[x, y, z, _]: [f64; 4]| walls.iter().any(|w| w.shape.towards([x, y, z, 0.0]).1 < 0.0);
+        self.fines.leave(outside, &mut self.continuum, &mut self.ghosts);
+        Ok(())
+    }
+
+    /// Power of grains on points, W, at the present velocities.
+    fn power(&self, state: &State) -> f64 {
+        let g = &state.grains;
+        let of = |(grain, _, _, touch): (usize, usize, f64, crate::contact::pairs::Touch)| {
+            let [u, v, w, _] = g.vel[grain];
+            let [a, b, c, _] = g.spin[grain];
+            let torque = scaled(cross(touch.normal, touch.tangential), g.pos[grain][3] - 0.5 * touch.overlap);
+            -dot(touch.force(), [u, v, w]) - dot(torque, [a, b, c])
+        };
+        self.ghosts.on_grains().map(of).sum()
+    }
+
+    /// Raises the inertia of points that need more.
+    fn hold_points(&mut self, physics: &Physics, dt: f64) {
+        let Embedded { continuum, held, modulus, .. } = self;
+        held.resize(continuum.points().len(), 0.0);
+        let (cell, damping, safety) = (continuum.settings().cell, continuum.settings().damping, physics.stepping.safety);
+        // local damping adds to forces on what slows down, as with grains
+        let step = (1.0 + damping) * dt * dt / (safety * safety);
+        let of = |(p, k): (&[f64; 4], &f64)| step * (*modulus * p[3] / (cell * cell) + 0.5 * k);
+        let points = continuum.points();
+        let needed = points.position.iter().zip(held.iter()).map(of);
+        if !needed.zip(&points.velocity).any(|(needed, v)| v[3] < needed) {
+            return;
+        }
+        let points = continuum.points_mut();
+        for ((p, k), v) in points.position.iter().zip(held.iter()).zip(&mut points.velocity) {
+            let needed = of((p, k));
+            if v[3] < needed {
+                v[3] = MORE * needed;
+            }
+        }
+    }
+}

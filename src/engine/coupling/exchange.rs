@@ -1,0 +1,140 @@
+//! The contacts of a mixture as plain lists, for those who do its steps elsewhere, and back.
+
+use super::{Body, Ghost, Mixture};
+use crate::contact::ContactLaw;
+use crate::contact::law::{Pair, PairTable};
+use crate::contact::pairs::{FREE, Kept, Pairs, Touch};
+use crate::contact::sweep::r_eff;
+use crate::dem::physics::Physics;
+use crate::dem::stability::elastic;
+use crate::mpm::platen::ghost_radius;
+use crate::mpm::{Continuum, Dimension};
+use crate::point_contacts::GhostTable;
+
+/// A contact that bears something.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact {
+    /// Between grains: their places in the order of ids, the lower one first. On a wall: the grain, the wall. Of a point: the body, the point's index.
+    pub ends: [u32; 2],
+    pub touch: Touch,
+    /// Tangential spring, N.
+    pub spring: [f64; 3],
+    /// Normal tangent stiffness, N/m.
+    pub stiffness: f64,
+}
+
+/// All of them. Bodies of `ghosts` are grains in the order of ids, then walls.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contacts {
+    pub grains: Vec<Contact>,
+    pub walls: Vec<Contact>,
+    pub ghosts: Vec<(Body, Contact)>,
+}
+
+/// Tangential over normal stiffness of a pair.
+fn ratio(law: ContactLaw, pair: &Pair) -> f64 {
+    pair.b / if law.is_linear() { pair.a } else { 1.5 * pair.a }
+}
+
+impl Mixture {
+    /// Grains, contacts and motion are those of the instant that was felt last.
+    pub fn contacts(&self, physics: &Physics, table: &PairTable) -> Contacts {
+        let (g, viscous) = (&self.grains.grains, physics.contact.law.is_viscous());
+        let mut place = vec![0; g.len()];
+        for (k, i) in (0..).zip(g.by_id()) {
+            place[i as usize] = k;
+        }
+        let of = |pairs: &Pairs, ends: &dyn Fn([u32; 2]) -> [u32; 2], of_pair: &dyn Fn([usize; 2]) -> (f64, Pair)| {
+            let touching = |s: &usize| pairs.ends[*s][0] != FREE && pairs.touch[*s].overlap > 0.0;
+            let contact = |s: usize| {
+                let (touch, (r_eff, pair)) = (pairs.touch[s], of_pair(pairs.ends[s].map(|i| i as usize)));
+                let stiffness = elastic(physics, touch.overlap, r_eff, &pair).k_n;
+                Contact { ends: ends(pairs.ends[s]), touch, spring: pairs.spring(s), stiffness }
+            };
+            (0..pairs.slots()).filter(touching).map(contact).collect()
+        };
+        let of_grains = |[i, j]: [usize; 2]| (r_eff(g.pos[i][3], g.pos[j][3]), *table.grains(g.material[i], g.material[j]));
+        let ghost = |ghost: &Ghost| {
+            let body = match ghost.body {
+                Body::Grain(_) => Body::Grain(place[ghost.place[0] as usize]),
+                wall => wall,
+            };
+            let spring = if viscous { ghost.spring } else { ghost.touch.tangential };
+            (body, Contact { ends: ghost.place, touch: ghost.touch, spring, stiffness: ghost.stiffness[0] })
+        };
+        Contacts {
+            grains: of(&self.grains.pairs, &|ends| ends.map(|i| place[i as usize]), &of_grains),
+            walls: of(&self.grains.wall_pairs, &|[i, k]| [place[i as usize], k], &|[i, k]| {
+                (g.pos[i][3], *table.wall(k, g.material[i]))
+            }),
+            ghosts: self.ghosts.touching().map(ghost).collect(),
+        }
+    }
+
+    /// Takes contacts over that were found elsewhere at this instant, after grain steps of `dt` seconds. Lists have to be made anew.
+    pub fn take_contacts(&mut self, physics: &Physics, table: &GhostTable, continuum: &Continuum, contacts: &Contacts, dt: f64) {
+        let order = self.grains.grains.by_id();
+        let kept = self.grains.pairs.kept();
+        let fill = |contacts: &[Contact], walls: bool| {
+            let mut pairs = Pairs::new(Kept { ..kept });
+            for c in contacts {
+                let [i, k] = c.ends;
+                let slot = pairs.add(order[i as usize], if walls { k } else { order[k as usize] }) as usize;
+                pairs.touch[slot] = c.touch;
+                if kept.spring {
+                    pairs.spring[slot] = c.spring;
+                }
+            }
+            pairs
+        };
+        let (mut pairs, mut wall_pairs) = (fill(&contacts.grains, false), fill(&contacts.walls, true));
+        if kept.load {
+            let (g, materials) = (
+                &self.grains.grains,
+                PairTable::new(physics.contact.law, &physics.materials, &self.grains.walls, self.grains.friction),
+            );
+            let weigh = |pairs: &mut Pairs, r_eff: &dyn Fn([usize; 2]) -> f64, pair: &dyn Fn([usize; 2]) -> Pair| {
+                for s in 0..pairs.slots() {
+                    let ends = pairs.ends[s].map(|i| i as usize);
+                    let weight = pair(ends).e_eff / r_eff(ends);
+                    pairs.load[s] = pairs.touch[s].normal_force * (weight * weight);
+                }
+            };
+            let reduced = |[i, j]: [usize; 2]| g.pos[i][3] * g.pos[j][3] / (g.pos[i][3] + g.pos[j][3]);
+            weigh(&mut pairs, &reduced, &|[i, j]| *materials.grains(g.material[i], g.material[j]));
+            weigh(&mut wall_pairs, &|[i, _]| g.pos[i][3], &|[i, k]| *materials.wall(k, g.material[i]));
+        }
+        (self.grains.pairs, self.grains.wall_pairs) = (pairs, wall_pairs);
+        let points = continuum.points();
+        let ghost = |(body, c): &(Body, Contact)| {
+            let point = c.ends[1] as usize;
+            let (body, place, pair) = match *body {
+                Body::Grain(k) => {
+                    let i = order[k as usize];
+                    let g = &self.grains.grains;
+                    (Body::Grain(g.id[i as usize]), i, table.of_grain(points.law[point], g.material[i as usize]))
+                }
+                Body::Wall(k) => (Body::Wall(k), k, table.of_wall(points.law[point], k as usize)),
+            };
+            Ghost {
+                body,
+                point: points.id[point],
+                place: [place, c.ends[1]],
+                law: points.law[point],
+                radius: ghost_radius(Dimension::Space, points.solid(point)),
+                mass: points.velocity[point][3],
+                touch: c.touch,
+                spring: if physics.contact.law.is_viscous() { c.spring } else { [0.0; 3] },
+                stiffness: [c.stiffness, c.stiffness * ratio(physics.contact.law, pair)],
+                reference: 0.0,
+            }
+        };
+        let mut near: Vec<Ghost> = contacts.ghosts.iter().map(ghost).collect();
+        near.sort_unstable_by_key(|g| (g.body, g.point));
+        self.ghosts.near = near;
+        // as if nothing had been searched, and the grains' step had not been looked at
+        self.ghosts.forget();
+        self.grains.births = true;
+        (self.grains.dt, self.last) = (dt, dt);
+    }
+}

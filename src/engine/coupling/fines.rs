@@ -1,0 +1,311 @@
+//! Fines from crushing: what a breakage loses enters the continuum as material points.
+//!
+//! The fines fill what the daughters, and points that are there already, leave of their mother's sphere, at the porosity that the continuum's own fines had at the start, and
+//! free of stress there: that is the void ratio to which their law's deformation refers, and nowhere in that sphere are fines denser than it. What finds no room stays in the reserve with its share of the momentum, and so does
+//! what would be a point too small for the continuum (less than an eighth of a point of the scene) or alone in its cell, where it would weigh on nodes that
+//! nobody shares; and so do fines that a grain pushes through a platen. Grains + points + reserve keep mass and momentum to rounding.
+//!
+//! Points stand for many fines, so their ghosts reach into the daughters around them. The overlap that a contact has when it is born bears no force
+//! ([`Ghost::reference`](super::Ghost)); it goes where the bodies part, and with the way that they slide past each other, in proportion to itself, over the scene's
+//! release strain. The energy that this sets free is counted.
+
+use super::Ghosts;
+use crate::boundary::Wall;
+use crate::dem::State;
+use crate::dem::event::Breakage;
+use crate::grains::Grains;
+use crate::math::random::lineage_uniform;
+use crate::math::vector::{dot, less};
+use crate::mpm::platen::ghost_radius;
+use crate::mpm::{Continuum, Dimension, Point};
+use serde::{Deserialize, Serialize};
+
+/// How fines enter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rule {
+    /// Way that a point slides past a grain, over the ghost's diameter, in which the overlap without force falls to 1/e.
+    pub release_strain: f64,
+    /// The law of their points, porosity at which they enter, and solid volume of a point of the scene, m³.
+    pub law: u8,
+    pub porosity: f64,
+    pub solid: f64,
+    /// Density of the grains, kg/m³.
+    pub density: f64,
+    /// Points begin at rest: inertia is scaled, and the momentum that a breakage leaves is not that of a mass.
+    pub at_rest: bool,
+}
+
+/// Mass, kg, momentum, kg m/s, and kinetic energy, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Account {
+    pub mass: f64,
+    pub momentum: [f64; 3],
+    pub kinetic: f64,
+}
+
+impl Account {
+    fn add(&mut self, mass: f64, momentum: [f64; 3], kinetic: f64) {
+        self.mass += mass;
+        self.kinetic += kinetic;
+        self.momentum.iter_mut().zip(momentum).for_each(|(sum, p)| *sum += p);
+    }
+}
+
+/// The fines of all breakages so far.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Fines {
+    pub rule: Rule,
+    /// What found no room.
+    pub reserve: Account,
+    /// What became points and still is, and how many.
+    pub entered: Account,
+    pub points: u64,
+    /// Elastic energy that contacts got by the release of their first overlaps, J.
+    pub released: f64,
+    /// Breakages of this cycle.
+    waiting: Vec<Breakage>,
+}
+
+/// Candidates for the places of an event's points, of which about half lie in the sphere.
+const CANDIDATES: u64 = 2000;
+/// Points are at most so many times smaller than the scene's, and an event has about this many.
+const SMALLER: f64 = 8.0;
+const PER_EVENT: f64 = 32.0;
+/// A new ghost may reach this share of its radius into a grain.
+const DEEPEST: f64 = 0.6;
+/// Half the distance of two new points, over the ghost's radius, at least.
+const LEAST_ROOM: f64 = 0.25;
+/// Points in a cell after insertion, at least.
+const COMPANY: usize = 2;
+
+/// What an event's points meet.
+struct Around<'a> {
+    /// Middle, m, and radius of the mother.
+    centre: [f64; 3],
+    radius: f64,
+    grains: &'a Grains,
+    /// Their radii, m, or what they grow to.
+    radii: &'a [f64],
+    /// Those near the mother.
+    near: Vec<usize>,
+    walls: &'a [Wall],
+    continuum: &'a Continuum,
+}
+
+impl Fines {
+    pub fn new(rule: Rule) -> Fines {
+        let (reserve, entered) = (Account::default(), Account::default());
+        Fines { rule, reserve, entered, points: 0, released: 0.0, waiting: Vec::new() }
+    }
+
+    pub(super) fn take(&mut self, breakages: &[Breakage]) {
+        self.waiting.extend_from_slice(breakages);
+    }
+
+    /// What the breakages of a cycle have lost becomes points.
+    pub(super) fn enter(&mut self, state: &State, continuum: &mut Continuum, ghosts: &mut Ghosts) {
+        if self.waiting.is_empty() {
+            return;
+        }
+        let State { grains, walls, aftermath, .. } = state;
+        // daughters that grow will be there
+        let radii = aftermath.radii(grains);
+        for mut event in std::mem::take(&mut self.waiting) {
+            if self.rule.at_rest {
+                (event.lost_momentum, event.lost_kinetic) = ([0.0; 3], 0.0);
+            }
+            let (mass, places) = self.places(&event, grains, &radii, walls, continuum);
+            let share = mass * places.len() as f64 / event.lost_mass;
+            let of = |share: f64| event.lost_momentum.map(|p| share * p);
+            let velocity = event.lost_momentum.map(|p| p / event.lost_mass);
+            let kinetic = 0.5 * share * dot(event.lost_momentum, velocity);
+            self.entered.add(share * event.lost_mass, of(share), kinetic);
+            self.reserve.add((1.0 - share) * event.lost_mass, of(1.0 - share), (1.0 - share) * event.lost_kinetic);
+            if places.is_empty() {
+                continue;
+            }
+            self.points += places.len() as u64;
+            let volume = mass / self.rule.density / (1.0 - self.rule.porosity);
+            let Rule { law, porosity, .. } = self.rule;
+            let point = |position| Point { position, velocity, mass, volume, stress: [0.0; 6], porosity, law };
+            let new: Vec<Point> = places.into_iter().map(point).collect();
+            ghosts.expect(continuum.insert(&new), grains.next_id);
+        }
+    }
+
+    /// Fines that a grain has pushed through a platen or wall have no place in the continuum any more: back into the reserve. `through` says of a place whether it is behind one.
+    pub(super) fn leave(&mut self, through: impl Fn([f64; 4]) -> bool, continuum: &mut Continuum, ghosts: &mut Ghosts) {
+        let points = continuum.points();
+        let lost: Vec<usize> =
+            (0..points.len()).filter(|&i| ghosts.is_newborn(points.id[i]) && through(points.position[i])).collect();
+        if lost.is_empty() {
+            return;
+        }
+        let mut gone = vec![false; points.len()];
+        for i in lost {
+            let ([u, v, w, mut mass], mut velocity) = (points.velocity[i], [0.0; 3]);
+            if self.rule.at_rest {
+                mass = self.rule.density * points.solid(i);
+            } else {
+                velocity = [u, v, w];
+            }
+            self.reserve.add(mass, velocity.map(|u| mass * u), 0.5 * mass * dot(velocity, velocity));
+            self.entered.mass -= mass;
+            self.points -= 1;
+            gone[i] = true;
+        }
+        continuum.points_mut().remove(&gone);
+        ghosts.forget();
+    }
+
+    /// The mass of each of an event's points, kg, and their places.
+    fn places(
+        &self,
+        event: &Breakage,
+        grains: &Grains,
+        radii: &[f64],
+        walls: &[Wall],
+        continuum: &Continuum,
+    ) -> (f64, Vec<[f64; 3]>) {
+        let (rule, radius, lost) = (&self.rule, 0.5 * event.diameter, event.lost_mass / self.rule.density);
+        // what daughters leave of the mother's sphere is as large as the fines without pores
+        let room = (1.0 - rule.porosity) * (lost - within(continuum, event.position, radius)).max(0.0);
+        if SMALLER * room < rule.solid {
+            return (0.0, Vec::new());
+        }
+        let number = (SMALLER * room / rule.solid).floor().min(PER_EVENT).max((room / rule.solid).ceil());
+        let solid = room / number;
+        let ghost = ghost_radius(Dimension::Space, solid);
+        let reach = radius + ghost;
+        let near = |i: &usize| {
+            let p = grains.pos[*i];
+            let far = reach + radii[*i];
+            let d = less([p[0], p[1], p[2]], event.position);
+            dot(d, d) < far * far
+        };
+        let near = (0..grains.len()).filter(near).collect();
+        let around = Around { centre: event.position, radius, grains, radii, near, walls, continuum };
+        let mut places = around.spread(event.lineage, ghost, number as usize);
+        let mass = solid * rule.density;
+        // who goes for one reason may leave another one alone
+        loop {
+            let number = places.len();
+            around.keep_company(&mut places);
+            around.keep_energy(event, mass, &mut places);
+            if places.len() == number {
+                return (mass, places);
+            }
+        }
+    }
+}
+
+impl Around<'_> {
+    /// Places in the mother's sphere, each as far from grains and from each other as possible; those too deep in a grain or in a wall's reach are none.
+    fn spread(&self, lineage: u64, ghost: f64, number: usize) -> Vec<[f64; 3]> {
+        let settings = self.continuum.settings();
+        let inside = |p: &[f64; 3]| {
+            (0..3).all(|a| {
+                let (low, high) = (settings.lower[a], settings.lower[a] + settings.cell * f64::from(settings.cells[a]));
+                p[a] > low && p[a] < high
+            })
+        };
+        let shift = lineage_uniform(lineage);
+        // place, and room around it over the ghost's radius
+        let mut candidates: Vec<([f64; 3], f64)> = (1..=CANDIDATES)
+            .map(|k| std::array::from_fn(|a| 2.0 * (halton(k, [2, 3, 5][a]) + shift[a]).fract() - 1.0))
+            .filter(|u: &[f64; 3]| dot(*u, *u) < 1.0)
+            .map(|u| std::array::from_fn(|a| self.centre[a] + self.radius * u[a]))
+            .filter(|p| inside(p) && self.walls.iter().all(|w| w.shape.towards([p[0], p[1], p[2], ghost]).1 >= 0.0))
+            .map(|p| (p, self.clearance(p) / ghost))
+            .filter(|(_, room)| *room >= 1.0 - DEEPEST)
+            .collect();
+        let mut places: Vec<[f64; 3]> = Vec::with_capacity(number.min(CANDIDATES as usize));
+        while places.len() < number {
+            // the first of the best: a fixed order
+            let mut best: Option<usize> = None;
+            for (k, (_, room)) in candidates.iter().enumerate() {
+                if best.is_none_or(|b| *room > candidates[b].1) {
+                    best = Some(k);
+                }
+            }
+            let Some(best) = best else { break };
+            let place = candidates.swap_remove(best).0;
+            for (p, room) in &mut candidates {
+                let d = less(*p, place);
+                *room = room.min(0.5 * dot(d, d).sqrt() / ghost);
+            }
+            // two in one place are none
+            candidates.retain(|(_, room)| *room > LEAST_ROOM);
+            places.push(place);
+        }
+        places
+    }
+
+    /// Distance to the next grain's surface, m; below zero inside.
+    fn clearance(&self, p: [f64; 3]) -> f64 {
+        let to = |i: &usize| {
+            let g = self.grains.pos[*i];
+            let d = less(p, [g[0], g[1], g[2]]);
+            dot(d, d).sqrt() - self.radii[*i]
+        };
+        self.near.iter().map(to).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Those that would have a cell for themselves go.
+    fn keep_company(&self, places: &mut Vec<[f64; 3]>) {
+        let settings = self.continuum.settings();
+        let cell =
+            |p: [f64; 3]| -> [i64; 3] { std::array::from_fn(|a| ((p[a] - settings.lower[a]) / settings.cell).floor() as i64) };
+        let far = self.radius + settings.cell;
+        let mut cells: Vec<[i64; 3]> = places.iter().map(|p| cell(*p)).collect();
+        self.continuum.visit([-far, far].map(|by| self.centre.map(|x| x + by)), |i| {
+            let [x, y, z, _] = self.continuum.points().position[i];
+            cells.push(cell([x, y, z]));
+        });
+        let mut at = 0;
+        places.retain(|_| {
+            at += 1;
+            cells.iter().filter(|c| **c == cells[at - 1]).count() >= COMPANY
+        });
+    }
+
+    /// Points never have more kinetic and potential energy than the breakage took away: else the highest go.
+    fn keep_energy(&self, event: &Breakage, mass: f64, places: &mut Vec<[f64; 3]>) {
+        let gravity = self.continuum.settings().gravity;
+        let velocity = event.lost_momentum.map(|p| p / event.lost_mass);
+        let kinetic = 0.5 * mass * dot(velocity, velocity);
+        let lift = |p: &[f64; 3]| -mass * dot(gravity, less(*p, event.position));
+        let gone =
+            |n: usize| event.lost_kinetic * mass * n as f64 / event.lost_mass + (event.stored_before - event.stored_after).max(0.0);
+        while places.iter().map(|p| kinetic + lift(p)).sum::<f64>() > gone(places.len()) * (1.0 + 1e-12) {
+            let highest = (0..places.len()).reduce(|a, b| if lift(&places[b]) > lift(&places[a]) { b } else { a });
+            let Some(highest) = highest else { break };
+            places.remove(highest);
+        }
+    }
+}
+
+/// Volume of the points in a sphere, m³.
+fn within(continuum: &Continuum, centre: [f64; 3], radius: f64) -> f64 {
+    let mut inside = Vec::new();
+    continuum.visit([-radius, radius].map(|by| centre.map(|x| x + by)), |i| {
+        let [x, y, z, volume] = continuum.points().position[i];
+        let d = less([x, y, z], centre);
+        if dot(d, d) < radius * radius {
+            inside.push((continuum.points().id[i], volume));
+        }
+    });
+    inside.sort_unstable_by_key(|(id, _)| *id);
+    inside.into_iter().map(|(_, volume)| volume).sum()
+}
+
+/// The k-th number of van der Corput's sequence (Halton 1960).
+fn halton(mut k: u64, base: u64) -> f64 {
+    let (mut sum, mut share) = (0.0, 1.0);
+    while k > 0 {
+        share /= base as f64;
+        sum += share * (k % base) as f64;
+        k /= base;
+    }
+    sum
+}

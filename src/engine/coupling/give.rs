@@ -1,0 +1,125 @@
+//! Who gets the force of every ghost contact, and what the contacts hold and allow.
+
+use super::evaluate::Scene;
+use super::{Body, Ghost, Ghosts};
+use crate::contact::pairs::Touch;
+use crate::grains::Grains;
+use crate::math::vector::{cross, dot, less, scaled};
+use crate::mpm::Continuum;
+use crate::point_contacts::Bound;
+
+impl Ghost {
+    /// Elastic energy of its normal compression, so large a share of force times overlap, and of its tangential spring, J.
+    pub(super) fn energy(&self, share: f64) -> f64 {
+        let t = if self.spring == [0.0; 3] { self.touch.tangential } else { self.spring };
+        let [k_n, k_t] = self.stiffness;
+        if k_n > 0.0 { share * self.touch.normal_force * self.touch.overlap + 0.5 * dot(t, t) / k_t } else { 0.0 }
+    }
+
+    /// What it asks of the inertia of its ends, N/m ([`crate::dem::stability`]).
+    pub(super) fn share(&self) -> f64 {
+        let [k_n, k_t] = self.stiffness;
+        (2.0 * k_n).max(7.0 * k_t)
+    }
+
+    /// Force on the body, N.
+    pub fn force(&self) -> [f64; 3] {
+        self.touch.force()
+    }
+}
+
+impl Ghosts {
+    /// Gives grains and points their shares of what the contacts bear, and points such a share of their stiffness, in the order of bodies and points.
+    pub(super) fn give(
+        &self,
+        grains: &Grains,
+        outside: &mut Vec<[[f64; 4]; 2]>,
+        of_grains: f64,
+        continuum: &mut Continuum,
+        [of_points, stiff]: [f64; 2],
+    ) {
+        outside.resize(grains.len(), [[0.0; 4]; 2]);
+        for ghost in self.touching() {
+            let ([body, point], force) = (ghost.place.map(|p| p as usize), ghost.touch.force());
+            let [k_n, k_t] = ghost.stiffness;
+            continuum.push(point, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
+            if let Body::Grain(_) = ghost.body {
+                let torque = torque(&ghost.touch, grains.pos[body][3]);
+                for a in 0..3 {
+                    outside[body][0][a] += of_grains * force[a];
+                    outside[body][1][a] += of_grains * torque[a];
+                }
+            }
+        }
+    }
+
+    /// The overlaps without force of contacts that have slid for `dt` seconds fall by 1/e in a way of `strain` ghost diameters; the elastic energy
+    /// that they get by it, J.
+    pub(super) fn release(&mut self, scene: &Scene<'_>, strain: f64) -> f64 {
+        let mut energy = 0.0;
+        for ghost in self.near.iter_mut().filter(|g| g.reference > 0.0 && g.reference < f64::INFINITY) {
+            let [body, point] = ghost.place.map(|p| p as usize);
+            let of_body = match ghost.body {
+                Body::Grain(_) => [0, 1, 2].map(|a| scene.grains.vel[body][a]),
+                Body::Wall(_) => scaled(ghost.touch.normal, scene.walls[body].speed),
+            };
+            let past = less(of_body, scene.continuum.points().carried[point]);
+            let slid = dot(past, past).sqrt() * scene.dt / (2.0 * ghost.radius);
+            let released = ghost.reference * (slid / strain).min(1.0);
+            ghost.reference -= released;
+            energy += ghost.touch.normal_force * released;
+        }
+        energy
+    }
+
+    /// Contacts that bear something, in order.
+    pub fn touching(&self) -> impl Iterator<Item = &Ghost> {
+        self.near.iter().filter(|g| g.touch.overlap > 0.0)
+    }
+
+    /// Contacts of grains with points that bear something, in order: indices of both, the ghost's radius, m, and the contact.
+    pub fn on_grains(&self) -> impl Iterator<Item = (usize, usize, f64, Touch)> {
+        let on_grain = self.touching().filter(|g| matches!(g.body, Body::Grain(_)));
+        on_grain.map(|g| (g.place[0] as usize, g.place[1] as usize, g.radius, g.touch))
+    }
+
+    /// Elastic energy of all contacts, J.
+    pub(super) fn stored(&self, share: f64) -> f64 {
+        self.touching().map(|ghost| ghost.energy(share)).sum()
+    }
+
+    /// Normal force of the points on wall `k`, N.
+    pub fn reaction(&self, k: usize) -> f64 {
+        self.touching().filter(|g| g.body == Body::Wall(k as u32)).map(|g| g.touch.normal_force).sum()
+    }
+
+    /// What the contacts of this instant allow as a time step: the largest sum of stiffness over mass over a point by itself, and over a grain.
+    pub(super) fn bound(&self, grains: &Grains, sums: &mut [Vec<f64>; 2], points: usize) -> Bound {
+        let mut most = Bound::default();
+        let [of_points, of_grains] = sums;
+        of_points.resize(points, 0.0);
+        of_grains.resize(grains.len(), 0.0);
+        for ghost in self.touching() {
+            let ([k_n, k_t], [body, point]) = (ghost.stiffness, ghost.place.map(|p| p as usize));
+            of_points[point] += k_n.max(k_t) / ghost.mass;
+            most.points = most.points.max(of_points[point]);
+            if let Body::Grain(_) = ghost.body {
+                of_grains[body] += k_n.max(3.5 * k_t) * grains.vel[body][3];
+                most.grains = most.grains.max(of_grains[body]);
+            }
+        }
+        // empty again, and only where it was not
+        for ghost in self.touching() {
+            of_points[ghost.place[1] as usize] = 0.0;
+            if let Body::Grain(_) = ghost.body {
+                of_grains[ghost.place[0] as usize] = 0.0;
+            }
+        }
+        most
+    }
+}
+
+/// Torque on a grain of this radius: (r − δ/2) n × t (Li et al. 2023, eq. 27, with the grain's own radius).
+fn torque(touch: &Touch, radius: f64) -> [f64; 3] {
+    scaled(cross(touch.normal, touch.tangential), radius - 0.5 * touch.overlap)
+}

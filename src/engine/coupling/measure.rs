@@ -1,0 +1,119 @@
+//! What grains in a continuum bear, and how they touch: for records.
+
+use super::{Body, Mixture};
+use crate::contact::fabric::Fabric;
+use crate::dem::State;
+use crate::mpm::Continuum;
+use serde::{Deserialize, Serialize};
+
+/// Contributions to the mean stress of a volume along the three axes, Pa, compression positive. In balance their sum is the stress on its sides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Shares {
+    /// Stress of the points over their volume.
+    pub matrix: [f64; 3],
+    /// Contacts of grains with each other and with platens.
+    pub skeleton: [f64; 3],
+    /// Contacts of grains with points.
+    pub interface: [f64; 3],
+}
+
+impl Shares {
+    /// The sum along an axis.
+    pub fn total(&self, axis: usize) -> f64 {
+        self.matrix[axis] + self.skeleton[axis] + self.interface[axis]
+    }
+
+    /// Half way to others.
+    pub fn midway(self, to: Shares) -> Shares {
+        let mid = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
+        Shares {
+            matrix: mid(self.matrix, to.matrix),
+            skeleton: mid(self.skeleton, to.skeleton),
+            interface: mid(self.interface, to.interface),
+        }
+    }
+}
+
+/// How grains touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Touching {
+    /// Contacts between grains, of grains with walls, and of grains and walls with points.
+    pub grains: u64,
+    pub walls: u64,
+    pub points: u64,
+    /// Fabric tensor of the contacts between grains: xx, yy, zz, xy, yz, zx; zeros without any.
+    pub fabric: [f64; 6],
+}
+
+impl Mixture {
+    /// The shares of a volume, m³.
+    pub fn shares(&self, continuum: &Continuum, volume: f64) -> Shares {
+        let (g, points, mut shares) = (&self.grains.grains, continuum.points(), Shares::default());
+        for i in points.by_id().into_iter().map(|i| i as usize) {
+            for (sum, s) in shares.matrix.iter_mut().zip(points.stress[i]) {
+                *sum -= s * points.position[i][3] / volume;
+            }
+        }
+        let add = |sums: &mut [f64; 3], force: [f64; 3], branch: [f64; 3]| {
+            for a in 0..3 {
+                sums[a] -= force[a] * branch[a] / volume;
+            }
+        };
+        let id = |i: u32| g.id[i as usize];
+        for s in self.grains.pairs.touching(|[i, j]| [id(i), id(j)]) {
+            let [p, q] = self.grains.pairs.ends[s].map(|i| g.pos[i as usize]);
+            add(&mut shares.skeleton, self.grains.pairs.touch[s].force(), std::array::from_fn(|a| q[a] - p[a]));
+        }
+        for s in self.grains.wall_pairs.touching(|[i, k]| [k, id(i)]) {
+            let touch = &self.grains.wall_pairs.touch[s];
+            let arm = g.pos[self.grains.wall_pairs.ends[s][0] as usize][3] - touch.overlap;
+            add(&mut shares.skeleton, touch.force(), touch.normal.map(|n| n * arm));
+        }
+        for ghost in self.ghosts.touching().filter(|ghost| matches!(ghost.body, Body::Grain(_))) {
+            let [p, q] = [g.pos[ghost.place[0] as usize], points.position[ghost.place[1] as usize]];
+            add(&mut shares.interface, ghost.force(), std::array::from_fn(|a| q[a] - p[a]));
+        }
+        shares
+    }
+
+    /// Contacts of this instant.
+    pub fn touching(&self) -> Touching {
+        let (g, pairs) = (&self.grains.grains, &self.grains.pairs);
+        let id = |i: u32| g.id[i as usize];
+        let between = pairs.touching(|[i, j]| [id(i), id(j)]);
+        let mut fabric = Fabric::default();
+        between.iter().for_each(|&s| fabric.add(pairs.touch[s].normal));
+        Touching {
+            grains: fabric.contacts,
+            walls: self.grains.wall_pairs.touching(|[i, k]| [k, id(i)]).len() as u64,
+            points: self.ghosts.touching().count() as u64,
+            fabric: fabric.tensor(),
+        }
+    }
+
+    /// Kinetic and potential energy of the grains and rigid bodies, and what their contacts hold, those with points included, J; of the tangential springs only
+    /// those of the latter.
+    pub fn energies(&self, gravity: [f64; 3]) -> [f64; 3] {
+        let g = &self.grains.grains;
+        let square = |v: [f64; 4]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let [mut kinetic, mut potential, mut stored] = [0.0, 0.0, self.ghosts.stored(self.energy)];
+        for i in g.by_id().into_iter().map(|i| i as usize) {
+            let (p, m) = (g.pos[i], g.mass[i]);
+            kinetic += 0.5 * m * (square(g.vel[i]) + 0.4 * p[3] * p[3] * square(g.spin[i]));
+            potential -= m * (gravity[0] * p[0] + gravity[1] * p[1] + gravity[2] * p[2]);
+        }
+        let id = |i: u32| g.id[i as usize];
+        let State { pairs, wall_pairs, .. } = &self.grains;
+        for s in pairs.touching(|[i, j]| [id(i), id(j)]) {
+            stored += self.energy * pairs.touch[s].normal_force * pairs.touch[s].overlap;
+        }
+        for s in wall_pairs.touching(|[i, k]| [k, id(i)]) {
+            stored += self.energy * wall_pairs.touch[s].normal_force * wall_pairs.touch[s].overlap;
+        }
+        if let Some(blocks) = &self.blocks {
+            let theirs = blocks.energies(gravity, self.energy);
+            return [kinetic + theirs[0], potential + theirs[1], stored + theirs[2]];
+        }
+        [kinetic, potential, stored]
+    }
+}

@@ -1,0 +1,359 @@
+//! One cycle of grains and continuum, each with steps of its own.
+//!
+//! The slower side makes one step of `time` seconds, the other κ steps of a κ-th of it (Zhang et al., section 4.2, eqs 51–60; here either side may be the
+//! slower one). Contacts between them are found at every step of the faster side, with the slower one carried on by the mean velocity of its last step (eq. 60: the
+//! way it went over the time it took). What a contact gives the faster side in each of its steps, it takes from the slower one over the cycle as the mean
+//! of these forces: impulses are equal and opposite, so momentum is conserved to rounding, whatever κ is. With κ = 1 both are found from one instant.
+
+use super::{Fines, Ghosts, Rule};
+use crate::coupling::evaluate::Scene;
+use crate::dem;
+use crate::dem::event::Breakage;
+use crate::dem::physics::Physics;
+use crate::dem::{State, Work};
+use crate::error::{Error, Result};
+use crate::grains::Grains;
+use crate::math::vector::plus;
+use crate::mpm::Continuum;
+use crate::mpm::platen::{self, Platen};
+use crate::point_contacts::{Bound, GhostTable};
+use crate::rigid::{self, Blocks};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Who makes how many steps in a cycle; one of both is 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Rates {
+    pub grains: u32,
+    pub continuum: u32,
+}
+
+/// A cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cycle {
+    /// s.
+    pub time: f64,
+    pub rates: Rates,
+}
+
+/// What each side allows by itself, with the scene's safety, s; what contacts between them allow; and what the scene asks for.
+#[derive(Clone, Copy, Debug)]
+pub struct Allowed {
+    pub grains: f64,
+    pub continuum: f64,
+    /// What they add to the square of a frequency, 1/s².
+    pub contacts: f64,
+    pub safety: f64,
+    /// A cycle may be so much shorter than the slower side could do, 1 or less, if that saves a step of the faster one.
+    pub nearly: f64,
+    /// Instead of the rates that the bounds give.
+    pub rates: Option<Rates>,
+}
+
+impl Cycle {
+    /// The longest cycle that is stable: a side's frequency and that of the contacts add up, ω² ≤ ω_side² + ω_contacts². With rates that are given, the
+    /// longest cycle that both sides can do with them.
+    pub fn longest(allowed: &Allowed) -> Cycle {
+        let of = |dt: f64| {
+            let own = 2.0 * allowed.safety / dt;
+            2.0 * allowed.safety / (own * own + allowed.contacts).sqrt()
+        };
+        let (grains, continuum) = (of(allowed.grains), of(allowed.continuum));
+        let rates = allowed.rates.unwrap_or_else(|| {
+            if allowed.grains == f64::INFINITY || allowed.continuum == f64::INFINITY {
+                return Rates { grains: 1, continuum: 1 };
+            }
+            let steps = |slow: f64, fast: f64| (allowed.nearly * slow / fast).ceil().clamp(1.0, MOST) as u32;
+            if grains <= continuum {
+                Rates { grains: steps(continuum, grains), continuum: 1 }
+            } else {
+                Rates { grains: 1, continuum: steps(grains, continuum) }
+            }
+        });
+        let time = (grains * f64::from(rates.grains)).min(continuum * f64::from(rates.continuum));
+        Cycle { time, rates }
+    }
+}
+
+/// Most steps of the faster side in a cycle.
+const MOST: f64 = 1000.0;
+
+/// The grains of a mixture with their contacts with points, beside a continuum.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Mixture {
+    pub grains: State,
+    pub ghosts: Ghosts,
+    /// Rigid bodies that are no spheres, where there are some; they make the grains' steps.
+    pub blocks: Option<Box<Blocks>>,
+    /// Where the mass that breakages lose becomes points.
+    pub fines: Option<Box<Fines>>,
+    /// Breakages of a cycle, until they are taken.
+    #[serde(skip)]
+    pub breakages: Vec<Breakage>,
+    /// Elastic energy of a contact between grains over its normal force and overlap: 2/5 by Hertz, 1/2 of a linear one.
+    pub(super) energy: f64,
+    /// The last cycle.
+    pub cycle: Cycle,
+    /// Cycles done.
+    pub cycles: u64,
+    /// The last step of grains, and what their own contacts allow, s.
+    pub(super) last: f64,
+    own: f64,
+    /// Steps of the continuum, and the largest speed at which a point was carried in the last one, m/s.
+    fastest: (u64, f64),
+    /// What the nodes felt of the contacts' stiffness in the last cycle, of what each point by itself would have.
+    pub share: f64,
+    /// The latter for this cycle, 1/s², until the continuum's first step.
+    #[serde(skip)]
+    pub alone: Option<f64>,
+    #[serde(skip)]
+    sums: [Vec<f64>; 2],
+}
+
+/// What a mixture works on besides itself.
+pub struct Parts<'a> {
+    pub physics: &'a Physics,
+    pub table: &'a GhostTable,
+    pub work: &'a mut Work,
+    pub continuum: &'a mut Continuum,
+    pub platens: &'a mut [Platen],
+}
+
+impl Mixture {
+    pub fn new(physics: &Physics, grains: State, continuum: &mut Continuum, fines: Option<Rule>) -> Mixture {
+        let energy = if physics.contact.law.is_linear() { 0.5 } else { 0.4 };
+        continuum.keep_carried();
+        let cycle = Cycle { time: 0.0, rates: Rates { grains: 1, continuum: 1 } };
+        Mixture {
+            grains,
+            ghosts: Ghosts::default(),
+            blocks: None,
+            fines: fines.map(|rule| Box::new(Fines::new(rule))),
+            breakages: Vec::new(),
+            energy,
+            cycle,
+            cycles: 0,
+            last: 0.0,
+            own: 0.0,
+            fastest: (u64::MAX, 0.0),
+            share: 1.0,
+            alone: None,
+            sums: Default::default(),
+        }
+    }
+
+    /// The forces of this instant: between grains, and between grains and points.
+    ///
+    /// # Errors
+    /// Rigid bodies that come within reach of each other.
+    pub fn feel(&mut self, parts: &mut Parts<'_>) -> Result<()> {
+        dem::feel(parts.physics, &mut self.grains, parts.work);
+        self.note_bound();
+        self.find(parts, self.last, [0.0; 2])?;
+        self.meet(parts);
+        Ok(())
+    }
+
+    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s².
+    ///
+    /// What the nodes feel of the contacts' stiffness is known when the continuum has made its step. Contacts change little from a step to the next, so what they felt
+    /// last of what each point by itself would have is taken for the present.
+    pub fn bounds(&mut self, continuum: &Continuum, platens: &[Platen], slow: bool) -> (f64, f64) {
+        // without grains nothing bounds their step
+        let own = if self.grains.grains.is_empty() { f64::INFINITY } else { self.own };
+        let mut bound = self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len());
+        if let Some(blocks) = &mut self.blocks {
+            let theirs = blocks.bound(&self.grains.grains, continuum.points().len());
+            bound = Bound { points: bound.points + theirs.points, grains: bound.grains + theirs.grains };
+        }
+        let platens = platens.iter().map(|p| p.rate).fold(0.0, f64::max);
+        self.alone = slow.then(|| bound.alone(platens));
+        (own, bound.frequency2(platens, slow.then_some(self.share)))
+    }
+
+    /// A cycle from what was felt, with platens that have pressed; walls and platens move at their speeds.
+    ///
+    /// # Errors
+    /// A lost point; a platen through the points.
+    pub fn go(&mut self, parts: &mut Parts<'_>, cycle: Cycle) -> Result<()> {
+        self.cycle = cycle;
+        let Cycle { time, rates } = cycle;
+        let [of_grains, of_points] = [rates.continuum, rates.grains].map(|n| 1.0 / f64::from(n));
+        self.give(parts, of_grains, [of_points, Bound::SHARES[0]]);
+        // but for the last one the steps of the continuum, beside grains that go on as they went
+        let dt = time * of_grains;
+        for j in 1..rates.continuum {
+            self.advance(parts, dt)?;
+            platen::press(parts.platens, parts.continuum)?;
+            self.find(parts, dt, [dt * f64::from(j), 0.0])?;
+            self.give(parts, of_grains, [of_points, 0.0]);
+        }
+        self.move_grains(parts, time * of_points);
+        self.end(parts, time - self.last, rates.grains - 1)
+    }
+
+    /// Goes on with a cycle of which `done` steps of the grains were made elsewhere: points have what contacts gave them, those felt last included.
+    ///
+    /// # Errors
+    /// As [`Self::go`].
+    #[cfg(feature = "gpu")]
+    pub fn go_on(&mut self, parts: &mut Parts<'_>, done: u32) -> Result<()> {
+        let Cycle { time, rates } = self.cycle;
+        let dt = time / f64::from(rates.grains);
+        self.give(parts, 1.0, [0.0; 2]);
+        self.move_grains(parts, dt);
+        self.end(parts, time - dt * f64::from(done + 1), rates.grains - done - 1)
+    }
+
+    /// The other steps of the grains, for `left` seconds, beside points that go on as they went, and the last step of the continuum. Newborn grains may need shorter steps.
+    fn end(&mut self, parts: &mut Parts<'_>, mut left: f64, mut steps: u32) -> Result<()> {
+        let Cycle { time, rates } = self.cycle;
+        while steps > 0 {
+            dem::feel(parts.physics, &mut self.grains, parts.work);
+            if self.note_bound() {
+                steps = steps.max((left / self.own).ceil().min(MOST) as u32);
+            }
+            self.find(parts, self.last, [0.0, time - left])?;
+            self.meet(parts);
+            let dt = left / f64::from(steps);
+            self.give(parts, 1.0, [dt / time, 0.0]);
+            self.move_grains(parts, dt);
+            left -= dt;
+            steps -= 1;
+        }
+        self.cycles += 1;
+        self.advance(parts, time * (1.0 / f64::from(rates.continuum)))?;
+        if let Some(fines) = &mut self.fines {
+            fines.enter(&self.grains, parts.continuum, &mut self.ghosts);
+            let platens = &*parts.platens;
+            let through = |p| platens.iter().any(|platen| platen.height(p).0 < 0.0);
+            fines.leave(through, parts.continuum, &mut self.ghosts);
+        }
+        Ok(())
+    }
+
+    fn move_grains(&mut self, parts: &mut Parts<'_>, dt: f64) {
+        (self.grains.dt, self.last) = (dt, dt);
+        if let Some(blocks) = &mut self.blocks {
+            let State { grains, walls, fresh, .. } = &mut self.grains;
+            blocks.give_others(grains, &mut parts.work.outside, walls, dt);
+            blocks.advance(parts.physics, *fresh, dt);
+        }
+        dem::go(parts.physics, &mut self.grains, parts.work);
+        self.breakages.extend_from_slice(&parts.work.breakages);
+        if let Some(fines) = &mut self.fines {
+            fines.take(&parts.work.breakages);
+        }
+    }
+
+    /// A step of the continuum, and its platens' way in it.
+    fn advance(&mut self, parts: &mut Parts<'_>, dt: f64) -> Result<()> {
+        parts.continuum.step(dt)?;
+        if let Some(alone) = self.alone.take() {
+            self.share = if alone > 0.0 { (parts.continuum.felt() / alone).min(1.0) } else { 1.0 };
+        }
+        parts.platens.iter_mut().for_each(|p| p.advance(dt));
+        Ok(())
+    }
+
+    fn give(&mut self, parts: &mut Parts<'_>, of_grains: f64, of_points: [f64; 2]) {
+        self.ghosts.give(&self.grains.grains, &mut parts.work.outside, of_grains, parts.continuum, of_points);
+        if let Some(blocks) = &mut self.blocks {
+            blocks.give_points(of_grains, parts.continuum, of_points);
+        }
+    }
+
+    /// Forces between rigid bodies, grains and walls.
+    fn meet(&mut self, parts: &Parts<'_>) {
+        let Some(blocks) = &mut self.blocks else { return };
+        blocks.evaluate(&rigid_scene(&self.grains, parts, self.last, [0.0; 2]), false);
+    }
+
+    /// Takes the grains' own bound where their step is not the one that they were given: then their contacts have been looked at again.
+    fn note_bound(&mut self) -> bool {
+        let looked = self.grains.dt != self.last;
+        if looked {
+            self.own = self.grains.dt;
+        }
+        looked
+    }
+
+    /// Lists and forces `dt` seconds after the last ones, with grains and points taken so far ahead.
+    fn find(&mut self, parts: &Parts<'_>, dt: f64, ahead: [f64; 2]) -> Result<()> {
+        let Parts { table, continuum, .. } = parts;
+        let State { grains, walls, .. } = &self.grains;
+        let walls = if table.touched_walls() == 0 { &[] } else { &walls[..] };
+        let square = |v: &[f64]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        if self.fastest.0 != continuum.steps() {
+            let carried = &continuum.points().carried;
+            let most = carried.par_iter().with_min_len(4096).map(|v| square(v)).reduce(|| 0.0, f64::max);
+            self.fastest = (continuum.steps(), most.sqrt());
+        }
+        let point = self.fastest.1;
+        let grain = grains.vel.iter().map(|v| square(v)).fold(0.0, f64::max).sqrt();
+        if dt * grain > continuum.settings().cell {
+            too_fast(grains, continuum, dt)?;
+        }
+        let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
+        let way = dt * (point + grain.max(wall)) + self.grains.aftermath.fastest_growth();
+        self.ghosts.update(grains, walls, continuum, way);
+        let scene = Scene { grains, walls, continuum, table, unloading: parts.physics.contact.unloading, dt, ahead };
+        self.ghosts.evaluate(&scene);
+        if let Some(fines) = self.fines.as_mut().filter(|f| f.points > 0) {
+            fines.released += self.ghosts.release(&scene, fines.rule.release_strain);
+        }
+        if let Some(blocks) = &mut self.blocks {
+            let way = dt * (point.max(grain).max(wall) + blocks.fastest());
+            blocks.update(grains, &self.grains.walls, continuum, way)?;
+            blocks.evaluate(&rigid_scene(&self.grains, parts, dt, ahead), true);
+        }
+        Ok(())
+    }
+
+    /// Mass, kg, and momentum, kg m/s, of grains, points and what breakages have left in reserve.
+    pub fn mass_and_momentum(&self, continuum: &Continuum) -> (f64, [f64; 3]) {
+        let (g, totals) = (&self.grains.grains, continuum.totals());
+        let (mut mass, mut momentum) = (totals.mass, totals.momentum);
+        for i in g.by_id().into_iter().map(|i| i as usize) {
+            mass += g.mass[i];
+            for (sum, v) in momentum.iter_mut().zip(g.vel[i]) {
+                *sum += g.mass[i] * v;
+            }
+        }
+        if let Some(blocks) = &self.blocks {
+            let theirs = blocks.mass_and_momentum();
+            mass += theirs.0;
+            momentum = plus(momentum, theirs.1);
+        }
+        if let Some(fines) = &self.fines {
+            mass += fines.reserve.mass;
+            momentum.iter_mut().zip(fines.reserve.momentum).for_each(|(sum, p)| *sum += p);
+        }
+        (mass, momentum)
+    }
+}
+
+/// Grains on the grid that would be through points before they see them; what has left it meets none.
+fn too_fast(grains: &Grains, continuum: &Continuum, dt: f64) -> Result<()> {
+    let settings = continuum.settings();
+    let over = |i: &usize| {
+        let (p, v) = (grains.pos[*i], grains.vel[*i]);
+        let way = dt * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+        let high = |a: usize| settings.lower[a] + settings.cell * f64::from(settings.cells[a]);
+        way > settings.cell && (0..3).all(|a| (settings.lower[a]..high(a)).contains(&p[a]))
+    };
+    let Some(i) = (0..grains.len()).find(over) else { return Ok(()) };
+    let what = format!(
+        "a grain goes further than a cell, {:.4} mm, in a step of {dt:.3e} s, and would not see points in its way: lower stepping.safety or stepping.dt_s",
+        1e3 * settings.cell
+    );
+    Err(Error::Unstable { step: continuum.steps(), what, grain: Some(u64::from(grains.id[i])) })
+}
+
+/// What contacts of rigid bodies are found from.
+fn rigid_scene<'a>(state: &'a State, parts: &'a Parts<'_>, dt: f64, ahead: [f64; 2]) -> rigid::Scene<'a> {
+    let Parts { physics, table, work, continuum, .. } = parts;
+    let State { grains, walls, .. } = state;
+    let (law, unloading) = (physics.contact.law, physics.contact.unloading);
+    rigid::Scene { grains, walls, continuum, ghosts: table, table: &work.table, law, unloading, dt, ahead }
+}

@@ -1,0 +1,304 @@
+//! The pass over grains: each sums its contacts in the order of its partners' ids (walls last), is judged against its
+//! limit, gets local damping and gravity, is kicked and drifted. Parallel over grains; each writes only itself.
+
+use super::{State, Work};
+use crate::contact::pairs::{Pairs, Touch};
+use crate::contact::part::few;
+use crate::dem::physics::Physics;
+#[cfg(target_arch = "x86_64")]
+use crate::math::real::Quad;
+use crate::math::real::{Four, Plain, quads};
+use crate::neighbours::Neighbours;
+use crate::neighbours::adjacency::Link;
+use pulp::Arch;
+
+/// Flag: the grain has used up its skin.
+pub const MOVED: u8 = 1;
+/// Flag: the grain's load exceeds its limit.
+pub const FAILED: u8 = 2;
+/// Flag: a contact of the grain has ended.
+pub const PARTED: u8 = 4;
+
+/// Sums over the contacts of one grain.
+#[derive(Clone, Copy)]
+struct Sums<F> {
+    /// Force, N, and torque, N m.
+    force: F,
+    torque: F,
+    /// Largest load, in the units of the area model.
+    load: f64,
+    /// Path, slip, viscous work of the contacts whose first end the grain is, J (with the ledger).
+    work: F,
+    /// Whether a contact with a grain has ended.
+    parted: bool,
+}
+
+/// Sums the contacts of grain `i` in the order of its partners' ids, walls last.
+#[inline(always)]
+fn sum<F: Four, const LEDGER: bool>(
+    token: F::Token,
+    i: usize,
+    radius: f64,
+    neighbours: &Neighbours,
+    pairs: &Pairs,
+    wall_pairs: &Pairs,
+) -> Sums<F> {
+    let (half, radius) = (F::all(token, 0.5), F::all(token, radius));
+    let (mut force, mut torque, mut work) = (F::all(token, 0.0), F::all(token, 0.0), F::all(token, 0.0));
+    // of the fourth numbers: largest normal force and smallest overlap
+    let (mut largest, mut smallest) = (F::all(token, 0.0), F::all(token, f64::INFINITY));
+    let links = neighbours.contacts.links(i);
+    let mut touching = links.len();
+    for (k, &e) in links.iter().enumerate() {
+        if e.is_wall() {
+            touching = k;
+            break;
+        }
+        let slot = e.slot();
+        let (t, n) = halves::<F>(token, &pairs.touch[slot]);
+        largest = t.max(largest);
+        smallest = n.min(smallest);
+        force = force + (t - t.w() * n) * F::all(token, e.sign());
+        torque = torque + (radius - n.w() * half) * (n * t.turned() - n.turned() * t);
+        if LEDGER {
+            work = work + F::of(token, pairs.work[slot]) * F::all(token, e.first_end());
+        }
+    }
+    let mut load = if pairs.load.is_empty() { largest.xyzw()[3] } else { heaviest(&links[..touching], &pairs.load) };
+    for &e in &links[touching..] {
+        let slot = e.slot();
+        let (t, n) = halves::<F>(token, &wall_pairs.touch[slot]);
+        force = force + (t - t.w() * n);
+        torque = torque + (radius - n.w()) * (n * t.turned() - n.turned() * t);
+        load = load.max(wall_pairs.load(slot));
+        if LEDGER {
+            work = work + F::of(token, wall_pairs.work[slot]);
+        }
+    }
+    // n t' − n' t is the cross product in the order z, x, y
+    Sums { force, torque: torque.turned(), load, work, parted: smallest.xyzw()[3] == 0.0 }
+}
+
+/// Tangential and normal force; normal and overlap.
+#[inline(always)]
+fn halves<F: Four>(token: F::Token, touch: &Touch) -> (F, F) {
+    (F::of(token, touch.first()), F::of(token, touch.second()))
+}
+
+/// The largest of the weighted loads.
+fn heaviest(links: &[Link], loads: &[f64]) -> f64 {
+    links.iter().map(|e| loads[e.slot()]).fold(0.0, f64::max)
+}
+
+/// Adds rolling moments, where the run has them.
+fn add_rolling(t: &mut [f64; 4], i: usize, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) {
+    for &e in neighbours.contacts.links(i) {
+        let slot = e.slot();
+        let (moment, sign) = match (e.is_wall(), e.second_end()) {
+            (true, _) => (wall_pairs.rolling[slot], 1.0),
+            (false, false) => (pairs.rolling[slot], 1.0),
+            (false, true) => (pairs.rolling[slot], -1.0),
+        };
+        for a in 0..3 {
+            t[a] += sign * moment[a];
+        }
+    }
+}
+
+fn weigh(force: &mut [f64; 4], mass: f64, gravity: [f64; 3]) {
+    for (f, g) in force.iter_mut().zip(gravity) {
+        *f += mass * g;
+    }
+}
+
+/// Force and torque on grain `i` from contacts, gravity and broken neighbours (before damping), with rolling where the run has it. Where grains do not turn,
+/// what keeps them from it takes the torque.
+pub fn force_and_torque(i: usize, physics: &Physics, state: &State, neighbours: &Neighbours) -> ([f64; 3], [f64; 3]) {
+    let s = sum::<Plain, false>((), i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
+    let (mut f, mut t) = (s.force.xyzw(), s.torque.xyzw());
+    if physics.contact.rolling {
+        add_rolling(&mut t, i, neighbours, &state.pairs, &state.wall_pairs);
+    }
+    if physics.gravity != [0.0; 3] {
+        weigh(&mut f, state.grains.mass[i], physics.gravity);
+    }
+    if !state.aftermath.is_empty() {
+        f.iter_mut().zip(state.aftermath.on(i)).for_each(|(sum, f)| *sum += f);
+    }
+    if !physics.contact.turning {
+        t = [0.0; 4];
+    }
+    ([f[0], f[1], f[2]], [t[0], t[1], t[2]])
+}
+
+struct Part<'a> {
+    first: usize,
+    pos: &'a mut [[f64; 4]],
+    vel: &'a mut [[f64; 4]],
+    spin: &'a mut [[f64; 4]],
+    work: &'a mut [[f64; 4]],
+    flags: &'a mut [u8],
+}
+
+/// What the pass reads.
+struct Input<'a> {
+    neighbours: &'a Neighbours,
+    pairs: &'a Pairs,
+    wall_pairs: &'a Pairs,
+    limit: &'a [f64],
+    mass: &'a [f64],
+    gravity: [f64; 3],
+    damping: f64,
+    /// m r² / I of a sphere, or nothing where grains do not turn.
+    turning: f64,
+    /// Step of the drift, and of the kick (half of it on the first step).
+    dt: f64,
+    kick: f64,
+    /// Force, N, and torque, N m, on each grain from elsewhere; empty where there is nothing else.
+    outside: &'a [[[f64; 4]; 2]],
+    task: usize,
+    arch: Arch,
+}
+
+/// Judges, kicks and drifts all grains, so many to a parallel task; leaves a flag per grain.
+pub fn advance(physics: &Physics, state: &mut State, work: &mut Work) {
+    let Work { neighbours, flags, outside, task, arch, .. } = work;
+    let (task, arch) = (*task / 4, *arch);
+    let ledger = state.pairs.kept().work;
+    // judged every so many steps
+    let crush = state.crushing && physics.crush.as_ref().is_some_and(|c| state.step.is_multiple_of(c.interval));
+    let State { grains, pairs, wall_pairs, .. } = state;
+    let input = Input {
+        neighbours,
+        pairs,
+        wall_pairs,
+        limit: &grains.limit,
+        mass: &grains.mass,
+        gravity: physics.gravity,
+        damping: state.damping,
+        turning: if physics.contact.turning { 2.5 } else { 0.0 },
+        dt: state.dt,
+        kick: if state.fresh { 0.5 * state.dt } else { state.dt },
+        outside,
+        task,
+        arch,
+    };
+    let part = Part { first: 0, pos: &mut grains.pos, vel: &mut grains.vel, spin: &mut grains.spin, work: &mut grains.work, flags };
+    match (ledger, crush, physics.contact.rolling) {
+        (false, false, false) => run::<false, false, false>(&input, part),
+        (true, false, false) => run::<true, false, false>(&input, part),
+        (false, true, false) => run::<false, true, false>(&input, part),
+        (true, true, false) => run::<true, true, false>(&input, part),
+        (false, false, true) => run::<false, false, true>(&input, part),
+        (true, false, true) => run::<true, false, true>(&input, part),
+        (false, true, true) => run::<false, true, true>(&input, part),
+        (true, true, true) => run::<true, true, true>(&input, part),
+    }
+}
+
+fn run<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
+    if few(part.pos.len(), input.task) {
+        return dispatch::<LEDGER, CRUSH, ROLLING>(input, part);
+    }
+    split::<LEDGER, CRUSH, ROLLING>(input, part);
+}
+
+fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
+    let n = part.pos.len();
+    if n <= input.task {
+        return dispatch::<LEDGER, CRUSH, ROLLING>(input, part);
+    }
+    let half = n.div_ceil(input.task).div_ceil(2) * input.task;
+    let (p0, p1) = part.pos.split_at_mut(half);
+    let (v0, v1) = part.vel.split_at_mut(half);
+    let (s0, s1) = part.spin.split_at_mut(half);
+    let (w0, w1) = part.work.split_at_mut(half);
+    let (f0, f1) = part.flags.split_at_mut(half);
+    let left = Part { first: part.first, pos: p0, vel: v0, spin: s0, work: w0, flags: f0 };
+    let right = Part { first: part.first + half, pos: p1, vel: v1, spin: s1, work: w1, flags: f1 };
+    rayon::join(|| split::<LEDGER, CRUSH, ROLLING>(input, left), || split::<LEDGER, CRUSH, ROLLING>(input, right));
+}
+
+fn dispatch<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
+    // to ask for each grain whether something else pushes it costs 4 % of a step where nothing does
+    if input.outside.is_empty() {
+        vectorised::<LEDGER, CRUSH, ROLLING, false>(input, part);
+    } else {
+        vectorised::<LEDGER, CRUSH, ROLLING, true>(input, part);
+    }
+}
+
+fn vectorised<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, const OUTSIDE: bool>(input: &Input<'_>, part: Part<'_>) {
+    match quads(input.arch) {
+        #[cfg(target_arch = "x86_64")]
+        Some(v3) => v3.vectorize(
+            #[inline(always)]
+            || chunk::<Quad, LEDGER, CRUSH, ROLLING, OUTSIDE>(v3, input, part),
+        ),
+        _ => chunk::<Plain, LEDGER, CRUSH, ROLLING, OUTSIDE>((), input, part),
+    }
+}
+
+#[inline(always)]
+fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, const OUTSIDE: bool>(
+    token: F::Token,
+    input: &Input<'_>,
+    part: Part<'_>,
+) {
+    let references = &input.neighbours.references()[part.first..][..part.pos.len()];
+    let gravity = input.gravity != [0.0; 3];
+    let all = |x| F::all(token, x);
+    let (drift, kick, damping, turning) = (all(input.dt), all(input.kick), all(input.damping), all(input.turning));
+    let rows = part.pos.iter_mut().zip(part.vel).zip(part.spin).zip(part.flags).zip(references).enumerate();
+    for (k, ((((pos, vel), spin), flag), reference)) in rows {
+        let i = part.first + k;
+        let (p, v) = (F::of(token, *pos), F::of(token, *vel));
+        let outside = if OUTSIDE { input.outside.get(i) } else { None };
+        if !gravity && outside.is_none() && input.neighbours.contacts.links(i).is_empty() {
+            // most fragments fly free: nothing but their place changes, and nothing else is read
+            let p = (p + v * drift).with_w_of(p);
+            *pos = p.xyzw();
+            *flag = if Neighbours::outside(reference, p, token) { MOVED } else { 0 };
+            continue;
+        }
+        let mut sums = sum::<F, LEDGER>(token, i, pos[3], input.neighbours, input.pairs, input.wall_pairs);
+        if ROLLING {
+            let mut t = sums.torque.xyzw();
+            add_rolling(&mut t, i, input.neighbours, input.pairs, input.wall_pairs);
+            sums.torque = F::of(token, t);
+        }
+        if let Some(&[force, torque]) = outside {
+            sums.force = sums.force + F::of(token, force);
+            sums.torque = sums.torque + F::of(token, torque);
+        }
+        if gravity {
+            let mut f = sums.force.xyzw();
+            weigh(&mut f, input.mass[i], input.gravity);
+            sums.force = F::of(token, f);
+        }
+        let (f, t, s) = (sums.force, sums.torque, F::of(token, *spin));
+        let inverse_mass = v.w();
+        // I = 2/5 m r^2
+        let inverse_inertia = turning * inverse_mass / (p.w() * p.w());
+        // local non-viscous damping of each component, −α |F| sign(v) (Ciantia et al. 2015, after Cundall 1987)
+        let (df, dt) = ((f * damping).against(v), (t * damping).against(s));
+        let new_v = (v + (f + df) * kick * inverse_mass).with_w_of(v);
+        let new_s = (s + (t + dt) * kick * inverse_inertia).with_w_of(s);
+        let p = (p + new_v * drift).with_w_of(p);
+        (*pos, *vel, *spin) = (p.xyzw(), new_v.xyzw(), new_s.xyzw());
+        if LEDGER {
+            let [x, y, z, _] = (all(0.5) * (df * (v + new_v) + dt * (s + new_s)) * drift).xyzw();
+            let [path, slip, viscous, _] = sums.work.xyzw();
+            let work = &mut part.work[k];
+            *work = [work[0] + path, work[1] + slip, work[2] + viscous, work[3] + (0.0 - x - y - z)];
+        }
+        let mut flags = if sums.parted { PARTED } else { 0 };
+        if Neighbours::outside(reference, p, token) {
+            flags |= MOVED;
+        }
+        if CRUSH && sums.load > input.limit[i] {
+            flags |= FAILED;
+        }
+        *flag = flags;
+    }
+}

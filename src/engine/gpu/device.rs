@@ -1,0 +1,191 @@
+//! The graphics adapter: choice, set-up, and what it says when something goes wrong.
+
+use super::grains;
+use super::memory::Sizes;
+use crate::error::{Error, Result};
+use std::sync::{Arc, Mutex, PoisonError};
+use wgpu::util::DeviceExt;
+
+/// An adapter that was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Adapter {
+    pub name: String,
+    /// Computes on the processor: good for tests, slower than the CPU path.
+    pub software: bool,
+}
+
+impl Adapter {
+    fn of(adapter: &wgpu::Adapter) -> Adapter {
+        let info = adapter.get_info();
+        Adapter { name: format!("{} ({})", info.name, info.backend), software: info.device_type == wgpu::DeviceType::Cpu }
+    }
+}
+
+/// The adapter that [`super::Continuum::new`] would use, if there is one.
+pub fn available() -> Option<Adapter> {
+    adapter().ok().map(|adapter| Adapter::of(&adapter))
+}
+
+/// The adapter, if it can hold so much.
+///
+/// # Errors
+/// No adapter; a buffer that it cannot have.
+pub fn holding(sizes: &Sizes, of_grains: Option<&grains::Sizes>) -> Result<Adapter> {
+    let adapter = adapter()?;
+    sizes.check(&adapter.limits())?;
+    if let Some(sizes) = of_grains {
+        sizes.check(&adapter.limits())?;
+    }
+    Ok(Adapter::of(&adapter))
+}
+
+fn adapter() -> Result<wgpu::Adapter> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::PRIMARY;
+    // sizes of indirect dispatches come from our own pass, which bounds them
+    descriptor.flags = wgpu::InstanceFlags::empty();
+    descriptor.memory_budget_thresholds = wgpu::MemoryBudgetThresholds { for_resource_creation: Some(95), for_device_loss: None };
+    let instance = wgpu::Instance::new(descriptor);
+    let options = wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
+    pollster::block_on(instance.request_adapter(&options)).map_err(|_| {
+        let message = "found no graphics adapter (Vulkan, Metal or Direct3D 12): install a driver (Debian's mesa-vulkan-drivers has one that \
+                       computes on the processor) or use --backend cpu";
+        Error::refused("gpu", "", None, message)
+    })
+}
+
+/// Something that the GPU path cannot do, by name.
+pub fn refused(key: &str, value: impl ToString, message: impl Into<String>) -> Error {
+    Error::refused("gpu", key, Some(value.to_string()), message)
+}
+
+/// What the device has said since it was asked last.
+#[derive(Clone, Default)]
+struct Complaints(Arc<Mutex<Option<String>>>);
+
+impl Complaints {
+    fn note(&self, what: String) {
+        // the first is the cause
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(what);
+    }
+
+    fn told(&self) -> Option<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+/// An open device.
+#[derive(Clone)]
+pub struct Device {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub adapter: Adapter,
+    complaints: Complaints,
+}
+
+impl Device {
+    /// # Errors
+    /// No adapter, or one that cannot do what the passes need.
+    pub fn open(with_grains: bool) -> Result<Device> {
+        let adapter = adapter()?;
+        let known = Adapter::of(&adapter);
+        let name = &known.name;
+        let limits = adapter.limits();
+        for (what, has, needs) in [
+            ("storage buffers per stage", limits.max_storage_buffers_per_shader_stage, if with_grains { 17 } else { 10 }),
+            ("threads per workgroup", limits.max_compute_invocations_per_workgroup, 256),
+        ] {
+            if has < needs {
+                return Err(refused("adapter", name, format!("has {has} {what}, {needs} are needed: use --backend cpu")));
+            }
+        }
+        let descriptor = wgpu::DeviceDescriptor { label: Some("comminute"), required_limits: limits, ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|e| refused("adapter", name, format!("cannot be used: {e}; use --backend cpu")))?;
+        let complaints = Complaints::default();
+        let (lost, other) = (complaints.clone(), complaints.clone());
+        device.set_device_lost_callback(move |reason, what| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                lost.note(format!("the graphics device was lost: {what}"));
+            }
+        });
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| other.note(format!("the graphics device failed: {e}"))));
+        Ok(Device { device, queue, adapter: known, complaints })
+    }
+
+    /// # Errors
+    /// What went wrong on the device since it was opened.
+    pub fn healthy(&self, step: u64) -> Result<()> {
+        match self.complaints.told() {
+            None => Ok(()),
+            Some(what) => Err(Error::Failed { step, what: format!("{what}; the state of the last record is kept") }),
+        }
+    }
+
+    /// Does `make`, which allocates `bytes` in all.
+    ///
+    /// # Errors
+    /// The device has not enough memory.
+    pub fn allocate<T>(&self, bytes: u64, make: impl FnOnce() -> T) -> Result<T> {
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let made = make();
+        if pollster::block_on(memory.pop()).is_some() {
+            let message = "is more than the graphics device has left: use fewer points, a smaller domain or --backend cpu";
+            return Err(refused("memory", format!("{:.1} MiB", bytes as f64 / 1_048_576.0), message));
+        }
+        Ok(made)
+    }
+
+    pub fn buffer(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+    }
+
+    /// A buffer of zeros.
+    pub fn empty(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+    }
+
+    /// Waits until all is done and copies the first bytes of some buffers, one after the other.
+    ///
+    /// # Errors
+    /// A device that was lost.
+    pub fn read(&self, parts: &[(&wgpu::Buffer, u64)], step: u64) -> Result<Vec<u8>> {
+        let size = parts.iter().map(|(_, size)| size).sum();
+        let lost = |what: &str| Error::Failed {
+            step,
+            what: format!("the graphics device cannot be read: {what}; the state of the last record is kept"),
+        };
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        let staging = self.allocate(size, || self.empty("staging", size, usage))?;
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut at = 0;
+        for (buffer, size) in parts {
+            encoder.copy_buffer_to_buffer(buffer, 0, &staging, at, *size);
+            at += size;
+        }
+        self.queue.submit([encoder.finish()]);
+        let (sender, receiver) = std::sync::mpsc::channel();
+        staging.map_async(wgpu::MapMode::Read, .., move |result| {
+            let _ = sender.send(result);
+        });
+        self.wait(None, step)?;
+        match receiver.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(e)) => return Err(lost(&e.to_string())),
+            Err(e) => return Err(lost(&e.to_string())),
+        }
+        let bytes = staging.get_mapped_range(..).map_err(|e| lost(&e.to_string()))?.to_vec();
+        self.healthy(step)?;
+        Ok(bytes)
+    }
+
+    /// Waits for a submission, or for all.
+    ///
+    /// # Errors
+    /// A device that was lost.
+    pub fn wait(&self, submission: Option<wgpu::SubmissionIndex>, step: u64) -> Result<()> {
+        let done = self.device.poll(wgpu::PollType::Wait { submission_index: submission, timeout: None });
+        self.healthy(step)?;
+        done.map(|_| ()).map_err(|e| Error::Failed { step, what: format!("the graphics device does not answer: {e}") })
+    }
+}

@@ -1,0 +1,453 @@
+//! Grains in a continuum on the device (`coupling` is the f64 twin): their contacts with each other, with walls and with points, and their motion.
+//!
+//! A point near a grain or a wall has a row with up to [`PLACES`] contacts, a grain has [`PARTNERS`] contacts with grains and one with each wall; each remembers its tangential
+//! spring. Lists have a skin and are made anew on the device. Each of two grains finds their contact by itself, from the same numbers in the same order. A grain gathers what
+//! points give it over the cells around it, so nothing but integers is added atomically.
+
+pub(super) mod layout;
+mod support;
+mod words;
+
+#[cfg(test)]
+pub use layout::Side;
+pub use layout::{Coupling, Mix, NONE, PLACES};
+pub use support::{Sizes, sizes};
+
+use super::device::{Device, refused};
+use super::platen::both;
+use crate::breakage::criterion::AreaModel;
+use crate::contact::ContactLaw;
+use crate::contact::law::{Pair, PairTable};
+use crate::coupling::exchange::Contacts;
+use crate::coupling::{Body, Mixture};
+use crate::dem::physics::Physics;
+use crate::dem::stability::rayleigh;
+use crate::error::{Error, Result};
+use crate::mpm::{Continuum as Cpu, Platen};
+use crate::point_contacts::{Bound, GhostTable};
+use layout::{SIDES, SLOTS};
+use serde::{Deserialize, Serialize};
+use wgpu::BufferUsages as Usage;
+use words::Kept;
+
+/// Cells by which lists reach further than contacts.
+const SKIN: f64 = 0.25;
+/// Whole numbers below this are squared and summed as integers.
+const WHOLE: f64 = 1000.0;
+
+/// Grains that go to the device with a continuum: as they are when the forces of their instant are known.
+#[derive(Clone, Copy)]
+pub struct Coarse<'a> {
+    pub physics: &'a Physics,
+    pub mixture: &'a Mixture,
+    pub table: &'a GhostTable,
+}
+
+/// Memory on the device.
+pub struct Buffers {
+    pub coupling: wgpu::Buffer,
+    pub tables: wgpu::Buffer,
+    pub grains: wgpu::Buffer,
+    pub slots: wgpu::Buffer,
+    pub rows: wgpu::Buffer,
+    pub mix: wgpu::Buffer,
+    pub lists: wgpu::Buffer,
+    pub pushes: wgpu::Buffer,
+    pub searches: wgpu::Buffer,
+}
+
+/// The grains on the device.
+pub struct Bodies {
+    pub buffers: Buffers,
+    pub coupling: Coupling,
+    /// What the last batch left.
+    pub mix: Mix,
+    sizes: Sizes,
+    points: usize,
+    /// Work of each wall before the state went to the device, J.
+    work: Vec<f64>,
+    safety: f64,
+}
+
+/// The device's own words of grains and contacts that touch.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Saved {
+    grains: Vec<u32>,
+    mix: Vec<u32>,
+    slots: Vec<u32>,
+    rows: Vec<u32>,
+    carried: Vec<u32>,
+    work: Vec<u64>,
+    /// Points near something.
+    near: u32,
+}
+
+/// Grains, contacts of grains, contacts of points, and the velocities that carried the points, as words.
+struct Words {
+    grains: Vec<[u32; 4]>,
+    slots: Vec<Kept>,
+    rows: Vec<Kept>,
+    carried: Vec<[u32; 4]>,
+}
+
+impl Words {
+    fn of(coarse: &Coarse<'_>, cpu: &Cpu, split_at: u32) -> Words {
+        let Coarse { physics, mixture, .. } = coarse;
+        let state = &mixture.grains;
+        let table = PairTable::new(physics.contact.law, &physics.materials, &state.walls, state.friction);
+        let Contacts { grains, walls, ghosts } = mixture.contacts(physics, &table);
+        // both grains of a contact keep it
+        let twice = grains.iter().flat_map(|c| [words::kept(c.ends[0], c.ends[1], c), words::kept(c.ends[1], c.ends[0], c)]);
+        let on_walls = walls.iter().map(|c| words::kept(c.ends[0], words::body(Body::Wall(c.ends[1])), c));
+        let mut slots: Vec<Kept> = twice.chain(on_walls).collect();
+        let mut rows: Vec<Kept> = ghosts.iter().map(|(body, c)| words::kept(c.ends[1], words::body(*body), c)).collect();
+        for kept in [&mut slots, &mut rows] {
+            kept.sort_unstable_by_key(|words| (words[0], words[4]));
+        }
+        let bits = |v: [f64; 3]| {
+            let [x, y, z] = v.map(|x| (x as f32).to_bits());
+            [x, y, z, 0]
+        };
+        let carried = cpu.points().carried.iter().map(|v| bits(*v)).collect();
+        Words { grains: words::grains(cpu.settings(), &state.grains, split_at), slots, rows, carried }
+    }
+
+    fn again(saved: &Saved, grains: usize, points: usize) -> Result<Words> {
+        let fours = |words: &[u32]| words.chunks_exact(4).map(|w| [w[0], w[1], w[2], w[3]]).collect::<Vec<_>>();
+        let kept = |words: &[u32], owners: usize| {
+            let (all, rest) = words.as_chunks::<{ size_of::<Kept>() / 4 }>();
+            (rest.is_empty() && all.iter().all(|w| (w[0] as usize) < owners)).then(|| all.to_vec())
+        };
+        let own = (fours(&saved.grains), kept(&saved.slots, grains), kept(&saved.rows, points), fours(&saved.carried));
+        match own {
+            (g, Some(slots), Some(rows), carried) if g.len() == layout::GRAIN * grains && carried.len() == points => {
+                Ok(Words { grains: g, slots, rows, carried })
+            }
+            _ => Err(refused("state", saved.grains.len(), format!("words are not those of {grains} grains and {points} points"))),
+        }
+    }
+}
+
+impl Bodies {
+    /// Takes the grains over, those of `saved` where there are some. Nothing is found anew: contacts are those that were felt.
+    ///
+    /// # Errors
+    /// A state of other grains; no room.
+    pub fn new(device: &Device, cpu: &Cpu, coarse: &Coarse<'_>, platens: usize, saved: Option<&Saved>) -> Result<Bodies> {
+        let Coarse { physics, mixture, table } = coarse;
+        let (settings, points, state) = (cpu.settings(), cpu.points(), &mixture.grains);
+        let n = state.grains.len();
+        let split_at = support::split(settings, &state.grains);
+        let own = match saved {
+            Some(saved) => Words::again(saved, n, points.len())?,
+            None => Words::of(coarse, cpu, split_at),
+        };
+        let near = {
+            let mut all: Vec<u32> = mixture.ghosts.near.iter().map(|g| g.point).collect();
+            all.sort_unstable();
+            all.dedup();
+            all.len().max(saved.map_or(0, |saved| saved.near as usize))
+        };
+        let sizes = Sizes::of(settings, points, &state.grains, support::room(near, points.len()));
+        sizes.check(&device.device.limits())?;
+        let rows = sizes.room;
+        let shelves = support::shelves(settings, points, &state.grains);
+        let materials = physics.materials.len();
+        let pairs = PairTable::new(physics.contact.law, &physics.materials, &state.walls, state.friction);
+        let laws = cpu.laws().len();
+        let ghost_walls = table.touched_walls();
+        let mut all: Vec<[f32; 4]> = Vec::new();
+        let mut put = |p: &Pair| {
+            all.push([p.a, p.b, p.friction, p.viscous].map(|x| x as f32));
+            all.push([p.e_eff as f32, 0.0, 0.0, 0.0]);
+        };
+        let of = |n: usize| (0..n).map(|k| k as u8);
+        of(materials).for_each(|a| of(materials).for_each(|b| put(pairs.grains(a, b))));
+        of(laws).for_each(|law| of(materials).for_each(|m| put(table.of_grain(law, m))));
+        (0..state.walls.len()).for_each(|k| of(materials).for_each(|m| put(pairs.wall(k, m))));
+        (0..ghost_walls).for_each(|k| of(laws).for_each(|law| put(table.of_wall(law, k))));
+        let first = [materials * materials, laws * materials, state.walls.len() * materials];
+        let starts = [first[0], first[0] + first[1], first[0] + first[1] + first[2], 0].map(|k| 2 * k as u32);
+        let most = (0..points.len()).map(|i| super::state::ghost_radius(points, i)).fold(0.0, f64::max);
+        let coupling = Coupling {
+            grains: n as u32,
+            rows: rows as u32,
+            walls: state.walls.len() as u32,
+            ghost_walls: ghost_walls as u32,
+            materials: materials as u32,
+            laws: laws as u32,
+            split: split_at,
+            law: match physics.contact.law {
+                ContactLaw::Linear | ContactLaw::LinearInherited => 0,
+                ContactLaw::Hertz => 1,
+                ContactLaw::HertzViscous | ContactLaw::HertzViscousNoTension => 2,
+            },
+            rates: 1,
+            turning: physics.contact.turning.into(),
+            hertz_area: physics.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz).into(),
+            crushing: state.crushing.into(),
+            skin: SKIN as f32,
+            reach: (most / settings.cell) as f32,
+            least: rayleigh(physics, &state.grains) as f32,
+            damping: state.damping as f32,
+            shelf: shelves.along,
+            shelves: shelves.along.iter().product::<i32>() as u32,
+            shelf_size: shelves.size as f32,
+            quantum: (settings.cell / f64::from(1_u32 << split_at)) as f32,
+            fine: (1.0 / f64::from(1_u32 << (30 - split_at))) as f32,
+            far: (1 << 10 >> split_at) + 2,
+            tables: starts,
+        };
+        let mut mix =
+            Mix { fresh: state.fresh.into(), share: mixture.share as f32, slow: physics.stepping.slow.into(), ..Mix::default() };
+        let linked = state.walls.len() - platens.min(state.walls.len());
+        for (k, (side, wall)) in mix.sides.iter_mut().zip(&state.walls).enumerate() {
+            let platen = if k >= linked { (k - linked) as u32 } else { NONE };
+            *side = words::side(settings, wall, platen);
+        }
+        let mut work: Vec<f64> = state.walls.iter().map(|w| w.work).collect();
+        if let Some(saved) = saved {
+            let words: &mut [u32] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut mix));
+            if words.len() != saved.mix.len() || work.len() != saved.work.len() {
+                return Err(refused("state", saved.mix.len(), "words are not those of a mixture"));
+            }
+            words.copy_from_slice(&saved.mix);
+            work = saved.work.iter().map(|w| f64::from_bits(*w)).collect();
+        }
+        // a row for each point that touches something
+        let mut owners: Vec<[u32; 4]> = Vec::new();
+        let mut pushes = vec![[0, 0, 0, NONE]; points.len()];
+        let mut in_rows = own.rows;
+        for words in &mut in_rows {
+            let point = words[0];
+            if owners.last().is_none_or(|last| last[0] != point) {
+                pushes[point as usize][3] = owners.len() as u32;
+                owners.push([point, 0, 0, 0]);
+            }
+            words[0] = owners.len() as u32 - 1;
+        }
+        (mix.rows, mix.crowded, mix.broken, mix.lost) = (owners.len() as u32, NONE, NONE, NONE);
+        (mix.search, mix.felt, mix.sub, mix.ahead) = (1, 1, 0, 0.0);
+        if let Some((owner, many)) = most_of(&in_rows, PLACES).or_else(|| most_of(&own.slots, SLOTS)) {
+            return Err(refused("contacts", many, format!("are more than there is room for at one point or grain ({owner})")));
+        }
+        let mut row_words = words::spread(&in_rows, rows, PLACES, |_, next| next);
+        owners.resize(rows, [0; 4]);
+        row_words.extend(owners);
+        let mut slot_words = words::spread(&own.slots, n, SLOTS, words::slot);
+        slot_words.resize(layout::CONTACT * SLOTS * n.max(1), [0; 4]);
+        pushes.extend(own.carried);
+        let storage = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST;
+        let mut grain_words = own.grains;
+        grain_words.resize(layout::GRAIN * n.max(1), [0; 4]);
+        let tables: &[u8] = bytemuck::cast_slice(&all);
+        let buffers = device.allocate(sizes.sum(), || Buffers {
+            coupling: device.buffer("coupling", bytemuck::bytes_of(&coupling), Usage::UNIFORM | Usage::COPY_DST),
+            tables: device.buffer("tables", if tables.is_empty() { &[0; 16] } else { tables }, Usage::STORAGE),
+            grains: device.buffer("grains", bytemuck::cast_slice(&grain_words), storage),
+            slots: device.buffer("slots", bytemuck::cast_slice(&slot_words), storage),
+            rows: device.buffer("rows", bytemuck::cast_slice(&row_words), storage),
+            mix: device.buffer("mix", bytemuck::bytes_of(&mix), storage),
+            lists: device.empty("lists", sizes.lists, Usage::STORAGE),
+            pushes: device.buffer("pushes", bytemuck::cast_slice(&pushes), storage),
+            searches: device.empty("searches", 24, Usage::STORAGE | Usage::INDIRECT),
+        })?;
+        Ok(Bodies { buffers, coupling, mix, sizes, points: points.len(), work, safety: physics.stepping.safety })
+    }
+
+    /// Bytes on the device.
+    pub fn bytes(&self) -> u64 {
+        self.sizes.sum()
+    }
+
+    /// Before a batch: sums from zero.
+    pub fn prepare(&self, queue: &wgpu::Queue) {
+        queue.write_buffer(&self.buffers.coupling, 0, bytemuck::bytes_of(&self.coupling));
+        queue.write_buffer(&self.buffers.mix, std::mem::offset_of!(Mix, reactions) as u64, &[0; size_of::<[[f32; 2]; SIDES]>()]);
+    }
+
+    /// The grain that is over its limit, as far as the device can tell, in the order of ids.
+    pub fn broken(&self) -> bool {
+        self.mix.broken != NONE
+    }
+
+    /// Whether so many points have come near something that there may not be room for all of the next batch.
+    pub fn crowded(&self) -> bool {
+        2 * u64::from(self.mix.rows) > u64::from(self.coupling.rows) && (self.coupling.rows as usize) < self.points
+    }
+
+    /// Mean reaction of each wall over a batch of so many steps, N.
+    pub fn reactions(&self, steps: u64) -> Vec<f64> {
+        self.mix.reactions[..self.coupling.walls as usize].iter().map(|sum| both(*sum) / steps.max(1) as f64).collect()
+    }
+
+    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s².
+    pub fn bounds(&self, platens: &[Platen]) -> (f64, f64) {
+        let bound = Bound { points: f32::from_bits(self.mix.point_rate).into(), grains: self.mix.ghost.into() };
+        let share = (self.mix.slow != 0).then_some(self.mix.share.into());
+        let contacts = bound.frequency2(platens.iter().map(|p| p.rate).fold(0.0, f64::max), share);
+        if self.coupling.grains == 0 {
+            return (f64::INFINITY, contacts);
+        }
+        let own = if self.mix.own > 0.0 { 2.0 * self.safety / f64::from(self.mix.own).sqrt() } else { f64::INFINITY };
+        (own.min(self.coupling.least.into()), contacts)
+    }
+
+    /// What has gone wrong with a grain.
+    ///
+    /// # Errors
+    /// A grain that is lost, or has more neighbours than there is room for; a device that was lost.
+    pub fn sound(&self, step: u64, device: &Device) -> Result<()> {
+        let told = |place: u32, what: String| {
+            let words = device.read(&[(&self.buffers.grains, self.sizes.grains)], step)?;
+            let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&words);
+            let id = words[6 * self.coupling.grains as usize + place as usize][3];
+            Err(Error::Unstable { step, what, grain: Some(id.into()) })
+        };
+        if self.mix.lost != NONE {
+            return told(
+                self.mix.lost,
+                "a grain has no finite velocity or passes a cell in a step: use a smaller time step".into(),
+            );
+        }
+        if self.mix.crowded != NONE {
+            let what = format!(
+                "a grain has more than {} grains near it, which the GPU path does not keep: use --backend cpu",
+                layout::PARTNERS
+            );
+            return told(self.mix.crowded, what);
+        }
+        Ok(())
+    }
+
+    fn read(&self, device: &Device, step: u64) -> Result<(Words, Mix)> {
+        let (b, s) = (&self.buffers, &self.sizes);
+        let parts = [
+            (&b.grains, s.grains),
+            (&b.slots, s.slots),
+            (&b.rows, s.rows),
+            (&b.pushes, s.pushes),
+            (&b.mix, size_of::<Mix>() as u64),
+        ];
+        let bytes = device.read(&parts, step)?;
+        let mut rest = &bytes[..];
+        let mut next = |size: u64| {
+            let (own, others) = rest.split_at(size as usize);
+            rest = others;
+            own
+        };
+        let fours = |bytes: &[u8]| bytemuck::pod_collect_to_vec::<u8, [u32; 4]>(bytes);
+        let [grains, slots, rows, pushes] = [s.grains, s.slots, s.rows, s.pushes].map(|size| fours(next(size)));
+        let mix: Mix = bytemuck::pod_read_unaligned(next(size_of::<Mix>() as u64));
+        let n = self.coupling.grains as usize;
+        let (room, used) = (self.coupling.rows as usize, mix.rows.min(self.coupling.rows) as usize);
+        let mut of_points = words::collect(&rows, room, PLACES, used);
+        for words in &mut of_points {
+            words[0] = rows[layout::CONTACT * PLACES * room + words[0] as usize][0];
+        }
+        // rows have no order
+        of_points.sort_unstable_by_key(|words| (words[0], words[4]));
+        let words = Words {
+            grains: grains[..layout::GRAIN * n].to_vec(),
+            slots: words::collect(&slots, n, SLOTS, n),
+            rows: of_points,
+            carried: pushes[self.points..].to_vec(),
+        };
+        Ok((words, mix))
+    }
+
+    /// # Errors
+    /// A device that was lost.
+    pub fn save(&self, device: &Device, step: u64) -> Result<Saved> {
+        let (words, mut mix) = self.read(device, step)?;
+        let near = mix.rows;
+        // what is made anew when it is taken up
+        (mix.rows, mix.travelled, mix.fastest_point, mix.fastest_grain, mix.point_speed) = (0, 0.0, 0, 0, 0.0);
+        mix.most = 0;
+        Ok(Saved {
+            grains: words.grains.concat(),
+            mix: bytemuck::cast_slice(&[mix]).to_vec(),
+            slots: words.slots.concat(),
+            rows: words.rows.concat(),
+            carried: words.carried.concat(),
+            work: self.work.iter().map(|w| w.to_bits()).collect(),
+            near,
+        })
+    }
+
+    /// Writes grains, walls and contacts into a mixture, and the points' carrying velocities into `cpu`; `point` is the index there of a point of the device.
+    /// `dt` is the grains' last step, s.
+    ///
+    /// # Errors
+    /// A device that was lost.
+    pub fn read_back(
+        &self,
+        (device, step): (&Device, u64),
+        (physics, table): (&Physics, &GhostTable),
+        mixture: &mut Mixture,
+        cpu: &mut Cpu,
+        point: &[u32],
+        dt: f64,
+    ) -> Result<()> {
+        let (words, mix) = self.read(device, step)?;
+        let viscous = physics.contact.law.is_viscous();
+        let settings = cpu.settings().clone();
+        for (k, i) in mixture.grains.grains.by_id().into_iter().enumerate() {
+            words::to_grain(&settings, &words.grains, k, &mut mixture.grains.grains, i as usize);
+        }
+        for (k, wall) in mixture.grains.walls.iter_mut().enumerate() {
+            words::to_wall(&settings, &mix.sides[k], self.work[k], wall);
+        }
+        let carried = &mut cpu.points_mut().carried;
+        for (words, to) in words.carried.iter().zip(point) {
+            carried[*to as usize] = [0, 1, 2].map(|a| f64::from(f32::from_bits(words[a])));
+        }
+        let mut contacts = Contacts::default();
+        for words in &words.slots {
+            let mut contact = words::contact(words, viscous);
+            contact.ends = [words[0], words[4]];
+            if words[4] >= layout::WALLS {
+                contact.ends[1] -= layout::WALLS;
+                contacts.walls.push(contact);
+            } else if words[0] < words[4] {
+                contacts.grains.push(contact);
+            }
+        }
+        for words in &words.rows {
+            let mut contact = words::contact(words, viscous);
+            let body = words[4];
+            contact.ends = [body, point[words[0] as usize]];
+            let body = if body >= layout::WALLS { Body::Wall(body - layout::WALLS) } else { Body::Grain(body) };
+            contacts.ghosts.push((body, contact));
+        }
+        mixture.grains.fresh = mix.fresh != 0;
+        (mixture.share, mixture.alone) = (mix.share.into(), Some(mix.alone.into()));
+        mixture.take_contacts(physics, table, cpu, &contacts, dt);
+        Ok(())
+    }
+
+    /// Force on each point, N, the mean over the steps of the grains so far, and the stiffness that it pushes with, N/m.
+    ///
+    /// # Errors
+    /// A device that was lost.
+    pub fn pushes(&self, device: &Device, step: u64) -> Result<Vec<([f64; 3], f64)>> {
+        let bytes = device.read(&[(&self.buffers.pushes, 32 * self.points as u64)], step)?;
+        let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        let share = 1.0 / f64::from(self.coupling.rates);
+        let number = |bits: u32| f64::from(f32::from_bits(bits));
+        let (forces, carried) = words.split_at(self.points);
+        Ok(forces.iter().zip(carried).map(|(f, c)| ([0, 1, 2].map(|a| share * number(f[a])), number(c[3]))).collect())
+    }
+
+    /// Takes what walls felt last, without the rest.
+    pub fn walls(&self, cpu: &Cpu, mixture: &mut Mixture) {
+        for (k, wall) in mixture.grains.walls.iter_mut().enumerate() {
+            words::to_wall(cpu.settings(), &self.mix.sides[k], self.work[k], wall);
+        }
+    }
+}
+
+/// An owner of more than so many contacts.
+fn most_of(kept: &[Kept], room: usize) -> Option<(u32, usize)> {
+    kept.chunk_by(|a, b| a[0] == b[0]).find(|c| c.len() > room).map(|c| (c[0][0], c.len()))
+}

@@ -1,0 +1,157 @@
+//! What the GPU path takes of grains, and how much it needs, before anything is started.
+
+use super::layout::{CONTACT, GRAIN, Mix, PLACES, SIDES, SLOTS};
+use super::{Coarse, SKIN, WHOLE};
+use crate::boundary::WallShape;
+use crate::breakage::Birth;
+use crate::contact::{ContactLaw, TangentialUnloading};
+use crate::error::{Error, Result};
+use crate::gpu::device::refused;
+use crate::gpu::state::ghost_radius;
+use crate::grains::Grains;
+use crate::mpm::{Points, Settings};
+use std::f64::consts::PI;
+
+/// Shelves along an axis, at most.
+const SHELVES: f64 = 32.0;
+
+/// Bytes of each buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sizes {
+    pub grains: u64,
+    pub slots: u64,
+    pub rows: u64,
+    pub pushes: u64,
+    pub lists: u64,
+    /// Points near something that there is room for.
+    pub room: usize,
+}
+
+/// Grains by places.
+pub struct Shelves {
+    pub along: [i32; 3],
+    /// Cells.
+    pub size: f64,
+}
+
+/// Rows for so many points near something now.
+pub fn room(near: usize, points: usize) -> usize {
+    (2 * near + 1024).min(points).max(1)
+}
+
+/// Differences of places are taken in 2^-split cells.
+pub fn split(settings: &Settings, g: &Grains) -> u32 {
+    let widest = 2.0 * largest(g) / settings.cell + 2.0;
+    ((WHOLE / widest).log2().floor()).clamp(0.0, 12.0) as u32
+}
+
+fn largest(g: &Grains) -> f64 {
+    g.pos.iter().map(|p| p[3]).fold(0.0, f64::max)
+}
+
+pub fn shelves(settings: &Settings, points: &Points, g: &Grains) -> Shelves {
+    let ghost = (0..points.len()).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
+    let radius = largest(g);
+    let reach = (radius + radius.max(ghost)) / settings.cell + 1.01 * SKIN;
+    let wide = settings.cells.map(|n| f64::from(n) + 2.0);
+    let size = wide.iter().fold(reach, |size, wide| size.max(wide / SHELVES));
+    Shelves { along: wide.map(|wide| (wide / size).ceil().max(1.0) as i32), size }
+}
+
+impl Sizes {
+    pub fn of(settings: &Settings, points: &Points, g: &Grains, room: usize) -> Sizes {
+        let n = g.len().max(1) as u64;
+        let shelves: u64 = shelves(settings, points, g).along.iter().map(|n| *n as u64).product();
+        Sizes {
+            grains: 16 * GRAIN as u64 * n,
+            slots: 16 * (CONTACT * SLOTS) as u64 * n,
+            rows: 16 * (CONTACT * PLACES + 1) as u64 * room as u64,
+            pushes: 32 * points.len() as u64,
+            lists: 4 * (2 * shelves + 1 + n),
+            room,
+        }
+    }
+
+    pub fn sum(&self) -> u64 {
+        self.grains + self.slots + self.rows + self.pushes + self.lists + size_of::<Mix>() as u64
+    }
+
+    /// # Errors
+    /// A buffer that the device cannot have.
+    pub fn check(&self, limits: &wgpu::Limits) -> Result<()> {
+        let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+        for (what, bytes) in [("memory of the grains' contacts", self.slots), ("memory of the points' contacts", self.rows)] {
+            if bytes > most {
+                let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / 1_048_576.0);
+                return Err(refused(what, mib(bytes), format!("is above the device's {}: use --backend cpu", mib(most))));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What a mixture needs, with a guess of how many points are near grains.
+///
+/// # Errors
+/// What the GPU path lacks, by name.
+pub fn sizes(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Result<Sizes> {
+    Error::all(lacking(settings, points, coarse))?;
+    let g = &coarse.mixture.grains.grains;
+    let (count, volume) = (points.len(), points.initial_volume.iter().sum::<f64>());
+    let ghost = (0..count).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
+    let shell = |p: &[f64; 4]| {
+        let outer = p[3] + ghost + SKIN * settings.cell;
+        4.0 / 3.0 * PI * (outer * outer * outer - p[3] * p[3] * p[3])
+    };
+    let around: f64 = g.pos.iter().map(shell).sum();
+    let near = if coarse.table.touched_walls() > 0 { count } else { (around / volume * count as f64).min(count as f64) as usize };
+    Ok(Sizes::of(settings, points, g, room(near, count)))
+}
+
+/// What the GPU path does not have.
+fn lacking(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Vec<Error> {
+    let Coarse { physics, mixture, .. } = coarse;
+    let mut errors = Vec::new();
+    let mut lacks = |key: &str, value: String, what: &str| {
+        errors.push(refused(key, value, format!("is not available on the GPU: {what}, or --backend cpu")));
+    };
+    if physics.contact.rolling {
+        lacks("material.contact.rolling_friction", "above 0".into(), "use none");
+    }
+    if physics.contact.law == ContactLaw::HertzViscousNoTension {
+        lacks("contact.law", "hertz_viscous_no_tension".into(), "use hertz_viscous");
+    }
+    if physics.contact.unloading == TangentialUnloading::Rescale {
+        lacks("contact.unloading", "rescale".into(), "use keep");
+    }
+    if physics.crush.as_ref().is_some_and(|c| c.birth != Birth::Overlapping) {
+        lacks("crushing.birth", "gradual".into(), "use overlapping");
+    }
+    if mixture.fines.is_some() {
+        lacks("crushing.lost_mass", "points".into(), "use leave");
+    }
+    let walls = &mixture.grains.walls;
+    if walls.len() > SIDES {
+        lacks("wall", walls.len().to_string(), &format!("use at most {SIDES}"));
+    }
+    for wall in walls {
+        match wall.shape {
+            WallShape::Plane { normal, .. } if normal.iter().filter(|n| n.abs() == 1.0).count() == 1 => {}
+            WallShape::Plane { normal, .. } => lacks("wall.normal", format!("{normal:?}"), "use planes along the axes"),
+            WallShape::Cylinder { .. } => lacks("wall.kind", "cylinder".into(), "use planes along the axes"),
+        }
+    }
+    let g = &mixture.grains.grains;
+    let most = 0.5 * (WHOLE - 2.0) * settings.cell;
+    if largest(g) > most {
+        lacks("grain radius", largest(g).to_string(), &format!("use at most {most:.4} m"));
+    }
+    if g.len() >= 1 << 20 {
+        lacks("grains", g.len().to_string(), "use fewer");
+    }
+    let ghost = (0..points.len()).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
+    if ghost > 0.9 * settings.cell {
+        lacks("ghost radius", ghost.to_string(), "use larger cells");
+    }
+    errors
+}

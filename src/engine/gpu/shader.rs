@@ -1,0 +1,214 @@
+//! The sources of the passes, assembled.
+
+/// All passes of a step.
+pub const STEP: &str = concat!(
+    include_str!("params.wgsl"),
+    include_str!("exact.wgsl"),
+    include_str!("law.wgsl"),
+    include_str!("grains/alone.wgsl"),
+    include_str!("nodes.wgsl"),
+    include_str!("platens.wgsl"),
+    include_str!("walls.wgsl"),
+    include_str!("points.wgsl"),
+    include_str!("order.wgsl")
+);
+
+/// The same with grains, and their own passes.
+pub const MIXTURE: &str = concat!(
+    include_str!("params.wgsl"),
+    include_str!("exact.wgsl"),
+    include_str!("law.wgsl"),
+    include_str!("grains/contact.wgsl"),
+    include_str!("nodes.wgsl"),
+    include_str!("platens.wgsl"),
+    include_str!("walls.wgsl"),
+    include_str!("points.wgsl"),
+    include_str!("order.wgsl"),
+    include_str!("grains/ghosts.wgsl"),
+    include_str!("grains/bodies.wgsl")
+);
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+    use crate::gpu::grains::{Coupling, Mix, Side};
+    use crate::gpu::layout::{Drive32, Evolution32, Law32, Outside, Params, Platen32, Status};
+    use std::mem::{offset_of, size_of};
+    use wgpu::naga;
+
+    /// Rung 2b runs the laws by themselves.
+    pub const LAW_TEST: &str =
+        concat!(include_str!("params.wgsl"), include_str!("exact.wgsl"), include_str!("law.wgsl"), include_str!("law_test.wgsl"));
+
+    fn parsed(source: &str) -> naga::Module {
+        naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
+    }
+
+    /// Rung 0.
+    #[test]
+    fn shaders_are_valid() {
+        for source in [STEP, MIXTURE, LAW_TEST] {
+            let module = parsed(source);
+            let mut validator =
+                naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+            validator.validate(&module).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)));
+        }
+    }
+
+    /// Offsets and size of a struct of the shaders.
+    fn offsets(module: &naga::Module, name: &str) -> (Vec<usize>, usize) {
+        let (_, t) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).expect("a struct");
+        let naga::TypeInner::Struct { members, span } = &t.inner else { panic!("{name} is a struct") };
+        (members.iter().map(|m| m.offset as usize).collect(), *span as usize)
+    }
+
+    /// Rung 1.
+    #[test]
+    fn structs_have_the_same_offsets() {
+        let module = parsed(STEP);
+        macro_rules! same {
+            ($type:ty, $name:literal, $($field:ident),+) => {
+                assert_eq!(offsets(&module, $name), (vec![$(offset_of!($type, $field)),+], size_of::<$type>()), $name);
+            };
+        }
+        same!(
+            Params,
+            "Params",
+            size,
+            points,
+            gravity,
+            dt,
+            cell,
+            inverse_cell,
+            pic,
+            damping,
+            mass_floor,
+            zero,
+            cells,
+            nodes,
+            blocks,
+            crowd,
+            point_groups,
+            cell_groups,
+            platens,
+            safety,
+            extents,
+            follows,
+            walls,
+            drives
+        );
+        same!(Drive32, "Drive", kind, value, slope, end, gain, reach, memory, unused);
+        same!(
+            Platen32, "Platen", axis, normal, cell, units, rest, modulus, speed, moved, reaction, stiffness, stored, rate, work,
+            drift, overlap, way, unused, ways, overlaps, reactions
+        );
+        // what follows it has no size of its own
+        let (mut fields, size) = offsets(&module, "Outside");
+        assert_eq!(fields.pop(), Some(size_of::<Outside>()));
+        assert_eq!(size, size_of::<Outside>() + 16);
+        let own = [offset_of!(Outside, time), offset_of!(Outside, dt), offset_of!(Outside, count)];
+        assert_eq!(fields[..3], own);
+        assert_eq!(fields[3..], [offset_of!(Outside, sides), offset_of!(Outside, platens)]);
+        same!(Evolution32, "Evolution", kind, initial, last, strain, cubic, peak_strain, peak, residual, decay);
+        same!(
+            Law32,
+            "Law",
+            kind,
+            cone,
+            bulk,
+            shear,
+            volume_return,
+            per_multiplier,
+            cut,
+            settled,
+            last_alpha,
+            last_kappa,
+            unused_a,
+            unused_b,
+            friction,
+            cohesion
+        );
+        same!(Status, "Status", fault, crossed, steps, stop, fastest, reaction);
+        let module = parsed(MIXTURE);
+        macro_rules! same {
+            ($type:ty, $name:literal, $($field:ident),+) => {
+                assert_eq!(offsets(&module, $name), (vec![$(offset_of!($type, $field)),+], size_of::<$type>()), $name);
+            };
+        }
+        same!(
+            Coupling,
+            "Coupling",
+            grains,
+            rows,
+            walls,
+            ghost_walls,
+            materials,
+            laws,
+            split,
+            law,
+            rates,
+            turning,
+            hertz_area,
+            crushing,
+            skin,
+            reach,
+            least,
+            damping,
+            shelf,
+            shelves,
+            shelf_size,
+            quantum,
+            fine,
+            far,
+            tables
+        );
+        same!(Side, "Side", axis, normal, cell, units, rest, speed, platen, reaction, stiffness, unused, work);
+        same!(
+            Mix,
+            "Mix",
+            rows,
+            crowded,
+            broken,
+            lost,
+            fastest_point,
+            fastest_grain,
+            point_rate,
+            search,
+            travelled,
+            point_speed,
+            ahead,
+            sub,
+            own,
+            ghost,
+            fresh,
+            felt,
+            share,
+            alone,
+            most,
+            slow,
+            sides,
+            reactions
+        );
+    }
+
+    /// Constants that stand in both.
+    #[test]
+    fn constants_are_those_of_the_processor() {
+        use crate::gpu::grains::layout::{NONE, PARTNERS, PLACES, SIDES, SLOTS, WALLS};
+        use crate::point_contacts::Bound;
+        use naga::{Expression, Literal};
+        let module = parsed(MIXTURE);
+        let literal = |name: &str| {
+            let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).expect("a constant");
+            let Expression::Literal(literal) = module.global_expressions[constant.init] else { panic!("{name} is a number") };
+            literal
+        };
+        for (name, value) in [("OF_POINT", Bound::SHARES[0]), ("OF_GRAIN", Bound::SHARES[1])] {
+            assert_eq!(literal(name), Literal::F32(value as f32), "{name}");
+        }
+        let whole = [PARTNERS, SIDES, SLOTS, PLACES, WALLS as usize, NONE as usize];
+        for (name, value) in ["PARTNERS", "SIDES", "SLOTS", "PLACES", "WALLS", "NONE"].iter().zip(whole) {
+            assert_eq!(literal(name), Literal::U32(value as u32), "{name}");
+        }
+    }
+}

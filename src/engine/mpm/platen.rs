@@ -1,0 +1,340 @@
+//! Platens: rigid planes, and upright shells, that press on material points as on grains (Li et al. 2023, section 2.3), so that nothing of their
+//! place between two nodes is felt.
+//!
+//! A point near a platen is a ghost sphere, eq. 22: (1 − n) V = 4/3 π r³ with its current porosity n and volume V. That is its solid volume,
+//! which stays: r is a constant of the point. The force is Hertz's for a sphere on a rigid plane, F = 4/3 E* √r δ^{3/2} (eqs 18, 20 with the
+//! plane's infinite radius and stiffness), without friction. In plane strain the ghost is a disc, (1 − n) V = π r² with V per metre of
+//! thickness, which stands for a row of touching spheres of its radius, 1/(2 r) of them per metre.
+//!
+//! Li et al. spread the force to the nodes from the point (eq. 29). Here it acts on the point's face, where the material ends: a uniform stress is then in balance up to there,
+//! where otherwise the outermost points would bear a fraction of it, and moduli come out too high by half a point's edge over the length at each end. The face is followed with
+//! the nodes' velocities from the first touch on ([`super::Points::faces`]), and the ghost stays as far inside the material from it as at the start. So planes stand along the
+//! axes, and a shell's points in rings; each component of a shell's force acts on the face across its own axis.
+
+use super::{Continuum, Dimension, Points, Settings};
+use crate::error::{Error, Result};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// A platen and what is known of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Platen {
+    /// A point on it, m, and its unit normal, towards the material. Of a shell: a point of its axis, and nothing.
+    pub point: [f64; 3],
+    pub normal: [f64; 3],
+    /// Radius of a shell, m, that stands upright around the material.
+    pub radius: Option<f64>,
+    /// Into the material, m/s.
+    pub speed: f64,
+    /// E* of its contacts, Pa.
+    pub modulus: f64,
+    /// Force of the points on it along its normal, N, the sum of what each point was given (per metre in plane strain; on a shell of the radial forces).
+    pub reaction: f64,
+    /// Sum of the contacts' tangent stiffness, N/m.
+    pub stiffness: f64,
+    /// Elastic energy of its contacts, J.
+    pub stored: f64,
+    /// Work done on the points, J: trapezium rule over every step.
+    pub work: f64,
+    /// Largest tangent stiffness over mass of a point, 1/s²: what bounds the time step.
+    pub rate: f64,
+    /// Force, N, and tangent stiffness, N/m, of what else presses on it: grains.
+    pub others: [f64; 2],
+    /// Points that it touches.
+    pub touching: u64,
+    /// Largest ghost radius of all points, m.
+    reach: f64,
+    /// Distance moved since the last contact, m.
+    pub moved: f64,
+    #[serde(skip)]
+    contacts: Vec<Contact>,
+    /// Points that it no longer touches, by index.
+    #[serde(skip)]
+    left: Vec<u32>,
+}
+
+/// A point in touch: identity, index, overlap, radius, tangent stiffness, unit normal into the material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Contact {
+    id: u32,
+    index: u32,
+    overlap: f64,
+    radius: f64,
+    tangent: f64,
+    normal: [f64; 3],
+}
+
+/// All platens press: what they touch is found for several at once, what they give back summed one after the other.
+///
+/// # Errors
+/// A point whose centre a platen has passed.
+pub fn press(platens: &mut [Platen], continuum: &mut Continuum) -> Result<()> {
+    let points = &*continuum;
+    platens.par_iter_mut().for_each(|platen| platen.find(points));
+    platens.iter_mut().try_for_each(|platen| platen.push(continuum))
+}
+
+/// Ghost radius, m, of a point of so much solid volume (Li et al. 2023, eq. 22; in plane strain a disc's).
+pub fn ghost_radius(dimension: Dimension, solid: f64) -> f64 {
+    match dimension {
+        Dimension::Space => cube_root(solid * (0.75 / PI)),
+        Dimension::PlaneStrain => (solid / PI).sqrt(),
+    }
+}
+
+/// Overlap, m, at which a point bears the force `force`, N.
+pub fn overlap(dimension: Dimension, modulus: f64, radius: f64, force: f64) -> f64 {
+    let coefficient = 4.0 / 3.0 * modulus * radius.sqrt() * row(dimension, radius);
+    let root = cube_root(force / coefficient);
+    root * root
+}
+
+/// Spheres per ghost: one, or a row per metre.
+fn row(dimension: Dimension, radius: f64) -> f64 {
+    if dimension == Dimension::Space { 1.0 } else { 0.5 / radius }
+}
+
+/// From + − × ÷ alone, so that it is the same bits everywhere; 0 for what is not positive.
+pub(super) fn cube_root(x: f64) -> f64 {
+    if !(x.is_normal() && x > 0.0) {
+        return 0.0;
+    }
+    // a third of the exponent, then Halley's steps, each of which triples the digits
+    let mut y = f64::from_bits(x.to_bits() / 3 + 0x2A9F_7893_782D_A1CE);
+    for _ in 0..4 {
+        let cube = y * y * y;
+        y *= (cube + 2.0 * x) / (2.0 * cube + x);
+    }
+    y
+}
+
+/// A point whose centre a platen has passed.
+pub fn passed(step: u64, id: u32) -> Error {
+    let what = format!("a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it");
+    Error::Unstable { step, what, grain: None }
+}
+
+impl Platen {
+    /// A platen at rest, for the points of `continuum`.
+    pub fn new(continuum: &Continuum, point: [f64; 3], normal: [f64; 3], modulus: f64) -> Platen {
+        let points = continuum.points();
+        let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
+        Platen {
+            point,
+            normal,
+            radius: None,
+            speed: 0.0,
+            modulus,
+            reaction: 0.0,
+            stiffness: 0.0,
+            stored: 0.0,
+            work: 0.0,
+            rate: 0.0,
+            others: [0.0; 2],
+            touching: 0,
+            reach: ghost_radius(continuum.settings().dimension, most),
+            moved: 0.0,
+            contacts: Vec::new(),
+            left: Vec::new(),
+        }
+    }
+
+    /// A shell at rest around an upright axis through `point`.
+    pub fn shell(continuum: &Continuum, point: [f64; 3], radius: f64, modulus: f64) -> Platen {
+        Platen { radius: Some(radius), ..Platen::new(continuum, point, [0.0; 3], modulus) }
+    }
+
+    /// How far a place is from its surface, m, and the unit normal there, into the material.
+    pub fn height(&self, p: [f64; 4]) -> (f64, [f64; 3]) {
+        let d: [f64; 3] = std::array::from_fn(|a| p[a] - self.point[a]);
+        let Some(radius) = self.radius else {
+            let [nx, ny, nz] = self.normal;
+            return (nx * d[0] + ny * d[1] + nz * d[2], self.normal);
+        };
+        let rho = (d[0] * d[0] + d[1] * d[1]).sqrt();
+        let inverse = if rho > 0.0 { -1.0 / rho } else { 0.0 };
+        (radius - rho, [d[0] * inverse, d[1] * inverse, 0.0])
+    }
+
+    /// Axis of its normal; of a shell the first.
+    pub fn axis(&self) -> usize {
+        (0..3).find(|&a| self.normal[a] != 0.0).unwrap_or(0)
+    }
+
+    /// Pushes the points in touch, for the next step, and sums what they give back in the order of ids. Where it has passed a point it does neither.
+    fn push(&mut self, continuum: &mut Continuum) -> Result<()> {
+        if let Some(contact) = self.contacts.iter().find(|c| c.overlap > c.radius) {
+            return Err(passed(continuum.steps(), contact.id));
+        }
+        for &index in &self.left {
+            let at = continuum.points().position[index as usize];
+            continuum.let_go(index as usize, self.height(at).1);
+        }
+        let before = self.reaction;
+        (self.reaction, self.stiffness, self.stored, self.rate) = (0.0, 0.0, 0.0, 0.0);
+        for &Contact { index, overlap, tangent, normal, .. } in &self.contacts {
+            let force = 2.0 / 3.0 * tangent * overlap;
+            self.reaction += force;
+            self.stiffness += tangent;
+            self.stored += 0.4 * force * overlap;
+            self.rate = self.rate.max(tangent / continuum.points().velocity[index as usize][3]);
+            continuum.push_face(index as usize, force, normal, tangent);
+        }
+        self.touching = self.contacts.len() as u64;
+        self.work += 0.5 * (before + self.reaction) * self.moved;
+        self.moved = 0.0;
+        Ok(())
+    }
+
+    /// Where the ghost of a point is, m: as far inside the material from its face as at the start; whether its face is followed.
+    fn ghost(&self, points: &Points, index: usize, dimension: Dimension) -> ([f64; 4], bool) {
+        let (mut place, mut followed) = (points.position[index], false);
+        if let Some([beside, face]) = points.faces.get(index) {
+            let normal = self.height(place).1;
+            for a in (0..3).filter(|&a| beside[a] * normal[a] < 0.0) {
+                (place[a], followed) = (face[a] + normal[a] * points.half_edge(index, dimension), true);
+            }
+        }
+        (place, followed)
+    }
+
+    /// The points in touch, in the order of ids.
+    fn find(&mut self, continuum: &Continuum) {
+        let (points, dimension) = (continuum.points(), continuum.settings().dimension);
+        let (mut contacts, mut left) = (std::mem::take(&mut self.contacts), std::mem::take(&mut self.left));
+        contacts.clear();
+        left.clear();
+        continuum.visit(self.vicinity(continuum), |index| {
+            let radius = ghost_radius(dimension, points.solid(index));
+            let (ghost, followed) = self.ghost(points, index, dimension);
+            let (height, normal) = self.height(ghost);
+            let overlap = radius - height;
+            if height < self.reach && overlap > 0.0 {
+                let tangent = 2.0 * self.modulus * (radius * overlap).sqrt() * row(dimension, radius);
+                let (id, index) = (points.id[index], index as u32);
+                contacts.push(Contact { id, index, overlap, radius, tangent, normal });
+            } else if followed && self.height(points.position[index]).0 >= radius {
+                left.push(index as u32);
+            }
+        });
+        contacts.sort_unstable_by_key(|c| c.id);
+        (self.contacts, self.left) = (contacts, left);
+    }
+
+    /// Corners of the part of the domain where points may touch it, m: of a plane along the axes what lies behind it and within reach.
+    fn vicinity(&self, continuum: &Continuum) -> [[f64; 3]; 2] {
+        let Settings { lower, cells, cell, .. } = continuum.settings();
+        let mut corners = [*lower, std::array::from_fn(|a| lower[a] + f64::from(cells[a]) * cell)];
+        let axis = self.axis();
+        if self.normal[axis].abs() == 1.0 {
+            let before = self.point[axis] + self.reach * self.normal[axis];
+            corners[usize::from(self.normal[axis] > 0.0)][axis] = before;
+        }
+        corners
+    }
+
+    /// Force of everything on it along its normal, N.
+    pub fn force(&self) -> f64 {
+        self.reaction + self.others[0]
+    }
+
+    /// Moves with its speed for `dt` seconds.
+    pub fn advance(&mut self, dt: f64) {
+        let step = self.speed * dt;
+        self.moved += step;
+        self.shift(step);
+    }
+
+    /// So far into the material, m.
+    fn shift(&mut self, step: f64) {
+        for (x, n) in self.point.iter_mut().zip(self.normal) {
+            *x += step * n;
+        }
+        if let Some(radius) = &mut self.radius {
+            *radius -= step;
+        }
+    }
+
+    /// Takes back the way since the last contact.
+    #[cfg(feature = "gpu")]
+    pub fn withdraw(&mut self) {
+        self.shift(-self.moved);
+        self.moved = 0.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cube_roots_are_those_of_the_library() {
+        for x in [1e-18, 3.7e-9, 0.125, 1.0, 2.0, 5.5e7, 1e20] {
+            assert!((cube_root(x) / x.cbrt() - 1.0).abs() < 4e-16, "{x}");
+        }
+        assert_eq!((cube_root(0.0), cube_root(-1.0)), (0.0, 0.0));
+    }
+
+    /// Only points near a plane are looked at: the same contacts as from a look at all of them.
+    #[test]
+    fn a_plane_finds_every_point_that_it_touches() {
+        use crate::mpm::law::{Elastic, Law};
+        use crate::mpm::{Continuum, Point, Points, ShapeFunctions, Transfer, Wall};
+        let settings = Settings {
+            dimension: Dimension::Space,
+            cell: 0.1,
+            lower: [-0.3, 0.2, 0.0],
+            cells: [14; 3],
+            walls: [Wall::Open; 6],
+            gravity: [0.0; 3],
+            shape: ShapeFunctions::BSpline,
+            transfer: Transfer::Blend { pic: 0.0 },
+            damping: 0.0,
+        };
+        let mut points = Points::default();
+        for k in 0..1000 {
+            let at = [k % 10, k / 10 % 10, k / 100].map(|n: i32| 0.05 * f64::from(n));
+            points.add(&Point {
+                position: [at[0], 0.5 + at[1], 0.3 + at[2]],
+                velocity: [0.1, -0.2, 0.3],
+                mass: 0.2,
+                volume: 1.25e-4,
+                stress: [0.0; 6],
+                porosity: 0.4,
+                law: 0,
+            });
+        }
+        let mut c = Continuum::new(settings, vec![Law::Elastic(Elastic::of_young(1e6, 0.3))], points).unwrap();
+        for sorted in [false, true] {
+            if sorted {
+                c.step(1e-4).unwrap();
+            }
+            let [low, high] = [[-0.01, 0.49, 0.29], [0.46, 0.96, 0.76]];
+            for axis in 0..3 {
+                for (corner, sign) in [(low, 1.0), (high, -1.0)] {
+                    let normal = std::array::from_fn(|a| if a == axis { sign } else { 0.0 });
+                    let mut platen = Platen::new(&c, corner, normal, 1e6);
+                    platen.find(&c);
+                    let mut all: Vec<u32> = (0..c.points().len())
+                        .filter(|&i| platen.height(c.points().position[i]).0 < platen.reach)
+                        .map(|i| c.points().id[i])
+                        .collect();
+                    all.sort_unstable();
+                    assert!(all.len() >= 100, "{} points", all.len());
+                    assert_eq!(platen.contacts.iter().map(|c| c.id).collect::<Vec<u32>>(), all);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_overlap_gives_its_force_back() {
+        let (modulus, radius, force) = (8e8, 2e-3, 1.3);
+        let d = overlap(Dimension::Space, modulus, radius, force);
+        assert!((4.0 / 3.0 * modulus * radius.sqrt() * d.powf(1.5) / force - 1.0).abs() < 1e-12);
+        let r = ghost_radius(Dimension::Space, 4.0 / 3.0 * PI * 8.0);
+        assert!((r - 2.0).abs() < 1e-15);
+        assert!((ghost_radius(Dimension::PlaneStrain, PI * 9.0) - 3.0).abs() < 1e-15);
+    }
+}

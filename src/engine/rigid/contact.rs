@@ -1,0 +1,300 @@
+//! Force of every contact of a body, and who gets it.
+
+use super::{Block, Blocks, Pose};
+use crate::boundary::Wall;
+use crate::contact::force::{self, Meeting, Memory, Motion, Rules};
+use crate::contact::law::{Law, Pair, PairTable};
+use crate::contact::pairs::Touch;
+use crate::contact::{ContactLaw, TangentialUnloading};
+use crate::grains::Grains;
+use crate::math::vector::{cross, dot, less, plus, scaled};
+use crate::mpm::Continuum;
+use crate::point_contacts::{Bound, GhostTable};
+use crate::with_law;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Contacts of one task: a superquadric's nearest point takes some microseconds.
+const TASK: usize = 32;
+
+/// Whom a body is near.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Other {
+    /// A material point's identity.
+    Point(u32),
+    /// A grain's identity.
+    Grain(u32),
+    /// A wall, and the body's spot that it meets.
+    Wall { wall: u32, spot: u32 },
+}
+
+/// A body and what is near it.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Contact {
+    pub block: u32,
+    pub other: Other,
+    /// Present index of the point or grain.
+    pub(super) place: u32,
+    /// Ghost radius, m, of a point.
+    pub(super) radius: f64,
+    /// First end the body. All zero while they do not touch.
+    pub touch: Touch,
+    /// Tangential spring (viscous laws), N.
+    pub(super) spring: [f64; 3],
+    /// From the body's centre to the contact point, m.
+    pub(super) arm: [f64; 3],
+    /// Tangent stiffnesses, normal and tangential, N/m, and inverse mass of the other, 1/kg, at the last sweep.
+    stiffness: [f64; 2],
+    inverse_mass: f64,
+}
+
+impl Contact {
+    /// With nothing to remember.
+    pub(super) fn new(block: u32, other: Other, place: u32, radius: f64) -> Contact {
+        let (touch, none) = (Touch::default(), [0.0; 3]);
+        Contact { block, other, place, radius, touch, spring: none, arm: none, stiffness: [0.0; 2], inverse_mass: 0.0 }
+    }
+
+    fn is_of_point(&self) -> bool {
+        matches!(self.other, Other::Point(_))
+    }
+
+    /// Elastic energy, J; that of the normal compression is so large a share of force times overlap.
+    pub(super) fn energy(&self, share: f64) -> f64 {
+        let t = if self.spring == [0.0; 3] { self.touch.tangential } else { self.spring };
+        let k_t = self.stiffness[1];
+        share * self.touch.normal_force * self.touch.overlap + if k_t > 0.0 { 0.5 * dot(t, t) / k_t } else { 0.0 }
+    }
+}
+
+/// What the contacts are found from.
+pub struct Scene<'a> {
+    pub grains: &'a Grains,
+    pub walls: &'a [Wall],
+    pub continuum: &'a Continuum,
+    /// Pairs with points, and with grains and walls.
+    pub ghosts: &'a GhostTable,
+    pub table: &'a PairTable,
+    pub law: ContactLaw,
+    pub unloading: TangentialUnloading,
+    pub dt: f64,
+    /// Seconds by which bodies, and points, are taken ahead.
+    pub ahead: [f64; 2],
+}
+
+impl Blocks {
+    /// Finds the forces of this instant: those with points, or with all others. Parallel over contacts; each writes only itself.
+    pub fn evaluate(&mut self, scene: &Scene<'_>, points: bool) {
+        let rules = Rules { dt: scene.dt, unloading: scene.unloading, task: TASK, arch: pulp::Arch::Scalar };
+        let Blocks { blocks, near, .. } = self;
+        let poses: Vec<Pose> = blocks.iter().map(|b| b.pose(scene.ahead[0])).collect();
+        let spins: Vec<[f64; 3]> = blocks.iter().map(Block::spin).collect();
+        with_law!(scene.law, L => {
+            near.par_iter_mut().with_min_len(TASK).filter(|c| c.is_of_point() == points).for_each(|contact| {
+                let k = contact.block as usize;
+                let body = Body { block: &blocks[k], pose: &poses[k], spin: spins[k] };
+                touch::<L>(scene, &rules, &body, contact);
+            });
+        });
+    }
+
+    /// Contacts that bear something, in order.
+    pub fn touching(&self) -> impl Iterator<Item = &Contact> {
+        self.near.iter().filter(|c| c.touch.overlap > 0.0)
+    }
+
+    /// Gives bodies and points their shares of what the contacts between them bear.
+    pub fn give_points(&mut self, of_blocks: f64, continuum: &mut Continuum, [of_points, stiff]: [f64; 2]) {
+        for c in self.near.iter().filter(|c| c.is_of_point() && c.touch.overlap > 0.0) {
+            let (force, [k_n, k_t]) = (c.touch.force(), c.stiffness);
+            continuum.push(c.place as usize, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
+            give(&mut self.given[c.block as usize], c, of_blocks);
+        }
+    }
+
+    /// Gives bodies and grains what the contacts with grains and walls bear, and walls what they feel; walls work at their speed for `dt` seconds.
+    pub fn give_others(&mut self, grains: &Grains, outside: &mut Vec<[[f64; 4]; 2]>, walls: &mut [Wall], dt: f64) {
+        outside.resize(grains.len(), [[0.0; 4]; 2]);
+        self.on_walls.resize(walls.len(), 0.0);
+        let mut felt = vec![0.0; walls.len()];
+        for c in self.near.iter().filter(|c| !c.is_of_point() && c.touch.overlap > 0.0) {
+            give(&mut self.given[c.block as usize], c, 1.0);
+            match c.other {
+                Other::Grain(_) => {
+                    let i = c.place as usize;
+                    let arm = grains.pos[i][3] - 0.5 * c.touch.overlap;
+                    let (force, torque) = (c.touch.force(), scaled(cross(c.touch.normal, c.touch.tangential), arm));
+                    for a in 0..3 {
+                        outside[i][0][a] -= force[a];
+                        outside[i][1][a] += torque[a];
+                    }
+                }
+                Other::Wall { wall, .. } => {
+                    felt[wall as usize] += c.touch.normal_force;
+                    walls[wall as usize].stiffness += c.stiffness[0];
+                }
+                Other::Point(_) => {}
+            }
+        }
+        for ((wall, now), last) in walls.iter_mut().zip(felt).zip(&mut self.on_walls) {
+            wall.work += 0.5 * (*last + now) * wall.speed * dt;
+            *last = now;
+        }
+    }
+
+    /// What the contacts of this instant allow as a time step, a point by itself.
+    pub fn bound(&mut self, grains: &Grains, points: usize) -> Bound {
+        let mut of_blocks = vec![0.0; self.blocks.len()];
+        let [of_points, of_grains] = &mut self.sums;
+        of_points.resize(points, 0.0);
+        of_grains.resize(grains.len(), 0.0);
+        let mut most = Bound::default();
+        let touching = || self.near.iter().filter(|c| c.touch.overlap > 0.0);
+        for c in touching() {
+            let (block, [k_n, k_t], i) = (&self.blocks[c.block as usize], c.stiffness, c.place as usize);
+            let k = k_n.max(k_t);
+            // at most k (1/m + r²/I)
+            let least = block.moments.into_iter().fold(f64::INFINITY, f64::min);
+            let sum = &mut of_blocks[c.block as usize];
+            *sum += k * (1.0 / block.mass + dot(c.arm, c.arm) / least);
+            most.grains = most.grains.max(*sum);
+            match c.other {
+                Other::Point(_) => {
+                    of_points[i] += k * c.inverse_mass;
+                    most.points = most.points.max(of_points[i]);
+                }
+                Other::Grain(_) => {
+                    of_grains[i] += k_n.max(3.5 * k_t) * c.inverse_mass;
+                    most.grains = most.grains.max(of_grains[i]);
+                }
+                Other::Wall { .. } => {}
+            }
+        }
+        // empty again, and only where they were not
+        for c in touching() {
+            match c.other {
+                Other::Point(_) => of_points[c.place as usize] = 0.0,
+                Other::Grain(_) => of_grains[c.place as usize] = 0.0,
+                Other::Wall { .. } => {}
+            }
+        }
+        most
+    }
+}
+
+/// Adds a share of a contact's force, and of its torque about the body's centre.
+fn give(given: &mut [[f64; 3]; 2], c: &Contact, share: f64) {
+    let force = scaled(c.touch.force(), share);
+    given[0] = plus(given[0], force);
+    given[1] = plus(given[1], cross(c.arm, force));
+}
+
+/// A body as its contacts see it.
+struct Body<'a> {
+    block: &'a Block,
+    pose: &'a Pose,
+    spin: [f64; 3],
+}
+
+/// The other side of a contact where they are nearest: what it is to the law.
+struct Across<'a> {
+    /// Unit normal out of the body, overlap, m, R*, m, and the contact point.
+    normal: [f64; 3],
+    overlap: f64,
+    r_eff: f64,
+    at: [f64; 3],
+    /// Velocity of the other's surface there, and its spin.
+    velocity: [f64; 3],
+    spin: [f64; 3],
+    inverse_mass: f64,
+    pair: &'a Pair,
+}
+
+impl Body<'_> {
+    /// Normal and overlap with a sphere, or nothing where it is further away; the middle of the overlap.
+    fn meets(&self, centre: [f64; 3], radius: f64) -> Option<([f64; 3], f64, [f64; 3])> {
+        let (solid, local) = (self.block.solid(), self.pose.inwards(less(centre, self.pose.centre)));
+        if solid.clearance(local) >= radius {
+            return None;
+        }
+        let nearest = solid.nearest(local);
+        let (normal, overlap) = (self.pose.outwards(nearest.normal), radius - nearest.distance);
+        let at = less(centre, scaled(normal, radius - 0.5 * overlap));
+        (overlap > 0.0).then_some((normal, overlap, at))
+    }
+
+    /// Inverse of the mass that a blow at the end of `arm` along `normal` feels, 1/kg.
+    fn inverse_mass(&self, arm: [f64; 3], normal: [f64; 3]) -> f64 {
+        let turn = self.pose.inwards(cross(arm, normal));
+        (0..3).fold(1.0 / self.block.mass, |sum, a| sum + turn[a] * turn[a] / self.block.moments[a])
+    }
+}
+
+fn across<'a>(scene: &Scene<'a>, body: &Body<'_>, c: &Contact) -> Option<Across<'a>> {
+    let i = c.place as usize;
+    Some(match c.other {
+        Other::Point(_) => {
+            let points = scene.continuum.points();
+            let ([x, y, z, _], velocity) = (points.position[i], points.carried[i]);
+            let (normal, overlap, at) = body.meets(plus([x, y, z], scaled(velocity, scene.ahead[1])), c.radius)?;
+            let pair = scene.ghosts.of_grain(points.law[i], body.block.material);
+            let inverse_mass = 1.0 / points.velocity[i][3];
+            Across { normal, overlap, r_eff: c.radius, at, velocity, spin: [0.0; 3], inverse_mass, pair }
+        }
+        Other::Grain(_) => {
+            let g = scene.grains;
+            let ([x, y, z, radius], [u, v, w, inverse_mass], [p, q, r, _]) = (g.pos[i], g.vel[i], g.spin[i]);
+            let (normal, overlap, at) = body.meets([x, y, z], radius)?;
+            let spin = [p, q, r];
+            let velocity = plus([u, v, w], cross(spin, less(at, [x, y, z])));
+            let pair = scene.table.grains(body.block.material, g.material[i]);
+            Across { normal, overlap, r_eff: radius, at, velocity, spin, inverse_mass, pair }
+        }
+        Other::Wall { wall: k, spot } => {
+            let (wall, k) = (&scene.walls[k as usize], k as usize);
+            let (towards, gap, spot) = spot_at(wall, body.block, body.pose, spot as usize);
+            if gap >= 0.0 {
+                return None;
+            }
+            // the wall moves against `towards`
+            let velocity = scaled(towards, -wall.speed);
+            let at = less(spot, scaled(towards, -gap));
+            let pair = scene.table.wall(k, body.block.material);
+            let r_eff = body.block.radius;
+            Across { normal: towards, overlap: -gap, r_eff, at, velocity, spin: [0.0; 3], inverse_mass: 0.0, pair }
+        }
+    })
+}
+
+/// The unit normal to a wall from a body's spot, the gap between them, m, and the spot.
+pub(super) fn spot_at(wall: &Wall, block: &Block, pose: &Pose, spot: usize) -> ([f64; 3], f64, [f64; 3]) {
+    let [x, y, z] = pose.centre;
+    let (towards, _) = wall.shape.towards([x, y, z, 0.0]);
+    let at = plus(pose.centre, pose.outwards(block.solid().spot(spot, pose.inwards(towards))));
+    let (towards, gap) = wall.shape.towards([at[0], at[1], at[2], 0.0]);
+    (towards, gap, at)
+}
+
+fn touch<L: Law>(scene: &Scene<'_>, rules: &Rules, body: &Body<'_>, c: &mut Contact) {
+    let old = Memory { touch: c.touch, spring: L::VISCOUS.then_some(c.spring), rolling: None, load: None, work: None };
+    let Some(o) = across(scene, body, c) else {
+        if c.touch.overlap > 0.0 {
+            (c.touch, c.spring, c.stiffness) = (Touch::default(), [0.0; 3], [0.0; 2]);
+        }
+        return;
+    };
+    let arm = less(o.at, body.pose.centre);
+    let here = plus(body.block.velocity, cross(body.spin, arm));
+    // as on walls of grains
+    let wall = matches!(c.other, Other::Wall { .. });
+    let mean_spin = if wall { body.spin } else { scaled(plus(body.spin, o.spin), 0.5) };
+    // both surfaces' velocities at the contact point are known: arms, which the law would take along the normal, add nothing
+    let turning = scaled(mean_spin, o.overlap);
+    let motion = Motion { centres: less(here, o.velocity), turning, mean_spin, spin_difference: less(body.spin, o.spin) };
+    let m_eff = if L::VISCOUS { 1.0 / (body.inverse_mass(arm, o.normal) + o.inverse_mass) } else { 0.0 };
+    let meeting = Meeting { normal: o.normal, overlap: o.overlap, r_eff: o.r_eff, m_eff, motion };
+    let new = force::touching::<f64, L, false, true>(&meeting, o.pair, rules, &old);
+    let e = L::elastic(o.overlap, o.r_eff, o.pair);
+    (c.touch, c.spring) = (new.touch, new.spring.unwrap_or_default());
+    (c.arm, c.stiffness, c.inverse_mass) = (arm, [e.k_n, e.k_t], o.inverse_mass);
+}

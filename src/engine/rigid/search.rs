@@ -1,0 +1,111 @@
+//! Who is near which body.
+
+use super::contact::spot_at;
+use super::{Blocks, Contact, Other};
+use crate::boundary::Wall;
+use crate::error::{Error, Result};
+use crate::grains::Grains;
+use crate::mpm::Continuum;
+use crate::mpm::platen::ghost_radius;
+use crate::point_contacts::{NOWHERE, by_id, remember};
+
+impl Blocks {
+    /// Makes the list anew where something may have come into reach since the last search, and finds everybody's present index. `way`: how much
+    /// nearer a body and another may have come since the last call, m.
+    ///
+    /// # Errors
+    /// Bodies whose spheres of reach meet.
+    pub fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64) -> Result<()> {
+        let alive = [grains.len(), continuum.points().len()];
+        match self.age.due(way, alive, continuum.settings().cell) {
+            Some(skin) => {
+                self.apart(continuum)?;
+                self.search(grains, walls, continuum, skin);
+            }
+            None => self.locate(grains, continuum),
+        }
+        Ok(())
+    }
+
+    /// Contacts between bodies are not computed.
+    fn apart(&self, continuum: &Continuum) -> Result<()> {
+        for (j, b) in self.blocks.iter().enumerate() {
+            for (i, a) in self.blocks[..j].iter().enumerate() {
+                let square: f64 = (0..3).map(|k| (a.centre[k] - b.centre[k]) * (a.centre[k] - b.centre[k])).sum();
+                if square.sqrt() < a.solid().reach() + b.solid().reach() {
+                    let what =
+                        format!("blocks {i} and {j} come within reach of each other; contacts between blocks are not computed");
+                    return Err(Error::Failed { step: continuum.steps(), what });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) {
+        let (points, dimension) = (continuum.points(), continuum.settings().dimension);
+        let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
+        let widest = ghost_radius(dimension, most) + skin;
+        let mut found: Vec<Contact> = Vec::new();
+        for (k, block) in self.blocks.iter().enumerate() {
+            let (solid, pose, block_index) = (block.solid(), block.pose(0.0), k as u32);
+            let within = |p: &[f64; 4], far: f64| {
+                let local = pose.inwards(std::array::from_fn(|a| p[a] - pose.centre[a]));
+                solid.clearance(local) < far && solid.nearest(local).distance < far
+            };
+            let far = solid.reach() + widest;
+            let corners = [-far, far].map(|by| std::array::from_fn(|a| pose.centre[a] + by));
+            continuum.visit(corners, |i| {
+                let radius = ghost_radius(dimension, points.solid(i));
+                if within(&points.position[i], radius + skin) {
+                    found.push(Contact::new(block_index, Other::Point(points.id[i]), i as u32, radius));
+                }
+            });
+            for (i, p) in grains.pos.iter().enumerate() {
+                if within(p, p[3] + skin) {
+                    found.push(Contact::new(block_index, Other::Grain(grains.id[i]), i as u32, p[3]));
+                }
+            }
+            for (w, wall) in walls.iter().enumerate() {
+                for spot in (0..solid.spots()).filter(|&spot| spot_at(wall, block, &pose, spot).1 < skin) {
+                    found.push(Contact::new(block_index, Other::Wall { wall: w as u32, spot: spot as u32 }, 0, 0.0));
+                }
+            }
+        }
+        let key = |c: &Contact| (c.block, c.other);
+        found.sort_unstable_by_key(key);
+        remember(self.touching(), &mut found, key, |old, new| (new.touch, new.spring) = (old.touch, old.spring));
+        self.near = found;
+    }
+
+    /// Present indices of grains and points, whose arrays may have been put in another order.
+    fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
+        let (points, place) = (continuum.points(), |c: &Contact| c.place as usize);
+        let [of_grains, of_points] = &mut self.index;
+        let grain_at = |c: &Contact| matches!(c.other, Other::Grain(id) if grains.id.get(place(c)) != Some(&id));
+        if self.near.iter().any(grain_at) {
+            by_id(of_grains, &grains.id, grains.next_id);
+        }
+        let point_at = |c: &Contact| matches!(c.other, Other::Point(id) if points.id.get(place(c)) != Some(&id));
+        if self.near.iter().any(point_at) {
+            by_id(of_points, &points.id, points.next_id);
+        }
+        for c in &mut self.near {
+            match c.other {
+                Other::Grain(id) if grains.id.get(c.place as usize) != Some(&id) => c.place = of_grains[id as usize],
+                Other::Point(id) if points.id.get(c.place as usize) != Some(&id) => c.place = of_points[id as usize],
+                _ => {}
+            }
+        }
+        // those that are no more
+        self.near.retain(|c| c.place != NOWHERE);
+    }
+}
+
+impl super::Block {
+    /// How far it reaches behind a wall, m; negative before it.
+    pub fn deepest(&self, wall: &Wall) -> f64 {
+        let pose = self.pose(0.0);
+        (0..self.solid().spots()).map(|spot| -spot_at(wall, self, &pose, spot).1).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
