@@ -1,6 +1,5 @@
 //! What can go wrong, said with the values: which file, which key, which grain, which step.
 
-use crate::figure::FigureError;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -73,8 +72,12 @@ pub enum Error {
     #[error("{}: cannot be resumed: {what}", .path.display())]
     Checkpoint { path: PathBuf, what: String },
     /// Figures could not be drawn from the records.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
+    #[error("{what}")]
+    Figure {
+        what: String,
+        /// Whether the records or data asked for are wrong; else a file could not be written.
+        input: bool,
+    },
     /// Stopped from outside; everything recorded so far is kept.
     #[error("interrupted at step {step}; continue with: comminute resume {}", .out.display())]
     Interrupted { step: u64, out: PathBuf },
@@ -126,8 +129,7 @@ impl Error {
         match self {
             Error::Input { .. } | Error::Several(_) | Error::Read { .. } | Error::Exists { .. } | Error::Checkpoint { .. } => 2,
             Error::Other { .. } | Error::Busy { .. } => 2,
-            Error::Figure(FigureError::Io { .. } | FigureError::Draw { .. }) => 1,
-            Error::Figure(_) => 2,
+            Error::Figure { input, .. } => 1 + u8::from(*input),
             Error::Write { .. } | Error::Failed { .. } | Error::Campaign { .. } => 1,
             Error::Unstable { .. } | Error::Impossible { .. } => 3,
             Error::Interrupted { .. } | Error::Stopped { .. } => 130,

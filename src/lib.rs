@@ -6,6 +6,7 @@ pub mod campaign;
 pub mod error;
 pub mod figure;
 pub mod gradation;
+pub mod interrupt;
 pub mod model;
 pub mod packing;
 pub mod point_test;

@@ -4,6 +4,7 @@
 pub mod continuum;
 pub mod validity;
 
+use crate::error::{Error, Result};
 use crate::rig::preparation::range::Range;
 use engine::boundary::WallSpec;
 use engine::breakage::lost_mass::Fines;
@@ -26,6 +27,24 @@ pub struct Model {
     pub rig: Rig,
     /// Records and outputs.
     pub records: Records,
+}
+
+impl Model {
+    /// Whether a graphics device could do all of it: rigid bodies that are no spheres are the processor's.
+    ///
+    /// # Errors
+    /// A scene that has some.
+    pub fn spheres_only(&self) -> Result<()> {
+        match &self.rig {
+            Rig::Continuum(rig) if rig.coarse.as_ref().is_some_and(|c| !c.blocks.is_empty()) => Err(Error::input(
+                "--backend gpu",
+                "",
+                None,
+                "does not have rigid bodies that are no spheres ([[block]]): use --backend cpu",
+            )),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Seeds of the two independent random streams.

@@ -3,7 +3,8 @@
 use super::Job;
 use super::progress::{Change, Progress};
 use crate::error::{Error, Result};
-use crate::run::{Found, listen, stop_asked};
+use crate::interrupt::{listen, stop_asked};
+use crate::run::Found;
 use serde_json::Value;
 use std::fs::File;
 use std::path::PathBuf;

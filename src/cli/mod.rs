@@ -158,8 +158,14 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
-/// The closing lines of a run: what happened and where it lies.
-pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Result<()> {
+/// Draws the figures of a run that asks for them, and says what happened and where it lies.
+pub fn close(mut outcome: comminute::run::Outcome, quiet: bool, json: bool) -> Result<()> {
+    let mut figures = Vec::new();
+    if outcome.draw {
+        let started = std::time::Instant::now();
+        figures = comminute::figure::draw_run(&outcome.out)?;
+        outcome.drawn(started.elapsed().as_secs_f64())?;
+    }
     if json {
         let text = serde_json::to_string_pretty(&outcome.summary).unwrap_or_default();
         print(&text)?;
@@ -180,7 +186,7 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
             number("wall_seconds").map_or("?".into(), |s| format!("{s:.1}")),
         );
         eprintln!("records in {}", outcome.out.display());
-        count_figures(outcome);
+        count_figures(&outcome, &figures);
         return Ok(());
     }
     if outcome.summary["kind"] == "continuum" || outcome.summary["kind"] == "mixture" {
@@ -197,7 +203,7 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
             eprintln!("warning: dissipated_share = {share:.3}: more energy came out of the specimen than went in");
         }
         eprintln!("records in {}", outcome.out.display());
-        count_figures(outcome);
+        count_figures(&outcome, &figures);
         return Ok(());
     }
     let state = results(&outcome.summary);
@@ -227,7 +233,7 @@ pub fn close(outcome: &comminute::run::Outcome, quiet: bool, json: bool) -> Resu
         eprintln!("warning: after {rises} breakages more elastic energy was stored around the event than before");
     }
     eprintln!("records in {}", outcome.out.display());
-    count_figures(outcome);
+    count_figures(&outcome, &figures);
     Ok(())
 }
 
@@ -274,8 +280,8 @@ fn warn(summary: &serde_json::Value) {
 }
 
 /// Says how many figures were drawn, and where.
-fn count_figures(outcome: &comminute::run::Outcome) {
-    let count = outcome.figures.iter().filter(|f| f.extension().is_some_and(|e| e == "png")).count();
+fn count_figures(outcome: &comminute::run::Outcome, figures: &[PathBuf]) {
+    let count = figures.iter().filter(|f| f.extension().is_some_and(|e| e == "png")).count();
     if count > 0 {
         eprintln!("{count} figures in {}", outcome.out.join("figures").display());
     }

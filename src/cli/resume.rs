@@ -41,5 +41,5 @@ pub fn call(args: Args) -> Result<()> {
         backend: args.backend.map(Into::into),
     };
     let outcome = resume(&args.dir, options)?;
-    super::close(&outcome, args.quiet, args.json)
+    super::close(outcome, args.quiet, args.json)
 }

@@ -74,8 +74,8 @@ pub fn call(mut args: Args) -> Result<()> {
             backend: args.backend.map(Into::into),
         };
         match found {
-            Found::Finished(summary) => return super::close(&Outcome { summary, out, figures: Vec::new() }, args.quiet, args.json),
-            Found::Unfinished => return super::close(&resume(&out, options)?, args.quiet, args.json),
+            Found::Finished(summary) => return super::close(Outcome { summary, out, draw: false }, args.quiet, args.json),
+            Found::Unfinished => return super::close(resume(&out, options)?, args.quiet, args.json),
             Found::Busy => return Err(Error::Busy { path: out }),
             Found::Other(what) if !args.force => return Err(Error::Other { path: out, what }),
             Found::Broken | Found::Other(_) => args.force = true,
@@ -123,7 +123,7 @@ pub fn call(mut args: Args) -> Result<()> {
         stop_after: args.stop_after,
         backend,
     })?;
-    super::close(&outcome, args.quiet, args.json)
+    super::close(outcome, args.quiet, args.json)
 }
 
 /// A folder that holds anything but why a run failed is not written into unasked.

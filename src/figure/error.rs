@@ -34,3 +34,10 @@ impl FigureError {
         Self::Nothing { path: path.to_path_buf(), why: why.into() }
     }
 }
+
+impl From<FigureError> for crate::error::Error {
+    fn from(error: FigureError) -> Self {
+        let input = !matches!(error, FigureError::Io { .. } | FigureError::Draw { .. });
+        crate::error::Error::Figure { what: error.to_string(), input }
+    }
+}

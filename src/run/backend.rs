@@ -51,7 +51,7 @@ pub fn choose(asked: Backend, model: &Model) -> Result<Chosen> {
     if asked == Backend::Cpu {
         return Ok(Chosen::default());
     }
-    let found = spheres_only(model).and_then(|()| adapter(model));
+    let found = model.spheres_only().and_then(|()| adapter(model));
     if asked == Backend::Gpu {
         return found.map(|_| Chosen { gpu: true, why: None });
     }
@@ -62,22 +62,6 @@ pub fn choose(asked: Backend, model: &Model) -> Result<Chosen> {
         }
         Err(e) => Chosen { gpu: false, why: Some(e.to_string().replace('\n', "; ")) },
     })
-}
-
-/// Rigid bodies that are no spheres are the processor's.
-///
-/// # Errors
-/// A scene that has some.
-pub fn spheres_only(model: &Model) -> Result<()> {
-    match &model.rig {
-        model::Rig::Continuum(rig) if rig.coarse.as_ref().is_some_and(|c| !c.blocks.is_empty()) => Err(Error::input(
-            "--backend gpu",
-            "",
-            None,
-            "does not have rigid bodies that are no spheres ([[block]]): use --backend cpu",
-        )),
-        _ => Ok(()),
-    }
 }
 
 /// Name of the adapter that takes the model, and whether it is software.

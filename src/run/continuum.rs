@@ -4,9 +4,9 @@
 
 use super::backend::{Backend, Chosen, Used, choose};
 use super::progress_bar::Bar;
-use super::{LOOK, Outcome, files, stop_asked, watch};
+use super::{LOOK, Outcome, files, watch};
 use crate::error::{Error, Result};
-use crate::figure;
+use crate::interrupt::stop_asked;
 use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
 use crate::record::continuum as records;
@@ -361,19 +361,10 @@ fn finish(model: &Model, rig: &Rig, out: &Path, mut progress: Progress, engine: 
     progress.flush(out)?;
     leave(model, rig, &progress.state, out)?;
     let mut summary = summary(model, rig, &progress, engine);
-    save(out, &summary)?;
+    summary["figure_seconds"] = json!(0.0);
+    files::save_summary(out, &summary)?;
     checkpoint::remove(out)?;
-    let drawing = Instant::now();
-    let figures = if model.records.figures { figure::draw_run(out)? } else { Vec::new() };
-    summary["figure_seconds"] = json!(drawing.elapsed().as_secs_f64());
-    save(out, &summary)?;
-    Ok(Outcome { summary, out: out.into(), figures })
-}
-
-fn save(out: &Path, summary: &Value) -> Result<()> {
-    let path = out.join(files::SUMMARY);
-    let text = serde_json::to_string_pretty(summary).unwrap_or_default() + "\n";
-    std::fs::write(&path, text).map_err(Error::write(&path))
+    Ok(Outcome { summary, out: out.into(), draw: model.records.figures })
 }
 
 fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Value {

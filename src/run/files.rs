@@ -331,3 +331,13 @@ pub fn write_final(out: &Path, model: &Model, progress: &Progress) -> Result<()>
     let walls = model.rig.specimen().map(|_| space(&progress.state));
     specimen::write_final(&out.join(GRAINS_FINAL), &progress.state, model, walls)
 }
+
+/// Writes `summary.json`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn save_summary(out: &Path, summary: &serde_json::Value) -> Result<()> {
+    let path = out.join(SUMMARY);
+    let text = serde_json::to_string_pretty(summary).unwrap_or_default() + "\n";
+    std::fs::write(&path, text).map_err(Error::write(&path))
+}

@@ -10,6 +10,7 @@ mod summary;
 mod watch;
 
 use crate::error::{Error, Result};
+use crate::interrupt::{listen, stop_asked};
 use crate::model::{Model, Rig};
 use crate::record::cylinder::Due;
 use crate::record::{checkpoint, quasi_static, specimen};
@@ -20,7 +21,7 @@ use crate::rig::oedometer::{Loading, Phase};
 use crate::rig::preparation::{Preparation, range};
 use crate::rig::triaxial as shear;
 use crate::rig::triaxial::Shearing;
-pub use backend::{Backend, Chosen, choose, spheres_only};
+pub use backend::{Backend, Chosen, choose};
 use engine::boundary::CylinderSpace;
 use engine::coupling::Embedded;
 use engine::dem::{State, Work};
@@ -32,7 +33,6 @@ use progress_bar::Bar;
 pub use progress_bar::human;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// What to run and where to leave it.
@@ -72,7 +72,20 @@ pub struct Outcome {
     /// What `summary.json` holds.
     pub summary: serde_json::Value,
     pub out: PathBuf,
-    pub figures: Vec<PathBuf>,
+    /// Whether the scene asks for figures of it, and they have not been drawn.
+    pub draw: bool,
+}
+
+impl Outcome {
+    /// Closes the summary, as it stands and in its file, with the time, s, that its figures took.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn drawn(&mut self, seconds: f64) -> Result<()> {
+        self.draw = false;
+        self.summary["figure_seconds"] = serde_json::json!(seconds);
+        files::save_summary(&self.out, &self.summary)
+    }
 }
 
 /// What the rig is doing.
@@ -101,24 +114,6 @@ struct Progress {
     /// Wall-clock seconds in all, and during loading.
     seconds: f64,
     loading_seconds: f64,
-}
-
-/// Set by Ctrl-C (and SIGTERM): the run stops at the next step, everything kept.
-static STOP: AtomicBool = AtomicBool::new(false);
-
-/// Takes Ctrl-C and SIGTERM as a wish to stop, which [`stop_asked`] tells.
-pub fn listen() {
-    use std::sync::Once;
-    static ONCE: Once = Once::new();
-    // a second handler cannot be installed; a library user who has one keeps it
-    ONCE.call_once(|| {
-        let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
-    });
-}
-
-/// Whether Ctrl-C or SIGTERM has come since [`listen`].
-pub fn stop_asked() -> bool {
-    STOP.load(Ordering::Relaxed)
 }
 
 /// Turns a relative density of the model's specimen into a porosity ([`range::settle`]).

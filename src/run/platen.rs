@@ -2,9 +2,9 @@
 //! stopped is made anew by `resume`, from the same scene and so to the same bytes.
 
 use super::progress_bar::Bar;
-use super::{Outcome, STOP, files};
+use super::{Outcome, files};
 use crate::error::{Error, Result};
-use crate::figure;
+use crate::interrupt::stop_asked;
 use crate::model::{Model, Platen};
 use crate::record::platen as records;
 use crate::rig::platen::{Test, pair, press};
@@ -24,24 +24,14 @@ pub fn run(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Outco
     let tests = press_all(model, rig, out, quiet)?;
     let wall_seconds = started.elapsed().as_secs_f64();
     records::write(out, model, rig, &tests)?;
-    let drawing = Instant::now();
     let mut summary = summary(model, rig, &tests);
     summary["wall_seconds"] = json!(wall_seconds);
     summary["threads"] = json!(rayon::current_num_threads());
     summary["version"] = json!(env!("CARGO_PKG_VERSION"));
     summary["host"] = json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH));
-    // figures read the summary; the last word is written when they are there
-    save(out, &summary)?;
-    let figures = if model.records.figures { figure::draw_run(out)? } else { Vec::new() };
-    summary["figure_seconds"] = json!(drawing.elapsed().as_secs_f64());
-    save(out, &summary)?;
-    Ok(Outcome { summary, out: out.into(), figures })
-}
-
-fn save(out: &Path, summary: &Value) -> Result<()> {
-    let path = out.join(files::SUMMARY);
-    let text = serde_json::to_string_pretty(summary).unwrap_or_default() + "\n";
-    std::fs::write(&path, text).map_err(Error::write(&path))
+    summary["figure_seconds"] = json!(0.0);
+    files::save_summary(out, &summary)?;
+    Ok(Outcome { summary, out: out.into(), draw: model.records.figures })
 }
 
 /// All tests in the order of the grains' numbers.
@@ -50,7 +40,7 @@ fn press_all(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Vec
     let done = AtomicUsize::new(0);
     let failed = AtomicBool::new(false);
     let count = rig.diameters.len();
-    let stop = || STOP.load(Ordering::Relaxed) || failed.load(Ordering::Relaxed);
+    let stop = || stop_asked() || failed.load(Ordering::Relaxed);
     let one = |number: u32| {
         let test = if stop() { Ok(None) } else { press(model, rig, number, stop) };
         failed.fetch_or(test.is_err(), Ordering::Relaxed);

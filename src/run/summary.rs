@@ -1,8 +1,7 @@
 //! The end of a run: `grains_final.csv`, figures, `summary.json`. Clocks, host facts and versions stand here only.
 
 use super::{Activity, Outcome, Progress, files};
-use crate::error::{Error, Result};
-use crate::figure;
+use crate::error::Result;
 use crate::model::{Model, Oedometer, Rig, Triaxial};
 use crate::record::checkpoint;
 use crate::record::cylinder::{BelowLeast, Recorder};
@@ -17,18 +16,10 @@ pub fn finish(model: &Model, out: &Path, progress: &mut Progress, work: &Work) -
     progress.files.flush(out)?;
     files::write_final(out, model, progress)?;
     let mut summary = summary(model, progress, work);
-    let path = out.join(files::SUMMARY);
-    let save = |summary: &Value| {
-        let text = serde_json::to_string_pretty(summary).unwrap_or_default() + "\n";
-        std::fs::write(&path, text).map_err(Error::write(&path))
-    };
-    save(&summary)?;
+    summary["figure_seconds"] = json!(0.0);
+    files::save_summary(out, &summary)?;
     checkpoint::remove(out)?;
-    let drawing = std::time::Instant::now();
-    let figures = if model.records.figures { figure::draw_run(out)? } else { Vec::new() };
-    summary["figure_seconds"] = json!(drawing.elapsed().as_secs_f64());
-    save(&summary)?;
-    Ok(Outcome { summary, out: out.into(), figures })
+    Ok(Outcome { summary, out: out.into(), draw: model.records.figures })
 }
 
 fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {

@@ -99,7 +99,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
     let broken = broken(model, rig);
     let cycle = (points as f64 + broken.points) * POINT + (grains as f64 + broken.grains) * GRAIN_AMONG_POINTS;
     let seconds = START + growing(rig) + steps * touching * broken.steps * cycle;
-    let device = crate::run::spheres_only(model).and_then(|()| device_bytes(model, rig));
+    let device = model.spheres_only().and_then(|()| device_bytes(model, rig));
     Estimate {
         grains,
         grains_final: 0.0,

@@ -3,9 +3,9 @@
 use super::path::{Path, Wish};
 use super::porosity;
 use crate::error::Error;
+use crate::interrupt::stop_asked;
 use crate::model::{Model, Specimen};
 use crate::record::specimen::checksum;
-use crate::run::stop_asked;
 use engine::dem::Work;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
