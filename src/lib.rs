@@ -1,24 +1,13 @@
-//! Crushable-grain discrete element method for geotechnical research.
+//! Crushable-grain discrete element method for geotechnical research, with a continuum of material points.
 
-pub mod bench;
-pub mod calibrate;
-pub mod campaign;
-pub mod error;
-pub mod figure;
-pub mod gradation;
-pub mod interrupt;
-pub mod model;
-pub mod packing;
-pub mod point_test;
-pub mod record;
-pub mod reproduce;
-pub mod rig;
-pub mod run;
-pub mod scene;
-pub mod verify;
-
+pub use calibrate;
+pub use campaign;
+pub use campaign::{bench, point_test, reproduce, verify};
 #[cfg(feature = "gpu")]
 pub use engine::gpu;
 pub use engine::{
-    boundary, breakage, contact, coupling, dem, grains, material, math, mpm, neighbours, point_contacts, rigid, shape,
+    boundary, breakage, contact, coupling, dem, grains, material, math, mpm, neighbours, point_contacts, rigid, shape, with_law,
 };
+pub use laboratory::{error, gradation, interrupt, model, packing, record, rig, run, scene};
+pub use plot as figure;
+pub use table;

@@ -9,8 +9,12 @@ fn main() -> ExitCode {
     match cli::Cli::parse().call() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            for line in error.to_string().lines() {
+            let told = error.to_string();
+            for line in told.lines() {
                 eprintln!("error: {line}");
+            }
+            if told.contains("the processor") {
+                eprintln!("the processor does the steps with --backend cpu; comminute resume RUN --backend cpu goes on with a run");
             }
             ExitCode::from(error.exit_code())
         }

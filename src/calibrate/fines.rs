@@ -8,8 +8,8 @@
 //! - ψ: from the slope of the plastic volumetric strain against the plastic axial one between the yield and twice the strain of the peak.
 
 use super::columns::Columns;
-use crate::error::{Error, Result};
-use crate::record::table::number;
+use ::laboratory::error::{Error, Result};
+use ::table::number;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -139,5 +139,5 @@ fn table(out: &Path, jobs: &[Job], rows: &[&Point], outcomes: &[Outcome]) -> Res
 fn result(outcome: &Outcome, at: &str) -> String {
     let Some(summary) = outcome.summary() else { return String::new() };
     let number = |at: &str| summary.pointer(at).and_then(serde_json::Value::as_f64);
-    number(at).map_or(String::new(), comminute::record::table::number)
+    number(at).map_or(String::new(), comminute::table::number)
 }

@@ -268,7 +268,7 @@ fn what_the_gpu_lacks_is_refused_by_name() {
         error.to_string()
     };
     let plane = told(&|s| s.dimension = Dimension::PlaneStrain);
-    assert_eq!(plane, "gpu: grid.plane_strain = true: is not available on the GPU: use --backend cpu");
+    assert_eq!(plane, "gpu: grid.plane_strain = true: is not available on the GPU: use the processor");
     let gimp = told(&|s| s.shape = ShapeFunctions::Gimp { half_width: 0.25 });
     assert!(gimp.contains("grid.shape_functions = gimp"), "{gimp}");
     let affine = told(&|s| s.transfer = Transfer::Affine);
@@ -330,7 +330,7 @@ fn without_an_adapter() {
     }
     assert_eq!(gpu::available(), None);
     let told = gpu::Continuum::new(&slump()).err().expect("refused").to_string();
-    assert!(told.contains("found no graphics adapter") && told.contains("use --backend cpu"), "{told}");
+    assert!(told.contains("found no graphics adapter") && told.contains("use the processor"), "{told}");
 }
 
 #[test]

@@ -201,7 +201,9 @@ fn without_an_adapter_gpu_is_refused_and_auto_goes_on() {
         command.envs([("VK_DRIVER_FILES", "/nowhere.json"), ("VK_ICD_FILENAMES", "/nowhere.json")]);
         command.assert()
     };
-    without("gpu").code(2).stderr(contains("gpu: found no graphics adapter").and(contains("use --backend cpu")));
+    without("gpu")
+        .code(2)
+        .stderr(contains("gpu: found no graphics adapter").and(contains("use the processor").and(contains("--backend cpu"))));
     assert!(!folder.path().join("gpu").exists());
     without("auto").success();
     let s = summary(&folder.path().join("auto"));

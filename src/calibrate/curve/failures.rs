@@ -77,8 +77,8 @@ fn rank_sum(k: usize, runs: &[(Vec<f64>, bool)]) -> Option<Tied> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::curve::design::latin;
-    use crate::calibrate::curve::stand_in;
+    use crate::curve::design::latin;
+    use crate::curve::stand_in;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 

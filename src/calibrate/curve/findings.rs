@@ -209,8 +209,8 @@ pub fn bands(emulator: &Emulator, chain: &Chain, curve: &Measured, rng: &mut imp
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::curve::stand_in;
-    use crate::scene::Prior;
+    use crate::curve::stand_in;
+    use ::laboratory::scene::Prior;
 
     #[test]
     fn remarks_tell_found_narrowed_bounded_and_tied() {

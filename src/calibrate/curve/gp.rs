@@ -209,7 +209,7 @@ fn minimum(cost: Cost<'_>, start: &[f64]) -> Option<(f64, Vec<f64>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::curve::design::latin;
+    use crate::curve::design::latin;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};

@@ -3,7 +3,7 @@
 use super::emulator::Emulator;
 use super::parameter::Parameter;
 use super::posterior::{Measured, Posterior};
-use crate::scene::Prior;
+use ::laboratory::scene::Prior;
 use rand::Rng;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
@@ -76,7 +76,7 @@ pub fn left_out(parameters: &[Parameter], runs: &[Run], scale: &[f64], rng: &mut
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::curve::stand_in::{self, StandIn};
+    use crate::curve::stand_in::{self, StandIn};
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 

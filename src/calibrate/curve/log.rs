@@ -1,8 +1,8 @@
 //! `evaluations.csv`: every run of a calibration, written before it begins and after it ends, and what a second call goes on from.
 
 use super::parameter::Parameter;
-use crate::calibrate::columns::Columns;
-use crate::error::{Error, Result};
+use crate::columns::Columns;
+use ::laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// What a run is for.
@@ -67,7 +67,7 @@ pub fn write(dir: &Path, parameters: &[Parameter], all: &[Evaluation], misfit: i
             Status::Done => ("done", ""),
             Status::Failed(reason) => ("failed", reason.as_str()),
         };
-        let optional = |x: Option<f64>| x.map_or(String::new(), crate::record::table::number);
+        let optional = |x: Option<f64>| x.map_or(String::new(), ::table::number);
         let mut row: Vec<String> =
             vec![e.number.to_string(), stage.into(), e.folder().display().to_string().replace('\\', "/"), status.into()];
         row.extend(e.values.iter().map(|v| format!("{v:?}")));
@@ -132,7 +132,7 @@ pub fn read(dir: &Path, parameters: &[Parameter]) -> Result<Vec<Evaluation>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::curve::stand_in;
+    use crate::curve::stand_in;
 
     #[test]
     fn a_log_is_read_as_it_was_written() {

@@ -1,7 +1,7 @@
 //! The values of a run at the points of a target.
 
 use super::target::{Block, Kind, Target};
-use crate::calibrate::columns::Columns;
+use crate::columns::Columns;
 use std::path::Path;
 
 /// A run that ends this far below a point, as a share of its stress, does not reach it.
@@ -77,7 +77,7 @@ fn interpolate(points: &[(f64, f64)], x: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::curve::target::from_text;
+    use crate::curve::target::from_text;
 
     #[test]
     fn a_run_is_read_at_the_points_of_the_curve() {

@@ -6,10 +6,10 @@ use super::posterior::Measured;
 use super::search::{Search, Settings};
 use super::target::{Kind, Target};
 use super::{Outcome, Request, block_name, failures, log};
-use crate::error::{Error, Result};
-use crate::figure::{self, FittedLine, PosteriorInput};
-use crate::record::table::number;
-use crate::scene::Prior;
+use ::laboratory::error::{Error, Result};
+use ::laboratory::scene::Prior;
+use ::plot::{self, FittedLine, PosteriorInput};
+use ::table::number;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -288,7 +288,7 @@ fn report(parts: &Parts<'_>, table: &str, warnings: &[String]) -> String {
     text
 }
 
-fn figures(out: &Path, parts: &Parts<'_>) -> figure::Result<Vec<std::path::PathBuf>> {
+fn figures(out: &Path, parts: &Parts<'_>) -> plot::Result<Vec<std::path::PathBuf>> {
     let f = parts.findings;
     let inputs: Vec<PosteriorInput> = parts
         .parameters
@@ -320,21 +320,21 @@ fn figures(out: &Path, parts: &Parts<'_>) -> figure::Result<Vec<std::path::PathB
             checks: parts.checks.iter().map(cut).collect(),
             title,
         };
-        files.extend(figure::draw_fitted(&line, out)?);
+        files.extend(plot::draw_fitted(&line, out)?);
     }
     let every = (f.draws.len() / CORNER).max(1);
     let draws: Vec<Vec<f64>> = f.draws.iter().step_by(every).cloned().collect();
-    files.extend(figure::draw_corner(&inputs, &draws, out)?);
+    files.extend(plot::draw_corner(&inputs, &draws, out)?);
     let mut names: Vec<String> = inputs.iter().map(|p| p.name.clone()).collect();
     names.push("seeds (of a single run)".into());
     let mut alone: Vec<f64> = f.shares.iter().map(|s| s.first).collect();
     let mut total: Vec<f64> = f.shares.iter().map(|s| s.total).collect();
     alone.push(f.seeds_share);
     total.push(f.seeds_share);
-    files.extend(figure::draw_sensitivity(&names, &alone, &total, out)?);
+    files.extend(plot::draw_sensitivity(&names, &alone, &total, out)?);
     let runs: Vec<f64> = parts.search.trace.iter().map(|t| t.evaluations as f64).collect();
     let quantiles: Vec<Vec<[f64; 3]>> = parts.search.trace.iter().map(|t| t.quantiles.clone()).collect();
-    files.extend(figure::draw_convergence(&inputs, &runs, &quantiles, out)?);
+    files.extend(plot::draw_convergence(&inputs, &runs, &quantiles, out)?);
     Ok(files)
 }
 

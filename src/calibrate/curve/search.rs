@@ -7,8 +7,8 @@ use super::log::{self, Evaluation, Stage, Status};
 use super::parameter::Parameter;
 use super::posterior::{Chain, Measured, Posterior};
 use super::simulator::{Ran, Simulator};
-use crate::calibrate::columns::Columns;
-use crate::error::{Error, Result};
+use crate::columns::Columns;
+use ::laboratory::error::{Error, Result};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::path::{Path, PathBuf};
@@ -361,7 +361,7 @@ fn read_trace(dir: &Path, parameters: &[Parameter]) -> Result<Vec<Trace>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::curve::stand_in::{self, StandIn};
+    use crate::curve::stand_in::{self, StandIn};
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     /// The stand-in as a simulator that fails where the second parameter is small, and may be stopped.

@@ -5,12 +5,12 @@ use super::parameter::Parameter;
 use super::search::Settings;
 use super::target::{Block, Files, Kind, Target};
 use super::{BEYOND, Request, calibrate, log, outputs, sets};
-use crate::campaign::{self, Job};
-use crate::error::{Error, Result};
-use crate::figure::{Drawn, Graph, Look, Quantity, Tone};
-use crate::model::Rig;
-use crate::record::table::number;
-use crate::scene::{self, Prior};
+use ::campaign::{self, Job};
+use ::laboratory::error::{Error, Result};
+use ::laboratory::model::Rig;
+use ::laboratory::scene::{self, Prior};
+use ::plot::{Drawn, Graph, Look, Quantity, Tone};
+use ::table::number;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,8 @@
 //! What a calibration is to meet: an oedometer curve, and with it k₀ and gradations if there are any.
 
 use super::posterior::Measured;
-use crate::calibrate::columns::Columns;
-use crate::error::{Error, Result};
+use crate::columns::Columns;
+use ::laboratory::error::{Error, Result};
 use std::path::PathBuf;
 
 /// A quantity against vertical stress: its column in a history, and in the file of the curve with the factor to the former. Void ratio

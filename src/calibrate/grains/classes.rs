@@ -205,7 +205,7 @@ pub fn size_effect(classes: &[Class]) -> Option<(f64, Option<f64>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::grains::data::Grain;
+    use crate::grains::data::Grain;
     use std::path::PathBuf;
 
     fn data(grains: Vec<Grain>) -> Data {

@@ -1,8 +1,8 @@
 //! What the forces do not say and has to be given: the contact angle, or the moduli of grain and platen.
 
 use super::area::{Area, Model};
-use crate::error::{Error, Result};
-use crate::scene::{material_keys, shown};
+use ::laboratory::error::{Error, Result};
+use ::laboratory::scene::{material_keys, shown};
 use engine::material::effective_modulus;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_material_fills_the_gaps() {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let coke = Given { material: Some(root.join("materials/petroleum_coke.toml")), d0_mm: Some(5.0), ..given() };
         let inputs = coke.resolve().expect("inputs");
         assert_eq!(inputs.areas.len(), 2);

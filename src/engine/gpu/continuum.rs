@@ -454,7 +454,7 @@ impl Continuum {
         }
         let (id, what) = (fault / 8, fault % 8);
         let crowded = format!(
-            "has more than {} grains and walls near it, which the GPU path does not keep: use smaller cells, or go on with `comminute resume RUN --backend cpu`",
+            "has more than {} grains and walls near it, which the GPU path does not keep: use smaller cells, or go on on the processor",
             grains::PLACES
         );
         let what = match what {
@@ -465,9 +465,9 @@ impl Continuum {
             // found by what comes after a step
             5 => return Err(mpm::platen::passed(self.steps_done(), id)),
             6 => &crowded,
-            7 => "came near a grain as one of more than there is room for: go on with `comminute resume RUN --backend cpu`",
+            7 => "came near a grain as one of more than there is room for: go on on the processor",
             _ => {
-                "lies in a cell with more than 256 points, which the GPU path does not sort: use larger spacings, or --backend cpu"
+                "lies in a cell with more than 256 points, which the GPU path does not sort: use larger spacings, or the processor"
             }
         };
         Err(Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None })

@@ -49,7 +49,7 @@ fn adapter() -> Result<wgpu::Adapter> {
     let options = wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
     pollster::block_on(instance.request_adapter(&options)).map_err(|_| {
         let message = "found no graphics adapter (Vulkan, Metal or Direct3D 12): install a driver (Debian's mesa-vulkan-drivers has one that \
-                       computes on the processor) or use --backend cpu";
+                       computes on the processor) or use the processor";
         Error::refused("gpu", "", None, message)
     })
 }
@@ -96,12 +96,12 @@ impl Device {
             ("threads per workgroup", limits.max_compute_invocations_per_workgroup, 256),
         ] {
             if has < needs {
-                return Err(refused("adapter", name, format!("has {has} {what}, {needs} are needed: use --backend cpu")));
+                return Err(refused("adapter", name, format!("has {has} {what}, {needs} are needed: use the processor")));
             }
         }
         let descriptor = wgpu::DeviceDescriptor { label: Some("comminute"), required_limits: limits, ..Default::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|e| refused("adapter", name, format!("cannot be used: {e}; use --backend cpu")))?;
+            .map_err(|e| refused("adapter", name, format!("cannot be used: {e}; use the processor")))?;
         let complaints = Complaints::default();
         let (lost, other) = (complaints.clone(), complaints.clone());
         device.set_device_lost_callback(move |reason, what| {
@@ -130,7 +130,7 @@ impl Device {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let made = make();
         if pollster::block_on(memory.pop()).is_some() {
-            let message = "is more than the graphics device has left: use fewer points, a smaller domain or --backend cpu";
+            let message = "is more than the graphics device has left: use fewer points, a smaller domain or the processor";
             return Err(refused("memory", format!("{:.1} MiB", bytes as f64 / 1_048_576.0), message));
         }
         Ok(made)

@@ -60,7 +60,7 @@ impl Sizes {
                 return Err(refused(
                     what,
                     mib(bytes),
-                    format!("is above the device's {}: {advice}, or use --backend cpu", mib(most)),
+                    format!("is above the device's {}: {advice}, or use the processor", mib(most)),
                 ));
             }
         }

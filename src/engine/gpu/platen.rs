@@ -61,7 +61,7 @@ pub fn wrong(platens: &[Platen], settings: &Settings, points: &Points) -> Vec<Er
         errors.push(refused(
             "ghost radius",
             largest,
-            format!("m is above 0.9 cells of {} m: use larger cells, or --backend cpu", settings.cell),
+            format!("m is above 0.9 cells of {} m: use larger cells, or the processor", settings.cell),
         ));
     }
     errors

@@ -45,13 +45,13 @@ pub fn sizes(
 fn lacking(settings: &Settings, points: &Points) -> Vec<Error> {
     let mut errors = Vec::new();
     if settings.dimension == Dimension::PlaneStrain {
-        errors.push(refused("grid.plane_strain", true, "is not available on the GPU: use --backend cpu"));
+        errors.push(refused("grid.plane_strain", true, "is not available on the GPU: use the processor"));
     }
     if let ShapeFunctions::Gimp { .. } = settings.shape {
-        errors.push(refused("grid.shape_functions", "gimp", "is not available on the GPU: use b_spline, or --backend cpu"));
+        errors.push(refused("grid.shape_functions", "gimp", "is not available on the GPU: use b_spline, or the processor"));
     }
     if settings.transfer == Transfer::Affine {
-        errors.push(refused("grid.transfer", "apic", "is not available on the GPU: use flip_pic, or --backend cpu"));
+        errors.push(refused("grid.transfer", "apic", "is not available on the GPU: use flip_pic, or the processor"));
     }
     if points.is_empty() {
         errors.push(refused("points", 0, "must be at least one"));

@@ -312,7 +312,7 @@ impl Bodies {
         }
         if self.mix.crowded != NONE {
             let what = format!(
-                "a grain has more than {} grains near it, which the GPU path does not keep: use --backend cpu",
+                "a grain has more than {} grains near it, which the GPU path does not keep: use the processor",
                 layout::PARTNERS
             );
             return told(self.mix.crowded, what);

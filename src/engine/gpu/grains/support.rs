@@ -83,7 +83,7 @@ impl Sizes {
         for (what, bytes) in [("memory of the grains' contacts", self.slots), ("memory of the points' contacts", self.rows)] {
             if bytes > most {
                 let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / 1_048_576.0);
-                return Err(refused(what, mib(bytes), format!("is above the device's {}: use --backend cpu", mib(most))));
+                return Err(refused(what, mib(bytes), format!("is above the device's {}: use the processor", mib(most))));
             }
         }
         Ok(())
@@ -113,7 +113,7 @@ fn lacking(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Vec<Err
     let Coarse { physics, mixture, .. } = coarse;
     let mut errors = Vec::new();
     let mut lacks = |key: &str, value: String, what: &str| {
-        errors.push(refused(key, value, format!("is not available on the GPU: {what}, or --backend cpu")));
+        errors.push(refused(key, value, format!("is not available on the GPU: {what}, or the processor")));
     };
     if physics.contact.rolling {
         lacks("material.contact.rolling_friction", "above 0".into(), "use none");

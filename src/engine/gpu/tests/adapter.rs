@@ -1,6 +1,6 @@
 //! Whether tests of the graphics path can run. The tests of the crate and those of the command line share this file.
 
-use crate::gpu;
+use super::gpu;
 
 /// Whether there is an adapter; without one the test is skipped, loudly, or fails where one is required.
 pub fn adapter(test: &str) -> bool {

@@ -6,6 +6,7 @@ mod step;
 
 pub use adapter::adapter;
 
+use crate::gpu;
 use crate::mpm::law::{Elastic, Law};
 
 /// Every kind of surface, flow and evolution; the last one jumps at its peak.

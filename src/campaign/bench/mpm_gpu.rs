@@ -1,0 +1,44 @@
+//! The same case on the graphics device.
+
+use super::mpm::mpm_case;
+use super::speed::median;
+use ::laboratory::error::Result;
+use engine::gpu;
+use engine::mpm::Transfer;
+use std::time::Instant;
+
+/// What was measured on the graphics device.
+#[derive(Clone, Debug)]
+pub struct GpuSpeed {
+    pub adapter: String,
+    pub points: usize,
+    /// Point-steps per second of each block.
+    pub blocks: Vec<f64>,
+    pub bytes_per_point: f64,
+}
+
+impl GpuSpeed {
+    /// Median point-steps per second.
+    pub fn median(&self) -> f64 {
+        median(&self.blocks)
+    }
+}
+
+/// Steps `points` points on the graphics device: `repeats` blocks of `steps` steps after `warm_up`, each one batch.
+///
+/// # Errors
+/// No adapter, not enough memory, a lost point.
+pub fn mpm_gpu_speed(points: usize, [warm_up, steps]: [u64; 2], repeats: usize) -> Result<GpuSpeed> {
+    let (c, dt) = mpm_case(points, Transfer::Blend { pic: 0.0 })?;
+    let count = c.points().len();
+    let mut device = gpu::Continuum::new(&c)?;
+    device.steps(warm_up, dt)?;
+    let mut blocks = Vec::new();
+    for _ in 0..repeats {
+        let since = Instant::now();
+        device.steps(steps, dt)?;
+        blocks.push(count as f64 * steps as f64 / since.elapsed().as_secs_f64());
+    }
+    let adapter = gpu::available().map_or_else(String::new, |a| a.name);
+    Ok(GpuSpeed { adapter, points: count, blocks, bytes_per_point: device.bytes() as f64 / count as f64 })
+}

@@ -1,0 +1,226 @@
+//! Grain-steps per second, memory and the share of each stage.
+
+use super::{Demand, Machine, Packing, start};
+use ::laboratory::error::{Error, Result};
+use ::laboratory::model::Model;
+use ::laboratory::rig::cylinder::{Stresses, space};
+use engine::contact::pairs::{FREE, Pairs};
+use engine::dem;
+use engine::dem::observables::{love_weber, sums};
+use engine::dem::{State, Work};
+use std::convert::Infallible;
+use std::time::Instant;
+
+/// How long to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    pub warm_up: u64,
+    /// Steps of one timed block, and the number of blocks.
+    pub steps: u64,
+    pub repeats: usize,
+    /// Steps of the pass with clocks.
+    pub clocked: u64,
+}
+
+/// What was measured.
+#[derive(Clone, Debug)]
+pub struct Speed {
+    /// Grain-steps per second of each block, in their order.
+    pub blocks: Vec<f64>,
+    /// Grain-steps per second of processor time of each block, all threads together, where the system tells: on a busy machine
+    /// the better figure for one thread (waiting threads spin, so for several it says less).
+    pub cpu_blocks: Vec<f64>,
+    /// Steps done when the checks below were taken.
+    pub steps: u64,
+    pub bytes_per_grain: f64,
+    /// Per grain: touching pairs, listed pairs, touching and listed wall contacts.
+    pub touching: f64,
+    pub near: f64,
+    pub wall_touching: f64,
+    pub wall_near: f64,
+    /// Nanoseconds per grain-step: neighbours, contacts, grains, crush (from the pass with clocks).
+    pub stages: [f64; 4],
+    /// Searches of single grains' neighbourhoods during the timed blocks.
+    pub searches: u64,
+    /// Vertical stress averaged over the volume (grain contacts only), at the platens, radial at the cylinder, Pa.
+    pub stress_volume: f64,
+    pub stress_platens: f64,
+    pub stress_radial: f64,
+    /// Hash of every position and velocity, in the order of ids: the same for any number of threads.
+    pub hash: u64,
+    /// Of the contacts' and of the grains' stage: share of the machine's operations and of its bandwidth at which it runs.
+    pub roofline: [[f64; 2]; 2],
+    /// Load average of the last minute before and after, where the system tells.
+    pub load: [Option<f64>; 2],
+}
+
+impl Speed {
+    /// Median grain-steps per second.
+    pub fn median(&self) -> f64 {
+        median(&self.blocks)
+    }
+
+    /// Median grain-steps per second of processor time; `None` where the system does not tell.
+    pub fn cpu_median(&self) -> Option<f64> {
+        (!self.cpu_blocks.is_empty()).then(|| median(&self.cpu_blocks))
+    }
+
+    /// Share of each stage in the step.
+    pub fn shares(&self) -> [f64; 4] {
+        let all: f64 = self.stages.iter().sum();
+        self.stages.map(|s| if all > 0.0 { s / all } else { 0.0 })
+    }
+}
+
+/// Middle value (mean of the two middle ones); 0 of nothing.
+pub(super) fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let n = sorted.len();
+    match n {
+        0 => 0.0,
+        _ if n % 2 == 1 => sorted[n / 2],
+        _ => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
+    }
+}
+
+/// Steps the packing on as many threads as the machine was measured with; gives back the state it ends with.
+///
+/// # Errors
+/// Threads that cannot be started, or a state that is lost.
+pub fn measure(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Result<(Speed, State)> {
+    pool(machine.threads)?.install(|| timed(model, packing, machine, plan))
+}
+
+/// Threads to measure on.
+///
+/// # Errors
+/// Threads that cannot be started.
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Error::Failed { step: 0, what: format!("cannot start {threads} threads: {e}") })
+}
+
+fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Result<(Speed, State)> {
+    let before = load_average();
+    let (mut state, mut work) = start(model, packing);
+    let n = state.grains.len() as f64;
+    run(model, &mut state, &mut work, plan.warm_up);
+    let (mut searches, mut blocks, mut cpu_blocks) = (0, Vec::new(), Vec::new());
+    for _ in 0..plan.repeats {
+        let (since, cpu) = (Instant::now(), cpu_seconds());
+        searches += run(model, &mut state, &mut work, plan.steps);
+        let grain_steps = n * plan.steps as f64;
+        blocks.push(grain_steps / since.elapsed().as_secs_f64());
+        cpu_blocks.extend(cpu.zip(cpu_seconds()).map(|(from, to)| grain_steps / (to - from)));
+    }
+    let after = load_average();
+    let hash = hash(&state);
+    let steps = state.step;
+
+    let mut ended = state.clone();
+    // forces of this instant, for the checks
+    dem::contacts(&model.physics, &mut state, &mut work);
+    let size = space(&state);
+    let (vertical, _) = love_weber(&state, &work, size.radius, size.bottom, size.bottom + size.height);
+    let stresses = Stresses::of(&state);
+    let sums = sums(&model.physics, &state, &work);
+    if !(vertical.is_finite() && stresses.vertical().is_finite()) {
+        let what = format!("the bench has lost its packing (dt {:e} s)", state.dt);
+        return Err(Error::Unstable { step: state.step, what, grain: None });
+    }
+    let bytes = work.bytes(&state) as f64;
+
+    let mut work = Work::new(&model.physics, &mut ended);
+    run(model, &mut ended, &mut work, 50);
+    work.clock = Some([0; 4]);
+    run(model, &mut ended, &mut work, plan.clocked);
+    let clocked = n * plan.clocked.max(1) as f64;
+    let stages = work.clock.unwrap_or_default().map(|ns| ns as f64 / clocked);
+
+    let touching = sums.contacts as f64 / n;
+    let demands = [Demand::contacts(touching), Demand::grains(touching)];
+    let roofline = std::array::from_fn(|k| machine.shares(demands[k], 1e-9 * stages[k + 1]));
+
+    let speed = Speed {
+        blocks,
+        cpu_blocks,
+        steps,
+        bytes_per_grain: bytes / n,
+        touching,
+        near: (listed(&state.pairs) + work.neighbours.near_pairs() as f64) / n,
+        wall_touching: sums.wall_contacts as f64 / n,
+        wall_near: listed(&state.wall_pairs) / n,
+        stages,
+        searches,
+        stress_volume: vertical,
+        stress_platens: stresses.vertical(),
+        stress_radial: stresses.horizontal,
+        hash,
+        roofline,
+        load: [before, after],
+    };
+    Ok((speed, ended))
+}
+
+/// Steps, and the number of searches they took.
+fn run(model: &Model, state: &mut State, work: &mut Work, steps: u64) -> u64 {
+    let (mut searches, mut last) = (0, work.neighbours.searches);
+    for _ in 0..steps {
+        let Ok(()) = dem::step(&model.physics, state, work, |_, _| Ok::<(), Infallible>(()));
+        let now = work.neighbours.searches;
+        // a re-ordering of memory begins the count anew
+        searches += now.checked_sub(last).unwrap_or(now);
+        last = now;
+    }
+    searches
+}
+
+fn listed(pairs: &Pairs) -> f64 {
+    pairs.ends.iter().filter(|e| e[0] != FREE).count() as f64
+}
+
+/// FNV-1a over the bits of positions, velocities and spins in the order of ids.
+fn hash(state: &State) -> u64 {
+    let g = &state.grains;
+    let mut h = 0xcbf2_9ce4_8422_2325_u64;
+    for &i in &g.by_id() {
+        let i = i as usize;
+        for x in g.pos[i].iter().chain(&g.vel[i]).chain(&g.spin[i]) {
+            for byte in x.to_bits().to_le_bytes() {
+                h = (h ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+            }
+        }
+    }
+    h
+}
+
+/// Processor time of all threads of this process, s (Linux).
+pub(super) fn cpu_seconds() -> Option<f64> {
+    let mut sum = 0.0;
+    for task in std::fs::read_dir("/proc/self/task").ok()? {
+        let text = std::fs::read_to_string(task.ok()?.path().join("schedstat")).ok()?;
+        sum += text.split_whitespace().next()?.parse::<f64>().ok()?;
+    }
+    (sum > 0.0).then_some(1e-9 * sum)
+}
+
+/// Load average of the last minute (Linux).
+pub fn load_average() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/loadavg").ok()?;
+    text.split_whitespace().next()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::median;
+
+    #[test]
+    fn the_median_is_in_the_middle() {
+        assert_eq!(median(&[3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), 2.5);
+        assert_eq!(median(&[]), 0.0);
+    }
+}

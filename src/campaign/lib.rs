@@ -1,0 +1,19 @@
+//! Many runs, each a process of its own in a folder of its own: ensembles of seeds, tables of parameters, evaluations of a calibration.
+//!
+//! A [`Job`] is one run with everything that changes its scene. It knows its command line (which anything else can run as well: a
+//! second call does only what is left) and what its folder holds. [`run`] works through a list of jobs.
+
+pub mod bench;
+mod grid;
+mod job;
+pub mod point_test;
+mod progress;
+pub mod reproduce;
+mod runner;
+mod seeds;
+pub mod verify;
+
+pub use grid::{Point, points as grid_points, table as grid_table};
+pub use job::{Job, shell_word};
+pub use runner::{Options, Outcome, close, run};
+pub use seeds::{Vary, parse as parse_seeds};

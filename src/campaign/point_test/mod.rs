@@ -1,0 +1,71 @@
+//! A law taken through laboratory paths at a single point, without a grid: drained triaxial compression or extension at constant
+//! cell pressure, oedometer, and simple shear at constant volume. Compression is positive in all that is recorded here.
+
+mod drive;
+mod report;
+
+pub use drive::{Row, Test, drive};
+pub use report::{FIGURES, HISTORY, MATERIAL, SUMMARY, claim, summary, write};
+
+use ::laboratory::error::{Error, Result};
+
+/// What is done to the point. z is the axis, x and y are lateral, shear is in the x-z plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// Axial strain at constant lateral stress.
+    Triaxial,
+    /// Axial strain without lateral strain.
+    Oedometer,
+    /// Shear strain without any other: constant volume.
+    SimpleShear,
+}
+
+impl Path {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Path::Triaxial => "triaxial",
+            Path::Oedometer => "oedometer",
+            Path::SimpleShear => "simple_shear",
+        }
+    }
+}
+
+/// The tests that are made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    pub path: Path,
+    /// Isotropic stress at the start of each test, Pa: the cell pressure of a triaxial test.
+    pub confining: Vec<f64>,
+    /// Axial strain at the end (negative: extension), or engineering shear strain.
+    pub strain: f64,
+    /// Steps of equal strain.
+    pub steps: u32,
+}
+
+impl Settings {
+    /// # Errors
+    /// Values with which no test can be made, by their option on the command line.
+    pub fn check(&self) -> Result<()> {
+        let refuse = |option: &str, value: f64, message: &str| Err(Error::input(format!("--{option} {value}"), "", None, message));
+        if let Some(bad) = self.confining.iter().find(|p| !(0.0..=1e9).contains(*p)) {
+            return refuse("confining-kPa", 1e-3 * bad, "must be >= 0 and <= 1000000");
+        }
+        if let Some(twice) = self.confining.iter().enumerate().find(|(i, p)| self.confining[..*i].contains(p)) {
+            return refuse("confining-kPa", 1e-3 * twice.1, "stands there twice");
+        }
+        if self.confining.is_empty() {
+            return Err(Error::input("--confining-kPa", "", None, "needs a stress"));
+        }
+        if !(self.strain.abs() <= 1.0 && self.strain != 0.0) {
+            return refuse("strain", self.strain, "must not be 0, and between -1 and 1");
+        }
+        if self.steps == 0 {
+            return refuse("steps", 0.0, "must be at least 1");
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

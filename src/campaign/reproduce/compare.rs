@@ -1,0 +1,161 @@
+//! The published counts beside those of the runs.
+
+use super::plan::Published;
+use super::results::{Done, Spread};
+use ::laboratory::error::{Error, Result};
+use ::table::number;
+use std::path::{Path, PathBuf};
+
+/// One published row with what the seeds give.
+#[derive(Clone, Debug)]
+pub struct Row {
+    pub id: String,
+    pub published: Published,
+    pub events: Option<Spread>,
+    pub grains: Option<Spread>,
+    pub excluded: Option<Spread>,
+    /// Run time, min, of the whole run; with its last published row.
+    pub minutes: Option<Spread>,
+    /// Vertical stress at which the published number of events is reached, kPa, over the seeds that reach it.
+    pub reached: Option<Spread>,
+    /// How many seeds are done.
+    pub seeds: usize,
+}
+
+impl Row {
+    /// Mean number of events over the published one, less 1.
+    pub fn difference(&self) -> Option<f64> {
+        self.events.map(|e| e.mean / self.published.events - 1.0)
+    }
+}
+
+/// A row for everything published.
+pub fn rows(done: &[Done]) -> Vec<Row> {
+    done.iter().flat_map(|d| d.published.iter().map(|p| row(d, p))).collect()
+}
+
+fn row(done: &Done, published: &Published) -> Row {
+    let at = published.stress_kPa;
+    let last = done.published.last() == Some(published);
+    Row {
+        id: done.id.clone(),
+        published: *published,
+        events: done.spread(|s| s.events(at)),
+        // in proportion to the events: each puts as many grains in the place of one
+        grains: done.spread(|s| {
+            let first = s.number("grains_initial")?;
+            Some(first + s.share(at)? * (s.number("grains_final")? - first))
+        }),
+        excluded: done.spread(|s| Some(s.share(at)? * s.number("excluded_grains")?)),
+        minutes: done.spread(|s| s.number("wall_seconds").filter(|_| last)).map(|t| Spread {
+            mean: t.mean / 60.0,
+            sd: t.sd / 60.0,
+            least: t.least / 60.0,
+            most: t.most / 60.0,
+            of: t.of,
+        }),
+        reached: done.spread(|s| s.stress(published.events)),
+        seeds: done.seeds.len(),
+    }
+}
+
+/// Writes the rows as CSV.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(rows: &[Row], path: &Path) -> Result<PathBuf> {
+    let failed = |e: csv::Error| Error::Write { path: path.into(), source: e.into() };
+    let mut file = csv::Writer::from_path(path).map_err(failed)?;
+    file.write_record([
+        "run",
+        "stress_kPa",
+        "seeds",
+        "events_paper",
+        "events_mean",
+        "events_sd",
+        "events_least",
+        "events_most",
+        "difference_percent",
+        "grains_paper",
+        "grains_mean",
+        "excluded_paper",
+        "excluded_mean",
+        "minutes_paper",
+        "minutes_mean",
+        "reached_seeds",
+        "reached_kPa_mean",
+        "reached_kPa_least",
+        "reached_kPa_most",
+    ])
+    .map_err(failed)?;
+    for row in rows {
+        let p = &row.published;
+        let maybe = |x: Option<f64>| x.map_or(String::new(), number);
+        let mean = |s: Option<Spread>| maybe(s.map(|s| s.mean));
+        let events = |f: fn(&Spread) -> f64| maybe(row.events.as_ref().map(f));
+        let reached = |f: fn(&Spread) -> f64| maybe(row.reached.as_ref().map(f));
+        file.write_record([
+            row.id.clone(),
+            maybe(p.stress_kPa),
+            row.seeds.to_string(),
+            number(p.events),
+            events(|e| e.mean),
+            events(|e| e.sd),
+            events(|e| e.least),
+            events(|e| e.most),
+            maybe(row.difference().map(|d| 100.0 * d)),
+            number(p.grains),
+            mean(row.grains),
+            number(p.excluded),
+            mean(row.excluded),
+            maybe(p.minutes),
+            mean(row.minutes),
+            row.reached.map_or(0, |r| r.of).to_string(),
+            reached(|r| r.mean),
+            reached(|r| r.least),
+            reached(|r| r.most),
+        ])
+        .map_err(failed)?;
+    }
+    file.flush().map_err(Error::write(path))?;
+    Ok(path.into())
+}
+
+/// Columns of `runs.csv`, and where their values stand in a summary.
+const RUNS: [(&str, &str); 16] = [
+    ("seed", "/seed/packing"),
+    ("scale", "/scale"),
+    ("height_mm", "/height_mm"),
+    ("max_stress_kPa", "/max_stress_kPa"),
+    ("grains_initial", "/grains_initial"),
+    ("crush_events", "/crush_events"),
+    ("grains_final", "/grains_final"),
+    ("void_ratio_final", "/void_ratio_final"),
+    ("porosity_final", "/porosity_final"),
+    ("k0_final", "/k0_final"),
+    ("mass_error", "/mass_error"),
+    ("energy_error", "/energy_error"),
+    ("largest_platen_difference", "/quasi_static/largest_platen_difference"),
+    ("largest_distance_from_target", "/quasi_static/largest_distance_from_target"),
+    ("largest_inertial_number", "/quasi_static/largest_inertial_number"),
+    ("wall_seconds", "/wall_seconds"),
+];
+
+/// Writes a line for every run.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_runs(done: &[Done], path: &Path) -> Result<PathBuf> {
+    let failed = |e: csv::Error| Error::Write { path: path.into(), source: e.into() };
+    let mut file = csv::Writer::from_path(path).map_err(failed)?;
+    file.write_record(std::iter::once("run").chain(RUNS.map(|c| c.0))).map_err(failed)?;
+    for d in done {
+        for seed in &d.seeds {
+            let cells =
+                RUNS.map(|(_, at)| seed.summary.pointer(at).and_then(serde_json::Value::as_f64).map_or(String::new(), number));
+            file.write_record(std::iter::once(d.id.clone()).chain(cells)).map_err(failed)?;
+        }
+    }
+    file.flush().map_err(Error::write(path))?;
+    Ok(path.into())
+}

@@ -1,0 +1,249 @@
+//! What a reproduction consists of: a TOML file that names runs, what was published of them, and figures.
+
+use crate::{Job, Vary, parse_seeds};
+use ::laboratory::error::{Error, Result};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// A paper's runs and figures.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// Authors, year, title, journal.
+    pub title: String,
+    /// What the published figures are and where the published numbers stand.
+    pub source: String,
+    /// Sum of the published run times, min.
+    #[serde(default)]
+    pub published_minutes: Option<f64>,
+    /// Remarks that stand under the table.
+    #[serde(default)]
+    pub notes: Vec<String>,
+    #[serde(default, rename = "run")]
+    pub runs: Vec<Run>,
+    #[serde(default, rename = "figure")]
+    pub figures: Vec<Figure>,
+    /// Folder of the plan, from which scenes are named.
+    #[serde(skip)]
+    folder: PathBuf,
+}
+
+/// One scene with some seeds.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Run {
+    /// Name of its folder, and of its row in the table.
+    pub id: String,
+    /// Scene file, from the folder of the plan.
+    pub scene: PathBuf,
+    /// As on a command line: `1..5`.
+    #[serde(default = "one")]
+    pub seeds: String,
+    /// `key=value` laid over the scene.
+    #[serde(default)]
+    pub set: Vec<String>,
+    /// What the paper gives of it.
+    #[serde(default)]
+    pub published: Vec<Published>,
+}
+
+/// A row of a published table.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(non_snake_case)]
+pub struct Published {
+    /// Vertical stress to which the row belongs, kPa; the end of the run if it is not given.
+    pub stress_kPa: Option<f64>,
+    pub events: f64,
+    pub grains: f64,
+    pub excluded: f64,
+    /// Run time, min.
+    pub minutes: Option<f64>,
+}
+
+/// One figure of the paper.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Figure {
+    /// Name of its folder.
+    pub name: String,
+    /// Heading: `Fig. 10(a), (b): …`.
+    pub title: String,
+    /// What the paper's text says that it shows.
+    pub paper: String,
+    /// What is seen here.
+    #[serde(default)]
+    pub here: String,
+    pub draw: Content,
+}
+
+/// What is drawn.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(tag = "of", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Content {
+    /// Curves of runs (by id), each figure of `show` with all of them.
+    Curves { show: Vec<String>, runs: Vec<String> },
+    /// A run's specimen before and after.
+    Specimen { runs: Vec<String> },
+    /// Run time against initial grains, crush events and final grains; all runs of the table if none are named.
+    Cost {
+        #[serde(default)]
+        runs: Vec<String>,
+    },
+    /// Largest force between platens against diameter (eqs 16, 17).
+    LimitForce { diameter_mm: [f64; 2], m: Vec<f64>, sets: Vec<StrengthSet> },
+}
+
+/// A row of Table 1 (with an angle) or Table 2 (with moduli).
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(non_snake_case)]
+pub struct StrengthSet {
+    pub label: String,
+    pub sigma_lim0_MPa: f64,
+    pub d0_mm: f64,
+    pub theta0_rad: Option<f64>,
+    pub E_GPa: Option<f64>,
+    pub nu: Option<f64>,
+    pub platen_E_GPa: Option<f64>,
+    pub platen_nu: Option<f64>,
+}
+
+fn one() -> String {
+    "1".into()
+}
+
+impl Plan {
+    /// Reads a plan: a file, or the name of one in `experiments/`.
+    ///
+    /// # Errors
+    /// A file that is not there or no plan, a run named twice, a figure of a run that is not in the plan.
+    pub fn read(name: &str) -> Result<Plan> {
+        let path = locate(name)?;
+        let text = std::fs::read_to_string(&path).map_err(Error::read(&path))?;
+        let mut plan: Plan =
+            toml::from_str(&text).map_err(|e| Error::input(path.display(), "", None, e.to_string().trim_end().to_string()))?;
+        plan.folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        plan.check(&path)?;
+        Ok(plan)
+    }
+
+    fn check(&self, path: &Path) -> Result<()> {
+        let mut errors = Vec::new();
+        for (i, run) in self.runs.iter().enumerate() {
+            let wrong = |key: &str, value: &str, message: &str| {
+                Error::input(path.display(), format!("run.{key}"), Some(value.to_string()), message)
+            };
+            if run.id.is_empty() || run.id.contains(['/', '\\']) {
+                errors.push(wrong("id", &run.id, "must be the name of a folder"));
+            }
+            if self.runs[..i].iter().any(|other| other.id == run.id) {
+                errors.push(wrong("id", &run.id, "stands there twice"));
+            }
+            errors.extend(parse_seeds(&run.seeds).err());
+        }
+        for figure in &self.figures {
+            let wrong = |value: &str, message: &str| {
+                Error::input(path.display(), format!("figure {}", figure.name), Some(value.to_string()), message)
+            };
+            match &figure.draw {
+                Content::Curves { runs, .. } | Content::Specimen { runs } | Content::Cost { runs } => {
+                    let unknown = runs.iter().filter(|id| self.run(id).is_none());
+                    errors.extend(unknown.map(|id| wrong(id, "is no run of the plan")));
+                }
+                Content::LimitForce { sets, .. } => {
+                    let open = |s: &&StrengthSet| s.theta0_rad.is_some() == s.moduli().is_some();
+                    let message = "needs either theta0_rad, or E_GPa, nu, platen_E_GPa and platen_nu";
+                    errors.extend(sets.iter().filter(open).map(|s| wrong(&s.label, message)));
+                }
+            }
+        }
+        Error::all(errors)
+    }
+
+    pub fn run(&self, id: &str) -> Option<&Run> {
+        self.runs.iter().find(|run| run.id == id)
+    }
+
+    /// The jobs of a run, one for each seed, in `out/ID/seed-N`.
+    ///
+    /// # Errors
+    /// Seeds that are none.
+    pub fn jobs(&self, run: &Run, out: &Path) -> Result<Vec<Job>> {
+        let seeds = parse_seeds(&run.seeds)?;
+        let job = |seed| {
+            let folder = out.join(&run.id).join(format!("seed-{seed}"));
+            Job::new(self.folder.join(&run.scene), folder).with(&run.set).seeded(Vary::Both, seed)
+        };
+        Ok(seeds.into_iter().map(job).collect())
+    }
+}
+
+impl StrengthSet {
+    /// E and ν of the grain and of the platen, Pa and -.
+    pub fn moduli(&self) -> Option<[(f64, f64); 2]> {
+        Some([(1e9 * self.E_GPa?, self.nu?), (1e9 * self.platen_E_GPa?, self.platen_nu?)])
+    }
+}
+
+/// The file of a plan.
+fn locate(name: &str) -> Result<PathBuf> {
+    let given = PathBuf::from(name);
+    let named = Path::new("experiments").join(format!("{name}.toml"));
+    if given.is_file() {
+        return Ok(given);
+    }
+    if named.is_file() {
+        return Ok(named);
+    }
+    let message = format!("is neither a plan (TOML) nor the name of one: there is no {}", named.display());
+    Err(Error::input(name, "", None, message))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Plan> {
+        let dir = tempfile::tempdir().expect("folder");
+        let path = dir.path().join("plan.toml");
+        std::fs::write(&path, text).expect("written");
+        Plan::read(&path.display().to_string())
+    }
+
+    const HEAD: &str = "title = \"t\"\nsource = \"s\"\n";
+    const RUN: &str = "[[run]]\nid = \"a\"\nscene = \"a.toml\"\nseeds = \"1..3\"\n";
+
+    #[test]
+    fn a_run_has_a_job_for_each_seed() {
+        let plan = read(&format!("{HEAD}{RUN}")).expect("plan");
+        let jobs = plan.jobs(&plan.runs[0], Path::new("out")).expect("jobs");
+        let folders: Vec<String> = jobs.iter().map(|j| j.out.display().to_string()).collect();
+        assert_eq!(folders, ["out/a/seed-1", "out/a/seed-2", "out/a/seed-3"]);
+        assert!(jobs[0].scene.ends_with("a.toml") && jobs[0].scene.is_absolute());
+    }
+
+    #[test]
+    fn wrong_plans_are_refused_with_their_place() {
+        let figure = "[[figure]]\nname = \"f\"\ntitle = \"\"\npaper = \"\"\n";
+        for (text, says) in [
+            (format!("{HEAD}{RUN}{RUN}"), "run.id = a: stands there twice"),
+            (format!("{HEAD}{RUN}").replace("1..3", "3..1"), "counts down"),
+            (
+                format!("{HEAD}{figure}[figure.draw]\nof = \"curves\"\nshow = []\nruns = [\"b\"]\n"),
+                "figure f = b: is no run of the plan",
+            ),
+            (
+                format!(
+                    "{HEAD}{figure}[figure.draw]\nof = \"limit_force\"\ndiameter_mm = [1, 2]\nm = [2]\nsets = [{{ label = \"x\", sigma_lim0_MPa = 1, d0_mm = 2 }}]\n"
+                ),
+                "needs either theta0_rad",
+            ),
+            (format!("{HEAD}speed = 3\n"), "unknown field `speed`"),
+        ] {
+            let error = read(&text).expect_err(says).to_string();
+            assert!(error.contains(says) && (error.contains("plan.toml") || error.contains("--seeds")), "{error}");
+        }
+        assert!(Plan::read("no-such-paper").expect_err("absent").to_string().contains("experiments/no-such-paper.toml"));
+    }
+}

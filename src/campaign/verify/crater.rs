@@ -1,0 +1,233 @@
+//! A ball that falls into dry sand, against the depth that experiments have found.
+
+use super::{Case, Found, Row, Task, scene};
+use ::laboratory::error::Result;
+use ::plot::{Drawn, Graph, Look, Quantity, Tone, significant};
+use nalgebra::{DMatrix, DVector};
+
+const ABOUT: &str =
+    "A ball falls into dry sand (Zhang et al., section 5.2: E 2 MPa, ν 0.3, 1510 kg/m³; ball 2200 kg/m³; scene crater)";
+const EXACT: &str =
+    "D = 0.14/μ √(ρ_ball/ρ_sand) (2R)^(2/3) (h + D)^(1/3) (eq. 62; Uehara et al. 2003, Ambroso et al. 2005, experiments)";
+const ACROSS: &str = "cells along the ball's radius";
+/// In threes of the same ball and sand.
+const DROPS: &[&str] = &[
+    "R 12.5 mm, μ 0.3, h 50 mm",
+    "R 12.5 mm, μ 0.3, h 100 mm",
+    "R 12.5 mm, μ 0.3, h 200 mm",
+    "R 12.5 mm, μ 0.5, h 50 mm",
+    "R 12.5 mm, μ 0.5, h 100 mm",
+    "R 12.5 mm, μ 0.5, h 200 mm",
+    "R 20 mm, μ 0.3, h 50 mm",
+    "R 20 mm, μ 0.3, h 100 mm",
+    "R 20 mm, μ 0.3, h 200 mm",
+    "R 20 mm, μ 0.5, h 50 mm",
+    "R 20 mm, μ 0.5, h 100 mm",
+    "R 20 mm, μ 0.5, h 200 mm",
+];
+
+/// With the cone of the paper.
+pub const CASE: Case = Case {
+    name: "crater",
+    about: ABOUT,
+    exact: EXACT,
+    across: ACROSS,
+    resolutions: &[2, 3, 4],
+    ways: DROPS,
+    quantities: &["depth"],
+    run: |task| fall(task, &drop(task.way), &[]),
+    graphs: Some(|rows| graphs("crater", "plane-strain cone", rows)),
+};
+pub const OUTER: Case = Case {
+    name: "crater_outer",
+    about: "A ball falls into dry sand (as crater, with the outer cone)",
+    resolutions: &[2],
+    run: |task| fall(task, &drop(task.way), &["materials.sand.continuum.cone=\"outer\"".into()]),
+    graphs: Some(|rows| graphs("crater_outer", "outer cone", rows)),
+    ..CASE
+};
+/// What else the depth of one of them depends on.
+pub const NUMERICS: Case = Case {
+    name: "crater_numerics",
+    about: "A ball of 20 mm falls from 200 mm into dry sand with μ 0.3 (as crater)",
+    resolutions: &[2],
+    ways: &["0.1 % PIC", "no PIC", "1 % PIC", "APIC", "0.1 % PIC, smooth ball", "0.1 % PIC, sand of 20 MPa"],
+    run: |task| {
+        let own: &[&str] = match task.way {
+            1 => &["grid.pic=0.0"],
+            2 => &["grid.pic=0.01"],
+            3 => &["grid.pic=0.0", "grid.transfer=\"apic\""],
+            4 => &["materials.ball.contact.friction=0.0"],
+            5 => &["materials.sand.continuum.E_MPa=20.0", "materials.sand.elastic.E_GPa=0.02"],
+            _ => &[],
+        };
+        let own: Vec<String> = own.iter().map(|s| (*s).into()).collect();
+        fall(task, &drop(8), &own)
+    },
+    graphs: None,
+    ..CASE
+};
+/// kg/m³ and m/s².
+const BALL: f64 = 2200.0;
+const SAND: f64 = 1510.0;
+const GRAVITY: f64 = 9.81;
+/// Half the width of the sand, its depth, and the room above it over the ball's radius; the ball begins so far above the sand.
+const HALF: f64 = 4.0;
+const LAYERS: usize = 6;
+const ABOVE: f64 = 4.0;
+const GAP: f64 = 0.025;
+/// Time in which the largest ball comes to rest, s, and its radius, m; it goes with the root of the radius.
+const DURATION: [f64; 2] = [0.1, 0.02];
+
+/// A ball, the sand's friction coefficient and the height from which the ball falls, m.
+#[derive(Clone, Copy, Debug)]
+struct Drop {
+    radius: f64,
+    friction: f64,
+    height: f64,
+}
+
+fn drop(way: usize) -> Drop {
+    Drop { radius: [0.0125, 0.02][way / 6], friction: [0.3, 0.5][way / 3 % 2], height: [0.05, 0.1, 0.2][way % 3] }
+}
+
+impl Drop {
+    /// Eq. 62 with the total way H = h + D of the ball in it, m.
+    fn law(&self) -> f64 {
+        let factor = 0.14 / self.friction * (BALL / SAND).sqrt() * (2.0 * self.radius).powf(2.0 / 3.0);
+        // D/3(h + D) of what is wrong is left in each round
+        (0..60).fold(self.radius, |depth, _| factor * (self.height + depth).cbrt())
+    }
+
+    fn sets(&self, cells: u32) -> Vec<String> {
+        let r = 1e3 * self.radius;
+        let wide = HALF * r;
+        let mut sets = vec![
+            format!("name=\"R{r}_mu{}_h{}\"", self.friction, 1e3 * self.height),
+            format!("grid.cell_mm={:?}", r / f64::from(cells)),
+            format!("grid.min_mm=[{:?}, {:?}, {:?}]", -wide, -wide, -(LAYERS as f64) * r),
+            format!("grid.max_mm=[{wide:?}, {wide:?}, {:?}]", ABOVE * r),
+            format!("grain[0].radius_m={:?}", self.radius),
+            format!("grain[0].position_m=[0.0, 0.0, {:?}]", self.radius * (1.0 + GAP)),
+            format!("grain[0].velocity_m_s=[0.0, 0.0, {:?}]", -(2.0 * GRAVITY * self.height).sqrt()),
+            format!("materials.sand.contact.friction={:?}", self.friction),
+            format!("materials.sand.continuum.friction_angle_rad={:?}", self.friction.atan()),
+            format!("duration_s={:?}", DURATION[0] * (self.radius / DURATION[1]).sqrt()),
+        ];
+        for layer in 0..LAYERS {
+            let (top, middle) = (-(layer as f64) * r, (layer as f64 + 0.5) * self.radius);
+            sets.push(format!("body[{layer}].min_mm=[{:?}, {:?}, {:?}]", -wide, -wide, top - r));
+            sets.push(format!("body[{layer}].max_mm=[{wide:?}, {wide:?}, {top:?}]"));
+            sets.push(format!("body[{layer}].stress_kPa={:?}", 1e-3 * SAND * GRAVITY * middle));
+        }
+        sets
+    }
+}
+
+/// The depth over that of the law, the depth, m, and the last speed over the first.
+fn fall(task: &Task, drop: &Drop, own: &[String]) -> Result<Found> {
+    let mut sets = drop.sets(task.cells);
+    sets.extend_from_slice(own);
+    let run = scene::run(task, "../mixture/crater", &sets)?;
+    let (points, steps) = run.size()?;
+    let depth = -1e-3 * run.ends("lowest_grain_mm")?[1];
+    let moving = (run.ends("coarse_kinetic_J")?[1] / run.ends("coarse_kinetic_J")?[0]).sqrt();
+    Ok(Found { points, steps, errors: vec![depth / drop.law() - 1.0, depth, moving] })
+}
+
+/// Exponents of radius, way and friction in D = c R^a H^b μ^e, by least squares of the logarithms. `None` with too few cases.
+fn exponents(cases: &[(Drop, f64)]) -> Option<[f64; 3]> {
+    let row = |(drop, depth): &(Drop, f64)| [1.0, drop.radius.ln(), (drop.height + depth).ln(), drop.friction.ln()];
+    let a = DMatrix::from_row_iterator(cases.len(), 4, cases.iter().flat_map(row));
+    let b = DVector::from_iterator(cases.len(), cases.iter().map(|c| c.1.ln()));
+    let decomposed = a.svd(true, true);
+    let x = (decomposed.rank(1e-9) == 4).then(|| decomposed.solve(&b, 0.0).ok())??;
+    Some([x[1], x[2], x[3]])
+}
+
+/// Depths of the finest resolution against the law, and what all are of it against the height.
+fn graphs(name: &str, cone: &str, rows: &[Row]) -> Vec<Graph> {
+    let (mut depths, mut ratios) = (Vec::new(), Vec::new());
+    let cells = |r: &Row| r.cells;
+    let finest = rows.iter().map(cells).max().unwrap_or(0);
+    let mut resolutions: Vec<u32> = rows.iter().map(cells).collect();
+    resolutions.sort_unstable();
+    resolutions.dedup();
+    for three in 0..DROPS.len() / 3 {
+        for (n, resolution) in resolutions.iter().enumerate() {
+            let own: Vec<&Row> = rows.iter().filter(|r| r.way / 3 == three && r.cells == *resolution).collect();
+            let (ball, _) = DROPS[3 * three].rsplit_once(", h").unwrap_or_default();
+            let label = format!("{ball}, {resolution} cells");
+            let drawn = |points| Drawn {
+                label: Some(label.clone()),
+                name: label.clone(),
+                tone: Tone::Kind(three),
+                look: Look::Symbols(n),
+                points,
+            };
+            let depth = |r: &&Row| (1e3 * drop(r.way).law(), 1e3 * r.found.errors[1]);
+            if *resolution == finest {
+                depths.push(drawn(own.iter().map(depth).collect()));
+            }
+            // colours are named, symbols in the title
+            let ratio = drawn(own.iter().map(|r| (1e3 * drop(r.way).height, 1.0 + r.found.errors[0])).collect());
+            ratios.push(Drawn { label: (n == 0).then(|| ball.into()), ..ratio });
+        }
+    }
+    let line = |points| Drawn { label: Some("eq. 62".into()), name: "eq. 62".into(), tone: Tone::Ink, look: Look::Guide, points };
+    depths.push(line(vec![(10.0, 10.0), (50.0, 50.0)]));
+    ratios.push(line(vec![(50.0, 1.0), (200.0, 1.0)]));
+    let cases: Vec<(Drop, f64)> = rows.iter().filter(|r| r.cells == finest).map(|r| (drop(r.way), r.found.errors[1])).collect();
+    let mut title = vec!["a ball falls into dry sand".into(), cone.into()];
+    if let Some(fit) = exponents(&cases) {
+        let [r, h, mu] = fit.map(|x| significant(x, 2).replace('-', "−"));
+        title.push(format!("{finest} cells: D ∝ R^{{{r}}} H^{{{h}}} μ^{{{mu}}}"));
+    }
+    let symbols = ["circles", "squares", "triangles"].into_iter().zip(&resolutions).map(|(symbol, n)| format!("{symbol} {n}"));
+    let explained = format!("{} cells along the radius", symbols.collect::<Vec<_>>().join(", "));
+    let mut titles = [title.clone(), title];
+    titles[1].insert(1, explained);
+    let [depth_title, ratio_title] = titles;
+    let graph = |end: &str, title, x, y, series| Graph { name: format!("{name}_{end}"), title, legend_title: None, x, y, series };
+    vec![
+        graph(
+            "depth",
+            depth_title,
+            Quantity::log("depth of eq. 62 (mm)", "law_mm"),
+            Quantity::log("depth D (mm)", "depth_mm"),
+            depths,
+        ),
+        graph(
+            "ratio",
+            ratio_title,
+            Quantity::log("height h (mm)", "height_mm"),
+            Quantity::linear("depth over that of eq. 62 (–)", "depth_over_law", &[0.7]),
+            ratios,
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values of eq. 62 solved elsewhere for the twelve cases, m.
+    #[test]
+    fn the_law_has_the_whole_way_in_it() {
+        let known =
+            [0.019832, 0.024017, 0.029485, 0.0114, 0.014012, 0.017374, 0.02817, 0.033687, 0.040999, 0.015973, 0.019469, 0.024007];
+        for (way, known) in known.into_iter().enumerate() {
+            assert!((drop(way).law() / known - 1.0).abs() < 1e-4, "{}: {}", DROPS[way], drop(way).law());
+        }
+    }
+
+    #[test]
+    fn the_fit_finds_the_law_s_exponents() {
+        let cases: Vec<(Drop, f64)> = (0..12).map(|way| (drop(way), drop(way).law())).collect();
+        let found = exponents(&cases).expect("a fit");
+        for (found, wanted) in found.into_iter().zip([2.0 / 3.0, 1.0 / 3.0, -1.0]) {
+            assert!((found - wanted).abs() < 1e-9, "{found}");
+        }
+        assert!(exponents(&cases[..3]).is_none(), "one radius says nothing of radii");
+    }
+}

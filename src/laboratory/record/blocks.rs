@@ -1,0 +1,67 @@
+//! Records of rigid bodies that are no spheres: a row of each at every row of the history, and their surfaces in snapshots.
+
+use super::vtk::{self, Fact, Field};
+use crate::error::{Error, Result};
+use ::table::Row;
+use engine::math::vector::{dot, plus};
+use engine::rigid::Blocks;
+use std::path::Path;
+
+/// Where they were, how they moved, what they bore.
+pub const TRACKS: &str = "blocks.csv";
+
+/// A row of each body. Forces on it are those of points, of grains and of walls.
+pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> {
+    blocks.blocks.iter().enumerate().map(move |(k, b)| {
+        let ([x, y, z], [u, v, w], [p, q, r], [a, i, j, l]) = (b.centre, b.velocity, b.spin(), b.turn);
+        let mut row: Row = vec![
+            ("step", step.into()),
+            ("time_s", time.into()),
+            ("block", k.into()),
+            ("mass_kg", b.mass.into()),
+            ("x_m", x.into()),
+            ("y_m", y.into()),
+            ("z_m", z.into()),
+            ("q_w", a.into()),
+            ("q_x", i.into()),
+            ("q_y", j.into()),
+            ("q_z", l.into()),
+            ("vx_m_s", u.into()),
+            ("vy_m_s", v.into()),
+            ("vz_m_s", w.into()),
+            ("wx_rad_s", p.into()),
+            ("wy_rad_s", q.into()),
+            ("wz_rad_s", r.into()),
+        ];
+        const NAMES: [[&str; 3]; 3] = [
+            ["points_x_N", "points_y_N", "points_z_N"],
+            ["grains_x_N", "grains_y_N", "grains_z_N"],
+            ["walls_x_N", "walls_y_N", "walls_z_N"],
+        ];
+        for (names, force) in NAMES.into_iter().zip(blocks.forces(k)) {
+            row.extend(names.into_iter().zip(force.map(Into::into)));
+        }
+        row.push(("kinetic_J", b.kinetic().into()));
+        row
+    })
+}
+
+/// Writes a ParaView snapshot of their surfaces.
+pub fn write_surfaces(path: &Path, facts: &[Fact], step: u64, blocks: &Blocks) -> Result<()> {
+    let (mut corners, mut triangles) = (Vec::new(), Vec::new());
+    let names = [("block", 1), ("velocity_m_s", 3), ("spin_rad_s", 3), ("speed_m_s", 1), ("material", 1)];
+    let mut values: [Vec<f64>; 5] = Default::default();
+    for (k, block) in blocks.blocks.iter().enumerate() {
+        let (pose, mesh, first) = (block.pose(0.0), block.solid().surface(), corners.len() as u32);
+        corners.extend(mesh.corners.iter().map(|p| plus(pose.centre, pose.outwards(*p))));
+        let speed = dot(block.velocity, block.velocity).sqrt();
+        for t in &mesh.triangles {
+            triangles.push(t.map(|k| first + k));
+            let of: [&[f64]; 5] = [&[k as f64], &block.velocity, &block.spin(), &[speed], &[f64::from(block.material)]];
+            values.iter_mut().zip(of).for_each(|(all, of)| all.extend(of));
+        }
+    }
+    let field = |((name, components), values)| Field { name, components, values };
+    let fields: Vec<Field> = names.into_iter().zip(values).map(field).collect();
+    vtk::write_surfaces(path, facts, &corners, &triangles, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+}

@@ -1,0 +1,84 @@
+//! Gradations of the grains of a run: at an instant, before loading, and as rows of `gsd.csv`.
+
+use crate::gradation::{Gradation, Indices, sieve_sizes};
+use crate::model::{GrainSpec, Model};
+use ::table::Row;
+use engine::dem::State;
+use engine::grains::{Grains, sphere_volume};
+
+/// Sizes at which a gradation is written.
+const SIEVES: usize = 121;
+
+/// Present gradation, lost mass reconstructed (eq. 12).
+pub fn gradation(model: &Model, state: &State) -> Gradation {
+    let g = &state.grains;
+    let radii = state.aftermath.radii(g);
+    let grains = g.by_id().into_iter().map(|i| (2.0 * radii[i as usize], g.mass[i as usize]));
+    Gradation::new(grains, state.lost.iter().copied(), model.fines, model.scale)
+}
+
+/// Relative breakage of Hardin and of Einav, and what is beyond Einav's; not numbers where there is none.
+pub fn breakage(indices: Option<&Indices>) -> [f64; 3] {
+    let of = |f: fn(&Indices) -> Option<f64>| indices.and_then(f).unwrap_or(f64::NAN);
+    [of(|i| i.hardin_br), of(|i| i.einav_br), of(|i| i.einav_beyond)]
+}
+
+/// Columns of a history that say how the gradation has changed.
+pub fn columns(indices: Option<&Indices>) -> Row {
+    let of = |f: fn(&Indices) -> f64| indices.map_or(f64::NAN, f);
+    let [hardin, einav, beyond] = breakage(indices);
+    vec![
+        ("d10_mm", (1e3 * of(|i| i.d10)).into()),
+        ("d30_mm", (1e3 * of(|i| i.d30)).into()),
+        ("d50_mm", (1e3 * of(|i| i.d50)).into()),
+        ("d60_mm", (1e3 * of(|i| i.d60)).into()),
+        ("cu", of(|i| i.cu).into()),
+        ("cc", of(|i| i.cc).into()),
+        ("hardin_br", hardin.into()),
+        ("einav_br", einav.into()),
+        ("einav_beyond", beyond.into()),
+    ]
+}
+
+/// Gradation of a specimen before loading.
+pub fn initial(model: &Model, g: &Grains) -> Gradation {
+    let grains = (0..g.len()).map(|i| (2.0 * g.pos[i][3], g.mass[i]));
+    Gradation::new(grains, std::iter::empty(), model.fines, model.scale)
+}
+
+/// Gradation of grains that are listed.
+pub fn of_listed(model: &Model, grains: &[GrainSpec]) -> Gradation {
+    let mass = |g: &GrainSpec| model.physics.materials[usize::from(g.material)].density * sphere_volume(g.radius);
+    let grains = grains.iter().map(|g| (2.0 * g.radius, mass(g)));
+    Gradation::new(grains, std::iter::empty(), model.fines, model.scale)
+}
+
+/// Where a test stands: its step and stage, vertical stress, Pa, and axial strain.
+#[derive(Clone, Copy, Debug)]
+pub struct At {
+    pub step: u64,
+    pub stage: &'static str,
+    pub sigma_v: f64,
+    pub axial_strain: f64,
+}
+
+/// Rows of `gsd.csv` for this instant.
+pub fn rows(model: &Model, now: &Gradation, at: &At, initial: &Gradation) -> Vec<Row> {
+    let sizes = sieve_sizes(model.fines.d_min / model.scale, initial.largest().unwrap_or(model.fines.d_min), SIEVES);
+    let (all, grains) = (now.curve(&sizes), now.curve_grains(&sizes));
+    sizes
+        .iter()
+        .zip(all.iter().zip(&grains))
+        .map(|(&d, (&a, &g))| -> Row {
+            vec![
+                ("step", at.step.into()),
+                ("stage", at.stage.into()),
+                ("sigma_v_kPa", (at.sigma_v * 1e-3).into()),
+                ("axial_strain", at.axial_strain.into()),
+                ("diameter_mm", (d * 1e3).into()),
+                ("passing_percent", (a * 100.0).into()),
+                ("passing_percent_grains", (g * 100.0).into()),
+            ]
+        })
+        .collect()
+}

@@ -1,0 +1,165 @@
+//! Records of single grains between platens: `platen.csv`, `force_displacement.csv`, `survival.csv`, `limit_force.csv`.
+
+use crate::error::Result;
+use crate::model::{Model, Platen};
+use crate::rig::platen::{Test, hertz, pair};
+use ::table::{Row, Table, Value};
+use engine::breakage::CrushModel;
+use engine::breakage::criterion::{AreaModel, size_factor};
+use std::path::Path;
+
+pub const TESTS: &str = "platen.csv";
+pub const CURVES: &str = "force_displacement.csv";
+pub const SURVIVAL: &str = "survival.csv";
+pub const LIMITS: &str = "limit_force.csv";
+
+/// Quantiles of the limit force that `limit_force.csv` holds: the band of the figures.
+const BAND: [f64; 3] = [0.05, 0.5, 0.95];
+/// Diameters at which it holds them.
+const SIZES: usize = 33;
+/// Share by which these go beyond the sizes tested.
+const BEYOND: f64 = 1.25;
+/// Classes of about equally many grains into which a gradation is divided for survival.
+const CLASSES: usize = 4;
+
+/// Writes all tables.
+pub fn write(out: &Path, model: &Model, rig: &Platen, tests: &[Test]) -> Result<()> {
+    save(out, TESTS, tests.iter().map(|t| test_row(t)))?;
+    let e_eff = pair(model, rig).e_eff;
+    save(out, CURVES, tests.iter().flat_map(|t| curve_rows(t, e_eff)))?;
+    save(out, SURVIVAL, classes(rig, tests).iter().flat_map(|class| survival_rows(model, rig, class)))?;
+    let Some(crush) = &model.physics.crush else { return Ok(()) };
+    save(out, LIMITS, limit_rows(crush, rig, e_eff).into_iter())
+}
+
+fn save(out: &Path, name: &str, rows: impl Iterator<Item = Row>) -> Result<()> {
+    let mut table = Table::new(name);
+    for row in rows {
+        table.push(out, &row)?;
+    }
+    Ok(table.flush(out)?)
+}
+
+fn flag(yes: bool) -> Value {
+    Value::Count(u64::from(yes))
+}
+
+fn test_row(t: &Test) -> Row {
+    let limit = t.limit_force.unwrap_or(f64::NAN);
+    vec![
+        ("grain", u64::from(t.grain).into()),
+        ("diameter_mm", (1e3 * t.diameter).into()),
+        ("force_N", t.force.into()),
+        ("censored", flag(!t.broken)),
+        ("displacement_mm", (1e3 * t.displacement).into()),
+        ("strength_MPa", (1e-6 * t.strength).into()),
+        ("limit_force_N", limit.into()),
+        ("overshoot", if t.broken { t.force / limit - 1.0 } else { f64::NAN }.into()),
+        ("largest_hertz_deviation", t.deviation.into()),
+        ("largest_platen_difference", t.difference.into()),
+        ("steps", t.steps.into()),
+    ]
+}
+
+fn curve_rows(t: &Test, e_eff: f64) -> Vec<Row> {
+    let row = |p: &crate::rig::platen::Point| -> Row {
+        let expected = hertz(e_eff, 0.5 * t.diameter, p.displacement);
+        vec![
+            ("grain", u64::from(t.grain).into()),
+            ("diameter_mm", (1e3 * t.diameter).into()),
+            ("displacement_mm", (1e3 * p.displacement).into()),
+            ("force_bottom_N", p.bottom.into()),
+            ("force_top_N", p.top.into()),
+            ("force_hertz_N", expected.into()),
+        ]
+    };
+    t.curve.iter().map(row).collect()
+}
+
+/// Tests of one diameter, or of a class of a gradation.
+struct Class<'a> {
+    from: f64,
+    to: f64,
+    tests: Vec<&'a Test>,
+}
+
+fn classes<'a>(rig: &Platen, tests: &'a [Test]) -> Vec<Class<'a>> {
+    let mut sorted: Vec<&Test> = tests.iter().collect();
+    sorted.sort_by(|a, b| a.diameter.total_cmp(&b.diameter).then(a.grain.cmp(&b.grain)));
+    let parts: Vec<Vec<&Test>> = if rig.graded {
+        sorted.chunks(sorted.len().div_ceil(CLASSES)).map(<[_]>::to_vec).collect()
+    } else {
+        sorted.chunk_by(|a, b| a.diameter == b.diameter).map(<[_]>::to_vec).collect()
+    };
+    let class = |tests: Vec<&'a Test>| Class {
+        from: tests.first().map_or(f64::NAN, |t| t.diameter),
+        to: tests.last().map_or(f64::NAN, |t| t.diameter),
+        tests,
+    };
+    parts.into_iter().map(class).collect()
+}
+
+/// Share of grains that bear more than each force at which one of them broke: the product-limit estimate (Kaplan & Meier 1958),
+/// which counts unbroken grains as long as they were pressed; beside it that of the law, for a class of one diameter.
+fn survival_rows(model: &Model, rig: &Platen, class: &Class) -> Vec<Row> {
+    let mut tests = class.tests.clone();
+    // at the same force the broken ones come first
+    tests.sort_by(|a, b| a.force.total_cmp(&b.force).then(b.broken.cmp(&a.broken)));
+    let mut survival = 1.0;
+    let mut rows = Vec::new();
+    for (i, t) in tests.iter().enumerate().filter(|(_, t)| t.broken) {
+        survival *= 1.0 - 1.0 / (tests.len() - i) as f64;
+        let law =
+            model.physics.crush.as_ref().filter(|_| class.from == class.to).map_or(f64::NAN, |c| survival_of_law(c, model, rig, t));
+        rows.push(vec![
+            ("diameter_from_mm", (1e3 * class.from).into()),
+            ("diameter_to_mm", (1e3 * class.to).into()),
+            ("force_N", t.force.into()),
+            ("survival", survival.into()),
+            ("survival_law", law.into()),
+        ]);
+    }
+    rows
+}
+
+/// Share of grains of a diameter whose limit force is larger than that at which `t` broke.
+fn survival_of_law(crush: &CrushModel, model: &Model, rig: &Platen, t: &Test) -> f64 {
+    let mean = mean_limit(crush, t.diameter, pair(model, rig).e_eff);
+    let ratio = match crush.area {
+        AreaModel::FixedAngle { .. } => t.force / mean,
+        AreaModel::Hertz => (t.force / mean).cbrt(),
+    };
+    1.0 - crush.strength.share_weaker(ratio)
+}
+
+/// Limit force, N, of a grain of the mean strength of its size (eqs 16, 17).
+fn mean_limit(crush: &CrushModel, d: f64, e_eff: f64) -> f64 {
+    let s = &crush.strength;
+    crush.area.limit_force(s.sigma_lim0 * size_factor(d, s.d0, s.m), d, 0.5 * d, e_eff)
+}
+
+/// Limit force against diameter: at the mean strength, and quantiles of its spread.
+fn limit_rows(crush: &CrushModel, rig: &Platen, e_eff: f64) -> Vec<Row> {
+    let (low, high) = rig.diameters.iter().fold((f64::INFINITY, 0.0f64), |(low, high), d| (low.min(*d), high.max(*d)));
+    let (low, high) = ((low / BEYOND).max(crush.d_limit), high * BEYOND);
+    if low >= high {
+        return Vec::new();
+    }
+    let [a, b, c] = BAND.map(|p| crush.strength.ratio_of_share(p));
+    let row = |i: usize| -> Row {
+        let d = low * (high / low).powf(i as f64 / (SIZES - 1) as f64);
+        let mean = mean_limit(crush, d, e_eff);
+        let at = |ratio: f64| match crush.area {
+            AreaModel::FixedAngle { .. } => mean * ratio,
+            AreaModel::Hertz => mean * ratio * ratio * ratio,
+        };
+        vec![
+            ("diameter_mm", (1e3 * d).into()),
+            ("at_mean_strength_N", mean.into()),
+            ("weakest_5_percent_N", at(a).into()),
+            ("median_N", at(b).into()),
+            ("strongest_5_percent_N", at(c).into()),
+        ]
+    };
+    (0..SIZES).map(row).collect()
+}

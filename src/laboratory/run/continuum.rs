@@ -1,0 +1,541 @@
+//! The loop of a continuum: steps, records, checkpoints, stop, and the end.
+//!
+//! [`State::advance`] goes from look to look; an [`Engine`] does the steps between, and brings points when a record or a checkpoint is due.
+
+use super::backend::{Backend, Chosen, Used, choose};
+use super::progress_bar::Bar;
+use super::{LOOK, Outcome, files, watch};
+use crate::error::{Error, Result};
+use crate::interrupt::stop_asked;
+use crate::model::Model;
+use crate::model::continuum::{Continuum as Rig, Test};
+use crate::record::continuum as records;
+use crate::record::continuum::{END, GRAINS_START, Recorder, START};
+use crate::record::crushed::Crushed;
+use crate::record::vtk::{self, Fact};
+use crate::record::walls::Loaded;
+use crate::record::{blocks, checkpoint, contacts, specimen};
+use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
+use ::table::Table;
+use engine::boundary::WallShape;
+use engine::mpm::law::Law;
+use engine::mpm::{Dimension, Platen};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Everything a restart needs.
+#[derive(Serialize, Deserialize)]
+struct Progress {
+    state: State,
+    /// The specimen, while it grows and when it has grown.
+    growing: Option<Box<Growing>>,
+    grown: Option<Grown>,
+    used: Used,
+    recorder: Recorder,
+    history: Table,
+    /// Of rigid bodies; without them there is no file.
+    blocks: Table,
+    /// Of grains that break.
+    crushed: Crushed,
+    /// Time, s, and file of each snapshot.
+    snapshots: Vec<(f64, String)>,
+    seconds: f64,
+    /// The processor's time for this process, s.
+    user_seconds: f64,
+}
+
+/// A run that has not left anything yet.
+pub struct Begun {
+    progress: Progress,
+    engine: Engine,
+}
+
+/// Sets up the points and what does their steps.
+///
+/// # Errors
+/// What keeps it from starting.
+pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
+    let (mut state, mut used) = (State::start(model, rig)?, Used::default());
+    let engine = used.engine(chosen, &mut state, model, rig)?;
+    let (history, blocks) = (Table::new("history.csv"), Table::new(blocks::TRACKS));
+    let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
+    let (growing, grown, [seconds, user_seconds]) = (None, None, [0.0; 2]);
+    let progress = Progress { state, growing, grown, used, recorder, history, blocks, crushed, snapshots, seconds, user_seconds };
+    Ok(Begun { progress, engine })
+}
+
+/// What goes beside a loop of steps: its bar, its time, stops and checkpoints.
+struct Beside<'a> {
+    model: &'a Model,
+    out: &'a Path,
+    stop_after: Option<u64>,
+    bar: Bar,
+    clock: Clock,
+    saved: Instant,
+}
+
+impl<'a> Beside<'a> {
+    fn new(model: &'a Model, out: &'a Path, quiet: bool, stop_after: Option<u64>, progress: &Progress) -> Beside<'a> {
+        Beside { model, out, stop_after, bar: Bar::new(quiet), clock: Clock::new(progress), saved: Instant::now() }
+    }
+
+    /// A look between two steps, of which `steps` are done and `before` were before them: a checkpoint, where one is due.
+    ///
+    /// # Errors
+    /// An interruption, with a checkpoint.
+    fn look(&mut self, before: u64, steps: u64, progress: &mut Progress, engine: &Engine) -> Result<()> {
+        let stop = stop_asked() || self.stop_after.is_some_and(|n| before + steps >= n);
+        let pause = Duration::from_secs_f64(self.model.records.checkpoint_seconds);
+        if stop || steps.is_multiple_of(LOOK) && self.saved.elapsed() > pause {
+            self.clock.read(progress);
+            progress.save(engine, self.model, self.out)?;
+            self.saved = Instant::now();
+        }
+        if stop { Err(Error::Interrupted { step: steps, out: self.out.into() }) } else { Ok(()) }
+    }
+}
+
+/// Lets a specimen grow to its end, with a bar; the rig with it, which takes the place of the one that the scene has.
+///
+/// # Errors
+/// A specimen that does not come to rest, and an interruption, with a checkpoint.
+fn grow(model: &Model, rig: &Rig, begun: &mut Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Option<Rig>> {
+    let Begun { progress, engine } = begun;
+    let Some(growth) = &rig.growth else { return Ok(None) };
+    let mut beside = Beside::new(model, out, quiet, stop_after, progress);
+    let by = growing(&model.physics);
+    let mut work = progress.growing.as_mut().map(|specimen| specimen.work(&by));
+    while let (Some(specimen), Some(work)) = (&mut progress.growing, &mut work) {
+        if specimen.advance(&by, rig, growth, work)? {
+            break;
+        }
+        let (steps, doing) = (specimen.steps(), specimen.doing());
+        beside.look(0, steps, progress, engine)?;
+        if steps.is_multiple_of(LOOK) {
+            let share = steps as f64 / growth.max_steps as f64;
+            beside.bar.show_share(steps, 0.0, || (share, format!("specimen: {doing}")));
+        }
+    }
+    beside.clock.read(progress);
+    let Some(specimen) = progress.growing.take() else { return Ok(None) };
+    let grown = specimen.grown();
+    let own = grown.rig(model, rig, growth);
+    progress.grown = Some(grown);
+    progress.state = State::start(model, &own)?;
+    *engine = Engine::of_grains(&mut progress.state, model, &own);
+    Ok(Some(own))
+}
+
+/// What has been spent on a run, with what it was before.
+struct Clock {
+    started: Instant,
+    before: [f64; 2],
+}
+
+impl Clock {
+    fn new(progress: &Progress) -> Clock {
+        Clock { started: Instant::now(), before: [progress.seconds, progress.user_seconds - user_seconds()] }
+    }
+
+    fn read(&self, progress: &mut Progress) {
+        progress.seconds = self.before[0] + self.started.elapsed().as_secs_f64();
+        progress.user_seconds = self.before[1] + user_seconds();
+    }
+}
+
+/// Runs from the start.
+///
+/// # Errors
+/// What keeps it from ending; records and checkpoint are kept.
+pub fn run(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+    if let Some(growth) = &rig.growth {
+        begun.progress.growing = Some(Box::new(Growing::start(model, rig, growth)?));
+    }
+    prepared(model, rig, begun, out, quiet, stop_after)
+}
+
+/// From a specimen that may have to grow first.
+fn prepared(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+    let own = grow(model, rig, &mut begun, out, quiet, stop_after)?;
+    let rig = own.as_ref().unwrap_or(rig);
+    records::write_points(&out.join(START), rig, &rig.points, None)?;
+    if let Some(mixture) = &begun.progress.state.mixture {
+        specimen::write(&out.join(GRAINS_START), &mixture.grains.grains, &model.physics.materials, None)?;
+    }
+    go(model, rig, out, begun, quiet, stop_after)
+}
+
+/// Goes on from the checkpoint, on the same backend if none is asked for.
+///
+/// # Errors
+/// As [`begin`] and [`run`], and a folder without one.
+pub fn resume(
+    model: &Model,
+    rig: &Rig,
+    out: &Path,
+    backend: Option<Backend>,
+    quiet: bool,
+    stop_after: Option<u64>,
+) -> Result<Outcome> {
+    let mut progress: Progress = checkpoint::load(out)?;
+    let same = if progress.used.gpu() { Backend::Gpu } else { Backend::Cpu };
+    let chosen = choose(backend.unwrap_or(same), model)?;
+    if progress.growing.is_some() {
+        let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
+        return prepared(model, rig, Begun { progress, engine }, out, quiet, stop_after);
+    }
+    let own = progress.grown.as_ref().zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth));
+    let rig = own.as_ref().unwrap_or(rig);
+    let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
+    go(model, rig, out, Begun { progress, engine }, quiet, stop_after)
+}
+
+fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+    let Begun { mut progress, mut engine } = begun;
+    progress.crushed.open(model, rig);
+    let mut beside = Beside::new(model, out, quiet, stop_after, &progress);
+    let before = progress.grown.as_ref().map_or(0, |g| g.steps);
+    loop {
+        let done = progress.advance(model, rig, &mut engine, out);
+        beside.clock.read(&mut progress);
+        match done {
+            Ok(true) => break,
+            Ok(false) => {}
+            Err(e) => {
+                // keep what there is, with the points as they are now, or at the last record where a device has gone with them
+                let _ = engine.read_back(&mut progress.state, model);
+                progress.flush(out)?;
+                leave(model, rig, &progress.state, out)?;
+                return Err(e);
+            }
+        }
+        let steps = progress.state.continuum.steps();
+        beside.look(before, steps, &mut progress, &engine)?;
+        if steps.is_multiple_of(LOOK) {
+            beside.bar.show_share(steps, progress.seconds, || describe(rig, &progress.state));
+        }
+    }
+    beside.bar.finish();
+    finish(model, rig, out, progress, &engine)
+}
+
+impl Progress {
+    /// To the next look, with its records. True when the run is done.
+    fn advance(&mut self, model: &Model, rig: &Rig, engine: &mut Engine, out: &Path) -> Result<bool> {
+        let Progress { state, recorder, history, blocks, crushed, snapshots, .. } = self;
+        let advanced = state.advance(model, rig, engine, |state, engine| {
+            let due = recorder.due(rig, state);
+            if due.row {
+                engine.read_back(state, model)?;
+                let mut row = recorder.row(rig, state);
+                row.extend(crushed.columns(model, state)?);
+                history.push(out, &row)?;
+                watch::continuum(rig, state, recorder)?;
+                if let Some(theirs) = state.blocks() {
+                    blocks::rows(theirs, state.continuum.steps(), state.time).try_for_each(|row| blocks.push(out, &row))?;
+                }
+            }
+            if due.frame {
+                crushed.gradation(out, model, state, &recorder.at(rig, state))?;
+                instant(out, model, state, &facts(rig, state, recorder), crushed, snapshots)?;
+            }
+            Ok(recorder.next(rig, state))
+        });
+        // what broke before an error is recorded as well
+        crushed.breakages(out, state)?;
+        advanced?;
+        let done = state.phase == Phase::Done;
+        let steps = state.continuum.steps();
+        if let Some(mixture) = state.mixture.as_ref().filter(|_| done || steps.is_multiple_of(LOOK)) {
+            watch::grains(&mixture.grains, model.records.stop_at_overlap, steps)?;
+        }
+        Ok(done)
+    }
+
+    fn flush(&mut self, out: &Path) -> Result<()> {
+        self.blocks.flush(out)?;
+        self.crushed.flush(out)?;
+        Ok(self.history.flush(out)?)
+    }
+
+    fn save(&mut self, engine: &Engine, model: &Model, out: &Path) -> Result<()> {
+        self.used.save(engine, model, &mut self.state)?;
+        self.flush(out)?;
+        checkpoint::save(out, self)?;
+        self.used.saved = None;
+        Ok(())
+    }
+}
+
+/// Writes points and grains as they are.
+fn leave(model: &Model, rig: &Rig, state: &State, out: &Path) -> Result<()> {
+    if let Some(mixture) = &state.mixture {
+        specimen::write_final(&out.join(files::GRAINS_FINAL), &mixture.grains, model, None)?;
+    }
+    records::write_points(&out.join(END), rig, state.continuum.points(), Some(&rig.points))
+}
+
+/// What a snapshot says of its instant.
+fn facts(rig: &Rig, state: &State, recorder: &Recorder) -> Vec<Fact> {
+    let mut facts = vec![("step", state.continuum.steps() as f64), ("time_s", state.time)];
+    if rig.specimen().is_some() {
+        let at = recorder.at(rig, state);
+        facts.extend([("sigma_v_kPa", 1e-3 * at.sigma_v), ("axial_strain", at.axial_strain)]);
+    }
+    facts
+}
+
+/// Snapshots of points, grains, rigid bodies and walls, and contacts of grains, as far as the scene asks for them.
+fn instant(
+    out: &Path,
+    model: &Model,
+    state: &State,
+    facts: &[Fact],
+    crushed: &Crushed,
+    snapshots: &mut Vec<(f64, String)>,
+) -> Result<()> {
+    if !(model.records.snapshots || model.records.contacts) {
+        return Ok(());
+    }
+    let dir = out.join(files::SNAPSHOTS);
+    std::fs::create_dir_all(&dir).map_err(Error::write(&dir))?;
+    let step = state.continuum.steps();
+    let touching = state.mixture.as_ref().map_or(Vec::new(), |m| contacts::of_mixture(m, &state.continuum));
+    if let Some(mixture) = state.mixture.as_ref().filter(|_| model.records.contacts) {
+        let names = contacts::names(&mixture.grains.walls, !state.platens.is_empty());
+        contacts::write(&dir.join(format!("contacts_{step:08}.csv")), facts, &mixture.grains.grains, &names, &touching)?;
+    }
+    if !model.records.snapshots {
+        return Ok(());
+    }
+    let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
+    let name = format!("{}/step_{step:08}.vtp", files::SNAPSHOTS);
+    records::write_snapshot(&out.join(&name), facts, &state.continuum)?;
+    snapshots.push((state.time, name));
+    vtk::write_collection(&out.join(files::COLLECTION), snapshots).map_err(failed)?;
+    if let Some(mixture) = &state.mixture {
+        let grains = &mixture.grains.grains;
+        let stresses = contacts::mean_stresses(grains, &touching);
+        let descent = |id| crushed.descent(model, grains, id);
+        records::write_grains(&dir.join(format!("grains_{step:08}.vtp")), facts, step, grains, &stresses, descent)?;
+        vtk::write_collection(&out.join(files::GRAINS), &files::beside(snapshots, "grains_")).map_err(failed)?;
+    }
+    if let Some(theirs) = state.blocks() {
+        blocks::write_surfaces(&dir.join(format!("blocks_{step:08}.vtp")), facts, step, theirs)?;
+    }
+    let loaded = walls(state);
+    let bodies = state.continuum.points().position.iter().map(|p| [p[0], p[1], p[2], 0.0]);
+    let bodies = bodies.chain(state.mixture.iter().flat_map(|m| m.grains.grains.pos.iter().copied()));
+    files::write_walls(out, step, bodies, &loaded, facts, snapshots)
+}
+
+/// Platens and shells of a test, or the walls of a free scene with grains; none in plane strain, where they are lines.
+fn walls(state: &State) -> Vec<Loaded> {
+    if state.continuum.settings().dimension == Dimension::PlaneStrain {
+        return Vec::new();
+    }
+    let platen = |p: &Platen| {
+        let plane = WallShape::Plane { point: p.point, normal: p.normal };
+        let shell = |radius| WallShape::Cylinder { centre: [p.point[0], p.point[1]], radius };
+        (p.radius.map_or(plane, shell), p.force())
+    };
+    match &state.mixture {
+        Some(mixture) if state.platens.is_empty() => mixture.grains.walls.iter().map(|w| (w.shape, w.reaction)).collect(),
+        _ => state.platens.iter().map(platen).collect(),
+    }
+}
+
+fn describe(rig: &Rig, state: &State) -> (f64, String) {
+    let (share, points) = (state.share(rig), state.continuum.points().len());
+    let line = match &rig.test {
+        _ if state.phase == Phase::Settle => format!("settling at the cell pressure, {points} points"),
+        Test::Free { .. } => format!("t = {:.4e} s, {points} points", state.time),
+        Test::Oedometer(_) | Test::Triaxial { .. } => format!("ε_a {:.3} %, {points} points", 100.0 * state.axial_strain(rig)),
+    };
+    (share, line)
+}
+
+fn finish(model: &Model, rig: &Rig, out: &Path, mut progress: Progress, engine: &Engine) -> Result<Outcome> {
+    progress.flush(out)?;
+    leave(model, rig, &progress.state, out)?;
+    let mut summary = summary(model, rig, &progress, engine);
+    summary["figure_seconds"] = json!(0.0);
+    files::save_summary(out, &summary)?;
+    checkpoint::remove(out)?;
+    Ok(Outcome { summary, out: out.into(), draw: model.records.figures })
+}
+
+fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Value {
+    let (state, r) = (&progress.state, &progress.recorder);
+    let (steps, points) = (state.continuum.steps(), state.continuum.points().len());
+    let mut s = Map::new();
+    let mut put = |key: &str, value: Value| s.insert(key.into(), value);
+    put("scene", json!(model.name));
+    put("kind", json!(if state.mixture.is_some() { "mixture" } else { "continuum" }));
+    put("points", json!(points));
+    put("steps", json!(steps));
+    if let Some(grown) = &progress.grown {
+        put("growth_steps", json!(grown.steps));
+    }
+    put("time_s", json!(state.time));
+    match &rig.test {
+        Test::Free { .. } => {
+            put("test", json!("free"));
+            if let [Some([from, high]), Some([to, low])] = r.reach {
+                put("front_start_mm", json!(1e3 * from));
+                put("front_mm", json!(1e3 * to));
+                put("height_start_mm", json!(1e3 * high));
+                put("height_mm", json!(1e3 * low));
+            }
+        }
+        Test::Oedometer(specimen) => {
+            put("test", json!("oedometer"));
+            put("axial_strain", json!(r.last[0]));
+            put("max_measured_stress_kPa", json!(1e-3 * r.most));
+            put("k0_final", json!(r.lateral / r.last[1]));
+            // of an elastic specimen: σ = M ln(1/(1 − ε)) with the rate's true strain
+            let true_strain = (1.0 / (1.0 - r.last[0])).ln();
+            put("oedometric_modulus_MPa", json!(1e-6 * (r.last[1] - specimen.stress) / true_strain));
+            put("oedometric_modulus_of_the_law_MPa", json!(1e-6 * law(rig).elastic().oedometric()));
+        }
+        Test::Triaxial { cell_pressure, .. } => {
+            put("test", json!("triaxial"));
+            put("cell_pressure_kPa", json!(1e-3 * cell_pressure));
+            put("peak_stress_ratio", json!(r.peak[0]));
+            put("peak_axial_strain", json!(r.peak[1]));
+            put("peak_q_kPa", json!(1e-3 * r.peak[2]));
+            put("residual_stress_ratio", json!(r.residual_ratio()));
+            if let Some([peak, last]) = closed_forms(rig, *cell_pressure) {
+                put("peak_stress_ratio_of_the_law", json!(peak));
+                put("residual_stress_ratio_of_the_law", json!(last));
+            }
+        }
+    }
+    if rig.specimen().is_some() {
+        put("quasi_static", json!({"largest_platen_difference": r.worst[0], "largest_kinetic_over_stress_work": r.worst[1]}));
+    }
+    if let Some(mixture) = &state.mixture {
+        let (coarse, _) = mixture.grains.grains.mass_and_volume();
+        let (mass, _) = mixture.mass_and_momentum(&state.continuum);
+        put("seed", json!({ "packing": model.seeds.packing, "strength": model.seeds.strength }));
+        put("grains", json!(mixture.grains.grains.len()));
+        put("coarse_mass_fraction", json!(coarse / mass));
+        if let Some(blocks) = &mixture.blocks {
+            put("blocks", json!(blocks.blocks.len()));
+            put("block_contacts", json!(blocks.touching().count()));
+        }
+        if model.physics.crush.is_some() {
+            put("crush_events", json!(mixture.grains.crush_events));
+            for (key, value) in progress.crushed.summary(model, state) {
+                put(&key, value);
+            }
+        }
+        if let Some(fines) = &mixture.fines {
+            put("fines_points", json!(fines.points));
+            put("fines_mass_kg", json!(fines.entered.mass));
+            put("reserve_mass_kg", json!(fines.reserve.mass));
+            put("released_J", json!(fines.released));
+        }
+        put("point_contacts", json!(mixture.touching().points));
+        put("cycles", json!(mixture.cycles));
+        // of the last cycle
+        put("grain_steps", json!(mixture.cycle.rates.grains));
+        put("continuum_steps", json!(mixture.cycle.rates.continuum));
+        put("outside_of_the_method", json!(crate::model::validity::doubts(&model.physics, rig)));
+    }
+    put("void_ratio_final", json!(r.void_ratio));
+    put("largest_plastic_strain", json!(r.plastic));
+    // of what platens, gravity and motion gave: taken by damping, transfer and wall friction, and errors
+    put("dissipated_share", json!(r.dissipated));
+    put("wall_seconds", json!(progress.seconds));
+    put("user_seconds", json!(progress.user_seconds));
+    put("point_steps_per_second", json!(steps as f64 * points as f64 / progress.seconds.max(1e-9)));
+    put("bytes_per_point", json!(engine.bytes(state) as f64 / points.max(1) as f64));
+    put("backend", json!(progress.used.names.join(", then ")));
+    if let Some(why) = &progress.used.why {
+        put("backend_reason", json!(why));
+    }
+    if let Some((name, software)) = &progress.used.adapter {
+        put("adapter", json!(name));
+        put("adapter_is_software", json!(software));
+    }
+    put("threads", json!(rayon::current_num_threads()));
+    put("simd", json!(engine::math::real::name(engine::math::real::arch())));
+    put("version", json!(env!("CARGO_PKG_VERSION")));
+    put("host", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
+    Value::Object(s)
+}
+
+/// What the processor has spent on this process outside of the system, s; NaN where there is no way to know.
+fn user_seconds() -> f64 {
+    #[cfg(unix)]
+    if let Ok(usage) = nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_SELF) {
+        let time = usage.user_time();
+        return time.tv_sec() as f64 + 1e-6 * time.tv_usec() as f64;
+    }
+    f64::NAN
+}
+
+fn law(rig: &Rig) -> &Law {
+    &rig.laws[usize::from(rig.specimen().map_or_else(|| rig.points.law[0], |s| s.law))]
+}
+
+/// σ1/σ3 in triaxial compression with the largest strength that the law reaches, and with the last one.
+fn closed_forms(rig: &Rig, cell: f64) -> Option<[f64; 2]> {
+    // grains alone have no law
+    let Law::DruckerPrager(law) = law(rig) else { return None };
+    if rig.points.is_empty() {
+        return None;
+    }
+    // up to where nothing changes any more
+    let (mut most, end) = (0.0_f64, 20.0);
+    for k in 0..=200_000 {
+        most = most.max(law.strength(end * f64::from(k) / 200_000.0).q_compression(cell));
+    }
+    let last = law.strength(1e6).q_compression(cell);
+    Some([most, last].map(|q| 1.0 + q / cell))
+}
+
+#[cfg(all(test, feature = "gpu"))]
+use engine::gpu;
+
+#[cfg(all(test, feature = "gpu"))]
+#[path = "../../engine/gpu/tests/adapter.rs"]
+mod adapter;
+
+#[cfg(all(test, feature = "gpu"))]
+mod tests {
+    use super::adapter::adapter;
+    use super::*;
+    use crate::model;
+
+    /// Records up to the last one and the points of that are kept, and the checkpoint before it goes on elsewhere.
+    #[test]
+    fn a_device_that_goes_away_ends_the_run_with_what_it_has_left() {
+        if !adapter("a_device_that_goes_away_ends_the_run_with_what_it_has_left") {
+            return;
+        }
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/mpm/triaxial_fine_small.toml");
+        let sets = ["grid.cell_mm=25.0", "records.rows=1000", "records.snapshots=false"].map(String::from);
+        let model = crate::scene::model(&crate::scene::load(path, &sets).expect("a scene")).expect("a model");
+        let model::Rig::Continuum(rig) = &model.rig else { panic!("a continuum") };
+        let out = tempfile::tempdir().expect("folder");
+        let chosen = Chosen { gpu: true, why: None };
+        let mut begun = begin(&model, rig, chosen).expect("set up");
+        while begun.progress.state.continuum.steps() < 300 {
+            begun.progress.advance(&model, rig, &mut begun.engine, out.path()).expect("steps");
+        }
+        begun.progress.save(&begun.engine, &model, out.path()).expect("a checkpoint");
+        let Engine::Gpu(device) = &begun.engine else { panic!("a device") };
+        device.lose();
+        let told = go(&model, rig, out.path(), begun, true, None).expect_err("lost");
+        assert!(told.exit_code() == 1 && told.to_string().contains("the graphics device"), "{told}");
+        assert!(told.to_string().contains("the state of the last record is kept"), "{told}");
+        let lines = |file: &str| std::fs::read_to_string(out.path().join(file)).expect(file).lines().count();
+        assert!(lines("history.csv") > 20 && lines(END) == 2 + rig.points.len());
+        let rest = resume(&model, rig, out.path(), Some(Backend::Cpu), true, Some(400)).expect_err("stopped");
+        assert!(matches!(rest, Error::Interrupted { step: 400, .. }), "{rest}");
+    }
+}

@@ -1,0 +1,343 @@
+//! The files of a run that grow while it runs, and the folder they lie in.
+
+use super::{Progress, watch};
+use crate::error::{Error, Result};
+use crate::gradation::Gradation;
+use crate::model::{Assembly, Model};
+use crate::record::ancestors::Ancestors;
+use crate::record::breakages::{self, OFF};
+use crate::record::cylinder::{Due, Moment, Recorder};
+use crate::record::gradations::{self, At};
+use crate::record::quasi_static::distance;
+use crate::record::vtk::{self, Fact};
+use crate::record::{assembly as assembly_records, checkpoint, contacts, specimen, walls};
+use crate::rig::cylinder::{Stresses, space};
+use ::table::Table;
+use engine::dem::event::Breakage;
+use engine::dem::observables;
+use engine::dem::{State, Work};
+use engine::mpm::Continuum;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+pub use crate::scene::SPECIMEN;
+pub const SUMMARY: &str = "summary.json";
+/// The grains at the end.
+pub const GRAINS_FINAL: &str = "grains_final.csv";
+pub const SNAPSHOTS: &str = "snapshots";
+/// Lists of snapshots for ParaView: of grains or points, of walls, of grains in a continuum, and of fines among grains.
+pub const COLLECTION: &str = "snapshots.pvd";
+pub const WALLS: &str = "walls.pvd";
+pub const GRAINS: &str = "grains.pvd";
+pub const FINES: &str = "fines.pvd";
+/// What a run leaves that failed before its test began: why, and its scene. A folder that holds nothing else is free.
+pub const FAILED: &str = "failed.scene.toml";
+/// What a run leaves: these are removed by `--force`, and nothing else.
+const OURS: [&str; 24] = [
+    FAILED,
+    SPECIMEN,
+    SUMMARY,
+    COLLECTION,
+    WALLS,
+    GRAINS,
+    FINES,
+    "history.csv",
+    "gsd.csv",
+    "breakage.csv",
+    "tracks.csv",
+    crate::record::platen::TESTS,
+    crate::record::platen::CURVES,
+    crate::record::platen::SURVIVAL,
+    crate::record::platen::LIMITS,
+    GRAINS_FINAL,
+    "grains_start.csv",
+    crate::record::continuum::START,
+    crate::record::continuum::END,
+    crate::record::blocks::TRACKS,
+    checkpoint::FILE,
+    "checkpoint.tmp",
+    crate::scene::RESOLVED,
+    "README.txt",
+];
+
+/// Whether the folder holds more than the message of a run that failed before its test began.
+pub fn occupied(out: &Path) -> bool {
+    out.read_dir().is_ok_and(|entries| entries.flatten().any(|e| e.file_name() != FAILED))
+}
+
+/// Leaves of a run that failed before its test began no more than why and its scene, so that the folder is free for the next. A run that has
+/// records keeps all of them. Nothing that is not a run's is touched.
+pub fn release(out: &Path, why: &Error) {
+    let begun = [SPECIMEN, SUMMARY, "history.csv", crate::record::continuum::START, crate::record::platen::TESTS];
+    let resolved = out.join(crate::scene::RESOLVED);
+    let Ok(scene) = std::fs::read_to_string(&resolved) else { return };
+    if begun.iter().any(|name| out.join(name).exists()) {
+        return;
+    }
+    let why: String = why.to_string().lines().map(|line| format!("# {line}\n")).collect();
+    let head = "# This run failed before its test began:\n";
+    let tail = "# The scene with every default follows; the next run in this folder removes this file.\n\n";
+    if std::fs::write(out.join(FAILED), format!("{head}{why}{tail}{scene}")).is_ok() {
+        // what cannot be removed stays, and the folder stays taken
+        for path in [resolved, out.join(checkpoint::FILE), out.join("checkpoint.tmp")] {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+/// Makes the folder, or empties it of an old run's files when forced.
+pub fn claim(out: &Path, force: bool) -> Result<()> {
+    let occupied = occupied(out);
+    if occupied && !force {
+        return Err(Error::Exists { path: out.into() });
+    }
+    if !occupied && out.join(FAILED).exists() {
+        std::fs::remove_file(out.join(FAILED)).map_err(Error::write(out.join(FAILED)))?;
+    }
+    if occupied {
+        for name in OURS {
+            let path = out.join(name);
+            if path.exists() {
+                std::fs::remove_file(&path).map_err(Error::write(&path))?;
+            }
+        }
+        for name in [SNAPSHOTS, "figures"] {
+            let path = out.join(name);
+            if path.is_dir() {
+                std::fs::remove_dir_all(&path).map_err(Error::write(&path))?;
+            }
+        }
+    }
+    std::fs::create_dir_all(out).map_err(Error::write(out))
+}
+
+/// Tables and snapshots with what is needed to continue them.
+#[derive(Serialize, Deserialize)]
+pub struct Files {
+    history: Table,
+    gsd: Table,
+    breakage: Table,
+    tracks: Table,
+    pub recorder: Recorder,
+    /// Snapshots written: number from 0, or time, s, of a free scene, and file name.
+    snapshots: Vec<(f64, String)>,
+    ancestors: Ancestors,
+    /// Gradation before loading; read again from the specimen when a run is resumed.
+    #[serde(skip)]
+    pub initial: Option<Gradation>,
+}
+
+impl Default for Files {
+    fn default() -> Files {
+        Files {
+            history: Table::new("history.csv"),
+            gsd: Table::new("gsd.csv"),
+            breakage: Table::new("breakage.csv"),
+            tracks: Table::new("tracks.csv"),
+            recorder: Recorder::default(),
+            snapshots: Vec::new(),
+            ancestors: Ancestors::default(),
+            initial: None,
+        }
+    }
+}
+
+impl Files {
+    /// Gets ready to record; `specimen` says whether there is one whose gradation is the initial one.
+    pub fn open(&mut self, out: &Path, model: &Model, specimen: bool) -> Result<()> {
+        if specimen {
+            let (grains, _) = specimen::read(&out.join(SPECIMEN), &model.physics.materials)?;
+            self.recorder.mass = grains.mass_and_volume().0;
+            self.initial = Some(gradations::initial(model, &grains));
+        }
+        Ok(())
+    }
+
+    /// A record of a specimen under test, if one is due; `fines` are material points among the grains.
+    pub fn observe(
+        &mut self,
+        out: &Path,
+        model: &Model,
+        (state, work): (&State, &Work),
+        fines: Option<&Continuum>,
+        due: Option<Due>,
+        moment: impl FnOnce() -> Moment,
+    ) -> Result<()> {
+        let (Some(due), Some(initial)) = (due, &self.initial) else { return Ok(()) };
+        let moment = moment();
+        let stage = moment.stage;
+        let row = self.recorder.row(model, moment, state, work, initial)?;
+        self.history.push(out, &row)?;
+        let voids = watch::voids(model, state.step, &self.recorder.at_end);
+        if due == Due::Full || self.ends_below_least(model) || voids.is_err() {
+            let sigma_v = Stresses::of(state).vertical();
+            let at = At { step: state.step, stage, sigma_v, axial_strain: self.recorder.at_end.axial_strain };
+            for row in gradations::rows(model, &gradations::gradation(model, state), &at, initial) {
+                self.gsd.push(out, &row)?;
+            }
+            let facts =
+                [("step", state.step as f64), ("sigma_v_kPa", 1e-3 * sigma_v), ("axial_strain", self.recorder.at_end.axial_strain)];
+            self.instant(out, model, state, work, self.snapshots.len() as f64, &facts)?;
+            if let (Some(fines), true) = (fines, model.records.snapshots) {
+                crate::record::continuum::write_snapshot(
+                    &out.join(format!("{SNAPSHOTS}/fines_{:08}.vtp", state.step)),
+                    &facts,
+                    fines,
+                )?;
+                let failed = |e: vtk::VtkError| Error::Failed { step: state.step, what: e.to_string() };
+                vtk::write_collection(&out.join(FINES), &beside(&self.snapshots, "fines_")).map_err(failed)?;
+            }
+        }
+        if model.records.energy && !self.recorder.energy_error.is_finite() {
+            return Err(Error::Unstable { step: state.step, what: "the energy ledger is not a number".into(), grain: None });
+        }
+        voids
+    }
+
+    /// Whether the run is to end because the void ratio is less than fines can fill.
+    pub fn ends_below_least(&self, model: &Model) -> bool {
+        model.records.end_below_least && self.recorder.below_least.is_some()
+    }
+
+    /// Records of a free scene, when due.
+    pub fn observe_assembly(
+        &mut self,
+        out: &Path,
+        model: &Model,
+        rig: &Assembly,
+        state: &State,
+        work: &Work,
+        last: bool,
+    ) -> Result<()> {
+        if !last && !state.step.is_multiple_of(rig.record_every) {
+            return Ok(());
+        }
+        self.history.push(out, &assembly_records::history_row(model, state, work))?;
+        for row in assembly_records::track_rows(model, rig, state, work) {
+            self.tracks.push(out, &row)?;
+        }
+        if last || state.step == 0 {
+            self.instant(out, model, state, work, state.time, &[("step", state.step as f64), ("time_s", state.time)])?;
+        }
+        Ok(())
+    }
+
+    /// Rows for the breakages of a step; `target` is the vertical stress asked for, Pa, where one is.
+    pub fn breakages(&mut self, out: &Path, breakages: &[Breakage], state: &State, target: Option<f64>) -> Result<()> {
+        if breakages.is_empty() {
+            return Ok(());
+        }
+        let sigma_v = if state.walls.len() == 3 { Stresses::of(state).vertical() } else { f64::NAN };
+        let off = target.is_some_and(|target| distance(sigma_v, target) > OFF);
+        for b in breakages {
+            self.recorder.broken.add(b, off);
+            self.ancestors.add(b);
+            self.breakage.push(out, &breakages::row(b, b.step, sigma_v))?;
+        }
+        Ok(())
+    }
+
+    /// Snapshots of grains and walls, and contacts, as far as the scene asks for them; `at` is the value on the time axis.
+    fn instant(&mut self, out: &Path, model: &Model, state: &State, work: &Work, at: f64, facts: &[Fact]) -> Result<()> {
+        if !(model.records.snapshots || model.records.contacts) {
+            return Ok(());
+        }
+        let dir = out.join(SNAPSHOTS);
+        std::fs::create_dir_all(&dir).map_err(Error::write(&dir))?;
+        let touching = contacts::of_grains(state);
+        if model.records.contacts {
+            let names = contacts::names(&state.walls, model.rig.specimen().is_some());
+            let path = dir.join(format!("contacts_{:08}.csv", state.step));
+            contacts::write(&path, facts, &state.grains, &names, &touching)?;
+        }
+        if model.records.snapshots {
+            self.snapshot(out, model, state, work, &contacts::mean_stresses(&state.grains, &touching), at, facts)?;
+        }
+        Ok(())
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn snapshot(
+        &mut self,
+        out: &Path,
+        model: &Model,
+        state: &State,
+        work: &Work,
+        stresses: &[f64],
+        at: f64,
+        facts: &[Fact],
+    ) -> Result<()> {
+        let name = format!("{SNAPSHOTS}/step_{:08}.vtp", state.step);
+        let g = &state.grains;
+        let order = g.by_id();
+        let forces = observables::largest_forces(state, work);
+        let pick = |f: &dyn Fn(usize) -> f64| order.iter().map(|&i| f(i as usize)).collect::<Vec<f64>>();
+        let daughters = model.physics.crush.as_ref().map_or(1, |c| c.pattern.count());
+        let descent = order.iter().map(|&i| self.ancestors.of(g.id[i as usize], g.next_id, daughters));
+        let (mother, ancestor) = descent.map(|(m, a)| (m.map_or(-1, i64::from), i64::from(a))).unzip();
+        let data = vtk::SnapshotData {
+            position: order.iter().map(|&i| [g.pos[i as usize][0], g.pos[i as usize][1], g.pos[i as usize][2]]).collect(),
+            radius: pick(&|i| g.pos[i][3]),
+            generation: order.iter().map(|&i| u32::from(g.generation[i as usize])).collect(),
+            strength: pick(&|i| g.strength[i]),
+            force: pick(&|i| forces[i]),
+            velocity: order.iter().map(|&i| [g.vel[i as usize][0], g.vel[i as usize][1], g.vel[i as usize][2]]).collect(),
+            id: order.iter().map(|&i| u64::from(g.id[i as usize])).collect(),
+            mean_stress: pick(&|i| stresses[i]),
+            mother,
+            ancestor,
+        };
+        let failed = |e: vtk::VtkError| Error::Failed { step: state.step, what: e.to_string() };
+        vtk::write_snapshot(&out.join(&name), facts, &data).map_err(failed)?;
+        self.snapshots.push((at, name));
+        vtk::write_collection(&out.join(COLLECTION), &self.snapshots).map_err(failed)?;
+        let loaded: Vec<walls::Loaded> = state.walls.iter().map(|w| (w.shape, w.reaction)).collect();
+        write_walls(out, state.step, g.pos.iter().copied(), &loaded, facts, &self.snapshots)
+    }
+
+    pub fn flush(&mut self, out: &Path) -> Result<()> {
+        for table in [&mut self.history, &mut self.gsd, &mut self.breakage, &mut self.tracks] {
+            table.flush(out)?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes the walls of a snapshot, where there are some, and the list of these files, which stand beside those of `snapshots`.
+pub fn write_walls(
+    out: &Path,
+    step: u64,
+    bodies: impl Iterator<Item = [f64; 4]>,
+    loaded: &[walls::Loaded],
+    facts: &[Fact],
+    snapshots: &[(f64, String)],
+) -> Result<()> {
+    if loaded.is_empty() {
+        return Ok(());
+    }
+    let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
+    let path = out.join(format!("{SNAPSHOTS}/walls_{step:08}.vtp"));
+    walls::write(&path, facts, loaded, walls::space(bodies, loaded)).map_err(failed)?;
+    vtk::write_collection(&out.join(WALLS), &beside(snapshots, "walls_")).map_err(failed)
+}
+
+/// The list of files of another kind beside snapshots.
+pub fn beside(snapshots: &[(f64, String)], kind: &str) -> Vec<(f64, String)> {
+    snapshots.iter().map(|(at, name)| (*at, name.replace("step_", kind))).collect()
+}
+
+/// Writes the last grains of a run.
+pub fn write_final(out: &Path, model: &Model, progress: &Progress) -> Result<()> {
+    let walls = model.rig.specimen().map(|_| space(&progress.state));
+    specimen::write_final(&out.join(GRAINS_FINAL), &progress.state, model, walls)
+}
+
+/// Writes `summary.json`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn save_summary(out: &Path, summary: &serde_json::Value) -> Result<()> {
+    let path = out.join(SUMMARY);
+    let text = serde_json::to_string_pretty(summary).unwrap_or_default() + "\n";
+    std::fs::write(&path, text).map_err(Error::write(&path))
+}

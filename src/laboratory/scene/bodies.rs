@@ -1,0 +1,281 @@
+//! From the bodies of a continuum to material points. Of a body that reaches beyond a plane of symmetry only the part before it is filled.
+
+use super::material::Named;
+use super::schema::unit;
+use super::view::View;
+use engine::math::portable::sin;
+use engine::mpm::{Dimension, Point, Points, Settings, Wall};
+use std::f64::consts::{FRAC_PI_2, PI};
+use toml::{Table, Value};
+
+/// Turns from one ring of points to the next.
+const GOLDEN: f64 = 0.381_966_011_250_105;
+/// Most points of a scene.
+const MOST: f64 = 2e8;
+
+/// A body in SI units: where its points may be, and what is true of them.
+struct Body {
+    shape: Shape,
+    velocity: [f64; 3],
+    stress: f64,
+    porosity: f64,
+    law: u8,
+    density: f64,
+}
+
+enum Shape {
+    Box { min: [f64; 3], max: [f64; 3] },
+    Cylinder { base: [f64; 3], radius: f64, height: f64 },
+    Sphere { centre: [f64; 3], radius: f64 },
+    Points { positions: Vec<[f64; 3]>, volumes: Vec<f64> },
+}
+
+impl Shape {
+    fn bounds(&self) -> [[f64; 3]; 2] {
+        match self {
+            Shape::Box { min, max } => [*min, *max],
+            Shape::Cylinder { base: [x, y, z], radius: r, height } => [[x - r, y - r, *z], [x + r, y + r, z + height]],
+            Shape::Sphere { centre, radius } => [centre.map(|x| x - radius), centre.map(|x| x + radius)],
+            Shape::Points { .. } => [[0.0; 3]; 2],
+        }
+    }
+
+    fn holds(&self, p: [f64; 3], d: usize) -> bool {
+        let square = |centre: &[f64; 3], n: usize| (0..n).map(|a| (p[a] - centre[a]) * (p[a] - centre[a])).sum::<f64>();
+        match self {
+            Shape::Box { .. } => true,
+            Shape::Cylinder { base, radius, .. } => square(base, 2) <= radius * radius,
+            Shape::Sphere { centre, radius } => square(centre, d) <= radius * radius,
+            Shape::Points { .. } => false,
+        }
+    }
+}
+
+impl View<'_> {
+    /// The points of all bodies, and where run-out counts from. Points stand on the lattice of the grid, `per` along a cell's edge.
+    pub fn bodies(&self, named: &[Named], settings: &Settings, per: u32, pressure: f64) -> Option<(Points, [f64; 3])> {
+        let tables = self.list("body");
+        if tables.is_empty() {
+            self.refuse("body", "is missing: a continuum needs a [[body]] with a shape");
+            return None;
+        }
+        let bodies: Vec<Option<Body>> = tables.iter().enumerate().map(|(i, t)| self.body(i, t, named, pressure)).collect();
+        let bodies: Vec<Body> = bodies.into_iter().collect::<Option<_>>()?;
+        let axis = match &bodies[0].shape {
+            Shape::Box { min, .. } => *min,
+            Shape::Cylinder { base, .. } => *base,
+            Shape::Sphere { centre, .. } => *centre,
+            Shape::Points { positions, .. } => positions[0],
+        };
+        let mut points = Points::default();
+        for (i, body) in bodies.iter().enumerate() {
+            let before = points.len();
+            self.fill(i, body, settings, per, &mut points)?;
+            if points.len() == before {
+                let message = "holds no point: it is smaller than the distance of two points, or outside of the grid; use a smaller grid.cell_mm or more grid.points_per_edge";
+                self.refuse(&format!("body[{i}]"), message);
+                return None;
+            }
+        }
+        Some((points, axis))
+    }
+
+    fn body(&self, i: usize, table: &Table, named: &[Named], pressure: f64) -> Option<Body> {
+        let at = |name: &str| format!("body[{i}].{name}");
+        let shape = table.get("shape").and_then(Value::as_str)?;
+        let needed: &[&str] = match shape {
+            "box" => &["min_mm", "max_mm"],
+            "cylinder" => &["centre_mm", "radius_mm", "height_mm"],
+            "sphere" => &["centre_mm", "radius_mm"],
+            _ => &["points_m"],
+        };
+        let mut good = true;
+        for name in ["min_mm", "max_mm", "centre_mm", "radius_mm", "height_mm", "points_m", "points_csv", "volumes_m3"] {
+            let (wanted, given) = (needed.contains(&name), table.contains_key(name));
+            if wanted && !given {
+                let or = if name == "points_m" { " (or points_csv)" } else { "" };
+                self.refuse(&at(name), format!("is missing: shape = \"{shape}\" needs it{or}"));
+                good = false;
+            } else if given && !wanted && !(shape == "points" && name == "volumes_m3") {
+                self.refuse(&at(name), format!("has no meaning with shape = \"{shape}\""));
+                good = false;
+            }
+        }
+        let law = self.material_of_body(i, table, named);
+        if !good {
+            return None;
+        }
+        let shape = match shape {
+            "box" => {
+                let (min, max) = (vector(table, "min_mm")?, vector(table, "max_mm")?);
+                let d = if self.flag("grid.plane_strain") { 2 } else { 3 };
+                if (0..d).any(|a| max[a] <= min[a]) {
+                    self.refuse(&at("max_mm"), "must be above min_mm along every axis");
+                    return None;
+                }
+                Shape::Box { min, max }
+            }
+            "cylinder" => {
+                if self.flag("grid.plane_strain") {
+                    self.refuse(&at("shape"), "must not be \"cylinder\" in plane strain: a disc is a \"sphere\" there");
+                    return None;
+                }
+                Shape::Cylinder {
+                    base: vector(table, "centre_mm")?,
+                    radius: number(table, "radius_mm")?,
+                    height: number(table, "height_mm")?,
+                }
+            }
+            "sphere" => Shape::Sphere { centre: vector(table, "centre_mm")?, radius: number(table, "radius_mm")? },
+            _ => self.cloud(i, table)?,
+        };
+        let law = law?;
+        let porosity = number(table, "porosity")?;
+        Some(Body {
+            shape,
+            velocity: vector(table, "velocity_m_s")?,
+            stress: number(table, "stress_kPa").unwrap_or(pressure),
+            porosity,
+            law,
+            density: self.si(&named[usize::from(law)].key("grain.density_kg_m3")) * (1.0 - porosity),
+        })
+    }
+
+    fn cloud(&self, i: usize, table: &Table) -> Option<Shape> {
+        let flat = numbers(table, "points_m")?;
+        let volumes = numbers(table, "volumes_m3").unwrap_or_default();
+        if flat.is_empty() || flat.len() % 3 != 0 {
+            self.refuse(&format!("body[{i}].points_m"), format!("must be x, y, z of each point; it has {} numbers", flat.len()));
+            return None;
+        }
+        let positions: Vec<[f64; 3]> = flat.as_chunks::<3>().0.to_vec();
+        if !volumes.is_empty() && volumes.len() != positions.len() {
+            let message = format!("must be one for each of the {} points; there are {}", positions.len(), volumes.len());
+            self.refuse(&format!("body[{i}].volumes_m3"), message);
+            return None;
+        }
+        Some(Shape::Points { positions, volumes })
+    }
+
+    fn material_of_body(&self, i: usize, table: &Table, named: &[Named]) -> Option<u8> {
+        let key = format!("body[{i}].material");
+        let names: Vec<&str> = named.iter().map(|n| n.name.as_str()).collect();
+        let found = match table.get("material").and_then(Value::as_str) {
+            None if named.len() == 1 => return Some(0),
+            None => None,
+            Some(name) => names.iter().position(|n| *n == name).and_then(|k| u8::try_from(k).ok()),
+        };
+        if found.is_none() {
+            self.refuse(&key, format!("must be one of the scene's materials: {}", names.join(", ")));
+        }
+        found
+    }
+
+    fn fill(&self, i: usize, body: &Body, settings: &Settings, per: u32, points: &mut Points) -> Option<()> {
+        let d = if settings.dimension == Dimension::Space { 3 } else { 2 };
+        let spacing = settings.cell / f64::from(per);
+        let volume = spacing.powi(d as i32);
+        let at = format!("body[{i}]");
+        let mut add = |p: [f64; 3], volume: f64| {
+            for a in 0..d {
+                let (low, high) = (settings.lower[a], settings.lower[a] + f64::from(settings.cells[a]) * settings.cell);
+                if !(p[a] > low && p[a] < high) {
+                    let [axis, p, low, high] = [["x", "y", "z"][a].to_string(), mm(p[a]), mm(low), mm(high)];
+                    let message = format!(
+                        "has a point at {axis} = {p} mm, outside of the grid, {low} to {high} mm: enlarge grid.min_mm and grid.max_mm, or move it"
+                    );
+                    self.refuse(&at, message);
+                    return None;
+                }
+            }
+            let s = -body.stress;
+            let stress = [s, s, s, 0.0, 0.0, 0.0];
+            let (mass, velocity, porosity, law) = (body.density * volume, body.velocity, body.porosity, body.law);
+            points.add(&Point { position: p, velocity, mass, volume, stress, porosity, law });
+            Some(())
+        };
+        if let Shape::Points { positions, volumes } = &body.shape {
+            for (k, p) in positions.iter().enumerate() {
+                add(*p, volumes.get(k).copied().unwrap_or(volume))?;
+            }
+            return Some(());
+        }
+        if let (Shape::Cylinder { base, radius, height }, true) = (&body.shape, self.text("test.rig") != "free") {
+            for (p, volume) in rings(*base, *radius, *height, spacing) {
+                add(p, volume)?;
+            }
+            return Some(());
+        }
+        let [low, high] = body.shape.bounds();
+        // lattice sites, counted from the grid's corner, whose middles lie inside; a hair of room for rounding
+        let sites: [[i64; 2]; 3] = std::array::from_fn(|a| {
+            let site = |x: f64| ((x - settings.lower[a]) / spacing - 0.5 - 1e-6).ceil() as i64;
+            if a >= d {
+                return [0, 1];
+            }
+            // what lies beyond a plane of symmetry is the image of what lies before it
+            let kept = |side: usize, site: i64, end: i64, inner: fn(i64, i64) -> i64| {
+                if settings.walls[2 * a + side] == Wall::Symmetry { inner(site, end) } else { site }
+            };
+            let end = i64::from(settings.cells[a]) * i64::from(per);
+            [kept(0, site(low[a]), 0, i64::max), kept(1, site(high[a] + 2e-6 * spacing), end, i64::min)]
+        });
+        let count: f64 = sites.iter().map(|[a, b]| (b - a).max(0) as f64).product();
+        if points_after(count) {
+            self.refuse(&at, format!("would have some {count:.0} points; at most {MOST:.0} are made: use a larger grid.cell_mm"));
+            return None;
+        }
+        let middle = |a: usize, n: i64| if a < d { settings.lower[a] + (n as f64 + 0.5) * spacing } else { 0.0 };
+        for z in sites[2][0]..sites[2][1] {
+            for y in sites[1][0]..sites[1][1] {
+                for x in sites[0][0]..sites[0][1] {
+                    let p = [middle(0, x), middle(1, y), middle(2, z)];
+                    if body.shape.holds(p, d) {
+                        add(p, volume)?;
+                    }
+                }
+            }
+        }
+        Some(())
+    }
+}
+
+/// Places and volumes of points in rings around the axis of a cylinder, about `spacing` from each other, so that the outermost stand half that inside its shell.
+fn rings(base: [f64; 3], radius: f64, height: f64, spacing: f64) -> impl Iterator<Item = ([f64; 3], f64)> {
+    let [count, layers] = [radius, height].map(|length| (length / spacing).round().max(1.0));
+    let [width, thick] = [radius / count, height / layers];
+    let of_layer = move |z: f64| {
+        (0..count as u32).map(f64::from).flat_map(move |k| {
+            // three in the middle, nine around them, …: all of the same area
+            let many = 3.0 * (2.0 * k + 1.0);
+            (0..many as u32).map(f64::from).map(move |i| {
+                // turned from ring to ring and layer to layer, so that they do not line up
+                let turns = i / many + GOLDEN * (k + z);
+                let (angle, r) = (2.0 * PI * (turns - turns.round()), (k + 0.5) * width);
+                let place = [base[0] + r * sin(FRAC_PI_2 - angle.abs()), base[1] + r * sin(angle), base[2] + (z + 0.5) * thick];
+                (place, PI / 3.0 * width * width * thick)
+            })
+        })
+    };
+    (0..layers as u32).map(f64::from).flat_map(of_layer)
+}
+
+fn points_after(count: f64) -> bool {
+    count > MOST
+}
+
+fn mm(x: f64) -> String {
+    ::table::number((1e9 * x).round() * 1e-6)
+}
+
+pub fn number(table: &Table, key: &str) -> Option<f64> {
+    table.get(key)?.as_float().map(|x| x * unit(key))
+}
+
+fn numbers(table: &Table, key: &str) -> Option<Vec<f64>> {
+    table.get(key)?.as_array()?.iter().map(|v| v.as_float().map(|x| x * unit(key))).collect()
+}
+
+pub fn vector(table: &Table, key: &str) -> Option<[f64; 3]> {
+    numbers(table, key)?.try_into().ok()
+}

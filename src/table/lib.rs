@@ -1,0 +1,174 @@
+//! Tables of numbers as CSV files: how numbers are written, tables that grow row by row, names that columns had before.
+
+pub mod old_names;
+
+use serde::{Deserialize, Serialize};
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// A table could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: cannot write: {source}", .path.display())]
+pub struct WriteError {
+    /// The table's file.
+    pub path: PathBuf,
+    /// Why.
+    pub source: std::io::Error,
+}
+
+impl WriteError {
+    fn of(path: impl AsRef<Path>) -> impl FnOnce(std::io::Error) -> WriteError {
+        let path = path.as_ref().to_path_buf();
+        move |source| WriteError { path, source }
+    }
+}
+
+/// One value of a row.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    Count(u64),
+    Number(f64),
+    Text(String),
+}
+
+impl From<u64> for Value {
+    fn from(x: u64) -> Value {
+        Value::Count(x)
+    }
+}
+
+impl From<usize> for Value {
+    fn from(x: usize) -> Value {
+        Value::Count(x as u64)
+    }
+}
+
+impl From<f64> for Value {
+    fn from(x: f64) -> Value {
+        Value::Number(x)
+    }
+}
+
+impl From<&str> for Value {
+    fn from(x: &str) -> Value {
+        Value::Text(x.to_string())
+    }
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Value::Count(n) => write!(f, "{n}"),
+            Value::Number(x) => f.write_str(&number(*x)),
+            Value::Text(t) => f.write_str(t),
+        }
+    }
+}
+
+/// A number to nine significant digits, without trailing zeros; empty when it is not finite.
+pub fn number(x: f64) -> String {
+    if !x.is_finite() {
+        return String::new();
+    }
+    if x == 0.0 {
+        return "0".into();
+    }
+    let size = x.abs().log10().floor() as i32;
+    if !(-4..9).contains(&size) {
+        return format!("{x:.8e}");
+    }
+    let text = format!("{x:.*}", (8 - size).max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+}
+
+/// A row: columns with their values, in order.
+pub type Row = Vec<(&'static str, Value)>;
+
+/// A CSV file being written. Its length is part of a checkpoint.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Table {
+    name: String,
+    /// Bytes written.
+    length: u64,
+    #[serde(skip)]
+    open: Option<(PathBuf, BufWriter<File>)>,
+}
+
+impl Table {
+    /// A new, empty table `name` in `dir` (made at the first row).
+    pub fn new(name: &str) -> Table {
+        Table { name: name.into(), length: 0, open: None }
+    }
+
+    /// Opens the file, cut back to the length known.
+    fn writer(&mut self, dir: &Path) -> Result<&mut (PathBuf, BufWriter<File>), WriteError> {
+        if self.open.is_none() {
+            let path = dir.join(&self.name);
+            let mut options = OpenOptions::new();
+            options.write(true).create(true).truncate(false);
+            let file = options.open(&path).map_err(WriteError::of(&path))?;
+            file.set_len(self.length).map_err(WriteError::of(&path))?;
+            let mut writer = BufWriter::new(file);
+            std::io::Seek::seek(&mut writer, std::io::SeekFrom::End(0)).map_err(WriteError::of(&path))?;
+            self.open = Some((path, writer));
+        }
+        Ok(self.open.as_mut().expect("just opened"))
+    }
+
+    /// Appends a row; the first row writes the header.
+    pub fn push(&mut self, dir: &Path, row: &Row) -> Result<(), WriteError> {
+        let mut text = String::new();
+        if self.length == 0 {
+            text += &row.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(",");
+            text.push('\n');
+        }
+        text += &row.iter().map(|(_, v)| v.to_string()).collect::<Vec<_>>().join(",");
+        text.push('\n');
+        let (path, writer) = self.writer(dir)?;
+        writer.write_all(text.as_bytes()).map_err(WriteError::of(&path))?;
+        self.length += text.len() as u64;
+        Ok(())
+    }
+
+    /// Hands everything to the operating system. A table without rows yet is cut to nothing if it exists.
+    pub fn flush(&mut self, dir: &Path) -> Result<(), WriteError> {
+        if self.length == 0 && !dir.join(&self.name).exists() {
+            return Ok(());
+        }
+        let (path, writer) = self.writer(dir)?;
+        writer.flush().map_err(WriteError::of(path))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_nine_digits_and_no_more() {
+        assert_eq!(number(0.0), "0");
+        assert_eq!(number(1.0 / 3.0), "0.333333333");
+        assert_eq!(number(5000.0), "5000");
+        assert_eq!(number(-1234567.891234), "-1234567.89");
+        assert_eq!(number(1e-7), "1.00000000e-7");
+        assert_eq!(number(f64::NAN), "");
+    }
+
+    #[test]
+    fn a_table_is_cut_back_to_what_the_checkpoint_knows() {
+        let dir = tempfile::tempdir().expect("folder");
+        let row = |k: u64| -> Row { vec![("step", k.into()), ("x_m", (k as f64 * 0.5).into())] };
+        let mut table = Table::new("t.csv");
+        table.push(dir.path(), &row(1)).expect("row");
+        table.flush(dir.path()).expect("flush");
+        let saved = postcard::to_stdvec(&table).expect("save");
+        table.push(dir.path(), &row(2)).expect("row");
+        table.flush(dir.path()).expect("flush");
+        drop(table);
+        let mut again: Table = postcard::from_bytes(&saved).expect("load");
+        again.push(dir.path(), &row(3)).expect("row");
+        again.flush(dir.path()).expect("flush");
+        assert_eq!(std::fs::read_to_string(dir.path().join("t.csv")).expect("text"), "step,x_m\n1,0.5\n3,1.5\n");
+    }
+}
