@@ -1,6 +1,7 @@
 //! One update of a law at a point: elastic, yielding, and with a strength that changes.
 
-use comminute::mpm::law::{DruckerPrager, Evolution, Law, Memory, Parameters, Sym, rotated};
+use comminute::mpm::law::{DruckerPrager, Evolution, Law, Memory, Parameters, Sym};
+use comminute::mpm::rotate_jaumann;
 use comminute::scene;
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
@@ -52,7 +53,7 @@ fn laws(c: &mut Criterion) {
             b.iter(|| law.update(black_box(stress), black_box(dstrain), black_box(memory)));
         });
     }
-    group.bench_function("rotation", |b| b.iter(|| rotated(black_box(PRESSED), black_box([1e-5, -2e-5, 3e-5]))));
+    group.bench_function("rotation", |b| b.iter(|| rotate_jaumann(black_box(PRESSED), black_box([1e-5, -2e-5, 3e-5]))));
 }
 
 criterion_group!(benches, laws);

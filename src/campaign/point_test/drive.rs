@@ -3,7 +3,7 @@
 use super::{Path, Settings};
 use ::laboratory::error::{Error, Result};
 use engine::mpm::law::{Law, Memory, Strength, Sym, tensor};
-use engine::mpm::law::rotated;
+use engine::mpm::rotate_jaumann;
 
 /// What is recorded of a step; stresses in Pa, compression positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +109,7 @@ fn test(law: &Law, settings: &Settings, confining: f64) -> Result<Test> {
             Path::Oedometer => point.strained(law, [0.0, 0.0, -part, 0.0, 0.0, 0.0]),
             Path::SimpleShear => {
                 // du_x/dz = part: half of it is strain, half of it turns the material
-                let turned = Point { stress: rotated(point.stress, [0.0, 0.0, -0.5 * part]), ..point };
+                let turned = Point { stress: rotate_jaumann(point.stress, [0.0, 0.0, -0.5 * part]), ..point };
                 turned.strained(law, [0.0, 0.0, 0.0, 0.0, 0.0, 0.5 * part])
             }
         };

@@ -27,6 +27,7 @@ pub use measure::Totals;
 pub use platen::Platen;
 pub use points::{Face, Point, Points};
 pub use spline::{BSpline, Gimp, Shape, ShapeFunctions};
+pub use stress::rotate_jaumann;
 pub use walls::Wall;
 
 use crate::error::Result;

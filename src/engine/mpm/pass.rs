@@ -7,7 +7,7 @@ use super::law::{Law, Memory, Sym};
 use super::outside::{Outside, Push};
 use super::points::Face;
 use super::spline::{Shape, Weights};
-use super::stress::{increments, turned, work};
+use super::stress::{increments, rotate_jaumann, work};
 use super::transfer::{gather, gradient, spread, spread_affine, spread_stress};
 #[cfg(target_arch = "x86_64")]
 use crate::math::real::Quad;
@@ -358,7 +358,7 @@ fn strain<F: Four, const D: usize, S: Shape>(
     let (strain, spin) = increments([(x * dt).xyzw(), (y * dt).xyzw(), (z * dt).xyzw()]);
     let volume = part.position[p.i][3];
     let grown = volume * (1.0 + (strain[0] + strain[1] + strain[2]));
-    let before = turned(part.stress[p.i], spin);
+    let before = rotate_jaumann(part.stress[p.i], spin);
     let law = &pass.laws[pass.law[p.whole] as usize];
     let (stress, memory) = law.update(before, strain, part.memory[p.i]);
     if grown.is_nan() || grown <= 0.0 {

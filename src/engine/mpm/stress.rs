@@ -28,10 +28,10 @@ fn rate(s: Sym, [xy, yz, zx]: [f64; 3]) -> Sym {
     ]
 }
 
-/// The stress turned by the spin to second order: its size changes by the fourth power of the angle, to first order it would grow with
-/// the second at every step.
+/// The stress, Pa, after its material has turned in a step: the Jaumann rate to second order in the spin increment `spin` = W_xy, W_yz, W_zx,
+/// W_xy = (∂u_x/∂y − ∂u_y/∂x) / 2. Its deviator changes in size by the fourth power of the angle; to first order it would grow with the second at every step.
 #[inline(always)]
-pub fn turned(stress: Sym, spin: [f64; 3]) -> Sym {
+pub fn rotate_jaumann(stress: Sym, spin: [f64; 3]) -> Sym {
     let first = rate(stress, spin);
     let second = rate(first, spin);
     let mut turned = stress;
@@ -72,7 +72,7 @@ mod tests {
         assert_eq!(strain, [0.0; 6]);
         let mut s = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         for _ in 0..steps {
-            s = turned(s, spin);
+            s = rotate_jaumann(s, spin);
         }
         // with θ = 2 angle per step the deviator grows by θ⁴/8 and lags by θ³/6 of a turn: 1.2e-8 and 5.2e-6 of ½
         assert!(s[0].abs() < 1e-8 && (s[1] - 1.0).abs() < 1e-8 && s[3].abs() < 3e-6, "{s:?}");

@@ -19,7 +19,6 @@ pub use drucker_prager::{DruckerPrager, Parameters};
 pub use elastic::Elastic;
 pub use evolution::Evolution;
 pub use surface::Strength;
-pub use tensor::rotated;
 
 /// Symmetric tensor, components xx, yy, zz, xy, yz, zx (tensor components: half the engineering shear strain). Tension is
 /// positive.
@@ -42,7 +41,7 @@ pub enum Law {
 
 impl Law {
     /// Stress, Pa, and memory after the strain increment `dstrain`. `stress` has been rotated with the material already
-    /// ([`rotated`]).
+    /// ([`crate::mpm::rotate_jaumann`]).
     #[inline]
     pub fn update(&self, stress: Sym, dstrain: Sym, memory: Memory) -> (Sym, Memory) {
         match self {

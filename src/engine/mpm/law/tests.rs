@@ -1,9 +1,18 @@
 //! Properties of the laws over random states, increments and paths, from a fixed seed.
 
-use super::tensor::{contract, deviator, equivalent, j2, trace, turned};
-use super::{Cone, DruckerPrager, Elastic, Evolution, Law, Memory, Parameters, Sym, evolution::tests::LI, rotated};
+use super::tensor::{contract, deviator, equivalent, j2, trace};
+use super::{Cone, DruckerPrager, Elastic, Evolution, Law, Memory, Parameters, Sym, evolution::tests::LI};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+/// R a Rᵀ
+fn turned(a: &Sym, r: &[[f64; 3]; 3]) -> Sym {
+    let m = [[a[0], a[3], a[5]], [a[3], a[1], a[4]], [a[5], a[4], a[2]]];
+    let row = |i: usize| -> [f64; 3] { std::array::from_fn(|k| r[i][0] * m[0][k] + r[i][1] * m[1][k] + r[i][2] * m[2][k]) };
+    let (x, y, z) = (row(0), row(1), row(2));
+    let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    [dot(&x, &r[0]), dot(&y, &r[1]), dot(&z, &r[2]), dot(&x, &r[1]), dot(&y, &r[2]), dot(&z, &r[0])]
+}
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const NONE: f64 = f64::INFINITY;
@@ -141,7 +150,8 @@ fn turning_the_input_turns_the_output() {
         for _ in 0..1000 {
             let (stress, memory, dstrain) = random(&law, &mut rng);
             let spin: [f64; 3] = std::array::from_fn(|_| rng.random_range(-3.0..3.0));
-            let turn = |a: Sym| rotated(a, spin);
+            let rotation: [[f64; 3]; 3] = nalgebra::Rotation3::new(spin.into()).matrix().transpose().into();
+            let turn = |a: Sym| turned(&a, &rotation);
             let (there, a) = law.update(turn(stress), turn(dstrain), memory);
             let (here, b) = law.update(stress, dstrain, memory);
             let here = turn(here);
