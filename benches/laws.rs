@@ -1,6 +1,6 @@
 //! One update of a law at a point: elastic, yielding, and with a strength that changes.
 
-use comminute::mpm::law::{DruckerPrager, Evolution, Law, Memory, Parameters, Sym};
+use comminute::mpm::law::{DruckerPrager, Evolution, InternalVariables, Law, Parameters, Sym};
 use comminute::mpm::rotate_jaumann;
 use comminute::scene;
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -21,8 +21,8 @@ fn constant(law: &Law) -> Law {
 }
 
 /// A state at yield: the law strained until it has this much plastic strain.
-fn yielding(law: &Law, plastic: f64) -> (Sym, Memory) {
-    let mut state = (PRESSED, Memory::default());
+fn yielding(law: &Law, plastic: f64) -> (Sym, InternalVariables) {
+    let mut state = (PRESSED, InternalVariables::default());
     while state.1.plastic < plastic {
         state = law.update(state.0, SHEARED, state.1);
     }
@@ -39,11 +39,11 @@ fn laws(c: &mut Criterion) {
     let elastic = Law::Elastic(changing.elastic());
     let of = |plastic: f64| yielding(&changing, plastic);
     let cases = [
-        ("linear elastic", &elastic, (PRESSED, Memory::default()), SHEARED),
-        ("Drucker-Prager, elastic point", &steady, (PRESSED, Memory::default()), SHEARED),
+        ("linear elastic", &elastic, (PRESSED, InternalVariables::default()), SHEARED),
+        ("Drucker-Prager, elastic point", &steady, (PRESSED, InternalVariables::default()), SHEARED),
         ("Drucker-Prager, yielding", &steady, yielding(&steady, 1e-3), SHEARED),
-        ("Drucker-Prager, apex", &steady, ([0.0; 6], Memory::default()), SWELLING),
-        ("eq. 43, elastic point", &changing, (PRESSED, Memory::default()), SHEARED),
+        ("Drucker-Prager, apex", &steady, ([0.0; 6], InternalVariables::default()), SWELLING),
+        ("eq. 43, elastic point", &changing, (PRESSED, InternalVariables::default()), SHEARED),
         ("eq. 43, yielding, hardening", &changing, of(0.01), SHEARED),
         ("eq. 43, yielding, softening", &changing, of(0.05), SHEARED),
         ("eq. 43, yielding, residual", &changing, of(0.9), SHEARED),

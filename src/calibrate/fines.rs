@@ -283,7 +283,7 @@ impl Fines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use engine::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Memory, Parameters};
+    use engine::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, InternalVariables, Parameters};
 
     /// A test of the law itself, its lateral strain found so that the cell pressure stays, gives the law back.
     #[test]
@@ -306,7 +306,7 @@ mod tests {
         };
         let law = DruckerPrager::new(parameters);
         let cell = 5e4;
-        let (mut stress, mut memory) = ([-cell, -cell, -cell, 0.0, 0.0, 0.0], Memory::default());
+        let (mut stress, mut memory) = ([-cell, -cell, -cell, 0.0, 0.0, 0.0], InternalVariables::default());
         let (mut axial, mut lateral) = (0.0, 0.0);
         let mut text = String::from("axial_strain,volumetric_strain,sigma_1_kPa,sigma_3_kPa\n");
         for step in 0..=12_000 {

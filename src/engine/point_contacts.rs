@@ -55,9 +55,9 @@ pub struct Bound {
 
 impl Bound {
     /// Shares of a contact's stiffness that its two ends have to be able to bear, 1 + ε and 1 + 1/ε: k (u_p − u_g)² ≤ (1 + ε) k u_p² + (1 + 1/ε) k u_g² for every ε > 0.
-    /// With ε = 2, as a point's share is spread over its neighbours ([`Continuum::felt`]).
+    /// With ε = 2, as a point's share is spread over its neighbours ([`Continuum::contact_frequency_bound`]).
     ///
-    /// [`Continuum::felt`]: crate::mpm::Continuum::felt
+    /// [`Continuum::contact_frequency_bound`]: crate::mpm::Continuum::contact_frequency_bound
     pub const SHARES: [f64; 2] = [3.0, 1.5];
 
     /// What each point by itself has of contacts with grains, in these shares, and of platens, whose largest rate is given, 1/s².

@@ -71,9 +71,9 @@ impl Meeting {
         let Meeting { model, table, work, continuum, mixture, platens } = self;
         platen::press(platens, continuum).unwrap_or_else(|e| panic!("{e}"));
         let mut parts = Parts { physics: &model.physics, table, work, continuum, platens };
-        mixture.feel(&mut parts).unwrap_or_else(|e| panic!("{e}"));
+        mixture.compute_forces(&mut parts).unwrap_or_else(|e| panic!("{e}"));
         let cycle = decide(mixture, parts.continuum);
-        mixture.go(&mut parts, cycle).unwrap_or_else(|e| panic!("{e}"));
+        mixture.make_cycle(&mut parts, cycle).unwrap_or_else(|e| panic!("{e}"));
     }
 
     pub fn velocity_of_points(&self) -> [f64; 3] {

@@ -139,7 +139,7 @@ fn what_nodes_feel_of_springs_bounds_their_frequencies() {
                 let id = c.points().id[i] as usize;
                 v[id] = if at_faces { (start[id][1][2] - c.points().faces[i][1][2]) / DT } else { -c.points().velocity[i][2] };
             }
-            (v, c.felt())
+            (v, c.contact_frequency_bound())
         };
         let answers: Vec<Vec<f64>> = springs.iter().map(|spring| pushed(&[*spring], springs).0).collect();
         let mut u = vec![1.0; springs.len()];

@@ -2,7 +2,7 @@
 
 use super::{Path, Settings};
 use ::laboratory::error::{Error, Result};
-use engine::mpm::law::{Law, Memory, Strength, Sym, tensor};
+use engine::mpm::law::{InternalVariables, Law, Sym, YieldParameters, tensor};
 use engine::mpm::rotate_jaumann;
 
 /// What is recorded of a step; stresses in Pa, compression positive.
@@ -25,7 +25,7 @@ pub struct Row {
     pub stress_ratio: Option<f64>,
     pub plastic_strain: f64,
     /// Yield surface of this plastic strain, of laws that have one
-    pub strength: Option<Strength>,
+    pub strength: Option<YieldParameters>,
 }
 
 /// One test.
@@ -43,7 +43,7 @@ pub struct Test {
 struct Point {
     stress: Sym,
     strain: Sym,
-    memory: Memory,
+    memory: InternalVariables,
 }
 
 impl Point {
@@ -99,7 +99,7 @@ pub fn drive(law: &Law, settings: &Settings) -> Result<Vec<Test>> {
 fn test(law: &Law, settings: &Settings, confining: f64) -> Result<Test> {
     let path = settings.path;
     let stress = [-confining, -confining, -confining, 0.0, 0.0, 0.0];
-    let mut point = Point { stress, strain: [0.0; 6], memory: Memory::default() };
+    let mut point = Point { stress, strain: [0.0; 6], memory: InternalVariables::default() };
     let mut rows = vec![point.row(law, path, 0)];
     let mut lateral = Lateral { law, confining, ratio: -law.poisson(), error: 0.0 };
     let part = settings.strain / f64::from(settings.steps);

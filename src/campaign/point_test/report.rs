@@ -4,7 +4,7 @@ use super::{Path as Way, Row, Settings, Test};
 use ::laboratory::error::{Error, Result};
 use ::laboratory::scene::Continuum;
 use ::table::{Row as Record, Table};
-use engine::mpm::law::{Evolution, Law, Strength};
+use engine::mpm::law::{Evolution, Law, YieldParameters};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -161,16 +161,16 @@ fn one(law: &Law, settings: &Settings, test: &Test) -> Value {
 }
 
 /// The surface of the largest friction angle that the law reaches; none where cohesion changes as well.
-fn strongest(law: &Law) -> Option<Strength> {
+fn strongest(law: &Law) -> Option<YieldParameters> {
     let Law::DruckerPrager(law) = law else { return None };
     let p = law.parameters();
     let Evolution::Constant(cohesion) = p.cohesion else { return None };
     let cone = p.cone.at(p.friction.range().1);
-    Some(Strength { alpha: cone.alpha, kappa: cone.k * cohesion })
+    Some(YieldParameters { alpha: cone.alpha, kappa: cone.k * cohesion })
 }
 
 /// Largest over smallest principal stress at failure on this surface, where the smallest is pressure.
-fn closed_form(strength: Strength, cell: f64, strain: f64) -> Option<f64> {
+fn closed_form(strength: YieldParameters, cell: f64, strain: f64) -> Option<f64> {
     let (high, low) =
         if strain > 0.0 { (cell + strength.q_compression(cell), cell) } else { (cell, cell - strength.q_extension(cell)) };
     (low > 0.0).then(|| high / low)

@@ -20,7 +20,7 @@ pub struct CrushModel {
     pub interval: u64,
 }
 
-/// How daughters enter the assembly ([`super::birth`]).
+/// How daughters enter the assembly ([`crate::dem::birth`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Birth {
     /// Where their mother was, with her overlaps, at once (Ciantia et al. 2015).

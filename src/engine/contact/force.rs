@@ -5,14 +5,14 @@
 //! of the first end's surface against the second's; compression is positive overlap.
 
 use super::law::{Law, Pair};
-use super::pairs::Touch;
+use super::pairs::ContactForce;
 use crate::contact::TangentialUnloading;
 use crate::math::real::Real;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 
 /// Relative motion of two bodies near each other.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Motion<R = f64> {
+pub struct RelativeMotion<R = f64> {
     /// Velocity of the first centre relative to the second (or to the wall), m/s.
     pub centres: [R; 3],
     /// r_1 ω_1 + r_2 ω_2, m/s.
@@ -23,7 +23,7 @@ pub struct Motion<R = f64> {
     pub spin_difference: [R; 3],
 }
 
-impl<R: Real> Motion<R> {
+impl<R: Real> RelativeMotion<R> {
     /// Σ arm × spin, with arms that end in the middle of the overlap: (r_1 − δ/2) ω_1 + (r_2 − δ/2) ω_2; on a wall (r − δ) ω.
     #[inline(always)]
     fn arms(&self, overlap: R) -> [R; 3] {
@@ -38,7 +38,7 @@ impl<R: Real> Motion<R> {
 
     /// Power of a contact's force and torque on both ends, W: (t − N n) · (velocity at the contact point).
     #[inline(always)]
-    pub fn power(&self, touch: &Touch<R>) -> R {
+    pub fn power(&self, touch: &ContactForce<R>) -> R {
         let v = self.slip(touch.normal, touch.overlap);
         dot(touch.tangential, v) - touch.normal_force * dot(touch.normal, v)
     }
@@ -46,7 +46,7 @@ impl<R: Real> Motion<R> {
 
 /// Where and how two bodies touch.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Meeting<R = f64> {
+pub struct ContactGeometry<R = f64> {
     /// Unit vector from the first to the second end.
     pub normal: [R; 3],
     /// Overlap, m (> 0).
@@ -55,7 +55,7 @@ pub struct Meeting<R = f64> {
     pub r_eff: R,
     /// Reduced inertial mass, kg (viscous laws only).
     pub m_eff: R,
-    pub motion: Motion<R>,
+    pub motion: RelativeMotion<R>,
 }
 
 /// What does not change during one sweep.
@@ -71,8 +71,8 @@ pub struct Rules {
 
 /// What a contact has kept from the last step, or leaves to the next. `None`: the run does not keep it.
 #[derive(Clone, Copy)]
-pub struct Memory<R = f64> {
-    pub touch: Touch<R>,
+pub struct ContactHistory<R = f64> {
+    pub touch: ContactForce<R>,
     /// Tangential spring force (viscous laws), N.
     pub spring: Option<[R; 3]>,
     pub rolling: Option<[R; 3]>,
@@ -86,7 +86,7 @@ pub struct Memory<R = f64> {
 /// keeping its length. The length is restored by the series of (|v|/|u|) about 1, which needs no root and no branch; a turn by θ in one
 /// step leaves an error of θ⁴/8, and a contact that turns by more than a radian lets go.
 #[inline(always)]
-fn carried<R: Real>(v: [R; 3], m: &Meeting<R>, dt: f64) -> [R; 3] {
+fn carried<R: Real>(v: [R; 3], m: &ContactGeometry<R>, dt: f64) -> [R; 3] {
     let n = m.normal;
     let twist = dot(m.motion.mean_spin, n) * dt;
     let u = plus(v, scaled(cross(n, v), twist));
@@ -113,11 +113,11 @@ fn capped<R: Real>(v: [R; 3], limit: R) -> ([R; 3], R::Mask, R) {
 /// ½ (F_old + F_new) · Δu of the step, torques likewise, slip the work of the capped force over the part of Δu that the spring does not take.
 #[inline(always)]
 pub fn touching<R: Real, L: Law, const LEDGER: bool, const EXTRA: bool>(
-    m: &Meeting<R>,
+    m: &ContactGeometry<R>,
     pair: &Pair<R>,
     rules: &Rules,
-    old: &Memory<R>,
-) -> Memory<R> {
+    old: &ContactHistory<R>,
+) -> ContactHistory<R> {
     let n = m.normal;
     let dt = rules.dt;
     let v = m.motion.slip(n, m.overlap);
@@ -156,9 +156,9 @@ pub fn touching<R: Real, L: Law, const LEDGER: bool, const EXTRA: bool>(
             viscous_work = ((normal_force - e.force) * approach - dot(less(t, spring), slip)) * dt;
         }
     }
-    let touch = Touch { tangential: t, normal_force, normal: n, overlap: m.overlap };
+    let touch = ContactForce { tangential: t, normal_force, normal: n, overlap: m.overlap };
     let weight = pair.e_eff / m.r_eff;
-    Memory {
+    ContactHistory {
         touch,
         spring: old.spring.map(|_| spring),
         rolling: if EXTRA { old.rolling.map(|moment| rolled(m, pair, e.k_t, normal_force, dt, moment)) } else { None },
@@ -176,7 +176,7 @@ pub fn touching<R: Real, L: Law, const LEDGER: bool, const EXTRA: bool>(
 /// Rolling resistance, elastic–plastic (the spring of Iwashita & Oda 1998 without dashpot): stiffness k_t R*², moment limit
 /// μ_r R* F_n. `moment` is the moment on the first end; the second gets the opposite.
 #[inline(always)]
-fn rolled<R: Real>(m: &Meeting<R>, pair: &Pair<R>, k_t: R, normal_force: R, dt: f64, moment: [R; 3]) -> [R; 3] {
+fn rolled<R: Real>(m: &ContactGeometry<R>, pair: &Pair<R>, k_t: R, normal_force: R, dt: f64, moment: [R; 3]) -> [R; 3] {
     let n = m.normal;
     let w = m.motion.spin_difference;
     let bending = less(w, scaled(n, dot(w, n)));
@@ -187,11 +187,11 @@ fn rolled<R: Real>(m: &Meeting<R>, pair: &Pair<R>, k_t: R, normal_force: R, dt: 
 
 /// What is left of a pair that does not touch (any more).
 #[inline(always)]
-pub fn apart<const LEDGER: bool>(motion: impl Fn() -> Motion, dt: f64, old: &Memory) -> Memory {
+pub fn apart<const LEDGER: bool>(motion: impl Fn() -> RelativeMotion, dt: f64, old: &ContactHistory) -> ContactHistory {
     let ended = old.touch.overlap > 0.0;
     let path = if LEDGER && ended { -0.5 * motion().power(&old.touch) * dt } else { 0.0 };
-    Memory {
-        touch: Touch::default(),
+    ContactHistory {
+        touch: ContactForce::default(),
         spring: old.spring.map(|_| [0.0; 3]),
         rolling: old.rolling.map(|_| [0.0; 3]),
         load: old.load.map(|_| 0.0),
@@ -210,11 +210,12 @@ mod tests {
         let none = [0.0; 3];
         let pair = Pair { a: 4.4e7, b: 1e8, friction: 0.3, viscous: viscous_coefficient(0.3), rolling: 0.0, e_eff: 0.0 };
         let rules = Rules { dt: 1e-5, unloading: TangentialUnloading::Keep, task: 1, arch: pulp::Arch::Scalar };
-        let mut touch = Touch::default();
+        let mut touch = ContactForce::default();
         for slip in [0.3, 3.0, 1e-7] {
-            let motion = Motion { centres: [slip, 0.0, 0.0], turning: none, mean_spin: none, spin_difference: none };
-            let meeting = Meeting { normal: [0.0, 0.0, 1.0], overlap: 1e-5, r_eff: 0.01, m_eff: 0.03, motion };
-            let old = Memory { touch: Touch::default(), spring: Some(none), rolling: None, load: None, work: Some(none) };
+            let motion = RelativeMotion { centres: [slip, 0.0, 0.0], turning: none, mean_spin: none, spin_difference: none };
+            let meeting = ContactGeometry { normal: [0.0, 0.0, 1.0], overlap: 1e-5, r_eff: 0.01, m_eff: 0.03, motion };
+            let old =
+                ContactHistory { touch: ContactForce::default(), spring: Some(none), rolling: None, load: None, work: Some(none) };
             let new = touching::<f64, HertzViscous, true, true>(&meeting, &pair, &rules, &old);
             touch = new.touch;
             let (size, limit) = (dot(touch.tangential, touch.tangential).sqrt(), 0.3 * touch.normal_force);

@@ -1,5 +1,5 @@
 //! Storage of contacts: one slot per pair that is near enough to touch soon. Slots are re-used; the contacts of a grain are
-//! found through `neighbours::adjacency`. Memory is what a large run waits for, so a contact is one cache line, and what only some
+//! found through `neighbours::adjacency`. ContactHistory is what a large run waits for, so a contact is one cache line, and what only some
 //! runs need stands in columns that the others do not have.
 
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ pub const FREE: u32 = u32::MAX;
 /// What a sweep leaves for the grains and for the next sweep. All zero when the pair does not touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(C, align(64))]
-pub struct Touch<R = f64> {
+pub struct ContactForce<R = f64> {
     /// Tangential force on the first end, N.
     pub tangential: [R; 3],
     /// Normal force, N, compression positive.
@@ -22,7 +22,7 @@ pub struct Touch<R = f64> {
     pub overlap: R,
 }
 
-impl Touch {
+impl ContactForce {
     /// The first half: tangential and normal force.
     #[inline(always)]
     pub fn first(&self) -> [f64; 4] {
@@ -128,7 +128,7 @@ pub struct Kept {
 pub struct Pairs {
     /// Indices of both ends; between grains the one with the lower id is first.
     pub ends: Vec<[u32; 2]>,
-    pub touch: Vec<Touch>,
+    pub touch: Vec<ContactForce>,
     /// Work of the last step, J: contact path, slip, viscous, and a lane to spare.
     pub work: Column<[f64; 4]>,
     /// Rolling moment on the first end, N m.
@@ -184,7 +184,7 @@ impl Pairs {
         }
         self.make_room();
         self.ends.push([first, second]);
-        self.touch.push(Touch::default());
+        self.touch.push(ContactForce::default());
         self.work.push();
         self.rolling.push();
         self.spring.push();
@@ -210,7 +210,7 @@ impl Pairs {
     pub fn remove(&mut self, slot: u32) {
         let s = slot as usize;
         self.ends[s] = [FREE, FREE];
-        self.touch[s] = Touch::default();
+        self.touch[s] = ContactForce::default();
         self.work.clear(s);
         self.rolling.clear(s);
         self.spring.clear(s);
@@ -237,7 +237,7 @@ impl Pairs {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.ends.capacity() * size_of::<[u32; 2]>()
-            + self.touch.capacity() * size_of::<Touch>()
+            + self.touch.capacity() * size_of::<ContactForce>()
             + self.work.bytes()
             + self.rolling.bytes()
             + self.spring.bytes()

@@ -1,8 +1,8 @@
 //! The slots of a sweep, cut into parts that threads share; reading and writing one contact, or one in each lane.
 
-use super::force::Memory;
+use super::force::ContactHistory;
 use super::law::Law;
-use super::pairs::{Pairs, Touch};
+use super::pairs::{ContactForce, Pairs};
 use crate::math::real::{Lanes, Real};
 use pulp::Simd;
 
@@ -19,7 +19,7 @@ pub enum Slots<'a> {
 /// One chunk of slots, each array's part; columns that the run does not keep are empty.
 pub struct Part<'a> {
     pub ends: &'a [[u32; 2]],
-    pub touch: &'a mut [Touch],
+    pub touch: &'a mut [ContactForce],
     pub work: &'a mut [[f64; 4]],
     rolling: &'a mut [[f64; 3]],
     spring: &'a mut [[f64; 3]],
@@ -56,8 +56,8 @@ impl<'a> Part<'a> {
 
     /// What slot `s` keeps. `EXTRA`: the run may have rolling moments or weighted loads.
     #[inline(always)]
-    pub fn read<L: Law, const EXTRA: bool>(&self, s: usize) -> Memory {
-        Memory {
+    pub fn read<L: Law, const EXTRA: bool>(&self, s: usize) -> ContactHistory {
+        ContactHistory {
             touch: self.touch[s],
             spring: if L::VISCOUS { Some(self.spring[s]) } else { None },
             rolling: if EXTRA { self.rolling.get(s).copied() } else { None },
@@ -67,7 +67,7 @@ impl<'a> Part<'a> {
     }
 
     #[inline(always)]
-    pub fn write(&mut self, s: usize, m: Memory) {
+    pub fn write(&mut self, s: usize, m: ContactHistory) {
         self.touch[s] = m.touch;
         for (column, value) in [(&mut *self.spring, m.spring), (&mut *self.rolling, m.rolling)] {
             if let Some(value) = value {
@@ -84,7 +84,11 @@ impl<'a> Part<'a> {
 
     /// What the slots keep, one in each lane.
     #[inline(always)]
-    pub fn read_lanes<S: Simd, L: Law, const EXTRA: bool>(&self, simd: S, slot: impl Fn(usize) -> usize) -> Memory<Lanes<S>> {
+    pub fn read_lanes<S: Simd, L: Law, const EXTRA: bool>(
+        &self,
+        simd: S,
+        slot: impl Fn(usize) -> usize,
+    ) -> ContactHistory<Lanes<S>> {
         let [x, y, z, normal_force] = Lanes::columns(simd, |k| self.touch[slot(k)].first());
         let [nx, ny, nz, overlap] = Lanes::columns(simd, |k| self.touch[slot(k)].second());
         let vectors = |column: &[[f64; 3]]| {
@@ -94,8 +98,8 @@ impl<'a> Part<'a> {
             });
             [x, y, z]
         };
-        Memory {
-            touch: Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap },
+        ContactHistory {
+            touch: ContactForce { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap },
             spring: if L::VISCOUS { Some(vectors(self.spring)) } else { None },
             rolling: if EXTRA && !self.rolling.is_empty() { Some(vectors(self.rolling)) } else { None },
             // an outcome only: its old value is not read
@@ -105,8 +109,8 @@ impl<'a> Part<'a> {
     }
 
     #[inline(always)]
-    pub fn write_lanes<S: Simd>(&mut self, simd: S, slot: impl Fn(usize) -> usize, m: &Memory<Lanes<S>>) {
-        let Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = m.touch;
+    pub fn write_lanes<S: Simd>(&mut self, simd: S, slot: impl Fn(usize) -> usize, m: &ContactHistory<Lanes<S>>) {
+        let ContactForce { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = m.touch;
         Lanes::rows(simd, [x, y, z, normal_force], |k, row| self.touch[slot(k)].set_first(row));
         Lanes::rows(simd, [nx, ny, nz, overlap], |k, row| self.touch[slot(k)].set_second(row));
         for (column, value) in [(&mut *self.spring, m.spring), (&mut *self.rolling, m.rolling)] {

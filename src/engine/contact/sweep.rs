@@ -1,7 +1,7 @@
 //! The sweep over contacts between grains: every pair's geometry, then its force, as many at once as the processor has lanes. Parallel over
 //! slots; each slot writes only itself and reads the grains, so no result depends on threads or on the order of slots.
 
-use super::force::{self, Meeting, Motion, Rules};
+use super::force::{self, ContactGeometry, RelativeMotion, Rules};
 use super::law::{Law, Pair, PairTable};
 use super::pairs::{FREE, Pairs};
 use super::part::{Part, Slots, for_each_part};
@@ -61,15 +61,15 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> WithSimd for Sweep<'_, L, LE
         let one_pair = self.table.grains(0, 0).map(|x| Lanes::constants(simd, x));
         let mut s = 0;
         while lanes > 1 && s + lanes <= n {
-            if !self.together(simd, s, &one_pair) {
+            if !self.simd(simd, s, &one_pair) {
                 for k in s..s + lanes {
-                    self.alone(k);
+                    self.scalar(k);
                 }
             }
             s += lanes;
         }
         for k in s..n {
-            self.alone(k);
+            self.scalar(k);
         }
     }
 }
@@ -77,7 +77,7 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> WithSimd for Sweep<'_, L, LE
 impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> {
     /// The contact in slot `s`.
     #[inline(always)]
-    fn alone(&mut self, s: usize) {
+    fn scalar(&mut self, s: usize) {
         let Sweep { table, rules, g, part, .. } = self;
         let [i, j] = part.ends[s];
         if i == FREE {
@@ -105,7 +105,7 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> 
 
     /// The contacts from slot `s` on, one in each lane; false, and nothing done, unless all of them touch.
     #[inline(always)]
-    fn together<S: Simd>(&mut self, simd: S, s: usize, one_pair: &Pair<Lanes<S>>) -> bool {
+    fn simd<S: Simd>(&mut self, simd: S, s: usize, one_pair: &Pair<Lanes<S>>) -> bool {
         let Sweep { table, rules, g, part, .. } = self;
         let n = g.pos.len();
         let (pos, vel, spin) = (&g.pos[..n], &g.vel[..n], &g.spin[..n]);
@@ -156,26 +156,26 @@ pub fn r_eff<R: Real>(a: R, b: R) -> R {
 
 /// Two spheres of radii `r` that overlap: `d` from the first centre to the second, `distance` its length.
 #[inline(always)]
-fn meeting<R: Real>(d: [R; 3], distance: R, r: [R; 2], m_eff: R, motion: Motion<R>) -> Meeting<R> {
+fn meeting<R: Real>(d: [R; 3], distance: R, r: [R; 2], m_eff: R, motion: RelativeMotion<R>) -> ContactGeometry<R> {
     let reach = r[0] + r[1];
     // one division for 1/distance and 1/(r_i + r_j)
     let both = distance.constant(1.0) / (distance * reach);
     let normal = scaled(d, both * reach);
-    Meeting { normal, overlap: reach - distance, r_eff: r[0] * r[1] * (both * distance), m_eff, motion }
+    ContactGeometry { normal, overlap: reach - distance, r_eff: r[0] * r[1] * (both * distance), m_eff, motion }
 }
 
-/// Motion of grain i against grain j.
+/// RelativeMotion of grain i against grain j.
 #[inline(always)]
-pub fn motion(g: &Grains, i: usize, j: usize) -> Motion {
+pub fn motion(g: &Grains, i: usize, j: usize) -> RelativeMotion {
     relative([g.vel[i], g.vel[j]], [g.spin[i], g.spin[j]], [g.pos[i][3], g.pos[j][3]])
 }
 
-/// Motion of the first of two spheres against the second, from their velocities, spins and radii.
+/// RelativeMotion of the first of two spheres against the second, from their velocities, spins and radii.
 #[inline(always)]
-fn relative<R: Real>(v: [[R; 4]; 2], w: [[R; 4]; 2], r: [R; 2]) -> Motion<R> {
+fn relative<R: Real>(v: [[R; 4]; 2], w: [[R; 4]; 2], r: [R; 2]) -> RelativeMotion<R> {
     let xyz = |u: [R; 4]| [u[0], u[1], u[2]];
     let ([v0, v1], [w0, w1]) = (v.map(xyz), w.map(xyz));
-    Motion {
+    RelativeMotion {
         centres: less(v0, v1),
         turning: plus(scaled(w0, r[0]), scaled(w1, r[1])),
         mean_spin: plus(w0, w1).map(|x| x * 0.5),

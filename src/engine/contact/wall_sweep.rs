@@ -1,7 +1,7 @@
 //! The sweep over contacts with walls. Most of those listed do not touch: those that do are collected until they fill the lanes.
 
 use super::ContactLaw;
-use super::force::{self, Meeting, Motion, Rules};
+use super::force::{self, ContactGeometry, RelativeMotion, Rules};
 use super::law::{Law, PairTable};
 use super::pairs::{FREE, Pairs};
 use super::part::{Part, Slots, for_each_part};
@@ -22,16 +22,16 @@ pub fn walls(law: ContactLaw, table: &PairTable, rules: &Rules, g: &Grains, wall
     })
 }
 
-/// Motion of grain i against a wall that moves against `normal` (into the grains) with `speed`.
+/// RelativeMotion of grain i against a wall that moves against `normal` (into the grains) with `speed`.
 #[inline(always)]
-pub fn motion_on_wall(g: &Grains, i: usize, normal: [f64; 3], speed: f64) -> Motion {
+pub fn motion_on_wall(g: &Grains, i: usize, normal: [f64; 3], speed: f64) -> RelativeMotion {
     relative_to_wall(g.vel[i], g.spin[i], g.pos[i][3], normal, speed)
 }
 
 #[inline(always)]
-fn relative_to_wall<R: Real>(v: [R; 4], w: [R; 4], r: R, normal: [R; 3], speed: R) -> Motion<R> {
+fn relative_to_wall<R: Real>(v: [R; 4], w: [R; 4], r: R, normal: [R; 3], speed: R) -> RelativeMotion<R> {
     let spin = [w[0], w[1], w[2]];
-    Motion {
+    RelativeMotion {
         centres: plus([v[0], v[1], v[2]], scaled(normal, speed)),
         turning: scaled(spin, r),
         mean_spin: spin,
@@ -84,11 +84,11 @@ impl<L: Law, const LEDGER: bool> WithSimd for WallSweep<'_, L, LEDGER> {
             n += 1;
             if n == lanes {
                 n = 0;
-                if lanes == 1 { self.alone(waiting[0]) } else { self.together(simd, &waiting[..lanes]) }
+                if lanes == 1 { self.scalar(waiting[0]) } else { self.simd(simd, &waiting[..lanes]) }
             }
         }
         for &one in &waiting[..n] {
-            self.alone(one);
+            self.scalar(one);
         }
     }
 }
@@ -106,18 +106,18 @@ impl<L: Law, const LEDGER: bool> WallSweep<'_, L, LEDGER> {
     }
 
     #[inline(always)]
-    fn alone(&mut self, OnWall { slot, at: [x, y, z, overlap] }: OnWall) {
+    fn scalar(&mut self, OnWall { slot, at: [x, y, z, overlap] }: OnWall) {
         let WallSweep { table, rules, g, walls, part, .. } = self;
         let [i, k] = part.ends[slot].map(|e| e as usize);
         let normal = [x, y, z];
         let motion = motion_on_wall(g, i, normal, walls[k].speed);
-        let meeting = Meeting { normal, overlap, r_eff: g.stiffness_radius(i), m_eff: 1.0 / g.vel[i][3], motion };
+        let meeting = ContactGeometry { normal, overlap, r_eff: g.stiffness_radius(i), m_eff: 1.0 / g.vel[i][3], motion };
         let pair = table.wall(k, g.material[i]);
         part.write(slot, force::touching::<f64, L, LEDGER, true>(&meeting, pair, rules, &part.read::<L, true>(slot)));
     }
 
     #[inline(always)]
-    fn together<S: Simd>(&mut self, simd: S, those: &[OnWall]) {
+    fn simd<S: Simd>(&mut self, simd: S, those: &[OnWall]) {
         let WallSweep { table, rules, g, walls, part, .. } = self;
         let slot = |k: usize| those[k].slot;
         let ends = part.ends;
@@ -131,7 +131,7 @@ impl<L: Law, const LEDGER: bool> WallSweep<'_, L, LEDGER> {
         let normal = [x, y, z];
         let motion = relative_to_wall(v, w, r, normal, speed);
         let r_eff = if L::INHERITED { stiffness_radius(p, w) } else { r };
-        let meeting = Meeting { normal, overlap, r_eff, m_eff: r.constant(1.0) / v[3], motion };
+        let meeting = ContactGeometry { normal, overlap, r_eff, m_eff: r.constant(1.0) / v[3], motion };
         let pair = PairTable::lanes(simd, |k| table.wall(wall(k), g.material[grain(k)]));
         let old = part.read_lanes::<S, L, true>(simd, slot);
         part.write_lanes(simd, slot, &force::touching::<Lanes<S>, L, LEDGER, true>(&meeting, &pair, rules, &old));

@@ -33,7 +33,7 @@ pub struct Embedding {
     pub porosity: f64,
     /// Edge of a cell, m.
     pub cell: f64,
-    /// As [`engine::coupling::Rule::release_strain`].
+    /// As [`Rule::release_strain`].
     pub release_strain: f64,
 }
 
@@ -118,7 +118,7 @@ impl Embedded {
     }
 
     /// The forces of this instant between points and grains and walls; walls' reactions are then of both.
-    pub fn feel(&mut self, physics: &Physics, state: &mut State, work: &mut Work) {
+    pub fn compute_forces(&mut self, physics: &Physics, state: &mut State, work: &mut Work) {
         if self.continuum.points().is_empty() {
             self.ghosts.clear();
             self.pressed.fill(0.0);
@@ -182,14 +182,14 @@ impl Embedded {
         }
     }
 
-    /// Motion of grains and points, what breaks, and what becomes points of it.
+    /// RelativeMotion of grains and points, what breaks, and what becomes points of it.
     ///
     /// # Errors
     /// A lost point.
-    pub fn go(&mut self, physics: &Physics, state: &mut State, work: &mut Work) -> Result<()> {
+    pub fn advance(&mut self, physics: &Physics, state: &mut State, work: &mut Work) -> Result<()> {
         let half = 0.5 * state.dt;
         let mut given = half * self.power(state);
-        dem::motion(physics, state, work);
+        dem::move_grains(physics, state, work);
         given += half * self.power(state);
         self.work += given;
         dem::breakage(physics, state, work);
@@ -208,7 +208,7 @@ impl Embedded {
     /// Power of grains on points, W, at the present velocities.
     fn power(&self, state: &State) -> f64 {
         let g = &state.grains;
-        let of = |(grain, _, _, touch): (usize, usize, f64, crate::contact::pairs::Touch)| {
+        let of = |(grain, _, _, touch): (usize, usize, f64, crate::contact::pairs::ContactForce)| {
             let [u, v, w, _] = g.vel[grain];
             let [a, b, c, _] = g.spin[grain];
             let torque = scaled(cross(touch.normal, touch.tangential), g.pos[grain][3] - 0.5 * touch.overlap);

@@ -3,9 +3,9 @@
 use super::{Body, Ghost, Ghosts};
 use crate::boundary::Wall;
 use crate::contact::TangentialUnloading;
-use crate::contact::force::{self, Meeting, Memory, Motion, Rules};
+use crate::contact::force::{self, ContactGeometry, ContactHistory, RelativeMotion, Rules};
 use crate::contact::law::{Law, Pair, PairTable};
-use crate::contact::pairs::Touch;
+use crate::contact::pairs::ContactForce;
 use crate::grains::Grains;
 use crate::math::real::{Lanes, MOST_LANES, arch};
 use crate::math::vector::{dot, less, scaled};
@@ -65,7 +65,7 @@ struct Spot {
 #[derive(Clone, Copy, Default)]
 struct Found {
     at: usize,
-    meeting: Meeting,
+    meeting: ContactGeometry,
 }
 
 impl<L: Law> WithSimd for Sweep<'_, L> {
@@ -87,17 +87,17 @@ impl<L: Law> WithSimd for Sweep<'_, L> {
                 spot.carried = points.carried[point];
             }
             for (at, spot) in some.zip(&spots) {
-                let Some(meeting) = self.meet(at, spot) else { continue };
+                let Some(meeting) = self.geometry(at, spot) else { continue };
                 waiting[n] = Found { at, meeting };
                 n += 1;
                 if n == lanes {
                     n = 0;
-                    if lanes == 1 { self.alone(&waiting[0]) } else { self.together(simd, &waiting[..lanes]) }
+                    if lanes == 1 { self.scalar(&waiting[0]) } else { self.simd(simd, &waiting[..lanes]) }
                 }
             }
         }
         for found in &waiting[..n] {
-            self.alone(found);
+            self.scalar(found);
         }
     }
 }
@@ -105,7 +105,7 @@ impl<L: Law> WithSimd for Sweep<'_, L> {
 impl<L: Law> Sweep<'_, L> {
     /// How the ends of contact `at` meet; what does not touch any more is left without a force.
     #[inline(always)]
-    fn meet(&mut self, at: usize, spot: &Spot) -> Option<Meeting> {
+    fn geometry(&mut self, at: usize, spot: &Spot) -> Option<ContactGeometry> {
         let ghost = &mut self.part[at];
         let mut meeting = self.scene.meeting::<L>(ghost, spot);
         if ghost.reference > 0.0 {
@@ -124,7 +124,7 @@ impl<L: Law> Sweep<'_, L> {
     }
 
     #[inline(always)]
-    fn alone(&mut self, &Found { at, meeting }: &Found) {
+    fn scalar(&mut self, &Found { at, meeting }: &Found) {
         let ghost = &mut self.part[at];
         let pair = self.scene.pair(ghost);
         let new = force::touching::<f64, L, false, true>(&meeting, pair, self.rules, &ghost.memory::<L>());
@@ -135,7 +135,7 @@ impl<L: Law> Sweep<'_, L> {
 
     /// One contact in each lane.
     #[inline(always)]
-    fn together<S: Simd>(&mut self, simd: S, those: &[Found]) {
+    fn simd<S: Simd>(&mut self, simd: S, those: &[Found]) {
         let (scene, at, m) = (self.scene, |k: usize| those[k].at, |k: usize| &those[k].meeting);
         let with = |v: [f64; 3], last: f64| [v[0], v[1], v[2], last];
         let part = &mut *self.part;
@@ -145,21 +145,21 @@ impl<L: Law> Sweep<'_, L> {
         let [wx, wy, wz, _] = Lanes::columns(simd, |k| with(m(k).motion.mean_spin, 0.0));
         // nothing rolls: their difference is not asked for
         let (turning, mean_spin) = ([tx, ty, tz], [wx, wy, wz]);
-        let motion = Motion { centres: [vx, vy, vz], turning, mean_spin, spin_difference: mean_spin };
-        let meeting = Meeting { normal: [nx, ny, nz], overlap, r_eff, m_eff, motion };
+        let motion = RelativeMotion { centres: [vx, vy, vz], turning, mean_spin, spin_difference: mean_spin };
+        let meeting = ContactGeometry { normal: [nx, ny, nz], overlap, r_eff, m_eff, motion };
         let pair = PairTable::lanes(simd, |k| scene.pair(&part[at(k)]));
         let [x, y, z, normal_force] = Lanes::columns(simd, |k| part[at(k)].touch.first());
         let [ox, oy, oz, before] = Lanes::columns(simd, |k| part[at(k)].touch.second());
-        let touch = Touch { tangential: [x, y, z], normal_force, normal: [ox, oy, oz], overlap: before };
+        let touch = ContactForce { tangential: [x, y, z], normal_force, normal: [ox, oy, oz], overlap: before };
         let spring = if L::VISCOUS {
             let [x, y, z, _] = Lanes::columns(simd, |k| with(part[at(k)].spring, 0.0));
             Some([x, y, z])
         } else {
             None
         };
-        let old = Memory { touch, spring, rolling: None, load: None, work: None };
+        let old = ContactHistory { touch, spring, rolling: None, load: None, work: None };
         let new = force::touching::<Lanes<S>, L, false, true>(&meeting, &pair, self.rules, &old);
-        let Touch { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = new.touch;
+        let ContactForce { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = new.touch;
         Lanes::rows(simd, [x, y, z, normal_force], |k, row| part[at(k)].touch.set_first(row));
         Lanes::rows(simd, [nx, ny, nz, overlap], |k, row| part[at(k)].touch.set_second(row));
         if let Some([x, y, z]) = new.spring {
@@ -173,7 +173,7 @@ impl<L: Law> Sweep<'_, L> {
 impl Scene<'_> {
     /// How a point meets its body. Normal from the body to the ghost; without an overlap they are apart.
     #[inline(always)]
-    fn meeting<L: Law>(&self, ghost: &Ghost, &Spot { at, carried }: &Spot) -> Meeting {
+    fn meeting<L: Law>(&self, ghost: &Ghost, &Spot { at, carried }: &Spot) -> ContactGeometry {
         let body = ghost.place[0] as usize;
         let at = ahead(at, carried, self.ahead[1]);
         let m_eff = |inverse_mass: f64| if L::VISCOUS { 1.0 / (inverse_mass + 1.0 / ghost.mass) } else { 0.0 };
@@ -184,14 +184,14 @@ impl Scene<'_> {
                 let d = less(at, ahead(p, v3, self.ahead[0]));
                 let distance = dot(d, d).sqrt();
                 let reach = p[3] + ghost.radius;
-                let motion = Motion {
+                let motion = RelativeMotion {
                     centres: less(v3, carried),
                     turning: scaled(w3, p[3]),
                     mean_spin: scaled(w3, 0.5),
                     spin_difference: w3,
                 };
                 let (normal, r_eff) = (scaled(d, 1.0 / distance), p[3] * ghost.radius / reach);
-                Meeting { normal, overlap: reach - distance, r_eff, m_eff: m_eff(v[3]), motion }
+                ContactGeometry { normal, overlap: reach - distance, r_eff, m_eff: m_eff(v[3]), motion }
             }
             Body::Wall(_) => {
                 let wall = &self.walls[body];
@@ -200,7 +200,13 @@ impl Scene<'_> {
                 let normal = scaled(towards, -1.0);
                 let centres = less(scaled(normal, wall.speed), carried);
                 let overlap = wall.speed * self.ahead[0] - gap;
-                Meeting { normal, overlap, r_eff: ghost.radius, m_eff: m_eff(0.0), motion: Motion { centres, ..Motion::default() } }
+                ContactGeometry {
+                    normal,
+                    overlap,
+                    r_eff: ghost.radius,
+                    m_eff: m_eff(0.0),
+                    motion: RelativeMotion { centres, ..RelativeMotion::default() },
+                }
             }
         }
     }
@@ -217,12 +223,12 @@ impl Scene<'_> {
 
 impl Ghost {
     #[inline(always)]
-    fn memory<L: Law>(&self) -> Memory {
-        Memory { touch: self.touch, spring: L::VISCOUS.then_some(self.spring), rolling: None, load: None, work: None }
+    fn memory<L: Law>(&self) -> ContactHistory {
+        ContactHistory { touch: self.touch, spring: L::VISCOUS.then_some(self.spring), rolling: None, load: None, work: None }
     }
 
     #[inline(always)]
-    fn keep(&mut self, new: Memory) {
+    fn keep(&mut self, new: ContactHistory) {
         self.touch = new.touch;
         self.spring = new.spring.unwrap_or_default();
     }

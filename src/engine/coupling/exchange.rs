@@ -3,7 +3,7 @@
 use super::{Body, Ghost, Mixture};
 use crate::contact::ContactLaw;
 use crate::contact::law::{Pair, PairTable};
-use crate::contact::pairs::{FREE, Kept, Pairs, Touch};
+use crate::contact::pairs::{ContactForce, FREE, Kept, Pairs};
 use crate::contact::sweep::r_eff;
 use crate::dem::physics::Physics;
 use crate::dem::stability::elastic;
@@ -16,7 +16,7 @@ use crate::point_contacts::GhostTable;
 pub struct Contact {
     /// Between grains: their places in the order of ids, the lower one first. On a wall: the grain, the wall. Of a point: the body, the point's index.
     pub ends: [u32; 2],
-    pub touch: Touch,
+    pub touch: ContactForce,
     /// Tangential spring, N.
     pub spring: [f64; 3],
     /// Normal tangent stiffness, N/m.

@@ -2,7 +2,7 @@
 
 use super::evaluate::Scene;
 use super::{Body, Ghost, Ghosts};
-use crate::contact::pairs::Touch;
+use crate::contact::pairs::ContactForce;
 use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, scaled};
 use crate::mpm::Continuum;
@@ -78,7 +78,7 @@ impl Ghosts {
     }
 
     /// Contacts of grains with points that bear something, in order: indices of both, the ghost's radius, m, and the contact.
-    pub fn on_grains(&self) -> impl Iterator<Item = (usize, usize, f64, Touch)> {
+    pub fn on_grains(&self) -> impl Iterator<Item = (usize, usize, f64, ContactForce)> {
         let on_grain = self.touching().filter(|g| matches!(g.body, Body::Grain(_)));
         on_grain.map(|g| (g.place[0] as usize, g.place[1] as usize, g.radius, g.touch))
     }
@@ -120,6 +120,6 @@ impl Ghosts {
 }
 
 /// Torque on a grain of this radius: (r − δ/2) n × t (Li et al. 2023, eq. 27, with the grain's own radius).
-fn torque(touch: &Touch, radius: f64) -> [f64; 3] {
+fn torque(touch: &ContactForce, radius: f64) -> [f64; 3] {
     scaled(cross(touch.normal, touch.tangential), radius - 0.5 * touch.overlap)
 }

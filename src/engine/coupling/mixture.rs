@@ -146,11 +146,11 @@ impl Mixture {
     ///
     /// # Errors
     /// Rigid bodies that come within reach of each other.
-    pub fn feel(&mut self, parts: &mut Parts<'_>) -> Result<()> {
-        dem::feel(parts.physics, &mut self.grains, parts.work);
+    pub fn compute_forces(&mut self, parts: &mut Parts<'_>) -> Result<()> {
+        dem::compute_forces(parts.physics, &mut self.grains, parts.work);
         self.note_bound();
         self.find(parts, self.last, [0.0; 2])?;
-        self.meet(parts);
+        self.evaluate_bodies(parts);
         Ok(())
     }
 
@@ -171,36 +171,36 @@ impl Mixture {
         (own, bound.frequency2(platens, slow.then_some(self.share)))
     }
 
-    /// A cycle from what was felt, with platens that have pressed; walls and platens move at their speeds.
+    /// Makes one cycle with the forces that [`Self::compute_forces`] has found and platens that have pressed; walls and platens move at their speeds.
     ///
     /// # Errors
     /// A lost point; a platen through the points.
-    pub fn go(&mut self, parts: &mut Parts<'_>, cycle: Cycle) -> Result<()> {
+    pub fn make_cycle(&mut self, parts: &mut Parts<'_>, cycle: Cycle) -> Result<()> {
         self.cycle = cycle;
         let Cycle { time, rates } = cycle;
         let [of_grains, of_points] = [rates.continuum, rates.grains].map(|n| 1.0 / f64::from(n));
-        self.give(parts, of_grains, [of_points, Bound::SHARES[0]]);
+        self.apply_reactions(parts, of_grains, [of_points, Bound::SHARES[0]]);
         // but for the last one the steps of the continuum, beside grains that go on as they went
         let dt = time * of_grains;
         for j in 1..rates.continuum {
-            self.advance(parts, dt)?;
+            self.step_continuum(parts, dt)?;
             platen::press(parts.platens, parts.continuum)?;
             self.find(parts, dt, [dt * f64::from(j), 0.0])?;
-            self.give(parts, of_grains, [of_points, 0.0]);
+            self.apply_reactions(parts, of_grains, [of_points, 0.0]);
         }
         self.move_grains(parts, time * of_points);
         self.end(parts, time - self.last, rates.grains - 1)
     }
 
-    /// Goes on with a cycle of which `done` steps of the grains were made elsewhere: points have what contacts gave them, those felt last included.
+    /// Goes on with a cycle of which `done` steps of the grains were made elsewhere: points already have what contacts gave them, the last forces included.
     ///
     /// # Errors
-    /// As [`Self::go`].
+    /// As [`Self::make_cycle`].
     #[cfg(feature = "gpu")]
-    pub fn go_on(&mut self, parts: &mut Parts<'_>, done: u32) -> Result<()> {
+    pub fn finish_cycle(&mut self, parts: &mut Parts<'_>, done: u32) -> Result<()> {
         let Cycle { time, rates } = self.cycle;
         let dt = time / f64::from(rates.grains);
-        self.give(parts, 1.0, [0.0; 2]);
+        self.apply_reactions(parts, 1.0, [0.0; 2]);
         self.move_grains(parts, dt);
         self.end(parts, time - dt * f64::from(done + 1), rates.grains - done - 1)
     }
@@ -209,20 +209,20 @@ impl Mixture {
     fn end(&mut self, parts: &mut Parts<'_>, mut left: f64, mut steps: u32) -> Result<()> {
         let Cycle { time, rates } = self.cycle;
         while steps > 0 {
-            dem::feel(parts.physics, &mut self.grains, parts.work);
+            dem::compute_forces(parts.physics, &mut self.grains, parts.work);
             if self.note_bound() {
                 steps = steps.max((left / self.own).ceil().min(MOST) as u32);
             }
             self.find(parts, self.last, [0.0, time - left])?;
-            self.meet(parts);
+            self.evaluate_bodies(parts);
             let dt = left / f64::from(steps);
-            self.give(parts, 1.0, [dt / time, 0.0]);
+            self.apply_reactions(parts, 1.0, [dt / time, 0.0]);
             self.move_grains(parts, dt);
             left -= dt;
             steps -= 1;
         }
         self.cycles += 1;
-        self.advance(parts, time * (1.0 / f64::from(rates.continuum)))?;
+        self.step_continuum(parts, time * (1.0 / f64::from(rates.continuum)))?;
         if let Some(fines) = &mut self.fines {
             fines.enter(&self.grains, parts.continuum, &mut self.ghosts);
             let platens = &*parts.platens;
@@ -239,7 +239,7 @@ impl Mixture {
             blocks.give_others(grains, &mut parts.work.outside, walls, dt);
             blocks.advance(parts.physics, *fresh, dt);
         }
-        dem::go(parts.physics, &mut self.grains, parts.work);
+        dem::integrate(parts.physics, &mut self.grains, parts.work);
         self.breakages.extend_from_slice(&parts.work.breakages);
         if let Some(fines) = &mut self.fines {
             fines.take(&parts.work.breakages);
@@ -247,16 +247,16 @@ impl Mixture {
     }
 
     /// A step of the continuum, and its platens' way in it.
-    fn advance(&mut self, parts: &mut Parts<'_>, dt: f64) -> Result<()> {
+    fn step_continuum(&mut self, parts: &mut Parts<'_>, dt: f64) -> Result<()> {
         parts.continuum.step(dt)?;
         if let Some(alone) = self.alone.take() {
-            self.share = if alone > 0.0 { (parts.continuum.felt() / alone).min(1.0) } else { 1.0 };
+            self.share = if alone > 0.0 { (parts.continuum.contact_frequency_bound() / alone).min(1.0) } else { 1.0 };
         }
         parts.platens.iter_mut().for_each(|p| p.advance(dt));
         Ok(())
     }
 
-    fn give(&mut self, parts: &mut Parts<'_>, of_grains: f64, of_points: [f64; 2]) {
+    fn apply_reactions(&mut self, parts: &mut Parts<'_>, of_grains: f64, of_points: [f64; 2]) {
         self.ghosts.give(&self.grains.grains, &mut parts.work.outside, of_grains, parts.continuum, of_points);
         if let Some(blocks) = &mut self.blocks {
             blocks.give_points(of_grains, parts.continuum, of_points);
@@ -264,7 +264,7 @@ impl Mixture {
     }
 
     /// Forces between rigid bodies, grains and walls.
-    fn meet(&mut self, parts: &Parts<'_>) {
+    fn evaluate_bodies(&mut self, parts: &Parts<'_>) {
         let Some(blocks) = &mut self.blocks else { return };
         blocks.evaluate(&rigid_scene(&self.grains, parts, self.last, [0.0; 2]), false);
     }

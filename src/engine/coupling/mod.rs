@@ -23,7 +23,7 @@ pub use fines::{Account, Fines, Rule};
 pub use measure::{Shares, Touching};
 pub use mixture::{Allowed, Cycle, Mixture, Parts, Rates};
 
-use crate::contact::pairs::Touch;
+use crate::contact::pairs::ContactForce;
 use crate::point_contacts::Age;
 use serde::{Deserialize, Serialize};
 
@@ -50,7 +50,7 @@ pub struct Ghost {
     radius: f64,
     mass: f64,
     /// The contact: first end the body, second the ghost. All zero while they do not touch.
-    pub touch: Touch,
+    pub touch: ContactForce,
     /// Tangential spring (viscous laws), N.
     spring: [f64; 3],
     /// Tangent stiffnesses of the last sweep, normal and tangential, N/m.

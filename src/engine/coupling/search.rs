@@ -2,7 +2,7 @@
 
 use super::{Body, Ghost, Ghosts};
 use crate::boundary::Wall;
-use crate::contact::pairs::Touch;
+use crate::contact::pairs::ContactForce;
 use crate::grains::Grains;
 use crate::mpm::Continuum;
 use crate::mpm::platen::ghost_radius;
@@ -32,7 +32,7 @@ impl Ghosts {
         let mut near = |body: Body, place: u32, i: usize| {
             let radius = ghost_radius(dimension, points.solid(i));
             let (point, mass) = (points.id[i], points.velocity[i][3]);
-            let (touch, none) = (Touch::default(), [0.0; 3]);
+            let (touch, none) = (ContactForce::default(), [0.0; 3]);
             found.push(Ghost {
                 body,
                 point,

@@ -89,7 +89,7 @@ impl Obstacles {
         Obstacles(neighbours.around(m, pairs).map(|(_, j)| g.pos[j]).filter(overlaps).collect())
     }
 
-    /// Radius up to `radius`, m, with which a daughter at `centre` overlaps none of them and no wall; at least [`LEAST`] of it.
+    /// Radius up to `radius`, m, with which a daughter at `centre` overlaps none of them and no wall; at least `LEAST` of it.
     pub fn free_radius(&self, centre: [f64; 3], radius: f64, walls: &[Wall]) -> f64 {
         self.gap(centre, walls).clamp(LEAST * radius, radius)
     }
@@ -155,7 +155,7 @@ impl Aftermath {
     }
 
     /// Forces of the softening contacts at the present positions.
-    pub fn feel(&mut self, physics: &Physics, g: &Grains, table: &PairTable) {
+    pub fn compute_forces(&mut self, physics: &Physics, g: &Grains, table: &PairTable) {
         for x in &mut self.fading {
             let i = x.grain as usize;
             let (p, q) = (x.place, g.pos[i]);
@@ -195,7 +195,7 @@ impl Aftermath {
     }
 
     /// Adds the forces of softening contacts, N, to those on the grains from elsewhere.
-    pub fn push(&self, outside: &mut Vec<[[f64; 4]; 2]>, grains: usize) {
+    pub fn add_forces(&self, outside: &mut Vec<[[f64; 4]; 2]>, grains: usize) {
         if self.fading.is_empty() {
             return;
         }

@@ -2,7 +2,7 @@
 //! limit, gets local damping and gravity, is kicked and drifted. Parallel over grains; each writes only itself.
 
 use super::{State, Work};
-use crate::contact::pairs::{Pairs, Touch};
+use crate::contact::pairs::{ContactForce, Pairs};
 use crate::contact::part::few;
 use crate::dem::physics::Physics;
 #[cfg(target_arch = "x86_64")]
@@ -81,7 +81,7 @@ fn sum<F: Four, const LEDGER: bool>(
 
 /// Tangential and normal force; normal and overlap.
 #[inline(always)]
-fn halves<F: Four>(token: F::Token, touch: &Touch) -> (F, F) {
+fn halves<F: Four>(token: F::Token, touch: &ContactForce) -> (F, F) {
     (F::of(token, touch.first()), F::of(token, touch.second()))
 }
 

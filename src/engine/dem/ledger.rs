@@ -76,7 +76,7 @@ impl Ledger {
         }
     }
 
-    /// The balance now; `sums` are those of [`super::measure::sums`].
+    /// The balance now; `sums` are those of [`super::observables::sums`].
     pub fn balance(&self, walls: &[Wall], sums: &Sums) -> Balance {
         let work: [f64; 4] = std::array::from_fn(|k| self.gone[k] + sums.work[k]);
         Balance {

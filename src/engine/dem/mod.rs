@@ -184,14 +184,14 @@ pub fn step<E>(
     work: &mut Work,
     control: impl FnOnce(&mut State, &mut Work) -> Result<(), E>,
 ) -> Result<(), E> {
-    feel(physics, state, work);
+    compute_forces(physics, state, work);
     control(state, work)?;
-    go(physics, state, work);
+    integrate(physics, state, work);
     Ok(())
 }
 
 /// The first half of a step: the forces of this instant.
-pub fn feel(physics: &Physics, state: &mut State, work: &mut Work) {
+pub fn compute_forces(physics: &Physics, state: &mut State, work: &mut Work) {
     let mut watch = Stopwatch::new(&mut work.clock);
     tidy(state, work);
     if watch.0.is_some() {
@@ -205,21 +205,21 @@ pub fn feel(physics: &Physics, state: &mut State, work: &mut Work) {
 }
 
 /// The second half: motion, and what breaks.
-pub fn go(physics: &Physics, state: &mut State, work: &mut Work) {
-    motion(physics, state, work);
+pub fn integrate(physics: &Physics, state: &mut State, work: &mut Work) {
+    move_grains(physics, state, work);
     breakage(physics, state, work);
 }
 
 /// Grains and walls move.
-pub fn motion(physics: &Physics, state: &mut State, work: &mut Work) {
+pub fn move_grains(physics: &Physics, state: &mut State, work: &mut Work) {
     let mut watch = Stopwatch::new(&mut work.clock);
     stability::keep_up(physics, state, work);
-    state.aftermath.push(&mut work.outside, state.grains.len());
+    state.aftermath.add_forces(&mut work.outside, state.grains.len());
     let half = 0.5 * state.dt;
     state.ledger.release += half * state.aftermath.power(&state.grains);
     gather::advance(physics, state, work);
     state.ledger.release += half * state.aftermath.power(&state.grains);
-    alone(small(state, work), || collect(state, work));
+    on_one_thread(small(state, work), || collect(state, work));
     for w in &mut state.walls {
         w.advance(state.dt);
     }
@@ -229,7 +229,7 @@ pub fn motion(physics: &Physics, state: &mut State, work: &mut Work) {
 /// Grains over their limit break, and what breakages have left to do goes on; the step is done.
 pub fn breakage(physics: &Physics, state: &mut State, work: &mut Work) {
     let mut watch = Stopwatch::new(&mut work.clock);
-    alone(small(state, work), || crush(physics, state, work));
+    on_one_thread(small(state, work), || crush(physics, state, work));
     work.outside.clear();
     if !state.aftermath.is_empty() {
         birth::advance(state, &work.neighbours, &mut work.moved);
@@ -242,7 +242,7 @@ pub fn breakage(physics: &Physics, state: &mut State, work: &mut Work) {
 
 /// Runs what one thread has to do alone while the others stay awake: waking a sleeping worker costs as much as a sweep of a thousand
 /// contacts.
-fn alone(small: bool, job: impl FnOnce() + Send) {
+fn on_one_thread(small: bool, job: impl FnOnce() + Send) {
     if small {
         return job();
     }
@@ -309,7 +309,7 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Work) {
     let mut sweep = || sweep::grains(&physics.contact, table, &rules, grains, pairs, Slots::All);
     let mut lists = || {
         search(neighbours, moved, *rebuild_always, grains, walls, wall_pairs);
-        neighbours.meet(&grains.pos, 4 * task);
+        neighbours.activate_contacts(&grains.pos, 4 * task);
         wall_sweep::walls(physics.contact.law, table, &rules, grains, walls, wall_pairs);
     };
     if small {
@@ -317,12 +317,12 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Work) {
     } else {
         rayon::join(sweep, lists)
     };
-    alone(small, || {
+    on_one_thread(small, || {
         neighbours.join(grains, pairs, begun);
         sweep::grains(&physics.contact, table, &rules, grains, pairs, Slots::These(begun));
         reactions(physics, table, &rules, grains, walls, wall_pairs, neighbours);
     });
-    state.aftermath.feel(physics, &state.grains, &work.table);
+    state.aftermath.compute_forces(physics, &state.grains, &work.table);
     // newborn grains get their scaled inertia at birth; an unscaled time step has to follow them
     let born =
         (std::mem::take(&mut state.births) || state.aftermath.restless().next().is_some()) && !physics.stepping.inertia_scaling;
@@ -487,7 +487,7 @@ mod tests {
     #[test]
     fn a_panic_alone_does_not_leave_the_others_waiting() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
-        let run = || pool.install(|| alone(false, || panic!("on purpose")));
+        let run = || pool.install(|| on_one_thread(false, || panic!("on purpose")));
         let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
         assert!(outcome.is_err());
     }

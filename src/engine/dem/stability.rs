@@ -222,7 +222,7 @@ pub fn hold(i: usize, others: f64, physics: &Physics, state: &mut State, work: &
     }
 }
 
-/// Buffers of [`rescale`] and [`keep_up`].
+/// Buffers of `rescale` and [`keep_up`].
 #[derive(Default)]
 pub struct Scratch {
     restless: Vec<usize>,

@@ -9,7 +9,7 @@ use super::layout::{Evolution32, Law32};
 pub type Sym32 = [f32; 6];
 
 #[derive(Clone, Copy)]
-struct Strength {
+struct YieldParameters {
     alpha: f32,
     kappa: f32,
 }
@@ -102,9 +102,9 @@ fn evolution_at(e: &Evolution32, x: f32) -> (f32, f32) {
 }
 
 /// The surface at a plastic strain, and its slope.
-fn surface(law: &Law32, plastic: f32) -> (Strength, Strength) {
+fn surface(law: &Law32, plastic: f32) -> (YieldParameters, YieldParameters) {
     if plastic >= law.settled {
-        return (Strength { alpha: law.last_alpha, kappa: law.last_kappa }, Strength { alpha: 0.0, kappa: 0.0 });
+        return (YieldParameters { alpha: law.last_alpha, kappa: law.last_kappa }, YieldParameters { alpha: 0.0, kappa: 0.0 });
     }
     let (angle, dangle) = evolution_at(&law.friction, plastic);
     let (cohesion, dcohesion) = evolution_at(&law.cohesion, plastic);
@@ -121,22 +121,25 @@ fn surface(law: &Law32, plastic: f32) -> (Strength, Strength) {
         let dk = 3.0 * root * (-s * below - sign * (c * c) * (below * below));
         (root * s * below, 3.0 * root * c * below, 3.0 * root * c * (below * below), dk)
     };
-    (Strength { alpha, kappa: k * cohesion }, Strength { alpha: dalpha * dangle, kappa: dk * dangle * cohesion + k * dcohesion })
+    (
+        YieldParameters { alpha, kappa: k * cohesion },
+        YieldParameters { alpha: dalpha * dangle, kappa: dk * dangle * cohesion + k * dcohesion },
+    )
 }
 
-fn cut_of(law: &Law32, s: Strength) -> f32 {
+fn cut_of(law: &Law32, s: YieldParameters) -> f32 {
     if s.alpha > 0.0 { law.cut.min(s.kappa / s.alpha) } else { law.cut }
 }
 
-fn corner(s: Strength, cut: f32) -> f32 {
+fn corner(s: YieldParameters, cut: f32) -> f32 {
     if s.alpha > 0.0 { (s.kappa - s.alpha * cut).max(0.0) } else { s.kappa }
 }
 
-fn inside(law: &Law32, s: Strength, i1: f32, j: f32) -> bool {
+fn inside(law: &Law32, s: YieldParameters, i1: f32, j: f32) -> bool {
     j + s.alpha * i1 <= s.kappa && i1 <= cut_of(law, s)
 }
 
-fn returned(law: &Law32, s: Strength, i1: f32, j: f32) -> Returned {
+fn returned(law: &Law32, s: YieldParameters, i1: f32, j: f32) -> Returned {
     let cut = cut_of(law, s);
     let outside = j + s.alpha * i1 - s.kappa;
     if i1 <= cut {
@@ -166,14 +169,14 @@ fn largest_increment(law: &Law32, i1: f32, j: f32) -> f32 {
     ((multiplier * multiplier) * 0.333_333_33 + (volume * volume) * 0.222_222_22).sqrt() * 1.00001 + 1e-30
 }
 
-fn at_jump(law: &Law32, i1: f32, j: f32, increment: f32, s: Strength) -> Returned {
+fn at_jump(law: &Law32, i1: f32, j: f32, increment: f32, s: YieldParameters) -> Returned {
     let multiplier = increment / law.per_multiplier;
     let end = Returned { di1: -law.volume_return * multiplier, dj: -law.shear * multiplier, on_cone: true };
     if j + end.dj >= 0.0 && inside(law, s, i1 + end.di1, j + end.dj) { end } else { returned(law, s, i1, j) }
 }
 
 /// As `DruckerPrager::hardened`, with the plastic strain of the step as the unknown.
-fn hardened(law: &Law32, i1: f32, j: f32, before: f32, first: (Strength, Strength)) -> (Returned, f32) {
+fn hardened(law: &Law32, i1: f32, j: f32, before: f32, first: (YieldParameters, YieldParameters)) -> (Returned, f32) {
     // what rounding of the stress leaves of a plastic strain
     let noise = 2e-7 * (j + i1.abs()) / law.shear;
     let (mut low, mut high, mut at) = (0.0, largest_increment(law, i1, j), 0.0);

@@ -81,7 +81,7 @@ struct Mover {
 struct Spare {
     numbers: Vec<[f64; 4]>,
     triples: Vec<[f64; 3]>,
-    memory: Vec<super::law::Memory>,
+    memory: Vec<super::law::InternalVariables>,
     scalars: Vec<f64>,
     ids: Vec<u32>,
     laws: Vec<u8>,

@@ -228,7 +228,7 @@ impl Continuum {
     /// Σ_q k_q N_q u(x_q) at the nodes over their masses is what contacts of the points q make of nodes' displacements. Its eigenvalues are those of the same
     /// between points, u_p ← Σ_I N_pI (Σ_q k_q N_qI / m_I) u_q, and none is larger than the largest sum over a row, Σ_I N_pI R_I with R_I = Σ_q k_q N_qI / m_I. Neighbours share
     /// their masses: where one point of many is pushed this is much less than k/m of the point, which it never exceeds for forces at points.
-    pub fn felt(&self) -> f64 {
+    pub fn contact_frequency_bound(&self) -> f64 {
         self.work.felt
     }
 

@@ -3,7 +3,7 @@
 
 use super::blocks::{BIAS, Blocks, EDGE, STAYS, TILE, block_corner, cell_key, cells, tile};
 use super::grid::load;
-use super::law::{Law, Memory, Sym};
+use super::law::{InternalVariables, Law, Sym};
 use super::outside::{Outside, Push};
 use super::points::Face;
 use super::spline::{Shape, Weights};
@@ -81,7 +81,7 @@ pub struct Part<'a> {
     pub position: &'a mut [[f64; 4]],
     pub velocity: &'a mut [[f64; 4]],
     pub stress: &'a mut [Sym],
-    pub memory: &'a mut [Memory],
+    pub memory: &'a mut [InternalVariables],
     /// Empty without APIC.
     pub affine: &'a mut [[[f64; 3]; 3]],
     /// Empty unless something asks for it.
@@ -94,7 +94,7 @@ pub struct Part<'a> {
     /// Of each block: points that leave their cell; stress work, J.
     pub left: &'a mut [u32],
     pub work: &'a mut [f64],
-    /// Of each block: the largest of [`super::Continuum::felt`], where carrying velocities are kept.
+    /// Of each block: the largest of [`super::Continuum::contact_frequency_bound`], where carrying velocities are kept.
     pub felt: &'a mut [f64],
 }
 

@@ -4,7 +4,7 @@
 //! order of ids.
 
 use super::Dimension;
-use super::law::{Memory, Sym};
+use super::law::{InternalVariables, Sym};
 use super::platen::cube_root;
 use serde::{Deserialize, Serialize};
 
@@ -39,7 +39,7 @@ pub struct Points {
     /// Cauchy stress, Pa, tension positive.
     pub stress: Vec<Sym>,
     /// What the law remembers.
-    pub memory: Vec<Memory>,
+    pub memory: Vec<InternalVariables>,
     /// Volume, m³, and porosity at the start.
     pub initial_volume: Vec<f64>,
     pub initial_porosity: Vec<f64>,
@@ -74,7 +74,7 @@ impl Points {
         self.position.push([x, y, z, point.volume]);
         self.velocity.push([u, v, w, point.mass]);
         self.stress.push(point.stress);
-        self.memory.push(Memory::default());
+        self.memory.push(InternalVariables::default());
         self.initial_volume.push(point.volume);
         self.initial_porosity.push(point.porosity);
         self.law.push(point.law);
@@ -149,7 +149,7 @@ impl Points {
             + self.carried.capacity() * size_of::<[f64; 3]>()
             + self.faces.capacity() * size_of::<Face>()
             + self.stress.capacity() * size_of::<Sym>()
-            + self.memory.capacity() * size_of::<Memory>()
+            + self.memory.capacity() * size_of::<InternalVariables>()
             + self.law.capacity()
             + self.id.capacity() * size_of::<u32>()
     }

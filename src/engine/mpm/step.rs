@@ -25,7 +25,7 @@ pub struct Work {
     left: Vec<u32>,
     block_work: Vec<f64>,
     block_felt: Vec<f64>,
-    /// See [`Continuum::felt`].
+    /// See [`Continuum::contact_frequency_bound`].
     pub felt: f64,
     faults: AtomicU64,
     pub outside: Outside,

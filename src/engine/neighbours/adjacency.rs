@@ -1,5 +1,5 @@
 //! Partners of each grain, sorted by their persistent ids with walls last: the order in which it sums forces.
-//! One arena; each grain owns a block whose capacity is a multiple of [`UNIT`]. Ids, which only searches read, and links, which every step
+//! One arena; each grain owns a block whose capacity is a multiple of `UNIT`. Ids, which only searches read, and links, which every step
 //! reads, stand apart.
 
 const GRAIN_END: u32 = 1 << 31;

@@ -227,8 +227,8 @@ impl Neighbours {
     }
 
     /// Marks the near pairs that touch now, so many to a parallel task: reads positions only, so that it may run beside the sweep.
-    pub fn meet(&mut self, pos: &[[f64; 4]], task: usize) {
-        self.near.meet(pos, task);
+    pub fn activate_contacts(&mut self, pos: &[[f64; 4]], task: usize) {
+        self.near.activate_contacts(pos, task);
     }
 
     /// Makes contacts of the pairs marked; their slots are in `slots`.

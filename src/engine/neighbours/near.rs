@@ -46,7 +46,7 @@ impl Near {
     }
 
     /// Marks the pairs that touch now, so many to a parallel task.
-    pub fn meet(&mut self, pos: &[[f64; 4]], task: usize) {
+    pub fn activate_contacts(&mut self, pos: &[[f64; 4]], task: usize) {
         if few(self.ends.len(), task) {
             return mark(pos, &self.ends, &mut self.met);
         }

@@ -2,9 +2,9 @@
 
 use super::{Block, Blocks, Pose};
 use crate::boundary::Wall;
-use crate::contact::force::{self, Meeting, Memory, Motion, Rules};
+use crate::contact::force::{self, ContactGeometry, ContactHistory, RelativeMotion, Rules};
 use crate::contact::law::{Law, Pair, PairTable};
-use crate::contact::pairs::Touch;
+use crate::contact::pairs::ContactForce;
 use crate::contact::{ContactLaw, TangentialUnloading};
 use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, plus, scaled};
@@ -38,7 +38,7 @@ pub struct Contact {
     /// Ghost radius, m, of a point.
     pub(super) radius: f64,
     /// First end the body. All zero while they do not touch.
-    pub touch: Touch,
+    pub touch: ContactForce,
     /// Tangential spring (viscous laws), N.
     pub(super) spring: [f64; 3],
     /// From the body's centre to the contact point, m.
@@ -51,7 +51,7 @@ pub struct Contact {
 impl Contact {
     /// With nothing to remember.
     pub(super) fn new(block: u32, other: Other, place: u32, radius: f64) -> Contact {
-        let (touch, none) = (Touch::default(), [0.0; 3]);
+        let (touch, none) = (ContactForce::default(), [0.0; 3]);
         Contact { block, other, place, radius, touch, spring: none, arm: none, stiffness: [0.0; 2], inverse_mass: 0.0 }
     }
 
@@ -276,10 +276,10 @@ pub(super) fn spot_at(wall: &Wall, block: &Block, pose: &Pose, spot: usize) -> (
 }
 
 fn touch<L: Law>(scene: &Scene<'_>, rules: &Rules, body: &Body<'_>, c: &mut Contact) {
-    let old = Memory { touch: c.touch, spring: L::VISCOUS.then_some(c.spring), rolling: None, load: None, work: None };
+    let old = ContactHistory { touch: c.touch, spring: L::VISCOUS.then_some(c.spring), rolling: None, load: None, work: None };
     let Some(o) = across(scene, body, c) else {
         if c.touch.overlap > 0.0 {
-            (c.touch, c.spring, c.stiffness) = (Touch::default(), [0.0; 3], [0.0; 2]);
+            (c.touch, c.spring, c.stiffness) = (ContactForce::default(), [0.0; 3], [0.0; 2]);
         }
         return;
     };
@@ -290,9 +290,9 @@ fn touch<L: Law>(scene: &Scene<'_>, rules: &Rules, body: &Body<'_>, c: &mut Cont
     let mean_spin = if wall { body.spin } else { scaled(plus(body.spin, o.spin), 0.5) };
     // both surfaces' velocities at the contact point are known: arms, which the law would take along the normal, add nothing
     let turning = scaled(mean_spin, o.overlap);
-    let motion = Motion { centres: less(here, o.velocity), turning, mean_spin, spin_difference: less(body.spin, o.spin) };
+    let motion = RelativeMotion { centres: less(here, o.velocity), turning, mean_spin, spin_difference: less(body.spin, o.spin) };
     let m_eff = if L::VISCOUS { 1.0 / (body.inverse_mass(arm, o.normal) + o.inverse_mass) } else { 0.0 };
-    let meeting = Meeting { normal: o.normal, overlap: o.overlap, r_eff: o.r_eff, m_eff, motion };
+    let meeting = ContactGeometry { normal: o.normal, overlap: o.overlap, r_eff: o.r_eff, m_eff, motion };
     let new = force::touching::<f64, L, false, true>(&meeting, o.pair, rules, &old);
     let e = L::elastic(o.overlap, o.r_eff, o.pair);
     (c.touch, c.spring) = (new.touch, new.spring.unwrap_or_default());

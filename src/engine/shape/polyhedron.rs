@@ -28,7 +28,7 @@ struct Face {
     offset: f64,
 }
 
-/// A polyhedron in its own frame, and where that stands in the frame of its points: x = centre + Σ axes[k] x'_k.
+/// A polyhedron in its own frame, and where that stands in the frame of its points: x = centre + Σ axes`[k]` x'_k.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
     pub polyhedron: Polyhedron,

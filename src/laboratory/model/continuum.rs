@@ -164,7 +164,7 @@ impl Continuum {
         self.test.specimen()
     }
 
-    /// Whether it is a test of points: see [`super::Stepping::slow`].
+    /// Whether it is a test of points: see [`engine::dem::physics::Stepping::slow`].
     pub fn is_slow(&self) -> bool {
         let [points, _] = self.counts();
         points > 0 && self.specimen().is_some()

@@ -56,7 +56,7 @@ fn sizes(physics: &Physics, rig: &Rig) -> Option<Sizes> {
 }
 
 /// What is outside of that range, in words.
-pub fn doubts(physics: &Physics, rig: &Rig) -> Vec<String> {
+pub fn warnings(physics: &Physics, rig: &Rig) -> Vec<String> {
     let Some(Sizes { mean, least, ghosts: [ghost, widest], content }) = sizes(physics, rig) else { return Vec::new() };
     let mut doubts = Vec::new();
     if mean < RATIO * ghost {

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use ::table::number;
 use engine::boundary::Wall;
 use engine::boundary::WallShape;
-use engine::contact::pairs::Touch;
+use engine::contact::pairs::ContactForce;
 use engine::coupling::Mixture;
 use engine::dem::State;
 use engine::grains::{Grains, sphere_volume};
@@ -41,11 +41,11 @@ pub struct Contact {
     /// Distance of the point of contact from both centres along the normal, m.
     arms: [f64; 2],
     /// Forces on the grain.
-    pub touch: Touch,
+    pub touch: ContactForce,
 }
 
 impl Contact {
-    fn between(grains: &Grains, grain: usize, other: Other, centre: [f64; 3], radius: f64, touch: Touch) -> Contact {
+    fn between(grains: &Grains, grain: usize, other: Other, centre: [f64; 3], radius: f64, touch: ContactForce) -> Contact {
         let [x, y, z, r] = grains.pos[grain];
         let wall = matches!(other, Other::Wall(_));
         let half = if wall { touch.overlap } else { 0.5 * touch.overlap };

@@ -101,16 +101,16 @@ impl Loading {
         work: &mut Work,
         observe: impl FnOnce(&Loading, &State, &Work) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        dem::feel(&model.physics, state, work);
+        dem::compute_forces(&model.physics, state, work);
         if let Some(fines) = &mut self.fines {
-            fines.feel(&model.physics, state, work);
+            fines.compute_forces(&model.physics, state, work);
         }
         self.programme(model, rig, state, work);
         observe(self, state, work)?;
         self.servo(rig, state);
         match &mut self.fines {
-            None => dem::go(&model.physics, state, work),
-            Some(fines) => fines.go(&model.physics, state, work)?,
+            None => dem::integrate(&model.physics, state, work),
+            Some(fines) => fines.advance(&model.physics, state, work)?,
         }
         self.phase_steps += 1;
         Ok(())

@@ -443,7 +443,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         // of the last cycle
         put("grain_steps", json!(mixture.cycle.rates.grains));
         put("continuum_steps", json!(mixture.cycle.rates.continuum));
-        put("outside_of_the_method", json!(crate::model::validity::doubts(&model.physics, rig)));
+        put("outside_of_the_method", json!(crate::model::validity::warnings(&model.physics, rig)));
     }
     put("void_ratio_final", json!(r.void_ratio));
     put("largest_plastic_strain", json!(r.plastic));

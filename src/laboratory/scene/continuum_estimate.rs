@@ -86,7 +86,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
             (s.axial_strain / s.strain_per_wave * wave / dt).ceil()
         }
     };
-    let mut warnings = crate::model::validity::doubts(&model.physics, rig);
+    let mut warnings = crate::model::validity::warnings(&model.physics, rig);
     if let Some(s) = rig.specimen()
         && s.strain_per_wave > FAST
     {

@@ -3,7 +3,7 @@
 use super::layout::{CONTACT, GRAIN, NONE, PLACES, SLOTS, Side, WALLS};
 use crate::boundary::Wall;
 use crate::boundary::WallShape;
-use crate::contact::pairs::Touch;
+use crate::contact::pairs::ContactForce;
 use crate::coupling::Body;
 use crate::coupling::exchange::Contact;
 use crate::gpu::exact::{place, placed, split};
@@ -91,7 +91,7 @@ pub fn contact(words: &Kept, viscous: bool) -> Contact {
     let spring: [f64; 3] = std::array::from_fn(|a| high[a] + low[a]);
     // where nothing is viscous the spring is all of it
     let tangential = if viscous { three(2) } else { spring };
-    let touch = Touch { tangential, normal_force: number(7), normal: three(1), overlap: number(11) };
+    let touch = ContactForce { tangential, normal_force: number(7), normal: three(1), overlap: number(11) };
     Contact { ends: [0; 2], touch, spring, stiffness: number(15) }
 }
 
@@ -179,7 +179,7 @@ mod tests {
 
     fn contact_of(x: f64) -> Contact {
         let spring = [0.3 * x, -1.7 * x, 1e-7 * x];
-        let touch = Touch { tangential: spring, normal_force: 2.5 * x, normal: [0.0, 0.6, -0.8], overlap: 1e-6 * x };
+        let touch = ContactForce { tangential: spring, normal_force: 2.5 * x, normal: [0.0, 0.6, -0.8], overlap: 1e-6 * x };
         Contact { ends: [0; 2], touch, spring, stiffness: 1e5 * x }
     }
 

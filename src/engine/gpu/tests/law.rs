@@ -6,7 +6,7 @@ use crate::gpu::exact;
 use crate::gpu::law::stress_step;
 use crate::gpu::layout::{Law32, Params};
 use crate::gpu::shader::tests::LAW_TEST;
-use crate::mpm::law::{Law, Memory, Sym};
+use crate::mpm::law::{InternalVariables, Law, Sym};
 use bytemuck::{Pod, Zeroable};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -61,7 +61,7 @@ fn cases(per_law: usize) -> Vec<Case> {
             let plastic = [0.0, rng.random_range(0.0..0.03), rng.random_range(0.0..2.0)][rng.random_range(0..3)];
             let squeeze = 0.05 * rng.random_range(-1.0..0.2);
             (0..3).for_each(|i| path[i] += squeeze);
-            let (stress, memory) = law.update([0.0; 6], path, Memory { plastic });
+            let (stress, memory) = law.update([0.0; 6], path, InternalVariables { plastic });
             let size = 10f64.powf(rng.random_range(-8.0..-1.3));
             strain = strain.map(|e| size * e);
             let [a, b, c, d, e, f] = stress.map(|s| s as f32);
@@ -90,7 +90,7 @@ fn laws_in_f32_follow_f64() {
         let law = &laws[case.law as usize];
         let (change, made) = stress_step(&Law32::from(law), case.stress(), case.strain(), case.plastic);
         let before = case.stress().map(f64::from);
-        let memory = Memory { plastic: f64::from(case.plastic) };
+        let memory = InternalVariables { plastic: f64::from(case.plastic) };
         let (exact, after) = law.update(before, case.strain().map(f64::from), memory);
         let apart: Sym = std::array::from_fn(|k| before[k] + f64::from(change[k]) - exact[k]);
         let grown = after.plastic - memory.plastic;
@@ -118,7 +118,7 @@ fn small_steps_in_f32_follow_f64() {
     let law = laws().remove(9);
     let law32 = Law32::from(&law);
     let start = [-5e4, -5e4, -5e4, 0.0, 0.0, 0.0];
-    let (mut exact, mut sums, mut plastic) = ((start, Memory::default()), start.map(exact::split), [0.0_f32; 2]);
+    let (mut exact, mut sums, mut plastic) = ((start, InternalVariables::default()), start.map(exact::split), [0.0_f32; 2]);
     let strain = [3e-7_f32, 3e-7, -1e-6, 0.0, 0.0, 0.0];
     let mut worst: f64 = 0.0;
     for _ in 0..100_000 {

@@ -9,8 +9,8 @@
 //!
 //! Holds for 0 <= psi <= phi: dissipation is then not negative. Material that was pulled apart does not remember its gap.
 
-use super::surface::{Origin, Place, Strength, Surface};
-use super::{Cone, Elastic, Evolution, Memory, Sym, tensor};
+use super::surface::{Origin, Place, Surface, YieldParameters};
+use super::{Cone, Elastic, Evolution, InternalVariables, Sym, tensor};
 use serde::{Deserialize, Serialize};
 
 /// What makes a Drucker-Prager law.
@@ -34,7 +34,7 @@ pub struct Parameters {
 pub struct DruckerPrager {
     elastic: Elastic,
     /// Stress below this surface and below I1 = `floor_cut` is inside at any plastic strain.
-    floor: Strength,
+    floor: YieldParameters,
     floor_cut: f64,
     /// 9 K alpha_psi: change of I1 with the plastic multiplier
     volume_return: f64,
@@ -78,7 +78,7 @@ impl DruckerPrager {
         let mut law = DruckerPrager {
             elastic,
             // k falls as the angle rises
-            floor: Strength { alpha: cone.at(least).alpha, kappa: cone.at(most).k * least_cohesion },
+            floor: YieldParameters { alpha: cone.at(least).alpha, kappa: cone.at(most).k * least_cohesion },
             floor_cut: 0.0,
             volume_return: 9.0 * elastic.bulk * alpha_psi,
             per_multiplier: (1.0 / 3.0 + 2.0 * (alpha_psi * alpha_psi)).sqrt(),
@@ -102,7 +102,7 @@ impl DruckerPrager {
     }
 
     /// The surface at a plastic strain.
-    pub fn strength(&self, plastic: f64) -> Strength {
+    pub fn strength(&self, plastic: f64) -> YieldParameters {
         self.surface.value(plastic)
     }
 
@@ -112,7 +112,7 @@ impl DruckerPrager {
     }
 
     /// How far a stress is outside of the surface, Pa; negative inside.
-    pub fn outside(&self, stress: &Sym, memory: Memory) -> f64 {
+    pub fn outside(&self, stress: &Sym, memory: InternalVariables) -> f64 {
         let strength = self.strength(memory.plastic);
         let i1 = tensor::trace(stress);
         let cone = tensor::j2(stress).sqrt() + strength.alpha * i1 - strength.kappa;
@@ -121,7 +121,7 @@ impl DruckerPrager {
 
     /// Stress and memory after a strain increment.
     #[inline]
-    pub fn update(&self, stress: Sym, dstrain: Sym, memory: Memory) -> (Sym, Memory) {
+    pub fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
         let trial = self.elastic.update(stress, dstrain);
         let i1 = tensor::trace(&trial);
         let j2 = tensor::j2(&trial);
@@ -133,7 +133,7 @@ impl DruckerPrager {
     }
 
     #[inline(never)]
-    fn corrected(&self, trial: Sym, i1: f64, j: f64, memory: Memory) -> (Sym, Memory) {
+    fn corrected(&self, trial: Sym, i1: f64, j: f64, memory: InternalVariables) -> (Sym, InternalVariables) {
         let before = memory.plastic;
         let place = self.surface.place(before);
         let strength = place.map_or(self.surface.last(), |place| place.value());
@@ -157,7 +157,7 @@ impl DruckerPrager {
             trial[4] * share,
             trial[5] * share,
         ];
-        (stress, Memory { plastic })
+        (stress, InternalVariables { plastic })
     }
 
     /// The return to the cone by Newton's method, for an increment over which the surface hardly bends ([`Place::onward`]); `None` for a larger
@@ -168,7 +168,7 @@ impl DruckerPrager {
         let (mut multiplier, mut increment, mut enough) = (0.0, 0.0, None);
         let mut at = place;
         for _ in 0..ROUNDS {
-            let Strength { alpha, kappa } = at.value();
+            let YieldParameters { alpha, kappa } = at.value();
             let end = i1 - self.volume_return * multiplier;
             let outside = (j - self.elastic.shear * multiplier) + alpha * end - kappa;
             if outside.abs() <= *enough.get_or_insert(1e-11 * outside + 4.0 * f64::EPSILON * j) {
@@ -188,20 +188,20 @@ impl DruckerPrager {
     }
 
     #[inline]
-    fn cut_of(&self, strength: Strength) -> f64 {
+    fn cut_of(&self, strength: YieldParameters) -> f64 {
         // without friction there is no apex; of 0 / 0 `min` takes the other
         self.cut.min(strength.kappa / strength.alpha)
     }
 
     #[inline]
-    fn inside(&self, strength: Strength, i1: f64, j: f64) -> bool {
+    fn inside(&self, strength: YieldParameters, i1: f64, j: f64) -> bool {
         j + strength.alpha * i1 <= strength.kappa && i1 <= self.cut_of(strength)
     }
 
     /// Return of a trial state to a surface that stays. The cone's return is the result unless it ends beyond the cut-off.
     #[inline]
-    fn returned(&self, strength: Strength, i1: f64, j: f64) -> Returned {
-        let Strength { alpha, kappa } = strength;
+    fn returned(&self, strength: YieldParameters, i1: f64, j: f64) -> Returned {
+        let YieldParameters { alpha, kappa } = strength;
         let cut = self.cut_of(strength);
         let outside = j + alpha * i1 - kappa;
         if i1 <= cut {
@@ -221,7 +221,7 @@ impl DruckerPrager {
 
     /// J where cone and cut-off meet; without friction `cut` may be infinite.
     #[inline]
-    fn corner(&self, strength: Strength, cut: f64) -> f64 {
+    fn corner(&self, strength: YieldParameters, cut: f64) -> f64 {
         if strength.alpha > 0.0 { (strength.kappa - strength.alpha * cut).max(0.0) } else { strength.kappa }
     }
 
@@ -245,7 +245,7 @@ impl DruckerPrager {
         for round in 0..MOST {
             let place = self.surface.place(at);
             let (strength, slope) =
-                place.map_or((self.surface.last(), Strength::default()), |place| (place.value(), place.slope()));
+                place.map_or((self.surface.last(), YieldParameters::default()), |place| (place.value(), place.slope()));
             let end = self.returned(strength, i1, j);
             let increment = self.increment(i1, j, end);
             let rest = at - before - increment;
@@ -275,7 +275,7 @@ impl DruckerPrager {
     }
 
     /// The state at which the plastic strain has grown by `increment`, if it lies within the surface; else the return to it.
-    fn at_jump(&self, i1: f64, j: f64, increment: f64, strength: Strength) -> Returned {
+    fn at_jump(&self, i1: f64, j: f64, increment: f64, strength: YieldParameters) -> Returned {
         let multiplier = increment / self.per_multiplier;
         let end = Returned { i1: i1 - self.volume_return * multiplier, j: j - self.elastic.shear * multiplier, on_cone: true };
         if end.j >= 0.0 && self.inside(strength, end.i1, end.j) { end } else { self.returned(strength, i1, j) }

@@ -18,7 +18,7 @@ pub use cone::Cone;
 pub use drucker_prager::{DruckerPrager, Parameters};
 pub use elastic::Elastic;
 pub use evolution::Evolution;
-pub use surface::Strength;
+pub use surface::YieldParameters;
 
 /// Symmetric tensor, components xx, yy, zz, xy, yz, zx (tensor components: half the engineering shear strain). Tension is
 /// positive.
@@ -26,7 +26,7 @@ pub type Sym = [f64; 6];
 
 /// What a law remembers of a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Memory {
+pub struct InternalVariables {
     /// Accumulated plastic strain, the integral of sqrt(2/3 de_p:de_p) with all of the plastic strain de_p, -
     pub plastic: f64,
 }
@@ -43,7 +43,7 @@ impl Law {
     /// Stress, Pa, and memory after the strain increment `dstrain`. `stress` has been rotated with the material already
     /// ([`crate::mpm::rotate_jaumann`]).
     #[inline]
-    pub fn update(&self, stress: Sym, dstrain: Sym, memory: Memory) -> (Sym, Memory) {
+    pub fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
         match self {
             Law::Elastic(law) => (law.update(stress, dstrain), memory),
             Law::DruckerPrager(law) => law.update(stress, dstrain, memory),

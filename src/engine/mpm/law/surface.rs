@@ -8,13 +8,13 @@ const NARROW: f64 = 1e-9;
 
 /// The surface at one plastic strain: J + alpha I1 = kappa.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Strength {
+pub struct YieldParameters {
     pub alpha: f64,
     /// k c, Pa
     pub kappa: f64,
 }
 
-impl Strength {
+impl YieldParameters {
     /// Deviatoric stress q at failure in triaxial compression at the cell pressure, Pa (compression positive).
     pub fn q_compression(&self, cell: f64) -> f64 {
         let root = 3f64.sqrt();
@@ -36,9 +36,9 @@ impl Strength {
 /// The value at a plastic strain, its slope and its curvature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Changing {
-    value: Strength,
-    slope: Strength,
-    curvature: Strength,
+    value: YieldParameters,
+    slope: YieldParameters,
+    curvature: YieldParameters,
 }
 
 /// What makes a surface: the cone, the friction angle, rad, and the cohesion, Pa.
@@ -57,9 +57,9 @@ impl Origin {
         let cone = self.cone.at(angle);
         let (dk, d2k) = (cone.dk * dangle, cone.d2k * (dangle * dangle) + cone.dk * d2angle);
         Changing {
-            value: Strength { alpha: cone.alpha, kappa: cone.k * c },
-            slope: Strength { alpha: cone.dalpha * dangle, kappa: dk * c + cone.k * dc },
-            curvature: Strength {
+            value: YieldParameters { alpha: cone.alpha, kappa: cone.k * c },
+            slope: YieldParameters { alpha: cone.dalpha * dangle, kappa: dk * c + cone.k * dc },
+            curvature: YieldParameters {
                 alpha: cone.d2alpha * (dangle * dangle) + cone.dalpha * d2angle,
                 kappa: d2k * c + 2.0 * (dk * dc) + cone.k * d2c,
             },
@@ -73,7 +73,7 @@ pub struct Surface {
     /// Where it goes on without a jump, one after the other. Where it jumps at the very start, the first is the start alone.
     pieces: Vec<Piece>,
     /// From `settled` on.
-    last: Strength,
+    last: YieldParameters,
     settled: f64,
 }
 
@@ -90,7 +90,7 @@ struct Piece {
 
 /// Coefficients of the polynomials in the place within the cell, 0 to 1, from the constant term on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Cell([Strength; 6]);
+struct Cell([YieldParameters; 6]);
 
 /// A plastic strain at which the surface is asked for.
 #[derive(Clone, Copy)]
@@ -118,7 +118,7 @@ impl Surface {
             start = end;
         }
         let of_last = cone.at(friction.last());
-        let last = Strength { alpha: of_last.alpha, kappa: of_last.k * cohesion.last() };
+        let last = YieldParameters { alpha: of_last.alpha, kappa: of_last.k * cohesion.last() };
         let initial = origin.at(0.0);
         if initial.value != pieces.first().map_or(last, |first| first.at(0.0).value()) {
             pieces.insert(0, Piece::of_start(initial));
@@ -134,7 +134,7 @@ impl Surface {
 
     /// The surface that stays.
     #[inline]
-    pub fn last(&self) -> Strength {
+    pub fn last(&self) -> YieldParameters {
         self.last
     }
 
@@ -149,7 +149,7 @@ impl Surface {
 
     /// The surface at a plastic strain.
     #[inline]
-    pub fn value(&self, plastic: f64) -> Strength {
+    pub fn value(&self, plastic: f64) -> YieldParameters {
         self.place(plastic).map_or(self.last, |place| place.value())
     }
 }
@@ -180,14 +180,14 @@ impl Piece {
 
     /// The start alone.
     fn of_start(initial: Changing) -> Piece {
-        let none = Strength::default();
+        let none = YieldParameters::default();
         let cell = Cell([initial.value, initial.slope, none, none, none, none]);
         Piece { start: 0.0, end: 0.0, width: 0.0, per_width: 1.0, cells: vec![cell] }
     }
 
     /// Largest error within the cells over the largest value.
     fn error(&self, origin: &Origin) -> f64 {
-        let (mut error, mut most) = (Strength::default(), Strength::default());
+        let (mut error, mut most) = (YieldParameters::default(), YieldParameters::default());
         for k in 0..self.cells.len() {
             for part in [0.25, 0.5, 0.75] {
                 let plastic = self.start + (k as f64 + part) * self.width;
@@ -212,7 +212,7 @@ impl Piece {
 impl Cell {
     /// Values, slopes and curvatures at both ends are met (Hermite).
     fn between(a: &Changing, b: &Changing, width: f64) -> Cell {
-        let of = |of: fn(&Strength) -> f64| {
+        let of = |of: fn(&YieldParameters) -> f64| {
             let (value, slope, curvature) = (of(&a.value), width * of(&a.slope), width * (width * of(&a.curvature)));
             // what the Taylor polynomial of the start leaves at the end
             let value_left = of(&b.value) - value - slope - 0.5 * curvature;
@@ -226,7 +226,7 @@ impl Cell {
             if terms.iter().all(|c| c.is_finite()) { terms } else { [value, of(&b.value) - value, 0.0, 0.0, 0.0, 0.0] }
         };
         let (alpha, kappa) = (of(|s| s.alpha), of(|s| s.kappa));
-        Cell(std::array::from_fn(|k| Strength { alpha: alpha[k], kappa: kappa[k] }))
+        Cell(std::array::from_fn(|k| YieldParameters { alpha: alpha[k], kappa: kappa[k] }))
     }
 }
 
@@ -240,24 +240,27 @@ impl Place<'_> {
     }
 
     #[inline]
-    pub fn value(&self) -> Strength {
+    pub fn value(&self) -> YieldParameters {
         let Cell([a, b, c, d, e, f]) = self.cell;
         let x = self.x;
         let of = |a: f64, b: f64, c: f64, d: f64, e: f64, f: f64| a + x * (b + x * (c + x * (d + x * (e + x * f))));
-        Strength {
+        YieldParameters {
             alpha: of(a.alpha, b.alpha, c.alpha, d.alpha, e.alpha, f.alpha),
             kappa: of(a.kappa, b.kappa, c.kappa, d.kappa, e.kappa, f.kappa),
         }
     }
 
     #[inline]
-    pub fn slope(&self) -> Strength {
+    pub fn slope(&self) -> YieldParameters {
         let Cell([_, b, c, d, e, f]) = self.cell;
         let (x, per_width) = (self.x, self.piece.per_width);
         let of = |b: f64, c: f64, d: f64, e: f64, f: f64| {
             per_width * (b + x * (2.0 * c + x * (3.0 * d + x * (4.0 * e + x * (5.0 * f)))))
         };
-        Strength { alpha: of(b.alpha, c.alpha, d.alpha, e.alpha, f.alpha), kappa: of(b.kappa, c.kappa, d.kappa, e.kappa, f.kappa) }
+        YieldParameters {
+            alpha: of(b.alpha, c.alpha, d.alpha, e.alpha, f.alpha),
+            kappa: of(b.kappa, c.kappa, d.kappa, e.kappa, f.kappa),
+        }
     }
 }
 
@@ -279,7 +282,7 @@ mod tests {
         out
     }
 
-    fn close(a: Strength, b: Strength, within: f64) -> bool {
+    fn close(a: YieldParameters, b: YieldParameters, within: f64) -> bool {
         (a.alpha - b.alpha).abs() <= within * b.alpha.abs() && (a.kappa - b.kappa).abs() <= within * b.kappa.abs()
     }
 

@@ -1,7 +1,7 @@
 //! Properties of the laws over random states, increments and paths, from a fixed seed.
 
 use super::tensor::{contract, deviator, equivalent, j2, trace};
-use super::{Cone, DruckerPrager, Elastic, Evolution, Law, Memory, Parameters, Sym, evolution::tests::LI};
+use super::{Cone, DruckerPrager, Elastic, Evolution, InternalVariables, Law, Parameters, Sym, evolution::tests::LI};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -67,15 +67,15 @@ fn symmetric(rng: &mut ChaCha8Rng, size: f64) -> Sym {
 }
 
 /// A state that the law itself can reach: any strain from nothing, at any plastic strain.
-fn admissible(law: &DruckerPrager, rng: &mut ChaCha8Rng) -> (Sym, Memory) {
+fn admissible(law: &DruckerPrager, rng: &mut ChaCha8Rng) -> (Sym, InternalVariables) {
     let plastic = [0.0, rng.random_range(0.0..0.03), rng.random_range(0.0..2.0)][rng.random_range(0..3)];
     let mut strain = symmetric(rng, 0.02);
     let squeeze = 0.05 * rng.random_range(-1.0..0.2);
     (0..3).for_each(|i| strain[i] += squeeze);
-    law.update([0.0; 6], strain, Memory { plastic })
+    law.update([0.0; 6], strain, InternalVariables { plastic })
 }
 
-fn random(law: &DruckerPrager, rng: &mut ChaCha8Rng) -> (Sym, Memory, Sym) {
+fn random(law: &DruckerPrager, rng: &mut ChaCha8Rng) -> (Sym, InternalVariables, Sym) {
     let (stress, memory) = admissible(law, rng);
     let size = 10f64.powf(rng.random_range(-8.0..-1.3));
     (stress, memory, symmetric(rng, size))
@@ -172,7 +172,7 @@ fn turning_the_input_turns_the_output() {
 fn a_reflection_turns_nothing_else() {
     let mirror = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let (stress, dstrain) = ([-5e4, -4e4, -6e4, 3e3, 1e3, -2e3], [1e-3, 0.0, -3e-3, 1e-3, 2e-3, -1e-3]);
-    let memory = Memory { plastic: 0.01 };
+    let memory = InternalVariables { plastic: 0.01 };
     let (a, _) = li().update(turned(&stress, &mirror), turned(&dstrain, &mirror), memory);
     assert_eq!(a, turned(&li().update(stress, dstrain, memory).0, &mirror));
 }
@@ -206,7 +206,7 @@ fn distance(law: &DruckerPrager, steps: usize, seed: u64) -> f64 {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut worst: f64 = 0.0;
     for _ in 0..6 {
-        let start = ([-1e5, -1e5, -1e5, 0.0, 0.0, 0.0], Memory { plastic: 0.001 });
+        let start = ([-1e5, -1e5, -1e5, 0.0, 0.0, 0.0], InternalVariables { plastic: 0.001 });
         let (mut coarse, mut fine) = (start, (start.0, start.1.plastic));
         for _ in 0..3 {
             let mut leg = deviator(&symmetric(&mut rng, 0.02));
@@ -244,11 +244,11 @@ fn eq_43_of_li_follows_a_fine_integration_past_its_jump() {
 fn the_jump_at_the_peak_is_crossed_without_a_gap() {
     // ever larger increments from just before the peak: stress and plastic strain follow without a jump of their own
     let law = li();
-    let start = Memory { plastic: 0.0219 };
+    let start = InternalVariables { plastic: 0.0219 };
     let strength = law.strength(start.plastic);
     let q = strength.q_compression(5e4);
     let stress = [-5e4, -5e4, -5e4 - q, 0.0, 0.0, 0.0];
-    let mut last: Option<(Sym, Memory)> = None;
+    let mut last: Option<(Sym, InternalVariables)> = None;
     let mut crossed = 0;
     for i in 0..4000 {
         let e = 1e-7 * f64::from(i);
@@ -272,7 +272,7 @@ fn apex_and_cut_off_are_met() {
     for cone in [Cone::Outer, Cone::Inner, Cone::PlaneStrain] {
         let law = law(cone, degrees(30.0), c(1e4), 10.0, NONE, 0.3);
         let apex = 1e4 / (30.0 * DEGREE).tan();
-        let (stress, memory) = law.update([0.0; 6], [0.02, 0.02, 0.021, 1e-4, 0.0, 0.0], Memory::default());
+        let (stress, memory) = law.update([0.0; 6], [0.02, 0.02, 0.021, 1e-4, 0.0, 0.0], InternalVariables::default());
         for i in 0..6 {
             let expected = if i < 3 { apex } else { 0.0 };
             assert!((stress[i] - expected).abs() < 1e-9 * apex, "{cone:?}: {stress:?} for {apex}");
@@ -282,9 +282,9 @@ fn apex_and_cut_off_are_met() {
     // a cut-off before the apex: the deviator of a small shear stays as it is, that of a large one is held by the cone
     let law = law(Cone::Outer, degrees(30.0), c(1e4), 10.0, 5e3, 0.3);
     let (g, strength) = (law.elastic().shear, law.strength(0.0));
-    let (stress, _) = law.update([0.0; 6], [0.02, 0.02, 0.02, 1e-4, 0.0, 0.0], Memory::default());
+    let (stress, _) = law.update([0.0; 6], [0.02, 0.02, 0.02, 1e-4, 0.0, 0.0], InternalVariables::default());
     assert!((trace(&stress) - 1.5e4).abs() < 1e-9 && (stress[3] - 2.0 * g * 1e-4).abs() < 1e-9);
-    let (stress, _) = law.update([0.0; 6], [0.02, 0.02, 0.02, 1e-2, 0.0, 0.0], Memory::default());
+    let (stress, _) = law.update([0.0; 6], [0.02, 0.02, 0.02, 1e-2, 0.0, 0.0], InternalVariables::default());
     assert!((trace(&stress) - 1.5e4).abs() < 1e-9);
     assert!((stress[3] - (strength.kappa - strength.alpha * 1.5e4)).abs() < 1e-9);
 }
@@ -292,14 +292,14 @@ fn apex_and_cut_off_are_met() {
 #[test]
 fn cohesionless_material_pulled_apart_has_no_stress() {
     for law in [li(), law(Cone::Inner, degrees(35.0), Evolution::Constant(0.0), 0.0, NONE, 0.3)] {
-        let mut state = ([-5e4, -5e4, -5e4, 0.0, 0.0, 0.0], Memory::default());
+        let mut state = ([-5e4, -5e4, -5e4, 0.0, 0.0, 0.0], InternalVariables::default());
         for step in 0..200 {
             state = law.update(state.0, [1e-3, 1e-3, 1e-3, 2e-4, -1e-4, 0.0], state.1);
             assert!(state.0.iter().all(|x| x.is_finite()), "step {step}: {state:?}");
         }
         assert!(size(&state.0) < 1e-6, "{state:?}");
-        let still = law.update([0.0; 6], [0.0; 6], Memory::default());
-        assert_eq!(still, ([0.0; 6], Memory::default()));
+        let still = law.update([0.0; 6], [0.0; 6], InternalVariables::default());
+        assert_eq!(still, ([0.0; 6], InternalVariables::default()));
         // and it carries again when it is pressed
         let (stress, _) = law.update(state.0, [-1e-3, -1e-3, -1e-3, 0.0, 0.0, 0.0], state.1);
         assert!((trace(&stress) + 9e-3 * law.elastic().bulk).abs() < 1e-6 * law.elastic().bulk);
@@ -312,7 +312,7 @@ fn without_friction_it_is_von_mises() {
     let kappa = law.strength(0.0).kappa;
     for pressure in [-1e6, 0.0, 1e5, 1e7] {
         let stress = [-pressure, -pressure, -pressure, 0.0, 0.0, 0.0];
-        let (after, _) = law.update(stress, [0.0, 0.0, 0.0, 0.0, 0.05, 0.0], Memory::default());
+        let (after, _) = law.update(stress, [0.0, 0.0, 0.0, 0.0, 0.05, 0.0], InternalVariables::default());
         assert!((after[4] - kappa).abs() < 1e-9 * kappa && (trace(&after) + 3.0 * pressure).abs() < 1e-6);
     }
 }
@@ -325,8 +325,8 @@ fn the_settled_law_is_that_of_the_residual_state() {
     assert!((before.alpha - after.alpha).abs() < 1e-15 && before.kappa == after.kappa);
     let stress = [-5e4, -5e4, -5e4, 0.0, 0.0, 0.0];
     let dstrain = [0.01, 0.01, -0.03, 0.0, 0.0, 0.0];
-    let (a, _) = law.update(stress, dstrain, Memory { plastic: 0.9 * settled });
-    let (b, _) = law.update(stress, dstrain, Memory { plastic: 2.0 * settled });
+    let (a, _) = law.update(stress, dstrain, InternalVariables { plastic: 0.9 * settled });
+    let (b, _) = law.update(stress, dstrain, InternalVariables { plastic: 2.0 * settled });
     assert!((0..6).all(|i| (a[i] - b[i]).abs() < 1e-4), "{a:?} {b:?}");
 }
 

@@ -22,7 +22,7 @@ impl Device {
     pub fn new(state: &mut State, model: &Model, rig: &Rig, saved: Option<&Saved>) -> Result<Device> {
         let mut coupled = state.mixture.as_deref_mut().map(|mixture| Coupled::new(model, rig, mixture));
         if saved.is_none() {
-            feel(state, &mut coupled, model, rig)?;
+            compute_forces(state, &mut coupled, model, rig)?;
         }
         let coarse = coarse(state, coupled.as_ref(), model);
         let gpu = gpu::Continuum::begin(&state.continuum, &state.platens, &state.drift, coarse.as_ref(), saved)?;
@@ -148,10 +148,10 @@ impl Device {
                 state.platens.iter_mut().for_each(Platen::withdraw);
                 state.press()?;
                 self.gpu.give(&mut state.continuum)?;
-                coupled.go_on(state, model, rig, cycle, done)?;
+                coupled.finish_cycle(state, model, rig, cycle, done)?;
             }
         }
-        feel(state, &mut self.coupled, model, rig)?;
+        compute_forces(state, &mut self.coupled, model, rig)?;
         let coarse = coarse(state, self.coupled.as_ref(), model);
         Ok(self.gpu.again(&state.continuum, &state.platens, &state.drift, coarse.as_ref(), None)?)
     }
@@ -161,10 +161,10 @@ impl Device {
 const MOST: u32 = 64;
 
 /// As after a step on the device: platens and grains have felt, and the instant counts.
-fn feel(state: &mut State, coupled: &mut Option<Coupled>, model: &Model, rig: &Rig) -> Result<()> {
+fn compute_forces(state: &mut State, coupled: &mut Option<Coupled>, model: &Model, rig: &Rig) -> Result<()> {
     state.press()?;
     if let Some(coupled) = coupled {
-        coupled.feel(state, model)?;
+        coupled.compute_forces(state, model)?;
     }
     state.continuum.drop_forces();
     state.collect(rig);

@@ -31,7 +31,7 @@ impl Engine {
     }
 
     /// The state at the instant at which its platens' forces are known.
-    pub(super) fn feel(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
+    pub(super) fn compute_forces(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
         match self {
             Engine::Cpu => {
                 state.press()?;
@@ -39,7 +39,7 @@ impl Engine {
             }
             Engine::Mixture(coupled) => {
                 state.press()?;
-                coupled.feel(state, model)?;
+                coupled.compute_forces(state, model)?;
                 state.collect(rig);
             }
             // it has felt and collected at the end of each step

@@ -91,10 +91,10 @@ impl Coupled {
     ///
     /// # Errors
     /// Rigid bodies that come within reach of each other.
-    pub(super) fn feel(&mut self, state: &mut State, model: &Model) -> Result<()> {
+    pub(super) fn compute_forces(&mut self, state: &mut State, model: &Model) -> Result<()> {
         let State { continuum, mixture, platens, .. } = state;
         let Some(mixture) = mixture else { return Ok(()) };
-        mixture.feel(&mut Parts {
+        mixture.compute_forces(&mut Parts {
             physics: &model.physics,
             table: &self.table,
             work: &mut self.work,
@@ -117,8 +117,10 @@ impl Coupled {
             wall.speed = platen.speed;
         }
         let (cycle, step) = (mixture.cycle, continuum.steps());
-        let done =
-            mixture.go(&mut Parts { physics: &model.physics, table: &self.table, work: &mut self.work, continuum, platens }, cycle);
+        let done = mixture.make_cycle(
+            &mut Parts { physics: &model.physics, table: &self.table, work: &mut self.work, continuum, platens },
+            cycle,
+        );
         state.take_breakages(rig, step);
         done?;
         state.time += cycle.time;
@@ -128,13 +130,15 @@ impl Coupled {
 
     /// The rest of a cycle that a device has begun.
     #[cfg(feature = "gpu")]
-    pub(super) fn go_on(&mut self, state: &mut State, model: &Model, rig: &Rig, cycle: Cycle, done: u32) -> Result<()> {
+    pub(super) fn finish_cycle(&mut self, state: &mut State, model: &Model, rig: &Rig, cycle: Cycle, done: u32) -> Result<()> {
         let State { continuum, mixture, platens, .. } = state;
         let Some(mixture) = mixture else { return Ok(()) };
         mixture.cycle = cycle;
         let step = continuum.steps();
-        let done = mixture
-            .go_on(&mut Parts { physics: &model.physics, table: &self.table, work: &mut self.work, continuum, platens }, done);
+        let done = mixture.finish_cycle(
+            &mut Parts { physics: &model.physics, table: &self.table, work: &mut self.work, continuum, platens },
+            done,
+        );
         state.take_breakages(rig, step);
         done?;
         state.time += cycle.time;

@@ -133,7 +133,7 @@ impl State {
         let mut state = State::start(model, rig)?;
         let mut engine = Engine::of_grains(&mut state, model, rig);
         state.advance(model, rig, &mut engine, |_, _| Ok(0.0))?;
-        engine.feel(&mut state, model, rig)?;
+        engine.compute_forces(&mut state, model, rig)?;
         state.find_step(model, rig, &engine)?;
         Ok(state.dt)
     }
@@ -150,7 +150,7 @@ impl State {
         engine: &mut Engine,
         observe: impl FnOnce(&mut State, &Engine) -> Result<f64>,
     ) -> Result<()> {
-        engine.feel(self, model, rig)?;
+        engine.compute_forces(self, model, rig)?;
         self.find_step(model, rig, engine)?;
         self.programme(rig)?;
         let next = observe(self, engine)?;
