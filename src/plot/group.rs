@@ -167,7 +167,7 @@ pub fn band(curves: &[&[Point]], log_x: bool) -> Option<Band> {
 pub(super) fn edges(mut values: Vec<f64>) -> [f64; 3] {
     values.sort_by(f64::total_cmp);
     let spread = if values.len() < MANY { 0.0 } else { 0.1 };
-    [spread, 0.5, 1.0 - spread].map(|q| quantile(&values, q))
+    [spread, 0.5, 1.0 - spread].map(|q| ::table::quantile(&values, q))
 }
 
 /// Points in rising order of x (its logarithm if asked), one for each x.
@@ -186,17 +186,6 @@ pub fn interpolate(points: &[Point], x: f64) -> f64 {
         (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (x - a.0) / (b.0 - a.0),
         (Some(p), None) | (None, Some(p)) => p.1,
         (None, None) => f64::NAN,
-    }
-}
-
-/// Quantile of sorted values with linear interpolation.
-pub fn quantile(sorted: &[f64], q: f64) -> f64 {
-    let at = q * sorted.len().saturating_sub(1) as f64;
-    let i = at as usize;
-    match (sorted.get(i), sorted.get(i + 1)) {
-        (Some(a), Some(b)) => a + (b - a) * (at - i as f64),
-        (Some(a), None) => *a,
-        _ => f64::NAN,
     }
 }
 
@@ -276,13 +265,11 @@ mod tests {
     }
 
     #[test]
-    fn interpolation_and_quantiles() {
+    fn a_curve_is_read_between_its_points() {
         let p = [(0.0, 0.0), (1.0, 10.0)];
         assert_eq!(interpolate(&p, 0.25), 2.5);
         assert_eq!(interpolate(&p, 7.0), 10.0);
         assert!(interpolate(&[], 1.0).is_nan());
-        assert_eq!(quantile(&[1.0, 2.0, 3.0, 4.0], 0.5), 2.5);
-        assert_eq!(quantile(&[1.0], 0.9), 1.0);
     }
 
     #[test]

@@ -5,10 +5,10 @@ use super::Input;
 use super::axis::{Axis, count, significant};
 use super::colour::{self, Colour, GREY, INK};
 use super::error::Result;
-use super::group::quantile;
 use super::plot::{Mark, Plot, Series, Shape};
 use super::run::{Run, read_summary};
 use super::table::Table;
+use ::table::quantile;
 use serde_json::Value;
 
 /// Forces that differ by more than this stand on logarithmic axes.

@@ -1,4 +1,4 @@
-//! Tables of numbers as CSV files: how numbers are written, tables that grow row by row, names that columns had before.
+//! Tables of numbers as CSV files: how numbers are written, tables that grow row by row, names that columns had before, quantiles of a column.
 
 pub mod old_names;
 
@@ -82,6 +82,24 @@ pub fn number(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
 }
 
+/// Quantile `q`, 0 to 1, of values in ascending order, linear between two of them; not a number where there are none.
+pub fn quantile(sorted: &[f64], q: f64) -> f64 {
+    let at = q * sorted.len().saturating_sub(1) as f64;
+    let i = at as usize;
+    match (sorted.get(i), sorted.get(i + 1)) {
+        (Some(a), Some(b)) => a + (b - a) * (at - i as f64),
+        (Some(a), None) => *a,
+        _ => f64::NAN,
+    }
+}
+
+/// Median of values in any order; not a number where there are none.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    quantile(&sorted, 0.5)
+}
+
 /// A row: columns with their values, in order.
 pub type Row = Vec<(&'static str, Value)>;
 
@@ -153,6 +171,14 @@ mod tests {
         assert_eq!(number(-1234567.891234), "-1234567.89");
         assert_eq!(number(1e-7), "1.00000000e-7");
         assert_eq!(number(f64::NAN), "");
+    }
+
+    #[test]
+    fn quantiles_are_linear_between_two_values() {
+        let sorted = [1.0, 2.0, 4.0, 8.0];
+        assert_eq!([0.0, 0.5, 1.0].map(|q| quantile(&sorted, q)), [1.0, 3.0, 8.0]);
+        assert_eq!(median(&[8.0, 1.0, 4.0]), 4.0);
+        assert!(quantile(&[], 0.5).is_nan() && quantile(&[7.0], 0.9) == 7.0);
     }
 
     #[test]

@@ -3,11 +3,12 @@
 use super::emulator::Emulator;
 use super::left_out::LeftOut;
 use super::parameter::Parameter;
-use super::posterior::{Chain, Measured, Misfit, quantile};
+use super::posterior::{Chain, Measured, Misfit};
 use super::sensitivity::Share;
 use nalgebra::DVector;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
+use table::quantile;
 
 /// Draws that bands are made from.
 const BAND: usize = 1000;

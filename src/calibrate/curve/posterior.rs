@@ -154,18 +154,7 @@ impl Chain {
     pub fn quantiles<const N: usize>(&self, k: usize, q: [f64; N]) -> [f64; N] {
         let mut values: Vec<f64> = self.u.iter().map(|u| u[k]).collect();
         values.sort_by(f64::total_cmp);
-        q.map(|q| quantile(&values, q))
-    }
-}
-
-/// Quantile of sorted values.
-pub fn quantile(sorted: &[f64], q: f64) -> f64 {
-    let at = q * sorted.len().saturating_sub(1) as f64;
-    let i = at as usize;
-    match (sorted.get(i), sorted.get(i + 1)) {
-        (Some(a), Some(b)) => a + (b - a) * (at - i as f64),
-        (Some(a), None) => *a,
-        _ => f64::NAN,
+        q.map(|q| table::quantile(&values, q))
     }
 }
 

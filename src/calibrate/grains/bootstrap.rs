@@ -29,18 +29,7 @@ pub fn limits(sample: &Sample, spread: Spread, at: &Params, groups: &[usize], re
         let mut values: Vec<f64> = fits.iter().map(|p| which.of(p, sample)).collect();
         values.sort_by(f64::total_cmp);
         let open = |v: f64| which == Which::Shape && (v < low + 0.02 || v > high - 0.02);
-        let limit = |share: f64| Some(quantile(&values, share)).filter(|v| v.is_finite() && !open(*v));
+        let limit = |share: f64| Some(table::quantile(&values, share)).filter(|v| v.is_finite() && !open(*v));
         (limit(0.025), limit(0.975))
     })
-}
-
-/// Quantile of sorted values, linear between them.
-pub fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else {
-        return f64::NAN;
-    };
-    let at = share * last as f64;
-    let i = (at as usize).min(last.saturating_sub(1));
-    let next = sorted[(i + 1).min(last)];
-    sorted[i] + (at - i as f64) * (next - sorted[i])
 }

@@ -1,12 +1,13 @@
 //! The cost of breakages: one grain a step is broken into 14, with neighbours, history and ledger.
 
-use super::{breakable, speed::median};
+use super::breakable;
 use ::laboratory::error::Result;
 use ::laboratory::model::Model;
 use engine::dem;
 use engine::dem::{State, Work};
 use std::convert::Infallible;
 use std::time::Instant;
+use table::median;
 
 /// What a series of breakages cost.
 #[derive(Clone, Debug)]

@@ -1,11 +1,11 @@
 //! The speed of a mixture: steps of its continuum with all that belongs to them.
 
 use super::pool;
-use super::speed::median;
 use ::laboratory::error::{Error, Result};
 use ::laboratory::model::{Model, Rig};
 use ::laboratory::rig::continuum::{Engine, State};
 use std::time::Instant;
+use table::median;
 
 /// What was measured.
 #[derive(Clone, Debug)]

@@ -1,11 +1,12 @@
 //! The material point method's speed: a cube of points, eight per cell, elastic, sheared and at rest on smooth walls.
 
-use super::speed::{cpu_seconds, median};
+use super::speed::cpu_seconds;
 use super::{load_average, pool};
 use ::laboratory::error::Result;
 use engine::mpm::law::{Elastic, Law};
 use engine::mpm::{Continuum, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
 use std::time::Instant;
+use table::median;
 
 /// Cell, m; density, kg/m³; Young's modulus, Pa, and Poisson's ratio; time step over the bound.
 const CELL: f64 = 0.1;

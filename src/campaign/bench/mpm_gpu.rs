@@ -1,11 +1,11 @@
 //! The same case on the graphics device.
 
 use super::mpm::mpm_case;
-use super::speed::median;
 use ::laboratory::error::Result;
 use engine::gpu;
 use engine::mpm::Transfer;
 use std::time::Instant;
+use table::median;
 
 /// What was measured on the graphics device.
 #[derive(Clone, Debug)]

@@ -10,6 +10,7 @@ use engine::dem::observables::{love_weber, sums};
 use engine::dem::{State, Work};
 use std::convert::Infallible;
 use std::time::Instant;
+use table::median;
 
 /// How long to measure.
 #[derive(Clone, Copy, Debug)]
@@ -69,18 +70,6 @@ impl Speed {
     pub fn shares(&self) -> [f64; 4] {
         let all: f64 = self.stages.iter().sum();
         self.stages.map(|s| if all > 0.0 { s / all } else { 0.0 })
-    }
-}
-
-/// Middle value (mean of the two middle ones); 0 of nothing.
-pub(super) fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let n = sorted.len();
-    match n {
-        0 => 0.0,
-        _ if n % 2 == 1 => sorted[n / 2],
-        _ => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
     }
 }
 
@@ -211,16 +200,4 @@ pub(super) fn cpu_seconds() -> Option<f64> {
 pub fn load_average() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/loadavg").ok()?;
     text.split_whitespace().next()?.parse().ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::median;
-
-    #[test]
-    fn the_median_is_in_the_middle() {
-        assert_eq!(median(&[3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), 2.5);
-        assert_eq!(median(&[]), 0.0);
-    }
 }

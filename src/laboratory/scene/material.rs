@@ -152,21 +152,13 @@ fn fill(material: &mut Table) {
     if let Some(Value::Table(table)) = material.get_mut("comminution")
         && !table.contains_key("d50_mm")
     {
-        table.insert("d50_mm".into(), Value::Float(median(&points)));
+        table.insert("d50_mm".into(), Value::Float(super::estimate::median(&points)));
     }
 }
 
 fn pairs(value: &Value) -> Vec<(f64, f64)> {
     let list = value.as_array().into_iter().flatten();
     list.filter_map(|pair| Some((pair.get(0)?.as_float()?, pair.get(1)?.as_float()?))).collect()
-}
-
-/// Diameter below which half of the mass is.
-fn median(points: &[(f64, f64)]) -> f64 {
-    points.windows(2).find(|w| w[1].1 >= 0.5).map_or(f64::NAN, |w| {
-        let share = (0.5 - w[0].1) / (w[1].1 - w[0].1);
-        w[0].0 + share * (w[1].0 - w[0].0)
-    })
 }
 
 fn not_a_gradation(points: &[(f64, f64)]) -> Option<String> {
@@ -210,7 +202,7 @@ mod tests {
 
     #[test]
     fn the_median_of_a_uniform_gradation_is_its_middle() {
-        assert_eq!(median(&[(5.0, 0.0), (10.0, 1.0)]), 7.5);
-        assert_eq!(median(&[(1.0, 0.0), (2.0, 0.5), (4.0, 1.0)]), 2.0);
+        assert_eq!(crate::scene::estimate::median(&[(5.0, 0.0), (10.0, 1.0)]), 7.5);
+        assert_eq!(crate::scene::estimate::median(&[(1.0, 0.0), (2.0, 0.5), (4.0, 1.0)]), 2.0);
     }
 }
