@@ -72,7 +72,7 @@ fn fines_of_an_oedometer_bear_their_share() {
         assert!((entered + reserve - lost).abs() <= 1e-8 * lost, "{entered} + {reserve} of {lost} kg");
         assert!((0.0..=*sigma).contains(borne), "{borne} of {sigma} kPa");
         // between two half steps the kinetic energy of a burst is known to one per cent
-        assert!(error.abs() < 3e-7 + 0.01 * kinetic / by_walls, "the ledger is open by {error}");
+        assert!(error.abs() < (3e-7 + 0.01 * kinetic / by_walls).min(3e-5), "the ledger is open by {error}");
         assert!(*points > 0.0 || (*borne == 0.0 && *work == 0.0), "nothing where nothing has broken");
         assert!(work + released >= -1e-9, "points give back no more than they were given: {work} and {released} J");
         bearing += usize::from(*borne > 0.01 * sigma);

@@ -1,6 +1,6 @@
 //! Columns of a CSV file by name, with errors that say file, line and column.
 
-use ::laboratory::error::{Error, Result};
+use laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
 pub struct Columns {
@@ -24,7 +24,7 @@ impl Columns {
             csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
         let mut headers: Vec<String> =
             reader.headers().map_err(|e| wrong(String::new(), e.to_string()))?.iter().map(str::to_string).collect();
-        ::table::old_names::renew(&mut headers);
+        table::old_names::renew(&mut headers);
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|e| wrong(String::new(), e.to_string()))?;

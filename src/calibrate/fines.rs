@@ -8,11 +8,11 @@
 //! - ψ: from the slope of the plastic volumetric strain against the plastic axial one between the yield and twice the strain of the peak.
 
 use super::columns::Columns;
-use ::laboratory::error::{Error, Result};
-use ::table::number;
+use laboratory::error::{Error, Result};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use table::number;
 
 pub const FILE: &str = "material.toml";
 pub const REPORT: &str = "calibration.json";

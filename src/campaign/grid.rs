@@ -1,6 +1,6 @@
 //! Tables of parameters: full factorials of `key=a,b,c` and files with a column for each key.
 
-use ::laboratory::error::{Error, Result};
+use laboratory::error::{Error, Result};
 use std::path::Path;
 
 /// Most points of one table.

@@ -1,10 +1,10 @@
 //! One run of a campaign.
 
 use super::Vary;
-use ::laboratory::error::Result;
-use ::laboratory::model::Model;
-use ::laboratory::run::{Backend, Found, look};
-use ::laboratory::scene::{self, Scene};
+use laboratory::error::Result;
+use laboratory::model::Model;
+use laboratory::run::{Backend, Found, look};
+use laboratory::scene::{self, Scene};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 

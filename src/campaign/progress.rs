@@ -89,7 +89,7 @@ impl Progress {
         let ended = c.done + c.failed;
         if ended > 0 && left > 0 {
             let seconds = self.begun.elapsed().as_secs_f64() * left as f64 / ended as f64;
-            line += &format!(", about {} left", ::laboratory::run::human(seconds));
+            line += &format!(", about {} left", laboratory::run::human(seconds));
         }
         line
     }

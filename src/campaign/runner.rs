@@ -2,9 +2,9 @@
 
 use super::Job;
 use super::progress::{Change, Progress};
-use ::laboratory::error::{Error, Result};
-use ::laboratory::interrupt::{listen, stop_asked};
-use ::laboratory::run::Found;
+use laboratory::error::{Error, Result};
+use laboratory::interrupt::{listen, stop_asked};
+use laboratory::run::Found;
 use serde_json::Value;
 use std::fs::File;
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! Lists of seeds as they are written on a command line.
 
-use ::laboratory::error::{Error, Result};
+use laboratory::error::{Error, Result};
 
 /// Most seeds of one list.
 const MOST: usize = 10_000;

@@ -7,7 +7,6 @@ pub type Result<T> = std::result::Result<T, Error>;
 
 /// Why a step could not be made, or was not begun.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum Error {
     /// A setting or value is not allowed.
     #[error("{of}: {}{message}", setting(.key, .value.as_deref()))]

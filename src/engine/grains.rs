@@ -22,7 +22,7 @@ pub struct Grains {
     pub mass: Vec<f64>,
     /// Persistent identity, in order of creation.
     pub id: Vec<u32>,
-    /// Key of the grain's random streams (`crush::strength`).
+    /// Key of the grain's random streams ([`crate::math::random`]).
     pub lineage: Vec<u64>,
     /// 0 for initial grains, one more for each breakage.
     pub generation: Vec<u8>,

@@ -97,7 +97,6 @@ impl From<engine::error::Error> for Error {
             Engine::Several(errors) => Error::Several(errors.into_iter().map(Error::from).collect()),
             Engine::Unstable { step, what, grain } => Error::Unstable { step, what, grain },
             Engine::Failed { step, what } => Error::Failed { step, what },
-            other => Error::Failed { step: 0, what: other.to_string() },
         }
     }
 }

@@ -35,9 +35,9 @@ impl FigureError {
     }
 }
 
-impl From<FigureError> for ::laboratory::error::Error {
+impl From<FigureError> for laboratory::error::Error {
     fn from(error: FigureError) -> Self {
         let input = !matches!(error, FigureError::Io { .. } | FigureError::Draw { .. });
-        ::laboratory::error::Error::Figure { what: error.to_string(), input }
+        laboratory::error::Error::Figure { what: error.to_string(), input }
     }
 }

@@ -63,7 +63,7 @@ impl Run {
         }
         let summary = read_summary(&dir.join("summary.json"))?;
         let history = Table::read_if_there(&dir.join("history.csv"))?;
-        let resolved = std::fs::read_to_string(dir.join(::laboratory::scene::RESOLVED)).unwrap_or_default();
+        let resolved = std::fs::read_to_string(dir.join(laboratory::scene::RESOLVED)).unwrap_or_default();
         let resolved: toml::Table = resolved.parse().unwrap_or_default();
         let name = summary["scene"].as_str().map(scene_name);
         let mut run = Self {

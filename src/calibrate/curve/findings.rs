@@ -211,7 +211,7 @@ pub fn bands(emulator: &Emulator, chain: &Chain, curve: &Measured, rng: &mut imp
 mod tests {
     use super::*;
     use crate::curve::stand_in;
-    use ::laboratory::scene::Prior;
+    use laboratory::scene::Prior;
 
     #[test]
     fn remarks_tell_found_narrowed_bounded_and_tied() {

@@ -3,7 +3,7 @@
 use super::emulator::Emulator;
 use super::parameter::Parameter;
 use super::posterior::{Measured, Posterior};
-use ::laboratory::scene::Prior;
+use laboratory::scene::Prior;
 use rand::Rng;
 use statrs::distribution::{Binomial, DiscreteCDF};
 

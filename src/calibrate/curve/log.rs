@@ -2,7 +2,7 @@
 
 use super::parameter::Parameter;
 use crate::columns::Columns;
-use ::laboratory::error::{Error, Result};
+use laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// What a run is for.
@@ -67,7 +67,7 @@ pub fn write(dir: &Path, parameters: &[Parameter], all: &[Evaluation], misfit: i
             Status::Done => ("done", ""),
             Status::Failed(reason) => ("failed", reason.as_str()),
         };
-        let optional = |x: Option<f64>| x.map_or(String::new(), ::table::number);
+        let optional = |x: Option<f64>| x.map_or(String::new(), table::number);
         let mut row: Vec<String> =
             vec![e.number.to_string(), stage.into(), e.folder().display().to_string().replace('\\', "/"), status.into()];
         row.extend(e.values.iter().map(|v| format!("{v:?}")));

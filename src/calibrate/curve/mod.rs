@@ -26,10 +26,10 @@ pub mod stand_in;
 pub mod study;
 pub mod target;
 
-use ::laboratory::error::{Error, Result};
-use ::laboratory::model::Rig;
-use ::laboratory::scene::{self, Calibrated};
 use findings::Findings;
+use laboratory::error::{Error, Result};
+use laboratory::model::Rig;
+use laboratory::scene::{self, Calibrated};
 use parameter::Parameter;
 use posterior::{Chain, Measured, Misfit, Posterior};
 use search::{LONG, Search, Settings};
@@ -238,9 +238,9 @@ fn setup(request: &Request, resolved: &str, parameters: &[Parameter], target: &T
         return Err(Error::input(out.display(), "", None, "is a file; --out needs a folder"));
     }
     let setup = serde_json::json!({
-        "scene": format!("{:016x}", ::laboratory::record::specimen::checksum(resolved)),
+        "scene": format!("{:016x}", laboratory::record::specimen::checksum(resolved)),
         "parameters": parameters.iter().map(|p| format!("{p:?}")).collect::<Vec<_>>(),
-        "curve": format!("{:016x}", ::laboratory::record::specimen::checksum(&format!("{:?}", target.blocks))),
+        "curve": format!("{:016x}", laboratory::record::specimen::checksum(&format!("{:?}", target.blocks))),
         "seed": settings.seed,
         "design": settings.design,
         "centre": settings.centre,

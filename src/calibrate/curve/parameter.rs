@@ -1,7 +1,7 @@
 //! Parameters: their bounds and priors, and the unit cube in which designs, emulators and chains live.
 
-use ::laboratory::error::{Error, Result};
-use ::laboratory::scene::{self, Calibrated, Prior};
+use laboratory::error::{Error, Result};
+use laboratory::scene::{self, Calibrated, Prior};
 use std::path::Path;
 
 /// Most parameters of one calibration: a curve does not tell more apart, and the number of corners doubles with each.

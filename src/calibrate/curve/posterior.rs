@@ -256,7 +256,7 @@ mod tests {
         let (x, y) = stand_in.runs(20, 3);
         let emulator = Emulator::fit(&x, &y, &stand_in.scale()).expect("emulator");
         let mut parameters = stand_in::parameters();
-        parameters[1].prior = ::laboratory::scene::Prior::Normal { mean: 0.5, sd: 0.1 };
+        parameters[1].prior = laboratory::scene::Prior::Normal { mean: 0.5, sd: 0.1 };
         let values = stand_in.curve(&[0.5, 0.5], 9);
         let curve = Measured { sd: vec![1e4; values.len()], values, specimens: 1.0 };
         let mut rng = ChaCha8Rng::seed_from_u64(1);

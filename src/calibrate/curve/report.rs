@@ -6,13 +6,13 @@ use super::posterior::Measured;
 use super::search::{Search, Settings};
 use super::target::{Kind, Target};
 use super::{Outcome, Request, block_name, failures, log};
-use ::laboratory::error::{Error, Result};
-use ::laboratory::scene::Prior;
-use ::plot::{self, FittedLine, PosteriorInput};
-use ::table::number;
+use laboratory::error::{Error, Result};
+use laboratory::scene::Prior;
+use plot::{self, FittedLine, PosteriorInput};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
+use table::number;
 
 /// Everything that is told.
 pub struct Parts<'a> {

@@ -8,7 +8,7 @@ use super::parameter::Parameter;
 use super::posterior::{Chain, Measured, Posterior};
 use super::simulator::{Ran, Simulator};
 use crate::columns::Columns;
-use ::laboratory::error::{Error, Result};
+use laboratory::error::{Error, Result};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::path::{Path, PathBuf};

@@ -55,7 +55,7 @@ pub fn sobol(parameters: &[Parameter], emulator: &Emulator, rng: &mut impl Rng) 
 fn draw(p: &Parameter, rng: &mut impl Rng) -> f64 {
     // a normal prior by rejection under its highest point in the bounds
     let highest = match p.prior {
-        ::laboratory::scene::Prior::Normal { mean, .. } => p.log_prior(p.unit(mean.clamp(p.lower, p.upper))),
+        laboratory::scene::Prior::Normal { mean, .. } => p.log_prior(p.unit(mean.clamp(p.lower, p.upper))),
         _ => 0.0,
     };
     loop {

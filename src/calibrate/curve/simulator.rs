@@ -4,8 +4,8 @@ use super::log::{Evaluation, Stage};
 use super::outputs;
 use super::parameter::Parameter;
 use super::target::Target;
-use ::campaign::{self, Job, Outcome, Vary};
-use ::laboratory::error::Result;
+use campaign::{self, Job, Outcome, Vary};
+use laboratory::error::Result;
 use std::path::PathBuf;
 
 /// What became of an evaluation.

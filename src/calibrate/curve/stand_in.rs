@@ -2,7 +2,7 @@
 
 use super::design::latin;
 use super::parameter::Parameter;
-use ::laboratory::scene::Prior;
+use laboratory::scene::Prior;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

@@ -5,14 +5,14 @@ use super::parameter::Parameter;
 use super::search::Settings;
 use super::target::{Block, Files, Kind, Target};
 use super::{BEYOND, Request, calibrate, log, outputs, sets};
-use ::campaign::{self, Job};
-use ::laboratory::error::{Error, Result};
-use ::laboratory::model::Rig;
-use ::laboratory::scene::{self, Prior};
-use ::plot::{Drawn, Graph, Look, Quantity, Tone};
-use ::table::number;
+use campaign::{self, Job};
+use laboratory::error::{Error, Result};
+use laboratory::model::Rig;
+use laboratory::scene::{self, Prior};
+use plot::{Drawn, Graph, Look, Quantity, Tone};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use table::number;
 
 /// Points of a curve, evenly spread over the logarithm of stress.
 const POINTS: usize = 20;

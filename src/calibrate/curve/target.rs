@@ -2,7 +2,7 @@
 
 use super::posterior::Measured;
 use crate::columns::Columns;
-use ::laboratory::error::{Error, Result};
+use laboratory::error::{Error, Result};
 use std::path::PathBuf;
 
 /// A quantity against vertical stress: its column in a history, and in the file of the curve with the factor to the former. Void ratio

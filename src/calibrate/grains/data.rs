@@ -1,7 +1,7 @@
 //! Crushing tests from a CSV file: one row a grain, `diameter_mm,force_N` with optional `censored` and `series`.
 
-use ::laboratory::error::{Error, Result};
-use ::laboratory::scene::read_text;
+use laboratory::error::{Error, Result};
+use laboratory::scene::read_text;
 use std::path::{Path, PathBuf};
 
 /// Units of length and force by the suffix of a column, in SI.

@@ -7,8 +7,8 @@ use super::classes::survival;
 use super::data::Grain;
 use super::fit::Fit;
 use super::spread::Law;
-use ::laboratory::error::Result;
-use ::plot::{Drawn, Graph, Look, Quantity, Tone, significant};
+use laboratory::error::Result;
+use plot::{Drawn, Graph, Look, Quantity, Tone, significant};
 use std::path::{Path, PathBuf};
 
 /// Names of the figures.

@@ -81,7 +81,7 @@ pub fn limits(value: &Estimate) -> String {
 
 /// Four significant digits, no needless zeros.
 pub fn significant(value: f64) -> String {
-    ::plot::significant(value, 4).replace('−', "-")
+    plot::significant(value, 4).replace('−', "-")
 }
 
 /// `file` as seen from the folder `from`, where both exist; else as it is written.

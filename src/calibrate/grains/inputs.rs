@@ -1,9 +1,9 @@
 //! What the forces do not say and has to be given: the contact angle, or the moduli of grain and platen.
 
 use super::area::{Area, Model};
-use ::laboratory::error::{Error, Result};
-use ::laboratory::scene::{material_keys, shown};
 use engine::material::effective_modulus;
+use laboratory::error::{Error, Result};
+use laboratory::scene::{material_keys, shown};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 

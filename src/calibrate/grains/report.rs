@@ -7,7 +7,7 @@ use super::figures;
 use super::fit::{Estimate, Intervals};
 use super::fragment::{self, limits, significant};
 use super::goodness::Goodness;
-use ::laboratory::error::{Error, Result};
+use laboratory::error::{Error, Result};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::fs;

@@ -1,8 +1,8 @@
 //! Tables and figure of the recovery study.
 
 use super::study::{Case, PARAMETERS, Recovery, Repeat};
-use ::laboratory::error::{Error, Result};
-use ::plot::{Drawn, Graph, Look, Quantity, Tone};
+use laboratory::error::{Error, Result};
+use plot::{Drawn, Graph, Look, Quantity, Tone};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,10 +1,10 @@
 //! The cost of breakages: one grain a step is broken into 14, with neighbours, history and ledger.
 
 use super::breakable;
-use ::laboratory::error::Result;
-use ::laboratory::model::Model;
 use engine::dem;
 use engine::dem::{State, Work};
+use laboratory::error::Result;
+use laboratory::model::Model;
 use std::convert::Infallible;
 use std::time::Instant;
 use table::median;

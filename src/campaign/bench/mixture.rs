@@ -1,9 +1,9 @@
 //! The speed of a mixture: steps of its continuum with all that belongs to them.
 
 use super::pool;
-use ::laboratory::error::{Error, Result};
-use ::laboratory::model::{Model, Rig};
-use ::laboratory::rig::continuum::{Engine, State};
+use laboratory::error::{Error, Result};
+use laboratory::model::{Model, Rig};
+use laboratory::rig::continuum::{Engine, State};
 use std::time::Instant;
 use table::median;
 

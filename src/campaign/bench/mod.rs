@@ -21,10 +21,6 @@ pub use mpm_gpu::{GpuSpeed, mpm_gpu_speed};
 pub use packing::{Packing, packing};
 pub use speed::{Plan, Speed, load_average, measure, pool};
 
-use ::laboratory::error::{Error, Result};
-use ::laboratory::gradation::mean_cubed_diameter;
-use ::laboratory::model::{Loading, Model, Oedometer, Preparation, Records, Rig, Seeds, Specimen, WallFriction};
-use ::laboratory::rig::cylinder::{TOP, walls};
 use engine::boundary::Wall;
 use engine::breakage::criterion::AreaModel;
 use engine::breakage::lost_mass::Fines;
@@ -36,6 +32,10 @@ use engine::dem::physics::Physics;
 use engine::dem::physics::Stepping;
 use engine::dem::{State, Work, reorder};
 use engine::material::Material;
+use laboratory::error::{Error, Result};
+use laboratory::gradation::mean_cubed_diameter;
+use laboratory::model::{Loading, Model, Oedometer, Preparation, Records, Rig, Seeds, Specimen, WallFriction};
+use laboratory::rig::cylinder::{TOP, walls};
 use std::f64::consts::PI;
 
 /// Time step of the uniform packing, s: 15 % of the Rayleigh step.

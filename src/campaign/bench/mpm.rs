@@ -2,9 +2,9 @@
 
 use super::speed::cpu_seconds;
 use super::{load_average, pool};
-use ::laboratory::error::Result;
 use engine::mpm::law::{Elastic, Law};
 use engine::mpm::{Continuum, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
+use laboratory::error::Result;
 use std::time::Instant;
 use table::median;
 

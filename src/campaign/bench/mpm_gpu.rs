@@ -1,9 +1,9 @@
 //! The same case on the graphics device.
 
 use super::mpm::mpm_case;
-use ::laboratory::error::Result;
 use engine::gpu;
 use engine::mpm::Transfer;
+use laboratory::error::Result;
 use std::time::Instant;
 use table::median;
 

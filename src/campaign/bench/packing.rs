@@ -3,17 +3,17 @@
 //! of a crushed specimen are.
 
 use super::{Case, model, skeleton};
-use ::laboratory::error::{Error, Result};
-use ::laboratory::model::{Model, Rig};
-use ::laboratory::packing as sampling;
-use ::laboratory::record::specimen;
-use ::laboratory::rig::cylinder::{BOTTOM, TOP, space};
-use ::laboratory::rig::preparation::{self, Preparation};
 use engine::boundary::CylinderSpace;
 use engine::contact::ContactLaw;
 use engine::dem::{State, Work};
 use engine::grains::Grains;
 use engine::math::vector::dot;
+use laboratory::error::{Error, Result};
+use laboratory::model::{Model, Rig};
+use laboratory::packing as sampling;
+use laboratory::record::specimen;
+use laboratory::rig::cylinder::{BOTTOM, TOP, space};
+use laboratory::rig::preparation::{self, Preparation};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -1,13 +1,13 @@
 //! Grain-steps per second, memory and the share of each stage.
 
 use super::{Demand, Machine, Packing, start};
-use ::laboratory::error::{Error, Result};
-use ::laboratory::model::Model;
-use ::laboratory::rig::cylinder::{Stresses, space};
 use engine::contact::pairs::{FREE, Pairs};
 use engine::dem;
 use engine::dem::observables::{love_weber, sums};
 use engine::dem::{State, Work};
+use laboratory::error::{Error, Result};
+use laboratory::model::Model;
+use laboratory::rig::cylinder::{Stresses, space};
 use std::convert::Infallible;
 use std::time::Instant;
 use table::median;

@@ -1,9 +1,9 @@
 //! The paths, step by step. Here tension is positive, as in the laws; rows are not.
 
 use super::{Path, Settings};
-use ::laboratory::error::{Error, Result};
 use engine::mpm::law::{InternalVariables, Law, Sym, YieldParameters, tensor};
 use engine::mpm::rotate_jaumann;
+use laboratory::error::{Error, Result};
 
 /// What is recorded of a step; stresses in Pa, compression positive.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,7 @@ mod report;
 pub use drive::{Row, Test, drive};
 pub use report::{FIGURES, HISTORY, MATERIAL, SUMMARY, claim, summary, write};
 
-use ::laboratory::error::{Error, Result};
+use laboratory::error::{Error, Result};
 
 /// What is done to the point. z is the axis, x and y are lateral, shear is in the x-z plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

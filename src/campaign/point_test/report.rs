@@ -1,13 +1,13 @@
 //! What a point test leaves: `history.csv`, `summary.json`, the material with its defaults, figures.
 
 use super::{Path as Way, Row, Settings, Test};
-use ::laboratory::error::{Error, Result};
-use ::laboratory::scene::Continuum;
-use ::table::{Row as Record, Table};
 use engine::mpm::law::{Evolution, Law, YieldParameters};
+use laboratory::error::{Error, Result};
+use laboratory::scene::Continuum;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
+use table::{Row as Record, Table};
 
 pub const HISTORY: &str = "history.csv";
 pub const SUMMARY: &str = "summary.json";

@@ -1,8 +1,8 @@
 //! Laws taken through paths whose end has a closed form.
 
 use super::{Path, Settings, Test, drive};
-use ::laboratory::scene;
 use engine::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Parameters};
+use laboratory::scene;
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const E: f64 = 2e7;

@@ -2,9 +2,9 @@
 
 use super::plan::Published;
 use super::results::{Done, Spread};
-use ::laboratory::error::{Error, Result};
-use ::table::number;
+use laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};
+use table::number;
 
 /// One published row with what the seeds give.
 #[derive(Clone, Debug)]

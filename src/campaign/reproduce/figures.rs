@@ -2,10 +2,10 @@
 
 use super::plan::{Content, Figure, StrengthSet};
 use super::results::Done;
-use ::laboratory::error::Result;
-use ::plot::{self, Colouring, Drawn, Graph, Look, Quantity, Tone};
 use engine::breakage::criterion::{AreaModel, size_factor};
 use engine::material::effective_modulus;
+use laboratory::error::Result;
+use plot::{self, Colouring, Drawn, Graph, Look, Quantity, Tone};
 use std::path::{Path, PathBuf};
 
 /// Draws one figure into `dir` and returns the files; none if none of its runs is done, or if they have nothing of it.

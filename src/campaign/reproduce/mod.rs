@@ -11,7 +11,7 @@ pub use compare::Row;
 pub use plan::{Plan, Run};
 pub use results::{Done, gather};
 
-use ::laboratory::error::{Error, Result};
+use laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// Writes the tables, figures and report of what is done of a plan into `dir`, and returns the files.

@@ -1,7 +1,7 @@
 //! What a reproduction consists of: a TOML file that names runs, what was published of them, and figures.
 
 use crate::{Job, Vary, parse_seeds};
-use ::laboratory::error::{Error, Result};
+use laboratory::error::{Error, Result};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 

@@ -3,8 +3,8 @@
 use super::compare::Row;
 use super::plan::Plan;
 use super::results::{Done, Spread};
-use ::laboratory::error::{Error, Result};
-use ::plot::significant;
+use laboratory::error::{Error, Result};
+use plot::significant;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

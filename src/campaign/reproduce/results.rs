@@ -1,8 +1,8 @@
 //! What the runs of a plan gave, read from their folders.
 
 use super::plan::{Plan, Published, Run};
-use ::laboratory::error::{Error, Result};
-use ::laboratory::run::Found;
+use laboratory::error::{Error, Result};
+use laboratory::run::Found;
 use serde_json::Value;
 use statrs::statistics::Statistics;
 use std::path::{Path, PathBuf};

@@ -2,8 +2,8 @@
 
 use super::block::{self, APIC, FLIP, GIMP, Method, elastic, fill};
 use super::{Case, Found, Task};
-use ::laboratory::error::Result;
 use engine::mpm::Continuum;
+use laboratory::error::Result;
 use std::f64::consts::PI;
 
 pub const CASE: Case = Case {

@@ -1,8 +1,8 @@
 //! Blocks of points on a grid, for cases that no scene describes.
 
-use ::laboratory::error::Result;
 use engine::mpm::law::{Elastic, Law};
 use engine::mpm::{Continuum, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
+use laboratory::error::Result;
 
 /// How points and nodes talk.
 #[derive(Clone, Copy, Debug, PartialEq)]

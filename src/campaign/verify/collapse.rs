@@ -1,8 +1,8 @@
 //! Columns that collapse, in space and in plane strain, against the published run-outs.
 
 use super::{Case, Found, Row, Task, scene};
-use ::laboratory::error::Result;
-use ::plot::{Drawn, Graph, Look, Quantity, Tone};
+use laboratory::error::Result;
+use plot::{Drawn, Graph, Look, Quantity, Tone};
 use std::f64::consts::FRAC_PI_2;
 
 pub const SPACE: Case = Case {

@@ -2,8 +2,8 @@
 
 use super::block::{self, FLIP, GIMP, Method, SMOOTH, elastic, fill};
 use super::{Case, Found, Task};
-use ::laboratory::error::Result;
 use engine::mpm::{Continuum, Dimension, Wall};
+use laboratory::error::Result;
 
 pub const CASE: Case = Case {
     name: "column",

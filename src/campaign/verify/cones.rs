@@ -1,7 +1,7 @@
 //! Drucker–Prager in triaxial compression on the grid.
 
 use super::{Case, Found, Task, scene};
-use ::laboratory::error::Result;
+use laboratory::error::Result;
 
 pub const CASE: Case = Case {
     name: "cones",

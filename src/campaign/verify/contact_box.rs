@@ -1,7 +1,7 @@
 //! A rigid box, and Li's superquadric, that slide on a plane of points by ghost contacts.
 
 use super::{Case, Found, Task, contact_slide, scene, slide};
-use ::laboratory::error::Result;
+use laboratory::error::Result;
 
 pub const CASE: Case = Case {
     name: "contact_box",

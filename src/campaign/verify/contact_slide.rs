@@ -1,7 +1,7 @@
 //! A block of points that slides on a wall by ghost contacts.
 
 use super::{Case, Found, Task, scene, slide};
-use ::laboratory::error::Result;
+use laboratory::error::Result;
 use std::f64::consts::PI;
 
 pub const CASE: Case = Case {

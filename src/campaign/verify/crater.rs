@@ -1,9 +1,9 @@
 //! A ball that falls into dry sand, against the depth that experiments have found.
 
 use super::{Case, Found, Row, Task, scene};
-use ::laboratory::error::Result;
-use ::plot::{Drawn, Graph, Look, Quantity, Tone, significant};
+use laboratory::error::Result;
 use nalgebra::{DMatrix, DVector};
+use plot::{Drawn, Graph, Look, Quantity, Tone, significant};
 
 const ABOUT: &str =
     "A ball falls into dry sand (Zhang et al., section 5.2: E 2 MPa, ν 0.3, 1510 kg/m³; ball 2200 kg/m³; scene crater)";

@@ -2,9 +2,9 @@
 
 use super::block::{self, APIC, FLIP, Method, PIC, elastic, fill};
 use super::{Case, Found, Task};
-use ::laboratory::error::Result;
 use engine::mpm::law::Sym;
 use engine::mpm::{Continuum, Dimension, Transfer};
+use laboratory::error::Result;
 use std::f64::consts::PI;
 
 pub const CASE: Case = Case {

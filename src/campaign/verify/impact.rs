@@ -1,8 +1,8 @@
 //! A grain that hits a ball of points.
 
 use super::{Case, Found, Row, Task, scene};
-use ::laboratory::error::Result;
-use ::plot::{Drawn, Graph, Look, Quantity, Tone};
+use laboratory::error::Result;
+use plot::{Drawn, Graph, Look, Quantity, Tone};
 
 pub const CASE: Case = Case {
     name: "impact",

@@ -24,8 +24,8 @@ pub mod wave;
 
 pub use report::{TABLE, write};
 
-use ::laboratory::error::{Error, Result};
-use ::plot::Graph;
+use laboratory::error::{Error, Result};
+use plot::Graph;
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! An elastic oedometer under its platen.
 
 use super::{Case, Found, Task, scene};
-use ::laboratory::error::Result;
+use laboratory::error::Result;
 
 pub const CASE: Case = Case {
     name: "oedometer",

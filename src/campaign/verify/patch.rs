@@ -2,8 +2,8 @@
 
 use super::block::{self, APIC, FLIP, GIMP, Method, SMOOTH, elastic, fill};
 use super::{Case, Found, Task};
-use ::laboratory::error::Result;
 use engine::mpm::{Continuum, Dimension};
+use laboratory::error::Result;
 
 pub const CASE: Case = Case {
     name: "patch",

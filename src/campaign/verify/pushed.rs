@@ -1,7 +1,7 @@
 //! An elastic block pushed by a platen through three cells of the grid.
 
 use super::{Case, Found, Task, scene};
-use ::laboratory::error::Result;
+use laboratory::error::Result;
 
 pub const CASE: Case = Case {
     name: "pushed",

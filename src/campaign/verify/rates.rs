@@ -1,8 +1,8 @@
 //! Steps of their own for grains and continuum: what κ steps of the faster side in one of the slower change, and what they save.
 
 use super::{Case, Found, Row, Task, scene};
-use ::laboratory::error::Result;
-use ::plot::{Drawn, Graph, Look, Quantity, Tone};
+use laboratory::error::Result;
+use plot::{Drawn, Graph, Look, Quantity, Tone};
 
 pub const CASE: Case = Case {
     name: "rates",

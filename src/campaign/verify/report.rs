@@ -1,11 +1,11 @@
 //! What was found, as a table, a page and figures: error against resolution and against time.
 
 use super::{Case, Row};
-use ::laboratory::error::{Error, Result};
-use ::plot::{Drawn, Graph, Look, Quantity, Tone, significant};
-use ::table::number;
+use laboratory::error::{Error, Result};
+use plot::{Drawn, Graph, Look, Quantity, Tone, significant};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use table::number;
 
 /// The table of all runs, in the folder that is written.
 pub const TABLE: &str = "verification.csv";

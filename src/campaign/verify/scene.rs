@@ -1,9 +1,9 @@
 //! A case that is a scene: run as a user would, read back from what the run leaves.
 
 use super::Task;
-use ::laboratory::error::{Error, Result};
-use ::laboratory::run::{self, Found, Outcome, ResumeOptions, RunRequest};
-use ::laboratory::scene;
+use laboratory::error::{Error, Result};
+use laboratory::run::{self, Found, Outcome, ResumeOptions, RunRequest};
+use laboratory::scene;
 use serde_json::Value;
 use std::path::PathBuf;
 

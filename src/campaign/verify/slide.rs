@@ -1,7 +1,7 @@
 //! A block that slides down a frictional slope.
 
 use super::{Case, Found, Task, scene};
-use ::laboratory::error::Result;
+use laboratory::error::Result;
 
 pub const CASE: Case = Case {
     name: "slide",

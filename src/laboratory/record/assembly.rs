@@ -1,9 +1,9 @@
 //! Records of a free assembly: sums in `history.csv`, chosen grains in `tracks.csv`.
 
 use crate::model::{Assembly, Model};
-use ::table::Row;
 use engine::dem::observables;
 use engine::dem::{State, Work, gather};
+use table::Row;
 
 /// The row of this instant: energies and walls.
 pub fn history_row(model: &Model, state: &State, work: &Work) -> Row {

@@ -2,10 +2,10 @@
 
 use super::vtk::{self, Fact, Field};
 use crate::error::{Error, Result};
-use ::table::Row;
 use engine::math::vector::{dot, plus};
 use engine::rigid::Blocks;
 use std::path::Path;
+use table::Row;
 
 /// Where they were, how they moved, what they bore.
 pub const TRACKS: &str = "blocks.csv";

@@ -1,10 +1,10 @@
 //! Rows of `breakage.csv`, and what is remembered of all breakages of a run: how old the broken grains were, how far above their limits, and how far
 //! the stress was from what was asked for.
 
-use ::table::Row;
 use engine::dem::event::{Breakage, collided};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use table::Row;
 
 /// A daughter that breaks within so many steps of her birth is young.
 pub const YOUNG: u64 = 20;

@@ -2,7 +2,6 @@
 
 use super::vtk::Fact;
 use crate::error::{Error, Result};
-use ::table::number;
 use engine::boundary::Wall;
 use engine::boundary::WallShape;
 use engine::contact::pairs::ContactForce;
@@ -12,6 +11,7 @@ use engine::grains::{Grains, sphere_volume};
 use engine::mpm::Continuum;
 use std::fmt::Write as _;
 use std::path::Path;
+use table::number;
 
 /// Columns of the file.
 const HEADER: &str = "a,kind_b,b,x_m,y_m,z_m,a_x_m,a_y_m,a_z_m,b_x_m,b_y_m,b_z_m,normal_x_N,normal_y_N,normal_z_N,\

@@ -5,12 +5,12 @@ use super::vtk::{self, Fact, Field};
 use crate::error::{Error, Result};
 use crate::model::continuum::{Continuum as Rig, Drainage, Test};
 use crate::rig::continuum::{Coarse, Moment, Phase, State};
-use ::table::{Row, number};
 use engine::grains::Grains;
 use engine::mpm::{Continuum, Dimension, Points};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::path::Path;
+use table::{Row, number};
 
 /// Files with the points at the start and at the end.
 pub const START: &str = "points_start.csv";

@@ -9,12 +9,12 @@ use crate::gradation::{Gradation, Indices};
 use crate::model::Model;
 use crate::model::continuum::Continuum as Rig;
 use crate::rig::continuum::State;
-use ::table::{Row, Table};
 use engine::breakage::lost_mass::excluded_grains;
 use engine::grains::Grains;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use table::{Row, Table};
 
 /// Tables of a run whose grains break, and what the summary says; part of the checkpoint.
 #[derive(Serialize, Deserialize)]

@@ -7,10 +7,10 @@ use crate::error::{Error, Result};
 use crate::gradation::{Gradation, Indices};
 use crate::model::Model;
 use crate::rig::cylinder::{Stresses, TOP, inertial_time, space};
-use ::table::Row;
 use engine::dem::observables;
 use engine::dem::{State, Work};
 use serde::{Deserialize, Serialize};
+use table::Row;
 
 /// What the recorder carries along; part of the checkpoint.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

@@ -2,9 +2,9 @@
 
 use crate::gradation::{Gradation, Indices, sieve_sizes};
 use crate::model::{GrainSpec, Model};
-use ::table::Row;
 use engine::dem::State;
 use engine::grains::{Grains, sphere_volume};
+use table::Row;
 
 /// Sizes at which a gradation is written.
 const SIEVES: usize = 121;

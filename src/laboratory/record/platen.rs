@@ -3,10 +3,10 @@
 use crate::error::Result;
 use crate::model::{Model, Platen};
 use crate::rig::platen::{Test, hertz, pair};
-use ::table::{Row, Table, Value};
 use engine::breakage::CrushModel;
 use engine::breakage::criterion::{AreaModel, size_factor};
 use std::path::Path;
+use table::{Row, Table, Value};
 
 pub const TESTS: &str = "platen.csv";
 pub const CURVES: &str = "force_displacement.csv";

@@ -16,7 +16,6 @@ use crate::record::vtk::{self, Fact};
 use crate::record::walls::Loaded;
 use crate::record::{blocks, checkpoint, contacts, specimen};
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
-use ::table::Table;
 use engine::boundary::WallShape;
 use engine::mpm::law::Law;
 use engine::mpm::{Dimension, Platen};
@@ -24,6 +23,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
+use table::Table;
 
 /// Everything a restart needs.
 #[derive(Serialize, Deserialize)]

@@ -12,13 +12,13 @@ use crate::record::quasi_static::distance;
 use crate::record::vtk::{self, Fact};
 use crate::record::{assembly as assembly_records, checkpoint, contacts, specimen, walls};
 use crate::rig::cylinder::{Stresses, space};
-use ::table::Table;
 use engine::dem::event::Breakage;
 use engine::dem::observables;
 use engine::dem::{State, Work};
 use engine::mpm::Continuum;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use table::Table;
 
 pub use crate::scene::SPECIMEN;
 pub const SUMMARY: &str = "summary.json";

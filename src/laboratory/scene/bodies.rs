@@ -265,7 +265,7 @@ fn points_after(count: f64) -> bool {
 }
 
 fn mm(x: f64) -> String {
-    ::table::number((1e9 * x).round() * 1e-6)
+    table::number((1e9 * x).round() * 1e-6)
 }
 
 pub fn number(table: &Table, key: &str) -> Option<f64> {

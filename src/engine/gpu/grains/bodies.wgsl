@@ -57,16 +57,16 @@ fn side_speed(side: Side) -> f32 {
 }
 
 // A sphere on a wall; the normal points into the wall.
-fn on_side(side: Side, cell: vec3<i32>, units: vec3<i32>, rest: vec3<f32>, whole: i32, part: f32) -> Meeting {
+fn on_side(side: Side, cell: vec3<i32>, units: vec3<i32>, rest: vec3<f32>, whole: i32, part: f32) -> ContactGeometry {
     let axis = side.axis;
     let normal = i32(side.normal);
     let across = unit(axis) * -side.normal;
     let cells = normal * (cell[axis] - side.cell);
     if abs(cells) >= coupling.far {
-        return Meeting(0.0, across);
+        return ContactGeometry(0.0, across);
     }
     let d = length_of(vec3<i32>(cells, 0, 0), vec3<i32>(normal * (units[axis] - side.units), 0, 0), vec3<f32>(side.normal * (rest[axis] - side.rest), 0.0, 0.0));
-    return Meeting((f32(whole - d.whole.x) + (part - d.part.x)) * coupling.quantum, across);
+    return ContactGeometry((f32(whole - d.whole.x) + (part - d.part.x)) * coupling.quantum, across);
 }
 
 // Local damping −α |f| sign(v) of each component.
@@ -298,7 +298,7 @@ fn near_grains(one: Thread) {
 
 // Contact `s` of grain `g`: of two grains the one with the lower number is the first, and both find the same.
 fn evaluated(g: u32, s: u32, body: u32, pair: Pair, spring: vec3<f32>, low: vec3<f32>) -> Contact {
-    var m: Meeting;
+    var m: ContactGeometry;
     var motion: Motion;
     var r_eff: f32;
     var m_eff: f32;

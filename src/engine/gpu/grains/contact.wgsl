@@ -171,12 +171,12 @@ fn length_of(cells: vec3<i32>, units: vec3<i32>, rest: vec3<f32>) -> Length {
 
 // How deep two spheres of the radii' sum (`whole`, `part`) overlap that are so far apart, m, and the direction from the first to the second. The difference of squares
 // is taken in whole numbers as far as it goes: an overlap is small against the radii.
-struct Meeting {
+struct ContactGeometry {
     overlap: f32,
     normal: vec3<f32>,
 }
 
-fn meeting(d: Length, whole: i32, part: f32) -> Meeting {
+fn meeting(d: Length, whole: i32, part: f32) -> ContactGeometry {
     let w = d.whole;
     let first = whole * whole - (w.x * w.x + w.y * w.y + w.z * w.z);
     let v = vec3<f32>(w);
@@ -185,7 +185,7 @@ fn meeting(d: Length, whole: i32, part: f32) -> Meeting {
     let difference = f32(first) + (second + third);
     let all = v + d.part;
     let size = sqrt(dot(all, all));
-    return Meeting(difference / (f32(whole) + part + size) * coupling.quantum, all / max(size, 1e-37));
+    return ContactGeometry(difference / (f32(whole) + part + size) * coupling.quantum, all / max(size, 1e-37));
 }
 
 struct Pair {
@@ -238,7 +238,7 @@ fn no_contact() -> Contact {
 }
 
 // The spring turns with the contact and is stretched by the slip, as increments of a sum that keeps what f32 would lose.
-fn borne(m: Meeting, r_eff: f32, m_eff: f32, motion: Motion, pair: Pair, dt: f32, old: vec3<f32>, old_low: vec3<f32>) -> Contact {
+fn borne(m: ContactGeometry, r_eff: f32, m_eff: f32, motion: Motion, pair: Pair, dt: f32, old: vec3<f32>, old_low: vec3<f32>) -> Contact {
     let n = m.normal;
     let v = motion.centres + cross(motion.turning - motion.mean_spin * m.overlap, n);
     let e = elastic(m.overlap, r_eff, pair);

@@ -190,7 +190,7 @@ fn touch(one: Thread) {
         } else {
             let spring = bitcast<vec3<f32>>(head.xyz);
             let low = bitcast<vec3<f32>>(rows[row_at(C_LOW, s, r)].xyz);
-            var m: Meeting;
+            var m: ContactGeometry;
             var motion: Motion;
             var r_eff = metres;
             var m_eff = mass;
@@ -203,7 +203,7 @@ fn touch(one: Thread) {
                 let own = grain_word(G_CELL, body);
                 let rest = grain_number(G_REST, body);
                 let apart = cell - bitcast<vec3<i32>>(own.xyz);
-                m = Meeting(0.0, vec3<f32>(0.0));
+                m = ContactGeometry(0.0, vec3<f32>(0.0));
                 if all(abs(apart) < vec3<i32>(coupling.far)) {
                     let d = length_of(apart, there.units - bitcast<vec3<i32>>(grain_word(G_UNITS, body).xyz), there.rest - rest.xyz);
                     m = meeting(d, bitcast<i32>(own.w) + radius.whole.x, rest.w + radius.part.x);
