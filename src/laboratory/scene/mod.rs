@@ -41,10 +41,11 @@ pub use continuum_estimate::Points;
 pub use crushing_estimate::CrushingStress;
 pub use estimate::{Estimate, Specimen, estimate};
 pub use files::read_text;
-pub use keys::reference as key_reference;
+pub use keys::{KEYS, LIST_TABLES, reference as key_reference};
 pub use layers::shown;
 pub use provenance::{Assumption, Decision, assumptions, decisions};
 pub use reach::{Reach, doubt, is_given_its_specimen, measured_reach, reach, sure_reach, within_reach};
+pub use schema::Key;
 
 use crate::error::{Error, Result};
 use crate::model::Model;
