@@ -369,7 +369,7 @@ fn keys() -> String {
          is started. A key may stand in every kind of scene unless the last column names the kinds.\n",
     );
     let mut table = None;
-    for key in KEYS {
+    for key in KEYS.iter() {
         let (parent, name) = key.split();
         if table != Some(parent) {
             table = Some(parent);
