@@ -6,7 +6,7 @@ pub use campaign::{bench, point_test, reproduce, verify};
 #[cfg(feature = "gpu")]
 pub use engine::gpu;
 pub use engine::{
-    boundary, breakage, contact, coupling, dem, grains, material, math, mpm, neighbours, point_contacts, rigid, shape, with_law,
+    boundary, breakage, contact, coupling, dem, grains, material, math, mpm, neighbours, point_contacts, rigid, shape,
 };
 pub use laboratory::{error, gradation, interrupt, model, packing, record, rig, run, scene};
 pub use plot as figure;

@@ -5,7 +5,7 @@
 //! | room | what it holds |
 //! |---|---|
 //! | [`math`] | numbers side by side, vectors, portable functions, keyed random draws |
-//! | [`error`], [`material`], [`boundary`], [`grains`], [`shape`] | failures, constants of a material, walls, the grains' arrays, shapes of rigid bodies |
+//! | [`error`], [`parameter`], [`material`], [`boundary`], [`grains`], [`shape`] | failures, what laws ask of materials, constants of a material, walls, the grains' arrays, shapes of rigid bodies |
 //! | [`contact`], [`breakage`] | the laws of contact with their sweeps, the laws of breakage |
 //! | [`neighbours`] | lists of near pairs |
 //! | [`dem`] | one time step of grains, breakages in it, what is observed of it |
@@ -26,6 +26,7 @@ pub mod material;
 pub mod math;
 pub mod mpm;
 pub mod neighbours;
+pub mod parameter;
 pub mod point_contacts;
 pub mod rigid;
 pub mod shape;

@@ -1,5 +1,7 @@
 //! What is true of a grain material.
 
+use crate::parameter::Values;
+
 /// What is true of a grain material.
 #[derive(Clone, Debug)]
 pub struct Material {
@@ -11,13 +13,10 @@ pub struct Material {
     /// Young's modulus, Pa, and Poisson ratio. Used by the Hertzian laws and the Hertzian contact area.
     pub young: f64,
     pub poisson: f64,
-    /// K_eff of the linear law, Pa, and alpha_S = k_S / k_N (eq. 13).
-    pub k_eff: f64,
-    pub alpha_s: f64,
     /// Sliding friction mu = tan(phi) between grains of this material.
     pub friction: f64,
-    /// Coefficient of restitution (law `hertz_viscous`); 1 = no viscous damping.
-    pub restitution: f64,
+    /// What the run's contact law asks of the material ([`crate::contact::law::Law::PARAMETERS`]).
+    pub contact: Values,
     /// Rolling friction (torque limit mu_r R* F_n); 0 = none.
     pub rolling_friction: f64,
 }

@@ -2,7 +2,7 @@
 
 use crate::boundary::Wall;
 use crate::contact::ContactLaw;
-use crate::contact::law::{Pair, PairTable};
+use crate::contact::pair::{Pair, PairTable};
 use crate::material::Material;
 use serde::{Deserialize, Serialize};
 
@@ -89,8 +89,9 @@ impl GhostTable {
     /// `ghosts`: the material of the fines' grains for each law of the continuum; `walls`: those that points touch.
     pub fn new(law: ContactLaw, ghosts: &[u8], materials: &[Material], walls: &[Wall]) -> GhostTable {
         let ghost = |m: &u8| &materials[usize::from(*m)];
-        let of_law = |m: &u8| materials.iter().map(|other| Pair::between(law, other, ghost(m))).collect();
-        let on_wall = |w: &Wall| ghosts.iter().map(|m| PairTable::on_wall(law, ghost(m), w, materials)).collect();
+        let of_law = |m: &u8| materials.iter().map(|other| law.between(other, ghost(m))).collect();
+        let on_wall =
+            |w: &Wall| ghosts.iter().map(|m| PairTable::on_wall(law.table().coefficients, ghost(m), w, materials)).collect();
         GhostTable { law, grains: ghosts.iter().map(of_law).collect(), walls: walls.iter().map(on_wall).collect() }
     }
 

@@ -61,7 +61,7 @@ fn elastic_collisions_keep_energy() {
 /// An isolated heap flies apart with friction, spin and viscosity: forces are equal and opposite, torques add up.
 #[test]
 fn momentum_and_angular_momentum_are_kept() {
-    for law in ["hertz", "hertz_viscous", "linear"] {
+    for law in ["hertz", "hertz_viscous", "linear", "elasto_plastic"] {
         for rolling in [0.0, 0.2] {
             let stuff = Stuff { friction: 0.5, restitution: 0.6, ..STUFF };
             let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -75,7 +75,7 @@ fn momentum_and_angular_momentum_are_kept() {
                 })
                 .collect();
             let head = format!(
-                "contact.law = \"{law}\"\nmaterial.linear.K_eff_MPa = 3.0\nmaterial.contact.rolling_friction = {rolling:?}\nstepping.dt_s = 2e-6"
+                "contact.law = \"{law}\"\nmaterial.linear.K_eff_MPa = 3.0\nmaterial.contact.yield_pressure_MPa = 3.0\nmaterial.contact.rolling_friction = {rolling:?}\nstepping.dt_s = 2e-6"
             );
             let mut lab = Lab::new(&assembly_text(&head, &stuff, &balls, &[]));
             let (p0, l0, p_scale, l_scale) = momenta(&lab);

@@ -4,16 +4,16 @@ use crate::common::*;
 use std::f64::consts::PI;
 
 /// What is known of an impact once it is over.
-struct Impact {
-    overlap: f64,
-    force: f64,
-    duration: f64,
-    rebound: f64,
+pub struct Impact {
+    pub overlap: f64,
+    pub force: f64,
+    pub duration: f64,
+    pub rebound: f64,
 }
 
 /// Lets grain 0 fly into grain 1 (or, without, into the plane x = 0 from the left) and measures. Instants of touching and parting come from free
 /// flight, so that they are not bound to steps.
-fn impact(lab: &mut Lab, radii: [f64; 2], partner: bool) -> Impact {
+pub fn impact(lab: &mut Lab, radii: [f64; 2], partner: bool) -> Impact {
     let gap = |lab: &Lab| {
         if partner { lab.position(1)[0] - lab.position(0)[0] - radii[0] - radii[1] } else { -lab.position(0)[0] - radii[0] }
     };
@@ -45,14 +45,14 @@ const HERTZ: &str = "contact.law = \"hertz\"";
 const VISCOUS: &str = "contact.law = \"hertz_viscous\"";
 const LINEAR: &str = "contact.law = \"linear\"\nmaterial.linear.K_eff_MPa = 33.3";
 
-fn pair(stuff: &Stuff, radii: [f64; 2], speed: f64, dt: f64, law: &str) -> Lab {
+pub fn pair(stuff: &Stuff, radii: [f64; 2], speed: f64, dt: f64, law: &str) -> Lab {
     let ball = |x, radius, v| Ball { at: [x, 0.0, 0.0], radius, velocity: [v, 0.0, 0.0], ..Ball::default() };
     let gap = 0.5 * speed * dt;
     let balls = [ball(-radii[0] - 0.5 * gap, radii[0], 0.5 * speed), ball(radii[1] + 0.5 * gap, radii[1], -0.5 * speed)];
     Lab::new(&assembly_text(&format!("{law}\nstepping.dt_s = {dt:?}"), stuff, &balls, &[]))
 }
 
-fn on_wall(stuff: &Stuff, radius: f64, velocity: [f64; 3], spin: [f64; 3], friction: f64, dt: f64, law: &str) -> Lab {
+pub fn on_wall(stuff: &Stuff, radius: f64, velocity: [f64; 3], spin: [f64; 3], friction: f64, dt: f64, law: &str) -> Lab {
     let ball = Ball { at: [-radius - 0.5 * velocity[0] * dt, 0.0, 0.0], radius, velocity, spin, ..Ball::default() };
     let wall = Plane { normal: [-1.0, 0.0, 0.0], friction, ..Plane::default() };
     Lab::new(&assembly_text(&format!("{law}\nstepping.dt_s = {dt:?}"), stuff, &[ball], &[wall]))

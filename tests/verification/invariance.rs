@@ -38,7 +38,7 @@ fn history(law: &str, balls: &[Ball], wall: Option<[f64; 3]>, q: [f64; 4]) -> Ve
         .collect();
     let walls: Vec<Plane> = wall.iter().map(|n| Plane { normal: turned(q, *n), friction: 0.4, ..Plane::default() }).collect();
     let head = format!(
-        "contact.law = \"{law}\"\nmaterial.linear.K_eff_MPa = 1.0\nmaterial.contact.rolling_friction = 0.1\nstepping.dt_s = 2e-6"
+        "contact.law = \"{law}\"\nmaterial.linear.K_eff_MPa = 1.0\nmaterial.contact.yield_pressure_MPa = 1.0\nmaterial.contact.rolling_friction = 0.1\nstepping.dt_s = 2e-6"
     );
     let mut lab = Lab::new(&assembly_text(&head, &STUFF, &balls, &walls));
     lab.steps(STEPS);
@@ -60,7 +60,7 @@ fn same(law: &str, balls: &[Ball], wall: Option<[f64; 3]>, q: [f64; 4]) -> Resul
     Ok(())
 }
 
-const LAWS: [&str; 3] = ["hertz", "hertz_viscous", "linear"];
+const LAWS: [&str; 4] = ["hertz", "hertz_viscous", "linear", "elasto_plastic"];
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
@@ -68,7 +68,7 @@ proptest! {
     #[test]
     fn a_pair_turned_has_its_history_turned(
         q in unit::<4>(), line in unit::<3>(), v in vector(1.0), w1 in vector(100.0), w2 in vector(100.0),
-        r1 in 0.005..0.02f64, r2 in 0.005..0.02f64, law in 0usize..3,
+        r1 in 0.005..0.02f64, r2 in 0.005..0.02f64, law in 0usize..4,
     ) {
         let gap = r1 + r2 - 1e-4;
         let v = towards(v, line);
@@ -81,7 +81,7 @@ proptest! {
 
     #[test]
     fn a_grain_on_a_wall_turned_has_its_history_turned(
-        q in unit::<4>(), normal in unit::<3>(), v in vector(1.0), w in vector(100.0), r in 0.005..0.02f64, law in 0usize..3,
+        q in unit::<4>(), normal in unit::<3>(), v in vector(1.0), w in vector(100.0), r in 0.005..0.02f64, law in 0usize..4,
     ) {
         let v = towards(v, normal.map(|x| -x));
         let ball = Ball { at: normal.map(|x| x * (r - 5e-5)), radius: r, velocity: v, spin: w, ..Ball::default() };

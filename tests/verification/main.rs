@@ -13,3 +13,4 @@ mod lattice;
 mod mindlin;
 mod mirror;
 mod oedometer;
+mod yielding;

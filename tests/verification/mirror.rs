@@ -14,8 +14,12 @@ fn both(head: &str, friction: f64, velocity: [f64; 3], spin: [f64; 3], mirrored:
     (Lab::new(&assembly_text(&head, &stuff, &[grain], &[wall])), Lab::new(&assembly_text(&head, &stuff, &[grain, image], &[])))
 }
 
-const LAWS: [&str; 3] =
-    ["contact.law = \"hertz\"", "contact.law = \"hertz_viscous\"", "contact.law = \"linear\"\nmaterial.linear.K_eff_MPa = 3000.0"];
+const LAWS: [&str; 4] = [
+    "contact.law = \"hertz\"",
+    "contact.law = \"hertz_viscous\"",
+    "contact.law = \"linear\"\nmaterial.linear.K_eff_MPa = 3000.0",
+    "contact.law = \"elasto_plastic\"\nmaterial.contact.yield_pressure_MPa = 1000.0",
+];
 
 /// Mirrored motion, tangential velocity and spin included: both see no slip but the same normal motion, all along.
 #[test]

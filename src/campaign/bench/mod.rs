@@ -152,11 +152,9 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
         internal_porosity: 0.0,
         young: 0.8e9,
         poisson: 0.12,
-        k_eff: 0.8e9,
-        alpha_s: 0.25,
         friction: 0.35,
-        restitution: RESTITUTION,
         rolling_friction: 0.0,
+        contact: if law.is_hertzian() { [RESTITUTION, 0.0, 0.0, 0.0] } else { [0.8e9, 0.25, 0.0, 0.0] },
     };
     Model {
         name: format!("bench-{}-{grains}", case.name()),

@@ -4,9 +4,10 @@
 //! Signs: `normal` points from the first end to the second; forces are those on the first end; the relative velocity is that
 //! of the first end's surface against the second's; compression is positive overlap.
 
-use super::law::{Law, Pair};
+use super::law::Law;
+use super::pair::Pair;
 use super::pairs::ContactForce;
-use crate::contact::TangentialUnloading;
+use super::unloading::TangentialUnloading;
 use crate::math::real::Real;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 
@@ -78,7 +79,9 @@ pub struct ContactHistory<R = f64> {
     pub rolling: Option<[R; 3]>,
     /// Weighted load (Hertzian contact area).
     pub load: Option<R>,
-    /// Path, slip, viscous work of this step, J.
+    /// Largest overlap so far (laws that yield), m.
+    pub largest: Option<R>,
+    /// Path, slip, viscous work of this step, J; the third is what yielding takes of laws that yield.
     pub work: Option<[R; 3]>,
 }
 
@@ -121,7 +124,10 @@ pub fn touching<R: Real, L: Law, const LEDGER: bool, const EXTRA: bool>(
     let n = m.normal;
     let dt = rules.dt;
     let v = m.motion.slip(n, m.overlap);
-    let e = L::elastic(m.overlap, m.r_eff, pair);
+    // an overlap rises above what it has been, or the contact unloads or loads again
+    let before = old.largest.unwrap_or(m.overlap);
+    let largest = m.overlap.where_else(m.overlap.above(before), before);
+    let e = L::elastic(m.overlap, largest, m.r_eff, pair);
     let approach = dot(v, n);
     let slip = less(v, scaled(n, approach));
     let none = approach.constant(0.0);
@@ -137,24 +143,27 @@ pub fn touching<R: Real, L: Law, const LEDGER: bool, const EXTRA: bool>(
     let mut spring = carried(old.spring.unwrap_or(old.touch.tangential), m, dt);
     if EXTRA && rules.unloading == TangentialUnloading::Rescale {
         // a contact that begins has no tangential force to rescale
-        let before = old.touch.overlap;
-        let s = e.k_t / L::elastic(before, m.r_eff, pair).k_t;
-        spring = scaled(spring, s.where_else(before.above(m.overlap), s.constant(1.0)));
+        let past = old.touch.overlap;
+        let s = e.k_t / L::elastic(past, if L::PLASTIC { before } else { past }, m.r_eff, pair).k_t;
+        spring = scaled(spring, s.where_else(past.above(m.overlap), s.constant(1.0)));
     }
     spring = less(spring, scaled(slip, e.k_t * dt));
     let limit = pair.friction * normal_force.at_least(0.0);
     let (spring, slides, size) = capped(spring, limit);
 
     let mut t = spring;
-    let mut viscous_work = none;
+    let mut taken = none;
     if L::VISCOUS {
         // spring and dashpot together have the limit (Li et al. 2023, eq. 19); where the spring has it, it has all
         let d = scaled(slip, -(pair.viscous * (e.k_t * m.m_eff).sqrt()));
         let damped = capped(plus(spring, d), limit).0;
         t = std::array::from_fn(|a| spring[a].where_else(slides, damped[a]));
         if LEDGER {
-            viscous_work = ((normal_force - e.force) * approach - dot(less(t, spring), slip)) * dt;
+            taken = ((normal_force - e.force) * approach - dot(less(t, spring), slip)) * dt;
         }
+    }
+    if L::PLASTIC && LEDGER {
+        taken = L::dissipated(largest, m.r_eff, pair) - L::dissipated(before, m.r_eff, pair);
     }
     let touch = ContactForce { tangential: t, normal_force, normal: n, overlap: m.overlap };
     let weight = pair.e_eff / m.r_eff;
@@ -163,10 +172,11 @@ pub fn touching<R: Real, L: Law, const LEDGER: bool, const EXTRA: bool>(
         spring: old.spring.map(|_| spring),
         rolling: if EXTRA { old.rolling.map(|moment| rolled(m, pair, e.k_t, normal_force, dt, moment)) } else { None },
         load: if EXTRA { old.load.map(|_| normal_force * (weight * weight)) } else { None },
+        largest: if L::PLASTIC { Some(largest) } else { None },
         work: if LEDGER {
             let power = m.motion.power(&old.touch) + (dot(t, v) - normal_force * approach);
             let slip_work = limit * (size - limit) / e.k_t;
-            Some([power * -0.5 * dt, slip_work.where_else(slides, none), viscous_work])
+            Some([power * -0.5 * dt, slip_work.where_else(slides, none), taken])
         } else {
             None
         },
@@ -195,6 +205,7 @@ pub fn apart<const LEDGER: bool>(motion: impl Fn() -> RelativeMotion, dt: f64, o
         spring: old.spring.map(|_| [0.0; 3]),
         rolling: old.rolling.map(|_| [0.0; 3]),
         load: old.load.map(|_| 0.0),
+        largest: old.largest.map(|_| 0.0),
         work: LEDGER.then_some([path, 0.0, 0.0]),
     }
 }
@@ -202,20 +213,27 @@ pub fn apart<const LEDGER: bool>(motion: impl Fn() -> RelativeMotion, dt: f64, o
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::law::{HertzViscous, viscous_coefficient};
+    use crate::contact::law::{Coefficients, HertzViscous, viscous_coefficient};
 
     /// The dashpot alone, in the first step of a contact that slips fast, would be many times the limit (Li et al. 2023, eq. 19).
     #[test]
     fn spring_and_dashpot_together_slide() {
         let none = [0.0; 3];
-        let pair = Pair { a: 4.4e7, b: 1e8, friction: 0.3, viscous: viscous_coefficient(0.3), rolling: 0.0, e_eff: 0.0 };
+        let viscous = viscous_coefficient(0.3);
+        let pair = Pair::of(&Coefficients { normal: 4.4e7, tangential: 1e8, viscous, yield_overlap: 0.0 }, 0.3, 0.0, 0.0);
         let rules = Rules { dt: 1e-5, unloading: TangentialUnloading::Keep, task: 1, arch: pulp::Arch::Scalar };
         let mut touch = ContactForce::default();
         for slip in [0.3, 3.0, 1e-7] {
             let motion = RelativeMotion { centres: [slip, 0.0, 0.0], turning: none, mean_spin: none, spin_difference: none };
             let meeting = ContactGeometry { normal: [0.0, 0.0, 1.0], overlap: 1e-5, r_eff: 0.01, m_eff: 0.03, motion };
-            let old =
-                ContactHistory { touch: ContactForce::default(), spring: Some(none), rolling: None, load: None, work: Some(none) };
+            let old = ContactHistory {
+                touch: ContactForce::default(),
+                spring: Some(none),
+                rolling: None,
+                load: None,
+                largest: None,
+                work: Some(none),
+            };
             let new = touching::<f64, HertzViscous, true, true>(&meeting, &pair, &rules, &old);
             touch = new.touch;
             let (size, limit) = (dot(touch.tangential, touch.tangential).sqrt(), 0.3 * touch.normal_force);

@@ -121,6 +121,8 @@ pub struct Kept {
     pub spring: bool,
     /// With the Hertzian contact area.
     pub load: bool,
+    /// With a law that yields.
+    pub largest: bool,
 }
 
 /// Pairs of grains, or of a grain and a wall (the second end is then the wall's index).
@@ -137,6 +139,8 @@ pub struct Pairs {
     pub spring: Column<[f64; 3]>,
     /// Normal force times the area model's weight, where that is not 1: compared with the limits of both grains.
     pub load: Column<f64>,
+    /// Largest overlap so far, m, of contacts that yield.
+    pub largest: Column<f64>,
     free: Vec<u32>,
 }
 
@@ -147,6 +151,7 @@ impl Pairs {
             rolling: Column::new(kept.rolling),
             spring: Column::new(kept.spring),
             load: Column::new(kept.load),
+            largest: Column::new(kept.largest),
             ..Pairs::default()
         }
     }
@@ -161,13 +166,25 @@ impl Pairs {
 
     /// Which columns there are.
     pub fn kept(&self) -> Kept {
-        Kept { work: self.work.kept, rolling: self.rolling.kept, spring: self.spring.kept, load: self.load.kept }
+        Kept {
+            work: self.work.kept,
+            rolling: self.rolling.kept,
+            spring: self.spring.kept,
+            load: self.load.kept,
+            largest: self.largest.kept,
+        }
     }
 
     /// The load that counts for breakage.
     #[inline(always)]
     pub fn load(&self, slot: usize) -> f64 {
         if self.load.is_empty() { self.touch[slot].normal_force } else { self.load[slot] }
+    }
+
+    /// Largest overlap so far, m, of a contact whose overlap is now `overlap`.
+    #[inline(always)]
+    pub fn largest(&self, slot: usize, overlap: f64) -> f64 {
+        if self.largest.is_empty() { overlap } else { self.largest[slot].max(overlap) }
     }
 
     /// Tangential spring force on the first end, N.
@@ -189,6 +206,7 @@ impl Pairs {
         self.rolling.push();
         self.spring.push();
         self.load.push();
+        self.largest.push();
         self.ends.len() as u32 - 1
     }
 
@@ -203,6 +221,7 @@ impl Pairs {
             self.rolling.reserve(more);
             self.spring.reserve(more);
             self.load.reserve(more);
+            self.largest.reserve(more);
         }
     }
 
@@ -215,6 +234,7 @@ impl Pairs {
         self.rolling.clear(s);
         self.spring.clear(s);
         self.load.clear(s);
+        self.largest.clear(s);
         self.free.push(slot);
     }
 
@@ -231,6 +251,7 @@ impl Pairs {
         self.rolling.permute(order);
         self.spring.permute(order);
         self.load.permute(order);
+        self.largest.permute(order);
         self.free.clear();
     }
 
@@ -242,6 +263,7 @@ impl Pairs {
             + self.rolling.bytes()
             + self.spring.bytes()
             + self.load.bytes()
+            + self.largest.bytes()
             + self.free.capacity() * 4
     }
 }

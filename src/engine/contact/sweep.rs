@@ -1,33 +1,28 @@
 //! The sweep over contacts between grains: every pair's geometry, then its force, as many at once as the processor has lanes. Parallel over
 //! slots; each slot writes only itself and reads the grains, so no result depends on threads or on the order of slots.
 
+use super::chunk::{Chunk, Slots, for_each_chunk};
 use super::force::{self, ContactGeometry, RelativeMotion, Rules};
-use super::law::{Law, Pair, PairTable};
+use super::law::Law;
+use super::pair::{Pair, PairTable};
 use super::pairs::{FREE, Pairs};
-use super::part::{Part, Slots, for_each_part};
-use crate::contact::{ContactModel, TangentialUnloading};
+use super::unloading::TangentialUnloading;
 use crate::grains::{Grains, stiffness_radius};
 use crate::math::real::{Lanes, Real};
 use crate::math::vector::{dot, less, plus, scaled};
-use crate::with_law;
 use pulp::{Simd, WithSimd};
 use std::marker::PhantomData;
 
-/// Contacts of grains with grains.
-pub fn grains(contact: &ContactModel, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs, slots: Slots<'_>) {
-    let ledger = pairs.kept().work;
-    let extra = needs_extra(contact, pairs, rules, table.materials());
-    with_law!(contact.law, L => match (ledger, extra) {
+/// Contacts of grains with grains under the law `L`; `rolling`: whether any material has rolling friction.
+pub fn grains<L: Law>(rolling: bool, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs, slots: Slots<'_>) {
+    // whether the contacts need more than one material's normal and tangential law with a kept tangential force
+    let extra = rolling || rules.unloading == TangentialUnloading::Rescale || pairs.kept().load || table.materials() > 1;
+    match (pairs.kept().work, extra) {
         (false, false) => sweep_grains::<L, false, false>(table, rules, g, pairs, slots),
         (true, false) => sweep_grains::<L, true, false>(table, rules, g, pairs, slots),
         (false, true) => sweep_grains::<L, false, true>(table, rules, g, pairs, slots),
         (true, true) => sweep_grains::<L, true, true>(table, rules, g, pairs, slots),
-    })
-}
-
-/// Whether the contacts need more than one material's normal and tangential law with a kept tangential force.
-fn needs_extra(contact: &ContactModel, pairs: &Pairs, rules: &Rules, materials: usize) -> bool {
-    contact.rolling || rules.unloading == TangentialUnloading::Rescale || pairs.kept().load || materials > 1
+    }
 }
 
 fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(
@@ -37,7 +32,7 @@ fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(
     pairs: &mut Pairs,
     slots: Slots<'_>,
 ) {
-    for_each_part(pairs, slots, rules.task, |part| {
+    for_each_chunk(pairs, slots, rules.task, |part| {
         rules.arch.dispatch(Sweep::<L, LEDGER, EXTRA> { table, rules, g, part, law: PhantomData });
     });
 }
@@ -47,7 +42,7 @@ struct Sweep<'a, L, const LEDGER: bool, const EXTRA: bool> {
     table: &'a PairTable,
     rules: &'a Rules,
     g: &'a Grains,
-    part: Part<'a>,
+    part: Chunk<'a>,
     law: PhantomData<L>,
 }
 

@@ -1,25 +1,23 @@
 //! The sweep over contacts with walls. Most of those listed do not touch: those that do are collected until they fill the lanes.
 
-use super::ContactLaw;
+use super::chunk::{Chunk, Slots, for_each_chunk};
 use super::force::{self, ContactGeometry, RelativeMotion, Rules};
-use super::law::{Law, PairTable};
+use super::law::Law;
+use super::pair::PairTable;
 use super::pairs::{FREE, Pairs};
-use super::part::{Part, Slots, for_each_part};
 use crate::boundary::Wall;
 use crate::grains::{Grains, stiffness_radius};
 use crate::math::real::{Lanes, MOST_LANES, Real};
 use crate::math::vector::{plus, scaled};
-use crate::with_law;
 use pulp::{Simd, WithSimd};
 use std::marker::PhantomData;
 
-/// All contacts of grains with walls.
-pub fn walls(law: ContactLaw, table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
-    let ledger = pairs.kept().work;
-    with_law!(law, L => match ledger {
+/// All contacts of grains with walls under the law `L`.
+pub fn walls<L: Law>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
+    match pairs.kept().work {
         false => sweep_walls::<L, false>(table, rules, g, walls, pairs),
         true => sweep_walls::<L, true>(table, rules, g, walls, pairs),
-    })
+    }
 }
 
 /// RelativeMotion of grain i against a wall that moves against `normal` (into the grains) with `speed`.
@@ -40,7 +38,7 @@ fn relative_to_wall<R: Real>(v: [R; 4], w: [R; 4], r: R, normal: [R; 3], speed: 
 }
 
 fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
-    for_each_part(pairs, Slots::All, rules.task, |part| {
+    for_each_chunk(pairs, Slots::All, rules.task, |part| {
         rules.arch.dispatch(WallSweep::<L, LEDGER> { table, rules, g, walls, part, law: PhantomData });
     });
 }
@@ -51,7 +49,7 @@ struct WallSweep<'a, L, const LEDGER: bool> {
     rules: &'a Rules,
     g: &'a Grains,
     walls: &'a [Wall],
-    part: Part<'a>,
+    part: Chunk<'a>,
     law: PhantomData<L>,
 }
 

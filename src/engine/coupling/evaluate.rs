@@ -4,14 +4,15 @@ use super::{Body, Ghost, Ghosts};
 use crate::boundary::Wall;
 use crate::contact::TangentialUnloading;
 use crate::contact::force::{self, ContactGeometry, ContactHistory, RelativeMotion, Rules};
-use crate::contact::law::{Law, Pair, PairTable};
+use crate::contact::law::Law;
+use crate::contact::pair::{Pair, PairTable};
 use crate::contact::pairs::ContactForce;
+use crate::contact::registry::with_law;
 use crate::grains::Grains;
 use crate::math::real::{Lanes, MOST_LANES, arch};
 use crate::math::vector::{dot, less, scaled};
 use crate::mpm::Continuum;
 use crate::point_contacts::GhostTable;
-use crate::with_law;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use std::marker::PhantomData;
@@ -128,7 +129,7 @@ impl<L: Law> Sweep<'_, L> {
         let ghost = &mut self.part[at];
         let pair = self.scene.pair(ghost);
         let new = force::touching::<f64, L, false, true>(&meeting, pair, self.rules, &ghost.memory::<L>());
-        let e = L::elastic(meeting.overlap, meeting.r_eff, pair);
+        let e = L::elastic(meeting.overlap, meeting.overlap, meeting.r_eff, pair);
         ghost.stiffness = [e.k_n, e.k_t];
         ghost.keep(new);
     }
@@ -157,7 +158,7 @@ impl<L: Law> Sweep<'_, L> {
         } else {
             None
         };
-        let old = ContactHistory { touch, spring, rolling: None, load: None, work: None };
+        let old = ContactHistory { touch, spring, rolling: None, load: None, largest: None, work: None };
         let new = force::touching::<Lanes<S>, L, false, true>(&meeting, &pair, self.rules, &old);
         let ContactForce { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = new.touch;
         Lanes::rows(simd, [x, y, z, normal_force], |k, row| part[at(k)].touch.set_first(row));
@@ -165,7 +166,7 @@ impl<L: Law> Sweep<'_, L> {
         if let Some([x, y, z]) = new.spring {
             Lanes::rows(simd, [x, y, z, x], |k, [x, y, z, _]| part[at(k)].spring = [x, y, z]);
         }
-        let e = L::elastic(meeting.overlap, meeting.r_eff, &pair);
+        let e = L::elastic(meeting.overlap, meeting.overlap, meeting.r_eff, &pair);
         Lanes::rows(simd, [e.k_n, e.k_t, e.k_n, e.k_t], |k, [k_n, k_t, ..]| part[at(k)].stiffness = [k_n, k_t]);
     }
 }
@@ -224,7 +225,14 @@ impl Scene<'_> {
 impl Ghost {
     #[inline(always)]
     fn memory<L: Law>(&self) -> ContactHistory {
-        ContactHistory { touch: self.touch, spring: L::VISCOUS.then_some(self.spring), rolling: None, load: None, work: None }
+        ContactHistory {
+            touch: self.touch,
+            spring: L::VISCOUS.then_some(self.spring),
+            rolling: None,
+            load: None,
+            largest: None,
+            work: None,
+        }
     }
 
     #[inline(always)]

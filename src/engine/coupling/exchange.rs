@@ -2,11 +2,10 @@
 
 use super::{Body, Ghost, Mixture};
 use crate::contact::ContactLaw;
-use crate::contact::law::{Pair, PairTable};
+use crate::contact::pair::{Pair, PairTable};
 use crate::contact::pairs::{ContactForce, FREE, Kept, Pairs};
 use crate::contact::sweep::r_eff;
 use crate::dem::physics::Physics;
-use crate::dem::stability::elastic;
 use crate::mpm::platen::ghost_radius;
 use crate::mpm::{Continuum, Dimension};
 use crate::point_contacts::GhostTable;
@@ -33,7 +32,7 @@ pub struct Contacts {
 
 /// Tangential over normal stiffness of a pair.
 fn ratio(law: ContactLaw, pair: &Pair) -> f64 {
-    pair.b / if law.is_linear() { pair.a } else { 1.5 * pair.a }
+    pair.tangential_stiffness / if law.is_hertzian() { 1.5 * pair.normal_stiffness } else { pair.normal_stiffness }
 }
 
 impl Mixture {
@@ -48,7 +47,7 @@ impl Mixture {
             let touching = |s: &usize| pairs.ends[*s][0] != FREE && pairs.touch[*s].overlap > 0.0;
             let contact = |s: usize| {
                 let (touch, (r_eff, pair)) = (pairs.touch[s], of_pair(pairs.ends[s].map(|i| i as usize)));
-                let stiffness = elastic(physics, touch.overlap, r_eff, &pair).k_n;
+                let stiffness = physics.contact.law.elastic(touch.overlap, touch.overlap, r_eff, &pair).k_n;
                 Contact { ends: ends(pairs.ends[s]), touch, spring: pairs.spring(s), stiffness }
             };
             (0..pairs.slots()).filter(touching).map(contact).collect()
@@ -89,10 +88,8 @@ impl Mixture {
         };
         let (mut pairs, mut wall_pairs) = (fill(&contacts.grains, false), fill(&contacts.walls, true));
         if kept.load {
-            let (g, materials) = (
-                &self.grains.grains,
-                PairTable::new(physics.contact.law, &physics.materials, &self.grains.walls, self.grains.friction),
-            );
+            let (g, materials) =
+                (&self.grains.grains, physics.contact.law.pairs(&physics.materials, &self.grains.walls, self.grains.friction));
             let weigh = |pairs: &mut Pairs, r_eff: &dyn Fn([usize; 2]) -> f64, pair: &dyn Fn([usize; 2]) -> Pair| {
                 for s in 0..pairs.slots() {
                     let ends = pairs.ends[s].map(|i| i as usize);

@@ -121,7 +121,7 @@ pub struct Parts<'a> {
 
 impl Mixture {
     pub fn new(physics: &Physics, grains: State, continuum: &mut Continuum, fines: Option<Rule>) -> Mixture {
-        let energy = if physics.contact.law.is_linear() { 0.5 } else { 0.4 };
+        let energy = if physics.contact.law.is_hertzian() { 0.4 } else { 0.5 };
         continuum.keep_carried();
         let cycle = Cycle { time: 0.0, rates: Rates { grains: 1, continuum: 1 } };
         Mixture {

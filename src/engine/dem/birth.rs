@@ -14,11 +14,11 @@
 //! ([`crate::dem::ledger::Ledger`]). The latter push neighbours only: the mother's contacts were nearly in balance, so they bring little momentum. A neighbour that breaks drops hers.
 
 use crate::boundary::Wall;
-use crate::contact::law::PairTable;
+use crate::contact::pair::PairTable;
 use crate::contact::pairs::Pairs;
 use crate::contact::sweep;
+use crate::dem::State;
 use crate::dem::physics::Physics;
-use crate::dem::{State, stability};
 use crate::grains::Grains;
 use crate::math::vector::{dot, plus, scaled};
 use crate::neighbours::Neighbours;
@@ -59,6 +59,8 @@ struct Fading {
     velocity: [f64; 3],
     /// Radius, m, that sets her stiffness.
     stiffness_radius: f64,
+    /// Largest overlap of the contact, m.
+    largest: f64,
     /// Steps left, of how many.
     left: u32,
     of: u32,
@@ -146,6 +148,7 @@ impl Aftermath {
                 place: g.pos[m],
                 velocity: [u, v, w],
                 stiffness_radius: g.stiffness_radius(m),
+                largest: pairs.largest(e.slot(), pairs.touch[e.slot()].overlap),
                 left: steps,
                 of: steps,
                 force: [0.0; 3],
@@ -165,7 +168,8 @@ impl Aftermath {
             (x.force, x.stiffness) = ([0.0; 3], 0.0);
             if overlap > 0.0 && distance > 0.0 {
                 let r_eff = sweep::r_eff(x.stiffness_radius, g.stiffness_radius(i));
-                let elastic = stability::elastic(physics, overlap, r_eff, table.grains(x.material, g.material[i]));
+                let elastic =
+                    physics.contact.law.elastic(overlap, x.largest.max(overlap), r_eff, table.grains(x.material, g.material[i]));
                 let share = f64::from(x.left) / f64::from(x.of);
                 x.force = scaled(d, share * elastic.force / distance);
                 x.stiffness = share * elastic.k_n;

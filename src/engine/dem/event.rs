@@ -5,8 +5,7 @@
 
 use super::birth::Obstacles;
 use crate::breakage::{Birth, CrushModel};
-use crate::contact::ContactLaw;
-use crate::contact::law::PairTable;
+use crate::contact::pair::PairTable;
 use crate::contact::{sweep, wall_sweep};
 use crate::dem::observables;
 use crate::dem::physics::Physics;
@@ -141,7 +140,10 @@ fn judge(
         (touch, dot(less(arriving(a as usize), arriving(b as usize)), touch.normal))
     };
     let overlap = (touch.overlap - approach * state.dt).max(0.0);
-    let elastic = |overlap: f64| if overlap > 0.0 { stability::elastic(physics, overlap, r_eff, pair).force } else { 0.0 };
+    let pool = if e.is_wall() { &state.wall_pairs } else { &state.pairs };
+    let law = physics.contact.law;
+    let elastic =
+        |overlap: f64| if overlap > 0.0 { law.elastic(overlap, pool.largest(slot, overlap), r_eff, pair).force } else { 0.0 };
     Verdict {
         grain: i,
         axis: observables::normal(state, slot, e.is_wall()),
@@ -315,7 +317,7 @@ fn place(
     let c = cross([mother.spin[0], mother.spin[1], mother.spin[2]], arm);
     g.vel[i] = [mother.vel[0] + c[0], mother.vel[1] + c[1], mother.vel[2] + c[2], 1.0 / g.mass[i]];
     g.spin[i] = mother.spin;
-    if physics.contact.law == ContactLaw::LinearInherited {
+    if physics.contact.law.table().inherited {
         let sized = stiffness_radius(mother.pos, mother.spin);
         g.spin[i][3] = (sized - radius) / radius;
     }
@@ -352,7 +354,7 @@ fn kinetic_energy(state: &State, i: usize) -> f64 {
 fn energy_around(physics: &Physics, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> f64 {
     let mut sum = 0.0;
     stability::overlaps(i, state, neighbours, table, |o| {
-        let elastic = stability::elastic(physics, o.depth, o.r_eff, o.pair);
+        let elastic = o.elastic(physics.contact.law);
         sum += elastic.energy + observables::tangential_energy(o.spring, elastic.k_t);
     });
     sum

@@ -2,8 +2,8 @@
 //! limit, gets local damping and gravity, is kicked and drifted. Parallel over grains; each writes only itself.
 
 use super::{State, Work};
+use crate::contact::chunk::few;
 use crate::contact::pairs::{ContactForce, Pairs};
-use crate::contact::part::few;
 use crate::dem::physics::Physics;
 #[cfg(target_arch = "x86_64")]
 use crate::math::real::Quad;

@@ -21,15 +21,13 @@ pub mod stability;
 
 use crate::boundary::Wall;
 use crate::breakage::criterion::AreaModel;
+use crate::contact::chunk::{self, Slots};
 use crate::contact::force::Rules;
-use crate::contact::law::{Law, PairTable};
+use crate::contact::pair::PairTable;
 use crate::contact::pairs::{FREE, Kept, Pairs};
-use crate::contact::part::{self, Slots};
-use crate::contact::{sweep, wall_sweep};
 use crate::grains::Grains;
 use crate::math::vector::dot;
 use crate::neighbours::{Neighbours, Pools, flagged};
-use crate::with_law;
 use birth::Aftermath;
 use event::Breakage;
 use ledger::Ledger;
@@ -106,7 +104,7 @@ impl Work {
         let neighbours = Neighbours::new(grains, walls, &mut Pools { pairs, wall_pairs }, physics.stepping.skin);
         Work {
             neighbours,
-            table: PairTable::new(physics.contact.law, &physics.materials, walls, state.friction),
+            table: physics.contact.law.pairs(&physics.materials, walls, state.friction),
             moved: Vec::new(),
             failing: Vec::new(),
             parted: Vec::new(),
@@ -118,7 +116,7 @@ impl Work {
             table_friction: state.friction,
             births_since_reorder: 0,
             rebuild_always: false,
-            task: part::TASK,
+            task: chunk::TASK,
             arch: crate::math::real::arch(),
             clock: None,
         }
@@ -148,7 +146,8 @@ impl State {
         let kept = Kept {
             work: energy,
             rolling: physics.contact.rolling,
-            spring: with_law!(physics.contact.law, L => L::VISCOUS),
+            spring: physics.contact.law.is_viscous(),
+            largest: physics.contact.law.table().plastic,
             load: physics.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz),
         };
         State {
@@ -270,7 +269,7 @@ impl Drop for Ends<'_> {
 
 /// Whether a step is too small for threads to bring anything.
 fn small(state: &State, work: &Work) -> bool {
-    part::few(state.pairs.slots(), work.task)
+    chunk::few(state.pairs.slots(), work.task)
 }
 
 /// Grains in space order again once many were born or moved about.
@@ -293,7 +292,7 @@ fn search(lists: &mut Neighbours, moved: &mut Vec<u32>, all: bool, grains: &Grai
 /// Forces of all contacts at the present positions, the walls' reactions, and, when due, inertia or time step.
 pub fn contacts(physics: &Physics, state: &mut State, work: &mut Work) {
     if work.table_friction != state.friction {
-        work.table = PairTable::new(physics.contact.law, &physics.materials, &state.walls, state.friction);
+        work.table = physics.contact.law.pairs(&physics.materials, &state.walls, state.friction);
         work.table_friction = state.friction;
     }
     if state.dt == 0.0 {
@@ -306,11 +305,13 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Work) {
     let Work { table, neighbours, begun, moved, rebuild_always, .. } = work;
     let table = &*table;
     // the lists change only what does not touch, which the sweep of contacts leaves alone
-    let mut sweep = || sweep::grains(&physics.contact, table, &rules, grains, pairs, Slots::All);
+    let laws = physics.contact.law.table();
+    let rolling = physics.contact.rolling;
+    let mut sweep = || (laws.sweep_grains)(rolling, table, &rules, grains, pairs, Slots::All);
     let mut lists = || {
         search(neighbours, moved, *rebuild_always, grains, walls, wall_pairs);
         neighbours.activate_contacts(&grains.pos, 4 * task);
-        wall_sweep::walls(physics.contact.law, table, &rules, grains, walls, wall_pairs);
+        (laws.sweep_walls)(table, &rules, grains, walls, wall_pairs);
     };
     if small {
         (sweep(), lists())
@@ -319,7 +320,7 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Work) {
     };
     on_one_thread(small, || {
         neighbours.join(grains, pairs, begun);
-        sweep::grains(&physics.contact, table, &rules, grains, pairs, Slots::These(begun));
+        (laws.sweep_grains)(rolling, table, &rules, grains, pairs, Slots::These(begun));
         reactions(physics, table, &rules, grains, walls, wall_pairs, neighbours);
     });
     state.aftermath.compute_forces(physics, &state.grains, &work.table);
@@ -350,7 +351,11 @@ fn reactions(
                 sum -= dot(force, n);
                 shear -= force[2] - dot(force, n) * n[2];
                 let pair = table.wall(k, grains.material[i]);
-                stiffness += stability::elastic(physics, touch.overlap, grains.pos[i][3], pair).k_n;
+                stiffness += physics
+                    .contact
+                    .law
+                    .elastic(touch.overlap, pairs.largest(slot as usize, touch.overlap), grains.pos[i][3], pair)
+                    .k_n;
             }
         }
         wall.work += 0.5 * (wall.reaction + sum) * wall.speed * rules.dt;

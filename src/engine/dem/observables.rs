@@ -3,7 +3,7 @@
 use crate::contact::fabric::Fabric;
 use crate::contact::sweep::{difference, r_eff};
 use crate::dem::physics::Physics;
-use crate::dem::{State, Work, gather, stability};
+use crate::dem::{State, Work, gather};
 use crate::grains::sphere_volume;
 use crate::math::vector::dot;
 use std::f64::consts::PI;
@@ -173,17 +173,17 @@ pub fn normal_force(state: &State, slot: usize, wall: bool) -> f64 {
 }
 
 /// R* of a slot and its pair law.
-pub fn pair_of<'a>(state: &State, work: &'a Work, slot: usize, wall: bool) -> (f64, &'a crate::contact::law::Pair) {
+pub fn pair_of<'a>(state: &State, work: &'a Work, slot: usize, wall: bool) -> (f64, &'a crate::contact::pair::Pair) {
     pair_from(state, &work.table, slot, wall)
 }
 
 /// As [`pair_of`], from the table.
 pub fn pair_from<'a>(
     state: &State,
-    table: &'a crate::contact::law::PairTable,
+    table: &'a crate::contact::pair::PairTable,
     slot: usize,
     wall: bool,
-) -> (f64, &'a crate::contact::law::Pair) {
+) -> (f64, &'a crate::contact::pair::Pair) {
     let g = &state.grains;
     if wall {
         let [i, k] = state.wall_pairs.ends[slot];
@@ -199,7 +199,7 @@ pub fn pair_from<'a>(
 pub fn stored(physics: &Physics, state: &State, work: &Work, slot: usize, wall: bool) -> f64 {
     let pool = if wall { &state.wall_pairs } else { &state.pairs };
     let (r_eff, pair) = pair_of(state, work, slot, wall);
-    let e = stability::elastic(physics, pool.touch[slot].overlap, r_eff, pair);
+    let e = physics.contact.law.elastic(pool.touch[slot].overlap, pool.largest(slot, pool.touch[slot].overlap), r_eff, pair);
     e.energy + tangential_energy(pool.spring(slot), e.k_t)
 }
 

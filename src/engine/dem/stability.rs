@@ -10,20 +10,14 @@
 
 use super::{State, Work};
 use crate::contact::ContactLaw;
-use crate::contact::law::{Elastic, Law, Pair, PairTable};
+use crate::contact::law::Elastic;
+use crate::contact::pair::{Pair, PairTable};
 use crate::contact::sweep::{difference, r_eff};
 use crate::dem::physics::Physics;
 use crate::grains::{Grains, sphere_volume};
 use crate::math::vector::dot;
 use crate::neighbours::Neighbours;
-use crate::with_law;
 use rayon::prelude::*;
-
-/// Elastic answer of the run's law.
-#[inline]
-pub fn elastic(physics: &Physics, overlap: f64, r_eff: f64, pair: &Pair) -> Elastic {
-    with_law!(physics.contact.law, L => L::elastic(overlap, r_eff, pair))
-}
 
 fn share(e: &Elastic) -> f64 {
     (2.0 * e.k_n).max(7.0 * e.k_t)
@@ -32,11 +26,20 @@ fn share(e: &Elastic) -> f64 {
 /// What grain `i` overlaps at the present positions.
 pub struct Overlap<'a> {
     pub depth: f64,
+    /// Largest depth so far, m.
+    pub largest: f64,
     /// R*, m.
     pub r_eff: f64,
     pub pair: &'a Pair,
     /// Tangential spring force of the contact, N; zero where the next sweep will find the two in contact for the first time.
     pub spring: [f64; 3],
+}
+
+impl Overlap<'_> {
+    /// Force, stiffness and energy of the contact under the run's law.
+    pub fn elastic(&self, law: ContactLaw) -> Elastic {
+        law.elastic(self.depth, self.largest, self.r_eff, self.pair)
+    }
 }
 
 /// Calls `visit` with all that grain `i` overlaps at the present positions, in the order of ids, walls last.
@@ -48,9 +51,13 @@ pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a
         let d = difference(p, q);
         let depth = p[3] + q[3] - dot(d, d).sqrt();
         if depth > 0.0 {
-            let spring = if e.link.is_apart() { [0.0; 3] } else { state.pairs.spring(e.slot()) };
+            let (spring, largest) = match e.link.is_apart() {
+                true => ([0.0; 3], depth),
+                false => (state.pairs.spring(e.slot()), state.pairs.largest(e.slot(), depth)),
+            };
             visit(Overlap {
                 depth,
+                largest,
                 r_eff: r_eff(g.stiffness_radius(i), g.stiffness_radius(j)),
                 pair: table.grains(g.material[i], g.material[j]),
                 spring,
@@ -61,7 +68,8 @@ pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a
         let (_, gap) = state.walls[e.wall_index()].shape.towards(p);
         if gap < 0.0 {
             let pair = table.wall(e.wall_index(), g.material[i]);
-            visit(Overlap { depth: -gap, r_eff: g.stiffness_radius(i), pair, spring: state.wall_pairs.spring(e.slot()) });
+            let (spring, largest) = (state.wall_pairs.spring(e.slot()), state.wall_pairs.largest(e.slot(), -gap));
+            visit(Overlap { depth: -gap, largest, r_eff: g.stiffness_radius(i), pair, spring });
         }
     }
 }
@@ -69,7 +77,7 @@ pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a
 /// Σ max(2 k_n, 7 k_t) over the contacts of grain `i`, from current overlaps, N/m.
 fn stiffness(i: usize, physics: &Physics, state: &State, neighbours: &Neighbours, table: &PairTable) -> f64 {
     let mut sum = 0.0;
-    overlaps(i, state, neighbours, table, |o| sum += share(&elastic(physics, o.depth, o.r_eff, o.pair)));
+    overlaps(i, state, neighbours, table, |o| sum += share(&o.elastic(physics.contact.law)));
     sum + 2.0 * state.aftermath.stiffness(i)
 }
 
@@ -79,7 +87,9 @@ fn stiffness_at_rest(i: usize, physics: &Physics, g: &Grains, stress: f64, table
     let pair = table.grains(g.material[i], g.material[i]);
     let r_eff = 0.5 * g.stiffness_radius(i);
     let force = stress * std::f64::consts::PI * r * r;
-    2.0 * share(&elastic(physics, pair.depth(physics.contact.law, r_eff, force), r_eff, pair))
+    let law = physics.contact.law;
+    let overlap = law.overlap_under(force, r_eff, pair);
+    2.0 * share(&law.elastic(overlap, overlap, r_eff, pair))
 }
 
 /// Inertia for which the step is stable under stiffness `k`, kg (time in steps). Local damping α adds up to α |F| to a force, as
@@ -131,14 +141,7 @@ pub fn rayleigh_of(physics: &Physics, grains: impl IntoIterator<Item = (f64, u8)
 
 /// Step, s, of a grain by itself: Rayleigh's, or that of a free oscillation.
 fn free_step(physics: &Physics, material: u8, mass: f64, r: f64, stiffness_radius: f64) -> f64 {
-    let m = &physics.materials[material as usize];
-    match physics.contact.law {
-        ContactLaw::Linear | ContactLaw::LinearInherited => (mass / (4.0 * m.k_eff * stiffness_radius)).sqrt(),
-        _ => {
-            let shear = m.young / (2.0 * (1.0 + m.poisson));
-            std::f64::consts::PI * r * (m.density / shear).sqrt() / (0.163 * m.poisson + 0.877)
-        }
-    }
+    (physics.contact.law.table().free_step)(&physics.materials[material as usize], mass, r, stiffness_radius)
 }
 
 /// Restitution from which on dashpots are resolved by the step of an elastic impact.
@@ -147,10 +150,8 @@ const LIVELY: f64 = 0.8;
 /// Share of the step of an elastic impact that resolves the dashpots, whose force comes from velocities half a step old: that makes an error in proportion to the
 /// step and, relative to what is left of the speed, to 1/e. With this share restitutions are within 1 % from 0.05 on (`tests/verification/impact.rs`).
 fn resolved(physics: &Physics) -> f64 {
-    if !physics.contact.law.is_viscous() {
-        return 1.0;
-    }
-    physics.materials.iter().map(|m| (m.restitution / LIVELY).min(1.0)).fold(1.0, f64::min)
+    let restitution = physics.contact.law.table().restitution;
+    physics.materials.iter().map(|m| (restitution(&m.contact) / LIVELY).min(1.0)).fold(1.0, f64::min)
 }
 
 /// Looks at inertia (scaled runs) or the time step (unscaled) again.

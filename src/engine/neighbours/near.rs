@@ -1,8 +1,8 @@
 //! Pairs that are near enough to touch soon but do not touch: their ends and nothing else, since in a crushed assembly they outnumber the
 //! contacts by far.
 
+use crate::contact::chunk::few;
 use crate::contact::pairs::FREE;
-use crate::contact::part::few;
 use crate::contact::sweep::difference;
 use crate::math::vector::dot;
 use rayon::prelude::*;

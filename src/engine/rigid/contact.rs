@@ -3,14 +3,15 @@
 use super::{Block, Blocks, Pose};
 use crate::boundary::Wall;
 use crate::contact::force::{self, ContactGeometry, ContactHistory, RelativeMotion, Rules};
-use crate::contact::law::{Law, Pair, PairTable};
+use crate::contact::law::Law;
+use crate::contact::pair::{Pair, PairTable};
 use crate::contact::pairs::ContactForce;
+use crate::contact::registry::with_law;
 use crate::contact::{ContactLaw, TangentialUnloading};
 use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::mpm::Continuum;
 use crate::point_contacts::{Bound, GhostTable};
-use crate::with_law;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -276,7 +277,8 @@ pub(super) fn spot_at(wall: &Wall, block: &Block, pose: &Pose, spot: usize) -> (
 }
 
 fn touch<L: Law>(scene: &Scene<'_>, rules: &Rules, body: &Body<'_>, c: &mut Contact) {
-    let old = ContactHistory { touch: c.touch, spring: L::VISCOUS.then_some(c.spring), rolling: None, load: None, work: None };
+    let spring = L::VISCOUS.then_some(c.spring);
+    let old = ContactHistory { touch: c.touch, spring, rolling: None, load: None, largest: None, work: None };
     let Some(o) = across(scene, body, c) else {
         if c.touch.overlap > 0.0 {
             (c.touch, c.spring, c.stiffness) = (ContactForce::default(), [0.0; 3], [0.0; 2]);
@@ -294,7 +296,7 @@ fn touch<L: Law>(scene: &Scene<'_>, rules: &Rules, body: &Body<'_>, c: &mut Cont
     let m_eff = if L::VISCOUS { 1.0 / (body.inverse_mass(arm, o.normal) + o.inverse_mass) } else { 0.0 };
     let meeting = ContactGeometry { normal: o.normal, overlap: o.overlap, r_eff: o.r_eff, m_eff, motion };
     let new = force::touching::<f64, L, false, true>(&meeting, o.pair, rules, &old);
-    let e = L::elastic(o.overlap, o.r_eff, o.pair);
+    let e = L::elastic(o.overlap, o.overlap, o.r_eff, o.pair);
     (c.touch, c.spring) = (new.touch, new.spring.unwrap_or_default());
     (c.arm, c.stiffness, c.inverse_mass) = (arm, [e.k_n, e.k_t], o.inverse_mass);
 }

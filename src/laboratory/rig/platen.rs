@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::model::{Model, Platen};
 use engine::boundary::Wall;
 use engine::boundary::{Drive, WallShape, WallSpec};
-use engine::contact::law::Pair;
+use engine::contact::pair::Pair;
 use engine::dem;
 use engine::dem::event::arm_grain;
 use engine::dem::{State, Work};
@@ -65,8 +65,8 @@ pub fn pair(model: &Model, rig: &Platen) -> Pair {
     let m = &model.physics.materials;
     let grain = &m[usize::from(rig.grain)];
     match rig.platen {
-        Some(k) => Pair::between(model.physics.contact.law, grain, &m[usize::from(k)]),
-        None => Pair::on_wall(model.physics.contact.law, grain, 0.0),
+        Some(k) => model.physics.contact.law.between(grain, &m[usize::from(k)]),
+        None => model.physics.contact.law.on_wall(grain, 0.0),
     }
 }
 

@@ -359,10 +359,8 @@ fn plain(name: &str, density: f64) -> Material {
         internal_porosity: 0.0,
         young: 0.0,
         poisson: 0.0,
-        k_eff: 0.0,
-        alpha_s: 0.0,
         friction: 0.0,
-        restitution: 1.0,
         rolling_friction: 0.0,
+        contact: Default::default(),
     }
 }

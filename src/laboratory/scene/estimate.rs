@@ -8,7 +8,6 @@ use crate::rig::platen::most_steps;
 use engine::boundary::Drive;
 use engine::breakage::CrushModel;
 use engine::breakage::criterion::{AreaModel, size_factor};
-use engine::contact::law::Pair;
 use engine::contact::{ContactLaw, TangentialUnloading};
 use engine::dem::stability;
 use serde::Serialize;
@@ -160,7 +159,7 @@ const TOO_WEAK: f64 = 1e-3;
 /// Says how many grains of median size are drawn weaker than what the prepared specimen already puts on them, a force of stress times d².
 fn weak_from_the_start(model: &Model, crush: &CrushModel, specimen: &model::Specimen) -> Option<String> {
     let d = median(&specimen.gradation);
-    let pair = Pair::between(model.physics.contact.law, &model.physics.materials[0], &model.physics.materials[0]);
+    let pair = model.physics.contact.law.between(&model.physics.materials[0], &model.physics.materials[0]);
     let mean = crush.strength.sigma_lim0 * size_factor(d, crush.strength.d0, crush.strength.m);
     let share = specimen.isotropic_stress * d * d / crush.area.limit_force(mean, d, 0.25 * d, pair.e_eff);
     // force goes with strength, or with its cube
@@ -350,21 +349,10 @@ fn listed(model: &Model, finest: f64) -> Vec<(f64, u8)> {
 
 /// max(2 k_n, 7 k_t), N/m, of a contact of two grains of radius `r` under `force`: what bounds the step.
 pub(super) fn share(law: ContactLaw, material: &engine::material::Material, r: f64, force: f64) -> f64 {
-    let (k_n, k_t) = match law {
-        ContactLaw::Linear | ContactLaw::LinearInherited => {
-            let k = 2.0 * material.k_eff * r;
-            (k, material.alpha_s * k)
-        }
-        ContactLaw::Hertz | ContactLaw::HertzViscous | ContactLaw::HertzViscousNoTension => {
-            let (r_eff, nu) = (0.5 * r, material.poisson);
-            let e_eff = material.young / (2.0 * (1.0 - nu * nu));
-            let g_eff = material.young / (4.0 * (1.0 + nu) * (2.0 - nu));
-            let overlap = (0.75 * force / (e_eff * r_eff.sqrt())).powf(2.0 / 3.0);
-            let width = (r_eff * overlap).sqrt();
-            (2.0 * e_eff * width, 8.0 * g_eff * width)
-        }
-    };
-    (2.0 * k_n).max(7.0 * k_t)
+    let (r_eff, pair) = (0.5 * r, law.between(material, material));
+    let overlap = law.overlap_under(force, r_eff, &pair);
+    let elastic = law.elastic(overlap, overlap, r_eff, &pair);
+    (2.0 * elastic.k_n).max(7.0 * elastic.k_t)
 }
 
 /// Force, N, that a contact of a grain of radius `r` may bear.

@@ -2,6 +2,10 @@
 
 use super::schema::{Default, Key, Of, Range, Shape};
 
+use engine::contact::ContactLaw;
+use engine::parameter::Parameter;
+use std::sync::LazyLock;
+
 use Default::{Absent, ByKind, Is, Required};
 use Shape::{Choice, Flag, IndicesOr, Integer, Name, Number, NumberOr, Numbers, Points, Text};
 
@@ -128,8 +132,37 @@ pub const RIVALS: &[(&str, &str)] = &[
     ("material", "materials"),
 ];
 
-/// The vocabulary, in the order in which `scene.resolved.toml` is written.
-pub const KEYS: &[Key] = &[
+/// The vocabulary, in the order in which `scene.resolved.toml` is written: [`OWN`] and what laws ask of materials.
+pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(assembled);
+
+/// [`OWN`] with the keys that laws declare themselves, each behind the others of its table, or where `anchor` stands if it is the first of a table.
+fn assembled() -> Vec<Key> {
+    let mut keys = OWN.to_vec();
+    let meanings: Vec<String> = ContactLaw::ALL.iter().map(|law| format!("{}: {}", law.word(), law.meaning())).collect();
+    for key in keys.iter_mut().filter(|key| key.path == "contact.law") {
+        key.what = meanings.join("; ").leak();
+    }
+    for law in ContactLaw::ALL {
+        declare(&mut keys, law.table().parameters, "material.contact.friction_angle_rad");
+    }
+    keys
+}
+
+fn declare(keys: &mut Vec<Key>, parameters: &[Parameter], anchor: &str) {
+    for parameter in parameters {
+        let path = format!("material.{}", parameter.key);
+        if keys.iter().any(|key| key.path == path) {
+            continue; // two laws ask for the same
+        }
+        let key = every(path.leak(), Number(parameter.range), parameter.default.map_or(Absent, Is), parameter.meaning);
+        let last = keys.iter().rposition(|other| other.split().0 == key.split().0).map(|k| k + 1);
+        let place = last.or(keys.iter().position(|other| other.path == anchor)).unwrap_or(keys.len());
+        keys.insert(place, key);
+    }
+}
+
+/// The keys that belong to no law.
+const OWN: &[Key] = &[
     every(
         "kind",
         Choice(&["oedometer", "triaxial", "assembly", "platen", "continuum", "mixture"]),
@@ -383,12 +416,7 @@ pub const KEYS: &[Key] = &[
         Required,
         "grains of each diameter, or drawn from the gradation; each has its own strength",
     ),
-    both(
-        "contact.law",
-        Choice(&["linear", "linear_inherited", "hertz", "hertz_viscous", "hertz_viscous_no_tension"]),
-        Is("\"hertz\""),
-        "eq. 13; the same with the mother's stiffness for fragments; eq. 14 (Hertz-Mindlin); Hertz-Mindlin with viscous damping; the same whose normal force never turns tensile, with which friction is mu times the impulse at any restitution",
-    ),
+    both("contact.law", Choice(ContactLaw::WORDS), Is("\"hertz\""), ""), // what it says: `assembled`
     both(
         "contact.unloading",
         Choice(&["keep", "rescale"]),
@@ -637,8 +665,6 @@ pub const KEYS: &[Key] = &[
     every("material.elastic.G_GPa", Number(POSITIVE), Absent, "shear modulus; or `E_GPa`"),
     every("material.elastic.E_GPa", Number(POSITIVE), Absent, "Young's modulus; or `G_GPa`"),
     every("material.elastic.nu", Number(Range::between(-1.0, 0.5)), Required, "Poisson ratio"),
-    every("material.linear.K_eff_MPa", Number(POSITIVE), Required, "stiffness of the linear law (eq. 13)"),
-    every("material.linear.alpha_s", Number(Range::closed(0.0, 10.0)), Is("0.25"), "tangential over normal stiffness (eq. 13)"),
     every(
         "material.contact.friction_angle_rad",
         Number(Range::below(0.0, 1.55)),
@@ -650,12 +676,6 @@ pub const KEYS: &[Key] = &[
         Number(FRICTION),
         Absent,
         "coefficient of sliding friction between grains; or `friction_angle_rad`",
-    ),
-    every(
-        "material.contact.restitution",
-        Number(Range::above(0.0, 1.0)),
-        Is("1.0"),
-        "restitution of the laws hertz_viscous and hertz_viscous_no_tension",
     ),
     every("material.contact.rolling_friction", Number(Range::closed(0.0, 10.0)), Is("0.0"), "coefficient of rolling friction"),
     every("material.gradation.points", Points, Required, "[diameter in mm, mass fraction finer] from 0 to 1, unscaled"),
@@ -932,7 +952,7 @@ written beside it replaces them; it works in scenes, materials and [material]. E
 ";
     let mut text = HEAD.to_string();
     let mut table = "-";
-    for key in KEYS {
+    for key in KEYS.iter() {
         let (parent, name) = key.split();
         if parent != table {
             table = parent;
@@ -958,7 +978,7 @@ mod tests {
 
     #[test]
     fn every_default_is_allowed_by_its_own_key() {
-        for key in KEYS {
+        for key in KEYS.iter() {
             for kind in [Of::Oedometer, Of::Assembly, Of::Platen, Of::Continuum] {
                 if let Some(value) = key.default_for(kind) {
                     assert!(key.shape.accept(value).is_ok(), "{}", key.path);
@@ -972,7 +992,7 @@ mod tests {
     #[test]
     fn keys_are_unique_and_tables_stand_together() {
         let mut seen: Vec<&str> = Vec::new();
-        for key in KEYS {
+        for key in KEYS.iter() {
             let (table, _) = key.split();
             match seen.last() {
                 Some(last) if *last == table => {}

@@ -1,7 +1,9 @@
 //! From the keys of a material to [`Material`].
 
+use super::schema::unit;
 use super::view::View;
 use engine::material::Material;
+use engine::parameter::{Parameter, Values};
 use toml::{Table, Value};
 
 /// A material of the scene: its name there and the table that holds it.
@@ -68,18 +70,15 @@ impl View<'_> {
     pub fn material(&self, of: &Named) -> Option<Material> {
         let law = self.law();
         let hertzian_area = self.flag("crushing.enabled") && self.text("crushing.area") == "hertz";
-        let why = if law.is_linear() {
+        let why = if !law.is_hertzian() {
             "crushing.area = \"hertz\"".to_string()
         } else if self.is_platen() {
             "a platen test".into()
         } else {
             format!("contact.law = \"{}\"", self.text("contact.law"))
         };
-        let elastic = self.elastic(of, !law.is_linear() || hertzian_area, &why);
-        let linear = of.key("linear");
-        if law.is_linear() && !self.has(&linear) {
-            self.refuse(&linear, "is missing: contact.law = \"linear\" needs K_eff_MPa");
-        }
+        let elastic = self.elastic(of, law.is_hertzian() || hertzian_area, &why);
+        let contact = self.parameters(of, law.table().parameters, &format!("contact.law = \"{}\"", law.word()));
         let friction = self.friction(of);
         let (young, poisson) = elastic?;
         Some(Material {
@@ -88,12 +87,30 @@ impl View<'_> {
             internal_porosity: self.si(&of.key("grain.internal_porosity")),
             young,
             poisson,
-            k_eff: self.number(&of.key("linear.K_eff_MPa")).unwrap_or(0.0),
-            alpha_s: self.number(&of.key("linear.alpha_s")).unwrap_or(0.0),
             friction: friction?,
-            restitution: self.si(&of.key("contact.restitution")),
             rolling_friction: self.si(&of.key("contact.rolling_friction")),
+            contact,
         })
+    }
+
+    /// Values, in SI units, of what a law asks of a material; noted as missing where it cannot do without. `why`: the key and word that choose the law.
+    pub fn parameters(&self, of: &Named, asked: &[Parameter], why: &str) -> Values {
+        let mut values = Values::default();
+        for (value, parameter) in values.iter_mut().zip(asked) {
+            let key = of.key(parameter.key);
+            let default = || parameter.default.and_then(|text| text.parse::<f64>().ok()).map(|x| x * unit(parameter.key));
+            if let Some(x) = self.number(&key).or_else(default) {
+                *value = x;
+                continue;
+            }
+            let (table, name) = key.rsplit_once('.').unwrap_or(("", &key));
+            if self.has(table) {
+                self.refuse(&key, format!("is missing: {why} needs it ({})", parameter.meaning));
+            } else {
+                self.refuse(table, format!("is missing: {why} needs {name}"));
+            }
+        }
+        values
     }
 
     /// mu = tan(phi) between grains.

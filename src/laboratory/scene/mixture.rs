@@ -5,7 +5,6 @@ use super::view::View;
 use crate::model::GrainSpec;
 use crate::model::continuum::{Coarse, Continuum, Specimen};
 use crate::packing::dispersed;
-use engine::contact::law::Pair;
 use engine::coupling::{Rates, Rule};
 use engine::grains::sphere_volume;
 use engine::material::Material;
@@ -54,8 +53,8 @@ impl View<'_> {
                 let law = self.law();
                 let ghost = |law: u8| &materials[usize::from(ghosts[usize::from(law)])];
                 displace(points, settings.dimension, specimen, &grains, |fine, g, r_eff| {
-                    let pair = Pair::between(law, &materials[usize::from(g.material)], ghost(fine));
-                    pair.depth(law, r_eff, specimen.stress * specimen.spacing * specimen.spacing)
+                    let pair = law.between(&materials[usize::from(g.material)], ghost(fine));
+                    law.overlap_under(specimen.stress * specimen.spacing * specimen.spacing, r_eff, &pair)
                 });
             }
             Some(())

@@ -2,6 +2,7 @@
 //!
 //! A key that holds a dimension ends in its unit (`_mm`, `_kPa`, `_rad`, …); see [`unit`] for the one conversion.
 
+pub use engine::parameter::Range;
 use toml::Value;
 
 /// Which scenes a key belongs to; of a scene: its kind, `Every` while it is not known.
@@ -46,61 +47,6 @@ impl Of {
             (Of::Cylinder, kind) => matches!(kind, Of::Oedometer | Of::Triaxial),
             (own, kind) => own == kind,
         }
-    }
-}
-
-/// Limits of a number; `open` ends are excluded.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    pub low: f64,
-    pub low_open: bool,
-    pub high: f64,
-    pub high_open: bool,
-}
-
-impl Range {
-    pub const ANY: Range = Range::closed(f64::NEG_INFINITY, f64::INFINITY);
-    pub const POSITIVE: Range = Range::above(0.0, f64::INFINITY);
-    pub const NOT_NEGATIVE: Range = Range::closed(0.0, f64::INFINITY);
-
-    /// low ..= high
-    pub const fn closed(low: f64, high: f64) -> Range {
-        Range { low, low_open: false, high, high_open: false }
-    }
-
-    /// above low, up to and with high
-    pub const fn above(low: f64, high: f64) -> Range {
-        Range { low_open: true, ..Range::closed(low, high) }
-    }
-
-    /// low up to, but not, high
-    pub const fn below(low: f64, high: f64) -> Range {
-        Range { high_open: true, ..Range::closed(low, high) }
-    }
-
-    /// strictly between
-    pub const fn between(low: f64, high: f64) -> Range {
-        Range { low_open: true, ..Range::below(low, high) }
-    }
-
-    fn holds(&self, x: f64) -> bool {
-        let above = if self.low_open { x > self.low } else { x >= self.low };
-        let below = if self.high_open { x < self.high } else { x <= self.high };
-        above && below
-    }
-
-    /// `> 0 and <= 1`; empty for any number.
-    pub fn text(&self) -> String {
-        let mut parts = Vec::new();
-        if self.low.is_finite() {
-            let sign = if self.low_open { ">" } else { ">=" };
-            parts.push(format!("{sign} {}", self.low));
-        }
-        if self.high.is_finite() {
-            let sign = if self.high_open { "<" } else { "<=" };
-            parts.push(format!("{sign} {}", self.high));
-        }
-        parts.join(" and ")
     }
 }
 

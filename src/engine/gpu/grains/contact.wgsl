@@ -189,8 +189,8 @@ fn meeting(d: Length, whole: i32, part: f32) -> ContactGeometry {
 }
 
 struct Pair {
-    a: f32,
-    b: f32,
+    normal_stiffness: f32,
+    tangential_stiffness: f32,
     friction: f32,
     viscous: f32,
 }
@@ -203,16 +203,16 @@ fn pair_at(at: u32) -> Pair {
 // Force, and normal and tangential stiffness.
 fn elastic(overlap: f32, r_eff: f32, pair: Pair) -> vec3<f32> {
     if coupling.law == 0u {
-        let k = pair.a * r_eff;
-        return vec3<f32>(k * overlap, k, pair.b * r_eff);
+        let k = pair.normal_stiffness * r_eff;
+        return vec3<f32>(k * overlap, k, pair.tangential_stiffness * r_eff);
     }
     let c = sqrt(r_eff * overlap);
-    return vec3<f32>(pair.a * c * overlap, 1.5 * pair.a * c, pair.b * c);
+    return vec3<f32>(pair.normal_stiffness * c * overlap, 1.5 * pair.normal_stiffness * c, pair.tangential_stiffness * c);
 }
 
 // Tangential over normal stiffness.
 fn stiffness_ratio(pair: Pair) -> f32 {
-    return pair.b / select(1.5 * pair.a, pair.a, coupling.law == 0u);
+    return pair.tangential_stiffness / select(1.5 * pair.normal_stiffness, pair.normal_stiffness, coupling.law == 0u);
 }
 
 // Motion of a first body against a second one.

@@ -16,8 +16,7 @@ pub use support::{Sizes, sizes};
 use super::device::{Device, refused};
 use super::platen::both;
 use crate::breakage::criterion::AreaModel;
-use crate::contact::ContactLaw;
-use crate::contact::law::{Pair, PairTable};
+use crate::contact::pair::Pair;
 use crate::coupling::exchange::Contacts;
 use crate::coupling::{Body, Mixture};
 use crate::dem::physics::Physics;
@@ -94,7 +93,7 @@ impl Words {
     fn of(coarse: &Coarse<'_>, cpu: &Cpu, split_at: u32) -> Words {
         let Coarse { physics, mixture, .. } = coarse;
         let state = &mixture.grains;
-        let table = PairTable::new(physics.contact.law, &physics.materials, &state.walls, state.friction);
+        let table = physics.contact.law.pairs(&physics.materials, &state.walls, state.friction);
         let Contacts { grains, walls, ghosts } = mixture.contacts(physics, &table);
         // both grains of a contact keep it
         let twice = grains.iter().flat_map(|c| [words::kept(c.ends[0], c.ends[1], c), words::kept(c.ends[1], c.ends[0], c)]);
@@ -153,12 +152,12 @@ impl Bodies {
         let rows = sizes.room;
         let shelves = support::shelves(settings, points, &state.grains);
         let materials = physics.materials.len();
-        let pairs = PairTable::new(physics.contact.law, &physics.materials, &state.walls, state.friction);
+        let pairs = physics.contact.law.pairs(&physics.materials, &state.walls, state.friction);
         let laws = cpu.laws().len();
         let ghost_walls = table.touched_walls();
         let mut all: Vec<[f32; 4]> = Vec::new();
         let mut put = |p: &Pair| {
-            all.push([p.a, p.b, p.friction, p.viscous].map(|x| x as f32));
+            all.push([p.normal_stiffness, p.tangential_stiffness, p.friction, p.viscous].map(|x| x as f32));
             all.push([p.e_eff as f32, 0.0, 0.0, 0.0]);
         };
         let of = |n: usize| (0..n).map(|k| k as u8);
@@ -177,11 +176,7 @@ impl Bodies {
             materials: materials as u32,
             laws: laws as u32,
             split: split_at,
-            law: match physics.contact.law {
-                ContactLaw::Linear | ContactLaw::LinearInherited => 0,
-                ContactLaw::Hertz => 1,
-                ContactLaw::HertzViscous | ContactLaw::HertzViscousNoTension => 2,
-            },
+            law: physics.contact.law.on_gpu().expect("other laws are refused before"),
             rates: 1,
             turning: physics.contact.turning.into(),
             hertz_area: physics.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz).into(),

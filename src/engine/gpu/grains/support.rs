@@ -4,7 +4,7 @@ use super::layout::{CONTACT, GRAIN, Mix, PLACES, SIDES, SLOTS};
 use super::{Coarse, SKIN, WHOLE};
 use crate::boundary::WallShape;
 use crate::breakage::Birth;
-use crate::contact::{ContactLaw, TangentialUnloading};
+use crate::contact::TangentialUnloading;
 use crate::error::{Error, Result};
 use crate::gpu::device::refused;
 use crate::gpu::state::ghost_radius;
@@ -118,8 +118,8 @@ fn lacking(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Vec<Err
     if physics.contact.rolling {
         lacks("material.contact.rolling_friction", "above 0".into(), "use none");
     }
-    if physics.contact.law == ContactLaw::HertzViscousNoTension {
-        lacks("contact.law", "hertz_viscous_no_tension".into(), "use hertz_viscous");
+    if let Err(instead) = physics.contact.law.on_gpu() {
+        lacks("contact.law", physics.contact.law.word().into(), instead);
     }
     if physics.contact.unloading == TangentialUnloading::Rescale {
         lacks("contact.unloading", "rescale".into(), "use keep");

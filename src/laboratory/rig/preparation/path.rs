@@ -12,10 +12,9 @@ use crate::model::{Model, Specimen};
 use crate::rig::cylinder::{BOTTOM, CYLINDER, TOP, walls};
 use crate::rig::growth;
 use engine::contact::ContactLaw;
-use engine::contact::law::Pair;
 use engine::dem;
 use engine::dem::observables;
-use engine::dem::{State, Work, stability};
+use engine::dem::{State, Work};
 use serde::{Deserialize, Serialize};
 
 /// Where on its way a specimen is.
@@ -150,7 +149,7 @@ fn quasi_static(model: &Model) -> Model {
     own.physics.crush = None;
     if own.physics.gravity == [0.0; 3] {
         own.physics.stepping.inertia_scaling = true;
-        if own.physics.contact.law.is_viscous() {
+        if own.physics.contact.law.is_viscous() || own.physics.contact.law.table().plastic {
             own.physics.contact.law = ContactLaw::Hertz;
         }
     }
@@ -161,8 +160,8 @@ fn quasi_static(model: &Model) -> Model {
 fn stress(model: &Model, rig: &Specimen, radii: &[f64]) -> f64 {
     let volume: f64 = radii.iter().map(|&r| r * r * r).sum();
     let r = (volume / radii.len() as f64).cbrt();
-    let pair = Pair::between(model.physics.contact.law, &model.physics.materials[0], &model.physics.materials[0]);
-    let force = stability::elastic(&model.physics, OVERLAP * r, 0.5 * r, &pair).force;
+    let pair = model.physics.contact.law.between(&model.physics.materials[0], &model.physics.materials[0]);
+    let force = model.physics.contact.law.elastic(OVERLAP * r, OVERLAP * r, 0.5 * r, &pair).force;
     (force / (4.0 * r * r)).max(rig.isotropic_stress)
 }
 

@@ -17,28 +17,30 @@ pub enum Slots<'a> {
 }
 
 /// One chunk of slots, each array's part; columns that the run does not keep are empty.
-pub struct Part<'a> {
+pub struct Chunk<'a> {
     pub ends: &'a [[u32; 2]],
     pub touch: &'a mut [ContactForce],
     pub work: &'a mut [[f64; 4]],
     rolling: &'a mut [[f64; 3]],
     spring: &'a mut [[f64; 3]],
     load: &'a mut [f64],
+    largest: &'a mut [f64],
 }
 
-impl<'a> Part<'a> {
-    fn all(p: &'a mut Pairs) -> Part<'a> {
-        Part {
+impl<'a> Chunk<'a> {
+    fn all(p: &'a mut Pairs) -> Chunk<'a> {
+        Chunk {
             ends: &p.ends,
             touch: &mut p.touch,
             work: &mut p.work,
             rolling: &mut p.rolling,
             spring: &mut p.spring,
             load: &mut p.load,
+            largest: &mut p.largest,
         }
     }
 
-    fn halves(self, at: usize) -> (Part<'a>, Part<'a>) {
+    fn halves(self, at: usize) -> (Chunk<'a>, Chunk<'a>) {
         fn cut<T>(v: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
             v.split_at_mut(at.min(v.len()))
         }
@@ -48,9 +50,10 @@ impl<'a> Part<'a> {
         let (r0, r1) = cut(self.rolling, at);
         let (s0, s1) = cut(self.spring, at);
         let (l0, l1) = cut(self.load, at);
+        let (o0, o1) = cut(self.largest, at);
         (
-            Part { ends: e0, touch: t0, work: w0, rolling: r0, spring: s0, load: l0 },
-            Part { ends: e1, touch: t1, work: w1, rolling: r1, spring: s1, load: l1 },
+            Chunk { ends: e0, touch: t0, work: w0, rolling: r0, spring: s0, load: l0, largest: o0 },
+            Chunk { ends: e1, touch: t1, work: w1, rolling: r1, spring: s1, load: l1, largest: o1 },
         )
     }
 
@@ -62,6 +65,7 @@ impl<'a> Part<'a> {
             spring: if L::VISCOUS { Some(self.spring[s]) } else { None },
             rolling: if EXTRA { self.rolling.get(s).copied() } else { None },
             load: if EXTRA { self.load.get(s).copied() } else { None },
+            largest: if L::PLASTIC { Some(self.largest[s]) } else { None },
             work: None,
         }
     }
@@ -79,6 +83,9 @@ impl<'a> Part<'a> {
         }
         if let Some(load) = m.load {
             self.load[s] = load;
+        }
+        if let Some(largest) = m.largest {
+            self.largest[s] = largest;
         }
     }
 
@@ -104,6 +111,7 @@ impl<'a> Part<'a> {
             rolling: if EXTRA && !self.rolling.is_empty() { Some(vectors(self.rolling)) } else { None },
             // an outcome only: its old value is not read
             load: if EXTRA && !self.load.is_empty() { Some(overlap) } else { None },
+            largest: if L::PLASTIC { Some(Lanes::columns(simd, |k| [self.largest[slot(k)]; 4])[0]) } else { None },
             work: None,
         }
     }
@@ -124,6 +132,9 @@ impl<'a> Part<'a> {
         if let Some(load) = m.load {
             Lanes::rows(simd, [load; 4], |k, [load, ..]| self.load[slot(k)] = load);
         }
+        if let Some(largest) = m.largest {
+            Lanes::rows(simd, [largest; 4], |k, [largest, ..]| self.largest[slot(k)] = largest);
+        }
     }
 }
 
@@ -133,21 +144,21 @@ pub fn few(items: usize, task: usize) -> bool {
 }
 
 /// Runs `body` on the slots, cut into chunks and in parallel where there are enough.
-pub fn for_each_part(p: &mut Pairs, slots: Slots<'_>, task: usize, body: impl Fn(Part<'_>) + Sync) {
+pub fn for_each_chunk(p: &mut Pairs, slots: Slots<'_>, task: usize, body: impl Fn(Chunk<'_>) + Sync) {
     if let Slots::These(slots) = slots {
         for &s in slots {
-            let (_, from) = Part::all(p).halves(s as usize);
+            let (_, from) = Chunk::all(p).halves(s as usize);
             body(from.halves(1).0);
         }
         return;
     }
     let serial = few(p.slots(), task);
-    let all = Part::all(p);
+    let all = Chunk::all(p);
     if serial { body(all) } else { split(all, task, &body) }
 }
 
 /// Halves a part until it is small, the halves joined in parallel.
-fn split(part: Part<'_>, task: usize, body: &(impl Fn(Part<'_>) + Sync)) {
+fn split(part: Chunk<'_>, task: usize, body: &(impl Fn(Chunk<'_>) + Sync)) {
     let n = part.ends.len();
     if n <= task {
         return body(part);

@@ -1,0 +1,141 @@
+//! What two materials in contact have in common: the parameters of their contacts, and the table of all pairs of a run.
+
+use super::law::{Coefficients, Moduli};
+use crate::boundary::Wall;
+use crate::material::{Material, effective_modulus};
+use crate::math::real::Lanes;
+use crate::parameter::Values;
+use pulp::Simd;
+
+/// A law's [`super::law::Law::coefficients`].
+pub type CoefficientsOf = fn(Moduli, &Values, Option<&Values>) -> Coefficients;
+
+/// Parameters of the contacts between two materials; a number of each, or as many as the processor has lanes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair<R = f64> {
+    /// Factor of the normal force, Pa. Linear: 4 K_eff, F = it R* U. Hertzian: 4/3 E*, F = it √R* U^(3/2).
+    pub normal_stiffness: R,
+    /// Factor of the tangential stiffness, Pa. Linear: 4 alpha_S K_eff, k_S = it R*. Hertzian: 8 G*, k_S = it √(R* U).
+    pub tangential_stiffness: R,
+    /// Coulomb coefficient mu, -.
+    pub friction: R,
+    /// Viscous coefficient c of the dashpots, η = c √(S m*), -.
+    pub viscous: R,
+    /// Rolling friction mu_r, -.
+    pub rolling: R,
+    /// E' of eq. (11) for the Hertzian contact area, Pa.
+    pub e_eff: R,
+    /// Overlap at which the contact begins to yield, over R*, -; 0 of laws that do not yield.
+    pub yield_overlap: R,
+}
+
+impl Pair {
+    /// From a law's coefficients, the friction, the rolling friction and E', Pa.
+    pub fn of(coefficients: &Coefficients, friction: f64, rolling: f64, e_eff: f64) -> Pair {
+        let Coefficients { normal, tangential, viscous, yield_overlap } = *coefficients;
+        Pair { normal_stiffness: normal, tangential_stiffness: tangential, friction, viscous, rolling, e_eff, yield_overlap }
+    }
+
+    /// Each parameter by itself.
+    #[inline(always)]
+    pub fn map<R>(&self, f: impl Fn(f64) -> R) -> Pair<R> {
+        Pair {
+            normal_stiffness: f(self.normal_stiffness),
+            tangential_stiffness: f(self.tangential_stiffness),
+            friction: f(self.friction),
+            viscous: f(self.viscous),
+            rolling: f(self.rolling),
+            e_eff: f(self.e_eff),
+            yield_overlap: f(self.yield_overlap),
+        }
+    }
+
+    /// Between two materials: the smaller friction of both, and the law's mean of everything else.
+    pub fn between(law: CoefficientsOf, m1: &Material, m2: &Material) -> Pair {
+        let young = effective_modulus((m1.young, m1.poisson), (m2.young, m2.poisson));
+        let shear = |m: &Material| m.young / (2.0 * (1.0 + m.poisson));
+        let shear = 1.0 / ((2.0 - m1.poisson) / shear(m1) + (2.0 - m2.poisson) / shear(m2));
+        let coefficients = law(Moduli { young, shear }, &m1.contact, Some(&m2.contact));
+        Pair::of(&coefficients, m1.friction.min(m2.friction), m1.rolling_friction.min(m2.rolling_friction), young)
+    }
+
+    /// A grain of one material on a rigid wall with its own friction coefficient.
+    pub fn on_wall(law: CoefficientsOf, m: &Material, friction: f64) -> Pair {
+        let young = m.young / (1.0 - m.poisson * m.poisson);
+        let shear = m.young / (2.0 * (1.0 + m.poisson)) / (2.0 - m.poisson);
+        Pair::of(&law(Moduli { young, shear }, &m.contact, None), friction, m.rolling_friction, young)
+    }
+}
+
+/// All pairs of a run: between materials, and of each material on each wall.
+#[derive(Clone, Debug)]
+pub struct PairTable {
+    materials: usize,
+    grains: Vec<Pair>,
+    walls: Vec<Pair>,
+}
+
+impl PairTable {
+    /// `friction` replaces the friction between grains during preparation.
+    pub fn new(law: CoefficientsOf, m: &[Material], walls: &[Wall], friction: Option<f64>) -> PairTable {
+        let mut grains = Vec::with_capacity(m.len() * m.len());
+        for m1 in m {
+            for m2 in m {
+                let mut pair = Pair::between(law, m1, m2);
+                pair.friction = friction.unwrap_or(pair.friction);
+                grains.push(pair);
+            }
+        }
+        let mut on_walls = Vec::with_capacity(walls.len() * m.len());
+        for w in walls {
+            for m1 in m {
+                on_walls.push(PairTable::on_wall(law, m1, w, m));
+            }
+        }
+        PairTable { materials: m.len(), grains, walls: on_walls }
+    }
+
+    /// A grain of material `m` on a wall.
+    pub fn on_wall(law: CoefficientsOf, m: &Material, wall: &Wall, materials: &[Material]) -> Pair {
+        match wall.material {
+            Some(k) => Pair { friction: wall.friction, ..Pair::between(law, m, &materials[k as usize]) },
+            None => Pair::on_wall(law, m, wall.friction),
+        }
+    }
+
+    /// Number of materials.
+    pub fn materials(&self) -> usize {
+        self.materials
+    }
+
+    /// Parameters of the contacts of grains of two materials.
+    #[inline(always)]
+    pub fn grains(&self, m1: u8, m2: u8) -> &Pair {
+        &self.grains[m1 as usize * self.materials + m2 as usize]
+    }
+
+    /// The parameters of a pair in each lane.
+    #[inline(always)]
+    pub fn lanes<'a, S: Simd>(simd: S, pair: impl Fn(usize) -> &'a Pair) -> Pair<Lanes<S>> {
+        let [normal_stiffness, tangential_stiffness, friction, viscous] = Lanes::columns(simd, |k| {
+            let pair = pair(k);
+            [pair.normal_stiffness, pair.tangential_stiffness, pair.friction, pair.viscous]
+        });
+        let [rolling, e_eff, yield_overlap, _] = Lanes::columns(simd, |k| {
+            let pair = pair(k);
+            [pair.rolling, pair.e_eff, pair.yield_overlap, 0.0]
+        });
+        Pair { normal_stiffness, tangential_stiffness, friction, viscous, rolling, e_eff, yield_overlap }
+    }
+
+    /// Whether all grains are of one material.
+    pub fn is_single(&self) -> bool {
+        self.materials == 1
+    }
+
+    /// Parameters of the contacts of grains of material `m` with a wall.
+    #[inline(always)]
+    pub fn wall(&self, wall: usize, m: u8) -> &Pair {
+        &self.walls[wall * self.materials + m as usize]
+    }
+}
