@@ -171,7 +171,7 @@ fn overrides_are_refused_by_their_own_text() {
 fn inherited_stiffness_is_refused_where_an_area_is_hertzian() {
     comminute(&["check", "experiments/petroleum_coke/h-v-2.toml", "--set", "contact.law=linear_inherited"])
         .code(2)
-        .stderr(contains("contact.law=linear_inherited: must be another law").and(contains("crushing.area = \"hertz\"")));
+        .stderr(contains("contact.law=linear_inherited: must be another law").and(contains("crushing.criterion = \"hertz_area\"")));
 }
 
 #[test]

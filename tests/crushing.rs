@@ -27,6 +27,35 @@ fn crushing(area: &str, strength: f64, m: f64, var: f64) -> String {
     )
 }
 
+/// A grain that six platens press alike bears any force by its deviatoric stress, and breaks by the force of a contact.
+#[test]
+fn pressure_from_all_sides_breaks_no_grain_whose_mean_stress_is_judged() {
+    let d = 2e-3;
+    let von_mises =
+        crushing("fixed_angle", 30.0, 2.0, 0.0).replace("\"fixed_angle\"", "\"von_mises\"").replace(".fixed_angle.", ".von_mises.");
+    let von_mises: String = von_mises.lines().filter(|line| !line.contains("theta0")).map(|line| format!("{line}\n")).collect();
+    for (head, breaks) in [(crushing("fixed_angle", 30.0, 2.0, 0.0), true), (von_mises, false)] {
+        let plane = |axis: usize, sign: f64| {
+            let mut normal = [0.0; 3];
+            normal[axis] = sign;
+            Plane { point: normal.map(|n| -0.5 * d * n), normal, velocity: 0.2, ..Plane::default() }
+        };
+        let planes: Vec<Plane> = (0..3).flat_map(|axis| [plane(axis, 1.0), plane(axis, -1.0)]).collect();
+        let ball = Ball { radius: 0.5 * d, ..Ball::default() };
+        let mut lab = Lab::new(&assembly_text(&format!("{head}damping.local = 0.5\n"), &COKE, &[ball], &planes));
+        let mut broken = 0;
+        for _ in 0..40_000 {
+            lab.step();
+            broken += lab.work.breakages.len();
+            if broken > 0 || lab.state.walls[0].reaction > 200.0 {
+                break;
+            }
+        }
+        assert_eq!(broken > 0, breaks, "{head}: {} N", lab.state.walls[0].reaction);
+        assert!(breaks || lab.state.walls[0].reaction > 10.0, "it is pressed hard: {} N", lab.state.walls[0].reaction);
+    }
+}
+
 /// A grain of diameter `d` at the origin between platens that close along `axis`, each with `speed`.
 fn pressed(head: &str, d: f64, axis: [f64; 3], speed: f64) -> Lab {
     let r = 0.5 * d;

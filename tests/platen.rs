@@ -6,7 +6,7 @@ use assert_cmd::Command;
 use comminute::model::{Model, Platen, Rig};
 use comminute::rig::platen::{Test, press};
 use comminute::scene;
-use common::{ROOT, close};
+use common::{ROOT, close, near};
 use predicates::prelude::*;
 use predicates::str::contains;
 use rayon::prelude::*;
@@ -122,6 +122,68 @@ fn limit_forces_are_those_of_tables_1_and_2() {
         let (area, m) = if table == "hertz_area" { (9.0, 10.0) } else { (3.0, 2.0) };
         close("exponent", (tests[1].force / tests[0].force).log2(), 2.0 - area / m, 2e-3);
     }
+}
+
+/// Criteria that judge a grain's mean stress: between platens it is uniaxial, 6 F/(π d²), so that all of them break it at the same force.
+#[test]
+fn criteria_of_the_mean_stress_agree_between_platens() {
+    for (word, own) in [("von_mises", None), ("mohr_coulomb", Some("friction_angle_deg=35")), ("christensen", Some("chi=12"))] {
+        let table = format!("materials.grain.strength.{word}");
+        let mut sets = vec![format!("crushing.criterion={word}"), "batch.grains=1".into(), "batch.diameters_mm=[2.0, 4.0]".into()];
+        sets.extend(["sigma_lim0_MPa=60.0", "m=2.0", "var=0.0"].iter().chain(&own).map(|set| format!("{table}.{set}")));
+        let tests = pressed("petroleum_coke", &sets.iter().map(String::as_str).collect::<Vec<_>>());
+        for t in &tests {
+            let (limit, hardening) = (t.limit_force.expect("it can break"), (t.diameter / 2e-3).powf(-1.5));
+            close(word, limit, 60e6 * hardening * PI / 6.0 * t.diameter * t.diameter, 1e-12);
+            assert!(t.broken && (-1e-12..1e-3).contains(&(t.force / limit - 1.0)), "{word}: {} of {limit}", t.force);
+        }
+    }
+}
+
+/// With crushing_stress_MPa every criterion breaks the grain of mean strength at that F/d², whatever its own area or equivalent stress.
+#[test]
+fn one_crushing_stress_calibrates_every_criterion() {
+    for (word, own) in [
+        ("fixed_angle", Some("theta0_rad=0.3")),
+        ("hertz_area", None),
+        ("von_mises", None),
+        ("mohr_coulomb", Some("friction_angle_deg=35")),
+        ("christensen", Some("chi=12")),
+    ] {
+        let table = format!("materials.grain.strength.{word}");
+        let mut sets = vec![
+            format!("crushing.criterion={word}"),
+            "batch.grains=1".into(),
+            "batch.diameters_mm=[2.0]".into(),
+            "materials.grain.strength.d0_mm=2.0".into(),
+        ];
+        let stress = ["crushing_stress_MPa=30.0", "crushing_stress_is=mean", "m=3.0", "var=0.0"];
+        sets.extend(stress.iter().chain(&own).map(|set| format!("{table}.{set}")));
+        let tests = pressed("petroleum_coke", &sets.iter().map(String::as_str).collect::<Vec<_>>());
+        // platens of the scene are elastic: Hertz's area against rigid ones is another one
+        let allowed = if word == "hertz_area" { 0.05 } else { 1e-12 };
+        close(word, tests[0].limit_force.expect("it can break"), 30e6 * 4e-6, allowed);
+    }
+}
+
+/// Weibull's distribution of modulus m: the share exp(−1) of all grains bears the force of the scale, 1/Γ(1 + 1/m) of the mean.
+#[test]
+fn weibull_strengths_survive_as_weibull_says() {
+    let table = "materials.grain.strength.von_mises";
+    let sets = [
+        "crushing.criterion=von_mises".to_string(),
+        "materials.grain.strength.distribution=weibull".into(),
+        "batch.grains=400".into(),
+        "batch.diameters_mm=[2.0]".into(),
+        format!("{table}.sigma_lim0_MPa=60.0"),
+        format!("{table}.m=3.0"),
+    ];
+    let tests = pressed("petroleum_coke", &sets.iter().map(String::as_str).collect::<Vec<_>>());
+    let scale = 60e6 * PI / 6.0 * 4e-6 / 0.892_979_511_569_249; // Γ(4/3)
+    let survived = tests.iter().filter(|t| t.force > scale).count() as f64 / tests.len() as f64;
+    near("share that survives the scale", survived, (-1.0f64).exp(), 0.07);
+    let mean = tests.iter().map(|t| t.force).sum::<f64>() / tests.len() as f64;
+    close("mean", mean, 60e6 * PI / 6.0 * 4e-6, 0.06);
 }
 
 /// Mean and coefficient of variation of the ratio when draws below zero are redrawn.
@@ -329,7 +391,7 @@ fn a_batch_is_run_from_the_command_line() {
 fn check_says_what_a_batch_would_be() {
     comminute(&["check", SCENE]).success().stderr(
         contains("grains          500")
-            .and(contains("eq. 16"))
+            .and(contains("eq. 8"))
             .and(contains("silica sand, steel"))
             .and(contains("approach of the platens")),
     );

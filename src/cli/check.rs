@@ -1,7 +1,6 @@
 //! `comminute check SCENE`
 
 use super::{Overrides, print};
-use comminute::breakage::criterion::AreaModel;
 use comminute::error::{Error, Result};
 use comminute::model::{Model, Rig};
 use comminute::scene::{self, Estimate, Scene};
@@ -125,10 +124,7 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
     writeln!(text, "  grains          {}", e.grains)?;
     match &model.physics.crush {
         None => writeln!(text, "  crushing        off")?,
-        Some(c) if matches!(model.rig, Rig::Platen(_)) => match c.area {
-            AreaModel::FixedAngle { theta0 } => writeln!(text, "  crushing        fixed contact angle {theta0:.4} rad (eq. 16)")?,
-            AreaModel::Hertz => writeln!(text, "  crushing        Hertzian contact area (eq. 17)")?,
-        },
+        Some(c) if matches!(model.rig, Rig::Platen(_)) => writeln!(text, "  crushing        {}", c.criterion.meaning())?,
         Some(c) => writeln!(
             text,
             "  crushing        {}-ball pattern above {:.4} mm; perhaps {:.0} grains at the end (estimate)",

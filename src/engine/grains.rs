@@ -31,7 +31,7 @@ pub struct Grains {
     pub material: Vec<u8>,
     /// Limit strength sigma_lim, Pa (infinite where the grain cannot break).
     pub strength: Vec<f64>,
-    /// Largest load the grain bears, in the units of the area model (`AreaModel::limit`).
+    /// Largest load the grain bears, in the units of the failure criterion ([`crate::breakage::criterion::FailureCriterion::threshold`]).
     pub limit: Vec<f64>,
     /// Work since the ledger's start, J: contact path, slip, viscous, local damping.
     pub work: Vec<[f64; 4]>,

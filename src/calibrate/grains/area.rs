@@ -1,6 +1,7 @@
 //! From a crushing force to a strength and back (Ciantia et al. 2015, eqs 16, 17), with what is known of the area.
 
-use engine::breakage::criterion::AreaModel;
+use engine::breakage::Criterion;
+use engine::breakage::criterion::{FixedAngle, HertzArea};
 use serde::Serialize;
 
 /// An area model by its name.
@@ -27,7 +28,7 @@ impl Model {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
     pub model: Model,
-    law: AreaModel,
+    law: Criterion,
     /// Pa
     e_eff: f64,
     /// theta0, or E', is given.
@@ -38,12 +39,17 @@ impl Area {
     /// `theta0`, rad, above 0 and below pi/2, where it is known.
     pub fn fixed_angle(theta0: Option<f64>) -> Area {
         let angle = theta0.unwrap_or(std::f64::consts::FRAC_PI_2);
-        Area { model: Model::FixedAngle, law: AreaModel::FixedAngle { theta0: angle }, e_eff: 1.0, known: theta0.is_some() }
+        Area {
+            model: Model::FixedAngle,
+            law: Criterion::FixedAngle(FixedAngle { theta0: angle }),
+            e_eff: 1.0,
+            known: theta0.is_some(),
+        }
     }
 
     /// `e_eff`, E' of eq. 11, Pa, where it is known.
     pub fn hertz(e_eff: Option<f64>) -> Area {
-        Area { model: Model::Hertz, law: AreaModel::Hertz, e_eff: e_eff.unwrap_or(1.0), known: e_eff.is_some() }
+        Area { model: Model::Hertz, law: Criterion::HertzArea(HertzArea), e_eff: e_eff.unwrap_or(1.0), known: e_eff.is_some() }
     }
 
     /// Logarithm of the strength, Pa, of a grain of diameter `d`, m, that breaks at `force`, N: sigma = F / A_F(F).
@@ -66,11 +72,10 @@ impl Area {
 
     /// What forces alone identify: sigma_lim0 sin² theta0 or sigma_lim0³ / E'², MPa.
     pub fn identified_mpa(&self, strength: f64) -> f64 {
-        let pascal = match self.law {
-            AreaModel::FixedAngle { theta0 } => strength * theta0.sin().powi(2),
-            AreaModel::Hertz => strength * (strength / self.e_eff).powi(2),
-        };
-        1e-6 * pascal
+        1e-6 * match self.law {
+            Criterion::FixedAngle(FixedAngle { theta0 }) => strength * theta0.sin().powi(2),
+            _ => strength * (strength / self.e_eff).powi(2),
+        }
     }
 
     /// Name of [`Self::identified_mpa`].

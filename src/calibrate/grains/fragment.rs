@@ -52,7 +52,7 @@ pub fn fragment(calibration: &Calibration, out: &Path) -> Option<String> {
             Model::FixedAngle => ("fixed_angle", "fixed contact angle, eq. 16"),
             Model::Hertz => ("hertz_area", "Hertzian contact area, eq. 17"),
         };
-        let _ = writeln!(text, "\n[strength.{table}] # crushing.area = \"{}\"", table.trim_end_matches("_area"));
+        let _ = writeln!(text, "\n[strength.{table}] # crushing.criterion = \"{table}\"");
         for (key, value) in ["sigma_lim0_MPa", "m", "var"].iter().zip(values) {
             let _ = writeln!(text, "{key} = {:?} # 95 %: {}", rounded(value.estimate.unwrap_or(f64::NAN)), limits(&value));
         }

@@ -7,7 +7,7 @@ use super::data::Data;
 use super::fit::{Estimate, Fit, Intervals, preferred};
 use super::simulate::tests;
 use super::spread::{Law, Spread};
-use engine::breakage::strength::{StrengthModel, Truncation};
+use engine::breakage::strength::{Distribution, StrengthModel, Truncation};
 use engine::material::effective_modulus;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -27,7 +27,15 @@ pub struct Case {
 
 impl Case {
     fn new(name: &'static str, area: Area, sigma_mpa: f64, m: f64, var: f64) -> Case {
-        let law = StrengthModel { sigma_lim0: 1e6 * sigma_mpa, d0: 2e-3, m, var, truncation: Truncation::Redraw, min_ratio: 0.0 };
+        let law = StrengthModel {
+            sigma_lim0: 1e6 * sigma_mpa,
+            d0: 2e-3,
+            m,
+            distribution: Distribution::Normal,
+            var,
+            truncation: Truncation::Redraw,
+            min_ratio: 0.0,
+        };
         Case { name, area, law, sizes: [1e-3, 2e-3, 4e-3, 8e-3].to_vec() }
     }
 

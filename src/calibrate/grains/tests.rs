@@ -11,7 +11,7 @@ use super::simulate::{generator, tests as simulated, unit};
 use super::spread::{Law, Spread};
 use super::study::Case;
 use super::{Calibration, Settings, calibrate, goodness};
-use engine::breakage::strength::{StrengthModel, Truncation};
+use engine::breakage::strength::{Distribution, StrengthModel, Truncation};
 use std::path::{Path, PathBuf};
 
 const SETTINGS: Settings = Settings { intervals: Intervals::Profile, samples: 0, seed: 1 };
@@ -123,7 +123,15 @@ fn the_shape_at_its_limit_gives_no_numbers() {
 
 #[test]
 fn grains_that_did_not_break_are_lower_bounds() {
-    let law = StrengthModel { sigma_lim0: 100e6, d0: 2e-3, m: 3.0, var: 0.4, truncation: Truncation::Redraw, min_ratio: 0.0 };
+    let law = StrengthModel {
+        sigma_lim0: 100e6,
+        d0: 2e-3,
+        m: 3.0,
+        distribution: Distribution::Normal,
+        var: 0.4,
+        truncation: Truncation::Redraw,
+        min_ratio: 0.0,
+    };
     let whole = simulated(&law, &angle(), &SIZES, 200, 11);
     let mut ended = whole.clone();
     let most = angle().force(110e6, 2e-3);

@@ -22,10 +22,11 @@ pub use packing::{Packing, packing};
 pub use speed::{Plan, Speed, load_average, measure, pool};
 
 use engine::boundary::Wall;
-use engine::breakage::criterion::AreaModel;
+use engine::breakage::Criterion;
+use engine::breakage::criterion::FixedAngle;
 use engine::breakage::lost_mass::Fines;
 use engine::breakage::pattern::Pattern;
-use engine::breakage::strength::{StrengthModel, Truncation};
+use engine::breakage::strength::{Distribution, StrengthModel, Truncation};
 use engine::breakage::{Birth, CrushModel};
 use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use engine::dem::physics::Physics;
@@ -192,9 +193,17 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
 /// None: the pattern exists.
 pub fn breakable(model: &Model) -> Result<Model> {
     let pattern = Pattern::new(14).map_err(|what| Error::Failed { step: 0, what })?;
-    let strength = StrengthModel { sigma_lim0: 1e15, d0: 2e-3, m: 10.0, var: 0.0, truncation: Truncation::Redraw, min_ratio: 0.0 };
+    let strength = StrengthModel {
+        sigma_lim0: 1e15,
+        d0: 2e-3,
+        m: 10.0,
+        distribution: Distribution::Normal,
+        var: 0.0,
+        truncation: Truncation::Redraw,
+        min_ratio: 0.0,
+    };
     let crush = CrushModel {
-        area: AreaModel::FixedAngle { theta0: PI / 9.0 },
+        criterion: Criterion::FixedAngle(FixedAngle { theta0: PI / 9.0 }),
         strength,
         seed: model.seeds.strength,
         pattern,

@@ -2,7 +2,7 @@
 
 use super::plan::{Content, Figure, StrengthSet};
 use super::results::Done;
-use engine::breakage::criterion::{AreaModel, size_factor};
+use engine::breakage::criterion::{FailureCriterion, FixedAngle, HertzArea, size_factor};
 use engine::material::effective_modulus;
 use laboratory::error::Result;
 use plot::{self, Colouring, Drawn, Graph, Look, Quantity, Tone};
@@ -117,8 +117,8 @@ impl StrengthSet {
     fn force(&self, d: f64, m: f64) -> f64 {
         let strength = 1e6 * self.sigma_lim0_MPa * size_factor(d, 1e-3 * self.d0_mm, m);
         match (self.theta0_rad, self.moduli()) {
-            (Some(theta0), _) => AreaModel::FixedAngle { theta0 }.limit_force(strength, d, 0.5 * d, 1.0),
-            (None, Some([grain, platen])) => AreaModel::Hertz.limit_force(strength, d, 0.5 * d, effective_modulus(grain, platen)),
+            (Some(theta0), _) => FixedAngle { theta0 }.limit_force(strength, d, 0.5 * d, 1.0),
+            (None, Some([grain, platen])) => HertzArea.limit_force(strength, d, 0.5 * d, effective_modulus(grain, platen)),
             (None, None) => f64::NAN,
         }
     }

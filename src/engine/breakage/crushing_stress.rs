@@ -11,8 +11,9 @@
 //!
 //! A run's strengths come from here, so only functions that are the same on every machine are used.
 
-use super::criterion::{AreaModel, size_factor};
-use super::strength::{StrengthModel, Truncation};
+use super::Criterion;
+use super::criterion::size_factor;
+use super::strength::{Distribution, StrengthModel, Truncation};
 use crate::math::portable;
 
 /// Which of the crushing stresses of many grains of one size is given.
@@ -31,15 +32,15 @@ const INTERVALS: usize = 2000;
 
 impl StrengthModel {
     /// F/d^2, Pa, of grains of diameter `d`, m, between rigid platens; `e_eff` is E', Pa.
-    pub fn crushing_stress(&self, area: AreaModel, e_eff: f64, d: f64, quoted: Quoted) -> f64 {
+    pub fn crushing_stress(&self, criterion: Criterion, e_eff: f64, d: f64, quoted: Quoted) -> f64 {
         let strength = self.sigma_lim0 * size_factor(d, self.d0, self.m);
-        let (factor, power) = stress_per_strength(area, e_eff, d);
+        let (factor, power) = stress_per_strength(criterion, e_eff, d);
         factor * whole_power(strength, power) * self.statistic(power, quoted)
     }
 
     /// sigma_lim0, Pa, for which grains of the reference diameter have the crushing stress, Pa, between rigid platens.
-    pub fn sigma_lim0_from(&self, crushing_stress: f64, area: AreaModel, e_eff: f64, quoted: Quoted) -> f64 {
-        let (factor, power) = stress_per_strength(area, e_eff, self.d0);
+    pub fn sigma_lim0_from(&self, crushing_stress: f64, criterion: Criterion, e_eff: f64, quoted: Quoted) -> f64 {
+        let (factor, power) = stress_per_strength(criterion, e_eff, self.d0);
         let powered = crushing_stress / (factor * self.statistic(power, quoted));
         if power == 1 { powered } else { portable::pow(powered, 1.0 / f64::from(power)) }
     }
@@ -62,7 +63,7 @@ impl StrengthModel {
         let powers = self.integral(low, high, power);
         match self.truncation {
             Truncation::Clamp => {
-                let below = self.integral(1.0 - REACH * self.var, low, 0);
+                let below = self.integral(self.widest().0, low, 0);
                 (powers + below * whole_power(self.min_ratio, power)) / (admitted + below)
             }
             Truncation::Redraw | Truncation::Symmetric => powers / admitted,
@@ -73,7 +74,7 @@ impl StrengthModel {
     fn ratio_survived(&self, p: f64) -> f64 {
         let (low, high) = self.ends();
         let all = match self.truncation {
-            Truncation::Clamp => self.integral(1.0 - REACH * self.var, high, 0),
+            Truncation::Clamp => self.integral(self.widest().0, high, 0),
             Truncation::Redraw | Truncation::Symmetric => self.integral(low, high, 0),
         };
         let (mut a, mut b) = (low, high);
@@ -86,11 +87,37 @@ impl StrengthModel {
 
     /// Smallest and largest ratio that matters.
     fn ends(&self) -> (f64, f64) {
-        let reach = REACH * self.var;
-        (self.min_ratio.max(1.0 - reach), self.max_ratio().min(1.0 + reach))
+        let (low, high) = self.widest();
+        (self.min_ratio.max(low), self.max_ratio().min(high))
     }
 
-    /// Integral of the ratio to a power times the normal's density (without its factor) by Simpson's rule.
+    /// Smallest and largest ratio that matters before truncation.
+    fn widest(&self) -> (f64, f64) {
+        match self.distribution {
+            Distribution::Normal => (1.0 - REACH * self.var, 1.0 + REACH * self.var),
+            // exp(−x^m) is 1e-14 of all there, and so is 1 − exp(−x^m)
+            Distribution::Weibull => {
+                let at = |x: f64| self.weibull_scale() * portable::pow(x, 1.0 / self.m);
+                (at(1e-14), at(0.5 * REACH * REACH))
+            }
+        }
+    }
+
+    /// Density of the ratios before truncation, without its factor.
+    fn density(&self, ratio: f64) -> f64 {
+        match self.distribution {
+            Distribution::Normal => {
+                let deviate = (ratio - 1.0) / self.var;
+                portable::exp(-0.5 * deviate * deviate)
+            }
+            Distribution::Weibull => {
+                let x = ratio / self.weibull_scale();
+                portable::pow(x, self.m - 1.0) * portable::exp(-portable::pow(x, self.m))
+            }
+        }
+    }
+
+    /// Integral of the ratio to a power times the distribution's density (without its factor) by Simpson's rule.
     fn integral(&self, low: f64, high: f64, power: u32) -> f64 {
         if high <= low {
             return 0.0;
@@ -98,8 +125,7 @@ impl StrengthModel {
         let h = (high - low) / INTERVALS as f64;
         let at = |i: usize| {
             let ratio = low + i as f64 * h;
-            let deviate = (ratio - 1.0) / self.var;
-            whole_power(ratio, power) * portable::exp(-0.5 * deviate * deviate)
+            whole_power(ratio, power) * self.density(ratio)
         };
         let inner: f64 = (1..INTERVALS).map(|i| at(i) * if i % 2 == 1 { 4.0 } else { 2.0 }).sum();
         (at(0) + inner + at(INTERVALS)) * h / 3.0
@@ -107,12 +133,8 @@ impl StrengthModel {
 }
 
 /// F/d^2 over the strength to a power, and that power (eqs 16, 17).
-fn stress_per_strength(area: AreaModel, e_eff: f64, d: f64) -> (f64, u32) {
-    let power = match area {
-        AreaModel::FixedAngle { .. } => 1,
-        AreaModel::Hertz => 3,
-    };
-    (area.limit_force(1.0, d, 0.5 * d, e_eff) / (d * d), power)
+fn stress_per_strength(criterion: Criterion, e_eff: f64, d: f64) -> (f64, u32) {
+    (criterion.limit_force(1.0, d, 0.5 * d, e_eff) / (d * d), criterion.power())
 }
 
 fn whole_power(x: f64, power: u32) -> f64 {
@@ -122,18 +144,28 @@ fn whole_power(x: f64, power: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::breakage::criterion::{FixedAngle, HertzArea};
+    use crate::breakage::strength::weibull_variation;
     use crate::math::random::lineage_root;
 
     const E_EFF: f64 = 50e9;
 
+    fn angle() -> Criterion {
+        Criterion::FixedAngle(FixedAngle { theta0: 0.35 })
+    }
+
+    fn hertz() -> Criterion {
+        Criterion::HertzArea(HertzArea)
+    }
+
     fn law(var: f64, truncation: Truncation, min_ratio: f64) -> StrengthModel {
-        StrengthModel { sigma_lim0: 1.0, d0: 2e-3, m: 3.0, var, truncation, min_ratio }
+        StrengthModel { sigma_lim0: 1.0, d0: 2e-3, m: 3.0, distribution: Distribution::Normal, var, truncation, min_ratio }
     }
 
     /// 2·10^5 grains drawn and pressed give the stress that was asked for; standard errors are below 0.4 % at the widest.
     #[test]
     fn grains_that_are_drawn_have_the_crushing_stress_that_was_given() {
-        for area in [AreaModel::FixedAngle { theta0: 0.35 }, AreaModel::Hertz] {
+        for area in [angle(), hertz()] {
             for (var, truncation, min_ratio) in [
                 (0.48, Truncation::Redraw, 0.0),
                 (0.48, Truncation::Clamp, 0.3),
@@ -142,20 +174,28 @@ mod tests {
                 (0.0, Truncation::Redraw, 0.0),
             ] {
                 for quoted in [Quoted::Mean, Quoted::Survival37] {
-                    let mut law = law(var, truncation, min_ratio);
-                    law.sigma_lim0 = law.sigma_lim0_from(100e6, area, E_EFF, quoted);
-                    assert!((law.crushing_stress(area, E_EFF, law.d0, quoted) / 100e6 - 1.0).abs() < 1e-12);
-                    let d = law.d0;
-                    let force = |i| area.limit_force(law.draw(3, lineage_root(i), d), d, 0.5 * d, E_EFF);
-                    let mut stresses: Vec<f64> = (0..200_000).map(|i| force(i) / (d * d)).collect();
-                    let found = match quoted {
-                        Quoted::Mean => stresses.iter().sum::<f64>() / 2e5,
-                        Quoted::Survival37 => {
-                            stresses.sort_by(f64::total_cmp);
-                            stresses[(2e5 * (1.0 - (-1.0_f64).exp())) as usize]
+                    for distribution in [Distribution::Normal, Distribution::Weibull] {
+                        if var == 0.0 && distribution == Distribution::Weibull {
+                            continue;
                         }
-                    };
-                    assert!((found / 100e6 - 1.0).abs() < 0.015, "{area:?} {var} {truncation:?} {quoted:?}: {found}");
+                        let mut law = law(var, truncation, min_ratio);
+                        if distribution == Distribution::Weibull {
+                            (law.distribution, law.var) = (distribution, weibull_variation(law.m));
+                        }
+                        law.sigma_lim0 = law.sigma_lim0_from(100e6, area, E_EFF, quoted);
+                        assert!((law.crushing_stress(area, E_EFF, law.d0, quoted) / 100e6 - 1.0).abs() < 1e-12);
+                        let d = law.d0;
+                        let force = |i| area.limit_force(law.draw(3, lineage_root(i), d), d, 0.5 * d, E_EFF);
+                        let mut stresses: Vec<f64> = (0..200_000).map(|i| force(i) / (d * d)).collect();
+                        let found = match quoted {
+                            Quoted::Mean => stresses.iter().sum::<f64>() / 2e5,
+                            Quoted::Survival37 => {
+                                stresses.sort_by(f64::total_cmp);
+                                stresses[(2e5 * (1.0 - (-1.0_f64).exp())) as usize]
+                            }
+                        };
+                        assert!((found / 100e6 - 1.0).abs() < 0.015, "{area:?} {law:?} {quoted:?}: {found}");
+                    }
                 }
             }
         }
@@ -165,7 +205,7 @@ mod tests {
     #[test]
     fn smaller_grains_bear_more_stress() {
         let law = law(0.4, Truncation::Redraw, 0.0);
-        for (area, power) in [(AreaModel::FixedAngle { theta0: 0.35 }, 1.0), (AreaModel::Hertz, 3.0)] {
+        for (area, power) in [(angle(), 1.0), (hertz(), 3.0)] {
             let at = |d: f64| law.crushing_stress(area, E_EFF, d, Quoted::Mean);
             assert!((at(0.5e-3) / at(2e-3) / 4.0_f64.powf(power) - 1.0).abs() < 1e-12);
         }
@@ -174,7 +214,7 @@ mod tests {
     #[test]
     fn a_limit_strength_is_many_times_the_crushing_stress() {
         let sharp = law(0.0, Truncation::Redraw, 0.0);
-        let sigma = sharp.sigma_lim0_from(100e6, AreaModel::FixedAngle { theta0: 0.35 }, E_EFF, Quoted::Mean);
+        let sigma = sharp.sigma_lim0_from(100e6, angle(), E_EFF, Quoted::Mean);
         assert!((sigma / 100e6 - 10.83).abs() < 0.01, "{sigma}");
     }
 }

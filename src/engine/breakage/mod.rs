@@ -8,7 +8,9 @@ pub mod crushing_stress;
 pub mod lost_mass;
 mod model;
 pub mod pattern;
+pub mod registry;
 pub mod spread;
 pub mod strength;
 
 pub use model::{Birth, CrushModel};
+pub use registry::Criterion;

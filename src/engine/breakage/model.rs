@@ -1,12 +1,14 @@
 //! How grains break in a run.
 
-use super::criterion::AreaModel;
 use super::pattern::Pattern;
+use super::registry::Criterion;
 use super::strength::StrengthModel;
 
 #[derive(Clone, Debug)]
 pub struct CrushModel {
-    pub area: AreaModel,
+    /// When a grain fails.
+    pub criterion: Criterion,
+    /// Strength of each grain.
     pub strength: StrengthModel,
     /// Seed of strengths and of the azimuths of splitting.
     pub seed: u64,

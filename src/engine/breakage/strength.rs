@@ -1,19 +1,20 @@
-//! Strength of one grain: sigma_lim = sigma_lim0 (d / d0)^(-3/m) * ratio, the ratio normal with mean 1 and standard
-//! deviation `var` (Ciantia et al. 2015, eqs 6, 7, 15), truncated from below.
+//! Strength of one grain: sigma_lim = sigma_lim0 (d / d0)^(-3/m) * ratio (Ciantia et al. 2015, eqs 6, 7, 15). The ratio has mean 1 before truncation and is
+//!
+//! - normal with standard deviation `var` (the paper), or
+//! - Weibull's with the modulus m of the size hardening: ratio = (−ln U)^(1/m) / Γ(1 + 1/m), U uniform in 0..1. The share exp(−(Γ(1 + 1/m) x)^m) of all grains is stronger than x times the mean.
 //!
 //! Every draw has a generator of its own ([`crate::math::random`]), so that no draw depends on the order of events.
 
 use super::criterion::size_factor;
-use crate::math::random::{STRENGTH, generator};
-use rand_distr::{Distribution, StandardNormal};
-use serde::{Deserialize, Serialize};
+use crate::math::portable;
+use crate::math::random::{STRENGTH, generator, positive_unit};
+use rand_distr::{Distribution as _, StandardNormal};
 
 /// Redraws after which a draw settles for `min_ratio`; only a `min_ratio` far above 1 ever gets here.
 const MAX_REDRAWS: u32 = 4096;
 
 /// What becomes of a draw below the smallest admitted ratio.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Truncation {
     /// It is drawn again. With `min_ratio` 0 and `var` 1 the mean becomes 1.288, the coefficient of variation 0.616.
     Redraw,
@@ -24,8 +25,23 @@ pub enum Truncation {
     Symmetric,
 }
 
-/// Law of the limit strength of a grain. `sigma_lim0` and `var` are parameters of the normal before truncation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// How the strengths of grains of one size are distributed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distribution {
+    /// Normal with the coefficient of variation `var`.
+    Normal,
+    /// Weibull's with the modulus `m`.
+    Weibull,
+}
+
+/// Coefficient of variation of Weibull's distribution of modulus `m`: √(Γ(1 + 2/m)/Γ(1 + 1/m)² − 1).
+pub fn weibull_variation(m: f64) -> f64 {
+    let ln_gamma = |k: f64| portable::ln_gamma(1.0 + k / m);
+    (portable::exp(ln_gamma(2.0) - 2.0 * ln_gamma(1.0)) - 1.0).max(0.0).sqrt()
+}
+
+/// Law of the limit strength of a grain. `sigma_lim0` and `var` are parameters of the distribution before truncation.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrengthModel {
     /// Mean limit strength at the reference diameter, Pa.
     pub sigma_lim0: f64,
@@ -33,7 +49,9 @@ pub struct StrengthModel {
     pub d0: f64,
     /// Exponent of size hardening, - (eq. 7).
     pub m: f64,
-    /// Coefficient of variation, -.
+    /// How strengths are distributed.
+    pub distribution: Distribution,
+    /// Coefficient of variation, -; of Weibull's distribution the one that follows from `m` ([`weibull_variation`]).
     pub var: f64,
     pub truncation: Truncation,
     /// Smallest admitted ratio of a strength to the mean at its size, -.
@@ -50,8 +68,13 @@ impl StrengthModel {
     fn ratio(&self, seed: u64, lineage: u64) -> f64 {
         let mut rng = generator(seed, lineage, STRENGTH);
         for _ in 0..MAX_REDRAWS {
-            let deviate: f64 = StandardNormal.sample(&mut rng);
-            let ratio = 1.0 + self.var * deviate;
+            let ratio = match self.distribution {
+                Distribution::Normal => {
+                    let deviate: f64 = StandardNormal.sample(&mut rng);
+                    1.0 + self.var * deviate
+                }
+                Distribution::Weibull => self.weibull_scale() * portable::pow(-portable::ln(positive_unit(&mut rng)), 1.0 / self.m),
+            };
             if ratio >= self.min_ratio && ratio <= self.max_ratio() {
                 return ratio;
             }
@@ -60,6 +83,11 @@ impl StrengthModel {
             }
         }
         self.min_ratio
+    }
+
+    /// Ratio that 1/e of all grains of Weibull's distribution surpass: 1/Γ(1 + 1/m).
+    pub(super) fn weibull_scale(&self) -> f64 {
+        portable::exp(-portable::ln_gamma(1.0 + 1.0 / self.m))
     }
 
     /// Largest admitted ratio of a strength to the mean at its size, -.
@@ -77,7 +105,7 @@ mod tests {
     use crate::math::random::{lineage_child, lineage_root, random_perpendicular};
 
     fn model(var: f64, truncation: Truncation) -> StrengthModel {
-        StrengthModel { sigma_lim0: 300e6, d0: 2e-3, m: 2.0, var, truncation, min_ratio: 0.0 }
+        StrengthModel { sigma_lim0: 300e6, d0: 2e-3, m: 2.0, distribution: Distribution::Normal, var, truncation, min_ratio: 0.0 }
     }
 
     /// Mean and coefficient of variation of 10^6 strengths over the mean strength of their size, and the share of zeros.
@@ -112,6 +140,25 @@ mod tests {
             assert!((found.1 - spread).abs() < 0.002, "{found:?}");
             assert!((found.2 - zeros).abs() < 0.002, "{found:?}");
         }
+    }
+
+    /// Mean 1, the variation of the closed form, and 1/e of the draws above the scale.
+    #[test]
+    fn weibull_draws_have_the_moments_and_quantiles_of_weibull() {
+        for m in [1.5, 3.0, 8.0] {
+            let law = StrengthModel {
+                distribution: Distribution::Weibull,
+                m,
+                var: weibull_variation(m),
+                ..model(1.0, Truncation::Redraw)
+            };
+            let (mean, spread, _) = statistics(law);
+            assert!((mean - 1.0).abs() < 0.0035 && (spread - law.var).abs() < 0.003, "{m}: {mean} {spread}");
+            let stronger = (0..100_000).filter(|&i| law.ratio(7, lineage_root(i)) > law.weibull_scale()).count();
+            assert!((stronger as f64 / 1e5 - (-1.0f64).exp()).abs() < 0.006, "{m}: {stronger}");
+        }
+        // Rayleigh's distribution: √(4/π − 1)
+        assert!((weibull_variation(2.0) - (4.0 / std::f64::consts::PI - 1.0).sqrt()).abs() < 1e-12);
     }
 
     #[test]

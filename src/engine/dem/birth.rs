@@ -14,11 +14,12 @@
 //! ([`crate::dem::ledger::Ledger`]). The latter push neighbours only: the mother's contacts were nearly in balance, so they bring little momentum. A neighbour that breaks drops hers.
 
 use crate::boundary::Wall;
+use crate::breakage::Criterion;
 use crate::contact::pair::PairTable;
 use crate::contact::pairs::Pairs;
 use crate::contact::sweep;
-use crate::dem::State;
 use crate::dem::physics::Physics;
+use crate::dem::{State, mean_stress};
 use crate::grains::Grains;
 use crate::math::vector::{dot, plus, scaled};
 use crate::neighbours::Neighbours;
@@ -241,7 +242,7 @@ impl Aftermath {
 }
 
 /// One step: contacts soften, radii grow, and what has grown out of its neighbourhood is listed in `moved`.
-pub fn advance(state: &mut State, neighbours: &Neighbours, moved: &mut Vec<u32>) {
+pub fn advance(criterion: Option<&Criterion>, state: &mut State, neighbours: &Neighbours, moved: &mut Vec<u32>) {
     let State { grains: g, aftermath, pairs, wall_pairs, ledger, dt, .. } = state;
     aftermath.fading.retain_mut(|x| {
         x.left -= 1;
@@ -256,11 +257,8 @@ pub fn advance(state: &mut State, neighbours: &Neighbours, moved: &mut Vec<u32>)
             return true;
         }
         let of = |e: &Entry| if e.is_wall() { &*wall_pairs } else { &*pairs };
-        let (mut load, mut force) = (0.0_f64, 0.0);
-        for e in neighbours.contacts.of(i) {
-            load = load.max(of(&e).load(e.slot()));
-            force += of(&e).touch[e.slot()].normal_force;
-        }
+        let force = neighbours.contacts.of(i).fold(0.0, |sum, e| sum + of(&e).touch[e.slot()].normal_force);
+        let load = criterion.map_or(0.0, |c| mean_stress::load(c, i, g.pos[i][3], neighbours, pairs, wall_pairs));
         let left = x.target - g.pos[i][3];
         if load > EASE * g.limit[i] {
             x.wait = WAIT;

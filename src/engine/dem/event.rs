@@ -4,12 +4,13 @@
 //! mother's rigid-body motion and material, draw fresh strengths keyed by lineage, and start without history.
 
 use super::birth::Obstacles;
+use crate::breakage::criterion::Judges;
 use crate::breakage::{Birth, CrushModel};
 use crate::contact::pair::PairTable;
 use crate::contact::{sweep, wall_sweep};
 use crate::dem::observables;
 use crate::dem::physics::Physics;
-use crate::dem::{State, gather, stability};
+use crate::dem::{State, gather, mean_stress, stability};
 use crate::grains::{sphere_volume, stiffness_radius};
 use crate::math::portable;
 use crate::math::random::{lineage_child, random_perpendicular};
@@ -31,7 +32,7 @@ pub struct Breakage {
     pub age: u64,
     /// Diameter, m.
     pub diameter: f64,
-    /// Decisive normal force and its limit, N, on the contact area, m^2.
+    /// Decisive normal force and its limit, N, and the area, m^2, over which the force is the stress that is compared with the strength.
     pub force: f64,
     pub limit_force: f64,
     pub area: f64,
@@ -104,7 +105,7 @@ pub fn break_grains(
     }
 }
 
-/// The contact with the largest load decides; among equals the first in the order of ids.
+/// The contact with the largest load decides, or, where the grain's mean stress is judged, the one with the largest normal force; among equals the first in the order of ids.
 fn judge(
     physics: &Physics,
     crush: &CrushModel,
@@ -128,8 +129,18 @@ fn judge(
     let g = &state.grains;
     // of the size that it was judged by, which it may still be growing to
     let d = 2.0 * state.aftermath.radius(i, g);
-    let force = load / crush.area.load_weight(r_eff, pair.e_eff);
-    let limit_force = crush.area.limit_force(g.strength[i], d, r_eff, pair.e_eff);
+    let (force, limit_force, area) = match crush.criterion.judges() {
+        Judges::Contacts => {
+            let force = load / crush.criterion.load_weight(r_eff, pair.e_eff);
+            let limit = crush.criterion.limit_force(g.strength[i], d, r_eff, pair.e_eff);
+            (force, limit, crush.criterion.area(force, d, r_eff, pair.e_eff))
+        }
+        Judges::MeanStress => {
+            // the force at which the grain would fail if all of its forces grew alike
+            let stress = mean_stress::load(&crush.criterion, i, g.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
+            (load, load * crush.criterion.threshold(g.strength[i], d) / stress, load / stress)
+        }
+    };
     let arriving = |i: usize| arriving(physics, state, neighbours, outside, i);
     let (touch, approach) = if e.is_wall() {
         let touch = &state.wall_pairs.touch[slot];
@@ -149,7 +160,7 @@ fn judge(
         axis: observables::normal(state, slot, e.is_wall()),
         force,
         limit_force,
-        area: crush.area.area(force, d, r_eff, pair.e_eff),
+        area,
         before: (force - elastic(touch.overlap) + elastic(overlap)) / limit_force,
     }
 }
@@ -332,7 +343,7 @@ pub fn arm_grain(crush: &CrushModel, state: &mut State, i: usize) {
     let g = &mut state.grains;
     let d = 2.0 * g.pos[i][3];
     g.strength[i] = crush.strength.draw(crush.seed, g.lineage[i], d);
-    g.limit[i] = if d > crush.d_limit { crush.area.limit(g.strength[i], d) } else { f64::INFINITY };
+    g.limit[i] = if d > crush.d_limit { crush.criterion.threshold(g.strength[i], d) } else { f64::INFINITY };
 }
 
 /// Momentum with the inertia in use, kg m/s.

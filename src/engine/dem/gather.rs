@@ -2,6 +2,8 @@
 //! limit, gets local damping and gravity, is kicked and drifted. Parallel over grains; each writes only itself.
 
 use super::{State, Work};
+use crate::breakage::CrushModel;
+use crate::breakage::criterion::Judges;
 use crate::contact::chunk::few;
 use crate::contact::pairs::{ContactForce, Pairs};
 use crate::dem::physics::Physics;
@@ -160,13 +162,19 @@ struct Input<'a> {
     arch: Arch,
 }
 
+/// Whether grains are judged in this step, by what criteria of this kind look at.
+pub(super) fn judged(physics: &Physics, state: &State, by: Judges) -> bool {
+    // judged every so many steps
+    let now = |c: &CrushModel| c.criterion.judges() == by && state.step.is_multiple_of(c.interval);
+    state.crushing && physics.crush.as_ref().is_some_and(now)
+}
+
 /// Judges, kicks and drifts all grains, so many to a parallel task; leaves a flag per grain.
 pub fn advance(physics: &Physics, state: &mut State, work: &mut Work) {
     let Work { neighbours, flags, outside, task, arch, .. } = work;
     let (task, arch) = (*task / 4, *arch);
     let ledger = state.pairs.kept().work;
-    // judged every so many steps
-    let crush = state.crushing && physics.crush.as_ref().is_some_and(|c| state.step.is_multiple_of(c.interval));
+    let crush = judged(physics, state, Judges::Contacts);
     let State { grains, pairs, wall_pairs, .. } = state;
     let input = Input {
         neighbours,

@@ -15,12 +15,12 @@ pub mod birth;
 pub mod event;
 pub mod gather;
 pub mod ledger;
+pub mod mean_stress;
 pub mod observables;
 pub mod physics;
 pub mod stability;
 
 use crate::boundary::Wall;
-use crate::breakage::criterion::AreaModel;
 use crate::contact::chunk::{self, Slots};
 use crate::contact::force::Rules;
 use crate::contact::pair::PairTable;
@@ -148,7 +148,7 @@ impl State {
             rolling: physics.contact.rolling,
             spring: physics.contact.law.is_viscous(),
             largest: physics.contact.law.table().plastic,
-            load: physics.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz),
+            load: physics.crush.as_ref().is_some_and(|c| c.criterion.is_weighted()),
         };
         State {
             step: 0,
@@ -217,6 +217,7 @@ pub fn move_grains(physics: &Physics, state: &mut State, work: &mut Work) {
     let half = 0.5 * state.dt;
     state.ledger.release += half * state.aftermath.power(&state.grains);
     gather::advance(physics, state, work);
+    mean_stress::judge(physics, state, work);
     state.ledger.release += half * state.aftermath.power(&state.grains);
     on_one_thread(small(state, work), || collect(state, work));
     for w in &mut state.walls {
@@ -231,7 +232,8 @@ pub fn breakage(physics: &Physics, state: &mut State, work: &mut Work) {
     on_one_thread(small(state, work), || crush(physics, state, work));
     work.outside.clear();
     if !state.aftermath.is_empty() {
-        birth::advance(state, &work.neighbours, &mut work.moved);
+        let criterion = physics.crush.as_ref().map(|c| &c.criterion);
+        birth::advance(criterion, state, &work.neighbours, &mut work.moved);
     }
     watch.lap(&mut work.clock, 3);
     state.step += 1;

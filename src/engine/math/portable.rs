@@ -1,4 +1,4 @@
-//! Power, exponential, sine and ln Γ from + - * / in a stated order, so that what a run makes of them is the same
+//! Power, exponential, logarithm, sine and ln Γ from + - * / in a stated order, so that what a run makes of them is the same
 //! bytes on every machine; the system library picks its own variant by instruction set.
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
@@ -14,7 +14,7 @@ pub fn pow(base: f64, exponent: f64) -> f64 {
 }
 
 /// Natural logarithm of a positive normal number (else NaN): ln m = 2 artanh((m - 1) / (m + 1)), m in 0.7..1.42.
-fn ln(x: f64) -> f64 {
+pub fn ln(x: f64) -> f64 {
     if !(x.is_normal() && x > 0.0) {
         return f64::NAN;
     }

@@ -60,6 +60,11 @@ pub fn lineage_uniform(lineage: u64) -> [f64; 3] {
     [1, 2, 3].map(|k| (mix(combine(lineage, PLACES + k)) >> 11) as f64 / (1_u64 << 53) as f64)
 }
 
+/// A number uniform in 0..1, without 0.
+pub fn positive_unit(rng: &mut ChaCha8Rng) -> f64 {
+    ((rng.next_u64() >> 11) as f64 + 1.0) / (1_u64 << 53) as f64
+}
+
 /// A number uniform in -1..1.
 fn symmetric_unit(rng: &mut ChaCha8Rng) -> f64 {
     let unit = (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;

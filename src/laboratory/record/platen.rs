@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::model::{Model, Platen};
 use crate::rig::platen::{Test, hertz, pair};
 use engine::breakage::CrushModel;
-use engine::breakage::criterion::{AreaModel, size_factor};
+use engine::breakage::criterion::size_factor;
 use std::path::Path;
 use table::{Row, Table, Value};
 
@@ -125,17 +125,15 @@ fn survival_rows(model: &Model, rig: &Platen, class: &Class) -> Vec<Row> {
 /// Share of grains of a diameter whose limit force is larger than that at which `t` broke.
 fn survival_of_law(crush: &CrushModel, model: &Model, rig: &Platen, t: &Test) -> f64 {
     let mean = mean_limit(crush, t.diameter, pair(model, rig).e_eff);
-    let ratio = match crush.area {
-        AreaModel::FixedAngle { .. } => t.force / mean,
-        AreaModel::Hertz => (t.force / mean).cbrt(),
-    };
+    // the force goes with the strength or with its cube
+    let ratio = if crush.criterion.power() == 3 { (t.force / mean).cbrt() } else { t.force / mean };
     1.0 - crush.strength.share_weaker(ratio)
 }
 
 /// Limit force, N, of a grain of the mean strength of its size (eqs 16, 17).
 fn mean_limit(crush: &CrushModel, d: f64, e_eff: f64) -> f64 {
     let s = &crush.strength;
-    crush.area.limit_force(s.sigma_lim0 * size_factor(d, s.d0, s.m), d, 0.5 * d, e_eff)
+    crush.criterion.limit_force(s.sigma_lim0 * size_factor(d, s.d0, s.m), d, 0.5 * d, e_eff)
 }
 
 /// Limit force against diameter: at the mean strength, and quantiles of its spread.
@@ -149,10 +147,7 @@ fn limit_rows(crush: &CrushModel, rig: &Platen, e_eff: f64) -> Vec<Row> {
     let row = |i: usize| -> Row {
         let d = low * (high / low).powf(i as f64 / (SIZES - 1) as f64);
         let mean = mean_limit(crush, d, e_eff);
-        let at = |ratio: f64| match crush.area {
-            AreaModel::FixedAngle { .. } => mean * ratio,
-            AreaModel::Hertz => mean * ratio * ratio * ratio,
-        };
+        let at = |ratio: f64| (0..crush.criterion.power()).fold(mean, |force, _| force * ratio);
         vec![
             ("diameter_mm", (1e3 * d).into()),
             ("at_mean_strength_N", mean.into()),

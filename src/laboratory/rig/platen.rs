@@ -128,7 +128,7 @@ pub fn press(model: &Model, rig: &Platen, number: u32, stop: impl Fn() -> bool) 
         grain: number,
         diameter: d,
         strength: state.grains.strength[0],
-        limit_force: limit_force.map(|c| c.area.limit_force(state.grains.strength[0], d, 0.5 * d, e_eff)),
+        limit_force: limit_force.map(|c| c.criterion.limit_force(state.grains.strength[0], d, 0.5 * d, e_eff)),
         force: 0.0,
         displacement: 0.0,
         broken: false,

@@ -85,9 +85,9 @@ fn summary(model: &Model, rig: &Platen, tests: &[Test]) -> Value {
         "grain": name(rig.grain),
         "platen": rig.platen.map_or("rigid".into(), name),
         "E_star_GPa": 1e-9 * pair.e_eff,
-        "area": model.physics.crush.as_ref().map(|c| match c.area {
-            engine::breakage::criterion::AreaModel::Hertz => "hertz",
-            engine::breakage::criterion::AreaModel::FixedAngle { .. } => "fixed_angle",
+        "area": model.physics.crush.as_ref().map(|c| match c.criterion.word() {
+            "hertz_area" => "hertz",
+            word => word,
         }),
         "tests": tests.len(),
         "crush_events": broken.clone().count(),

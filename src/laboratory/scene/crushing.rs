@@ -3,18 +3,21 @@
 use super::material::Named;
 use super::view::View;
 use crate::model::{GrainSpec, Oedometer, Rig, Triaxial};
-use engine::breakage::criterion::{AreaModel, limit_strength, size_factor};
+use engine::breakage::criterion::Judges;
+use engine::breakage::criterion::limit_strength::limit_strength;
+use engine::breakage::criterion::size_factor;
 use engine::breakage::crushing_stress::Quoted;
 use engine::breakage::lost_mass::Fines;
 use engine::breakage::pattern::Pattern;
-use engine::breakage::strength::{StrengthModel, Truncation};
-use engine::breakage::{Birth, CrushModel};
+use engine::breakage::strength::{Distribution, StrengthModel, Truncation, weibull_variation};
+use engine::breakage::{Birth, Criterion, CrushModel};
 use toml::{Table, Value};
 
 /// Writes what a scene leaves open and what depends on whether grains break.
 pub fn fill(scene: &mut Table) {
     let kind = scene.get("kind").and_then(Value::as_str).unwrap_or("").to_string();
     let breaks = scene.get("crushing").and_then(|c| c.get("enabled")).and_then(Value::as_bool) == Some(true);
+    let named = ["criterion", "area"].iter().any(|key| scene.get("crushing").is_some_and(|c| c.get(*key).is_some()));
     let mut fill = |table: &str, key: &str, value: &str| {
         if let Some(Value::Table(table)) = scene.get_mut(table) {
             table.entry(key).or_insert(Value::String(value.into()));
@@ -23,6 +26,9 @@ pub fn fill(scene: &mut Table) {
     if matches!(kind.as_str(), "oedometer" | "triaxial" | "assembly" | "mixture") {
         // a breakage unloads its neighbourhood, and a tangential force that is kept then creates energy
         fill("contact", "unloading", if breaks { "rescale" } else { "keep" });
+    }
+    if !named {
+        fill("crushing", "criterion", "fixed_angle");
     }
     if breaks && kind != "platen" {
         // the continuum around grains has not been tried with daughters that grow
@@ -44,7 +50,7 @@ impl View<'_> {
         let single = matches!(rig, Rig::Platen(_));
         let d_limit = if single && !self.has(&of.key("comminution")) { Some(0.0) } else { self.d_limit(of) };
         let strength = self.strength(of);
-        let (pattern, d_limit, (area, strength)) = (pattern?, d_limit?, strength?);
+        let (pattern, d_limit, (criterion, strength)) = (pattern?, d_limit?, strength?);
         if !single && !self.has(&of.key("fines")) {
             let message = "is missing: lost mass needs d_min_mm, the smallest sieve after crushing (eq. 12)";
             self.refuse(&of.key("fines"), message);
@@ -65,11 +71,11 @@ impl View<'_> {
             let s = strength.sigma_lim0 * size_factor(*d, strength.d0, strength.m);
             s.is_finite() && s > 0.0 && s < 1e18
         });
-        let table = match area {
-            AreaModel::Hertz => "strength.hertz_area.m",
-            AreaModel::FixedAngle { .. } => "strength.fixed_angle.m",
-        };
-        self.check(firm, &of.key(table), "gives strengths without limit at the sizes of this scene (eq. 7)");
+        self.check(
+            firm,
+            &of.key(&format!("strength.{}.m", criterion.word())),
+            "gives strengths without limit at the sizes of this scene (eq. 7)",
+        );
         let birth = match self.text("crushing.birth") {
             "overlapping" => Birth::Overlapping,
             _ => Birth::Gradual { release: self.steps("crushing.release_steps"), growth: self.steps("crushing.growth_steps") },
@@ -88,7 +94,7 @@ impl View<'_> {
         );
         let interval = self.whole("crushing.interval").unwrap_or(1);
         let crush =
-            CrushModel { area, strength, seed: self.whole("seed.strength")?, pattern, d_limit, birth, keeps_mass, interval };
+            CrushModel { criterion, strength, seed: self.whole("seed.strength")?, pattern, d_limit, birth, keeps_mass, interval };
         Some((Some(crush), fines))
     }
 
@@ -133,26 +139,34 @@ impl View<'_> {
         Some(ratio * d50 * self.scale())
     }
 
-    fn strength(&self, of: &Named) -> Option<(AreaModel, StrengthModel)> {
-        let name = match self.text("crushing.area") {
-            "hertz" => "strength.hertz_area",
-            _ => "strength.fixed_angle",
-        };
-        let table = of.key(name);
+    /// The word of the criterion by which grains fail.
+    pub fn criterion(&self) -> &str {
+        match (self.text("crushing.criterion"), self.text("crushing.area")) {
+            // its older name
+            ("", "hertz") => "hertz_area",
+            ("", _) => "fixed_angle",
+            (word, _) => word,
+        }
+    }
+
+    fn strength(&self, of: &Named) -> Option<(Criterion, StrengthModel)> {
+        let word = self.criterion();
+        let table = of.key(&format!("strength.{word}"));
+        let why = format!("crushing.criterion = \"{word}\"");
         if !self.has(&table) {
-            let area = self.text("crushing.area");
-            self.refuse(&table, format!("is missing: crushing.area = \"{area}\" needs it"));
+            self.refuse(&table, format!("is missing: {why} needs it"));
             return None;
         }
-        let area = match self.number(&format!("{table}.theta0_rad")) {
-            Some(theta0) => AreaModel::FixedAngle { theta0 },
-            None => AreaModel::Hertz,
-        };
+        let asked = Criterion::WORDS.iter().position(|other| *other == word).map_or(&[][..], |k| Criterion::PARAMETERS[k]);
+        let criterion = Criterion::named(word, &self.parameters(of, asked, &why))?;
+        self.judges(criterion);
+        let (distribution, var) = self.spread(of, &table)?;
         let shape = StrengthModel {
             sigma_lim0: f64::NAN,
             d0: self.si(&of.key("strength.d0_mm")) * self.scale(),
             m: self.si(&format!("{table}.m")),
-            var: self.si(&format!("{table}.var")),
+            distribution,
+            var,
             truncation: match self.text(&of.key("strength.truncation")) {
                 "clamp" => Truncation::Clamp,
                 "symmetric" => Truncation::Symmetric,
@@ -160,12 +174,40 @@ impl View<'_> {
             },
             min_ratio: self.si(&of.key("strength.min_ratio")),
         };
-        let sigma_lim0 = self.sigma_lim0(of, &table, area, &shape)?;
-        Some((area, StrengthModel { sigma_lim0, ..shape }))
+        let sigma_lim0 = self.sigma_lim0(of, &table, criterion, &shape)?;
+        Some((criterion, StrengthModel { sigma_lim0, ..shape }))
+    }
+
+    /// A grain's mean stress is known from its contacts with grains and walls only.
+    fn judges(&self, criterion: Criterion) {
+        let points = self.text("kind") == "mixture" || self.text("crushing.lost_mass") == "points";
+        self.check(
+            criterion.judges() == Judges::Contacts || !points,
+            "crushing.criterion",
+            "must be \"fixed_angle\" or \"hertz_area\" beside material points: what points bear on a grain is not in its mean stress",
+        );
+    }
+
+    /// Distribution of strengths and its coefficient of variation.
+    fn spread(&self, of: &Named, table: &str) -> Option<(Distribution, f64)> {
+        let key = format!("{table}.var");
+        let var = self.number(&key);
+        match (self.text(&of.key("strength.distribution")), var) {
+            ("weibull", None) => Some((Distribution::Weibull, weibull_variation(self.si(&format!("{table}.m"))))),
+            ("weibull", Some(_)) => {
+                self.refuse(&key, "must not be written with distribution = \"weibull\", whose variation follows from m");
+                None
+            }
+            (_, Some(var)) => Some((Distribution::Normal, var)),
+            (_, None) => {
+                self.refuse(&key, "is missing: coefficient of variation of the limit strength");
+                None
+            }
+        }
     }
 
     /// Given, or from the crushing stress of single grains (eqs 16, 17), or from uniaxial strengths (eqs 2, 4, 6).
-    fn sigma_lim0(&self, of: &Named, table: &str, area: AreaModel, shape: &StrengthModel) -> Option<f64> {
+    fn sigma_lim0(&self, of: &Named, table: &str, criterion: Criterion, shape: &StrengthModel) -> Option<f64> {
         let given = self.number(&format!("{table}.sigma_lim0_MPa"));
         let crushing = self.number(&format!("{table}.crushing_stress_MPa"));
         let compressive = self.number(&format!("{table}.sigma_c_MPa"));
@@ -187,11 +229,11 @@ impl View<'_> {
                         return None;
                     }
                 };
-                let e_eff = match area {
-                    AreaModel::FixedAngle { .. } => 1.0,
-                    AreaModel::Hertz => rigid_platens(self.elastic(of, true, "sigma_lim0 from crushing_stress_MPa (eq. 17)")?),
+                let e_eff = match criterion.is_weighted() {
+                    false => 1.0,
+                    true => rigid_platens(self.elastic(of, true, "sigma_lim0 from crushing_stress_MPa (eq. 17)")?),
                 };
-                Some(shape.sigma_lim0_from(stress, area, e_eff, quoted))
+                Some(shape.sigma_lim0_from(stress, criterion, e_eff, quoted))
             }
             (None, None, Some(c), Some(t)) => {
                 let (_, nu) = self.elastic(of, true, "the limit strength from sigma_c and sigma_t")?;
@@ -203,7 +245,9 @@ impl View<'_> {
                 Some(limit_strength(c, t, nu))
             }
             _ => {
-                let message = "must have sigma_lim0_MPa, or crushing_stress_MPa with crushing_stress_is, or sigma_c_MPa with sigma_t_MPa, one of them";
+                let of_substance = if criterion.judges() == Judges::Contacts { ", or sigma_c_MPa with sigma_t_MPa" } else { "" };
+                let message =
+                    format!("must have sigma_lim0_MPa, or crushing_stress_MPa with crushing_stress_is{of_substance}, one of them");
                 self.refuse(table, message);
                 None
             }

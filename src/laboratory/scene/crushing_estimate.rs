@@ -41,7 +41,7 @@ pub fn crushing_stress(model: &Model) -> Option<CrushingStress> {
     let material = model.physics.materials.get(usize::from(number))?;
     let d = middle_size(&model.rig)?;
     let e_eff = rigid_platens((material.young, material.poisson));
-    let mean = crush.strength.crushing_stress(crush.area, e_eff, d, Quoted::Mean);
+    let mean = crush.strength.crushing_stress(crush.criterion, e_eff, d, Quoted::Mean);
     Some(CrushingStress { d_mm: 1e3 * d / model.scale, mean_mpa: 1e-6 * mean })
 }
 

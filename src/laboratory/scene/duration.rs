@@ -164,7 +164,8 @@ pub fn breakages(model: &Model, crush: &CrushModel, sizes: &[f64], stress: f64) 
     let ratios: Vec<f64> = (0..DRAWS).map(|k| crush.strength.draw(1, lineage_root(k), crush.strength.d0)).collect();
     let broken = |d: f64| {
         let survived = |strength: &f64| {
-            let limit = crush.area.limit_force(strength * size_factor(d, crush.strength.d0, crush.strength.m), d, 0.5 * d, e_eff);
+            let limit =
+                crush.criterion.limit_force(strength * size_factor(d, crush.strength.d0, crush.strength.m), d, 0.5 * d, e_eff);
             (-limit / (BEARS * stress * d * d)).exp()
         };
         ratios.iter().map(survived).sum::<f64>() / f64::from(DRAWS)

@@ -7,7 +7,7 @@ use crate::model::{self, Assembly, Model, Oedometer, Rig, Triaxial};
 use crate::rig::platen::most_steps;
 use engine::boundary::Drive;
 use engine::breakage::CrushModel;
-use engine::breakage::criterion::{AreaModel, size_factor};
+use engine::breakage::criterion::size_factor;
 use engine::contact::{ContactLaw, TangentialUnloading};
 use engine::dem::stability;
 use serde::Serialize;
@@ -161,9 +161,9 @@ fn weak_from_the_start(model: &Model, crush: &CrushModel, specimen: &model::Spec
     let d = median(&specimen.gradation);
     let pair = model.physics.contact.law.between(&model.physics.materials[0], &model.physics.materials[0]);
     let mean = crush.strength.sigma_lim0 * size_factor(d, crush.strength.d0, crush.strength.m);
-    let share = specimen.isotropic_stress * d * d / crush.area.limit_force(mean, d, 0.25 * d, pair.e_eff);
+    let share = specimen.isotropic_stress * d * d / crush.criterion.limit_force(mean, d, 0.25 * d, pair.e_eff);
     // force goes with strength, or with its cube
-    let ratio = if crush.area == AreaModel::Hertz { share.cbrt() } else { share };
+    let ratio = if crush.criterion.power() == 3 { share.cbrt() } else { share };
     let weak = crush.strength.share_weaker(ratio);
     (weak > TOO_WEAK).then(|| {
         format!(

@@ -2,6 +2,7 @@
 
 use super::schema::{Default, Key, Of, Range, Shape};
 
+use engine::breakage::Criterion;
 use engine::contact::ContactLaw;
 use engine::parameter::Parameter;
 use std::sync::LazyLock;
@@ -20,10 +21,13 @@ const RATIO: Range = Range::below(0.0, 1.0);
 const WALL: Shape = Choice(&["open", "symmetry", "stick", "slip", "coulomb"]);
 const WALL_WHAT: &str = "side of the grid: nothing (a point that gets there is an error), smooth and holding, rough and holding, smooth and only pushing, or pushing with friction";
 const FRICTION: Range = Range::closed(0.0, 100.0);
-const ANGLE: Range = Range::between(0.0, 1.57);
 const DEGREES: Range = Range::below(0.0, 89.0);
 const RADIANS: Range = Range::below(0.0, 1.55);
 const EVOLUTION: Shape = Choice(&["linear", "cubic_exponential"]);
+const VARIATION: Range = Range::closed(0.0, 10.0);
+const VARIATION_WHAT: &str =
+    "coefficient of variation of the limit strength; not with distribution = \"weibull\", where it follows from m";
+const MODULUS_WHAT: &str = "Weibull modulus, eq. 7";
 const QUOTED: Shape = Choice(&["mean", "survival_37"]);
 const QUOTED_WHAT: &str = "what `crushing_stress_MPa` is of many grains of one size: their mean, or what 37 % (1/e) of them survive, as Weibull plots give it";
 
@@ -84,14 +88,12 @@ const fn continuum(path: &'static str, shape: Shape, default: Default, what: &'s
 }
 
 /// Tables that a scene or material may leave out; the keys in them are asked for only when the table is there.
-pub const OPTIONAL_TABLES: &[&str] = &[
+const OPTIONAL_TABLES: &[&str] = &[
     "material",
     "material.elastic",
     "material.linear",
     "material.gradation",
     "material.strength",
-    "material.strength.fixed_angle",
-    "material.strength.hertz_area",
     "material.comminution",
     "material.fines",
     "material.continuum",
@@ -130,6 +132,7 @@ pub const RIVALS: &[(&str, &str)] = &[
     ("relative_density", "void_ratio"),
     ("relative_density", "height_mm"),
     ("material", "materials"),
+    ("criterion", "area"),
 ];
 
 /// The vocabulary, in the order in which `scene.resolved.toml` is written: [`OWN`] and what laws ask of materials.
@@ -139,13 +142,58 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(assembled);
 fn assembled() -> Vec<Key> {
     let mut keys = OWN.to_vec();
     let meanings: Vec<String> = ContactLaw::ALL.iter().map(|law| format!("{}: {}", law.word(), law.meaning())).collect();
-    for key in keys.iter_mut().filter(|key| key.path == "contact.law") {
-        key.what = meanings.join("; ").leak();
+    let criteria: Vec<String> =
+        Criterion::WORDS.iter().zip(Criterion::MEANINGS).map(|(word, meaning)| format!("{word}: {meaning}")).collect();
+    for (path, what) in [("contact.law", meanings), ("crushing.criterion", criteria)] {
+        for key in keys.iter_mut().filter(|key| key.path == path) {
+            key.what = what.join("; ").leak();
+        }
     }
     for law in ContactLaw::ALL {
         declare(&mut keys, law.table().parameters, "material.contact.friction_angle_rad");
     }
+    for (word, parameters) in Criterion::WORDS.iter().zip(Criterion::PARAMETERS) {
+        strengths(&mut keys, word);
+        declare(&mut keys, parameters, COMMINUTION);
+    }
     keys
+}
+
+/// The first key behind the tables of strengths.
+const COMMINUTION: &str = "material.comminution.d_limit_over_d50";
+
+/// The keys that the table of every criterion has which judges the mean stress; those of the two others say more and stand in [`OWN`].
+fn strengths(keys: &mut Vec<Key>, word: &str) {
+    let path = |name: &str| -> &'static str { format!("material.strength.{word}.{name}").leak() };
+    if keys.iter().any(|key| key.path == path("m")) {
+        return;
+    }
+    let place = keys.iter().position(|key| key.path == COMMINUTION).unwrap_or(keys.len());
+    keys.splice(
+        place..place,
+        [
+            every(
+                path("sigma_lim0_MPa"),
+                Number(POSITIVE),
+                Absent,
+                "mean strength of a grain of diameter d0 in uniaxial compression, of its mean stress: 6/pi = 1.91 times F/d^2 of a single-grain test; or `crushing_stress_MPa`",
+            ),
+            every(
+                path("crushing_stress_MPa"),
+                Number(POSITIVE),
+                Absent,
+                "F/d^2 of grains of diameter d0 crushed between flat platens, as laboratories give it. With `crushing_stress_is`",
+            ),
+            every(path("crushing_stress_is"), QUOTED, Absent, QUOTED_WHAT),
+            every(path("m"), Number(POSITIVE), Required, MODULUS_WHAT),
+            every(path("var"), Number(VARIATION), Absent, VARIATION_WHAT),
+        ],
+    );
+}
+
+/// Whether a scene or a material may leave out the table `path`.
+pub fn is_optional(path: &str) -> bool {
+    OPTIONAL_TABLES.contains(&path) || path.starts_with("material.strength.")
 }
 
 fn declare(keys: &mut Vec<Key>, parameters: &[Parameter], anchor: &str) {
@@ -428,7 +476,13 @@ const OWN: &[Key] = &[
     cylinder("walls.friction.top", Number(FRICTION), Is("0.0"), "friction coefficient of the upper platen"),
     cylinder("walls.friction.cylinder", Number(FRICTION), Is("0.0"), "friction coefficient of the ring"),
     grains("crushing.enabled", Flag, ByKind("false", "false", "true"), "whether grains break"),
-    grains("crushing.area", Choice(&["fixed_angle", "hertz"]), Is("\"fixed_angle\""), "contact area at failure: eq. 8, or eq. 9"),
+    grains("crushing.criterion", Choice(Criterion::WORDS), Absent, ""), // what it says: `assembled`
+    grains(
+        "crushing.area",
+        Choice(&["fixed_angle", "hertz"]),
+        Absent,
+        "older name of `criterion`: \"fixed_angle\", or \"hertz\" for \"hertz_area\"",
+    ),
     grains("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
     grains("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
     grains(
@@ -681,6 +735,12 @@ const OWN: &[Key] = &[
     every("material.gradation.points", Points, Required, "[diameter in mm, mass fraction finer] from 0 to 1, unscaled"),
     every("material.strength.d0_mm", Number(POSITIVE), Is("2.0"), "reference diameter of size hardening (eq. 7), unscaled"),
     every(
+        "material.strength.distribution",
+        Choice(&["normal", "weibull"]),
+        Is("\"normal\""),
+        "how strengths of grains of one size are distributed: normal with `var` (eq. 6), or Weibull's with the modulus `m` of the size hardening",
+    ),
+    every(
         "material.strength.truncation",
         Choice(&["redraw", "clamp", "symmetric"]),
         Is("\"redraw\""),
@@ -707,19 +767,8 @@ const OWN: &[Key] = &[
         "uniaxial compressive strength of the grain's substance (eq. 2), not of a grain",
     ),
     every("material.strength.fixed_angle.sigma_t_MPa", Number(POSITIVE), Absent, "uniaxial tensile strength (eq. 2)"),
-    every(
-        "material.strength.fixed_angle.theta0_rad",
-        Number(ANGLE),
-        Required,
-        "angle of the contact area at failure (eq. 8), half the opening seen from the grain's centre. Single-grain tests give the product sigma_lim0 sin^2 theta0 only, and so do runs: any angle will do if sigma_lim0 goes with it (with `crushing_stress_MPa` it does). Without another source take 0.35, petroleum coke's of Ciantia et al. 2015 (there: 0.13 for silica sand)",
-    ),
-    every("material.strength.fixed_angle.m", Number(POSITIVE), Required, "Weibull modulus, eq. 7"),
-    every(
-        "material.strength.fixed_angle.var",
-        Number(Range::closed(0.0, 10.0)),
-        Required,
-        "coefficient of variation of the limit strength",
-    ),
+    every("material.strength.fixed_angle.m", Number(POSITIVE), Required, MODULUS_WHAT),
+    every("material.strength.fixed_angle.var", Number(VARIATION), Absent, VARIATION_WHAT),
     every(
         "material.strength.hertz_area.sigma_lim0_MPa",
         Number(POSITIVE),
@@ -735,13 +784,8 @@ const OWN: &[Key] = &[
     every("material.strength.hertz_area.crushing_stress_is", QUOTED, Absent, QUOTED_WHAT),
     every("material.strength.hertz_area.sigma_c_MPa", Number(POSITIVE), Absent, "uniaxial compressive strength (eq. 2)"),
     every("material.strength.hertz_area.sigma_t_MPa", Number(POSITIVE), Absent, "uniaxial tensile strength (eq. 2)"),
-    every("material.strength.hertz_area.m", Number(POSITIVE), Required, "Weibull modulus, eq. 7"),
-    every(
-        "material.strength.hertz_area.var",
-        Number(Range::closed(0.0, 10.0)),
-        Required,
-        "coefficient of variation of the limit strength",
-    ),
+    every("material.strength.hertz_area.m", Number(POSITIVE), Required, MODULUS_WHAT),
+    every("material.strength.hertz_area.var", Number(VARIATION), Absent, VARIATION_WHAT),
     every(
         "material.comminution.d_limit_over_d50",
         Number(POSITIVE),

@@ -69,9 +69,9 @@ impl View<'_> {
 
     pub fn material(&self, of: &Named) -> Option<Material> {
         let law = self.law();
-        let hertzian_area = self.flag("crushing.enabled") && self.text("crushing.area") == "hertz";
+        let hertzian_area = self.flag("crushing.enabled") && self.criterion() == "hertz_area";
         let why = if !law.is_hertzian() {
-            "crushing.area = \"hertz\"".to_string()
+            "crushing.criterion = \"hertz_area\"".to_string()
         } else if self.is_platen() {
             "a platen test".into()
         } else {

@@ -141,7 +141,7 @@ pub fn warnings(model: &Model, rig: &Platen, out: &mut Vec<String>) {
     let e_eff = pair(model, rig).e_eff;
     let far = |d: &&f64| {
         let strength = crush.strength.sigma_lim0 * size_factor(**d, crush.strength.d0, crush.strength.m);
-        let force = crush.area.limit_force(strength, **d, 0.5 * **d, e_eff);
+        let force = crush.criterion.limit_force(strength, **d, 0.5 * **d, e_eff);
         let unmoved = hertz_displacement(e_eff, 0.5 * **d, force) < rig.max_displacement * **d;
         **d > crush.d_limit && !(unmoved && rig.max_force.is_none_or(|most| force < most))
     };

@@ -1,6 +1,6 @@
 //! Every key known, of the right type, in its range; every default filled in.
 
-use super::keys::{KEYS, LIST_TABLES, OPTIONAL_TABLES, find, is_table, names_in};
+use super::keys::{KEYS, LIST_TABLES, find, is_optional, is_table, names_in};
 use super::layers::{Layer, join, shown};
 use super::schema::{Default, Of};
 use super::suggest::nearest;
@@ -66,7 +66,7 @@ impl Walk<'_> {
         self.fill(table, at, path);
         for name in names_in(path, self.of) {
             let inner = join(path, name);
-            let wanted = is_table(&inner) && !OPTIONAL_TABLES.contains(&inner.as_str()) && !LIST_TABLES.contains(&inner.as_str());
+            let wanted = is_table(&inner) && !is_optional(&inner) && !LIST_TABLES.contains(&inner.as_str());
             if wanted && self.of != Of::Every && !table.contains_key(name) {
                 let mut new = Table::new();
                 self.table(&mut new, &join(at, name), &inner);

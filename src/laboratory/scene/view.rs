@@ -211,8 +211,8 @@ impl<'a> View<'a> {
             (self.text("kind") == "mixture", "kind = \"mixture\""),
             (law.plastic && self.text("crushing.lost_mass") == "points", "crushing.lost_mass = \"points\""),
             (
-                self.flag("crushing.enabled") && self.text("crushing.area") == "hertz",
-                "crushing.area = \"hertz\", whose contact area is Hertz's",
+                self.flag("crushing.enabled") && self.criterion() == "hertz_area",
+                "crushing.criterion = \"hertz_area\", whose contact area is Hertz's",
             ),
             (law.inherited && rolling, "rolling friction"),
         ] {

@@ -15,7 +15,6 @@ pub use support::{Sizes, sizes};
 
 use super::device::{Device, refused};
 use super::platen::both;
-use crate::breakage::criterion::AreaModel;
 use crate::contact::pair::Pair;
 use crate::coupling::exchange::Contacts;
 use crate::coupling::{Body, Mixture};
@@ -179,7 +178,7 @@ impl Bodies {
             law: physics.contact.law.on_gpu().expect("other laws are refused before"),
             rates: 1,
             turning: physics.contact.turning.into(),
-            hertz_area: physics.crush.as_ref().is_some_and(|c| c.area == AreaModel::Hertz).into(),
+            hertz_area: physics.crush.as_ref().is_some_and(|c| c.criterion.is_weighted()).into(),
             crushing: state.crushing.into(),
             skin: SKIN as f32,
             reach: (most / settings.cell) as f32,

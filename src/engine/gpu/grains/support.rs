@@ -121,6 +121,10 @@ fn lacking(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Vec<Err
     if let Err(instead) = physics.contact.law.on_gpu() {
         lacks("contact.law", physics.contact.law.word().into(), instead);
     }
+    if let Some(Err(instead)) = physics.crush.as_ref().map(|c| c.criterion.on_gpu()) {
+        let word = physics.crush.as_ref().map_or("", |c| c.criterion.word());
+        lacks("crushing.criterion", word.into(), instead);
+    }
     if physics.contact.unloading == TangentialUnloading::Rescale {
         lacks("contact.unloading", "rescale".into(), "use keep");
     }

@@ -1,0 +1,159 @@
+//! When a grain fails. A criterion is a type that implements [`FailureCriterion`] in a file of its own, and a line in [`super::registry`].
+//!
+//! Some criteria judge the contacts of a grain one by one: it fails where one of them bears more than the grain's strength times an area. Others judge the grain's
+//! mean stress (Love–Weber: the sum over its contacts of force times arm, over its volume): it fails where an equivalent stress exceeds its strength. The equivalent
+//! stress of every such criterion is the stress itself in uniaxial compression, so that one single-grain strength calibrates all of them.
+//!
+//! Stresses are compression positive, Pa.
+
+mod christensen;
+mod fixed_angle;
+mod hertz_area;
+pub mod limit_strength;
+mod mohr_coulomb;
+mod von_mises;
+
+pub use christensen::Christensen;
+pub use fixed_angle::FixedAngle;
+pub use hertz_area::HertzArea;
+pub use mohr_coulomb::MohrCoulomb;
+pub use von_mises::VonMises;
+
+use crate::math::eigen::principal;
+use crate::math::portable;
+use crate::parameter::{Parameter, Values};
+use std::f64::consts::PI;
+
+/// What a criterion looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Judges {
+    /// The normal force of each contact.
+    Contacts,
+    /// The grain's mean stress.
+    MeanStress,
+}
+
+/// When a grain fails.
+pub trait FailureCriterion: Copy {
+    /// What the criterion asks of a material besides the limit strength and its spread.
+    const PARAMETERS: &'static [Parameter] = &[];
+    /// What it looks at.
+    const JUDGES: Judges;
+    /// Whether contacts keep their normal force times [`FailureCriterion::load_weight`]; otherwise the weight is 1.
+    const WEIGHTED: bool = false;
+    /// The power of the strength to which the force goes that breaks a grain between two platens.
+    const POWER: u32 = 1;
+
+    /// The criterion with the values of [`FailureCriterion::PARAMETERS`].
+    fn of(values: &Values) -> Self;
+
+    /// What a load is compared with, for a grain of strength `sigma_lim`, Pa, and diameter `d`, m: the largest weighted normal force of its contacts, or its equivalent stress,
+    /// Pa.
+    fn threshold(&self, sigma_lim: f64, d: f64) -> f64;
+
+    /// Weight of a contact's normal force in its load, by R*, m, and E', Pa, of the contact.
+    fn load_weight(&self, _r_eff: f64, _e_eff: f64) -> f64 {
+        1.0
+    }
+
+    /// Equivalent stress, Pa, of a mean stress; criteria that judge contacts have none.
+    fn equivalent_stress(&self, _stress: &MeanStress) -> f64 {
+        0.0
+    }
+
+    /// Normal force, N, at which a grain of strength `sigma_lim`, Pa, and diameter `d`, m, breaks between two platens that it touches with R*, m, and E', Pa.
+    fn limit_force(&self, sigma_lim: f64, d: f64, r_eff: f64, e_eff: f64) -> f64;
+
+    /// Area, m², over which a contact's force, N, is the stress that is compared with the strength.
+    fn area(&self, force: f64, d: f64, r_eff: f64, e_eff: f64) -> f64;
+}
+
+/// Size hardening (d / d0)^(-3/m), - (Ciantia et al. 2015, eqs 7, 15). `d0_scaled` is the reference diameter times the scale N, m.
+pub fn size_factor(d: f64, d0_scaled: f64, m: f64) -> f64 {
+    portable::pow(d / d0_scaled, -3.0 / m)
+}
+
+/// Mean stress of one grain, Pa, compression positive: `[xx, yy, zz, xy, yz, zx]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeanStress(pub [f64; 6]);
+
+impl MeanStress {
+    /// Mean of the normal stresses, Pa.
+    pub fn p(&self) -> f64 {
+        let [xx, yy, zz, ..] = self.0;
+        (xx + yy + zz) / 3.0
+    }
+
+    /// Second invariant of the deviator, Pa²: half the sum of its squares; q = √(3 J2).
+    pub fn j2(&self) -> f64 {
+        let [xx, yy, zz, xy, yz, zx] = self.0;
+        let (a, b, c) = (xx - yy, yy - zz, zz - xx);
+        (a * a + b * b + c * c) / 6.0 + (xy * xy + yz * yz + zx * zx)
+    }
+
+    /// Principal stresses, Pa, the most compressive first.
+    pub fn principal(&self) -> [f64; 3] {
+        principal(self.0).0
+    }
+}
+
+/// Area, m², over which the force of two opposite contacts is the uniaxial mean stress of a sphere: σ = 2 r F/V = F / (π d²/6).
+fn sphere_area(d: f64) -> f64 {
+    PI / 6.0 * d * d
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::breakage::Criterion;
+
+    fn close(value: f64, expected: f64, relative: f64) {
+        assert!((value / expected - 1.0).abs() <= relative, "{value} instead of {expected}");
+    }
+
+    #[test]
+    fn smaller_grains_are_stronger_by_the_power_of_size() {
+        assert_eq!(size_factor(2e-3, 2e-3, 2.0), 1.0);
+        close(size_factor(8e-3, 2e-3, 2.0), 0.125, 1e-14);
+        close(size_factor(0.5e-3, 2e-3, 3.0), 4.0, 1e-14);
+        // scale N moves the reference diameter only (eq. 15)
+        assert_eq!(size_factor(15e-3, 4e-3, 2.0), size_factor(7.5e-3, 2e-3, 2.0));
+    }
+
+    /// Of every criterion: at the limit force the stress is the strength, and the load is at its threshold.
+    #[test]
+    fn at_the_limit_force_stress_is_strength() {
+        for criterion in Criterion::examples() {
+            for (d, r_eff, e_eff) in [(7.5e-3, 3.75e-3, 1e9), (2e-3, 0.4e-3, 3e10)] {
+                let force = criterion.limit_force(3e8, d, r_eff, e_eff);
+                close(force / criterion.area(force, d, r_eff, e_eff), 3e8, 1e-13);
+                let load = match criterion.judges() {
+                    Judges::Contacts => force * criterion.load_weight(r_eff, e_eff),
+                    Judges::MeanStress => {
+                        // two opposite forces on a sphere: σ = 3/(4 π r²) Σ n F n
+                        let stress = 2.0 * force * 3.0 / (PI * d * d);
+                        criterion.equivalent_stress(&MeanStress([0.0, 0.0, stress, 0.0, 0.0, 0.0]))
+                    }
+                };
+                close(load, criterion.threshold(3e8, d), 1e-13);
+                let twice = criterion.limit_force(6e8, d, r_eff, e_eff) / force;
+                close(twice, 2f64.powi(criterion.power() as i32), 1e-13);
+            }
+            assert!(criterion.area(0.0, 1e-3, 1e-3, 1e9).is_finite());
+        }
+    }
+
+    /// What every criterion of the mean stress shares: a stress on all sides breaks nothing, turned axes change nothing, and a support from the sides helps or, for von Mises, only
+    /// less difference counts.
+    #[test]
+    fn pressure_on_all_sides_breaks_nothing() {
+        for criterion in Criterion::examples().filter(|c| c.judges() == Judges::MeanStress) {
+            let of = |t: [f64; 6]| criterion.equivalent_stress(&MeanStress(t));
+            assert!(of([1e8, 1e8, 1e8, 0.0, 0.0, 0.0]) <= 1.0, "{criterion:?}");
+            close(of([5e7, 5e7, 0.0, 5e7, 0.0, 0.0]), of([1e8, 0.0, 0.0, 0.0, 0.0, 0.0]), 1e-12);
+            let [free, held] = [0.0, 2e7].map(|side| of([1e8, side, side, 0.0, 0.0, 0.0]));
+            close(free, 1e8, 1e-13);
+            assert!(held < free - 2e7 + 1.0, "{criterion:?}: {held}");
+        }
+    }
+}
