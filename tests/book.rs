@@ -311,7 +311,8 @@ impl Helps {
                 return Some(format!("`comminute {}` has no option {name}", verbs.join(" ")));
             }
             if i > 0 && ["--set", "--grid"].contains(&words[i - 1].as_str()) {
-                let known = name == "KEY" || KEYS.iter().any(|k| k.path == name) || name.starts_with("materials.");
+                let known =
+                    ["KEY", "material"].contains(&name) || name.starts_with("materials.") || KEYS.iter().any(|k| k.path == name);
                 if !known {
                     return Some(format!("there is no key {name}"));
                 }
