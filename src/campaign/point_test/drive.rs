@@ -70,10 +70,7 @@ impl Point {
             q,
             stress_ratio: ratio(&pressure),
             plastic_strain: self.memory.plastic,
-            strength: match law {
-                Law::Elastic(_) => None,
-                Law::DruckerPrager(law) => Some(law.strength(self.memory.plastic)),
-            },
+            strength: law.yield_line(self.memory.plastic),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a point test leaves: `history.csv`, `summary.json`, the material with its defaults, figures.
 
 use super::{Path as Way, Row, Settings, Test};
-use engine::mpm::law::{Evolution, Law, YieldParameters};
+use engine::mpm::law::Law;
 use laboratory::error::{Error, Result};
 use laboratory::scene::Continuum;
 use serde_json::{Value, json};
@@ -68,13 +68,8 @@ pub fn write(material: &Continuum, settings: &Settings, tests: &[Test], out: &Pa
 fn record(law: &Law, test: &Test, row: &Row) -> Record {
     let kpa = |x: f64| (1e-3 * x).into();
     let or_none = |x: Option<f64>| x.unwrap_or(f64::NAN).into();
-    let (angle, cohesion) = match law {
-        Law::Elastic(_) => (None, None),
-        Law::DruckerPrager(law) => {
-            let p = law.parameters();
-            (Some(p.friction.at(row.plastic_strain).0 / DEGREE), Some(1e-3 * p.cohesion.at(row.plastic_strain).0))
-        }
-    };
+    let strength = law.shear_strength(row.plastic_strain);
+    let (angle, cohesion) = (strength.map(|[angle, _]| angle / DEGREE), strength.map(|[_, cohesion]| 1e-3 * cohesion));
     vec![
         ("confining_kPa", kpa(test.confining)),
         ("step", u64::from(row.step).into()),
@@ -103,14 +98,8 @@ pub fn summary(material: &Continuum, settings: &Settings, tests: &[Test]) -> Val
     let largest = |key: &str| each.iter().filter_map(|t| t[key].as_f64()).reduce(f64::max);
     json!({
         "material": material.name,
-        "law": match material.law {
-            Law::Elastic(_) => "elastic",
-            Law::DruckerPrager(_) => "drucker_prager",
-        },
-        "cone": match &material.law {
-            Law::Elastic(_) => None,
-            Law::DruckerPrager(law) => Some(law.parameters().cone.name()),
-        },
+        "law": material.law.word(),
+        "cone": material.law.cone().map(|cone| cone.name()),
         "path": settings.path.name(),
         "strain": settings.strain,
         "steps": settings.steps,
@@ -125,10 +114,7 @@ fn one(law: &Law, settings: &Settings, test: &Test) -> Value {
     let by_ratio = test.rows.iter().filter(|r| r.stress_ratio.is_some());
     let peak = by_ratio.max_by(|a, b| a.stress_ratio.unwrap_or(0.0).total_cmp(&b.stress_ratio.unwrap_or(0.0)));
     let furthest = test.rows.iter().fold(last, |a, b| if b.q.abs() > a.q.abs() { *b } else { a });
-    let angle = |row: &Row| match law {
-        Law::DruckerPrager(law) => Some(law.parameters().friction.at(row.plastic_strain).0 / DEGREE),
-        Law::Elastic(_) => None,
-    };
+    let angle = |row: &Row| law.shear_strength(row.plastic_strain).map(|[angle, _]| angle / DEGREE);
     let mut out = json!({
         "confining_kPa": 1e-3 * test.confining,
         "peak_stress_ratio": peak.and_then(|r| r.stress_ratio),
@@ -144,8 +130,7 @@ fn one(law: &Law, settings: &Settings, test: &Test) -> Value {
     match settings.path {
         Way::Triaxial => {
             out["largest_cell_pressure_error_kPa"] = json!(1e-3 * test.cell_pressure_error);
-            out["closed_form_peak_stress_ratio"] =
-                json!(strongest(law).and_then(|s| closed_form(s, test.confining, settings.strain)));
+            out["closed_form_peak_stress_ratio"] = json!(closed_form(law, test.confining, settings.strain));
         }
         Way::Oedometer => {
             out["final_k0"] = json!((last.axial > 0.0).then(|| last.lateral / last.axial));
@@ -160,18 +145,9 @@ fn one(law: &Law, settings: &Settings, test: &Test) -> Value {
     out
 }
 
-/// The surface of the largest friction angle that the law reaches; none where cohesion changes as well.
-fn strongest(law: &Law) -> Option<YieldParameters> {
-    let Law::DruckerPrager(law) = law else { return None };
-    let p = law.parameters();
-    let Evolution::Constant(cohesion) = p.cohesion else { return None };
-    let cone = p.cone.at(p.friction.range().1);
-    Some(YieldParameters { alpha: cone.alpha, kappa: cone.k * cohesion })
-}
-
-/// Largest over smallest principal stress at failure on this surface, where the smallest is pressure.
-fn closed_form(strength: YieldParameters, cell: f64, strain: f64) -> Option<f64> {
-    let (high, low) =
-        if strain > 0.0 { (cell + strength.q_compression(cell), cell) } else { (cell, cell - strength.q_extension(cell)) };
+/// Largest over smallest principal stress at failure with the largest strength that the law reaches, where the smallest is pressure.
+fn closed_form(law: &Law, cell: f64, strain: f64) -> Option<f64> {
+    let q = law.peak_q(cell, strain > 0.0)?;
+    let (high, low) = if strain > 0.0 { (cell + q, cell) } else { (cell, cell - q) };
     (low > 0.0).then(|| high / low)
 }

@@ -7,7 +7,7 @@ use super::memory::Sizes;
 use super::passes::Passes;
 use super::platen::{self, both};
 use super::state;
-use super::support::sizes;
+use super::support::{sizes, takes};
 use crate::coupling::Mixture;
 use crate::dem::physics::Physics;
 use crate::error::{Error, Result};
@@ -110,6 +110,7 @@ impl Continuum {
         coarse: Option<&Coarse<'_>>,
         saved: Option<&Saved>,
     ) -> Result<Continuum> {
+        takes(cpu.laws())?;
         sizes(cpu.settings(), cpu.points(), platens, coarse)?;
         let device = Device::open(coarse.is_some())?;
         let passes = Passes::new(&device, coarse.is_some());
@@ -142,6 +143,7 @@ impl Continuum {
         saved: Option<&Saved>,
     ) -> Result<Continuum> {
         let settings = cpu.settings().clone();
+        takes(cpu.laws())?;
         let (sizes, _) = sizes(&settings, cpu.points(), platens, coarse)?;
         sizes.check(&device.device.limits())?;
         let lightest = cpu.points().velocity.iter().map(|v| v[3]).fold(f64::INFINITY, f64::min);

@@ -206,6 +206,8 @@ impl From<&Law> for Law32 {
         let moduli = Law32 { bulk: elastic.bulk as f32, shear: elastic.shear as f32, ..Law32::default() };
         match law {
             Law::Elastic(_) => moduli,
+            // refused before
+            Law::MohrCoulomb(_) => moduli,
             Law::DruckerPrager(law) => {
                 let p = law.parameters();
                 let alpha_psi = p.cone.at(p.dilation).alpha;

@@ -36,4 +36,4 @@ pub mod tests;
 pub use continuum::{Continuum, Means, Saved};
 pub use device::{Adapter, available};
 pub use grains::Coarse;
-pub use support::{fits, needs};
+pub use support::{fits, needs, takes};

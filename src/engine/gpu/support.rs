@@ -5,6 +5,7 @@ use super::grains::{self, Coarse};
 use super::memory::Sizes;
 use super::platen;
 use crate::error::{Error, Result};
+use crate::mpm::law::Law;
 use crate::mpm::{Dimension, Platen, Points, Settings, ShapeFunctions, Transfer};
 
 /// What a continuum needs on a device, in bytes, with grains a guess.
@@ -39,6 +40,18 @@ pub fn sizes(
     Error::all(errors)?;
     let grains = coarse.map(|coarse| grains::sizes(settings, points, coarse)).transpose()?;
     Ok((Sizes::of(settings, points.len() as u64, !platens.is_empty()), grains))
+}
+
+/// Refuses laws that shaders do not have.
+///
+/// # Errors
+/// The first such law.
+pub fn takes(laws: &[Law]) -> Result<()> {
+    let refusal = |law: &Law| {
+        let instead = law.on_gpu().err()?;
+        Some(refused("material.continuum.law", law.word(), format!("is not available on the GPU: {instead}, or the processor")))
+    };
+    Error::all(laws.iter().find_map(refusal).into_iter().collect())
 }
 
 /// What the GPU path does not have.

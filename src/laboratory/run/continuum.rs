@@ -485,16 +485,16 @@ fn law(rig: &Rig) -> &Law {
 /// σ1/σ3 in triaxial compression with the largest strength that the law reaches, and with the last one.
 fn closed_forms(rig: &Rig, cell: f64) -> Option<[f64; 2]> {
     // grains alone have no law
-    let Law::DruckerPrager(law) = law(rig) else { return None };
+    let law = law(rig);
     if rig.points.is_empty() {
         return None;
     }
     // up to where nothing changes any more
     let (mut most, end) = (0.0_f64, 20.0);
     for k in 0..=200_000 {
-        most = most.max(law.strength(end * f64::from(k) / 200_000.0).q_compression(cell));
+        most = most.max(law.q_compression(cell, end * f64::from(k) / 200_000.0)?);
     }
-    let last = law.strength(1e6).q_compression(cell);
+    let last = law.q_compression(cell, 1e6)?;
     Some([most, last].map(|q| 1.0 + q / cell))
 }
 

@@ -6,7 +6,7 @@ use super::provenance::{Assumption, assumed_in};
 use super::view::View;
 use super::{files, overrides, validate, write};
 use crate::error::{Error, Result};
-use engine::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Parameters};
+use engine::mpm::law::{Cone, Elastic, Evolution, Law, Parameters};
 use std::path::Path;
 use toml::Value;
 
@@ -66,13 +66,19 @@ impl View<'_> {
                 return None;
             }
         };
-        if self.text(&key("law")) == "elastic" {
-            for name in PLASTIC {
-                self.check(!self.has(&key(name)), &key(name), "has no meaning with law = \"elastic\"");
-            }
-            return Some(Law::Elastic(elastic));
+        let word = self.text(&key("law"));
+        let reads = Law::keys(word)?;
+        for (name, stem) in PLASTIC {
+            self.check(reads.contains(&stem) || !self.has(&key(name)), &key(name), format!("has no meaning with law = \"{word}\""));
+        }
+        if reads.is_empty() {
+            let (none, zero) = (Evolution::Constant(0.0), 0.0);
+            let parameters =
+                Parameters { elastic, cone: Cone::Outer, friction: none, cohesion: none, dilation: zero, tension: f64::INFINITY };
+            return Law::named(word, &parameters);
         }
         let cone = match self.text(&key("cone")) {
+            _ if !reads.contains(&"cone") => Cone::Outer,
             "outer" => Cone::Outer,
             "inner" => Cone::Inner,
             "plane_strain" => Cone::PlaneStrain,
@@ -95,7 +101,7 @@ impl View<'_> {
         let (friction, cohesion, dilation) = (friction?, cohesion?, dilation?);
         let ok = self.agree(&at, &friction, &cohesion, dilation);
         let tension = self.number(&key("tension_kPa")).unwrap_or(f64::INFINITY);
-        ok.then(|| Law::DruckerPrager(DruckerPrager::new(Parameters { elastic, cone, friction, cohesion, dilation, tension })))
+        if ok { Law::named(word, &Parameters { elastic, cone, friction, cohesion, dilation, tension }) } else { None }
     }
 
     /// Ranges that no single key shows.
@@ -204,17 +210,17 @@ impl View<'_> {
     }
 }
 
-/// Keys of plasticity.
-const PLASTIC: [&str; 9] = [
-    "cone",
-    "friction_angle_deg",
-    "friction_angle_rad",
-    "dilation_angle_deg",
-    "dilation_angle_rad",
-    "cohesion_kPa",
-    "tension_kPa",
-    "friction_evolution",
-    "cohesion_evolution",
+/// Keys of plasticity, with and without their units.
+const PLASTIC: [(&str, &str); 9] = [
+    ("cone", "cone"),
+    ("friction_angle_deg", "friction_angle"),
+    ("friction_angle_rad", "friction_angle"),
+    ("dilation_angle_deg", "dilation_angle"),
+    ("dilation_angle_rad", "dilation_angle"),
+    ("cohesion_kPa", "cohesion"),
+    ("tension_kPa", "tension"),
+    ("friction_evolution", "friction_evolution"),
+    ("cohesion_evolution", "cohesion_evolution"),
 ];
 /// Keys of the two kinds of evolution, without their units.
 const LINEAR: &[&str] = &["last", "plastic_strain"];

@@ -205,9 +205,9 @@ fn speed(rig: &Continuum, i: usize) -> f64 {
 
 /// Stress that the platens will bear, Pa.
 fn largest_stress(rig: &Continuum, s: &Specimen, law: &Law) -> f64 {
-    match (&rig.test, law) {
-        (Test::Triaxial { cell_pressure, .. }, Law::DruckerPrager(_)) => 3.0 * cell_pressure,
-        (Test::Triaxial { cell_pressure, .. }, _) => cell_pressure + law.young() * s.axial_strain,
+    match (&rig.test, law.yield_line(0.0)) {
+        (Test::Triaxial { cell_pressure, .. }, Some(_)) => 3.0 * cell_pressure,
+        (Test::Triaxial { cell_pressure, .. }, None) => cell_pressure + law.young() * s.axial_strain,
         _ => s.stress + law.elastic().oedometric() * s.axial_strain,
     }
 }

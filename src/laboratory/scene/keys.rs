@@ -4,6 +4,7 @@ use super::schema::{Default, Key, Of, Range, Shape};
 
 use engine::breakage::Criterion;
 use engine::contact::ContactLaw;
+use engine::mpm::law::Law;
 use engine::parameter::Parameter;
 use std::sync::LazyLock;
 
@@ -142,9 +143,12 @@ pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(assembled);
 fn assembled() -> Vec<Key> {
     let mut keys = OWN.to_vec();
     let meanings: Vec<String> = ContactLaw::ALL.iter().map(|law| format!("{}: {}", law.word(), law.meaning())).collect();
-    let criteria: Vec<String> =
-        Criterion::WORDS.iter().zip(Criterion::MEANINGS).map(|(word, meaning)| format!("{word}: {meaning}")).collect();
-    for (path, what) in [("contact.law", meanings), ("crushing.criterion", criteria)] {
+    let named = |words: &[&str], meanings: &[&str]| -> Vec<String> {
+        words.iter().zip(meanings).map(|(word, meaning)| format!("{word}: {meaning}")).collect()
+    };
+    let criteria = named(Criterion::WORDS, Criterion::MEANINGS);
+    let laws = named(Law::WORDS, Law::MEANINGS);
+    for (path, what) in [("contact.law", meanings), ("crushing.criterion", criteria), ("material.continuum.law", laws)] {
         for key in keys.iter_mut().filter(|key| key.path == path) {
             key.what = what.join("; ").leak();
         }
@@ -805,12 +809,7 @@ const OWN: &[Key] = &[
         Required,
         "smallest size of the lost mass (eq. 12), unscaled, below every daughter",
     ),
-    every(
-        "material.continuum.law",
-        Choice(&["elastic", "drucker_prager"]),
-        Required,
-        "law of the material as a continuum; the table is for material points, no grain looks at it",
-    ),
+    every("material.continuum.law", Choice(Law::WORDS), Required, ""), // what it says: `assembled`
     every("material.continuum.G_MPa", Number(POSITIVE), Absent, "shear modulus of the continuum; or `E_MPa`"),
     every("material.continuum.E_MPa", Number(POSITIVE), Absent, "Young's modulus of the continuum; or `G_MPa`"),
     every("material.continuum.nu", Number(Range::between(-1.0, 0.5)), Required, "Poisson ratio of the continuum"),
@@ -824,31 +823,31 @@ const OWN: &[Key] = &[
         "material.continuum.friction_angle_deg",
         Number(DEGREES),
         Absent,
-        "drucker_prager: friction angle (before any plastic strain, if it changes); or `friction_angle_rad`",
+        "drucker_prager, mohr_coulomb: friction angle (before any plastic strain, if it changes); or `friction_angle_rad`",
     ),
     every(
         "material.continuum.friction_angle_rad",
         Number(RADIANS),
         Absent,
-        "drucker_prager: friction angle; or `friction_angle_deg`",
+        "drucker_prager, mohr_coulomb: friction angle; or `friction_angle_deg`",
     ),
     every(
         "material.continuum.dilation_angle_deg",
         Number(DEGREES),
         Absent,
-        "drucker_prager: dilation angle, at most the smallest friction angle; or `dilation_angle_rad`",
+        "drucker_prager, mohr_coulomb: dilation angle, at most the smallest friction angle; or `dilation_angle_rad`",
     ),
     every(
         "material.continuum.dilation_angle_rad",
         Number(RADIANS),
         Absent,
-        "drucker_prager: dilation angle; or `dilation_angle_deg`",
+        "drucker_prager, mohr_coulomb: dilation angle; or `dilation_angle_deg`",
     ),
     every(
         "material.continuum.cohesion_kPa",
         Number(NOT_NEGATIVE),
         Absent,
-        "drucker_prager: cohesion (before any plastic strain, if it changes)",
+        "drucker_prager, mohr_coulomb: cohesion (before any plastic strain, if it changes)",
     ),
     every(
         "material.continuum.tension_kPa",

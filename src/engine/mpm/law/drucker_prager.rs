@@ -10,10 +10,10 @@
 //! Holds for 0 <= psi <= phi: dissipation is then not negative. Material that was pulled apart does not remember its gap.
 
 use super::surface::{Origin, Place, Surface, YieldParameters};
-use super::{Cone, Elastic, Evolution, InternalVariables, Sym, tensor};
+use super::{Cone, ConstitutiveLaw, Elastic, Evolution, InternalVariables, Sym, tensor};
 use serde::{Deserialize, Serialize};
 
-/// What makes a Drucker-Prager law.
+/// What makes a law: a law reads those of its keys ([`ConstitutiveLaw::KEYS`]).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     pub elastic: Elastic,
@@ -55,6 +55,52 @@ impl From<Parameters> for DruckerPrager {
 impl From<DruckerPrager> for Parameters {
     fn from(law: DruckerPrager) -> Parameters {
         law.parameters
+    }
+}
+
+impl ConstitutiveLaw for DruckerPrager {
+    const KEYS: &'static [&'static str] =
+        &["cone", "friction_angle", "dilation_angle", "cohesion", "tension", "friction_evolution", "cohesion_evolution"];
+
+    fn of(parameters: &Parameters) -> DruckerPrager {
+        DruckerPrager::new(*parameters)
+    }
+
+    #[inline]
+    fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
+        DruckerPrager::update(self, stress, dstrain, memory)
+    }
+
+    fn elastic(&self) -> Elastic {
+        self.elastic
+    }
+
+    fn cone(&self) -> Option<Cone> {
+        Some(self.parameters.cone)
+    }
+
+    fn shear_strength(&self, plastic: f64) -> Option<[f64; 2]> {
+        Some([self.parameters.friction.at(plastic).0, self.parameters.cohesion.at(plastic).0])
+    }
+
+    fn yield_line(&self, plastic: f64) -> Option<YieldParameters> {
+        Some(self.strength(plastic))
+    }
+
+    fn q_compression(&self, cell: f64, plastic: f64) -> Option<f64> {
+        Some(self.strength(plastic).q_compression(cell))
+    }
+
+    fn q_extension(&self, cell: f64, plastic: f64) -> Option<f64> {
+        Some(self.strength(plastic).q_extension(cell))
+    }
+
+    /// With the largest friction angle; none where cohesion changes as well.
+    fn peak_q(&self, cell: f64, compression: bool) -> Option<f64> {
+        let Evolution::Constant(cohesion) = self.parameters.cohesion else { return None };
+        let cone = self.parameters.cone.at(self.parameters.friction.range().1);
+        let strongest = YieldParameters { alpha: cone.alpha, kappa: cone.k * cohesion };
+        Some(if compression { strongest.q_compression(cell) } else { strongest.q_extension(cell) })
     }
 }
 

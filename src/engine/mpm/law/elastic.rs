@@ -1,7 +1,7 @@
 //! Linear isotropic elasticity: dsigma = K tr(de) I + 2 G dev(de).
 //! K, G bulk and shear modulus, Pa; any strain increment, small in each step.
 
-use super::Sym;
+use super::{ConstitutiveLaw, InternalVariables, Parameters, Sym};
 use serde::{Deserialize, Serialize};
 
 /// Linear elasticity.
@@ -53,6 +53,23 @@ impl Elastic {
             stress[4] + two_g * dstrain[4],
             stress[5] + two_g * dstrain[5],
         ]
+    }
+}
+
+impl ConstitutiveLaw for Elastic {
+    const KEYS: &'static [&'static str] = &[];
+
+    fn of(parameters: &Parameters) -> Elastic {
+        parameters.elastic
+    }
+
+    #[inline]
+    fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
+        (Elastic::update(self, stress, dstrain), memory)
+    }
+
+    fn elastic(&self) -> Elastic {
+        *self
     }
 }
 

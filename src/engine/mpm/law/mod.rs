@@ -9,6 +9,8 @@ mod cone;
 mod drucker_prager;
 mod elastic;
 mod evolution;
+mod mohr_coulomb;
+mod registry;
 mod surface;
 pub mod tensor;
 #[cfg(test)]
@@ -18,6 +20,8 @@ pub use cone::Cone;
 pub use drucker_prager::{DruckerPrager, Parameters};
 pub use elastic::Elastic;
 pub use evolution::Evolution;
+pub use mohr_coulomb::MohrCoulomb;
+pub use registry::Law;
 pub use surface::YieldParameters;
 
 /// Symmetric tensor, components xx, yy, zz, xy, yz, zx (tensor components: half the engineering shear strain). Tension is
@@ -31,55 +35,48 @@ pub struct InternalVariables {
     pub plastic: f64,
 }
 
-/// The law of a material: one of them for all of its points.
-#[expect(clippy::large_enum_variant, reason = "a scene has a few laws; points hold none")]
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Law {
-    Elastic(Elastic),
-    DruckerPrager(DruckerPrager),
-}
+/// A law of a material point.
+pub trait ConstitutiveLaw: Sized {
+    /// Keys of a material's table [continuum] that the law reads besides `law` and the moduli, without their units; all but evolutions and `tension` are needed.
+    const KEYS: &'static [&'static str];
 
-impl Law {
+    /// The law of these parameters; it looks at those of its keys.
+    fn of(parameters: &Parameters) -> Self;
+
     /// Stress, Pa, and memory after the strain increment `dstrain`. `stress` has been rotated with the material already
     /// ([`crate::mpm::rotate_jaumann`]).
-    #[inline]
-    pub fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
-        match self {
-            Law::Elastic(law) => (law.update(stress, dstrain), memory),
-            Law::DruckerPrager(law) => law.update(stress, dstrain, memory),
-        }
-    }
+    fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables);
 
     /// The elastic part of the law.
-    pub fn elastic(&self) -> Elastic {
-        match self {
-            Law::Elastic(law) => *law,
-            Law::DruckerPrager(law) => law.elastic(),
-        }
+    fn elastic(&self) -> Elastic;
+
+    /// The place of a cone of failure at the Mohr-Coulomb pyramid, of a law that has one.
+    fn cone(&self) -> Option<Cone> {
+        None
     }
 
-    /// Shear modulus G, Pa.
-    pub fn shear_modulus(&self) -> f64 {
-        self.elastic().shear
+    /// Friction angle, rad, and cohesion, Pa, at a plastic strain, of a law that yields.
+    fn shear_strength(&self, _plastic: f64) -> Option<[f64; 2]> {
+        None
     }
 
-    /// Bulk modulus K, Pa.
-    pub fn bulk_modulus(&self) -> f64 {
-        self.elastic().bulk
+    /// The line of failure in triaxial compression at a plastic strain, of a law that yields.
+    fn yield_line(&self, _plastic: f64) -> Option<YieldParameters> {
+        None
     }
 
-    /// Young's modulus E, Pa.
-    pub fn young(&self) -> f64 {
-        self.elastic().young()
+    /// Deviatoric stress q at failure in triaxial compression at the cell pressure, Pa (compression positive), at a plastic strain.
+    fn q_compression(&self, _cell: f64, _plastic: f64) -> Option<f64> {
+        None
     }
 
-    /// Poisson ratio.
-    pub fn poisson(&self) -> f64 {
-        self.elastic().poisson()
+    /// Radial less axial stress at failure in triaxial extension at the cell pressure, Pa (compression positive), at a plastic strain.
+    fn q_extension(&self, _cell: f64, _plastic: f64) -> Option<f64> {
+        None
     }
 
-    /// Speed of P-waves, m/s, in material of this density, kg/m³: no law is stiffer than its elastic part.
-    pub fn wave_speed(&self, density: f64) -> f64 {
-        (self.elastic().oedometric() / density).sqrt()
+    /// The largest of these that the law reaches at any plastic strain, in compression or extension; `None` where no closed form says.
+    fn peak_q(&self, _cell: f64, _compression: bool) -> Option<f64> {
+        None
     }
 }

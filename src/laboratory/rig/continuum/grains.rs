@@ -185,6 +185,7 @@ impl State {
             let message = "cylinders are not available on the GPU: use --backend cpu";
             return Err(Error::input("gpu", "body[0].shape", Some("cylinder".into()), message));
         }
+        gpu::takes(&rig.laws)?;
         let Some(mixture) = self.mixture.as_deref() else { return Ok(what(&rig.settings, &rig.points, &self.platens, None)?) };
         if rig.growth.is_some() {
             return Err(Error::input(

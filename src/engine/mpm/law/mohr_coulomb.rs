@@ -1,0 +1,268 @@
+//! Mohr–Coulomb plasticity with constant friction, cohesion and dilation, tension positive, principal stresses σ1 ≥ σ2 ≥ σ3:
+//! f = (σ1 − σ3) + (σ1 + σ3) sin φ − 2 c cos φ ≤ 0. Flow by the same form with the dilation angle ψ.
+//!
+//! The return is exact: in principal stresses the surface is a pyramid of planes, so that a trial state returns to one of its planes, edges or the apex c cot φ in closed form,
+//! and its directions stay (de Souza Neto, Perić & Owen 2008, Computational Methods for Plasticity, section 8.2).
+//!
+//! - φ, ψ — friction and dilation angle, rad, 0 ≤ ψ ≤ φ; c — cohesion, Pa
+//! - triaxial compression and extension fail at the same σ_largest/σ_smallest = N = (1 + sin φ)/(1 − sin φ) of a soil without cohesion
+//!
+//! Holds for 0 ≤ ψ ≤ φ: dissipation is then not negative.
+
+use super::{Cone, ConstitutiveLaw, Elastic, InternalVariables, Parameters, Sym, YieldParameters, tensor};
+use crate::math::eigen::principal;
+use crate::math::portable::sin;
+use serde::{Deserialize, Serialize};
+
+/// The law, with what follows from its parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Parameters", into = "Parameters")]
+pub struct MohrCoulomb {
+    parameters: Parameters,
+    friction_angle: f64,
+    cohesion: f64,
+    /// sin φ, sin ψ
+    sin_friction: f64,
+    sin_dilation: f64,
+    /// 2 c cos φ, Pa
+    strength: f64,
+    /// The cone inside the pyramid that touches each of its planes: stress inside it needs no principal values.
+    inscribed: YieldParameters,
+}
+
+impl From<Parameters> for MohrCoulomb {
+    fn from(parameters: Parameters) -> MohrCoulomb {
+        let (friction_angle, cohesion) = (parameters.friction.at(0.0).0, parameters.cohesion.at(0.0).0);
+        let sin_friction = sin(friction_angle);
+        let cosine = (1.0 - sin_friction * sin_friction).max(0.0).sqrt();
+        let cone = Cone::PlaneStrain.at(friction_angle);
+        MohrCoulomb {
+            parameters,
+            friction_angle,
+            cohesion,
+            sin_friction,
+            sin_dilation: sin(parameters.dilation),
+            strength: 2.0 * cohesion * cosine,
+            inscribed: YieldParameters { alpha: cone.alpha, kappa: cone.k * cohesion },
+        }
+    }
+}
+
+impl From<MohrCoulomb> for Parameters {
+    fn from(law: MohrCoulomb) -> Parameters {
+        law.parameters
+    }
+}
+
+impl ConstitutiveLaw for MohrCoulomb {
+    const KEYS: &'static [&'static str] = &["friction_angle", "dilation_angle", "cohesion"];
+
+    fn of(parameters: &Parameters) -> MohrCoulomb {
+        (*parameters).into()
+    }
+
+    fn elastic(&self) -> Elastic {
+        self.parameters.elastic
+    }
+
+    #[inline]
+    fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
+        let trial = self.parameters.elastic.update(stress, dstrain);
+        let room = self.inscribed.kappa - self.inscribed.alpha * tensor::trace(&trial);
+        if room >= 0.0 && tensor::j2(&trial) <= room * room {
+            return (trial, memory);
+        }
+        self.corrected(trial, memory)
+    }
+
+    fn shear_strength(&self, _: f64) -> Option<[f64; 2]> {
+        Some([self.friction_angle, self.cohesion])
+    }
+
+    fn yield_line(&self, _: f64) -> Option<YieldParameters> {
+        let cone = Cone::Outer.at(self.friction_angle);
+        Some(YieldParameters { alpha: cone.alpha, kappa: cone.k * self.cohesion })
+    }
+
+    fn q_compression(&self, cell: f64, _: f64) -> Option<f64> {
+        // σ1 (1 − sin φ) = σ3 (1 + sin φ) + 2 c cos φ
+        Some((cell * (1.0 + self.sin_friction) + self.strength) / (1.0 - self.sin_friction) - cell)
+    }
+
+    fn q_extension(&self, cell: f64, _: f64) -> Option<f64> {
+        Some(cell - (cell * (1.0 - self.sin_friction) - self.strength) / (1.0 + self.sin_friction))
+    }
+
+    fn peak_q(&self, cell: f64, compression: bool) -> Option<f64> {
+        if compression { self.q_compression(cell, 0.0) } else { self.q_extension(cell, 0.0) }
+    }
+}
+
+impl MohrCoulomb {
+    /// Yield function of a largest and a smallest principal stress, Pa.
+    fn outside(&self, largest: f64, smallest: f64) -> f64 {
+        (largest - smallest) + (largest + smallest) * self.sin_friction - self.strength
+    }
+
+    #[inline(never)]
+    fn corrected(&self, trial: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
+        let (before, directions) = principal(trial);
+        // what rounding leaves of a stress on the surface is not outside
+        let scale = before[0].abs().max(before[2].abs());
+        if self.outside(before[0], before[2]) <= 4.0 * f64::EPSILON * scale {
+            return (trial, memory);
+        }
+        let after = self.returned(before);
+        let mut stress = [0.0; 6];
+        for (value, d) in after.iter().zip(directions) {
+            for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].into_iter().enumerate() {
+                stress[k] += value * (d[i] * d[j]);
+            }
+        }
+        let Elastic { bulk, shear } = self.parameters.elastic;
+        let gone: [f64; 3] = std::array::from_fn(|k| before[k] - after[k]);
+        let mean = (gone[0] + gone[1] + gone[2]) * (1.0 / 3.0);
+        let plastic = gone.map(|g| (g - mean) / (2.0 * shear) + mean / (3.0 * bulk));
+        let square = plastic[0] * plastic[0] + plastic[1] * plastic[1] + plastic[2] * plastic[2];
+        (stress, InternalVariables { plastic: memory.plastic + (2.0 / 3.0 * square).sqrt() })
+    }
+
+    /// Principal stresses, Pa, on the surface, of a trial state outside of it; its plane first, then the edge beside it, then the apex.
+    fn returned(&self, trial: [f64; 3]) -> [f64; 3] {
+        let (s, d) = (self.sin_friction, self.sin_dilation);
+        let Elastic { bulk, shear } = self.parameters.elastic;
+        // change of σ with the multiplier of a plane: of its largest, its other and its smallest principal stress
+        let largest = -(2.0 * shear * (1.0 + d * (1.0 / 3.0)) + 2.0 * bulk * d);
+        let other = (4.0 / 3.0 * shear - 2.0 * bulk) * d;
+        let smallest = 2.0 * shear * (1.0 - d * (1.0 / 3.0)) - 2.0 * bulk * d;
+        let own = 4.0 * shear * (1.0 + s * d * (1.0 / 3.0)) + 4.0 * bulk * s * d;
+        let ordered = |x: [f64; 3]| {
+            let rounding = 8.0 * f64::EPSILON * (x[0].abs() + x[2].abs());
+            x[0] >= x[1] - rounding && x[1] >= x[2] - rounding
+        };
+
+        let main = self.outside(trial[0], trial[2]);
+        let m = main / own;
+        let plane = [trial[0] + largest * m, trial[1] + other * m, trial[2] + smallest * m];
+        if ordered(plane) {
+            return plane;
+        }
+        // the flow goes past the edge of triaxial compression (σ1 of tension alone) or of extension
+        let compression = (1.0 - d) * trial[0] - 2.0 * trial[1] + (1.0 + d) * trial[2] > 0.0;
+        let sign = if compression { 1.0 } else { -1.0 };
+        let across = 2.0 * shear * (1.0 + sign * (s + d) - s * d * (1.0 / 3.0)) + 4.0 * bulk * s * d;
+        let beside = if compression { self.outside(trial[0], trial[1]) } else { self.outside(trial[1], trial[2]) };
+        let determinant = own * own - across * across;
+        let (a, b) = ((own * main - across * beside) / determinant, (own * beside - across * main) / determinant);
+        let edge = if compression {
+            [trial[0] + largest * (a + b), trial[1] + other * a + smallest * b, trial[2] + smallest * a + other * b]
+        } else {
+            [trial[0] + largest * a + other * b, trial[1] + other * a + largest * b, trial[2] + smallest * (a + b)]
+        };
+        let apex = if s > 0.0 { self.strength / (2.0 * s) } else { f64::INFINITY };
+        let mean = (edge[0] + edge[1] + edge[2]) * (1.0 / 3.0);
+        if ordered(edge) && mean <= apex { edge } else { [apex; 3] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Evolution;
+    use super::*;
+    use proptest::prelude::*;
+
+    const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+    fn soil(phi: f64, psi: f64, cohesion: f64) -> MohrCoulomb {
+        MohrCoulomb::of(&Parameters {
+            elastic: Elastic::of_young(20e6, 0.25),
+            cone: Cone::Outer,
+            friction: Evolution::Constant(phi * DEGREE),
+            cohesion: Evolution::Constant(cohesion),
+            dilation: psi * DEGREE,
+            tension: f64::INFINITY,
+        })
+    }
+
+    /// Strains axially at a constant cell pressure (compression negative here), the lateral strain found so that the lateral stress stays.
+    fn triaxial(law: &MohrCoulomb, cell: f64, axial: f64) -> (Sym, [f64; 2]) {
+        let (mut stress, mut memory) = ([-cell, -cell, -cell, 0.0, 0.0, 0.0], InternalVariables::default());
+        let mut lateral_sum = 0.0;
+        for _ in 0..400 {
+            let da = axial / 400.0;
+            let trial = |lateral: f64| law.update(stress, [lateral, lateral, da, 0.0, 0.0, 0.0], memory);
+            let (mut low, mut high) = (-2.0 * da.abs(), 2.0 * da.abs());
+            for _ in 0..200 {
+                let middle = 0.5 * (low + high);
+                if trial(middle).0[0] < -cell { low = middle } else { high = middle }
+            }
+            lateral_sum += low;
+            (stress, memory) = trial(low);
+        }
+        (stress, [axial, lateral_sum])
+    }
+
+    /// Compression and extension fail at σ_largest = N σ_smallest + 2 c √N, and dilate by dε_v = −2 sin ψ/(1 − sin ψ) dε_a (compression) per plastic axial strain.
+    #[test]
+    fn triaxial_tests_fail_and_dilate_as_in_closed_form() {
+        for (phi, psi, c) in [(35.0, 10.0, 0.0), (30.0, 30.0, 5e3), (25.0, 0.0, 20e3)] {
+            let law = soil(phi, psi, c);
+            let n = (1.0 + (phi * DEGREE).sin()) / (1.0 - (phi * DEGREE).sin());
+            let cell = 100e3;
+            let (stress, [axial, lateral]) = triaxial(&law, cell, -0.1);
+            assert!((-stress[2] / (n * cell + 2.0 * c * n.sqrt()) - 1.0).abs() < 1e-9, "{phi} {psi}: {stress:?}");
+            assert!((-stress[2] - cell - law.q_compression(cell, 0.0).unwrap()).abs() < 1e-4);
+            // the elastic part stays what it was at failure
+            let young = law.elastic().young();
+            let q = -stress[2] - cell;
+            let (plastic_axial, plastic_lateral) = (axial + q / young, lateral - 0.25 * q / young);
+            let sine = (psi * DEGREE).sin();
+            let volume = plastic_axial + 2.0 * plastic_lateral;
+            assert!((volume / -plastic_axial - 2.0 * sine / (1.0 - sine)).abs() < 1e-6, "{phi} {psi}: {volume} {plastic_axial}");
+            let (stress, _) = triaxial(&law, cell, 0.1);
+            assert!(((n * -stress[2] + 2.0 * c * n.sqrt()) / cell - 1.0).abs() < 1e-9, "extension {phi} {psi}: {stress:?}");
+            assert!((cell + stress[2] - law.q_extension(cell, 0.0).unwrap()).abs() < 1e-4);
+        }
+    }
+
+    /// Plane strain with ψ = 0: the middle stress is between the others and does not count.
+    #[test]
+    fn plane_strain_fails_at_the_same_ratio() {
+        let law = soil(30.0, 0.0, 0.0);
+        let (mut stress, mut memory) = ([-1e5, -1e5, -1e5, 0.0, 0.0, 0.0], InternalVariables::default());
+        for _ in 0..4000 {
+            (stress, memory) = law.update(stress, [1e-5, 0.0, -1e-5, 0.0, 0.0, 0.0], memory);
+        }
+        assert!((stress[2] / stress[0] - 3.0).abs() < 1e-9, "{stress:?}");
+        assert!(stress[1] < stress[0] && stress[1] > stress[2]);
+    }
+
+    proptest! {
+        /// From anywhere the return ends on the surface, dissipates, keeps its directions and does not move again.
+        #[test]
+        fn returns_end_on_the_surface(
+            e in prop::array::uniform6(-0.02..0.02f64), p in 0.0..2e5f64, phi in 1.0..50.0f64, share in 0.0..1.0f64, c in 0.0..3e4f64,
+        ) {
+            let law = soil(phi, share * phi, c);
+            let start = [-p, -p, -p, 0.0, 0.0, 0.0];
+            let (stress, memory) = law.update(start, e, InternalVariables::default());
+            let trial = law.elastic().update(start, e);
+            let ([a, b, z], size) = (principal(stress).0, tensor::j2(&trial).sqrt() + tensor::trace(&trial).abs());
+            prop_assert!(law.outside(a, z) <= 1e-10 * size, "{} of {size}", law.outside(a, z));
+            let _ = b;
+            if memory.plastic > 0.0 {
+                // work of the plastic strain: σ : C (trial − σ) >= 0
+                let gone: Sym = std::array::from_fn(|k| trial[k] - stress[k]);
+                let mean = tensor::trace(&gone) / 3.0;
+                let Elastic { bulk, shear } = law.elastic();
+                let strain: Sym = std::array::from_fn(|k| if k < 3 { (gone[k] - mean) / (2.0 * shear) + mean / (3.0 * bulk) } else { gone[k] / (2.0 * shear) });
+                prop_assert!(tensor::contract(&stress, &strain) >= -1e-9 * size * tensor::equivalent(&strain));
+                let again = law.update(stress, [0.0; 6], memory);
+                let moved: Sym = std::array::from_fn(|k| again.0[k] - stress[k]);
+                prop_assert!(moved.iter().all(|m| m.abs() <= 1e-9 * size), "{moved:?}");
+            } else {
+                prop_assert_eq!(stress, trial);
+            }
+        }
+    }
+}
