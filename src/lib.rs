@@ -8,6 +8,6 @@ pub use engine::gpu;
 pub use engine::{
     boundary, breakage, contact, coupling, dem, grains, material, math, mpm, neighbours, point_contacts, rigid, shape,
 };
-pub use laboratory::{error, gradation, interrupt, model, packing, record, rig, run, scene};
+pub use laboratory::{error, gradation, interrupt, model, packing, record, rig, run, scene, testing};
 pub use plot as figure;
 pub use table;

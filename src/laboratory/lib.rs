@@ -9,3 +9,4 @@ pub mod record;
 pub mod rig;
 pub mod run;
 pub mod scene;
+pub mod testing;

@@ -57,8 +57,9 @@ pub struct Seeds {
 /// The laboratory.
 #[derive(Clone, Debug)]
 pub enum Rig {
-    Oedometer(Oedometer),
+    Oedometer(Compression),
     Triaxial(Triaxial),
+    Isotropic(Compression),
     Assembly(Assembly),
     Platen(Platen),
     /// Boxed: it holds its points.
@@ -86,30 +87,33 @@ pub struct Platen {
 }
 
 impl Rig {
-    /// The cylindrical specimen, where there is one.
-    pub fn specimen(&self) -> Option<&Specimen> {
+    /// Compression of a specimen by stages of stress, if it is that.
+    pub fn compression(&self) -> Option<&Compression> {
         match self {
-            Rig::Oedometer(rig) => Some(&rig.specimen),
-            Rig::Triaxial(rig) => Some(&rig.specimen),
-            Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
+            Rig::Oedometer(rig) | Rig::Isotropic(rig) => Some(rig),
+            Rig::Triaxial(_) | Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
         }
     }
 
     /// As [`Rig::specimen`], to be changed.
     pub fn specimen_mut(&mut self) -> Option<&mut Specimen> {
         match self {
-            Rig::Oedometer(rig) => Some(&mut rig.specimen),
+            Rig::Oedometer(rig) | Rig::Isotropic(rig) => Some(&mut rig.specimen),
             Rig::Triaxial(rig) => Some(&mut rig.specimen),
             Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
         }
     }
 }
 
-/// One-dimensional compression of a specimen in a ring of fixed radius.
+/// Compression of a specimen by stages of stress: one-dimensional in a ring of fixed radius, or from all sides.
 #[derive(Clone, Debug)]
-pub struct Oedometer {
+pub struct Compression {
+    /// The specimen.
     pub specimen: Specimen,
+    /// The stages and how they are gone through.
     pub loading: Loading,
+    /// Whether the shell bears the stress of the platens, too (isotropic compression), or is fixed (oedometer).
+    pub all_sides: bool,
     /// Where the mass that breakages lose becomes material points.
     pub fines: Option<Box<Embedding>>,
 }

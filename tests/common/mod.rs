@@ -10,9 +10,10 @@ use comminute::model::{Model, Rig};
 use comminute::record::specimen;
 use comminute::rig::assembly;
 use comminute::rig::cylinder::space;
-use comminute::rig::oedometer::{Loading, Phase};
 use comminute::rig::preparation::Preparation;
 use comminute::scene;
+use comminute::testing::SpecimenTest;
+use comminute::testing::oedometer::{Loading, Phase};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -308,11 +309,11 @@ impl Press {
     }
 
     /// One step; `eye` sees the instant at which forces are known.
-    pub fn see(&mut self, eye: impl FnOnce(&Model, &Loading, &State, &Work)) {
+    pub fn see(&mut self, mut eye: impl FnMut(&Model, &Loading, &State, &Work)) {
         let Press { model, loading, state, work } = self;
         let Rig::Oedometer(rig) = &model.rig else { unreachable!() };
         loading
-            .advance(model, rig, state, work, |loading, state, work| {
+            .advance(model, rig, state, work, &mut |loading, state, work| {
                 eye(model, loading, state, work);
                 Ok(())
             })

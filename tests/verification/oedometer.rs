@@ -5,7 +5,7 @@ use comminute::boundary::Wall;
 use comminute::boundary::WallShape;
 use comminute::dem::State;
 use comminute::rig::cylinder::{CYLINDER, Stresses, space};
-use comminute::rig::oedometer::Phase;
+use comminute::testing::oedometer::Phase;
 
 const WEAK: &[&str] = &["material.strength.fixed_angle.sigma_lim0_MPa=100", "crushing.enabled=true"];
 

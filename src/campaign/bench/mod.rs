@@ -35,7 +35,7 @@ use engine::dem::{State, Work, reorder};
 use engine::material::Material;
 use laboratory::error::{Error, Result};
 use laboratory::gradation::mean_cubed_diameter;
-use laboratory::model::{Loading, Model, Oedometer, Preparation, Records, Rig, Seeds, Specimen, WallFriction};
+use laboratory::model::{Compression, Loading, Model, Preparation, Records, Rig, Seeds, Specimen, WallFriction};
 use laboratory::rig::cylinder::{TOP, walls};
 use std::f64::consts::PI;
 
@@ -225,7 +225,7 @@ fn skeleton(grains: usize) -> Model {
     model
 }
 
-fn rig(case: Case, grains: usize) -> Oedometer {
+fn rig(case: Case, grains: usize) -> Compression {
     let gradation = case.gradation();
     let solid = grains as f64 * PI / 6.0 * mean_cubed_diameter(&gradation);
     let diameter = (solid / ((1.0 - case.porosity()) * 0.25 * PI * SLENDERNESS)).cbrt();
@@ -248,7 +248,8 @@ fn rig(case: Case, grains: usize) -> Oedometer {
         servo_gain: 0.2,
         settle_steps: 0,
     };
-    Oedometer {
+    Compression {
+        all_sides: false,
         specimen,
         loading: Loading {
             stages: vec![2.0 * STRESS],

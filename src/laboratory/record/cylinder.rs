@@ -16,10 +16,10 @@ use table::Row;
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Recorder {
     /// Stage and position in the series of levels of the last record.
-    pub(super) last: Option<(usize, i64)>,
+    pub(crate) last: Option<(usize, i64)>,
     /// Position in the list of full records for the present stage.
-    pub(super) next_at: usize,
-    pub(super) ended_stages: usize,
+    pub(crate) next_at: usize,
+    pub(crate) ended_stages: usize,
     /// Largest measured vertical stress at a record, Pa.
     pub max_stress: f64,
     /// Initial mass, kg.
@@ -30,9 +30,9 @@ pub struct Recorder {
     pub held: Held,
     pub broken: Breakages,
     /// Measured vertical stress, Pa, axial strain and breakages at the last record.
-    pub(super) row_stress: f64,
-    pub(super) row_strain: f64,
-    pub(super) row_events: u64,
+    pub(crate) row_stress: f64,
+    pub(crate) row_strain: f64,
+    pub(crate) row_events: u64,
     /// Worst values at records above 50 kPa: platen difference, distance from the target, inertial number.
     pub worst: [f64; 3],
     /// Energy error and non-conservative share at the last record.

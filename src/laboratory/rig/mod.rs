@@ -4,7 +4,5 @@ pub mod assembly;
 pub mod continuum;
 pub mod cylinder;
 mod growth;
-pub mod oedometer;
 pub mod platen;
 pub mod preparation;
-pub mod triaxial;

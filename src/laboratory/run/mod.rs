@@ -12,18 +12,13 @@ mod watch;
 use crate::error::{Error, Result};
 use crate::interrupt::{listen, stop_asked};
 use crate::model::{Model, Rig};
-use crate::record::cylinder::Due;
-use crate::record::{checkpoint, quasi_static, specimen};
-use crate::record::{oedometer, triaxial};
+use crate::record::{checkpoint, specimen};
 use crate::rig::assembly;
 use crate::rig::cylinder::{Stresses, space};
-use crate::rig::oedometer::{Loading, Phase};
 use crate::rig::preparation::{Preparation, range};
-use crate::rig::triaxial as shear;
-use crate::rig::triaxial::Shearing;
+use crate::testing::Test;
 pub use backend::{Backend, Chosen, choose};
 use engine::boundary::CylinderSpace;
-use engine::coupling::Embedded;
 use engine::dem::{State, Work};
 use engine::grains::Grains;
 use files::Files;
@@ -92,8 +87,7 @@ impl Outcome {
 #[derive(Debug, Serialize, Deserialize)]
 enum Activity {
     Preparing(Preparation),
-    Loading(Loading),
-    Shearing(Shearing),
+    Testing(Test),
     Assembly,
 }
 
@@ -251,17 +245,8 @@ pub fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> 
 
 /// The test of a prepared specimen.
 fn test(model: &Model, grains: Grains, walls: CylinderSpace) -> Result<(Activity, State)> {
-    match &model.rig {
-        Rig::Oedometer(rig) => {
-            let (loading, state) = Loading::start(model, rig, grains, walls)?;
-            Ok((Activity::Loading(loading), state))
-        }
-        Rig::Triaxial(rig) => {
-            let (shearing, state) = Shearing::start(model, rig, grains, walls);
-            Ok((Activity::Shearing(shearing), state))
-        }
-        Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => unreachable!("no specimen of grains"),
-    }
+    let (test, state) = Test::start(model, grains, walls)?;
+    Ok((Activity::Testing(test), state))
 }
 
 /// Scratch for a state, with grains near in space put near in memory.
@@ -288,7 +273,7 @@ struct Runner<'a> {
 
 impl<'a> Runner<'a> {
     fn new(model: &'a Model, out: &'a Path, mut progress: Progress, quiet: bool) -> Result<Runner<'a>> {
-        let specimen = matches!(progress.activity, Activity::Loading(_) | Activity::Shearing(_));
+        let specimen = matches!(progress.activity, Activity::Testing(_));
         progress.files.open(out, model, specimen)?;
         let work = fresh_work(model, &mut progress.state);
         let now = Instant::now();
@@ -354,32 +339,17 @@ impl<'a> Runner<'a> {
                 }
                 Ok(false)
             }
-            (Activity::Loading(loading), Rig::Oedometer(rig)) => {
+            (Activity::Testing(test), _) => {
                 progress.grain_steps += state.grains.len() as u64;
-                loading.advance(model, rig, state, work, |loading, state, work| {
-                    if matches!(loading.phase, Phase::Load(_) | Phase::Hold(_)) {
-                        let stresses = Stresses::of(state);
-                        let inertial_number = loading.inertial_number(rig, state);
-                        let held = stresses.vertical();
-                        let now = quasi_static::Instant { target: loading.target, held, inertial_number, waits: loading.waits };
-                        files.recorder.held.look(&now, &stresses);
+                test.advance(model, state, work, &mut |test, state, work| {
+                    if let Some(now) = test.held(state) {
+                        files.recorder.held.look(&now, &Stresses::of(state));
                     }
-                    let due = files.recorder.due(model, rig, loading, state);
-                    let due = if files.recorder.stage_end(rig, loading) { Some(Due::Full) } else { due };
-                    let fines = loading.fines.as_deref().map(Embedded::continuum);
-                    files.observe(out, model, (state, work), fines, due, || oedometer::moment(rig, loading, state))
+                    let due = test.due(model, &mut files.recorder, state);
+                    files.observe(out, model, (state, work), test.fines(), due, || test.moment(state))
                 })?;
-                files.breakages(out, &work.breakages, state, Some(loading.target))?;
-                Ok(loading.phase == Phase::Done || files.ends_below_least(model))
-            }
-            (Activity::Shearing(shearing), Rig::Triaxial(rig)) => {
-                progress.grain_steps += state.grains.len() as u64;
-                shearing.advance(model, rig, state, work, |shearing, state, work| {
-                    let due = files.recorder.due_in_shear(rig, shearing, state);
-                    files.observe(out, model, (state, work), None, due, || triaxial::moment(rig, shearing, state))
-                })?;
-                files.breakages(out, &work.breakages, state, None)?;
-                Ok(shearing.phase == shear::Phase::Done || files.ends_below_least(model))
+                files.breakages(out, &work.breakages, state, test.target())?;
+                Ok(test.is_over() || files.ends_below_least(model))
             }
             (_, Rig::Assembly(rig)) => {
                 progress.grain_steps += state.grains.len() as u64;
@@ -410,7 +380,7 @@ impl<'a> Runner<'a> {
         let Runner { model, progress, .. } = self;
         let state = &progress.state;
         let mut lost = Ok(());
-        if matches!(progress.activity, Activity::Loading(_) | Activity::Shearing(_)) {
+        if matches!(progress.activity, Activity::Testing(_)) {
             lost = watch::energy(state);
         }
         if last || progress.steps.is_multiple_of(LOOK) {

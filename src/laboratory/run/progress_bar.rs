@@ -2,7 +2,6 @@
 
 use super::{Activity, Progress};
 use crate::model::{Model, Rig};
-use crate::rig::cylinder::Stresses;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -124,19 +123,7 @@ fn describe(model: &Model, p: &Progress) -> (f64, String) {
             let porosity = crate::rig::preparation::porosity(&p.state);
             (share, format!("preparing ({}), porosity {porosity:.4}, {n} grains", prep.stage()))
         }
-        (Activity::Loading(loading), Rig::Oedometer(rig)) => {
-            // eq. (18) makes steps grow nearly in proportion to stress
-            let end = rig.loading.stages.iter().copied().fold(0.0, f64::max);
-            let v = Stresses::of(&p.state).vertical();
-            let share = (loading.target / end).clamp(0.0, 1.0);
-            (share, format!("σ_v {:.1} kPa of {:.0}, {n} grains, {} events", v * 1e-3, end * 1e-3, p.state.crush_events))
-        }
-        (Activity::Shearing(shearing), Rig::Triaxial(rig)) => {
-            let (strain, s) = (shearing.axial_strain(&p.state), Stresses::of(&p.state));
-            let share = (strain / rig.shear.axial_strain).clamp(0.0, 1.0);
-            let q = 1e-3 * (s.vertical() - s.horizontal);
-            (share, format!("ε_a {:.2} % of {:.0}, q {q:.1} kPa, {n} grains", 100.0 * strain, 100.0 * rig.shear.axial_strain))
-        }
+        (Activity::Testing(test), rig) => test.describe(rig, &p.state),
         (_, Rig::Assembly(rig)) => {
             let share = match (rig.steps, rig.duration) {
                 (Some(steps), _) => p.state.step as f64 / steps.max(1) as f64,

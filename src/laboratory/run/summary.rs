@@ -2,7 +2,7 @@
 
 use super::{Activity, Outcome, Progress, files};
 use crate::error::Result;
-use crate::model::{Model, Oedometer, Rig, Triaxial};
+use crate::model::{Model, Rig};
 use crate::record::checkpoint;
 use crate::record::cylinder::{BelowLeast, Recorder};
 use crate::rig::preparation::range::void_ratio;
@@ -45,17 +45,10 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
         put("void_ratio_loosest", json!(void_ratio(range.loosest)));
         put("void_ratio_densest", json!(void_ratio(range.densest)));
     }
-    if let (Activity::Loading(loading), Rig::Oedometer(rig)) = (&progress.activity, &model.rig) {
-        let largest = rig.loading.stages.iter().copied().fold(rig.specimen.isotropic_stress, f64::max);
-        put("max_stress_kPa", json!(largest * 1e-3));
-        put("diameter_mm", json!(2e3 * loading.start.1));
-        put("height_mm", json!(1e3 * loading.start.0));
-        put("k0_final", json!(recorder.k0));
-    }
-    if let (Activity::Shearing(shearing), Rig::Triaxial(rig)) = (&progress.activity, &model.rig) {
-        put("cell_pressure_kPa", json!(rig.specimen.isotropic_stress * 1e-3));
-        put("diameter_mm", json!(2e3 * shearing.start.1));
-        put("height_mm", json!(1e3 * shearing.start.0));
+    if let Activity::Testing(test) = &progress.activity {
+        test.summary(&model.rig, recorder, &mut |key, value| {
+            put(key, value);
+        });
     }
     if model.rig.specimen().is_some() {
         put("max_measured_stress_kPa", json!(recorder.max_stress * 1e-3));
@@ -91,7 +84,7 @@ fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
             put("d50_mm", json!(initial.diameter_at(0.5).map(|d| d * 1e3)));
         }
     }
-    if let Activity::Loading(_) = &progress.activity {
+    if let (Activity::Testing(_), Some(_)) = (&progress.activity, model.rig.compression()) {
         put("held_every_step", recorder.held.summary());
     }
     if model.physics.crush.is_some() {
@@ -153,12 +146,10 @@ fn below_least(below: Option<BelowLeast>) -> Value {
 /// Realised mean and coefficient of variation of the initial grains' strength over its size-dependent mean.
 fn strengths(model: &Model, progress: &Progress) -> Value {
     let Some(crush) = &model.physics.crush else { return Value::Null };
-    let radii: Vec<f64> = match &model.rig {
-        Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => {
-            crate::packing::radii(specimen, model.seeds.packing)
-        }
-        Rig::Assembly(rig) => rig.grains.iter().map(|g| g.radius).collect(),
-        Rig::Platen(_) | Rig::Continuum(_) => return Value::Null,
+    let radii: Vec<f64> = match (&model.rig, model.rig.specimen()) {
+        (_, Some(specimen)) => crate::packing::radii(specimen, model.seeds.packing),
+        (Rig::Assembly(rig), _) => rig.grains.iter().map(|g| g.radius).collect(),
+        _ => return Value::Null,
     };
     let ratios: Vec<f64> = radii
         .iter()

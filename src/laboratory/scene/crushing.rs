@@ -2,7 +2,7 @@
 
 use super::material::Named;
 use super::view::View;
-use crate::model::{GrainSpec, Oedometer, Rig, Triaxial};
+use crate::model::{GrainSpec, Rig};
 use engine::breakage::criterion::Judges;
 use engine::breakage::criterion::limit_strength::limit_strength;
 use engine::breakage::criterion::size_factor;
@@ -23,7 +23,7 @@ pub fn fill(scene: &mut Table) {
             table.entry(key).or_insert(Value::String(value.into()));
         }
     };
-    if matches!(kind.as_str(), "oedometer" | "triaxial" | "assembly" | "mixture") {
+    if matches!(kind.as_str(), "oedometer" | "triaxial" | "isotropic" | "assembly" | "mixture") {
         // a breakage unloads its neighbourhood, and a tangential force that is kept then creates energy
         fill("contact", "unloading", if breaks { "rescale" } else { "keep" });
     }
@@ -273,7 +273,7 @@ pub fn rigid_platens((young, poisson): (f64, f64)) -> f64 {
 pub fn grain_materials(rig: &Rig) -> Option<Vec<u8>> {
     let of = |grains: &[GrainSpec]| grains.iter().map(|g| g.material).collect();
     Some(match rig {
-        Rig::Oedometer(_) | Rig::Triaxial(_) => vec![0],
+        Rig::Oedometer(_) | Rig::Triaxial(_) | Rig::Isotropic(_) => vec![0],
         Rig::Platen(platen) => vec![platen.grain],
         Rig::Assembly(assembly) => of(&assembly.grains),
         Rig::Continuum(rig) => match &rig.growth {
@@ -289,7 +289,8 @@ pub fn grain_materials(rig: &Rig) -> Option<Vec<u8>> {
 /// Smallest and largest diameter of the scene, m.
 pub fn extremes(rig: &Rig) -> (f64, f64) {
     match rig {
-        Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => {
+        Rig::Oedometer(_) | Rig::Triaxial(_) | Rig::Isotropic(_) => {
+            let Some(specimen) = rig.specimen() else { unreachable!("these tests have a specimen") };
             let first = specimen.gradation.first().map_or(f64::NAN, |p| p.0);
             (first, specimen.gradation.last().map_or(f64::NAN, |p| p.0))
         }

@@ -48,7 +48,7 @@ pub fn crushing_stress(model: &Model) -> Option<CrushingStress> {
 /// Median diameter of the grains by mass, m.
 fn middle_size(rig: &Rig) -> Option<f64> {
     let listed = match rig {
-        Rig::Oedometer(_) | Rig::Triaxial(_) => return rig.specimen().map(|s| median(&s.gradation)),
+        Rig::Oedometer(_) | Rig::Triaxial(_) | Rig::Isotropic(_) => return rig.specimen().map(|s| median(&s.gradation)),
         Rig::Platen(p) => p.diameters.clone(),
         Rig::Assembly(a) => a.grains.iter().map(|g| 2.0 * g.radius).collect(),
         Rig::Continuum(rig) => match &rig.growth {

@@ -5,7 +5,7 @@
 
 use super::crushing::rigid_platens;
 use super::estimate::{median, rearrangement};
-use crate::model::{Model, Oedometer, Rig, Specimen};
+use crate::model::{Compression, Model, Rig, Specimen};
 use crate::packing;
 use engine::boundary::Drive;
 use engine::breakage::CrushModel;
@@ -100,7 +100,7 @@ fn points(specimen: &Specimen, fines: &Embedding, crush: &CrushModel) -> f64 {
 }
 
 /// Steps in first loading over those that the programme takes by itself.
-fn waiting(model: &Model, o: &Oedometer) -> f64 {
+fn waiting(model: &Model, o: &Compression) -> f64 {
     match (o.loading.strain_controlled, o.loading.pace, &model.physics.crush) {
         (None, Some(_), _) => ADAPTS,
         (None, None, Some(_)) => WAITS,
@@ -114,7 +114,7 @@ fn preparation_steps(s: &Specimen) -> f64 {
 
 /// Steps of first loading by strain between two stresses, Pa, whose largest is `largest`: the strain grows with the stress, and a platen at an inertial number
 /// goes the slower the longer grains take to rearrange, [`rearrangement`].
-pub fn strained_steps(model: &Model, o: &Oedometer, inertial: f64, [from, to]: [f64; 2], dt: f64) -> f64 {
+pub fn strained_steps(model: &Model, o: &Compression, inertial: f64, [from, to]: [f64; 2], dt: f64) -> f64 {
     let strain = STRAIN * (to - from) / to;
     let stress = |k: u32| from + (to - from) * (f64::from(k) + 0.5) / f64::from(STRESSES);
     let mean = (0..STRESSES).map(|k| rearrangement(model, &o.specimen, stress(k))).sum::<f64>() / f64::from(STRESSES);
@@ -124,7 +124,7 @@ pub fn strained_steps(model: &Model, o: &Oedometer, inertial: f64, [from, to]: [
 /// Largest stress on the grains of a scene, Pa; 0 where none is stated.
 fn stress(model: &Model) -> f64 {
     match &model.rig {
-        Rig::Oedometer(o) => o.loading.stages.iter().copied().fold(0.0, f64::max),
+        Rig::Oedometer(o) | Rig::Isotropic(o) => o.loading.stages.iter().copied().fold(0.0, f64::max),
         Rig::Triaxial(t) => SHEARED * t.specimen.isotropic_stress,
         Rig::Assembly(a) => {
             let pressed =
@@ -138,7 +138,7 @@ fn stress(model: &Model) -> f64 {
 /// Some diameters of the scene's grains, m.
 fn sizes(model: &Model) -> Option<Vec<f64>> {
     let all: Vec<f64> = match &model.rig {
-        Rig::Oedometer(_) | Rig::Triaxial(_) => {
+        Rig::Oedometer(_) | Rig::Triaxial(_) | Rig::Isotropic(_) => {
             model.rig.specimen().map(|s| packing::radii(s, model.seeds.packing).iter().map(|r| 2.0 * r).collect())?
         }
         Rig::Assembly(a) => a.grains.iter().map(|g| 2.0 * g.radius).collect(),

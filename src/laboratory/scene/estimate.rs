@@ -3,7 +3,7 @@
 use super::crushing::extremes;
 use super::duration::strained_steps;
 use super::specimen::height;
-use crate::model::{self, Assembly, Model, Oedometer, Rig, Triaxial};
+use crate::model::{self, Assembly, Compression, Model, Rig, Triaxial};
 use crate::rig::platen::most_steps;
 use engine::boundary::Drive;
 use engine::breakage::CrushModel;
@@ -72,7 +72,9 @@ pub fn estimate(model: &Model) -> Estimate {
 fn without_strength(model: &Model) -> Estimate {
     let (smallest, largest) = extremes(&model.rig);
     let grains = match &model.rig {
-        Rig::Oedometer(Oedometer { specimen, .. }) | Rig::Triaxial(Triaxial { specimen, .. }) => specimen.grains,
+        Rig::Oedometer(Compression { specimen, .. })
+        | Rig::Isotropic(Compression { specimen, .. })
+        | Rig::Triaxial(Triaxial { specimen, .. }) => specimen.grains,
         Rig::Assembly(a) => a.grains.len(),
         Rig::Platen(p) => p.diameters.len(),
         Rig::Continuum(rig) => return super::continuum_estimate::estimate(model, rig),
@@ -82,12 +84,9 @@ fn without_strength(model: &Model) -> Estimate {
         _ => smallest,
     };
     let (time_step, time_step_limit) = time_step(model, finest);
-    let stages = match &model.rig {
-        Rig::Oedometer(o) => stage_steps(model, o, time_step),
-        _ => Vec::new(),
-    };
+    let stages = model.rig.compression().map_or_else(Vec::new, |rig| stage_steps(model, rig, time_step));
     let steps = match &model.rig {
-        Rig::Oedometer(_) => stages.iter().sum::<f64>().ceil(),
+        Rig::Oedometer(_) | Rig::Isotropic(_) => stages.iter().sum::<f64>().ceil(),
         Rig::Triaxial(t) => shear_steps(model, t, time_step),
         Rig::Assembly(a) => match (a.steps, a.duration, time_step) {
             (Some(steps), ..) => steps as f64,
@@ -124,7 +123,7 @@ fn without_strength(model: &Model) -> Estimate {
     if let Rig::Triaxial(t) = &model.rig {
         inertial_warning("loading.inertial_number", t.shear.inertial_number, &mut estimate.warnings);
     }
-    if let Rig::Oedometer(o) = &model.rig {
+    if let Some(o) = model.rig.compression() {
         quasi_static_warnings(model, o, &mut estimate);
         let never = unreached(o, &model.records.at);
         if !never.is_empty() {
@@ -179,7 +178,7 @@ const UNLOADING: &str = "loading.stages_kPa unload the specimen, and a tangentia
                          contact.unloading = \"rescale\" does not";
 
 /// Stresses, kPa, of `at` that the loading does not pass.
-fn unreached(o: &Oedometer, at: &[f64]) -> Vec<String> {
+fn unreached(o: &Compression, at: &[f64]) -> Vec<String> {
     let stages = o.loading.stages.iter().copied();
     let low = stages.clone().fold(o.specimen.isotropic_stress, f64::min);
     let high = stages.fold(0.0, f64::max);
@@ -200,7 +199,7 @@ fn specimen(o: &model::Specimen) -> Specimen {
     }
 }
 
-pub(super) fn median(points: &[(f64, f64)]) -> f64 {
+pub(crate) fn median(points: &[(f64, f64)]) -> f64 {
     let half = points.windows(2).find(|w| w[1].1 >= 0.5);
     half.map_or(f64::NAN, |w| w[0].0 + (0.5 - w[0].1) / (w[1].1 - w[0].1) * (w[1].0 - w[0].0))
 }
@@ -221,7 +220,7 @@ fn size_warnings(s: &Specimen, warnings: &mut Vec<String>) {
     }
 }
 
-fn quasi_static_warnings(model: &Model, o: &Oedometer, estimate: &mut Estimate) {
+fn quasi_static_warnings(model: &Model, o: &Compression, estimate: &mut Estimate) {
     let l = &o.loading;
     // increment at 50 kPa over the stress; the thresholds of quasi-static loading hold above that
     let s = 50e3 / l.sigma_ref;
@@ -256,7 +255,7 @@ fn quasi_static_warnings(model: &Model, o: &Oedometer, estimate: &mut Estimate) 
 
 /// Steps of each loading stage by eq. (18): the increment is L_C (sigma_ref + sigma_ref ln(sigma/sigma_ref)); of an adaptive programme, if
 /// nothing held it back; where first loading is by strain, those in which the platen goes so far.
-fn stage_steps(model: &Model, o: &Oedometer, time_step: Option<f64>) -> Vec<f64> {
+fn stage_steps(model: &Model, o: &Compression, time_step: Option<f64>) -> Vec<f64> {
     let l = &o.loading;
     let of = |from: f64, to: f64| {
         let (a, b) = ((from / l.sigma_ref).ln(), (to / l.sigma_ref).ln());
@@ -360,7 +359,7 @@ fn load(model: &Model, r: f64) -> (f64, String) {
     let section = PI * r * r;
     match &model.rig {
         Rig::Platen(_) | Rig::Continuum(_) => (0.0, "the force on a platen".into()),
-        Rig::Oedometer(o) => {
+        Rig::Oedometer(o) | Rig::Isotropic(o) => {
             let stress = o.loading.stages.iter().copied().fold(0.0, f64::max);
             let text = format!("its section under {} kPa", 1e-3 * stress);
             (stress * section, text)

@@ -48,6 +48,10 @@ const fn oedometer(path: &'static str, shape: Shape, default: Default, what: &'s
     Key { of: Of::Oedometer, ..both(path, shape, default, what) }
 }
 
+const fn compression(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Compression, ..both(path, shape, default, what) }
+}
+
 const fn cylinder(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
     Key { of: Of::Cylinder, ..both(path, shape, default, what) }
 }
@@ -217,9 +221,9 @@ fn declare(keys: &mut Vec<Key>, parameters: &[Parameter], anchor: &str) {
 const OWN: &[Key] = &[
     every(
         "kind",
-        Choice(&["oedometer", "triaxial", "assembly", "platen", "continuum", "mixture"]),
+        Choice(&["oedometer", "triaxial", "isotropic", "assembly", "platen", "continuum", "mixture"]),
         Required,
-        "what is done: one-dimensional compression, drained triaxial compression, a free scene, single grains crushed between platens, a continuum of material points, or grains in one",
+        "what is done: one-dimensional compression, drained triaxial compression, compression from all sides, a free scene, single grains crushed between platens, a continuum of material points, or grains in one",
     ),
     every("name", Name, Absent, "name in legends and records; the file's own name if not written"),
     every("description", Text, Is("\"\""), "one line about the scene"),
@@ -547,8 +551,13 @@ const OWN: &[Key] = &[
         "relative distance to the target porosity that is accepted",
     ),
     cylinder("preparation.max_steps", COUNT, Is("200000"), "steps after which preparation gives up"),
-    oedometer("loading.max_stress_kPa", Number(POSITIVE), Required, "vertical stress of the first loading"),
-    oedometer(
+    compression(
+        "loading.max_stress_kPa",
+        Number(POSITIVE),
+        Required,
+        "vertical stress of the first loading (isotropic: stress on all sides)",
+    ),
+    compression(
         "loading.stages_kPa",
         Numbers(POSITIVE, None),
         Is("[]"),
@@ -567,7 +576,7 @@ const OWN: &[Key] = &[
         Is("\"eq18\""),
         "how the target stress changes in a step: by eq. 18, or in proportion to itself and to how little the platens' stresses differ from it and from each other",
     ),
-    oedometer(
+    compression(
         "loading.pace",
         Number(Range::above(0.0, 1.0)),
         Is("0.002"),
@@ -579,8 +588,13 @@ const OWN: &[Key] = &[
         Is("0.5"),
         "share of the load imbalance that a platen removes per step",
     ),
-    oedometer("loading.max_inertial_number", Number(POSITIVE), Is("0.0008"), "largest inertial number that the platen may impose"),
-    oedometer(
+    compression(
+        "loading.max_inertial_number",
+        Number(POSITIVE),
+        Is("0.0008"),
+        "largest inertial number that the platen may impose",
+    ),
+    compression(
         "loading.max_lag",
         Number(Range::above(0.0, 1.0)),
         Is("0.015"),
@@ -640,8 +654,8 @@ const OWN: &[Key] = &[
         Is("0.2"),
         "neighbour skin over a grain's radius; changes speed, never results",
     ),
-    oedometer("records.per_decade", Integer { low: 1, high: 10_000 }, Is("40"), "rows of history per decade of vertical stress"),
-    oedometer(
+    compression("records.per_decade", Integer { low: 1, high: 10_000 }, Is("40"), "rows of history per decade of vertical stress"),
+    compression(
         "records.at_kPa",
         Numbers(POSITIVE, None),
         Is("[]"),
@@ -653,7 +667,7 @@ const OWN: &[Key] = &[
         Absent,
         "axial strain between rows of history: 0.001 in a triaxial test if not written; in an oedometer besides the rows by stress, 0.002 where loading.control = \"strain\", else none",
     ),
-    oedometer("records.every_events", COUNT, Absent, "breakages between rows of history, besides those by stress and strain"),
+    compression("records.every_events", COUNT, Absent, "breakages between rows of history, besides those by stress and strain"),
     triaxial(
         "records.at_strain",
         Numbers(Range::between(0.0, 1.0), None),
@@ -971,7 +985,7 @@ pub fn names_in(path: &str, of: Of) -> Vec<&'static str> {
             names.push(name);
         }
     }
-    if path.is_empty() && !matches!(of, Of::Oedometer | Of::Triaxial) {
+    if path.is_empty() && (of == Of::Every || !Of::Cylinder.fits(of)) {
         names.push("materials");
     }
     names

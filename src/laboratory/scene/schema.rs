@@ -17,8 +17,11 @@ pub enum Of {
     States,
     /// Tests of a cylindrical specimen.
     Cylinder,
+    /// Compression by stages of stress.
+    Compression,
     Oedometer,
     Triaxial,
+    Isotropic,
     Assembly,
     Platen,
     Continuum,
@@ -44,7 +47,8 @@ impl Of {
             (Of::Fines, kind) => matches!(kind, Of::Oedometer | Of::Mixture),
             (Of::Listed, kind) => matches!(kind, Of::Assembly | Of::Mixture),
             (Of::Free, kind) => matches!(kind, Of::Assembly | Of::Continuum | Of::Mixture),
-            (Of::Cylinder, kind) => matches!(kind, Of::Oedometer | Of::Triaxial),
+            (Of::Cylinder, kind) => matches!(kind, Of::Oedometer | Of::Triaxial | Of::Isotropic),
+            (Of::Compression, kind) => matches!(kind, Of::Oedometer | Of::Isotropic),
             (own, kind) => own == kind,
         }
     }
@@ -139,15 +143,17 @@ impl Key {
     pub fn scenes(&self) -> &'static str {
         match self.of {
             Of::Every => "",
-            Of::Grains => "oedometer, triaxial, assembly, platen, mixture",
-            Of::Both => "oedometer, triaxial, assembly, mixture",
-            Of::States => "oedometer, triaxial, assembly, continuum, mixture",
+            Of::Grains => "oedometer, triaxial, isotropic, assembly, platen, mixture",
+            Of::Both => "oedometer, triaxial, isotropic, assembly, mixture",
+            Of::States => "oedometer, triaxial, isotropic, assembly, continuum, mixture",
             Of::Free => "assembly, continuum, mixture",
             Of::Continuum => "continuum, mixture",
             Of::Mixture => "mixture",
             Of::Fines => "oedometer, mixture",
             Of::Listed => "assembly, mixture",
-            Of::Cylinder => "oedometer, triaxial",
+            Of::Cylinder => "oedometer, triaxial, isotropic",
+            Of::Compression => "oedometer, isotropic",
+            Of::Isotropic => "isotropic",
             Of::Oedometer => "oedometer",
             Of::Triaxial => "triaxial",
             Of::Assembly => "assembly",

@@ -13,6 +13,7 @@ pub fn validate(layer: &mut Layer) -> Result<()> {
         Some("assembly") => Of::Assembly,
         Some("oedometer") => Of::Oedometer,
         Some("triaxial") => Of::Triaxial,
+        Some("isotropic") => Of::Isotropic,
         Some("platen") => Of::Platen,
         Some("continuum") => Of::Continuum,
         Some("mixture") => Of::Mixture,
@@ -82,7 +83,7 @@ impl Walk<'_> {
             self.source(&value, table, at, path);
             return Some(value);
         }
-        if path.is_empty() && name == "materials" && !matches!(self.of, Of::Oedometer | Of::Triaxial) {
+        if path.is_empty() && name == "materials" && (self.of == Of::Every || !Of::Cylinder.fits(self.of)) {
             return Some(self.materials(value));
         }
         if let Some(schema) = find(&inner) {
@@ -218,6 +219,7 @@ impl Walk<'_> {
             Of::Assembly => "an assembly",
             Of::Platen => "a platen test",
             Of::Triaxial => "a triaxial test",
+            Of::Isotropic => "isotropic compression",
             Of::Continuum => "a continuum",
             Of::Mixture => "a mixture",
             _ => "an oedometer",

@@ -134,6 +134,7 @@ impl<'a> View<'a> {
             "platen" => Rig::Platen(self.platen(&named)?),
             "mixture" => Rig::Continuum(Box::new(self.mixture(&named, &materials)?)),
             "triaxial" => Rig::Triaxial(Triaxial { specimen: self.specimen(&named[0])?, shear: self.shear() }),
+            "isotropic" => Rig::Isotropic(self.isotropic(&named)?),
             _ => Rig::Oedometer(self.oedometer(&named)?),
         };
         let mut stepping = self.stepping();

@@ -1,9 +1,9 @@
-//! From the keys of an oedometer to [`Oedometer`].
+//! From the keys of an oedometer, or of isotropic compression, to [`Compression`].
 
-use super::estimate::median;
-use super::material::Named;
-use super::view::View;
-use crate::model::{Loading, Oedometer};
+use crate::model::{Compression, Loading};
+use crate::scene::estimate::median;
+use crate::scene::material::Named;
+use crate::scene::view::View;
 use engine::coupling::Embedding;
 
 /// Edge of a cell of the fines' grid over d50, where the scene does not say it: two points stand for about as much as one daughter.
@@ -12,14 +12,14 @@ const CELL: f64 = 0.4;
 const CELLS: std::ops::RangeInclusive<f64> = 0.1..=2.0;
 
 impl View<'_> {
-    pub fn oedometer(&self, named: &[Named]) -> Option<Oedometer> {
+    pub fn oedometer(&self, named: &[Named]) -> Option<Compression> {
         let (specimen, loading) = (self.specimen(&named[0])?, self.loading());
         let fines = if self.flag("crushing.enabled") && self.text("crushing.lost_mass") == "points" {
             Some(Box::new(self.embedding(named, median(&specimen.gradation))?))
         } else {
             None
         };
-        Some(Oedometer { specimen, loading, fines })
+        Some(Compression { specimen, loading, all_sides: false, fines })
     }
 
     /// Fines from crushing as a continuum, in a specimen with this d50, m, or `None` with the reasons noted.

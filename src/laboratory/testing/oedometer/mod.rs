@@ -1,26 +1,40 @@
 //! The oedometer: a cylinder of fixed radius, a fixed bottom platen, a top platen that follows the load programme of
 //! Ciantia et al. 2015 eq. (18) under stress servo.
 
-use super::cylinder::{self, Stresses, TOP, inertial_time, space};
+mod record;
+mod scene;
+
+pub use record::stage_name;
+
+use super::SpecimenTest;
 use crate::error::Error;
-use crate::model::{Model, Oedometer};
+use crate::model::{Compression, Model, Specimen};
+use crate::record::cylinder::{Due, Moment, Recorder};
+use crate::record::quasi_static::Instant;
+use crate::rig::cylinder::{self, Stresses, TOP, inertial_time, space};
 use engine::boundary::CylinderSpace;
 use engine::boundary::servo_speed;
 use engine::coupling::Embedded;
 use engine::dem;
 use engine::dem::{State, Work};
 use engine::grains::Grains;
+use engine::mpm::Continuum;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 impl Stresses {
-    /// How far the platens are from the target, over the target: both of them, but the driven one alone where friction on the shell carries a part.
-    pub fn lag(&self, target: f64, rig: &Oedometer) -> f64 {
+    /// How far the platens are from the target, over the target: both of them, but the driven one alone where friction on the shell carries a part; and the shell, where it bears the
+    /// same stress.
+    pub fn lag(&self, target: f64, rig: &Compression) -> f64 {
         let of = |stress: f64| (stress / target - 1.0).abs();
+        if rig.all_sides {
+            return of(self.top).max(of(self.bottom)).max(of(self.horizontal));
+        }
         if rig.specimen.wall_friction.cylinder > 0.0 { of(self.top) } else { of(self.top).max(of(self.bottom)) }
     }
 
     /// How far the specimen is from balance: the lag, or where it is larger the platens' difference (if the cylinder carries nothing).
-    fn imbalance(&self, target: f64, rig: &Oedometer) -> f64 {
+    fn imbalance(&self, target: f64, rig: &Compression) -> f64 {
         let difference = if rig.specimen.wall_friction.cylinder > 0.0 { 0.0 } else { self.platen_difference() };
         self.lag(target, rig).max(difference)
     }
@@ -48,7 +62,7 @@ pub struct Loading {
     /// Height and radius at the start of loading, m.
     pub start: (f64, f64),
     /// Largest platen speed, m per unit time.
-    limit: f64,
+    pub(super) limit: f64,
     /// Largest vertical stress so far, Pa.
     peak: f64,
     /// Whether the programme waits for the specimen.
@@ -71,11 +85,7 @@ const CLOSE: f64 = 0.005;
 const HOLD_AT_MOST: u64 = 4000;
 
 impl Loading {
-    /// Starts from a specimen: strengths drawn, no history, at rest.
-    ///
-    /// # Errors
-    /// A grid for fines that is not allowed.
-    pub fn start(model: &Model, rig: &Oedometer, grains: Grains, size: CylinderSpace) -> Result<(Loading, State), Error> {
+    fn begin(model: &Model, rig: &Compression, grains: Grains, size: CylinderSpace) -> Result<(Loading, State), Error> {
         let state = cylinder::start(model, &rig.specimen, grains, size);
         let fines = rig.fines.as_ref().map(|embedding| Embedded::new(&model.physics, embedding, size).map(Box::new)).transpose()?;
         let loading = Loading {
@@ -92,14 +102,13 @@ impl Loading {
         Ok((loading, state))
     }
 
-    /// One step; `observe` sees the state when its forces are known.
-    pub fn advance(
+    fn step(
         &mut self,
         model: &Model,
-        rig: &Oedometer,
+        rig: &Compression,
         state: &mut State,
         work: &mut Work,
-        observe: impl FnOnce(&Loading, &State, &Work) -> Result<(), Error>,
+        observe: &mut dyn FnMut(&Loading, &State, &Work) -> Result<(), Error>,
     ) -> Result<(), Error> {
         dem::compute_forces(&model.physics, state, work);
         if let Some(fines) = &mut self.fines {
@@ -117,7 +126,7 @@ impl Loading {
     }
 
     /// Next target (eq. 18) and phase.
-    fn programme(&mut self, model: &Model, rig: &Oedometer, state: &mut State, work: &Work) {
+    pub(super) fn programme(&mut self, model: &Model, rig: &Compression, state: &mut State, work: &Work) {
         let stages = &rig.loading.stages;
         match self.phase {
             Phase::Settle if self.phase_steps >= rig.specimen.settle_steps => {
@@ -166,7 +175,7 @@ impl Loading {
 
     /// What the target changes by in one step, Pa: by eq. (18), or the faster the nearer the specimen is to balance, so that a run with a
     /// given error takes few steps: quick while it is elastic, slow while grains break.
-    fn increment(&self, stresses: &Stresses, rig: &Oedometer) -> f64 {
+    fn increment(&self, stresses: &Stresses, rig: &Compression) -> f64 {
         let asked = &rig.loading;
         match asked.pace {
             None => asked.rate * asked.sigma_ref * (1.0 + (self.target / asked.sigma_ref).max(1.0).ln()),
@@ -181,23 +190,23 @@ impl Loading {
     }
 
     /// Whether stage `k` raises the stress.
-    pub fn rising(&self, k: usize, rig: &Oedometer) -> bool {
+    pub fn rising(&self, k: usize, rig: &Compression) -> bool {
         let before = if k == 0 { rig.specimen.isotropic_stress } else { rig.loading.stages[k - 1] };
         rig.loading.stages[k] > before
     }
 
     /// Whether the present step of stage `k` is first loading controlled by strain.
-    fn strained(&self, k: usize, rig: &Oedometer) -> bool {
+    fn strained(&self, k: usize, rig: &Compression) -> bool {
         // a reloaded specimen is back on its way when it has had its largest target again, though breakages may let the stress fall below it
         rig.loading.strain_controlled.is_some() && self.rising(k, rig) && (self.strained || self.target >= rig.loading.before(k))
     }
 
     /// Inertial number of the platen's motion.
-    pub fn inertial_number(&self, rig: &Oedometer, state: &State) -> f64 {
+    pub fn inertial_number(&self, rig: &Compression, state: &State) -> f64 {
         if self.limit > 0.0 { state.walls[TOP].speed.abs() / self.limit * rig.loading.max_inertial_number } else { 0.0 }
     }
 
-    fn servo(&mut self, rig: &Oedometer, state: &mut State) {
+    pub(super) fn servo(&mut self, rig: &Compression, state: &mut State) {
         let size = space(state);
         if state.step.is_multiple_of(LOOK) || self.limit == 0.0 {
             // a platen under strain control goes on where breakages have taken all stress away
@@ -214,5 +223,74 @@ impl Loading {
         let force = self.target * size.platen_area();
         let w = &mut state.walls[TOP];
         w.speed = servo_speed(force, w.reaction, w.stiffness, rig.specimen.servo_gain, state.dt, self.limit);
+    }
+}
+
+impl SpecimenTest for Loading {
+    type Rig = Compression;
+
+    fn start(model: &Model, rig: &Compression, grains: Grains, size: CylinderSpace) -> Result<(Loading, State), Error> {
+        Loading::begin(model, rig, grains, size)
+    }
+
+    fn advance(
+        &mut self,
+        model: &Model,
+        rig: &Compression,
+        state: &mut State,
+        work: &mut Work,
+        observe: &mut dyn FnMut(&Loading, &State, &Work) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        self.step(model, rig, state, work, observe)
+    }
+
+    fn is_over(&self) -> bool {
+        self.phase == Phase::Done
+    }
+
+    fn due(&self, model: &Model, rig: &Compression, recorder: &mut Recorder, state: &State) -> Option<Due> {
+        let due = recorder.due(model, rig, self, state);
+        if recorder.stage_end(rig, self) { Some(Due::Full) } else { due }
+    }
+
+    fn held(&self, rig: &Compression, state: &State) -> Option<Instant> {
+        matches!(self.phase, Phase::Load(_) | Phase::Hold(_)).then(|| Instant {
+            target: self.target,
+            held: Stresses::of(state).vertical(),
+            inertial_number: self.inertial_number(rig, state),
+            waits: self.waits,
+        })
+    }
+
+    fn moment(&self, rig: &Compression, state: &State) -> Moment {
+        record::moment(rig, self, state)
+    }
+
+    fn target(&self) -> Option<f64> {
+        Some(self.target)
+    }
+
+    fn fines(&self) -> Option<&Continuum> {
+        self.fines.as_deref().map(Embedded::continuum)
+    }
+
+    fn describe(&self, rig: &Compression, state: &State) -> (f64, String) {
+        // eq. (18) makes steps grow nearly in proportion to stress
+        let end = rig.loading.stages.iter().copied().fold(0.0, f64::max);
+        let (v, n) = (Stresses::of(state).vertical(), state.grains.len());
+        let share = (self.target / end).clamp(0.0, 1.0);
+        (share, format!("σ_v {:.1} kPa of {:.0}, {n} grains, {} events", v * 1e-3, end * 1e-3, state.crush_events))
+    }
+
+    fn summary(&self, rig: &Compression, recorder: &Recorder, put: &mut dyn FnMut(&str, Value)) {
+        let largest = rig.loading.stages.iter().copied().fold(rig.specimen.isotropic_stress, f64::max);
+        put("max_stress_kPa", json!(largest * 1e-3));
+        put("diameter_mm", json!(2e3 * self.start.1));
+        put("height_mm", json!(1e3 * self.start.0));
+        put("k0_final", json!(recorder.k0));
+    }
+
+    fn specimen(rig: &Compression) -> &Specimen {
+        &rig.specimen
     }
 }

@@ -1,9 +1,9 @@
 //! Records of a triaxial test: which are due, and its own columns.
 
-use super::cylinder::{Due, Moment, Recorder};
+use super::{Phase, Shearing};
 use crate::model::Triaxial;
+use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::rig::cylinder::{Stresses, space};
-use crate::rig::triaxial::{Phase, Shearing};
 use engine::dem::State;
 
 impl Recorder {

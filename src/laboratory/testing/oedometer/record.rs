@@ -1,9 +1,9 @@
 //! Records of an oedometer run: which are due, and its own columns.
 
-use super::cylinder::{Due, Moment, Recorder};
-use crate::model::{Model, Oedometer};
+use super::{Loading, Phase};
+use crate::model::{Compression, Model};
+use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::rig::cylinder::{BOTTOM, Stresses, TOP, space};
-use crate::rig::oedometer::{Loading, Phase};
 use engine::coupling::Fines;
 use engine::dem::State;
 
@@ -13,7 +13,7 @@ const NEAR: f64 = 0.04;
 
 impl Recorder {
     /// Whether a record of an oedometer is due now.
-    pub fn due(&mut self, model: &Model, rig: &Oedometer, loading: &Loading, state: &State) -> Option<Due> {
+    pub fn due(&mut self, model: &Model, rig: &Compression, loading: &Loading, state: &State) -> Option<Due> {
         let (k, holding) = match loading.phase {
             Phase::Settle => return None,
             Phase::Load(k) => (k, false),
@@ -57,7 +57,7 @@ impl Recorder {
     }
 
     /// Whether strain, breakages, or the stress at which the breakages since the last row have happened ask for a row.
-    fn between_levels(&self, rig: &Oedometer, loading: &Loading, state: &State) -> bool {
+    fn between_levels(&self, rig: &Compression, loading: &Loading, state: &State) -> bool {
         let events = state.crush_events - self.row_events;
         let strain = 1.0 - space(state).height / loading.start.0 - self.row_strain;
         let off = (Stresses::of(state).vertical() / self.row_stress - 1.0).abs();
@@ -67,7 +67,7 @@ impl Recorder {
     }
 
     /// Whether a stage has just come to rest: its end is recorded in full.
-    pub fn stage_end(&mut self, rig: &Oedometer, loading: &Loading) -> bool {
+    pub fn stage_end(&mut self, rig: &Compression, loading: &Loading) -> bool {
         let ended = match loading.phase {
             Phase::Load(k) => k,
             Phase::Done => rig.loading.stages.len(),
@@ -80,7 +80,7 @@ impl Recorder {
 }
 
 /// This instant of an oedometer.
-pub fn moment(rig: &Oedometer, loading: &Loading, state: &State) -> Moment {
+pub fn moment(rig: &Compression, loading: &Loading, state: &State) -> Moment {
     let s = Stresses::of(state);
     let mut own = vec![("k0", (s.horizontal / s.vertical()).into())];
     if let Some(embedded) = &loading.fines {
@@ -98,7 +98,7 @@ pub fn moment(rig: &Oedometer, loading: &Loading, state: &State) -> Moment {
     Moment { stage: stage_name(loading, rig), target: loading.target, held: s.vertical(), start_height: loading.start.0, own }
 }
 
-fn stage_name(loading: &Loading, rig: &Oedometer) -> &'static str {
+pub fn stage_name(loading: &Loading, rig: &Compression) -> &'static str {
     let k = match loading.phase {
         Phase::Settle => return "settle",
         Phase::Load(k) | Phase::Hold(k) => k,

@@ -1,7 +1,7 @@
 //! From the keys of shear to [`Shear`].
 
-use super::view::View;
 use crate::model::Shear;
+use crate::scene::view::View;
 
 impl View<'_> {
     pub fn shear(&self) -> Shear {

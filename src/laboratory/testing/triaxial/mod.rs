@@ -1,9 +1,14 @@
 //! Drained triaxial compression of a cylindrical specimen: the shell holds the cell pressure under servo, the bottom platen is fixed and the top
 //! one moves at a speed that keeps the inertial number (Ciantia et al. 2015, Fig. 12).
 
-use super::cylinder::{self, Stresses, TOP, inertial_time, space};
+mod record;
+mod scene;
+
+use super::SpecimenTest;
 use crate::error::Error;
-use crate::model::{Model, Triaxial};
+use crate::model::{Model, Specimen, Triaxial};
+use crate::record::cylinder::{Due, Moment, Recorder};
+use crate::rig::cylinder::{self, Stresses, TOP, inertial_time, space};
 use engine::boundary::CylinderSpace;
 use engine::boundary::servo_speed;
 use engine::dem;
@@ -11,6 +16,7 @@ use engine::dem::observables;
 use engine::dem::{State, Work};
 use engine::grains::Grains;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 /// Where a test is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,23 +52,13 @@ const UNBALANCED_AT_REST: f64 = 2e-3;
 const SETTLE_AT_MOST: u64 = 100;
 
 impl Shearing {
-    /// Starts from a specimen: strengths drawn, no history, at rest.
-    pub fn start(model: &Model, rig: &Triaxial, grains: Grains, size: CylinderSpace) -> (Shearing, State) {
-        let state = cylinder::start(model, &rig.specimen, grains, size);
-        (Shearing { phase: Phase::Settle, phase_steps: 0, start: (size.height, size.radius), rate: 0.0 }, state)
-    }
-
-    /// One step; `observe` sees the state when its forces are known.
-    ///
-    /// # Errors
-    /// A specimen that does not come to rest at the cell pressure; what `observe` returns.
-    pub fn advance(
+    fn step(
         &mut self,
         model: &Model,
         rig: &Triaxial,
         state: &mut State,
         work: &mut Work,
-        observe: impl FnOnce(&Shearing, &State, &Work) -> Result<(), Error>,
+        observe: &mut dyn FnMut(&Shearing, &State, &Work) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let this = &mut *self;
         dem::step(&model.physics, state, work, |state, work| {
@@ -131,5 +127,54 @@ impl Shearing {
             Phase::Shear => self.rate * size.height * (self.phase_steps as f64 / RAMP as f64).min(1.0),
             Phase::Done => 0.0,
         };
+    }
+}
+
+impl SpecimenTest for Shearing {
+    type Rig = Triaxial;
+
+    fn start(model: &Model, rig: &Triaxial, grains: Grains, size: CylinderSpace) -> Result<(Shearing, State), Error> {
+        let state = cylinder::start(model, &rig.specimen, grains, size);
+        Ok((Shearing { phase: Phase::Settle, phase_steps: 0, start: (size.height, size.radius), rate: 0.0 }, state))
+    }
+
+    fn advance(
+        &mut self,
+        model: &Model,
+        rig: &Triaxial,
+        state: &mut State,
+        work: &mut Work,
+        observe: &mut dyn FnMut(&Shearing, &State, &Work) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        self.step(model, rig, state, work, observe)
+    }
+
+    fn is_over(&self) -> bool {
+        self.phase == Phase::Done
+    }
+
+    fn due(&self, _: &Model, rig: &Triaxial, recorder: &mut Recorder, state: &State) -> Option<Due> {
+        recorder.due_in_shear(rig, self, state)
+    }
+
+    fn moment(&self, rig: &Triaxial, state: &State) -> Moment {
+        record::moment(rig, self, state)
+    }
+
+    fn describe(&self, rig: &Triaxial, state: &State) -> (f64, String) {
+        let (strain, s, n) = (self.axial_strain(state), Stresses::of(state), state.grains.len());
+        let share = (strain / rig.shear.axial_strain).clamp(0.0, 1.0);
+        let q = 1e-3 * (s.vertical() - s.horizontal);
+        (share, format!("ε_a {:.2} % of {:.0}, q {q:.1} kPa, {n} grains", 100.0 * strain, 100.0 * rig.shear.axial_strain))
+    }
+
+    fn summary(&self, rig: &Triaxial, _: &Recorder, put: &mut dyn FnMut(&str, Value)) {
+        put("cell_pressure_kPa", json!(rig.specimen.isotropic_stress * 1e-3));
+        put("diameter_mm", json!(2e3 * self.start.1));
+        put("height_mm", json!(1e3 * self.start.0));
+    }
+
+    fn specimen(rig: &Triaxial) -> &Specimen {
+        &rig.specimen
     }
 }

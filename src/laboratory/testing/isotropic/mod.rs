@@ -1,0 +1,106 @@
+//! Isotropic compression: the bottom platen is fixed, the top one and the shell hold the same stress under servo, which goes through the stages of the scene:
+//! first loading, then unloading and reloading as often as it says.
+//!
+//! The programme is the adaptive one of the oedometer ([`super::oedometer`]): the target stress changes the faster the nearer platens and shell are to it.
+
+mod scene;
+
+use super::SpecimenTest;
+use super::oedometer::{Loading, stage_name};
+use crate::error::Error;
+use crate::model::{Compression, Model, Specimen};
+use crate::record::cylinder::{Due, Moment, Recorder};
+use crate::record::quasi_static::Instant;
+use crate::rig::cylinder::{CYLINDER, Stresses, space};
+use engine::boundary::{CylinderSpace, servo_speed};
+use engine::dem;
+use engine::dem::{State, Work};
+use engine::grains::Grains;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+/// The state of the test: that of its programme.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Isotropic(Loading);
+
+/// The shell may move this many times as fast, of the radius, as the top platen of the height.
+const SHELL: f64 = 1.0;
+
+impl SpecimenTest for Isotropic {
+    type Rig = Compression;
+
+    fn start(model: &Model, rig: &Compression, grains: Grains, size: CylinderSpace) -> Result<(Isotropic, State), Error> {
+        let (loading, state) = SpecimenTest::start(model, rig, grains, size)?;
+        Ok((Isotropic(loading), state))
+    }
+
+    fn advance(
+        &mut self,
+        model: &Model,
+        rig: &Compression,
+        state: &mut State,
+        work: &mut Work,
+        observe: &mut dyn FnMut(&Isotropic, &State, &Work) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        dem::compute_forces(&model.physics, state, work);
+        self.0.programme(model, rig, state, work);
+        observe(self, state, work)?;
+        self.0.servo(rig, state);
+        let (size, loading) = (space(state), &self.0);
+        let shell = &mut state.walls[CYLINDER];
+        let (force, most) = (loading.target * size.shell_area(), SHELL * loading.limit * size.radius / size.height);
+        shell.speed = servo_speed(force, shell.reaction, shell.stiffness, rig.specimen.servo_gain, state.dt, most);
+        dem::integrate(&model.physics, state, work);
+        self.0.phase_steps += 1;
+        Ok(())
+    }
+
+    fn is_over(&self) -> bool {
+        self.0.is_over()
+    }
+
+    fn due(&self, model: &Model, rig: &Compression, recorder: &mut Recorder, state: &State) -> Option<Due> {
+        self.0.due(model, rig, recorder, state)
+    }
+
+    fn held(&self, rig: &Compression, state: &State) -> Option<Instant> {
+        self.0.held(rig, state)
+    }
+
+    /// Strains are compression positive; volumetric strain is that of the space between the walls.
+    fn moment(&self, rig: &Compression, state: &State) -> Moment {
+        let (s, size) = (Stresses::of(state), space(state));
+        let (height, radius) = self.0.start;
+        let relative = size.radius / radius;
+        Moment {
+            stage: stage_name(&self.0, rig),
+            target: self.0.target,
+            held: s.vertical(),
+            start_height: height,
+            own: vec![
+                ("radial_strain", (1.0 - relative).into()),
+                ("volumetric_strain", (1.0 - size.height / height * relative * relative).into()),
+                ("diameter_mm", (2e3 * size.radius).into()),
+            ],
+        }
+    }
+
+    fn target(&self) -> Option<f64> {
+        self.0.target()
+    }
+
+    fn describe(&self, rig: &Compression, state: &State) -> (f64, String) {
+        self.0.describe(rig, state)
+    }
+
+    fn summary(&self, rig: &Compression, _: &Recorder, put: &mut dyn FnMut(&str, Value)) {
+        let largest = rig.loading.stages.iter().copied().fold(rig.specimen.isotropic_stress, f64::max);
+        put("max_stress_kPa", json!(largest * 1e-3));
+        put("diameter_mm", json!(2e3 * self.0.start.1));
+        put("height_mm", json!(1e3 * self.0.start.0));
+    }
+
+    fn specimen(rig: &Compression) -> &Specimen {
+        &rig.specimen
+    }
+}

@@ -1,0 +1,130 @@
+//! The tests that there are: a line for each, with the variant of [`Rig`] that its scenes become.
+
+use super::isotropic::Isotropic;
+use super::oedometer::Loading;
+use super::triaxial::Shearing;
+use super::{Instant, SpecimenTest};
+use crate::error::Error;
+use crate::model::{Model, Rig};
+use crate::record::cylinder::{Due, Moment, Recorder};
+use engine::boundary::CylinderSpace;
+use engine::dem::{State, Work};
+use engine::grains::Grains;
+use engine::mpm::Continuum;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// Writes the enumeration of tests and hands every call on to the one that is running, with its rig.
+macro_rules! specimen_tests {
+    ($($(#[$doc:meta])* $test:ident($state:ident);)*) => {
+        /// A test under way. Its methods are those of [`SpecimenTest`]; the rig given must be the test's own.
+        #[derive(Debug, Serialize, Deserialize)]
+        pub enum Test {
+            $($(#[$doc])* $test($state),)*
+        }
+
+        impl Test {
+            /// [`SpecimenTest::start`] of the model's rig.
+            ///
+            /// # Errors
+            /// A rig that this specimen does not allow.
+            pub fn start(model: &Model, grains: Grains, size: CylinderSpace) -> Result<(Test, State), Error> {
+                match &model.rig {
+                    $(Rig::$test(rig) => <$state as SpecimenTest>::start(model, rig, grains, size).map(|(test, state)| (Test::$test(test), state)),)*
+                    Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => unreachable!("no specimen of grains"),
+                }
+            }
+
+            /// [`SpecimenTest::advance`]
+            ///
+            /// # Errors
+            /// A specimen that cannot be tested; what `observe` returns.
+            pub fn advance(
+                &mut self,
+                model: &Model,
+                state: &mut State,
+                work: &mut Work,
+                observe: &mut dyn FnMut(&Observed<'_>, &State, &Work) -> Result<(), Error>,
+            ) -> Result<(), Error> {
+                match (self, &model.rig) {
+                    $((Test::$test(test), Rig::$test(rig)) => SpecimenTest::advance(test, model, rig, state, work, &mut |test, state, work| {
+                        observe(&Observed::$test(test, rig), state, work)
+                    }),)*
+                    _ => unreachable!("a test belongs to its rig"),
+                }
+            }
+
+            /// [`SpecimenTest::is_over`]
+            pub fn is_over(&self) -> bool {
+                match self { $(Test::$test(test) => SpecimenTest::is_over(test),)* }
+            }
+
+            /// [`SpecimenTest::target`]
+            pub fn target(&self) -> Option<f64> {
+                match self { $(Test::$test(test) => SpecimenTest::target(test),)* }
+            }
+
+            /// [`SpecimenTest::describe`]
+            pub fn describe(&self, rig: &Rig, state: &State) -> (f64, String) {
+                match (self, rig) {
+                    $((Test::$test(test), Rig::$test(rig)) => test.describe(rig, state),)*
+                    _ => unreachable!("a test belongs to its rig"),
+                }
+            }
+
+            /// [`SpecimenTest::summary`]
+            pub fn summary(&self, rig: &Rig, recorder: &Recorder, put: &mut dyn FnMut(&str, Value)) {
+                match (self, rig) {
+                    $((Test::$test(test), Rig::$test(rig)) => test.summary(rig, recorder, put),)*
+                    _ => unreachable!("a test belongs to its rig"),
+                }
+            }
+        }
+
+        /// A test and its rig at the instant of a step at which forces are known.
+        pub enum Observed<'a> {
+            $($(#[$doc])* $test(&'a $state, &'a <$state as SpecimenTest>::Rig),)*
+        }
+
+        impl Observed<'_> {
+            /// [`SpecimenTest::due`]
+            pub fn due(&self, model: &Model, recorder: &mut Recorder, state: &State) -> Option<Due> {
+                match self { $(Observed::$test(test, rig) => SpecimenTest::due(*test, model, rig, recorder, state),)* }
+            }
+
+            /// [`SpecimenTest::held`]
+            pub fn held(&self, state: &State) -> Option<Instant> {
+                match self { $(Observed::$test(test, rig) => SpecimenTest::held(*test, rig, state),)* }
+            }
+
+            /// [`SpecimenTest::moment`]
+            pub fn moment(&self, state: &State) -> Moment {
+                match self { $(Observed::$test(test, rig) => SpecimenTest::moment(*test, rig, state),)* }
+            }
+
+            /// [`SpecimenTest::fines`]
+            pub fn fines(&self) -> Option<&Continuum> {
+                match self { $(Observed::$test(test, _) => SpecimenTest::fines(*test),)* }
+            }
+        }
+
+        impl Rig {
+            /// The cylindrical specimen, where there is one.
+            pub fn specimen(&self) -> Option<&crate::model::Specimen> {
+                match self {
+                    $(Rig::$test(rig) => Some(<$state as SpecimenTest>::specimen(rig)),)*
+                    Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
+                }
+            }
+        }
+    };
+}
+
+specimen_tests! {
+    /// One-dimensional compression in a ring.
+    Oedometer(Loading);
+    /// Drained triaxial compression at constant cell pressure.
+    Triaxial(Shearing);
+    /// Compression from all sides.
+    Isotropic(Isotropic);
+}
