@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# The same specimens with every failure criterion of grains, all calibrated to the same crushing stress of single grains: first single grains between platens, then the oedometer with
+# three specimens each. The runs behind figures/criteria. What is done is not done again.
+# From the repository root: experiments/studies/criteria.sh [FOLDER [SEEDS]]
+set -eu
+out=${1:-runs/criteria}
+program=${COMMINUTE:-target/release/comminute}
+criteria="fixed_angle hertz_area von_mises mohr_coulomb christensen"
+runs=()
+
+for seed in ${2:-1 2 3}; do
+    specimen=()
+    for criterion in $criteria; do
+        of=$out/$criterion/seed-$seed
+        "$program" run experiments/criteria/oedometer.toml --continue --threads 1 --quiet --seed "$seed" --out "$of" "${specimen[@]}" \
+            --set "name=\"$criterion\"" --set crushing.criterion="$criterion" --set records.figures=false --set records.snapshots=false ||
+            echo "$of failed" >&2
+        # the others begin with the same grains
+        [ ! -e "$out/fixed_angle/seed-$seed/specimen.csv" ] || specimen=(--specimen "$out/fixed_angle/seed-$seed/specimen.csv")
+        runs+=("$of")
+    done
+done
+
+# events, utilisation, state at the end
+table=figures/criteria/criteria.csv
+echo "criterion,seed,breakages,breakages_1_MPa,void_ratio_1_MPa,void_ratio_2_MPa,void_ratio_5_MPa,k0_5_MPa,d50_mm_5_MPa,hardin_br_5_MPa,utilisation_median,seconds" > "$table"
+for criterion in $criteria; do
+    for seed in ${2:-1 2 3}; do
+        of=$out/$criterion/seed-$seed
+        [ -e "$of/summary.json" ] || continue
+        value() { sed -n "s/.*\"$1\": \([0-9.e+-]*\).*/\1/p" "$of/summary.json" | head -1; }
+        awk -F, -v criterion="$criterion" -v seed="$seed" -v seconds="$(value loading_seconds)" -v u="$(value utilisation_median)" '
+            /^#/ { next }
+            !c { for (i = 1; i <= NF; i++) at[$i] = i; c = 1; next }
+            { s = $at["sigma_v_kPa"] / 1e3; e = $at["void_ratio"]; k = $at["k0"]; n = $at["crush_events"]; d = $at["d50_mm"]; b = $at["hardin_br"]
+              split("1 2 5", w, " "); for (j = 1; j <= 3; j++) if (!(j in found) && s >= 0.995 * w[j]) { found[j] = e; events[j] = n } }
+            END { printf "%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%s,%.0f\n", criterion, seed, n, events[1], found[1], found[2], found[3], k, d, b, u, seconds }' \
+            "$of/history.csv" >> "$table"
+    done
+done
+"$program" plot "${runs[@]}" --show void_ratio,crush_events,k0,gradation --quiet --out figures/criteria
