@@ -4,7 +4,7 @@ use comminute::bench::{self, Case, Packing};
 use comminute::contact::ContactLaw;
 use comminute::dem;
 use comminute::dem::event;
-use comminute::dem::{State, Work, gather};
+use comminute::dem::{State, Workspace, gather};
 use comminute::model::Model;
 use comminute::mpm::Transfer;
 use comminute::neighbours::adjacency::Entry;
@@ -23,7 +23,7 @@ fn packing() -> Packing {
 }
 
 /// A state after some steps.
-fn ready(model: &Model, packing: &Packing) -> (State, Work) {
+fn ready(model: &Model, packing: &Packing) -> (State, Workspace) {
     let (mut state, mut work) = bench::start(model, packing);
     for _ in 0..500 {
         let Ok(()) = dem::step(&model.physics, &mut state, &mut work, |_, _| Ok::<(), Infallible>(()));
@@ -100,7 +100,7 @@ fn crushing(c: &mut Criterion) {
         b.iter_batched(
             || {
                 let mut state = state.clone();
-                let mut work = Work::new(&model.physics, &mut state);
+                let mut work = Workspace::new(&model.physics, &mut state);
                 // one before, so that the arrays have room
                 let mut out = Vec::with_capacity(2);
                 let mut next = || loop {

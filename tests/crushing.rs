@@ -375,7 +375,7 @@ fn a_crushing_oedometer_obeys_the_identities_of_table_4() {
     near("mass error", (kept + lost - mass) / mass, 0.0, 1e-12);
     // whoever is over the comminution limit can break, and nobody else
     for i in 0..g.len() {
-        assert_eq!(g.limit[i].is_finite(), 2.0 * g.pos[i][3] > 0.25 * 7.5e-3 * 4.0);
+        assert_eq!(g.breakage_threshold[i].is_finite(), 2.0 * g.pos[i][3] > 0.25 * 7.5e-3 * 4.0);
     }
 }
 

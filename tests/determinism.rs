@@ -2,7 +2,7 @@
 
 mod common;
 
-use comminute::dem::{State, Work, permute};
+use comminute::dem::{State, Workspace, permute};
 use comminute::math::real::at_best;
 use comminute::model::Model;
 use common::*;
@@ -23,8 +23,8 @@ fn scene(more: &[&str]) -> Model {
 const TASK: usize = 48;
 
 /// Preparation and loading, with prints on the way; `each` may tamper with memory before every step.
-fn run(model: Model, mut each: impl FnMut(&mut State, &mut Work)) -> Vec<Print> {
-    let mut each = |state: &mut State, work: &mut Work| {
+fn run(model: Model, mut each: impl FnMut(&mut State, &mut Workspace)) -> Vec<Print> {
+    let mut each = |state: &mut State, work: &mut Workspace| {
         work.task = TASK;
         each(state, work);
     };
@@ -107,7 +107,7 @@ fn scratch_dropped_now_and_then_gives_the_same_bytes() {
             run(model, |state, work| {
                 steps += 1;
                 if steps.is_multiple_of(101) {
-                    *work = Work::new(&again.physics, state);
+                    *work = Workspace::new(&again.physics, state);
                 }
             })
         }),
@@ -115,10 +115,10 @@ fn scratch_dropped_now_and_then_gives_the_same_bytes() {
 }
 
 /// What a test does to memory before a step.
-type Tamper = Box<dyn FnMut(&mut State, &mut Work) + Send>;
+type Tamper = Box<dyn FnMut(&mut State, &mut Workspace) + Send>;
 
 /// A random order in memory, at random steps.
-fn shuffled(seed: u64) -> impl FnMut(&mut State, &mut Work) + Send {
+fn shuffled(seed: u64) -> impl FnMut(&mut State, &mut Workspace) + Send {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     move |state, work| {
         if rng.random_range(0..50) == 0 {

@@ -4,7 +4,7 @@ mod common;
 
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
-use comminute::dem::Work;
+use comminute::dem::Workspace;
 use comminute::model::Model;
 use comminute::rig::preparation::{Preparation, porosity};
 use common::*;
@@ -34,7 +34,7 @@ fn a_porosity_out_of_reach_is_told_as_such() {
     let model = small(0.42, 0.004, 17);
     let Some(rig) = model.rig.specimen() else { panic!("a specimen") };
     let (mut preparation, mut state) = Preparation::start(&model, rig);
-    let mut work = Work::new(&model.physics, &mut state);
+    let mut work = Workspace::new(&model.physics, &mut state);
     let error = loop {
         match preparation.advance(&model, rig, &mut state, &mut work) {
             Ok(ready) => assert!(!ready, "prepared at {}", porosity(&state)),

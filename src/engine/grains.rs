@@ -32,7 +32,7 @@ pub struct Grains {
     /// Limit strength sigma_lim, Pa (infinite where the grain cannot break).
     pub strength: Vec<f64>,
     /// Largest load the grain bears, in the units of the failure criterion ([`crate::breakage::criterion::FailureCriterion::threshold`]).
-    pub limit: Vec<f64>,
+    pub breakage_threshold: Vec<f64>,
     /// Work since the ledger's start, J: contact path, slip, viscous, local damping.
     pub work: Vec<[f64; 4]>,
     /// The identity the next new grain gets.
@@ -73,7 +73,7 @@ impl Grains {
         self.born.push(0);
         self.material.push(material);
         self.strength.push(f64::INFINITY);
-        self.limit.push(f64::INFINITY);
+        self.breakage_threshold.push(f64::INFINITY);
         self.work.push([0.0; 4]);
         self.next_id += 1;
         i
@@ -119,7 +119,7 @@ impl Grains {
         apply(&mut self.born, order);
         apply(&mut self.material, order);
         apply(&mut self.strength, order);
-        apply(&mut self.limit, order);
+        apply(&mut self.breakage_threshold, order);
         apply(&mut self.work, order);
     }
 }

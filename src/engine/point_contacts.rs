@@ -35,7 +35,7 @@ impl Age {
         if self.searched == alive && self.travelled <= TRUST * self.skin {
             return None;
         }
-        let [least, most] = SKIN.map(|share| share * cell);
+        let [least, most] = SKIN.map(|cells| cells * cell);
         *self = Age { skin: (STEPS / TRUST * way).clamp(least, most), travelled: 0.0, searched: alive };
         Some(self.skin)
     }
@@ -48,36 +48,36 @@ impl Age {
 
 /// What bounds the time step: sums of stiffness over mass, 1/s².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Bound {
+pub struct ContactRates {
     pub points: f64,
     pub grains: f64,
 }
 
-impl Bound {
+impl ContactRates {
     /// Shares of a contact's stiffness that its two ends have to be able to bear, 1 + ε and 1 + 1/ε: k (u_p − u_g)² ≤ (1 + ε) k u_p² + (1 + 1/ε) k u_g² for every ε > 0.
     /// With ε = 2, as a point's share is spread over its neighbours ([`Continuum::contact_frequency_bound`]).
     ///
     /// [`Continuum::contact_frequency_bound`]: crate::mpm::Continuum::contact_frequency_bound
-    pub const SHARES: [f64; 2] = [3.0, 1.5];
+    pub const END_SHARES: [f64; 2] = [3.0, 1.5];
 
-    /// What each point by itself has of contacts with grains, in these shares, and of platens, whose largest rate is given, 1/s².
-    pub fn alone(&self, platens: f64) -> f64 {
-        Self::SHARES[0] * self.points + platens
+    /// What each point by itself has of contacts with grains, in these shares, and of loading plates, whose largest rate is given, 1/s².
+    pub fn isolated_bound(&self, plates: f64) -> f64 {
+        Self::END_SHARES[0] * self.points + plates
     }
 
     /// What contacts add to the square of a frequency, 1/s². Where contacts have to be resolved, each point by itself with the best ε; else nodes feel `share` of what
     /// points have.
-    pub fn frequency2(&self, platens: f64, share: Option<f64>) -> f64 {
-        match share {
-            Some(share) => (share * self.alone(platens)).max(Self::SHARES[1] * self.grains),
-            None => self.points + self.grains + platens,
+    pub fn frequency2(&self, plates: f64, bound_ratio: Option<f64>) -> f64 {
+        match bound_ratio {
+            Some(ratio) => (ratio * self.isolated_bound(plates)).max(Self::END_SHARES[1] * self.grains),
+            None => self.points + self.grains + plates,
         }
     }
 }
 
 /// Contact parameters of the ghosts of each law: with each material of grains, and with each wall.
 #[derive(Clone, Debug)]
-pub struct GhostTable {
+pub struct PointContactTable {
     /// The law of all of them.
     pub law: ContactLaw,
     grains: Vec<Vec<Pair>>,
@@ -85,14 +85,14 @@ pub struct GhostTable {
     walls: Vec<Vec<Pair>>,
 }
 
-impl GhostTable {
+impl PointContactTable {
     /// `ghosts`: the material of the fines' grains for each law of the continuum; `walls`: those that points touch.
-    pub fn new(law: ContactLaw, ghosts: &[u8], materials: &[Material], walls: &[Wall]) -> GhostTable {
+    pub fn new(law: ContactLaw, ghosts: &[u8], materials: &[Material], walls: &[Wall]) -> PointContactTable {
         let ghost = |m: &u8| &materials[usize::from(*m)];
         let of_law = |m: &u8| materials.iter().map(|other| law.between(other, ghost(m))).collect();
         let on_wall =
             |w: &Wall| ghosts.iter().map(|m| PairTable::on_wall(law.table().coefficients, ghost(m), w, materials)).collect();
-        GhostTable { law, grains: ghosts.iter().map(of_law).collect(), walls: walls.iter().map(on_wall).collect() }
+        PointContactTable { law, grains: ghosts.iter().map(of_law).collect(), walls: walls.iter().map(on_wall).collect() }
     }
 
     /// Walls that points touch.

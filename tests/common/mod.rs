@@ -5,7 +5,7 @@ pub mod typed;
 
 use comminute::dem::ledger::Balance;
 use comminute::dem::observables;
-use comminute::dem::{State, Work, gather};
+use comminute::dem::{State, Workspace, gather};
 use comminute::model::{Model, Rig};
 use comminute::record::specimen;
 use comminute::rig::assembly;
@@ -125,7 +125,7 @@ pub fn bodies_text(balls: &[Ball], planes: &[Plane]) -> String {
 pub struct Lab {
     pub model: Model,
     pub state: State,
-    pub work: Work,
+    pub work: Workspace,
 }
 
 /// One grain at the instant of its forces: velocity and spin are those of that instant, not of the half step.
@@ -146,7 +146,7 @@ impl Lab {
     pub fn of(model: Model) -> Lab {
         let Rig::Assembly(rig) = &model.rig else { panic!("an assembly") };
         let mut state = assembly::start(&model, rig);
-        let work = Work::new(&model.physics, &mut state);
+        let work = Workspace::new(&model.physics, &mut state);
         Lab { model, state, work }
     }
 
@@ -161,7 +161,7 @@ impl Lab {
     }
 
     /// One step; `eye` sees the instant at which the forces of the present positions are known.
-    pub fn see<T>(&mut self, eye: impl FnOnce(&Model, &State, &Work) -> T) -> T {
+    pub fn see<T>(&mut self, eye: impl FnOnce(&Model, &State, &Workspace) -> T) -> T {
         let Lab { model, state, work } = self;
         let mut seen = None;
         assembly::advance(model, state, work, |state, work| {
@@ -200,7 +200,7 @@ impl Lab {
     }
 }
 
-fn now(model: &Model, state: &State, work: &Work, id: u32) -> Now {
+fn now(model: &Model, state: &State, work: &Workspace, id: u32) -> Now {
     let g = &state.grains;
     let i = g.id.iter().position(|&k| k == id).expect("a grain of this id");
     let (force, torque) = gather::force_and_torque(i, &model.physics, state, &work.neighbours);
@@ -263,10 +263,10 @@ pub fn oedometer_text(grains: u32, max_stress: f64, more: &str) -> String {
 }
 
 /// A prepared specimen and the number of steps it took; `each` may tamper with memory before every step.
-pub fn prepare(model: &Model, mut each: impl FnMut(&mut State, &mut Work)) -> (State, u64) {
+pub fn prepare(model: &Model, mut each: impl FnMut(&mut State, &mut Workspace)) -> (State, u64) {
     let Some(rig) = model.rig.specimen() else { panic!("a specimen") };
     let (mut preparation, mut state) = Preparation::start(model, rig);
-    let mut work = Work::new(&model.physics, &mut state);
+    let mut work = Workspace::new(&model.physics, &mut state);
     loop {
         each(&mut state, &mut work);
         if preparation.advance(model, rig, &mut state, &mut work).unwrap_or_else(|e| panic!("{e}")) {
@@ -280,7 +280,7 @@ pub struct Press {
     pub model: Model,
     pub loading: Loading,
     pub state: State,
-    pub work: Work,
+    pub work: Workspace,
 }
 
 impl Press {
@@ -296,7 +296,7 @@ impl Press {
         let (grains, walls) = specimen::read(path, &model.physics.materials).unwrap_or_else(|e| panic!("{e}"));
         let Rig::Oedometer(rig) = &model.rig else { panic!("an oedometer") };
         let (loading, mut state) = Loading::start(&model, rig, grains, walls).expect("starts");
-        let work = Work::new(&model.physics, &mut state);
+        let work = Workspace::new(&model.physics, &mut state);
         Press { model, loading, state, work }
     }
 
@@ -309,7 +309,7 @@ impl Press {
     }
 
     /// One step; `eye` sees the instant at which forces are known.
-    pub fn see(&mut self, mut eye: impl FnMut(&Model, &Loading, &State, &Work)) {
+    pub fn see(&mut self, mut eye: impl FnMut(&Model, &Loading, &State, &Workspace)) {
         let Press { model, loading, state, work } = self;
         let Rig::Oedometer(rig) = &model.rig else { unreachable!() };
         loading
@@ -342,7 +342,7 @@ pub fn print(state: &State) -> Print {
             let mut b = bits(&g.pos[i]);
             b.extend(bits(&g.vel[i]));
             b.extend(bits(&g.spin[i][..3]));
-            b.extend(bits(&[g.mass[i], g.strength[i], g.limit[i]]));
+            b.extend(bits(&[g.mass[i], g.strength[i], g.breakage_threshold[i]]));
             b.extend(bits(&g.work[i]));
             b.extend([g.lineage[i], u64::from(g.generation[i]), u64::from(g.material[i])]);
             (g.id[i], b)

@@ -138,9 +138,9 @@ fn newborn_contacts_bear_no_force() {
     crash.go();
     let mixture = crash.state.mixture.as_ref().expect("grains");
     // the look at the start of that cycle was their first; in one step they cannot have gone deep
-    for ghost in mixture.ghosts.near.iter().filter(|g| g.point >= first) {
+    for contact in mixture.point_contacts.candidates.iter().filter(|g| g.point >= first) {
         looked += 1;
-        assert!(ghost.touch.overlap < 1e-6, "{ghost:?}");
+        assert!(contact.touch.overlap < 1e-6, "{contact:?}");
     }
     assert!(looked > 20, "{looked}");
 }

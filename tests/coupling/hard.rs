@@ -5,7 +5,7 @@ use crate::common::typed::{columns, comminute, number, run, same_files, summary}
 use crate::points::{continuum, elastic};
 use crate::scene::{MASS, Meeting, STUFF, free_scene, impact, meeting, radius};
 use comminute::coupling::Rates;
-use comminute::mpm::{Continuum, Platen};
+use comminute::mpm::{Continuum, LoadingPlate};
 
 const ONE: Rates = Rates { grains: 1, continuum: 1 };
 const QUIET: [&str; 2] = ["records.figures=false", "records.snapshots=false"];
@@ -54,7 +54,7 @@ fn a_grain_outside_of_the_points_flies_on() {
     let top = settings.lower[2] + settings.cell * f64::from(settings.cells[2]);
     assert!(m.mixture.grains.grains.pos[0][2] > top, "it has left the grid");
     assert_eq!((m.velocity_of_grain(), m.continuum.totals().kinetic), ([0.0, 0.0, 500.0], 0.0));
-    assert!(m.mixture.ghosts.near.is_empty());
+    assert!(m.mixture.point_contacts.candidates.is_empty());
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn comes_back(m: &mut Meeting, floor: f64) -> f64 {
         m.go(1e-6, ONE, 1);
         let (point, grain) = (m.continuum.points().position[0][2], m.mixture.grains.grains.pos[0][2]);
         assert!(point > floor && grain > point, "{point} {grain} over {floor}");
-        most = m.platens.iter().map(|p| p.reaction).fold(most, f64::max);
+        most = m.plates.iter().map(|p| p.reaction).fold(most, f64::max);
     }
     let after = kinetic(m);
     assert!(m.velocity_of_grain()[2] > 0.0 && (after / before - 1.0).abs() < 0.01, "{after} of {before} J");
@@ -96,8 +96,12 @@ fn a_point_between_a_grain_and_a_wall_holds() {
 fn a_point_between_a_grain_and_a_platen_holds() {
     let floor = 5.0 * radius();
     let mut m = meeting(&free_scene(&[ball(8.1, -5.0)]), one_point());
-    m.platens =
-        vec![Platen::new(&m.continuum, [0.0, 0.0, floor], [0.0, 0.0, 1.0], STUFF.young / (1.0 - STUFF.poisson * STUFF.poisson))];
+    m.plates = vec![LoadingPlate::new(
+        &m.continuum,
+        [0.0, 0.0, floor],
+        [0.0, 0.0, 1.0],
+        STUFF.young / (1.0 - STUFF.poisson * STUFF.poisson),
+    )];
     let most = comes_back(&mut m, floor);
     assert!(most > 0.0, "{most} N");
 }

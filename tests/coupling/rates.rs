@@ -64,7 +64,7 @@ fn threads_and_scratch_change_no_bit() {
     let one = Rates { grains: 1, continuum: 1 };
     let mut reference = impact(Some(6));
     reference.go(TIME, one, 423);
-    assert!(reference.mixture.ghosts.touching().count() > 1);
+    assert!(reference.mixture.point_contacts.touching().count() > 1);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads");
     let mut other = impact(Some(6));
     pool.install(|| {

@@ -3,10 +3,10 @@
 use crate::common::{Ball, Stuff, model};
 use crate::points::{continuum, elastic, settings};
 use comminute::coupling::{Allowed, Cycle, Mixture, Parts, Rates, Rule};
-use comminute::dem::Work;
+use comminute::dem::Workspace;
 use comminute::model::{Model, Rig};
-use comminute::mpm::{Continuum, Dimension, Platen, Points, platen};
-use comminute::point_contacts::GhostTable;
+use comminute::mpm::{Continuum, Dimension, LoadingPlate, Points, loading_plate};
+use comminute::point_contacts::PointContactTable;
 use comminute::rig::assembly;
 use std::f64::consts::PI;
 
@@ -22,12 +22,12 @@ pub fn radius() -> f64 {
 /// Grains and a continuum, ready to go.
 pub struct Meeting {
     pub model: Model,
-    pub table: GhostTable,
-    pub work: Work,
+    pub table: PointContactTable,
+    pub work: Workspace,
     pub continuum: Continuum,
     pub mixture: Mixture,
     /// At rest; none by itself.
-    pub platens: Vec<Platen>,
+    pub plates: Vec<LoadingPlate>,
 }
 
 /// `text` is a free scene of grains; ghosts are of its first material.
@@ -40,10 +40,10 @@ pub fn with_fines(text: &str, mut continuum: Continuum, fines: Option<Rule>) -> 
     let model = model(text, &[]);
     let Rig::Assembly(rig) = &model.rig else { panic!("a free scene") };
     let mut state = assembly::start(&model, rig);
-    let work = Work::new(&model.physics, &mut state);
-    let table = GhostTable::new(model.physics.contact.law, &[0], &model.physics.materials, &state.walls);
+    let work = Workspace::new(&model.physics, &mut state);
+    let table = PointContactTable::new(model.physics.contact.law, &[0], &model.physics.materials, &state.walls);
     let mixture = Mixture::new(&model.physics, state, &mut continuum, fines);
-    Meeting { model, table, work, continuum, mixture, platens: Vec::new() }
+    Meeting { model, table, work, continuum, mixture, plates: Vec::new() }
 }
 
 impl Meeting {
@@ -68,9 +68,9 @@ impl Meeting {
     }
 
     fn cycle(&mut self, decide: impl FnOnce(&mut Mixture, &Continuum) -> Cycle) {
-        let Meeting { model, table, work, continuum, mixture, platens } = self;
-        platen::press(platens, continuum).unwrap_or_else(|e| panic!("{e}"));
-        let mut parts = Parts { physics: &model.physics, table, work, continuum, platens };
+        let Meeting { model, table, work, continuum, mixture, plates } = self;
+        loading_plate::press(plates, continuum).unwrap_or_else(|e| panic!("{e}"));
+        let mut parts = Parts { physics: &model.physics, table, work, continuum, plates };
         mixture.compute_forces(&mut parts).unwrap_or_else(|e| panic!("{e}"));
         let cycle = decide(mixture, parts.continuum);
         mixture.make_cycle(&mut parts, cycle).unwrap_or_else(|e| panic!("{e}"));

@@ -13,7 +13,9 @@ mod run;
 use adapter::adapter;
 use comminute::gpu;
 use comminute::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Parameters};
-use comminute::mpm::{Continuum, Dimension, Drive, Platen, Point, Points, Ramp, Settings, ShapeFunctions, Transfer, Wall};
+use comminute::mpm::{
+    Continuum, Dimension, GridWall, LoadingPlate, PlateDrive, Point, Points, Ramp, Settings, ShapeFunctions, Transfer,
+};
 use std::f64::consts::PI;
 
 fn settings(cell: f64, cells: [u32; 3]) -> Settings {
@@ -22,7 +24,7 @@ fn settings(cell: f64, cells: [u32; 3]) -> Settings {
         cell,
         lower: [0.0; 3],
         cells,
-        walls: [Wall::Symmetry; 6],
+        walls: [GridWall::Symmetry; 6],
         gravity: [0.0; 3],
         shape: ShapeFunctions::BSpline,
         transfer: Transfer::Blend { pic: 0.0 },
@@ -75,10 +77,10 @@ fn a_bar_vibrates_as_on_the_cpu() {
         return;
     }
     let mut s = settings(0.5, [12, 1, 1]);
-    s.walls[1] = Wall::Open;
+    s.walls[1] = GridWall::Open;
     let points = lattice(&s, [10, 1, 1], 1.0, |x| [0.1 * (PI * x[0] / 10.0).sin(), 0.0, 0.0]);
     let mut cpu = Continuum::new(s, vec![Law::Elastic(Elastic::of_young(100.0, 0.0))], points).unwrap();
-    let mut gpu = gpu::Continuum::new(&cpu).unwrap();
+    let mut gpu = gpu::DeviceContinuum::new(&cpu).unwrap();
     let mut back = cpu.clone();
     let (p, e) = (cpu.totals().momentum[0], cpu.totals().kinetic);
     let (mut in_momentum, mut in_energy, mut in_work): (f64, f64, f64) = (0.0, 0.0, 0.0);
@@ -104,7 +106,14 @@ fn a_bar_vibrates_as_on_the_cpu() {
 /// A column of soil that slumps under its own weight on a rough floor.
 fn slump() -> Continuum {
     let mut s = settings(0.1, [7, 3, 6]);
-    s.walls = [Wall::Symmetry, Wall::Open, Wall::Symmetry, Wall::Symmetry, Wall::Friction { friction: 0.4 }, Wall::Open];
+    s.walls = [
+        GridWall::Symmetry,
+        GridWall::Open,
+        GridWall::Symmetry,
+        GridWall::Symmetry,
+        GridWall::Friction { friction: 0.4 },
+        GridWall::Open,
+    ];
     (s.gravity, s.transfer) = ([0.0, 0.0, -9.81], Transfer::Blend { pic: 0.02 });
     let points = lattice(&s, [3, 3, 5], 1800.0, |_| [0.0; 3]);
     Continuum::new(s, vec![soil()], points).unwrap()
@@ -117,7 +126,7 @@ fn a_column_slumps_as_on_the_cpu() {
         return;
     }
     let mut cpu = slump();
-    let mut gpu = gpu::Continuum::new(&cpu).unwrap();
+    let mut gpu = gpu::DeviceContinuum::new(&cpu).unwrap();
     let mut back = cpu.clone();
     let start = cpu.totals();
     let dt = cpu.stable_step(0.5);
@@ -151,21 +160,21 @@ fn a_platen_presses_a_block_to_its_stress() {
         return;
     }
     let mut s = settings(0.1, [2, 2, 7]);
-    (s.walls[5], s.damping) = (Wall::Open, 0.4);
+    (s.walls[5], s.damping) = (GridWall::Open, 0.4);
     let points = lattice(&s, [2, 2, 5], 2000.0, |_| [0.0; 3]);
     let start = points.clone();
     let mut c = Continuum::new(s, vec![Law::Elastic(Elastic::of_young(10e6, 0.3))], points).unwrap();
     // the points' spheres just touch it
     let radius = (0.6 * 0.05_f64.powi(3) * 0.75 / PI).cbrt();
     let force = 1e5 * 0.2 * 0.2;
-    let platen = Platen::new(&c, [0.1, 0.1, 0.475 + radius], [0.0, 0.0, -1.0], 2e8);
-    let mut device = gpu::Continuum::with_platens(&c, &[platen]).unwrap();
+    let plate = LoadingPlate::new(&c, [0.1, 0.1, 0.475 + radius], [0.0, 0.0, -1.0], 2e8);
+    let mut device = gpu::DeviceContinuum::with_plates(&c, &[plate]).unwrap();
     device.material([0.2, 0.2, 0.5], false);
-    device.drive(0, Drive::Stress { target: Ramp::constant(1e5), gain: 0.1, reach: 1.0, memory: f64::INFINITY }).unwrap();
+    device.drive(0, PlateDrive::Stress { target: Ramp::constant(1e5), gain: 0.1, reach: 1.0, memory: f64::INFINITY }).unwrap();
     let dt = 0.3 * c.stable_step(1.0);
     device.steps(1500, dt).unwrap();
     device.read_back(&mut c).unwrap();
-    let p = &device.platens()[0];
+    let p = &device.plates()[0];
     let floor = c.wall_force()[4][2];
     let at = |points: &Points, k: u32| points.position[points.id.iter().position(|id| *id == k).unwrap()][2];
     let top = start.len() as u32 - 1;
@@ -185,7 +194,7 @@ fn a_platen_presses_a_block_to_its_stress() {
     let balance = (p.work - p.stored) / c.stress_work() - 1.0;
     println!("platen: work {:e} J, stored {:e} J, stress work {:e} J, balance {balance:e}", p.work, p.stored, c.stress_work());
     assert!(c.stress_work() > 0.0 && p.stored > 0.0 && balance.abs() < 0.1);
-    assert!(device.drive(1, Drive::Speed(Ramp::constant(0.0))).is_err());
+    assert!(device.drive(1, PlateDrive::Speed(Ramp::constant(0.0))).is_err());
 }
 
 /// Two batches are one. What was read back and taken up again goes on the same but for the rounding of f64 places and volumes.
@@ -197,13 +206,13 @@ fn batches_change_no_bit() {
     let start = slump();
     let dt = start.stable_step(0.5);
     let run = |parts: &[u64], through_cpu: bool| {
-        let mut gpu = gpu::Continuum::new(&start).unwrap();
+        let mut gpu = gpu::DeviceContinuum::new(&start).unwrap();
         let mut back = start.clone();
         for &n in parts {
             gpu.steps(n, dt).unwrap();
             gpu.read_back(&mut back).unwrap();
             if through_cpu {
-                gpu = gpu::Continuum::new(&back).unwrap();
+                gpu = gpu::DeviceContinuum::new(&back).unwrap();
             }
         }
         back
@@ -226,7 +235,7 @@ fn bits_of_a_run() {
     let Some(path) = std::env::var_os("COMMINUTE_TEST_BITS") else { return };
     let mut c = slump();
     let dt = c.stable_step(0.5);
-    let mut gpu = gpu::Continuum::new(&c).unwrap();
+    let mut gpu = gpu::DeviceContinuum::new(&c).unwrap();
     gpu.steps(80, dt).unwrap();
     gpu.read_back(&mut c).unwrap();
     std::fs::write(path, serde_json::to_vec(&c).unwrap()).unwrap();
@@ -262,7 +271,7 @@ fn what_the_gpu_lacks_is_refused_by_name() {
         change(&mut s);
         let points = lattice(&s, [2, 2, 1], 1000.0, |_| [0.0; 3]);
         let cpu = Continuum::new(s, vec![soil()], points).unwrap();
-        let error = gpu::Continuum::new(&cpu).err().expect("refused");
+        let error = gpu::DeviceContinuum::new(&cpu).err().expect("refused");
         let error = comminute::error::Error::from(error);
         assert_eq!(error.exit_code(), 2);
         error.to_string()
@@ -285,7 +294,7 @@ fn a_grid_that_does_not_fit_is_refused_with_its_size() {
     let s = settings(0.1, [50_000; 3]);
     let points = lattice(&s, [2, 2, 1], 1000.0, |_| [0.0; 3]);
     let cpu = Continuum::new(s, vec![soil()], points).unwrap();
-    let told = gpu::Continuum::new(&cpu).err().expect("refused").to_string();
+    let told = gpu::DeviceContinuum::new(&cpu).err().expect("refused").to_string();
     assert!(told.contains("memory of the grid") && told.contains("MiB") && told.contains("use a smaller domain"), "{told}");
 }
 
@@ -298,10 +307,10 @@ fn lost_points_are_named() {
     let elastic = || vec![Law::Elastic(Elastic::of_young(1e6, 0.3))];
     let told = |velocity: &dyn Fn([f64; 3]) -> [f64; 3]| {
         let mut s = settings(0.1, [10; 3]);
-        s.walls = [Wall::Open; 6];
+        s.walls = [GridWall::Open; 6];
         let points = lattice(&s, [2, 2, 2], 1000.0, velocity);
         let mut cpu = Continuum::new(s, elastic(), points).unwrap();
-        let mut gpu = gpu::Continuum::new(&cpu).unwrap();
+        let mut gpu = gpu::DeviceContinuum::new(&cpu).unwrap();
         let there = gpu.steps(300, 1e-3).unwrap_err().to_string();
         let here = (0..300).find_map(|_| cpu.step(1e-3).err()).expect("lost").to_string();
         (here, there)
@@ -329,7 +338,7 @@ fn without_an_adapter() {
         return;
     }
     assert_eq!(gpu::available(), None);
-    let told = gpu::Continuum::new(&slump()).err().expect("refused").to_string();
+    let told = gpu::DeviceContinuum::new(&slump()).err().expect("refused").to_string();
     assert!(told.contains("found no graphics adapter") && told.contains("use the processor"), "{told}");
 }
 

@@ -2,12 +2,13 @@
 
 use crate::common::*;
 use comminute::math::real::at_best;
-use comminute::mpm::{Continuum, Dimension, Points, Settings, ShapeFunctions, Transfer, Wall};
+use comminute::mpm::{Continuum, Dimension, GridWall, Points, Settings, ShapeFunctions, Transfer};
 
 /// A block thrown into a corner, so that points cross cells and blocks all the time.
 fn thrown(dimension: Dimension, transfer: Transfer, shape: ShapeFunctions) -> (Settings, Points) {
     let mut s = settings(dimension, 0.1, [40, 40, 40]);
-    s.walls = [Wall::Stick, Wall::Open, Wall::Friction { friction: 0.3 }, Wall::Open, Wall::Symmetry, Wall::Open];
+    s.walls =
+        [GridWall::Stick, GridWall::Open, GridWall::Friction { friction: 0.3 }, GridWall::Open, GridWall::Symmetry, GridWall::Open];
     (s.gravity, s.damping) = ([0.0, -9.81, 0.0], 0.05);
     (s.transfer, s.shape) = (transfer, shape);
     let high = if dimension == Dimension::Space { 1.3 } else { 3.3 };
@@ -50,7 +51,7 @@ fn run(settings: Settings, points: Points, threads: usize, mut each: impl FnMut(
                 for i in 0..c.points().len() {
                     let id = c.points().id[i];
                     if id.is_multiple_of(17) {
-                        c.push(i, [0.01 * f64::from(id % 5), 0.5, -0.1], 0.0);
+                        c.add_external_force(i, [0.01 * f64::from(id % 5), 0.5, -0.1], 0.0);
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! Closed forms of linear elasticity.
 
 use crate::common::*;
-use comminute::mpm::{Dimension, Settings, ShapeFunctions, Transfer, Wall};
+use comminute::mpm::{Dimension, GridWall, Settings, ShapeFunctions, Transfer};
 use comminute::verify::{bar, block, column, disk, patch, wave};
 use std::f64::consts::PI;
 
@@ -31,7 +31,7 @@ fn a_column_settles_as_an_oedometer() {
         (Dimension::Space, block::FLIP, 3e-3),
         (Dimension::PlaneStrain, block::GIMP, 2e-2),
     ] {
-        for floor in [Wall::Symmetry, Wall::Friction { friction: 0.0 }, Wall::Stick] {
+        for floor in [GridWall::Symmetry, GridWall::Friction { friction: 0.0 }, GridWall::Stick] {
             let [stress, settlement, k0, reaction] = column::settle(method, dimension, floor, 20).unwrap().errors[..] else {
                 panic!()
             };
@@ -149,7 +149,7 @@ fn momentum_is_kept_to_rounding() {
 fn a_block_slides_against_friction() {
     for friction in [0.0, 0.1, 0.3] {
         let mut s = settings(Dimension::PlaneStrain, 0.1, [30, 8, 1]);
-        s.walls[2] = Wall::Friction { friction };
+        s.walls[2] = GridWall::Friction { friction };
         let (g, angle) = (9.81, PI / 6.0);
         s.gravity = [g * angle.sin(), -g * angle.cos(), 0.0];
         s.transfer = Transfer::Blend { pic: 0.01 };

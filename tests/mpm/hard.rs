@@ -2,7 +2,7 @@
 
 use crate::common::{FLIP, continuum, elastic, fill, settings, steps};
 use comminute::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, Law, Parameters};
-use comminute::mpm::{Dimension, Platen, Transfer, platen};
+use comminute::mpm::{Dimension, LoadingPlate, Transfer, loading_plate};
 
 fn sand(friction: f64) -> Vec<Law> {
     vec![Law::DruckerPrager(DruckerPrager::new(Parameters {
@@ -41,7 +41,7 @@ fn cohesionless_sand_is_pulled_apart_without_tension() {
 #[test]
 fn material_without_friction_rests_as_a_liquid() {
     let mut s = settings(Dimension::PlaneStrain, 0.1, [4, 10, 1]);
-    s.walls[..3].fill(comminute::mpm::Wall::Symmetry);
+    s.walls[..3].fill(comminute::mpm::GridWall::Symmetry);
     (s.gravity, s.damping) = ([0.0, -10.0, 0.0], 0.1);
     let points = fill(&s, [[0.0; 3], [0.4, 0.8, 0.0]], 2, 1000.0, |_| true, |_| [0.0; 3]);
     let mut c = continuum(s, sand(0.0), points);
@@ -76,11 +76,11 @@ fn a_platen_through_the_sample_stops_the_run() {
     let s = settings(Dimension::Space, 0.1, [8, 8, 10]);
     let points = fill(&s, [[0.2; 3], [0.6; 3]], 2, 1000.0, |_| true, |_| [0.0; 3]);
     let mut c = continuum(s, elastic(1e5, 0.3), points);
-    let mut lid = [Platen::new(&c, [0.4, 0.4, 0.61], [0.0, 0.0, -1.0], 1e3)];
+    let mut lid = [LoadingPlate::new(&c, [0.4, 0.4, 0.61], [0.0, 0.0, -1.0], 1e3)];
     lid[0].speed = 50.0;
     let dt = c.stable_step(0.3);
     let told = (0..1000).find_map(|_| {
-        let passed = platen::press(&mut lid, &mut c).and_then(|()| c.step(dt)).err();
+        let passed = loading_plate::press(&mut lid, &mut c).and_then(|()| c.step(dt)).err();
         lid[0].advance(dt);
         passed
     });
@@ -95,14 +95,14 @@ fn forces_at_a_point_and_beside_it_add_up() {
     let points = fill(&s, [[0.3; 3], [0.5; 3]], 2, 1600.0, |_| true, |_| [0.0; 3]);
     let velocities = |beside: f64, at: f64| {
         let mut c = continuum(s.clone(), elastic(1e6, 0.3), points.clone());
-        c.push_face(0, beside, [0.0, 0.0, 1.0], 0.0);
-        c.push(0, [0.0, 0.0, at], 0.0);
+        c.add_face_force(0, beside, [0.0, 0.0, 1.0], 0.0);
+        c.add_external_force(0, [0.0, 0.0, at], 0.0);
         steps(&mut c, 1e-5, 1);
         c.points().by_id().into_iter().map(|i| c.points().velocity[i as usize][2]).collect::<Vec<f64>>()
     };
-    let (platen, grain, both) = (velocities(1.0, 0.0), velocities(0.0, -0.9999), velocities(1.0, -0.9999));
-    let largest = platen.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    for ((p, g), b) in platen.iter().zip(&grain).zip(&both) {
+    let (plate, grain, both) = (velocities(1.0, 0.0), velocities(0.0, -0.9999), velocities(1.0, -0.9999));
+    let largest = plate.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    for ((p, g), b) in plate.iter().zip(&grain).zip(&both) {
         assert!((p + g - b).abs() < 1e-12 * largest, "{p} and {g} are not {b}");
     }
     assert!(largest > 0.0);
@@ -121,16 +121,16 @@ fn what_nodes_feel_of_springs_bounds_their_frequencies() {
         // a push of one newton downwards on one spring's point, or on its upper face; that of the others only makes their faces be followed
         let pushed = |on: &[(u32, f64)], others: &[(u32, f64)]| {
             let mut c = continuum(s.clone(), elastic(1e6, 0.3), points.clone());
-            c.keep_carried();
+            c.keep_transport_velocity();
             for &(i, stiffness) in on {
                 if at_faces {
-                    c.push_face(i as usize, 1.0, [0.0, 0.0, -1.0], stiffness)
+                    c.add_face_force(i as usize, 1.0, [0.0, 0.0, -1.0], stiffness)
                 } else {
-                    c.push(i as usize, [0.0, 0.0, -1.0], stiffness)
+                    c.add_external_force(i as usize, [0.0, 0.0, -1.0], stiffness)
                 }
             }
             for &(i, _) in others.iter().filter(|_| at_faces) {
-                c.push_face(i as usize, 1e-30, [0.0, 0.0, -1.0], 0.0);
+                c.add_face_force(i as usize, 1e-30, [0.0, 0.0, -1.0], 0.0);
             }
             let start = c.points().faces.clone();
             steps(&mut c, DT, 1);

@@ -2,7 +2,7 @@
 
 use super::breakable;
 use engine::dem;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use laboratory::error::Result;
 use laboratory::model::Model;
 use std::convert::Infallible;
@@ -31,8 +31,8 @@ const PLAIN: usize = 50;
 /// None that a packing of the bench has.
 pub fn burst(model: &Model, mut state: State, events: usize) -> Result<Burst> {
     let model = &breakable(model)?;
-    let mut work = Work::new(&model.physics, &mut state);
-    let advance = |state: &mut State, work: &mut Work| {
+    let mut work = Workspace::new(&model.physics, &mut state);
+    let advance = |state: &mut State, work: &mut Workspace| {
         let Ok(()) = dem::step(&model.physics, state, work, |_, _| Ok::<(), Infallible>(()));
     };
     state.crushing = true;
@@ -52,7 +52,7 @@ pub fn burst(model: &Model, mut state: State, events: usize) -> Result<Burst> {
     for id in victims {
         // re-ordering may have moved it
         let Some(i) = state.grains.id.iter().position(|&j| j == id) else { continue };
-        state.grains.limit[i] = 0.0;
+        state.grains.breakage_threshold[i] = 0.0;
         let before = work.clock.unwrap_or_default()[3];
         let since = Instant::now();
         advance(&mut state, &mut work);
@@ -67,7 +67,7 @@ pub fn burst(model: &Model, mut state: State, events: usize) -> Result<Burst> {
 }
 
 /// Ids of loaded grains, spread over the specimen.
-fn victims(state: &State, work: &Work, events: usize) -> Vec<u32> {
+fn victims(state: &State, work: &Workspace, events: usize) -> Vec<u32> {
     let n = state.grains.len();
     let loaded: Vec<u32> = (0..n)
         .filter(|&i| {

@@ -31,7 +31,7 @@ use engine::breakage::{Birth, CrushModel};
 use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use engine::dem::physics::Physics;
 use engine::dem::physics::Stepping;
-use engine::dem::{State, Work, reorder};
+use engine::dem::{State, Workspace, reorder};
 use engine::material::Material;
 use laboratory::error::{Error, Result};
 use laboratory::gradation::mean_cubed_diameter;
@@ -268,7 +268,7 @@ fn rig(case: Case, grains: usize) -> Compression {
 
 /// A state to step from: the packing at rest, walls of the grains' own material without friction (as the other codes have
 /// them), the top one moving, memory in the order of space.
-pub fn start(model: &Model, packing: &Packing) -> (State, Work) {
+pub fn start(model: &Model, packing: &Packing) -> (State, Workspace) {
     let size = packing.walls;
     let mut around: Vec<Wall> = walls(&rig(packing.case, packing.grains.len()).specimen, size.radius, size.bottom, size.height);
     for wall in &mut around {
@@ -276,7 +276,7 @@ pub fn start(model: &Model, packing: &Packing) -> (State, Work) {
     }
     around[TOP].speed = PLATEN_SPEED;
     let mut state = State::new(&model.physics, packing.grains.clone(), around, false);
-    let mut work = Work::new(&model.physics, &mut state);
+    let mut work = Workspace::new(&model.physics, &mut state);
     reorder(&mut state, &mut work);
     (state, work)
 }

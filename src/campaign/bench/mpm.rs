@@ -3,7 +3,7 @@
 use super::speed::cpu_seconds;
 use super::{load_average, pool};
 use engine::mpm::law::{Elastic, Law};
-use engine::mpm::{Continuum, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
+use engine::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
 use laboratory::error::Result;
 use std::time::Instant;
 use table::median;
@@ -56,7 +56,7 @@ pub fn mpm_case(points: usize, transfer: Transfer) -> Result<(Continuum, f64)> {
         cell: CELL,
         lower: [0.0; 3],
         cells: [cells; 3],
-        walls: [Wall::Symmetry; 6],
+        walls: [GridWall::Symmetry; 6],
         gravity: [0.0, 0.0, -9.81],
         shape: ShapeFunctions::BSpline,
         transfer,

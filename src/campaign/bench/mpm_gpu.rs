@@ -31,7 +31,7 @@ impl GpuSpeed {
 pub fn mpm_gpu_speed(points: usize, [warm_up, steps]: [u64; 2], repeats: usize) -> Result<GpuSpeed> {
     let (c, dt) = mpm_case(points, Transfer::Blend { pic: 0.0 })?;
     let count = c.points().len();
-    let mut device = gpu::Continuum::new(&c)?;
+    let mut device = gpu::DeviceContinuum::new(&c)?;
     device.steps(warm_up, dt)?;
     let mut blocks = Vec::new();
     for _ in 0..repeats {

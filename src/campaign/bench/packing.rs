@@ -5,7 +5,7 @@
 use super::{Case, model, skeleton};
 use engine::boundary::CylinderSpace;
 use engine::contact::ContactLaw;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use engine::math::vector::dot;
 use laboratory::error::{Error, Result};
@@ -86,7 +86,7 @@ fn at_rest(model: &Model, progress: &mut impl FnMut(&str)) -> Result<State> {
     for wall in &mut state.walls {
         wall.material = Some(0);
     }
-    let mut work = Work::new(&scaled.physics, &mut state);
+    let mut work = Workspace::new(&scaled.physics, &mut state);
     while !preparation.advance(&scaled, &rig.specimen, &mut state, &mut work)? {
         if preparation.steps().is_multiple_of(REPORT) {
             let area = space(&state).platen_area();

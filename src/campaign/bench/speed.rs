@@ -4,7 +4,7 @@ use super::{Demand, Machine, Packing, start};
 use engine::contact::pairs::{FREE, Pairs};
 use engine::dem;
 use engine::dem::observables::{love_weber, sums};
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use laboratory::error::{Error, Result};
 use laboratory::model::Model;
 use laboratory::rig::cylinder::{Stresses, space};
@@ -122,7 +122,7 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
     }
     let bytes = work.bytes(&state) as f64;
 
-    let mut work = Work::new(&model.physics, &mut ended);
+    let mut work = Workspace::new(&model.physics, &mut ended);
     run(model, &mut ended, &mut work, 50);
     work.clock = Some([0; 4]);
     run(model, &mut ended, &mut work, plan.clocked);
@@ -155,7 +155,7 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
 }
 
 /// Steps, and the number of searches they took.
-fn run(model: &Model, state: &mut State, work: &mut Work, steps: u64) -> u64 {
+fn run(model: &Model, state: &mut State, work: &mut Workspace, steps: u64) -> u64 {
     let (mut searches, mut last) = (0, work.neighbours.searches);
     for _ in 0..steps {
         let Ok(()) = dem::step(&model.physics, state, work, |_, _| Ok::<(), Infallible>(()));

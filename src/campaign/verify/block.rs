@@ -1,7 +1,7 @@
 //! Blocks of points on a grid, for cases that no scene describes.
 
 use engine::mpm::law::{Elastic, Law};
-use engine::mpm::{Continuum, Dimension, Point, Points, Settings, ShapeFunctions, Transfer, Wall};
+use engine::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
 use laboratory::error::Result;
 
 /// How points and nodes talk.
@@ -18,18 +18,28 @@ pub const APIC: Method = Method { transfer: Transfer::Affine, ..FLIP };
 pub const GIMP: Method = Method { shape: ShapeFunctions::Gimp { half_width: 0.25 }, ..FLIP };
 
 /// Smooth sides that hold, everywhere.
-pub const SMOOTH: [Wall; 6] = [Wall::Symmetry; 6];
+pub const SMOOTH: [GridWall; 6] = [GridWall::Symmetry; 6];
 
 /// Open sides, no gravity, no damping.
 pub fn settings(dimension: Dimension, cell: f64, cells: [u32; 3], method: Method) -> Settings {
     let Method { shape, transfer } = method;
-    Settings { dimension, cell, lower: [0.0; 3], cells, walls: [Wall::Open; 6], gravity: [0.0; 3], shape, transfer, damping: 0.0 }
+    Settings {
+        dimension,
+        cell,
+        lower: [0.0; 3],
+        cells,
+        walls: [GridWall::Open; 6],
+        gravity: [0.0; 3],
+        shape,
+        transfer,
+        damping: 0.0,
+    }
 }
 
 /// A strip one cell wide between smooth walls, held at x = 0 and free at the other end; `room` cells long.
 pub fn strip(cell: f64, room: u32, method: Method) -> Settings {
     let mut s = settings(Dimension::PlaneStrain, cell, [room, 1, 1], method);
-    s.walls = [Wall::Symmetry, Wall::Open, Wall::Symmetry, Wall::Symmetry, Wall::Open, Wall::Open];
+    s.walls = [GridWall::Symmetry, GridWall::Open, GridWall::Symmetry, GridWall::Symmetry, GridWall::Open, GridWall::Open];
     s
 }
 

@@ -2,7 +2,7 @@
 
 use super::block::{self, FLIP, GIMP, Method, SMOOTH, elastic, fill};
 use super::{Case, Found, Task};
-use engine::mpm::{Continuum, Dimension, Wall};
+use engine::mpm::{Continuum, Dimension, GridWall};
 use laboratory::error::Result;
 
 pub const CASE: Case = Case {
@@ -19,7 +19,7 @@ pub const CASE: Case = Case {
 const METHODS: [Method; 2] = [FLIP, GIMP];
 
 fn run(task: &Task) -> Result<Found> {
-    settle(METHODS[task.way], Dimension::PlaneStrain, Wall::Symmetry, task.cells)
+    settle(METHODS[task.way], Dimension::PlaneStrain, GridWall::Symmetry, task.cells)
 }
 
 /// Root mean squares over the points: error of the vertical stress over ρ g H, of the settlement over that of the top, of the lateral
@@ -27,11 +27,11 @@ fn run(task: &Task) -> Result<Found> {
 ///
 /// # Errors
 /// A lost point.
-pub fn settle(method: Method, dimension: Dimension, floor: Wall, cells: u32) -> Result<Found> {
+pub fn settle(method: Method, dimension: Dimension, floor: GridWall, cells: u32) -> Result<Found> {
     let cell = 1.0 / f64::from(cells);
     let mut s = block::settings(dimension, cell, [1, cells + 2, 1], method);
     s.walls = SMOOTH;
-    (s.walls[2], s.walls[3]) = (floor, Wall::Open);
+    (s.walls[2], s.walls[3]) = (floor, GridWall::Open);
     (s.gravity, s.damping) = ([0.0, -9.81, 0.0], 0.4);
     let width = if dimension == Dimension::Space { cell } else { 0.0 };
     let points = fill(&s, [[0.0; 3], [cell, 1.0, width]], 2, 2000.0, |_| true, |_| [0.0; 3]);

@@ -1,21 +1,21 @@
 //! Fines from crushing as material points among the grains of a test that is driven by walls with scaled inertia: both sides make the same steps.
 //!
-//! Nothing is there before the first breakage, and nothing is done. From then on each step finds the ghost contacts of points with grains and walls, gives both their forces, and lets
+//! Nothing is there before the first breakage, and nothing is done. From then on each step finds the point contacts of points with grains and walls, gives both their forces, and lets
 //! the continuum make a step beside the grains'. Time counts steps, so a point's inertia, like a grain's, is what its step asks for: with the leapfrog's bound 1/dt² ≥ (c/h)² + k/2m (of
-//! [`crate::mpm::with_platens`] with APIC, and a contact's stiffness shared between its two ends as in [`crate::dem::stability`]), m = dt²/s² (M V/h² + k/2), where M is the law's modulus of
+//! [`crate::mpm::with_plates`] with APIC, and a contact's stiffness shared between its two ends as in [`crate::dem::stability`]), m = dt²/s² (M V/h² + k/2), where M is the law's modulus of
 //! compression, V the volume, h the cell, k the sum of its contacts' stiffness and s the scene's safety. Grains that points touch get what these contacts ask for as well.
 
-use super::evaluate::Scene;
-use super::{Body, Fines, Ghosts, Rule};
+use super::evaluate::PointContactScene;
+use super::{Body, FinesAsPoints, PointContacts, Rule};
 use crate::boundary::CylinderSpace;
 use crate::dem;
 use crate::dem::physics::Physics;
-use crate::dem::{State, Work, stability};
+use crate::dem::{State, Workspace, stability};
 use crate::error::Result;
 use crate::math::vector::{cross, dot, scaled};
 use crate::mpm::law::Law;
-use crate::mpm::{Continuum, Dimension, Points, Settings, ShapeFunctions, Transfer, Wall as Side};
-use crate::point_contacts::GhostTable;
+use crate::mpm::{Continuum, Dimension, GridWall as Side, Points, Settings, ShapeFunctions, Transfer};
+use crate::point_contacts::PointContactTable;
 use serde::{Deserialize, Serialize};
 
 /// Cells of the grid beyond the specimen on each side.
@@ -51,8 +51,8 @@ impl Embedding {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Embedded {
     continuum: Continuum,
-    ghosts: Ghosts,
-    pub fines: Fines,
+    point_contacts: PointContacts,
+    pub fines: FinesAsPoints,
     /// Modulus of compression K + 4/3 G of their law, Pa.
     modulus: f64,
     /// What the points press on each wall, N.
@@ -61,10 +61,10 @@ pub struct Embedded {
     pub work: f64,
     /// Contact parameters; made from the model at the first look.
     #[serde(skip)]
-    table: Option<GhostTable>,
-    /// Scratch: stiffness, N/m, of the ghost contacts of each point.
+    table: Option<PointContactTable>,
+    /// Scratch: stiffness, N/m, of the point contacts of each point.
     #[serde(skip)]
-    held: Vec<f64>,
+    contact_stiffness: Vec<f64>,
 }
 
 impl Embedded {
@@ -89,7 +89,7 @@ impl Embedded {
             damping: physics.damping,
         };
         let mut continuum = Continuum::new(settings, vec![embedding.law.clone()], Points::default())?;
-        continuum.keep_carried();
+        continuum.keep_transport_velocity();
         let density = physics.materials[0].density;
         let solid = embedding.solid();
         let rule =
@@ -98,13 +98,13 @@ impl Embedded {
         let modulus = embedding.law.wave_speed(1.0).powi(2);
         Ok(Embedded {
             continuum,
-            ghosts: Ghosts::default(),
-            fines: Fines::new(rule),
+            point_contacts: PointContacts::default(),
+            fines: FinesAsPoints::new(rule),
             modulus,
             pressed: vec![0.0; 3],
             work: 0.0,
             table: None,
-            held: Vec::new(),
+            contact_stiffness: Vec::new(),
         })
     }
 
@@ -118,47 +118,48 @@ impl Embedded {
     }
 
     /// The forces of this instant between points and grains and walls; walls' reactions are then of both.
-    pub fn compute_forces(&mut self, physics: &Physics, state: &mut State, work: &mut Work) {
+    pub fn compute_forces(&mut self, physics: &Physics, state: &mut State, work: &mut Workspace) {
         if self.continuum.points().is_empty() {
-            self.ghosts.clear();
+            self.point_contacts.clear();
             self.pressed.fill(0.0);
             state.ledger.points = self.work;
             return;
         }
-        let Embedded { continuum, ghosts, fines, table, held, .. } = self;
+        let Embedded { continuum, point_contacts, fines, table, contact_stiffness, .. } = self;
         let State { grains, walls, dt, aftermath, .. } = &*state;
-        let table = table.get_or_insert_with(|| GhostTable::new(physics.contact.law, &[0], &physics.materials, walls));
+        let table = table.get_or_insert_with(|| PointContactTable::new(physics.contact.law, &[0], &physics.materials, walls));
         let fastest = |v: f64, [x, y, z]: [f64; 3]| v.max(x * x + y * y + z * z);
-        let points = continuum.points().carried.iter().fold(0.0, |v, c| fastest(v, *c)).sqrt();
+        let points = continuum.points().transport_velocity.iter().fold(0.0, |v, c| fastest(v, *c)).sqrt();
         let bodies = grains.vel.iter().fold(0.0, |v, c| fastest(v, [c[0], c[1], c[2]])).sqrt();
         let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
         let way = dt * (points + bodies.max(wall)) + aftermath.fastest_growth();
-        ghosts.update(grains, walls, continuum, way);
-        let scene = Scene { grains, walls, continuum, table, unloading: physics.contact.unloading, dt: *dt, ahead: [0.0; 2] };
-        ghosts.evaluate(&scene);
-        fines.released += ghosts.release(&scene, fines.rule.release_strain);
-        ghosts.give(grains, &mut work.outside, 1.0, continuum, [1.0, 0.0]);
-        held.clear();
-        held.resize(continuum.points().len(), 0.0);
-        for ghost in ghosts.touching() {
-            held[ghost.place[1] as usize] += ghost.stiffness[0].max(ghost.stiffness[1]);
+        point_contacts.update(grains, walls, continuum, way);
+        let scene =
+            PointContactScene { grains, walls, continuum, table, unloading: physics.contact.unloading, dt: *dt, ahead: [0.0; 2] };
+        point_contacts.evaluate(&scene);
+        fines.released += point_contacts.release(&scene, fines.rule.release_strain);
+        point_contacts.apply_reactions(grains, &mut work.external_forces, 1.0, continuum, [1.0, 0.0]);
+        contact_stiffness.clear();
+        contact_stiffness.resize(continuum.points().len(), 0.0);
+        for contact in point_contacts.touching() {
+            contact_stiffness[contact.place[1] as usize] += contact.stiffness[0].max(contact.stiffness[1]);
         }
         self.press(state);
         // the ledger is that of this instant: half of its work on points is still to come
         state.ledger.points = self.work + 0.5 * state.dt * self.power(state);
         if state.step.is_multiple_of(LOOK) {
-            self.hold_grains(physics, state, work);
+            self.raise_grain_inertia(physics, state, work);
         }
     }
 
     /// Adds what points press to the walls' reactions and work, which are those of grains so far.
     fn press(&mut self, state: &mut State) {
-        let Embedded { ghosts, pressed, work, .. } = self;
+        let Embedded { point_contacts, pressed, work, .. } = self;
         for (k, (wall, before)) in state.walls.iter_mut().zip(pressed.iter_mut()).enumerate() {
             let (mut now, mut stiffness) = (0.0, 0.0);
-            for ghost in ghosts.touching().filter(|g| g.body == Body::Wall(k as u32)) {
-                now += ghost.touch.normal_force;
-                stiffness += ghost.stiffness[0];
+            for contact in point_contacts.touching().filter(|g| g.body == Body::Wall(k as u32)) {
+                now += contact.touch.normal_force;
+                stiffness += contact.stiffness[0];
             }
             // trapezium: the sweep has counted half of what they pressed before as if grains had
             let way = wall.speed * state.dt;
@@ -171,14 +172,14 @@ impl Embedded {
     }
 
     /// Raises the inertia of grains that need more than their own contacts ask for.
-    fn hold_grains(&self, physics: &Physics, state: &mut State, work: &Work) {
-        let mut touching = self.ghosts.touching().filter(|g| matches!(g.body, Body::Grain(_))).peekable();
+    fn raise_grain_inertia(&self, physics: &Physics, state: &mut State, work: &Workspace) {
+        let mut touching = self.point_contacts.touching().filter(|g| matches!(g.body, Body::Grain(_))).peekable();
         while let Some(first) = touching.next() {
-            let mut sum = first.share();
+            let mut sum = first.inertia_stiffness();
             while let Some(next) = touching.next_if(|next| next.body == first.body) {
-                sum += next.share();
+                sum += next.inertia_stiffness();
             }
-            stability::hold(first.place[0] as usize, sum, physics, state, work);
+            stability::raise_inertia(first.place[0] as usize, sum, physics, state, work);
         }
     }
 
@@ -186,7 +187,7 @@ impl Embedded {
     ///
     /// # Errors
     /// A lost point.
-    pub fn advance(&mut self, physics: &Physics, state: &mut State, work: &mut Work) -> Result<()> {
+    pub fn advance(&mut self, physics: &Physics, state: &mut State, work: &mut Workspace) -> Result<()> {
         let half = 0.5 * state.dt;
         let mut given = half * self.power(state);
         dem::move_grains(physics, state, work);
@@ -194,14 +195,14 @@ impl Embedded {
         self.work += given;
         dem::breakage(physics, state, work);
         if !self.continuum.points().is_empty() {
-            self.hold_points(physics, state.dt);
+            self.raise_point_inertia(physics, state.dt);
             self.continuum.step(state.dt)?;
         }
-        self.fines.take(&work.breakages);
-        self.fines.enter(state, &mut self.continuum, &mut self.ghosts);
+        self.fines.queue(&work.breakages);
+        self.fines.insert_points(state, &mut self.continuum, &mut self.point_contacts);
         let walls = &state.walls;
-        let outside = |[x, y, z, _]: [f64; 4]| walls.iter().any(|w| w.shape.towards([x, y, z, 0.0]).1 < 0.0);
-        self.fines.leave(outside, &mut self.continuum, &mut self.ghosts);
+        let beyond_wall = |[x, y, z, _]: [f64; 4]| walls.iter().any(|w| w.shape.towards([x, y, z, 0.0]).1 < 0.0);
+        self.fines.remove_points(beyond_wall, &mut self.continuum, &mut self.point_contacts);
         Ok(())
     }
 
@@ -214,24 +215,24 @@ impl Embedded {
             let torque = scaled(cross(touch.normal, touch.tangential), g.pos[grain][3] - 0.5 * touch.overlap);
             -dot(touch.force(), [u, v, w]) - dot(torque, [a, b, c])
         };
-        self.ghosts.on_grains().map(of).sum()
+        self.point_contacts.on_grains().map(of).sum()
     }
 
     /// Raises the inertia of points that need more.
-    fn hold_points(&mut self, physics: &Physics, dt: f64) {
-        let Embedded { continuum, held, modulus, .. } = self;
-        held.resize(continuum.points().len(), 0.0);
+    fn raise_point_inertia(&mut self, physics: &Physics, dt: f64) {
+        let Embedded { continuum, contact_stiffness, modulus, .. } = self;
+        contact_stiffness.resize(continuum.points().len(), 0.0);
         let (cell, damping, safety) = (continuum.settings().cell, continuum.settings().damping, physics.stepping.safety);
         // local damping adds to forces on what slows down, as with grains
         let step = (1.0 + damping) * dt * dt / (safety * safety);
         let of = |(p, k): (&[f64; 4], &f64)| step * (*modulus * p[3] / (cell * cell) + 0.5 * k);
         let points = continuum.points();
-        let needed = points.position.iter().zip(held.iter()).map(of);
+        let needed = points.position.iter().zip(contact_stiffness.iter()).map(of);
         if !needed.zip(&points.velocity).any(|(needed, v)| v[3] < needed) {
             return;
         }
         let points = continuum.points_mut();
-        for ((p, k), v) in points.position.iter().zip(held.iter()).zip(&mut points.velocity) {
+        for ((p, k), v) in points.position.iter().zip(contact_stiffness.iter()).zip(&mut points.velocity) {
             let needed = of((p, k));
             if v[3] < needed {
                 v[3] = MORE * needed;

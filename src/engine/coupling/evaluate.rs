@@ -1,6 +1,6 @@
-//! Force of every ghost contact: its geometry one by one, then the law for as many that touch as the processor has lanes.
+//! Force of every point contact: its geometry one by one, then the law for as many that touch as the processor has lanes.
 
-use super::{Body, Ghost, Ghosts};
+use super::{Body, PointContact, PointContacts};
 use crate::boundary::Wall;
 use crate::contact::TangentialUnloading;
 use crate::contact::force::{self, ContactGeometry, ContactHistory, RelativeMotion, Rules};
@@ -12,7 +12,7 @@ use crate::grains::Grains;
 use crate::math::real::{Lanes, MOST_LANES, arch};
 use crate::math::vector::{dot, less, scaled};
 use crate::mpm::Continuum;
-use crate::point_contacts::GhostTable;
+use crate::point_contacts::PointContactTable;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use std::marker::PhantomData;
@@ -21,34 +21,34 @@ use std::marker::PhantomData;
 const TASK: usize = 512;
 
 /// What the contacts are found from: bodies and points, each so many seconds further along the way that they are going.
-pub(super) struct Scene<'a> {
+pub(super) struct PointContactScene<'a> {
     pub grains: &'a Grains,
     pub walls: &'a [Wall],
     pub continuum: &'a Continuum,
-    pub table: &'a GhostTable,
+    pub table: &'a PointContactTable,
     pub unloading: TangentialUnloading,
     pub dt: f64,
     /// Seconds by which grains and walls, and points, are taken ahead.
     pub ahead: [f64; 2],
 }
 
-impl Ghosts {
+impl PointContacts {
     /// Finds the forces of this instant. Parallel over contacts; each writes only itself.
-    pub(super) fn evaluate(&mut self, scene: &Scene<'_>) {
+    pub(super) fn evaluate(&mut self, scene: &PointContactScene<'_>) {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, task: TASK, arch: arch() };
         with_law!(scene.table.law, L => {
-            self.near.par_chunks_mut(TASK).for_each(|part| {
-                rules.arch.dispatch(Sweep::<L> { scene, rules: &rules, part, law: PhantomData });
+            self.candidates.par_chunks_mut(TASK).for_each(|part| {
+                rules.arch.dispatch(PointContactSweep::<L> { scene, rules: &rules, part, law: PhantomData });
             });
         });
     }
 }
 
 /// Some of the contacts.
-struct Sweep<'a, L> {
-    scene: &'a Scene<'a>,
+struct PointContactSweep<'a, L> {
+    scene: &'a PointContactScene<'a>,
     rules: &'a Rules,
-    part: &'a mut [Ghost],
+    part: &'a mut [PointContact],
     law: PhantomData<L>,
 }
 
@@ -59,17 +59,17 @@ const AHEAD: usize = 32;
 #[derive(Clone, Copy, Default)]
 struct Spot {
     at: [f64; 4],
-    carried: [f64; 3],
+    transport_velocity: [f64; 3],
 }
 
 /// A contact that touches: its place in the part, and how its ends meet.
 #[derive(Clone, Copy, Default)]
 struct Found {
     at: usize,
-    meeting: ContactGeometry,
+    geometry: ContactGeometry,
 }
 
-impl<L: Law> WithSimd for Sweep<'_, L> {
+impl<L: Law> WithSimd for PointContactSweep<'_, L> {
     type Output = ();
 
     /// Those that touch are collected until they fill the lanes.
@@ -81,15 +81,15 @@ impl<L: Law> WithSimd for Sweep<'_, L> {
         let mut spots = [Spot::default(); AHEAD];
         for first in (0..self.part.len()).step_by(AHEAD) {
             let some = first..self.part.len().min(first + AHEAD);
-            for (spot, ghost) in spots.iter_mut().zip(&self.part[some.clone()]) {
+            for (spot, contact) in spots.iter_mut().zip(&self.part[some.clone()]) {
                 // one field after the other: a copy of both at once would wait for itself
-                let (points, point) = (self.scene.continuum.points(), ghost.place[1] as usize);
+                let (points, point) = (self.scene.continuum.points(), contact.place[1] as usize);
                 spot.at = points.position[point];
-                spot.carried = points.carried[point];
+                spot.transport_velocity = points.transport_velocity[point];
             }
             for (at, spot) in some.zip(&spots) {
-                let Some(meeting) = self.geometry(at, spot) else { continue };
-                waiting[n] = Found { at, meeting };
+                let Some(geometry) = self.geometry(at, spot) else { continue };
+                waiting[n] = Found { at, geometry };
                 n += 1;
                 if n == lanes {
                     n = 0;
@@ -103,41 +103,41 @@ impl<L: Law> WithSimd for Sweep<'_, L> {
     }
 }
 
-impl<L: Law> Sweep<'_, L> {
+impl<L: Law> PointContactSweep<'_, L> {
     /// How the ends of contact `at` meet; what does not touch any more is left without a force.
     #[inline(always)]
     fn geometry(&mut self, at: usize, spot: &Spot) -> Option<ContactGeometry> {
-        let ghost = &mut self.part[at];
-        let mut meeting = self.scene.meeting::<L>(ghost, spot);
-        if ghost.reference > 0.0 {
+        let contact = &mut self.part[at];
+        let mut geometry = self.scene.contact_geometry::<L>(contact, spot);
+        if contact.reference > 0.0 {
             // lower where they have parted
-            ghost.reference = ghost.reference.min(meeting.overlap.max(0.0));
-            meeting.overlap -= ghost.reference;
+            contact.reference = contact.reference.min(geometry.overlap.max(0.0));
+            geometry.overlap -= contact.reference;
         }
-        if meeting.overlap > 0.0 {
-            return Some(meeting);
+        if geometry.overlap > 0.0 {
+            return Some(geometry);
         }
-        if ghost.touch.overlap > 0.0 {
-            ghost.stiffness = [0.0; 2];
-            ghost.keep(force::apart::<false>(|| meeting.motion, self.rules.dt, &ghost.memory::<L>()));
+        if contact.touch.overlap > 0.0 {
+            contact.stiffness = [0.0; 2];
+            contact.keep(force::apart::<false>(|| geometry.motion, self.rules.dt, &contact.history::<L>()));
         }
         None
     }
 
     #[inline(always)]
-    fn scalar(&mut self, &Found { at, meeting }: &Found) {
-        let ghost = &mut self.part[at];
-        let pair = self.scene.pair(ghost);
-        let new = force::touching::<f64, L, false, true>(&meeting, pair, self.rules, &ghost.memory::<L>());
-        let e = L::elastic(meeting.overlap, meeting.overlap, meeting.r_eff, pair);
-        ghost.stiffness = [e.k_n, e.k_t];
-        ghost.keep(new);
+    fn scalar(&mut self, &Found { at, geometry }: &Found) {
+        let contact = &mut self.part[at];
+        let pair = self.scene.pair(contact);
+        let new = force::touching::<f64, L, false, true>(&geometry, pair, self.rules, &contact.history::<L>());
+        let e = L::elastic(geometry.overlap, geometry.overlap, geometry.r_eff, pair);
+        contact.stiffness = [e.k_n, e.k_t];
+        contact.keep(new);
     }
 
     /// One contact in each lane.
     #[inline(always)]
     fn simd<S: Simd>(&mut self, simd: S, those: &[Found]) {
-        let (scene, at, m) = (self.scene, |k: usize| those[k].at, |k: usize| &those[k].meeting);
+        let (scene, at, m) = (self.scene, |k: usize| those[k].at, |k: usize| &those[k].geometry);
         let with = |v: [f64; 3], last: f64| [v[0], v[1], v[2], last];
         let part = &mut *self.part;
         let [nx, ny, nz, overlap] = Lanes::columns(simd, |k| with(m(k).normal, m(k).overlap));
@@ -147,7 +147,7 @@ impl<L: Law> Sweep<'_, L> {
         // nothing rolls: their difference is not asked for
         let (turning, mean_spin) = ([tx, ty, tz], [wx, wy, wz]);
         let motion = RelativeMotion { centres: [vx, vy, vz], turning, mean_spin, spin_difference: mean_spin };
-        let meeting = ContactGeometry { normal: [nx, ny, nz], overlap, r_eff, m_eff, motion };
+        let geometry = ContactGeometry { normal: [nx, ny, nz], overlap, r_eff, m_eff, motion };
         let pair = PairTable::lanes(simd, |k| scene.pair(&part[at(k)]));
         let [x, y, z, normal_force] = Lanes::columns(simd, |k| part[at(k)].touch.first());
         let [ox, oy, oz, before] = Lanes::columns(simd, |k| part[at(k)].touch.second());
@@ -159,52 +159,52 @@ impl<L: Law> Sweep<'_, L> {
             None
         };
         let old = ContactHistory { touch, spring, rolling: None, load: None, largest: None, work: None };
-        let new = force::touching::<Lanes<S>, L, false, true>(&meeting, &pair, self.rules, &old);
+        let new = force::touching::<Lanes<S>, L, false, true>(&geometry, &pair, self.rules, &old);
         let ContactForce { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = new.touch;
         Lanes::rows(simd, [x, y, z, normal_force], |k, row| part[at(k)].touch.set_first(row));
         Lanes::rows(simd, [nx, ny, nz, overlap], |k, row| part[at(k)].touch.set_second(row));
         if let Some([x, y, z]) = new.spring {
             Lanes::rows(simd, [x, y, z, x], |k, [x, y, z, _]| part[at(k)].spring = [x, y, z]);
         }
-        let e = L::elastic(meeting.overlap, meeting.overlap, meeting.r_eff, &pair);
+        let e = L::elastic(geometry.overlap, geometry.overlap, geometry.r_eff, &pair);
         Lanes::rows(simd, [e.k_n, e.k_t, e.k_n, e.k_t], |k, [k_n, k_t, ..]| part[at(k)].stiffness = [k_n, k_t]);
     }
 }
 
-impl Scene<'_> {
+impl PointContactScene<'_> {
     /// How a point meets its body. Normal from the body to the ghost; without an overlap they are apart.
     #[inline(always)]
-    fn meeting<L: Law>(&self, ghost: &Ghost, &Spot { at, carried }: &Spot) -> ContactGeometry {
-        let body = ghost.place[0] as usize;
-        let at = ahead(at, carried, self.ahead[1]);
-        let m_eff = |inverse_mass: f64| if L::VISCOUS { 1.0 / (inverse_mass + 1.0 / ghost.mass) } else { 0.0 };
-        match ghost.body {
+    fn contact_geometry<L: Law>(&self, contact: &PointContact, &Spot { at, transport_velocity }: &Spot) -> ContactGeometry {
+        let body = contact.place[0] as usize;
+        let at = ahead(at, transport_velocity, self.ahead[1]);
+        let m_eff = |inverse_mass: f64| if L::VISCOUS { 1.0 / (inverse_mass + 1.0 / contact.mass) } else { 0.0 };
+        match contact.body {
             Body::Grain(_) => {
                 let (p, v, w) = (self.grains.pos[body], self.grains.vel[body], self.grains.spin[body]);
                 let (v3, w3) = ([v[0], v[1], v[2]], [w[0], w[1], w[2]]);
                 let d = less(at, ahead(p, v3, self.ahead[0]));
                 let distance = dot(d, d).sqrt();
-                let reach = p[3] + ghost.radius;
+                let reach = p[3] + contact.radius;
                 let motion = RelativeMotion {
-                    centres: less(v3, carried),
+                    centres: less(v3, transport_velocity),
                     turning: scaled(w3, p[3]),
                     mean_spin: scaled(w3, 0.5),
                     spin_difference: w3,
                 };
-                let (normal, r_eff) = (scaled(d, 1.0 / distance), p[3] * ghost.radius / reach);
+                let (normal, r_eff) = (scaled(d, 1.0 / distance), p[3] * contact.radius / reach);
                 ContactGeometry { normal, overlap: reach - distance, r_eff, m_eff: m_eff(v[3]), motion }
             }
             Body::Wall(_) => {
                 let wall = &self.walls[body];
                 let [x, y, z] = at;
-                let (towards, gap) = wall.shape.towards([x, y, z, ghost.radius]);
+                let (towards, gap) = wall.shape.towards([x, y, z, contact.radius]);
                 let normal = scaled(towards, -1.0);
-                let centres = less(scaled(normal, wall.speed), carried);
+                let centres = less(scaled(normal, wall.speed), transport_velocity);
                 let overlap = wall.speed * self.ahead[0] - gap;
                 ContactGeometry {
                     normal,
                     overlap,
-                    r_eff: ghost.radius,
+                    r_eff: contact.radius,
                     m_eff: m_eff(0.0),
                     motion: RelativeMotion { centres, ..RelativeMotion::default() },
                 }
@@ -214,17 +214,17 @@ impl Scene<'_> {
 
     /// The contact's parameters.
     #[inline(always)]
-    fn pair(&self, ghost: &Ghost) -> &Pair {
-        match ghost.body {
-            Body::Grain(_) => self.table.of_grain(ghost.law, self.grains.material[ghost.place[0] as usize]),
-            Body::Wall(k) => self.table.of_wall(ghost.law, k as usize),
+    fn pair(&self, contact: &PointContact) -> &Pair {
+        match contact.body {
+            Body::Grain(_) => self.table.of_grain(contact.law, self.grains.material[contact.place[0] as usize]),
+            Body::Wall(k) => self.table.of_wall(contact.law, k as usize),
         }
     }
 }
 
-impl Ghost {
+impl PointContact {
     #[inline(always)]
-    fn memory<L: Law>(&self) -> ContactHistory {
+    fn history<L: Law>(&self) -> ContactHistory {
         ContactHistory {
             touch: self.touch,
             spring: L::VISCOUS.then_some(self.spring),

@@ -1,18 +1,18 @@
 //! The contacts of a mixture as plain lists, for those who do its steps elsewhere, and back.
 
-use super::{Body, Ghost, Mixture};
+use super::{Body, Mixture, PointContact};
 use crate::contact::ContactLaw;
 use crate::contact::pair::{Pair, PairTable};
 use crate::contact::pairs::{ContactForce, FREE, Kept, Pairs};
 use crate::contact::sweep::r_eff;
 use crate::dem::physics::Physics;
-use crate::mpm::platen::ghost_radius;
+use crate::mpm::loading_plate::ghost_radius;
 use crate::mpm::{Continuum, Dimension};
-use crate::point_contacts::GhostTable;
+use crate::point_contacts::PointContactTable;
 
 /// A contact that bears something.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Contact {
+pub struct ExchangedContact {
     /// Between grains: their places in the order of ids, the lower one first. On a wall: the grain, the wall. Of a point: the body, the point's index.
     pub ends: [u32; 2],
     pub touch: ContactForce,
@@ -22,12 +22,12 @@ pub struct Contact {
     pub stiffness: f64,
 }
 
-/// All of them. Bodies of `ghosts` are grains in the order of ids, then walls.
+/// All of them. Bodies of `points` are grains in the order of ids, then walls.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Contacts {
-    pub grains: Vec<Contact>,
-    pub walls: Vec<Contact>,
-    pub ghosts: Vec<(Body, Contact)>,
+pub struct ExchangedContacts {
+    pub grains: Vec<ExchangedContact>,
+    pub walls: Vec<ExchangedContact>,
+    pub points: Vec<(Body, ExchangedContact)>,
 }
 
 /// Tangential over normal stiffness of a pair.
@@ -37,7 +37,7 @@ fn ratio(law: ContactLaw, pair: &Pair) -> f64 {
 
 impl Mixture {
     /// Grains, contacts and motion are those of the instant that was felt last.
-    pub fn contacts(&self, physics: &Physics, table: &PairTable) -> Contacts {
+    pub fn contacts(&self, physics: &Physics, table: &PairTable) -> ExchangedContacts {
         let (g, viscous) = (&self.grains.grains, physics.contact.law.is_viscous());
         let mut place = vec![0; g.len()];
         for (k, i) in (0..).zip(g.by_id()) {
@@ -48,33 +48,40 @@ impl Mixture {
             let contact = |s: usize| {
                 let (touch, (r_eff, pair)) = (pairs.touch[s], of_pair(pairs.ends[s].map(|i| i as usize)));
                 let stiffness = physics.contact.law.elastic(touch.overlap, touch.overlap, r_eff, &pair).k_n;
-                Contact { ends: ends(pairs.ends[s]), touch, spring: pairs.spring(s), stiffness }
+                ExchangedContact { ends: ends(pairs.ends[s]), touch, spring: pairs.spring(s), stiffness }
             };
             (0..pairs.slots()).filter(touching).map(contact).collect()
         };
         let of_grains = |[i, j]: [usize; 2]| (r_eff(g.pos[i][3], g.pos[j][3]), *table.grains(g.material[i], g.material[j]));
-        let ghost = |ghost: &Ghost| {
-            let body = match ghost.body {
-                Body::Grain(_) => Body::Grain(place[ghost.place[0] as usize]),
+        let of_point = |contact: &PointContact| {
+            let body = match contact.body {
+                Body::Grain(_) => Body::Grain(place[contact.place[0] as usize]),
                 wall => wall,
             };
-            let spring = if viscous { ghost.spring } else { ghost.touch.tangential };
-            (body, Contact { ends: ghost.place, touch: ghost.touch, spring, stiffness: ghost.stiffness[0] })
+            let spring = if viscous { contact.spring } else { contact.touch.tangential };
+            (body, ExchangedContact { ends: contact.place, touch: contact.touch, spring, stiffness: contact.stiffness[0] })
         };
-        Contacts {
+        ExchangedContacts {
             grains: of(&self.grains.pairs, &|ends| ends.map(|i| place[i as usize]), &of_grains),
             walls: of(&self.grains.wall_pairs, &|[i, k]| [place[i as usize], k], &|[i, k]| {
                 (g.pos[i][3], *table.wall(k, g.material[i]))
             }),
-            ghosts: self.ghosts.touching().map(ghost).collect(),
+            points: self.point_contacts.touching().map(of_point).collect(),
         }
     }
 
     /// Takes contacts over that were found elsewhere at this instant, after grain steps of `dt` seconds. Lists have to be made anew.
-    pub fn take_contacts(&mut self, physics: &Physics, table: &GhostTable, continuum: &Continuum, contacts: &Contacts, dt: f64) {
+    pub fn take_contacts(
+        &mut self,
+        physics: &Physics,
+        table: &PointContactTable,
+        continuum: &Continuum,
+        contacts: &ExchangedContacts,
+        dt: f64,
+    ) {
         let order = self.grains.grains.by_id();
         let kept = self.grains.pairs.kept();
-        let fill = |contacts: &[Contact], walls: bool| {
+        let fill = |contacts: &[ExchangedContact], walls: bool| {
             let mut pairs = Pairs::new(Kept { ..kept });
             for c in contacts {
                 let [i, k] = c.ends;
@@ -103,7 +110,7 @@ impl Mixture {
         }
         (self.grains.pairs, self.grains.wall_pairs) = (pairs, wall_pairs);
         let points = continuum.points();
-        let ghost = |(body, c): &(Body, Contact)| {
+        let of_point = |(body, c): &(Body, ExchangedContact)| {
             let point = c.ends[1] as usize;
             let (body, place, pair) = match *body {
                 Body::Grain(k) => {
@@ -113,7 +120,7 @@ impl Mixture {
                 }
                 Body::Wall(k) => (Body::Wall(k), k, table.of_wall(points.law[point], k as usize)),
             };
-            Ghost {
+            PointContact {
                 body,
                 point: points.id[point],
                 place: [place, c.ends[1]],
@@ -126,11 +133,11 @@ impl Mixture {
                 reference: 0.0,
             }
         };
-        let mut near: Vec<Ghost> = contacts.ghosts.iter().map(ghost).collect();
-        near.sort_unstable_by_key(|g| (g.body, g.point));
-        self.ghosts.near = near;
+        let mut candidates: Vec<PointContact> = contacts.points.iter().map(of_point).collect();
+        candidates.sort_unstable_by_key(|g| (g.body, g.point));
+        self.point_contacts.candidates = candidates;
         // as if nothing had been searched, and the grains' step had not been looked at
-        self.ghosts.forget();
+        self.point_contacts.forget();
         self.grains.births = true;
         (self.grains.dt, self.last) = (dt, dt);
     }

@@ -3,20 +3,20 @@
 //! The fines fill what the daughters, and points that are there already, leave of their mother's sphere, at the porosity that the continuum's own fines had at the start, and
 //! free of stress there: that is the void ratio to which their law's deformation refers, and nowhere in that sphere are fines denser than it. What finds no room stays in the reserve with its share of the momentum, and so does
 //! what would be a point too small for the continuum (less than an eighth of a point of the scene) or alone in its cell, where it would weigh on nodes that
-//! nobody shares; and so do fines that a grain pushes through a platen. Grains + points + reserve keep mass and momentum to rounding.
+//! nobody shares; and so do fines that a grain pushes through a loading plate. Grains + points + reserve keep mass and momentum to rounding.
 //!
 //! Points stand for many fines, so their ghosts reach into the daughters around them. The overlap that a contact has when it is born bears no force
-//! ([`Ghost::reference`](super::Ghost)); it goes where the bodies part, and with the way that they slide past each other, in proportion to itself, over the scene's
+//! ([`PointContact::reference`](super::Ghost)); it goes where the bodies part, and with the way that they slide past each other, in proportion to itself, over the scene's
 //! release strain. The energy that this sets free is counted.
 
-use super::Ghosts;
+use super::PointContacts;
 use crate::boundary::Wall;
 use crate::dem::State;
 use crate::dem::event::Breakage;
 use crate::grains::Grains;
 use crate::math::random::lineage_uniform;
 use crate::math::vector::{dot, less};
-use crate::mpm::platen::ghost_radius;
+use crate::mpm::loading_plate::ghost_radius;
 use crate::mpm::{Continuum, Dimension, Point};
 use serde::{Deserialize, Serialize};
 
@@ -53,7 +53,7 @@ impl Account {
 
 /// The fines of all breakages so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Fines {
+pub struct FinesAsPoints {
     pub rule: Rule,
     /// What found no room.
     pub reserve: Account,
@@ -87,23 +87,23 @@ struct Around<'a> {
     /// Their radii, m, or what they grow to.
     radii: &'a [f64],
     /// Those near the mother.
-    near: Vec<usize>,
+    grains_near: Vec<usize>,
     walls: &'a [Wall],
     continuum: &'a Continuum,
 }
 
-impl Fines {
-    pub fn new(rule: Rule) -> Fines {
+impl FinesAsPoints {
+    pub fn new(rule: Rule) -> FinesAsPoints {
         let (reserve, entered) = (Account::default(), Account::default());
-        Fines { rule, reserve, entered, points: 0, released: 0.0, waiting: Vec::new() }
+        FinesAsPoints { rule, reserve, entered, points: 0, released: 0.0, waiting: Vec::new() }
     }
 
-    pub(super) fn take(&mut self, breakages: &[Breakage]) {
+    pub(super) fn queue(&mut self, breakages: &[Breakage]) {
         self.waiting.extend_from_slice(breakages);
     }
 
     /// What the breakages of a cycle have lost becomes points.
-    pub(super) fn enter(&mut self, state: &State, continuum: &mut Continuum, ghosts: &mut Ghosts) {
+    pub(super) fn insert_points(&mut self, state: &State, continuum: &mut Continuum, point_contacts: &mut PointContacts) {
         if self.waiting.is_empty() {
             return;
         }
@@ -129,15 +129,20 @@ impl Fines {
             let Rule { law, porosity, .. } = self.rule;
             let point = |position| Point { position, velocity, mass, volume, stress: [0.0; 6], porosity, law };
             let new: Vec<Point> = places.into_iter().map(point).collect();
-            ghosts.expect(continuum.insert(&new), grains.next_id);
+            point_contacts.note_newborn(continuum.insert(&new), grains.next_id);
         }
     }
 
-    /// Fines that a grain has pushed through a platen or wall have no place in the continuum any more: back into the reserve. `through` says of a place whether it is behind one.
-    pub(super) fn leave(&mut self, through: impl Fn([f64; 4]) -> bool, continuum: &mut Continuum, ghosts: &mut Ghosts) {
+    /// Fines that a grain has pushed through a loading plate or wall have no place in the continuum any more: back into the reserve. `through` says of a place whether it is behind one.
+    pub(super) fn remove_points(
+        &mut self,
+        through: impl Fn([f64; 4]) -> bool,
+        continuum: &mut Continuum,
+        point_contacts: &mut PointContacts,
+    ) {
         let points = continuum.points();
         let lost: Vec<usize> =
-            (0..points.len()).filter(|&i| ghosts.is_newborn(points.id[i]) && through(points.position[i])).collect();
+            (0..points.len()).filter(|&i| point_contacts.is_newborn(points.id[i]) && through(points.position[i])).collect();
         if lost.is_empty() {
             return;
         }
@@ -155,7 +160,7 @@ impl Fines {
             gone[i] = true;
         }
         continuum.points_mut().remove(&gone);
-        ghosts.forget();
+        point_contacts.forget();
     }
 
     /// The mass of each of an event's points, kg, and their places.
@@ -169,29 +174,29 @@ impl Fines {
     ) -> (f64, Vec<[f64; 3]>) {
         let (rule, radius, lost) = (&self.rule, 0.5 * event.diameter, event.lost_mass / self.rule.density);
         // what daughters leave of the mother's sphere is as large as the fines without pores
-        let room = (1.0 - rule.porosity) * (lost - within(continuum, event.position, radius)).max(0.0);
+        let room = (1.0 - rule.porosity) * (lost - volume_of_points(continuum, event.position, radius)).max(0.0);
         if SMALLER * room < rule.solid {
             return (0.0, Vec::new());
         }
         let number = (SMALLER * room / rule.solid).floor().min(PER_EVENT).max((room / rule.solid).ceil());
         let solid = room / number;
-        let ghost = ghost_radius(Dimension::Space, solid);
-        let reach = radius + ghost;
-        let near = |i: &usize| {
+        let point_radius = ghost_radius(Dimension::Space, solid);
+        let reach = radius + point_radius;
+        let within_reach = |i: &usize| {
             let p = grains.pos[*i];
             let far = reach + radii[*i];
             let d = less([p[0], p[1], p[2]], event.position);
             dot(d, d) < far * far
         };
-        let near = (0..grains.len()).filter(near).collect();
-        let around = Around { centre: event.position, radius, grains, radii, near, walls, continuum };
-        let mut places = around.spread(event.lineage, ghost, number as usize);
+        let grains_near = (0..grains.len()).filter(within_reach).collect();
+        let around = Around { centre: event.position, radius, grains, radii, grains_near, walls, continuum };
+        let mut places = around.spread(event.lineage, point_radius, number as usize);
         let mass = solid * rule.density;
         // who goes for one reason may leave another one alone
         loop {
             let number = places.len();
-            around.keep_company(&mut places);
-            around.keep_energy(event, mass, &mut places);
+            around.drop_lonely(&mut places);
+            around.drop_highest(event, mass, &mut places);
             if places.len() == number {
                 return (mass, places);
             }
@@ -201,7 +206,7 @@ impl Fines {
 
 impl Around<'_> {
     /// Places in the mother's sphere, each as far from grains and from each other as possible; those too deep in a grain or in a wall's reach are none.
-    fn spread(&self, lineage: u64, ghost: f64, number: usize) -> Vec<[f64; 3]> {
+    fn spread(&self, lineage: u64, point_radius: f64, number: usize) -> Vec<[f64; 3]> {
         let settings = self.continuum.settings();
         let inside = |p: &[f64; 3]| {
             (0..3).all(|a| {
@@ -215,8 +220,8 @@ impl Around<'_> {
             .map(|k| std::array::from_fn(|a| 2.0 * (halton(k, [2, 3, 5][a]) + shift[a]).fract() - 1.0))
             .filter(|u: &[f64; 3]| dot(*u, *u) < 1.0)
             .map(|u| std::array::from_fn(|a| self.centre[a] + self.radius * u[a]))
-            .filter(|p| inside(p) && self.walls.iter().all(|w| w.shape.towards([p[0], p[1], p[2], ghost]).1 >= 0.0))
-            .map(|p| (p, self.clearance(p) / ghost))
+            .filter(|p| inside(p) && self.walls.iter().all(|w| w.shape.towards([p[0], p[1], p[2], point_radius]).1 >= 0.0))
+            .map(|p| (p, self.clearance(p) / point_radius))
             .filter(|(_, room)| *room >= 1.0 - DEEPEST)
             .collect();
         let mut places: Vec<[f64; 3]> = Vec::with_capacity(number.min(CANDIDATES as usize));
@@ -232,7 +237,7 @@ impl Around<'_> {
             let place = candidates.swap_remove(best).0;
             for (p, room) in &mut candidates {
                 let d = less(*p, place);
-                *room = room.min(0.5 * dot(d, d).sqrt() / ghost);
+                *room = room.min(0.5 * dot(d, d).sqrt() / point_radius);
             }
             // two in one place are none
             candidates.retain(|(_, room)| *room > LEAST_ROOM);
@@ -248,11 +253,11 @@ impl Around<'_> {
             let d = less(p, [g[0], g[1], g[2]]);
             dot(d, d).sqrt() - self.radii[*i]
         };
-        self.near.iter().map(to).fold(f64::INFINITY, f64::min)
+        self.grains_near.iter().map(to).fold(f64::INFINITY, f64::min)
     }
 
     /// Those that would have a cell for themselves go.
-    fn keep_company(&self, places: &mut Vec<[f64; 3]>) {
+    fn drop_lonely(&self, places: &mut Vec<[f64; 3]>) {
         let settings = self.continuum.settings();
         let cell =
             |p: [f64; 3]| -> [i64; 3] { std::array::from_fn(|a| ((p[a] - settings.lower[a]) / settings.cell).floor() as i64) };
@@ -270,7 +275,7 @@ impl Around<'_> {
     }
 
     /// Points never have more kinetic and potential energy than the breakage took away: else the highest go.
-    fn keep_energy(&self, event: &Breakage, mass: f64, places: &mut Vec<[f64; 3]>) {
+    fn drop_highest(&self, event: &Breakage, mass: f64, places: &mut Vec<[f64; 3]>) {
         let gravity = self.continuum.settings().gravity;
         let velocity = event.lost_momentum.map(|p| p / event.lost_mass);
         let kinetic = 0.5 * mass * dot(velocity, velocity);
@@ -286,7 +291,7 @@ impl Around<'_> {
 }
 
 /// Volume of the points in a sphere, m³.
-fn within(continuum: &Continuum, centre: [f64; 3], radius: f64) -> f64 {
+fn volume_of_points(continuum: &Continuum, centre: [f64; 3], radius: f64) -> f64 {
     let mut inside = Vec::new();
     continuum.visit([-radius, radius].map(|by| centre.map(|x| x + by)), |i| {
         let [x, y, z, volume] = continuum.points().position[i];

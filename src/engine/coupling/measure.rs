@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct Shares {
     /// Stress of the points over their volume.
     pub matrix: [f64; 3],
-    /// Contacts of grains with each other and with platens.
+    /// Contacts of grains with each other and with loading plates.
     pub skeleton: [f64; 3],
     /// Contacts of grains with points.
     pub interface: [f64; 3],
@@ -69,9 +69,9 @@ impl Mixture {
             let arm = g.pos[self.grains.wall_pairs.ends[s][0] as usize][3] - touch.overlap;
             add(&mut shares.skeleton, touch.force(), touch.normal.map(|n| n * arm));
         }
-        for ghost in self.ghosts.touching().filter(|ghost| matches!(ghost.body, Body::Grain(_))) {
-            let [p, q] = [g.pos[ghost.place[0] as usize], points.position[ghost.place[1] as usize]];
-            add(&mut shares.interface, ghost.force(), std::array::from_fn(|a| q[a] - p[a]));
+        for contact in self.point_contacts.touching().filter(|contact| matches!(contact.body, Body::Grain(_))) {
+            let [p, q] = [g.pos[contact.place[0] as usize], points.position[contact.place[1] as usize]];
+            add(&mut shares.interface, contact.force(), std::array::from_fn(|a| q[a] - p[a]));
         }
         shares
     }
@@ -86,7 +86,7 @@ impl Mixture {
         Touching {
             grains: fabric.contacts,
             walls: self.grains.wall_pairs.touching(|[i, k]| [k, id(i)]).len() as u64,
-            points: self.ghosts.touching().count() as u64,
+            points: self.point_contacts.touching().count() as u64,
             fabric: fabric.tensor(),
         }
     }
@@ -96,7 +96,7 @@ impl Mixture {
     pub fn energies(&self, gravity: [f64; 3]) -> [f64; 3] {
         let g = &self.grains.grains;
         let square = |v: [f64; 4]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        let [mut kinetic, mut potential, mut stored] = [0.0, 0.0, self.ghosts.stored(self.energy)];
+        let [mut kinetic, mut potential, mut stored] = [0.0, 0.0, self.point_contacts.stored(self.energy_factor)];
         for i in g.by_id().into_iter().map(|i| i as usize) {
             let (p, m) = (g.pos[i], g.mass[i]);
             kinetic += 0.5 * m * (square(g.vel[i]) + 0.4 * p[3] * p[3] * square(g.spin[i]));
@@ -105,13 +105,13 @@ impl Mixture {
         let id = |i: u32| g.id[i as usize];
         let State { pairs, wall_pairs, .. } = &self.grains;
         for s in pairs.touching(|[i, j]| [id(i), id(j)]) {
-            stored += self.energy * pairs.touch[s].normal_force * pairs.touch[s].overlap;
+            stored += self.energy_factor * pairs.touch[s].normal_force * pairs.touch[s].overlap;
         }
         for s in wall_pairs.touching(|[i, k]| [k, id(i)]) {
-            stored += self.energy * wall_pairs.touch[s].normal_force * wall_pairs.touch[s].overlap;
+            stored += self.energy_factor * wall_pairs.touch[s].normal_force * wall_pairs.touch[s].overlap;
         }
         if let Some(blocks) = &self.blocks {
-            let theirs = blocks.energies(gravity, self.energy);
+            let theirs = blocks.energies(gravity, self.energy_factor);
             return [kinetic + theirs[0], potential + theirs[1], stored + theirs[2]];
         }
         [kinetic, potential, stored]

@@ -5,18 +5,18 @@
 //! way it went over the time it took). What a contact gives the faster side in each of its steps, it takes from the slower one over the cycle as the mean
 //! of these forces: impulses are equal and opposite, so momentum is conserved to rounding, whatever κ is. With κ = 1 both are found from one instant.
 
-use super::{Fines, Ghosts, Rule};
-use crate::coupling::evaluate::Scene;
+use super::{FinesAsPoints, PointContacts, Rule};
+use crate::coupling::evaluate::PointContactScene;
 use crate::dem;
 use crate::dem::event::Breakage;
 use crate::dem::physics::Physics;
-use crate::dem::{State, Work};
+use crate::dem::{State, Workspace};
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::math::vector::plus;
 use crate::mpm::Continuum;
-use crate::mpm::platen::{self, Platen};
-use crate::point_contacts::{Bound, GhostTable};
+use crate::mpm::loading_plate::{self, LoadingPlate};
+use crate::point_contacts::{ContactRates, PointContactTable};
 use crate::rigid::{self, Blocks};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -82,16 +82,16 @@ const MOST: f64 = 1000.0;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Mixture {
     pub grains: State,
-    pub ghosts: Ghosts,
+    pub point_contacts: PointContacts,
     /// Rigid bodies that are no spheres, where there are some; they make the grains' steps.
     pub blocks: Option<Box<Blocks>>,
     /// Where the mass that breakages lose becomes points.
-    pub fines: Option<Box<Fines>>,
+    pub fines: Option<Box<FinesAsPoints>>,
     /// Breakages of a cycle, until they are taken.
     #[serde(skip)]
     pub breakages: Vec<Breakage>,
     /// Elastic energy of a contact between grains over its normal force and overlap: 2/5 by Hertz, 1/2 of a linear one.
-    pub(super) energy: f64,
+    pub(super) energy_factor: f64,
     /// The last cycle.
     pub cycle: Cycle,
     /// Cycles done.
@@ -102,10 +102,10 @@ pub struct Mixture {
     /// Steps of the continuum, and the largest speed at which a point was carried in the last one, m/s.
     fastest: (u64, f64),
     /// What the nodes felt of the contacts' stiffness in the last cycle, of what each point by itself would have.
-    pub share: f64,
+    pub bound_ratio: f64,
     /// The latter for this cycle, 1/s², until the continuum's first step.
     #[serde(skip)]
-    pub alone: Option<f64>,
+    pub isolated_bound: Option<f64>,
     #[serde(skip)]
     sums: [Vec<f64>; 2],
 }
@@ -113,31 +113,31 @@ pub struct Mixture {
 /// What a mixture works on besides itself.
 pub struct Parts<'a> {
     pub physics: &'a Physics,
-    pub table: &'a GhostTable,
-    pub work: &'a mut Work,
+    pub table: &'a PointContactTable,
+    pub work: &'a mut Workspace,
     pub continuum: &'a mut Continuum,
-    pub platens: &'a mut [Platen],
+    pub plates: &'a mut [LoadingPlate],
 }
 
 impl Mixture {
     pub fn new(physics: &Physics, grains: State, continuum: &mut Continuum, fines: Option<Rule>) -> Mixture {
-        let energy = if physics.contact.law.is_hertzian() { 0.4 } else { 0.5 };
-        continuum.keep_carried();
+        let energy_factor = if physics.contact.law.is_hertzian() { 0.4 } else { 0.5 };
+        continuum.keep_transport_velocity();
         let cycle = Cycle { time: 0.0, rates: Rates { grains: 1, continuum: 1 } };
         Mixture {
             grains,
-            ghosts: Ghosts::default(),
+            point_contacts: PointContacts::default(),
             blocks: None,
-            fines: fines.map(|rule| Box::new(Fines::new(rule))),
+            fines: fines.map(|rule| Box::new(FinesAsPoints::new(rule))),
             breakages: Vec::new(),
-            energy,
+            energy_factor,
             cycle,
             cycles: 0,
             last: 0.0,
             own: 0.0,
             fastest: (u64::MAX, 0.0),
-            share: 1.0,
-            alone: None,
+            bound_ratio: 1.0,
+            isolated_bound: None,
             sums: Default::default(),
         }
     }
@@ -154,37 +154,37 @@ impl Mixture {
         Ok(())
     }
 
-    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s².
+    /// What the grains' own contacts allow, s, and what those of points with grains and loading plates add to the square of a frequency, 1/s².
     ///
     /// What the nodes feel of the contacts' stiffness is known when the continuum has made its step. Contacts change little from a step to the next, so what they felt
     /// last of what each point by itself would have is taken for the present.
-    pub fn bounds(&mut self, continuum: &Continuum, platens: &[Platen], slow: bool) -> (f64, f64) {
+    pub fn bounds(&mut self, continuum: &Continuum, plates: &[LoadingPlate], slow: bool) -> (f64, f64) {
         // without grains nothing bounds their step
         let own = if self.grains.grains.is_empty() { f64::INFINITY } else { self.own };
-        let mut bound = self.ghosts.bound(&self.grains.grains, &mut self.sums, continuum.points().len());
+        let mut rates = self.point_contacts.rates(&self.grains.grains, &mut self.sums, continuum.points().len());
         if let Some(blocks) = &mut self.blocks {
-            let theirs = blocks.bound(&self.grains.grains, continuum.points().len());
-            bound = Bound { points: bound.points + theirs.points, grains: bound.grains + theirs.grains };
+            let theirs = blocks.rates(&self.grains.grains, continuum.points().len());
+            rates = ContactRates { points: rates.points + theirs.points, grains: rates.grains + theirs.grains };
         }
-        let platens = platens.iter().map(|p| p.rate).fold(0.0, f64::max);
-        self.alone = slow.then(|| bound.alone(platens));
-        (own, bound.frequency2(platens, slow.then_some(self.share)))
+        let plates = plates.iter().map(|p| p.rate).fold(0.0, f64::max);
+        self.isolated_bound = slow.then(|| rates.isolated_bound(plates));
+        (own, rates.frequency2(plates, slow.then_some(self.bound_ratio)))
     }
 
-    /// Makes one cycle with the forces that [`Self::compute_forces`] has found and platens that have pressed; walls and platens move at their speeds.
+    /// Makes one cycle with the forces that [`Self::compute_forces`] has found and loading plates that have pressed; walls and loading plates move at their speeds.
     ///
     /// # Errors
-    /// A lost point; a platen through the points.
+    /// A lost point; a loading plate through the points.
     pub fn make_cycle(&mut self, parts: &mut Parts<'_>, cycle: Cycle) -> Result<()> {
         self.cycle = cycle;
         let Cycle { time, rates } = cycle;
         let [of_grains, of_points] = [rates.continuum, rates.grains].map(|n| 1.0 / f64::from(n));
-        self.apply_reactions(parts, of_grains, [of_points, Bound::SHARES[0]]);
+        self.apply_reactions(parts, of_grains, [of_points, ContactRates::END_SHARES[0]]);
         // but for the last one the steps of the continuum, beside grains that go on as they went
         let dt = time * of_grains;
         for j in 1..rates.continuum {
             self.step_continuum(parts, dt)?;
-            platen::press(parts.platens, parts.continuum)?;
+            loading_plate::press(parts.plates, parts.continuum)?;
             self.find(parts, dt, [dt * f64::from(j), 0.0])?;
             self.apply_reactions(parts, of_grains, [of_points, 0.0]);
         }
@@ -224,10 +224,10 @@ impl Mixture {
         self.cycles += 1;
         self.step_continuum(parts, time * (1.0 / f64::from(rates.continuum)))?;
         if let Some(fines) = &mut self.fines {
-            fines.enter(&self.grains, parts.continuum, &mut self.ghosts);
-            let platens = &*parts.platens;
-            let through = |p| platens.iter().any(|platen| platen.height(p).0 < 0.0);
-            fines.leave(through, parts.continuum, &mut self.ghosts);
+            fines.insert_points(&self.grains, parts.continuum, &mut self.point_contacts);
+            let plates = &*parts.plates;
+            let through = |p| plates.iter().any(|plate| plate.height(p).0 < 0.0);
+            fines.remove_points(through, parts.continuum, &mut self.point_contacts);
         }
         Ok(())
     }
@@ -236,30 +236,36 @@ impl Mixture {
         (self.grains.dt, self.last) = (dt, dt);
         if let Some(blocks) = &mut self.blocks {
             let State { grains, walls, fresh, .. } = &mut self.grains;
-            blocks.give_others(grains, &mut parts.work.outside, walls, dt);
+            blocks.apply_grain_and_wall_reactions(grains, &mut parts.work.external_forces, walls, dt);
             blocks.advance(parts.physics, *fresh, dt);
         }
         dem::integrate(parts.physics, &mut self.grains, parts.work);
         self.breakages.extend_from_slice(&parts.work.breakages);
         if let Some(fines) = &mut self.fines {
-            fines.take(&parts.work.breakages);
+            fines.queue(&parts.work.breakages);
         }
     }
 
-    /// A step of the continuum, and its platens' way in it.
+    /// A step of the continuum, and its loading plates' way in it.
     fn step_continuum(&mut self, parts: &mut Parts<'_>, dt: f64) -> Result<()> {
         parts.continuum.step(dt)?;
-        if let Some(alone) = self.alone.take() {
-            self.share = if alone > 0.0 { (parts.continuum.contact_frequency_bound() / alone).min(1.0) } else { 1.0 };
+        if let Some(isolated) = self.isolated_bound.take() {
+            self.bound_ratio = if isolated > 0.0 { (parts.continuum.contact_frequency_bound() / isolated).min(1.0) } else { 1.0 };
         }
-        parts.platens.iter_mut().for_each(|p| p.advance(dt));
+        parts.plates.iter_mut().for_each(|p| p.advance(dt));
         Ok(())
     }
 
     fn apply_reactions(&mut self, parts: &mut Parts<'_>, of_grains: f64, of_points: [f64; 2]) {
-        self.ghosts.give(&self.grains.grains, &mut parts.work.outside, of_grains, parts.continuum, of_points);
+        self.point_contacts.apply_reactions(
+            &self.grains.grains,
+            &mut parts.work.external_forces,
+            of_grains,
+            parts.continuum,
+            of_points,
+        );
         if let Some(blocks) = &mut self.blocks {
-            blocks.give_points(of_grains, parts.continuum, of_points);
+            blocks.apply_point_reactions(of_grains, parts.continuum, of_points);
         }
     }
 
@@ -285,8 +291,8 @@ impl Mixture {
         let walls = if table.touched_walls() == 0 { &[] } else { &walls[..] };
         let square = |v: &[f64]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
         if self.fastest.0 != continuum.steps() {
-            let carried = &continuum.points().carried;
-            let most = carried.par_iter().with_min_len(4096).map(|v| square(v)).reduce(|| 0.0, f64::max);
+            let velocities = &continuum.points().transport_velocity;
+            let most = velocities.par_iter().with_min_len(4096).map(|v| square(v)).reduce(|| 0.0, f64::max);
             self.fastest = (continuum.steps(), most.sqrt());
         }
         let point = self.fastest.1;
@@ -296,11 +302,11 @@ impl Mixture {
         }
         let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
         let way = dt * (point + grain.max(wall)) + self.grains.aftermath.fastest_growth();
-        self.ghosts.update(grains, walls, continuum, way);
-        let scene = Scene { grains, walls, continuum, table, unloading: parts.physics.contact.unloading, dt, ahead };
-        self.ghosts.evaluate(&scene);
+        self.point_contacts.update(grains, walls, continuum, way);
+        let scene = PointContactScene { grains, walls, continuum, table, unloading: parts.physics.contact.unloading, dt, ahead };
+        self.point_contacts.evaluate(&scene);
         if let Some(fines) = self.fines.as_mut().filter(|f| f.points > 0) {
-            fines.released += self.ghosts.release(&scene, fines.rule.release_strain);
+            fines.released += self.point_contacts.release(&scene, fines.rule.release_strain);
         }
         if let Some(blocks) = &mut self.blocks {
             let way = dt * (point.max(grain).max(wall) + blocks.fastest());
@@ -351,9 +357,9 @@ fn too_fast(grains: &Grains, continuum: &Continuum, dt: f64) -> Result<()> {
 }
 
 /// What contacts of rigid bodies are found from.
-fn rigid_scene<'a>(state: &'a State, parts: &'a Parts<'_>, dt: f64, ahead: [f64; 2]) -> rigid::Scene<'a> {
+fn rigid_scene<'a>(state: &'a State, parts: &'a Parts<'_>, dt: f64, ahead: [f64; 2]) -> rigid::BlockScene<'a> {
     let Parts { physics, table, work, continuum, .. } = parts;
     let State { grains, walls, .. } = state;
     let (law, unloading) = (physics.contact.law, physics.contact.unloading);
-    rigid::Scene { grains, walls, continuum, ghosts: table, table: &work.table, law, unloading, dt, ahead }
+    rigid::BlockScene { grains, walls, continuum, point_table: table, table: &work.table, law, unloading, dt, ahead }
 }

@@ -13,13 +13,13 @@ mod evaluate;
 #[cfg(feature = "gpu")]
 pub mod exchange;
 mod fines;
-mod give;
 mod measure;
 mod mixture;
+mod reactions;
 mod search;
 
 pub use embedded::{Embedded, Embedding};
-pub use fines::{Account, Fines, Rule};
+pub use fines::{Account, FinesAsPoints, Rule};
 pub use measure::{Shares, Touching};
 pub use mixture::{Allowed, Cycle, Mixture, Parts, Rates};
 
@@ -38,7 +38,7 @@ pub enum Body {
 
 /// A body and a point near it.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Ghost {
+pub struct PointContact {
     pub body: Body,
     /// The point's identity.
     pub point: u32,
@@ -61,9 +61,9 @@ pub struct Ghost {
 
 /// Everything about the contacts between points and surfaces that a restart needs.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Ghosts {
+pub struct PointContacts {
     /// In the order of bodies, then of points.
-    pub near: Vec<Ghost>,
+    pub candidates: Vec<PointContact>,
     age: Age,
     /// Points that breakages have left, where there are some.
     newborn: Option<Newborn>,
@@ -82,9 +82,9 @@ struct Newborn {
     points: u32,
 }
 
-impl Ghosts {
+impl PointContacts {
     /// Points from `first` on have come, with grains below `grains` there: what they overlap with at their first look bears no force.
-    fn expect(&mut self, first: u32, grains: u32) {
+    fn note_newborn(&mut self, first: u32, grains: u32) {
         self.newborn.get_or_insert(Newborn { first, grains, points: first });
     }
 
@@ -100,6 +100,6 @@ impl Ghosts {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.near.capacity() * size_of::<Ghost>() + self.index.iter().map(|i| 4 * i.capacity()).sum::<usize>()
+        self.candidates.capacity() * size_of::<PointContact>() + self.index.iter().map(|i| 4 * i.capacity()).sum::<usize>()
     }
 }

@@ -1,14 +1,14 @@
 //! Which points are near which surface.
 
-use super::{Body, Ghost, Ghosts};
+use super::{Body, PointContact, PointContacts};
 use crate::boundary::Wall;
 use crate::contact::pairs::ContactForce;
 use crate::grains::Grains;
 use crate::mpm::Continuum;
-use crate::mpm::platen::ghost_radius;
+use crate::mpm::loading_plate::ghost_radius;
 use crate::point_contacts::{NOWHERE, by_id, remember};
 
-impl Ghosts {
+impl PointContacts {
     /// Makes the list anew where something may have come into reach since the last search, and finds everybody's present index. `way`: how much
     /// nearer a point and a surface may have come since the last call, m.
     pub(super) fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64) {
@@ -21,19 +21,19 @@ impl Ghosts {
 
     /// Forgets all contacts.
     pub(super) fn clear(&mut self) {
-        self.near.clear();
+        self.candidates.clear();
     }
 
     fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
         let reach = ghost_radius(dimension, most) + skin;
-        let mut found: Vec<Ghost> = Vec::new();
-        let mut near = |body: Body, place: u32, i: usize| {
+        let mut found: Vec<PointContact> = Vec::new();
+        let mut add = |body: Body, place: u32, i: usize| {
             let radius = ghost_radius(dimension, points.solid(i));
             let (point, mass) = (points.id[i], points.velocity[i][3]);
             let (touch, none) = (ContactForce::default(), [0.0; 3]);
-            found.push(Ghost {
+            found.push(PointContact {
                 body,
                 point,
                 place: [place, i as u32],
@@ -53,31 +53,31 @@ impl Ghosts {
                 let q = points.position[i];
                 let d: [f64; 3] = std::array::from_fn(|a| q[a] - p[a]);
                 if d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < far * far {
-                    near(Body::Grain(grains.id[g]), g as u32, i);
+                    add(Body::Grain(grains.id[g]), g as u32, i);
                 }
             });
         }
         for (k, wall) in walls.iter().enumerate() {
             for (i, &[x, y, z, _]) in points.position.iter().enumerate() {
                 if wall.shape.towards([x, y, z, 0.0]).1 < reach {
-                    near(Body::Wall(k as u32), k as u32, i);
+                    add(Body::Wall(k as u32), k as u32, i);
                 }
             }
         }
         found.sort_unstable_by_key(|g| (g.body, g.point));
-        let known = self.near.iter().filter(|g| g.touch.overlap > 0.0 || g.reference > 0.0);
-        let keep = |old: &Ghost, new: &mut Ghost| {
+        let known = self.candidates.iter().filter(|g| g.touch.overlap > 0.0 || g.reference > 0.0);
+        let keep = |old: &PointContact, new: &mut PointContact| {
             (new.touch, new.spring, new.reference) = (old.touch, old.spring, old.reference);
         };
         remember(known, &mut found, |g| (g.body, g.point), keep);
         if let Some(born) = &mut self.newborn {
-            let new = |g: &Ghost| g.point >= born.points || matches!(g.body, Body::Grain(id) if id >= born.grains);
+            let new = |g: &PointContact| g.point >= born.points || matches!(g.body, Body::Grain(id) if id >= born.grains);
             for g in found.iter_mut().filter(|g| g.point >= born.first && new(g)) {
                 g.reference = f64::INFINITY;
             }
             (born.grains, born.points) = (grains.next_id, points.next_id);
         }
-        self.near = found;
+        self.candidates = found;
     }
 
     /// Present indices of grains and points, whose arrays may have been put in another order.
@@ -85,23 +85,23 @@ impl Ghosts {
         let points = continuum.points();
         let [by_grain, by_point] = &mut self.index;
         let (mut grain_moved, mut point_moved) = (false, false);
-        for g in &self.near {
+        for g in &self.candidates {
             grain_moved |= matches!(g.body, Body::Grain(id) if grains.id.get(g.place[0] as usize) != Some(&id));
             point_moved |= points.id.get(g.place[1] as usize) != Some(&g.point);
         }
         if grain_moved {
             by_id(by_grain, &grains.id, grains.next_id);
-            for g in &mut self.near {
+            for g in &mut self.candidates {
                 if let Body::Grain(id) = g.body {
                     g.place[0] = by_grain[id as usize];
                 }
             }
             // those that are no more; their daughters are found in a search
-            self.near.retain(|g| g.place[0] != NOWHERE);
+            self.candidates.retain(|g| g.place[0] != NOWHERE);
         }
         if point_moved {
             by_id(by_point, &points.id, points.next_id);
-            for g in &mut self.near {
+            for g in &mut self.candidates {
                 g.place[1] = by_point[g.point as usize];
             }
         }

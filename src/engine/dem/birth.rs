@@ -200,13 +200,13 @@ impl Aftermath {
     }
 
     /// Adds the forces of softening contacts, N, to those on the grains from elsewhere.
-    pub fn add_forces(&self, outside: &mut Vec<[[f64; 4]; 2]>, grains: usize) {
+    pub fn add_forces(&self, external_forces: &mut Vec<[[f64; 4]; 2]>, grains: usize) {
         if self.fading.is_empty() {
             return;
         }
-        outside.resize(grains, [[0.0; 4]; 2]);
+        external_forces.resize(grains, [[0.0; 4]; 2]);
         for x in &self.fading {
-            let [force, _] = &mut outside[x.grain as usize];
+            let [force, _] = &mut external_forces[x.grain as usize];
             force.iter_mut().zip(x.force).for_each(|(sum, f)| *sum += f);
         }
     }
@@ -260,7 +260,7 @@ pub fn advance(criterion: Option<&Criterion>, state: &mut State, neighbours: &Ne
         let force = neighbours.contacts.of(i).fold(0.0, |sum, e| sum + of(&e).touch[e.slot()].normal_force);
         let load = criterion.map_or(0.0, |c| mean_stress::load(c, i, g.pos[i][3], neighbours, pairs, wall_pairs));
         let left = x.target - g.pos[i][3];
-        if load > EASE * g.limit[i] {
+        if load > EASE * g.breakage_threshold[i] {
             x.wait = WAIT;
         } else {
             x.grown = x.rate.min(left);

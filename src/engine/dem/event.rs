@@ -86,20 +86,20 @@ struct Verdict {
     before: f64,
 }
 
-/// Breaks the grains listed (indices in the order of ids); `outside` are the forces that grains took from elsewhere in this step, [`crate::dem::Work::outside`].
+/// Breaks the grains listed (indices in the order of ids); `external_forces` are the forces that grains took from elsewhere in this step, [`crate::dem::Workspace::external_forces`].
 pub fn break_grains(
     physics: &Physics,
     state: &mut State,
     neighbours: &mut Neighbours,
     table: &PairTable,
-    outside: &[[[f64; 4]; 2]],
+    external_forces: &[[[f64; 4]; 2]],
     failing: &[u32],
     out: &mut Vec<Breakage>,
 ) {
     let crush = physics.crush.as_ref().expect("only judged grains fail");
     // all verdicts before any change
     let verdicts: Vec<Verdict> =
-        failing.iter().map(|&i| judge(physics, crush, state, neighbours, table, outside, i as usize)).collect();
+        failing.iter().map(|&i| judge(physics, crush, state, neighbours, table, external_forces, i as usize)).collect();
     for verdict in verdicts {
         out.push(break_one(physics, crush, state, neighbours, table, &verdict));
     }
@@ -112,7 +112,7 @@ fn judge(
     state: &State,
     neighbours: &Neighbours,
     table: &PairTable,
-    outside: &[[[f64; 4]; 2]],
+    external_forces: &[[[f64; 4]; 2]],
     i: usize,
 ) -> Verdict {
     let (mut best, mut load) = (None, f64::NEG_INFINITY);
@@ -141,7 +141,7 @@ fn judge(
             (load, load * crush.criterion.threshold(g.strength[i], d) / stress, load / stress)
         }
     };
-    let arriving = |i: usize| arriving(physics, state, neighbours, outside, i);
+    let arriving = |i: usize| arriving(physics, state, neighbours, external_forces, i);
     let (touch, approach) = if e.is_wall() {
         let touch = &state.wall_pairs.touch[slot];
         (touch, dot(arriving(i), touch.normal) + state.walls[e.wall_index()].speed)
@@ -166,9 +166,9 @@ fn judge(
 }
 
 /// Velocity, m/s, with which grain `i` has come to the place where it was judged: what the kick of this step has given it since is taken back.
-fn arriving(physics: &Physics, state: &State, neighbours: &Neighbours, outside: &[[[f64; 4]; 2]], i: usize) -> [f64; 3] {
+fn arriving(physics: &Physics, state: &State, neighbours: &Neighbours, external_forces: &[[[f64; 4]; 2]], i: usize) -> [f64; 3] {
     let (mut f, _) = gather::force_and_torque(i, physics, state, neighbours);
-    if let Some([force, _]) = outside.get(i) {
+    if let Some([force, _]) = external_forces.get(i) {
         f.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
     }
     let [u, v, w, inverse_inertia] = state.grains.vel[i];
@@ -267,7 +267,7 @@ fn break_one(
         born.push(i);
     }
     for &i in &born {
-        stability::birth(i, physics, state, neighbours, table);
+        stability::newborn_inertia(i, physics, state, neighbours, table);
         daughters_kinetic += kinetic_energy(state, i);
         event.lost_momentum.iter_mut().zip(momentum(state, i)).for_each(|(sum, p)| *sum -= p);
         // siblings only touch, so each new contact is counted once
@@ -343,7 +343,7 @@ pub fn arm_grain(crush: &CrushModel, state: &mut State, i: usize) {
     let g = &mut state.grains;
     let d = 2.0 * g.pos[i][3];
     g.strength[i] = crush.strength.draw(crush.seed, g.lineage[i], d);
-    g.limit[i] = if d > crush.d_limit { crush.criterion.threshold(g.strength[i], d) } else { f64::INFINITY };
+    g.breakage_threshold[i] = if d > crush.d_limit { crush.criterion.threshold(g.strength[i], d) } else { f64::INFINITY };
 }
 
 /// Momentum with the inertia in use, kg m/s.

@@ -1,7 +1,7 @@
 //! The pass over grains: each sums its contacts in the order of its partners' ids (walls last), is judged against its
 //! limit, gets local damping and gravity, is kicked and drifted. Parallel over grains; each writes only itself.
 
-use super::{State, Work};
+use super::{State, Workspace};
 use crate::breakage::CrushModel;
 use crate::breakage::criterion::Judges;
 use crate::contact::chunk::few;
@@ -23,7 +23,7 @@ pub const PARTED: u8 = 4;
 
 /// Sums over the contacts of one grain.
 #[derive(Clone, Copy)]
-struct Sums<F> {
+struct ContactSums<F> {
     /// Force, N, and torque, N m.
     force: F,
     torque: F,
@@ -44,7 +44,7 @@ fn sum<F: Four, const LEDGER: bool>(
     neighbours: &Neighbours,
     pairs: &Pairs,
     wall_pairs: &Pairs,
-) -> Sums<F> {
+) -> ContactSums<F> {
     let (half, radius) = (F::all(token, 0.5), F::all(token, radius));
     let (mut force, mut torque, mut work) = (F::all(token, 0.0), F::all(token, 0.0), F::all(token, 0.0));
     // of the fourth numbers: largest normal force and smallest overlap
@@ -61,7 +61,7 @@ fn sum<F: Four, const LEDGER: bool>(
         largest = t.max(largest);
         smallest = n.min(smallest);
         force = force + (t - t.w() * n) * F::all(token, e.sign());
-        torque = torque + (radius - n.w() * half) * (n * t.turned() - n.turned() * t);
+        torque = torque + (radius - n.w() * half) * (n * t.yzxw() - n.yzxw() * t);
         if LEDGER {
             work = work + F::of(token, pairs.work[slot]) * F::all(token, e.first_end());
         }
@@ -71,14 +71,14 @@ fn sum<F: Four, const LEDGER: bool>(
         let slot = e.slot();
         let (t, n) = halves::<F>(token, &wall_pairs.touch[slot]);
         force = force + (t - t.w() * n);
-        torque = torque + (radius - n.w()) * (n * t.turned() - n.turned() * t);
+        torque = torque + (radius - n.w()) * (n * t.yzxw() - n.yzxw() * t);
         load = load.max(wall_pairs.load(slot));
         if LEDGER {
             work = work + F::of(token, wall_pairs.work[slot]);
         }
     }
     // n t' − n' t is the cross product in the order z, x, y
-    Sums { force, torque: torque.turned(), load, work, parted: smallest.xyzw()[3] == 0.0 }
+    ContactSums { force, torque: torque.yzxw(), load, work, parted: smallest.xyzw()[3] == 0.0 }
 }
 
 /// Tangential and normal force; normal and overlap.
@@ -133,7 +133,7 @@ pub fn force_and_torque(i: usize, physics: &Physics, state: &State, neighbours: 
     ([f[0], f[1], f[2]], [t[0], t[1], t[2]])
 }
 
-struct Part<'a> {
+struct GrainSlices<'a> {
     first: usize,
     pos: &'a mut [[f64; 4]],
     vel: &'a mut [[f64; 4]],
@@ -157,7 +157,7 @@ struct Input<'a> {
     dt: f64,
     kick: f64,
     /// Force, N, and torque, N m, on each grain from elsewhere; empty where there is nothing else.
-    outside: &'a [[[f64; 4]; 2]],
+    external_forces: &'a [[[f64; 4]; 2]],
     task: usize,
     arch: Arch,
 }
@@ -170,8 +170,8 @@ pub(super) fn judged(physics: &Physics, state: &State, by: Judges) -> bool {
 }
 
 /// Judges, kicks and drifts all grains, so many to a parallel task; leaves a flag per grain.
-pub fn advance(physics: &Physics, state: &mut State, work: &mut Work) {
-    let Work { neighbours, flags, outside, task, arch, .. } = work;
+pub fn advance(physics: &Physics, state: &mut State, work: &mut Workspace) {
+    let Workspace { neighbours, flags, external_forces, task, arch, .. } = work;
     let (task, arch) = (*task / 4, *arch);
     let ledger = state.pairs.kept().work;
     let crush = judged(physics, state, Judges::Contacts);
@@ -180,18 +180,19 @@ pub fn advance(physics: &Physics, state: &mut State, work: &mut Work) {
         neighbours,
         pairs,
         wall_pairs,
-        limit: &grains.limit,
+        limit: &grains.breakage_threshold,
         mass: &grains.mass,
         gravity: physics.gravity,
         damping: state.damping,
         turning: if physics.contact.turning { 2.5 } else { 0.0 },
         dt: state.dt,
         kick: if state.fresh { 0.5 * state.dt } else { state.dt },
-        outside,
+        external_forces,
         task,
         arch,
     };
-    let part = Part { first: 0, pos: &mut grains.pos, vel: &mut grains.vel, spin: &mut grains.spin, work: &mut grains.work, flags };
+    let part =
+        GrainSlices { first: 0, pos: &mut grains.pos, vel: &mut grains.vel, spin: &mut grains.spin, work: &mut grains.work, flags };
     match (ledger, crush, physics.contact.rolling) {
         (false, false, false) => run::<false, false, false>(&input, part),
         (true, false, false) => run::<true, false, false>(&input, part),
@@ -204,14 +205,14 @@ pub fn advance(physics: &Physics, state: &mut State, work: &mut Work) {
     }
 }
 
-fn run<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
+fn run<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: GrainSlices<'_>) {
     if few(part.pos.len(), input.task) {
         return dispatch::<LEDGER, CRUSH, ROLLING>(input, part);
     }
     split::<LEDGER, CRUSH, ROLLING>(input, part);
 }
 
-fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
+fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: GrainSlices<'_>) {
     let n = part.pos.len();
     if n <= input.task {
         return dispatch::<LEDGER, CRUSH, ROLLING>(input, part);
@@ -222,36 +223,39 @@ fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
     let (s0, s1) = part.spin.split_at_mut(half);
     let (w0, w1) = part.work.split_at_mut(half);
     let (f0, f1) = part.flags.split_at_mut(half);
-    let left = Part { first: part.first, pos: p0, vel: v0, spin: s0, work: w0, flags: f0 };
-    let right = Part { first: part.first + half, pos: p1, vel: v1, spin: s1, work: w1, flags: f1 };
+    let left = GrainSlices { first: part.first, pos: p0, vel: v0, spin: s0, work: w0, flags: f0 };
+    let right = GrainSlices { first: part.first + half, pos: p1, vel: v1, spin: s1, work: w1, flags: f1 };
     rayon::join(|| split::<LEDGER, CRUSH, ROLLING>(input, left), || split::<LEDGER, CRUSH, ROLLING>(input, right));
 }
 
-fn dispatch<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: Part<'_>) {
+fn dispatch<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: GrainSlices<'_>) {
     // to ask for each grain whether something else pushes it costs 4 % of a step where nothing does
-    if input.outside.is_empty() {
+    if input.external_forces.is_empty() {
         vectorised::<LEDGER, CRUSH, ROLLING, false>(input, part);
     } else {
         vectorised::<LEDGER, CRUSH, ROLLING, true>(input, part);
     }
 }
 
-fn vectorised<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, const OUTSIDE: bool>(input: &Input<'_>, part: Part<'_>) {
+fn vectorised<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, const EXTERNAL: bool>(
+    input: &Input<'_>,
+    part: GrainSlices<'_>,
+) {
     match quads(input.arch) {
         #[cfg(target_arch = "x86_64")]
         Some(v3) => v3.vectorize(
             #[inline(always)]
-            || chunk::<Quad, LEDGER, CRUSH, ROLLING, OUTSIDE>(v3, input, part),
+            || chunk::<Quad, LEDGER, CRUSH, ROLLING, EXTERNAL>(v3, input, part),
         ),
-        _ => chunk::<Plain, LEDGER, CRUSH, ROLLING, OUTSIDE>((), input, part),
+        _ => chunk::<Plain, LEDGER, CRUSH, ROLLING, EXTERNAL>((), input, part),
     }
 }
 
 #[inline(always)]
-fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, const OUTSIDE: bool>(
+fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, const EXTERNAL: bool>(
     token: F::Token,
     input: &Input<'_>,
-    part: Part<'_>,
+    part: GrainSlices<'_>,
 ) {
     let references = &input.neighbours.references()[part.first..][..part.pos.len()];
     let gravity = input.gravity != [0.0; 3];
@@ -261,12 +265,12 @@ fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, co
     for (k, ((((pos, vel), spin), flag), reference)) in rows {
         let i = part.first + k;
         let (p, v) = (F::of(token, *pos), F::of(token, *vel));
-        let outside = if OUTSIDE { input.outside.get(i) } else { None };
-        if !gravity && outside.is_none() && input.neighbours.contacts.links(i).is_empty() {
+        let external = if EXTERNAL { input.external_forces.get(i) } else { None };
+        if !gravity && external.is_none() && input.neighbours.contacts.links(i).is_empty() {
             // most fragments fly free: nothing but their place changes, and nothing else is read
             let p = (p + v * drift).with_w_of(p);
             *pos = p.xyzw();
-            *flag = if Neighbours::outside(reference, p, token) { MOVED } else { 0 };
+            *flag = if Neighbours::has_left(reference, p, token) { MOVED } else { 0 };
             continue;
         }
         let mut sums = sum::<F, LEDGER>(token, i, pos[3], input.neighbours, input.pairs, input.wall_pairs);
@@ -275,7 +279,7 @@ fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, co
             add_rolling(&mut t, i, input.neighbours, input.pairs, input.wall_pairs);
             sums.torque = F::of(token, t);
         }
-        if let Some(&[force, torque]) = outside {
+        if let Some(&[force, torque]) = external {
             sums.force = sums.force + F::of(token, force);
             sums.torque = sums.torque + F::of(token, torque);
         }
@@ -301,7 +305,7 @@ fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, co
             *work = [work[0] + path, work[1] + slip, work[2] + viscous, work[3] + (0.0 - x - y - z)];
         }
         let mut flags = if sums.parted { PARTED } else { 0 };
-        if Neighbours::outside(reference, p, token) {
+        if Neighbours::has_left(reference, p, token) {
             flags |= MOVED;
         }
         if CRUSH && sums.load > input.limit[i] {

@@ -7,7 +7,7 @@
 //! x goes from the centre to the grain's surface at the contact, F is the force on the grain. Two opposite forces F between platens are then exactly the uniaxial stress
 //! F/(π d²/6). Of a grain out of balance the symmetric part counts. Contacts with grains and walls are summed in the order of ids, walls last.
 
-use super::{State, Work, gather};
+use super::{State, Workspace, gather};
 use crate::breakage::Criterion;
 use crate::breakage::criterion::{Judges, MeanStress};
 use crate::contact::pairs::Pairs;
@@ -45,13 +45,13 @@ pub fn load(criterion: &Criterion, i: usize, r: f64, neighbours: &Neighbours, pa
 }
 
 /// Flags the grains whose equivalent stress exceeds their threshold; nothing where contacts are judged.
-pub(super) fn judge(physics: &Physics, state: &State, work: &mut Work) {
+pub(super) fn judge(physics: &Physics, state: &State, work: &mut Workspace) {
     let Some(crush) = physics.crush.as_ref().filter(|_| gather::judged(physics, state, Judges::MeanStress)) else { return };
     let State { grains, pairs, wall_pairs, .. } = state;
-    let Work { neighbours, flags, .. } = work;
+    let Workspace { neighbours, flags, .. } = work;
     let neighbours = &*neighbours;
     flags.par_iter_mut().enumerate().with_min_len(TASK).for_each(|(i, flag)| {
-        let threshold = grains.limit[i];
+        let threshold = grains.breakage_threshold[i];
         if threshold.is_finite() && !neighbours.contacts.links(i).is_empty() {
             let stress = of_grain(i, grains.pos[i][3], neighbours, pairs, wall_pairs);
             if crush.criterion.equivalent_stress(&stress) > threshold {

@@ -71,7 +71,7 @@ pub struct State {
 }
 
 /// Scratch: may be dropped and made anew between any two steps.
-pub struct Work {
+pub struct Workspace {
     pub neighbours: Neighbours,
     pub table: PairTable,
     moved: Vec<u32>,
@@ -80,9 +80,9 @@ pub struct Work {
     parted: Vec<u32>,
     begun: Vec<u32>,
     flags: Vec<u8>,
-    scratch: stability::Scratch,
+    scratch: stability::InertiaBuffers,
     /// Force, N, and torque, N m, on each grain from elsewhere, for the next pass over grains; empty where there is nothing else.
-    pub outside: Vec<[[f64; 4]; 2]>,
+    pub external_forces: Vec<[[f64; 4]; 2]>,
     /// Breakages of the last step.
     pub breakages: Vec<Breakage>,
     /// Friction the table was made for.
@@ -98,11 +98,15 @@ pub struct Work {
     pub clock: Option<[u64; 4]>,
 }
 
-impl Work {
-    pub fn new(physics: &Physics, state: &mut State) -> Work {
+/// Name of [`Workspace`] until the last of its users has the new one.
+#[doc(hidden)]
+pub type Work = Workspace;
+
+impl Workspace {
+    pub fn new(physics: &Physics, state: &mut State) -> Workspace {
         let State { grains, walls, pairs, wall_pairs, .. } = state;
         let neighbours = Neighbours::new(grains, walls, &mut Pools { pairs, wall_pairs }, physics.stepping.skin);
-        Work {
+        Workspace {
             neighbours,
             table: physics.contact.law.pairs(&physics.materials, walls, state.friction),
             moved: Vec::new(),
@@ -110,8 +114,8 @@ impl Work {
             parted: Vec::new(),
             begun: Vec::new(),
             flags: vec![0; state.grains.len()],
-            scratch: stability::Scratch::default(),
-            outside: Vec::new(),
+            scratch: stability::InertiaBuffers::default(),
+            external_forces: Vec::new(),
             breakages: Vec::new(),
             table_friction: state.friction,
             births_since_reorder: 0,
@@ -124,8 +128,8 @@ impl Work {
 
     /// The state has become another one: all anew but what was asked for.
     pub fn restart(&mut self, physics: &Physics, state: &mut State) {
-        let Work { rebuild_always, task, arch, clock, .. } = *self;
-        *self = Work { rebuild_always, task, arch, clock, ..Work::new(physics, state) };
+        let Workspace { rebuild_always, task, arch, clock, .. } = *self;
+        *self = Workspace { rebuild_always, task, arch, clock, ..Workspace::new(physics, state) };
     }
 
     /// The radii have changed: grains that have outgrown their neighbourhood are searched before the next forces.
@@ -180,8 +184,8 @@ const STABILITY_INTERVAL: u64 = 32;
 pub fn step<E>(
     physics: &Physics,
     state: &mut State,
-    work: &mut Work,
-    control: impl FnOnce(&mut State, &mut Work) -> Result<(), E>,
+    work: &mut Workspace,
+    control: impl FnOnce(&mut State, &mut Workspace) -> Result<(), E>,
 ) -> Result<(), E> {
     compute_forces(physics, state, work);
     control(state, work)?;
@@ -190,7 +194,7 @@ pub fn step<E>(
 }
 
 /// The first half of a step: the forces of this instant.
-pub fn compute_forces(physics: &Physics, state: &mut State, work: &mut Work) {
+pub fn compute_forces(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let mut watch = Stopwatch::new(&mut work.clock);
     tidy(state, work);
     if watch.0.is_some() {
@@ -204,16 +208,16 @@ pub fn compute_forces(physics: &Physics, state: &mut State, work: &mut Work) {
 }
 
 /// The second half: motion, and what breaks.
-pub fn integrate(physics: &Physics, state: &mut State, work: &mut Work) {
+pub fn integrate(physics: &Physics, state: &mut State, work: &mut Workspace) {
     move_grains(physics, state, work);
     breakage(physics, state, work);
 }
 
 /// Grains and walls move.
-pub fn move_grains(physics: &Physics, state: &mut State, work: &mut Work) {
+pub fn move_grains(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let mut watch = Stopwatch::new(&mut work.clock);
-    stability::keep_up(physics, state, work);
-    state.aftermath.add_forces(&mut work.outside, state.grains.len());
+    stability::follow_fast_contacts(physics, state, work);
+    state.aftermath.add_forces(&mut work.external_forces, state.grains.len());
     let half = 0.5 * state.dt;
     state.ledger.release += half * state.aftermath.power(&state.grains);
     gather::advance(physics, state, work);
@@ -227,10 +231,10 @@ pub fn move_grains(physics: &Physics, state: &mut State, work: &mut Work) {
 }
 
 /// Grains over their limit break, and what breakages have left to do goes on; the step is done.
-pub fn breakage(physics: &Physics, state: &mut State, work: &mut Work) {
+pub fn breakage(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let mut watch = Stopwatch::new(&mut work.clock);
     on_one_thread(small(state, work), || crush(physics, state, work));
-    work.outside.clear();
+    work.external_forces.clear();
     if !state.aftermath.is_empty() {
         let criterion = physics.crush.as_ref().map(|c| &c.criterion);
         birth::advance(criterion, state, &work.neighbours, &mut work.moved);
@@ -270,12 +274,12 @@ impl Drop for Ends<'_> {
 }
 
 /// Whether a step is too small for threads to bring anything.
-fn small(state: &State, work: &Work) -> bool {
+fn small(state: &State, work: &Workspace) -> bool {
     chunk::few(state.pairs.slots(), work.task)
 }
 
 /// Grains in space order again once many were born or moved about.
-fn tidy(state: &mut State, work: &mut Work) {
+fn tidy(state: &mut State, work: &mut Workspace) {
     if work.births_since_reorder * 16 > state.grains.len() || work.neighbours.searches > 2 * state.grains.len() as u64 {
         reorder(state, work);
     }
@@ -292,7 +296,7 @@ fn search(lists: &mut Neighbours, moved: &mut Vec<u32>, all: bool, grains: &Grai
 }
 
 /// Forces of all contacts at the present positions, the walls' reactions, and, when due, inertia or time step.
-pub fn contacts(physics: &Physics, state: &mut State, work: &mut Work) {
+pub fn contacts(physics: &Physics, state: &mut State, work: &mut Workspace) {
     if work.table_friction != state.friction {
         work.table = physics.contact.law.pairs(&physics.materials, &state.walls, state.friction);
         work.table_friction = state.friction;
@@ -304,7 +308,7 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Work) {
     let small = small(state, work);
     let task = work.task;
     let State { grains, walls, pairs, wall_pairs, .. } = state;
-    let Work { table, neighbours, begun, moved, rebuild_always, .. } = work;
+    let Workspace { table, neighbours, begun, moved, rebuild_always, .. } = work;
     let table = &*table;
     // the lists change only what does not touch, which the sweep of contacts leaves alone
     let laws = physics.contact.law.table();
@@ -321,7 +325,7 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Work) {
         rayon::join(sweep, lists)
     };
     on_one_thread(small, || {
-        neighbours.join(grains, pairs, begun);
+        neighbours.begin_contacts(grains, pairs, begun);
         (laws.sweep_grains)(rolling, table, &rules, grains, pairs, Slots::These(begun));
         reactions(physics, table, &rules, grains, walls, wall_pairs, neighbours);
     });
@@ -368,8 +372,8 @@ fn reactions(
 }
 
 /// Sorts out what the grains' pass flagged; contacts that have ended go back to the near pairs.
-fn collect(state: &mut State, work: &mut Work) {
-    let Work { flags, moved, failing, parted, neighbours, .. } = work;
+fn collect(state: &mut State, work: &mut Workspace) {
+    let Workspace { flags, moved, failing, parted, neighbours, .. } = work;
     for list in [&mut *moved, failing, parted] {
         list.clear();
     }
@@ -381,11 +385,11 @@ fn collect(state: &mut State, work: &mut Work) {
         }
     });
     for &i in &*parted {
-        neighbours.part(i as usize, &state.grains, &mut state.pairs);
+        neighbours.end_contacts(i as usize, &state.grains, &mut state.pairs);
     }
 }
 
-fn crush(physics: &Physics, state: &mut State, work: &mut Work) {
+fn crush(physics: &Physics, state: &mut State, work: &mut Workspace) {
     work.breakages.clear();
     if work.failing.is_empty() {
         return;
@@ -396,14 +400,14 @@ fn crush(physics: &Physics, state: &mut State, work: &mut Work) {
     work.failing.sort_unstable_by_key(|&i| state.grains.id[i as usize]);
     let before = state.grains.len();
     state.births = true;
-    let Work { neighbours, failing, breakages, table, outside, .. } = work;
-    event::break_grains(physics, state, neighbours, table, outside, failing, breakages);
+    let Workspace { neighbours, failing, breakages, table, external_forces, .. } = work;
+    event::break_grains(physics, state, neighbours, table, external_forces, failing, breakages);
     work.births_since_reorder += state.grains.len() - before;
     work.flags.resize(state.grains.len(), 0);
 }
 
 /// Puts grains near in space near in memory (Z-order), and slots in the order of their first grain. Changes no result.
-pub fn reorder(state: &mut State, work: &mut Work) {
+pub fn reorder(state: &mut State, work: &mut Workspace) {
     let g = &state.grains;
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for p in &g.pos {
@@ -428,7 +432,7 @@ pub fn reorder(state: &mut State, work: &mut Work) {
 }
 
 /// Permutes memory: new index `k` holds the grain that was at `order[k]`.
-pub fn permute(state: &mut State, work: &mut Work, order: &[u32]) {
+pub fn permute(state: &mut State, work: &mut Workspace, order: &[u32]) {
     let mut place = vec![0u32; order.len()];
     for (k, &i) in order.iter().enumerate() {
         place[i as usize] = k as u32;

@@ -3,7 +3,7 @@
 use crate::contact::fabric::Fabric;
 use crate::contact::sweep::{difference, r_eff};
 use crate::dem::physics::Physics;
-use crate::dem::{State, Work, gather};
+use crate::dem::{State, Workspace, gather};
 use crate::grains::sphere_volume;
 use crate::math::vector::dot;
 use std::f64::consts::PI;
@@ -63,7 +63,7 @@ impl Sums {
 }
 
 /// All sums of this instant.
-pub fn sums(physics: &Physics, state: &State, work: &Work) -> Sums {
+pub fn sums(physics: &Physics, state: &State, work: &Workspace) -> Sums {
     let g = &state.grains;
     let mut s = Sums { release: 0.5 * state.dt * state.aftermath.power(g), ..Sums::default() };
     let radii = state.aftermath.radii(g);
@@ -74,7 +74,7 @@ pub fn sums(physics: &Physics, state: &State, work: &Work) -> Sums {
         let (p, v, w) = (g.pos[i], g.vel[i], g.spin[i]);
         let (mut f, mut t) = gather::force_and_torque(i, physics, state, &work.neighbours);
         // forces of material points, which the coming step will take
-        if let Some([force, torque]) = work.outside.get(i) {
+        if let Some([force, torque]) = work.external_forces.get(i) {
             f.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
             if physics.contact.turning {
                 t.iter_mut().zip(torque).for_each(|(sum, t)| *sum += t);
@@ -173,7 +173,7 @@ pub fn normal_force(state: &State, slot: usize, wall: bool) -> f64 {
 }
 
 /// R* of a slot and its pair law.
-pub fn pair_of<'a>(state: &State, work: &'a Work, slot: usize, wall: bool) -> (f64, &'a crate::contact::pair::Pair) {
+pub fn pair_of<'a>(state: &State, work: &'a Workspace, slot: usize, wall: bool) -> (f64, &'a crate::contact::pair::Pair) {
     pair_from(state, &work.table, slot, wall)
 }
 
@@ -196,7 +196,7 @@ pub fn pair_from<'a>(
 }
 
 /// Elastic energy of a touching slot as the last sweep left it, J: normal, and F_t² / (2 k_t).
-pub fn stored(physics: &Physics, state: &State, work: &Work, slot: usize, wall: bool) -> f64 {
+pub fn stored(physics: &Physics, state: &State, work: &Workspace, slot: usize, wall: bool) -> f64 {
     let pool = if wall { &state.wall_pairs } else { &state.pairs };
     let (r_eff, pair) = pair_of(state, work, slot, wall);
     let e = physics.contact.law.elastic(pool.touch[slot].overlap, pool.largest(slot, pool.touch[slot].overlap), r_eff, pair);
@@ -210,7 +210,7 @@ pub fn tangential_energy(spring: [f64; 3], k_t: f64) -> f64 {
 }
 
 /// Love–Weber stress of the contacts whose point lies in a cylinder about the z axis, Pa, compression positive: (vertical, radial mean).
-pub fn love_weber(state: &State, work: &Work, radius: f64, low: f64, high: f64) -> (f64, f64) {
+pub fn love_weber(state: &State, work: &Workspace, radius: f64, low: f64, high: f64) -> (f64, f64) {
     let g = &state.grains;
     let (mut zz, mut xx, mut yy) = (0.0, 0.0, 0.0);
     for &i in &g.by_id() {
@@ -242,7 +242,7 @@ pub fn love_weber(state: &State, work: &Work, radius: f64, low: f64, high: f64) 
 }
 
 /// Largest normal force on each grain, N, by index.
-pub fn largest_forces(state: &State, work: &Work) -> Vec<f64> {
+pub fn largest_forces(state: &State, work: &Workspace) -> Vec<f64> {
     (0..state.grains.len())
         .map(|i| {
             work.neighbours.contacts.of(i).fold(0.0f64, |largest, e| {

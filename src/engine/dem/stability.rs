@@ -8,7 +8,7 @@
 //! a sufficient bound (α: local damping). Unscaled: dt = safety · min 2/ω_i. Inertia-scaled: every grain's inertia is what makes dt = 1 the stable step,
 //! m_i = (1 + α) Σ max(2 k_n, 7 k_t) dt² / (4 safety²).
 
-use super::{State, Work};
+use super::{State, Workspace};
 use crate::contact::ContactLaw;
 use crate::contact::law::Elastic;
 use crate::contact::pair::{Pair, PairTable};
@@ -19,7 +19,7 @@ use crate::math::vector::dot;
 use crate::neighbours::Neighbours;
 use rayon::prelude::*;
 
-fn share(e: &Elastic) -> f64 {
+fn effective_stiffness(e: &Elastic) -> f64 {
     (2.0 * e.k_n).max(7.0 * e.k_t)
 }
 
@@ -77,7 +77,7 @@ pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a
 /// Σ max(2 k_n, 7 k_t) over the contacts of grain `i`, from current overlaps, N/m.
 fn stiffness(i: usize, physics: &Physics, state: &State, neighbours: &Neighbours, table: &PairTable) -> f64 {
     let mut sum = 0.0;
-    overlaps(i, state, neighbours, table, |o| sum += share(&o.elastic(physics.contact.law)));
+    overlaps(i, state, neighbours, table, |o| sum += effective_stiffness(&o.elastic(physics.contact.law)));
     sum + 2.0 * state.aftermath.stiffness(i)
 }
 
@@ -89,7 +89,7 @@ fn stiffness_at_rest(i: usize, physics: &Physics, g: &Grains, stress: f64, table
     let force = stress * std::f64::consts::PI * r * r;
     let law = physics.contact.law;
     let overlap = law.overlap_under(force, r_eff, pair);
-    2.0 * share(&law.elastic(overlap, overlap, r_eff, pair))
+    2.0 * effective_stiffness(&law.elastic(overlap, overlap, r_eff, pair))
 }
 
 /// Inertia for which the step is stable under stiffness `k`, kg (time in steps). Local damping α adds up to α |F| to a force, as
@@ -155,7 +155,7 @@ fn resolved(physics: &Physics) -> f64 {
 }
 
 /// Looks at inertia (scaled runs) or the time step (unscaled) again.
-pub fn refresh(physics: &Physics, state: &mut State, work: &mut Work) {
+pub fn refresh(physics: &Physics, state: &mut State, work: &mut Workspace) {
     if physics.stepping.inertia_scaling {
         rescale(physics, state, work);
     } else if physics.stepping.dt.is_none() {
@@ -173,8 +173,8 @@ pub fn refresh(physics: &Physics, state: &mut State, work: &mut Work) {
 }
 
 /// New inertia for the grains whose present one is out of bounds; the ledger's sum in the order of ids.
-fn rescale(physics: &Physics, state: &mut State, work: &mut Work) {
-    let Work { neighbours, table, scratch, .. } = work;
+fn rescale(physics: &Physics, state: &mut State, work: &mut Workspace) {
+    let Workspace { neighbours, table, scratch, .. } = work;
     scratch.inertia.resize(state.grains.len(), None);
     let frozen: &State = state;
     scratch
@@ -198,11 +198,11 @@ fn rescale(physics: &Physics, state: &mut State, work: &mut Work) {
 }
 
 /// Inertia, at every step, of the grains whose contacts change fast because something has just broken beside them (inertia scaling).
-pub fn keep_up(physics: &Physics, state: &mut State, work: &mut Work) {
+pub fn follow_fast_contacts(physics: &Physics, state: &mut State, work: &mut Workspace) {
     if !physics.stepping.inertia_scaling || state.aftermath.is_empty() {
         return;
     }
-    let Work { neighbours, table, scratch, .. } = work;
+    let Workspace { neighbours, table, scratch, .. } = work;
     scratch.restless.clear();
     scratch.restless.extend(state.aftermath.restless());
     for &i in &scratch.restless {
@@ -215,7 +215,7 @@ pub fn keep_up(physics: &Physics, state: &mut State, work: &mut Work) {
 }
 
 /// Raises the inertia of grain `i` to what its contacts ask for with others, of elsewhere, whose Σ max(2 k_n, 7 k_t) is `others`, N/m (inertia scaling).
-pub fn hold(i: usize, others: f64, physics: &Physics, state: &mut State, work: &Work) {
+pub fn raise_inertia(i: usize, others: f64, physics: &Physics, state: &mut State, work: &Workspace) {
     let needed = stiffness(i, physics, state, &work.neighbours, &work.table) + others;
     let inertia = scaled_inertia(needed, state.damping, state.dt, physics.stepping.safety);
     if state.grains.inertia(i) < inertia {
@@ -223,9 +223,9 @@ pub fn hold(i: usize, others: f64, physics: &Physics, state: &mut State, work: &
     }
 }
 
-/// Buffers of `rescale` and [`keep_up`].
+/// Buffers of `rescale` and [`follow_fast_contacts`].
 #[derive(Default)]
-pub struct Scratch {
+pub struct InertiaBuffers {
     restless: Vec<usize>,
     inertia: Vec<Option<f64>>,
     changed: Vec<(u32, u32)>,
@@ -242,7 +242,7 @@ fn set_inertia(state: &mut State, i: usize, inertia: f64) {
 }
 
 /// Gives a newborn grain its inertia, from the contacts it is born into.
-pub fn birth(i: usize, physics: &Physics, state: &mut State, neighbours: &Neighbours, table: &PairTable) {
+pub fn newborn_inertia(i: usize, physics: &Physics, state: &mut State, neighbours: &Neighbours, table: &PairTable) {
     if physics.stepping.inertia_scaling
         && let Some(inertia) = {
             state.grains.vel[i][3] = f64::INFINITY;

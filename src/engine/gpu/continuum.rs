@@ -1,18 +1,18 @@
 //! A continuum on the device: batches of steps without a look at what happens between.
 
 use super::device::{Adapter, Device, refused};
-use super::grains::{self, Bodies, Coarse};
-use super::layout::{Law32, Outside, Params, Status, groups};
-use super::memory::Sizes;
+use super::grains::{self, Bodies, CoarseGrains};
+use super::layout::{BatchState, Law32, Params, Status, groups};
+use super::loading_plate::{self, both};
+use super::memory::BufferSizes;
 use super::passes::Passes;
-use super::platen::{self, both};
 use super::state;
 use super::support::{sizes, takes};
 use crate::coupling::Mixture;
 use crate::dem::physics::Physics;
 use crate::error::{Error, Result};
-use crate::mpm::{self, Drive, Platen, Ramp, Settings};
-use crate::point_contacts::GhostTable;
+use crate::mpm::{self, LoadingPlate, PlateDrive, Ramp, Settings};
+use crate::point_contacts::PointContactTable;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use wgpu::BufferUsages as Usage;
@@ -25,21 +25,21 @@ const AHEAD: usize = 2;
 /// The material points of an [`mpm::Continuum`] on the graphics device, with the same settings and laws.
 ///
 /// The device computes in f32, with compensated sums where small steps add up. The same input gives the same bytes on the same device and driver.
-pub struct Continuum {
+pub struct DeviceContinuum {
     device: Device,
     passes: Passes,
     buffers: Buffers,
     params: Params,
     settings: Settings,
-    sizes: Sizes,
+    sizes: BufferSizes,
     /// Ids of the points and their places on the device, in the order of ids.
     by_id: Vec<(u32, u32)>,
     /// Steps and stress work, J, before the state went to the device.
     before: (u64, f64),
     status: Status,
-    outside: Outside,
-    platens: Vec<Platen>,
-    drives: Vec<Drive>,
+    batch: BatchState,
+    plates: Vec<LoadingPlate>,
+    drives: Vec<PlateDrive>,
     bodies: Option<Bodies>,
 }
 
@@ -47,10 +47,10 @@ pub struct Continuum {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Saved {
     state: Vec<u32>,
-    platens: Vec<u32>,
+    plates: Vec<u32>,
     /// Bits of the stress work before the state went to the device, J.
     work: u64,
-    grains: Option<grains::Saved>,
+    grains: Option<grains::SavedGrains>,
 }
 
 /// What a batch left of each of its steps: means over the instants at their ends.
@@ -59,8 +59,8 @@ pub struct Means {
     pub steps: u64,
     /// Length of the batch, s.
     pub time: f64,
-    /// Way since the batch began and overlap, m, and reaction, N, of each platen.
-    pub platens: Vec<[f64; 3]>,
+    /// Way since the batch began and overlap, m, and reaction, N, of each loading plate.
+    pub plates: Vec<[f64; 3]>,
     /// Force along the inward normal of each side of the domain, N.
     pub sides: [f64; 6],
     /// Force of the grains on each of their walls, N.
@@ -78,43 +78,43 @@ pub(super) struct Buffers {
     pub order: wgpu::Buffer,
     pub status: wgpu::Buffer,
     pub touching: wgpu::Buffer,
-    pub outside: wgpu::Buffer,
+    pub batch: wgpu::Buffer,
     pub dispatches: wgpu::Buffer,
 }
 
-impl Continuum {
+impl DeviceContinuum {
     /// Takes over the state of `cpu`. Forces that wait there for its next step are not taken.
     ///
     /// # Errors
     /// No adapter; a setting that the GPU path lacks, by name; a state that does not fit into the device's memory.
-    pub fn new(cpu: &mpm::Continuum) -> Result<Continuum> {
-        Continuum::with_platens(cpu, &[])
+    pub fn new(cpu: &mpm::Continuum) -> Result<DeviceContinuum> {
+        DeviceContinuum::with_plates(cpu, &[])
     }
 
-    /// The same, between platens, which stand still until they are driven.
+    /// The same, between loading plates, which stand still until they are driven.
     ///
     /// # Errors
-    /// As [`Self::new`]; a platen that is not allowed; one through the points.
-    pub fn with_platens(cpu: &mpm::Continuum, platens: &[Platen]) -> Result<Continuum> {
-        Continuum::begin(cpu, platens, &vec![0.0; platens.len()], None, None)
+    /// As [`Self::new`]; a loading plate that is not allowed; one through the points.
+    pub fn with_plates(cpu: &mpm::Continuum, plates: &[LoadingPlate]) -> Result<DeviceContinuum> {
+        DeviceContinuum::begin(cpu, plates, &vec![0.0; plates.len()], None, None)
     }
 
-    /// The same with the mean speeds of the platens under servo, m/s, and with grains, or from what [`Self::save`] gave of a continuum with these points and grains.
+    /// The same with the mean speeds of the loading plates under servo, m/s, and with grains, or from what [`Self::save`] gave of a continuum with these points and grains.
     ///
     /// # Errors
-    /// As [`Self::with_platens`]; what the GPU path lacks of grains, by name; a state of other points.
+    /// As [`Self::with_plates`]; what the GPU path lacks of grains, by name; a state of other points.
     pub fn begin(
         cpu: &mpm::Continuum,
-        platens: &[Platen],
+        plates: &[LoadingPlate],
         drifts: &[f64],
-        coarse: Option<&Coarse<'_>>,
+        coarse: Option<&CoarseGrains<'_>>,
         saved: Option<&Saved>,
-    ) -> Result<Continuum> {
+    ) -> Result<DeviceContinuum> {
         takes(cpu.laws())?;
-        sizes(cpu.settings(), cpu.points(), platens, coarse)?;
+        sizes(cpu.settings(), cpu.points(), plates, coarse)?;
         let device = Device::open(coarse.is_some())?;
         let passes = Passes::new(&device, coarse.is_some());
-        Continuum::load(device, passes, cpu, platens, drifts, coarse, saved)
+        DeviceContinuum::load(device, passes, cpu, plates, drifts, coarse, saved)
     }
 
     /// Takes another state over, of as many points and grains as there are now.
@@ -124,12 +124,12 @@ impl Continuum {
     pub fn again(
         &mut self,
         cpu: &mpm::Continuum,
-        platens: &[Platen],
+        plates: &[LoadingPlate],
         drifts: &[f64],
-        coarse: Option<&Coarse<'_>>,
+        coarse: Option<&CoarseGrains<'_>>,
         saved: Option<&Saved>,
     ) -> Result<()> {
-        *self = Continuum::load(self.device.clone(), self.passes.clone(), cpu, platens, drifts, coarse, saved)?;
+        *self = DeviceContinuum::load(self.device.clone(), self.passes.clone(), cpu, plates, drifts, coarse, saved)?;
         Ok(())
     }
 
@@ -137,33 +137,33 @@ impl Continuum {
         device: Device,
         passes: Passes,
         cpu: &mpm::Continuum,
-        platens: &[Platen],
+        plates: &[LoadingPlate],
         drifts: &[f64],
-        coarse: Option<&Coarse<'_>>,
+        coarse: Option<&CoarseGrains<'_>>,
         saved: Option<&Saved>,
-    ) -> Result<Continuum> {
+    ) -> Result<DeviceContinuum> {
         let settings = cpu.settings().clone();
         takes(cpu.laws())?;
-        let (sizes, _) = sizes(&settings, cpu.points(), platens, coarse)?;
+        let (sizes, _) = sizes(&settings, cpu.points(), plates, coarse)?;
         sizes.check(&device.device.limits())?;
         let lightest = cpu.points().velocity.iter().map(|v| v[3]).fold(f64::INFINITY, f64::min);
         let mut params = Params::of(&settings, cpu.points().len(), lightest);
-        params.platens = platens.len() as u32;
+        params.plates = plates.len() as u32;
         params.extents = [1.0; 3];
-        let mut state = state::to_device(&settings, cpu.points(), !platens.is_empty());
-        let mut outside = Outside::default();
-        for ((there, platen), drift) in outside.platens.iter_mut().zip(platens).zip(drifts) {
-            *there = platen::to_device(platen, *drift, &settings);
+        let mut state = state::to_device(&settings, cpu.points(), !plates.is_empty());
+        let mut batch = BatchState::default();
+        for ((there, plate), drift) in batch.plates.iter_mut().zip(plates).zip(drifts) {
+            *there = loading_plate::to_device(plate, *drift, &settings);
         }
         let mut before = (cpu.steps(), cpu.stress_work());
         if let Some(saved) = saved {
             let words: &[[u32; 4]] = bytemuck::try_cast_slice(&saved.state).unwrap_or(&[]);
-            let own: &mut [u32] = bytemuck::cast_slice_mut(&mut outside.platens);
-            if words.len() != state.len() || saved.platens.len() != own.len() {
+            let own: &mut [u32] = bytemuck::cast_slice_mut(&mut batch.plates);
+            if words.len() != state.len() || saved.plates.len() != own.len() {
                 return Err(refused("state", saved.state.len(), format!("words are not those of {} points", cpu.points().len())));
             }
             state.copy_from_slice(words);
-            own.copy_from_slice(&saved.platens);
+            own.copy_from_slice(&saved.plates);
             before.1 = f64::from_bits(saved.work);
         }
         let by_id = state::by_id(&state, cpu.points().len());
@@ -180,17 +180,30 @@ impl Continuum {
             order: device.empty("order", sizes.order, storage),
             status: device.buffer("status", bytemuck::bytes_of(&status), storage | Usage::COPY_DST),
             touching: device.empty("touching", sizes.touching, storage),
-            outside: device.empty("outside", sizes.outside, storage | Usage::COPY_DST),
+            batch: device.empty("batch", sizes.batch, storage | Usage::COPY_DST),
             dispatches: device.empty("dispatches", 48, Usage::STORAGE | Usage::INDIRECT),
         })?;
-        device.queue.write_buffer(&buffers.outside, 0, bytemuck::bytes_of(&outside));
+        device.queue.write_buffer(&buffers.batch, 0, bytemuck::bytes_of(&batch));
         let of_grains = saved.and_then(|saved| saved.grains.as_ref());
-        let bodies = coarse.map(|coarse| Bodies::new(&device, cpu, coarse, platens.len(), of_grains)).transpose()?;
+        let bodies = coarse.map(|coarse| Bodies::new(&device, cpu, coarse, plates.len(), of_grains)).transpose()?;
         let passes = passes.bind(&device, &buffers, bodies.as_ref().map(|b| &b.buffers));
-        let drives = platens.iter().map(|p| Drive::Speed(Ramp::constant(p.speed))).collect();
-        let platens = platens.to_vec();
-        let mut gpu =
-            Continuum { device, passes, buffers, params, settings, sizes, by_id, before, status, outside, platens, drives, bodies };
+        let drives = plates.iter().map(|p| PlateDrive::Speed(Ramp::constant(p.speed))).collect();
+        let plates = plates.to_vec();
+        let mut gpu = DeviceContinuum {
+            device,
+            passes,
+            buffers,
+            params,
+            settings,
+            sizes,
+            by_id,
+            before,
+            status,
+            batch,
+            plates,
+            drives,
+            bodies,
+        };
         gpu.submit(|passes, pass, sizes| passes.prepare(pass, sizes));
         gpu.look()?;
         Ok(gpu)
@@ -204,7 +217,7 @@ impl Continuum {
         self.batch(n, dt, 0.0)
     }
 
-    /// `n` steps of at most `dt` seconds, and at most the share `safety` of what waves and the platens' contacts allow together at each.
+    /// `n` steps of at most `dt` seconds, and at most the share `safety` of what waves and the loading plates' contacts allow together at each.
     ///
     /// # Errors
     /// As [`Self::steps`].
@@ -213,13 +226,13 @@ impl Continuum {
         for (there, drive) in self.params.drives.iter_mut().zip(&self.drives) {
             *there = (*drive).into();
         }
-        let mut outside = Outside { dt: self.params.dt, platens: self.outside.platens, ..Outside::default() };
-        for p in &mut outside.platens {
+        let mut batch = BatchState { dt: self.params.dt, plates: self.batch.plates, ..BatchState::default() };
+        for p in &mut batch.plates {
             (p.way, p.ways, p.overlaps, p.reactions) = Default::default();
         }
         let queue = &self.device.queue;
         queue.write_buffer(&self.buffers.params, 0, bytemuck::bytes_of(&self.params));
-        queue.write_buffer(&self.buffers.outside, 0, bytemuck::bytes_of(&outside));
+        queue.write_buffer(&self.buffers.batch, 0, bytemuck::bytes_of(&batch));
         queue.write_buffer(&self.buffers.status, std::mem::offset_of!(Status, fastest) as u64, &[0; 4]);
         if let Some(bodies) = &self.bodies {
             bodies.prepare(queue);
@@ -264,9 +277,9 @@ impl Continuum {
     /// A device that was lost.
     pub fn save(&self) -> Result<Saved> {
         let bytes = self.words()?;
-        let platens: &[u32] = bytemuck::cast_slice(&self.outside.platens);
+        let plates: &[u32] = bytemuck::cast_slice(&self.batch.plates);
         let grains = self.bodies.as_ref().map(|b| b.save(&self.device, self.steps_done())).transpose()?;
-        Ok(Saved { state: bytemuck::pod_collect_to_vec(&bytes), platens: platens.to_vec(), work: self.before.1.to_bits(), grains })
+        Ok(Saved { state: bytemuck::pod_collect_to_vec(&bytes), plates: plates.to_vec(), work: self.before.1.to_bits(), grains })
     }
 
     fn words(&self) -> Result<Vec<u8>> {
@@ -293,25 +306,25 @@ impl Continuum {
         &self.device.adapter
     }
 
-    /// The platens as they feel the points after the last batch.
-    pub fn platens(&self) -> &[Platen] {
-        &self.platens
+    /// The loading plates as they feel the points after the last batch.
+    pub fn plates(&self) -> &[LoadingPlate] {
+        &self.plates
     }
 
-    /// Mean speed of the platen `k` under servo, m/s.
+    /// Mean speed of the loading plate `k` under servo, m/s.
     pub fn drift(&self, k: usize) -> f64 {
-        self.outside.platens[k].drift.into()
+        self.batch.plates[k].drift.into()
     }
 
     /// What the last batch left.
     pub fn means(&self) -> Means {
-        let Outside { time, count, sides, platens, .. } = self.outside;
+        let BatchState { time, count, sides, plates, .. } = self.batch;
         let n = f64::from(count.max(1));
         let mean = |sum: [f32; 2]| both(sum) / n;
         Means {
             steps: count.into(),
             time: both(time),
-            platens: platens[..self.platens.len()].iter().map(|p| [p.ways, p.overlaps, p.reactions].map(mean)).collect(),
+            plates: plates[..self.plates.len()].iter().map(|p| [p.ways, p.overlaps, p.reactions].map(mean)).collect(),
             sides: sides.map(mean),
             grains: self.bodies.as_ref().map(|b| b.reactions(count.into())).unwrap_or_default(),
         }
@@ -321,10 +334,15 @@ impl Continuum {
     ///
     /// # Errors
     /// As [`Self::read_back`].
-    pub fn read_grains(&self, coarse: (&Physics, &GhostTable), mixture: &mut Mixture, cpu: &mut mpm::Continuum) -> Result<()> {
+    pub fn read_grains(
+        &self,
+        coarse: (&Physics, &PointContactTable),
+        mixture: &mut Mixture,
+        cpu: &mut mpm::Continuum,
+    ) -> Result<()> {
         let Some(bodies) = &self.bodies else { return Ok(()) };
         let point = self.places(cpu);
-        let dt = f64::from(self.outside.dt) / f64::from(bodies.coupling.rates);
+        let dt = f64::from(self.batch.dt) / f64::from(bodies.coupling.rates);
         bodies.read_back((&self.device, self.steps_done()), coarse, mixture, cpu, &point, dt)
     }
 
@@ -340,18 +358,18 @@ impl Continuum {
     /// Where the last batch has ended between two steps of the grains: those done in the step that was begun, and the length of that, s.
     pub fn within(&self) -> Option<(u32, f64)> {
         let bodies = self.bodies.as_ref().filter(|b| b.mix.sub > 0)?;
-        Some((bodies.mix.sub, self.outside.dt.into()))
+        Some((bodies.mix.sub, self.batch.dt.into()))
     }
 
     /// Pushes the points of `cpu` as contacts have pushed them in the step that was begun.
     ///
     /// # Errors
     /// A device that was lost.
-    pub fn give(&self, cpu: &mut mpm::Continuum) -> Result<()> {
+    pub fn apply_point_forces(&self, cpu: &mut mpm::Continuum) -> Result<()> {
         let Some(bodies) = &self.bodies else { return Ok(()) };
         let point = self.places(cpu);
         for ((force, stiffness), i) in bodies.pushes(&self.device, self.steps_done())?.into_iter().zip(point) {
-            cpu.push(i as usize, force, stiffness);
+            cpu.add_external_force(i as usize, force, stiffness);
         }
         Ok(())
     }
@@ -370,9 +388,9 @@ impl Continuum {
         }
     }
 
-    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s², at the end of the last batch.
-    pub fn bounds(&self, platens: &[Platen]) -> (f64, f64) {
-        self.bodies.as_ref().map_or((f64::INFINITY, 0.0), |bodies| bodies.bounds(platens))
+    /// What the grains' own contacts allow, s, and what those of points with grains and loading plates add to the square of a frequency, 1/s², at the end of the last batch.
+    pub fn bounds(&self, plates: &[LoadingPlate]) -> (f64, f64) {
+        self.bodies.as_ref().map_or((f64::INFINITY, 0.0), |bodies| bodies.bounds(plates))
     }
 
     /// Whether the last batch has ended because a grain is over its limit. The next one does nothing until a state has been taken over.
@@ -390,19 +408,19 @@ impl Continuum {
         self.settings.cell / f64::from(f32::from_bits(self.status.fastest))
     }
 
-    /// Another drive for the platen `k` from the next batch on.
+    /// Another drive for the loading plate `k` from the next batch on.
     ///
     /// # Errors
-    /// There is no such platen.
-    pub fn drive(&mut self, k: usize, drive: Drive) -> Result<()> {
+    /// There is no such loading plate.
+    pub fn drive(&mut self, k: usize, drive: PlateDrive) -> Result<()> {
         let count = self.drives.len();
         let own = self.drives.get_mut(k).ok_or_else(|| refused("platen", k, format!("there are {count}, counted from 0")))?;
         *own = drive;
         Ok(())
     }
 
-    /// What the material extends over along each axis, m, for platens that hold a stress in the next batch: `extents` and, where it follows
-    /// them, each platen's mean overlap less its way since the batch began. Until it is told, extents are 1 m and stay so.
+    /// What the material extends over along each axis, m, for loading plates that hold a stress in the next batch: `extents` and, where it follows
+    /// them, each loading plate's mean overlap less its way since the batch began. Until it is told, extents are 1 m and stay so.
     pub fn material(&mut self, extents: [f64; 3], follows: bool) {
         (self.params.extents, self.params.follows) = (extents.map(|x| x as f32), f32::from(follows));
     }
@@ -415,7 +433,7 @@ impl Continuum {
                 points: self.params.point_groups,
                 nodes: groups(self.params.nodes),
                 walls: self.walls(),
-                platens: !self.platens.is_empty(),
+                plates: !self.plates.is_empty(),
                 grains: self.bodies.as_ref().map(|b| GrainGroups {
                     rows: groups(b.coupling.rows),
                     grains: groups(b.coupling.grains),
@@ -435,17 +453,17 @@ impl Continuum {
     /// Waits, and reads what the batches have left.
     fn look(&mut self) -> Result<()> {
         let mut parts =
-            vec![(&self.buffers.status, size_of::<Status>() as u64), (&self.buffers.outside, size_of::<Outside>() as u64)];
+            vec![(&self.buffers.status, size_of::<Status>() as u64), (&self.buffers.batch, size_of::<BatchState>() as u64)];
         parts.extend(self.bodies.as_ref().map(|b| (&b.buffers.mix, size_of::<grains::Mix>() as u64)));
         let bytes = self.device.read(&parts, self.steps_done())?;
         let (status, rest) = bytes.split_at(size_of::<Status>());
-        let (outside, mix) = rest.split_at(size_of::<Outside>());
+        let (batch, mix) = rest.split_at(size_of::<BatchState>());
         if let Some(bodies) = &mut self.bodies {
             bodies.mix = bytemuck::pod_read_unaligned(mix);
         }
-        (self.status, self.outside) = (bytemuck::pod_read_unaligned(status), bytemuck::pod_read_unaligned(outside));
-        for (platen, there) in self.platens.iter_mut().zip(&self.outside.platens) {
-            platen::take(platen, there, &self.settings);
+        (self.status, self.batch) = (bytemuck::pod_read_unaligned(status), bytemuck::pod_read_unaligned(batch));
+        for (plate, there) in self.plates.iter_mut().zip(&self.batch.plates) {
+            loading_plate::take(plate, there, &self.settings);
         }
         let Status { fault, .. } = self.status;
         if fault == u32::MAX {
@@ -465,7 +483,7 @@ impl Continuum {
             2 => "has passed more than one cell in a step: use a smaller time step",
             3 => "is turned inside out (volume not positive): use a smaller time step, a finer grid, or a stiffer law",
             // found by what comes after a step
-            5 => return Err(mpm::platen::passed(self.steps_done(), id)),
+            5 => return Err(mpm::loading_plate::passed(self.steps_done(), id)),
             6 => &crowded,
             7 => "came near a grain as one of more than there is room for: go on on the processor",
             _ => {
@@ -487,12 +505,12 @@ impl Continuum {
     }
 }
 
-/// Workgroups of the passes, and whether there are walls and platens.
+/// Workgroups of the passes, and whether there are walls and loading plates.
 pub(super) struct Groups {
     pub points: [u32; 2],
     pub nodes: [u32; 2],
     pub walls: bool,
-    pub platens: bool,
+    pub plates: bool,
     pub grains: Option<GrainGroups>,
 }
 

@@ -1,7 +1,7 @@
 //! The graphics adapter: choice, set-up, and what it says when something goes wrong.
 
 use super::grains;
-use super::memory::Sizes;
+use super::memory::BufferSizes;
 use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::util::DeviceExt;
@@ -30,7 +30,7 @@ pub fn available() -> Option<Adapter> {
 ///
 /// # Errors
 /// No adapter; a buffer that it cannot have.
-pub fn holding(sizes: &Sizes, of_grains: Option<&grains::Sizes>) -> Result<Adapter> {
+pub fn holding(sizes: &BufferSizes, of_grains: Option<&grains::GrainBufferSizes>) -> Result<Adapter> {
     let adapter = adapter()?;
     sizes.check(&adapter.limits())?;
     if let Some(sizes) = of_grains {

@@ -141,15 +141,15 @@ fn inside(law: &Law32, s: YieldParameters, i1: f32, j: f32) -> bool {
 
 fn returned(law: &Law32, s: YieldParameters, i1: f32, j: f32) -> Returned {
     let cut = cut_of(law, s);
-    let outside = j + s.alpha * i1 - s.kappa;
+    let excess = j + s.alpha * i1 - s.kappa;
     if i1 <= cut {
-        if outside <= 0.0 {
+        if excess <= 0.0 {
             return NONE;
         }
     } else if j <= corner(s, cut) {
         return Returned { di1: cut - i1, ..NONE };
     }
-    let multiplier = outside / (law.shear + law.volume_return * s.alpha);
+    let multiplier = excess / (law.shear + law.volume_return * s.alpha);
     let di1 = -law.volume_return * multiplier;
     if i1 + di1 > cut {
         return Returned { di1: cut - i1, dj: corner(s, cut) - j, on_cone: false };

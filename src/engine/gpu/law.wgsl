@@ -11,14 +11,14 @@ struct Step {
     plastic: f32,
 }
 
-struct Strength {
+struct YieldParameters {
     alpha: f32,
     kappa: f32,
 }
 
 struct Surface {
-    strength: Strength,
-    slope: Strength,
+    yield_parameters: YieldParameters,
+    slope: YieldParameters,
 }
 
 struct Value {
@@ -83,14 +83,14 @@ fn edge(angle: Value, cohesion: Value, s: f32, c: f32, sign: f32) -> Surface {
     let dalpha = 3.0 * root * c * (below * below);
     let dk = 3.0 * root * (-s * below - sign * (c * c) * (below * below));
     return Surface(
-        Strength(root * s * below, k * cohesion.value),
-        Strength(dalpha * angle.slope, dk * angle.slope * cohesion.value + k * cohesion.slope),
+        YieldParameters(root * s * below, k * cohesion.value),
+        YieldParameters(dalpha * angle.slope, dk * angle.slope * cohesion.value + k * cohesion.slope),
     );
 }
 
 fn surface(id: u32, plastic: f32) -> Surface {
     if plastic >= laws[id].settled {
-        return Surface(Strength(laws[id].last_alpha, laws[id].last_kappa), Strength(0.0, 0.0));
+        return Surface(YieldParameters(laws[id].last_alpha, laws[id].last_kappa), YieldParameters(0.0, 0.0));
     }
     let angle = evolution_at(laws[id].friction, plastic);
     let cohesion = evolution_at(laws[id].cohesion, plastic);
@@ -108,40 +108,40 @@ fn surface(id: u32, plastic: f32) -> Surface {
     let dalpha = 9.0 * c * cube;
     let dk = -3.0 * s * below - 9.0 * s * c * c * cube;
     return Surface(
-        Strength(s * below, k * cohesion.value),
-        Strength(dalpha * angle.slope, dk * angle.slope * cohesion.value + k * cohesion.slope),
+        YieldParameters(s * below, k * cohesion.value),
+        YieldParameters(dalpha * angle.slope, dk * angle.slope * cohesion.value + k * cohesion.slope),
     );
 }
 
-fn cut_of(id: u32, s: Strength) -> f32 {
+fn cut_of(id: u32, s: YieldParameters) -> f32 {
     if s.alpha > 0.0 {
         return min(laws[id].cut, s.kappa / s.alpha);
     }
     return laws[id].cut;
 }
 
-fn corner(s: Strength, cut: f32) -> f32 {
+fn corner(s: YieldParameters, cut: f32) -> f32 {
     if s.alpha > 0.0 {
         return max(s.kappa - s.alpha * cut, 0.0);
     }
     return s.kappa;
 }
 
-fn inside(id: u32, s: Strength, i1: f32, j: f32) -> bool {
+fn inside(id: u32, s: YieldParameters, i1: f32, j: f32) -> bool {
     return j + s.alpha * i1 <= s.kappa && i1 <= cut_of(id, s);
 }
 
-fn returned(id: u32, s: Strength, i1: f32, j: f32) -> Returned {
+fn returned(id: u32, s: YieldParameters, i1: f32, j: f32) -> Returned {
     let cut = cut_of(id, s);
-    let outside = j + s.alpha * i1 - s.kappa;
+    let excess = j + s.alpha * i1 - s.kappa;
     if i1 <= cut {
-        if outside <= 0.0 {
+        if excess <= 0.0 {
             return Returned(0.0, 0.0, false);
         }
     } else if j <= corner(s, cut) {
         return Returned(cut - i1, 0.0, false);
     }
-    let multiplier = outside / (laws[id].shear + laws[id].volume_return * s.alpha);
+    let multiplier = excess / (laws[id].shear + laws[id].volume_return * s.alpha);
     let di1 = -laws[id].volume_return * multiplier;
     if i1 + di1 > cut {
         return Returned(cut - i1, corner(s, cut) - j, false);
@@ -161,7 +161,7 @@ fn largest_increment(id: u32, i1: f32, j: f32) -> f32 {
     return sqrt((multiplier * multiplier) * 0.33333333 + (volume * volume) * 0.22222222) * 1.00001 + 1e-30;
 }
 
-fn at_jump(id: u32, i1: f32, j: f32, increment: f32, s: Strength) -> Returned {
+fn at_jump(id: u32, i1: f32, j: f32, increment: f32, s: YieldParameters) -> Returned {
     let multiplier = increment / laws[id].per_multiplier;
     let end = Returned(-laws[id].volume_return * multiplier, -laws[id].shear * multiplier, true);
     if j + end.dj >= 0.0 && inside(id, s, i1 + end.di1, j + end.dj) {
@@ -177,7 +177,7 @@ fn hardened(id: u32, i1: f32, j: f32, before: f32, first: Surface) -> Hardened {
     var at = 0.0;
     var now = first;
     for (var round = 0; round < 40; round++) {
-        let end = returned(id, now.strength, i1, j);
+        let end = returned(id, now.yield_parameters, i1, j);
         let increment = increment_of(id, end);
         let rest = at - increment;
         if abs(rest) <= 1e-6 * increment + noise {
@@ -190,7 +190,7 @@ fn hardened(id: u32, i1: f32, j: f32, before: f32, first: Surface) -> Hardened {
         }
         var tangent = 1.0;
         if end.on_cone {
-            let stiffness = laws[id].shear + laws[id].volume_return * now.strength.alpha;
+            let stiffness = laws[id].shear + laws[id].volume_return * now.yield_parameters.alpha;
             tangent = 1.0 - laws[id].per_multiplier * ((i1 + end.di1) * now.slope.alpha - now.slope.kappa) / stiffness;
         }
         let next = at - rest / tangent;
@@ -204,7 +204,7 @@ fn hardened(id: u32, i1: f32, j: f32, before: f32, first: Surface) -> Hardened {
         }
         now = surface(id, before + at);
     }
-    return Hardened(at_jump(id, i1, j, high, surface(id, before + high).strength), high);
+    return Hardened(at_jump(id, i1, j, high, surface(id, before + high).yield_parameters), high);
 }
 
 fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
@@ -221,12 +221,12 @@ fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     let d = normal - normal.yzx;
     let j = sqrt((d.x * d.x + d.y * d.y + d.z * d.z) * 0.16666667 + (shear.x * shear.x + shear.y * shear.y + shear.z * shear.z));
     let now = surface(id, plastic);
-    if inside(id, now.strength, i1, j) {
+    if inside(id, now.yield_parameters, i1, j) {
         return Step(elastic, 0.0);
     }
     var end = Hardened(Returned(0.0, 0.0, false), 0.0);
     if plastic >= laws[id].settled {
-        let there = returned(id, now.strength, i1, j);
+        let there = returned(id, now.yield_parameters, i1, j);
         end = Hardened(there, increment_of(id, there));
     } else {
         end = hardened(id, i1, j, plastic, now);

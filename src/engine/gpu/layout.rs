@@ -1,7 +1,7 @@
 //! What the shaders read, with the same offsets (`params.wgsl`), in f32.
 
 use crate::mpm::law::{Cone, Evolution, Law};
-use crate::mpm::{Drive, Ramp, Settings, Transfer, Wall};
+use crate::mpm::{GridWall, PlateDrive, Ramp, Settings, Transfer};
 use bytemuck::{Pod, Zeroable};
 
 /// Stands for infinity, which shaders may not know.
@@ -27,18 +27,18 @@ pub struct Params {
     pub crowd: u32,
     pub point_groups: [u32; 2],
     pub cell_groups: [u32; 2],
-    pub platens: u32,
+    pub plates: u32,
     pub safety: f32,
     pub extents: [f32; 3],
     pub follows: f32,
     pub walls: [[u32; 4]; 6],
-    pub drives: [Drive32; 6],
+    pub drives: [PlateDrive32; 6],
 }
 
-/// How a platen moves.
+/// How a loading plate moves.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Drive32 {
+pub struct PlateDrive32 {
     pub kind: u32,
     pub value: f32,
     pub slope: f32,
@@ -49,22 +49,23 @@ pub struct Drive32 {
     pub unused: f32,
 }
 
-impl From<Drive> for Drive32 {
-    fn from(drive: Drive) -> Drive32 {
-        let ramp = |r: Ramp| Drive32 { value: r.value as f32, slope: r.slope as f32, end: r.end as f32, ..Drive32::default() };
+impl From<PlateDrive> for PlateDrive32 {
+    fn from(drive: PlateDrive) -> PlateDrive32 {
+        let ramp =
+            |r: Ramp| PlateDrive32 { value: r.value as f32, slope: r.slope as f32, end: r.end as f32, ..PlateDrive32::default() };
         match drive {
-            Drive::Speed(speed) => ramp(speed),
-            Drive::Stress { target, gain, reach, memory } => {
-                Drive32 { kind: 1, gain: gain as f32, reach: reach as f32, memory: (1.0 / memory) as f32, ..ramp(target) }
+            PlateDrive::Speed(speed) => ramp(speed),
+            PlateDrive::Stress { target, gain, reach, memory } => {
+                PlateDrive32 { kind: 1, gain: gain as f32, reach: reach as f32, memory: (1.0 / memory) as f32, ..ramp(target) }
             }
         }
     }
 }
 
-/// A platen and what is known of it; sums are pairs of a number and what does not fit into it.
+/// A loading plate and what is known of it; sums are pairs of a number and what does not fit into it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Platen32 {
+pub struct LoadingPlate32 {
     pub axis: u32,
     pub normal: f32,
     pub cell: i32,
@@ -90,12 +91,12 @@ pub struct Platen32 {
 /// What stands before the forces on points.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Outside {
+pub struct BatchState {
     pub time: [f32; 2],
     pub dt: f32,
     pub count: u32,
     pub sides: [[f32; 2]; 6],
-    pub platens: [Platen32; 6],
+    pub plates: [LoadingPlate32; 6],
 }
 
 impl Params {
@@ -134,12 +135,12 @@ pub fn groups(threads: u32) -> [u32; 2] {
     [all.div_ceil(y), y]
 }
 
-fn wall(wall: Wall) -> [u32; 4] {
+fn wall(wall: GridWall) -> [u32; 4] {
     match wall {
-        Wall::Open => [0; 4],
-        Wall::Symmetry => [1, 0, 0, 0],
-        Wall::Stick => [2, 0, 0, 0],
-        Wall::Friction { friction } => [3, (friction as f32).to_bits(), 0, 0],
+        GridWall::Open => [0; 4],
+        GridWall::Symmetry => [1, 0, 0, 0],
+        GridWall::Stick => [2, 0, 0, 0],
+        GridWall::Friction { friction } => [3, (friction as f32).to_bits(), 0, 0],
     }
 }
 

@@ -1,46 +1,46 @@
 //! What a continuum needs on the device, found before anything is allocated.
 
 use super::device::refused;
-use super::layout::{Outside, groups};
+use super::layout::{BatchState, groups};
 use super::state::planes;
 use crate::error::Result;
 use crate::mpm::Settings;
 
 /// Bytes of each buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sizes {
+pub struct BufferSizes {
     pub state: u64,
     pub nodes: u64,
     pub starts: u64,
     pub counts: u64,
     pub order: u64,
     pub touching: u64,
-    pub outside: u64,
+    pub batch: u64,
 }
 
-impl Sizes {
-    /// For a number of points, with or without platens; the grid is that of the whole domain.
-    pub fn of(settings: &Settings, points: u64, platens: bool) -> Sizes {
+impl BufferSizes {
+    /// For a number of points, with or without loading plates; the grid is that of the whole domain.
+    pub fn of(settings: &Settings, points: u64, plates: bool) -> BufferSizes {
         let n = settings.cells.map(u128::from);
         let all = |more: u128| n.iter().map(|n| n + more).product::<u128>().min(1 << 40) as u64;
         let (cells, nodes) = (all(1), all(3));
         let [x, y] = groups(u32::try_from(points).unwrap_or(u32::MAX));
         let sides: u64 = n.map(|n| nodes / (n as u64 + 3)).iter().sum();
-        Sizes {
-            state: 16 * planes(platens) as u64 * points,
+        BufferSizes {
+            state: 16 * planes(plates) as u64 * points,
             nodes: 48 * nodes,
             starts: 4 * (cells + 1 + cells.div_ceil(256)),
             counts: 4 * cells,
             order: 4 * points,
             touching: 8 * sides,
             // force on each point, and sums of groups of points
-            outside: size_of::<Outside>() as u64 + 16 + if platens { 16 * points + 96 * (u64::from(x) * u64::from(y)) } else { 0 },
+            batch: size_of::<BatchState>() as u64 + 16 + if plates { 16 * points + 96 * (u64::from(x) * u64::from(y)) } else { 0 },
         }
     }
 
     /// All of them.
     pub fn sum(&self) -> u64 {
-        self.state + self.nodes + self.starts + self.counts + self.order + self.touching + self.outside
+        self.state + self.nodes + self.starts + self.counts + self.order + self.touching + self.batch
     }
 
     /// # Errors
@@ -52,7 +52,7 @@ impl Sizes {
         for (what, bytes, most, advice) in [
             ("memory of the points", self.state, most, "use fewer points"),
             ("memory of the grid", self.nodes, most.min(48 << 30), "use a smaller domain or larger cells"),
-            ("memory of the platens", self.outside, most, "use fewer points"),
+            ("memory of the platens", self.batch, most, "use fewer points"),
             ("memory of the cells", self.counts, most.min(cells), "use a smaller domain or larger cells"),
         ] {
             if bytes > most {

@@ -11,7 +11,7 @@ const SHEAR: u32 = 5u; // stress xy, yz, zx; plastic strain
 const NORMAL_LOW: u32 = 6u; // low parts
 const SHEAR_LOW: u32 = 7u;
 const ENERGY: u32 = 8u; // stress work, its low part, id, ghost radius
-// between platens only
+// between loading plates only
 const ARM: u32 = 9u; // how far beside the point its face lies across each axis, cells; 0 where nothing presses
 const ARM_LOW: u32 = 10u;
 
@@ -207,15 +207,15 @@ fn project(one: Thread) {
 }
 
 // Local damping −α |f| sign(v) of what walls have left of the force; what friction has stopped stays so. Then v ← v + Δv.
-fn pushed(k: u32, v: vec3<f32>, felt_change: vec4<f32>) {
-    let dv = felt_change.xyz;
+fn damped_velocity(k: u32, v: vec3<f32>, change_and_rate: vec4<f32>) {
+    let dv = change_and_rate.xyz;
     let moves = (v != vec3<f32>(0.0)) & (v + dv != vec3<f32>(0.0));
     let change = select(dv, dv - params.damping * abs(dv) * sign(v), moves);
     nodes[SPEED * params.nodes + k] = vec4<f32>(v + change, 0.0);
-    nodes[CHANGE * params.nodes + k] = vec4<f32>(change, felt_change.w);
+    nodes[CHANGE * params.nodes + k] = vec4<f32>(change, change_and_rate.w);
 }
 
-// Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of platens and grains (eq. 29), gravity, and the new velocity (eq. 28).
+// Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of loading plates and grains (eq. 29), gravity, and the new velocity (eq. 28).
 @compute @workgroup_size(64)
 fn accelerate(one: Thread) {
     let k = linear(one);
@@ -252,8 +252,8 @@ fn accelerate(one: Thread) {
                         b.x * g.x + a.y * g.y + b.y * g.z,
                         b.z * g.x + b.y * g.y + a.z * g.z,
                     );
-                if params.platens > 0u {
-                    let push = outside.parts[i];
+                if params.plates > 0u {
+                    let push = batch.parts[i];
                     if any(push.xyz != vec3<f32>(0.0)) {
                         // each component on its face
                         let there = at_faces(d, o, number(ARM, i).xyz, w);
@@ -263,17 +263,17 @@ fn accelerate(one: Thread) {
                     }
                 }
                 if GRAINS {
-                    pressed += grains_push(i) * (w.x * w.y * w.z);
+                    pressed += force_of_grains(i) * (w.x * w.y * w.z);
                 }
             }
         }
     }
     let force = m * params.gravity - internal * params.inverse_cell + pressed.xyz;
-    let felt_rate = pressed.w / m;
+    let stiffness_rate = pressed.w / m;
     if near_wall(at) {
         nodes[SPEED * params.nodes + k] = momentum;
-        nodes[CHANGE * params.nodes + k] = vec4<f32>(force * outside.dt, felt_rate);
+        nodes[CHANGE * params.nodes + k] = vec4<f32>(force * batch.dt, stiffness_rate);
     } else {
-        pushed(k, nodes[SPEED * params.nodes + k].xyz, vec4<f32>(force * (outside.dt / m), felt_rate));
+        damped_velocity(k, nodes[SPEED * params.nodes + k].xyz, vec4<f32>(force * (batch.dt / m), stiffness_rate));
     }
 }

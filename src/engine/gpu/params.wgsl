@@ -25,19 +25,19 @@ struct Params {
     // number of workgroups along x and y for one thread per point, per cell
     point_groups: vec2<u32>,
     cell_groups: vec2<u32>,
-    platens: u32,
+    plates: u32,
     // share of what waves and contacts allow that a step may have; 0: it is `dt`
     safety: f32,
-    // what the material extends over along each axis, less overlaps, when the batch begins, m; whether it follows the platens (1) or stays (0)
+    // what the material extends over along each axis, less overlaps, when the batch begins, m; whether it follows the loading plates (1) or stays (0)
     extents: vec3<f32>,
     follows: f32,
     // x low, x high, y low, …: kind (0 open, 1 symmetry, 2 stick, 3 friction), bits of the friction coefficient
     walls: array<vec4<u32>, 6>,
-    drives: array<Drive, 6>,
+    drives: array<PlateDrive, 6>,
 }
 
-// How a platen moves: 0 at a speed, m/s, 1 towards a stress, Pa; both from `value` with `slope` to `end`. mpm/drive.rs says what the others are.
-struct Drive {
+// How a loading plate moves: 0 at a speed, m/s, 1 towards a stress, Pa; both from `value` with `slope` to `end`. mpm/plate_drive.rs says what the others are.
+struct PlateDrive {
     kind: u32,
     value: f32,
     slope: f32,

@@ -6,8 +6,8 @@ use super::{grains, shader};
 
 /// Names of the entry points that all share one layout.
 const NAMES: [&str; 18] = [
-    "press",
-    "feel",
+    "plate_forces",
+    "sum_plate_loads",
     "drive",
     "survey",
     "project",
@@ -27,11 +27,12 @@ const NAMES: [&str; 18] = [
 ];
 
 /// Those of grains.
-const OF_GRAINS: [&str; 6] = ["shift", "near_points", "near_grains", "touch", "bear", "mind"];
+const OF_GRAINS: [&str; 6] =
+    ["move_grains", "point_candidates", "grain_candidates", "point_contact_forces", "grain_forces", "step_bound"];
 
-/// Offsets of the sizes that `shelve` writes.
-const NEAR_POINTS: u64 = 0;
-const NEAR_GRAINS: u64 = 12;
+/// Offsets of the sizes that `build_grid` writes.
+const POINT_CANDIDATES: u64 = 0;
+const GRAIN_CANDIDATES: u64 = 12;
 
 /// Offsets of the sizes that `plan` writes.
 const CELLS: u64 = 0;
@@ -45,14 +46,14 @@ pub struct Passes {
     pipelines: Vec<wgpu::ComputePipeline>,
     plan: wgpu::ComputePipeline,
     /// Where there are grains.
-    shelve: Option<wgpu::ComputePipeline>,
+    build_grid: Option<wgpu::ComputePipeline>,
     /// State, sizes of dispatches, grains.
     layouts: [wgpu::BindGroupLayout; 3],
-    bound: Option<Bound>,
+    bound: Option<BindGroups>,
 }
 
 #[derive(Clone)]
-struct Bound {
+struct BindGroups {
     state: wgpu::BindGroup,
     sizes: wgpu::BindGroup,
     dispatches: wgpu::Buffer,
@@ -106,12 +107,12 @@ impl Passes {
         let names = NAMES.iter().chain(if with_grains { &OF_GRAINS[..] } else { &[] });
         let pipelines = names.map(|name| pipeline(name, &common)).collect();
         let plan = pipeline("plan", &planning);
-        let shelve = with_grains.then(|| pipeline("shelve", &of("shelving", &[state, grains, sizes])));
-        Passes { pipelines, plan, shelve, layouts, bound: None }
+        let build_grid = with_grains.then(|| pipeline("build_grid", &of("building the grid", &[state, grains, sizes])));
+        Passes { pipelines, plan, build_grid, layouts, bound: None }
     }
 
-    pub fn bind(mut self, device: &Device, b: &Buffers, grains: Option<&grains::Buffers>) -> Passes {
-        let buffers = [&b.params, &b.laws, &b.state, &b.nodes, &b.starts, &b.counts, &b.order, &b.status, &b.touching, &b.outside];
+    pub fn bind(mut self, device: &Device, b: &Buffers, grains: Option<&grains::GrainBuffers>) -> Passes {
+        let buffers = [&b.params, &b.laws, &b.state, &b.nodes, &b.starts, &b.counts, &b.order, &b.status, &b.touching, &b.batch];
         let group = |layout, buffers: &[&wgpu::Buffer]| {
             let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
                 .zip(buffers)
@@ -119,11 +120,11 @@ impl Passes {
                 .collect();
             device.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
         };
-        let of_grains = |g: &grains::Buffers| {
+        let of_grains = |g: &grains::GrainBuffers| {
             let all = [&g.coupling, &g.tables, &g.grains, &g.slots, &g.rows, &g.mix, &g.lists, &g.pushes];
             (group(&self.layouts[2], &all), group(&self.layouts[1], &[&g.searches]), g.searches.clone())
         };
-        self.bound = Some(Bound {
+        self.bound = Some(BindGroups {
             state: group(&self.layouts[0], &buffers),
             sizes: group(&self.layouts[1], &[&b.dispatches]),
             dispatches: b.dispatches.clone(),
@@ -143,7 +144,7 @@ impl Passes {
 
     /// Order of the points, if one has crossed.
     fn sort(&self, pass: &mut wgpu::ComputePass<'_>) {
-        let Some(Bound { sizes, dispatches, grains, .. }) = &self.bound else { return };
+        let Some(BindGroups { sizes, dispatches, grains, .. }) = &self.bound else { return };
         pass.set_pipeline(&self.plan);
         pass.set_bind_group(1, sizes, &[]);
         pass.dispatch_workgroups(1, 1, 1);
@@ -171,7 +172,7 @@ impl Passes {
     }
 
     fn start(&self, pass: &mut wgpu::ComputePass<'_>) {
-        if let Some(Bound { state, grains, .. }) = &self.bound {
+        if let Some(BindGroups { state, grains, .. }) = &self.bound {
             pass.set_bind_group(0, state, &[]);
             if let Some((all, ..)) = grains {
                 pass.set_bind_group(1, all, &[]);
@@ -180,30 +181,30 @@ impl Passes {
     }
 
     /// What grains bear at this instant, after a step of theirs.
-    fn feel(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
-        let (Some(shelve), Some(Bound { grains: Some((_, sizes, searches)), .. }), Some(grains)) =
-            (&self.shelve, &self.bound, &groups.grains)
+    fn compute_grain_forces(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
+        let (Some(build_grid), Some(BindGroups { grains: Some((_, sizes, searches)), .. }), Some(grains)) =
+            (&self.build_grid, &self.bound, &groups.grains)
         else {
             return;
         };
-        pass.set_pipeline(shelve);
+        pass.set_pipeline(build_grid);
         pass.set_bind_group(2, sizes, &[]);
         pass.dispatch_workgroups(1, 1, 1);
         pass.set_bind_group(2, None, &[]);
-        for (name, offset) in [("near_points", NEAR_POINTS), ("near_grains", NEAR_GRAINS)] {
+        for (name, offset) in [("point_candidates", POINT_CANDIDATES), ("grain_candidates", GRAIN_CANDIDATES)] {
             pass.set_pipeline(self.pipeline(name));
             pass.dispatch_workgroups_indirect(searches, offset);
         }
-        self.run(pass, "touch", grains.rows);
-        self.run(pass, "bear", grains.each);
-        self.run(pass, "mind", [1, 1]);
+        self.run(pass, "point_contact_forces", grains.rows);
+        self.run(pass, "grain_forces", grains.each);
+        self.run(pass, "step_bound", [1, 1]);
     }
 
-    /// What platens feel of the points as they are.
-    fn press(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
-        if groups.platens {
-            self.run(pass, "press", groups.points);
-            self.run(pass, "feel", [1, 1]);
+    /// What loading plates feel of the points as they are.
+    fn compute_plate_forces(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
+        if groups.plates {
+            self.run(pass, "plate_forces", groups.points);
+            self.run(pass, "sum_plate_loads", [1, 1]);
         }
     }
 
@@ -212,22 +213,22 @@ impl Passes {
         self.start(pass);
         self.sort(pass);
         self.project(pass, groups);
-        self.press(pass, groups);
-        self.feel(pass, groups);
+        self.compute_plate_forces(pass, groups);
+        self.compute_grain_forces(pass, groups);
         self.run(pass, "survey", groups.points);
     }
 
-    /// One step; the order of mpm/step.rs, from what platens feel to what they feel.
+    /// One step; the order of mpm/step.rs, from what loading plates feel to what they feel.
     pub fn step(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
         self.start(pass);
-        if groups.platens || groups.grains.is_some() {
+        if groups.plates || groups.grains.is_some() {
             self.run(pass, "drive", [1, 1]);
         }
         if let Some(grains) = &groups.grains {
-            self.run(pass, "shift", grains.grains);
+            self.run(pass, "move_grains", grains.grains);
             for _ in 1..grains.rates {
-                self.feel(pass, groups);
-                self.run(pass, "shift", grains.grains);
+                self.compute_grain_forces(pass, groups);
+                self.run(pass, "move_grains", grains.grains);
             }
         }
         self.run(pass, "accelerate", groups.nodes);
@@ -239,8 +240,8 @@ impl Passes {
         self.project(pass, groups);
         self.run(pass, "strain", groups.points);
         self.run(pass, "finish", [1, 1]);
-        self.press(pass, groups);
-        self.feel(pass, groups);
+        self.compute_plate_forces(pass, groups);
+        self.compute_grain_forces(pass, groups);
     }
 
     /// What a batch leaves besides.

@@ -1,6 +1,6 @@
 // What points take from the nodes: one thread per point. Twins: mpm/pass.rs, mpm/stress.rs (f64), compared by rung 3.
 
-fn tell(fault: u32, i: u32) {
+fn report_fault(fault: u32, i: u32) {
     atomicMin(&status.fault, 8u * word(ENERGY, i).z + fault);
 }
 
@@ -16,7 +16,7 @@ fn advance(one: Thread) {
     let base = cell_place(place.w);
     let wx = array<vec3<f32>, 3>(value(vec3<i32>(0), o), value(vec3<i32>(1), o), value(vec3<i32>(2), o));
     var field = vec3<f32>(0.0);
-    var felt_gain = vec4<f32>(0.0);
+    var gain_and_rate = vec4<f32>(0.0);
     for (var z = 0; z < 3; z++) {
         for (var y = 0; y < 3; y++) {
             let w = wx[y].y * wx[z].z;
@@ -24,47 +24,47 @@ fn advance(one: Thread) {
             for (var x = 0u; x < 3u; x++) {
                 let weight = w * wx[x].x;
                 field += nodes[SPEED * params.nodes + first + x].xyz * weight;
-                felt_gain += nodes[CHANGE * params.nodes + first + x] * weight;
+                gain_and_rate += nodes[CHANGE * params.nodes + first + x] * weight;
             }
         }
     }
-    let gain = felt_gain.xyz;
+    let gain = gain_and_rate.xyz;
     let own = number(VELOCITY, i);
     let low = number(VELOCITY_LOW, i);
     // (1 − α)(v + Σ N Δv) + α Σ N v, as an increment
     let by = (1.0 - params.pic) * gain + params.pic * ((field - own.xyz) - low.xyz);
     let next = add(vec4<f32>(own.xyz, 0.0), vec4<f32>(low.xyz, 0.0), vec4<f32>(by, 0.0));
-    let d = field * (outside.dt * params.inverse_cell);
+    let d = field * (batch.dt * params.inverse_cell);
     let far = abs(d);
     if not_finite(d.x) || not_finite(d.y) || not_finite(d.z) || not_finite(next.high.x) || not_finite(next.high.y) || not_finite(next.high.z) {
-        tell(NOT_FINITE, i);
+        report_fault(NOT_FINITE, i);
         return;
     }
     if max(far.x, max(far.y, far.z)) >= 1.5 {
-        tell(TOO_FAST, i);
+        report_fault(TOO_FAST, i);
         return;
     }
     if GRAINS {
-        carry(i, field, felt_gain.w);
+        keep_transport_velocity(i, field, gain_and_rate.w);
     }
     let rest = number(REST, i);
     let there = moved(bitcast<vec3<i32>>(place.xyz), rest.xyz, d);
     put(VELOCITY, i, vec4<f32>(next.high.xyz, own.w));
     state[VELOCITY_LOW * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(next.low.xyz), word(VELOCITY_LOW, i).w);
     put(REST, i, vec4<f32>(there.rest, rest.w));
-    if params.platens > 0u {
+    if params.plates > 0u {
         follow(i, -d);
     }
     var cell = place.w;
     if any(there.shift != vec3<i32>(0)) {
         if any(there.units >= vec3<i32>(HALF)) || any(there.units < vec3<i32>(-HALF)) {
-            tell(TOO_FAST, i);
+            report_fault(TOO_FAST, i);
             return;
         }
         let to = base + there.shift;
         let n = cell_size();
         if any(to < vec3<i32>(0)) || any(to >= n) {
-            tell(OUTSIDE, i);
+            report_fault(OUTSIDE, i);
             return;
         }
         cell = u32(to.x + n.x * (to.y + n.y * to.z));
@@ -131,8 +131,8 @@ fn strain(one: Thread) {
             dz += along * (w[y].y * s[z].z);
         }
     }
-    let scale = outside.dt * params.inverse_cell;
-    if params.platens > 0u {
+    let scale = batch.dt * params.inverse_cell;
+    if params.plates > 0u {
         let arm = number(ARM, i).xyz;
         if any(arm != vec3<f32>(0.0)) {
             var way = vec3<f32>(0.0);
@@ -168,11 +168,11 @@ fn strain(one: Thread) {
     let a = add(normal, normal_low, vec4<f32>(turn.normal + step.stress.normal, growth));
     let b = add(shear, shear_low, vec4<f32>(turn.shear + step.stress.shear, step.plastic));
     if not_finite(a.high.x) || not_finite(a.high.y) || not_finite(a.high.z) || not_finite(b.high.x) || not_finite(b.high.y) || not_finite(b.high.z) {
-        tell(NOT_FINITE, i);
+        report_fault(NOT_FINITE, i);
         return;
     }
     if !(1.0 + a.high.w > 0.0) {
-        tell(INVERTED, i);
+        report_fault(INVERTED, i);
         return;
     }
     put(NORMAL, i, a.high);
@@ -195,7 +195,7 @@ fn finish() {
     if status.stop == 0u {
         if atomicLoad(&status.fault) == NO_FAULT {
             status.steps += 1u;
-            outside.time = grown(outside.time, outside.dt);
+            batch.time = grown(batch.time, batch.dt);
         } else {
             status.stop = 1u;
         }

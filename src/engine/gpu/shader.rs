@@ -5,9 +5,9 @@ pub const STEP: &str = concat!(
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
     include_str!("law.wgsl"),
-    include_str!("grains/alone.wgsl"),
+    include_str!("grains/without_grains.wgsl"),
     include_str!("nodes.wgsl"),
-    include_str!("platens.wgsl"),
+    include_str!("loading_plates.wgsl"),
     include_str!("walls.wgsl"),
     include_str!("points.wgsl"),
     include_str!("order.wgsl")
@@ -20,11 +20,11 @@ pub const MIXTURE: &str = concat!(
     include_str!("law.wgsl"),
     include_str!("grains/contact.wgsl"),
     include_str!("nodes.wgsl"),
-    include_str!("platens.wgsl"),
+    include_str!("loading_plates.wgsl"),
     include_str!("walls.wgsl"),
     include_str!("points.wgsl"),
     include_str!("order.wgsl"),
-    include_str!("grains/ghosts.wgsl"),
+    include_str!("grains/point_contacts.wgsl"),
     include_str!("grains/bodies.wgsl")
 );
 
@@ -32,7 +32,7 @@ pub const MIXTURE: &str = concat!(
 pub mod tests {
     use super::*;
     use crate::gpu::grains::{Coupling, Mix, Side};
-    use crate::gpu::layout::{Drive32, Evolution32, Law32, Outside, Params, Platen32, Status};
+    use crate::gpu::layout::{BatchState, Evolution32, Law32, LoadingPlate32, Params, PlateDrive32, Status};
     use std::mem::{offset_of, size_of};
     use wgpu::naga;
 
@@ -90,25 +90,45 @@ pub mod tests {
             crowd,
             point_groups,
             cell_groups,
-            platens,
+            plates,
             safety,
             extents,
             follows,
             walls,
             drives
         );
-        same!(Drive32, "Drive", kind, value, slope, end, gain, reach, memory, unused);
+        same!(PlateDrive32, "PlateDrive", kind, value, slope, end, gain, reach, memory, unused);
         same!(
-            Platen32, "Platen", axis, normal, cell, units, rest, modulus, speed, moved, reaction, stiffness, stored, rate, work,
-            drift, overlap, way, unused, ways, overlaps, reactions
+            LoadingPlate32,
+            "LoadingPlate",
+            axis,
+            normal,
+            cell,
+            units,
+            rest,
+            modulus,
+            speed,
+            moved,
+            reaction,
+            stiffness,
+            stored,
+            rate,
+            work,
+            drift,
+            overlap,
+            way,
+            unused,
+            ways,
+            overlaps,
+            reactions
         );
         // what follows it has no size of its own
-        let (mut fields, size) = offsets(&module, "Outside");
-        assert_eq!(fields.pop(), Some(size_of::<Outside>()));
-        assert_eq!(size, size_of::<Outside>() + 16);
-        let own = [offset_of!(Outside, time), offset_of!(Outside, dt), offset_of!(Outside, count)];
+        let (mut fields, size) = offsets(&module, "BatchState");
+        assert_eq!(fields.pop(), Some(size_of::<BatchState>()));
+        assert_eq!(size, size_of::<BatchState>() + 16);
+        let own = [offset_of!(BatchState, time), offset_of!(BatchState, dt), offset_of!(BatchState, count)];
         assert_eq!(fields[..3], own);
-        assert_eq!(fields[3..], [offset_of!(Outside, sides), offset_of!(Outside, platens)]);
+        assert_eq!(fields[3..], [offset_of!(BatchState, sides), offset_of!(BatchState, plates)]);
         same!(Evolution32, "Evolution", kind, initial, last, strain, cubic, peak_strain, peak, residual, decay);
         same!(
             Law32,
@@ -141,7 +161,7 @@ pub mod tests {
             grains,
             rows,
             walls,
-            ghost_walls,
+            point_walls,
             materials,
             laws,
             split,
@@ -154,15 +174,15 @@ pub mod tests {
             reach,
             least,
             damping,
-            shelf,
-            shelves,
-            shelf_size,
+            grid,
+            grid_cells,
+            grid_size,
             quantum,
             fine,
             far,
             tables
         );
-        same!(Side, "Side", axis, normal, cell, units, rest, speed, platen, reaction, stiffness, unused, work);
+        same!(Side, "Side", axis, normal, cell, units, rest, speed, plate, reaction, stiffness, unused, work);
         same!(
             Mix,
             "Mix",
@@ -178,13 +198,13 @@ pub mod tests {
             point_speed,
             ahead,
             sub,
-            own,
-            ghost,
+            grain_rate,
+            grain_rate_points,
             fresh,
-            felt,
-            share,
-            alone,
-            most,
+            contacts_known,
+            bound_ratio,
+            isolated_bound,
+            largest_bound,
             slow,
             sides,
             reactions
@@ -195,7 +215,7 @@ pub mod tests {
     #[test]
     fn constants_are_those_of_the_processor() {
         use crate::gpu::grains::layout::{NONE, PARTNERS, PLACES, SIDES, SLOTS, WALLS};
-        use crate::point_contacts::Bound;
+        use crate::point_contacts::ContactRates;
         use naga::{Expression, Literal};
         let module = parsed(MIXTURE);
         let literal = |name: &str| {
@@ -203,7 +223,7 @@ pub mod tests {
             let Expression::Literal(literal) = module.global_expressions[constant.init] else { panic!("{name} is a number") };
             literal
         };
-        for (name, value) in [("OF_POINT", Bound::SHARES[0]), ("OF_GRAIN", Bound::SHARES[1])] {
+        for (name, value) in [("OF_POINT", ContactRates::END_SHARES[0]), ("OF_GRAIN", ContactRates::END_SHARES[1])] {
             assert_eq!(literal(name), Literal::F32(value as f32), "{name}");
         }
         let whole = [PARTNERS, SIDES, SLOTS, PLACES, WALLS as usize, NONE as usize];

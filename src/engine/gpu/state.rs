@@ -5,12 +5,12 @@ use crate::mpm::{Face, Points, Settings};
 
 /// Planes of four words per point; the order is that of `nodes.wgsl`.
 const PLANES: usize = 9;
-/// The last ones, only between platens.
+/// The last ones, only between loading plates.
 const FACES: usize = 2;
 
 /// How many planes there are.
-pub fn planes(platens: bool) -> usize {
-    PLANES + if platens { FACES } else { 0 }
+pub fn planes(plates: bool) -> usize {
+    PLANES + if plates { FACES } else { 0 }
 }
 
 /// Radius of a point's ghost sphere, m (Li et al. 2023, eq. 22): its solid volume, which stays.
@@ -20,9 +20,9 @@ pub fn ghost_radius(points: &Points, i: usize) -> f64 {
 }
 
 /// Planes one after the other. Points must lie within the domain.
-pub fn to_device(settings: &Settings, points: &Points, platens: bool) -> Vec<[u32; 4]> {
+pub fn to_device(settings: &Settings, points: &Points, plates: bool) -> Vec<[u32; 4]> {
     let n = points.len();
-    let mut planes = vec![[0_u32; 4]; planes(platens) * n];
+    let mut planes = vec![[0_u32; 4]; planes(plates) * n];
     let bits = f32::to_bits;
     let wide = settings.cells.map(|n| n as i32 + 1);
     for i in 0..n {
@@ -49,7 +49,7 @@ pub fn to_device(settings: &Settings, points: &Points, platens: bool) -> Vec<[u3
         for (plane, word) in words.into_iter().enumerate() {
             planes[plane * n + i] = word;
         }
-        if let (true, Some([beside, face])) = (platens, points.faces.get(i)) {
+        if let (true, Some([beside, face])) = (plates, points.faces.get(i)) {
             for a in (0..3).filter(|&a| beside[a] != 0.0) {
                 let arm = split((face[a] - p[a]) / settings.cell).map(bits);
                 (planes[PLANES * n + i][a], planes[(PLANES + 1) * n + i][a]) = (arm[0], arm[1]);

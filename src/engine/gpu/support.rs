@@ -1,27 +1,27 @@
 //! What the GPU path takes, and where it fits; nothing is started for it.
 
 use super::device::{Adapter, holding, refused};
-use super::grains::{self, Coarse};
-use super::memory::Sizes;
-use super::platen;
+use super::grains::{self, CoarseGrains};
+use super::loading_plate;
+use super::memory::BufferSizes;
 use crate::error::{Error, Result};
 use crate::mpm::law::Law;
-use crate::mpm::{Dimension, Platen, Points, Settings, ShapeFunctions, Transfer};
+use crate::mpm::{Dimension, LoadingPlate, Points, Settings, ShapeFunctions, Transfer};
 
 /// What a continuum needs on a device, in bytes, with grains a guess.
 ///
 /// # Errors
 /// What the GPU path lacks, by name.
-pub fn needs(settings: &Settings, points: &Points, platens: &[Platen], coarse: Option<&Coarse<'_>>) -> Result<u64> {
-    sizes(settings, points, platens, coarse).map(|(sizes, grains)| sizes.sum() + grains.map_or(0, |g| g.sum()))
+pub fn needs(settings: &Settings, points: &Points, plates: &[LoadingPlate], coarse: Option<&CoarseGrains<'_>>) -> Result<u64> {
+    sizes(settings, points, plates, coarse).map(|(sizes, grains)| sizes.sum() + grains.map_or(0, |g| g.sum()))
 }
 
 /// The adapter on which a continuum fits.
 ///
 /// # Errors
 /// What the GPU path lacks, by name; no adapter; one without room.
-pub fn fits(settings: &Settings, points: &Points, platens: &[Platen], coarse: Option<&Coarse<'_>>) -> Result<Adapter> {
-    let (sizes, grains) = sizes(settings, points, platens, coarse)?;
+pub fn fits(settings: &Settings, points: &Points, plates: &[LoadingPlate], coarse: Option<&CoarseGrains<'_>>) -> Result<Adapter> {
+    let (sizes, grains) = sizes(settings, points, plates, coarse)?;
     holding(&sizes, grains.as_ref())
 }
 
@@ -32,14 +32,14 @@ pub fn fits(settings: &Settings, points: &Points, platens: &[Platen], coarse: Op
 pub fn sizes(
     settings: &Settings,
     points: &Points,
-    platens: &[Platen],
-    coarse: Option<&Coarse<'_>>,
-) -> Result<(Sizes, Option<grains::Sizes>)> {
+    plates: &[LoadingPlate],
+    coarse: Option<&CoarseGrains<'_>>,
+) -> Result<(BufferSizes, Option<grains::GrainBufferSizes>)> {
     let mut errors = lacking(settings, points);
-    errors.extend(platen::wrong(platens, settings, points));
+    errors.extend(loading_plate::wrong(plates, settings, points));
     Error::all(errors)?;
     let grains = coarse.map(|coarse| grains::sizes(settings, points, coarse)).transpose()?;
-    Ok((Sizes::of(settings, points.len() as u64, !platens.is_empty()), grains))
+    Ok((BufferSizes::of(settings, points.len() as u64, !plates.is_empty()), grains))
 }
 
 /// Refuses laws that shaders do not have.

@@ -125,7 +125,7 @@ fn all_walls(thread: u32, moving: bool) {
             workgroupBarrier();
         }
         if thread == 0u && moving {
-            status.reaction[side] = vec4<f32>(partial[0] / outside.dt, 0.0);
+            status.reaction[side] = vec4<f32>(partial[0] / batch.dt, 0.0);
         }
         workgroupBarrier();
     }
@@ -196,7 +196,7 @@ fn all_walls(thread: u32, moving: bool) {
                 let at = wall_node(side, t, layer);
                 if owned(side, at) {
                     let k = node_index(at);
-                    pushed(k, nodes[P + k].xyz, nodes[I + k]);
+                    damped_velocity(k, nodes[P + k].xyz, nodes[I + k]);
                 }
             }
         }

@@ -50,7 +50,7 @@ fn shifted(key: u64, by: [i64; 3]) -> u64 {
 
 /// The blocks and what links them.
 #[derive(Clone, Debug, Default)]
-pub struct Blocks {
+pub struct CellBlocks {
     /// Keys of the blocks that hold points, in order.
     pub keys: Vec<u64>,
     /// First point of each cell of each of them, and the number of points at the end.
@@ -87,7 +87,7 @@ struct Spare {
     laws: Vec<u8>,
 }
 
-impl Blocks {
+impl CellBlocks {
     pub fn len(&self) -> usize {
         self.keys.len()
     }
@@ -198,7 +198,7 @@ impl Blocks {
         let low = self.cell_of::<D>(low).min(holder(&self.starts, first));
         let high = self.cell_of::<D>(high).max(holder(&self.starts, last));
         let from = self.starts[low];
-        let Blocks { keys, starts, movers, leavers, source, .. } = self;
+        let CellBlocks { keys, starts, movers, leavers, source, .. } = self;
         let (mut movers, mut leavers) = (movers.iter().peekable(), leavers.iter().peekable());
         source.clear();
         // old start of the cell, which is overwritten as soon as it is known
@@ -320,8 +320,8 @@ fn permute(points: &mut Points, first: usize, source: &[u32], spare: &mut Spare)
     if !points.affine.is_empty() {
         parts::<_, 3>(pulp::bytemuck::cast_slice_mut(&mut points.affine), first, source, &mut spare.triples);
     }
-    if !points.carried.is_empty() {
-        array(&mut points.carried, first, source, &mut spare.triples);
+    if !points.transport_velocity.is_empty() {
+        array(&mut points.transport_velocity, first, source, &mut spare.triples);
     }
     if !points.faces.is_empty() {
         parts::<_, 2>(pulp::bytemuck::cast_slice_mut(&mut points.faces), first, source, &mut spare.triples);

@@ -2,7 +2,7 @@
 
 use super::law::Law;
 use super::points::Points;
-use super::{Continuum, Dimension, Settings, ShapeFunctions, Transfer, Wall};
+use super::{Continuum, Dimension, GridWall, Settings, ShapeFunctions, Transfer};
 use crate::error::{Error, Result};
 
 /// Most cells along a side of the domain.
@@ -45,7 +45,7 @@ fn of_settings(s: &Settings) -> Vec<Error> {
         require(s.transfer != Transfer::Affine, "transfer", &"affine", "needs B-splines: choose them, or a FLIP/PIC blend");
     }
     for wall in s.walls {
-        if let Wall::Friction { friction } = wall {
+        if let GridWall::Friction { friction } = wall {
             require(friction >= 0.0 && friction.is_finite(), "friction", &friction, "must be at least 0");
         }
     }
@@ -101,14 +101,14 @@ pub fn stable_step(c: &Continuum, safety: f64) -> f64 {
     safety * c.settings.cell / fastest
 }
 
-/// Largest stable step, s, where waves through a cell allow `waves` and the stiffest contact of a platen has so much stiffness over the mass of its point, 1/s².
+/// Largest stable step, s, where waves through a cell allow `waves` and the stiffest contact of a loading plate has so much stiffness over the mass of its point, 1/s².
 ///
 /// Strains and the ways of faces come from the nodes' velocities after they have been found anew from the points, so that forces F at the nodes change them by T F/m: with
 /// FLIP T is the mean of what points share, with eigenvalues 0 ≤ t ≤ 1, and a leapfrog of the stiffness K, of the material and of contacts (symmetric: forces act where their
 /// ways are taken), is stable while dt² ω² < 4 for all eigenvalues ω² of T K/m. Over a row of n points per cell, wherever it stands between the nodes, ω² is at most
 /// 1.0 (n = 1), 0.86 (2) of (c/h)² in the material, with generalised interpolation 1.34, and 0.97 (1), 0.52 (2; 0.63) of k/m at the face: 1/dt² = (c/h)² + k/4m suffices. APIC forgets a part 1 − t
 /// of the velocity in a step, and is stable while dt² ω² < 2 (1 + t): twice k/4m.
-pub fn with_platens(waves: f64, rate: f64, transfer: Transfer) -> f64 {
+pub fn with_plates(waves: f64, rate: f64, transfer: Transfer) -> f64 {
     let forgets = if transfer == Transfer::Affine { 2.0 } else { 1.0 };
     1.0 / (1.0 / (waves * waves) + 0.25 * forgets * rate).sqrt()
 }

@@ -4,7 +4,7 @@
 //! and so are never −0: an empty tile changes no bit.
 
 use super::Settings;
-use super::blocks::{Blocks, EDGE, NONE, TILE, cells, tile};
+use super::blocks::{CellBlocks, EDGE, NONE, TILE, cells, tile};
 use super::walls::Walls;
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ const TASK: usize = 8;
 
 /// Values at nodes.
 #[derive(Clone, Debug, Default)]
-pub struct Grid {
+pub struct NodeGrid {
     /// Of each block of points: its tile, with momentum and mass or with forces.
     pub tiles: Vec<[f64; 4]>,
     /// Momentum, kg m/s, and mass, kg, as the points gave them.
@@ -25,9 +25,9 @@ pub struct Grid {
     pub walls: Walls,
 }
 
-impl Grid {
+impl NodeGrid {
     /// Makes room for the blocks.
-    pub fn fit<const D: usize>(&mut self, blocks: &Blocks, settings: &Settings) {
+    pub fn fit<const D: usize>(&mut self, blocks: &CellBlocks, settings: &Settings) {
         let nodes = blocks.node_keys.len() * cells(D);
         self.tiles.resize(blocks.len() * tile(D), [0.0; 4]);
         for array in [&mut self.momentum, &mut self.velocity, &mut self.change] {
@@ -37,7 +37,7 @@ impl Grid {
     }
 
     /// v = p/m from the tiles' mass and momentum (Li et al. 2023, eqs 36, 37), and what walls allow of it.
-    pub fn project<const D: usize>(&mut self, blocks: &Blocks) {
+    pub fn project<const D: usize>(&mut self, blocks: &CellBlocks) {
         let tiles = &self.tiles;
         let arrays = self.momentum.par_chunks_exact_mut(cells(D)).zip(self.velocity.par_chunks_exact_mut(cells(D)));
         arrays.enumerate().with_min_len(TASK).for_each(|(n, (momentum, velocity))| {
@@ -52,7 +52,7 @@ impl Grid {
 
     /// v ← v + Δt f/m with the tiles' forces, gravity and local damping (Li et al. 2023, eq. 28), and what walls allow of it; returns the force
     /// of each wall on the material, N.
-    pub fn accelerate<const D: usize>(&mut self, blocks: &Blocks, settings: &Settings, dt: f64) -> [[f64; 3]; 6] {
+    pub fn accelerate<const D: usize>(&mut self, blocks: &CellBlocks, settings: &Settings, dt: f64) -> [[f64; 3]; 6] {
         let tiles = &self.tiles;
         let (g, damping) = (settings.gravity, settings.damping);
         let arrays = self.momentum.par_chunks_exact(cells(D)).zip(self.change.par_chunks_exact_mut(cells(D)));

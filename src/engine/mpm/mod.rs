@@ -7,13 +7,13 @@
 
 mod blocks;
 mod check;
-mod drive;
+mod external_forces;
 mod grid;
 pub mod law;
+pub mod loading_plate;
 mod measure;
-mod outside;
 mod pass;
-pub mod platen;
+mod plate_drive;
 mod points;
 mod spline;
 mod step;
@@ -21,14 +21,14 @@ mod stress;
 mod transfer;
 mod walls;
 
-pub use check::with_platens;
-pub use drive::{Drive, Ramp, area};
+pub use check::with_plates;
+pub use loading_plate::LoadingPlate;
 pub use measure::Totals;
-pub use platen::Platen;
+pub use plate_drive::{PlateDrive, Ramp, area};
 pub use points::{Face, Point, Points};
-pub use spline::{BSpline, Gimp, Shape, ShapeFunctions};
+pub use spline::{BSpline, Gimp, ShapeFunction, ShapeFunctions};
 pub use stress::rotate_jaumann;
-pub use walls::Wall;
+pub use walls::GridWall;
 
 use crate::error::Result;
 use law::Law;
@@ -63,7 +63,7 @@ pub struct Settings {
     pub lower: [f64; 3],
     pub cells: [u32; 3],
     /// Sides of the domain: x low, x high, y low, y high, z low, z high.
-    pub walls: [Wall; 6],
+    pub walls: [GridWall; 6],
     /// Acceleration, m/s².
     pub gravity: [f64; 3],
     pub shape: ShapeFunctions,
@@ -85,8 +85,8 @@ pub struct Continuum {
     settings: Settings,
     laws: Vec<Law>,
     points: Points,
-    /// Whether [`Points::carried`] is kept.
-    carries: bool,
+    /// Whether [`Points::transport_velocity`] is kept.
+    keeps_transport_velocity: bool,
     /// Steps done.
     step: u64,
     /// Work of the stresses since the start, J.
@@ -94,7 +94,7 @@ pub struct Continuum {
     /// Force of each wall on the material in the last step, N.
     wall_force: [[f64; 3]; 6],
     #[serde(skip)]
-    work: step::Work,
+    work: step::GridWorkspace,
 }
 
 impl Continuum {
@@ -107,8 +107,17 @@ impl Continuum {
         } else {
             points.affine = Vec::new();
         }
-        let work = step::Work::default();
-        Ok(Continuum { settings, laws, points, carries: false, step: 0, stress_work: 0.0, wall_force: [[0.0; 3]; 6], work })
+        let work = step::GridWorkspace::default();
+        Ok(Continuum {
+            settings,
+            laws,
+            points,
+            keeps_transport_velocity: false,
+            step: 0,
+            stress_work: 0.0,
+            wall_force: [[0.0; 3]; 6],
+            work,
+        })
     }
 
     pub fn settings(&self) -> &Settings {
@@ -131,13 +140,13 @@ impl Continuum {
 
     /// Adds points between two steps; the first one's identity.
     pub fn insert(&mut self, new: &[Point]) -> u32 {
-        let Continuum { points, work, settings, carries, .. } = self;
+        let Continuum { points, work, settings, keeps_transport_velocity, .. } = self;
         work.forget();
         let first = points.next_id;
         for point in new {
             points.add(point);
-            if *carries {
-                points.carried.push(point.velocity);
+            if *keeps_transport_velocity {
+                points.transport_velocity.push(point.velocity);
             }
             if settings.transfer == Transfer::Affine {
                 points.affine.push([[0.0; 3]; 3]);
@@ -170,12 +179,12 @@ impl Continuum {
         (self.step, self.stress_work, self.wall_force) = (step, stress_work, wall_force);
     }
 
-    /// From now on [`Points::carried`] is kept.
-    pub fn keep_carried(&mut self) {
-        self.carries = true;
-        let Points { carried, velocity, .. } = &mut self.points;
-        if carried.is_empty() {
-            carried.extend(velocity.iter().map(|v| [v[0], v[1], v[2]]));
+    /// From now on [`Points::transport_velocity`] is kept.
+    pub fn keep_transport_velocity(&mut self) {
+        self.keeps_transport_velocity = true;
+        let Points { transport_velocity, velocity, .. } = &mut self.points;
+        if transport_velocity.is_empty() {
+            transport_velocity.extend(velocity.iter().map(|v| [v[0], v[1], v[2]]));
         }
     }
 
@@ -188,32 +197,32 @@ impl Continuum {
     }
 
     /// Adds a force, N, of something so stiff, N/m, on the point at index `i` of [`Self::points`] for the next step; points change places in a step.
-    pub fn push(&mut self, i: usize, [x, y, z]: [f64; 3], stiffness: f64) {
-        let push = self.work.outside.of_mut(i, self.points.len());
-        for (sum, f) in push.force.iter_mut().zip([x, y, z, stiffness]) {
+    pub fn add_external_force(&mut self, i: usize, [x, y, z]: [f64; 3], stiffness: f64) {
+        let external = self.work.external_forces.of_mut(i, self.points.len());
+        for (sum, f) in external.force.iter_mut().zip([x, y, z, stiffness]) {
             *sum += f;
         }
     }
 
-    /// As [`Self::push`], of a force along `normal`, into the material, on the face of the point that stands against it: each component acts as far beside the point
-    /// along its own axis as the face does. From then on the face is followed, [`Points::faces`], until [`Self::let_go`].
-    pub fn push_face(&mut self, i: usize, force: f64, normal: [f64; 3], stiffness: f64) {
+    /// As [`Self::add_external_force`], of a force along `normal`, into the material, on the face of the point that stands against it: each component acts as far beside the point
+    /// along its own axis as the face does. From then on the face is followed, [`Points::faces`], until [`Self::release_face`].
+    pub fn add_face_force(&mut self, i: usize, force: f64, normal: [f64; 3], stiffness: f64) {
         let Continuum { points, work, settings, .. } = self;
         points.faces.resize(points.len(), Face::default());
-        let push = work.outside.of_mut(i, points.len());
+        let external = work.external_forces.of_mut(i, points.len());
         for a in (0..3).filter(|&a| normal[a] != 0.0) {
             if points.faces[i][0][a] == 0.0 {
                 points.faces[i][1][a] = points.position[i][a] - normal[a] * points.half_edge(i, settings.dimension);
             }
             let [beside, face] = &mut points.faces[i];
             beside[a] = face[a] - points.position[i][a];
-            push.beside[a] += normal[a] * force;
+            external.beside[a] += normal[a] * force;
         }
-        push.beside[3] += stiffness;
+        external.beside[3] += stiffness;
     }
 
     /// What pushed along `normal` does not touch the point at index `i` any more.
-    pub fn let_go(&mut self, i: usize, normal: [f64; 3]) {
+    pub fn release_face(&mut self, i: usize, normal: [f64; 3]) {
         let [beside, _] = &mut self.points.faces[i];
         for (beside, normal) in beside.iter_mut().zip(normal) {
             if *beside * normal < 0.0 {
@@ -223,18 +232,18 @@ impl Continuum {
     }
 
     /// What the stiffness of all that pushed in the last step adds at most to the square of a frequency of the points' motion, 1/s²; found where
-    /// [`Points::carried`] is kept.
+    /// [`Points::transport_velocity`] is kept.
     ///
     /// Σ_q k_q N_q u(x_q) at the nodes over their masses is what contacts of the points q make of nodes' displacements. Its eigenvalues are those of the same
     /// between points, u_p ← Σ_I N_pI (Σ_q k_q N_qI / m_I) u_q, and none is larger than the largest sum over a row, Σ_I N_pI R_I with R_I = Σ_q k_q N_qI / m_I. Neighbours share
     /// their masses: where one point of many is pushed this is much less than k/m of the point, which it never exceeds for forces at points.
     pub fn contact_frequency_bound(&self) -> f64 {
-        self.work.felt
+        self.work.contact_frequency
     }
 
     /// Takes back what was pushed since the last step.
-    pub fn drop_forces(&mut self) {
-        self.work.outside.clear();
+    pub fn clear_external_forces(&mut self) {
+        self.work.external_forces.clear();
     }
 
     /// One step of `dt` seconds.

@@ -1,12 +1,12 @@
 //! Passes over the points, a block after another: each writes its own points and its own tile, so blocks go in any order and on any thread.
 //! Inside a block points go cell by cell, and in the order of ids in a cell: the sums are those of the state alone.
 
-use super::blocks::{BIAS, Blocks, EDGE, STAYS, TILE, block_corner, cell_key, cells, tile};
+use super::blocks::{BIAS, CellBlocks, EDGE, STAYS, TILE, block_corner, cell_key, cells, tile};
+use super::external_forces::{ExternalForces, PointForce};
 use super::grid::load;
 use super::law::{InternalVariables, Law, Sym};
-use super::outside::{Outside, Push};
 use super::points::Face;
-use super::spline::{Shape, Weights};
+use super::spline::{ShapeFunction, Weights};
 use super::stress::{increments, rotate_jaumann, work};
 use super::transfer::{gather, gradient, spread, spread_affine, spread_stress};
 #[cfg(target_arch = "x86_64")]
@@ -27,7 +27,7 @@ pub mod stage {
     /// Internal forces of the stress as it is.
     pub const FORCES: u8 = 2;
     /// Forces from outside, added to the tiles.
-    pub const OUTSIDE: u8 = 3;
+    pub const EXTERNAL: u8 = 3;
     /// Velocities and positions from the nodes.
     pub const MOVE: u8 = 4;
 }
@@ -36,20 +36,20 @@ pub mod stage {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     NotFinite,
-    Outside,
+    OutsideGrid,
     TooFast,
     Inverted,
 }
 
 impl Fault {
-    const ALL: [Fault; 4] = [Fault::NotFinite, Fault::Outside, Fault::TooFast, Fault::Inverted];
+    const ALL: [Fault; 4] = [Fault::NotFinite, Fault::OutsideGrid, Fault::TooFast, Fault::Inverted];
 
-    fn tell(self, faults: &AtomicU64, id: u32) {
+    fn report(self, faults: &AtomicU64, id: u32) {
         faults.fetch_min((u64::from(id) << 8) | self as u64, Ordering::Relaxed);
     }
 
     /// What was told, with the id of the point.
-    pub fn told(faults: u64) -> Option<(Fault, u32)> {
+    pub fn reported(faults: u64) -> Option<(Fault, u32)> {
         (faults != u64::MAX).then(|| (Fault::ALL[(faults & 3) as usize], (faults >> 8) as u32))
     }
 }
@@ -58,7 +58,7 @@ impl Fault {
 pub struct Pass<'a, S> {
     pub arch: Arch,
     pub shape: S,
-    pub blocks: &'a Blocks,
+    pub blocks: &'a CellBlocks,
     pub laws: &'a [Law],
     pub lower: [f64; 3],
     pub cell: f64,
@@ -70,12 +70,12 @@ pub struct Pass<'a, S> {
     pub change: &'a [[f64; 4]],
     pub law: &'a [u8],
     pub id: &'a [u32],
-    pub outside: &'a Outside,
+    pub external_forces: &'a ExternalForces,
     pub faults: &'a AtomicU64,
 }
 
 /// What some blocks write.
-pub struct Part<'a> {
+pub struct BlockSlices<'a> {
     pub first: usize,
     pub count: usize,
     pub position: &'a mut [[f64; 4]],
@@ -85,8 +85,8 @@ pub struct Part<'a> {
     /// Empty without APIC.
     pub affine: &'a mut [[[f64; 3]; 3]],
     /// Empty unless something asks for it.
-    pub carried: &'a mut [[f64; 3]],
-    /// Empty unless platens press.
+    pub transport_velocity: &'a mut [[f64; 3]],
+    /// Empty unless loading plates press.
     pub faces: &'a mut [Face],
     /// New cell of each point that leaves its own.
     pub target: &'a mut [u64],
@@ -95,25 +95,25 @@ pub struct Part<'a> {
     pub left: &'a mut [u32],
     pub work: &'a mut [f64],
     /// Of each block: the largest of [`super::Continuum::contact_frequency_bound`], where carrying velocities are kept.
-    pub felt: &'a mut [f64],
+    pub contact_frequency: &'a mut [f64],
 }
 
-impl<'a> Part<'a> {
+impl<'a> BlockSlices<'a> {
     /// The first `blocks` blocks with their `points` points, and the others.
-    fn split<const D: usize>(self, blocks: usize, points: usize) -> (Part<'a>, Part<'a>) {
+    fn split<const D: usize>(self, blocks: usize, points: usize) -> (BlockSlices<'a>, BlockSlices<'a>) {
         let (p0, p1) = self.position.split_at_mut(points);
         let (v0, v1) = self.velocity.split_at_mut(points);
         let (s0, s1) = self.stress.split_at_mut(points);
         let (m0, m1) = self.memory.split_at_mut(points);
         let (a0, a1) = self.affine.split_at_mut(if self.affine.is_empty() { 0 } else { points });
-        let (c0, c1) = self.carried.split_at_mut(if self.carried.is_empty() { 0 } else { points });
+        let (c0, c1) = self.transport_velocity.split_at_mut(if self.transport_velocity.is_empty() { 0 } else { points });
         let (e0, e1) = self.faces.split_at_mut(if self.faces.is_empty() { 0 } else { points });
         let (t0, t1) = self.target.split_at_mut(points);
         let (n0, n1) = self.tiles.split_at_mut(blocks * tile(D));
         let (l0, l1) = self.left.split_at_mut(blocks);
         let (w0, w1) = self.work.split_at_mut(blocks);
-        let (f0, f1) = self.felt.split_at_mut(blocks);
-        let left = Part {
+        let (f0, f1) = self.contact_frequency.split_at_mut(blocks);
+        let left = BlockSlices {
             first: self.first,
             count: blocks,
             position: p0,
@@ -121,15 +121,15 @@ impl<'a> Part<'a> {
             stress: s0,
             memory: m0,
             affine: a0,
-            carried: c0,
+            transport_velocity: c0,
             faces: e0,
             target: t0,
             tiles: n0,
             left: l0,
             work: w0,
-            felt: f0,
+            contact_frequency: f0,
         };
-        let right = Part {
+        let right = BlockSlices {
             first: self.first + blocks,
             count: self.count - blocks,
             position: p1,
@@ -137,20 +137,20 @@ impl<'a> Part<'a> {
             stress: s1,
             memory: m1,
             affine: a1,
-            carried: c1,
+            transport_velocity: c1,
             faces: e1,
             target: t1,
             tiles: n1,
             left: l1,
             work: w1,
-            felt: f1,
+            contact_frequency: f1,
         };
         (left, right)
     }
 }
 
 /// Goes over the blocks of `part`, shared among threads.
-pub fn run<const STAGE: u8, const D: usize, S: Shape>(pass: &Pass<'_, S>, part: Part<'_>) {
+pub fn run<const STAGE: u8, const D: usize, S: ShapeFunction>(pass: &Pass<'_, S>, part: BlockSlices<'_>) {
     let points = part.position.len();
     if points <= TASK || part.count < 2 {
         return dispatch::<STAGE, D, S>(pass, part);
@@ -168,7 +168,7 @@ pub fn run<const STAGE: u8, const D: usize, S: Shape>(pass: &Pass<'_, S>, part: 
     rayon::join(|| run::<STAGE, D, S>(pass, left), || run::<STAGE, D, S>(pass, right));
 }
 
-fn dispatch<const STAGE: u8, const D: usize, S: Shape>(pass: &Pass<'_, S>, part: Part<'_>) {
+fn dispatch<const STAGE: u8, const D: usize, S: ShapeFunction>(pass: &Pass<'_, S>, part: BlockSlices<'_>) {
     match quads(pass.arch) {
         #[cfg(target_arch = "x86_64")]
         Some(v3) => v3.vectorize(
@@ -180,9 +180,9 @@ fn dispatch<const STAGE: u8, const D: usize, S: Shape>(pass: &Pass<'_, S>, part:
 }
 
 #[inline(always)]
-fn some<F: Four, const STAGE: u8, const D: usize, S: Shape>(token: F::Token, pass: &Pass<'_, S>, part: Part<'_>) {
+fn some<F: Four, const STAGE: u8, const D: usize, S: ShapeFunction>(token: F::Token, pass: &Pass<'_, S>, part: BlockSlices<'_>) {
     let first_point = pass.blocks.starts[part.first * cells(D)] as usize;
-    let place = Place::<F, S>::new(token, pass);
+    let place = CellMap::<F, S>::new(token, pass);
     let (mut velocity, mut change) = ([[0.0; 4]; TILE * TILE * TILE], [[0.0; 4]; TILE * TILE * TILE]);
     let mut part = part;
     for k in 0..part.count {
@@ -194,7 +194,7 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: Shape>(token: F::Token, pas
             if matches!(STAGE, stage::PROJECT | stage::STRESS | stage::FORCES) {
                 part.tiles[k * tile(D)..][..tile(D)].fill([0.0; 4]);
             }
-            (part.left[k], part.work[k], part.felt[k]) = (0, 0.0, 0.0);
+            (part.left[k], part.work[k], part.contact_frequency[k]) = (0, 0.0, 0.0);
             continue;
         }
         if matches!(STAGE, stage::STRESS | stage::MOVE) {
@@ -206,7 +206,7 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: Shape>(token: F::Token, pas
         if matches!(STAGE, stage::PROJECT | stage::STRESS | stage::FORCES) {
             part.tiles[k * tile(D)..][..tile(D)].fill([0.0; 4]);
         }
-        let mut sums = Sums { left: 0, work: 0.0, felt: 0.0 };
+        let mut sums = BlockSums { left: 0, work: 0.0, contact_frequency: 0.0 };
         for c in 0..cells(D) {
             let [x, y, z] = [c % EDGE, c / EDGE % EDGE, c / (EDGE * EDGE)];
             let cell = [corner[0] + x as i32, corner[1] + y as i32, if D == 3 { corner[2] + z as i32 } else { 0 }];
@@ -217,24 +217,24 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: Shape>(token: F::Token, pas
                     stage::PROJECT => project::<F, D, S>(pass, &place, &mut part, point),
                     stage::STRESS => strain::<F, D, S>(pass, &place, &mut part, point, &velocity, &mut sums),
                     stage::FORCES => forces::<F, D, S>(pass, &place, &mut part, point),
-                    stage::OUTSIDE => outside::<F, D, S>(pass, &place, &mut part, point),
+                    stage::EXTERNAL => external_forces::<F, D, S>(pass, &place, &mut part, point),
                     _ => advance::<F, D, S>(pass, &place, &mut part, point, [&velocity, &change], &mut sums),
                 }
             }
         }
         match STAGE {
             stage::STRESS => part.work[k] = sums.work,
-            stage::MOVE => (part.left[k], part.felt[k]) = (sums.left, sums.felt),
+            stage::MOVE => (part.left[k], part.contact_frequency[k]) = (sums.left, sums.contact_frequency),
             _ => {}
         }
     }
 }
 
 /// Sums over a block.
-struct Sums {
+struct BlockSums {
     left: u32,
     work: f64,
-    felt: f64,
+    contact_frequency: f64,
 }
 
 /// One point: its index in the part and in the whole, where its first node stands in the tile, its cell and its block in the part.
@@ -249,7 +249,7 @@ struct At<T> {
 }
 
 /// From positions to cells.
-struct Place<F: Four, S> {
+struct CellMap<F: Four, S> {
     token: F::Token,
     shape: S,
     lower: F,
@@ -258,12 +258,12 @@ struct Place<F: Four, S> {
     reach: F,
 }
 
-impl<F: Four, S: Shape> Place<F, S> {
+impl<F: Four, S: ShapeFunction> CellMap<F, S> {
     #[inline(always)]
     fn new(token: F::Token, pass: &Pass<'_, S>) -> Self {
         let [x, y, z] = pass.lower;
         let inverse_cell = 1.0 / pass.cell;
-        Place {
+        CellMap {
             token,
             shape: pass.shape,
             lower: F::of(token, [x, y, z, 0.0]),
@@ -306,12 +306,17 @@ pub fn cell_of<const D: usize>(position: &[f64; 4], lower: [f64; 3], inverse_cel
 }
 
 #[inline(always)]
-fn own<'t, const D: usize>(part: &'t mut Part<'_>, k: usize) -> &'t mut [[f64; 4]] {
+fn own<'t, const D: usize>(part: &'t mut BlockSlices<'_>, k: usize) -> &'t mut [[f64; 4]] {
     &mut part.tiles[k * tile(D)..][..tile(D)]
 }
 
 #[inline(always)]
-fn project<F: Four, const D: usize, S: Shape>(pass: &Pass<'_, S>, place: &Place<F, S>, part: &mut Part<'_>, p: At<F::Token>) {
+fn project<F: Four, const D: usize, S: ShapeFunction>(
+    pass: &Pass<'_, S>,
+    place: &CellMap<F, S>,
+    part: &mut BlockSlices<'_>,
+    p: At<F::Token>,
+) {
     let (t, w) = place.weights(part.position[p.i], p.cell);
     let v = F::of(p.token, part.velocity[p.i]);
     let q = (v * v.w()).with_w_of(v);
@@ -344,13 +349,13 @@ fn pull<F: Four>(token: F::Token, volume: f64, s: &Sym) -> [F; 3] {
 }
 
 #[inline(always)]
-fn strain<F: Four, const D: usize, S: Shape>(
+fn strain<F: Four, const D: usize, S: ShapeFunction>(
     pass: &Pass<'_, S>,
-    place: &Place<F, S>,
-    part: &mut Part<'_>,
+    place: &CellMap<F, S>,
+    part: &mut BlockSlices<'_>,
     p: At<F::Token>,
     velocity: &[[f64; 4]],
-    sums: &mut Sums,
+    sums: &mut BlockSums,
 ) {
     let (t, w) = place.weights(part.position[p.i], p.cell);
     let dt = F::all(p.token, pass.dt);
@@ -362,7 +367,7 @@ fn strain<F: Four, const D: usize, S: Shape>(
     let law = &pass.laws[pass.law[p.whole] as usize];
     let (stress, memory) = law.update(before, strain, part.memory[p.i]);
     if grown.is_nan() || grown <= 0.0 {
-        Fault::Inverted.tell(pass.faults, pass.id[p.whole]);
+        Fault::Inverted.report(pass.faults, pass.id[p.whole]);
     }
     // the mean of both stresses, and of both volumes
     sums.work += 0.25 * (volume + grown) * (work(before, strain) + work(stress, strain));
@@ -379,15 +384,25 @@ fn strain<F: Four, const D: usize, S: Shape>(
 }
 
 #[inline(always)]
-fn forces<F: Four, const D: usize, S: Shape>(_: &Pass<'_, S>, place: &Place<F, S>, part: &mut Part<'_>, p: At<F::Token>) {
+fn forces<F: Four, const D: usize, S: ShapeFunction>(
+    _: &Pass<'_, S>,
+    place: &CellMap<F, S>,
+    part: &mut BlockSlices<'_>,
+    p: At<F::Token>,
+) {
     let (_, w) = place.weights(part.position[p.i], p.cell);
     let pull = pull(p.token, part.position[p.i][3], &part.stress[p.i]);
     spread_stress::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, pull);
 }
 
 #[inline(always)]
-fn outside<F: Four, const D: usize, S: Shape>(pass: &Pass<'_, S>, place: &Place<F, S>, part: &mut Part<'_>, p: At<F::Token>) {
-    let Some(&Push { force, beside }) = pass.outside.of(p.whole) else { return };
+fn external_forces<F: Four, const D: usize, S: ShapeFunction>(
+    pass: &Pass<'_, S>,
+    place: &CellMap<F, S>,
+    part: &mut BlockSlices<'_>,
+    p: At<F::Token>,
+) {
+    let Some(&PointForce { force, beside }) = pass.external_forces.of(p.whole) else { return };
     let (t, w) = place.weights(part.position[p.i], p.cell);
     if force != [0.0; 4] {
         spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, force));
@@ -403,18 +418,18 @@ fn outside<F: Four, const D: usize, S: Shape>(pass: &Pass<'_, S>, place: &Place<
 }
 
 #[inline(always)]
-fn advance<F: Four, const D: usize, S: Shape>(
+fn advance<F: Four, const D: usize, S: ShapeFunction>(
     pass: &Pass<'_, S>,
-    place: &Place<F, S>,
-    part: &mut Part<'_>,
+    place: &CellMap<F, S>,
+    part: &mut BlockSlices<'_>,
     p: At<F::Token>,
     [velocity, change]: [&[[f64; 4]]; 2],
-    sums: &mut Sums,
+    sums: &mut BlockSums,
 ) {
     let (position, own) = (F::of(p.token, part.position[p.i]), F::of(p.token, part.velocity[p.i]));
     let (t, w) = place.weights(part.position[p.i], p.cell);
     let field = gather::<F, D>(p.token, velocity, p.at, &w);
-    let asked = !part.carried.is_empty();
+    let asked = !part.transport_velocity.is_empty();
     let mut gain = F::all(p.token, 0.0);
     if asked || part.affine.is_empty() {
         gain = gather::<F, D>(p.token, change, p.at, &w);
@@ -444,8 +459,8 @@ fn advance<F: Four, const D: usize, S: Shape>(
     part.position[p.i] = moved.xyzw();
     if asked {
         let [x, y, z, _] = field.xyzw();
-        part.carried[p.i] = [x, y, z];
-        sums.felt = sums.felt.max(gain.xyzw()[3]);
+        part.transport_velocity[p.i] = [x, y, z];
+        sums.contact_frequency = sums.contact_frequency.max(gain.xyzw()[3]);
     }
     let there = (place.in_cells(moved) - place.reach).xyzw();
     let mut stays = true;
@@ -459,7 +474,13 @@ fn advance<F: Four, const D: usize, S: Shape>(
 /// The new cell of a point that has left its own.
 #[cold]
 #[inline(never)]
-fn crossing<const D: usize, S: Shape>(pass: &Pass<'_, S>, there: [f64; 4], i: usize, from: [i32; 3], sums: &mut Sums) -> u64 {
+fn crossing<const D: usize, S: ShapeFunction>(
+    pass: &Pass<'_, S>,
+    there: [f64; 4],
+    i: usize,
+    from: [i32; 3],
+    sums: &mut BlockSums,
+) -> u64 {
     let mut cell = [0; 3];
     for a in 0..D {
         let fault = if !there[a].is_finite() {
@@ -468,13 +489,13 @@ fn crossing<const D: usize, S: Shape>(pass: &Pass<'_, S>, there: [f64; 4], i: us
             cell[a] = there[a].floor() as i32;
             match cell[a] {
                 // its nodes are then at most one behind a wall
-                c if c < -1 || c >= pass.size[a] || c >= BIAS => Some(Fault::Outside),
+                c if c < -1 || c >= pass.size[a] || c >= BIAS => Some(Fault::OutsideGrid),
                 c if (c - from[a]).abs() > 1 => Some(Fault::TooFast),
                 _ => None,
             }
         };
         if let Some(fault) = fault {
-            fault.tell(pass.faults, pass.id[i]);
+            fault.report(pass.faults, pass.id[i]);
             return STAYS;
         }
     }

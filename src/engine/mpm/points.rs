@@ -5,7 +5,7 @@
 
 use super::Dimension;
 use super::law::{InternalVariables, Sym};
-use super::platen::cube_root;
+use super::loading_plate::cube_root;
 use serde::{Deserialize, Serialize};
 
 /// A point as it is made.
@@ -46,9 +46,9 @@ pub struct Points {
     /// Columns ∂v/∂x, ∂v/∂y, ∂v/∂z, 1/s, of the affine field around the point; empty without APIC.
     pub affine: Vec<[[f64; 3]; 3]>,
     /// Velocity, m/s, that carried the point in its last step (with FLIP not its own); empty unless something asks for it.
-    pub carried: Vec<[f64; 3]>,
-    /// Face of the point that a platen presses on, across each axis: how far it lies beside the point, m (0 where nothing presses), and where it is, m, moved
-    /// along with the nodes since it was first touched; empty unless platens press.
+    pub transport_velocity: Vec<[f64; 3]>,
+    /// Face of the point that a loading plate presses on, across each axis: how far it lies beside the point, m (0 where nothing presses), and where it is, m, moved
+    /// along with the nodes since it was first touched; empty unless loading plates press.
     pub faces: Vec<Face>,
     /// Index of the law.
     pub law: Vec<u8>,
@@ -103,7 +103,7 @@ impl Points {
         kept(&mut self.initial_volume, gone);
         kept(&mut self.initial_porosity, gone);
         kept(&mut self.affine, gone);
-        kept(&mut self.carried, gone);
+        kept(&mut self.transport_velocity, gone);
         kept(&mut self.faces, gone);
         kept(&mut self.law, gone);
         kept(&mut self.id, gone);
@@ -146,7 +146,7 @@ impl Points {
         vectors
             + scalars
             + affine
-            + self.carried.capacity() * size_of::<[f64; 3]>()
+            + self.transport_velocity.capacity() * size_of::<[f64; 3]>()
             + self.faces.capacity() * size_of::<Face>()
             + self.stress.capacity() * size_of::<Sym>()
             + self.memory.capacity() * size_of::<InternalVariables>()

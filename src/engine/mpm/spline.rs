@@ -23,7 +23,7 @@ pub struct Weights {
 }
 
 /// One kind of shape functions, for the inner loops.
-pub trait Shape: Copy + Send + Sync {
+pub trait ShapeFunction: Copy + Send + Sync {
     /// How far, in cells, a cell's own points lie beyond its node at least.
     fn reach(self) -> f64;
     /// `t`: distance from the first node in cells, in `reach` ≤ t < 1 + `reach`.
@@ -40,7 +40,7 @@ const MANY: f64 = 8.0;
 #[derive(Clone, Copy, Debug)]
 pub struct BSpline;
 
-impl Shape for BSpline {
+impl ShapeFunction for BSpline {
     #[inline(always)]
     fn reach(self) -> f64 {
         0.5
@@ -106,7 +106,7 @@ impl Gimp {
     }
 }
 
-impl Shape for Gimp {
+impl ShapeFunction for Gimp {
     #[inline(always)]
     fn reach(self) -> f64 {
         self.0
@@ -139,13 +139,13 @@ mod tests {
     use crate::math::real::Plain;
     use proptest::prelude::*;
 
-    fn at(shape: impl Shape, s: f64) -> (f64, Weights) {
+    fn at(shape: impl ShapeFunction, s: f64) -> (f64, Weights) {
         let t = shape.reach() + s;
         (t, shape.weights((), Plain::of((), [t; 4]), 1.0))
     }
 
     /// Partition of unity, no sum of slopes, reproduction of a linear field with its slope; largest error.
-    fn errors(shape: impl Shape, s: f64) -> f64 {
+    fn errors(shape: impl ShapeFunction, s: f64) -> f64 {
         let (t, w) = at(shape, s);
         let sum = |f: &dyn Fn(usize) -> f64| (0..3).map(f).sum::<f64>();
         let unity = sum(&|n| w.value[n][0]) - 1.0;

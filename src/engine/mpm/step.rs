@@ -4,12 +4,12 @@
 //! next step starts from, and internal forces are spread in the same breath as stresses are found. So a step costs two passes that gather
 //! and two that spread. A step that finds no grid (the first, a restart, changed points) makes it from the points: the same sums, the same bits.
 
-use super::blocks::{Blocks, STAYS, cell_key, tile};
-use super::grid::Grid;
-use super::outside::Outside;
-use super::pass::{Fault, Part, Pass, cell_of, run, stage};
+use super::blocks::{CellBlocks, STAYS, cell_key, tile};
+use super::external_forces::ExternalForces;
+use super::grid::NodeGrid;
+use super::pass::{BlockSlices, Fault, Pass, cell_of, run, stage};
 use super::points::Points;
-use super::spline::{BSpline, Gimp, Shape};
+use super::spline::{BSpline, Gimp, ShapeFunction};
 use super::{Continuum, Dimension, Settings, ShapeFunctions, Transfer};
 use crate::error::{Error, Result};
 use pulp::Arch;
@@ -17,31 +17,31 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Scratch: may be dropped between any two steps.
 #[derive(Debug, Default)]
-pub struct Work {
+pub struct GridWorkspace {
     pub arch: Option<Arch>,
-    blocks: Blocks,
-    grid: Grid,
+    blocks: CellBlocks,
+    grid: NodeGrid,
     target: Vec<u64>,
     left: Vec<u32>,
     block_work: Vec<f64>,
-    block_felt: Vec<f64>,
+    block_frequency: Vec<f64>,
     /// See [`Continuum::contact_frequency_bound`].
-    pub felt: f64,
+    pub contact_frequency: f64,
     faults: AtomicU64,
-    pub outside: Outside,
+    pub external_forces: ExternalForces,
     /// Points stand in order; the grid has their momentum, and the tiles their internal forces.
     sorted: bool,
     ready: bool,
 }
 
-impl Clone for Work {
+impl Clone for GridWorkspace {
     /// Scratch is not copied, forces that wait are.
-    fn clone(&self) -> Work {
-        Work { arch: self.arch, outside: self.outside.clone(), ..Work::default() }
+    fn clone(&self) -> GridWorkspace {
+        GridWorkspace { arch: self.arch, external_forces: self.external_forces.clone(), ..GridWorkspace::default() }
     }
 }
 
-impl Work {
+impl GridWorkspace {
     /// Calls `visit` with the indices of all points in a box, m, and of some around it.
     pub fn visit<const D: usize>(
         &self,
@@ -70,9 +70,9 @@ impl Work {
     pub fn bytes(&self) -> usize {
         self.blocks.bytes()
             + self.grid.bytes()
-            + 8 * (self.target.capacity() + self.block_work.capacity() + self.block_felt.capacity())
+            + 8 * (self.target.capacity() + self.block_work.capacity() + self.block_frequency.capacity())
             + 4 * self.left.capacity()
-            + self.outside.bytes()
+            + self.external_forces.bytes()
     }
 }
 
@@ -93,7 +93,7 @@ pub fn step(c: &mut Continuum, dt: f64) -> Result<()> {
     }
 }
 
-fn stages<const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) -> Result<()> {
+fn stages<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64) -> Result<()> {
     c.step += 1;
     c.work.faults.store(u64::MAX, Ordering::Relaxed);
     if !c.work.ready {
@@ -103,17 +103,17 @@ fn stages<const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) -> Res
         pass::<{ stage::FORCES }, D, S>(c, shape, dt);
     }
     // eq. 29: forces on points from contacts
-    if !c.work.outside.is_empty() {
-        pass::<{ stage::OUTSIDE }, D, S>(c, shape, dt);
-        c.work.outside.clear();
+    if !c.work.external_forces.is_empty() {
+        pass::<{ stage::EXTERNAL }, D, S>(c, shape, dt);
+        c.work.external_forces.clear();
     }
     // eq. 28: velocities of the nodes, walls
-    let Work { grid, blocks, .. } = &mut c.work;
+    let GridWorkspace { grid, blocks, .. } = &mut c.work;
     c.wall_force = grid.accelerate::<D>(blocks, &c.settings, dt);
     // eqs 30, 33: velocities and positions of the points
     pass::<{ stage::MOVE }, D, S>(c, shape, dt);
-    c.work.felt = c.work.block_felt.iter().fold(0.0, |most, felt| felt.max(most));
-    watch(c)?;
+    c.work.contact_frequency = c.work.block_frequency.iter().fold(0.0, |most, frequency| frequency.max(most));
+    check_faults(c)?;
     resort::<D>(c);
     // eqs 36, 37: velocities of the nodes from those of the points
     pass::<{ stage::PROJECT }, D, S>(c, shape, dt);
@@ -121,14 +121,14 @@ fn stages<const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) -> Res
     // strain, spin, stress, and the internal forces of the next step
     pass::<{ stage::STRESS }, D, S>(c, shape, dt);
     c.stress_work += c.work.block_work.iter().sum::<f64>();
-    watch(c)?;
+    check_faults(c)?;
     c.work.ready = true;
     Ok(())
 }
 
-fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, dt: f64) {
+fn pass<const STAGE: u8, const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64) {
     let Continuum { settings, laws, points, work, .. } = c;
-    let Points { position, velocity, stress, memory, affine, carried, faces, law, id, .. } = points;
+    let Points { position, velocity, stress, memory, affine, transport_velocity, faces, law, id, .. } = points;
     let pic = if let Transfer::Blend { pic } = settings.transfer { pic } else { 1.0 };
     let pass = Pass {
         arch: work.arch.unwrap_or_else(crate::math::real::arch),
@@ -144,11 +144,11 @@ fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, 
         change: &work.grid.change,
         law,
         id,
-        outside: &work.outside,
+        external_forces: &work.external_forces,
         faults: &work.faults,
     };
     let count = work.blocks.len();
-    let part = Part {
+    let part = BlockSlices {
         first: 0,
         count,
         position,
@@ -156,23 +156,23 @@ fn pass<const STAGE: u8, const D: usize, S: Shape>(c: &mut Continuum, shape: S, 
         stress,
         memory,
         affine,
-        carried,
+        transport_velocity,
         faces,
         target: &mut work.target,
         tiles: &mut work.grid.tiles[..count * tile(D)],
         left: &mut work.left,
         work: &mut work.block_work,
-        felt: &mut work.block_felt,
+        contact_frequency: &mut work.block_frequency,
     };
     run::<STAGE, D, S>(&pass, part);
 }
 
 /// All points in order, from any.
-fn sort<const D: usize, S: Shape>(c: &mut Continuum, shape: S) {
+fn sort<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S) {
     let Continuum { settings, points, work, .. } = c;
     if !work.sorted {
         let inverse_cell = 1.0 / settings.cell;
-        work.blocks.sort::<D>(points, &mut work.outside.places, |p| {
+        work.blocks.sort::<D>(points, &mut work.external_forces.places, |p| {
             cell_key::<D>(cell_of::<D>(p, settings.lower, inverse_cell, shape.reach()))
         });
         work.target.resize(points.len(), STAYS);
@@ -183,28 +183,28 @@ fn sort<const D: usize, S: Shape>(c: &mut Continuum, shape: S) {
 
 /// Those that have crossed go to their cells.
 fn resort<const D: usize>(c: &mut Continuum) {
-    let Work { blocks, target, left, .. } = &mut c.work;
+    let GridWorkspace { blocks, target, left, .. } = &mut c.work;
     if blocks.resort::<D>(&mut c.points, target, left) {
         fit::<D>(c);
     }
 }
 
 fn fit<const D: usize>(c: &mut Continuum) {
-    let Work { blocks, grid, left, block_work, block_felt, .. } = &mut c.work;
+    let GridWorkspace { blocks, grid, left, block_work, block_frequency, .. } = &mut c.work;
     grid.fit::<D>(blocks, &c.settings);
     left.resize(blocks.len(), 0);
     block_work.resize(blocks.len(), 0.0);
-    block_felt.resize(blocks.len(), 0.0);
+    block_frequency.resize(blocks.len(), 0.0);
 }
 
 /// # Errors
 /// The lost point with the lowest id.
-fn watch(c: &mut Continuum) -> Result<()> {
-    let Some((fault, id)) = Fault::told(c.work.faults.load(Ordering::Relaxed)) else { return Ok(()) };
+fn check_faults(c: &mut Continuum) -> Result<()> {
+    let Some((fault, id)) = Fault::reported(c.work.faults.load(Ordering::Relaxed)) else { return Ok(()) };
     c.work.forget();
     let what = match fault {
         Fault::NotFinite => "has no finite position or velocity: use a smaller time step and look at the law's parameters",
-        Fault::Outside => "has left the grid: enlarge the domain, put a wall there, or use a smaller time step",
+        Fault::OutsideGrid => "has left the grid: enlarge the domain, put a wall there, or use a smaller time step",
         Fault::TooFast => "has passed more than one cell in a step: use a smaller time step",
         Fault::Inverted => "is turned inside out (volume not positive): use a smaller time step, a finer grid, or a stiffer law",
     };

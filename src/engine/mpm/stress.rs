@@ -34,11 +34,11 @@ fn rate(s: Sym, [xy, yz, zx]: [f64; 3]) -> Sym {
 pub fn rotate_jaumann(stress: Sym, spin: [f64; 3]) -> Sym {
     let first = rate(stress, spin);
     let second = rate(first, spin);
-    let mut turned = stress;
+    let mut rotated = stress;
     for k in 0..6 {
-        turned[k] += first[k] + 0.5 * second[k];
+        rotated[k] += first[k] + 0.5 * second[k];
     }
-    turned
+    rotated
 }
 
 /// σ : ε.

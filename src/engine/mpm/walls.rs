@@ -4,13 +4,13 @@
 //! Symmetry: normal components are odd, tangential ones even. Stick: all are odd. Friction: as symmetry while the wall has to push, and the
 //! tangential momentum of the plane's nodes is reduced by μ times the normal impulse at most; while it would have to pull, the wall is not there.
 
-use super::blocks::{Blocks, NONE, block_corner, cell_key, cells};
+use super::blocks::{CellBlocks, NONE, block_corner, cell_key, cells};
 use serde::{Deserialize, Serialize};
 
 /// What stands along one side of the domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Wall {
+pub enum GridWall {
     /// Nothing: a point that gets there is an error.
     #[default]
     Open,
@@ -26,11 +26,11 @@ pub enum Wall {
 type Triple = [u32; 3];
 
 #[derive(Clone, Debug, Default)]
-struct Face {
+struct WallPlane {
     axis: usize,
     /// Of the normal into the domain.
     sign: f64,
-    wall: Wall,
+    wall: GridWall,
     triples: Vec<Triple>,
     /// Key of the plane's node, in order.
     keys: Vec<u64>,
@@ -45,7 +45,7 @@ struct Face {
 #[derive(Clone, Debug, Default)]
 pub struct Walls {
     nodes: Vec<u32>,
-    faces: [Face; 6],
+    faces: [WallPlane; 6],
     /// Momentum and mass, and impulse of this step, N s.
     momentum: Vec<[f64; 4]>,
     impulse: Vec<[f64; 4]>,
@@ -54,7 +54,7 @@ pub struct Walls {
 
 impl Walls {
     /// Finds the nodes near walls: sides in the order x low, x high, y low, …; `size` is the domain's, in cells.
-    pub fn find<const D: usize>(&mut self, blocks: &Blocks, walls: &[Wall; 6], size: [i32; 3]) {
+    pub fn find<const D: usize>(&mut self, blocks: &CellBlocks, walls: &[GridWall; 6], size: [i32; 3]) {
         self.nodes.clear();
         self.place.clear();
         self.place.resize(blocks.node_keys.len() * cells(D), NONE);
@@ -67,7 +67,7 @@ impl Walls {
             face.keys.clear();
             face.pressed.clear();
             face.triples.clear();
-            if axis >= D || face.wall == Wall::Open {
+            if axis >= D || face.wall == GridWall::Open {
                 continue;
             }
             let plane = if high { size[axis] } else { 0 };
@@ -158,7 +158,7 @@ impl Walls {
         // in a domain of one cell the other wall has folded onto this plane meanwhile
         for face in &self.faces {
             for (&[_, on, _], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
-                for a in (0..3).filter(|&a| a == face.axis || face.wall == Wall::Stick) {
+                for a in (0..3).filter(|&a| a == face.axis || face.wall == GridWall::Stick) {
                     (p[on as usize][a], i[on as usize][a]) = (0.0, 0.0);
                 }
             }
@@ -167,7 +167,7 @@ impl Walls {
             for (&[behind, _, before], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
                 if behind != NONE && before != NONE {
                     for a in 0..3 {
-                        let odd = a == face.axis || face.wall == Wall::Stick;
+                        let odd = a == face.axis || face.wall == GridWall::Stick;
                         let mirrored = |x: f64| if odd { 0.0 - x } else { x };
                         p[behind as usize][a] = mirrored(p[before as usize][a]);
                         i[behind as usize][a] = mirrored(i[before as usize][a]);
@@ -187,7 +187,7 @@ impl Walls {
 /// Folds the three nodes, if the wall pushes or is `held` to touch; answers whether it does.
 #[inline(always)]
 fn fold_one(
-    (axis, sign, wall): (usize, f64, Wall),
+    (axis, sign, wall): (usize, f64, GridWall),
     held: bool,
     [behind, on, before]: Triple,
     p: &mut [[f64; 4]],
@@ -199,7 +199,7 @@ fn fold_one(
     // what the wall has to give so that nothing passes: Σ over the nodes on and, with its image, behind
     let needed = |a: usize| 0.0 - (i[on][a] + 2.0 * i_behind[a]);
     let pushes = sign * (needed(axis) - (p[on][axis] + 2.0 * p_behind[axis])) > 0.0;
-    if let Wall::Friction { .. } = wall
+    if let GridWall::Friction { .. } = wall
         && !(pushes || held)
     {
         return false;
@@ -209,7 +209,7 @@ fn fold_one(
     if behind != NONE && before != NONE {
         let before = before as usize;
         for a in 0..3 {
-            let s = if a == axis || wall == Wall::Stick { -1.0 } else { 1.0 };
+            let s = if a == axis || wall == GridWall::Stick { -1.0 } else { 1.0 };
             p[before][a] += s * p_behind[a];
             i[before][a] += s * i_behind[a];
         }
@@ -218,13 +218,13 @@ fn fold_one(
     }
     (p[on][axis], i[on][axis]) = (0.0, 0.0);
     match wall {
-        Wall::Stick => {
+        GridWall::Stick => {
             for a in (0..3).filter(|&a| a != axis) {
                 reaction[a] += given[a];
                 (p[on][a], i[on][a]) = (0.0, 0.0);
             }
         }
-        Wall::Friction { friction } if friction > 0.0 => {
+        GridWall::Friction { friction } if friction > 0.0 => {
             let limit = friction * (sign * given[axis]).max(0.0);
             let along: [f64; 3] = std::array::from_fn(|a| p[on][a] + i[on][a]);
             let size = (along[0] * along[0] + along[1] * along[1] + along[2] * along[2]).sqrt();

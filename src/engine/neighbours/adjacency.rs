@@ -89,14 +89,14 @@ impl Entry {
 }
 
 #[derive(Clone, Copy, Default)]
-struct Block {
+struct Span {
     start: u32,
     len: u32,
     /// Capacity in units.
     units: u32,
 }
 
-impl Block {
+impl Span {
     fn range(self) -> std::ops::Range<usize> {
         self.start as usize..self.start as usize + self.len as usize
     }
@@ -105,7 +105,7 @@ impl Block {
 /// All adjacency lists.
 #[derive(Default)]
 pub struct Adjacency {
-    blocks: Vec<Block>,
+    blocks: Vec<Span>,
     ids: Vec<u32>,
     links: Vec<Link>,
     /// Starts of free blocks by units.
@@ -119,14 +119,14 @@ impl Adjacency {
     /// Empty lists for `n` grains.
     pub fn clear(&mut self, n: usize) {
         self.blocks.clear();
-        self.blocks.resize(n, Block::default());
+        self.blocks.resize(n, Span::default());
         self.ids.clear();
         self.links.clear();
         self.free.clear();
     }
 
     pub fn append(&mut self) {
-        self.blocks.push(Block::default());
+        self.blocks.push(Span::default());
     }
 
     /// Partners of grain `i`.
@@ -201,7 +201,7 @@ impl Adjacency {
         if old.units > 0 {
             self.free[old.units as usize].push(old.start);
         }
-        self.blocks[i] = Block { start, units, ..old };
+        self.blocks[i] = Span { start, units, ..old };
     }
 
     fn reserve(&mut self, more: usize) -> u32 {
@@ -219,7 +219,7 @@ impl Adjacency {
         }
         for i in 0..n {
             let units = self.blocks[i].len as usize / UNIT + 1;
-            self.blocks[i] = Block { start: self.reserve(units * UNIT), len: 0, units: units as u32 };
+            self.blocks[i] = Span { start: self.reserve(units * UNIT), len: 0, units: units as u32 };
         }
         for (i, e) in entries {
             self.insert(i as usize, e);
@@ -228,7 +228,7 @@ impl Adjacency {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.blocks.capacity() * size_of::<Block>()
+        self.blocks.capacity() * size_of::<Span>()
             + (self.ids.capacity() + self.links.capacity()) * 4
             + self.free.iter().map(|f| f.capacity() * 4).sum::<usize>()
     }

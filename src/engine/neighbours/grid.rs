@@ -17,7 +17,7 @@ struct Level {
     capacity: usize,
 }
 
-pub struct Grid {
+pub struct CellGrid {
     low: [f64; 3],
     size: [f64; 3],
     levels: Vec<Level>,
@@ -52,9 +52,9 @@ impl Level {
     }
 }
 
-impl Grid {
+impl CellGrid {
     /// A grid around the reference spheres given (x, y, z, reach), with all of them placed.
-    pub fn new(reference: &[Reference]) -> Grid {
+    pub fn new(reference: &[Reference]) -> CellGrid {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         let mut largest = 0.0f64;
@@ -72,7 +72,7 @@ impl Grid {
         }
         let size = std::array::from_fn(|a| (high[a] - low[a]).max(largest));
         let n = reference.len();
-        let mut grid = Grid {
+        let mut grid = CellGrid {
             low,
             size,
             levels: vec![Level::new(largest * 1.0001, &size, n)],
@@ -219,7 +219,7 @@ mod tests {
         (0..8000).map(|k| [at(k)[0], at(k)[1], at(k)[2], reach(k)]).collect()
     }
 
-    fn visits(grid: &Grid, reference: &[Reference]) -> usize {
+    fn visits(grid: &CellGrid, reference: &[Reference]) -> usize {
         let mut visits = 0;
         reference.iter().for_each(|r| grid.for_each_near(r, |_| visits += 1));
         visits
@@ -228,14 +228,14 @@ mod tests {
     #[test]
     fn a_search_costs_no_more_after_grains_have_grown() {
         let mut reference = lattice(0.35);
-        let mut grown = Grid::new(&reference);
+        let mut grown = CellGrid::new(&reference);
         for step in 36..=100 {
             for (i, larger) in lattice(0.01 * step as f32).into_iter().enumerate() {
                 reference[i] = larger;
                 grown.place(i, &reference);
             }
         }
-        let (anew, grown) = (visits(&Grid::new(&reference), &reference), visits(&grown, &reference));
+        let (anew, grown) = (visits(&CellGrid::new(&reference), &reference), visits(&grown, &reference));
         assert!(2 * grown < 3 * anew, "{grown} against {anew} of a new grid");
     }
 }

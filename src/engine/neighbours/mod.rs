@@ -19,7 +19,7 @@ use crate::contact::pairs::{FREE, Pairs};
 use crate::grains::Grains;
 use crate::math::real::{Four, Plain};
 use adjacency::{Adjacency, Entry};
-use grid::Grid;
+use grid::CellGrid;
 use near::Near;
 
 /// The lists. Scratch: can be dropped and made again from the state at any time without changing a bit of the results.
@@ -28,7 +28,7 @@ pub struct Neighbours {
     skin: f64,
     /// Reference position and reach.
     reference: Vec<Reference>,
-    grid: Grid,
+    grid: CellGrid,
     near: Near,
     /// All listed grains around each grain, near or touching.
     around: Adjacency,
@@ -61,7 +61,7 @@ impl Neighbours {
         let mean_radius = g.pos.iter().map(|p| p[3]).sum::<f64>() / g.len().max(1) as f64;
         let mut n = Neighbours {
             skin,
-            grid: Grid::new(&reference),
+            grid: CellGrid::new(&reference),
             reference,
             near: Near::default(),
             around: Adjacency::default(),
@@ -73,7 +73,7 @@ impl Neighbours {
             gone: Vec::new(),
             searches: 0,
         };
-        n.adopt(g, pools);
+        n.list_slots(g, pools);
         for i in 0..g.len() {
             n.search(i, g, pools.wall_pairs);
         }
@@ -82,7 +82,7 @@ impl Neighbours {
     }
 
     /// Makes the grains' and walls' lists from the slots there are.
-    fn adopt(&mut self, g: &Grains, pools: &Pools<'_>) {
+    fn list_slots(&mut self, g: &Grains, pools: &Pools<'_>) {
         let used = |(slot, e): (usize, &[u32; 2])| (e[0] != FREE).then_some((slot as u32, *e));
         let pairs = pools.pairs.ends.iter().enumerate().filter_map(used);
         let walls = pools.wall_pairs.ends.iter().enumerate().filter_map(used);
@@ -111,7 +111,7 @@ impl Neighbours {
     /// taken before any search, so that each is done with the latest. Contacts are neither read nor changed: this may run beside their sweep.
     pub fn update(&mut self, moved: &[u32], g: &Grains, walls: &[Wall], wall_pairs: &mut Pairs) {
         for &i in moved {
-            self.refer(i as usize, g);
+            self.set_reference(i as usize, g);
         }
         for (k, wall) in walls.iter().enumerate() {
             if wall.moved_since(&self.wall_reference[k]) > self.wall_skin {
@@ -128,11 +128,11 @@ impl Neighbours {
 
     /// Takes a grain's present position as its reference and searches its neighbourhood.
     pub fn refresh(&mut self, i: usize, g: &Grains, wall_pairs: &mut Pairs) {
-        self.refer(i, g);
+        self.set_reference(i, g);
         self.search(i, g, wall_pairs);
     }
 
-    fn refer(&mut self, i: usize, g: &Grains) {
+    fn set_reference(&mut self, i: usize, g: &Grains) {
         self.reference[i] = Self::reference(&g.pos[i], self.skin);
         self.grid.place(i, &self.reference);
     }
@@ -146,7 +146,7 @@ impl Neighbours {
 
     /// Whether a grain (centre, radius) has left its reference sphere of reach.
     #[inline(always)]
-    pub fn outside<F: Four>(reference: &Reference, p: F, token: F::Token) -> bool {
+    pub fn has_left<F: Four>(reference: &Reference, p: F, token: F::Token) -> bool {
         let [x, y, z, growth] = (p - F::of(token, reference.map(f64::from))).xyzw();
         // the skin that is left is the reach less the radius
         growth >= 0.0 || x * x + y * y + z * z > growth * growth
@@ -154,7 +154,7 @@ impl Neighbours {
 
     /// Whether grain `i`, whose radius has changed, has left its sphere.
     pub fn outgrown(&self, i: usize, g: &Grains) -> bool {
-        Self::outside(&self.reference[i], Plain::of((), g.pos[i]), ())
+        Self::has_left(&self.reference[i], Plain::of((), g.pos[i]), ())
     }
 
     /// After a change of radii: in `moved` the grains that have left their spheres.
@@ -232,7 +232,7 @@ impl Neighbours {
     }
 
     /// Makes contacts of the pairs marked; their slots are in `slots`.
-    pub fn join(&mut self, g: &Grains, pairs: &mut Pairs, slots: &mut Vec<u32>) {
+    pub fn begin_contacts(&mut self, g: &Grains, pairs: &mut Pairs, slots: &mut Vec<u32>) {
         self.near.met(slots);
         for s in slots {
             let [i, j] = self.near.ends(*s as usize);
@@ -247,7 +247,7 @@ impl Neighbours {
     }
 
     /// Ends the contacts of grain `i` that have parted; the pairs stay listed.
-    pub fn part(&mut self, i: usize, g: &Grains, pairs: &mut Pairs) {
+    pub fn end_contacts(&mut self, i: usize, g: &Grains, pairs: &mut Pairs) {
         let mut gone = std::mem::take(&mut self.gone);
         gone.clear();
         gone.extend(self.contacts.of(i).filter(|e| !e.is_wall() && pairs.touch[e.slot()].overlap == 0.0));
@@ -265,7 +265,7 @@ impl Neighbours {
 
     /// Whether two reference spheres overlap.
     #[inline]
-    fn near(a: &Reference, b: &Reference) -> bool {
+    fn references_overlap(a: &Reference, b: &Reference) -> bool {
         let (a, b) = (a.map(f64::from), b.map(f64::from));
         let (x, y, z) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
         let reach = a[3] + b[3];
@@ -281,7 +281,7 @@ impl Neighbours {
         gone.extend(self.around.of(i).filter(|e| {
             e.link.is_apart() && {
                 let [a, b] = self.near.ends(e.slot());
-                !Self::near(&self.reference[a as usize], &self.reference[b as usize])
+                !Self::references_overlap(&self.reference[a as usize], &self.reference[b as usize])
             }
         }));
         for e in &gone {
@@ -292,7 +292,7 @@ impl Neighbours {
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         self.grid.for_each_near(&here, |j| {
-            if j as usize != i && Self::near(&here, &self.reference[j as usize]) {
+            if j as usize != i && Self::references_overlap(&here, &self.reference[j as usize]) {
                 found.push(j);
             }
         });
@@ -333,8 +333,8 @@ impl Neighbours {
     pub fn permute(&mut self, order: &[u32], place: &[u32], g: &Grains, pools: &Pools<'_>) {
         self.near.permute(place);
         self.reference = order.iter().map(|&i| self.reference[i as usize]).collect();
-        self.grid = Grid::new(&self.reference);
-        self.adopt(g, pools);
+        self.grid = CellGrid::new(&self.reference);
+        self.list_slots(g, pools);
         self.searches = 0;
     }
 

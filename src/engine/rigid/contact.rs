@@ -11,7 +11,7 @@ use crate::contact::{ContactLaw, TangentialUnloading};
 use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::mpm::Continuum;
-use crate::point_contacts::{Bound, GhostTable};
+use crate::point_contacts::{ContactRates, PointContactTable};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +31,7 @@ pub enum Other {
 
 /// A body and what is near it.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Contact {
+pub struct BlockContact {
     pub block: u32,
     pub other: Other,
     /// Present index of the point or grain.
@@ -49,11 +49,11 @@ pub struct Contact {
     inverse_mass: f64,
 }
 
-impl Contact {
+impl BlockContact {
     /// With nothing to remember.
-    pub(super) fn new(block: u32, other: Other, place: u32, radius: f64) -> Contact {
+    pub(super) fn new(block: u32, other: Other, place: u32, radius: f64) -> BlockContact {
         let (touch, none) = (ContactForce::default(), [0.0; 3]);
-        Contact { block, other, place, radius, touch, spring: none, arm: none, stiffness: [0.0; 2], inverse_mass: 0.0 }
+        BlockContact { block, other, place, radius, touch, spring: none, arm: none, stiffness: [0.0; 2], inverse_mass: 0.0 }
     }
 
     fn is_of_point(&self) -> bool {
@@ -61,20 +61,20 @@ impl Contact {
     }
 
     /// Elastic energy, J; that of the normal compression is so large a share of force times overlap.
-    pub(super) fn energy(&self, share: f64) -> f64 {
+    pub(super) fn energy(&self, energy_factor: f64) -> f64 {
         let t = if self.spring == [0.0; 3] { self.touch.tangential } else { self.spring };
         let k_t = self.stiffness[1];
-        share * self.touch.normal_force * self.touch.overlap + if k_t > 0.0 { 0.5 * dot(t, t) / k_t } else { 0.0 }
+        energy_factor * self.touch.normal_force * self.touch.overlap + if k_t > 0.0 { 0.5 * dot(t, t) / k_t } else { 0.0 }
     }
 }
 
 /// What the contacts are found from.
-pub struct Scene<'a> {
+pub struct BlockScene<'a> {
     pub grains: &'a Grains,
     pub walls: &'a [Wall],
     pub continuum: &'a Continuum,
     /// Pairs with points, and with grains and walls.
-    pub ghosts: &'a GhostTable,
+    pub point_table: &'a PointContactTable,
     pub table: &'a PairTable,
     pub law: ContactLaw,
     pub unloading: TangentialUnloading,
@@ -85,72 +85,78 @@ pub struct Scene<'a> {
 
 impl Blocks {
     /// Finds the forces of this instant: those with points, or with all others. Parallel over contacts; each writes only itself.
-    pub fn evaluate(&mut self, scene: &Scene<'_>, points: bool) {
+    pub fn evaluate(&mut self, scene: &BlockScene<'_>, points: bool) {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, task: TASK, arch: pulp::Arch::Scalar };
-        let Blocks { blocks, near, .. } = self;
+        let Blocks { blocks, candidates, .. } = self;
         let poses: Vec<Pose> = blocks.iter().map(|b| b.pose(scene.ahead[0])).collect();
         let spins: Vec<[f64; 3]> = blocks.iter().map(Block::spin).collect();
         with_law!(scene.law, L => {
-            near.par_iter_mut().with_min_len(TASK).filter(|c| c.is_of_point() == points).for_each(|contact| {
+            candidates.par_iter_mut().with_min_len(TASK).filter(|c| c.is_of_point() == points).for_each(|contact| {
                 let k = contact.block as usize;
-                let body = Body { block: &blocks[k], pose: &poses[k], spin: spins[k] };
+                let body = PosedBlock { block: &blocks[k], pose: &poses[k], spin: spins[k] };
                 touch::<L>(scene, &rules, &body, contact);
             });
         });
     }
 
     /// Contacts that bear something, in order.
-    pub fn touching(&self) -> impl Iterator<Item = &Contact> {
-        self.near.iter().filter(|c| c.touch.overlap > 0.0)
+    pub fn touching(&self) -> impl Iterator<Item = &BlockContact> {
+        self.candidates.iter().filter(|c| c.touch.overlap > 0.0)
     }
 
     /// Gives bodies and points their shares of what the contacts between them bear.
-    pub fn give_points(&mut self, of_blocks: f64, continuum: &mut Continuum, [of_points, stiff]: [f64; 2]) {
-        for c in self.near.iter().filter(|c| c.is_of_point() && c.touch.overlap > 0.0) {
+    pub fn apply_point_reactions(&mut self, of_blocks: f64, continuum: &mut Continuum, [of_points, stiff]: [f64; 2]) {
+        for c in self.candidates.iter().filter(|c| c.is_of_point() && c.touch.overlap > 0.0) {
             let (force, [k_n, k_t]) = (c.touch.force(), c.stiffness);
-            continuum.push(c.place as usize, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
-            give(&mut self.given[c.block as usize], c, of_blocks);
+            continuum.add_external_force(c.place as usize, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
+            add_force_and_torque(&mut self.applied[c.block as usize], c, of_blocks);
         }
     }
 
     /// Gives bodies and grains what the contacts with grains and walls bear, and walls what they feel; walls work at their speed for `dt` seconds.
-    pub fn give_others(&mut self, grains: &Grains, outside: &mut Vec<[[f64; 4]; 2]>, walls: &mut [Wall], dt: f64) {
-        outside.resize(grains.len(), [[0.0; 4]; 2]);
+    pub fn apply_grain_and_wall_reactions(
+        &mut self,
+        grains: &Grains,
+        external_forces: &mut Vec<[[f64; 4]; 2]>,
+        walls: &mut [Wall],
+        dt: f64,
+    ) {
+        external_forces.resize(grains.len(), [[0.0; 4]; 2]);
         self.on_walls.resize(walls.len(), 0.0);
-        let mut felt = vec![0.0; walls.len()];
-        for c in self.near.iter().filter(|c| !c.is_of_point() && c.touch.overlap > 0.0) {
-            give(&mut self.given[c.block as usize], c, 1.0);
+        let mut wall_forces = vec![0.0; walls.len()];
+        for c in self.candidates.iter().filter(|c| !c.is_of_point() && c.touch.overlap > 0.0) {
+            add_force_and_torque(&mut self.applied[c.block as usize], c, 1.0);
             match c.other {
                 Other::Grain(_) => {
                     let i = c.place as usize;
                     let arm = grains.pos[i][3] - 0.5 * c.touch.overlap;
                     let (force, torque) = (c.touch.force(), scaled(cross(c.touch.normal, c.touch.tangential), arm));
                     for a in 0..3 {
-                        outside[i][0][a] -= force[a];
-                        outside[i][1][a] += torque[a];
+                        external_forces[i][0][a] -= force[a];
+                        external_forces[i][1][a] += torque[a];
                     }
                 }
                 Other::Wall { wall, .. } => {
-                    felt[wall as usize] += c.touch.normal_force;
+                    wall_forces[wall as usize] += c.touch.normal_force;
                     walls[wall as usize].stiffness += c.stiffness[0];
                 }
                 Other::Point(_) => {}
             }
         }
-        for ((wall, now), last) in walls.iter_mut().zip(felt).zip(&mut self.on_walls) {
+        for ((wall, now), last) in walls.iter_mut().zip(wall_forces).zip(&mut self.on_walls) {
             wall.work += 0.5 * (*last + now) * wall.speed * dt;
             *last = now;
         }
     }
 
     /// What the contacts of this instant allow as a time step, a point by itself.
-    pub fn bound(&mut self, grains: &Grains, points: usize) -> Bound {
+    pub fn rates(&mut self, grains: &Grains, points: usize) -> ContactRates {
         let mut of_blocks = vec![0.0; self.blocks.len()];
         let [of_points, of_grains] = &mut self.sums;
         of_points.resize(points, 0.0);
         of_grains.resize(grains.len(), 0.0);
-        let mut most = Bound::default();
-        let touching = || self.near.iter().filter(|c| c.touch.overlap > 0.0);
+        let mut most = ContactRates::default();
+        let touching = || self.candidates.iter().filter(|c| c.touch.overlap > 0.0);
         for c in touching() {
             let (block, [k_n, k_t], i) = (&self.blocks[c.block as usize], c.stiffness, c.place as usize);
             let k = k_n.max(k_t);
@@ -184,14 +190,14 @@ impl Blocks {
 }
 
 /// Adds a share of a contact's force, and of its torque about the body's centre.
-fn give(given: &mut [[f64; 3]; 2], c: &Contact, share: f64) {
+fn add_force_and_torque(applied: &mut [[f64; 3]; 2], c: &BlockContact, share: f64) {
     let force = scaled(c.touch.force(), share);
-    given[0] = plus(given[0], force);
-    given[1] = plus(given[1], cross(c.arm, force));
+    applied[0] = plus(applied[0], force);
+    applied[1] = plus(applied[1], cross(c.arm, force));
 }
 
 /// A body as its contacts see it.
-struct Body<'a> {
+struct PosedBlock<'a> {
     block: &'a Block,
     pose: &'a Pose,
     spin: [f64; 3],
@@ -211,7 +217,7 @@ struct Across<'a> {
     pair: &'a Pair,
 }
 
-impl Body<'_> {
+impl PosedBlock<'_> {
     /// Normal and overlap with a sphere, or nothing where it is further away; the middle of the overlap.
     fn meets(&self, centre: [f64; 3], radius: f64) -> Option<([f64; 3], f64, [f64; 3])> {
         let (solid, local) = (self.block.solid(), self.pose.inwards(less(centre, self.pose.centre)));
@@ -231,14 +237,14 @@ impl Body<'_> {
     }
 }
 
-fn across<'a>(scene: &Scene<'a>, body: &Body<'_>, c: &Contact) -> Option<Across<'a>> {
+fn across<'a>(scene: &BlockScene<'a>, body: &PosedBlock<'_>, c: &BlockContact) -> Option<Across<'a>> {
     let i = c.place as usize;
     Some(match c.other {
         Other::Point(_) => {
             let points = scene.continuum.points();
-            let ([x, y, z, _], velocity) = (points.position[i], points.carried[i]);
+            let ([x, y, z, _], velocity) = (points.position[i], points.transport_velocity[i]);
             let (normal, overlap, at) = body.meets(plus([x, y, z], scaled(velocity, scene.ahead[1])), c.radius)?;
-            let pair = scene.ghosts.of_grain(points.law[i], body.block.material);
+            let pair = scene.point_table.of_grain(points.law[i], body.block.material);
             let inverse_mass = 1.0 / points.velocity[i][3];
             Across { normal, overlap, r_eff: c.radius, at, velocity, spin: [0.0; 3], inverse_mass, pair }
         }
@@ -276,7 +282,7 @@ pub(super) fn spot_at(wall: &Wall, block: &Block, pose: &Pose, spot: usize) -> (
     (towards, gap, at)
 }
 
-fn touch<L: Law>(scene: &Scene<'_>, rules: &Rules, body: &Body<'_>, c: &mut Contact) {
+fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, body: &PosedBlock<'_>, c: &mut BlockContact) {
     let spring = L::VISCOUS.then_some(c.spring);
     let old = ContactHistory { touch: c.touch, spring, rolling: None, load: None, largest: None, work: None };
     let Some(o) = across(scene, body, c) else {
@@ -294,8 +300,8 @@ fn touch<L: Law>(scene: &Scene<'_>, rules: &Rules, body: &Body<'_>, c: &mut Cont
     let turning = scaled(mean_spin, o.overlap);
     let motion = RelativeMotion { centres: less(here, o.velocity), turning, mean_spin, spin_difference: less(body.spin, o.spin) };
     let m_eff = if L::VISCOUS { 1.0 / (body.inverse_mass(arm, o.normal) + o.inverse_mass) } else { 0.0 };
-    let meeting = ContactGeometry { normal: o.normal, overlap: o.overlap, r_eff: o.r_eff, m_eff, motion };
-    let new = force::touching::<f64, L, false, true>(&meeting, o.pair, rules, &old);
+    let geometry = ContactGeometry { normal: o.normal, overlap: o.overlap, r_eff: o.r_eff, m_eff, motion };
+    let new = force::touching::<f64, L, false, true>(&geometry, o.pair, rules, &old);
     let e = L::elastic(o.overlap, o.overlap, o.r_eff, o.pair);
     (c.touch, c.spring) = (new.touch, new.spring.unwrap_or_default());
     (c.arm, c.stiffness, c.inverse_mass) = (arm, [e.k_n, e.k_t], o.inverse_mass);

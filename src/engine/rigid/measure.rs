@@ -27,14 +27,14 @@ impl Blocks {
         self.blocks.iter().fold((0.0, [0.0; 3]), |(mass, sum), b| (mass + b.mass, plus(sum, scaled(b.velocity, b.mass))))
     }
 
-    /// Kinetic and potential energy, and what their contacts hold, J. `share`: elastic energy over normal force times overlap.
-    pub fn energies(&self, gravity: [f64; 3], share: f64) -> [f64; 3] {
+    /// Kinetic and potential energy, and what their contacts hold, J. `energy_factor`: elastic energy over normal force times overlap.
+    pub fn energies(&self, gravity: [f64; 3], energy_factor: f64) -> [f64; 3] {
         let mut sums = [0.0; 3];
         for b in &self.blocks {
             sums[0] += b.kinetic();
             sums[1] -= b.mass * dot(gravity, b.centre);
         }
-        sums[2] = self.touching().map(|c| c.energy(share)).sum();
+        sums[2] = self.touching().map(|c| c.energy(energy_factor)).sum();
         sums
     }
 

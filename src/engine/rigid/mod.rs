@@ -12,7 +12,7 @@ mod measure;
 pub mod motion;
 mod search;
 
-pub use contact::{Contact, Other, Scene};
+pub use contact::{BlockContact, BlockScene, Other};
 pub use motion::Pose;
 
 use crate::dem::physics::Physics;
@@ -68,12 +68,12 @@ impl Block {
 pub struct Blocks {
     pub blocks: Vec<Block>,
     /// Whom they are near, in the order of blocks, then of points, grains, and spots on walls.
-    pub near: Vec<Contact>,
+    pub candidates: Vec<BlockContact>,
     age: Age,
     /// Normal force on each wall, N.
     on_walls: Vec<f64>,
     /// What each body has been given since it moved last: force, N, and torque, N m.
-    given: Vec<[[f64; 3]; 2]>,
+    applied: Vec<[[f64; 3]; 2]>,
     /// Scratch: index by identity of grains and points.
     #[serde(skip)]
     index: [Vec<u32>; 2],
@@ -84,7 +84,7 @@ pub struct Blocks {
 
 impl Blocks {
     pub fn new(blocks: Vec<Block>) -> Blocks {
-        Blocks { given: vec![[[0.0; 3]; 2]; blocks.len()], blocks, ..Blocks::default() }
+        Blocks { applied: vec![[[0.0; 3]; 2]; blocks.len()], blocks, ..Blocks::default() }
     }
 
     /// Largest speed of any part of a body, m/s.
@@ -100,8 +100,8 @@ impl Blocks {
     /// The second half of a step: kicks, the first one half, and drifts. What was given is used up.
     pub fn advance(&mut self, physics: &Physics, fresh: bool, dt: f64) {
         let kick = if fresh { 0.5 * dt } else { dt };
-        for (block, given) in self.blocks.iter_mut().zip(&mut self.given) {
-            let [mut force, mut torque] = std::mem::take(given);
+        for (block, applied) in self.blocks.iter_mut().zip(&mut self.applied) {
+            let [mut force, mut torque] = std::mem::take(applied);
             for (f, g) in force.iter_mut().zip(physics.gravity) {
                 *f += block.mass * g;
             }
@@ -124,6 +124,6 @@ impl Blocks {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let index: usize = self.index.iter().map(|i| 4 * i.capacity()).sum();
-        self.near.capacity() * size_of::<Contact>() + self.blocks.capacity() * size_of::<Block>() + index
+        self.candidates.capacity() * size_of::<BlockContact>() + self.blocks.capacity() * size_of::<Block>() + index
     }
 }

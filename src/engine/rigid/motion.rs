@@ -76,7 +76,7 @@ fn unit(q: [f64; 4]) -> [f64; 4] {
 impl Block {
     /// Where it is `ahead` seconds further on its way.
     pub fn pose(&self, ahead: f64) -> Pose {
-        let turn = if ahead == 0.0 { self.turn } else { self.turned(ahead) };
+        let turn = if ahead == 0.0 { self.turn } else { self.orientation_after(ahead) };
         Pose { centre: plus(self.centre, scaled(self.velocity, ahead)), axes: axes(turn) }
     }
 
@@ -104,11 +104,11 @@ impl Block {
         self.velocity = plus(self.velocity, scaled(force, kick / self.mass));
         self.momentum = plus(self.momentum, scaled(torque, kick));
         self.centre = plus(self.centre, scaled(self.velocity, dt));
-        self.turn = self.turned(dt);
+        self.turn = self.orientation_after(dt);
     }
 
     /// How it lies after a free turn of `dt` seconds.
-    fn turned(&self, dt: f64) -> [f64; 4] {
+    fn orientation_after(&self, dt: f64) -> [f64; 4] {
         if self.momentum == [0.0; 3] {
             return self.turn;
         }

@@ -1,12 +1,12 @@
 //! Who is near which body.
 
 use super::contact::spot_at;
-use super::{Blocks, Contact, Other};
+use super::{BlockContact, Blocks, Other};
 use crate::boundary::Wall;
 use crate::error::{Error, Result};
 use crate::grains::Grains;
 use crate::mpm::Continuum;
-use crate::mpm::platen::ghost_radius;
+use crate::mpm::loading_plate::ghost_radius;
 use crate::point_contacts::{NOWHERE, by_id, remember};
 
 impl Blocks {
@@ -46,7 +46,7 @@ impl Blocks {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
         let widest = ghost_radius(dimension, most) + skin;
-        let mut found: Vec<Contact> = Vec::new();
+        let mut found: Vec<BlockContact> = Vec::new();
         for (k, block) in self.blocks.iter().enumerate() {
             let (solid, pose, block_index) = (block.solid(), block.pose(0.0), k as u32);
             let within = |p: &[f64; 4], far: f64| {
@@ -58,39 +58,39 @@ impl Blocks {
             continuum.visit(corners, |i| {
                 let radius = ghost_radius(dimension, points.solid(i));
                 if within(&points.position[i], radius + skin) {
-                    found.push(Contact::new(block_index, Other::Point(points.id[i]), i as u32, radius));
+                    found.push(BlockContact::new(block_index, Other::Point(points.id[i]), i as u32, radius));
                 }
             });
             for (i, p) in grains.pos.iter().enumerate() {
                 if within(p, p[3] + skin) {
-                    found.push(Contact::new(block_index, Other::Grain(grains.id[i]), i as u32, p[3]));
+                    found.push(BlockContact::new(block_index, Other::Grain(grains.id[i]), i as u32, p[3]));
                 }
             }
             for (w, wall) in walls.iter().enumerate() {
                 for spot in (0..solid.spots()).filter(|&spot| spot_at(wall, block, &pose, spot).1 < skin) {
-                    found.push(Contact::new(block_index, Other::Wall { wall: w as u32, spot: spot as u32 }, 0, 0.0));
+                    found.push(BlockContact::new(block_index, Other::Wall { wall: w as u32, spot: spot as u32 }, 0, 0.0));
                 }
             }
         }
-        let key = |c: &Contact| (c.block, c.other);
+        let key = |c: &BlockContact| (c.block, c.other);
         found.sort_unstable_by_key(key);
         remember(self.touching(), &mut found, key, |old, new| (new.touch, new.spring) = (old.touch, old.spring));
-        self.near = found;
+        self.candidates = found;
     }
 
     /// Present indices of grains and points, whose arrays may have been put in another order.
     fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
-        let (points, place) = (continuum.points(), |c: &Contact| c.place as usize);
+        let (points, place) = (continuum.points(), |c: &BlockContact| c.place as usize);
         let [of_grains, of_points] = &mut self.index;
-        let grain_at = |c: &Contact| matches!(c.other, Other::Grain(id) if grains.id.get(place(c)) != Some(&id));
-        if self.near.iter().any(grain_at) {
+        let grain_at = |c: &BlockContact| matches!(c.other, Other::Grain(id) if grains.id.get(place(c)) != Some(&id));
+        if self.candidates.iter().any(grain_at) {
             by_id(of_grains, &grains.id, grains.next_id);
         }
-        let point_at = |c: &Contact| matches!(c.other, Other::Point(id) if points.id.get(place(c)) != Some(&id));
-        if self.near.iter().any(point_at) {
+        let point_at = |c: &BlockContact| matches!(c.other, Other::Point(id) if points.id.get(place(c)) != Some(&id));
+        if self.candidates.iter().any(point_at) {
             by_id(of_points, &points.id, points.next_id);
         }
-        for c in &mut self.near {
+        for c in &mut self.candidates {
             match c.other {
                 Other::Grain(id) if grains.id.get(c.place as usize) != Some(&id) => c.place = of_grains[id as usize],
                 Other::Point(id) if points.id.get(c.place as usize) != Some(&id) => c.place = of_points[id as usize],
@@ -98,7 +98,7 @@ impl Blocks {
             }
         }
         // those that are no more
-        self.near.retain(|c| c.place != NOWHERE);
+        self.candidates.retain(|c| c.place != NOWHERE);
     }
 }
 

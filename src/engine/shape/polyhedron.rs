@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Polyhedron {
     corners: Vec<[f64; 3]>,
-    faces: Vec<Face>,
+    faces: Vec<HullFace>,
     rounding: f64,
     bulk: Bulk,
     reach: f64,
@@ -22,7 +22,7 @@ pub struct Polyhedron {
 
 /// A triangle of the hull: its corners, outward normal and distance from the origin along that.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Face {
+struct HullFace {
     corners: [u32; 3],
     normal: [f64; 3],
     offset: f64,
@@ -72,7 +72,7 @@ impl Polyhedron {
             let [p, q, r] = t.map(|k| corners[k as usize]);
             let n = cross(less(q, p), less(r, p));
             let normal = scaled(n, 1.0 / dot(n, n).sqrt());
-            Face { corners: t, normal, offset: dot(normal, p) }
+            HullFace { corners: t, normal, offset: dot(normal, p) }
         });
         let reach = corners.iter().map(|p| dot(*p, *p).sqrt()).fold(0.0, f64::max) + rounding;
         Polyhedron { faces: faces.collect(), corners, rounding, bulk: Bulk { volume: 0.0, moments: [0.0; 3] }, reach }

@@ -37,7 +37,7 @@ pub struct Coarse {
     /// Walls of free scenes, which points touch as well.
     pub walls: Vec<WallSpec>,
     /// For each law of the continuum the material of the fines' grains, which says how its points touch.
-    pub ghosts: Vec<u8>,
+    pub point_materials: Vec<u8>,
     /// Instead of the rates that the stable steps give.
     pub rates: Option<Rates>,
     /// How the mass that breakages lose becomes points, where it does.

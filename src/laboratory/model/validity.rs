@@ -5,7 +5,7 @@ use crate::model::continuum::Continuum as Rig;
 use engine::dem::physics::Physics;
 use engine::grains::sphere_volume;
 use engine::mpm::Dimension;
-use engine::mpm::platen::ghost_radius;
+use engine::mpm::loading_plate::ghost_radius;
 
 /// Mean diameter of coarse grains over that of ghosts, at least; a little room for how a gradation is drawn.
 const RATIO: f64 = 4.9;

@@ -2,11 +2,11 @@
 
 use crate::model::{Assembly, Model};
 use engine::dem::observables;
-use engine::dem::{State, Work, gather};
+use engine::dem::{State, Workspace, gather};
 use table::Row;
 
 /// The row of this instant: energies and walls.
-pub fn history_row(model: &Model, state: &State, work: &Work) -> Row {
+pub fn history_row(model: &Model, state: &State, work: &Workspace) -> Row {
     let sums = observables::sums(&model.physics, state, work);
     let balance = state.ledger.balance(&state.walls, &sums);
     let lost: f64 = state.lost.iter().map(|l| l.0).sum();
@@ -32,7 +32,7 @@ pub fn history_row(model: &Model, state: &State, work: &Work) -> Row {
 }
 
 /// One row per tracked grain that still exists. Velocities and spins are those of this instant, not of the half step.
-pub fn track_rows(model: &Model, rig: &Assembly, state: &State, work: &Work) -> Vec<Row> {
+pub fn track_rows(model: &Model, rig: &Assembly, state: &State, work: &Workspace) -> Vec<Row> {
     let g = &state.grains;
     let back = if state.fresh { 0.0 } else { 0.5 * state.dt };
     let mut rows = Vec::new();

@@ -74,7 +74,7 @@ pub fn of_grains(state: &State) -> Vec<Contact> {
 pub fn of_mixture(mixture: &Mixture, continuum: &Continuum) -> Vec<Contact> {
     let mut all = of_grains(&mixture.grains);
     let points = continuum.points();
-    all.extend(mixture.ghosts.on_grains().map(|(grain, point, radius, touch)| {
+    all.extend(mixture.point_contacts.on_grains().map(|(grain, point, radius, touch)| {
         let [x, y, z, _] = points.position[point];
         Contact::between(&mixture.grains.grains, grain, Other::Point(points.id[point]), [x, y, z], radius, touch)
     }));

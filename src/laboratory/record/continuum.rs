@@ -139,7 +139,7 @@ impl Recorder {
             ("kinetic_J", m.totals.kinetic.into()),
             ("potential_J", m.totals.potential.into()),
             ("stress_work_J", m.stress_work.into()),
-            ("platen_work_J", m.platen_work.into()),
+            ("platen_work_J", m.plate_work.into()),
             ("contact_J", m.stored.into()),
             ("dissipated_J", m.dissipated.into()),
             ("dissipated_share", m.dissipated_share().into()),

@@ -8,7 +8,7 @@ use crate::gradation::{Gradation, Indices};
 use crate::model::Model;
 use crate::rig::cylinder::{Stresses, TOP, inertial_time, space};
 use engine::dem::observables;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use serde::{Deserialize, Serialize};
 use table::Row;
 
@@ -103,7 +103,7 @@ pub struct Moment {
 
 impl Recorder {
     /// The row of this instant.
-    pub fn row(&mut self, model: &Model, moment: Moment, state: &State, work: &Work, initial: &Gradation) -> Result<Row> {
+    pub fn row(&mut self, model: &Model, moment: Moment, state: &State, work: &Workspace, initial: &Gradation) -> Result<Row> {
         let size = space(state);
         let s = Stresses::of(state);
         let sums = observables::sums(&model.physics, state, work);

@@ -6,7 +6,7 @@ use engine::boundary::{Drive, WallShape};
 use engine::boundary::{Wall, servo_speed};
 use engine::dem;
 use engine::dem::observables;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::grains::{Grains, sphere_volume};
 
 /// The first state of a free scene.
@@ -38,8 +38,8 @@ pub fn done(rig: &Assembly, state: &State) -> bool {
 pub fn advance(
     model: &Model,
     state: &mut State,
-    work: &mut Work,
-    observe: impl FnOnce(&State, &Work) -> Result<(), Error>,
+    work: &mut Workspace,
+    observe: impl FnOnce(&State, &Workspace) -> Result<(), Error>,
 ) -> Result<(), Error> {
     dem::step(&model.physics, state, work, |state, work| {
         if state.step == 0 {
@@ -52,7 +52,7 @@ pub fn advance(
 }
 
 /// Opens the ledger with the energies of the first instant.
-fn open(model: &Model, state: &mut State, work: &Work) {
+fn open(model: &Model, state: &mut State, work: &Workspace) {
     let State { ledger, grains, walls, .. } = state;
     ledger.open(grains, walls);
     for w in state.pairs.work.iter_mut().chain(state.wall_pairs.work.iter_mut()) {
@@ -69,7 +69,7 @@ const LEAST_STRESS: f64 = 1e3;
 /// Steps between looks at the stress by which inertia is scaled.
 const LOOK: u64 = 32;
 
-fn drive(model: &Model, state: &mut State, work: &Work) {
+fn drive(model: &Model, state: &mut State, work: &Workspace) {
     if model.physics.stepping.inertia_scaling && state.step.is_multiple_of(LOOK) {
         state.reference_stress = contact_pressure(state, work).max(LEAST_STRESS);
     }
@@ -103,7 +103,7 @@ fn extent_z(state: &State) -> f64 {
 }
 
 /// Mean stress of the contacts over the grains' own volume, Pa: Σ F_n (r_1 + r_2) / (3 V).
-fn contact_pressure(state: &State, work: &Work) -> f64 {
+fn contact_pressure(state: &State, work: &Workspace) -> f64 {
     let g = &state.grains;
     let (mut sum, mut volume) = (0.0, 0.0);
     for &i in &g.by_id() {

@@ -90,7 +90,7 @@ pub fn start(model: &Model, specimen: &Specimen, grains: Grains, size: CylinderS
 }
 
 /// The test begins: damping and crushing as the scene asks, ledger open.
-pub fn begin(model: &Model, state: &mut State, work: &engine::dem::Work) {
+pub fn begin(model: &Model, state: &mut State, work: &engine::dem::Workspace) {
     state.damping = model.physics.damping;
     state.crushing = model.physics.crush.is_some();
     let State { ledger, grains, walls, .. } = state;

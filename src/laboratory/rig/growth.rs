@@ -1,7 +1,7 @@
 //! Radius expansion: grains grow where they stand until they have their size. What preparations of cylinders and of boxes share.
 
 use engine::dem::physics::Physics;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::grains::sphere_volume;
 
 /// Radii at the start of growth over final radii.
@@ -16,7 +16,7 @@ pub const UNBALANCED: f64 = 2e-3;
 pub const STRESS_AT_REST: f64 = 0.01;
 
 /// Radii by id, m, of step `step` (from 0) of so many: fast at first, gently at the end.
-pub fn grow(physics: &Physics, radii: &[f64], step: u64, steps: u64, state: &mut State, work: &mut Work) {
+pub fn grow(physics: &Physics, radii: &[f64], step: u64, steps: u64, state: &mut State, work: &mut Workspace) {
     let left = 1.0 - (step + 1) as f64 / steps as f64;
     let scale = START + (1.0 - START) * (1.0 - left * left);
     let g = &mut state.grains;

@@ -13,7 +13,7 @@ use engine::boundary::{Drive, WallShape, WallSpec};
 use engine::contact::pair::Pair;
 use engine::dem;
 use engine::dem::event::arm_grain;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use std::f64::consts::PI;
 
@@ -122,7 +122,7 @@ pub fn press(model: &Model, rig: &Platen, number: u32, stop: impl Fn() -> bool) 
     let d = rig.diameters[number as usize];
     let e_eff = pair(model, rig).e_eff;
     let mut state = seated(model, rig, number);
-    let mut work = Work::new(&model.physics, &mut state);
+    let mut work = Workspace::new(&model.physics, &mut state);
     let limit_force = model.physics.crush.as_ref().filter(|c| d > c.d_limit);
     let mut test = Test {
         grain: number,

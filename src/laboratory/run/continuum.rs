@@ -18,7 +18,7 @@ use crate::record::{blocks, checkpoint, contacts, specimen};
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
 use engine::boundary::WallShape;
 use engine::mpm::law::Law;
-use engine::mpm::{Dimension, Platen};
+use engine::mpm::{Dimension, LoadingPlate};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -304,7 +304,7 @@ fn instant(
     let step = state.continuum.steps();
     let touching = state.mixture.as_ref().map_or(Vec::new(), |m| contacts::of_mixture(m, &state.continuum));
     if let Some(mixture) = state.mixture.as_ref().filter(|_| model.records.contacts) {
-        let names = contacts::names(&mixture.grains.walls, !state.platens.is_empty());
+        let names = contacts::names(&mixture.grains.walls, !state.plates.is_empty());
         contacts::write(&dir.join(format!("contacts_{step:08}.csv")), facts, &mixture.grains.grains, &names, &touching)?;
     }
     if !model.records.snapshots {
@@ -336,14 +336,14 @@ fn walls(state: &State) -> Vec<Loaded> {
     if state.continuum.settings().dimension == Dimension::PlaneStrain {
         return Vec::new();
     }
-    let platen = |p: &Platen| {
+    let plate = |p: &LoadingPlate| {
         let plane = WallShape::Plane { point: p.point, normal: p.normal };
         let shell = |radius| WallShape::Cylinder { centre: [p.point[0], p.point[1]], radius };
         (p.radius.map_or(plane, shell), p.force())
     };
     match &state.mixture {
-        Some(mixture) if state.platens.is_empty() => mixture.grains.walls.iter().map(|w| (w.shape, w.reaction)).collect(),
-        _ => state.platens.iter().map(platen).collect(),
+        Some(mixture) if state.plates.is_empty() => mixture.grains.walls.iter().map(|w| (w.shape, w.reaction)).collect(),
+        _ => state.plates.iter().map(plate).collect(),
     }
 }
 

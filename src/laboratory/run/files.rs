@@ -14,7 +14,7 @@ use crate::record::{assembly as assembly_records, checkpoint, contacts, specimen
 use crate::rig::cylinder::{Stresses, space};
 use engine::dem::event::Breakage;
 use engine::dem::observables;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::mpm::Continuum;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -158,7 +158,7 @@ impl Files {
         &mut self,
         out: &Path,
         model: &Model,
-        (state, work): (&State, &Work),
+        (state, work): (&State, &Workspace),
         fines: Option<&Continuum>,
         due: Option<Due>,
         moment: impl FnOnce() -> Moment,
@@ -206,7 +206,7 @@ impl Files {
         model: &Model,
         rig: &Assembly,
         state: &State,
-        work: &Work,
+        work: &Workspace,
         last: bool,
     ) -> Result<()> {
         if !last && !state.step.is_multiple_of(rig.record_every) {
@@ -238,7 +238,7 @@ impl Files {
     }
 
     /// Snapshots of grains and walls, and contacts, as far as the scene asks for them; `at` is the value on the time axis.
-    fn instant(&mut self, out: &Path, model: &Model, state: &State, work: &Work, at: f64, facts: &[Fact]) -> Result<()> {
+    fn instant(&mut self, out: &Path, model: &Model, state: &State, work: &Workspace, at: f64, facts: &[Fact]) -> Result<()> {
         if !(model.records.snapshots || model.records.contacts) {
             return Ok(());
         }
@@ -262,7 +262,7 @@ impl Files {
         out: &Path,
         model: &Model,
         state: &State,
-        work: &Work,
+        work: &Workspace,
         stresses: &[f64],
         at: f64,
         facts: &[Fact],

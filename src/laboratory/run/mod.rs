@@ -19,7 +19,7 @@ use crate::rig::preparation::{Preparation, range};
 use crate::testing::Test;
 pub use backend::{Backend, Chosen, choose};
 use engine::boundary::CylinderSpace;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use files::Files;
 pub use files::occupied;
@@ -250,8 +250,8 @@ fn test(model: &Model, grains: Grains, walls: CylinderSpace) -> Result<(Activity
 }
 
 /// Scratch for a state, with grains near in space put near in memory.
-fn fresh_work(model: &Model, state: &mut State) -> Work {
-    let mut work = Work::new(&model.physics, state);
+fn fresh_work(model: &Model, state: &mut State) -> Workspace {
+    let mut work = Workspace::new(&model.physics, state);
     engine::dem::reorder(state, &mut work);
     work
 }
@@ -265,7 +265,7 @@ struct Runner<'a> {
     model: &'a Model,
     out: &'a Path,
     progress: Progress,
-    work: Work,
+    work: Workspace,
     bar: Bar,
     started: Instant,
     last_checkpoint: Instant,

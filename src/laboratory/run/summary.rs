@@ -7,12 +7,12 @@ use crate::record::checkpoint;
 use crate::record::cylinder::{BelowLeast, Recorder};
 use crate::rig::preparation::range::void_ratio;
 use engine::breakage::lost_mass::excluded_grains;
-use engine::dem::Work;
+use engine::dem::Workspace;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// Writes what closes a run and removes its checkpoint.
-pub fn finish(model: &Model, out: &Path, progress: &mut Progress, work: &Work) -> Result<Outcome> {
+pub fn finish(model: &Model, out: &Path, progress: &mut Progress, work: &Workspace) -> Result<Outcome> {
     progress.files.flush(out)?;
     files::write_final(out, model, progress)?;
     let mut summary = summary(model, progress, work);
@@ -22,7 +22,7 @@ pub fn finish(model: &Model, out: &Path, progress: &mut Progress, work: &Work) -
     Ok(Outcome { summary, out: out.into(), draw: model.records.figures })
 }
 
-fn summary(model: &Model, progress: &Progress, work: &Work) -> Value {
+fn summary(model: &Model, progress: &Progress, work: &Workspace) -> Value {
     let state = &progress.state;
     let recorder = &progress.files.recorder;
     let mut s = Map::new();

@@ -4,7 +4,7 @@ use super::material::Named;
 use super::schema::unit;
 use super::view::View;
 use engine::math::portable::sin;
-use engine::mpm::{Dimension, Point, Points, Settings, Wall};
+use engine::mpm::{Dimension, GridWall, Point, Points, Settings};
 use std::f64::consts::{FRAC_PI_2, PI};
 use toml::{Table, Value};
 
@@ -215,7 +215,7 @@ impl View<'_> {
             }
             // what lies beyond a plane of symmetry is the image of what lies before it
             let kept = |side: usize, site: i64, end: i64, inner: fn(i64, i64) -> i64| {
-                if settings.walls[2 * a + side] == Wall::Symmetry { inner(site, end) } else { site }
+                if settings.walls[2 * a + side] == GridWall::Symmetry { inner(site, end) } else { site }
             };
             let end = i64::from(settings.cells[a]) * i64::from(per);
             [kept(0, site(low[a]), 0, i64::max), kept(1, site(high[a] + 2e-6 * spacing), end, i64::min)]

@@ -11,7 +11,7 @@ use engine::dem::physics::Stepping;
 use engine::grains::sphere_volume;
 use engine::material::effective_modulus;
 use engine::mpm::law::Law;
-use engine::mpm::{Dimension, with_platens};
+use engine::mpm::{Dimension, with_plates};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -70,7 +70,7 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
         Some(s) => {
             let rate = contact_rate(rig.settings.dimension, s, rig.points.velocity[0][3], largest_stress(rig, s, law));
             let why = if rate > 4.0 / (waves * waves) { "the platens' contacts" } else { "a compression wave through a cell" };
-            (with_platens(waves, rate, rig.settings.transfer), why)
+            (with_plates(waves, rate, rig.settings.transfer), why)
         }
     };
     let (bound, why) = match coupled_bound(model, rig) {

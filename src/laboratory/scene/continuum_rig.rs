@@ -12,7 +12,7 @@ use engine::dem::physics::Physics;
 use engine::dem::physics::Stepping;
 use engine::material::Material;
 use engine::mpm::law::Law;
-use engine::mpm::{Dimension, Points, Settings, ShapeFunctions, Transfer, Wall};
+use engine::mpm::{Dimension, GridWall, Points, Settings, ShapeFunctions, Transfer};
 
 /// E* of platens over the continuum's oedometric modulus, where no grain says it.
 const STIFF: f64 = 50.0;
@@ -193,11 +193,11 @@ impl View<'_> {
         self.check(steps.is_some() != duration.is_some(), "duration_s", "must be given, or `steps`, one of them");
         let friction = self.si("grid.friction");
         let walls = SIDES.map(|side| match self.text(&format!("grid.{side}")) {
-            "symmetry" => Wall::Symmetry,
-            "stick" => Wall::Stick,
-            "slip" => Wall::Friction { friction: 0.0 },
-            "coulomb" => Wall::Friction { friction },
-            _ => Wall::Open,
+            "symmetry" => GridWall::Symmetry,
+            "stick" => GridWall::Stick,
+            "slip" => GridWall::Friction { friction: 0.0 },
+            "coulomb" => GridWall::Friction { friction },
+            _ => GridWall::Open,
         });
         (steps.is_some() != duration.is_some()).then_some((min, cells, walls))
     }
@@ -276,19 +276,19 @@ impl View<'_> {
             // the bottom alone is a side of the grid
             let lower = [min[0] - room(0) * cell, min[1] - room(1) * cell, min[2]];
             let cells = [0, 1, 2].map(|a| (whole(size[a]) + if a < 2 { 2.0 * room(a) } else { CELLS }) as u32);
-            let mut walls = [Wall::Open; 6];
-            walls[4] = Wall::Symmetry;
+            let mut walls = [GridWall::Open; 6];
+            walls[4] = GridWall::Symmetry;
             return Some((lower, cells, walls));
         }
         if rig == "oedometer" {
             let cells = std::array::from_fn(|a| if a < d { whole(size[a]) as u32 + if a == d - 1 { 2 } else { 0 } } else { 1 });
-            let mut walls = [Wall::Open; 6];
-            walls[..2 * d - 1].fill(Wall::Symmetry);
+            let mut walls = [GridWall::Open; 6];
+            walls[..2 * d - 1].fill(GridWall::Symmetry);
             return Some((min, cells, walls));
         }
         let lower = std::array::from_fn(|a| if a < d { min[a] - room(a) * cell } else { min[a] });
         let cells = std::array::from_fn(|a| if a < d { (whole(size[a]) + 2.0 * room(a)) as u32 } else { 1 });
-        Some((lower, cells, [Wall::Open; 6]))
+        Some((lower, cells, [GridWall::Open; 6]))
     }
 
     fn test(&self, rig: &str, named: &[Named], laws: &[Law], settings: &Settings, per: u32, pressure: f64) -> Option<Test> {
@@ -348,7 +348,7 @@ impl View<'_> {
     }
 }
 
-type Grid = ([f64; 3], [u32; 3], [Wall; 6]);
+type Grid = ([f64; 3], [u32; 3], [GridWall; 6]);
 const SIDES: [&str; 6] = ["x_low", "x_high", "y_low", "y_high", "z_low", "z_high"];
 
 /// A material of which only name and density are asked.

@@ -34,7 +34,7 @@ impl View<'_> {
         &self,
         named: &[Named],
         materials: &[Material],
-        ghosts: &[u8],
+        point_materials: &[u8],
         specimen: Option<&Specimen>,
     ) -> Option<Option<Growth>> {
         let (key, others) = ("growth.fines_diameter_mm", ["growth.friction"]);
@@ -55,7 +55,7 @@ impl View<'_> {
             self.refuse(key, "needs a stress to press the specimen with: body.stress_kPa, or the cell pressure");
             return None;
         }
-        let material = ghosts[usize::from(specimen.law)];
+        let material = point_materials[usize::from(specimen.law)];
         // all solids fill the box at its porosity
         let solids = (1.0 - specimen.porosity) * specimen.size.iter().product::<f64>();
         let density = |m: u8| materials[usize::from(m)].density;

@@ -8,7 +8,7 @@ use crate::packing::dispersed;
 use engine::coupling::{Rates, Rule};
 use engine::grains::sphere_volume;
 use engine::material::Material;
-use engine::mpm::platen::ghost_radius;
+use engine::mpm::loading_plate::ghost_radius;
 use engine::mpm::{Dimension, Points};
 
 /// Room between coarse grains, and between them and platens, when they are placed, over the distance of two points.
@@ -25,7 +25,7 @@ impl View<'_> {
         self.check(unscaled, "stepping.inertia_scaling", "must be false in a mixture: a continuum moves in time");
         let plain = self.si("specimen.scale") == 1.0;
         self.check(plain, "specimen.scale", "must be 1 in a mixture");
-        let (fines, ghosts): (Vec<Named>, Vec<u8>) = named
+        let (fines, point_materials): (Vec<Named>, Vec<u8>) = named
             .iter()
             .enumerate()
             .filter(|(_, n)| self.has(&n.key("continuum")))
@@ -41,17 +41,17 @@ impl View<'_> {
         let blocks = self.blocks(named, materials)?;
         let mut growth = None;
         let mut rig = self.continuum_rig(&fines, |points, settings, test| {
-            growth = self.growth(named, materials, &ghosts, test.specimen())?;
+            growth = self.growth(named, materials, &point_materials, test.specimen())?;
             // these points and grains are then only what `check` counts
             if growth.is_some() {
                 return Some(());
             }
             if let Some(specimen) = test.specimen() {
                 self.grains_inside(&grains, specimen);
-                let density = materials[usize::from(ghosts[usize::from(points.law[0])])].density;
+                let density = materials[usize::from(point_materials[usize::from(points.law[0])])].density;
                 grains.extend(self.coarse(named, materials, specimen, density)?);
                 let law = self.law();
-                let ghost = |law: u8| &materials[usize::from(ghosts[usize::from(law)])];
+                let ghost = |law: u8| &materials[usize::from(point_materials[usize::from(law)])];
                 displace(points, settings.dimension, specimen, &grains, |fine, g, r_eff| {
                     let pair = law.between(&materials[usize::from(g.material)], ghost(fine));
                     law.overlap_under(specimen.stress * specimen.spacing * specimen.spacing, r_eff, &pair)
@@ -72,7 +72,7 @@ impl View<'_> {
         };
         rig.growth = growth;
         let fines = self.fines_as_points(materials, &rig, &grains)?;
-        let coarse = Coarse { grains, blocks, walls, ghosts, rates, fines };
+        let coarse = Coarse { grains, blocks, walls, point_materials, rates, fines };
         self.blocks_have_room(&rig, &coarse);
         self.grains_have_room(&rig, &coarse.grains);
         rig.coarse = Some(coarse);

@@ -15,7 +15,7 @@ use crate::model::{Model, Specimen};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::record::quasi_static::Instant;
 use engine::boundary::CylinderSpace;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use engine::mpm::Continuum;
 use serde_json::Value;
@@ -40,8 +40,8 @@ pub trait SpecimenTest: Sized {
         model: &Model,
         rig: &Self::Rig,
         state: &mut State,
-        work: &mut Work,
-        observe: &mut dyn FnMut(&Self, &State, &Work) -> Result<(), Error>,
+        work: &mut Workspace,
+        observe: &mut dyn FnMut(&Self, &State, &Workspace) -> Result<(), Error>,
     ) -> Result<(), Error>;
 
     /// Whether the programme has come to its end.

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::model::{Model, Rig};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use engine::boundary::CylinderSpace;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use engine::mpm::Continuum;
 use serde::{Deserialize, Serialize};
@@ -43,8 +43,8 @@ macro_rules! specimen_tests {
                 &mut self,
                 model: &Model,
                 state: &mut State,
-                work: &mut Work,
-                observe: &mut dyn FnMut(&Observed<'_>, &State, &Work) -> Result<(), Error>,
+                work: &mut Workspace,
+                observe: &mut dyn FnMut(&Observed<'_>, &State, &Workspace) -> Result<(), Error>,
             ) -> Result<(), Error> {
                 match (self, &model.rig) {
                     $((Test::$test(test), Rig::$test(rig)) => SpecimenTest::advance(test, model, rig, state, work, &mut |test, state, work| {

@@ -1,15 +1,15 @@
 // Grains: what they bear of each other, of walls and of points, and their motion. Twins: contact/sweep.rs, contact/wall_sweep.rs, step/gather.rs, coupling/mixture.rs (f64).
 
-// What the continuum's own passes ask of grains (alone.wgsl).
-fn grains_push(i: u32) -> vec4<f32> {
+// What the continuum's own passes ask of grains (without_grains.wgsl).
+fn force_of_grains(i: u32) -> vec4<f32> {
     return vec4<f32>(bitcast<vec3<f32>>(pushes[i].xyz) / f32(coupling.rates), bitcast<f32>(pushes[params.points + i].w));
 }
 
-fn carry(i: u32, v: vec3<f32>, felt: f32) {
+fn keep_transport_velocity(i: u32, v: vec3<f32>, stiffness_rate: f32) {
     pushes[params.points + i] = vec4<u32>(bitcast<vec3<u32>>(v), 0u);
-    let most = bitcast<u32>(felt);
-    if most > atomicLoad(&mix_.most) {
-        atomicMax(&mix_.most, most);
+    let most = bitcast<u32>(stiffness_rate);
+    if most > atomicLoad(&mix_.largest_bound) {
+        atomicMax(&mix_.largest_bound, most);
     }
     let speed = bitcast<u32>(length(v));
     if speed > atomicLoad(&mix_.fastest_point) {
@@ -17,11 +17,11 @@ fn carry(i: u32, v: vec3<f32>, felt: f32) {
     }
 }
 
-// Force and stiffness of the grains on the platen `k`.
-fn of_grains(k: u32) -> vec2<f32> {
+// Force and stiffness of the grains on the loading plate `k`.
+fn plate_load_of_grains(k: u32) -> vec2<f32> {
     var sum = vec2<f32>(0.0);
     for (var w = 0u; w < coupling.walls; w++) {
-        if mix_.sides[w].platen == k {
+        if mix_.sides[w].plate == k {
             sum += vec2<f32>(mix_.sides[w].reaction, mix_.sides[w].stiffness);
         }
     }
@@ -32,28 +32,28 @@ fn of_grains(k: u32) -> vec2<f32> {
 const OF_POINT: f32 = 3.0;
 const OF_GRAIN: f32 = 1.5;
 
-// The step, where waves in the continuum allow `dt`, and the largest stiffness of platens over the mass of a point is `rate` (coupling/mixture.rs: bounds, Cycle::longest).
-fn longest(dt: f32, rate: f32) -> f32 {
-    mix_.alone = OF_POINT * bitcast<f32>(atomicLoad(&mix_.point_rate)) + rate;
+// The step, where waves in the continuum allow `dt`, and the largest stiffness of loading plates over the mass of a point is `rate` (coupling/mixture.rs: bounds, Cycle::longest).
+fn longest_step(dt: f32, rate: f32) -> f32 {
+    mix_.isolated_bound = OF_POINT * bitcast<f32>(atomicLoad(&mix_.point_rate)) + rate;
     if params.safety <= 0.0 {
         return dt;
     }
-    var contacts = bitcast<f32>(atomicLoad(&mix_.point_rate)) + mix_.ghost + rate;
+    var contacts = bitcast<f32>(atomicLoad(&mix_.point_rate)) + mix_.grain_rate_points + rate;
     if mix_.slow != 0u {
-        contacts = max(mix_.share * mix_.alone, OF_GRAIN * mix_.ghost);
+        contacts = max(mix_.bound_ratio * mix_.isolated_bound, OF_GRAIN * mix_.grain_rate_points);
     }
     var own = coupling.least;
-    if mix_.own > 0.0 {
-        own = min(own, params.safety * 2.0 / sqrt(mix_.own));
+    if mix_.grain_rate > 0.0 {
+        own = min(own, params.safety * 2.0 / sqrt(mix_.grain_rate));
     }
     return min(with_contacts(own, contacts) * f32(coupling.rates), with_contacts(dt, contacts));
 }
 
 fn side_speed(side: Side) -> f32 {
-    if side.platen == NONE {
+    if side.plate == NONE {
         return side.speed;
     }
-    return outside.platens[side.platen].speed;
+    return batch.plates[side.plate].speed;
 }
 
 // A sphere on a wall; the normal points into the wall.
@@ -76,12 +76,12 @@ fn damped(f: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
 
 // Velocities and places.
 @compute @workgroup_size(64)
-fn shift(one: Thread) {
+fn move_grains(one: Thread) {
     let g = linear(one);
     if g >= coupling.grains || status.stop != 0u {
         return;
     }
-    let dt = outside.dt / f32(coupling.rates);
+    let dt = batch.dt / f32(coupling.rates);
     let kick = dt * select(1.0, 0.5, mix_.fresh != 0u);
     let v = grain_number(G_VELOCITY, g);
     let v_low = grain_number(G_VELOCITY_LOW, g);
@@ -124,11 +124,11 @@ const TRUST: f32 = 0.5;
 
 // After each step of the grains: time and walls go on, and when something may have come into reach grains go to shelves anew.
 @compute @workgroup_size(256)
-fn shelve(@builtin(local_invocation_index) thread: u32) {
+fn build_grid(@builtin(local_invocation_index) thread: u32) {
     if thread == 0u {
         wanted = 0u;
         if status.stop == 0u {
-            wanted = passed_on();
+            wanted = advance_time();
         }
         searches[0] = wanted * params.point_groups.x;
         searches[1] = params.point_groups.y;
@@ -140,18 +140,18 @@ fn shelve(@builtin(local_invocation_index) thread: u32) {
     if workgroupUniformLoad(&wanted) == 0u {
         return;
     }
-    let counts_at = coupling.shelves + 1u;
-    for (var c = thread; c < coupling.shelves; c += 256u) {
+    let counts_at = coupling.grid_cells + 1u;
+    for (var c = thread; c < coupling.grid_cells; c += 256u) {
         atomicStore(&lists[counts_at + c], 0u);
     }
     storageBarrier();
     for (var g = thread; g < coupling.grains; g += 256u) {
-        atomicAdd(&lists[counts_at + shelf_index(shelf_of(grain_cells(g)))], 1u);
+        atomicAdd(&lists[counts_at + grid_index(grid_cell_of(grain_cells(g)))], 1u);
     }
     storageBarrier();
-    let share = (coupling.shelves + 255u) / 256u;
-    let begin = min(thread * share, coupling.shelves);
-    let end = min((thread + 1u) * share, coupling.shelves);
+    let share = (coupling.grid_cells + 255u) / 256u;
+    let begin = min(thread * share, coupling.grid_cells);
+    let end = min((thread + 1u) * share, coupling.grid_cells);
     var own = 0u;
     for (var c = begin; c < end; c++) {
         own += atomicLoad(&lists[counts_at + c]);
@@ -164,33 +164,33 @@ fn shelve(@builtin(local_invocation_index) thread: u32) {
         first += here;
     }
     if thread == 0u {
-        atomicStore(&lists[coupling.shelves], coupling.grains);
+        atomicStore(&lists[coupling.grid_cells], coupling.grains);
     }
     storageBarrier();
     for (var g = thread; g < coupling.grains; g += 256u) {
-        let at = atomicAdd(&lists[counts_at + shelf_index(shelf_of(grain_cells(g)))], 1u);
-        atomicStore(&lists[2u * coupling.shelves + 1u + at], g);
+        let at = atomicAdd(&lists[counts_at + grid_index(grid_cell_of(grain_cells(g)))], 1u);
+        atomicStore(&lists[2u * coupling.grid_cells + 1u + at], g);
     }
 }
 
 // Whether lists are due.
-fn passed_on() -> u32 {
+fn advance_time() -> u32 {
     atomicStore(&mix_.point_rate, 0u);
     if mix_.search != 0u {
         mix_.search = 0u;
         mix_.travelled = 0.0;
         return 1u;
     }
-    let dt = outside.dt / f32(coupling.rates);
+    let dt = batch.dt / f32(coupling.rates);
     mix_.fresh = 0u;
     mix_.sub = (mix_.sub + 1u) % coupling.rates;
     mix_.ahead = f32(mix_.sub) * dt;
     if mix_.sub == 0u {
         mix_.point_speed = bitcast<f32>(atomicExchange(&mix_.fastest_point, 0u));
-        let most = bitcast<f32>(atomicExchange(&mix_.most, 0u));
-        mix_.share = 1.0;
-        if mix_.alone > 0.0 {
-            mix_.share = min(most / mix_.alone, 1.0);
+        let most = bitcast<f32>(atomicExchange(&mix_.largest_bound, 0u));
+        mix_.bound_ratio = 1.0;
+        if mix_.isolated_bound > 0.0 {
+            mix_.bound_ratio = min(most / mix_.isolated_bound, 1.0);
         }
     }
     var fastest = bitcast<f32>(atomicExchange(&mix_.fastest_grain, 0u));
@@ -221,26 +221,26 @@ fn move_slot(old: u32, to: u32, g: u32) {
 
 // The list of each grain anew; as those of points.
 @compute @workgroup_size(64)
-fn near_grains(one: Thread) {
+fn grain_candidates(one: Thread) {
     let g = linear(one);
     if g >= coupling.grains || status.stop != 0u {
         return;
     }
     let at = grain_cells(g);
     let radius = grain_number(G_VELOCITY_LOW, g).w * params.inverse_cell;
-    var near: array<u32, 32>;
+    var found: array<u32, 32>;
     var n = 0u;
     var count = 0u;
-    let here = shelf_of(at);
+    let here = grid_cell_of(at);
     for (var k = 0; k < 27; k++) {
         let there = here + vec3<i32>(k % 3, (k / 3) % 3, k / 9) - 1;
-        if any(there < vec3<i32>(0)) || any(there >= coupling.shelf) {
+        if any(there < vec3<i32>(0)) || any(there >= coupling.grid) {
             continue;
         }
-        let shelf = shelf_index(there);
-        let end = shelf_start(shelf + 1u);
-        for (var at_shelf = shelf_start(shelf); at_shelf < end; at_shelf++) {
-            let other = grain_on_shelf(at_shelf);
+        let grid_cell = grid_index(there);
+        let end = grid_start(grid_cell + 1u);
+        for (var entry = grid_start(grid_cell); entry < end; entry++) {
+            let other = grain_in_cell(entry);
             let d = grain_cells(other) - at;
             let far = grain_number(G_VELOCITY_LOW, other).w * params.inverse_cell + radius + coupling.skin;
             if other == g || dot(d, d) >= far * far {
@@ -249,11 +249,11 @@ fn near_grains(one: Thread) {
             count += 1u;
             if n < PARTNERS {
                 var place = n;
-                while place > 0u && near[place - 1u] > other {
-                    near[place] = near[place - 1u];
+                while place > 0u && found[place - 1u] > other {
+                    found[place] = found[place - 1u];
                     place -= 1u;
                 }
-                near[place] = other;
+                found[place] = other;
                 n += 1u;
             }
         }
@@ -276,16 +276,16 @@ fn near_grains(one: Thread) {
     }
     for (var s = n; s > 0u; s--) {
         let to = s - 1u;
-        while kept > 0u && slots[slot_at(C_SPRING, kept - 1u, g)].w > near[to] {
+        while kept > 0u && slots[slot_at(C_SPRING, kept - 1u, g)].w > found[to] {
             kept -= 1u;
         }
-        if kept > 0u && slots[slot_at(C_SPRING, kept - 1u, g)].w == near[to] {
+        if kept > 0u && slots[slot_at(C_SPRING, kept - 1u, g)].w == found[to] {
             kept -= 1u;
             if kept != to {
                 move_slot(kept, to, g);
             }
         } else {
-            slots[slot_at(C_SPRING, to, g)] = vec4<u32>(0u, 0u, 0u, near[to]);
+            slots[slot_at(C_SPRING, to, g)] = vec4<u32>(0u, 0u, 0u, found[to]);
             for (var plane = 1u; plane < 4u; plane++) {
                 slots[slot_at(plane, to, g)] = vec4<u32>(0u);
             }
@@ -299,10 +299,10 @@ fn near_grains(one: Thread) {
 // Contact `s` of grain `g`: of two grains the one with the lower number is the first, and both find the same.
 fn evaluated(g: u32, s: u32, body: u32, pair: Pair, spring: vec3<f32>, low: vec3<f32>) -> Contact {
     var m: ContactGeometry;
-    var motion: Motion;
+    var motion: RelativeMotion;
     var r_eff: f32;
     var m_eff: f32;
-    let dt = outside.dt / f32(coupling.rates);
+    let dt = batch.dt / f32(coupling.rates);
     if body >= WALLS {
         let side = mix_.sides[body - WALLS];
         let cell = grain_word(G_CELL, g);
@@ -311,7 +311,7 @@ fn evaluated(g: u32, s: u32, body: u32, pair: Pair, spring: vec3<f32>, low: vec3
         let v = grain_number(G_VELOCITY, g);
         let v_low = grain_number(G_VELOCITY_LOW, g);
         let spin = grain_number(G_SPIN, g).xyz;
-        motion = Motion(v.xyz + (v_low.xyz + m.normal * side_speed(side)), spin * v_low.w, spin);
+        motion = RelativeMotion(v.xyz + (v_low.xyz + m.normal * side_speed(side)), spin * v_low.w, spin);
         r_eff = v_low.w;
         m_eff = v.w;
     } else {
@@ -325,21 +325,21 @@ fn evaluated(g: u32, s: u32, body: u32, pair: Pair, spring: vec3<f32>, low: vec3
         }
         let units = bitcast<vec3<i32>>(grain_word(G_UNITS, j).xyz) - bitcast<vec3<i32>>(grain_word(G_UNITS, i).xyz);
         let rest = grain_number(G_REST, j) - grain_number(G_REST, i);
-        m = meeting(length_of(apart, units, rest.xyz), bitcast<i32>(p.w) + bitcast<i32>(q.w), grain_number(G_REST, i).w + grain_number(G_REST, j).w);
+        m = spheres_geometry(length_of(apart, units, rest.xyz), bitcast<i32>(p.w) + bitcast<i32>(q.w), grain_number(G_REST, i).w + grain_number(G_REST, j).w);
         let v = grain_number(G_VELOCITY, i);
         let u = grain_number(G_VELOCITY, j);
         let v_low = grain_number(G_VELOCITY_LOW, i);
         let u_low = grain_number(G_VELOCITY_LOW, j);
         let w = grain_number(G_SPIN, i).xyz;
         let x = grain_number(G_SPIN, j).xyz;
-        motion = Motion((v.xyz - u.xyz) + (v_low.xyz - u_low.xyz), w * v_low.w + x * u_low.w, 0.5 * (w + x));
+        motion = RelativeMotion((v.xyz - u.xyz) + (v_low.xyz - u_low.xyz), w * v_low.w + x * u_low.w, 0.5 * (w + x));
         r_eff = v_low.w * u_low.w / (v_low.w + u_low.w);
         m_eff = v.w * u.w / (v.w + u.w);
     }
     if m.overlap <= 0.0 {
         return no_contact();
     }
-    return borne(m, r_eff, m_eff, motion, pair, dt, spring, low);
+    return contact_force(m, r_eff, m_eff, motion, pair, dt, spring, low);
 }
 
 // Sums of each thread of a workgroup, and of each contact.
@@ -350,7 +350,7 @@ var<workgroup> slot_torques: array<vec4<f32>, 40>;
 
 // What each grain bears: a workgroup for each, a thread for each of its contacts with grains and walls, and all of them over the points of the cells around it.
 @compute @workgroup_size(64)
-fn bear(
+fn grain_forces(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
@@ -381,7 +381,7 @@ fn bear(
             let head = bitcast<vec4<f32>>(slots[slot_at(C_SPRING, thread, g)]);
             let low = bitcast<vec4<f32>>(slots[slot_at(C_LOW, thread, g)]);
             var c = no_contact();
-            if mix_.felt != 0u {
+            if mix_.contacts_known != 0u {
                 let normal = bitcast<vec4<f32>>(slots[slot_at(C_NORMAL, thread, g)]);
                 let tangent = bitcast<vec4<f32>>(slots[slot_at(C_TANGENT, thread, g)]);
                 c.normal = normal.xyz;
@@ -470,7 +470,7 @@ fn bear(
     }
     force = forces[0];
     torque = torques[0];
-    let ghost = force.w / mass;
+    let rate_points = force.w / mass;
     force.w = 0.0;
     var load = 0.0;
     for (var s = 0u; s < SLOTS; s++) {
@@ -479,7 +479,7 @@ fn bear(
         load = max(load, slot_torques[s].w);
     }
     put_grain(G_FORCE, g, vec4<f32>(force.xyz, force.w / mass));
-    put_grain(G_TORQUE, g, vec4<f32>(torque.xyz, ghost));
+    put_grain(G_TORQUE, g, vec4<f32>(torque.xyz, rate_points));
     if coupling.crushing != 0u && load > grain_number(G_SPIN, g).w {
         atomicMin(&mix_.broken, g);
     }
@@ -490,20 +490,20 @@ const MARGIN: f32 = 1.2;
 
 // What walls feel, what bounds the step, and whether something has happened that ends the batch.
 @compute @workgroup_size(256)
-fn mind(@builtin(local_invocation_index) thread: u32) {
+fn step_bound(@builtin(local_invocation_index) thread: u32) {
     var most = vec2<f32>(0.0);
     for (var g = thread; g < coupling.grains; g += 256u) {
         most = max(most, vec2<f32>(grain_number(G_FORCE, g).w, grain_number(G_TORQUE, g).w));
     }
-    pressing[thread] = vec4<f32>(most, 0.0, 0.0);
+    partial_sums[thread] = vec4<f32>(most, 0.0, 0.0);
     workgroupBarrier();
     for (var half = 128u; half > 0u; half /= 2u) {
         if thread < half {
-            pressing[thread] = max(pressing[thread], pressing[thread + half]);
+            partial_sums[thread] = max(partial_sums[thread], partial_sums[thread + half]);
         }
         workgroupBarrier();
     }
-    let bounds = pressing[0];
+    let bounds = partial_sums[0];
     workgroupBarrier();
     for (var k = 0u; k < coupling.walls; k++) {
         var own = vec4<f32>(0.0);
@@ -511,35 +511,35 @@ fn mind(@builtin(local_invocation_index) thread: u32) {
             let s = PARTNERS + k;
             own += vec4<f32>(bitcast<f32>(slots[slot_at(C_NORMAL, s, g)].w), bitcast<f32>(slots[slot_at(C_LOW, s, g)].w), 0.0, 0.0);
         }
-        pressing[thread] = own;
+        partial_sums[thread] = own;
         workgroupBarrier();
         for (var half = 128u; half > 0u; half /= 2u) {
             if thread < half {
-                pressing[thread] += pressing[thread + half];
+                partial_sums[thread] += partial_sums[thread + half];
             }
             workgroupBarrier();
         }
         if thread == 0u && status.stop == 0u {
-            feels(k, pressing[0].x, pressing[0].y);
+            store_reaction(k, partial_sums[0].x, partial_sums[0].y);
         }
         workgroupBarrier();
     }
     if thread != 0u || status.stop != 0u {
         return;
     }
-    mix_.own = (1.0 + coupling.damping) * MARGIN * bounds.x;
-    mix_.ghost = bounds.y;
+    mix_.grain_rate = (1.0 + coupling.damping) * MARGIN * bounds.x;
+    mix_.grain_rate_points = bounds.y;
     let over = coupling.crushing != 0u && atomicLoad(&mix_.broken) != NONE;
     if over || atomicLoad(&mix_.lost) != NONE || atomicLoad(&mix_.crowded) != NONE || atomicLoad(&status.fault) != NO_FAULT {
         status.stop = 1u;
     }
-    mix_.felt = 0u;
+    mix_.contacts_known = 0u;
 }
 
-fn feels(k: u32, reaction: f32, stiffness: f32) {
+fn store_reaction(k: u32, reaction: f32, stiffness: f32) {
     let side = mix_.sides[k];
-    if mix_.felt == 0u {
-        let way = side.speed * (outside.dt / f32(coupling.rates));
+    if mix_.contacts_known == 0u {
+        let way = side.speed * (batch.dt / f32(coupling.rates));
         mix_.sides[k].work = grown(side.work, 0.5 * (side.reaction + reaction) * way);
         if mix_.sub == 0u {
             mix_.reactions[k] = grown(mix_.reactions[k], reaction);

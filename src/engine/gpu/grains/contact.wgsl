@@ -6,7 +6,7 @@ struct Coupling {
     rows: u32,
     // those of grains, and as many of them as points meet
     walls: u32,
-    ghost_walls: u32,
+    point_walls: u32,
     materials: u32,
     laws: u32,
     // differences of places are taken in whole numbers of 2^-split cells and what is left of one
@@ -25,10 +25,10 @@ struct Coupling {
     least: f32,
     damping: f32,
     // shelves of grains: how many along each axis, in all
-    shelf: vec3<i32>,
-    shelves: u32,
+    grid: vec3<i32>,
+    grid_cells: u32,
     // cells of a shelf; m of a 2^-split cell; its share in a unit of places; cells beyond which nothing touches
-    shelf_size: f32,
+    grid_size: f32,
     quantum: f32,
     fine: f32,
     far: i32,
@@ -45,8 +45,8 @@ struct Side {
     units: i32,
     rest: f32,
     speed: f32,
-    // the platen that it moves with
-    platen: u32,
+    // the loading plate that it moves with
+    plate: u32,
     // of the grains
     reaction: f32,
     stiffness: f32,
@@ -74,15 +74,15 @@ struct Mix {
     ahead: f32,
     sub: u32,
     // largest sums of stiffness over mass of a grain: its own contacts, those with points
-    own: f32,
-    ghost: f32,
+    grain_rate: f32,
+    grain_rate_points: f32,
     // the first kick is half a one; contacts are known already
     fresh: u32,
-    felt: u32,
+    contacts_known: u32,
     // what the nodes felt of the stiffness that pushes points, of what each point by itself would have, 1/s²; bits of the most that they felt
-    share: f32,
-    alone: f32,
-    most: atomic<u32>,
+    bound_ratio: f32,
+    isolated_bound: f32,
+    largest_bound: atomic<u32>,
     // contacts have to be stable, and need not be resolved
     slow: u32,
     sides: array<Side, 8>,
@@ -176,7 +176,7 @@ struct ContactGeometry {
     normal: vec3<f32>,
 }
 
-fn meeting(d: Length, whole: i32, part: f32) -> ContactGeometry {
+fn spheres_geometry(d: Length, whole: i32, part: f32) -> ContactGeometry {
     let w = d.whole;
     let first = whole * whole - (w.x * w.x + w.y * w.y + w.z * w.z);
     let v = vec3<f32>(w);
@@ -216,7 +216,7 @@ fn stiffness_ratio(pair: Pair) -> f32 {
 }
 
 // Motion of a first body against a second one.
-struct Motion {
+struct RelativeMotion {
     centres: vec3<f32>,
     turning: vec3<f32>,
     mean_spin: vec3<f32>,
@@ -238,7 +238,7 @@ fn no_contact() -> Contact {
 }
 
 // The spring turns with the contact and is stretched by the slip, as increments of a sum that keeps what f32 would lose.
-fn borne(m: ContactGeometry, r_eff: f32, m_eff: f32, motion: Motion, pair: Pair, dt: f32, old: vec3<f32>, old_low: vec3<f32>) -> Contact {
+fn contact_force(m: ContactGeometry, r_eff: f32, m_eff: f32, motion: RelativeMotion, pair: Pair, dt: f32, old: vec3<f32>, old_low: vec3<f32>) -> Contact {
     let n = m.normal;
     let v = motion.centres + cross(motion.turning - motion.mean_spin * m.overlap, n);
     let e = elastic(m.overlap, r_eff, pair);

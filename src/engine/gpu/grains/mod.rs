@@ -11,22 +11,22 @@ mod words;
 #[cfg(test)]
 pub use layout::Side;
 pub use layout::{Coupling, Mix, NONE, PLACES};
-pub use support::{Sizes, sizes};
+pub use support::{GrainBufferSizes, sizes};
 
 use super::device::{Device, refused};
-use super::platen::both;
+use super::loading_plate::both;
 use crate::contact::pair::Pair;
-use crate::coupling::exchange::Contacts;
+use crate::coupling::exchange::ExchangedContacts;
 use crate::coupling::{Body, Mixture};
 use crate::dem::physics::Physics;
 use crate::dem::stability::rayleigh;
 use crate::error::{Error, Result};
-use crate::mpm::{Continuum as Cpu, Platen};
-use crate::point_contacts::{Bound, GhostTable};
+use crate::mpm::{Continuum as Cpu, LoadingPlate};
+use crate::point_contacts::{ContactRates, PointContactTable};
 use layout::{SIDES, SLOTS};
 use serde::{Deserialize, Serialize};
 use wgpu::BufferUsages as Usage;
-use words::Kept;
+use words::ContactWords;
 
 /// Cells by which lists reach further than contacts.
 const SKIN: f64 = 0.25;
@@ -35,14 +35,14 @@ const WHOLE: f64 = 1000.0;
 
 /// Grains that go to the device with a continuum: as they are when the forces of their instant are known.
 #[derive(Clone, Copy)]
-pub struct Coarse<'a> {
+pub struct CoarseGrains<'a> {
     pub physics: &'a Physics,
     pub mixture: &'a Mixture,
-    pub table: &'a GhostTable,
+    pub table: &'a PointContactTable,
 }
 
 /// Memory on the device.
-pub struct Buffers {
+pub struct GrainBuffers {
     pub coupling: wgpu::Buffer,
     pub tables: wgpu::Buffer,
     pub grains: wgpu::Buffer,
@@ -56,11 +56,11 @@ pub struct Buffers {
 
 /// The grains on the device.
 pub struct Bodies {
-    pub buffers: Buffers,
+    pub buffers: GrainBuffers,
     pub coupling: Coupling,
     /// What the last batch left.
     pub mix: Mix,
-    sizes: Sizes,
+    sizes: GrainBufferSizes,
     points: usize,
     /// Work of each wall before the state went to the device, J.
     work: Vec<f64>,
@@ -69,36 +69,36 @@ pub struct Bodies {
 
 /// The device's own words of grains and contacts that touch.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Saved {
+pub struct SavedGrains {
     grains: Vec<u32>,
     mix: Vec<u32>,
     slots: Vec<u32>,
     rows: Vec<u32>,
-    carried: Vec<u32>,
+    transport: Vec<u32>,
     work: Vec<u64>,
     /// Points near something.
-    near: u32,
+    rows_in_use: u32,
 }
 
 /// Grains, contacts of grains, contacts of points, and the velocities that carried the points, as words.
 struct Words {
     grains: Vec<[u32; 4]>,
-    slots: Vec<Kept>,
-    rows: Vec<Kept>,
-    carried: Vec<[u32; 4]>,
+    slots: Vec<ContactWords>,
+    rows: Vec<ContactWords>,
+    transport: Vec<[u32; 4]>,
 }
 
 impl Words {
-    fn of(coarse: &Coarse<'_>, cpu: &Cpu, split_at: u32) -> Words {
-        let Coarse { physics, mixture, .. } = coarse;
+    fn of(coarse: &CoarseGrains<'_>, cpu: &Cpu, split_at: u32) -> Words {
+        let CoarseGrains { physics, mixture, .. } = coarse;
         let state = &mixture.grains;
         let table = physics.contact.law.pairs(&physics.materials, &state.walls, state.friction);
-        let Contacts { grains, walls, ghosts } = mixture.contacts(physics, &table);
+        let ExchangedContacts { grains, walls, points } = mixture.contacts(physics, &table);
         // both grains of a contact keep it
         let twice = grains.iter().flat_map(|c| [words::kept(c.ends[0], c.ends[1], c), words::kept(c.ends[1], c.ends[0], c)]);
         let on_walls = walls.iter().map(|c| words::kept(c.ends[0], words::body(Body::Wall(c.ends[1])), c));
-        let mut slots: Vec<Kept> = twice.chain(on_walls).collect();
-        let mut rows: Vec<Kept> = ghosts.iter().map(|(body, c)| words::kept(c.ends[1], words::body(*body), c)).collect();
+        let mut slots: Vec<ContactWords> = twice.chain(on_walls).collect();
+        let mut rows: Vec<ContactWords> = points.iter().map(|(body, c)| words::kept(c.ends[1], words::body(*body), c)).collect();
         for kept in [&mut slots, &mut rows] {
             kept.sort_unstable_by_key(|words| (words[0], words[4]));
         }
@@ -106,20 +106,20 @@ impl Words {
             let [x, y, z] = v.map(|x| (x as f32).to_bits());
             [x, y, z, 0]
         };
-        let carried = cpu.points().carried.iter().map(|v| bits(*v)).collect();
-        Words { grains: words::grains(cpu.settings(), &state.grains, split_at), slots, rows, carried }
+        let transport = cpu.points().transport_velocity.iter().map(|v| bits(*v)).collect();
+        Words { grains: words::grains(cpu.settings(), &state.grains, split_at), slots, rows, transport }
     }
 
-    fn again(saved: &Saved, grains: usize, points: usize) -> Result<Words> {
+    fn again(saved: &SavedGrains, grains: usize, points: usize) -> Result<Words> {
         let fours = |words: &[u32]| words.chunks_exact(4).map(|w| [w[0], w[1], w[2], w[3]]).collect::<Vec<_>>();
         let kept = |words: &[u32], owners: usize| {
-            let (all, rest) = words.as_chunks::<{ size_of::<Kept>() / 4 }>();
+            let (all, rest) = words.as_chunks::<{ size_of::<ContactWords>() / 4 }>();
             (rest.is_empty() && all.iter().all(|w| (w[0] as usize) < owners)).then(|| all.to_vec())
         };
-        let own = (fours(&saved.grains), kept(&saved.slots, grains), kept(&saved.rows, points), fours(&saved.carried));
+        let own = (fours(&saved.grains), kept(&saved.slots, grains), kept(&saved.rows, points), fours(&saved.transport));
         match own {
-            (g, Some(slots), Some(rows), carried) if g.len() == layout::GRAIN * grains && carried.len() == points => {
-                Ok(Words { grains: g, slots, rows, carried })
+            (g, Some(slots), Some(rows), transport) if g.len() == layout::GRAIN * grains && transport.len() == points => {
+                Ok(Words { grains: g, slots, rows, transport })
             }
             _ => Err(refused("state", saved.grains.len(), format!("words are not those of {grains} grains and {points} points"))),
         }
@@ -131,8 +131,14 @@ impl Bodies {
     ///
     /// # Errors
     /// A state of other grains; no room.
-    pub fn new(device: &Device, cpu: &Cpu, coarse: &Coarse<'_>, platens: usize, saved: Option<&Saved>) -> Result<Bodies> {
-        let Coarse { physics, mixture, table } = coarse;
+    pub fn new(
+        device: &Device,
+        cpu: &Cpu,
+        coarse: &CoarseGrains<'_>,
+        plates: usize,
+        saved: Option<&SavedGrains>,
+    ) -> Result<Bodies> {
+        let CoarseGrains { physics, mixture, table } = coarse;
         let (settings, points, state) = (cpu.settings(), cpu.points(), &mixture.grains);
         let n = state.grains.len();
         let split_at = support::split(settings, &state.grains);
@@ -140,20 +146,20 @@ impl Bodies {
             Some(saved) => Words::again(saved, n, points.len())?,
             None => Words::of(coarse, cpu, split_at),
         };
-        let near = {
-            let mut all: Vec<u32> = mixture.ghosts.near.iter().map(|g| g.point).collect();
+        let near_points = {
+            let mut all: Vec<u32> = mixture.point_contacts.candidates.iter().map(|g| g.point).collect();
             all.sort_unstable();
             all.dedup();
-            all.len().max(saved.map_or(0, |saved| saved.near as usize))
+            all.len().max(saved.map_or(0, |saved| saved.rows_in_use as usize))
         };
-        let sizes = Sizes::of(settings, points, &state.grains, support::room(near, points.len()));
+        let sizes = GrainBufferSizes::of(settings, points, &state.grains, support::room(near_points, points.len()));
         sizes.check(&device.device.limits())?;
         let rows = sizes.room;
-        let shelves = support::shelves(settings, points, &state.grains);
+        let grid = support::grid(settings, points, &state.grains);
         let materials = physics.materials.len();
         let pairs = physics.contact.law.pairs(&physics.materials, &state.walls, state.friction);
         let laws = cpu.laws().len();
-        let ghost_walls = table.touched_walls();
+        let point_walls = table.touched_walls();
         let mut all: Vec<[f32; 4]> = Vec::new();
         let mut put = |p: &Pair| {
             all.push([p.normal_stiffness, p.tangential_stiffness, p.friction, p.viscous].map(|x| x as f32));
@@ -163,7 +169,7 @@ impl Bodies {
         of(materials).for_each(|a| of(materials).for_each(|b| put(pairs.grains(a, b))));
         of(laws).for_each(|law| of(materials).for_each(|m| put(table.of_grain(law, m))));
         (0..state.walls.len()).for_each(|k| of(materials).for_each(|m| put(pairs.wall(k, m))));
-        (0..ghost_walls).for_each(|k| of(laws).for_each(|law| put(table.of_wall(law, k))));
+        (0..point_walls).for_each(|k| of(laws).for_each(|law| put(table.of_wall(law, k))));
         let first = [materials * materials, laws * materials, state.walls.len() * materials];
         let starts = [first[0], first[0] + first[1], first[0] + first[1] + first[2], 0].map(|k| 2 * k as u32);
         let most = (0..points.len()).map(|i| super::state::ghost_radius(points, i)).fold(0.0, f64::max);
@@ -171,7 +177,7 @@ impl Bodies {
             grains: n as u32,
             rows: rows as u32,
             walls: state.walls.len() as u32,
-            ghost_walls: ghost_walls as u32,
+            point_walls: point_walls as u32,
             materials: materials as u32,
             laws: laws as u32,
             split: split_at,
@@ -184,20 +190,24 @@ impl Bodies {
             reach: (most / settings.cell) as f32,
             least: rayleigh(physics, &state.grains) as f32,
             damping: state.damping as f32,
-            shelf: shelves.along,
-            shelves: shelves.along.iter().product::<i32>() as u32,
-            shelf_size: shelves.size as f32,
+            grid: grid.along,
+            grid_cells: grid.along.iter().product::<i32>() as u32,
+            grid_size: grid.size as f32,
             quantum: (settings.cell / f64::from(1_u32 << split_at)) as f32,
             fine: (1.0 / f64::from(1_u32 << (30 - split_at))) as f32,
             far: (1 << 10 >> split_at) + 2,
             tables: starts,
         };
-        let mut mix =
-            Mix { fresh: state.fresh.into(), share: mixture.share as f32, slow: physics.stepping.slow.into(), ..Mix::default() };
-        let linked = state.walls.len() - platens.min(state.walls.len());
+        let mut mix = Mix {
+            fresh: state.fresh.into(),
+            bound_ratio: mixture.bound_ratio as f32,
+            slow: physics.stepping.slow.into(),
+            ..Mix::default()
+        };
+        let linked = state.walls.len() - plates.min(state.walls.len());
         for (k, (side, wall)) in mix.sides.iter_mut().zip(&state.walls).enumerate() {
-            let platen = if k >= linked { (k - linked) as u32 } else { NONE };
-            *side = words::side(settings, wall, platen);
+            let plate = if k >= linked { (k - linked) as u32 } else { NONE };
+            *side = words::side(settings, wall, plate);
         }
         let mut work: Vec<f64> = state.walls.iter().map(|w| w.work).collect();
         if let Some(saved) = saved {
@@ -221,7 +231,7 @@ impl Bodies {
             words[0] = owners.len() as u32 - 1;
         }
         (mix.rows, mix.crowded, mix.broken, mix.lost) = (owners.len() as u32, NONE, NONE, NONE);
-        (mix.search, mix.felt, mix.sub, mix.ahead) = (1, 1, 0, 0.0);
+        (mix.search, mix.contacts_known, mix.sub, mix.ahead) = (1, 1, 0, 0.0);
         if let Some((owner, many)) = most_of(&in_rows, PLACES).or_else(|| most_of(&own.slots, SLOTS)) {
             return Err(refused("contacts", many, format!("are more than there is room for at one point or grain ({owner})")));
         }
@@ -230,12 +240,12 @@ impl Bodies {
         row_words.extend(owners);
         let mut slot_words = words::spread(&own.slots, n, SLOTS, words::slot);
         slot_words.resize(layout::CONTACT * SLOTS * n.max(1), [0; 4]);
-        pushes.extend(own.carried);
+        pushes.extend(own.transport);
         let storage = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST;
         let mut grain_words = own.grains;
         grain_words.resize(layout::GRAIN * n.max(1), [0; 4]);
         let tables: &[u8] = bytemuck::cast_slice(&all);
-        let buffers = device.allocate(sizes.sum(), || Buffers {
+        let buffers = device.allocate(sizes.sum(), || GrainBuffers {
             coupling: device.buffer("coupling", bytemuck::bytes_of(&coupling), Usage::UNIFORM | Usage::COPY_DST),
             tables: device.buffer("tables", if tables.is_empty() { &[0; 16] } else { tables }, Usage::STORAGE),
             grains: device.buffer("grains", bytemuck::cast_slice(&grain_words), storage),
@@ -275,15 +285,15 @@ impl Bodies {
         self.mix.reactions[..self.coupling.walls as usize].iter().map(|sum| both(*sum) / steps.max(1) as f64).collect()
     }
 
-    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s².
-    pub fn bounds(&self, platens: &[Platen]) -> (f64, f64) {
-        let bound = Bound { points: f32::from_bits(self.mix.point_rate).into(), grains: self.mix.ghost.into() };
-        let share = (self.mix.slow != 0).then_some(self.mix.share.into());
-        let contacts = bound.frequency2(platens.iter().map(|p| p.rate).fold(0.0, f64::max), share);
+    /// What the grains' own contacts allow, s, and what those of points with grains and loading plates add to the square of a frequency, 1/s².
+    pub fn bounds(&self, plates: &[LoadingPlate]) -> (f64, f64) {
+        let rates = ContactRates { points: f32::from_bits(self.mix.point_rate).into(), grains: self.mix.grain_rate_points.into() };
+        let bound_ratio = (self.mix.slow != 0).then_some(self.mix.bound_ratio.into());
+        let contacts = rates.frequency2(plates.iter().map(|p| p.rate).fold(0.0, f64::max), bound_ratio);
         if self.coupling.grains == 0 {
             return (f64::INFINITY, contacts);
         }
-        let own = if self.mix.own > 0.0 { 2.0 * self.safety / f64::from(self.mix.own).sqrt() } else { f64::INFINITY };
+        let own = if self.mix.grain_rate > 0.0 { 2.0 * self.safety / f64::from(self.mix.grain_rate).sqrt() } else { f64::INFINITY };
         (own.min(self.coupling.least.into()), contacts)
     }
 
@@ -345,27 +355,27 @@ impl Bodies {
             grains: grains[..layout::GRAIN * n].to_vec(),
             slots: words::collect(&slots, n, SLOTS, n),
             rows: of_points,
-            carried: pushes[self.points..].to_vec(),
+            transport: pushes[self.points..].to_vec(),
         };
         Ok((words, mix))
     }
 
     /// # Errors
     /// A device that was lost.
-    pub fn save(&self, device: &Device, step: u64) -> Result<Saved> {
+    pub fn save(&self, device: &Device, step: u64) -> Result<SavedGrains> {
         let (words, mut mix) = self.read(device, step)?;
-        let near = mix.rows;
+        let rows_in_use = mix.rows;
         // what is made anew when it is taken up
         (mix.rows, mix.travelled, mix.fastest_point, mix.fastest_grain, mix.point_speed) = (0, 0.0, 0, 0, 0.0);
-        mix.most = 0;
-        Ok(Saved {
+        mix.largest_bound = 0;
+        Ok(SavedGrains {
             grains: words.grains.concat(),
             mix: bytemuck::cast_slice(&[mix]).to_vec(),
             slots: words.slots.concat(),
             rows: words.rows.concat(),
-            carried: words.carried.concat(),
+            transport: words.transport.concat(),
             work: self.work.iter().map(|w| w.to_bits()).collect(),
-            near,
+            rows_in_use,
         })
     }
 
@@ -377,7 +387,7 @@ impl Bodies {
     pub fn read_back(
         &self,
         (device, step): (&Device, u64),
-        (physics, table): (&Physics, &GhostTable),
+        (physics, table): (&Physics, &PointContactTable),
         mixture: &mut Mixture,
         cpu: &mut Cpu,
         point: &[u32],
@@ -392,11 +402,11 @@ impl Bodies {
         for (k, wall) in mixture.grains.walls.iter_mut().enumerate() {
             words::to_wall(&settings, &mix.sides[k], self.work[k], wall);
         }
-        let carried = &mut cpu.points_mut().carried;
-        for (words, to) in words.carried.iter().zip(point) {
-            carried[*to as usize] = [0, 1, 2].map(|a| f64::from(f32::from_bits(words[a])));
+        let transport = &mut cpu.points_mut().transport_velocity;
+        for (words, to) in words.transport.iter().zip(point) {
+            transport[*to as usize] = [0, 1, 2].map(|a| f64::from(f32::from_bits(words[a])));
         }
-        let mut contacts = Contacts::default();
+        let mut contacts = ExchangedContacts::default();
         for words in &words.slots {
             let mut contact = words::contact(words, viscous);
             contact.ends = [words[0], words[4]];
@@ -412,10 +422,10 @@ impl Bodies {
             let body = words[4];
             contact.ends = [body, point[words[0] as usize]];
             let body = if body >= layout::WALLS { Body::Wall(body - layout::WALLS) } else { Body::Grain(body) };
-            contacts.ghosts.push((body, contact));
+            contacts.points.push((body, contact));
         }
         mixture.grains.fresh = mix.fresh != 0;
-        (mixture.share, mixture.alone) = (mix.share.into(), Some(mix.alone.into()));
+        (mixture.bound_ratio, mixture.isolated_bound) = (mix.bound_ratio.into(), Some(mix.isolated_bound.into()));
         mixture.take_contacts(physics, table, cpu, &contacts, dt);
         Ok(())
     }
@@ -429,8 +439,8 @@ impl Bodies {
         let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         let share = 1.0 / f64::from(self.coupling.rates);
         let number = |bits: u32| f64::from(f32::from_bits(bits));
-        let (forces, carried) = words.split_at(self.points);
-        Ok(forces.iter().zip(carried).map(|(f, c)| ([0, 1, 2].map(|a| share * number(f[a])), number(c[3]))).collect())
+        let (forces, transport) = words.split_at(self.points);
+        Ok(forces.iter().zip(transport).map(|(f, c)| ([0, 1, 2].map(|a| share * number(f[a])), number(c[3]))).collect())
     }
 
     /// Takes what walls felt last, without the rest.
@@ -442,6 +452,6 @@ impl Bodies {
 }
 
 /// An owner of more than so many contacts.
-fn most_of(kept: &[Kept], room: usize) -> Option<(u32, usize)> {
+fn most_of(kept: &[ContactWords], room: usize) -> Option<(u32, usize)> {
     kept.chunk_by(|a, b| a[0] == b[0]).find(|c| c.len() > room).map(|c| (c[0][0], c.len()))
 }

@@ -1,7 +1,7 @@
 //! What the GPU path takes of grains, and how much it needs, before anything is started.
 
 use super::layout::{CONTACT, GRAIN, Mix, PLACES, SIDES, SLOTS};
-use super::{Coarse, SKIN, WHOLE};
+use super::{CoarseGrains, SKIN, WHOLE};
 use crate::boundary::WallShape;
 use crate::breakage::Birth;
 use crate::contact::TangentialUnloading;
@@ -13,11 +13,11 @@ use crate::mpm::{Points, Settings};
 use std::f64::consts::PI;
 
 /// Shelves along an axis, at most.
-const SHELVES: f64 = 32.0;
+const MOST_CELLS: f64 = 32.0;
 
 /// Bytes of each buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sizes {
+pub struct GrainBufferSizes {
     pub grains: u64,
     pub slots: u64,
     pub rows: u64,
@@ -28,15 +28,15 @@ pub struct Sizes {
 }
 
 /// Grains by places.
-pub struct Shelves {
+pub struct GrainGrid {
     pub along: [i32; 3],
     /// Cells.
     pub size: f64,
 }
 
 /// Rows for so many points near something now.
-pub fn room(near: usize, points: usize) -> usize {
-    (2 * near + 1024).min(points).max(1)
+pub fn room(near_points: usize, points: usize) -> usize {
+    (2 * near_points + 1024).min(points).max(1)
 }
 
 /// Differences of places are taken in 2^-split cells.
@@ -49,25 +49,25 @@ fn largest(g: &Grains) -> f64 {
     g.pos.iter().map(|p| p[3]).fold(0.0, f64::max)
 }
 
-pub fn shelves(settings: &Settings, points: &Points, g: &Grains) -> Shelves {
-    let ghost = (0..points.len()).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
+pub fn grid(settings: &Settings, points: &Points, g: &Grains) -> GrainGrid {
+    let largest_ghost = (0..points.len()).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
     let radius = largest(g);
-    let reach = (radius + radius.max(ghost)) / settings.cell + 1.01 * SKIN;
+    let reach = (radius + radius.max(largest_ghost)) / settings.cell + 1.01 * SKIN;
     let wide = settings.cells.map(|n| f64::from(n) + 2.0);
-    let size = wide.iter().fold(reach, |size, wide| size.max(wide / SHELVES));
-    Shelves { along: wide.map(|wide| (wide / size).ceil().max(1.0) as i32), size }
+    let size = wide.iter().fold(reach, |size, wide| size.max(wide / MOST_CELLS));
+    GrainGrid { along: wide.map(|wide| (wide / size).ceil().max(1.0) as i32), size }
 }
 
-impl Sizes {
-    pub fn of(settings: &Settings, points: &Points, g: &Grains, room: usize) -> Sizes {
+impl GrainBufferSizes {
+    pub fn of(settings: &Settings, points: &Points, g: &Grains, room: usize) -> GrainBufferSizes {
         let n = g.len().max(1) as u64;
-        let shelves: u64 = shelves(settings, points, g).along.iter().map(|n| *n as u64).product();
-        Sizes {
+        let grid_cells: u64 = grid(settings, points, g).along.iter().map(|n| *n as u64).product();
+        GrainBufferSizes {
             grains: 16 * GRAIN as u64 * n,
             slots: 16 * (CONTACT * SLOTS) as u64 * n,
             rows: 16 * (CONTACT * PLACES + 1) as u64 * room as u64,
             pushes: 32 * points.len() as u64,
-            lists: 4 * (2 * shelves + 1 + n),
+            lists: 4 * (2 * grid_cells + 1 + n),
             room,
         }
     }
@@ -94,23 +94,24 @@ impl Sizes {
 ///
 /// # Errors
 /// What the GPU path lacks, by name.
-pub fn sizes(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Result<Sizes> {
+pub fn sizes(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> Result<GrainBufferSizes> {
     Error::all(lacking(settings, points, coarse))?;
     let g = &coarse.mixture.grains.grains;
     let (count, volume) = (points.len(), points.initial_volume.iter().sum::<f64>());
-    let ghost = (0..count).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
+    let largest_ghost = (0..count).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
     let shell = |p: &[f64; 4]| {
-        let outer = p[3] + ghost + SKIN * settings.cell;
+        let outer = p[3] + largest_ghost + SKIN * settings.cell;
         4.0 / 3.0 * PI * (outer * outer * outer - p[3] * p[3] * p[3])
     };
     let around: f64 = g.pos.iter().map(shell).sum();
-    let near = if coarse.table.touched_walls() > 0 { count } else { (around / volume * count as f64).min(count as f64) as usize };
-    Ok(Sizes::of(settings, points, g, room(near, count)))
+    let near_points =
+        if coarse.table.touched_walls() > 0 { count } else { (around / volume * count as f64).min(count as f64) as usize };
+    Ok(GrainBufferSizes::of(settings, points, g, room(near_points, count)))
 }
 
 /// What the GPU path does not have.
-fn lacking(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Vec<Error> {
-    let Coarse { physics, mixture, .. } = coarse;
+fn lacking(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> Vec<Error> {
+    let CoarseGrains { physics, mixture, .. } = coarse;
     let mut errors = Vec::new();
     let mut lacks = |key: &str, value: String, what: &str| {
         errors.push(refused(key, value, format!("is not available on the GPU: {what}, or the processor")));
@@ -153,9 +154,9 @@ fn lacking(settings: &Settings, points: &Points, coarse: &Coarse<'_>) -> Vec<Err
     if g.len() >= 1 << 20 {
         lacks("grains", g.len().to_string(), "use fewer");
     }
-    let ghost = (0..points.len()).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
-    if ghost > 0.9 * settings.cell {
-        lacks("ghost radius", ghost.to_string(), "use larger cells");
+    let largest_ghost = (0..points.len()).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
+    if largest_ghost > 0.9 * settings.cell {
+        lacks("ghost radius", largest_ghost.to_string(), "use larger cells");
     }
     errors
 }

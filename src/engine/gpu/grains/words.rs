@@ -5,7 +5,7 @@ use crate::boundary::Wall;
 use crate::boundary::WallShape;
 use crate::contact::pairs::ContactForce;
 use crate::coupling::Body;
-use crate::coupling::exchange::Contact;
+use crate::coupling::exchange::ExchangedContact;
 use crate::gpu::exact::{place, placed, split};
 use crate::grains::Grains;
 use crate::mpm::Settings;
@@ -16,7 +16,7 @@ const BITS: fn(f32) -> u32 = f32::to_bits;
 const HUGE: f64 = 1e38;
 
 /// A contact on the device: whose it is (a grain, or a point) and its words, the fourth of which is the body.
-pub type Kept = [u32; 1 + 4 * CONTACT];
+pub type ContactWords = [u32; 1 + 4 * CONTACT];
 
 /// Planes of all grains in the order of their ids; lengths are also counted in 2^-`parts` cells.
 pub fn grains(settings: &Settings, g: &Grains, parts: u32) -> Vec<[u32; 4]> {
@@ -35,7 +35,7 @@ pub fn grains(settings: &Settings, g: &Grains, parts: u32) -> Vec<[u32; 4]> {
             [BITS(at[0].2), BITS(at[1].2), BITS(at[2].2), BITS((radius - whole) as f32)],
             three(v, 0, BITS(g.mass[i] as f32)),
             three(v, 1, BITS(p[3] as f32)),
-            three(w, 0, BITS(g.limit[i].min(HUGE) as f32)),
+            three(w, 0, BITS(g.breakage_threshold[i].min(HUGE) as f32)),
             three(w, 1, g.id[i]),
         ];
         for (plane, word) in words.into_iter().enumerate() {
@@ -70,7 +70,7 @@ pub fn body(body: Body) -> u32 {
 }
 
 /// A contact's words; `owner` is a grain or a point.
-pub fn kept(owner: u32, body: u32, c: &Contact) -> Kept {
+pub fn kept(owner: u32, body: u32, c: &ExchangedContact) -> ContactWords {
     let spring = c.spring.map(split);
     let (n, t) = (c.touch.normal.map(|x| BITS(x as f32)), c.touch.tangential.map(|x| BITS(x as f32)));
     let [high, low] = [0, 1].map(|k| spring.map(|s| BITS(s[k])));
@@ -84,7 +84,7 @@ pub fn kept(owner: u32, body: u32, c: &Contact) -> Kept {
 }
 
 /// The contact again, without its ends.
-pub fn contact(words: &Kept, viscous: bool) -> Contact {
+pub fn contact(words: &ContactWords, viscous: bool) -> ExchangedContact {
     let number = |k: usize| f64::from(f32::from_bits(words[1 + k]));
     let three = |plane: usize| [0, 1, 2].map(|k| number(4 * plane + k));
     let (high, low) = (three(0), three(3));
@@ -92,11 +92,11 @@ pub fn contact(words: &Kept, viscous: bool) -> Contact {
     // where nothing is viscous the spring is all of it
     let tangential = if viscous { three(2) } else { spring };
     let touch = ContactForce { tangential, normal_force: number(7), normal: three(1), overlap: number(11) };
-    Contact { ends: [0; 2], touch, spring, stiffness: number(15) }
+    ExchangedContact { ends: [0; 2], touch, spring, stiffness: number(15) }
 }
 
 /// Contacts in arrays of so many owners with `room` each: an entry per plane, place and owner.
-pub fn spread(kept: &[Kept], owners: usize, room: usize, place: impl Fn(&Kept, usize) -> usize) -> Vec<[u32; 4]> {
+pub fn spread(kept: &[ContactWords], owners: usize, room: usize, place: impl Fn(&ContactWords, usize) -> usize) -> Vec<[u32; 4]> {
     let mut all = vec![[0; 4]; CONTACT * room * owners];
     for entry in &mut all[..room * owners] {
         entry[3] = NONE;
@@ -116,7 +116,7 @@ pub fn spread(kept: &[Kept], owners: usize, room: usize, place: impl Fn(&Kept, u
 }
 
 /// Those that touch, in the order of owners, then of bodies.
-pub fn collect(all: &[[u32; 4]], owners: usize, room: usize, used: usize) -> Vec<Kept> {
+pub fn collect(all: &[[u32; 4]], owners: usize, room: usize, used: usize) -> Vec<ContactWords> {
     let mut kept = Vec::new();
     for owner in 0..used {
         for s in 0..room {
@@ -134,12 +134,12 @@ pub fn collect(all: &[[u32; 4]], owners: usize, room: usize, used: usize) -> Vec
 }
 
 /// Place of a contact of a grain: those with walls have their own.
-pub fn slot(words: &Kept, next: usize) -> usize {
+pub fn slot(words: &ContactWords, next: usize) -> usize {
     if words[4] >= WALLS { SLOTS - super::layout::SIDES + (words[4] - WALLS) as usize } else { next }
 }
 
-/// A wall; `platen` is the one that it moves with.
-pub fn side(settings: &Settings, wall: &Wall, platen: u32) -> Side {
+/// A wall; `plate` is the one that it moves with.
+pub fn side(settings: &Settings, wall: &Wall, plate: u32) -> Side {
     let WallShape::Plane { point, normal } = wall.shape else { return Side::default() };
     let axis = axis(normal);
     let (cell, units, rest) = place((point[axis] - settings.lower[axis]) / settings.cell);
@@ -150,7 +150,7 @@ pub fn side(settings: &Settings, wall: &Wall, platen: u32) -> Side {
         units,
         rest,
         speed: wall.speed as f32,
-        platen,
+        plate,
         reaction: wall.reaction as f32,
         stiffness: wall.stiffness as f32,
         ..Side::default()
@@ -177,10 +177,10 @@ mod tests {
     use super::*;
     use crate::gpu::grains::layout::PARTNERS;
 
-    fn contact_of(x: f64) -> Contact {
+    fn contact_of(x: f64) -> ExchangedContact {
         let spring = [0.3 * x, -1.7 * x, 1e-7 * x];
         let touch = ContactForce { tangential: spring, normal_force: 2.5 * x, normal: [0.0, 0.6, -0.8], overlap: 1e-6 * x };
-        Contact { ends: [0; 2], touch, spring, stiffness: 1e5 * x }
+        ExchangedContact { ends: [0; 2], touch, spring, stiffness: 1e5 * x }
     }
 
     /// What goes there comes back: contacts within f32, springs within two of them, each at its owner and place.

@@ -1,10 +1,13 @@
-//! Rung 3: nodes, platens and one step against f64.
+//! Rung 3: nodes, loading plates and one step against f64.
 
 use super::{adapter, laws};
-use crate::gpu::continuum::Continuum;
+use crate::gpu::continuum::DeviceContinuum;
 use crate::gpu::state::ghost_radius;
 use crate::mpm::law::{Elastic, Law};
-use crate::mpm::{self, Dimension, Drive, Platen, Point, Points, Ramp, Settings, ShapeFunctions, Transfer, Wall, area, platen};
+use crate::mpm::{
+    self, Dimension, GridWall, LoadingPlate, PlateDrive, Point, Points, Ramp, Settings, ShapeFunctions, Transfer, area,
+    loading_plate,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -14,7 +17,7 @@ fn settings(cells: [u32; 3]) -> Settings {
         cell: 0.1,
         lower: [-0.3, 0.2, 0.0],
         cells,
-        walls: [Wall::Open; 6],
+        walls: [GridWall::Open; 6],
         gravity: [0.5, -0.3, -9.81],
         shape: ShapeFunctions::BSpline,
         transfer: Transfer::Blend { pic: 0.03 },
@@ -48,11 +51,11 @@ fn box_of_points(s: &Settings, laws: &[Law], n: usize) -> Points {
     points
 }
 
-/// Force of platens on a point, N, and how far beside it each component acts, m (mpm/platen.rs).
-fn pressed(c: &mpm::Continuum, platens: &[Platen], i: usize) -> ([f64; 3], [f64; 3]) {
+/// Force of loading plates on a point, N, and how far beside it each component acts, m (mpm/loading_plate.rs).
+fn pressed(c: &mpm::Continuum, plates: &[LoadingPlate], i: usize) -> ([f64; 3], [f64; 3]) {
     let points = c.points();
     let (mut force, mut arm) = ([0.0; 3], [0.0; 3]);
-    for p in platens {
+    for p in plates {
         let (axis, normal) = (p.axis(), p.normal[p.axis()]);
         let radius = ghost_radius(points, i);
         let overlap = radius - normal * (points.position[i][axis] - p.point[axis]);
@@ -64,15 +67,15 @@ fn pressed(c: &mpm::Continuum, platens: &[Platen], i: usize) -> ([f64; 3], [f64;
     (force, arm)
 }
 
-/// A platen along `axis` at `place`, pressing upwards or downwards.
-fn platen(c: &mpm::Continuum, axis: usize, upward: bool, place: f64, modulus: f64) -> Platen {
+/// A loading plate along `axis` at `place`, pressing upwards or downwards.
+fn plate(c: &mpm::Continuum, axis: usize, upward: bool, place: f64, modulus: f64) -> LoadingPlate {
     let (mut point, mut normal) = ([0.0; 3], [0.0; 3]);
     (point[axis], normal[axis]) = (place, if upward { 1.0 } else { -1.0 });
-    Platen::new(c, point, normal, modulus)
+    LoadingPlate::new(c, point, normal, modulus)
 }
 
-/// Momentum and mass, internal force and that of platens, and the sum of the sizes of the force's parts, of all nodes, straight from the points in f64.
-fn nodes_of(c: &mpm::Continuum, platens: &[Platen]) -> Vec<([f64; 4], [f64; 3], f64)> {
+/// Momentum and mass, internal force and that of loading plates, and the sum of the sizes of the force's parts, of all nodes, straight from the points in f64.
+fn nodes_of(c: &mpm::Continuum, plates: &[LoadingPlate]) -> Vec<([f64; 4], [f64; 3], f64)> {
     let (s, points) = (c.settings(), c.points());
     let wide = s.cells.map(|n| n as usize + 3);
     let mut nodes = vec![([0.0; 4], [0.0; 3], 0.0); wide.iter().product()];
@@ -84,7 +87,7 @@ fn nodes_of(c: &mpm::Continuum, platens: &[Platen]) -> Vec<([f64; 4], [f64; 3], 
             let r = x[a] - (base[a] + n as f64);
             if r.abs() < 0.5 { (0.75 - r * r, -2.0 * r) } else { (0.5 * (1.5 - r.abs()).powi(2), -r.signum() * (1.5 - r.abs())) }
         };
-        let (force, arm) = pressed(c, platens, i);
+        let (force, arm) = pressed(c, plates, i);
         let beside = |a: usize, n: usize| {
             // two points per cell: hats a quarter of a cell on either side of the face
             let hat = |t: f64| (1.0 - (t - n as f64).abs()).max(0.0);
@@ -144,7 +147,7 @@ fn a_state_comes_back() {
     let (s, laws) = (settings([6, 5, 7]), laws());
     let points = box_of_points(&s, &laws, 500);
     let cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
-    let gpu = Continuum::new(&cpu).expect("device");
+    let gpu = DeviceContinuum::new(&cpu).expect("device");
     let mut back = cpu.clone();
     for v in &mut back.points_mut().velocity {
         v[0] = 0.0;
@@ -170,7 +173,7 @@ fn nodes_gather_what_the_points_have() {
         *p = p.map(|x| f64::from(x as f32));
     }
     let exact = nodes_of(&cpu, &[]);
-    let mut gpu = Continuum::new(&cpu).expect("device");
+    let mut gpu = DeviceContinuum::new(&cpu).expect("device");
     let momentum = gpu.nodes()[..exact.len()].to_vec();
     // a step so short that the device still shows the forces of the state
     let dt = 1e-12;
@@ -193,7 +196,7 @@ fn nodes_gather_what_the_points_have() {
     assert!(in_force > 0.0 && momentum.iter().any(|m| m[3] > 0.0), "something was compared");
 }
 
-/// Rung 3, platens on all sides: what they feel, the forces that nodes get, and their way, against f64.
+/// Rung 3, loading plates on all sides: what they feel, the forces that nodes get, and their way, against f64.
 #[test]
 fn platens_press_on_points() {
     if !adapter("platens_press_on_points") {
@@ -209,23 +212,24 @@ fn platens_press_on_points() {
         *stress = stress.map(|x| f64::from(x as f32));
     }
     let (modulus, height) = (1e7, 0.1 * 0.7 * 6.0);
-    let mut platens: Vec<Platen> = (0..6)
+    let mut plates: Vec<LoadingPlate> = (0..6)
         .map(|k| {
             let (axis, upward) = (k / 2, k % 2 == 0);
             let length = if axis == 2 { height } else { 0.6 };
-            platen(&cpu, axis, upward, inner.lower[axis] + if upward { -0.02 } else { length + 0.02 }, modulus)
+            plate(&cpu, axis, upward, inner.lower[axis] + if upward { -0.02 } else { length + 0.02 }, modulus)
         })
         .collect();
-    let exact = nodes_of(&cpu, &platens);
+    let exact = nodes_of(&cpu, &plates);
     // at speeds, one that changes, and towards a stress that does
     let (extents, drift) = ([0.6, 0.6, height], 0.02);
     let target = Ramp { value: 250.0, slope: 1e13, end: 1e9 };
-    let stress = Drive::Stress { target, gain: 0.1, reach: 1e9, memory: 4e-12 };
-    let drives: Vec<Drive> = (0..6).map(|k| if k > 3 { stress } else { Drive::Speed(Ramp::constant(0.1 * k as f64)) }).collect();
-    let mut gpu = Continuum::begin(&cpu, &platens, &[drift; 6], None, None).expect("device");
+    let stress = PlateDrive::Stress { target, gain: 0.1, reach: 1e9, memory: 4e-12 };
+    let drives: Vec<PlateDrive> =
+        (0..6).map(|k| if k > 3 { stress } else { PlateDrive::Speed(Ramp::constant(0.1 * k as f64)) }).collect();
+    let mut gpu = DeviceContinuum::begin(&cpu, &plates, &[drift; 6], None, None).expect("device");
     gpu.material(extents, false);
     drives.iter().enumerate().for_each(|(k, drive)| gpu.drive(k, *drive).expect("a platen"));
-    let before = gpu.platens().to_vec();
+    let before = gpu.plates().to_vec();
     let dt = 1e-12;
     gpu.steps(1, dt).expect("step");
     let change = gpu.nodes()[2 * exact.len()..].to_vec();
@@ -238,10 +242,10 @@ fn platens_press_on_points() {
         }
     }
     let (mut in_sums, mut in_speed): (f64, f64) = (0.0, 0.0);
-    platen::press(&mut platens, &mut cpu).expect("pressed");
-    for (k, (p, here)) in gpu.platens().iter().zip(&platens).enumerate() {
+    loading_plate::press(&mut plates, &mut cpu).expect("pressed");
+    for (k, (p, here)) in gpu.plates().iter().zip(&plates).enumerate() {
         assert!(here.reaction > 0.0);
-        let felt = |p: &Platen| [p.reaction, p.stiffness, p.stored, p.rate];
+        let felt = |p: &LoadingPlate| [p.reaction, p.stiffness, p.stored, p.rate];
         for (a, b) in felt(&before[k]).into_iter().zip(felt(here)) {
             in_sums = in_sums.max((a / b - 1.0).abs());
         }
@@ -260,7 +264,7 @@ fn platens_press_on_points() {
     assert!(in_sums < 2e-6 && in_force < 2e-6 && in_speed < 1e-5);
 }
 
-/// Rung 3 over 200 steps: a column of soil between a floor and a platen that takes up its speed, and side platens that hold a stress, against the same law of motion
+/// Rung 3 over 200 steps: a column of soil between a floor and a loading plate that takes up its speed, and side loading plates that hold a stress, against the same law of motion
 /// and the same contacts in f64.
 #[test]
 fn a_pressed_column_follows_f64() {
@@ -270,7 +274,7 @@ fn a_pressed_column_follows_f64() {
     let mut s = settings([5, 5, 6]);
     // local damping goes by the sign of velocities, which at rest are rounding
     (s.gravity, s.damping) = ([0.0; 3], 0.0);
-    s.walls[4] = Wall::Friction { friction: 0.3 };
+    s.walls[4] = GridWall::Friction { friction: 0.3 };
     let mut points = Points::default();
     for k in 0..144 {
         let at = [k % 4, k / 4 % 4, k / 16].map(f64::from);
@@ -280,55 +284,55 @@ fn a_pressed_column_follows_f64() {
     }
     let mut cpu = mpm::Continuum::new(s.clone(), laws(), points).expect("allowed");
     let modulus = 2e8;
-    let depth = mpm::platen::overlap(Dimension::Space, modulus, ghost_radius(cpu.points(), 0), 2e4 * 0.05 * 0.05);
+    let depth = mpm::loading_plate::overlap(Dimension::Space, modulus, ghost_radius(cpu.points(), 0), 2e4 * 0.05 * 0.05);
     let out = ghost_radius(cpu.points(), 0) - 0.025 - depth;
-    let mut platens: Vec<Platen> = (0..5)
+    let mut plates: Vec<LoadingPlate> = (0..5)
         .map(|k| {
             let (axis, upward) = (k / 2, k % 2 == 0 && k < 4);
             let (low, length) = if axis < 2 { (0.15, 0.2) } else { (0.0, 0.45) };
-            platen(&cpu, axis, upward, s.lower[axis] + low + if upward { -out } else { length + out }, modulus)
+            plate(&cpu, axis, upward, s.lower[axis] + low + if upward { -out } else { length + out }, modulus)
         })
         .collect();
     let extents = [0.2, 0.2, 0.45];
     let dt = 0.3 * cpu.stable_step(1.0);
     let rise = 50.0 * dt;
-    let side = Drive::Stress { target: Ramp::constant(2e4), gain: 0.3, reach: 1.0, memory: 20.0 * dt };
+    let side = PlateDrive::Stress { target: Ramp::constant(2e4), gain: 0.3, reach: 1.0, memory: 20.0 * dt };
     let top = |time: f64| Ramp { value: 0.2 * (time / rise).min(1.0), slope: 0.2 / rise, end: 0.2 };
-    let mut gpu = Continuum::with_platens(&cpu, &platens).expect("device");
+    let mut gpu = DeviceContinuum::with_plates(&cpu, &plates).expect("device");
     gpu.material(extents, false);
     let mut drifts = [0.0; 5];
     for batch in 0..4 {
         // the ramp of the whole batch there, of each step here
         for k in 0..5 {
-            gpu.drive(k, if k == 4 { Drive::Speed(top(f64::from(50 * batch) * dt)) } else { side }).expect("a platen");
+            gpu.drive(k, if k == 4 { PlateDrive::Speed(top(f64::from(50 * batch) * dt)) } else { side }).expect("a platen");
         }
         gpu.steps(50, dt).expect("steps");
         for step in 0..50 {
             let time = f64::from(50 * batch + step) * dt;
-            platen::press(&mut platens, &mut cpu).expect("pressed");
-            for (k, (p, drift)) in platens.iter_mut().zip(&mut drifts).enumerate() {
+            loading_plate::press(&mut plates, &mut cpu).expect("pressed");
+            for (k, (p, drift)) in plates.iter_mut().zip(&mut drifts).enumerate() {
                 let axis = p.axis();
                 let face = [extents[axis], area(extents, axis)];
                 p.speed = if k == 4 { top(time).at(0.0) } else { side.speed(0.0, p, face, dt, drift) };
             }
             cpu.step(dt).expect("step");
-            platens.iter_mut().for_each(|p| p.advance(dt));
+            plates.iter_mut().for_each(|p| p.advance(dt));
         }
     }
-    platen::press(&mut platens, &mut cpu).expect("pressed");
+    loading_plate::press(&mut plates, &mut cpu).expect("pressed");
     let mut back = cpu.clone();
     gpu.read_back(&mut back).expect("read");
     let [v, x, stress, plastic, w] = apart(&cpu, &back);
-    let off = |of: &dyn Fn(&Platen) -> f64| {
-        gpu.platens().iter().zip(&platens).map(|(a, b)| (of(a) / of(b) - 1.0).abs()).fold(0.0, f64::max)
+    let off = |of: &dyn Fn(&LoadingPlate) -> f64| {
+        gpu.plates().iter().zip(&plates).map(|(a, b)| (of(a) / of(b) - 1.0).abs()).fold(0.0, f64::max)
     };
     let (reaction, work) = (off(&|p| p.reaction), off(&|p| p.work));
     let yielded = cpu.points().memory.iter().map(|m| m.plastic).fold(0.0, f64::max);
     println!(
         "rung 3, column, 200 steps: velocity {v:e} m/s, place {x:e} cells, stress {stress:e} Pa, plastic strain {plastic:e} of {yielded:e}, volume {w:e}, reaction {reaction:e} of {} N, work {work:e}",
-        platens[4].reaction
+        plates[4].reaction
     );
-    assert!(platens[4].reaction > 1.5 * 2e4 * 0.04 && yielded > 1e-4, "it was pressed until it yielded");
+    assert!(plates[4].reaction > 1.5 * 2e4 * 0.04 && yielded > 1e-4, "it was pressed until it yielded");
     assert!(v < 4e-6 && x < 1e-7 && stress < 0.3 && plastic < 1e-7 && w < 1e-7 && reaction < 2e-6 && work < 1e-6);
 }
 
@@ -339,18 +343,18 @@ fn one_step_follows_f64() {
         return;
     }
     let kinds = [
-        [Wall::Open; 6],
-        [Wall::Symmetry; 6],
-        [Wall::Stick; 6],
-        [Wall::Friction { friction: 0.0 }; 6],
-        [Wall::Friction { friction: 0.3 }; 6],
+        [GridWall::Open; 6],
+        [GridWall::Symmetry; 6],
+        [GridWall::Stick; 6],
+        [GridWall::Friction { friction: 0.0 }; 6],
+        [GridWall::Friction { friction: 0.3 }; 6],
         [
-            Wall::Symmetry,
-            Wall::Friction { friction: 0.4 },
-            Wall::Stick,
-            Wall::Friction { friction: 0.0 },
-            Wall::Friction { friction: 0.5 },
-            Wall::Open,
+            GridWall::Symmetry,
+            GridWall::Friction { friction: 0.4 },
+            GridWall::Stick,
+            GridWall::Friction { friction: 0.0 },
+            GridWall::Friction { friction: 0.5 },
+            GridWall::Open,
         ],
     ];
     for (walls, damping) in kinds.into_iter().zip([0.0, 0.2, 0.0, 0.0, 0.1, 0.0]) {
@@ -359,7 +363,7 @@ fn one_step_follows_f64() {
         let laws = laws()[..11].to_vec();
         let points = box_of_points(&s, &laws, 1200);
         let mut cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
-        let mut gpu = Continuum::new(&cpu).expect("device");
+        let mut gpu = DeviceContinuum::new(&cpu).expect("device");
         let mut back = cpu.clone();
         let dt = 2e-4;
         cpu.step(dt).expect("step");
@@ -405,7 +409,7 @@ fn points_that_cross_cells_are_sorted() {
     }
     let mut cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
     let start = cpu.points().clone();
-    let mut gpu = Continuum::new(&cpu).expect("device");
+    let mut gpu = DeviceContinuum::new(&cpu).expect("device");
     // up to 8 cells along x
     let (dt, n) = (4e-3, 50);
     gpu.steps(n, dt).expect("steps");
@@ -431,7 +435,7 @@ fn a_lost_device_is_told() {
     let points = box_of_points(&s, &laws, 100);
     let mut cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
     let before = cpu.points().clone();
-    let mut gpu = Continuum::new(&cpu).expect("device");
+    let mut gpu = DeviceContinuum::new(&cpu).expect("device");
     gpu.lose();
     let told = gpu.steps(500, 1e-5).expect_err("lost").to_string();
     assert!(told.contains("graphics device") && told.contains("step 0"), "{told}");

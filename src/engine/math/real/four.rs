@@ -13,7 +13,7 @@ pub trait Four: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     /// The fourth in all four.
     fn w(self) -> Self;
     /// y, z, x, w.
-    fn turned(self) -> Self;
+    fn yzxw(self) -> Self;
     /// The same vector with the fourth number of `other`.
     fn with_w_of(self, other: Self) -> Self;
     /// The larger of each two; `other` where one is not a number.
@@ -70,7 +70,7 @@ impl Four for Plain {
         Plain([self.0[3]; 4])
     }
     #[inline(always)]
-    fn turned(self) -> Plain {
+    fn yzxw(self) -> Plain {
         let [x, y, z, w] = self.0;
         Plain([y, z, x, w])
     }
@@ -143,7 +143,7 @@ mod avx {
             Quad(self.0, self.0.avx2._mm256_permute4x64_pd::<0b11_11_11_11>(self.1))
         }
         #[inline(always)]
-        fn turned(self) -> Quad {
+        fn yzxw(self) -> Quad {
             Quad(self.0, self.0.avx2._mm256_permute4x64_pd::<0b11_00_10_01>(self.1))
         }
         #[inline(always)]
@@ -191,7 +191,7 @@ mod avx {
                         (p.against(q), x.against(y)),
                         (p.max(q), x.max(y)),
                         (p.min(q), x.min(y)),
-                        (p.turned(), x.turned()),
+                        (p.yzxw(), x.yzxw()),
                         (p.w(), x.w()),
                         (p.with_w_of(q), x.with_w_of(y)),
                     ];

@@ -1,15 +1,15 @@
-//! A test on a graphics device: the state goes there once; a look brings back what platens and walls feel, and points and grains come when they are asked for.
+//! A test on a graphics device: the state goes there once; a look brings back what loading plates and walls feel, and points and grains come when they are asked for.
 
 use super::{Coupled, Rig, State};
 use crate::error::Result;
 use crate::model::Model;
 use ::engine::coupling::{Cycle, Rates};
 use ::engine::gpu::{self, Adapter, Saved};
-use ::engine::mpm::Platen;
+use ::engine::mpm::LoadingPlate;
 
-/// The points and platens of a [`State`] on the device, and its grains.
+/// The points and loading plates of a [`State`] on the device, and its grains.
 pub struct Device {
-    gpu: gpu::Continuum,
+    gpu: gpu::DeviceContinuum,
     /// What grains need on the processor, where they break.
     coupled: Option<Coupled>,
 }
@@ -25,7 +25,7 @@ impl Device {
             compute_forces(state, &mut coupled, model, rig)?;
         }
         let coarse = coarse(state, coupled.as_ref(), model);
-        let gpu = gpu::Continuum::begin(&state.continuum, &state.platens, &state.drift, coarse.as_ref(), saved)?;
+        let gpu = gpu::DeviceContinuum::begin(&state.continuum, &state.plates, &state.drift, coarse.as_ref(), saved)?;
         Ok(Device { gpu, coupled })
     }
 
@@ -55,9 +55,9 @@ impl Device {
         self.gpu.stable_step()
     }
 
-    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s².
-    pub(super) fn bounds(&self, platens: &[Platen]) -> (f64, f64) {
-        self.gpu.bounds(platens)
+    /// What the grains' own contacts allow, s, and what those of points with grains and loading plates add to the square of a frequency, 1/s².
+    pub(super) fn bounds(&self, plates: &[LoadingPlate]) -> (f64, f64) {
+        self.gpu.bounds(plates)
     }
 
     /// Rates of a mixture where its scene gives none: the continuum has no steps of its own, and the grains not more than so many.
@@ -101,7 +101,7 @@ impl Device {
             let saved = self.gpu.save()?;
             self.read_back(state, model)?;
             let coarse = coarse(state, self.coupled.as_ref(), model);
-            self.gpu.again(&state.continuum, &state.platens, &state.drift, coarse.as_ref(), Some(&saved))?;
+            self.gpu.again(&state.continuum, &state.plates, &state.drift, coarse.as_ref(), Some(&saved))?;
         }
         Ok(())
     }
@@ -110,7 +110,7 @@ impl Device {
     fn take(&self, state: &mut State, rig: &Rig, steps: u64, extents: [f64; 3]) {
         let c = &mut state.continuum;
         c.set_counters(self.gpu.steps_done(), c.stress_work(), self.gpu.wall_force());
-        state.platens.clone_from_slice(self.gpu.platens());
+        state.plates.clone_from_slice(self.gpu.plates());
         for (k, drift) in state.drift.iter_mut().enumerate() {
             *drift = self.gpu.drift(k);
         }
@@ -119,8 +119,8 @@ impl Device {
         state.phase_time += means.time;
         if let Some(mixture) = &mut state.mixture {
             self.gpu.walls_of(c, mixture);
-            for (platen, wall) in state.platens.iter_mut().rev().zip(mixture.grains.walls.iter().rev()) {
-                platen.others = [wall.reaction, wall.stiffness];
+            for (plate, wall) in state.plates.iter_mut().rev().zip(mixture.grains.walls.iter().rev()) {
+                plate.others = [wall.reaction, wall.stiffness];
             }
             mixture.cycles += steps;
             mixture.grains.step += steps * u64::from(mixture.cycle.rates.grains);
@@ -139,39 +139,39 @@ impl Device {
                 state.press()?;
                 coupled.cycle(state, model, rig)?;
             }
-            // between two steps of the grains: platens have gone their way already
+            // between two steps of the grains: loading plates have gone their way already
             Some((done, time)) => {
                 let cycle = Cycle { time, rates: mixture.cycle.rates };
                 mixture.grains.step += u64::from(done);
                 mixture.grains.time += time * f64::from(done) / f64::from(cycle.rates.grains);
                 coupled.renew(state, model);
-                state.platens.iter_mut().for_each(Platen::withdraw);
+                state.plates.iter_mut().for_each(LoadingPlate::withdraw);
                 state.press()?;
-                self.gpu.give(&mut state.continuum)?;
+                self.gpu.apply_point_forces(&mut state.continuum)?;
                 coupled.finish_cycle(state, model, rig, cycle, done)?;
             }
         }
         compute_forces(state, &mut self.coupled, model, rig)?;
         let coarse = coarse(state, self.coupled.as_ref(), model);
-        Ok(self.gpu.again(&state.continuum, &state.platens, &state.drift, coarse.as_ref(), None)?)
+        Ok(self.gpu.again(&state.continuum, &state.plates, &state.drift, coarse.as_ref(), None)?)
     }
 }
 
 /// Most steps of the grains in a step of the continuum on a device.
 const MOST: u32 = 64;
 
-/// As after a step on the device: platens and grains have felt, and the instant counts.
+/// As after a step on the device: loading plates and grains have felt, and the instant counts.
 fn compute_forces(state: &mut State, coupled: &mut Option<Coupled>, model: &Model, rig: &Rig) -> Result<()> {
     state.press()?;
     if let Some(coupled) = coupled {
         coupled.compute_forces(state, model)?;
     }
-    state.continuum.drop_forces();
+    state.continuum.clear_external_forces();
     state.collect(rig);
     Ok(())
 }
 
-fn coarse<'a>(state: &'a State, coupled: Option<&'a Coupled>, model: &'a Model) -> Option<gpu::Coarse<'a>> {
+fn coarse<'a>(state: &'a State, coupled: Option<&'a Coupled>, model: &'a Model) -> Option<gpu::CoarseGrains<'a>> {
     let (mixture, coupled) = (state.mixture.as_deref()?, coupled?);
-    Some(gpu::Coarse { physics: &model.physics, mixture, table: coupled.table() })
+    Some(gpu::CoarseGrains { physics: &model.physics, mixture, table: coupled.table() })
 }

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::model::continuum::Test;
 use ::engine::coupling::{Mixture, Rates};
-use ::engine::mpm::{Continuum, Platen, platen};
+use ::engine::mpm::{Continuum, LoadingPlate, loading_plate};
 
 #[cfg(feature = "gpu")]
 use super::device::Device;
@@ -30,7 +30,7 @@ impl Engine {
         }
     }
 
-    /// The state at the instant at which its platens' forces are known.
+    /// The state at the instant at which its loading plates' forces are known.
     pub(super) fn compute_forces(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
         match self {
             Engine::Cpu => {
@@ -58,12 +58,12 @@ impl Engine {
         }
     }
 
-    /// What the grains' own contacts allow, s, and what those of points with grains and platens add to the square of a frequency, 1/s².
-    pub(super) fn bounds(&self, mixture: &mut Mixture, continuum: &Continuum, platens: &[Platen], slow: bool) -> (f64, f64) {
+    /// What the grains' own contacts allow, s, and what those of points with grains and loading plates add to the square of a frequency, 1/s².
+    pub(super) fn bounds(&self, mixture: &mut Mixture, continuum: &Continuum, plates: &[LoadingPlate], slow: bool) -> (f64, f64) {
         match self {
-            Engine::Cpu | Engine::Mixture(_) => mixture.bounds(continuum, platens, slow),
+            Engine::Cpu | Engine::Mixture(_) => mixture.bounds(continuum, plates, slow),
             #[cfg(feature = "gpu")]
-            Engine::Gpu(device) => device.bounds(platens),
+            Engine::Gpu(device) => device.bounds(plates),
         }
     }
 
@@ -110,27 +110,27 @@ impl Engine {
 }
 
 impl State {
-    /// Platens press on the points.
+    /// Loading plates press on the points.
     pub(super) fn press(&mut self) -> Result<()> {
-        Ok(platen::press(&mut self.platens, &mut self.continuum)?)
+        Ok(loading_plate::press(&mut self.plates, &mut self.continuum)?)
     }
 
-    /// One step on the processor, with the platens' forces, and their way in it.
+    /// One step on the processor, with the loading plates' forces, and their way in it.
     fn step(&mut self, rig: &Rig) -> Result<()> {
         self.set_speeds(rig);
         self.continuum.step(self.dt)?;
-        self.platens.iter_mut().for_each(|platen: &mut Platen| platen.advance(self.dt));
+        self.plates.iter_mut().for_each(|plate: &mut LoadingPlate| plate.advance(self.dt));
         self.time += self.dt;
         self.phase_time += self.dt;
         Ok(())
     }
 
-    /// The platens' speeds, as their drives have it.
+    /// The loading plates' speeds, as their drives have it.
     pub(super) fn set_speeds(&mut self, rig: &Rig) {
         let extents = self.extents_now(rig);
-        for ((platen, drive), drift) in self.platens.iter_mut().zip(&self.drives).zip(&mut self.drift) {
-            let axis = platen.axis();
-            platen.speed = drive.speed(0.0, platen, [extents[axis], face(rig, extents, axis)], self.dt, drift);
+        for ((plate, drive), drift) in self.plates.iter_mut().zip(&self.drives).zip(&mut self.drift) {
+            let axis = plate.axis();
+            plate.speed = drive.speed(0.0, plate, [extents[axis], face(rig, extents, axis)], self.dt, drift);
         }
     }
 

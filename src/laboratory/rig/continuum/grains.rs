@@ -8,13 +8,13 @@ use crate::rig::assembly;
 use ::engine::boundary::Wall;
 use ::engine::boundary::{Drive, WallShape, WallSpec};
 use ::engine::coupling::{Allowed, Cycle, Mixture, Parts, Rates};
-use ::engine::dem::Work;
+use ::engine::dem::Workspace;
 #[cfg(feature = "gpu")]
 use ::engine::gpu;
-use ::engine::mpm::{Continuum, Platen};
+use ::engine::mpm::{Continuum, LoadingPlate};
 #[cfg(feature = "gpu")]
 use ::engine::mpm::{Points, Settings};
-use ::engine::point_contacts::GhostTable;
+use ::engine::point_contacts::PointContactTable;
 use ::engine::rigid::Blocks;
 
 /// A rigid plane without friction.
@@ -31,18 +31,18 @@ pub(super) fn side(s: &Specimen, k: usize) -> WallSpec {
     smooth(point, normal)
 }
 
-/// The grains of a scene between the walls of its test: platens, or the sides of an oedometer, in the order x low, x high, …; or its own.
-pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Continuum, platens: &[Platen]) -> Mixture {
-    let of = |p: &Platen| {
+/// The grains of a scene between the walls of its test: loading plates, or the sides of an oedometer, in the order x low, x high, …; or its own.
+pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Continuum, plates: &[LoadingPlate]) -> Mixture {
+    let of = |p: &LoadingPlate| {
         let plane = smooth(p.point, p.normal);
         let Some(radius) = p.radius else { return plane };
         WallSpec { shape: WallShape::Cylinder { centre: [p.point[0], p.point[1]], radius }, ..plane }
     };
     let walls = match &rig.test {
         Test::Free { .. } => coarse.walls.clone(),
-        Test::Oedometer(s) if s.round => std::iter::once(side(s, 4)).chain(platens.iter().map(of)).collect(),
-        Test::Oedometer(s) => (0..5).map(|k| side(s, k)).chain(platens.iter().map(of)).collect(),
-        Test::Triaxial { .. } => platens.iter().map(of).collect(),
+        Test::Oedometer(s) if s.round => std::iter::once(side(s, 4)).chain(plates.iter().map(of)).collect(),
+        Test::Oedometer(s) => (0..5).map(|k| side(s, k)).chain(plates.iter().map(of)).collect(),
+        Test::Triaxial { .. } => plates.iter().map(of).collect(),
     };
     let scene = Assembly { grains: coarse.grains.clone(), walls, steps: None, duration: None, tracks: Vec::new(), record_every: 1 };
     let mut mixture = Mixture::new(&model.physics, assembly::start(model, &scene), continuum, coarse.fines);
@@ -56,26 +56,26 @@ pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Contin
 const NEARLY: f64 = 0.8;
 
 /// How points touch grains and walls.
-fn ghosts(model: &Model, rig: &Rig, mixture: &Mixture) -> GhostTable {
-    let ghosts = rig.coarse.as_ref().map_or(&[][..], |c| &c.ghosts);
-    // points meet platens and sides of the grid by themselves
+fn point_table(model: &Model, rig: &Rig, mixture: &Mixture) -> PointContactTable {
+    let point_materials = rig.coarse.as_ref().map_or(&[][..], |c| &c.point_materials);
+    // points meet loading plates and sides of the grid by themselves
     let walls: &[Wall] = if rig.specimen().is_some() { &[] } else { &mixture.grains.walls };
-    GhostTable::new(model.physics.contact.law, ghosts, &model.physics.materials, walls)
+    PointContactTable::new(model.physics.contact.law, point_materials, &model.physics.materials, walls)
 }
 
 /// What a mixture needs besides its state; may be dropped and made anew between any two cycles.
 pub struct Coupled {
-    table: GhostTable,
-    work: Work,
+    table: PointContactTable,
+    work: Workspace,
 }
 
 impl Coupled {
     pub fn new(model: &Model, rig: &Rig, mixture: &mut Mixture) -> Coupled {
-        Coupled { table: ghosts(model, rig, mixture), work: Work::new(&model.physics, &mut mixture.grains) }
+        Coupled { table: point_table(model, rig, mixture), work: Workspace::new(&model.physics, &mut mixture.grains) }
     }
 
     #[cfg(feature = "gpu")]
-    pub fn table(&self) -> &GhostTable {
+    pub fn table(&self) -> &PointContactTable {
         &self.table
     }
 
@@ -87,22 +87,22 @@ impl Coupled {
         }
     }
 
-    /// Forces between grains, and between grains and points; what platens feel of the grains.
+    /// Forces between grains, and between grains and points; what loading plates feel of the grains.
     ///
     /// # Errors
     /// Rigid bodies that come within reach of each other.
     pub(super) fn compute_forces(&mut self, state: &mut State, model: &Model) -> Result<()> {
-        let State { continuum, mixture, platens, .. } = state;
+        let State { continuum, mixture, plates, .. } = state;
         let Some(mixture) = mixture else { return Ok(()) };
         mixture.compute_forces(&mut Parts {
             physics: &model.physics,
             table: &self.table,
             work: &mut self.work,
             continuum,
-            platens: &mut [],
+            plates: &mut [],
         })?;
-        for (platen, wall) in platens.iter_mut().rev().zip(mixture.grains.walls.iter().rev()) {
-            platen.others = [wall.reaction, wall.stiffness];
+        for (plate, wall) in plates.iter_mut().rev().zip(mixture.grains.walls.iter().rev()) {
+            plate.others = [wall.reaction, wall.stiffness];
         }
         Ok(())
     }
@@ -110,17 +110,15 @@ impl Coupled {
     /// A cycle with the drives that the programme has set.
     pub(super) fn cycle(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
         state.set_speeds(rig);
-        let State { continuum, mixture, platens, .. } = state;
+        let State { continuum, mixture, plates, .. } = state;
         let Some(mixture) = mixture else { return Ok(()) };
-        // the last walls are the platens
-        for (platen, wall) in platens.iter().rev().zip(mixture.grains.walls.iter_mut().rev()) {
-            wall.speed = platen.speed;
+        // the last walls are the loading plates
+        for (plate, wall) in plates.iter().rev().zip(mixture.grains.walls.iter_mut().rev()) {
+            wall.speed = plate.speed;
         }
         let (cycle, step) = (mixture.cycle, continuum.steps());
-        let done = mixture.make_cycle(
-            &mut Parts { physics: &model.physics, table: &self.table, work: &mut self.work, continuum, platens },
-            cycle,
-        );
+        let done = mixture
+            .make_cycle(&mut Parts { physics: &model.physics, table: &self.table, work: &mut self.work, continuum, plates }, cycle);
         state.take_breakages(rig, step);
         done?;
         state.time += cycle.time;
@@ -131,12 +129,12 @@ impl Coupled {
     /// The rest of a cycle that a device has begun.
     #[cfg(feature = "gpu")]
     pub(super) fn finish_cycle(&mut self, state: &mut State, model: &Model, rig: &Rig, cycle: Cycle, done: u32) -> Result<()> {
-        let State { continuum, mixture, platens, .. } = state;
+        let State { continuum, mixture, plates, .. } = state;
         let Some(mixture) = mixture else { return Ok(()) };
         mixture.cycle = cycle;
         let step = continuum.steps();
         let done = mixture.finish_cycle(
-            &mut Parts { physics: &model.physics, table: &self.table, work: &mut self.work, continuum, platens },
+            &mut Parts { physics: &model.physics, table: &self.table, work: &mut self.work, continuum, plates },
             done,
         );
         state.take_breakages(rig, step);
@@ -151,7 +149,7 @@ impl Coupled {
         state
             .mixture
             .as_ref()
-            .map_or(0, |m| self.work.bytes(&m.grains) + m.ghosts.bytes() + m.blocks.as_ref().map_or(0, |b| b.bytes()))
+            .map_or(0, |m| self.work.bytes(&m.grains) + m.point_contacts.bytes() + m.blocks.as_ref().map_or(0, |b| b.bytes()))
     }
 }
 
@@ -179,14 +177,14 @@ impl State {
         &self,
         model: &Model,
         rig: &Rig,
-        what: impl FnOnce(&Settings, &Points, &[Platen], Option<&gpu::Coarse<'_>>) -> ::engine::error::Result<T>,
+        what: impl FnOnce(&Settings, &Points, &[LoadingPlate], Option<&gpu::CoarseGrains<'_>>) -> ::engine::error::Result<T>,
     ) -> Result<T> {
         if rig.specimen().is_some_and(|s| s.round) {
             let message = "cylinders are not available on the GPU: use --backend cpu";
             return Err(Error::input("gpu", "body[0].shape", Some("cylinder".into()), message));
         }
         gpu::takes(&rig.laws)?;
-        let Some(mixture) = self.mixture.as_deref() else { return Ok(what(&rig.settings, &rig.points, &self.platens, None)?) };
+        let Some(mixture) = self.mixture.as_deref() else { return Ok(what(&rig.settings, &rig.points, &self.plates, None)?) };
         if rig.growth.is_some() {
             return Err(Error::input(
                 "gpu",
@@ -199,15 +197,20 @@ impl State {
             let message = "must be 1 on the GPU: leave it away, or use --backend cpu";
             return Err(Error::input("gpu", "stepping.continuum_steps", Some(steps.to_string()), message));
         }
-        let table = ghosts(model, rig, mixture);
-        Ok(what(&rig.settings, &rig.points, &self.platens, Some(&gpu::Coarse { physics: &model.physics, mixture, table: &table }))?)
+        let table = point_table(model, rig, mixture);
+        Ok(what(
+            &rig.settings,
+            &rig.points,
+            &self.plates,
+            Some(&gpu::CoarseGrains { physics: &model.physics, mixture, table: &table }),
+        )?)
     }
 
     /// The next cycle; `continuum` is what waves allow, s.
     pub(super) fn find_cycle(&mut self, model: &Model, rig: &Rig, continuum: f64, engine: &Engine) -> Result<()> {
         let Some(mixture) = &mut self.mixture else { return Ok(()) };
         let safety = model.physics.stepping.safety;
-        let (grains, contacts) = engine.bounds(mixture, &self.continuum, &self.platens, model.physics.stepping.slow);
+        let (grains, contacts) = engine.bounds(mixture, &self.continuum, &self.plates, model.physics.stepping.slow);
         let rates = rig.coarse.as_ref().and_then(|c| c.rates);
         let mut allowed = Allowed {
             grains,

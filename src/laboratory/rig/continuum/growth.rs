@@ -1,5 +1,5 @@
 //! Specimens by volume expansion (Li et al. 2023, section 4.1): coarse and fine grains grow together in the box and are pressed until its walls bear the
-//! stress. Then the fine ones are replaced by material points on the spot, so that their overlaps with grains and platens stay; or they stay
+//! stress. Then the fine ones are replaced by material points on the spot, so that their overlaps with grains and loading plates stay; or they stay
 //! grains, for the same test without a continuum.
 
 use super::grains::side as wall_of;
@@ -15,7 +15,7 @@ use ::engine::dem;
 use ::engine::dem::observables;
 use ::engine::dem::physics::Physics;
 use ::engine::dem::physics::Stepping;
-use ::engine::dem::{State, Work};
+use ::engine::dem::{State, Workspace};
 use ::engine::grains::{Grains, sphere_volume};
 use ::engine::mpm::{Point, Points};
 use rand::{RngExt, SeedableRng};
@@ -108,8 +108,8 @@ impl Growing {
     }
 
     /// Scratch for its steps, by [`growing`].
-    pub fn work(&mut self, physics: &Physics) -> Work {
-        Work::new(physics, &mut self.state)
+    pub fn work(&mut self, physics: &Physics) -> Workspace {
+        Workspace::new(physics, &mut self.state)
     }
 
     pub fn steps(&self) -> u64 {
@@ -129,7 +129,7 @@ impl Growing {
     ///
     /// # Errors
     /// Grains that do not come to rest at the stress.
-    pub fn advance(&mut self, physics: &Physics, rig: &Rig, growth: &Growth, work: &mut Work) -> Result<bool> {
+    pub fn advance(&mut self, physics: &Physics, rig: &Rig, growth: &Growth, work: &mut Workspace) -> Result<bool> {
         let (stage, state) = (self.stage, &mut self.state);
         if stage == Stage::Growth {
             growth::grow(physics, &self.radii, self.steps, growth.steps, state, work);
@@ -165,7 +165,7 @@ impl Growing {
     }
 
     /// Whether all walls that move bear the stress and grains are in balance; looked at now and then, and not at once.
-    fn at_rest(&self, physics: &Physics, rig: &Rig, stress: f64, work: &Work, unbalanced: f64) -> bool {
+    fn at_rest(&self, physics: &Physics, rig: &Rig, stress: f64, work: &Workspace, unbalanced: f64) -> bool {
         if self.steps < self.from + 4 * LOOK || !self.steps.is_multiple_of(LOOK) {
             return false;
         }

@@ -37,7 +37,7 @@ impl Means {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Moment {
     pub axial_strain: f64,
-    /// Of the space between platens and walls.
+    /// Of the space between loading plates and walls.
     pub volumetric_strain: f64,
     /// Axial stress, and mean of the lateral ones.
     pub axial: f64,
@@ -52,10 +52,10 @@ pub struct Moment {
     /// Mean and largest accumulated plastic strain.
     pub plastic: [f64; 2],
     pub stress_work: f64,
-    pub platen_work: f64,
-    /// In the platens' contacts, since the start.
+    pub plate_work: f64,
+    /// In the loading plates' contacts, since the start.
     pub stored: f64,
-    /// What platens, gravity, motion and released overlaps gave and neither motion, stresses nor contacts have: taken by local damping, by the
+    /// What loading plates, gravity, motion and released overlaps gave and neither motion, stresses nor contacts have: taken by local damping, by the
     /// transfer between points and nodes, by wall friction, and by errors.
     pub dissipated: f64,
     /// Scale of all these.
@@ -74,7 +74,7 @@ pub struct Coarse {
     pub count: usize,
     pub volume: f64,
     pub mass: f64,
-    /// Of all solids, grains and points, in the space between the platens, or in that of points and grains.
+    /// Of all solids, grains and points, in the space between the loading plates, or in that of points and grains.
     pub void_ratio: f64,
     pub crush_events: u64,
     pub rates: [u32; 2],
@@ -123,14 +123,14 @@ impl State {
     /// Adds the instants of a batch of steps on a device, which began with the extents that [`State::material`] gave.
     #[cfg(feature = "gpu")]
     pub(super) fn add(&mut self, rig: &Rig, batch: &::engine::gpu::Means, mut extents: [f64; 3]) {
-        for (platen, [way, overlap, _]) in self.platens.iter().zip(&batch.platens) {
-            extents[platen.axis()] += overlap - way;
+        for (plate, [way, overlap, _]) in self.plates.iter().zip(&batch.plates) {
+            extents[plate.axis()] += overlap - way;
         }
-        // the last walls of the grains are the platens
-        let first = batch.grains.len().saturating_sub(batch.platens.len());
+        // the last walls of the grains are the loading plates
+        let first = batch.grains.len().saturating_sub(batch.plates.len());
         let of_grains = |wall: usize| batch.grains.get(wall).copied().unwrap_or(0.0);
-        let on_platen = |k: usize| batch.platens[k][2] + of_grains(first + k);
-        let sides = self.stresses(rig, extents, on_platen, |k| batch.sides[k] + of_grains(k));
+        let on_plate = |k: usize| batch.plates[k][2] + of_grains(first + k);
+        let sides = self.stresses(rig, extents, on_plate, |k| batch.sides[k] + of_grains(k));
         self.means.add(batch.steps, sides, extents);
     }
 
@@ -140,11 +140,11 @@ impl State {
     }
 
     fn stored(&self) -> f64 {
-        self.platens.iter().map(|p| p.stored).sum()
+        self.plates.iter().map(|p| p.stored).sum()
     }
 
     /// Means since the last call, and this instant. What the material bears is the mean of the instants of both calls: else it would be half a row ahead of
-    /// the stresses on the platens.
+    /// the stresses on the loading plates.
     pub fn moment(&mut self, rig: &Rig) -> Moment {
         let d = dimensions(rig);
         let means = std::mem::take(&mut self.means);
@@ -190,9 +190,9 @@ impl State {
         let coarse = self.of_grains(rig);
         let now = [totals.kinetic + coarse[0], totals.potential + coarse[1], self.stored() + coarse[2]];
         let [kinetic, potential, stored] = self.energy.unwrap_or(now);
-        // walls of free scenes, and what platens do to grains
+        // walls of free scenes, and what loading plates do to grains
         let on_grains: f64 = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work).sum();
-        let platen_work = self.platens.iter().map(|platen| platen.work).sum::<f64>() + on_grains;
+        let plate_work = self.plates.iter().map(|plate| plate.work).sum::<f64>() + on_grains;
         let (fallen, stored) = (potential - now[1], now[2] - stored);
         let grains = self.mixture.as_ref().map(|m| {
             let g = &m.grains.grains;
@@ -222,7 +222,7 @@ impl State {
             }
         });
         let released = grains.and_then(|g| g.fines).map_or(0.0, |f| f.released);
-        let given = platen_work + fallen + kinetic + released;
+        let given = plate_work + fallen + kinetic + released;
         let volume = totals.volume.max(f64::MIN_POSITIVE);
         let overall = grains.map_or(0.0, |g| g.void_ratio);
         Moment {
@@ -231,10 +231,10 @@ impl State {
             plastic: [plastic / volume, most],
             along_z: along_z / volume,
             stress_work: c.stress_work(),
-            platen_work,
+            plate_work,
             stored,
             dissipated: given - now[0] - c.stress_work() - stored,
-            scale: platen_work.abs() + fallen.abs() + kinetic + released + c.stress_work().abs(),
+            scale: plate_work.abs() + fallen.abs() + kinetic + released + c.stress_work().abs(),
             totals,
             ..Moment::default()
         }

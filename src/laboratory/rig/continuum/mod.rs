@@ -1,4 +1,4 @@
-//! A continuum under test: free between the walls of its grid, in an oedometer, or between six platens.
+//! A continuum under test: free between the walls of its grid, in an oedometer, or between six loading plates.
 
 #[cfg(feature = "gpu")]
 mod device;
@@ -20,7 +20,7 @@ use crate::model::Model;
 use crate::model::continuum::{Continuum as Rig, Test};
 use ::engine::coupling::Mixture;
 use ::engine::dem::event::Breakage;
-use ::engine::mpm::{Continuum, Dimension, Drive, Platen, Ramp, with_platens};
+use ::engine::mpm::{Continuum, Dimension, LoadingPlate, PlateDrive, Ramp, with_plates};
 use serde::{Deserialize, Serialize};
 
 /// Steps between two looks at what bounds the time step.
@@ -31,12 +31,12 @@ const LOOK: u64 = 64;
 pub enum Phase {
     /// The cell pressure rises to its value and the specimen comes to rest.
     Settle,
-    /// The axial platens move, or the points by themselves.
+    /// The axial loading plates move, or the points by themselves.
     Load,
     Done,
 }
 
-/// A breakage, and where the test was: steps of the continuum, time, s, stress on the axial platens, Pa (not a number in a free scene).
+/// A breakage, and where the test was: steps of the continuum, time, s, stress on the axial loading plates, Pa (not a number in a free scene).
 #[derive(Clone, Debug)]
 pub struct Broken {
     pub event: Breakage,
@@ -52,7 +52,7 @@ pub struct State {
     /// Grains in it, where there are some.
     pub mixture: Option<Box<Mixture>>,
     /// In an oedometer the top one; in a triaxial test those of x low, x high, y low, …
-    pub platens: Vec<Platen>,
+    pub plates: Vec<LoadingPlate>,
     pub phase: Phase,
     /// Since the start, and in this phase, s.
     pub time: f64,
@@ -64,14 +64,14 @@ pub struct State {
     pub extents: [f64; 3],
     pub wave: f64,
     rate: f64,
-    /// What each platen does until the programme looks again, and its mean speed under servo, m/s.
+    /// What each loading plate does until the programme looks again, and its mean speed under servo, m/s.
     #[serde(skip)]
-    drives: Vec<Drive>,
+    drives: Vec<PlateDrive>,
     drift: Vec<f64>,
     /// Breakages that have not been recorded yet.
     #[serde(skip)]
     pub broken: Vec<Broken>,
-    /// Kinetic and potential energy of the points and elastic energy of the platens' contacts at the start, J.
+    /// Kinetic and potential energy of the points and elastic energy of the loading plates' contacts at the start, J.
     energy: Option<[f64; 3]>,
     means: measure::Means,
 }
@@ -82,7 +82,7 @@ fn dimensions(rig: &Rig) -> usize {
 }
 
 impl State {
-    /// The points as the scene has them, platens where they balance the points' stress.
+    /// The points as the scene has them, loading plates where they balance the points' stress.
     ///
     /// # Errors
     /// What the method does not allow, and a time step above the bound.
@@ -91,10 +91,10 @@ impl State {
         if let Some(dt) = model.physics.stepping.dt {
             continuum.check_step(dt)?;
         }
-        let platens = specimen::platens(rig, &continuum);
+        let plates = specimen::plates(rig, &continuum);
         let mut state = State {
             mixture: None,
-            platens,
+            plates,
             phase: if matches!(rig.test, Test::Triaxial { .. }) { Phase::Settle } else { Phase::Load },
             continuum,
             time: 0.0,
@@ -110,12 +110,12 @@ impl State {
             energy: None,
             means: measure::Means::default(),
         };
-        state.drift = vec![0.0; state.platens.len()];
+        state.drift = vec![0.0; state.plates.len()];
         if let Some(coarse) = &rig.coarse {
-            state.mixture = Some(Box::new(grains::mixture(model, rig, coarse, &mut state.continuum, &state.platens)));
+            state.mixture = Some(Box::new(grains::mixture(model, rig, coarse, &mut state.continuum, &state.plates)));
         }
         state.press()?;
-        state.continuum.drop_forces();
+        state.continuum.clear_external_forces();
         state.extents = state.extents_now(rig);
         if let Some(specimen) = rig.specimen() {
             let speed = rig.laws[usize::from(specimen.law)].wave_speed(specimen.density);
@@ -138,11 +138,11 @@ impl State {
         Ok(state.dt)
     }
 
-    /// To the next look: one step, or a batch of them on a device. `observe` sees the state when the platens' forces are known, and says at which share of the
+    /// To the next look: one step, or a batch of them on a device. `observe` sees the state when the loading plates' forces are known, and says at which share of the
     /// test it has to look again. In [`Phase::Done`] nothing moves any more.
     ///
     /// # Errors
-    /// A lost point, a platen through the points, a step above its bound, a specimen that does not come to rest; what `observe` returns.
+    /// A lost point, a loading plate through the points, a step above its bound, a specimen that does not come to rest; what `observe` returns.
     pub fn advance(
         &mut self,
         model: &Model,
@@ -160,7 +160,7 @@ impl State {
         engine.steps(self, model, rig, next)
     }
 
-    /// The step: a share of what waves through a cell and the platens' contacts allow, or the fixed one.
+    /// The step: a share of what waves through a cell and the loading plates' contacts allow, or the fixed one.
     fn find_step(&mut self, model: &Model, rig: &Rig, engine: &Engine) -> Result<()> {
         let step = self.continuum.steps();
         if step.is_multiple_of(LOOK) || self.bound == 0.0 {
@@ -169,8 +169,8 @@ impl State {
         if self.mixture.is_some() {
             return self.find_cycle(model, rig, self.bound, engine);
         }
-        let rate = self.platens.iter().map(|p| p.rate).fold(0.0, f64::max);
-        let bound = with_platens(self.bound, rate, rig.settings.transfer);
+        let rate = self.plates.iter().map(|p| p.rate).fold(0.0, f64::max);
+        let bound = with_plates(self.bound, rate, rig.settings.transfer);
         self.dt = match model.physics.stepping.dt {
             None => model.physics.stepping.safety * bound,
             Some(dt) if dt <= bound => dt,
@@ -185,9 +185,9 @@ impl State {
         Ok(())
     }
 
-    /// What is to be done next, by what the platens feel.
+    /// What is to be done next, by what the loading plates feel.
     fn programme(&mut self, rig: &Rig) -> Result<()> {
-        self.drives.resize(self.platens.len(), Drive::Speed(Ramp::constant(0.0)));
+        self.drives.resize(self.plates.len(), PlateDrive::Speed(Ramp::constant(0.0)));
         match &rig.test {
             Test::Free { .. } => {
                 if self.share(rig) >= 1.0 {

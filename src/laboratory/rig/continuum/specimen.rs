@@ -1,24 +1,24 @@
-//! A box between platens: where they stand, what they feel, how they move.
+//! A box between loading plates: where they stand, what they feel, how they move.
 
 use super::{Phase, Rig, State, dimensions};
 use crate::error::{Error, Result};
 use crate::model::continuum::{Drainage, Specimen, Test};
-use ::engine::mpm::platen::{Platen, ghost_radius, overlap};
-use ::engine::mpm::{Continuum, Dimension, Drive, Ramp, area};
+use ::engine::mpm::loading_plate::{LoadingPlate, ghost_radius, overlap};
+use ::engine::mpm::{Continuum, Dimension, PlateDrive, Ramp, area};
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// Lateral platens may move this many times as fast as the axial ones strain the specimen.
+/// Lateral loading plates may move this many times as fast as the axial ones strain the specimen.
 const LATERAL: f64 = 4.0;
-/// Wave times over which the mean speed of a lateral platen is taken.
+/// Wave times over which the mean speed of a lateral loading plate is taken.
 const DRIFT: f64 = 4.0;
-/// Wave times in which the axial platens take up their speed.
+/// Wave times in which the axial loading plates take up their speed.
 const RAMP: f64 = 5.0;
 /// At rest: stresses of all sides within this of the cell pressure, after so many wave times; given up after so many more.
 const AT_REST: f64 = 0.005;
 const REST: f64 = 5.0;
 const PATIENCE: f64 = 500.0;
 
-/// Distance of a platen that just touches from the face of the material, m: points stand half their spacing inside, and reach
+/// Distance of a loading plate that just touches from the face of the material, m: points stand half their spacing inside, and reach
 /// out by their ghost radius.
 fn offset(rig: &Rig, s: &Specimen) -> f64 {
     radius(rig, s) - 0.5 * s.spacing
@@ -29,13 +29,13 @@ fn radius(rig: &Rig, s: &Specimen) -> f64 {
     ghost_radius(rig.settings.dimension, (1.0 - s.porosity) * volume)
 }
 
-/// Mean overlap of a platen's contacts, m: their energy is 2/5 F δ.
-fn mean_overlap(p: &Platen) -> f64 {
+/// Mean overlap of a loading plate's contacts, m: their energy is 2/5 F δ.
+fn mean_overlap(p: &LoadingPlate) -> f64 {
     if p.reaction > 0.0 { p.stored / (0.4 * p.reaction) } else { 0.0 }
 }
 
-/// The platens of a test, pressed in so far that they balance the points' stress.
-pub fn platens(rig: &Rig, continuum: &Continuum) -> Vec<Platen> {
+/// The loading plates of a test, pressed in so far that they balance the points' stress.
+pub fn plates(rig: &Rig, continuum: &Continuum) -> Vec<LoadingPlate> {
     let Some(s) = rig.specimen() else { return Vec::new() };
     let d = dimensions(rig);
     let depth = match s.stress * s.roominess() * s.spacing.powi(d as i32 - 1) {
@@ -43,23 +43,23 @@ pub fn platens(rig: &Rig, continuum: &Continuum) -> Vec<Platen> {
         _ => 0.0,
     };
     let out = if s.lattice { offset(rig, s) - depth } else { 0.0 };
-    let platen = |axis: usize, high: bool| {
+    let plate = |axis: usize, high: bool| {
         let mut point: [f64; 3] = std::array::from_fn(|a| s.lower[a] + 0.5 * s.size[a]);
         let mut normal = [0.0; 3];
         normal[axis] = if high { -1.0 } else { 1.0 };
         point[axis] = if high { s.lower[axis] + s.size[axis] + out } else { s.lower[axis] - out };
-        Platen::new(continuum, point, normal, s.modulus)
+        LoadingPlate::new(continuum, point, normal, s.modulus)
     };
-    let shell = || Platen::shell(continuum, s.base(), 0.5 * s.size[0] + out, s.modulus);
+    let shell = || LoadingPlate::shell(continuum, s.base(), 0.5 * s.size[0] + out, s.modulus);
     match rig.test {
-        Test::Oedometer(_) if s.round => vec![shell(), platen(d - 1, true)],
-        Test::Oedometer(_) => vec![platen(d - 1, true)],
-        _ if s.round => vec![shell(), platen(d - 1, false), platen(d - 1, true)],
-        _ => (0..d).flat_map(|axis| [platen(axis, false), platen(axis, true)]).collect(),
+        Test::Oedometer(_) if s.round => vec![shell(), plate(d - 1, true)],
+        Test::Oedometer(_) => vec![plate(d - 1, true)],
+        _ if s.round => vec![shell(), plate(d - 1, false), plate(d - 1, true)],
+        _ => (0..d).flat_map(|axis| [plate(axis, false), plate(axis, true)]).collect(),
     }
 }
 
-/// The platen that stands at side `k` (x low, x high, …); `None` where it is a side of the grid.
+/// The loading plate that stands at side `k` (x low, x high, …); `None` where it is a side of the grid.
 fn at_side(rig: &Rig, k: usize) -> Option<usize> {
     let d = dimensions(rig);
     match &rig.test {
@@ -82,22 +82,22 @@ pub(super) fn face(rig: &Rig, extents: [f64; 3], axis: usize) -> f64 {
 }
 
 impl State {
-    /// Extents of the material, m (in plane strain 1 along z): the distance of its faces, by the platens and their contacts.
+    /// Extents of the material, m (in plane strain 1 along z): the distance of its faces, by the loading plates and their contacts.
     pub(super) fn extents_now(&self, rig: &Rig) -> [f64; 3] {
         let Some(s) = rig.specimen() else { return [0.0; 3] };
         let (d, radius) = (dimensions(rig), radius(rig, s));
         // where the faces are: ghosts reach beyond them, less the contacts' mean overlap
-        let inside = |p: &Platen| if s.lattice { radius - 0.5 * s.spacing - mean_overlap(p) } else { 0.0 };
+        let inside = |p: &LoadingPlate| if s.lattice { radius - 0.5 * s.spacing - mean_overlap(p) } else { 0.0 };
         let mut extents = s.size;
         if d == 2 {
             extents[2] = 1.0;
         }
         for (axis, extent) in extents.iter_mut().enumerate().take(d) {
-            let facing = |sign: f64| self.platens.iter().find(|p| p.normal[axis] == sign);
-            *extent = match (facing(1.0), facing(-1.0), &self.platens[0]) {
+            let facing = |sign: f64| self.plates.iter().find(|p| p.normal[axis] == sign);
+            *extent = match (facing(1.0), facing(-1.0), &self.plates[0]) {
                 (Some(low), Some(high), _) => (high.point[axis] - inside(high)) - (low.point[axis] + inside(low)),
                 (None, Some(high), _) => high.point[axis] - inside(high) - s.lower[axis],
-                (_, _, shell @ Platen { radius: Some(radius), .. }) if axis < 2 => 2.0 * (radius - inside(shell)),
+                (_, _, shell @ LoadingPlate { radius: Some(radius), .. }) if axis < 2 => 2.0 * (radius - inside(shell)),
                 _ => continue,
             };
         }
@@ -108,8 +108,8 @@ impl State {
     #[cfg(feature = "gpu")]
     pub(super) fn material(&self, rig: &Rig) -> [f64; 3] {
         let mut extents = self.extents_now(rig);
-        for platen in &self.platens {
-            extents[platen.axis()] -= mean_overlap(platen);
+        for plate in &self.plates {
+            extents[plate.axis()] -= mean_overlap(plate);
         }
         extents
     }
@@ -120,28 +120,28 @@ impl State {
         // of a cylinder's grid only the bottom is a side, the first wall of the grains
         let own = |k: usize| if rig.specimen().is_some_and(|s| s.round) { 0 } else { k };
         let grains = |k: usize| self.mixture.as_ref().map_or(0.0, |m| m.grains.walls[own(k)].reaction);
-        self.stresses(rig, self.extents_now(rig), |k| self.platens[k].force(), |k| wall(k) + grains(k))
+        self.stresses(rig, self.extents_now(rig), |k| self.plates[k].force(), |k| wall(k) + grains(k))
     }
 
-    /// Mean stress on both axial platens at this instant, Pa.
+    /// Mean stress on both axial loading plates at this instant, Pa.
     pub(super) fn axial_stress(&self, rig: &Rig) -> f64 {
         let (sides, axis) = (self.sides(rig), dimensions(rig) - 1);
         0.5 * (sides[2 * axis] + sides[2 * axis + 1])
     }
 
-    /// The same from the forces on platens and on the sides of the grid, along their inward normals.
+    /// The same from the forces on loading plates and on the sides of the grid, along their inward normals.
     pub(super) fn stresses(
         &self,
         rig: &Rig,
         extents: [f64; 3],
-        platen: impl Fn(usize) -> f64,
+        plate: impl Fn(usize) -> f64,
         wall: impl Fn(usize) -> f64,
     ) -> [f64; 6] {
         let d = dimensions(rig);
         let mut sides = [0.0; 6];
         for (k, side) in sides.iter_mut().enumerate().take(2 * d) {
             let force = match at_side(rig, k) {
-                Some(p) => platen(p),
+                Some(p) => plate(p),
                 None if rig.specimen().is_some() => wall(k),
                 None => return sides,
             };
@@ -156,26 +156,26 @@ impl State {
         if rig.specimen().is_none() { 0.0 } else { 1.0 - self.extents_now(rig)[axis] / self.extents[axis] }
     }
 
-    /// Speed with which the platens of the axis come together, each with the share `part` of it, m/s: that of the strain over the whole height.
-    fn axial(&self, rig: &Rig, part: f64) -> Drive {
+    /// Speed with which the loading plates of the axis come together, each with the share `part` of it, m/s: that of the strain over the whole height.
+    fn axial(&self, rig: &Rig, part: f64) -> PlateDrive {
         let (end, rise) = (self.rate * self.extents[dimensions(rig) - 1], RAMP * self.wave);
         let value = part * (end * (self.phase_time / rise).min(1.0));
-        Drive::Speed(Ramp { value, slope: part * (end / rise), end: part * end })
+        PlateDrive::Speed(Ramp { value, slope: part * (end / rise), end: part * end })
     }
 
-    /// The top platen comes down; a shell follows what its contacts give way, so that the material keeps its width.
+    /// The top loading plate comes down; a shell follows what its contacts give way, so that the material keeps its width.
     pub(super) fn compress(&mut self, rig: &Rig, s: &Specimen) {
         if self.axial_strain(rig) >= s.axial_strain {
             self.phase = Phase::Done;
         }
         let wider = self.extents_now(rig)[0] - self.extents[0];
-        let (axial, keeps) = (self.axial(rig, 1.0), Drive::Speed(Ramp::constant(0.5 * wider / (DRIFT * self.wave))));
-        for (drive, platen) in self.drives.iter_mut().zip(&self.platens) {
-            *drive = if platen.radius.is_some() { keeps } else { axial };
+        let (axial, keeps) = (self.axial(rig, 1.0), PlateDrive::Speed(Ramp::constant(0.5 * wider / (DRIFT * self.wave))));
+        for (drive, plate) in self.drives.iter_mut().zip(&self.plates) {
+            *drive = if plate.radius.is_some() { keeps } else { axial };
         }
     }
 
-    /// Lateral platens hold the cell pressure, or from then on the volume; axial ones hold it too, then come together.
+    /// Lateral loading plates hold the cell pressure, or from then on the volume; axial ones hold it too, then come together.
     ///
     /// # Errors
     /// A specimen that does not come to rest at the cell pressure.
@@ -206,11 +206,11 @@ impl State {
         if self.phase == Phase::Load && self.axial_strain(rig) >= s.axial_strain {
             self.phase = Phase::Done;
         }
-        let servo = Drive::Stress { target, gain: s.gain, reach: 0.5 * LATERAL * self.rate, memory: DRIFT * self.wave };
+        let servo = PlateDrive::Stress { target, gain: s.gain, reach: 0.5 * LATERAL * self.rate, memory: DRIFT * self.wave };
         let axial = if self.phase == Phase::Settle { servo } else { self.axial(rig, 0.5) };
         let keeps = self.phase != Phase::Settle && drainage == Drainage::ConstantVolume;
         for k in 0..self.drives.len() {
-            self.drives[k] = match self.platens[k].axis() {
+            self.drives[k] = match self.plates[k].axis() {
                 a if a == d - 1 => axial,
                 a if keeps => self.apart(rig, extents, a),
                 _ => servo,
@@ -221,7 +221,7 @@ impl State {
 
     /// Half the speed with which the sides of an axis go apart so that the volume stays, w = w₀ (L₀/L)^(1/(d−1)), with what contacts have given way taken back
     /// in a few wave times; positive inwards, m/s.
-    fn apart(&self, rig: &Rig, extents: [f64; 3], axis: usize) -> Drive {
+    fn apart(&self, rig: &Rig, extents: [f64; 3], axis: usize) -> PlateDrive {
         let d = dimensions(rig);
         let [width, length] = [axis, d - 1].map(|a| extents[a]);
         let [width_0, length_0] = [axis, d - 1].map(|a| self.extents[a]);
@@ -229,11 +229,11 @@ impl State {
         let target = width_0 * if d == 3 { wider.sqrt() } else { wider };
         let closing = self.rate * length_0 * (self.phase_time / (RAMP * self.wave)).min(1.0);
         let opening = width / (length * (d - 1) as f64) * closing;
-        Drive::Speed(Ramp::constant(0.5 * ((width - target) / (DRIFT * self.wave) - opening)))
+        PlateDrive::Speed(Ramp::constant(0.5 * ((width - target) / (DRIFT * self.wave) - opening)))
     }
 }
 
-/// Stiffness of a contact of a specimen's platens under a stress over the mass `mass` of its point, 1/s².
+/// Stiffness of a contact of a specimen's loading plates under a stress over the mass `mass` of its point, 1/s².
 pub fn contact_rate(dimension: Dimension, s: &Specimen, mass: f64, stress: f64) -> f64 {
     let d = if dimension == Dimension::Space { 3 } else { 2 };
     let radius = ghost_radius(dimension, (1.0 - s.porosity) * s.roominess() * s.spacing.powi(d));

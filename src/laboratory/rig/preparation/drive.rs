@@ -4,7 +4,7 @@ use crate::model::Specimen;
 use crate::rig::cylinder::{CYLINDER, Stresses, TOP, inertial_time, space};
 use crate::rig::growth;
 use engine::boundary::servo_speed;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use serde::{Deserialize, Serialize};
 
 /// Inertial number of strain on the way: as fast as a packing without friction can follow under [`super::path`]'s stress.
@@ -33,7 +33,7 @@ impl Drive {
 
     /// Strains the specimen and its walls alike in one step, `along` its axis and `across` it, compression positive: what a platen alone would press together
     /// next to itself is shared by all.
-    pub fn strain(along: f64, across: f64, state: &mut State, work: &mut Work) {
+    pub fn strain(along: f64, across: f64, state: &mut State, work: &mut Workspace) {
         let size = space(state);
         let (z, xy) = (along * state.dt, across * state.dt);
         for p in &mut state.grains.pos {

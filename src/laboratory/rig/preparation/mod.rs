@@ -10,7 +10,7 @@ use crate::model::{Model, Specimen};
 use crate::packing;
 use crate::rig::cylinder::{CYLINDER, space, walls};
 use crate::rig::growth;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::grains::{Grains, sphere_volume};
 use path::{Path, Wish};
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,7 @@ impl Preparation {
     }
 
     /// One step. True when the specimen is ready.
-    pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> Result<bool, Error> {
+    pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         match self {
             Preparation::Stated(stated) => stated.advance(model, rig, state, work),
             Preparation::Path(path) => path.advance(model, rig, state, work),

@@ -14,7 +14,7 @@ use crate::rig::growth;
 use engine::contact::ContactLaw;
 use engine::dem;
 use engine::dem::observables;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use serde::{Deserialize, Serialize};
 
 /// Where on its way a specimen is.
@@ -198,14 +198,14 @@ impl Path {
     }
 
     /// One step. True when the specimen is ready.
-    pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> Result<bool, Error> {
+    pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         let own = self.model.take().unwrap_or_else(|| Box::new(quasi_static(model)));
         let ready = self.go(&own, rig, state, work);
         self.model = Some(own);
         ready
     }
 
-    fn go(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> Result<bool, Error> {
+    fn go(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         match self.stage {
             Stage::Growth => growth::grow(&model.physics, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work),
             Stage::Compression => {
@@ -291,7 +291,7 @@ impl Path {
     }
 
     /// A step of a cycle: volume follows the stress, shear goes in, out to the other side and back.
-    fn shear(&mut self, state: &mut State, work: &mut Work) {
+    fn shear(&mut self, state: &mut State, work: &mut Workspace) {
         let stress = self.stress * (1.0 + SHEAR_RISE * f64::from(self.place.cycles)).min(SHEAR_STRESS);
         let volume = self.drive.rate * (1.0 - mean_stress(state) / stress).clamp(-1.0, 1.0);
         let quarter = self.quarter();
@@ -357,12 +357,12 @@ impl Path {
         self.stage_steps = 0;
     }
 
-    fn quiet(&self, model: &Model, state: &State, work: &Work) -> bool {
+    fn quiet(&self, model: &Model, state: &State, work: &Workspace) -> bool {
         self.stage_steps.is_multiple_of(LOOK)
             && observables::sums(&model.physics, state, work).unbalanced_ratio(state.grains.len()) < QUIET
     }
 
-    fn at_rest(&self, model: &Model, state: &State, work: &Work) -> bool {
+    fn at_rest(&self, model: &Model, state: &State, work: &Workspace) -> bool {
         if !self.stage_steps.is_multiple_of(LOOK) || self.stage_steps < 4 * LOOK {
             return false;
         }
@@ -386,7 +386,7 @@ impl Path {
     }
 
     /// At rest: ready, on along the way from where it was left, or back to a looser place.
-    fn judge(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> Result<bool, Error> {
+    fn judge(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         let n = porosity(state);
         let Wish::Porosity(target) = self.wish else { return Ok(true) };
         if (n - target).abs() <= rig.preparation.porosity_tolerance * target {

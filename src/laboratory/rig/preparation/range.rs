@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::interrupt::stop_asked;
 use crate::model::{Model, Specimen};
 use crate::record::specimen::checksum;
-use engine::dem::Work;
+use engine::dem::Workspace;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -95,7 +95,7 @@ pub fn settle(model: &mut Model) -> Result<Option<Range>, Error> {
 /// Porosity at one end of the way.
 fn end(model: &Model, rig: &Specimen, wish: Wish) -> Result<f64, Error> {
     let (mut path, mut state) = Path::start(model, rig, wish);
-    let mut work = Work::new(&model.physics, &mut state);
+    let mut work = Workspace::new(&model.physics, &mut state);
     while !path.advance(model, rig, &mut state, &mut work)? {
         if stop_asked() {
             return Err(Error::Failed { step: path.steps, what: "stopped while the range of void ratios was measured".into() });

@@ -10,7 +10,7 @@ use crate::rig::growth;
 use engine::boundary::servo_speed;
 use engine::dem;
 use engine::dem::observables;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use serde::{Deserialize, Serialize};
 
 /// Where preparation is.
@@ -109,7 +109,7 @@ impl Stated {
     }
 
     /// One step. True when the specimen is ready.
-    pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> Result<bool, Error> {
+    pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         if self.stage == Stage::Growth {
             growth::grow(&model.physics, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work);
         }
@@ -201,7 +201,7 @@ impl Stated {
 
     /// After a rest at porosity `n`, outside tolerance: densification again to another porosity, on from here if too loose, from its
     /// beginning if too dense. False when that has been tried often enough.
-    fn correct(&mut self, n: f64, model: &Model, rig: &Specimen, state: &mut State, work: &mut Work) -> bool {
+    fn correct(&mut self, n: f64, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> bool {
         self.corrections += 1;
         let dense = n < rig.porosity;
         let (true, Some(compacted)) = (self.corrections <= CORRECTIONS, &self.compacted) else { return false };
@@ -264,7 +264,7 @@ impl Stated {
         }
     }
 
-    fn at_rest(&self, model: &Model, rig: &Specimen, state: &State, work: &Work) -> bool {
+    fn at_rest(&self, model: &Model, rig: &Specimen, state: &State, work: &Workspace) -> bool {
         if !self.stage_steps.is_multiple_of(LOOK) || self.stage_steps < 4 * LOOK {
             return false;
         }

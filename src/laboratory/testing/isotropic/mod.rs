@@ -14,7 +14,7 @@ use crate::record::quasi_static::Instant;
 use crate::rig::cylinder::{CYLINDER, Stresses, space};
 use engine::boundary::{CylinderSpace, servo_speed};
 use engine::dem;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -39,8 +39,8 @@ impl SpecimenTest for Isotropic {
         model: &Model,
         rig: &Compression,
         state: &mut State,
-        work: &mut Work,
-        observe: &mut dyn FnMut(&Isotropic, &State, &Work) -> Result<(), Error>,
+        work: &mut Workspace,
+        observe: &mut dyn FnMut(&Isotropic, &State, &Workspace) -> Result<(), Error>,
     ) -> Result<(), Error> {
         dem::compute_forces(&model.physics, state, work);
         self.0.programme(model, rig, state, work);

@@ -16,7 +16,7 @@ use engine::boundary::CylinderSpace;
 use engine::boundary::servo_speed;
 use engine::coupling::Embedded;
 use engine::dem;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use engine::mpm::Continuum;
 use serde::{Deserialize, Serialize};
@@ -107,8 +107,8 @@ impl Loading {
         model: &Model,
         rig: &Compression,
         state: &mut State,
-        work: &mut Work,
-        observe: &mut dyn FnMut(&Loading, &State, &Work) -> Result<(), Error>,
+        work: &mut Workspace,
+        observe: &mut dyn FnMut(&Loading, &State, &Workspace) -> Result<(), Error>,
     ) -> Result<(), Error> {
         dem::compute_forces(&model.physics, state, work);
         if let Some(fines) = &mut self.fines {
@@ -126,7 +126,7 @@ impl Loading {
     }
 
     /// Next target (eq. 18) and phase.
-    pub(super) fn programme(&mut self, model: &Model, rig: &Compression, state: &mut State, work: &Work) {
+    pub(super) fn programme(&mut self, model: &Model, rig: &Compression, state: &mut State, work: &Workspace) {
         let stages = &rig.loading.stages;
         match self.phase {
             Phase::Settle if self.phase_steps >= rig.specimen.settle_steps => {
@@ -238,8 +238,8 @@ impl SpecimenTest for Loading {
         model: &Model,
         rig: &Compression,
         state: &mut State,
-        work: &mut Work,
-        observe: &mut dyn FnMut(&Loading, &State, &Work) -> Result<(), Error>,
+        work: &mut Workspace,
+        observe: &mut dyn FnMut(&Loading, &State, &Workspace) -> Result<(), Error>,
     ) -> Result<(), Error> {
         self.step(model, rig, state, work, observe)
     }

@@ -4,7 +4,7 @@ use super::{Loading, Phase};
 use crate::model::{Compression, Model};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::rig::cylinder::{BOTTOM, Stresses, TOP, space};
-use engine::coupling::Fines;
+use engine::coupling::FinesAsPoints;
 use engine::dem::State;
 
 /// Where something breaks, rows follow each other before the measured stress has changed by more than this share: the stress of every breakage is near
@@ -84,7 +84,7 @@ pub fn moment(rig: &Compression, loading: &Loading, state: &State) -> Moment {
     let s = Stresses::of(state);
     let mut own = vec![("k0", (s.horizontal / s.vertical()).into())];
     if let Some(embedded) = &loading.fines {
-        let Fines { points, entered, reserve, released, .. } = &embedded.fines;
+        let FinesAsPoints { points, entered, reserve, released, .. } = &embedded.fines;
         let pressed = 0.5 * (embedded.pressed(BOTTOM) + embedded.pressed(TOP)) / space(state).platen_area();
         own.extend([
             ("fines_points", (*points).into()),

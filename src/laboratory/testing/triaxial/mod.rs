@@ -13,7 +13,7 @@ use engine::boundary::CylinderSpace;
 use engine::boundary::servo_speed;
 use engine::dem;
 use engine::dem::observables;
-use engine::dem::{State, Work};
+use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -57,8 +57,8 @@ impl Shearing {
         model: &Model,
         rig: &Triaxial,
         state: &mut State,
-        work: &mut Work,
-        observe: &mut dyn FnMut(&Shearing, &State, &Work) -> Result<(), Error>,
+        work: &mut Workspace,
+        observe: &mut dyn FnMut(&Shearing, &State, &Workspace) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let this = &mut *self;
         dem::step(&model.physics, state, work, |state, work| {
@@ -76,7 +76,7 @@ impl Shearing {
         1.0 - space(state).height / self.start.0
     }
 
-    fn programme(&mut self, model: &Model, rig: &Triaxial, state: &mut State, work: &Work) -> Result<(), Error> {
+    fn programme(&mut self, model: &Model, rig: &Triaxial, state: &mut State, work: &Workspace) -> Result<(), Error> {
         match self.phase {
             Phase::Settle if self.at_rest(model, rig, state, work) => {
                 cylinder::begin(model, state, work);
@@ -101,7 +101,7 @@ impl Shearing {
         Ok(())
     }
 
-    fn at_rest(&self, model: &Model, rig: &Triaxial, state: &State, work: &Work) -> bool {
+    fn at_rest(&self, model: &Model, rig: &Triaxial, state: &State, work: &Workspace) -> bool {
         if self.phase_steps < rig.specimen.settle_steps || !self.phase_steps.is_multiple_of(LOOK) || self.phase_steps == 0 {
             return false;
         }
@@ -143,8 +143,8 @@ impl SpecimenTest for Shearing {
         model: &Model,
         rig: &Triaxial,
         state: &mut State,
-        work: &mut Work,
-        observe: &mut dyn FnMut(&Shearing, &State, &Work) -> Result<(), Error>,
+        work: &mut Workspace,
+        observe: &mut dyn FnMut(&Shearing, &State, &Workspace) -> Result<(), Error>,
     ) -> Result<(), Error> {
         self.step(model, rig, state, work, observe)
     }

@@ -1,21 +1,21 @@
-//! Platens on the device: rigid planes along the axes that press on the points' ghost spheres (`platens.wgsl`).
+//! Loading plates on the device: rigid planes along the axes that press on the points' ghost spheres (`plates.wgsl`).
 
 use super::device::refused;
 use super::exact::{place, placed, split};
-use super::layout::Platen32;
+use super::layout::LoadingPlate32;
 use super::state::ghost_radius;
 use crate::error::Error;
-use crate::mpm::{Platen, Points, Settings};
+use crate::mpm::{LoadingPlate, Points, Settings};
 
 /// Of a pair of a number and what does not fit into it.
 pub fn both([high, low]: [f32; 2]) -> f64 {
     f64::from(high) + f64::from(low)
 }
 
-pub fn to_device(p: &Platen, drift: f64, settings: &Settings) -> Platen32 {
+pub fn to_device(p: &LoadingPlate, drift: f64, settings: &Settings) -> LoadingPlate32 {
     let axis = p.axis();
     let (cell, units, rest) = place((p.point[axis] - settings.lower[axis]) / settings.cell);
-    Platen32 {
+    LoadingPlate32 {
         axis: axis as u32,
         normal: p.normal[axis] as f32,
         cell,
@@ -30,26 +30,26 @@ pub fn to_device(p: &Platen, drift: f64, settings: &Settings) -> Platen32 {
         rate: p.rate as f32,
         work: split(p.work),
         drift: drift as f32,
-        ..Platen32::default()
+        ..LoadingPlate32::default()
     }
 }
 
 /// What the device knows of it now.
-pub fn take(platen: &mut Platen, p: &Platen32, settings: &Settings) {
-    let axis = platen.axis();
-    platen.point[axis] = settings.lower[axis] + settings.cell * placed(p.cell, p.units, p.rest);
-    (platen.reaction, platen.stiffness, platen.rate) = (p.reaction.into(), p.stiffness.into(), p.rate.into());
-    (platen.stored, platen.work) = (p.stored.into(), both(p.work));
-    (platen.speed, platen.moved) = (p.speed.into(), p.moved.into());
+pub fn take(plate: &mut LoadingPlate, p: &LoadingPlate32, settings: &Settings) {
+    let axis = plate.axis();
+    plate.point[axis] = settings.lower[axis] + settings.cell * placed(p.cell, p.units, p.rest);
+    (plate.reaction, plate.stiffness, plate.rate) = (p.reaction.into(), p.stiffness.into(), p.rate.into());
+    (plate.stored, plate.work) = (p.stored.into(), both(p.work));
+    (plate.speed, plate.moved) = (p.speed.into(), p.moved.into());
 }
 
 /// What is not allowed.
-pub fn wrong(platens: &[Platen], settings: &Settings, points: &Points) -> Vec<Error> {
+pub fn wrong(plates: &[LoadingPlate], settings: &Settings, points: &Points) -> Vec<Error> {
     let mut errors = Vec::new();
-    if platens.len() > 6 {
-        errors.push(refused("platens", platens.len(), "at most six on the GPU"));
+    if plates.len() > 6 {
+        errors.push(refused("platens", plates.len(), "at most six on the GPU"));
     }
-    for p in platens {
+    for p in plates {
         let along = p.normal.iter().filter(|n| **n != 0.0).count() == 1 && p.normal[p.axis()].abs() == 1.0;
         if !(along && p.point[p.axis()].is_finite() && p.modulus > 0.0 && p.modulus.is_finite()) {
             let what = format!("point {:?}, normal {:?}, modulus {:?}", p.point, p.normal, p.modulus);
@@ -57,7 +57,7 @@ pub fn wrong(platens: &[Platen], settings: &Settings, points: &Points) -> Vec<Er
         }
     }
     let largest = (0..points.len()).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
-    if !platens.is_empty() && largest > 0.9 * settings.cell {
+    if !plates.is_empty() && largest > 0.9 * settings.cell {
         errors.push(refused(
             "ghost radius",
             largest,

@@ -1,7 +1,7 @@
 // Rigid planes along the axes that press on the points' ghost spheres (Li et al. 2023, eqs 18, 20, 22), by tractions on the points' faces.
-// Twins: mpm/platen.rs, mpm/drive.rs (f64), which say what is done and why.
+// Twins: mpm/loading_plate.rs, mpm/plate_drive.rs (f64), which say what is done and why.
 
-struct Platen {
+struct LoadingPlate {
     axis: u32,
     // of the normal, towards the material
     normal: f32,
@@ -30,7 +30,7 @@ struct Platen {
 }
 
 // Sums are pairs of a number and what does not fit into it.
-struct Outside {
+struct BatchState {
     // seconds since the batch began
     time: vec2<f32>,
     // the step, s, and how often sums were taken
@@ -38,14 +38,14 @@ struct Outside {
     count: u32,
     // of the forces with which the domain's sides push, N
     sides: array<vec2<f32>, 6>,
-    platens: array<Platen, 6>,
-    // force on each point and the stiffness that it pushes with; then sums of groups of points for each platen
+    plates: array<LoadingPlate, 6>,
+    // force on each point and the stiffness that it pushes with; then sums of groups of points for each loading plate
     parts: array<vec4<f32>>,
 }
 
-@group(0) @binding(9) var<storage, read_write> outside: Outside;
+@group(0) @binding(9) var<storage, read_write> batch: BatchState;
 
-var<workgroup> pressing: array<vec4<f32>, 256>;
+var<workgroup> partial_sums: array<vec4<f32>, 256>;
 
 fn cube_root(x: f32) -> f32 {
     let y = exp2(log2(x) * 0.33333333);
@@ -62,9 +62,9 @@ fn summed(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
     return vec4<f32>(a.xyz + b.xyz, max(a.w, b.w));
 }
 
-// Force of every platen on each point; sums of reaction, tangent stiffness, stored energy, and the largest stiffness over mass.
+// Force of every loading plate on each point; sums of reaction, tangent stiffness, stored energy, and the largest stiffness over mass.
 @compute @workgroup_size(64)
-fn press(
+fn plate_forces(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(workgroup_id) group: vec3<u32>,
@@ -80,39 +80,39 @@ fn press(
         arm_low = number(ARM_LOW, i);
     }
     var stiffness = 0.0;
-    for (var k = 0u; k < params.platens; k++) {
+    for (var k = 0u; k < params.plates; k++) {
         var own = vec4<f32>(0.0);
         if i < params.points {
             let place = word(PLACE, i);
-            let platen = outside.platens[k];
-            let axis = platen.axis;
+            let plate = batch.plates[k];
+            let axis = plate.axis;
             // in units as long as can be: overlaps are small differences
-            let normal = i32(platen.normal);
-            let cells = normal * (cell_place(place.w)[axis] - 1 - platen.cell);
-            let units = normal * (bitcast<vec3<i32>>(place.xyz)[axis] - platen.units);
+            let normal = i32(plate.normal);
+            let cells = normal * (cell_place(place.w)[axis] - 1 - plate.cell);
+            let units = normal * (bitcast<vec3<i32>>(place.xyz)[axis] - plate.units);
             let radius_units = bitcast<i32>(word(ENERGY, i).w);
-            let deep = f32(radius_units - cells * WIDTH - units) - platen.normal * (number(REST, i)[axis] - platen.rest);
+            let deep = f32(radius_units - cells * WIDTH - units) - plate.normal * (number(REST, i)[axis] - plate.rest);
             let scale = params.cell / UNITS;
             let radius = f32(radius_units) * scale;
             // further than two cells is out of reach, or far beyond
             let of_point = select(select(deep * scale, 2.0 * params.cell, cells < -1), 0.0, cells > 1);
             // a ghost stays as far inside the material from its face as at the start
-            let followed = arm[axis] * platen.normal < 0.0;
+            let followed = arm[axis] * plate.normal < 0.0;
             var further = 0.0;
             if followed {
-                further = (abs(arm[axis]) - half_edge(i)) - platen.normal * arm_low[axis];
+                further = (abs(arm[axis]) - half_edge(i)) - plate.normal * arm_low[axis];
             }
             let overlap = of_point + further * params.cell;
             if overlap > radius {
                 atomicMin(&status.fault, 8u * word(ENERGY, i).z + PASSED);
             } else if overlap > 0.0 {
-                let tangent = 2.0 * platen.modulus * sqrt(radius * overlap);
+                let tangent = 2.0 * plate.modulus * sqrt(radius * overlap);
                 let f = 0.66666667 * tangent * overlap;
                 own = vec4<f32>(f, tangent, 0.4 * f * overlap, tangent / number(VELOCITY, i).w);
                 stiffness += tangent;
-                force[axis] += platen.normal * f;
+                force[axis] += plate.normal * f;
                 if !followed {
-                    arm[axis] = -platen.normal * half_edge(i);
+                    arm[axis] = -plate.normal * half_edge(i);
                     arm_low[axis] = 0.0;
                     changed = true;
                 }
@@ -122,21 +122,21 @@ fn press(
                 changed = true;
             }
         }
-        pressing[thread] = own;
+        partial_sums[thread] = own;
         workgroupBarrier();
         for (var half = 32u; half > 0u; half /= 2u) {
             if thread < half {
-                pressing[thread] = summed(pressing[thread], pressing[thread + half]);
+                partial_sums[thread] = summed(partial_sums[thread], partial_sums[thread + half]);
             }
             workgroupBarrier();
         }
         if thread == 0u {
-            outside.parts[params.points + (group.x + group.y * groups.x) * 6u + k] = pressing[0];
+            batch.parts[params.points + (group.x + group.y * groups.x) * 6u + k] = partial_sums[0];
         }
         workgroupBarrier();
     }
     if i < params.points {
-        outside.parts[i] = vec4<f32>(force, stiffness);
+        batch.parts[i] = vec4<f32>(force, stiffness);
         if changed {
             put(ARM, i, arm);
             put(ARM_LOW, i, arm_low);
@@ -144,26 +144,26 @@ fn press(
     }
 }
 
-// What platens and sides feel at the end of a step, the platens' work, and sums for the records.
+// What loading plates and sides feel at the end of a step, the loading plates' work, and sums for the records.
 @compute @workgroup_size(256)
-fn feel(@builtin(local_invocation_index) thread: u32) {
+fn sum_plate_loads(@builtin(local_invocation_index) thread: u32) {
     let sound = status.stop == 0u && atomicLoad(&status.fault) == NO_FAULT;
     let count = params.point_groups.x * params.point_groups.y;
-    for (var k = 0u; k < params.platens; k++) {
+    for (var k = 0u; k < params.plates; k++) {
         var own = vec4<f32>(0.0);
         for (var g = thread; g < count; g += 256u) {
-            own = summed(own, outside.parts[params.points + g * 6u + k]);
+            own = summed(own, batch.parts[params.points + g * 6u + k]);
         }
-        pressing[thread] = own;
+        partial_sums[thread] = own;
         workgroupBarrier();
         for (var half = 128u; half > 0u; half /= 2u) {
             if thread < half {
-                pressing[thread] = summed(pressing[thread], pressing[thread + half]);
+                partial_sums[thread] = summed(partial_sums[thread], partial_sums[thread + half]);
             }
             workgroupBarrier();
         }
         if thread == 0u && sound {
-            felt(k, pressing[0]);
+            store_plate_load(k, partial_sums[0]);
         }
         workgroupBarrier();
     }
@@ -176,13 +176,13 @@ fn feel(@builtin(local_invocation_index) thread: u32) {
     }
     for (var side = 0u; side < 6u; side++) {
         let force = status.reaction[side][side / 2u];
-        outside.sides[side] = grown(outside.sides[side], select(force, -force, side % 2u == 1u));
+        batch.sides[side] = grown(batch.sides[side], select(force, -force, side % 2u == 1u));
     }
-    outside.count += 1u;
+    batch.count += 1u;
 }
 
-fn felt(k: u32, sums: vec4<f32>) {
-    var p = outside.platens[k];
+fn store_plate_load(k: u32, sums: vec4<f32>) {
+    var p = batch.plates[k];
     p.work = grown(p.work, 0.5 * (p.reaction + sums.x) * p.moved);
     p.moved = 0.0;
     p.reaction = sums.x;
@@ -196,10 +196,10 @@ fn felt(k: u32, sums: vec4<f32>) {
     p.ways = grown(p.ways, p.way);
     p.overlaps = grown(p.overlaps, p.overlap);
     p.reactions = grown(p.reactions, p.reaction);
-    outside.platens[k] = p;
+    batch.plates[k] = p;
 }
 
-fn ramp(d: Drive, time: f32) -> f32 {
+fn ramp(d: PlateDrive, time: f32) -> f32 {
     let value = d.value + d.slope * time;
     if d.slope > 0.0 {
         return min(value, d.end);
@@ -217,7 +217,7 @@ fn with_contacts(dt: f32, contacts: f32) -> f32 {
     return twice / sqrt(own * own + contacts);
 }
 
-// Begins a step: how long it is, and the way of the platens in it.
+// Begins a step: how long it is, and the way of the loading plates in it.
 @compute @workgroup_size(1)
 fn drive() {
     if status.stop != 0u {
@@ -225,17 +225,17 @@ fn drive() {
     }
     var rate = 0.0;
     var extents = params.extents;
-    for (var k = 0u; k < params.platens; k++) {
-        let p = outside.platens[k];
+    for (var k = 0u; k < params.plates; k++) {
+        let p = batch.plates[k];
         rate = max(rate, p.rate);
         extents[p.axis] += params.follows * (p.overlap - p.way);
     }
-    let dt = longest(params.dt, rate);
-    outside.dt = dt;
-    for (var k = 0u; k < params.platens; k++) {
-        var p = outside.platens[k];
+    let dt = longest_step(params.dt, rate);
+    batch.dt = dt;
+    for (var k = 0u; k < params.plates; k++) {
+        var p = batch.plates[k];
         let d = params.drives[k];
-        let value = ramp(d, outside.time.x);
+        let value = ramp(d, batch.time.x);
         p.speed = value;
         if d.kind == 1u {
             let others = select(extents, vec3<f32>(1.0), vec3<u32>(0u, 1u, 2u) == vec3<u32>(p.axis));
@@ -244,7 +244,7 @@ fn drive() {
             // boundary.rs: servo_speed
             var servo = limit;
             // force and stiffness of grains
-            let other = of_grains(k);
+            let other = plate_load_of_grains(k);
             if p.stiffness + other.y > 0.0 {
                 servo = clamp(d.gain * (force - (p.reaction + other.x)) / ((p.stiffness + other.y) * dt), -limit, limit);
             }
@@ -258,6 +258,6 @@ fn drive() {
         p.units = there.units.x;
         p.rest = there.rest.x;
         p.cell += there.shift.x;
-        outside.platens[k] = p;
+        batch.plates[k] = p;
     }
 }

@@ -1,4 +1,4 @@
-// Points near grains and walls, and their ghost contacts (Li et al. 2023, section 2.3): one thread per point that is near something. Twins: coupling/search.rs,
+// Points near grains and walls, and their point contacts (Li et al. 2023, section 2.3): one thread per point that is near something. Twins: coupling/search.rs,
 // coupling/evaluate.rs (f64).
 
 const SURROUNDED: u32 = 6u;
@@ -19,20 +19,20 @@ fn grain_cells(g: u32) -> vec3<f32> {
 }
 
 // Shelf of a place; what is outside of the domain is on its border.
-fn shelf_of(at: vec3<f32>) -> vec3<i32> {
-    return clamp(vec3<i32>(floor((at + 1.0) / coupling.shelf_size)), vec3<i32>(0), coupling.shelf - 1);
+fn grid_cell_of(at: vec3<f32>) -> vec3<i32> {
+    return clamp(vec3<i32>(floor((at + 1.0) / coupling.grid_size)), vec3<i32>(0), coupling.grid - 1);
 }
 
-fn shelf_index(at: vec3<i32>) -> u32 {
-    return u32(at.x + coupling.shelf.x * (at.y + coupling.shelf.y * at.z));
+fn grid_index(at: vec3<i32>) -> u32 {
+    return u32(at.x + coupling.grid.x * (at.y + coupling.grid.y * at.z));
 }
 
-fn grain_on_shelf(k: u32) -> u32 {
-    return atomicLoad(&lists[2u * coupling.shelves + 1u + k]);
+fn grain_in_cell(k: u32) -> u32 {
+    return atomicLoad(&lists[2u * coupling.grid_cells + 1u + k]);
 }
 
-fn shelf_start(shelf: u32) -> u32 {
-    return atomicLoad(&lists[shelf]);
+fn grid_start(grid_cell: u32) -> u32 {
+    return atomicLoad(&lists[grid_cell]);
 }
 
 fn move_in_row(old: u32, to: u32, r: u32) {
@@ -43,26 +43,26 @@ fn move_in_row(old: u32, to: u32, r: u32) {
 
 // The list of each point anew. Contacts keep what they remember: those that touch go to the front, then from the back to their places.
 @compute @workgroup_size(64)
-fn near_points(one: Thread) {
+fn point_candidates(one: Thread) {
     let i = linear(one);
     if i >= params.points || status.stop != 0u {
         return;
     }
     let at = point_cells(i);
     let radius = f32(bitcast<i32>(word(ENERGY, i).w)) / UNITS;
-    var near: array<u32, 8>;
+    var found: array<u32, 8>;
     var n = 0u;
     var count = 0u;
-    let here = shelf_of(at);
+    let here = grid_cell_of(at);
     for (var k = 0; k < 27; k++) {
         let there = here + vec3<i32>(k % 3, (k / 3) % 3, k / 9) - 1;
-        if any(there < vec3<i32>(0)) || any(there >= coupling.shelf) {
+        if any(there < vec3<i32>(0)) || any(there >= coupling.grid) {
             continue;
         }
-        let shelf = shelf_index(there);
-        let end = shelf_start(shelf + 1u);
-        for (var at_shelf = shelf_start(shelf); at_shelf < end; at_shelf++) {
-            let g = grain_on_shelf(at_shelf);
+        let grid_cell = grid_index(there);
+        let end = grid_start(grid_cell + 1u);
+        for (var entry = grid_start(grid_cell); entry < end; entry++) {
+            let g = grain_in_cell(entry);
             let d = grain_cells(g) - at;
             let far = grain_number(G_VELOCITY_LOW, g).w * params.inverse_cell + radius + coupling.skin;
             if dot(d, d) >= far * far {
@@ -71,28 +71,28 @@ fn near_points(one: Thread) {
             count += 1u;
             if n < PLACES {
                 var place = n;
-                while place > 0u && near[place - 1u] > g {
-                    near[place] = near[place - 1u];
+                while place > 0u && found[place - 1u] > g {
+                    found[place] = found[place - 1u];
                     place -= 1u;
                 }
-                near[place] = g;
+                found[place] = g;
                 n += 1u;
             }
         }
     }
-    for (var k = 0u; k < coupling.ghost_walls; k++) {
+    for (var k = 0u; k < coupling.point_walls; k++) {
         let side = mix_.sides[k];
         let height = side.normal * (at[side.axis] - (f32(side.cell) + f32(side.units) / UNITS));
         if height < radius + coupling.skin {
             count += 1u;
             if n < PLACES {
-                near[n] = WALLS + k;
+                found[n] = WALLS + k;
                 n += 1u;
             }
         }
     }
     if count > PLACES {
-        tell(SURROUNDED, i);
+        report_fault(SURROUNDED, i);
         return;
     }
     var r = pushes[i].w;
@@ -102,7 +102,7 @@ fn near_points(one: Thread) {
         }
         r = atomicAdd(&mix_.rows, 1u);
         if r >= coupling.rows {
-            tell(NO_ROOM, i);
+            report_fault(NO_ROOM, i);
             return;
         }
         pushes[i] = vec4<u32>(0u, 0u, 0u, r);
@@ -125,16 +125,16 @@ fn near_points(one: Thread) {
     }
     for (var s = n; s > 0u; s--) {
         let to = s - 1u;
-        while kept > 0u && rows[row_at(C_SPRING, kept - 1u, r)].w > near[to] {
+        while kept > 0u && rows[row_at(C_SPRING, kept - 1u, r)].w > found[to] {
             kept -= 1u;
         }
-        if kept > 0u && rows[row_at(C_SPRING, kept - 1u, r)].w == near[to] {
+        if kept > 0u && rows[row_at(C_SPRING, kept - 1u, r)].w == found[to] {
             kept -= 1u;
             if kept != to {
                 move_in_row(kept, to, r);
             }
         } else {
-            rows[row_at(C_SPRING, to, r)] = vec4<u32>(0u, 0u, 0u, near[to]);
+            rows[row_at(C_SPRING, to, r)] = vec4<u32>(0u, 0u, 0u, found[to]);
             for (var plane = 1u; plane < 4u; plane++) {
                 rows[row_at(plane, to, r)] = vec4<u32>(0u);
             }
@@ -145,23 +145,23 @@ fn near_points(one: Thread) {
     }
 }
 
-// Force of each ghost contact, and their sum on the point.
+// Force of each point contact, and their sum on the point.
 @compute @workgroup_size(64)
-fn touch(one: Thread) {
+fn point_contact_forces(one: Thread) {
     let r = linear(one);
     if r >= min(atomicLoad(&mix_.rows), coupling.rows) || status.stop != 0u {
         return;
     }
     let i = rows[owner_at(r)].x;
     let place = word(PLACE, i);
-    let carried = bitcast<vec3<f32>>(pushes[params.points + i].xyz);
-    let there = moved(bitcast<vec3<i32>>(place.xyz), number(REST, i).xyz, carried * (mix_.ahead * params.inverse_cell));
+    let transport = bitcast<vec3<f32>>(pushes[params.points + i].xyz);
+    let there = moved(bitcast<vec3<i32>>(place.xyz), number(REST, i).xyz, transport * (mix_.ahead * params.inverse_cell));
     let cell = cell_place(place.w) - 1 + there.shift;
     let radius = ghost_radius(i);
     let metres = (f32(radius.whole.x) + radius.part.x) * coupling.quantum;
     let mass = number(VELOCITY, i).w;
     let law = word(VELOCITY_LOW, i).w;
-    let dt = outside.dt / f32(coupling.rates);
+    let dt = batch.dt / f32(coupling.rates);
     var sum = vec3<f32>(0.0);
     var rate = 0.0;
     for (var s = 0u; s < PLACES; s++) {
@@ -178,7 +178,7 @@ fn touch(one: Thread) {
         } else {
             pair = pair_at(coupling.tables.x + 2u * (law * coupling.materials + (grain_word(G_UNITS, body).w)));
         }
-        if mix_.felt != 0u {
+        if mix_.contacts_known != 0u {
             let normal = bitcast<vec4<f32>>(rows[row_at(C_NORMAL, s, r)]);
             let tangent = bitcast<vec4<f32>>(rows[row_at(C_TANGENT, s, r)]);
             c = no_contact();
@@ -191,14 +191,14 @@ fn touch(one: Thread) {
             let spring = bitcast<vec3<f32>>(head.xyz);
             let low = bitcast<vec3<f32>>(rows[row_at(C_LOW, s, r)].xyz);
             var m: ContactGeometry;
-            var motion: Motion;
+            var motion: RelativeMotion;
             var r_eff = metres;
             var m_eff = mass;
             if on_wall {
                 let side = mix_.sides[body - WALLS];
                 m = on_side(side, cell, there.units, there.rest, radius.whole.x, radius.part.x);
                 m.normal = -m.normal;
-                motion = Motion(m.normal * side_speed(side) - carried, vec3<f32>(0.0), vec3<f32>(0.0));
+                motion = RelativeMotion(m.normal * side_speed(side) - transport, vec3<f32>(0.0), vec3<f32>(0.0));
             } else {
                 let own = grain_word(G_CELL, body);
                 let rest = grain_number(G_REST, body);
@@ -206,18 +206,18 @@ fn touch(one: Thread) {
                 m = ContactGeometry(0.0, vec3<f32>(0.0));
                 if all(abs(apart) < vec3<i32>(coupling.far)) {
                     let d = length_of(apart, there.units - bitcast<vec3<i32>>(grain_word(G_UNITS, body).xyz), there.rest - rest.xyz);
-                    m = meeting(d, bitcast<i32>(own.w) + radius.whole.x, rest.w + radius.part.x);
+                    m = spheres_geometry(d, bitcast<i32>(own.w) + radius.whole.x, rest.w + radius.part.x);
                 }
                 let low_v = grain_number(G_VELOCITY_LOW, body);
                 let v = grain_number(G_VELOCITY, body);
                 let spin = grain_number(G_SPIN, body).xyz;
-                motion = Motion((v.xyz - carried) + low_v.xyz, spin * low_v.w, 0.5 * spin);
+                motion = RelativeMotion((v.xyz - transport) + low_v.xyz, spin * low_v.w, 0.5 * spin);
                 r_eff = low_v.w * metres / (low_v.w + metres);
                 m_eff = v.w * mass / (v.w + mass);
             }
             c = no_contact();
             if m.overlap > 0.0 {
-                c = borne(m, r_eff, m_eff, motion, pair, dt, spring, low);
+                c = contact_force(m, r_eff, m_eff, motion, pair, dt, spring, low);
             }
             rows[row_at(C_SPRING, s, r)] = vec4<u32>(bitcast<vec3<u32>>(c.spring), body);
             rows[row_at(C_NORMAL, s, r)] = bitcast<vec4<u32>>(vec4<f32>(c.normal, c.force));

@@ -1,23 +1,23 @@
-//! Who gets the force of every ghost contact, and what the contacts hold and allow.
+//! Who gets the force of every point contact, and what the contacts hold and allow.
 
-use super::evaluate::Scene;
-use super::{Body, Ghost, Ghosts};
+use super::evaluate::PointContactScene;
+use super::{Body, PointContact, PointContacts};
 use crate::contact::pairs::ContactForce;
 use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, scaled};
 use crate::mpm::Continuum;
-use crate::point_contacts::Bound;
+use crate::point_contacts::ContactRates;
 
-impl Ghost {
+impl PointContact {
     /// Elastic energy of its normal compression, so large a share of force times overlap, and of its tangential spring, J.
-    pub(super) fn energy(&self, share: f64) -> f64 {
+    pub(super) fn energy(&self, energy_factor: f64) -> f64 {
         let t = if self.spring == [0.0; 3] { self.touch.tangential } else { self.spring };
         let [k_n, k_t] = self.stiffness;
-        if k_n > 0.0 { share * self.touch.normal_force * self.touch.overlap + 0.5 * dot(t, t) / k_t } else { 0.0 }
+        if k_n > 0.0 { energy_factor * self.touch.normal_force * self.touch.overlap + 0.5 * dot(t, t) / k_t } else { 0.0 }
     }
 
     /// What it asks of the inertia of its ends, N/m ([`crate::dem::stability`]).
-    pub(super) fn share(&self) -> f64 {
+    pub(super) fn inertia_stiffness(&self) -> f64 {
         let [k_n, k_t] = self.stiffness;
         (2.0 * k_n).max(7.0 * k_t)
     }
@@ -28,26 +28,26 @@ impl Ghost {
     }
 }
 
-impl Ghosts {
+impl PointContacts {
     /// Gives grains and points their shares of what the contacts bear, and points such a share of their stiffness, in the order of bodies and points.
-    pub(super) fn give(
+    pub(super) fn apply_reactions(
         &self,
         grains: &Grains,
-        outside: &mut Vec<[[f64; 4]; 2]>,
+        external_forces: &mut Vec<[[f64; 4]; 2]>,
         of_grains: f64,
         continuum: &mut Continuum,
         [of_points, stiff]: [f64; 2],
     ) {
-        outside.resize(grains.len(), [[0.0; 4]; 2]);
-        for ghost in self.touching() {
-            let ([body, point], force) = (ghost.place.map(|p| p as usize), ghost.touch.force());
-            let [k_n, k_t] = ghost.stiffness;
-            continuum.push(point, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
-            if let Body::Grain(_) = ghost.body {
-                let torque = torque(&ghost.touch, grains.pos[body][3]);
+        external_forces.resize(grains.len(), [[0.0; 4]; 2]);
+        for contact in self.touching() {
+            let ([body, point], force) = (contact.place.map(|p| p as usize), contact.touch.force());
+            let [k_n, k_t] = contact.stiffness;
+            continuum.add_external_force(point, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
+            if let Body::Grain(_) = contact.body {
+                let torque = torque(&contact.touch, grains.pos[body][3]);
                 for a in 0..3 {
-                    outside[body][0][a] += of_grains * force[a];
-                    outside[body][1][a] += of_grains * torque[a];
+                    external_forces[body][0][a] += of_grains * force[a];
+                    external_forces[body][1][a] += of_grains * torque[a];
                 }
             }
         }
@@ -55,26 +55,26 @@ impl Ghosts {
 
     /// The overlaps without force of contacts that have slid for `dt` seconds fall by 1/e in a way of `strain` ghost diameters; the elastic energy
     /// that they get by it, J.
-    pub(super) fn release(&mut self, scene: &Scene<'_>, strain: f64) -> f64 {
+    pub(super) fn release(&mut self, scene: &PointContactScene<'_>, strain: f64) -> f64 {
         let mut energy = 0.0;
-        for ghost in self.near.iter_mut().filter(|g| g.reference > 0.0 && g.reference < f64::INFINITY) {
-            let [body, point] = ghost.place.map(|p| p as usize);
-            let of_body = match ghost.body {
+        for contact in self.candidates.iter_mut().filter(|g| g.reference > 0.0 && g.reference < f64::INFINITY) {
+            let [body, point] = contact.place.map(|p| p as usize);
+            let of_body = match contact.body {
                 Body::Grain(_) => [0, 1, 2].map(|a| scene.grains.vel[body][a]),
-                Body::Wall(_) => scaled(ghost.touch.normal, scene.walls[body].speed),
+                Body::Wall(_) => scaled(contact.touch.normal, scene.walls[body].speed),
             };
-            let past = less(of_body, scene.continuum.points().carried[point]);
-            let slid = dot(past, past).sqrt() * scene.dt / (2.0 * ghost.radius);
-            let released = ghost.reference * (slid / strain).min(1.0);
-            ghost.reference -= released;
-            energy += ghost.touch.normal_force * released;
+            let past = less(of_body, scene.continuum.points().transport_velocity[point]);
+            let slid = dot(past, past).sqrt() * scene.dt / (2.0 * contact.radius);
+            let released = contact.reference * (slid / strain).min(1.0);
+            contact.reference -= released;
+            energy += contact.touch.normal_force * released;
         }
         energy
     }
 
     /// Contacts that bear something, in order.
-    pub fn touching(&self) -> impl Iterator<Item = &Ghost> {
-        self.near.iter().filter(|g| g.touch.overlap > 0.0)
+    pub fn touching(&self) -> impl Iterator<Item = &PointContact> {
+        self.candidates.iter().filter(|g| g.touch.overlap > 0.0)
     }
 
     /// Contacts of grains with points that bear something, in order: indices of both, the ghost's radius, m, and the contact.
@@ -84,8 +84,8 @@ impl Ghosts {
     }
 
     /// Elastic energy of all contacts, J.
-    pub(super) fn stored(&self, share: f64) -> f64 {
-        self.touching().map(|ghost| ghost.energy(share)).sum()
+    pub(super) fn stored(&self, energy_factor: f64) -> f64 {
+        self.touching().map(|contact| contact.energy(energy_factor)).sum()
     }
 
     /// Normal force of the points on wall `k`, N.
@@ -94,25 +94,25 @@ impl Ghosts {
     }
 
     /// What the contacts of this instant allow as a time step: the largest sum of stiffness over mass over a point by itself, and over a grain.
-    pub(super) fn bound(&self, grains: &Grains, sums: &mut [Vec<f64>; 2], points: usize) -> Bound {
-        let mut most = Bound::default();
+    pub(super) fn rates(&self, grains: &Grains, sums: &mut [Vec<f64>; 2], points: usize) -> ContactRates {
+        let mut most = ContactRates::default();
         let [of_points, of_grains] = sums;
         of_points.resize(points, 0.0);
         of_grains.resize(grains.len(), 0.0);
-        for ghost in self.touching() {
-            let ([k_n, k_t], [body, point]) = (ghost.stiffness, ghost.place.map(|p| p as usize));
-            of_points[point] += k_n.max(k_t) / ghost.mass;
+        for contact in self.touching() {
+            let ([k_n, k_t], [body, point]) = (contact.stiffness, contact.place.map(|p| p as usize));
+            of_points[point] += k_n.max(k_t) / contact.mass;
             most.points = most.points.max(of_points[point]);
-            if let Body::Grain(_) = ghost.body {
+            if let Body::Grain(_) = contact.body {
                 of_grains[body] += k_n.max(3.5 * k_t) * grains.vel[body][3];
                 most.grains = most.grains.max(of_grains[body]);
             }
         }
         // empty again, and only where it was not
-        for ghost in self.touching() {
-            of_points[ghost.place[1] as usize] = 0.0;
-            if let Body::Grain(_) = ghost.body {
-                of_grains[ghost.place[0] as usize] = 0.0;
+        for contact in self.touching() {
+            of_points[contact.place[1] as usize] = 0.0;
+            if let Body::Grain(_) = contact.body {
+                of_grains[contact.place[0] as usize] = 0.0;
             }
         }
         most

@@ -1,7 +1,7 @@
-//! Platens: rigid planes, and upright shells, that press on material points as on grains (Li et al. 2023, section 2.3), so that nothing of their
+//! Loading plates: rigid planes, and upright shells, that press on material points as on grains (Li et al. 2023, section 2.3), so that nothing of their
 //! place between two nodes is felt.
 //!
-//! A point near a platen is a ghost sphere, eq. 22: (1 − n) V = 4/3 π r³ with its current porosity n and volume V. That is its solid volume,
+//! A point near a loading plate is a ghost sphere, eq. 22: (1 − n) V = 4/3 π r³ with its current porosity n and volume V. That is its solid volume,
 //! which stays: r is a constant of the point. The force is Hertz's for a sphere on a rigid plane, F = 4/3 E* √r δ^{3/2} (eqs 18, 20 with the
 //! plane's infinite radius and stiffness), without friction. In plane strain the ghost is a disc, (1 − n) V = π r² with V per metre of
 //! thickness, which stands for a row of touching spheres of its radius, 1/(2 r) of them per metre.
@@ -17,9 +17,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// A platen and what is known of it.
+/// A loading plate and what is known of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Platen {
+pub struct LoadingPlate {
     /// A point on it, m, and its unit normal, towards the material. Of a shell: a point of its axis, and nothing.
     pub point: [f64; 3],
     pub normal: [f64; 3],
@@ -48,7 +48,7 @@ pub struct Platen {
     /// Distance moved since the last contact, m.
     pub moved: f64,
     #[serde(skip)]
-    contacts: Vec<Contact>,
+    contacts: Vec<PlateContact>,
     /// Points that it no longer touches, by index.
     #[serde(skip)]
     left: Vec<u32>,
@@ -56,7 +56,7 @@ pub struct Platen {
 
 /// A point in touch: identity, index, overlap, radius, tangent stiffness, unit normal into the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Contact {
+struct PlateContact {
     id: u32,
     index: u32,
     overlap: f64,
@@ -65,14 +65,14 @@ struct Contact {
     normal: [f64; 3],
 }
 
-/// All platens press: what they touch is found for several at once, what they give back summed one after the other.
+/// All loading plates press: what they touch is found for several at once, what they give back summed one after the other.
 ///
 /// # Errors
-/// A point whose centre a platen has passed.
-pub fn press(platens: &mut [Platen], continuum: &mut Continuum) -> Result<()> {
+/// A point whose centre a loading plate has passed.
+pub fn press(plates: &mut [LoadingPlate], continuum: &mut Continuum) -> Result<()> {
     let points = &*continuum;
-    platens.par_iter_mut().for_each(|platen| platen.find(points));
-    platens.iter_mut().try_for_each(|platen| platen.push(continuum))
+    plates.par_iter_mut().for_each(|plate| plate.find_contacts(points));
+    plates.iter_mut().try_for_each(|plate| plate.apply_forces(continuum))
 }
 
 /// Ghost radius, m, of a point of so much solid volume (Li et al. 2023, eq. 22; in plane strain a disc's).
@@ -109,18 +109,18 @@ pub(super) fn cube_root(x: f64) -> f64 {
     y
 }
 
-/// A point whose centre a platen has passed.
+/// A point whose centre a loading plate has passed.
 pub fn passed(step: u64, id: u32) -> Error {
     let what = format!("a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it");
     Error::Unstable { step, what, grain: None }
 }
 
-impl Platen {
-    /// A platen at rest, for the points of `continuum`.
-    pub fn new(continuum: &Continuum, point: [f64; 3], normal: [f64; 3], modulus: f64) -> Platen {
+impl LoadingPlate {
+    /// A loading plate at rest, for the points of `continuum`.
+    pub fn new(continuum: &Continuum, point: [f64; 3], normal: [f64; 3], modulus: f64) -> LoadingPlate {
         let points = continuum.points();
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
-        Platen {
+        LoadingPlate {
             point,
             normal,
             radius: None,
@@ -141,8 +141,8 @@ impl Platen {
     }
 
     /// A shell at rest around an upright axis through `point`.
-    pub fn shell(continuum: &Continuum, point: [f64; 3], radius: f64, modulus: f64) -> Platen {
-        Platen { radius: Some(radius), ..Platen::new(continuum, point, [0.0; 3], modulus) }
+    pub fn shell(continuum: &Continuum, point: [f64; 3], radius: f64, modulus: f64) -> LoadingPlate {
+        LoadingPlate { radius: Some(radius), ..LoadingPlate::new(continuum, point, [0.0; 3], modulus) }
     }
 
     /// How far a place is from its surface, m, and the unit normal there, into the material.
@@ -163,23 +163,23 @@ impl Platen {
     }
 
     /// Pushes the points in touch, for the next step, and sums what they give back in the order of ids. Where it has passed a point it does neither.
-    fn push(&mut self, continuum: &mut Continuum) -> Result<()> {
+    fn apply_forces(&mut self, continuum: &mut Continuum) -> Result<()> {
         if let Some(contact) = self.contacts.iter().find(|c| c.overlap > c.radius) {
             return Err(passed(continuum.steps(), contact.id));
         }
         for &index in &self.left {
             let at = continuum.points().position[index as usize];
-            continuum.let_go(index as usize, self.height(at).1);
+            continuum.release_face(index as usize, self.height(at).1);
         }
         let before = self.reaction;
         (self.reaction, self.stiffness, self.stored, self.rate) = (0.0, 0.0, 0.0, 0.0);
-        for &Contact { index, overlap, tangent, normal, .. } in &self.contacts {
+        for &PlateContact { index, overlap, tangent, normal, .. } in &self.contacts {
             let force = 2.0 / 3.0 * tangent * overlap;
             self.reaction += force;
             self.stiffness += tangent;
             self.stored += 0.4 * force * overlap;
             self.rate = self.rate.max(tangent / continuum.points().velocity[index as usize][3]);
-            continuum.push_face(index as usize, force, normal, tangent);
+            continuum.add_face_force(index as usize, force, normal, tangent);
         }
         self.touching = self.contacts.len() as u64;
         self.work += 0.5 * (before + self.reaction) * self.moved;
@@ -200,7 +200,7 @@ impl Platen {
     }
 
     /// The points in touch, in the order of ids.
-    fn find(&mut self, continuum: &Continuum) {
+    fn find_contacts(&mut self, continuum: &Continuum) {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let (mut contacts, mut left) = (std::mem::take(&mut self.contacts), std::mem::take(&mut self.left));
         contacts.clear();
@@ -213,7 +213,7 @@ impl Platen {
             if height < self.reach && overlap > 0.0 {
                 let tangent = 2.0 * self.modulus * (radius * overlap).sqrt() * row(dimension, radius);
                 let (id, index) = (points.id[index], index as u32);
-                contacts.push(Contact { id, index, overlap, radius, tangent, normal });
+                contacts.push(PlateContact { id, index, overlap, radius, tangent, normal });
             } else if followed && self.height(points.position[index]).0 >= radius {
                 left.push(index as u32);
             }
@@ -280,13 +280,13 @@ mod tests {
     #[test]
     fn a_plane_finds_every_point_that_it_touches() {
         use crate::mpm::law::{Elastic, Law};
-        use crate::mpm::{Continuum, Point, Points, ShapeFunctions, Transfer, Wall};
+        use crate::mpm::{Continuum, GridWall, Point, Points, ShapeFunctions, Transfer};
         let settings = Settings {
             dimension: Dimension::Space,
             cell: 0.1,
             lower: [-0.3, 0.2, 0.0],
             cells: [14; 3],
-            walls: [Wall::Open; 6],
+            walls: [GridWall::Open; 6],
             gravity: [0.0; 3],
             shape: ShapeFunctions::BSpline,
             transfer: Transfer::Blend { pic: 0.0 },
@@ -314,15 +314,15 @@ mod tests {
             for axis in 0..3 {
                 for (corner, sign) in [(low, 1.0), (high, -1.0)] {
                     let normal = std::array::from_fn(|a| if a == axis { sign } else { 0.0 });
-                    let mut platen = Platen::new(&c, corner, normal, 1e6);
-                    platen.find(&c);
+                    let mut plate = LoadingPlate::new(&c, corner, normal, 1e6);
+                    plate.find_contacts(&c);
                     let mut all: Vec<u32> = (0..c.points().len())
-                        .filter(|&i| platen.height(c.points().position[i]).0 < platen.reach)
+                        .filter(|&i| plate.height(c.points().position[i]).0 < plate.reach)
                         .map(|i| c.points().id[i])
                         .collect();
                     all.sort_unstable();
                     assert!(all.len() >= 100, "{} points", all.len());
-                    assert_eq!(platen.contacts.iter().map(|c| c.id).collect::<Vec<u32>>(), all);
+                    assert_eq!(plate.contacts.iter().map(|c| c.id).collect::<Vec<u32>>(), all);
                 }
             }
         }

@@ -1,6 +1,6 @@
-//! How a platen moves between two looks of whoever leads a test: at a speed, or towards a stress. Twin on a graphics device: `platens.wgsl`.
+//! How a loading plate moves between two looks of whoever leads a test: at a speed, or towards a stress. Twin on a graphics device: `plates.wgsl`.
 
-use super::Platen;
+use super::LoadingPlate;
 use crate::boundary::servo_speed;
 
 /// A value that changes evenly with time until it is at its end.
@@ -29,34 +29,34 @@ impl Ramp {
     }
 }
 
-/// What a platen does.
+/// What a loading plate does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Drive {
+pub enum PlateDrive {
     /// Moves into the material, m/s.
     Speed(Ramp),
-    /// Holds a stress by a servo. Alone it would lag behind a specimen that keeps moving: it acts on top of the platen's mean speed.
+    /// Holds a stress by a servo. Alone it would lag behind a specimen that keeps moving: it acts on top of the loading plate's mean speed.
     Stress {
         /// Pa.
         target: Ramp,
         /// Share of the imbalance that it removes in one step.
         gain: f64,
-        /// Largest speed over the material's extent along the platen's axis, 1/s.
+        /// Largest speed over the material's extent along the loading plate's axis, 1/s.
         reach: f64,
         /// Time over which the mean speed is taken, s; infinite: none is.
         memory: f64,
     },
 }
 
-impl Drive {
-    /// The platen's speed, m/s, `time` seconds after the drive was set, for material that is `extent` long along the platen's axis, m, on a face of `area`, m²
+impl PlateDrive {
+    /// The loading plate's speed, m/s, `time` seconds after the drive was set, for material that is `extent` long along the loading plate's axis, m, on a face of `area`, m²
     /// (m in plane strain), and a step of `dt` seconds. `drift` is its mean speed, which is kept from step to step.
-    pub fn speed(&self, time: f64, platen: &Platen, [extent, area]: [f64; 2], dt: f64, drift: &mut f64) -> f64 {
+    pub fn speed(&self, time: f64, plate: &LoadingPlate, [extent, area]: [f64; 2], dt: f64, drift: &mut f64) -> f64 {
         match *self {
-            Drive::Speed(speed) => speed.at(time),
-            Drive::Stress { target, gain, reach, memory } => {
+            PlateDrive::Speed(speed) => speed.at(time),
+            PlateDrive::Stress { target, gain, reach, memory } => {
                 let force = target.at(time) * area;
                 let limit = reach * extent;
-                let servo = servo_speed(force, platen.force(), platen.stiffness + platen.others[1], gain, dt, limit);
+                let servo = servo_speed(force, plate.force(), plate.stiffness + plate.others[1], gain, dt, limit);
                 let speed = (*drift + servo).clamp(-limit, limit);
                 *drift += (dt / memory).min(1.0) * (speed - *drift);
                 speed

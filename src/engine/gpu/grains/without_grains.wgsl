@@ -2,17 +2,17 @@
 
 const GRAINS: bool = false;
 
-fn grains_push(i: u32) -> vec4<f32> {
+fn force_of_grains(i: u32) -> vec4<f32> {
     return vec4<f32>(0.0);
 }
 
-fn carry(i: u32, v: vec3<f32>, felt: f32) {}
+fn keep_transport_velocity(i: u32, v: vec3<f32>, stiffness_rate: f32) {}
 
-fn of_grains(k: u32) -> vec2<f32> {
+fn plate_load_of_grains(k: u32) -> vec2<f32> {
     return vec2<f32>(0.0);
 }
 
-fn longest(dt: f32, rate: f32) -> f32 {
+fn longest_step(dt: f32, rate: f32) -> f32 {
     if params.safety > 0.0 {
         return with_contacts(dt, rate);
     }
