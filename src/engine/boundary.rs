@@ -1,35 +1,56 @@
-//! Walls: rigid planes and vertical cylinders, and their drives. A wall moves along its own normal only; its speed is positive
-//! into the grains.
+//! Walls of the grains: planes and upright cylinders, and how they move.
+//!
+//! A wall moves along its own normal only. Its speed is positive towards the grains, its reaction positive where the grains press on it.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
+/// A wall as a scene describes it: what [`Wall::new`] needs.
 #[derive(Clone, Debug)]
 pub struct WallSpec {
+    /// Shape and place at the start.
     pub shape: WallShape,
+    /// Coefficient of friction between wall and grains.
     pub friction: f64,
+    /// How the wall moves.
     pub drive: Drive,
-    /// Material of the wall; `None`: rigid (NOTES.md).
+    /// Index of the wall's material; `None`: the wall is rigid.
     pub material: Option<u8>,
 }
 
+/// Shape and place of a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum WallShape {
-    /// Grains are on the side to which `normal` points.
-    Plane { point: [f64; 3], normal: [f64; 3] },
-    /// Vertical cylinder (axis z), grains inside.
-    Cylinder { centre: [f64; 2], radius: f64 },
+    /// A plane without an edge; the grains are on the side to which `normal` points.
+    Plane {
+        /// A point on the plane, m.
+        point: [f64; 3],
+        /// Unit normal, towards the grains.
+        normal: [f64; 3],
+    },
+    /// An upright cylinder (axis z) without ends; the grains are inside.
+    Cylinder {
+        /// x and y of the axis, m.
+        centre: [f64; 2],
+        /// Radius, m.
+        radius: f64,
+    },
 }
 
+/// How a wall moves along its normal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Drive {
+    /// Not at all.
     Fixed,
-    /// Velocity along the wall's normal direction into the grains, m/s (cylinder: inwards).
+    /// At this speed, m/s, positive towards the grains (a cylinder then becomes narrower).
     Velocity(f64),
-    /// Held at a normal stress, Pa, over `area`, m^2 (cylinder: its own current area).
+    /// So that the normal stress on the wall stays at a value ([`servo_speed`]).
     Stress {
+        /// Normal stress to be held, Pa, compression positive.
         stress: f64,
+        /// Area on which the stress acts, m²; a cylinder uses its own present area instead.
         area: f64,
+        /// Share of the difference between target and reaction that is removed in one step.
         gain: f64,
     },
 }
@@ -37,26 +58,28 @@ pub enum Drive {
 /// A wall and its state.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Wall {
+    /// Shape and present place.
     pub shape: WallShape,
+    /// How the wall moves.
     pub drive: Drive,
-    /// Coulomb coefficient between wall and grains.
+    /// Coefficient of friction between wall and grains.
     pub friction: f64,
-    /// Material index; `None`: rigid.
+    /// Index of the wall's material; `None`: the wall is rigid.
     pub material: Option<u8>,
-    /// Speed into the grains during the last half step, m/s.
+    /// Present speed towards the grains, m/s (that of the last half step, as the grains' velocities).
     pub speed: f64,
-    /// Normal force of the grains on the wall at the last sweep, N (cylinder: sum of the radial forces).
+    /// Normal force of the grains on the wall when contact forces were last computed, N, positive in compression (cylinder: sum of the radial forces).
     pub reaction: f64,
-    /// Tangential force of the grains on the wall along z (cylinder) or in its plane (largest component not kept), N.
+    /// Sum of the z components of the tangential forces of the grains on the wall, N; zero on a horizontal plane.
     pub shear_z: f64,
-    /// Sum of the tangent normal stiffness of its contacts, N/m.
+    /// Sum of the tangent normal stiffnesses of the wall's contacts, N/m.
     pub stiffness: f64,
-    /// Work done on the grains since the ledger's start, J.
+    /// Work of the wall on the grains since the energy ledger was opened, J.
     pub work: f64,
 }
 
 impl WallShape {
-    /// Unit normal from the grain `p` towards the wall, and the gap between them (negative: overlap), m.
+    /// Unit normal from a sphere towards the wall, and the gap between sphere and wall, m (negative: they overlap). `p`: centre x, y, z and radius, m.
     #[inline(always)]
     pub fn towards(&self, p: [f64; 4]) -> ([f64; 3], f64) {
         match *self {
@@ -75,6 +98,7 @@ impl WallShape {
 }
 
 impl Wall {
+    /// A wall without contacts, at the place of its specification; moving if that gives a velocity.
     pub fn new(spec: &WallSpec) -> Wall {
         Wall {
             shape: spec.shape,
@@ -89,7 +113,7 @@ impl Wall {
         }
     }
 
-    /// Moves the wall by its speed over `dt`.
+    /// Moves the wall at its present speed for `dt` seconds.
     pub fn advance(&mut self, dt: f64) {
         let step = self.speed * dt;
         match &mut self.shape {
@@ -102,7 +126,7 @@ impl Wall {
         }
     }
 
-    /// Distance the wall has moved since it had the shape `reference`, m.
+    /// Distance by which the wall has moved along its normal since it had the shape `reference`, m.
     pub fn moved_since(&self, reference: &WallShape) -> f64 {
         match (self.shape, reference) {
             (WallShape::Plane { point, normal }, WallShape::Plane { point: q, .. }) => {
@@ -114,8 +138,10 @@ impl Wall {
     }
 }
 
-/// The speed by which a servo removes the share `gain` of the imbalance between `force` (target) and `reaction` through the
-/// wall's own contacts in one step, at most `limit`.
+/// Speed of a wall, m/s, positive towards the grains, that removes the share `gain` of the imbalance `force` − `reaction` (target and present
+/// reaction, N) in one step of `dt` seconds through the wall's contacts, whose stiffnesses add up to `stiffness`, N/m.
+///
+/// The speed is at most `limit`, m/s, in either direction; a wall without contacts moves towards the grains at `limit`.
 pub fn servo_speed(force: f64, reaction: f64, stiffness: f64, gain: f64, dt: f64, limit: f64) -> f64 {
     if stiffness <= 0.0 {
         return limit;
@@ -123,21 +149,24 @@ pub fn servo_speed(force: f64, reaction: f64, stiffness: f64, gain: f64, dt: f64
     (gain * (force - reaction) / (stiffness * dt)).clamp(-limit, limit)
 }
 
-/// An upright cylinder between two platens, m.
+/// The space of a cylindrical specimen: upright, between two platens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CylinderSpace {
+    /// z of the lower platen, m.
     pub bottom: f64,
+    /// Distance between the platens, m.
     pub height: f64,
+    /// Radius, m.
     pub radius: f64,
 }
 
 impl CylinderSpace {
-    /// Area of a platen, m².
+    /// Area of one platen, m².
     pub fn platen_area(&self) -> f64 {
         PI * self.radius * self.radius
     }
 
-    /// Area of the shell, m².
+    /// Area of the curved surface, m².
     pub fn shell_area(&self) -> f64 {
         shell_area(self.radius, self.height)
     }
@@ -148,7 +177,7 @@ impl CylinderSpace {
     }
 }
 
-/// Area of a cylinder's shell, m^2.
+/// Area of the curved surface of a cylinder, m².
 pub fn shell_area(radius: f64, height: f64) -> f64 {
     2.0 * PI * radius * height
 }

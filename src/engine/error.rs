@@ -1,58 +1,58 @@
-//! Why a step could not be made, or was not begun.
+//! Errors of the engine: settings that are refused before a step, and steps that cannot be made.
 
 use std::fmt;
 
-/// The result of everything in the engine that can fail.
+/// Result of the engine's functions that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why a step could not be made, or was not begun.
+/// A setting that is refused before a step, or a step that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// A setting or value is not allowed.
+    /// A setting has a value that is not allowed.
     #[error("{of}: {}{message}", setting(.key, .value.as_deref()))]
     Refused {
-        /// What the setting is of: the continuum, the graphics device.
+        /// Part of the engine that has the setting: `continuum` or `gpu`.
         of: &'static str,
-        /// Its name; empty when the whole is meant.
+        /// Name of the setting; empty when no single setting is to blame.
         key: String,
-        /// The value that it has.
+        /// Value of the setting, as text.
         value: Option<String>,
-        /// What is allowed.
+        /// Values that are allowed, or what to do instead.
         message: String,
     },
-    /// Several settings are not allowed.
+    /// Several errors at once, for instance all settings that are not allowed.
     #[error("{}", .0.iter().map(Error::to_string).collect::<Vec<_>>().join("\n"))]
     Several(Vec<Error>),
-    /// The state left the range in which it means anything.
+    /// The state has become meaningless: a number is not finite, or a grain or point has moved too far in one step.
     #[error("step {step}: {what}{}", .grain.map_or(String::new(), |id| format!(" (grain {id})")))]
     Unstable {
         /// The step that could not be made.
         step: u64,
-        /// What is wrong with the state.
+        /// What is wrong with the state, and what can be changed.
         what: String,
-        /// Persistent id of the grain, where one is to blame.
+        /// Identity of the grain to blame, if there is one.
         grain: Option<u64>,
     },
-    /// The step needs what there is not.
+    /// The step cannot be made for another reason, such as a graphics device that was lost or bodies that come too close.
     #[error("step {step}: {what}")]
     Failed {
         /// The step that could not be made.
         step: u64,
-        /// What is missing.
+        /// The reason.
         what: String,
     },
 }
 
 impl Error {
-    /// The value of setting `key` of `of` is not allowed.
+    /// An [`Error::Refused`] from its parts.
     pub fn refused(of: &'static str, key: impl Into<String>, value: Option<String>, message: impl Into<String>) -> Self {
         Error::Refused { of, key: key.into(), value, message: message.into() }
     }
 
-    /// All errors of a list as one; `Ok` when the list is empty.
+    /// Turns a list of errors into one result; `Ok` when the list is empty.
     ///
     /// # Errors
-    /// Those of the list.
+    /// The error of the list, or [`Error::Several`] if there are more than one.
     pub fn all(mut errors: Vec<Error>) -> Result<()> {
         match errors.len() {
             0 => Ok(()),

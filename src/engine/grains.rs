@@ -1,65 +1,73 @@
-//! The grains: a structure of arrays of packed 4-vectors, one entry per living grain.
+//! The arrays of grains: one entry per grain that exists now.
 //!
-//! The index of a grain may change (re-ordering in memory, breakage); its [`Grains::id`] never does. Everything that is
-//! summed over grains is summed in the order of ids, so that memory order cannot change a bit.
+//! The index of a grain changes when grains are sorted in memory or break; its identity [`Grains::id`] never does. Sums over grains are taken in
+//! the order of identities, so that the order in memory changes no bit of a result.
+//!
+//! Position, velocity and spin are packed in vectors of four numbers, which fill one SIMD register; the fourth number (lane 3) holds something else.
+//! [`Grains::radius`], [`Grains::inertia`] and [`Grains::stiffness_radius`] read those lanes by name; the inner loops use the lanes themselves.
 
 use crate::material::Material;
 use crate::math::real::Real;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// State of all grains. Velocities and spins are those of the last half step (leapfrog).
+/// State of all grains. Velocities and spins are those of the last half step (leapfrog: half a step before the positions).
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Grains {
-    /// Centre x, y, z and radius, m.
+    /// Centre x, y, z, m; lane 3: radius, m.
     pub pos: Vec<[f64; 4]>,
-    /// Velocity, m/s; the last lane is the inverse of the inertial mass, 1/kg.
+    /// Velocity x, y, z, m/s; lane 3: inverse of the inertial mass, 1/kg.
     pub vel: Vec<[f64; 4]>,
-    /// Spin, rad/s; the last lane is the excess of the radius that sets the stiffness of contacts over the grain's own radius, divided by the latter:
-    /// 0 but for daughters under [`crate::contact::ContactLaw::LinearInherited`].
+    /// Angular velocity x, y, z, rad/s; lane 3: (R_s − r)/r with the radius r and the radius R_s that sets the stiffness of the grain's contacts. It is 0
+    /// but for daughters under [`crate::contact::ContactLaw::LinearInherited`], which keep the stiffness of the grain that broke.
     pub spin: Vec<[f64; 4]>,
-    /// Real mass, kg (the inertial mass differs from it in inertia-scaled runs).
+    /// Real mass, kg; with inertia scaling the inertial mass is another one ([`Grains::inertia`]).
     pub mass: Vec<f64>,
-    /// Persistent identity, in order of creation.
+    /// Identity of the grain, given in the order of creation; never used again for another grain.
     pub id: Vec<u32>,
-    /// Key of the grain's random streams ([`crate::math::random`]).
+    /// Key of the grain's random draws ([`crate::math::random`]).
     pub lineage: Vec<u64>,
-    /// 0 for initial grains, one more for each breakage.
+    /// Number of breakages between a grain of the start and this one: 0 for grains of the start.
     pub generation: Vec<u8>,
-    /// Step in which the grain was born of a breakage; 0 for initial grains.
+    /// Step of the breakage that made the grain; 0 for grains of the start.
     pub born: Vec<u64>,
+    /// Index of the material.
     pub material: Vec<u8>,
-    /// Limit strength sigma_lim, Pa (infinite where the grain cannot break).
+    /// Limit strength σ_lim, Pa; infinite where the grain cannot break.
     pub strength: Vec<f64>,
     /// Largest load the grain bears, in the units of the failure criterion ([`crate::breakage::criterion::FailureCriterion::threshold`]).
     pub breakage_threshold: Vec<f64>,
-    /// Work since the ledger's start, J: contact path, slip, viscous, local damping.
+    /// Work since the energy ledger was opened, J: of contact forces on their path, lost in slip, lost in viscous damping, lost in local damping. A contact
+    /// between two grains is counted at its first end.
     pub work: Vec<[f64; 4]>,
-    /// The identity the next new grain gets.
+    /// Identity that the next new grain gets.
     pub next_id: u32,
 }
 
-/// As [`Grains::stiffness_radius`], from the entries of [`Grains::pos`] and [`Grains::spin`].
+/// Radius that sets the stiffness of a grain's contacts, m, from its entries of [`Grains::pos`] and [`Grains::spin`].
 #[inline(always)]
 pub fn stiffness_radius<R: Real>(pos: [R; 4], spin: [R; 4]) -> R {
     pos[3] + pos[3] * spin[3]
 }
 
-/// Volume of a sphere, m^3.
+/// Volume of a sphere of radius `r`, m: 4/3 π r³, m³.
 pub fn sphere_volume(r: f64) -> f64 {
     4.0 / 3.0 * PI * (r * r * r)
 }
 
 impl Grains {
+    /// Number of grains.
     pub fn len(&self) -> usize {
         self.pos.len()
     }
 
+    /// Whether there are no grains.
     pub fn is_empty(&self) -> bool {
         self.pos.is_empty()
     }
 
-    /// Adds a grain at rest that cannot break, with its real mass as inertia; returns its index.
+    /// Adds a grain at rest that cannot break (infinite strength), with its real mass as inertial mass; returns its index. `centre` and `radius` in m;
+    /// `material` is an index into `materials`.
     pub fn add(&mut self, centre: [f64; 3], radius: f64, material: u8, materials: &[Material]) -> usize {
         let mass = materials[material as usize].density * sphere_volume(radius);
         let i = self.len();
@@ -79,24 +87,35 @@ impl Grains {
         i
     }
 
-    /// The radius that sets the stiffness of the contacts of grain `i`, m.
+    /// Radius of grain `i`, m: lane 3 of [`Grains::pos`].
+    #[inline(always)]
+    pub fn radius(&self, i: usize) -> f64 {
+        self.pos[i][3]
+    }
+
+    /// Radius that sets the stiffness of the contacts of grain `i`, m, from lane 3 of [`Grains::spin`].
     pub fn stiffness_radius(&self, i: usize) -> f64 {
         stiffness_radius(self.pos[i], self.spin[i])
     }
 
-    /// Inertial mass of grain `i`, kg.
+    /// Inertial mass of grain `i`, kg, from lane 3 of [`Grains::vel`]: the real mass, or what inertia scaling has made of it.
     pub fn inertia(&self, i: usize) -> f64 {
         1.0 / self.vel[i][3]
     }
 
-    /// Indices in the order of ids.
+    /// Sets the inertial mass of grain `i`, kg.
+    pub fn set_inertia(&mut self, i: usize, inertia: f64) {
+        self.vel[i][3] = 1.0 / inertia;
+    }
+
+    /// Indices of all grains in the order of their identities.
     pub fn by_id(&self) -> Vec<u32> {
         let mut order: Vec<u32> = (0..self.len() as u32).collect();
         order.sort_unstable_by_key(|&i| self.id[i as usize]);
         order
     }
 
-    /// Total real mass, kg, and total volume, m^3.
+    /// Total real mass, kg, and total volume, m³, of all grains.
     pub fn mass_and_volume(&self) -> (f64, f64) {
         self.by_id().iter().fold((0.0, 0.0), |(m, v), &i| {
             let i = i as usize;
@@ -104,7 +123,7 @@ impl Grains {
         })
     }
 
-    /// Re-orders all arrays so that new index `k` holds what was at `order[k]`.
+    /// Re-orders all arrays: entry `k` becomes the one that was at `order[k]`.
     pub fn permute(&mut self, order: &[u32]) {
         fn apply<T: Copy>(v: &mut Vec<T>, order: &[u32]) {
             *v = order.iter().map(|&i| v[i as usize]).collect();

@@ -1,17 +1,22 @@
-//! The physics of crushable grains, of a continuum of material points, and of both together: no files, clocks, printing, signals or thread pools.
+//! The physics: crushable grains by the discrete element method (DEM), a continuum by the material point method (MPM), and both coupled.
 //!
-//! Rooms, each of which uses only those above it:
+//! The crate reads and writes no files, prints nothing, reads no clock unless a bench asks for times, installs no signal handler and owns no
+//! thread pool (it uses rayon's current one). All values are in SI units. Papers are cited by authors, year and equation.
 //!
-//! | room | what it holds |
+//! Modules, each of which uses only those above it:
+//!
+//! | module | content |
 //! |---|---|
-//! | [`math`] | numbers side by side, vectors, portable functions, keyed random draws |
-//! | [`error`], [`parameter`], [`material`], [`boundary`], [`grains`], [`shape`] | failures, what laws ask of materials, constants of a material, walls, the grains' arrays, shapes of rigid bodies |
-//! | [`contact`], [`breakage`] | the laws of contact with their sweeps, the laws of breakage |
-//! | [`neighbours`] | lists of near pairs |
-//! | [`dem`] | one time step of grains, breakages in it, what is observed of it |
-//! | [`mpm`] | one time step of material points |
-//! | [`point_contacts`], [`rigid`], [`coupling`] | contacts of points, rigid bodies that are no spheres, grains in a continuum |
-//! | `gpu` | the continuum and grains in it on a graphics device (feature `gpu`) |
+//! | [`math`] | vectors, functions and random draws with the same bits on every machine, SIMD arithmetic |
+//! | [`error`], [`parameter`], [`material`], [`boundary`], [`grains`], [`shape`] | errors, parameters that laws ask of materials, material constants, walls, the arrays of grains, shapes of rigid bodies |
+//! | [`contact`], [`breakage`] | contact laws and the loop over all contacts; laws of breakage |
+//! | [`neighbours`] | lists of pairs of grains that are close enough to touch soon |
+//! | [`dem`] | one time step of the grains, with their breakages; sums over grains and contacts |
+//! | [`mpm`] | one time step of the material points; constitutive laws |
+//! | [`point_contacts`], [`rigid`], [`coupling`] | contacts of material points; rigid bodies that are not spheres; grains inside a continuum |
+//! | `gpu` | the continuum, with or without grains in it, on a graphics processor (feature `gpu`) |
+
+#![warn(missing_docs)]
 
 pub mod boundary;
 pub mod breakage;

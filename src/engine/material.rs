@@ -1,27 +1,30 @@
-//! What is true of a grain material.
+//! Constants of a grain material.
 
 use crate::parameter::Values;
 
-/// What is true of a grain material.
+/// Constants of a grain material. Equation numbers are those of Ciantia et al. (2015).
 #[derive(Clone, Debug)]
 pub struct Material {
+    /// Name, for messages and records.
     pub name: String,
-    /// Density of the grain including its internal pores, kg/m^3.
+    /// Density of the grain including its internal pores, kg/m³.
     pub density: f64,
-    /// Internal porosity n_int (eq. 19).
+    /// Volume of the pores inside of a grain over the grain's volume, n_int (eq. 19).
     pub internal_porosity: f64,
-    /// Young's modulus, Pa, and Poisson ratio. Used by the Hertzian laws and the Hertzian contact area.
+    /// Young's modulus, Pa; used by the contact laws after Hertz and by Hertz's contact area.
     pub young: f64,
+    /// Poisson ratio; used with `young`.
     pub poisson: f64,
-    /// Sliding friction mu = tan(phi) between grains of this material.
+    /// Coefficient of sliding friction, µ = tan φ, between grains of this material.
     pub friction: f64,
-    /// What the run's contact law asks of the material ([`crate::contact::law::Law::PARAMETERS`]).
+    /// Values of the parameters that the run's contact law declares ([`crate::contact::law::Law::PARAMETERS`]), SI units.
     pub contact: Values,
-    /// Rolling friction (torque limit mu_r R* F_n); 0 = none.
+    /// Coefficient of rolling friction µ_r: the rolling moment of a contact is at most µ_r R* F_n; 0: none.
     pub rolling_friction: f64,
 }
 
-/// E' of a contact of two bodies, each given by Young's modulus, Pa, and Poisson ratio, Pa (eq. 11).
+/// Effective modulus E' of a contact, Pa: 1/E' = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ (Ciantia et al. 2015, eq. 11). Each body is given by its Young's
+/// modulus, Pa, and its Poisson ratio; an infinite modulus is a rigid body.
 pub fn effective_modulus((e1, nu1): (f64, f64), (e2, nu2): (f64, f64)) -> f64 {
     1.0 / ((1.0 - nu1 * nu1) / e1 + (1.0 - nu2 * nu2) / e2)
 }

@@ -1,4 +1,5 @@
-//! What contacts of material points with grains, walls and rigid bodies have in common: their parameters, what they ask of the time step, and how long a list of near pairs lasts.
+//! Shared by all contacts of material points (with grains, walls and rigid bodies): contact parameters, their bound on the time step, and the age of
+//! a list of candidates.
 
 use crate::boundary::Wall;
 use crate::contact::ContactLaw;
@@ -6,32 +7,34 @@ use crate::contact::pair::{Pair, PairTable};
 use crate::material::Material;
 use serde::{Deserialize, Serialize};
 
-/// A body and a point further apart than a skin are not looked at until one of them has gone so far. Least and most of it, in cells: a wide skin
-/// brings many that do not touch, a narrow one many searches.
+/// Smallest and largest skin of a candidate list, in cells of the grid. The list holds pairs whose gap is below the skin; it stays valid until two
+/// bodies may have come closer by that much. A wide skin lists many pairs that do not touch; a narrow one needs many searches.
 const SKIN: [f64; 2] = [0.02, 0.25];
-/// Steps that a list should last.
+/// Steps for which a list should stay valid: the skin is chosen for it.
 const STEPS: f64 = 100.0;
-/// Share of the skin that may be used up: places ahead of time are guesses.
+/// Share of the skin that may be used up before the next search; the rest is a reserve, as positions extrapolated in time are guesses.
 const TRUST: f64 = 0.5;
-/// Not a place.
+/// Index that stands for "no such grain or point any more".
 pub const NOWHERE: u32 = u32::MAX;
 
-/// How long a list of who is near whom stays good. What it lists beyond those in touch changes no bit of a result.
+/// Age of a list of candidates: tells when the list has to be made again. Listed pairs that do not touch change no bit of a result.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Age {
+    /// Skin of the present list, m.
     skin: f64,
-    /// Way that a body and a point may have gone towards each other since the search, m.
+    /// Distance by which a body and a point may have come closer since the search, m.
     travelled: f64,
-    /// Bodies and points alive then.
+    /// Numbers of bodies and of points at the search.
     searched: [usize; 2],
 }
 
 impl Age {
-    /// The skin, m, of the search that is due where something may have come into reach since the last one. `way`: how much nearer a body and another
-    /// may have come since the last call, m.
+    /// Skin, m, for a new search if one is due now, else `None`. A search is due when a pair outside of the list may touch, or when the numbers of bodies
+    /// and points (`alive`) have changed. `way`: distance by which a body and a point may have come closer since the last call, m; `cell`: edge of
+    /// a cell, m.
     pub fn due(&mut self, way: f64, alive: [usize; 2], cell: f64) -> Option<f64> {
         self.travelled += way;
-        // a broken grain leaves its place to a daughter, and more than one daughter comes
+        // a breakage changes the number of grains: the first daughter takes the index of the broken grain, the others are added
         if self.searched == alive && self.travelled <= TRUST * self.skin {
             return None;
         }
@@ -40,33 +43,40 @@ impl Age {
         Some(self.skin)
     }
 
-    /// A search is due.
+    /// Makes a search due at the next call of [`Self::due`].
     pub fn forget(&mut self) {
         self.searched = [usize::MAX; 2];
     }
 }
 
-/// What bounds the time step: sums of stiffness over mass, 1/s².
+/// Largest sums of contact stiffness over mass, 1/s², each as if the other end of every contact stood still: what contacts of points ask of
+/// the time step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactRates {
+    /// The largest sum over the contacts of one point.
     pub points: f64,
+    /// The largest sum over the contacts of one grain or rigid body with points (rotation included).
     pub grains: f64,
 }
 
 impl ContactRates {
-    /// Shares of a contact's stiffness that its two ends have to be able to bear, 1 + ε and 1 + 1/ε: k (u_p − u_g)² ≤ (1 + ε) k u_p² + (1 + 1/ε) k u_g² for every ε > 0.
-    /// With ε = 2, as a point's share is spread over its neighbours ([`Continuum::contact_frequency_bound`]).
+    /// Factors 1 + ε and 1 + 1/ε by which a contact's stiffness counts at the point and at the grain, with ε = 2. The energy of a contact is then
+    /// bounded by energies of its two ends alone: k (u_p − u_g)² ≤ (1 + ε) k u_p² + (1 + 1/ε) k u_g² holds for every ε > 0. The point gets the larger
+    /// factor, as nodes spread its stiffness over the masses of its neighbours ([`Continuum::contact_frequency_bound`]).
     ///
     /// [`Continuum::contact_frequency_bound`]: crate::mpm::Continuum::contact_frequency_bound
     pub const END_SHARES: [f64; 2] = [3.0, 1.5];
 
-    /// What each point by itself has of contacts with grains, in these shares, and of loading plates, whose largest rate is given, 1/s².
+    /// Bound on the square of a frequency, 1/s², if every point moved by itself: 1 + ε times the sum over its contacts with grains, plus the largest
+    /// rate of the loading plates, `plates`, 1/s².
     pub fn isolated_bound(&self, plates: f64) -> f64 {
         Self::END_SHARES[0] * self.points + plates
     }
 
-    /// What contacts add to the square of a frequency, 1/s². Where contacts have to be resolved, each point by itself with the best ε; else nodes feel `share` of what
-    /// points have.
+    /// What contacts add at most to the square of a frequency, 1/s². `plates`: largest rate of the loading plates, 1/s².
+    ///
+    /// `bound_ratio`: the bound at the nodes over [`Self::isolated_bound`], 1 or less, for tests in which contacts need only be stable. `None`: contacts
+    /// are to be resolved as in an impact; points then count as isolated, and the best ε, `grains` / `points`, makes both ends equal.
     pub fn frequency2(&self, plates: f64, bound_ratio: Option<f64>) -> f64 {
         match bound_ratio {
             Some(ratio) => (ratio * self.isolated_bound(plates)).max(Self::END_SHARES[1] * self.grains),
@@ -75,41 +85,46 @@ impl ContactRates {
     }
 }
 
-/// Contact parameters of the ghosts of each law: with each material of grains, and with each wall.
+/// Contact parameters between material points and grains or walls. A point touches as a grain of the fines that it stands for.
 #[derive(Clone, Debug)]
 pub struct PointContactTable {
-    /// The law of all of them.
+    /// Contact law of all point contacts.
     pub law: ContactLaw,
+    /// Pair of each constitutive law (outer) with each material of grains (inner).
     grains: Vec<Vec<Pair>>,
-    /// Empty where points do not touch the grains' walls.
+    /// Pair of each wall (outer) with each constitutive law (inner); empty where points do not touch the grains' walls.
     walls: Vec<Vec<Pair>>,
 }
 
 impl PointContactTable {
-    /// `ghosts`: the material of the fines' grains for each law of the continuum; `walls`: those that points touch.
-    pub fn new(law: ContactLaw, ghosts: &[u8], materials: &[Material], walls: &[Wall]) -> PointContactTable {
-        let ghost = |m: &u8| &materials[usize::from(*m)];
-        let of_law = |m: &u8| materials.iter().map(|other| law.between(other, ghost(m))).collect();
+    /// Table for the contact law `law`. `fines`: index into `materials` of the fines' grains, for each constitutive law of the continuum; `walls`: the
+    /// walls of the grains that points touch as well.
+    pub fn new(law: ContactLaw, fines: &[u8], materials: &[Material], walls: &[Wall]) -> PointContactTable {
+        let material = |m: &u8| &materials[usize::from(*m)];
+        let of_law = |m: &u8| materials.iter().map(|other| law.between(other, material(m))).collect();
         let on_wall =
-            |w: &Wall| ghosts.iter().map(|m| PairTable::on_wall(law.table().coefficients, ghost(m), w, materials)).collect();
-        PointContactTable { law, grains: ghosts.iter().map(of_law).collect(), walls: walls.iter().map(on_wall).collect() }
+            |w: &Wall| fines.iter().map(|m| PairTable::on_wall(law.table().coefficients, material(m), w, materials)).collect();
+        PointContactTable { law, grains: fines.iter().map(of_law).collect(), walls: walls.iter().map(on_wall).collect() }
     }
 
-    /// Walls that points touch.
+    /// Number of walls that points touch.
     pub fn touched_walls(&self) -> usize {
         self.walls.len()
     }
 
+    /// Parameters of the contact of a point of constitutive law `law` with a grain of material `material`.
     pub fn of_grain(&self, law: u8, material: u8) -> &Pair {
         &self.grains[usize::from(law)][usize::from(material)]
     }
 
+    /// Parameters of the contact of a point of constitutive law `law` with wall `wall`.
     pub fn of_wall(&self, law: u8, wall: usize) -> &Pair {
         &self.walls[wall][usize::from(law)]
     }
 }
 
-/// Contacts that are found again keep what they remember; both lists are in the order of `key`.
+/// Copies the history of contacts from an old list into a new one: `keep(old, new)` is called for each pair of entries with the same key. Both lists
+/// are sorted by `key`.
 pub fn remember<'a, T: 'a, K: Ord>(
     old: impl Iterator<Item = &'a T>,
     found: &mut [T],
@@ -125,7 +140,7 @@ pub fn remember<'a, T: 'a, K: Ord>(
     }
 }
 
-/// Index of each identity.
+/// Fills `index` with the position in `ids` of every identity below `next`; [`NOWHERE`] for identities that are no more.
 pub fn by_id(index: &mut Vec<u32>, ids: &[u32], next: u32) {
     index.clear();
     index.resize(next as usize, NOWHERE);

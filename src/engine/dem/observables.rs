@@ -1,4 +1,4 @@
-//! Measures of one instant, all summed in the order of ids. Called when the forces of the instant are known (the control stage).
+//! Sums and measures of one instant, taken when its contact forces are known and before grains move. All sums are in the order of identities.
 
 use crate::contact::fabric::Fabric;
 use crate::contact::sweep::{difference, r_eff};
@@ -8,61 +8,65 @@ use crate::grains::sphere_volume;
 use crate::math::vector::dot;
 use std::f64::consts::PI;
 
-/// Sums over grains and contacts.
+/// Sums over all grains and contacts at one instant.
 #[derive(Clone, Debug, Default)]
 pub struct Sums {
-    /// Path, slip, viscous, damping work of living grains, J.
+    /// Path, slip, viscous and damping work of the present grains up to this instant, J (the order of [`crate::grains::Grains::work`]).
     pub work: [f64; 4],
     /// Elastic energy of all contacts, J.
     pub stored: f64,
-    /// Leapfrog kinetic energy, translation and rotation, with the inertia actually used, J.
+    /// Kinetic energy of translation and rotation, Σ ½ m v(t − ½)·v(t + ½), with the inertial masses in use, J.
     pub kinetic: f64,
     /// Potential energy in gravity, J.
     pub potential: f64,
-    /// Touching contacts between grains, and with walls.
+    /// Number of contacts between grains.
     pub contacts: usize,
+    /// Number of contacts of grains with walls.
     pub wall_contacts: usize,
-    /// Of the contacts between grains.
+    /// Fabric of the contacts between grains.
     pub fabric: Fabric,
-    /// Grains with no contact, and with one.
+    /// Number of grains without a contact.
     pub without: usize,
+    /// Number of grains with one contact.
     pub with_one: usize,
-    /// Sums of the magnitudes of grains' net forces and of normal contact forces, N.
+    /// Sum of the magnitudes of the resultant forces on grains, N.
     pub net_force: f64,
+    /// Sum of the normal forces of all contacts, N.
     pub contact_force: f64,
-    /// Work of this instant's fading forces over the last half step, J ([`crate::dem::birth`]).
+    /// Work of the softening contacts of broken grains over the half step up to this instant, J ([`crate::dem::birth`]).
     pub release: f64,
-    /// Volume that contacts overlap, m^3.
+    /// Volume in which spheres overlap each other or walls, m³.
     pub overlap_volume: f64,
+    /// Real mass of all grains, kg.
     pub mass: f64,
-    /// Of the grains, of those that grow what they will have, m^3.
+    /// Volume of all grains, m³; a growing grain counts with its final size.
     pub volume: f64,
-    /// Inertial mass, kg.
+    /// Inertial mass of all grains, kg.
     pub inertia: f64,
-    /// Largest overlap over the smaller radius.
+    /// Largest overlap of a contact over the smaller radius of its grains.
     pub worst_overlap: f64,
 }
 
 impl Sums {
-    /// Mean coordination number Z = contacts per grain, walls included.
+    /// Mean coordination number: mean number of contacts of a grain, those with walls included.
     pub fn coordination(&self, grains: usize) -> f64 {
         (2 * self.contacts + self.wall_contacts) as f64 / grains.max(1) as f64
     }
 
-    /// Mechanical coordination number (Thornton 2000): without grains that have no contact or one.
+    /// Mechanical coordination number (Thornton 2000): mean number of contacts of the grains that have two or more.
     pub fn mechanical_coordination(&self, grains: usize) -> f64 {
         let bearing = grains - self.without - self.with_one;
         (2 * self.contacts + self.wall_contacts - self.with_one) as f64 / bearing.max(1) as f64
     }
 
-    /// Mean net force of a grain over mean contact force.
+    /// Unbalanced ratio: mean resultant force of a grain over the mean normal contact force; 0 without contacts.
     pub fn unbalanced_ratio(&self, grains: usize) -> f64 {
         let mean_contact = self.contact_force / (self.contacts + self.wall_contacts).max(1) as f64;
         if mean_contact > 0.0 { self.net_force / grains.max(1) as f64 / mean_contact } else { 0.0 }
     }
 }
 
-/// All sums of this instant.
+/// Computes all sums of the present instant.
 pub fn sums(physics: &Physics, state: &State, work: &Workspace) -> Sums {
     let g = &state.grains;
     let mut s = Sums { release: 0.5 * state.dt * state.aftermath.power(g), ..Sums::default() };
@@ -73,7 +77,7 @@ pub fn sums(physics: &Physics, state: &State, work: &Workspace) -> Sums {
         let i = i as usize;
         let (p, v, w) = (g.pos[i], g.vel[i], g.spin[i]);
         let (mut f, mut t) = gather::force_and_torque(i, physics, state, &work.neighbours);
-        // forces of material points, which the coming step will take
+        // forces of material points, which act in the coming step
         if let Some([force, torque]) = work.external_forces.get(i) {
             f.iter_mut().zip(force).for_each(|(sum, f)| *sum += f);
             if physics.contact.turning {
@@ -89,7 +93,7 @@ pub fn sums(physics: &Physics, state: &State, work: &Workspace) -> Sums {
             s.work[k] += g.work[i][k];
         }
         for a in 0..3 {
-            // v(t−½)·v(t+½), which is v(t)² less a term of second order in dt
+            // v(t−½)·v(t+½) is v(t)² but for a term of second order in dt
             let (before, after) = (v[a] - back * f[a] / m, v[a] + kick * f[a] / m);
             let (spin_before, spin_after) = (w[a] - back * t[a] / rotational, w[a] + kick * t[a] / rotational);
             s.kinetic += 0.5 * m * before * after + 0.5 * rotational * spin_before * spin_after;
@@ -133,6 +137,7 @@ pub fn sums(physics: &Physics, state: &State, work: &Workspace) -> Sums {
     s
 }
 
+/// The smaller radius of the two grains of a contact, m; on a wall that of the grain.
 fn smaller_radius(state: &State, slot: usize, wall: bool) -> f64 {
     let g = &state.grains;
     if wall {
@@ -143,7 +148,7 @@ fn smaller_radius(state: &State, slot: usize, wall: bool) -> f64 {
     }
 }
 
-/// Volume common to two spheres.
+/// Volume common to two spheres of radii `r1`, `r2`, m, that overlap by `overlap`, m.
 fn lens(r1: f64, r2: f64, overlap: f64) -> f64 {
     let d = r1 + r2 - overlap;
     if d <= (r1 - r2).abs() {
@@ -152,7 +157,8 @@ fn lens(r1: f64, r2: f64, overlap: f64) -> f64 {
     PI * overlap * overlap * (d * d + 2.0 * d * (r1 + r2) - 3.0 * (r1 - r2) * (r1 - r2)) / (12.0 * d)
 }
 
-/// Unit normal of a slot, from its first end.
+/// Unit normal of the contact in a slot at the present positions, from its first end to the other grain or the wall. `wall`: whether `slot` is one of the
+/// contacts with walls.
 pub fn normal(state: &State, slot: usize, wall: bool) -> [f64; 3] {
     let g = &state.grains;
     if wall {
@@ -166,18 +172,18 @@ pub fn normal(state: &State, slot: usize, wall: bool) -> [f64; 3] {
     }
 }
 
-/// Normal force of a touching slot, N.
+/// Normal force of the contact in a slot, N, compression positive; arguments as of [`normal`].
 pub fn normal_force(state: &State, slot: usize, wall: bool) -> f64 {
     let pool = if wall { &state.wall_pairs } else { &state.pairs };
     -dot(pool.touch[slot].force(), normal(state, slot, wall))
 }
 
-/// R* of a slot and its pair law.
+/// Reduced radius R*, m, and parameters of the contact in a slot; arguments as of [`normal`].
 pub fn pair_of<'a>(state: &State, work: &'a Workspace, slot: usize, wall: bool) -> (f64, &'a crate::contact::pair::Pair) {
     pair_from(state, &work.table, slot, wall)
 }
 
-/// As [`pair_of`], from the table.
+/// As [`pair_of`], with the table of parameters given.
 pub fn pair_from<'a>(
     state: &State,
     table: &'a crate::contact::pair::PairTable,
@@ -195,7 +201,7 @@ pub fn pair_from<'a>(
     }
 }
 
-/// Elastic energy of a touching slot as the last sweep left it, J: normal, and F_t² / (2 k_t).
+/// Elastic energy of the contact in a slot when forces were last computed, J: that of the normal law and F_t²/(2 k_t) of the tangential spring.
 pub fn stored(physics: &Physics, state: &State, work: &Workspace, slot: usize, wall: bool) -> f64 {
     let pool = if wall { &state.wall_pairs } else { &state.pairs };
     let (r_eff, pair) = pair_of(state, work, slot, wall);
@@ -203,13 +209,14 @@ pub fn stored(physics: &Physics, state: &State, work: &Workspace, slot: usize, w
     e.energy + tangential_energy(pool.spring(slot), e.k_t)
 }
 
-/// F_t² / (2 k_t), J.
+/// Energy of a tangential spring with force F_t, N, and stiffness k_t, N/m: F_t²/(2 k_t), J; 0 without a force.
 pub fn tangential_energy(spring: [f64; 3], k_t: f64) -> f64 {
     let t2 = dot(spring, spring);
     if t2 > 0.0 { 0.5 * t2 / k_t } else { 0.0 }
 }
 
-/// Love–Weber stress of the contacts whose point lies in a cylinder about the z axis, Pa, compression positive: (vertical, radial mean).
+/// Love–Weber stress, Pa, compression positive: (vertical, mean of x and y), from the contacts between grains whose contact point lies in a cylinder about
+/// the z axis with radius `radius` between the heights `low` and `high`, m.
 pub fn love_weber(state: &State, work: &Workspace, radius: f64, low: f64, high: f64) -> (f64, f64) {
     let g = &state.grains;
     let (mut zz, mut xx, mut yy) = (0.0, 0.0, 0.0);
@@ -241,7 +248,7 @@ pub fn love_weber(state: &State, work: &Workspace, radius: f64, low: f64, high: 
     (zz / volume, 0.5 * (xx + yy) / volume)
 }
 
-/// Largest normal force on each grain, N, by index.
+/// Largest normal force of a contact of each grain, N, by index of the grain.
 pub fn largest_forces(state: &State, work: &Workspace) -> Vec<f64> {
     (0..state.grains.len())
         .map(|i| {

@@ -1,40 +1,44 @@
-//! What grains do in a run and never changes: materials, laws of contact and breakage, gravity, damping and the choice of time steps.
+//! What the time step needs and a run never changes: materials, laws of contact and breakage, gravity, damping, choice of the time step.
 
 use crate::breakage::CrushModel;
 use crate::contact::ContactModel;
 use crate::material::Material;
 
-/// The laws and constants of a run that the time step needs. SI units.
+/// Laws and constants of a run that the time step needs, SI units.
 #[derive(Clone, Debug)]
 pub struct Physics {
-    /// Index 0 is the material of generated grains.
+    /// All materials; index 0 is that of generated grains.
     pub materials: Vec<Material>,
+    /// Contact law, unloading of tangential springs, rolling, rotation.
     pub contact: ContactModel,
-    /// `None`: grains do not break, and nothing is tracked for it.
+    /// Laws of breakage; `None`: grains do not break.
     pub crush: Option<CrushModel>,
-    /// Cundall's local non-viscous damping coefficient, 0..1.
+    /// Coefficient α of local non-viscous damping (Cundall 1987), 0 to 1.
     pub damping: f64,
-    /// Gravity, m/s^2.
+    /// Gravity, m/s².
     pub gravity: [f64; 3],
+    /// Choice of the time step.
     pub stepping: Stepping,
 }
 
+/// Choice of the time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepping {
-    /// Fraction of the stable step (sufficient bound, see [`crate::dem::stability`]), 0..1.
+    /// Time step over the largest stable one (a sufficient bound, see [`crate::dem::stability`]), 0 to 1.
     pub safety: f64,
-    /// Quasi-static inertia scaling: every grain gets the inertia for which the step is stable; time is counted in steps.
+    /// Inertia scaling for quasi-static tests: every grain gets the inertial mass for which one step is stable; time is counted in steps.
     pub inertia_scaling: bool,
-    /// A fixed time step, s (free scenes); `None`: computed from contact stiffness and inertia.
+    /// A fixed time step, s; `None`: computed from contact stiffnesses and masses.
     pub dt: Option<f64>,
-    /// Grains and points come upon each other slowly: contacts have to be stable, and need not be resolved as in an impact.
+    /// Whether grains and material points come into contact slowly, as in a test of a mixture: contacts then have to be stable, but need not be
+    /// resolved in time as in an impact.
     pub slow: bool,
-    /// Neighbour skin of a grain over its radius.
+    /// Skin of the neighbour lists over the radius of a grain.
     pub skin: f64,
 }
 
 impl Stepping {
-    /// Share of the Rayleigh step that grains may go before any contact is known. Slow ones need no more steps than the points.
+    /// Time step over the Rayleigh step before any contact is known: 0.1, or 0.4 where grains and points come into contact slowly.
     pub fn rayleigh(&self) -> f64 {
         if self.slow { 0.4 } else { 0.1 }
     }

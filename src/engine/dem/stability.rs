@@ -1,12 +1,14 @@
-//! The stable step. For the leapfrog, dt < 2/ω_max; with the work of a contact bounded by Cauchy–Schwarz over the four motions that
-//! feed it (two translations, two rotations of spheres, I = 2/5 m r²), ω² of grain i is at most
+//! The stable time step, and the inertial masses that make a given step stable (inertia scaling).
+//!
+//! The leapfrog is stable for dt < 2/ω_max. The energy of a contact depends on four motions, the translations and rotations of two spheres
+//! (I = 2/5 m r²); bounding it by Cauchy–Schwarz gives for grain i the sufficient bound
 //!
 //! ```text
-//! ω_i² = (1 + α) Σ_contacts max(2 k_n, 7 k_t) / m_i
+//! ω_i² ≤ (1 + α) Σ_contacts max(2 k_n, 7 k_t) / m_i
 //! ```
 //!
-//! a sufficient bound (α: local damping). Unscaled: dt = safety · min 2/ω_i. Inertia-scaled: every grain's inertia is what makes dt = 1 the stable step,
-//! m_i = (1 + α) Σ max(2 k_n, 7 k_t) dt² / (4 safety²).
+//! with the tangent stiffnesses k_n, k_t, N/m, and the coefficient α of local damping. Without inertia scaling dt = safety · min_i 2/ω_i. With inertia
+//! scaling dt = 1 (time counts steps) and m_i = (1 + α) Σ max(2 k_n, 7 k_t) dt² / (4 safety²).
 
 use super::{State, Workspace};
 use crate::contact::ContactLaw;
@@ -19,19 +21,22 @@ use crate::math::vector::dot;
 use crate::neighbours::Neighbours;
 use rayon::prelude::*;
 
+/// max(2 k_n, 7 k_t) of a contact, N/m: its part in the bound above.
 fn effective_stiffness(e: &Elastic) -> f64 {
     (2.0 * e.k_n).max(7.0 * e.k_t)
 }
 
-/// What grain `i` overlaps at the present positions.
+/// An overlap of a grain with another grain or a wall at the present positions.
 pub struct Overlap<'a> {
+    /// Overlap, m.
     pub depth: f64,
     /// Largest depth so far, m.
     pub largest: f64,
-    /// R*, m.
+    /// Reduced radius R*, m.
     pub r_eff: f64,
+    /// Parameters of the contact.
     pub pair: &'a Pair,
-    /// Tangential spring force of the contact, N; zero where the next sweep will find the two in contact for the first time.
+    /// Tangential spring force of the contact, N; zero if contact forces have not been computed since the two began to touch.
     pub spring: [f64; 3],
 }
 
@@ -42,7 +47,7 @@ impl Overlap<'_> {
     }
 }
 
-/// Calls `visit` with all that grain `i` overlaps at the present positions, in the order of ids, walls last.
+/// Calls `visit` with every overlap of grain `i` at the present positions, in the order of the partners' identities, walls last.
 pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a PairTable, mut visit: impl FnMut(Overlap<'a>)) {
     let g = &state.grains;
     let p = g.pos[i];
@@ -74,14 +79,15 @@ pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a
     }
 }
 
-/// Σ max(2 k_n, 7 k_t) over the contacts of grain `i`, from current overlaps, N/m.
+/// Σ max(2 k_n, 7 k_t) over the contacts of grain `i` at the present positions, N/m, softening contacts of broken neighbours included.
 fn stiffness(i: usize, physics: &Physics, state: &State, neighbours: &Neighbours, table: &PairTable) -> f64 {
     let mut sum = 0.0;
     overlaps(i, state, neighbours, table, |o| sum += effective_stiffness(&o.elastic(physics.contact.law)));
     sum + 2.0 * state.aftermath.stiffness(i)
 }
 
-/// Stiffness a grain of this size has when two contacts bear the reference stress on its cross-section.
+/// Σ max(2 k_n, 7 k_t), N/m, of a grain of this size and material that has two contacts with its like, each under the force `stress` π r²: a lower bound
+/// for grains with few or light contacts.
 fn stiffness_at_rest(i: usize, physics: &Physics, g: &Grains, stress: f64, table: &PairTable) -> f64 {
     let r = g.pos[i][3];
     let pair = table.grains(g.material[i], g.material[i]);
@@ -92,16 +98,16 @@ fn stiffness_at_rest(i: usize, physics: &Physics, g: &Grains, stress: f64, table
     2.0 * effective_stiffness(&law.elastic(overlap, overlap, r_eff, pair))
 }
 
-/// Inertia for which the step is stable under stiffness `k`, kg (time in steps). Local damping α adds up to α |F| to a force, as
-/// if contacts were stiffer by 1 + α.
+/// Inertial mass for which a step of `dt` is stable with the sum of stiffnesses `k`, N/m. Local damping adds up to α |F| to a force F, as if contacts
+/// were stiffer by 1 + α.
 fn scaled_inertia(k: f64, damping: f64, dt: f64, safety: f64) -> f64 {
     (1.0 + damping) * k * dt * dt / (4.0 * safety * safety)
 }
 
-/// Margin by which stiffness may grow before inertia is looked at again.
+/// Factor by which inertia, or the square of a frequency, is taken larger than needed, so that stiffnesses may grow until the next look.
 const MARGIN: f64 = 1.2;
 
-/// Inertia that a new grain or one out of bounds gets, or `None` while the present one serves.
+/// New inertial mass of grain `i`, kg, if the present one is too small or more than 2.4 times what is needed; else `None`.
 fn new_inertia(i: usize, physics: &Physics, state: &State, neighbours: &Neighbours, table: &PairTable) -> Option<f64> {
     let floor = stiffness_at_rest(i, physics, &state.grains, state.reference_stress, table);
     let needed = stiffness(i, physics, state, neighbours, table).max(floor);
@@ -110,9 +116,7 @@ fn new_inertia(i: usize, physics: &Physics, state: &State, neighbours: &Neighbou
     (present < inertia || present > 2.0 * MARGIN * inertia).then_some(MARGIN * inertia)
 }
 
-/// The step before any contact is known: what the scene asks, 1 (inertia-scaled), or a share ([`crate::dem::physics::Stepping::rayleigh`]) of the Rayleigh step
-/// Δt = π r √(ρ/G) / (0.163 ν + 0.877) of the most delicate grain (Li et al. 2023 eq. 38); for the linear law of the free
-/// oscillation √(m/k).
+/// Time step, s, before any contact is known: 1 with inertia scaling, the scene's fixed step, or that of [`rayleigh`].
 pub fn first_step(physics: &Physics, state: &State) -> f64 {
     if physics.stepping.inertia_scaling {
         return 1.0;
@@ -120,16 +124,17 @@ pub fn first_step(physics: &Physics, state: &State) -> f64 {
     physics.stepping.dt.unwrap_or_else(|| rayleigh(physics, &state.grains))
 }
 
-/// That share of the least of these over the grains, s.
+/// Share ([`crate::dem::physics::Stepping::rayleigh`]) of the smallest free step of all grains, s: the Rayleigh step
+/// π r √(ρ/G) / (0.163 ν + 0.877) (Li et al. 2023, eq. 38), or √(m/k) for linear contact laws. 1 s without grains.
 pub fn rayleigh(physics: &Physics, g: &Grains) -> f64 {
     let least = (0..g.len())
         .map(|i| free_step(physics, g.material[i], g.mass[i], g.pos[i][3], g.stiffness_radius(i)))
         .fold(f64::INFINITY, f64::min);
-    // without grains nothing bounds it
+    // without grains nothing bounds the step
     if least.is_finite() { physics.stepping.rayleigh() * resolved(physics) * least } else { 1.0 }
 }
 
-/// As [`rayleigh`], of grains of these diameters, m, and materials, before there are any.
+/// As [`rayleigh`], for grains given by diameter, m, and material before they are made.
 pub fn rayleigh_of(physics: &Physics, grains: impl IntoIterator<Item = (f64, u8)>) -> f64 {
     let of = |(d, material): (f64, u8)| {
         let r = 0.5 * d;
@@ -139,22 +144,23 @@ pub fn rayleigh_of(physics: &Physics, grains: impl IntoIterator<Item = (f64, u8)
     if least.is_finite() { physics.stepping.rayleigh() * resolved(physics) * least } else { 1.0 }
 }
 
-/// Step, s, of a grain by itself: Rayleigh's, or that of a free oscillation.
+/// Free step of a grain, s: its Rayleigh step, or for linear laws the time √(m/k) of an oscillation.
 fn free_step(physics: &Physics, material: u8, mass: f64, r: f64, stiffness_radius: f64) -> f64 {
     (physics.contact.law.table().free_step)(&physics.materials[material as usize], mass, r, stiffness_radius)
 }
 
-/// Restitution from which on dashpots are resolved by the step of an elastic impact.
+/// Coefficient of restitution from which on the step of an elastic impact resolves the viscous forces as well.
 const LIVELY: f64 = 0.8;
 
-/// Share of the step of an elastic impact that resolves the dashpots, whose force comes from velocities half a step old: that makes an error in proportion to the
-/// step and, relative to what is left of the speed, to 1/e. With this share restitutions are within 1 % from 0.05 on (`tests/verification/impact.rs`).
+/// Share, 1 or less, of the step of an elastic impact that also resolves viscous contact forces. These are found from velocities half a step old, which
+/// gives an error in proportion to the step and, relative to the speed after an impact, to 1/e, with the coefficient of restitution e. With this share
+/// restitutions from 0.05 on are met within 1 % (`tests/verification/impact.rs`).
 fn resolved(physics: &Physics) -> f64 {
     let restitution = physics.contact.law.table().restitution;
     physics.materials.iter().map(|m| (restitution(&m.contact) / LIVELY).min(1.0)).fold(1.0, f64::min)
 }
 
-/// Looks at inertia (scaled runs) or the time step (unscaled) again.
+/// Brings inertial masses (with inertia scaling) or the time step (without, unless it is fixed) up to date with the present contacts.
 pub fn refresh(physics: &Physics, state: &mut State, work: &mut Workspace) {
     if physics.stepping.inertia_scaling {
         rescale(physics, state, work);
@@ -172,7 +178,8 @@ pub fn refresh(physics: &Physics, state: &mut State, work: &mut Workspace) {
     }
 }
 
-/// New inertia for the grains whose present one is out of bounds; the ledger's sum in the order of ids.
+/// Gives new inertial masses to the grains that need them. The ledger is updated in the order of identities, so that its sum has the same bits whatever
+/// the number of threads.
 fn rescale(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let Workspace { neighbours, table, scratch, .. } = work;
     scratch.inertia.resize(state.grains.len(), None);
@@ -197,7 +204,8 @@ fn rescale(physics: &Physics, state: &mut State, work: &mut Workspace) {
     }
 }
 
-/// Inertia, at every step, of the grains whose contacts change fast because something has just broken beside them (inertia scaling).
+/// With inertia scaling: raises the inertial mass, where needed, of grains whose contacts change fast because a grain has just broken beside them. Called
+/// at every step.
 pub fn follow_fast_contacts(physics: &Physics, state: &mut State, work: &mut Workspace) {
     if !physics.stepping.inertia_scaling || state.aftermath.is_empty() {
         return;
@@ -214,7 +222,8 @@ pub fn follow_fast_contacts(physics: &Physics, state: &mut State, work: &mut Wor
     }
 }
 
-/// Raises the inertia of grain `i` to what its contacts ask for with others, of elsewhere, whose Σ max(2 k_n, 7 k_t) is `others`, N/m (inertia scaling).
+/// With inertia scaling: raises the inertial mass of grain `i`, where needed, for its contacts and others that are not in the lists (with material
+/// points), whose Σ max(2 k_n, 7 k_t) is `others`, N/m.
 pub fn raise_inertia(i: usize, others: f64, physics: &Physics, state: &mut State, work: &Workspace) {
     let needed = stiffness(i, physics, state, &work.neighbours, &work.table) + others;
     let inertia = scaled_inertia(needed, state.damping, state.dt, physics.stepping.safety);
@@ -223,7 +232,7 @@ pub fn raise_inertia(i: usize, others: f64, physics: &Physics, state: &mut State
     }
 }
 
-/// Buffers of `rescale` and [`follow_fast_contacts`].
+/// Buffers of [`refresh`] and [`follow_fast_contacts`].
 #[derive(Default)]
 pub struct InertiaBuffers {
     restless: Vec<usize>,
@@ -231,6 +240,7 @@ pub struct InertiaBuffers {
     changed: Vec<(u32, u32)>,
 }
 
+/// Sets the inertial mass of grain `i`; its velocities stay, and the ledger counts the change of kinetic energy.
 fn set_inertia(state: &mut State, i: usize, inertia: f64) {
     let g = &mut state.grains;
     let before = g.inertia(i);
@@ -238,10 +248,10 @@ fn set_inertia(state: &mut State, i: usize, inertia: f64) {
     let v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     let s2 = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
     state.ledger.inertia += 0.5 * (inertia - before) * (v2 + 0.4 * r * r * s2);
-    g.vel[i][3] = 1.0 / inertia;
+    g.set_inertia(i, inertia);
 }
 
-/// Gives a newborn grain its inertia, from the contacts it is born into.
+/// With inertia scaling: gives a newborn grain the inertial mass that its first contacts need. The ledger does not count it.
 pub fn newborn_inertia(i: usize, physics: &Physics, state: &mut State, neighbours: &Neighbours, table: &PairTable) {
     if physics.stepping.inertia_scaling
         && let Some(inertia) = {
@@ -249,6 +259,6 @@ pub fn newborn_inertia(i: usize, physics: &Physics, state: &mut State, neighbour
             new_inertia(i, physics, state, neighbours, table)
         }
     {
-        state.grains.vel[i][3] = 1.0 / inertia;
+        state.grains.set_inertia(i, inertia);
     }
 }

@@ -1,35 +1,48 @@
-//! Multi-level cells: a grain lives in the level whose cells fit its reach, levels a factor of two apart, so that a search costs the
-//! same whatever the ratio of sizes. Cells are linked lists; memory follows the number of grains, not the box.
+//! Cells for the search of neighbours, in several levels: each grain is in the level whose cells fit its reach. Levels differ by a factor of two, so
+//! the cost of a search does not depend on the ratio of grain sizes. A cell is a linked list; the number of cells follows the number of grains,
+//! not the size of the box.
 
 use super::Reference;
 
+/// No grain, no cell.
 const NONE: u32 = u32::MAX;
 
+/// The cells of one level.
 struct Level {
-    /// Largest reach a grain of this level has, m.
+    /// Largest reach of a grain of this level, m.
     reach: f64,
-    /// 1 / cell size.
+    /// 1 / edge of a cell, 1/m.
     inverse: f64,
+    /// Number of cells along x, y, z.
     dims: [usize; 3],
+    /// First grain of each cell's list.
     heads: Vec<u32>,
-    /// Number of grains, and the number at which the cells are made finer.
+    /// Number of grains in this level.
     count: usize,
+    /// Number of grains for which the cells were made; at four times as many they are made anew.
     capacity: usize,
 }
 
+/// Grains by cells, for searches of what is near a grain.
 pub struct CellGrid {
+    /// Lower corner of the box, m. Grains beyond the box are in its outermost cells.
     low: [f64; 3],
+    /// Extents of the box, m.
     size: [f64; 3],
+    /// Levels from the largest grains to the smallest.
     levels: Vec<Level>,
-    /// Largest reach of level 1.
+    /// Largest reach of level 1, m; level 0 holds all grains above.
     base: f64,
+    /// Next grain in the list of the same cell.
     next: Vec<u32>,
+    /// Grain before in the list of the same cell.
     previous: Vec<u32>,
-    /// Level and cell of each grain (`NONE` = not placed).
+    /// Level and cell of each grain; `NONE`: in no cell.
     home: Vec<(u32, u32)>,
 }
 
 impl Level {
+    /// A level for grains up to the reach `reach`, m, in a box of extents `size`, with at most about four cells for each of `grains` grains.
     fn new(reach: f64, size: &[f64; 3], grains: usize) -> Level {
         let mut cell = 2.0 * reach;
         let capacity = (grains * 2).max(64);
@@ -46,6 +59,7 @@ impl Level {
         (((x - low) * self.inverse) as i64).clamp(0, self.dims[axis] as i64 - 1) as usize
     }
 
+    /// Index of the cell that holds a centre.
     fn cell(&self, p: &Reference, low: &[f64; 3]) -> usize {
         let c: [usize; 3] = std::array::from_fn(|a| self.coordinate(a, f64::from(p[a]), low[a]));
         (c[2] * self.dims[1] + c[1]) * self.dims[0] + c[0]
@@ -53,12 +67,12 @@ impl Level {
 }
 
 impl CellGrid {
-    /// A grid around the reference spheres given (x, y, z, reach), with all of them placed.
+    /// A grid around the given reference spheres (x, y, z, reach), with all of them in their cells.
     pub fn new(reference: &[Reference]) -> CellGrid {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         let mut largest = 0.0f64;
-        // a grain that has flown off to infinity (the watchdog will say so) sets no extent
+        // a grain whose position is not finite (the run's watchdog will report it) does not count for the extents
         for p in reference.iter().filter(|p| p.iter().all(|x| x.is_finite())) {
             let p = p.map(f64::from);
             for a in 0..3 {
@@ -87,14 +101,15 @@ impl CellGrid {
         grid
     }
 
+    /// Makes room for one more grain, in no cell yet.
     pub fn append(&mut self) {
         self.next.push(NONE);
         self.previous.push(NONE);
         self.home.push((NONE, NONE));
     }
 
-    /// Level for a reach: level 0 takes all above `base`, each further one half of the last. Levels are added as grains get
-    /// smaller; a reach above level 0's makes all of them anew.
+    /// Level for a reach, m: level 0 takes all above `base`, each further level down to half of the reach of the one before. Levels are added as grains
+    /// get smaller; a reach above that of level 0 makes all levels anew.
     fn level(&mut self, reach: f64, reference: &[Reference]) -> usize {
         if reach > self.levels[0].reach {
             self.widen(reach * 1.25, reference);
@@ -110,7 +125,7 @@ impl CellGrid {
         l
     }
 
-    /// Puts grain `i` into the cell of its reference.
+    /// Puts grain `i` into the cell of its reference centre.
     pub fn place(&mut self, i: usize, reference: &[Reference]) {
         let l = self.level(f64::from(reference[i][3]), reference);
         let cell = self.levels[l].cell(&reference[i], &self.low) as u32;
@@ -124,6 +139,7 @@ impl CellGrid {
         }
     }
 
+    /// Puts grain `i` at the head of the list of a cell of level `l`.
     fn link(&mut self, i: usize, l: usize, cell: u32) {
         let level = &mut self.levels[l];
         let head = level.heads[cell as usize];
@@ -137,6 +153,7 @@ impl CellGrid {
         self.home[i] = (l as u32, cell);
     }
 
+    /// Takes grain `i` out of its cell, if it is in one.
     fn unplace(&mut self, i: usize) {
         let (l, cell) = self.home[i];
         if l == NONE {
@@ -155,7 +172,8 @@ impl CellGrid {
         self.home[i] = (NONE, NONE);
     }
 
-    /// Makes all levels anew below the reach `largest`: had the bounds of growing grains stayed, small ones would come into the cells of large ones.
+    /// Makes all levels anew for reaches up to `largest`, m. If the bounds of the levels stayed while grains grow, small grains would be in the cells
+    /// of large ones.
     fn widen(&mut self, largest: f64, reference: &[Reference]) {
         let placed: Vec<usize> = (0..self.home.len()).filter(|&i| self.home[i].0 != NONE).collect();
         self.home.fill((NONE, NONE));
@@ -166,7 +184,7 @@ impl CellGrid {
         }
     }
 
-    /// Makes the cells of level `l` anew, for the number of grains it now has.
+    /// Makes the cells of level `l` anew, for the number of grains that it has now.
     fn rebuild(&mut self, l: usize, reference: &[Reference]) {
         let members: Vec<usize> = (0..self.home.len()).filter(|&i| self.home[i].0 == l as u32).collect();
         self.levels[l] = Level::new(self.levels[l].reach, &self.size, members.len());
@@ -176,7 +194,7 @@ impl CellGrid {
         }
     }
 
-    /// Calls `visit` with every grain whose cell can hold one that the sphere `here` reaches.
+    /// Calls `visit` with the index of every grain whose cell may hold a grain whose reference sphere overlaps the sphere `here` (centre and reach).
     #[inline]
     pub fn for_each_near(&self, here: &Reference, mut visit: impl FnMut(u32)) {
         let here = here.map(f64::from);
@@ -202,7 +220,7 @@ impl CellGrid {
         }
     }
 
-    /// Bytes held.
+    /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         self.next.capacity() * 16 + self.levels.iter().map(|l| l.heads.capacity() * 4).sum::<usize>()
     }

@@ -1,13 +1,12 @@
-//! Who may touch whom: a local Verlet scheme without global rebuilds.
+//! Lists of the pairs of grains that touch or may touch soon: Verlet lists that are renewed grain by grain, never all at once.
 //!
-//! Pairs that touch have a slot among the contacts, with their forces and history; pairs that are only near are listed apart (`near.rs`)
-//! and change over when they meet or part.
+//! Each grain has a *reference sphere*: the centre that it had when its neighbourhood was last searched, and its reach (radius + skin) at that time.
+//! A pair is listed exactly while the two grains touch or their reference spheres overlap. So no contact can be missed before a grain has
+//! moved by more than its skin; then the neighbourhood of that grain alone is searched again. Skins are in proportion to radii: a small fast fragment
+//! costs its own searches only, a breakage those of the daughters.
 //!
-//! Every grain has a *reference*: the position and reach (radius + skin) it had when its own neighbourhood was last searched.
-//! A pair is listed exactly while it touches or its two reference spheres of reach overlap, so no contact can be missed until one of the two has
-//! moved by more than its skin; then that grain alone is searched again. Skins are in proportion to the radius, so
-//! that a fast small fragment costs its own search and nothing else, and a breakage costs the daughters' searches.
-//! What the lists hold beyond touching pairs never reaches a result.
+//! Pairs that touch have a slot among the contacts, with forces and history; listed pairs that do not touch are kept apart (`near.rs`). A pair
+//! changes from one to the other when the grains begin or cease to touch. Pairs that do not touch never influence a result.
 
 pub mod adjacency;
 mod grid;
@@ -22,40 +21,48 @@ use adjacency::{Adjacency, Entry};
 use grid::CellGrid;
 use near::Near;
 
-/// The lists. Scratch: can be dropped and made again from the state at any time without changing a bit of the results.
+/// The lists of all grains. They can be dropped and made again from the state between any two steps without changing a bit of the results.
 pub struct Neighbours {
-    /// Skin over radius.
+    /// Skin of a grain over its radius.
     skin: f64,
-    /// Reference position and reach.
+    /// Reference sphere of each grain.
     reference: Vec<Reference>,
+    /// Reference spheres by cells.
     grid: CellGrid,
+    /// Listed pairs that do not touch.
     near: Near,
-    /// All listed grains around each grain, near or touching.
+    /// Of each grain: all grains with which it makes a listed pair, touching or not.
     around: Adjacency,
-    /// The contacts of each grain, and the walls near it: what it sums.
+    /// Of each grain: its contacts with grains, and the walls close to it. These are what it sums.
     pub contacts: Adjacency,
+    /// Shape and place of each wall when the grains close to it were last searched.
     wall_reference: Vec<WallShape>,
+    /// Skin of the walls, m.
     wall_skin: f64,
-    /// Contacts of each wall in the order of grain ids: (grain id, slot).
+    /// Of each wall: the grains close to it in the order of their identities, as (identity of the grain, slot).
     pub wall_lists: Vec<Vec<(u32, u32)>>,
+    /// Buffer of a search: grains found.
     found: Vec<u32>,
+    /// Buffer: entries to be removed.
     gone: Vec<Entry>,
-    /// Local searches since the last re-ordering.
+    /// Number of searches around one grain since grains were last sorted in memory.
     pub searches: u64,
 }
 
-/// Centre x, y, z and reach of a grain when its neighbourhood was last searched, m. Single precision halves what every step reads; no
-/// result depends on it, and the reach makes up for what rounding took from the centre.
+/// Reference sphere of a grain: centre x, y, z and reach at the last search of its neighbourhood, m. Single precision halves the memory that every
+/// step reads; the reach is enlarged by the rounding of the centre, so that no contact is missed and no result depends on the rounding.
 pub type Reference = [f32; 4];
 
-/// The contact pools the lists look after.
+/// The stored contacts that belong to the lists.
 pub struct Pools<'a> {
+    /// Contacts between grains.
     pub pairs: &'a mut Pairs,
+    /// Contacts of grains with walls.
     pub wall_pairs: &'a mut Pairs,
 }
 
 impl Neighbours {
-    /// Lists for the state as it is, with the contacts it has.
+    /// Lists for grains and walls at their present places; the contacts in `pools` stay. `skin`: skin of a grain over its radius.
     pub fn new(g: &Grains, walls: &[Wall], pools: &mut Pools<'_>, skin: f64) -> Neighbours {
         let reference: Vec<Reference> = g.pos.iter().map(|p| Self::reference(p, skin)).collect();
         let mean_radius = g.pos.iter().map(|p| p[3]).sum::<f64>() / g.len().max(1) as f64;
@@ -81,7 +88,7 @@ impl Neighbours {
         n
     }
 
-    /// Makes the grains' and walls' lists from the slots there are.
+    /// Fills the lists of grains and walls from the stored contacts and the pairs that do not touch.
     fn list_slots(&mut self, g: &Grains, pools: &Pools<'_>) {
         let used = |(slot, e): (usize, &[u32; 2])| (e[0] != FREE).then_some((slot as u32, *e));
         let pairs = pools.pairs.ends.iter().enumerate().filter_map(used);
@@ -107,8 +114,9 @@ impl Neighbours {
         }
     }
 
-    /// Searches the neighbourhoods of the grains listed, and of walls that have moved by more than their skin. All references are
-    /// taken before any search, so that each is done with the latest. Contacts are neither read nor changed: this may run beside their sweep.
+    /// Searches the neighbourhoods of the grains `moved`, and of walls that have moved by more than their skin. All new reference spheres are set before
+    /// the first search, so that the result does not depend on the order. Stored contacts between grains are neither read nor changed: this may run in
+    /// parallel with the computation of their forces.
     pub fn update(&mut self, moved: &[u32], g: &Grains, walls: &[Wall], wall_pairs: &mut Pairs) {
         for &i in moved {
             self.set_reference(i as usize, g);
@@ -126,17 +134,19 @@ impl Neighbours {
         }
     }
 
-    /// Takes a grain's present position as its reference and searches its neighbourhood.
+    /// Sets the reference sphere of grain `i` to its present place and searches its neighbourhood.
     pub fn refresh(&mut self, i: usize, g: &Grains, wall_pairs: &mut Pairs) {
         self.set_reference(i, g);
         self.search(i, g, wall_pairs);
     }
 
+    /// Sets the reference sphere of grain `i` to its present place.
     fn set_reference(&mut self, i: usize, g: &Grains) {
         self.reference[i] = Self::reference(&g.pos[i], self.skin);
         self.grid.place(i, &self.reference);
     }
 
+    /// Reference sphere of a grain with centre and radius `p`, m.
     fn reference(p: &[f64; 4], skin: f64) -> Reference {
         let centre = [p[0] as f32, p[1] as f32, p[2] as f32];
         let rounding = (0..3).map(|a| (p[a] - f64::from(centre[a])).abs()).sum::<f64>();
@@ -144,31 +154,31 @@ impl Neighbours {
         [centre[0], centre[1], centre[2], reach.next_up()]
     }
 
-    /// Whether a grain (centre, radius) has left its reference sphere of reach.
+    /// Whether a grain with centre and radius `p`, m, is not inside its reference sphere any more.
     #[inline(always)]
     pub fn has_left<F: Four>(reference: &Reference, p: F, token: F::Token) -> bool {
         let [x, y, z, growth] = (p - F::of(token, reference.map(f64::from))).xyzw();
-        // the skin that is left is the reach less the radius
+        // the fourth difference is radius − reach: minus the skin that is left
         growth >= 0.0 || x * x + y * y + z * z > growth * growth
     }
 
-    /// Whether grain `i`, whose radius has changed, has left its sphere.
+    /// Whether grain `i`, whose radius has changed, is not inside its reference sphere any more.
     pub fn outgrown(&self, i: usize, g: &Grains) -> bool {
         Self::has_left(&self.reference[i], Plain::of((), g.pos[i]), ())
     }
 
-    /// After a change of radii: in `moved` the grains that have left their spheres.
+    /// After a change of radii: writes into `moved` the indices of the grains that are not inside their reference spheres any more.
     pub fn account_for_growth(&self, g: &Grains, moved: &mut Vec<u32>) {
         moved.clear();
         moved.extend((0..g.len() as u32).filter(|&i| self.outgrown(i as usize, g)));
     }
 
-    /// References of all grains, for the pass that moves them.
+    /// Reference spheres of all grains, for the loop that moves the grains.
     pub fn references(&self) -> &[Reference] {
         &self.reference
     }
 
-    /// A grain was appended to the arrays.
+    /// Adds the lists of grain `i`, which was appended to the arrays.
     pub fn append(&mut self, i: usize, g: &Grains, wall_pairs: &mut Pairs) {
         self.reference.push([0.0; 4]);
         self.around.append();
@@ -178,7 +188,7 @@ impl Neighbours {
         self.refresh(i, g, wall_pairs);
     }
 
-    /// Drops every pair of a grain, with its history.
+    /// Removes all pairs of grain `i` with grains and walls, with their history.
     pub fn detach(&mut self, i: usize, g: &Grains, pools: &mut Pools<'_>) {
         let mut gone = std::mem::take(&mut self.gone);
         gone.clear();
@@ -201,7 +211,7 @@ impl Neighbours {
         self.gone = gone;
     }
 
-    /// Drops a near pair.
+    /// Removes a listed pair that does not touch.
     fn forget(&mut self, e: Entry, g: &Grains) {
         let [a, b] = self.near.ends(e.slot());
         self.around.remove(a as usize, g.id[b as usize]);
@@ -209,6 +219,7 @@ impl Neighbours {
         self.near.remove(e.slot());
     }
 
+    /// Removes the pair of grain `i` with a wall.
     fn unlink_wall(&mut self, i: usize, e: Entry, g: &Grains, wall_pairs: &mut Pairs) {
         self.contacts.remove(i, e.id);
         let list = &mut self.wall_lists[e.wall_index()];
@@ -218,7 +229,7 @@ impl Neighbours {
         wall_pairs.remove(e.slot() as u32);
     }
 
-    /// Index of every grain listed around grain `i`, in the order of ids.
+    /// All grains with which grain `i` makes a listed pair, in the order of identities: entry and index of the other grain.
     pub fn around<'a>(&'a self, i: usize, pairs: &'a Pairs) -> impl Iterator<Item = (Entry, usize)> + 'a {
         self.around.of(i).map(move |e| {
             let [a, b] = if e.link.is_apart() { self.near.ends(e.slot()) } else { pairs.ends[e.slot()] };
@@ -226,12 +237,13 @@ impl Neighbours {
         })
     }
 
-    /// Marks the near pairs that touch now, so many to a parallel task: reads positions only, so that it may run beside the sweep.
+    /// Marks the listed pairs that have begun to touch; `task` pairs make one parallel task. Only positions (`pos`: centre and radius, m) are read, so this
+    /// may run in parallel with the computation of contact forces. [`Self::begin_contacts`] does the rest.
     pub fn activate_contacts(&mut self, pos: &[[f64; 4]], task: usize) {
         self.near.activate_contacts(pos, task);
     }
 
-    /// Makes contacts of the pairs marked; their slots are in `slots`.
+    /// Makes contacts of the pairs marked by [`Self::activate_contacts`], without forces yet; their slots are written into `slots`.
     pub fn begin_contacts(&mut self, g: &Grains, pairs: &mut Pairs, slots: &mut Vec<u32>) {
         self.near.met(slots);
         for s in slots {
@@ -246,7 +258,7 @@ impl Neighbours {
         }
     }
 
-    /// Ends the contacts of grain `i` that have parted; the pairs stay listed.
+    /// Ends the contacts of grain `i` that do not touch any more; they stay listed as pairs that do not touch.
     pub fn end_contacts(&mut self, i: usize, g: &Grains, pairs: &mut Pairs) {
         let mut gone = std::mem::take(&mut self.gone);
         gone.clear();
@@ -272,12 +284,13 @@ impl Neighbours {
         x * x + y * y + z * z < reach * reach
     }
 
+    /// Searches the neighbourhood of grain `i`: drops pairs that do not touch and whose reference spheres are apart, adds those that are missing.
     fn search(&mut self, i: usize, g: &Grains, wall_pairs: &mut Pairs) {
         self.searches += 1;
         let here = self.reference[i];
         let mut gone = std::mem::take(&mut self.gone);
         gone.clear();
-        // contacts stay: the other's reference may be the older one
+        // contacts stay listed whatever the reference spheres are
         gone.extend(self.around.of(i).filter(|e| {
             e.link.is_apart() && {
                 let [a, b] = self.near.ends(e.slot());
@@ -311,6 +324,7 @@ impl Neighbours {
         }
     }
 
+    /// Adds or removes the pair of grain `i` with wall `k`, by the wall's reference place.
     fn search_wall(&mut self, i: usize, k: usize, g: &Grains, wall_pairs: &mut Pairs) {
         let (_, gap) = self.wall_reference[k].towards(self.reference[i].map(f64::from));
         let entry = Entry::wall(k as u32, 0);
@@ -329,7 +343,7 @@ impl Neighbours {
         }
     }
 
-    /// After grains and slots were permuted: `order` is the grains' new order, `place` the new index of each.
+    /// Follows a permutation of grains and slots: `order[k]` is the old index of grain `k`, `place[i]` the new index of what was grain `i`.
     pub fn permute(&mut self, order: &[u32], place: &[u32], g: &Grains, pools: &Pools<'_>) {
         self.near.permute(place);
         self.reference = order.iter().map(|&i| self.reference[i as usize]).collect();
@@ -343,7 +357,7 @@ impl Neighbours {
         self.near.len()
     }
 
-    /// Bytes held.
+    /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         self.reference.capacity() * size_of::<Reference>()
             + self.grid.bytes()

@@ -1,5 +1,4 @@
-//! Pairs that are near enough to touch soon but do not touch: their ends and nothing else, since in a crushed assembly they outnumber the
-//! contacts by far.
+//! Listed pairs of grains that do not touch. Only their two ends are stored, as in a crushed assembly they are many times more than the contacts.
 
 use crate::contact::chunk::few;
 use crate::contact::pairs::FREE;
@@ -7,15 +6,19 @@ use crate::contact::sweep::difference;
 use crate::math::vector::dot;
 use rayon::prelude::*;
 
+/// Listed pairs that do not touch, each in a slot.
 #[derive(Default)]
 pub struct Near {
-    /// Indices of both ends, the one with the lower id first; slots are re-used.
+    /// Indices of both grains, the one with the lower identity first; `FREE` in slots without a pair.
     ends: Vec<[u32; 2]>,
+    /// Of each slot: 1 if the pair touches now.
     met: Vec<u8>,
+    /// Slots that can be used again.
     free: Vec<u32>,
 }
 
 impl Near {
+    /// Adds a pair; returns its slot.
     pub fn add(&mut self, first: u32, second: u32) -> u32 {
         if let Some(slot) = self.free.pop() {
             self.ends[slot as usize] = [first, second];
@@ -26,11 +29,13 @@ impl Near {
         self.ends.len() as u32 - 1
     }
 
+    /// Removes the pair in a slot.
     pub fn remove(&mut self, slot: usize) {
         self.ends[slot] = [FREE, FREE];
         self.free.push(slot as u32);
     }
 
+    /// Indices of the two grains of the pair in a slot.
     pub fn ends(&self, slot: usize) -> [u32; 2] {
         self.ends[slot]
     }
@@ -40,12 +45,12 @@ impl Near {
         self.ends.len() - self.free.len()
     }
 
-    /// All pairs, with their slots.
+    /// All pairs: slot and indices of the grains.
     pub fn pairs(&self) -> impl Iterator<Item = (usize, [u32; 2])> + Clone + '_ {
         self.ends.iter().copied().enumerate().filter(|(_, e)| e[0] != FREE)
     }
 
-    /// Marks the pairs that touch now, so many to a parallel task.
+    /// Marks the pairs that touch at the positions `pos` (centre and radius, m); `task` pairs make one parallel task.
     pub fn activate_contacts(&mut self, pos: &[[f64; 4]], task: usize) {
         if few(self.ends.len(), task) {
             return mark(pos, &self.ends, &mut self.met);
@@ -53,13 +58,13 @@ impl Near {
         self.ends.par_chunks(task).zip(self.met.par_chunks_mut(task)).for_each(|(ends, met)| mark(pos, ends, met));
     }
 
-    /// Slots marked by [`Self::meet`].
+    /// Writes the slots marked by [`Self::activate_contacts`] into `out`.
     pub fn met(&self, out: &mut Vec<u32>) {
         out.clear();
         super::flagged(&self.met, |k, _| out.push(k));
     }
 
-    /// Renumbers the grains (`place` by old index) and puts pairs in the order in which a pass over grains first meets them.
+    /// Gives the grains new indices (`place[old index]`) and sorts the pairs in the order in which a loop over grains first comes to them.
     pub fn permute(&mut self, place: &[u32]) {
         let mut keyed: Vec<(u32, u32, [u32; 2])> = self
             .pairs()
@@ -76,11 +81,13 @@ impl Near {
         self.free.clear();
     }
 
+    /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         self.ends.capacity() * 8 + self.met.capacity() + self.free.capacity() * 4
     }
 }
 
+/// Sets `met` to 1 for pairs whose spheres overlap, else to 0.
 fn mark(pos: &[[f64; 4]], ends: &[[u32; 2]], met: &mut [u8]) {
     for (&[i, j], met) in ends.iter().zip(met) {
         if i == FREE {
