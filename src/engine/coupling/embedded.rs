@@ -1,9 +1,13 @@
-//! Fines from crushing as material points among the grains of a test that is driven by walls with scaled inertia: both sides make the same steps.
+//! Fines from crushing as material points between the grains of a test with inertia scaling (an oedometer). Grains and points make the same steps.
 //!
-//! Nothing is there before the first breakage, and nothing is done. From then on each step finds the point contacts of points with grains and walls, gives both their forces, and lets
-//! the continuum make a step beside the grains'. Time counts steps, so a point's inertia, like a grain's, is what its step asks for: with the leapfrog's bound 1/dt² ≥ (c/h)² + k/2m (of
-//! [`crate::mpm::with_plates`] with APIC, and a contact's stiffness shared between its two ends as in [`crate::dem::stability`]), m = dt²/s² (M V/h² + k/2), where M is the law's modulus of
-//! compression, V the volume, h the cell, k the sum of its contacts' stiffness and s the scene's safety. Grains that points touch get what these contacts ask for as well.
+//! There are no points before the first breakage. From then on each step computes the contacts of points with grains and walls, adds their forces to both
+//! sides, and the continuum makes one step for each step of the grains.
+//!
+//! With inertia scaling time counts steps, and a point, like a grain, gets the inertial mass that makes the step stable. The bound of the leapfrog
+//! is 1/dt² ≥ (c/h)² + k/(2m): that of [`crate::mpm::with_plates`] with APIC, and a contact's stiffness shared between its two ends as in
+//! [`crate::dem::stability`]. So m = (1 + α) dt²/s² (M V/h² + k/2) with the law's modulus of compression M, the point's volume V, the edge of a cell h, the
+//! sum k of the stiffnesses of the point's contacts, the safety factor s and the coefficient of local damping α. The inertial masses of grains in
+//! contact with points are raised for these contacts as well.
 
 use super::evaluate::PointContactScene;
 use super::{Body, FinesAsPoints, PointContacts, Rule};
@@ -18,18 +22,19 @@ use crate::mpm::{Continuum, Dimension, GridWall as Side, Points, Settings, Shape
 use crate::point_contacts::PointContactTable;
 use serde::{Deserialize, Serialize};
 
-/// Cells of the grid beyond the specimen on each side.
+/// Number of cells by which the grid extends beyond the specimen on each side.
 const MARGIN: f64 = 3.0;
-/// By how much more than what is needed inertia is raised, so that it need not be raised again at once.
+/// Factor by which a raised inertial mass exceeds what is needed, so that it need not be raised again soon.
 const MORE: f64 = 1.2;
-/// Steps between two looks at the inertia of the grains that points touch.
+/// Steps between two updates of the inertial masses of grains in contact with points.
 const LOOK: u64 = 8;
 
-/// Fines from crushing as a continuum among the grains of a test.
+/// How fines from crushing become material points between the grains of a test.
 #[derive(Clone, Debug)]
 pub struct Embedding {
+    /// Constitutive law of the fines.
     pub law: Law,
-    /// Porosity with which they begin, free of stress.
+    /// Porosity of the fines when they become points, without stress.
     pub porosity: f64,
     /// Edge of a cell, m.
     pub cell: f64,
@@ -38,40 +43,43 @@ pub struct Embedding {
 }
 
 impl Embedding {
-    /// Points along the edge of a cell that they fill.
+    /// Number of points along the edge of a cell that is full of points.
     const PER_EDGE: f64 = 2.0;
 
-    /// Volume of the solid that a point stands for, m³.
+    /// Largest volume of solids of one point, m³.
     pub fn solid(&self) -> f64 {
         (1.0 - self.porosity) * (self.cell / Self::PER_EDGE).powi(3)
     }
 }
 
-/// The fines of a test as points.
+/// The fines of a test as material points, with their contacts: what a restart needs of them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Embedded {
+    /// The points and their grid.
     continuum: Continuum,
+    /// Contacts of points with grains and walls.
     point_contacts: PointContacts,
+    /// What breakages have left so far.
     pub fines: FinesAsPoints,
-    /// Modulus of compression K + 4/3 G of their law, Pa.
+    /// Modulus of compression K + 4/3 G of the fines' law, Pa.
     modulus: f64,
-    /// What the points press on each wall, N.
+    /// Normal force of the points on each wall, N.
     pressed: Vec<f64>,
     /// Work of grains and walls on the points so far, J.
     pub work: f64,
-    /// Contact parameters; made from the model at the first look.
+    /// Contact parameters; made when they are first needed.
     #[serde(skip)]
     table: Option<PointContactTable>,
-    /// Scratch: stiffness, N/m, of the point contacts of each point.
+    /// Buffer: sum of the stiffnesses of each point's contacts, N/m.
     #[serde(skip)]
     contact_stiffness: Vec<f64>,
 }
 
 impl Embedded {
-    /// No points yet, on a grid around the specimen.
+    /// Without points, on a grid around a specimen that fills the space `size`.
     ///
     /// # Errors
-    /// A grid that is not allowed.
+    /// A grid that is not allowed, such as one with too many cells.
     pub fn new(physics: &Physics, embedding: &Embedding, size: CylinderSpace) -> Result<Embedded> {
         let cell = embedding.cell;
         let wide = ((2.0 * size.radius / cell).ceil() + 2.0 * MARGIN) as u32;
@@ -108,16 +116,17 @@ impl Embedded {
         })
     }
 
+    /// The points and their grid.
     pub fn continuum(&self) -> &Continuum {
         &self.continuum
     }
 
-    /// What the points press on wall `k`, N.
+    /// Normal force of the points on wall `k`, N, positive in compression.
     pub fn pressed(&self, k: usize) -> f64 {
         self.pressed[k]
     }
 
-    /// The forces of this instant between points and grains and walls; walls' reactions are then of both.
+    /// Computes the forces of this instant between points and grains or walls. The walls' reactions, which have been those of grains, are then of both.
     pub fn compute_forces(&mut self, physics: &Physics, state: &mut State, work: &mut Workspace) {
         if self.continuum.points().is_empty() {
             self.point_contacts.clear();
@@ -145,14 +154,14 @@ impl Embedded {
             contact_stiffness[contact.place[1] as usize] += contact.stiffness[0].max(contact.stiffness[1]);
         }
         self.press(state);
-        // the ledger is that of this instant: half of its work on points is still to come
+        // work up to this instant: the half step before the instant is not in `work` yet
         state.ledger.points = self.work + 0.5 * state.dt * self.power(state);
         if state.step.is_multiple_of(LOOK) {
             self.raise_grain_inertia(physics, state, work);
         }
     }
 
-    /// Adds what points press to the walls' reactions and work, which are those of grains so far.
+    /// Adds the forces of points to the walls' reactions and work, which have been those of grains so far.
     fn press(&mut self, state: &mut State) {
         let Embedded { point_contacts, pressed, work, .. } = self;
         for (k, (wall, before)) in state.walls.iter_mut().zip(pressed.iter_mut()).enumerate() {
@@ -161,7 +170,7 @@ impl Embedded {
                 now += contact.touch.normal_force;
                 stiffness += contact.stiffness[0];
             }
-            // trapezium: the sweep has counted half of what they pressed before as if grains had
+            // trapezium rule: the last reaction, with points, has been counted by the grains' step as if grains alone had pressed
             let way = wall.speed * state.dt;
             wall.work += 0.5 * now * way;
             *work += 0.5 * (*before + now) * way;
@@ -171,7 +180,7 @@ impl Embedded {
         }
     }
 
-    /// Raises the inertia of grains that need more than their own contacts ask for.
+    /// Raises the inertial masses of grains in contact with points, where needed.
     fn raise_grain_inertia(&self, physics: &Physics, state: &mut State, work: &Workspace) {
         let mut touching = self.point_contacts.touching().filter(|g| matches!(g.body, Body::Grain(_))).peekable();
         while let Some(first) = touching.next() {
@@ -183,10 +192,10 @@ impl Embedded {
         }
     }
 
-    /// RelativeMotion of grains and points, what breaks, and what becomes points of it.
+    /// Moves grains and points by one step, breaks grains, and turns the mass that they lose into points.
     ///
     /// # Errors
-    /// A lost point.
+    /// A point that is lost.
     pub fn advance(&mut self, physics: &Physics, state: &mut State, work: &mut Workspace) -> Result<()> {
         let half = 0.5 * state.dt;
         let mut given = half * self.power(state);
@@ -206,7 +215,7 @@ impl Embedded {
         Ok(())
     }
 
-    /// Power of grains on points, W, at the present velocities.
+    /// Power of the grains on the points, W, at the present velocities.
     fn power(&self, state: &State) -> f64 {
         let g = &state.grains;
         let of = |(grain, _, _, touch): (usize, usize, f64, crate::contact::pairs::ContactForce)| {
@@ -218,12 +227,12 @@ impl Embedded {
         self.point_contacts.on_grains().map(of).sum()
     }
 
-    /// Raises the inertia of points that need more.
+    /// Raises the inertial masses of points, where needed.
     fn raise_point_inertia(&mut self, physics: &Physics, dt: f64) {
         let Embedded { continuum, contact_stiffness, modulus, .. } = self;
         contact_stiffness.resize(continuum.points().len(), 0.0);
         let (cell, damping, safety) = (continuum.settings().cell, continuum.settings().damping, physics.stepping.safety);
-        // local damping adds to forces on what slows down, as with grains
+        // local damping acts as if contacts were stiffer by 1 + α, as for grains
         let step = (1.0 + damping) * dt * dt / (safety * safety);
         let of = |(p, k): (&[f64; 4], &f64)| step * (*modulus * p[3] / (cell * cell) + 0.5 * k);
         let points = continuum.points();

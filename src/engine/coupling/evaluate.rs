@@ -1,4 +1,5 @@
-//! Force of every point contact: its geometry one by one, then the law for as many that touch as the processor has lanes.
+//! Forces of all point contacts: first the geometry of each candidate, then the contact law for as many touching ones at once as the processor's
+//! registers hold numbers (lanes).
 
 use super::{Body, PointContact, PointContacts};
 use crate::boundary::Wall;
@@ -17,10 +18,11 @@ use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 
-/// Contacts of one task.
+/// Candidates of one parallel task.
 const TASK: usize = 512;
 
-/// What the contacts are found from: bodies and points, each so many seconds further along the way that they are going.
+/// Grains, walls and points from which contact forces are computed. Where one side is between two of its steps, its positions are extrapolated in
+/// time with its present velocities.
 pub(super) struct PointContactScene<'a> {
     pub grains: &'a Grains,
     pub walls: &'a [Wall],
@@ -28,12 +30,12 @@ pub(super) struct PointContactScene<'a> {
     pub table: &'a PointContactTable,
     pub unloading: TangentialUnloading,
     pub dt: f64,
-    /// Seconds by which grains and walls, and points, are taken ahead.
+    /// Times, s, by which positions are extrapolated: of grains and walls, and of points.
     pub ahead: [f64; 2],
 }
 
 impl PointContacts {
-    /// Finds the forces of this instant. Parallel over contacts; each writes only itself.
+    /// Computes the force of every candidate at this instant. In parallel over candidates; each task writes only its own.
     pub(super) fn evaluate(&mut self, scene: &PointContactScene<'_>) {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, task: TASK, arch: arch() };
         with_law!(scene.table.law, L => {
@@ -44,7 +46,7 @@ impl PointContacts {
     }
 }
 
-/// Some of the contacts.
+/// The computation for a part of the candidates.
 struct PointContactSweep<'a, L> {
     scene: &'a PointContactScene<'a>,
     rules: &'a Rules,
@@ -52,17 +54,17 @@ struct PointContactSweep<'a, L> {
     law: PhantomData<L>,
 }
 
-/// Points that are fetched before they are looked at: they lie all over the memory, and a processor waits for some at a time.
+/// Points whose data are copied before any of them is used: they are scattered in memory, and a processor fetches several at once.
 const AHEAD: usize = 32;
 
-/// Where a point is, m, and the velocity that carried it, m/s.
+/// Position, m, and transport velocity, m/s, of a point.
 #[derive(Clone, Copy, Default)]
 struct Spot {
     at: [f64; 4],
     transport_velocity: [f64; 3],
 }
 
-/// A contact that touches: its place in the part, and how its ends meet.
+/// A candidate that touches: its index in the part, and its geometry.
 #[derive(Clone, Copy, Default)]
 struct Found {
     at: usize,
@@ -72,7 +74,7 @@ struct Found {
 impl<L: Law> WithSimd for PointContactSweep<'_, L> {
     type Output = ();
 
-    /// Those that touch are collected until they fill the lanes.
+    /// Collects touching contacts until they fill the lanes, then applies the law to them at once; a rest is done one at a time.
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let lanes = Lanes::<S>::COUNT;
@@ -82,7 +84,7 @@ impl<L: Law> WithSimd for PointContactSweep<'_, L> {
         for first in (0..self.part.len()).step_by(AHEAD) {
             let some = first..self.part.len().min(first + AHEAD);
             for (spot, contact) in spots.iter_mut().zip(&self.part[some.clone()]) {
-                // one field after the other: a copy of both at once would wait for itself
+                // separate assignments, so that the processor starts both fetches without waiting
                 let (points, point) = (self.scene.continuum.points(), contact.place[1] as usize);
                 spot.at = points.position[point];
                 spot.transport_velocity = points.transport_velocity[point];
@@ -104,13 +106,13 @@ impl<L: Law> WithSimd for PointContactSweep<'_, L> {
 }
 
 impl<L: Law> PointContactSweep<'_, L> {
-    /// How the ends of contact `at` meet; what does not touch any more is left without a force.
+    /// Geometry of candidate `at` if it touches. A contact that has ceased to touch gets a zero force.
     #[inline(always)]
     fn geometry(&mut self, at: usize, spot: &Spot) -> Option<ContactGeometry> {
         let contact = &mut self.part[at];
         let mut geometry = self.scene.contact_geometry::<L>(contact, spot);
         if contact.reference > 0.0 {
-            // lower where they have parted
+            // the overlap without force never exceeds the present overlap
             contact.reference = contact.reference.min(geometry.overlap.max(0.0));
             geometry.overlap -= contact.reference;
         }
@@ -124,6 +126,7 @@ impl<L: Law> PointContactSweep<'_, L> {
         None
     }
 
+    /// Force of one contact.
     #[inline(always)]
     fn scalar(&mut self, &Found { at, geometry }: &Found) {
         let contact = &mut self.part[at];
@@ -134,7 +137,7 @@ impl<L: Law> PointContactSweep<'_, L> {
         contact.keep(new);
     }
 
-    /// One contact in each lane.
+    /// Forces of several contacts, one in each lane.
     #[inline(always)]
     fn simd<S: Simd>(&mut self, simd: S, those: &[Found]) {
         let (scene, at, m) = (self.scene, |k: usize| those[k].at, |k: usize| &those[k].geometry);
@@ -144,7 +147,7 @@ impl<L: Law> PointContactSweep<'_, L> {
         let [vx, vy, vz, r_eff] = Lanes::columns(simd, |k| with(m(k).motion.centres, m(k).r_eff));
         let [tx, ty, tz, m_eff] = Lanes::columns(simd, |k| with(m(k).motion.turning, m(k).m_eff));
         let [wx, wy, wz, _] = Lanes::columns(simd, |k| with(m(k).motion.mean_spin, 0.0));
-        // nothing rolls: their difference is not asked for
+        // point contacts have no rolling resistance: the difference of spins is not used
         let (turning, mean_spin) = ([tx, ty, tz], [wx, wy, wz]);
         let motion = RelativeMotion { centres: [vx, vy, vz], turning, mean_spin, spin_difference: mean_spin };
         let geometry = ContactGeometry { normal: [nx, ny, nz], overlap, r_eff, m_eff, motion };
@@ -172,7 +175,7 @@ impl<L: Law> PointContactSweep<'_, L> {
 }
 
 impl PointContactScene<'_> {
-    /// How a point meets its body. Normal from the body to the ghost; without an overlap they are apart.
+    /// Geometry of a candidate. The normal points from the body to the point; an overlap of zero or less means that they do not touch.
     #[inline(always)]
     fn contact_geometry<L: Law>(&self, contact: &PointContact, &Spot { at, transport_velocity }: &Spot) -> ContactGeometry {
         let body = contact.place[0] as usize;
@@ -212,7 +215,7 @@ impl PointContactScene<'_> {
         }
     }
 
-    /// The contact's parameters.
+    /// Parameters of the contact.
     #[inline(always)]
     fn pair(&self, contact: &PointContact) -> &Pair {
         match contact.body {
@@ -223,6 +226,7 @@ impl PointContactScene<'_> {
 }
 
 impl PointContact {
+    /// State of the contact at the end of the last step, as the contact law needs it.
     #[inline(always)]
     fn history<L: Law>(&self) -> ContactHistory {
         ContactHistory {
@@ -235,6 +239,7 @@ impl PointContact {
         }
     }
 
+    /// Stores the state that the contact law has computed.
     #[inline(always)]
     fn keep(&mut self, new: ContactHistory) {
         self.touch = new.touch;
@@ -242,6 +247,7 @@ impl PointContact {
     }
 }
 
+/// Position after `by` seconds at the velocity `v`.
 #[inline(always)]
 fn ahead(p: [f64; 4], v: [f64; 3], by: f64) -> [f64; 3] {
     std::array::from_fn(|a| p[a] + v[a] * by)

@@ -1,4 +1,4 @@
-//! The contacts of a mixture as plain lists, for those who do its steps elsewhere, and back.
+//! The contacts of a mixture as plain lists, to be taken to a graphics device and back.
 
 use super::{Body, Mixture, PointContact};
 use crate::contact::ContactLaw;
@@ -10,11 +10,13 @@ use crate::mpm::loading_plate::ghost_radius;
 use crate::mpm::{Continuum, Dimension};
 use crate::point_contacts::PointContactTable;
 
-/// A contact that bears something.
+/// A contact that touches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExchangedContact {
-    /// Between grains: their places in the order of ids, the lower one first. On a wall: the grain, the wall. Of a point: the body, the point's index.
+    /// Its two ends. Between grains: their numbers in the order of identities, the lower first. On a wall: number of the grain, index of the wall. Of a
+    /// point: index of the grain or wall, index of the point.
     pub ends: [u32; 2],
+    /// Force of the contact.
     pub touch: ContactForce,
     /// Tangential spring, N.
     pub spring: [f64; 3],
@@ -22,11 +24,14 @@ pub struct ExchangedContact {
     pub stiffness: f64,
 }
 
-/// All of them. Bodies of `points` are grains in the order of ids, then walls.
+/// All contacts of a mixture that touch.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExchangedContacts {
+    /// Contacts between grains.
     pub grains: Vec<ExchangedContact>,
+    /// Contacts of grains with walls.
     pub walls: Vec<ExchangedContact>,
+    /// Contacts of points with grains and walls. A grain is given by its number in the order of identities.
     pub points: Vec<(Body, ExchangedContact)>,
 }
 
@@ -36,7 +41,7 @@ fn ratio(law: ContactLaw, pair: &Pair) -> f64 {
 }
 
 impl Mixture {
-    /// Grains, contacts and motion are those of the instant that was felt last.
+    /// All contacts that touch, with the forces that were computed last. `table`: parameters of contacts between grains and with walls.
     pub fn contacts(&self, physics: &Physics, table: &PairTable) -> ExchangedContacts {
         let (g, viscous) = (&self.grains.grains, physics.contact.law.is_viscous());
         let mut place = vec![0; g.len()];
@@ -70,7 +75,8 @@ impl Mixture {
         }
     }
 
-    /// Takes contacts over that were found elsewhere at this instant, after grain steps of `dt` seconds. Lists have to be made anew.
+    /// Replaces all contacts by those that a device has computed for this instant; `dt`: the last step of the grains, s. The caller has to make the
+    /// grains' neighbour lists anew.
     pub fn take_contacts(
         &mut self,
         physics: &Physics,
@@ -136,7 +142,7 @@ impl Mixture {
         let mut candidates: Vec<PointContact> = contacts.points.iter().map(of_point).collect();
         candidates.sort_unstable_by_key(|g| (g.body, g.point));
         self.point_contacts.candidates = candidates;
-        // as if nothing had been searched, and the grains' step had not been looked at
+        // makes a search and a look at the grains' time step due
         self.point_contacts.forget();
         self.grains.births = true;
         (self.grains.dt, self.last) = (dt, dt);

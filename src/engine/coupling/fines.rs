@@ -1,13 +1,16 @@
-//! Fines from crushing: what a breakage loses enters the continuum as material points.
+//! Fines from crushing: the mass that a breakage loses enters the continuum as material points.
 //!
-//! The fines fill what the daughters, and points that are there already, leave of their mother's sphere, at the porosity that the continuum's own fines had at the start, and
-//! free of stress there: that is the void ratio to which their law's deformation refers, and nowhere in that sphere are fines denser than it. What finds no room stays in the reserve with its share of the momentum, and so does
-//! what would be a point too small for the continuum (less than an eighth of a point of the scene) or alone in its cell, where it would weigh on nodes that
-//! nobody shares; and so do fines that a grain pushes through a loading plate. Grains + points + reserve keep mass and momentum to rounding.
+//! The points are placed in the sphere of the broken grain, in the volume that daughters and present points leave free, at the porosity that the
+//! continuum's own fines had at the start and without stress. That is the void ratio to which the deformation of their law refers, and nowhere in that
+//! sphere are the fines denser.
 //!
-//! Points stand for many fines, so their ghosts reach into the daughters around them. The overlap that a contact has when it is born bears no force
-//! ([`PointContact::reference`](super::Ghost)); it goes where the bodies part, and with the way that they slide past each other, in proportion to itself, over the scene's
-//! release strain. The energy that this sets free is counted.
+//! Mass that finds no room stays in a *reserve*, with its share of the momentum. So does mass whose point would be too small for the continuum (less
+//! than an eighth of a point of the scene), or alone in its cell (nodes would then carry the mass of that point only), and so do points that a grain
+//! pushes through a wall or loading plate. Grains, points and reserve together keep mass and momentum to rounding.
+//!
+//! A point stands for many fines, so its ghost overlaps the daughters around it. The overlap that a contact has when it is born bears no force
+//! (the reference overlap of [`PointContact`](super::PointContact)). It shrinks when the two move apart, and while they slide past each other: to 1/e over a
+//! sliding distance given by [`Rule::release_strain`]. The elastic energy gained by that is counted.
 
 use super::PointContacts;
 use crate::boundary::Wall;
@@ -20,30 +23,36 @@ use crate::mpm::loading_plate::ghost_radius;
 use crate::mpm::{Continuum, Dimension, Point};
 use serde::{Deserialize, Serialize};
 
-/// How fines enter.
+/// How lost mass becomes points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rule {
-    /// Way that a point slides past a grain, over the ghost's diameter, in which the overlap without force falls to 1/e.
+    /// Sliding distance between point and grain, over the ghost's diameter, in which the overlap without force falls to 1/e.
     pub release_strain: f64,
-    /// The law of their points, porosity at which they enter, and solid volume of a point of the scene, m³.
+    /// Index of the points' constitutive law.
     pub law: u8,
+    /// Porosity of new points.
     pub porosity: f64,
+    /// Largest volume of solids of a new point, m³: that of a point of the scene.
     pub solid: f64,
     /// Density of the grains, kg/m³.
     pub density: f64,
-    /// Points begin at rest: inertia is scaled, and the momentum that a breakage leaves is not that of a mass.
+    /// Whether points begin at rest. With inertia scaling they do, as the momentum of a grain then is not that of its real mass.
     pub at_rest: bool,
 }
 
-/// Mass, kg, momentum, kg m/s, and kinetic energy, J.
+/// An account of mass with its momentum and kinetic energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Account {
+    /// Mass, kg.
     pub mass: f64,
+    /// Momentum, kg m/s.
     pub momentum: [f64; 3],
+    /// Kinetic energy, J.
     pub kinetic: f64,
 }
 
 impl Account {
+    /// Adds mass, kg, momentum, kg m/s, and kinetic energy, J.
     fn add(&mut self, mass: f64, momentum: [f64; 3], kinetic: f64) {
         self.mass += mass;
         self.kinetic += kinetic;
@@ -51,64 +60,70 @@ impl Account {
     }
 }
 
-/// The fines of all breakages so far.
+/// The mass that all breakages so far have lost: in points and in the reserve.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FinesAsPoints {
+    /// How lost mass becomes points.
     pub rule: Rule,
-    /// What found no room.
+    /// Mass that has found no room.
     pub reserve: Account,
-    /// What became points and still is, and how many.
+    /// Mass that is in points now; momentum and kinetic energy are those with which points were added.
     pub entered: Account,
+    /// Number of points that were added and still exist.
     pub points: u64,
-    /// Elastic energy that contacts got by the release of their first overlaps, J.
+    /// Elastic energy that contacts have gained while their overlaps without force shrank, J.
     pub released: f64,
-    /// Breakages of this cycle.
+    /// Breakages whose mass has not become points yet.
     waiting: Vec<Breakage>,
 }
 
-/// Candidates for the places of an event's points, of which about half lie in the sphere.
+/// Number of trial places for the points of one breakage; about half of them lie in the sphere of the broken grain.
 const CANDIDATES: u64 = 2000;
-/// Points are at most so many times smaller than the scene's, and an event has about this many.
+/// Largest ratio of the solid volume of a point of the scene to that of a new point.
 const SMALLER: f64 = 8.0;
+/// Number of points that a breakage makes, if its mass is enough and not too much for them.
 const PER_EVENT: f64 = 32.0;
-/// A new ghost may reach this share of its radius into a grain.
+/// Largest overlap of a new ghost with a grain, over the ghost's radius.
 const DEEPEST: f64 = 0.6;
-/// Half the distance of two new points, over the ghost's radius, at least.
+/// Smallest distance between two new points, over the ghost's diameter.
 const LEAST_ROOM: f64 = 0.25;
-/// Points in a cell after insertion, at least.
+/// Smallest number of points in a cell with new points.
 const COMPANY: usize = 2;
 
-/// What an event's points meet.
+/// The surroundings of a breakage, in which its points are placed.
 struct Around<'a> {
-    /// Middle, m, and radius of the mother.
+    /// Centre of the broken grain, m.
     centre: [f64; 3],
+    /// Radius of the broken grain, m.
     radius: f64,
     grains: &'a Grains,
-    /// Their radii, m, or what they grow to.
+    /// Radii of all grains, m; of growing ones their final radii.
     radii: &'a [f64],
-    /// Those near the mother.
+    /// Indices of the grains near the broken one.
     grains_near: Vec<usize>,
     walls: &'a [Wall],
     continuum: &'a Continuum,
 }
 
 impl FinesAsPoints {
+    /// Without breakages so far.
     pub fn new(rule: Rule) -> FinesAsPoints {
         let (reserve, entered) = (Account::default(), Account::default());
         FinesAsPoints { rule, reserve, entered, points: 0, released: 0.0, waiting: Vec::new() }
     }
 
+    /// Takes note of breakages, for [`Self::insert_points`].
     pub(super) fn queue(&mut self, breakages: &[Breakage]) {
         self.waiting.extend_from_slice(breakages);
     }
 
-    /// What the breakages of a cycle have lost becomes points.
+    /// Turns the mass lost in the breakages noted so far into points of the continuum; the rest goes to the reserve.
     pub(super) fn insert_points(&mut self, state: &State, continuum: &mut Continuum, point_contacts: &mut PointContacts) {
         if self.waiting.is_empty() {
             return;
         }
         let State { grains, walls, aftermath, .. } = state;
-        // daughters that grow will be there
+        // growing daughters count with their final size
         let radii = aftermath.radii(grains);
         for mut event in std::mem::take(&mut self.waiting) {
             if self.rule.at_rest {
@@ -133,7 +148,7 @@ impl FinesAsPoints {
         }
     }
 
-    /// Fines that a grain has pushed through a loading plate or wall have no place in the continuum any more: back into the reserve. `through` says of a place whether it is behind one.
+    /// Moves points from breakages that a grain has pushed through a loading plate or wall back into the reserve. `through`: whether a position is behind one.
     pub(super) fn remove_points(
         &mut self,
         through: impl Fn([f64; 4]) -> bool,
@@ -163,7 +178,7 @@ impl FinesAsPoints {
         point_contacts.forget();
     }
 
-    /// The mass of each of an event's points, kg, and their places.
+    /// Mass of each point of a breakage, kg, and the positions of its points, m; no positions if nothing can be added.
     fn places(
         &self,
         event: &Breakage,
@@ -173,7 +188,7 @@ impl FinesAsPoints {
         continuum: &Continuum,
     ) -> (f64, Vec<[f64; 3]>) {
         let (rule, radius, lost) = (&self.rule, 0.5 * event.diameter, event.lost_mass / self.rule.density);
-        // what daughters leave of the mother's sphere is as large as the fines without pores
+        // the daughters leave free a volume as large as that of the lost solids
         let room = (1.0 - rule.porosity) * (lost - volume_of_points(continuum, event.position, radius)).max(0.0);
         if SMALLER * room < rule.solid {
             return (0.0, Vec::new());
@@ -192,7 +207,7 @@ impl FinesAsPoints {
         let around = Around { centre: event.position, radius, grains, radii, grains_near, walls, continuum };
         let mut places = around.spread(event.lineage, point_radius, number as usize);
         let mass = solid * rule.density;
-        // who goes for one reason may leave another one alone
+        // removing a point for one reason can leave another one alone in its cell: repeat until nothing changes
         loop {
             let number = places.len();
             around.drop_lonely(&mut places);
@@ -205,7 +220,8 @@ impl FinesAsPoints {
 }
 
 impl Around<'_> {
-    /// Places in the mother's sphere, each as far from grains and from each other as possible; those too deep in a grain or in a wall's reach are none.
+    /// Up to `number` positions in the sphere of the broken grain, each as far from grains and from the other positions as possible. Positions too deep in a
+    /// grain or within reach of a wall are left out. `point_radius`: ghost radius of the new points, m.
     fn spread(&self, lineage: u64, point_radius: f64, number: usize) -> Vec<[f64; 3]> {
         let settings = self.continuum.settings();
         let inside = |p: &[f64; 3]| {
@@ -215,7 +231,7 @@ impl Around<'_> {
             })
         };
         let shift = lineage_uniform(lineage);
-        // place, and room around it over the ghost's radius
+        // position, and free distance around it over the ghost's radius
         let mut candidates: Vec<([f64; 3], f64)> = (1..=CANDIDATES)
             .map(|k| std::array::from_fn(|a| 2.0 * (halton(k, [2, 3, 5][a]) + shift[a]).fract() - 1.0))
             .filter(|u: &[f64; 3]| dot(*u, *u) < 1.0)
@@ -226,7 +242,7 @@ impl Around<'_> {
             .collect();
         let mut places: Vec<[f64; 3]> = Vec::with_capacity(number.min(CANDIDATES as usize));
         while places.len() < number {
-            // the first of the best: a fixed order
+            // the first of equal ones, so that the order is fixed
             let mut best: Option<usize> = None;
             for (k, (_, room)) in candidates.iter().enumerate() {
                 if best.is_none_or(|b| *room > candidates[b].1) {
@@ -239,14 +255,14 @@ impl Around<'_> {
                 let d = less(*p, place);
                 *room = room.min(0.5 * dot(d, d).sqrt() / point_radius);
             }
-            // two in one place are none
+            // positions too close to the one taken
             candidates.retain(|(_, room)| *room > LEAST_ROOM);
             places.push(place);
         }
         places
     }
 
-    /// Distance to the next grain's surface, m; below zero inside.
+    /// Distance from the nearest surface of a grain, m; negative inside of it.
     fn clearance(&self, p: [f64; 3]) -> f64 {
         let to = |i: &usize| {
             let g = self.grains.pos[*i];
@@ -256,7 +272,7 @@ impl Around<'_> {
         self.grains_near.iter().map(to).fold(f64::INFINITY, f64::min)
     }
 
-    /// Those that would have a cell for themselves go.
+    /// Removes positions whose point would be alone in its cell.
     fn drop_lonely(&self, places: &mut Vec<[f64; 3]>) {
         let settings = self.continuum.settings();
         let cell =
@@ -274,7 +290,7 @@ impl Around<'_> {
         });
     }
 
-    /// Points never have more kinetic and potential energy than the breakage took away: else the highest go.
+    /// Removes the highest positions until the kinetic and potential energy of the points is not more than the energy that the breakage has taken away.
     fn drop_highest(&self, event: &Breakage, mass: f64, places: &mut Vec<[f64; 3]>) {
         let gravity = self.continuum.settings().gravity;
         let velocity = event.lost_momentum.map(|p| p / event.lost_mass);
@@ -290,7 +306,7 @@ impl Around<'_> {
     }
 }
 
-/// Volume of the points in a sphere, m³.
+/// Sum of the volumes of the points in a sphere, m³.
 fn volume_of_points(continuum: &Continuum, centre: [f64; 3], radius: f64) -> f64 {
     let mut inside = Vec::new();
     continuum.visit([-radius, radius].map(|by| centre.map(|x| x + by)), |i| {
@@ -304,7 +320,7 @@ fn volume_of_points(continuum: &Continuum, centre: [f64; 3], radius: f64) -> f64
     inside.into_iter().map(|(_, volume)| volume).sum()
 }
 
-/// The k-th number of van der Corput's sequence (Halton 1960).
+/// The k-th number of van der Corput's sequence to a base, in 0..1; three bases give evenly spread points in a cube (Halton 1960).
 fn halton(mut k: u64, base: u64) -> f64 {
     let (mut sum, mut share) = (0.0, 1.0);
     while k > 0 {

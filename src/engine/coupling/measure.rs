@@ -1,4 +1,4 @@
-//! What grains in a continuum bear, and how they touch: for records.
+//! Measures of a mixture for records: shares of the stress, contacts, energies.
 
 use super::{Body, Mixture};
 use crate::contact::fabric::Fabric;
@@ -6,24 +6,25 @@ use crate::dem::State;
 use crate::mpm::Continuum;
 use serde::{Deserialize, Serialize};
 
-/// Contributions to the mean stress of a volume along the three axes, Pa, compression positive. In balance their sum is the stress on its sides.
+/// Parts of the mean stress of a volume: normal stresses along x, y, z, Pa, compression positive. In equilibrium their sum is the stress on the sides of
+/// the volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shares {
-    /// Stress of the points over their volume.
+    /// Stress of the material points, Σ σ V over the volume.
     pub matrix: [f64; 3],
-    /// Contacts of grains with each other and with loading plates.
+    /// Love–Weber stress of the contacts of grains with each other and with loading plates.
     pub skeleton: [f64; 3],
-    /// Contacts of grains with points.
+    /// Love–Weber stress of the contacts of grains with points.
     pub interface: [f64; 3],
 }
 
 impl Shares {
-    /// The sum along an axis.
+    /// Sum of the three parts along an axis, Pa.
     pub fn total(&self, axis: usize) -> f64 {
         self.matrix[axis] + self.skeleton[axis] + self.interface[axis]
     }
 
-    /// Half way to others.
+    /// Mean of two sets of parts.
     pub fn midway(self, to: Shares) -> Shares {
         let mid = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
         Shares {
@@ -34,19 +35,21 @@ impl Shares {
     }
 }
 
-/// How grains touch.
+/// Numbers of contacts, and fabric.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touching {
-    /// Contacts between grains, of grains with walls, and of grains and walls with points.
+    /// Number of contacts between grains.
     pub grains: u64,
+    /// Number of contacts of grains with walls.
     pub walls: u64,
+    /// Number of contacts of points with grains and walls.
     pub points: u64,
-    /// Fabric tensor of the contacts between grains: xx, yy, zz, xy, yz, zx; zeros without any.
+    /// Fabric tensor of the contacts between grains: xx, yy, zz, xy, yz, zx; zeros without contacts.
     pub fabric: [f64; 6],
 }
 
 impl Mixture {
-    /// The shares of a volume, m³.
+    /// Parts of the mean stress of `volume`, m³, which holds all points and grains.
     pub fn shares(&self, continuum: &Continuum, volume: f64) -> Shares {
         let (g, points, mut shares) = (&self.grains.grains, continuum.points(), Shares::default());
         for i in points.by_id().into_iter().map(|i| i as usize) {
@@ -76,7 +79,7 @@ impl Mixture {
         shares
     }
 
-    /// Contacts of this instant.
+    /// Numbers of contacts and fabric at this instant.
     pub fn touching(&self) -> Touching {
         let (g, pairs) = (&self.grains.grains, &self.grains.pairs);
         let id = |i: u32| g.id[i as usize];
@@ -91,8 +94,8 @@ impl Mixture {
         }
     }
 
-    /// Kinetic and potential energy of the grains and rigid bodies, and what their contacts hold, those with points included, J; of the tangential springs only
-    /// those of the latter.
+    /// Kinetic energy of grains and rigid bodies, their potential energy in gravity, and the elastic energy of their contacts, those with points included,
+    /// J. Of tangential springs only those of point contacts and of contacts of rigid bodies are counted.
     pub fn energies(&self, gravity: [f64; 3]) -> [f64; 3] {
         let g = &self.grains.grains;
         let square = |v: [f64; 4]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];

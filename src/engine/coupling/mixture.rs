@@ -1,9 +1,10 @@
-//! One cycle of grains and continuum, each with steps of its own.
+//! One cycle of grains and continuum, each with time steps of its own.
 //!
-//! The slower side makes one step of `time` seconds, the other κ steps of a κ-th of it (Zhang et al., section 4.2, eqs 51–60; here either side may be the
-//! slower one). Contacts between them are found at every step of the faster side, with the slower one carried on by the mean velocity of its last step (eq. 60: the
-//! way it went over the time it took). What a contact gives the faster side in each of its steps, it takes from the slower one over the cycle as the mean
-//! of these forces: impulses are equal and opposite, so momentum is conserved to rounding, whatever κ is. With κ = 1 both are found from one instant.
+//! The side that allows the longer step makes one step of `time` seconds in a cycle, the other side κ steps of `time`/κ (Zhang et al., section 4.2,
+//! eqs 51–60; here either side may be the slower one). Contact forces between the sides are computed at every step of the faster side. The slower
+//! side's positions are extrapolated meanwhile with the mean velocity of its last step (eq. 60: distance over time). The slower side gets the mean over
+//! the cycle of the forces that the faster side gets step by step. So impulses are equal and opposite, and momentum is conserved to rounding for any
+//! κ. With κ = 1 both sides get the forces of one instant.
 
 use super::{FinesAsPoints, PointContacts, Rule};
 use crate::coupling::evaluate::PointContactScene;
@@ -21,38 +22,44 @@ use crate::rigid::{self, Blocks};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Who makes how many steps in a cycle; one of both is 1.
+/// Numbers of steps in a cycle; one of both is 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rates {
+    /// Steps of the grains.
     pub grains: u32,
+    /// Steps of the continuum.
     pub continuum: u32,
 }
 
-/// A cycle.
+/// Length of a cycle, and the steps in it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cycle {
-    /// s.
+    /// Length, s.
     pub time: f64,
+    /// Steps of both sides.
     pub rates: Rates,
 }
 
-/// What each side allows by itself, with the scene's safety, s; what contacts between them allow; and what the scene asks for.
+/// Bounds from which a cycle is chosen ([`Cycle::longest`]).
 #[derive(Clone, Copy, Debug)]
 pub struct Allowed {
+    /// Largest step of the grains by their own contacts, s, with the factor `safety` in it.
     pub grains: f64,
+    /// Largest step of the continuum by waves through a cell, s, with the factor `safety` in it.
     pub continuum: f64,
-    /// What they add to the square of a frequency, 1/s².
+    /// What contacts of points with grains and loading plates add to the square of a frequency, 1/s².
     pub contacts: f64,
+    /// Time step over the largest stable one.
     pub safety: f64,
-    /// A cycle may be so much shorter than the slower side could do, 1 or less, if that saves a step of the faster one.
+    /// Shortest cycle over what the slower side could do, 1 or less: a shorter cycle is taken if that saves a step of the faster side.
     pub nearly: f64,
-    /// Instead of the rates that the bounds give.
+    /// Numbers of steps that are given instead of chosen.
     pub rates: Option<Rates>,
 }
 
 impl Cycle {
-    /// The longest cycle that is stable: a side's frequency and that of the contacts add up, ω² ≤ ω_side² + ω_contacts². With rates that are given, the
-    /// longest cycle that both sides can do with them.
+    /// The longest stable cycle. Squares of frequencies add up, ω² ≤ ω_side² + ω_contacts², so each side's step becomes shorter by the contacts. The numbers
+    /// of steps follow from the two steps, unless they are given.
     pub fn longest(allowed: &Allowed) -> Cycle {
         let of = |dt: f64| {
             let own = 2.0 * allowed.safety / dt;
@@ -75,51 +82,62 @@ impl Cycle {
     }
 }
 
-/// Most steps of the faster side in a cycle.
+/// Largest number of steps of the faster side in a cycle.
 const MOST: f64 = 1000.0;
 
-/// The grains of a mixture with their contacts with points, beside a continuum.
+/// The grains of a mixture and everything that couples them to a continuum. The continuum itself is passed to each call ([`Parts`]).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Mixture {
+    /// The grains, with their walls and contacts.
     pub grains: State,
+    /// Contacts of points with grains and walls.
     pub point_contacts: PointContacts,
-    /// Rigid bodies that are no spheres, where there are some; they make the grains' steps.
+    /// Rigid bodies that are not spheres, if there are some; they make the same steps as the grains.
     pub blocks: Option<Box<Blocks>>,
-    /// Where the mass that breakages lose becomes points.
+    /// Fines from crushing, if the mass that breakages lose becomes material points.
     pub fines: Option<Box<FinesAsPoints>>,
-    /// Breakages of a cycle, until they are taken.
+    /// Breakages since the caller last took them out.
     #[serde(skip)]
     pub breakages: Vec<Breakage>,
-    /// Elastic energy of a contact between grains over its normal force and overlap: 2/5 by Hertz, 1/2 of a linear one.
+    /// Elastic energy of a contact over normal force times overlap: 2/5 by Hertz, 1/2 for linear laws.
     pub(super) energy_factor: f64,
-    /// The last cycle.
+    /// The present cycle; after it, the last one.
     pub cycle: Cycle,
-    /// Cycles done.
+    /// Number of cycles done.
     pub cycles: u64,
-    /// The last step of grains, and what their own contacts allow, s.
+    /// Last step of the grains, s.
     pub(super) last: f64,
+    /// Largest step of the grains by their own contacts, s.
     own: f64,
-    /// Steps of the continuum, and the largest speed at which a point was carried in the last one, m/s.
+    /// Number of steps of the continuum, and the largest transport velocity of a point in the last of them, m/s.
     fastest: (u64, f64),
-    /// What the nodes felt of the contacts' stiffness in the last cycle, of what each point by itself would have.
+    /// In the last cycle: the bound on the square of a frequency that the nodes got from the stiffness of point contacts, over the bound if every point
+    /// moved by itself; 1 or less.
     pub bound_ratio: f64,
-    /// The latter for this cycle, 1/s², until the continuum's first step.
+    /// The bound if every point moved by itself, 1/s², of this cycle; taken by the first step of the continuum in it.
     #[serde(skip)]
     pub isolated_bound: Option<f64>,
+    /// Buffers of zeros for sums over points and over grains.
     #[serde(skip)]
     sums: [Vec<f64>; 2],
 }
 
-/// What a mixture works on besides itself.
+/// What a cycle needs besides the mixture.
 pub struct Parts<'a> {
+    /// Laws and constants of the grains.
     pub physics: &'a Physics,
+    /// Parameters of the point contacts.
     pub table: &'a PointContactTable,
+    /// Buffers and neighbour lists of the grains.
     pub work: &'a mut Workspace,
+    /// The continuum.
     pub continuum: &'a mut Continuum,
+    /// Loading plates that press on the continuum.
     pub plates: &'a mut [LoadingPlate],
 }
 
 impl Mixture {
+    /// A mixture before its first cycle. `fines`: how lost mass becomes points, if it does. The continuum keeps transport velocities from now on.
     pub fn new(physics: &Physics, grains: State, continuum: &mut Continuum, fines: Option<Rule>) -> Mixture {
         let energy_factor = if physics.contact.law.is_hertzian() { 0.4 } else { 0.5 };
         continuum.keep_transport_velocity();
@@ -142,10 +160,10 @@ impl Mixture {
         }
     }
 
-    /// The forces of this instant: between grains, and between grains and points.
+    /// Computes the forces of this instant between grains, and between grains and points.
     ///
     /// # Errors
-    /// Rigid bodies that come within reach of each other.
+    /// Rigid bodies that come within reach of each other; a grain that moves further than a cell in a step.
     pub fn compute_forces(&mut self, parts: &mut Parts<'_>) -> Result<()> {
         dem::compute_forces(parts.physics, &mut self.grains, parts.work);
         self.note_bound();
@@ -154,12 +172,13 @@ impl Mixture {
         Ok(())
     }
 
-    /// What the grains' own contacts allow, s, and what those of points with grains and loading plates add to the square of a frequency, 1/s².
+    /// Largest step of the grains by their own contacts, s, and what contacts of points with grains and loading plates add to the square of a frequency,
+    /// 1/s². `slow`: contacts have to be stable only ([`crate::dem::physics::Stepping::slow`]).
     ///
-    /// What the nodes feel of the contacts' stiffness is known when the continuum has made its step. Contacts change little from a step to the next, so what they felt
-    /// last of what each point by itself would have is taken for the present.
+    /// The bound at the nodes is known only after the step of the continuum. As contacts change little in a step, the bound of isolated points is multiplied
+    /// with the ratio of the two in the last cycle.
     pub fn bounds(&mut self, continuum: &Continuum, plates: &[LoadingPlate], slow: bool) -> (f64, f64) {
-        // without grains nothing bounds their step
+        // no grains, no bound
         let own = if self.grains.grains.is_empty() { f64::INFINITY } else { self.own };
         let mut rates = self.point_contacts.rates(&self.grains.grains, &mut self.sums, continuum.points().len());
         if let Some(blocks) = &mut self.blocks {
@@ -171,16 +190,17 @@ impl Mixture {
         (own, rates.frequency2(plates, slow.then_some(self.bound_ratio)))
     }
 
-    /// Makes one cycle with the forces that [`Self::compute_forces`] has found and loading plates that have pressed; walls and loading plates move at their speeds.
+    /// Makes one cycle. Before it, [`Self::compute_forces`] and [`loading_plate::press`] must have computed the forces of this instant. Walls and loading
+    /// plates move at their speeds.
     ///
     /// # Errors
-    /// A lost point; a loading plate through the points.
+    /// A point that is lost; a loading plate that has passed a point; as [`Self::compute_forces`].
     pub fn make_cycle(&mut self, parts: &mut Parts<'_>, cycle: Cycle) -> Result<()> {
         self.cycle = cycle;
         let Cycle { time, rates } = cycle;
         let [of_grains, of_points] = [rates.continuum, rates.grains].map(|n| 1.0 / f64::from(n));
         self.apply_reactions(parts, of_grains, [of_points, ContactRates::END_SHARES[0]]);
-        // but for the last one the steps of the continuum, beside grains that go on as they went
+        // all steps of the continuum but the last, with extrapolated grains
         let dt = time * of_grains;
         for j in 1..rates.continuum {
             self.step_continuum(parts, dt)?;
@@ -192,7 +212,8 @@ impl Mixture {
         self.end(parts, time - self.last, rates.grains - 1)
     }
 
-    /// Goes on with a cycle of which `done` steps of the grains were made elsewhere: points already have what contacts gave them, the last forces included.
+    /// Continues a cycle of which a device has made `done` steps of the grains. The points already have the forces of their contacts up to and with the
+    /// present instant.
     ///
     /// # Errors
     /// As [`Self::make_cycle`].
@@ -205,7 +226,8 @@ impl Mixture {
         self.end(parts, time - dt * f64::from(done + 1), rates.grains - done - 1)
     }
 
-    /// The other steps of the grains, for `left` seconds, beside points that go on as they went, and the last step of the continuum. Newborn grains may need shorter steps.
+    /// Ends a cycle: the other `steps` steps of the grains, `left` seconds in all, with extrapolated points; then the last step of the continuum. Grains born
+    /// meanwhile may need shorter steps.
     fn end(&mut self, parts: &mut Parts<'_>, mut left: f64, mut steps: u32) -> Result<()> {
         let Cycle { time, rates } = self.cycle;
         while steps > 0 {
@@ -232,6 +254,7 @@ impl Mixture {
         Ok(())
     }
 
+    /// One step of the grains and rigid bodies with the forces added so far.
     fn move_grains(&mut self, parts: &mut Parts<'_>, dt: f64) {
         (self.grains.dt, self.last) = (dt, dt);
         if let Some(blocks) = &mut self.blocks {
@@ -246,7 +269,7 @@ impl Mixture {
         }
     }
 
-    /// A step of the continuum, and its loading plates' way in it.
+    /// One step of the continuum and of the loading plates.
     fn step_continuum(&mut self, parts: &mut Parts<'_>, dt: f64) -> Result<()> {
         parts.continuum.step(dt)?;
         if let Some(isolated) = self.isolated_bound.take() {
@@ -256,6 +279,8 @@ impl Mixture {
         Ok(())
     }
 
+    /// Adds the forces of all point contacts: times `of_grains` to grains and rigid bodies, times `of_points[0]` to points, whose stiffness counts times
+    /// `of_points[1]`.
     fn apply_reactions(&mut self, parts: &mut Parts<'_>, of_grains: f64, of_points: [f64; 2]) {
         self.point_contacts.apply_reactions(
             &self.grains.grains,
@@ -269,13 +294,13 @@ impl Mixture {
         }
     }
 
-    /// Forces between rigid bodies, grains and walls.
+    /// Forces of the contacts of rigid bodies with grains and walls.
     fn evaluate_bodies(&mut self, parts: &Parts<'_>) {
         let Some(blocks) = &mut self.blocks else { return };
         blocks.evaluate(&rigid_scene(&self.grains, parts, self.last, [0.0; 2]), false);
     }
 
-    /// Takes the grains' own bound where their step is not the one that they were given: then their contacts have been looked at again.
+    /// Takes over a new bound on the grains' step. [`dem::compute_forces`] writes it into the grains' time step, which then differs from the last step.
     fn note_bound(&mut self) -> bool {
         let looked = self.grains.dt != self.last;
         if looked {
@@ -284,7 +309,7 @@ impl Mixture {
         looked
     }
 
-    /// Lists and forces `dt` seconds after the last ones, with grains and points taken so far ahead.
+    /// Renews candidates and forces of point contacts, `dt` seconds after the last time; `ahead`: times, s, by which grains and points are extrapolated.
     fn find(&mut self, parts: &Parts<'_>, dt: f64, ahead: [f64; 2]) -> Result<()> {
         let Parts { table, continuum, .. } = parts;
         let State { grains, walls, .. } = &self.grains;
@@ -316,7 +341,7 @@ impl Mixture {
         Ok(())
     }
 
-    /// Mass, kg, and momentum, kg m/s, of grains, points and what breakages have left in reserve.
+    /// Mass, kg, and momentum, kg m/s, of grains, rigid bodies, points and the reserve of fines.
     pub fn mass_and_momentum(&self, continuum: &Continuum) -> (f64, [f64; 3]) {
         let (g, totals) = (&self.grains.grains, continuum.totals());
         let (mut mass, mut momentum) = (totals.mass, totals.momentum);
@@ -339,7 +364,7 @@ impl Mixture {
     }
 }
 
-/// Grains on the grid that would be through points before they see them; what has left it meets none.
+/// Checks for grains inside of the grid that move further than a cell in a step, and so could pass points without touching them.
 fn too_fast(grains: &Grains, continuum: &Continuum, dt: f64) -> Result<()> {
     let settings = continuum.settings();
     let over = |i: &usize| {
@@ -356,7 +381,7 @@ fn too_fast(grains: &Grains, continuum: &Continuum, dt: f64) -> Result<()> {
     Err(Error::Unstable { step: continuum.steps(), what, grain: Some(u64::from(grains.id[i])) })
 }
 
-/// What contacts of rigid bodies are found from.
+/// Input for the contact forces of rigid bodies.
 fn rigid_scene<'a>(state: &'a State, parts: &'a Parts<'_>, dt: f64, ahead: [f64; 2]) -> rigid::BlockScene<'a> {
     let Parts { physics, table, work, continuum, .. } = parts;
     let State { grains, walls, .. } = state;

@@ -1,12 +1,11 @@
-//! Grains inside a continuum: a material point near a grain or a wall is a ghost sphere that touches it as a grain would (Li et al. 2023,
-//! section 2.3).
+//! Grains inside a continuum. A material point near a grain or a wall touches it as a sphere, its *ghost* (Li et al. 2023, section 2.3).
 //!
-//! The ghost's radius is that of the point's solids, (1 − n) V = 4/3 π r³ (eq. 22), which stays while the point's volume changes. The contact is the
-//! run's own contact law with friction and history (eqs 18–21, 23, 24); the grain gets force and torque (eqs 25–27), the point the opposite force, which
-//! goes to the nodes by its shape functions (eqs 28, 29). Only points near a surface take part.
+//! The ghost has the volume of the point's solids, (1 − n) V = 4/3 π r³ (eq. 22); its radius r stays while the point's volume changes. The contact
+//! follows the contact law of the run, with friction and history (eqs 18–21, 23, 24). The grain gets a force and a torque (eqs 25–27), the point the
+//! opposite force, which goes to the nodes by the point's shape functions (eqs 28, 29). Only points near a surface are looked at.
 //!
-//! Ghosts have no spin. Slip is taken from the velocity that carried the point, not from its own: with FLIP these differ, and only the first
-//! moves the contact point.
+//! Ghosts do not rotate. The velocity of a point in a contact is the one that moved it in its last step ([`crate::mpm::Points::transport_velocity`]).
+//! With FLIP that differs from the velocity stored at the point, and only the former moves the contact point.
 
 mod embedded;
 mod evaluate;
@@ -27,7 +26,7 @@ use crate::contact::pairs::ContactForce;
 use crate::point_contacts::Age;
 use serde::{Deserialize, Serialize};
 
-/// Whose surface a ghost may touch. Grains come first, in the order of ids.
+/// The grain or wall of a point contact. Grains are ordered before walls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Body {
     /// A grain's identity.
@@ -36,69 +35,74 @@ pub enum Body {
     Wall(u32),
 }
 
-/// A body and a point near it.
+/// A material point and a grain or wall that it touches or may touch soon.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct PointContact {
+    /// Grain or wall.
     pub body: Body,
-    /// The point's identity.
+    /// Identity of the point.
     pub point: u32,
-    /// Present indices of grain or wall, and of the point.
+    /// Present indices of the grain or wall, and of the point.
     place: [u32; 2],
-    /// The point's law.
+    /// Constitutive law of the point.
     law: u8,
-    /// Ghost radius, m, and mass of the point, kg.
+    /// Ghost radius of the point, m.
     radius: f64,
+    /// Mass of the point, kg.
     mass: f64,
-    /// The contact: first end the body, second the ghost. All zero while they do not touch.
+    /// Force of the contact; its first end is the body, its second the point. All zero while they do not touch.
     pub touch: ContactForce,
-    /// Tangential spring (viscous laws), N.
+    /// Tangential spring, N (viscous laws; for others the tangential force is the spring).
     spring: [f64; 3],
-    /// Tangent stiffnesses of the last sweep, normal and tangential, N/m.
+    /// Tangent stiffnesses when forces were last computed: normal and tangential, N/m.
     stiffness: [f64; 2],
-    /// Overlap that bears no force, m: of a point that was born inside the body's reach; infinite until the first look.
+    /// Overlap that bears no force, m: the overlap with which a point from a breakage was born. Infinite until forces are first computed, then that overlap.
     reference: f64,
 }
 
-/// Everything about the contacts between points and surfaces that a restart needs.
+/// All contacts and candidates of contacts between points and grains or walls: what a restart needs of them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PointContacts {
-    /// In the order of bodies, then of points.
+    /// Points near grains and walls, touching or not, sorted by body and then by the identity of the point.
     pub candidates: Vec<PointContact>,
+    /// Age of the list.
     age: Age,
-    /// Points that breakages have left, where there are some.
+    /// Points that come from breakages, if there are some.
     newborn: Option<Newborn>,
-    /// Scratch: index by identity.
+    /// Buffers: index by identity, of grains and of points.
     #[serde(skip)]
     index: [Vec<u32>; 2],
 }
 
-/// Who was born inside another's reach.
+/// Which points come from breakages, and which grains and points are new since the last search.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Newborn {
-    /// The first point that a breakage left.
+    /// Identity of the first point that came from a breakage.
     first: u32,
-    /// Grains and points that are new since the last search have these identities and higher ones.
+    /// Grains with this identity or a higher one are new since the last search.
     grains: u32,
+    /// Points with this identity or a higher one are new since the last search.
     points: u32,
 }
 
 impl PointContacts {
-    /// Points from `first` on have come, with grains below `grains` there: what they overlap with at their first look bears no force.
+    /// Tells that points from identity `first` on have been added by a breakage, when the next new grain had the identity `grains`: the overlaps that
+    /// these points have at the next search bear no force ([`PointContact`]'s reference overlap).
     fn note_newborn(&mut self, first: u32, grains: u32) {
         self.newborn.get_or_insert(Newborn { first, grains, points: first });
     }
 
-    /// Whether breakages have left this point.
+    /// Whether the point with this identity comes from a breakage.
     fn is_newborn(&self, point: u32) -> bool {
         self.newborn.is_some_and(|born| point >= born.first)
     }
 
-    /// The next look searches anew.
+    /// Makes a new search due.
     fn forget(&mut self) {
         self.age.forget();
     }
 
-    /// Bytes held.
+    /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         self.candidates.capacity() * size_of::<PointContact>() + self.index.iter().map(|i| 4 * i.capacity()).sum::<usize>()
     }

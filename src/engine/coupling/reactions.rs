@@ -1,4 +1,4 @@
-//! Who gets the force of every point contact, and what the contacts hold and allow.
+//! Adds the forces of point contacts to grains and points; energy of the contacts and their bound on the time step.
 
 use super::evaluate::PointContactScene;
 use super::{Body, PointContact, PointContacts};
@@ -9,27 +9,29 @@ use crate::mpm::Continuum;
 use crate::point_contacts::ContactRates;
 
 impl PointContact {
-    /// Elastic energy of its normal compression, so large a share of force times overlap, and of its tangential spring, J.
+    /// Elastic energy of the contact, J: `energy_factor` times normal force times overlap, and the energy of the tangential spring.
     pub(super) fn energy(&self, energy_factor: f64) -> f64 {
         let t = if self.spring == [0.0; 3] { self.touch.tangential } else { self.spring };
         let [k_n, k_t] = self.stiffness;
         if k_n > 0.0 { energy_factor * self.touch.normal_force * self.touch.overlap + 0.5 * dot(t, t) / k_t } else { 0.0 }
     }
 
-    /// What it asks of the inertia of its ends, N/m ([`crate::dem::stability`]).
+    /// max(2 k_n, 7 k_t), N/m: its part in the bound on the inertial mass of a grain ([`crate::dem::stability`]).
     pub(super) fn inertia_stiffness(&self) -> f64 {
         let [k_n, k_t] = self.stiffness;
         (2.0 * k_n).max(7.0 * k_t)
     }
 
-    /// Force on the body, N.
+    /// Force of the point on the grain or wall, N.
     pub fn force(&self) -> [f64; 3] {
         self.touch.force()
     }
 }
 
 impl PointContacts {
-    /// Gives grains and points their shares of what the contacts bear, and points such a share of their stiffness, in the order of bodies and points.
+    /// Adds `of_grains` times force and torque of each contact to `external_forces` (force, N, and torque, N m, by index of the grain), and `of_points`
+    /// times the opposite force, with `stiff` times the larger tangent stiffness, to the points of the continuum. Contacts are taken in the order of
+    /// the list.
     pub(super) fn apply_reactions(
         &self,
         grains: &Grains,
@@ -53,8 +55,8 @@ impl PointContacts {
         }
     }
 
-    /// The overlaps without force of contacts that have slid for `dt` seconds fall by 1/e in a way of `strain` ghost diameters; the elastic energy
-    /// that they get by it, J.
+    /// Lowers the overlaps without force by sliding: over a sliding distance of `strain` ghost diameters such an overlap falls to 1/e. Returns the elastic
+    /// energy that contacts gain by it, J.
     pub(super) fn release(&mut self, scene: &PointContactScene<'_>, strain: f64) -> f64 {
         let mut energy = 0.0;
         for contact in self.candidates.iter_mut().filter(|g| g.reference > 0.0 && g.reference < f64::INFINITY) {
@@ -72,18 +74,18 @@ impl PointContacts {
         energy
     }
 
-    /// Contacts that bear something, in order.
+    /// Contacts that touch, in the order of the list.
     pub fn touching(&self) -> impl Iterator<Item = &PointContact> {
         self.candidates.iter().filter(|g| g.touch.overlap > 0.0)
     }
 
-    /// Contacts of grains with points that bear something, in order: indices of both, the ghost's radius, m, and the contact.
+    /// Contacts of points with grains that touch, in the order of the list: index of the grain, index of the point, ghost radius, m, and contact force.
     pub fn on_grains(&self) -> impl Iterator<Item = (usize, usize, f64, ContactForce)> {
         let on_grain = self.touching().filter(|g| matches!(g.body, Body::Grain(_)));
         on_grain.map(|g| (g.place[0] as usize, g.place[1] as usize, g.radius, g.touch))
     }
 
-    /// Elastic energy of all contacts, J.
+    /// Elastic energy of all contacts, J; `energy_factor` as in [`PointContact::energy`].
     pub(super) fn stored(&self, energy_factor: f64) -> f64 {
         self.touching().map(|contact| contact.energy(energy_factor)).sum()
     }
@@ -93,7 +95,7 @@ impl PointContacts {
         self.touching().filter(|g| g.body == Body::Wall(k as u32)).map(|g| g.touch.normal_force).sum()
     }
 
-    /// What the contacts of this instant allow as a time step: the largest sum of stiffness over mass over a point by itself, and over a grain.
+    /// Largest sums of stiffness over mass of a point and of a grain over the present contacts. `sums` are buffers of zeros, and are left as such.
     pub(super) fn rates(&self, grains: &Grains, sums: &mut [Vec<f64>; 2], points: usize) -> ContactRates {
         let mut most = ContactRates::default();
         let [of_points, of_grains] = sums;
@@ -108,7 +110,7 @@ impl PointContacts {
                 most.grains = most.grains.max(of_grains[body]);
             }
         }
-        // empty again, and only where it was not
+        // zeros again, where the sums were changed
         for contact in self.touching() {
             of_points[contact.place[1] as usize] = 0.0;
             if let Body::Grain(_) = contact.body {
@@ -119,7 +121,8 @@ impl PointContacts {
     }
 }
 
-/// Torque on a grain of this radius: (r − δ/2) n × t (Li et al. 2023, eq. 27, with the grain's own radius).
+/// Torque on a grain, N m: (r − δ/2) n × t with the grain's radius r, the overlap δ, the normal n and the tangential force t (Li et al. 2023, eq. 27, with
+/// the grain's own radius).
 fn torque(touch: &ContactForce, radius: f64) -> [f64; 3] {
     scaled(cross(touch.normal, touch.tangential), radius - 0.5 * touch.overlap)
 }

@@ -1,4 +1,4 @@
-//! Which points are near which surface.
+//! Search for candidates: points near the surface of a grain or wall.
 
 use super::{Body, PointContact, PointContacts};
 use crate::boundary::Wall;
@@ -9,8 +9,8 @@ use crate::mpm::loading_plate::ghost_radius;
 use crate::point_contacts::{NOWHERE, by_id, remember};
 
 impl PointContacts {
-    /// Makes the list anew where something may have come into reach since the last search, and finds everybody's present index. `way`: how much
-    /// nearer a point and a surface may have come since the last call, m.
+    /// Makes the list of candidates anew if a pair outside of it may touch; else only brings the indices of grains and points up to date. `way`: distance by
+    /// which a point and a surface may have come closer since the last call, m.
     pub(super) fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64) {
         let alive = [grains.len(), continuum.points().len()];
         match self.age.due(way, alive, continuum.settings().cell) {
@@ -19,11 +19,13 @@ impl PointContacts {
         }
     }
 
-    /// Forgets all contacts.
+    /// Removes all candidates and contacts.
     pub(super) fn clear(&mut self) {
         self.candidates.clear();
     }
 
+    /// Makes the list of candidates anew: all points whose ghost is nearer to a surface than the largest ghost radius plus `skin`, m. Contacts keep their
+    /// history.
     fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
@@ -80,7 +82,7 @@ impl PointContacts {
         self.candidates = found;
     }
 
-    /// Present indices of grains and points, whose arrays may have been put in another order.
+    /// Brings the indices of grains and points up to date, whose arrays may have been sorted. Candidates of grains that have broken are removed.
     fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
         let points = continuum.points();
         let [by_grain, by_point] = &mut self.index;
@@ -96,7 +98,7 @@ impl PointContacts {
                     g.place[0] = by_grain[id as usize];
                 }
             }
-            // those that are no more; their daughters are found in a search
+            // grains that have broken; their daughters are found by the next search
             self.candidates.retain(|g| g.place[0] != NOWHERE);
         }
         if point_moved {

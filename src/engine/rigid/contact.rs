@@ -1,4 +1,4 @@
-//! Force of every contact of a body, and who gets it.
+//! Forces of all contacts of rigid bodies, and their addition to bodies, grains, points and walls.
 
 use super::{Block, Blocks, Pose};
 use crate::boundary::Wall;
@@ -15,42 +15,50 @@ use crate::point_contacts::{ContactRates, PointContactTable};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Contacts of one task: a superquadric's nearest point takes some microseconds.
+/// Candidates of one parallel task; the nearest point of a superquadric takes some microseconds.
 const TASK: usize = 32;
 
-/// Whom a body is near.
+/// The other side of a body's contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Other {
-    /// A material point's identity.
+    /// A material point, by identity.
     Point(u32),
-    /// A grain's identity.
+    /// A grain, by identity.
     Grain(u32),
-    /// A wall, and the body's spot that it meets.
-    Wall { wall: u32, spot: u32 },
+    /// A wall.
+    Wall {
+        /// Index of the wall.
+        wall: u32,
+        /// Spot of the body that touches the wall ([`crate::shape::Solid::spot`]).
+        spot: u32,
+    },
 }
 
-/// A body and what is near it.
+/// A rigid body and something that it touches or may touch soon.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BlockContact {
+    /// Index of the body.
     pub block: u32,
+    /// The other side.
     pub other: Other,
     /// Present index of the point or grain.
     pub(super) place: u32,
-    /// Ghost radius, m, of a point.
+    /// Ghost radius of the point, or radius of the grain, m; 0 for a wall.
     pub(super) radius: f64,
-    /// First end the body. All zero while they do not touch.
+    /// Force of the contact; its first end is the body. All zero while they do not touch.
     pub touch: ContactForce,
-    /// Tangential spring (viscous laws), N.
+    /// Tangential spring, N (viscous laws; for others the tangential force is the spring).
     pub(super) spring: [f64; 3],
-    /// From the body's centre to the contact point, m.
+    /// Vector from the body's centre of mass to the contact point, m.
     pub(super) arm: [f64; 3],
-    /// Tangent stiffnesses, normal and tangential, N/m, and inverse mass of the other, 1/kg, at the last sweep.
+    /// Tangent stiffnesses when forces were last computed: normal and tangential, N/m.
     stiffness: [f64; 2],
+    /// Inverse mass of the other side, 1/kg; 0 for a wall.
     inverse_mass: f64,
 }
 
 impl BlockContact {
-    /// With nothing to remember.
+    /// A candidate without a force and without history.
     pub(super) fn new(block: u32, other: Other, place: u32, radius: f64) -> BlockContact {
         let (touch, none) = (ContactForce::default(), [0.0; 3]);
         BlockContact { block, other, place, radius, touch, spring: none, arm: none, stiffness: [0.0; 2], inverse_mass: 0.0 }
@@ -60,7 +68,7 @@ impl BlockContact {
         matches!(self.other, Other::Point(_))
     }
 
-    /// Elastic energy, J; that of the normal compression is so large a share of force times overlap.
+    /// Elastic energy of the contact, J: `energy_factor` times normal force times overlap, and the energy of the tangential spring.
     pub(super) fn energy(&self, energy_factor: f64) -> f64 {
         let t = if self.spring == [0.0; 3] { self.touch.tangential } else { self.spring };
         let k_t = self.stiffness[1];
@@ -68,23 +76,30 @@ impl BlockContact {
     }
 }
 
-/// What the contacts are found from.
+/// Everything from which the forces of bodies are computed.
 pub struct BlockScene<'a> {
+    /// All grains.
     pub grains: &'a Grains,
+    /// All walls of the grains.
     pub walls: &'a [Wall],
+    /// The material points.
     pub continuum: &'a Continuum,
-    /// Pairs with points, and with grains and walls.
+    /// Parameters of contacts with points.
     pub point_table: &'a PointContactTable,
+    /// Parameters of contacts with grains and walls.
     pub table: &'a PairTable,
+    /// Contact law.
     pub law: ContactLaw,
+    /// What a tangential spring does when the normal force falls.
     pub unloading: TangentialUnloading,
+    /// Time since forces were last computed, s.
     pub dt: f64,
-    /// Seconds by which bodies, and points, are taken ahead.
+    /// Times, s, by which positions are extrapolated: of bodies, and of points.
     pub ahead: [f64; 2],
 }
 
 impl Blocks {
-    /// Finds the forces of this instant: those with points, or with all others. Parallel over contacts; each writes only itself.
+    /// Computes the forces of this instant: of contacts with points (`points`), or of all others. In parallel over contacts; each task writes only its own.
     pub fn evaluate(&mut self, scene: &BlockScene<'_>, points: bool) {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, task: TASK, arch: pulp::Arch::Scalar };
         let Blocks { blocks, candidates, .. } = self;
@@ -99,12 +114,13 @@ impl Blocks {
         });
     }
 
-    /// Contacts that bear something, in order.
+    /// Contacts that touch, in the order of the list.
     pub fn touching(&self) -> impl Iterator<Item = &BlockContact> {
         self.candidates.iter().filter(|c| c.touch.overlap > 0.0)
     }
 
-    /// Gives bodies and points their shares of what the contacts between them bear.
+    /// Adds `of_blocks` times the force of each contact with a point to its body, and `of_points` times the opposite force, with `stiff` times the larger
+    /// tangent stiffness, to the point.
     pub fn apply_point_reactions(&mut self, of_blocks: f64, continuum: &mut Continuum, [of_points, stiff]: [f64; 2]) {
         for c in self.candidates.iter().filter(|c| c.is_of_point() && c.touch.overlap > 0.0) {
             let (force, [k_n, k_t]) = (c.touch.force(), c.stiffness);
@@ -113,7 +129,8 @@ impl Blocks {
         }
     }
 
-    /// Gives bodies and grains what the contacts with grains and walls bear, and walls what they feel; walls work at their speed for `dt` seconds.
+    /// Adds the forces of contacts with grains and walls to bodies and to `external_forces` (force, N, and torque, N m, by index of the grain), and their
+    /// stiffness and work over `dt` seconds to the walls.
     pub fn apply_grain_and_wall_reactions(
         &mut self,
         grains: &Grains,
@@ -149,7 +166,7 @@ impl Blocks {
         }
     }
 
-    /// What the contacts of this instant allow as a time step, a point by itself.
+    /// Largest sums of stiffness over mass of a point, and of a body or grain, over the present contacts of bodies. `points`: number of points.
     pub fn rates(&mut self, grains: &Grains, points: usize) -> ContactRates {
         let mut of_blocks = vec![0.0; self.blocks.len()];
         let [of_points, of_grains] = &mut self.sums;
@@ -177,7 +194,7 @@ impl Blocks {
                 Other::Wall { .. } => {}
             }
         }
-        // empty again, and only where they were not
+        // zeros again, where the sums were changed
         for c in touching() {
             match c.other {
                 Other::Point(_) => of_points[c.place as usize] = 0.0,
@@ -189,36 +206,41 @@ impl Blocks {
     }
 }
 
-/// Adds a share of a contact's force, and of its torque about the body's centre.
+/// Adds `share` times the force of a contact, and its torque about the body's centre of mass.
 fn add_force_and_torque(applied: &mut [[f64; 3]; 2], c: &BlockContact, share: f64) {
     let force = scaled(c.touch.force(), share);
     applied[0] = plus(applied[0], force);
     applied[1] = plus(applied[1], cross(c.arm, force));
 }
 
-/// A body as its contacts see it.
+/// A body with its present position, orientation and angular velocity.
 struct PosedBlock<'a> {
     block: &'a Block,
     pose: &'a Pose,
     spin: [f64; 3],
 }
 
-/// The other side of a contact where they are nearest: what it is to the law.
+/// The other side of a contact that touches, as the contact law needs it.
 struct Across<'a> {
-    /// Unit normal out of the body, overlap, m, R*, m, and the contact point.
+    /// Unit normal out of the body.
     normal: [f64; 3],
+    /// Overlap, m.
     overlap: f64,
+    /// Reduced radius R*, m.
     r_eff: f64,
+    /// Contact point, m.
     at: [f64; 3],
-    /// Velocity of the other's surface there, and its spin.
+    /// Velocity of the other surface at the contact point, m/s.
     velocity: [f64; 3],
+    /// Angular velocity of the other side, rad/s.
     spin: [f64; 3],
+    /// Inverse mass of the other side, 1/kg.
     inverse_mass: f64,
     pair: &'a Pair,
 }
 
 impl PosedBlock<'_> {
-    /// Normal and overlap with a sphere, or nothing where it is further away; the middle of the overlap.
+    /// Contact with a sphere, if they overlap: unit normal out of the body, overlap, m, and the middle of the overlap.
     fn meets(&self, centre: [f64; 3], radius: f64) -> Option<([f64; 3], f64, [f64; 3])> {
         let (solid, local) = (self.block.solid(), self.pose.inwards(less(centre, self.pose.centre)));
         if solid.clearance(local) >= radius {
@@ -230,13 +252,14 @@ impl PosedBlock<'_> {
         (overlap > 0.0).then_some((normal, overlap, at))
     }
 
-    /// Inverse of the mass that a blow at the end of `arm` along `normal` feels, 1/kg.
+    /// Inverse of the effective mass of the body, 1/kg, for an impulse along `normal` at the end of `arm`.
     fn inverse_mass(&self, arm: [f64; 3], normal: [f64; 3]) -> f64 {
         let turn = self.pose.inwards(cross(arm, normal));
         (0..3).fold(1.0 / self.block.mass, |sum, a| sum + turn[a] * turn[a] / self.block.moments[a])
     }
 }
 
+/// The other side of contact `c`, if they touch.
 fn across<'a>(scene: &BlockScene<'a>, body: &PosedBlock<'_>, c: &BlockContact) -> Option<Across<'a>> {
     let i = c.place as usize;
     Some(match c.other {
@@ -273,7 +296,7 @@ fn across<'a>(scene: &BlockScene<'a>, body: &PosedBlock<'_>, c: &BlockContact) -
     })
 }
 
-/// The unit normal to a wall from a body's spot, the gap between them, m, and the spot.
+/// Of spot `spot` of a body: unit normal towards the wall, gap to the wall, m, and position of the spot, m.
 pub(super) fn spot_at(wall: &Wall, block: &Block, pose: &Pose, spot: usize) -> ([f64; 3], f64, [f64; 3]) {
     let [x, y, z] = pose.centre;
     let (towards, _) = wall.shape.towards([x, y, z, 0.0]);
@@ -282,6 +305,7 @@ pub(super) fn spot_at(wall: &Wall, block: &Block, pose: &Pose, spot: usize) -> (
     (towards, gap, at)
 }
 
+/// Computes the force of contact `c` and stores it there.
 fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, body: &PosedBlock<'_>, c: &mut BlockContact) {
     let spring = L::VISCOUS.then_some(c.spring);
     let old = ContactHistory { touch: c.touch, spring, rolling: None, load: None, largest: None, work: None };
@@ -293,10 +317,10 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, body: &PosedBlock<'_>, c
     };
     let arm = less(o.at, body.pose.centre);
     let here = plus(body.block.velocity, cross(body.spin, arm));
-    // as on walls of grains
+    // with walls the spin of the body alone counts, as for grains on walls
     let wall = matches!(c.other, Other::Wall { .. });
     let mean_spin = if wall { body.spin } else { scaled(plus(body.spin, o.spin), 0.5) };
-    // both surfaces' velocities at the contact point are known: arms, which the law would take along the normal, add nothing
+    // velocities at the contact point are known, so the part that the law adds for the rotation about the centres must vanish
     let turning = scaled(mean_spin, o.overlap);
     let motion = RelativeMotion { centres: less(here, o.velocity), turning, mean_spin, spin_difference: less(body.spin, o.spin) };
     let m_eff = if L::VISCOUS { 1.0 / (body.inverse_mass(arm, o.normal) + o.inverse_mass) } else { 0.0 };

@@ -1,11 +1,11 @@
-//! What bodies bear and hold: for records.
+//! Measures of rigid bodies for records: energies, momentum, forces.
 
 use super::{Block, Blocks, Other};
 use crate::dem::physics::Physics;
 use crate::math::vector::{dot, plus, scaled};
 
 impl Block {
-    /// What it is, for a person.
+    /// One line that describes the body for a reader: shape, material, extents as it is rotated, mass.
     pub fn in_words(&self, physics: &Physics) -> String {
         let [w, x, y, z] = self.turn;
         let pose = self.pose(0.0);
@@ -22,12 +22,13 @@ impl Block {
 }
 
 impl Blocks {
-    /// Mass, kg, and momentum, kg m/s.
+    /// Mass, kg, and momentum, kg m/s, of all bodies.
     pub fn mass_and_momentum(&self) -> (f64, [f64; 3]) {
         self.blocks.iter().fold((0.0, [0.0; 3]), |(mass, sum), b| (mass + b.mass, plus(sum, scaled(b.velocity, b.mass))))
     }
 
-    /// Kinetic and potential energy, and what their contacts hold, J. `energy_factor`: elastic energy over normal force times overlap.
+    /// Kinetic energy, potential energy in gravity, and elastic energy of the contacts of all bodies, J. `energy_factor`: elastic energy of a contact over
+    /// normal force times overlap.
     pub fn energies(&self, gravity: [f64; 3], energy_factor: f64) -> [f64; 3] {
         let mut sums = [0.0; 3];
         for b in &self.blocks {
@@ -38,7 +39,7 @@ impl Blocks {
         sums
     }
 
-    /// Force, N, on a body from points, from grains and from walls.
+    /// Force, N, of points, of grains and of walls on body `block`.
     pub fn forces(&self, block: usize) -> [[f64; 3]; 3] {
         let mut sums = [[0.0; 3]; 3];
         for c in self.touching().filter(|c| c.block as usize == block) {

@@ -1,11 +1,13 @@
-//! Rigid bodies that are no spheres, beside grains, walls and material points: their motion, whom they touch, and what they bear.
+//! Rigid bodies that are not spheres: their motion and their contacts with grains, walls and material points.
 //!
-//! Everybody meets them as a sphere does: a grain, or the ghost of a material point (Li et al. 2023, section 2.3), asks the body's [`Solid`] for the nearest
-//! point of its surface. The contact is the run's own law with friction and history; to so small a sphere the body is a plane, so R* is the
-//! sphere's radius, as on walls. A plane wall meets the spots of a body that can reach it (corners, or the point of a superquadric that
-//! is nearest), each a contact of its own with R* of the sphere of the same volume. Bodies that touch each other are an error.
+//! A grain, or the ghost of a material point (Li et al. 2023, section 2.3), touches a body as a sphere: the body's [`Solid`] gives the nearest point of
+//! its surface. The contact follows the contact law of the run, with friction and history. To a small sphere the body's surface is a plane, so R* is
+//! the radius of the sphere, as on walls.
 //!
-//! A face that lies on many points is many contacts. They live here, not among the grains', so scenes without such bodies pay nothing for them.
+//! A wall touches *spots* of a body: its corners, or the one point of a superquadric that is nearest to the wall. Each spot is a contact of its own
+//! with R* of the sphere that has the body's volume. Contacts between bodies are not computed; bodies that come close to each other are an error.
+//!
+//! A face that lies on many points has many contacts. They are stored here and not with those of the grains, so scenes without such bodies pay nothing.
 
 mod contact;
 mod measure;
@@ -20,12 +22,14 @@ use crate::point_contacts::Age;
 use crate::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
 
-/// A body and its state. Velocity and angular momentum are those of the last half step (leapfrog).
+/// A rigid body and its state. Velocity and angular momentum are those of the last half step (leapfrog).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Block {
+    /// Shape, in the frame of the body: origin at its centre of mass, axes along its principal axes.
     pub shape: Shape,
+    /// Index of the material.
     pub material: u8,
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
     /// Principal moments of inertia, kg m².
     pub moments: [f64; 3],
@@ -33,16 +37,16 @@ pub struct Block {
     pub radius: f64,
     /// Centre of mass, m.
     pub centre: [f64; 3],
-    /// Unit quaternion (w, x, y, z) that turns the axes of space into the body's.
+    /// Orientation: unit quaternion (w, x, y, z) that rotates the axes of space into those of the body.
     pub turn: [f64; 4],
-    /// m/s.
+    /// Velocity of the centre of mass, m/s.
     pub velocity: [f64; 3],
-    /// Angular momentum about the centre, in space, kg m²/s.
+    /// Angular momentum about the centre of mass, in the axes of space, kg m²/s.
     pub momentum: [f64; 3],
 }
 
 impl Block {
-    /// At rest at the origin, of this density, kg/m³.
+    /// A body at rest at the origin, not rotated, of density `density`, kg/m³.
     pub fn new(shape: Shape, density: f64, material: u8) -> Block {
         let bulk = shape.solid().bulk();
         Block {
@@ -58,36 +62,40 @@ impl Block {
         }
     }
 
+    /// The geometry of its shape.
     pub fn solid(&self) -> &dyn Solid {
         self.shape.solid()
     }
 }
 
-/// All bodies of a scene and their contacts: everything that a restart needs.
+/// All rigid bodies of a scene and their contacts: what a restart needs of them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Blocks {
+    /// The bodies.
     pub blocks: Vec<Block>,
-    /// Whom they are near, in the order of blocks, then of points, grains, and spots on walls.
+    /// Points, grains and walls near the bodies, touching or not, sorted by body, then points, grains and spots on walls.
     pub candidates: Vec<BlockContact>,
+    /// Age of the list.
     age: Age,
-    /// Normal force on each wall, N.
+    /// Normal force of the bodies on each wall in the last step, N.
     on_walls: Vec<f64>,
-    /// What each body has been given since it moved last: force, N, and torque, N m.
+    /// Force, N, and torque about the centre of mass, N m, on each body, added since its last step.
     applied: Vec<[[f64; 3]; 2]>,
-    /// Scratch: index by identity of grains and points.
+    /// Buffers: index by identity, of grains and of points.
     #[serde(skip)]
     index: [Vec<u32>; 2],
-    /// Scratch: sums over points and grains.
+    /// Buffers of zeros for sums over points and over grains.
     #[serde(skip)]
     sums: [Vec<f64>; 2],
 }
 
 impl Blocks {
+    /// Bodies without contacts.
     pub fn new(blocks: Vec<Block>) -> Blocks {
         Blocks { applied: vec![[[0.0; 3]; 2]; blocks.len()], blocks, ..Blocks::default() }
     }
 
-    /// Largest speed of any part of a body, m/s.
+    /// Upper bound on the speed of any part of any body, m/s.
     pub fn fastest(&self) -> f64 {
         use crate::math::vector::dot;
         let of = |b: &Block| {
@@ -97,7 +105,8 @@ impl Blocks {
         self.blocks.iter().map(of).fold(0.0, f64::max)
     }
 
-    /// The second half of a step: kicks, the first one half, and drifts. What was given is used up.
+    /// Moves all bodies by one step of `dt` seconds with the forces added since the last step, gravity and local damping. `fresh`: velocities are those of
+    /// the full step, so that they first change by half a step.
     pub fn advance(&mut self, physics: &Physics, fresh: bool, dt: f64) {
         let kick = if fresh { 0.5 * dt } else { dt };
         for (block, applied) in self.blocks.iter_mut().zip(&mut self.applied) {
@@ -105,7 +114,7 @@ impl Blocks {
             for (f, g) in force.iter_mut().zip(physics.gravity) {
                 *f += block.mass * g;
             }
-            // local damping of each component, −α |F| sign(v), as of grains
+            // local damping of each component, −α |F| sign(v), as for grains
             let damped = |f: [f64; 3], v: [f64; 3]| -> [f64; 3] {
                 let against = |a: usize| if v[a] == 0.0 { 0.0 } else { f[a].abs().copysign(-v[a]) };
                 std::array::from_fn(|a| f[a] + physics.damping * against(a))
@@ -121,7 +130,7 @@ impl Blocks {
         }
     }
 
-    /// Bytes held.
+    /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         let index: usize = self.index.iter().map(|i| 4 * i.capacity()).sum();
         self.candidates.capacity() * size_of::<BlockContact>() + self.blocks.capacity() * size_of::<Block>() + index

@@ -1,40 +1,43 @@
-//! How a rigid body moves: leapfrog, with the full inertia.
+//! Motion of a rigid body: leapfrog, with the full tensor of inertia.
 //!
-//! What is kept of its turning is the angular momentum in space, which only torques change. The free motion between two kicks is that of the splitting of
-//! Miller et al. 2002 (J. Chem. Phys. 116, 8649, "no squish"): one rotation about each principal axis after the other, and back, each by the
-//! angle that its own part of the kinetic energy gives. It is symplectic and reversible: energy swings by the square of the step and does not drift.
+//! The rotational state is the angular momentum in the axes of space, which only torques change. Between two changes of momentum the body rotates freely;
+//! that rotation is split into rotations about the principal axes one after the other and back, each by the angle that its own part of the kinetic
+//! energy gives (Miller et al. 2002, J. Chem. Phys. 116, 8649, "no squish"). The method is symplectic and reversible: the error of the energy oscillates in
+//! proportion to the square of the step and does not drift.
 
 use super::Block;
 use crate::math::vector::{cross, dot, plus, scaled};
 
-/// Where a body is and how it lies: its centre, m, and its principal axes in space.
+/// Position and orientation of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
+    /// Centre of mass, m.
     pub centre: [f64; 3],
+    /// Unit vectors of the principal axes, in the axes of space.
     pub axes: [[f64; 3]; 3],
 }
 
 impl Pose {
-    /// A direction of space in the body's frame.
+    /// Components of a vector in the axes of the body, from those in the axes of space.
     pub fn inwards(&self, v: [f64; 3]) -> [f64; 3] {
         self.axes.map(|axis| dot(axis, v))
     }
 
-    /// A direction of the body's frame in space.
+    /// Components of a vector in the axes of space, from those in the axes of the body.
     pub fn outwards(&self, v: [f64; 3]) -> [f64; 3] {
         let [a, b, c] = self.axes;
         plus(scaled(a, v[0]), plus(scaled(b, v[1]), scaled(c, v[2])))
     }
 }
 
-/// Product of two rotations (w, x, y, z): the second one first.
+/// Product of two rotations as quaternions (w, x, y, z): first `q`, then `p`.
 pub fn product(p: [f64; 4], q: [f64; 4]) -> [f64; 4] {
     let ([a, u @ ..], [b, v @ ..]) = (p, q);
     let [x, y, z] = plus(plus(scaled(v, a), scaled(u, b)), cross(u, v));
     [a * b - dot(u, v), x, y, z]
 }
 
-/// The principal axes that a unit quaternion gives.
+/// Rotation of the axes x, y, z by a unit quaternion (w, x, y, z).
 pub fn axes([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
     [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
@@ -43,7 +46,7 @@ pub fn axes([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
     ]
 }
 
-/// The unit quaternion of three axes that stand as x, y and z do: from the largest of its four numbers.
+/// Unit quaternion that rotates x, y, z into three given perpendicular unit vectors (right-handed). It is found from the largest of its four numbers.
 pub fn quaternion([a, b, c]: [[f64; 3]; 3]) -> [f64; 4] {
     let squares = [1.0 + a[0] + b[1] + c[2], 1.0 + a[0] - b[1] - c[2], 1.0 - a[0] + b[1] - c[2], 1.0 - a[0] - b[1] + c[2]];
     let k = (0..4).fold(0, |most, k| if squares[k] > squares[most] { k } else { most });
@@ -60,7 +63,7 @@ pub fn quaternion([a, b, c]: [[f64; 3]; 3]) -> [f64; 4] {
     unit(q)
 }
 
-/// A rotation by an angle, rad, of up to half a turn about a direction (not zero).
+/// Unit quaternion of a rotation by `angle`, rad, at most half a turn either way, about a direction of any length but zero.
 pub fn about(direction: [f64; 3], angle: f64) -> [f64; 4] {
     use crate::math::portable::sin;
     let (half, length) = (0.5 * angle, dot(direction, direction).sqrt());
@@ -68,13 +71,14 @@ pub fn about(direction: [f64; 3], angle: f64) -> [f64; 4] {
     unit([sin(std::f64::consts::FRAC_PI_2 - half.abs()), x, y, z])
 }
 
+/// The quaternion divided by its length.
 fn unit(q: [f64; 4]) -> [f64; 4] {
     let length = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
     q.map(|x| x / length)
 }
 
 impl Block {
-    /// Where it is `ahead` seconds further on its way.
+    /// Position and orientation after `ahead` seconds of free motion.
     pub fn pose(&self, ahead: f64) -> Pose {
         let turn = if ahead == 0.0 { self.turn } else { self.orientation_after(ahead) };
         Pose { centre: plus(self.centre, scaled(self.velocity, ahead)), axes: axes(turn) }
@@ -99,7 +103,7 @@ impl Block {
         0.5 * (self.mass * dot(self.velocity, self.velocity) + dot(self.spin(), self.momentum))
     }
 
-    /// A kick of `kick` seconds by a force, N, and a torque, N m, then a drift of `dt` seconds.
+    /// One step: changes velocity and angular momentum by a force, N, and a torque, N m, over `kick` seconds, then moves the body for `dt` seconds.
     pub fn advance(&mut self, [force, torque]: [[f64; 3]; 2], kick: f64, dt: f64) {
         self.velocity = plus(self.velocity, scaled(force, kick / self.mass));
         self.momentum = plus(self.momentum, scaled(torque, kick));
@@ -107,7 +111,7 @@ impl Block {
         self.turn = self.orientation_after(dt);
     }
 
-    /// How it lies after a free turn of `dt` seconds.
+    /// Orientation after `dt` seconds of free rotation.
     fn orientation_after(&self, dt: f64) -> [f64; 4] {
         if self.momentum == [0.0; 3] {
             return self.turn;
@@ -115,7 +119,7 @@ impl Block {
         let mut turn = self.turn;
         let mut l = axes(turn).map(|axis| dot(axis, self.momentum));
         for (k, share) in [(2, 0.5), (1, 0.5), (0, 1.0), (1, 0.5), (2, 0.5)] {
-            // tangent of half the angle θ, to the fifth power of it; the angle is a function of this part of the momentum alone, so nothing else is lost
+            // tangent of half of the angle, with an error of its fifth power; the angle depends on this part of the momentum alone, so the method stays symplectic
             let angle = l[k] / self.moments[k] * (share * dt);
             let tangent = 0.5 * angle * (1.0 + angle * angle / 12.0);
             let below = 1.0 / (1.0 + tangent * tangent);

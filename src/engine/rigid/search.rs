@@ -1,4 +1,4 @@
-//! Who is near which body.
+//! Search for candidates: points, grains and walls near rigid bodies.
 
 use super::contact::spot_at;
 use super::{BlockContact, Blocks, Other};
@@ -10,11 +10,11 @@ use crate::mpm::loading_plate::ghost_radius;
 use crate::point_contacts::{NOWHERE, by_id, remember};
 
 impl Blocks {
-    /// Makes the list anew where something may have come into reach since the last search, and finds everybody's present index. `way`: how much
-    /// nearer a body and another may have come since the last call, m.
+    /// Makes the list of candidates anew if a pair outside of it may touch; else only brings indices up to date. `way`: distance by which a body and anything
+    /// else may have come closer since the last call, m.
     ///
     /// # Errors
-    /// Bodies whose spheres of reach meet.
+    /// Two bodies whose bounding spheres overlap.
     pub fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64) -> Result<()> {
         let alive = [grains.len(), continuum.points().len()];
         match self.age.due(way, alive, continuum.settings().cell) {
@@ -27,7 +27,7 @@ impl Blocks {
         Ok(())
     }
 
-    /// Contacts between bodies are not computed.
+    /// Checks that no two bodies can touch, as contacts between bodies are not computed.
     fn apart(&self, continuum: &Continuum) -> Result<()> {
         for (j, b) in self.blocks.iter().enumerate() {
             for (i, a) in self.blocks[..j].iter().enumerate() {
@@ -42,6 +42,7 @@ impl Blocks {
         Ok(())
     }
 
+    /// Makes the list of candidates anew: everything with a gap to a body below `skin`, m. Contacts keep their history.
     fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
@@ -78,7 +79,7 @@ impl Blocks {
         self.candidates = found;
     }
 
-    /// Present indices of grains and points, whose arrays may have been put in another order.
+    /// Brings the indices of grains and points up to date, whose arrays may have been sorted.
     fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
         let (points, place) = (continuum.points(), |c: &BlockContact| c.place as usize);
         let [of_grains, of_points] = &mut self.index;
@@ -97,13 +98,13 @@ impl Blocks {
                 _ => {}
             }
         }
-        // those that are no more
+        // grains that have broken
         self.candidates.retain(|c| c.place != NOWHERE);
     }
 }
 
 impl super::Block {
-    /// How far it reaches behind a wall, m; negative before it.
+    /// Largest distance by which the body reaches behind a wall, m; negative if the body is in front of it.
     pub fn deepest(&self, wall: &Wall) -> f64 {
         let pose = self.pose(0.0);
         (0..self.solid().spots()).map(|spot| -spot_at(wall, self, &pose, spot).1).fold(f64::NEG_INFINITY, f64::max)
