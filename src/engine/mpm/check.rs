@@ -1,28 +1,33 @@
-//! What a continuum must be before its first step, and the largest step.
+//! Checks of settings, laws and points before the first step, and the stable time step.
 
 use super::law::Law;
 use super::points::Points;
 use super::{Continuum, Dimension, GridWall, Settings, ShapeFunctions, Transfer};
 use crate::error::{Error, Result};
 
-/// Most cells along a side of the domain.
+/// Largest number of cells along a side of the domain.
 const MOST: u32 = 1 << 19;
 
+/// Checks settings and points.
+///
 /// # Errors
-/// Every setting that is not allowed, or else the first point.
+/// All settings that are not allowed; if there are none, the first point that is not allowed.
 pub fn all(settings: &Settings, laws: &[Law], points: &Points) -> Result<()> {
     Error::all(of_settings(settings))?;
     of_points(settings, laws, points)
 }
 
+/// Error about a setting or point: its name, its value, and what is allowed.
 fn wrong(key: &str, value: impl std::fmt::Debug, allowed: &str) -> Error {
     Error::refused("continuum", key, Some(format!("{value:?}")), allowed)
 }
 
+/// Number of dimensions.
 fn dimensions(settings: &Settings) -> usize {
     if settings.dimension == Dimension::Space { 3 } else { 2 }
 }
 
+/// Errors of the settings.
 fn of_settings(s: &Settings) -> Vec<Error> {
     let mut errors = Vec::new();
     let mut require = |ok: bool, key: &str, value: &dyn std::fmt::Debug, allowed: &str| {
@@ -52,6 +57,7 @@ fn of_settings(s: &Settings) -> Vec<Error> {
     errors
 }
 
+/// Checks identities and the state of every point.
 fn of_points(settings: &Settings, laws: &[Law], points: &Points) -> Result<()> {
     let d = dimensions(settings);
     let mut ids = points.id.clone();
@@ -89,7 +95,7 @@ fn of_points(settings: &Settings, laws: &[Law], points: &Points) -> Result<()> {
     Ok(())
 }
 
-/// `safety` times the least h/(c + |v|).
+/// See [`Continuum::stable_step`].
 pub fn stable_step(c: &Continuum, safety: f64) -> f64 {
     let points = &c.points;
     let fastest = (0..points.len())
@@ -101,18 +107,22 @@ pub fn stable_step(c: &Continuum, safety: f64) -> f64 {
     safety * c.settings.cell / fastest
 }
 
-/// Largest stable step, s, where waves through a cell allow `waves` and the stiffest contact of a loading plate has so much stiffness over the mass of its point, 1/s².
+/// Largest stable step of a continuum with loading plates, s: 1/dt² = 1/`waves`² + `rate`/4, with APIC 1/dt² = 1/`waves`² + `rate`/2. `waves`: largest step by
+/// waves through a cell, h/c, s; `rate`: largest tangent stiffness over mass k/m of a point in contact with a plate, 1/s².
 ///
-/// Strains and the ways of faces come from the nodes' velocities after they have been found anew from the points, so that forces F at the nodes change them by T F/m: with
-/// FLIP T is the mean of what points share, with eigenvalues 0 ≤ t ≤ 1, and a leapfrog of the stiffness K, of the material and of contacts (symmetric: forces act where their
-/// ways are taken), is stable while dt² ω² < 4 for all eigenvalues ω² of T K/m. Over a row of n points per cell, wherever it stands between the nodes, ω² is at most
-/// 1.0 (n = 1), 0.86 (2) of (c/h)² in the material, with generalised interpolation 1.34, and 0.97 (1), 0.52 (2; 0.63) of k/m at the face: 1/dt² = (c/h)² + k/4m suffices. APIC forgets a part 1 − t
-/// of the velocity in a step, and is stable while dt² ω² < 2 (1 + t): twice k/4m.
+/// Derivation. Strains and displacements of faces follow the nodes' velocities after these were computed anew from the points. So forces F at the nodes
+/// change those velocities by T F/m, where T averages over what points share. With FLIP T has eigenvalues 0 ≤ t ≤ 1. With the stiffness K of the material and
+/// of contacts, which is symmetric as forces act where displacements are taken, the leapfrog is stable while dt² ω² < 4 for all eigenvalues ω² of T K/m.
+/// For a row of n points per cell, at any place between the nodes, ω² is at most 1.0 (n = 1) or 0.86 (n = 2) times (c/h)² in the material, 1.34 times with
+/// generalised interpolation, and 0.97 (n = 1) or 0.52 (n = 2; 0.63 with generalised interpolation) times k/m at the face; so 1/dt² = (c/h)² + k/(4m)
+/// suffices. APIC loses the part 1 − t of a velocity in each step and is stable while dt² ω² < 2 (1 + t), hence k/(2m).
 pub fn with_plates(waves: f64, rate: f64, transfer: Transfer) -> f64 {
     let forgets = if transfer == Transfer::Affine { 2.0 } else { 1.0 };
     1.0 / (1.0 / (waves * waves) + 0.25 * forgets * rate).sqrt()
 }
 
+/// See [`Continuum::check_step`].
+///
 /// # Errors
 /// A step that is not positive or above the bound.
 pub fn step(c: &Continuum, dt: f64) -> Result<()> {

@@ -1,24 +1,26 @@
-//! Forces on points from outside, that wait for the next step. Few points have any, so only those have a place here.
+//! External forces on points, kept until the next step. Few points have any, so only those have an entry.
 
 use super::blocks::NONE;
 
-/// What a point is given, N: force at the point, and on its faces across each axis ([`super::Points::faces`]). The fourth of both is the stiffness of what pushes, N/m.
+/// External force on one point. The fourth number of both vectors is the tangent stiffness of the contacts that make the force, N/m.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PointForce {
+    /// Force at the point, N.
     pub force: [f64; 4],
+    /// Force on the faces of the point: each component acts on the face across its axis ([`super::Points::faces`]), N.
     pub beside: [f64; 4],
 }
 
-/// The pushes of a step.
+/// The external forces of a step.
 #[derive(Clone, Debug, Default)]
 pub struct ExternalForces {
-    /// Of each point: where its push stands.
+    /// Of each point: index of its entry in `forces`, or `NONE`.
     pub places: Vec<u32>,
     forces: Vec<PointForce>,
 }
 
 impl ExternalForces {
-    /// The push of point `i` of `points`, to be added to.
+    /// The force on point `i`, to be added to; `points`: number of points.
     pub fn of_mut(&mut self, i: usize, points: usize) -> &mut PointForce {
         if self.places.len() != points {
             self.forces.clear();
@@ -32,22 +34,24 @@ impl ExternalForces {
         &mut self.forces[self.places[i] as usize]
     }
 
-    /// The push of point `i`, where it has one.
+    /// The force on point `i`, if there is one.
     #[inline(always)]
     pub fn of(&self, i: usize) -> Option<&PointForce> {
         self.forces.get(self.places[i] as usize)
     }
 
+    /// Whether no point has an external force.
     pub fn is_empty(&self) -> bool {
         self.forces.is_empty()
     }
 
+    /// Removes all forces.
     pub fn clear(&mut self) {
         self.forces.clear();
         self.places.fill(NONE);
     }
 
-    /// Bytes held.
+    /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         4 * self.places.capacity() + size_of::<PointForce>() * self.forces.capacity()
     }

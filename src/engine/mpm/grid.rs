@@ -1,32 +1,33 @@
-//! The nodes: mass, momentum and velocity of those that material reaches, block by block. Scratch.
+//! Mass, momentum and velocity of the nodes that material reaches, block by block. Made anew from the points when it is missing.
 //!
-//! Each block of points adds into a tile of its own; a node then sums the up to eight tiles that hold it, in a fixed order. Sums start from +0
-//! and so are never −0: an empty tile changes no bit.
+//! Each block of points adds to a tile of nodes of its own. A node then sums the up to eight tiles that hold it, in a fixed order. Sums start from +0 and
+//! so are never −0: an empty tile changes no bit.
 
 use super::Settings;
 use super::blocks::{CellBlocks, EDGE, NONE, TILE, cells, tile};
 use super::walls::Walls;
 use rayon::prelude::*;
 
-/// Blocks of nodes of one task at least.
+/// Smallest number of blocks of nodes in a parallel task.
 const TASK: usize = 8;
 
 /// Values at nodes.
 #[derive(Clone, Debug, Default)]
 pub struct NodeGrid {
-    /// Of each block of points: its tile, with momentum and mass or with forces.
+    /// Tile of each block of points: momentum, kg m/s, and mass, kg; or force, N, and stiffness of external forces, N/m.
     pub tiles: Vec<[f64; 4]>,
-    /// Momentum, kg m/s, and mass, kg, as the points gave them.
+    /// Momentum, kg m/s, and mass, kg, of each node, from the points.
     pub momentum: Vec<[f64; 4]>,
-    /// Velocity, m/s, walls included.
+    /// Velocity of each node, m/s, with the effect of walls.
     pub velocity: Vec<[f64; 4]>,
-    /// Its change in this step, m/s, and the stiffness that pushed there over mass, 1/s².
+    /// Change of the velocity of each node in this step, m/s; fourth number: stiffness of external forces over the node's mass, 1/s².
     pub change: Vec<[f64; 4]>,
+    /// Walls at the sides of the domain.
     pub walls: Walls,
 }
 
 impl NodeGrid {
-    /// Makes room for the blocks.
+    /// Makes room for the present blocks and finds the nodes near walls.
     pub fn fit<const D: usize>(&mut self, blocks: &CellBlocks, settings: &Settings) {
         let nodes = blocks.node_keys.len() * cells(D);
         self.tiles.resize(blocks.len() * tile(D), [0.0; 4]);
@@ -36,7 +37,7 @@ impl NodeGrid {
         self.walls.find::<D>(blocks, &settings.walls, settings.size());
     }
 
-    /// v = p/m from the tiles' mass and momentum (Li et al. 2023, eqs 36, 37), and what walls allow of it.
+    /// Velocities of the nodes, v = p/m, from the tiles' momentum and mass (Li et al. 2023, eqs 36, 37), with the effect of walls.
     pub fn project<const D: usize>(&mut self, blocks: &CellBlocks) {
         let tiles = &self.tiles;
         let arrays = self.momentum.par_chunks_exact_mut(cells(D)).zip(self.velocity.par_chunks_exact_mut(cells(D)));
@@ -50,14 +51,14 @@ impl NodeGrid {
         self.walls.project(&self.momentum, &mut self.velocity);
     }
 
-    /// v ← v + Δt f/m with the tiles' forces, gravity and local damping (Li et al. 2023, eq. 28), and what walls allow of it; returns the force
-    /// of each wall on the material, N.
+    /// Accelerates the nodes, v ← v + Δt f/m, with the tiles' forces, gravity and local damping (Li et al. 2023, eq. 28), and with the effect of walls. Returns the
+    /// force of each wall on the material, N.
     pub fn accelerate<const D: usize>(&mut self, blocks: &CellBlocks, settings: &Settings, dt: f64) -> [[f64; 3]; 6] {
         let tiles = &self.tiles;
         let (g, damping) = (settings.gravity, settings.damping);
         let arrays = self.momentum.par_chunks_exact(cells(D)).zip(self.change.par_chunks_exact_mut(cells(D)));
         arrays.enumerate().with_min_len(TASK).for_each(|(n, (momentum, change))| {
-            // forces first stand where the change of velocity will
+            // `change` holds forces first, then changes of velocity
             collect::<D>(&blocks.behind[n], tiles, change);
             for (f, p) in change.iter_mut().zip(momentum) {
                 let m = p[3];
@@ -71,7 +72,7 @@ impl NodeGrid {
         arrays.with_min_len(2 * TASK).for_each(|(velocity, change)| {
             for (v, dv) in velocity.iter_mut().zip(change) {
                 for a in 0..3 {
-                    // local non-viscous damping −α |f| sign(v) of what walls have left of the force; what friction has stopped stays so
+                    // local damping −α |f| sign(v) of the force that walls have left; a node that friction has stopped stays at rest
                     if damping > 0.0 && v[a] != 0.0 && v[a] + dv[a] != 0.0 {
                         let size = damping * dv[a].abs();
                         dv[a] += if v[a] > 0.0 { 0.0 - size } else { size };
@@ -83,14 +84,14 @@ impl NodeGrid {
         impulses.map(|i| i.map(|x| x / dt))
     }
 
-    /// Bytes held.
+    /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         let vectors = self.tiles.capacity() + self.momentum.capacity() + self.velocity.capacity() + self.change.capacity();
         32 * vectors + self.walls.bytes()
     }
 }
 
-/// Sums the tiles over the nodes of a block.
+/// Values at the nodes of a block: sums of the tiles that hold them. `behind`: blocks of points whose tiles reach these nodes.
 fn collect<const D: usize>(behind: &[u32; 8], tiles: &[[f64; 4]], out: &mut [[f64; 4]]) {
     out.fill([0.0; 4]);
     for (k, &b) in behind.iter().enumerate().take(1 << D) {
@@ -114,7 +115,7 @@ fn collect<const D: usize>(behind: &[u32; 8], tiles: &[[f64; 4]], out: &mut [[f6
     }
 }
 
-/// Copies the values at the nodes of a block's tile.
+/// Copies the values at the nodes of a block's tile to `out`. `ahead`: blocks of nodes that the tile covers.
 #[inline(always)]
 pub fn load<const D: usize>(ahead: &[u32; 8], nodes: &[[f64; 4]], out: &mut [[f64; 4]]) {
     for z in 0..if D == 3 { TILE } else { 1 } {

@@ -1,22 +1,25 @@
-//! Mass, momentum and energy of all points, in the order of ids.
+//! Mass, momentum and energy of all points, summed in the order of identities.
 
 use super::Continuum;
 
 /// Sums over points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Totals {
-    /// kg, and m³.
+    /// Mass, kg (in plane strain per metre of thickness, as all others).
     pub mass: f64,
+    /// Volume, m³.
     pub volume: f64,
-    /// kg m/s.
+    /// Momentum, kg m/s.
     pub momentum: [f64; 3],
-    /// About the origin, kg m²/s; with the affine fields' own share m h²/4 (∇ × v) where points carry them.
+    /// Angular momentum about the origin, kg m²/s; with APIC that of the affine fields, m h²/4 (∇ × v), is included.
     pub angular_momentum: [f64; 3],
-    /// Of the points' velocities, and −m g·x, J.
+    /// Kinetic energy of the points' velocities, J.
     pub kinetic: f64,
+    /// Potential energy in gravity, −Σ m g·x, J.
     pub potential: f64,
 }
 
+/// Sums over all points.
 pub(super) fn totals(c: &Continuum) -> Totals {
     let points = &c.points;
     let g = c.settings.gravity;

@@ -1,7 +1,7 @@
 //! The continuum: a material point method with quadratic B-splines or generalised interpolation, in space or in plane strain.
 //!
-//! A rig owns a [`Continuum`] and calls [`Continuum::step`]; everything that a restart needs is serialised with it, the grid and the order of
-//! points are scratch. Tension is positive inside; compression is in records.
+//! A test owns a [`Continuum`] and calls [`Continuum::step`]. All that a restart needs is serialised with it; the grid and the order of the points in
+//! memory are made anew. Stresses are positive in tension here, and in compression in records.
 //!
 //! Papers: Li et al. 2023 (Comput. Geotech. 160), Jiang et al. 2020 (IJNME), Zhang et al. (SPH of binary mixtures).
 
@@ -34,72 +34,84 @@ use crate::error::Result;
 use law::Law;
 use serde::{Deserialize, Serialize};
 
-/// Two dimensions or three.
+/// Number of dimensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Dimension {
-    /// Plane strain in x, y; masses, volumes and forces are per metre of thickness.
+    /// Two: plane strain in x and y. Masses, volumes and forces are per metre of thickness.
     PlaneStrain,
+    /// Three.
     Space,
 }
 
-/// How velocities go to the points.
+/// How velocities go from the nodes to the points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Transfer {
-    /// Li et al. 2023, eq. 30: α = 1 is PIC, 0 is FLIP.
-    Blend { pic: f64 },
-    /// Affine particle-in-cell; with B-splines only.
+    /// Blend of PIC and FLIP (Li et al. 2023, eq. 30).
+    Blend {
+        /// Share α of PIC: 1 is PIC, 0 is FLIP.
+        pic: f64,
+    },
+    /// Affine particle-in-cell (APIC): values with their gradients; with B-splines only.
     Affine,
 }
 
-/// The grid, its sides and the choices of the method.
+/// The grid, the walls at its sides, and the choices of the method.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
+    /// Number of dimensions.
     pub dimension: Dimension,
     /// Edge of a cell, m.
     pub cell: f64,
-    /// Lower corner of the domain, m, and its size in cells (in plane strain the third entries mean nothing).
+    /// Lower corner of the domain, m (in plane strain the third entry is not used).
     pub lower: [f64; 3],
+    /// Number of cells along x, y, z (in plane strain the third entry is not used).
     pub cells: [u32; 3],
-    /// Sides of the domain: x low, x high, y low, y high, z low, z high.
+    /// Walls at the sides of the domain: x low, x high, y low, y high, z low, z high.
     pub walls: [GridWall; 6],
-    /// Acceleration, m/s².
+    /// Gravity, m/s².
     pub gravity: [f64; 3],
+    /// Shape functions.
     pub shape: ShapeFunctions,
+    /// How velocities go from the nodes to the points.
     pub transfer: Transfer,
-    /// Local damping at nodes, −α |f| sign(v); 0 for none, below 1.
+    /// Coefficient α of local damping at the nodes, −α |f| sign(v), from 0 (none) to below 1.
     pub damping: f64,
 }
 
 impl Settings {
-    /// Size in cells, for signed arithmetic.
+    /// Number of cells along x, y, z as signed numbers.
     fn size(&self) -> [i32; 3] {
         self.cells.map(|n| n as i32)
     }
 }
 
-/// Material points on a grid: state, choices and scratch.
+/// Material points and their grid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Continuum {
     settings: Settings,
+    /// Constitutive laws; each point names one by its index.
     laws: Vec<Law>,
     points: Points,
     /// Whether [`Points::transport_velocity`] is kept.
     keeps_transport_velocity: bool,
-    /// Steps done.
+    /// Number of steps done.
     step: u64,
-    /// Work of the stresses since the start, J.
+    /// Work of the stresses on the strains since the start, J.
     stress_work: f64,
     /// Force of each wall on the material in the last step, N.
     wall_force: [[f64; 3]; 6],
+    /// Grid, buffers, and external forces for the next step.
     #[serde(skip)]
     work: step::GridWorkspace,
 }
 
 impl Continuum {
+    /// A continuum at its start.
+    ///
     /// # Errors
-    /// A setting, law or point that is not allowed, a point outside of the domain: by name.
+    /// Settings, laws or points that are not allowed, each by name; a point outside of the domain.
     pub fn new(settings: Settings, laws: Vec<Law>, mut points: Points) -> Result<Continuum> {
         check::all(&settings, &laws, &points)?;
         if settings.transfer == Transfer::Affine {
@@ -120,25 +132,28 @@ impl Continuum {
         })
     }
 
+    /// The settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
+    /// The constitutive laws.
     pub fn laws(&self) -> &[Law] {
         &self.laws
     }
 
+    /// The points.
     pub fn points(&self) -> &Points {
         &self.points
     }
 
-    /// The points, to be changed; what the grid knows of them is then found anew in the next step.
+    /// The points, to be changed. The next step makes the grid anew from them.
     pub fn points_mut(&mut self) -> &mut Points {
         self.work.forget();
         &mut self.points
     }
 
-    /// Adds points between two steps; the first one's identity.
+    /// Adds points between two steps; returns the identity of the first of them.
     pub fn insert(&mut self, new: &[Point]) -> u32 {
         let Continuum { points, work, settings, keeps_transport_velocity, .. } = self;
         work.forget();
@@ -158,28 +173,28 @@ impl Continuum {
         first
     }
 
-    /// Steps done.
+    /// Number of steps done.
     pub fn steps(&self) -> u64 {
         self.step
     }
 
-    /// Work of the stresses on the strains since the start, J: trapezium rule over every step. What of it is elastic energy is the law's affair.
+    /// Work of the stresses on the strains since the start, J, by the trapezium rule over every step: elastic energy and dissipation together.
     pub fn stress_work(&self) -> f64 {
         self.stress_work
     }
 
-    /// Force of each side on the material in the last step, N (order as [`Settings::walls`]).
+    /// Force of each wall on the material in the last step, N, in the order of [`Settings::walls`].
     pub fn wall_force(&self) -> &[[f64; 3]; 6] {
         &self.wall_force
     }
 
-    /// Steps, stress work and wall forces of steps that were done elsewhere.
+    /// Takes over the number of steps, the stress work, J, and the wall forces, N, of steps that a device has made.
     #[cfg(feature = "gpu")]
     pub fn set_counters(&mut self, step: u64, stress_work: f64, wall_force: [[f64; 3]; 6]) {
         (self.step, self.stress_work, self.wall_force) = (step, stress_work, wall_force);
     }
 
-    /// From now on [`Points::transport_velocity`] is kept.
+    /// Keeps [`Points::transport_velocity`] from now on; before the first step that is the velocity of the point.
     pub fn keep_transport_velocity(&mut self) {
         self.keeps_transport_velocity = true;
         let Points { transport_velocity, velocity, .. } = &mut self.points;
@@ -188,7 +203,7 @@ impl Continuum {
         }
     }
 
-    /// Calls `visit` with the indices of all points in the box between two corners, m, and of some around it.
+    /// Calls `visit` with the index of every point in the box between two corners (lower, upper), m, and of some points around it.
     pub fn visit(&self, corners: [[f64; 3]; 2], visit: impl FnMut(usize)) {
         match self.settings.dimension {
             Dimension::PlaneStrain => self.work.visit::<2>(&self.settings, &self.points, corners, visit),
@@ -196,7 +211,8 @@ impl Continuum {
         }
     }
 
-    /// Adds a force, N, of something so stiff, N/m, on the point at index `i` of [`Self::points`] for the next step; points change places in a step.
+    /// Adds an external force, N, on point `i` (an index of [`Self::points`]) for the next step. `stiffness`: tangent stiffness of the contact that makes
+    /// the force, N/m. Indices change in a step, so forces are added between the same two steps.
     pub fn add_external_force(&mut self, i: usize, [x, y, z]: [f64; 3], stiffness: f64) {
         let external = self.work.external_forces.of_mut(i, self.points.len());
         for (sum, f) in external.force.iter_mut().zip([x, y, z, stiffness]) {
@@ -204,8 +220,9 @@ impl Continuum {
         }
     }
 
-    /// As [`Self::add_external_force`], of a force along `normal`, into the material, on the face of the point that stands against it: each component acts as far beside the point
-    /// along its own axis as the face does. From then on the face is followed, [`Points::faces`], until [`Self::release_face`].
+    /// As [`Self::add_external_force`], for a force of magnitude `force` along `normal` (into the material) that acts on a face of the point instead of its
+    /// centre: each component acts on the face across its own axis. The face is followed with the material from then on ([`Points::faces`]), until
+    /// [`Self::release_face`] is called.
     pub fn add_face_force(&mut self, i: usize, force: f64, normal: [f64; 3], stiffness: f64) {
         let Continuum { points, work, settings, .. } = self;
         points.faces.resize(points.len(), Face::default());
@@ -221,7 +238,7 @@ impl Continuum {
         external.beside[3] += stiffness;
     }
 
-    /// What pushed along `normal` does not touch the point at index `i` any more.
+    /// Stops following the faces of point `i` on which forces along `normal` acted.
     pub fn release_face(&mut self, i: usize, normal: [f64; 3]) {
         let [beside, _] = &mut self.points.faces[i];
         for (beside, normal) in beside.iter_mut().zip(normal) {
@@ -231,58 +248,61 @@ impl Continuum {
         }
     }
 
-    /// What the stiffness of all that pushed in the last step adds at most to the square of a frequency of the points' motion, 1/s²; found where
-    /// [`Points::transport_velocity`] is kept.
+    /// Upper bound on what the stiffnesses of external forces of the last step add to the square of a frequency of the points' motion, 1/s². It is
+    /// computed only if [`Points::transport_velocity`] is kept.
     ///
-    /// Σ_q k_q N_q u(x_q) at the nodes over their masses is what contacts of the points q make of nodes' displacements. Its eigenvalues are those of the same
-    /// between points, u_p ← Σ_I N_pI (Σ_q k_q N_qI / m_I) u_q, and none is larger than the largest sum over a row, Σ_I N_pI R_I with R_I = Σ_q k_q N_qI / m_I. Neighbours share
-    /// their masses: where one point of many is pushed this is much less than k/m of the point, which it never exceeds for forces at points.
+    /// Contacts of stiffness k_q at the points q accelerate node I by Σ_q k_q N_qI u_q / m_I when the points move by u_q. The nodes move point p by Σ_I N_pI times
+    /// that. No eigenvalue of this map from displacements of points to accelerations of points exceeds its largest row sum, Σ_I N_pI R_I with
+    /// R_I = Σ_q k_q N_qI / m_I, which is the bound. As neighbours share the masses of nodes, the bound is far below k/m of a point if few points are
+    /// pushed; for forces at points it never exceeds the largest k/m.
     pub fn contact_frequency_bound(&self) -> f64 {
         self.work.contact_frequency
     }
 
-    /// Takes back what was pushed since the last step.
+    /// Removes all external forces added since the last step.
     pub fn clear_external_forces(&mut self) {
         self.work.external_forces.clear();
     }
 
-    /// One step of `dt` seconds.
+    /// Makes one step of `dt` seconds.
     ///
     /// # Errors
-    /// A point that is lost (not finite, outside, faster than a cell per step, turned inside out): the step, the lowest such id and what to do.
-    /// The state is then of no further use.
+    /// A point that is lost: it has no finite position or velocity, has left the domain, has moved by more than a cell, or its volume is not positive. The
+    /// error names the lowest identity of such points and what to do; the state is then useless.
     pub fn step(&mut self, dt: f64) -> Result<()> {
         step::step(self, dt)
     }
 
-    /// `safety` times the least h/(c + |v|) over the points, s: c is the law's wave speed at the point's density. The method is stable to about
-    /// `safety` = 1; infinite without points.
+    /// Stable time step, s: `safety` times the smallest h/(c + |v|) of all points, with the edge of a cell h, the velocity v of the point and the speed c of
+    /// compression waves in its law at its density. The method is stable up to `safety` of about 1. Infinite without points.
     pub fn stable_step(&self, safety: f64) -> f64 {
         check::stable_step(self, safety)
     }
 
+    /// Checks a time step, s, that is given.
+    ///
     /// # Errors
-    /// A step that is not positive or above `stable_step(1.0)`, with that bound.
+    /// A step that is not positive, or larger than `stable_step(1.0)`.
     pub fn check_step(&self, dt: f64) -> Result<()> {
         check::step(self, dt)
     }
 
-    /// Mass, momentum and energies, summed in the order of ids.
+    /// Mass, volume, momenta and energies of all points, summed in the order of identities.
     pub fn totals(&self) -> Totals {
         measure::totals(self)
     }
 
-    /// Drops all scratch but forces that wait; changes no bit of what follows.
+    /// Drops grid and buffers but keeps external forces; changes no bit of what follows. For tests.
     pub fn drop_scratch(&mut self) {
         self.work = self.work.clone();
     }
 
-    /// Uses other instructions than the machine's best; changes no bit.
+    /// Uses the given instruction set instead of the machine's best; changes no bit of the results.
     pub fn use_instructions(&mut self, arch: pulp::Arch) {
         self.work.arch = Some(arch);
     }
 
-    /// Bytes held, scratch included.
+    /// Memory in use, bytes, with grid and buffers.
     pub fn bytes(&self) -> usize {
         self.points.bytes() + self.work.bytes()
     }

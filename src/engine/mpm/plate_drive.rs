@@ -3,17 +3,19 @@
 use super::LoadingPlate;
 use crate::boundary::servo_speed;
 
-/// A value that changes evenly with time until it is at its end.
+/// A value that changes in proportion to time until it reaches its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp {
+    /// Value at the start.
     pub value: f64,
-    /// Change per second, towards the end.
+    /// Change per second, towards the end; 0: the value stays.
     pub slope: f64,
+    /// Value at the end.
     pub end: f64,
 }
 
 impl Ramp {
-    /// One that stays.
+    /// A value that does not change.
     pub fn constant(value: f64) -> Ramp {
         Ramp { value, slope: 0.0, end: value }
     }
@@ -29,27 +31,27 @@ impl Ramp {
     }
 }
 
-/// What a loading plate does.
+/// How a loading plate moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlateDrive {
-    /// Moves into the material, m/s.
+    /// At this speed, m/s, positive into the material.
     Speed(Ramp),
-    /// Holds a stress by a servo. Alone it would lag behind a specimen that keeps moving: it acts on top of the loading plate's mean speed.
+    /// Holds a stress by a servo. The servo acts on top of the plate's mean speed, as it would otherwise lag behind a specimen that deforms steadily.
     Stress {
-        /// Pa.
+        /// Stress to be held, Pa, compression positive.
         target: Ramp,
-        /// Share of the imbalance that it removes in one step.
+        /// Share of the imbalance that is removed in one step.
         gain: f64,
-        /// Largest speed over the material's extent along the loading plate's axis, 1/s.
+        /// Largest speed over the extent of the material along the plate's axis, 1/s.
         reach: f64,
-        /// Time over which the mean speed is taken, s; infinite: none is.
+        /// Time over which the mean speed is taken, s; infinite: the mean speed stays 0.
         memory: f64,
     },
 }
 
 impl PlateDrive {
-    /// The loading plate's speed, m/s, `time` seconds after the drive was set, for material that is `extent` long along the loading plate's axis, m, on a face of `area`, m²
-    /// (m in plane strain), and a step of `dt` seconds. `drift` is its mean speed, which is kept from step to step.
+    /// Speed of `plate`, m/s, positive into the material, `time` seconds after the drive was set, for a step of `dt` seconds. `extent`: extent of the material
+    /// along the plate's axis, m; `area`: area of its face, m² (m in plane strain); `drift`: mean speed of the plate, m/s, which is updated.
     pub fn speed(&self, time: f64, plate: &LoadingPlate, [extent, area]: [f64; 2], dt: f64, drift: &mut f64) -> f64 {
         match *self {
             PlateDrive::Speed(speed) => speed.at(time),
@@ -65,7 +67,7 @@ impl PlateDrive {
     }
 }
 
-/// Area that stands against an axis, m² (m in plane strain).
+/// Area of a box with these extents, m, across an axis: product of the other extents, m² (a third extent of 1 gives m²/m in plane strain).
 pub fn area(extents: [f64; 3], axis: usize) -> f64 {
     (0..3).filter(|&a| a != axis).map(|a| extents[a]).product()
 }

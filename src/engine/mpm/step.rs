@@ -1,8 +1,9 @@
-//! One step. The only place that knows the order.
+//! One step of the continuum: the stages in order. No other file knows the order.
 //!
-//! MUSL with the shape functions of the new positions (Li et al. 2023, section 2.4): what eqs 36 and 37 give the nodes for the strain increment is what the
-//! next step starts from, and internal forces are spread in the same breath as stresses are found. So a step costs two passes that gather
-//! and two that spread. A step that finds no grid (the first, a restart, changed points) makes it from the points: the same sums, the same bits.
+//! The method is MUSL with the shape functions of the new positions (Li et al. 2023, section 2.4). Mass and momentum of the nodes by eqs 36 and 37 serve
+//! the strain increment of this step and are the start of the next one; internal forces go to the nodes in the same loop in which stresses are computed.
+//! So a step needs two loops over points that gather from nodes and two that spread to nodes. If there is no grid (first step, restart, points changed
+//! from outside), it is made from the points by the same sums, with the same bits.
 
 use super::blocks::{CellBlocks, STAYS, cell_key, tile};
 use super::external_forces::ExternalForces;
@@ -15,34 +16,44 @@ use crate::error::{Error, Result};
 use pulp::Arch;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Scratch: may be dropped between any two steps.
+/// Grid and buffers; may be dropped between any two steps, but for the external forces.
 #[derive(Debug, Default)]
 pub struct GridWorkspace {
+    /// Instruction set to be used instead of the best.
     pub arch: Option<Arch>,
+    /// Blocks of cells that hold points.
     blocks: CellBlocks,
+    /// Values at the nodes.
     grid: NodeGrid,
+    /// Key of the new cell of each point that leaves its cell in this step; `STAYS` for others.
     target: Vec<u64>,
+    /// Of each block: number of points that leave their cell.
     left: Vec<u32>,
+    /// Of each block: work of the stresses in this step, J.
     block_work: Vec<f64>,
+    /// Of each block: largest value of the bound below.
     block_frequency: Vec<f64>,
-    /// See [`Continuum::contact_frequency_bound`].
+    /// As [`Continuum::contact_frequency_bound`], 1/s².
     pub contact_frequency: f64,
+    /// First fault of a point in this step ([`Fault`]).
     faults: AtomicU64,
+    /// External forces for the next step.
     pub external_forces: ExternalForces,
-    /// Points stand in order; the grid has their momentum, and the tiles their internal forces.
+    /// Whether the points are sorted by cells.
     sorted: bool,
+    /// Whether the grid holds the points' mass and momentum, and the tiles their internal forces.
     ready: bool,
 }
 
 impl Clone for GridWorkspace {
-    /// Scratch is not copied, forces that wait are.
+    /// Copies the external forces only; grid and buffers are made anew when they are needed.
     fn clone(&self) -> GridWorkspace {
         GridWorkspace { arch: self.arch, external_forces: self.external_forces.clone(), ..GridWorkspace::default() }
     }
 }
 
 impl GridWorkspace {
-    /// Calls `visit` with the indices of all points in a box, m, and of some around it.
+    /// Calls `visit` with the index of every point in the box from `low` to `high`, m, and of some points around it.
     pub fn visit<const D: usize>(
         &self,
         settings: &Settings,
@@ -54,7 +65,7 @@ impl GridWorkspace {
             return (0..points.len()).for_each(visit);
         }
         let inverse_cell = 1.0 / settings.cell;
-        // a shape function's reach is at most a cell's half more than the point's own cell
+        // a point belongs to a cell whose first node lies between 0 and 1.5 cells below the point
         let cell = |x: [f64; 3], reach: f64| {
             let [x, y, z] = x;
             cell_of::<D>(&[x, y, z, 0.0], settings.lower, inverse_cell, reach)
@@ -62,11 +73,12 @@ impl GridWorkspace {
         self.blocks.visit::<D>(cell(low, 1.0), cell(high, 0.0), |range| range.for_each(&mut visit));
     }
 
-    /// The points have changed.
+    /// Tells that points were changed from outside: the next step sorts them and makes the grid anew.
     pub fn forget(&mut self) {
         (self.sorted, self.ready) = (false, false);
     }
 
+    /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         self.blocks.bytes()
             + self.grid.bytes()
@@ -76,10 +88,10 @@ impl GridWorkspace {
     }
 }
 
-/// One step of `dt` seconds.
+/// Makes one step of `dt` seconds.
 ///
 /// # Errors
-/// A lost point.
+/// A point that is lost.
 pub fn step(c: &mut Continuum, dt: f64) -> Result<()> {
     if c.points.is_empty() {
         c.step += 1;
@@ -93,6 +105,7 @@ pub fn step(c: &mut Continuum, dt: f64) -> Result<()> {
     }
 }
 
+/// The stages of a step in `D` dimensions.
 fn stages<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64) -> Result<()> {
     c.step += 1;
     c.work.faults.store(u64::MAX, Ordering::Relaxed);
@@ -126,6 +139,7 @@ fn stages<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64
     Ok(())
 }
 
+/// Runs one loop over all points.
 fn pass<const STAGE: u8, const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64) {
     let Continuum { settings, laws, points, work, .. } = c;
     let Points { position, velocity, stress, memory, affine, transport_velocity, faces, law, id, .. } = points;
@@ -167,7 +181,7 @@ fn pass<const STAGE: u8, const D: usize, S: ShapeFunction>(c: &mut Continuum, sh
     run::<STAGE, D, S>(&pass, part);
 }
 
-/// All points in order, from any.
+/// Sorts the points by cells, if they are not sorted.
 fn sort<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S) {
     let Continuum { settings, points, work, .. } = c;
     if !work.sorted {
@@ -181,7 +195,7 @@ fn sort<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S) {
     }
 }
 
-/// Those that have crossed go to their cells.
+/// Moves points that have left their cell to their new cells.
 fn resort<const D: usize>(c: &mut Continuum) {
     let GridWorkspace { blocks, target, left, .. } = &mut c.work;
     if blocks.resort::<D>(&mut c.points, target, left) {
@@ -189,6 +203,7 @@ fn resort<const D: usize>(c: &mut Continuum) {
     }
 }
 
+/// Fits grid and buffers to the present blocks.
 fn fit<const D: usize>(c: &mut Continuum) {
     let GridWorkspace { blocks, grid, left, block_work, block_frequency, .. } = &mut c.work;
     grid.fit::<D>(blocks, &c.settings);
@@ -197,8 +212,10 @@ fn fit<const D: usize>(c: &mut Continuum) {
     block_frequency.resize(blocks.len(), 0.0);
 }
 
+/// Checks whether a point was lost in the last loop.
+///
 /// # Errors
-/// The lost point with the lowest id.
+/// The lost point with the lowest identity.
 fn check_faults(c: &mut Continuum) -> Result<()> {
     let Some((fault, id)) = Fault::reported(c.work.faults.load(Ordering::Relaxed)) else { return Ok(()) };
     c.work.forget();

@@ -1,8 +1,9 @@
-//! From a velocity gradient to strain and spin, and the turning of a stress by the spin.
+//! Strain and spin increments from a velocity gradient, rotation of a stress by the spin, and the work of a stress.
 
 use super::law::Sym;
 
-/// Strain increment, and spin increment xy, yz, zx of W = ½ (L − Lᵀ), from the columns ∂v/∂x, ∂v/∂y, ∂v/∂z times the time step.
+/// Strain increment ½ (L + Lᵀ) dt (xx, yy, zz, xy, yz, zx, extension positive) and spin increment W dt = ½ (L − Lᵀ) dt (xy, yz, zx), from the columns
+/// ∂v/∂x, ∂v/∂y, ∂v/∂z of the velocity gradient L times the time step; fourth numbers are ignored.
 #[inline(always)]
 pub fn increments(columns: [[f64; 4]; 3]) -> (Sym, [f64; 3]) {
     let [x, y, z] = columns;
@@ -11,7 +12,7 @@ pub fn increments(columns: [[f64; 4]; 3]) -> (Sym, [f64; 3]) {
     (strain, spin)
 }
 
-/// W σ − σ W: the rate of the Jaumann derivative (Jiang et al. 2020, eq. 22 is the spin).
+/// W σ − σ W: change of a stress by rotation with the spin W, of which xy, yz, zx are given (Jiang et al. 2020, eq. 22).
 #[inline(always)]
 fn rate(s: Sym, [xy, yz, zx]: [f64; 3]) -> Sym {
     // W = (0, xy, −zx; −xy, 0, yz; zx, −yz, 0)
@@ -28,8 +29,9 @@ fn rate(s: Sym, [xy, yz, zx]: [f64; 3]) -> Sym {
     ]
 }
 
-/// The stress, Pa, after its material has turned in a step: the Jaumann rate to second order in the spin increment `spin` = W_xy, W_yz, W_zx,
-/// W_xy = (∂u_x/∂y − ∂u_y/∂x) / 2. Its deviator changes in size by the fourth power of the angle; to first order it would grow with the second at every step.
+/// The stress, Pa, after its material has rotated in a step: the Jaumann rate to second order in the spin increment `spin` = (W_xy, W_yz, W_zx), with
+/// W_xy = (∂u_x/∂y − ∂u_y/∂x)/2. The magnitude of the deviator changes by the fourth power of the angle only; to first order it would grow by the second
+/// power in every step.
 #[inline(always)]
 pub fn rotate_jaumann(stress: Sym, spin: [f64; 3]) -> Sym {
     let first = rate(stress, spin);
@@ -41,7 +43,7 @@ pub fn rotate_jaumann(stress: Sym, spin: [f64; 3]) -> Sym {
     rotated
 }
 
-/// σ : ε.
+/// Work of a stress on a strain per volume, σ : ε, J/m³.
 #[inline(always)]
 pub fn work(s: Sym, e: Sym) -> f64 {
     (s[0] * e[0] + s[1] * e[1] + s[2] * e[2]) + 2.0 * (s[3] * e[3] + s[4] * e[4] + s[5] * e[5])
