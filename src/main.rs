@@ -1,4 +1,4 @@
-//! The command line: parse, call a verb, print errors, set the exit code.
+//! The program `comminute`: reads the command line, calls one verb, prints its error with advice, sets the exit code.
 
 mod cli;
 
@@ -9,12 +9,11 @@ fn main() -> ExitCode {
     match cli::Cli::parse().call() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            let told = error.to_string();
-            for line in told.lines() {
+            for line in error.to_string().lines() {
                 eprintln!("error: {line}");
             }
-            if told.contains("the processor") {
-                eprintln!("the processor does the steps with --backend cpu; comminute resume RUN --backend cpu goes on with a run");
+            if let Some(advice) = cli::advice(&error) {
+                eprintln!("{advice}");
             }
             ExitCode::from(error.exit_code())
         }

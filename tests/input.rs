@@ -187,12 +187,13 @@ impl Seen {
 
     fn table(&mut self, path: &Path, file: &str, kind: &str) {
         let sheet = SHEETS.iter().position(|s| s.describes(file, kind));
-        let sheet = sheet.unwrap_or_else(|| panic!("the dictionary (src/record/dictionary.rs) lacks {file} of kind {kind}"));
+        let sheet =
+            sheet.unwrap_or_else(|| panic!("the dictionary (src/laboratory/record/dictionary.rs) lacks {file} of kind {kind}"));
         let text = fs::read_to_string(path).expect("table");
         let header = text.lines().find(|line| !line.starts_with('#')).expect("header");
         for name in header.split(',') {
             let known = SHEETS[sheet].columns.iter().any(|c| c.name == name);
-            assert!(known, "the dictionary (src/record/dictionary.rs) lacks the column {name} of {file}, kind {kind}");
+            assert!(known, "the dictionary (src/laboratory/record/dictionary.rs) lacks the column {name} of {file}, kind {kind}");
             self.0.insert((sheet, name.to_string()));
         }
     }

@@ -38,7 +38,12 @@ pub fn points(grids: &[String], tables: Vec<Vec<Vec<(String, String)>>>) -> Resu
     for factor in &factors {
         for (key, _) in factor.first().into_iter().flatten() {
             if keys.contains(&key.as_str()) {
-                return Err(Error::input(format!("--grid {key}"), "", None, "stands in the table twice"));
+                return Err(Error::input(
+                    format!("grid {key}"),
+                    "",
+                    None,
+                    "is varied twice: name each key in one grid or table only",
+                ));
             }
             keys.push(key);
         }
@@ -46,7 +51,7 @@ pub fn points(grids: &[String], tables: Vec<Vec<Vec<(String, String)>>>) -> Resu
     let mut rows: Vec<Vec<(String, String)>> = vec![Vec::new()];
     for factor in &factors {
         if rows.len() * factor.len() > MOST {
-            return Err(Error::input("--grid", "", None, format!("gives more than {MOST} runs")));
+            return Err(Error::input("grid", "", None, format!("gives more than {MOST} runs")));
         }
         rows = rows.iter().flat_map(|row| factor.iter().map(move |more| [row.as_slice(), more].concat())).collect();
     }
@@ -55,7 +60,7 @@ pub fn points(grids: &[String], tables: Vec<Vec<Vec<(String, String)>>>) -> Resu
 
 /// `key=a,b,c` as rows of one value.
 fn factor(text: &str) -> Result<Vec<Vec<(String, String)>>> {
-    let fail = |message: &str| Error::input(format!("--grid {text}"), "", None, message);
+    let fail = |message: &str| Error::input(format!("grid {text}"), "", None, message);
     let (key, list) = text.split_once('=').ok_or_else(|| fail("must be KEY=VALUE,VALUE,…"))?;
     let key = key.trim();
     if key.is_empty() {
@@ -196,7 +201,7 @@ mod tests {
             [("m", "KEY=VALUE"), ("=1", "KEY=VALUE"), ("m=", "empty value"), ("m=1,,2", "empty"), ("m=1,1", "twice")]
         {
             let error = points(&[grid.to_string()], Vec::new()).expect_err(grid).to_string();
-            assert!(error.contains(says) && error.contains("--grid"), "{error}");
+            assert!(error.contains(says) && error.contains("grid"), "{error}");
         }
         let twice = points(&["a.b=1".into(), "a.b=2".into()], Vec::new());
         assert!(twice.expect_err("twice").to_string().contains("twice"));

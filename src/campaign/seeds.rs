@@ -1,4 +1,4 @@
-//! Lists of seeds as they are written on a command line.
+//! Lists of seeds as a person writes them: `1..8`, `1,2,5`.
 
 use laboratory::error::{Error, Result};
 
@@ -22,7 +22,7 @@ pub enum Vary {
 /// # Errors
 /// Text that is no such list, a list without seeds or with a seed twice.
 pub fn parse(text: &str) -> Result<Vec<u64>> {
-    let fail = |message: String| Error::input(format!("--seeds {text}"), "", None, message);
+    let fail = |message: String| Error::input(format!("seeds {text}"), "", None, message);
     let number = |s: &str| {
         let wanted = || fail(format!("`{s}` is no seed: write whole numbers as in 1..8 or 1,2,5"));
         // a scene holds seeds as whole numbers of 63 bits
@@ -79,7 +79,7 @@ mod tests {
             ("0..9223372036854775807", "more than"),
         ] {
             let error = parse(text).expect_err(text).to_string();
-            assert!(error.contains(says) && error.contains("--seeds"), "{text}: {error}");
+            assert!(error.contains(says) && error.contains("seeds "), "{text}: {error}");
         }
     }
 }

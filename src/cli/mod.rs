@@ -147,7 +147,22 @@ impl Overrides {
     }
 }
 
-/// Print what a program reads.
+/// What a person can type next after an error, if there is something.
+pub fn advice(error: &Error) -> Option<String> {
+    match error {
+        Error::Several(errors) => errors.iter().find_map(advice),
+        Error::Exists { .. } | Error::Other { .. } => Some("choose another folder with --out, or overwrite it with --force".into()),
+        Error::Stopped { .. } => Some("the same command goes on with the rest".into()),
+        Error::Interrupted { out, .. } => Some(format!("continue with: comminute resume {}", out.display())),
+        Error::Device(_) => Some(
+            "the CPU computes the scene with --backend cpu; a run that has begun goes on with: comminute resume RUN --backend cpu"
+                .into(),
+        ),
+        _ => None,
+    }
+}
+
+/// Prints what a program reads to standard output; a reader that has closed its end is no error.
 pub fn print(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     let done = writeln!(out, "{text}").and_then(|()| out.flush());

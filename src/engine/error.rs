@@ -41,6 +41,9 @@ pub enum Error {
         /// The reason.
         what: String,
     },
+    /// What the graphics device could not do; the CPU can do the same work.
+    #[error("{0}")]
+    Device(Box<Error>),
 }
 
 impl Error {

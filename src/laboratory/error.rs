@@ -1,4 +1,7 @@
-//! What can go wrong, said with the values: which file, which key, which grain, which step.
+//! The one error type of the laboratory. Every variant carries the values that it names: file, key, grain, step.
+//!
+//! Messages say what is wrong and what is allowed. They never name options of the command line: what a person types next is
+//! added by the program from the variant.
 
 use std::fmt;
 use std::io;
@@ -7,6 +10,9 @@ use std::path::{Path, PathBuf};
 /// The result of everything in this crate that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
 
+/// What the place of a value begins with that a caller has laid over the files ([`crate::scene::load`]); `key=value` follows.
+pub(crate) const OVERRIDE: &str = "override ";
+
 /// Why nothing was started, or why a run ended.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -14,7 +20,7 @@ pub enum Error {
     /// A scene, material, data file or override says something that is not allowed.
     #[error("{}", input_line(.place, .key, .value.as_deref(), .message))]
     Input {
-        /// File (with a line where there is one) or `--set key=value`.
+        /// File (with a line where there is one), or `override key=value`.
         place: String,
         /// Dotted key or column; empty when the whole place is meant.
         key: String,
@@ -28,59 +34,112 @@ pub enum Error {
     Several(Vec<Error>),
     /// A file could not be read.
     #[error("{}: {}", .path.display(), reason(.source))]
-    Read { path: PathBuf, source: io::Error },
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
     /// A file could not be written.
     #[error("{}: cannot write: {}", .path.display(), reason(.source))]
-    Write { path: PathBuf, source: io::Error },
-    /// The output folder holds something already.
-    #[error(
-        "{}: holds a run already: choose another folder with --out, or --force to overwrite it",
-        .path.display()
-    )]
-    Exists { path: PathBuf },
-    /// The output folder holds a run of another scene.
-    #[error("{}: holds a run of another scene ({what}): choose another folder with --out, or --force to overwrite it", .path.display())]
-    Other { path: PathBuf, what: String },
-    /// Somebody else is at work in the folder.
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// The output folder holds results already, and the caller has not asked to overwrite them.
+    #[error("{}: holds a run already", .path.display())]
+    Exists {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The output folder holds a run of another scene, and the caller has not asked to overwrite it.
+    #[error("{}: holds a run of another scene ({what})", .path.display())]
+    Other {
+        /// The folder.
+        path: PathBuf,
+        /// The first difference of the two scenes.
+        what: String,
+    },
+    /// Another process is running in the folder.
     #[error("{}: another process is running there", .path.display())]
-    Busy { path: PathBuf },
+    Busy {
+        /// The folder.
+        path: PathBuf,
+    },
     /// Some runs of a campaign failed; the others are done.
     #[error("{}{} of {of} runs failed", failures(.failed), .failed.len())]
     Campaign {
         /// Folder and reason of each.
         failed: Vec<(PathBuf, String)>,
+        /// Runs of the campaign.
         of: usize,
     },
-    /// A campaign was stopped from outside; what is done and the checkpoints of the rest are kept.
-    #[error("stopped with {done} of {of} runs done; the same command goes on")]
-    Stopped { done: usize, of: usize },
-    /// The state left the range in which it means anything.
+    /// A campaign was stopped from outside (Ctrl-C, SIGTERM). Finished runs and the checkpoints of the others are kept, and
+    /// the same call made again does what is left.
+    #[error("stopped with {done} of {of} runs done; what is done is kept")]
+    Stopped {
+        /// Runs that are finished.
+        done: usize,
+        /// Runs of the campaign.
+        of: usize,
+    },
+    /// A number of the state is not finite, or out of the range in which the method is valid.
     #[error("step {step}: {what}{}", of_grain(.grain))]
     Unstable {
+        /// The step that found it.
         step: u64,
+        /// What is wrong and what to change.
         what: String,
         /// Persistent id of the grain, where one is to blame.
         grain: Option<u64>,
     },
-    /// A test has left what is possible: a continuum's energy or platens, or anything's voids; what is recorded so far is kept.
+    /// A test shows something that is physically impossible: energy from nothing, opposite platens out of balance, or solids
+    /// that fill more than the whole volume. The records so far are kept.
     #[error("step {step}: {what}")]
-    Impossible { step: u64, what: String },
-    /// The run could not reach what the scene asks for.
+    Impossible {
+        /// The step that found it.
+        step: u64,
+        /// What is wrong and what to change.
+        what: String,
+    },
+    /// The run could not reach what the scene asks for, such as rest at a stress.
     #[error("step {step}: {what}")]
-    Failed { step: u64, what: String },
+    Failed {
+        /// The step at which it was given up; 0 where there was none yet.
+        step: u64,
+        /// What was not reached.
+        what: String,
+    },
+    /// What a graphics device could not do; the CPU can do the same work ([`crate::run::Backend::Cpu`]).
+    #[error("{0}")]
+    Device(Box<Error>),
     /// A checkpoint that cannot be continued.
     #[error("{}: cannot be resumed: {what}", .path.display())]
-    Checkpoint { path: PathBuf, what: String },
+    Checkpoint {
+        /// The checkpoint, or the folder of the run.
+        path: PathBuf,
+        /// Why not.
+        what: String,
+    },
     /// Figures could not be drawn from the records.
     #[error("{what}")]
     Figure {
+        /// What is wrong, with the file.
         what: String,
-        /// Whether the records or data asked for are wrong; else a file could not be written.
+        /// True: the records or data asked for are wrong. False: a file could not be written.
         input: bool,
     },
-    /// Stopped from outside; everything recorded so far is kept.
-    #[error("interrupted at step {step}; continue with: comminute resume {}", .out.display())]
-    Interrupted { step: u64, out: PathBuf },
+    /// The run was stopped from outside (Ctrl-C, SIGTERM) or at the step that the caller asked for. Its checkpoint is kept, and
+    /// [`crate::run::resume`] continues it.
+    #[error("interrupted at step {step}; the checkpoint is in {}", .out.display())]
+    Interrupted {
+        /// Steps done.
+        step: u64,
+        /// The folder of the run.
+        out: PathBuf,
+    },
 }
 
 impl From<table::WriteError> for Error {
@@ -97,6 +156,7 @@ impl From<engine::error::Error> for Error {
             Engine::Several(errors) => Error::Several(errors.into_iter().map(Error::from).collect()),
             Engine::Unstable { step, what, grain } => Error::Unstable { step, what, grain },
             Engine::Failed { step, what } => Error::Failed { step, what },
+            Engine::Device(error) => Error::from(*error).on_device(),
         }
     }
 }
@@ -105,6 +165,11 @@ impl Error {
     /// A wrong value at `key` of `place`.
     pub fn input(place: impl fmt::Display, key: impl Into<String>, value: Option<String>, message: impl Into<String>) -> Self {
         Error::Input { place: place.to_string(), key: key.into(), value, message: message.into() }
+    }
+
+    /// This error as one that only a graphics device has ([`Error::Device`]).
+    pub(crate) fn on_device(self) -> Self {
+        Error::Device(Box::new(self))
     }
 
     /// A failure to read `path`; for `map_err`.
@@ -119,7 +184,10 @@ impl Error {
         move |source| Error::Write { path, source }
     }
 
-    /// One error of a list; `Ok` when the list is empty.
+    /// All errors of a list as one; `Ok` when the list is empty.
+    ///
+    /// # Errors
+    /// The only error of the list, or [`Error::Several`].
     pub fn all(mut errors: Vec<Error>) -> Result<()> {
         match errors.len() {
             0 => Ok(()),
@@ -128,10 +196,11 @@ impl Error {
         }
     }
 
-    /// 1 the run failed, 2 the command, scene or data is wrong (nothing was started), 3 it has become unstable or left what is possible (its records are
-    /// kept), 130 interrupted.
+    /// Exit code for a program that ends with this error: 1 the run failed; 2 the call, scene or data is wrong and nothing was
+    /// started; 3 the run became unstable or physically impossible (its records are kept); 130 stopped from outside.
     pub fn exit_code(&self) -> u8 {
         match self {
+            Error::Device(error) => error.exit_code(),
             Error::Input { .. } | Error::Several(_) | Error::Read { .. } | Error::Exists { .. } | Error::Checkpoint { .. } => 2,
             Error::Other { .. } | Error::Busy { .. } => 2,
             Error::Figure { input, .. } => 1 + u8::from(*input),
@@ -143,8 +212,8 @@ impl Error {
 }
 
 fn input_line(place: &str, key: &str, value: Option<&str>, message: &str) -> String {
-    // an override states its own key and value
-    if key.is_empty() || place.starts_with("--") {
+    // the place of an override states its key and value already
+    if key.is_empty() || place.starts_with(OVERRIDE) {
         return format!("{place}: {message}");
     }
     match value {
@@ -188,8 +257,8 @@ mod tests {
 
     #[test]
     fn an_override_is_not_repeated() {
-        let e = Error::input("--set a.b=3", "a.b", Some("3".into()), "must be at most 1");
-        assert_eq!(e.to_string(), "--set a.b=3: must be at most 1");
+        let e = Error::input("override a.b=3", "a.b", Some("3".into()), "must be at most 1");
+        assert_eq!(e.to_string(), "override a.b=3: must be at most 1");
     }
 
     #[test]

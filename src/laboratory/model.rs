@@ -30,18 +30,15 @@ pub struct Model {
 }
 
 impl Model {
-    /// Whether a graphics device could do all of it: rigid bodies that are no spheres are the processor's.
+    /// Checks that no body of a mixture is other than a sphere: only the CPU computes those.
     ///
     /// # Errors
-    /// A scene that has some.
+    /// A scene with `[[block]]`.
     pub fn spheres_only(&self) -> Result<()> {
         match &self.rig {
-            Rig::Continuum(rig) if rig.coarse.as_ref().is_some_and(|c| !c.blocks.is_empty()) => Err(Error::input(
-                "--backend gpu",
-                "",
-                None,
-                "does not have rigid bodies that are no spheres ([[block]]): use --backend cpu",
-            )),
+            Rig::Continuum(rig) if rig.coarse.as_ref().is_some_and(|c| !c.blocks.is_empty()) => {
+                Err(Error::input("gpu", "", None, "does not compute rigid bodies that are no spheres ([[block]])"))
+            }
             _ => Ok(()),
         }
     }

@@ -166,9 +166,9 @@ fn what_the_device_lacks_is_refused_by_name_before_it_starts() {
     refused(
         "petroleum_coke/h-c-2",
         &[],
-        &["--backend gpu: is for continuum and mixture scenes: grains alone are computed on the CPU"],
+        &["gpu: computes continuum and mixture scenes only: grains alone are computed on the CPU"],
     );
-    refused("platen/silica", &[], &["--backend gpu: is for continuum and mixture scenes"]);
+    refused("platen/silica", &[], &["gpu: computes continuum and mixture scenes only", "--backend cpu"]);
     if adapter("what_the_device_lacks_is_refused_by_name_before_it_starts") {
         let wide = "grid.max_mm=[100000.0, 100000.0, 100000.0]";
         refused(

@@ -31,9 +31,13 @@ impl Path {
     }
 }
 
+/// Place of wrong values in messages.
+const PLACE: &str = "point test";
+
 /// The tests that are made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
+    /// Which strains and stresses are prescribed.
     pub path: Path,
     /// Isotropic stress at the start of each test, Pa: the cell pressure of a triaxial test.
     pub confining: Vec<f64>,
@@ -44,21 +48,23 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Checks that a test can be made with these values.
+    ///
     /// # Errors
-    /// Values with which no test can be made, by their option on the command line.
+    /// The first value with which no test can be made, by its name.
     pub fn check(&self) -> Result<()> {
-        let refuse = |option: &str, value: f64, message: &str| Err(Error::input(format!("--{option} {value}"), "", None, message));
+        let refuse = |name: &str, value: f64, message: &str| Err(Error::input(PLACE, name, Some(value.to_string()), message));
         if let Some(bad) = self.confining.iter().find(|p| !(0.0..=1e9).contains(*p)) {
-            return refuse("confining-kPa", 1e-3 * bad, "must be >= 0 and <= 1000000");
+            return refuse("confining_kPa", 1e-3 * bad, "must be >= 0 and <= 1000000");
         }
         if let Some(twice) = self.confining.iter().enumerate().find(|(i, p)| self.confining[..*i].contains(p)) {
-            return refuse("confining-kPa", 1e-3 * twice.1, "stands there twice");
+            return refuse("confining_kPa", 1e-3 * twice.1, "stands there twice");
         }
         if self.confining.is_empty() {
-            return Err(Error::input("--confining-kPa", "", None, "needs a stress"));
+            return Err(Error::input(PLACE, "confining_kPa", None, "must hold at least one stress"));
         }
         if !(self.strain.abs() <= 1.0 && self.strain != 0.0) {
-            return refuse("strain", self.strain, "must not be 0, and between -1 and 1");
+            return refuse("strain", self.strain, "must be between -1 and 1, and not 0");
         }
         if self.steps == 0 {
             return refuse("steps", 0.0, "must be at least 1");

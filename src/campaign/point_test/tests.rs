@@ -149,13 +149,13 @@ fn settings_that_make_no_test_are_refused() {
     let good = Settings { path: Path::Triaxial, confining: vec![1e5], strain: 0.1, steps: 10 };
     assert!(good.check().is_ok());
     for (bad, says) in [
-        (Settings { confining: vec![-1.0], ..good.clone() }, "--confining-kPa -0.001: must be >= 0"),
-        (Settings { confining: vec![f64::NAN], ..good.clone() }, "--confining-kPa NaN"),
+        (Settings { confining: vec![-1.0], ..good.clone() }, "confining_kPa = -0.001: must be >= 0"),
+        (Settings { confining: vec![f64::NAN], ..good.clone() }, "confining_kPa = NaN"),
         (Settings { confining: vec![1e5, 1e5], ..good.clone() }, "stands there twice"),
-        (Settings { strain: 0.0, ..good.clone() }, "--strain 0: must not be 0"),
-        (Settings { strain: f64::INFINITY, ..good.clone() }, "--strain inf"),
+        (Settings { strain: 0.0, ..good.clone() }, "strain = 0: must be between -1 and 1, and not 0"),
+        (Settings { strain: f64::INFINITY, ..good.clone() }, "strain = inf"),
         (Settings { strain: 1.5, ..good.clone() }, "between -1 and 1"),
-        (Settings { steps: 0, ..good.clone() }, "--steps"),
+        (Settings { steps: 0, ..good.clone() }, "steps = 0: must be at least 1"),
     ] {
         let message = bad.check().expect_err("refused").to_string();
         assert!(message.contains(says), "{message}");

@@ -242,7 +242,7 @@ mod tests {
             (format!("{HEAD}speed = 3\n"), "unknown field `speed`"),
         ] {
             let error = read(&text).expect_err(says).to_string();
-            assert!(error.contains(says) && (error.contains("plan.toml") || error.contains("--seeds")), "{error}");
+            assert!(error.contains(says) && (error.contains("plan.toml") || error.contains("seeds ")), "{error}");
         }
         assert!(Plan::read("no-such-paper").expect_err("absent").to_string().contains("experiments/no-such-paper.toml"));
     }

@@ -472,12 +472,12 @@ impl DeviceContinuum {
                 None => Ok(()),
             };
         }
-        let (id, what) = (fault / 8, fault % 8);
+        let (id, fault) = (fault / 8, fault % 8);
         let crowded = format!(
             "has more than {} grains and walls near it, which the GPU path does not keep: use smaller cells, or go on on the processor",
             grains::PLACES
         );
-        let what = match what {
+        let what = match fault {
             0 => "has no finite position, velocity or stress: use a smaller time step and look at the law's parameters",
             1 => "has left the grid: enlarge the domain, put a wall there, or use a smaller time step",
             2 => "has passed more than one cell in a step: use a smaller time step",
@@ -490,7 +490,9 @@ impl DeviceContinuum {
                 "lies in a cell with more than 256 points, which the GPU path does not sort: use larger spacings, or the processor"
             }
         };
-        Err(Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None })
+        let error = Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None };
+        // from 6 on it is the device that has no room
+        Err(if fault < 6 { error } else { Error::Device(Box::new(error)) })
     }
 
     /// Gives the device up, as a driver does that resets it: whatever is asked of it afterwards fails.

@@ -50,13 +50,18 @@ fn adapter() -> Result<wgpu::Adapter> {
     pollster::block_on(instance.request_adapter(&options)).map_err(|_| {
         let message = "found no graphics adapter (Vulkan, Metal or Direct3D 12): install a driver (Debian's mesa-vulkan-drivers has one that \
                        computes on the processor) or use the processor";
-        Error::refused("gpu", "", None, message)
+        Error::Device(Box::new(Error::refused("gpu", "", None, message)))
     })
 }
 
 /// Something that the GPU path cannot do, by name.
 pub fn refused(key: &str, value: impl ToString, message: impl Into<String>) -> Error {
-    Error::refused("gpu", key, Some(value.to_string()), message)
+    Error::Device(Box::new(Error::refused("gpu", key, Some(value.to_string()), message)))
+}
+
+/// A failure of the device itself at step `step`; the CPU can go on.
+fn failed(step: u64, what: String) -> Error {
+    Error::Device(Box::new(Error::Failed { step, what }))
 }
 
 /// What the device has said since it was asked last.
@@ -118,7 +123,7 @@ impl Device {
     pub fn healthy(&self, step: u64) -> Result<()> {
         match self.complaints.told() {
             None => Ok(()),
-            Some(what) => Err(Error::Failed { step, what: format!("{what}; the state of the last record is kept") }),
+            Some(what) => Err(failed(step, format!("{what}; the state of the last record is kept"))),
         }
     }
 
@@ -151,10 +156,8 @@ impl Device {
     /// A device that was lost.
     pub fn read(&self, parts: &[(&wgpu::Buffer, u64)], step: u64) -> Result<Vec<u8>> {
         let size = parts.iter().map(|(_, size)| size).sum();
-        let lost = |what: &str| Error::Failed {
-            step,
-            what: format!("the graphics device cannot be read: {what}; the state of the last record is kept"),
-        };
+        let lost =
+            |what: &str| failed(step, format!("the graphics device cannot be read: {what}; the state of the last record is kept"));
         let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
         let staging = self.allocate(size, || self.empty("staging", size, usage))?;
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -186,6 +189,6 @@ impl Device {
     pub fn wait(&self, submission: Option<wgpu::SubmissionIndex>, step: u64) -> Result<()> {
         let done = self.device.poll(wgpu::PollType::Wait { submission_index: submission, timeout: None });
         self.healthy(step)?;
-        done.map(|_| ()).map_err(|e| Error::Failed { step, what: format!("the graphics device does not answer: {e}") })
+        done.map(|_| ()).map_err(|e| failed(step, format!("the graphics device does not answer: {e}")))
     }
 }

@@ -1,19 +1,19 @@
 //! What is recorded of a run: measures of the state, the energy ledger, tables, snapshots, checkpoints. The physics compiles without
 //! it, but for the ledger's counters.
 
-pub mod ancestors;
-pub mod assembly;
-pub mod blocks;
-pub mod breakages;
-pub mod checkpoint;
-pub mod contacts;
-pub mod continuum;
-pub mod crushed;
-pub mod cylinder;
+pub(crate) mod ancestors;
+pub(crate) mod assembly;
+pub(crate) mod blocks;
+pub(crate) mod breakages;
+pub(crate) mod checkpoint;
+pub(crate) mod contacts;
+pub(crate) mod continuum;
+pub(crate) mod crushed;
+pub(crate) mod cylinder;
 pub mod dictionary;
-pub mod gradations;
-pub mod platen;
-pub mod quasi_static;
+pub(crate) mod gradations;
+pub(crate) mod platen;
+pub(crate) mod quasi_static;
 pub mod specimen;
-pub mod vtk;
-pub mod walls;
+pub(crate) mod vtk;
+pub(crate) mod walls;

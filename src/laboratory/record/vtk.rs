@@ -49,10 +49,6 @@ impl SnapshotData {
         self.position.len()
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.position.is_empty()
-    }
-
     fn check(&self, path: &Path) -> Result<(), VtkError> {
         let want = self.len();
         for (array, have) in [

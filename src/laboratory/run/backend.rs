@@ -1,4 +1,4 @@
-//! Who does the steps of a run: the processor, or for a continuum, with grains or without, a graphics device.
+//! Backends: the CPU computes every scene; a graphics device computes continuum and mixture scenes.
 
 use crate::error::{Error, Result};
 use crate::model::continuum::Continuum as Rig;
@@ -6,19 +6,20 @@ use crate::model::{self, Model};
 use crate::rig::continuum::{Engine, State};
 use serde::{Deserialize, Serialize};
 
-/// What is asked for.
+/// The backend that the caller asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
+    /// The CPU, in double precision.
     #[default]
     Cpu,
-    /// The graphics device, or an error.
+    /// The graphics device, in single precision with compensated sums; an error where it cannot compute the scene.
     Gpu,
-    /// A graphics device that is hardware and has all that the scene asks for, else the processor.
+    /// The graphics device where there is one in hardware that can compute the scene, else the CPU.
     Auto,
 }
 
 impl Backend {
-    /// As it is typed.
+    /// The word for it in options and messages: `cpu`, `gpu` or `auto`.
     pub fn name(self) -> &'static str {
         match self {
             Backend::Cpu => "cpu",
@@ -28,32 +29,38 @@ impl Backend {
     }
 }
 
-/// What it comes to.
+/// The backend that computes a run, found by [`choose`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Chosen {
+    /// True: the graphics device. False: the CPU.
     pub gpu: bool,
-    /// Why, where it was left open.
+    /// With [`Backend::Auto`]: the name of the adapter, or why the CPU was taken.
     pub why: Option<String>,
 }
 
 impl Chosen {
-    /// As it stands in summaries.
+    /// The word for it in `summary.json`: `cpu` or `gpu`.
     pub fn name(&self) -> &'static str {
         if self.gpu { "gpu" } else { "cpu" }
     }
 }
 
-/// Who is to do the steps of a run. Nothing is started.
+/// Finds the backend for `model`. Looks for a graphics adapter where one is asked for; starts nothing on it.
 ///
 /// # Errors
-/// A graphics device is asked for, and there is none, or it lacks what the scene needs: by name.
+/// [`Error::Device`]: [`Backend::Gpu`] is asked for, and there is no graphics device or it cannot compute this scene. The
+/// message names the key of the scene.
 pub fn choose(asked: Backend, model: &Model) -> Result<Chosen> {
     if asked == Backend::Cpu {
         return Ok(Chosen::default());
     }
     let found = model.spheres_only().and_then(|()| adapter(model));
     if asked == Backend::Gpu {
-        return found.map(|_| Chosen { gpu: true, why: None });
+        return match found {
+            Ok(_) => Ok(Chosen { gpu: true, why: None }),
+            Err(error @ Error::Device(_)) => Err(error),
+            Err(error) => Err(error.on_device()),
+        };
     }
     Ok(match found {
         Ok((name, false)) => Chosen { gpu: true, why: Some(name) },
@@ -68,10 +75,10 @@ pub fn choose(asked: Backend, model: &Model) -> Result<Chosen> {
 fn adapter(model: &Model) -> Result<(String, bool)> {
     let model::Rig::Continuum(rig) = &model.rig else {
         return Err(Error::input(
-            "--backend gpu",
+            "gpu",
             "",
             None,
-            "is for continuum and mixture scenes: grains alone are computed on the CPU",
+            "computes continuum and mixture scenes only: grains alone are computed on the CPU",
         ));
     };
     of_continuum(model, rig)
@@ -86,23 +93,19 @@ fn of_continuum(model: &Model, rig: &Rig) -> Result<(String, bool)> {
 
 #[cfg(not(feature = "gpu"))]
 fn of_continuum(_: &Model, _: &Rig) -> Result<(String, bool)> {
-    Err(Error::input(
-        "--backend gpu",
-        "",
-        None,
-        "needs a program that was built with the feature gpu: this one was not; use --backend cpu",
-    ))
+    Err(Error::input("gpu", "", None, "is not part of this program, which was built without the feature gpu"))
 }
 
-/// What a run remembers of its backends; part of the checkpoint.
+/// The backends that a run has used; part of the checkpoint.
 #[derive(Default, Serialize, Deserialize)]
 pub struct Used {
-    /// In turn, where a resumed run went on elsewhere.
+    /// Names in the order of use: more than one where a run was resumed on another backend.
     pub names: Vec<String>,
+    /// [`Chosen::why`] of the last one.
     pub why: Option<String>,
-    /// Graphics adapter, and whether it is software.
+    /// Name of the graphics adapter, and whether it is software (computes on the CPU itself).
     pub adapter: Option<(String, bool)>,
-    /// The device's own state at a checkpoint.
+    /// The graphics device's own state; only in a checkpoint.
     pub saved: Option<Vec<u8>>,
 }
 
@@ -112,10 +115,11 @@ impl Used {
         self.names.last().is_some_and(|name| name == "gpu")
     }
 
-    /// Sets the engine up, with the device's own state where there is one.
+    /// Sets up the engine that makes the steps on the chosen backend. A graphics device takes over its own state from the
+    /// checkpoint, so that a resumed run has the same bits.
     ///
     /// # Errors
-    /// What the device says.
+    /// A graphics device that cannot be opened, has too little memory, or whose saved state is damaged.
     pub fn engine(&mut self, chosen: Chosen, state: &mut State, model: &Model, rig: &Rig) -> Result<Engine> {
         let name = chosen.name();
         let saved = self.saved.take().filter(|_| chosen.gpu && self.gpu());
@@ -147,7 +151,8 @@ impl Used {
         unreachable!("refused when it was chosen")
     }
 
-    /// Brings points and device's state up to date for a checkpoint.
+    /// Copies points, grains and the device's own state from the graphics device, so that a checkpoint holds them. On the CPU
+    /// nothing is to be done.
     ///
     /// # Errors
     /// A device that was lost.

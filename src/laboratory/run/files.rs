@@ -32,7 +32,7 @@ pub const GRAINS: &str = "grains.pvd";
 pub const FINES: &str = "fines.pvd";
 /// What a run leaves that failed before its test began: why, and its scene. A folder that holds nothing else is free.
 pub const FAILED: &str = "failed.scene.toml";
-/// What a run leaves: these are removed by `--force`, and nothing else.
+/// The files that a run leaves. Overwriting a run removes these and nothing else.
 const OURS: [&str; 24] = [
     FAILED,
     SPECIMEN,

@@ -226,7 +226,9 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
 fn never_halfway(stop_after: Option<u64>) -> Result<()> {
     match stop_after {
         None => Ok(()),
-        Some(n) => Err(Error::input(format!("--stop-after {n}"), "", None, "has no meaning in a platen test")),
+        Some(n) => {
+            Err(Error::input("run", "stop_after", Some(n.to_string()), "has no meaning in a platen test: it has no checkpoint"))
+        }
     }
 }
 

@@ -1,16 +1,16 @@
-//! `--set key=value`: one value laid over the files.
+//! Overrides: one value `key=value` from the caller, laid over what the files say.
 
 use super::files::material_file;
 use super::layers::{Layer, Origin};
 use super::schema::parse_literal;
-use crate::error::{Error, Result};
+use crate::error::{Error, OVERRIDE, Result};
 use std::path::Path;
 use toml::{Table, Value};
 
 /// Lay the override `text` (`loading.max_stress_kPa=2000`, `wall[0].friction=0.2`) over `layer`.
 /// A word without quotes is taken as text; the paths of materials and grains are taken from the working folder.
 pub fn apply(layer: &mut Layer, text: &str) -> Result<()> {
-    let place = format!("--set {text}");
+    let place = format!("{OVERRIDE}{text}");
     let fail = |message: &str| Error::input(&place, "", None, message);
     let (key, value) = text.split_once('=').ok_or_else(|| fail("must be KEY=VALUE, as in loading.max_stress_kPa=2000"))?;
     let (key, value) = (key.trim(), value.trim());
@@ -134,7 +134,7 @@ mod tests {
         let mut layer = Layer::default();
         apply(&mut layer, "loading.rate = 0.1").expect("valid");
         assert_eq!(layer.table["loading"]["rate"], Value::Float(0.1));
-        assert_eq!(layer.origin("loading.rate").place, "--set loading.rate = 0.1");
+        assert_eq!(layer.origin("loading.rate").place, "override loading.rate = 0.1");
         apply(&mut layer, "contact.law=linear").expect("valid");
         assert_eq!(layer.table["contact"]["law"].as_str(), Some("linear"));
         assert!(apply(&mut layer, "loading.rate.x=1").is_err());

@@ -101,7 +101,7 @@ pub fn doubt(model: &Model, reach: &Reach) -> Option<String> {
     let outside = reach.range.nearest(rig.porosity, rig.preparation.porosity_tolerance).is_some();
     (outside && !reach.measured).then(|| {
         format!(
-            "the void ratio asked for, {:.3}, may be outside of what can be reached ({:.3} to {:.3}, estimated): comminute check --range measures it, and so does the run before it begins",
+            "the void ratio asked for, {:.3}, may be outside of the range that can be made ({:.3} to {:.3}, estimated); the run measures the range before it begins",
             void_ratio(rig.porosity),
             reach.void_ratio_densest,
             reach.void_ratio_loosest

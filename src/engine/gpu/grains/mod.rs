@@ -302,24 +302,22 @@ impl Bodies {
     /// # Errors
     /// A grain that is lost, or has more neighbours than there is room for; a device that was lost.
     pub fn sound(&self, step: u64, device: &Device) -> Result<()> {
-        let told = |place: u32, what: String| {
+        let unstable = |place: u32, what: String| -> Result<Error> {
             let words = device.read(&[(&self.buffers.grains, self.sizes.grains)], step)?;
             let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&words);
             let id = words[6 * self.coupling.grains as usize + place as usize][3];
-            Err(Error::Unstable { step, what, grain: Some(id.into()) })
+            Ok(Error::Unstable { step, what, grain: Some(id.into()) })
         };
         if self.mix.lost != NONE {
-            return told(
-                self.mix.lost,
-                "a grain has no finite velocity or passes a cell in a step: use a smaller time step".into(),
-            );
+            let what = "a grain has no finite velocity or passes a cell in a step: use a smaller time step".into();
+            return Err(unstable(self.mix.lost, what)?);
         }
         if self.mix.crowded != NONE {
             let what = format!(
                 "a grain has more than {} grains near it, which the GPU path does not keep: use the processor",
                 layout::PARTNERS
             );
-            return told(self.mix.crowded, what);
+            return Err(Error::Device(Box::new(unstable(self.mix.crowded, what)?)));
         }
         Ok(())
     }

@@ -168,10 +168,11 @@ impl State {
         self.broken.extend(events.into_iter().map(|event| Broken { event, step, time, axial }));
     }
 
-    /// Asks `what` about a graphics device for this state.
+    /// Asks `what` of a graphics device about this state: whether it can compute the state ([`gpu::fits`]), or how much memory
+    /// it needs ([`gpu::needs`]).
     ///
     /// # Errors
-    /// What a device lacks, by name.
+    /// [`Error::Device`] with the key of the scene that a graphics device cannot compute.
     #[cfg(feature = "gpu")]
     pub fn on_device<T>(
         &self,
@@ -180,8 +181,8 @@ impl State {
         what: impl FnOnce(&Settings, &Points, &[LoadingPlate], Option<&gpu::CoarseGrains<'_>>) -> ::engine::error::Result<T>,
     ) -> Result<T> {
         if rig.specimen().is_some_and(|s| s.round) {
-            let message = "cylinders are not available on the GPU: use --backend cpu";
-            return Err(Error::input("gpu", "body[0].shape", Some("cylinder".into()), message));
+            let message = "cylinders are not available on the GPU: use the processor";
+            return Err(Error::input("gpu", "body[0].shape", Some("cylinder".into()), message).on_device());
         }
         gpu::takes(&rig.laws)?;
         let Some(mixture) = self.mixture.as_deref() else { return Ok(what(&rig.settings, &rig.points, &self.plates, None)?) };
@@ -190,12 +191,13 @@ impl State {
                 "gpu",
                 "growth.fines_diameter_mm",
                 None,
-                "specimens that grow are not available on the GPU: use --backend cpu",
-            ));
+                "specimens that grow are not available on the GPU: use the processor",
+            )
+            .on_device());
         }
         if let Some(Rates { continuum: steps @ 2.., .. }) = rig.coarse.as_ref().and_then(|c| c.rates) {
-            let message = "must be 1 on the GPU: leave it away, or use --backend cpu";
-            return Err(Error::input("gpu", "stepping.continuum_steps", Some(steps.to_string()), message));
+            let message = "must be 1 on the GPU: leave the key out, or use the processor";
+            return Err(Error::input("gpu", "stepping.continuum_steps", Some(steps.to_string()), message).on_device());
         }
         let table = point_table(model, rig, mixture);
         Ok(what(

@@ -9,11 +9,11 @@ mod measure;
 mod specimen;
 
 #[cfg(feature = "gpu")]
-pub use device::Device;
+pub(crate) use device::Device;
 pub use engine::Engine;
 pub use grains::Coupled;
-pub use growth::{Growing, Grown, growing};
-pub use measure::{Coarse, Moment};
+pub(crate) use growth::{Growing, Grown, growing};
+pub(crate) use measure::{Coarse, Moment};
 
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -214,4 +214,4 @@ impl State {
     }
 }
 
-pub use specimen::contact_rate;
+pub(crate) use specimen::contact_rate;

@@ -1,9 +1,9 @@
 //! Preparation of a cylindrical specimen: with the friction while growing that the scene states, or on the way from the loosest to the densest.
 
 mod drive;
-pub mod path;
+pub(crate) mod path;
 pub mod range;
-pub mod stated;
+pub(crate) mod stated;
 
 use crate::error::Error;
 use crate::model::{Model, Specimen};
