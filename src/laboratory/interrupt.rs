@@ -1,21 +1,22 @@
-//! The wish of a user to stop: Ctrl-C and SIGTERM.
+//! A user's wish to stop the program: Ctrl-C and SIGTERM set a flag that the loops of runs read.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Set by Ctrl-C (and SIGTERM): the run stops at the next step, everything kept.
+/// Set by Ctrl-C and SIGTERM.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Takes Ctrl-C and SIGTERM as a wish to stop, which [`stop_asked`] tells.
+/// Installs a handler for Ctrl-C and SIGTERM that sets the flag of [`stop_asked`]. A handler that the program has installed
+/// before stays; the flag is then never set.
 pub fn listen() {
     static ONCE: Once = Once::new();
-    // a second handler cannot be installed; a library user who has one keeps it
+    // an error means that the program has a handler of its own
     ONCE.call_once(|| {
         let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
     });
 }
 
-/// Whether Ctrl-C or SIGTERM has come since [`listen`].
+/// Whether Ctrl-C or SIGTERM has arrived since [`listen`]. A run then writes its checkpoint and stops at the next step.
 pub fn stop_asked() -> bool {
     STOP.load(Ordering::Relaxed)
 }

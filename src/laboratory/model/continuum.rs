@@ -1,4 +1,4 @@
-//! What a run of a continuum knows.
+//! The model of a continuum of material points, with grains in it or without, and of the test that is made with it.
 
 use super::{GrainSpec, WallSpec};
 use engine::coupling::{Rates, Rule};
@@ -7,164 +7,196 @@ use engine::mpm::{Points, Settings};
 use engine::rigid::Block;
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4};
 
-/// Material points on a grid, and what is done with them.
+/// A continuum of material points on a background grid, the grains in it, and the test.
 #[derive(Clone, Debug)]
 pub struct Continuum {
+    /// Grid, shape functions, transfer, gravity and damping of the material point method.
     pub settings: Settings,
-    /// One a material, in the order of their numbers.
+    /// Constitutive law of each material of the points, in the order of their numbers.
     pub laws: Vec<Law>,
+    /// The points at the start.
     pub points: Points,
-    /// Points along the edge of a cell of the first body.
+    /// Points along the edge of a cell at the start.
     pub per_edge: u32,
-    /// Where run-out is counted from: the axis of the first body (for a box its lower corner), m.
+    /// Origin of the run-out distance, m: the axis of the first body (of a box its lower corner).
     pub axis: [f64; 3],
+    /// The test.
     pub test: Test,
-    /// The grains in it; `None` in a continuum alone.
+    /// The grains among the points; `None`: there are none.
     pub coarse: Option<Coarse>,
-    /// How the specimen grows before its test, instead of these points and grains.
+    /// How the specimen is grown before the test. The grown points and grains then replace `points` and `coarse`, which only
+    /// serve to size the grid and to estimate the run. `None`: the test starts from `points` and `coarse`.
     pub growth: Option<Growth>,
-    /// Rows of history and snapshots over the run, besides the first.
+    /// Rows of the history over the test, besides the first.
     pub rows: u32,
+    /// Snapshots over the test, besides the first.
     pub frames: u32,
 }
 
-/// Grains in a continuum.
+/// The grains of a mixture, and how they touch its points.
 #[derive(Clone, Debug)]
 pub struct Coarse {
+    /// The spheres at the start.
     pub grains: Vec<GrainSpec>,
-    /// Rigid bodies that are no spheres, as they start.
+    /// The rigid bodies that are no spheres, at the start.
     pub blocks: Vec<Block>,
-    /// Walls of free scenes, which points touch as well.
+    /// The walls of a free scene; grains and points touch them.
     pub walls: Vec<WallSpec>,
-    /// For each law of the continuum the material of the fines' grains, which says how its points touch.
+    /// For each law of the continuum, in its order: the material whose contact parameters its points have.
     pub point_materials: Vec<u8>,
-    /// Instead of the rates that the stable steps give.
+    /// Steps of grains and continuum in one cycle, where the scene prescribes them; `None`: they follow from the stable steps.
     pub rates: Option<Rates>,
-    /// How the mass that breakages lose becomes points, where it does.
+    /// How the mass that breakages lose becomes points; `None`: it does not.
     pub fines: Option<Rule>,
 }
 
-/// A specimen that grows (Li et al. 2023, section 4.1).
+/// A specimen grown by volume expansion (Li et al. 2023, section 4.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
+    /// The fine grains.
     pub fines: Fraction,
+    /// The coarse grains, where there are some.
     pub coarse: Option<Fraction>,
-    /// Whether the fines become material points.
+    /// True: material points replace the fine grains before the test. False: the fine grains stay grains.
     pub as_points: bool,
-    /// Friction between grains until the walls bear the stress; the materials' if `None`.
+    /// Friction coefficient between grains until the walls bear the stress; `None`: that of the materials.
     pub friction: Option<f64>,
-    /// Isotropic stress, Pa (in an oedometer that of the top).
+    /// Isotropic stress at the end of growth, Pa, compression positive (in an oedometer the stress of the top platen).
     pub stress: f64,
+    /// Steps in which the radii grow.
     pub steps: u64,
+    /// Steps of the whole preparation after which it is given up.
     pub max_steps: u64,
 }
 
-/// Grains of one material, radii, m, uniform between two, with this volume in all, m³.
+/// Grains of one material whose radii are spread uniformly between two bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fraction {
+    /// Material, by its index in the physics' materials.
     pub material: u8,
+    /// Smallest and largest radius, m.
     pub radii: [f64; 2],
+    /// Volume of all grains together, m³.
     pub volume: f64,
 }
 
 impl Fraction {
-    /// How many grains that are.
+    /// Expected number of grains: the volume over the mean volume π/3 (a + b)(a² + b²) of a sphere with a radius uniform between
+    /// a and b.
     pub fn count(&self) -> usize {
         let [a, b] = self.radii;
         (self.volume / (FRAC_PI_3 * (a + b) * (a * a + b * b))).round() as usize
     }
 
+    /// Mean diameter, m.
     pub fn mean_diameter(&self) -> f64 {
         self.radii[0] + self.radii[1]
     }
 }
 
 impl Growth {
-    /// Points, and grains, that there will be.
+    /// Expected numbers of points and of grains at the start of the test.
     pub fn counts(&self) -> [usize; 2] {
         let (fine, coarse) = (self.fines.count(), self.coarse.map_or(0, |c| c.count()));
         if self.as_points { [fine, coarse] } else { [0, fine + coarse] }
     }
 }
 
-/// What is done with the points.
+/// The test that is made with a continuum.
 #[derive(Clone, Debug)]
 pub enum Test {
-    /// They move by themselves, for a time, s, or so many steps.
-    Free { duration: Option<f64>, steps: Option<u64> },
-    /// Smooth fixed sides and bottom, a driven top platen.
+    /// No test: points move under gravity and the walls of the grid, for a time or a number of steps; one of them is given.
+    Free {
+        /// Time, s.
+        duration: Option<f64>,
+        /// Steps of the continuum.
+        steps: Option<u64>,
+    },
+    /// One-dimensional compression: sides and bottom are smooth and fixed, the top platen moves.
     Oedometer(Specimen),
-    /// Platens on all sides: the lateral ones hold the cell pressure, the axial ones move.
-    Triaxial { specimen: Specimen, cell_pressure: f64, drainage: Drainage },
+    /// Triaxial compression between platens: the axial ones come together.
+    Triaxial {
+        /// The specimen.
+        specimen: Specimen,
+        /// Cell pressure, Pa, compression positive.
+        cell_pressure: f64,
+        /// What the lateral platens do.
+        drainage: Drainage,
+    },
 }
 
-/// What the lateral platens do while the axial ones come together.
+/// What the lateral platens of a triaxial test do while the axial ones come together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drainage {
     /// They hold the cell pressure.
     Drained,
-    /// They keep the volume, as a saturated specimen does that cannot drain.
+    /// They move so that the volume stays constant, as in a saturated specimen that cannot drain.
     ConstantVolume,
 }
 
-/// A box of points between platens, or a cylinder in a shell.
+/// The specimen of a continuum's test: a box of points between plane platens, or an upright cylinder of points in a shell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Specimen {
-    /// Lower corner and size at the start, m; a cylinder's are those of the box around it.
+    /// Lower corner at the start, m; of a cylinder that of the box around it.
     pub lower: [f64; 3],
+    /// Size at the start, m; of a cylinder that of the box around it.
     pub size: [f64; 3],
-    /// An upright cylinder.
+    /// True: an upright cylinder. False: a box.
     pub round: bool,
     /// Isotropic stress of the points at the start, Pa, compression positive.
     pub stress: f64,
-    /// Distance of two points at the start, m.
+    /// Distance of neighbouring points at the start, m.
     pub spacing: f64,
-    /// Porosity at the start, and law and density, kg/m³, of the fines.
+    /// Porosity of the points at the start.
     pub porosity: f64,
+    /// Constitutive law of the points, by its index in [`Continuum::laws`].
     pub law: u8,
+    /// Bulk density of the points at the start, kg/m³.
     pub density: f64,
-    /// Points stand on a lattice, the outermost half a distance inside; else as grains have grown, and platens where they touch them.
+    /// True: the points stand on a lattice, the outermost half a spacing inside the specimen's faces. False: they stand where
+    /// grains have grown, and the platens stand where the grains touched them.
     pub lattice: bool,
-    /// E* of the platens' contacts, Pa.
+    /// Effective modulus E* of the contacts between points and platens, Pa.
     pub modulus: f64,
-    /// Axial strain at the end.
+    /// Axial strain at the end, compression positive.
     pub axial_strain: f64,
-    /// Axial strain in the time that a compression wave takes through the specimen.
+    /// Axial strain in the time that a compression wave takes through the height of the specimen: sets the speed of the test.
     pub strain_per_wave: f64,
-    /// Share of a servo's imbalance that it removes in one step.
+    /// Share of the difference between force and target that a platen under servo removes in one step.
     pub gain: f64,
 }
 
 impl Specimen {
-    /// Volume over that of the box around it.
+    /// Volume of the specimen over that of the box around it: 1, or π/4 for a cylinder.
     pub fn fullness(&self) -> f64 {
         if self.round { FRAC_PI_4 } else { 1.0 }
     }
 
-    /// Volume of a point at the start over the cube of the distance of two: in rings they stand a little further apart along the ring.
+    /// Volume of a point at the start over `spacing`³: 1 on a lattice, π/3 in the rings of a cylinder, whose points stand a
+    /// little further apart along the ring.
     pub fn roominess(&self) -> f64 {
         if self.round { FRAC_PI_3 } else { 1.0 }
     }
 
-    /// Middle of its base, m.
+    /// Middle of the base, m.
     pub fn base(&self) -> [f64; 3] {
         [self.lower[0] + 0.5 * self.size[0], self.lower[1] + 0.5 * self.size[1], self.lower[2]]
     }
 }
 
 impl Continuum {
-    /// Points and grains at the start of the test.
+    /// Numbers of points and of grains at the start of the test; estimates where the specimen grows.
     pub fn counts(&self) -> [usize; 2] {
         let listed = || [self.points.len(), self.coarse.as_ref().map_or(0, |c| c.grains.len())];
         self.growth.as_ref().map_or_else(listed, Growth::counts)
     }
 
-    /// The box between platens, where there is one.
+    /// The specimen; `None` in a free scene.
     pub fn specimen(&self) -> Option<&Specimen> {
         self.test.specimen()
     }
 
-    /// Whether it is a test of points: see [`engine::dem::physics::Stepping::slow`].
+    /// Whether this is a quasi-static test of points between platens; see [`engine::dem::physics::Stepping::slow`].
     pub fn is_slow(&self) -> bool {
         let [points, _] = self.counts();
         points > 0 && self.specimen().is_some()
@@ -172,7 +204,7 @@ impl Continuum {
 }
 
 impl Test {
-    /// The box between platens, where there is one.
+    /// The specimen; `None` in a free scene.
     pub fn specimen(&self) -> Option<&Specimen> {
         match self {
             Test::Free { .. } => None,

@@ -1,5 +1,6 @@
-//! Where a mixture leaves the range in which its grains can be in a continuum. Li et al. 2023 (sections 4 and 6) had good results at a size ratio of 1:5 and up to 40 % of
-//! coarse grains; with 40 % the twin of grains alone (figures/mixture) does not agree.
+//! Warnings for a mixture in which the fine grains cannot be replaced by a continuum. Li et al. 2023 (sections 4 and 6) had good
+//! results at a size ratio of 1:5 and up to 40 % of coarse grains; with 40 % the same test with fine grains instead of points
+//! (figures/mixture) does not agree with the mixture.
 
 use crate::model::continuum::Continuum as Rig;
 use engine::dem::physics::Physics;
@@ -7,26 +8,29 @@ use engine::grains::sphere_volume;
 use engine::mpm::Dimension;
 use engine::mpm::loading_plate::ghost_radius;
 
-/// Mean diameter of coarse grains over that of ghosts, at least; a little room for how a gradation is drawn.
+/// Least ratio of the mean diameter of the coarse grains to that of the points' contact spheres: 5, less some room for the
+/// scatter of a drawn gradation.
 const RATIO: f64 = 4.9;
-/// Coarse grains in the mass, at most.
+/// Largest share of coarse grains in the mass.
 const CONTENT: f64 = 0.3;
-/// Cells over the diameter of the smallest grain, at most.
+/// Largest ratio of a cell's edge to the diameter of the smallest grain.
 const CELL: f64 = 0.5;
-/// Share of grains that have a neighbour nearer than a ghost is wide, at most.
+/// Largest share of grains that have a neighbour at a gap smaller than the diameter of a point's contact sphere.
 const CROWDED: f64 = 0.25;
 
-/// What of a mixture says whether it is in range.
+/// The sizes of a mixture that the limits are for.
 struct Sizes {
-    /// Mean diameter of coarse grains, the least one, and mean and largest of the ghosts, m.
+    /// Mean diameter of the coarse grains, m.
     mean: f64,
+    /// Smallest diameter of the coarse grains, m.
     least: f64,
+    /// Mean and largest diameter of the points' contact spheres, m.
     ghosts: [f64; 2],
     /// Share of the coarse grains in the mass.
     content: f64,
 }
 
-/// Sizes of the grains and points there are, or of those that will grow; `None` where one of both kinds is missing.
+/// Sizes of the present grains and points, or of those that will grow; `None` where grains or points are missing.
 fn sizes(physics: &Physics, rig: &Rig) -> Option<Sizes> {
     let density = |material: u8| physics.materials[usize::from(material)].density;
     let grains = &rig.coarse.as_ref()?.grains;
@@ -55,7 +59,7 @@ fn sizes(physics: &Physics, rig: &Rig) -> Option<Sizes> {
     })
 }
 
-/// What is outside of that range, in words.
+/// One warning for each limit that the mixture exceeds; they stand in `summary.json` (`outside_of_the_method`).
 pub fn warnings(physics: &Physics, rig: &Rig) -> Vec<String> {
     let Some(Sizes { mean, least, ghosts: [ghost, widest], content }) = sizes(physics, rig) else { return Vec::new() };
     let mut doubts = Vec::new();
@@ -84,7 +88,7 @@ pub fn warnings(physics: &Physics, rig: &Rig) -> Vec<String> {
         })
     };
     let crowded = grains.iter().enumerate().filter(near).count() as f64;
-    // what lies on each other in a free scene is meant to
+    // in a free scene grains may rest on each other on purpose
     if rig.specimen().is_some() && crowded > CROWDED * count {
         doubts
             .push(format!("{crowded} of {count} grains have a neighbour nearer than a ghost is wide: no points are between them"));

@@ -1,4 +1,4 @@
-//! Where grains come from: random filling with radius expansion (rig::preparation), or a file (scene, record::specimen).
+//! Random sizes and first places of grains. Preparation ([`crate::rig::preparation`]) makes specimens from them.
 
 use crate::gradation::stratified_diameters;
 use crate::model::Specimen;
@@ -6,14 +6,15 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 
-/// Radii, m, of a specimen's grains in the order of their ids: stratified draws from the gradation, so that the gradation is met
-/// whatever the seed.
+/// Radii, m, of a specimen's grains in the order of their ids. The draws are stratified: every seed gives nearly the gradation of
+/// the scene.
 pub fn radii(specimen: &Specimen, seed: u64) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     stratified_diameters(&specimen.gradation, specimen.grains, &mut rng).into_iter().map(|d| 0.5 * d).collect()
 }
 
-/// Random points in a vertical cylinder about the z axis (bottom at 0), each at least `margins[i]` from its surface where there is room.
+/// Random points in a vertical cylinder about the z axis, bottom at z = 0; all lengths m. Point `i` is at least `margins[i]` from
+/// the surface of the cylinder, where the cylinder is large enough.
 pub fn random_points(radius: f64, height: f64, margins: &[f64], seed: u64) -> Vec<[f64; 3]> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x9e37_79b9_7f4a_7c15);
     margins
@@ -32,12 +33,13 @@ pub fn random_points(radius: f64, height: f64, margins: &[f64], seed: u64) -> Ve
         .collect()
 }
 
-/// Height of a cylinder of this radius in which the given volume of grains has the porosity.
+/// Height, m, of a cylinder of radius `radius`, m, in which grains of volume `grains_volume`, m³, have the porosity `porosity`.
 pub fn height_for(porosity: f64, grains_volume: f64, radius: f64) -> f64 {
     grains_volume / ((1.0 - porosity) * PI * radius * radius)
 }
 
-/// Radii, m, uniform between two, until their volume is as near to `volume`, m³, as one more or less can bring it.
+/// Radii, m, drawn uniformly between `radii[0]` and `radii[1]` until the volume of all spheres is as near to `volume`, m³, as
+/// whole spheres allow.
 pub fn sizes(radii: [f64; 2], volume: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let mut sizes = Vec::new();
     let mut sum = 0.0;
@@ -52,11 +54,15 @@ pub fn sizes(radii: [f64; 2], volume: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
     }
 }
 
-/// Tries per sphere before [`dispersed`] gives up.
+/// Random places that [`dispersed`] tries for one sphere before it gives up.
 const TRIES: u32 = 200_000;
 
-/// Spheres (centre, radius) of uniform size between `radii` at random in a box, or in the upright cylinder in it, at least `room` from each other and from its sides, until their
-/// volume is as near to `volume` as one more or less can bring it. The volume that found room where it is less.
+/// Places spheres at random in a box with lower corner `lower` and size `size`, or where `round` in the upright cylinder in this
+/// box. Radii are those of [`sizes`] for `radii` and `volume`; gaps between spheres, and to the sides, are at least `room`. All
+/// lengths m. Gives centre and radius of each sphere.
+///
+/// # Errors
+/// The volume, m³, of the spheres that found a place, where not all did.
 pub fn dispersed(
     lower: [f64; 3],
     size: [f64; 3],
@@ -67,7 +73,7 @@ pub fn dispersed(
     seed: u64,
 ) -> Result<Vec<([f64; 3], f64)>, f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    // the largest placed first: so as much as possible finds room
+    // the largest first: later there is no room for them
     let mut sizes = sizes(radii, volume, &mut rng);
     sizes.sort_unstable_by(|a, b| b.total_cmp(a));
     let mut spheres: Vec<([f64; 3], f64)> = Vec::with_capacity(sizes.len());
