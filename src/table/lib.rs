@@ -1,5 +1,7 @@
 //! Tables of numbers as CSV files: how numbers are written, tables that grow row by row, names that columns had before, quantiles of a column.
 
+#![deny(missing_docs)]
+
 pub mod old_names;
 
 use serde::{Deserialize, Serialize};
