@@ -1,4 +1,4 @@
-//! Tables of numbers as CSV files: how numbers are written, tables that grow row by row, names that columns had before, quantiles of a column.
+//! Tables of numbers as CSV files: the number format, tables that grow row by row, former names of columns, quantiles.
 
 #![deny(missing_docs)]
 
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 pub struct WriteError {
     /// The table's file.
     pub path: PathBuf,
-    /// Why.
+    /// The system's reason.
     pub source: std::io::Error,
 }
 
@@ -29,8 +29,11 @@ impl WriteError {
 /// One value of a row.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
+    /// A whole number, written in full.
     Count(u64),
+    /// A number, written as by [`number`].
     Number(f64),
+    /// A text, written as it is: it must hold no comma, quote or line break.
     Text(String),
 }
 
@@ -68,7 +71,7 @@ impl std::fmt::Display for Value {
     }
 }
 
-/// A number to nine significant digits, without trailing zeros; empty when it is not finite.
+/// A number as text with nine significant digits and without trailing zeros; an empty text when it is not finite.
 pub fn number(x: f64) -> String {
     if !x.is_finite() {
         return String::new();
@@ -84,7 +87,7 @@ pub fn number(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
 }
 
-/// Quantile `q`, 0 to 1, of values in ascending order, linear between two of them; not a number where there are none.
+/// Quantile `q`, 0 to 1, of values in ascending order, interpolated linearly between neighbours; NaN where there are no values.
 pub fn quantile(sorted: &[f64], q: f64) -> f64 {
     let at = q * sorted.len().saturating_sub(1) as f64;
     let i = at as usize;
@@ -95,33 +98,34 @@ pub fn quantile(sorted: &[f64], q: f64) -> f64 {
     }
 }
 
-/// Median of values in any order; not a number where there are none.
+/// Median of values in any order; NaN where there are no values.
 pub fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     quantile(&sorted, 0.5)
 }
 
-/// A row: columns with their values, in order.
+/// A row: the name and the value of each column, in order.
 pub type Row = Vec<(&'static str, Value)>;
 
-/// A CSV file being written. Its length is part of a checkpoint.
+/// A CSV file that is written row by row. A checkpoint keeps the length of the file: a table read from a checkpoint cuts its file
+/// back to this length before the next row.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct Table {
     name: String,
-    /// Bytes written.
+    /// Length of the file with all rows pushed so far, bytes.
     length: u64,
     #[serde(skip)]
     open: Option<(PathBuf, BufWriter<File>)>,
 }
 
 impl Table {
-    /// A new, empty table `name` in `dir` (made at the first row).
+    /// A new, empty table in the file `name`. The file is made with the first row.
     pub fn new(name: &str) -> Table {
         Table { name: name.into(), length: 0, open: None }
     }
 
-    /// Opens the file, cut back to the length known.
+    /// Opens the file in `dir`, and cuts it back to the known length.
     fn writer(&mut self, dir: &Path) -> Result<&mut (PathBuf, BufWriter<File>), WriteError> {
         if self.open.is_none() {
             let path = dir.join(&self.name);
@@ -136,7 +140,10 @@ impl Table {
         Ok(self.open.as_mut().expect("just opened"))
     }
 
-    /// Appends a row; the first row writes the header.
+    /// Appends a row to the file in `dir`; the first row writes the header as well.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn push(&mut self, dir: &Path, row: &Row) -> Result<(), WriteError> {
         let mut text = String::new();
         if self.length == 0 {
@@ -151,7 +158,10 @@ impl Table {
         Ok(())
     }
 
-    /// Hands everything to the operating system. A table without rows yet is cut to nothing if it exists.
+    /// Hands all rows to the operating system. A file that exists though the table has no rows yet is emptied.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn flush(&mut self, dir: &Path) -> Result<(), WriteError> {
         if self.length == 0 && !dir.join(&self.name).exists() {
             return Ok(());
