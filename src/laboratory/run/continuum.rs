@@ -1,6 +1,7 @@
-//! The loop of a continuum: steps, records, checkpoints, stop, and the end.
+//! The loop of a continuum or mixture: steps, records, checkpoints, stop, and the files at the end.
 //!
-//! [`State::advance`] goes from look to look; an [`Engine`] does the steps between, and brings points when a record or a checkpoint is due.
+//! On the CPU [`State::advance`] makes one step; on a graphics device it makes as many as possible until something is due. The
+//! [`Engine`] makes the steps, and copies points and grains back from the device for records and checkpoints.
 
 use super::backend::{Backend, Chosen, Used, choose};
 use super::progress_bar::Bar;
@@ -25,37 +26,39 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use table::Table;
 
-/// Everything a restart needs.
+/// Everything that a restart needs; the content of the checkpoint.
 #[derive(Serialize, Deserialize)]
 struct Progress {
     state: State,
-    /// The specimen, while it grows and when it has grown.
+    /// The specimen while it grows.
     growing: Option<Box<Growing>>,
+    /// The specimen after it has grown.
     grown: Option<Grown>,
     used: Used,
     recorder: Recorder,
     history: Table,
-    /// Of rigid bodies; without them there is no file.
+    /// Tracks of rigid bodies; a run without rigid bodies has no such file.
     blocks: Table,
-    /// Of grains that break.
+    /// Tables of breakages and gradations.
     crushed: Crushed,
     /// Time, s, and file of each snapshot.
     snapshots: Vec<(f64, String)>,
+    /// Wall-clock time of the run, s.
     seconds: f64,
-    /// The processor's time for this process, s.
+    /// CPU time of the process in user mode, s.
     user_seconds: f64,
 }
 
-/// A run that has not left anything yet.
+/// A run that is set up and has not written any file.
 pub struct Begun {
     progress: Progress,
     engine: Engine,
 }
 
-/// Sets up the points and what does their steps.
+/// Sets up points, grains and the engine for a run. Writes nothing.
 ///
 /// # Errors
-/// What keeps it from starting.
+/// A grid, step or grain that the method does not allow; a graphics device that cannot compute the scene.
 pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     let (mut state, mut used) = (State::start(model, rig)?, Used::default());
     let engine = used.engine(chosen, &mut state, model, rig)?;
@@ -66,7 +69,7 @@ pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
     Ok(Begun { progress, engine })
 }
 
-/// What goes beside a loop of steps: its bar, its time, stops and checkpoints.
+/// What accompanies a loop of steps: progress bar, clock, wishes to stop, checkpoints.
 struct Beside<'a> {
     model: &'a Model,
     out: &'a Path,
@@ -81,10 +84,10 @@ impl<'a> Beside<'a> {
         Beside { model, out, stop_after, bar: Bar::new(quiet), clock: Clock::new(progress), saved: Instant::now() }
     }
 
-    /// A look between two steps, of which `steps` are done and `before` were before them: a checkpoint, where one is due.
+    /// Writes a checkpoint if one is due. `steps` are the steps of the present loop, `before` those of the loop before it.
     ///
     /// # Errors
-    /// An interruption, with a checkpoint.
+    /// [`Error::Interrupted`], after a checkpoint, when the run is to stop.
     fn look(&mut self, before: u64, steps: u64, progress: &mut Progress, engine: &Engine) -> Result<()> {
         let stop = stop_asked() || self.stop_after.is_some_and(|n| before + steps >= n);
         let pause = Duration::from_secs_f64(self.model.records.checkpoint_seconds);
@@ -97,10 +100,11 @@ impl<'a> Beside<'a> {
     }
 }
 
-/// Lets a specimen grow to its end, with a bar; the rig with it, which takes the place of the one that the scene has.
+/// Grows the specimen, where the scene asks for it, and gives the rig with the grown points and grains, which replaces that of the
+/// scene. `None`: the specimen need not grow.
 ///
 /// # Errors
-/// A specimen that does not come to rest, and an interruption, with a checkpoint.
+/// A specimen that does not come to rest; [`Error::Interrupted`], after a checkpoint.
 fn grow(model: &Model, rig: &Rig, begun: &mut Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Option<Rig>> {
     let Begun { progress, engine } = begun;
     let Some(growth) = &rig.growth else { return Ok(None) };
@@ -128,9 +132,10 @@ fn grow(model: &Model, rig: &Rig, begun: &mut Begun, out: &Path, quiet: bool, st
     Ok(Some(own))
 }
 
-/// What has been spent on a run, with what it was before.
+/// Measures the time spent on a run, that before the last checkpoint included.
 struct Clock {
     started: Instant,
+    /// Wall-clock and CPU time at the start of this process's part, s.
     before: [f64; 2],
 }
 
@@ -145,10 +150,10 @@ impl Clock {
     }
 }
 
-/// Runs from the start.
+/// Runs from the start to the end of the test.
 ///
 /// # Errors
-/// What keeps it from ending; records and checkpoint are kept.
+/// Any error of growth, steps or files; records and checkpoint are kept.
 pub fn run(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     if let Some(growth) = &rig.growth {
         begun.progress.growing = Some(Box::new(Growing::start(model, rig, growth)?));
@@ -156,7 +161,7 @@ pub fn run(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, 
     prepared(model, rig, begun, out, quiet, stop_after)
 }
 
-/// From a specimen that may have to grow first.
+/// Grows the specimen if it has to be, writes the points and grains at the start of the test, and makes the test.
 fn prepared(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let own = grow(model, rig, &mut begun, out, quiet, stop_after)?;
     let rig = own.as_ref().unwrap_or(rig);
@@ -167,10 +172,10 @@ fn prepared(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool,
     go(model, rig, out, begun, quiet, stop_after)
 }
 
-/// Goes on from the checkpoint, on the same backend if none is asked for.
+/// Continues from the checkpoint in `out`, on the run's last backend unless another one is asked for.
 ///
 /// # Errors
-/// As [`begin`] and [`run`], and a folder without one.
+/// Those of [`begin`] and [`run`]; a folder without a checkpoint.
 pub fn resume(
     model: &Model,
     rig: &Rig,
@@ -204,7 +209,7 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
             Ok(true) => break,
             Ok(false) => {}
             Err(e) => {
-                // keep what there is, with the points as they are now, or at the last record where a device has gone with them
+                // keep the records, and the points as they are now; those of a lost device are the points of the last record
                 let _ = engine.read_back(&mut progress.state, model);
                 progress.flush(out)?;
                 leave(model, rig, &progress.state, out)?;
@@ -222,7 +227,7 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
 }
 
 impl Progress {
-    /// To the next look, with its records. True when the run is done.
+    /// One [`State::advance`], with the records that are due. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &Rig, engine: &mut Engine, out: &Path) -> Result<bool> {
         let Progress { state, recorder, history, blocks, crushed, snapshots, .. } = self;
         let advanced = state.advance(model, rig, engine, |state, engine| {
@@ -243,7 +248,7 @@ impl Progress {
             }
             Ok(recorder.next(rig, state))
         });
-        // what broke before an error is recorded as well
+        // breakages before an error are recorded as well
         crushed.breakages(out, state)?;
         advanced?;
         let done = state.phase == Phase::Done;
@@ -269,7 +274,7 @@ impl Progress {
     }
 }
 
-/// Writes points and grains as they are.
+/// Writes the points and grains at the end.
 fn leave(model: &Model, rig: &Rig, state: &State, out: &Path) -> Result<()> {
     if let Some(mixture) = &state.mixture {
         specimen::write_final(&out.join(files::GRAINS_FINAL), &mixture.grains, model, None)?;
@@ -277,7 +282,7 @@ fn leave(model: &Model, rig: &Rig, state: &State, out: &Path) -> Result<()> {
     records::write_points(&out.join(END), rig, state.continuum.points(), Some(&rig.points))
 }
 
-/// What a snapshot says of its instant.
+/// The numbers that are noted in every snapshot: step, time, and in a test stress and strain.
 fn facts(rig: &Rig, state: &State, recorder: &Recorder) -> Vec<Fact> {
     let mut facts = vec![("step", state.continuum.steps() as f64), ("time_s", state.time)];
     if rig.specimen().is_some() {
@@ -287,7 +292,7 @@ fn facts(rig: &Rig, state: &State, recorder: &Recorder) -> Vec<Fact> {
     facts
 }
 
-/// Snapshots of points, grains, rigid bodies and walls, and contacts of grains, as far as the scene asks for them.
+/// Writes snapshots of points, grains, rigid bodies and walls, and the contacts of grains, as far as the scene asks for them.
 fn instant(
     out: &Path,
     model: &Model,
@@ -331,7 +336,8 @@ fn instant(
     files::write_walls(out, step, bodies, &loaded, facts, snapshots)
 }
 
-/// Platens and shells of a test, or the walls of a free scene with grains; none in plane strain, where they are lines.
+/// Shape and force, N, of the platens and shells of a test, or of the walls of a free scene with grains. Empty in plane strain,
+/// where walls would be lines.
 fn walls(state: &State) -> Vec<Loaded> {
     if state.continuum.settings().dimension == Dimension::PlaneStrain {
         return Vec::new();
@@ -347,6 +353,7 @@ fn walls(state: &State) -> Vec<Loaded> {
     }
 }
 
+/// Share of the test that is done, and a line about it for the progress bar.
 fn describe(rig: &Rig, state: &State) -> (f64, String) {
     let (share, points) = (state.share(rig), state.continuum.points().len());
     let line = match &rig.test {
@@ -395,7 +402,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
             put("axial_strain", json!(r.last[0]));
             put("max_measured_stress_kPa", json!(1e-3 * r.most));
             put("k0_final", json!(r.lateral / r.last[1]));
-            // of an elastic specimen: σ = M ln(1/(1 − ε)) with the rate's true strain
+            // an elastic specimen follows σ = M ln(1/(1 − ε)), since the law integrates strain rates
             let true_strain = (1.0 / (1.0 - r.last[0])).ln();
             put("oedometric_modulus_MPa", json!(1e-6 * (r.last[1] - specimen.stress) / true_strain));
             put("oedometric_modulus_of_the_law_MPa", json!(1e-6 * law(rig).elastic().oedometric()));
@@ -440,14 +447,14 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
         }
         put("point_contacts", json!(mixture.touching().points));
         put("cycles", json!(mixture.cycles));
-        // of the last cycle
+        // steps of each side in the last cycle
         put("grain_steps", json!(mixture.cycle.rates.grains));
         put("continuum_steps", json!(mixture.cycle.rates.continuum));
         put("outside_of_the_method", json!(crate::model::validity::warnings(&model.physics, rig)));
     }
     put("void_ratio_final", json!(r.void_ratio));
     put("largest_plastic_strain", json!(r.plastic));
-    // of what platens, gravity and motion gave: taken by damping, transfer and wall friction, and errors
+    // share of the energy given by platens, gravity and motion that damping, transfer and wall friction took; errors included
     put("dissipated_share", json!(r.dissipated));
     put("wall_seconds", json!(progress.seconds));
     put("user_seconds", json!(progress.user_seconds));
@@ -468,7 +475,7 @@ fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Va
     Value::Object(s)
 }
 
-/// What the processor has spent on this process outside of the system, s; NaN where there is no way to know.
+/// CPU time of this process in user mode, s; NaN on systems that do not tell.
 fn user_seconds() -> f64 {
     #[cfg(unix)]
     if let Ok(usage) = nix::sys::resource::getrusage(nix::sys::resource::UsageWho::RUSAGE_SELF) {
@@ -482,14 +489,14 @@ fn law(rig: &Rig) -> &Law {
     &rig.laws[usize::from(rig.specimen().map_or_else(|| rig.points.law[0], |s| s.law))]
 }
 
-/// σ1/σ3 in triaxial compression with the largest strength that the law reaches, and with the last one.
+/// σ1/σ3 in triaxial compression at cell pressure `cell`, Pa, with the largest strength of the law and with its residual strength.
+/// `None` for an elastic law and for grains without points.
 fn closed_forms(rig: &Rig, cell: f64) -> Option<[f64; 2]> {
-    // grains alone have no law
     let law = law(rig);
     if rig.points.is_empty() {
         return None;
     }
-    // up to where nothing changes any more
+    // the strength is searched up to a plastic strain of 20, where no law changes any more
     let (mut most, end) = (0.0_f64, 20.0);
     for k in 0..=200_000 {
         most = most.max(law.q_compression(cell, end * f64::from(k) / 200_000.0)?);
@@ -511,7 +518,7 @@ mod tests {
     use super::*;
     use crate::model;
 
-    /// Records up to the last one and the points of that are kept, and the checkpoint before it goes on elsewhere.
+    /// All records and the points of the last record are kept, and the last checkpoint can be resumed on the CPU.
     #[test]
     fn a_device_that_goes_away_ends_the_run_with_what_it_has_left() {
         if !adapter("a_device_that_goes_away_ends_the_run_with_what_it_has_left") {

@@ -1,4 +1,4 @@
-//! The files of a run that grow while it runs, and the folder they lie in.
+//! The folder of a run and the files in it that grow while the run goes on.
 
 use super::{Progress, watch};
 use crate::error::{Error, Result};
@@ -21,16 +21,21 @@ use std::path::Path;
 use table::Table;
 
 pub use crate::scene::SPECIMEN;
+/// What a finished run found.
 pub const SUMMARY: &str = "summary.json";
 /// The grains at the end.
 pub const GRAINS_FINAL: &str = "grains_final.csv";
+/// Folder of the snapshots.
 pub const SNAPSHOTS: &str = "snapshots";
-/// Lists of snapshots for ParaView: of grains or points, of walls, of grains in a continuum, and of fines among grains.
+/// ParaView list of the snapshots of grains, or of the points of a continuum.
 pub const COLLECTION: &str = "snapshots.pvd";
+/// ParaView list of the snapshots of walls.
 pub const WALLS: &str = "walls.pvd";
+/// ParaView list of the snapshots of the grains in a continuum.
 pub const GRAINS: &str = "grains.pvd";
+/// ParaView list of the snapshots of points that breakages have left among grains.
 pub const FINES: &str = "fines.pvd";
-/// What a run leaves that failed before its test began: why, and its scene. A folder that holds nothing else is free.
+/// The only file of a run that failed before its test began: the reason, and the scene. The next run may use such a folder.
 pub const FAILED: &str = "failed.scene.toml";
 /// The files that a run leaves. Overwriting a run removes these and nothing else.
 const OURS: [&str; 24] = [
@@ -60,13 +65,13 @@ const OURS: [&str; 24] = [
     "README.txt",
 ];
 
-/// Whether the folder holds more than the message of a run that failed before its test began.
+/// Whether the folder holds anything but the message of a run that failed before its test began.
 pub fn occupied(out: &Path) -> bool {
     out.read_dir().is_ok_and(|entries| entries.flatten().any(|e| e.file_name() != FAILED))
 }
 
-/// Leaves of a run that failed before its test began no more than why and its scene, so that the folder is free for the next. A run that has
-/// records keeps all of them. Nothing that is not a run's is touched.
+/// Frees the folder of a run that failed before its test began: replaces its files by one with the reason `why` and the scene. A
+/// run that has records keeps all of them. Files that no run writes are not touched.
 pub fn release(out: &Path, why: &Error) {
     let begun = [SPECIMEN, SUMMARY, "history.csv", crate::record::continuum::START, crate::record::platen::TESTS];
     let resolved = out.join(crate::scene::RESOLVED);
@@ -78,14 +83,17 @@ pub fn release(out: &Path, why: &Error) {
     let head = "# This run failed before its test began:\n";
     let tail = "# The scene with every default follows; the next run in this folder removes this file.\n\n";
     if std::fs::write(out.join(FAILED), format!("{head}{why}{tail}{scene}")).is_ok() {
-        // what cannot be removed stays, and the folder stays taken
+        // where a file cannot be removed, the folder stays occupied
         for path in [resolved, out.join(checkpoint::FILE), out.join("checkpoint.tmp")] {
             let _ = std::fs::remove_file(path);
         }
     }
 }
 
-/// Makes the folder, or empties it of an old run's files when forced.
+/// Makes the folder `out`. With `force` the files of an old run in it are removed.
+///
+/// # Errors
+/// [`Error::Exists`] for a folder with a run, without `force`; a folder or file that cannot be changed.
 pub fn claim(out: &Path, force: bool) -> Result<()> {
     let occupied = occupied(out);
     if occupied && !force {
@@ -143,7 +151,10 @@ impl Default for Files {
 }
 
 impl Files {
-    /// Gets ready to record; `specimen` says whether there is one whose gradation is the initial one.
+    /// Prepares for records of a test. With `specimen` the mass and the gradation before loading are read from `specimen.csv`.
+    ///
+    /// # Errors
+    /// A specimen file that cannot be read.
     pub fn open(&mut self, out: &Path, model: &Model, specimen: bool) -> Result<()> {
         if specimen {
             let (grains, _) = specimen::read(&out.join(SPECIMEN), &model.physics.materials)?;
@@ -153,7 +164,11 @@ impl Files {
         Ok(())
     }
 
-    /// A record of a specimen under test, if one is due; `fines` are material points among the grains.
+    /// Writes a record of a specimen under test, if one is `due`: a row of the history, and for [`Due::Full`] a gradation and a
+    /// snapshot. `fines` are material points among the grains; `moment` gives what only the test knows.
+    ///
+    /// # Errors
+    /// A file that cannot be written; an energy ledger that is not finite; a specimen without voids ([`watch::voids`]).
     pub fn observe(
         &mut self,
         out: &Path,
@@ -194,12 +209,15 @@ impl Files {
         voids
     }
 
-    /// Whether the run is to end because the void ratio is less than fines can fill.
+    /// Whether the run is to end because the void ratio has fallen below `records.least_void_ratio`.
     pub fn ends_below_least(&self, model: &Model) -> bool {
         model.records.end_below_least && self.recorder.below_least.is_some()
     }
 
-    /// Records of a free scene, when due.
+    /// Writes a record of a free scene, if one is due or `last`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn observe_assembly(
         &mut self,
         out: &Path,
@@ -222,7 +240,10 @@ impl Files {
         Ok(())
     }
 
-    /// Rows for the breakages of a step; `target` is the vertical stress asked for, Pa, where one is.
+    /// Writes a row for each breakage of a step; `target` is the present target of the vertical stress, Pa, in a test that has one.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn breakages(&mut self, out: &Path, breakages: &[Breakage], state: &State, target: Option<f64>) -> Result<()> {
         if breakages.is_empty() {
             return Ok(());
@@ -237,7 +258,8 @@ impl Files {
         Ok(())
     }
 
-    /// Snapshots of grains and walls, and contacts, as far as the scene asks for them; `at` is the value on the time axis.
+    /// Writes snapshots of grains and walls, and the contacts, as far as the scene asks for them. `at` is the value on ParaView's
+    /// time axis; `facts` are noted in each file.
     fn instant(&mut self, out: &Path, model: &Model, state: &State, work: &Workspace, at: f64, facts: &[Fact]) -> Result<()> {
         if !(model.records.snapshots || model.records.contacts) {
             return Ok(());
@@ -295,6 +317,10 @@ impl Files {
         write_walls(out, state.step, g.pos.iter().copied(), &loaded, facts, &self.snapshots)
     }
 
+    /// Hands all rows to the operating system.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn flush(&mut self, out: &Path) -> Result<()> {
         for table in [&mut self.history, &mut self.gsd, &mut self.breakage, &mut self.tracks] {
             table.flush(out)?;
@@ -303,7 +329,8 @@ impl Files {
     }
 }
 
-/// Writes the walls of a snapshot, where there are some, and the list of these files, which stand beside those of `snapshots`.
+/// Writes a snapshot of the walls `loaded`, where there are some, and the list of all snapshots of walls: one for each entry of
+/// `snapshots`. `bodies` (centre and radius) bound the part of an infinite plane that is drawn.
 pub fn write_walls(
     out: &Path,
     step: u64,
@@ -321,12 +348,12 @@ pub fn write_walls(
     vtk::write_collection(&out.join(WALLS), &beside(snapshots, "walls_")).map_err(failed)
 }
 
-/// The list of files of another kind beside snapshots.
+/// The list `snapshots` with the names of another kind of file: `kind` replaces `step_`.
 pub fn beside(snapshots: &[(f64, String)], kind: &str) -> Vec<(f64, String)> {
     snapshots.iter().map(|(at, name)| (*at, name.replace("step_", kind))).collect()
 }
 
-/// Writes the last grains of a run.
+/// Writes the grains at the end of a run.
 pub fn write_final(out: &Path, model: &Model, progress: &Progress) -> Result<()> {
     let walls = model.rig.specimen().map(|_| space(&progress.state));
     specimen::write_final(&out.join(GRAINS_FINAL), &progress.state, model, walls)

@@ -1,4 +1,4 @@
-//! What the folder of a run holds, and the lock that keeps a second process out of it.
+//! The state of a run's folder, and the lock that keeps a second process out of it.
 
 use super::files::SUMMARY;
 use crate::error::{Error, Result};
@@ -9,27 +9,27 @@ use serde_json::Value;
 use std::fs::{File, TryLockError};
 use std::path::Path;
 
-/// A folder, seen by somebody who wants to run a scene there.
+/// What a folder holds of the run of a given scene ([`look`]).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
     /// No run.
     Nothing,
-    /// This scene, neither finished nor with a checkpoint: it has to begin again.
+    /// A run of this scene, neither finished nor with a checkpoint: it has to begin again.
     Broken,
-    /// This scene, with a checkpoint to go on from.
+    /// A run of this scene with a checkpoint, from which it can be resumed.
     Unfinished,
-    /// This scene, finished, with its `summary.json`.
+    /// A finished run of this scene, with the content of its `summary.json`.
     Finished(Value),
-    /// This scene, and another process is running it.
+    /// A run of this scene on which another process is at work.
     Busy,
-    /// A run of another scene; says what differs.
+    /// A run of another scene, with the first difference of the two.
     Other(String),
 }
 
-/// Looks what `out` holds of the run of `scene`.
+/// Finds out what the folder `out` holds of the run of `scene`.
 ///
 /// # Errors
-/// Files that are there and cannot be read.
+/// Files that exist and cannot be read.
 pub fn look(out: &Path, scene: &Scene, model: &Model) -> Result<Found> {
     let path = out.join(RESOLVED);
     let text = match std::fs::read_to_string(&path) {
@@ -52,14 +52,15 @@ pub fn look(out: &Path, scene: &Scene, model: &Model) -> Result<Found> {
         return Ok(Found::Unfinished);
     }
     let summary = std::fs::read_to_string(out.join(SUMMARY)).ok();
-    // a summary that was cut short while it was written is none
+    // a summary whose writing was interrupted counts as none
     let summary = summary.and_then(|text| serde_json::from_str(&text).ok());
     Ok(summary.map_or(Found::Broken, Found::Finished))
 }
 
-/// The first line in which two resolved scenes differ.
+/// The first line in which the resolved scene of the folder (`there`) differs from the `wanted` one, in words; `None` where they are
+/// equal.
 fn difference(there: &str, wanted: &str) -> Option<String> {
-    // a scene that was cut short while it was written is the beginning of one: nothing was run from it
+    // a scene whose writing was interrupted counts as equal: no run has begun from it
     if there == wanted || (wanted.starts_with(there) && !there.ends_with('\n')) {
         return None;
     }
@@ -82,7 +83,8 @@ fn difference(there: &str, wanted: &str) -> Option<String> {
     }
 }
 
-/// Whether a run began with the specimen of `file`; a run that has not yet written its specimen is taken to.
+/// Whether a run began with the specimen of `file`: compares it with the run's `own` file. True as well where the run has not
+/// written its specimen yet.
 fn same_specimen(file: &Path, own: &Path, model: &Model) -> Result<bool> {
     if !own.exists() {
         return Ok(true);
@@ -91,14 +93,14 @@ fn same_specimen(file: &Path, own: &Path, model: &Model) -> Result<bool> {
     Ok(a.pos == b.pos)
 }
 
-/// Held while a process runs in a folder; let go when it is dropped or the process ends, however it ends.
+/// The lock on a run's folder. It ends when it is dropped or when the process ends, in whatever way.
 #[derive(Debug)]
 pub struct Lock {
     _file: Option<File>,
 }
 
-/// Takes the folder of a run, if it holds one. The lock is on `scene.resolved.toml`, so that it leaves no file of its own. File
-/// systems without locks let everybody in.
+/// Locks the folder of a run, if it holds one. The lock is on `scene.resolved.toml` and makes no file of its own. On file systems
+/// without locks nothing is locked.
 ///
 /// # Errors
 /// [`Error::Busy`] when another process runs there.

@@ -1,4 +1,5 @@
-//! The loop around steps: phases, records, watchdog, checkpoints, stop. Only this module knows schedules.
+//! The loop of a run: makes steps until the test is done, writes records and checkpoints when they are due, and stops a run that has
+//! become meaningless. No other module knows when something is due.
 
 mod backend;
 mod continuum;
@@ -30,49 +31,59 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// What to run and where to leave it.
+/// A run to be made: model, output folder and options.
 pub struct RunRequest {
+    /// The model.
     pub model: Model,
-    /// The scene with every default, as TOML; running it repeats the run.
+    /// The scene with every default as TOML text ([`crate::scene::resolved`]); running it repeats the run.
     pub scene_resolved: String,
+    /// Output folder; made where it does not exist.
     pub out: PathBuf,
     /// Overwrite a run that `out` holds.
     pub force: bool,
-    /// `None`: all cores.
+    /// Number of threads; `None`: one for each core. Results do not depend on it.
     pub threads: Option<usize>,
-    /// A prepared specimen to start from.
+    /// File of a prepared specimen to start from; `None`: the specimen is made.
     pub specimen: Option<PathBuf>,
+    /// Show no progress on standard error.
     pub quiet: bool,
+    /// Not used by the run itself: whether the caller prints the summary as JSON.
     pub json: bool,
-    /// Stop, resumable, after this many steps in all; on a graphics device when it is looked at next.
+    /// Stop with a checkpoint after this many steps, preparation included; on a graphics device at its next record or checkpoint
+    /// after them, at most 64 steps later.
     pub stop_after: Option<u64>,
-    /// Who does the steps.
+    /// The backend that computes the steps, from [`choose`].
     pub backend: Chosen,
 }
 
-/// How a resumed run behaves.
+/// Options of a resumed run; as in [`RunRequest`].
 #[derive(Clone, Debug, Default)]
 pub struct ResumeOptions {
+    /// Number of threads; `None`: one for each core.
     pub threads: Option<usize>,
+    /// Show no progress on standard error.
     pub quiet: bool,
+    /// Not used by the run itself: whether the caller prints the summary as JSON.
     pub json: bool,
+    /// Stop with a checkpoint after this many steps, those of the first part included.
     pub stop_after: Option<u64>,
-    /// `None`: as before.
+    /// Backend from here on; `None`: the one that the run had.
     pub backend: Option<Backend>,
 }
 
 /// A finished run.
 #[derive(Debug)]
 pub struct Outcome {
-    /// What `summary.json` holds.
+    /// The content of `summary.json`.
     pub summary: serde_json::Value,
+    /// Output folder.
     pub out: PathBuf,
-    /// Whether the scene asks for figures of it, and they have not been drawn.
+    /// Whether the scene asks for figures that have not been drawn yet. The laboratory draws none: the caller does.
     pub draw: bool,
 }
 
 impl Outcome {
-    /// Closes the summary, as it stands and in its file, with the time, s, that its figures took.
+    /// Records that the figures have been drawn in `seconds`, s: sets `draw` to false and writes `summary.json` anew.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -83,7 +94,7 @@ impl Outcome {
     }
 }
 
-/// What the rig is doing.
+/// The stage of a run, with the state of the test that makes it.
 #[derive(Debug, Serialize, Deserialize)]
 enum Activity {
     Preparing(Preparation),
@@ -91,26 +102,28 @@ enum Activity {
     Assembly,
 }
 
-/// Everything a restart needs.
+/// Everything that a restart needs; the content of the checkpoint.
 #[derive(Serialize, Deserialize)]
 struct Progress {
     activity: Activity,
     state: State,
     files: Files,
-    /// Steps in all, preparation included.
+    /// Steps of the run, preparation included.
     steps: u64,
     preparation_steps: u64,
     grains_initial: usize,
-    /// Porosities of the loosest and the densest specimen, where they have been measured for the run.
+    /// Porosities of the loosest and the densest specimen that can be made, where they were measured for the run.
     range: Option<range::Range>,
-    /// Σ grains over loading steps, for the speed.
+    /// Sum of the number of grains over all steps of the test: the speed of the run is this over the time.
     grain_steps: u64,
-    /// Wall-clock seconds in all, and during loading.
+    /// Wall-clock time of the run, s.
     seconds: f64,
+    /// Wall-clock time of the test, without the preparation, s.
     loading_seconds: f64,
 }
 
-/// Turns a relative density of the model's specimen into a porosity ([`range::settle`]).
+/// Turns a relative density of the model's specimen into a porosity ([`range::settle`]), in a pool of `threads` threads. Gives the
+/// range of porosities that was used, `None` where the model has no relative density.
 ///
 /// # Errors
 /// A range that cannot be measured.
@@ -118,11 +131,12 @@ pub fn settle(model: &mut Model, threads: Option<usize>) -> Result<Option<range:
     in_pool(threads, || range::settle(model))
 }
 
-/// Runs a model from the start.
+/// Runs a model from the start to the end of its test.
 ///
 /// # Errors
-/// Whatever keeps the run from starting (nothing is written then), from being prepared (why is written, and the folder is free for the next run), or
-/// from ending (records and checkpoint are kept).
+/// - before the start: nothing is written;
+/// - during preparation: the reason is written into the folder, which the next run may use;
+/// - during the test: records and checkpoint are kept.
 pub fn run(request: RunRequest) -> Result<Outcome> {
     let RunRequest { mut model, scene_resolved, out, force, threads, specimen, quiet, stop_after, backend, .. } = request;
     if matches!(model.rig, Rig::Platen(_)) {
@@ -184,9 +198,9 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
     released(outcome, &folder, lock)
 }
 
-/// The outcome; after a failure that was no interruption the folder is free again if nothing was recorded.
+/// Passes the outcome on. After an error other than an interruption the folder is freed for the next run if it holds no records yet.
 fn released(outcome: Result<Outcome>, out: &Path, lock: Lock) -> Result<Outcome> {
-    // the lock is on a file that may have to go
+    // the locked file may be removed below
     drop(lock);
     outcome.inspect_err(|error| {
         if !matches!(error, Error::Interrupted { .. }) {
@@ -195,10 +209,10 @@ fn released(outcome: Result<Outcome>, out: &Path, lock: Lock) -> Result<Outcome>
     })
 }
 
-/// Continues the run that `dir` holds from its checkpoint.
+/// Continues the run in the folder `dir` from its checkpoint. The records end with the same bytes as without the stop.
 ///
 /// # Errors
-/// A folder without a checkpoint, or whatever ends the run.
+/// [`Error::Checkpoint`] for a folder without a checkpoint; the errors of [`run`].
 pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
     if dir.join(files::SUMMARY).exists() && !dir.join(checkpoint::FILE).exists() {
         return Err(Error::Checkpoint { path: dir.into(), what: "the run is finished".into() });
@@ -222,7 +236,7 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
     released(outcome, dir, lock)
 }
 
-/// A batch of platen tests has no state between its tests that could be kept.
+/// Refuses to stop a batch of platen tests after some steps: the batch has no checkpoint.
 fn never_halfway(stop_after: Option<u64>) -> Result<()> {
     match stop_after {
         None => Ok(()),
@@ -232,10 +246,11 @@ fn never_halfway(stop_after: Option<u64>) -> Result<()> {
     }
 }
 
-/// Runs inside a pool of its own, so that the loop's thread is one of the workers.
+/// Runs `job` inside a thread pool of its own with `threads` threads (`None`: one for each core), and makes Ctrl-C a wish to stop
+/// ([`listen`]). The thread that runs `job` is one of the pool's.
 ///
 /// # Errors
-/// No threads, or the job's.
+/// Threads that cannot be started; the errors of `job`.
 pub fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> + Send) -> Result<T> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
@@ -245,22 +260,22 @@ pub fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> 
     pool.install(job)
 }
 
-/// The test of a prepared specimen.
+/// Starts the model's test with a prepared specimen.
 fn test(model: &Model, grains: Grains, walls: CylinderSpace) -> Result<(Activity, State)> {
     let (test, state) = Test::start(model, grains, walls)?;
     Ok((Activity::Testing(test), state))
 }
 
-/// Scratch for a state, with grains near in space put near in memory.
+/// Working memory for a state. Grains that are near in space are moved near in memory.
 fn fresh_work(model: &Model, state: &mut State) -> Workspace {
     let mut work = Workspace::new(&model.physics, state);
     engine::dem::reorder(state, &mut work);
     work
 }
 
-/// Steps between looks at the energies of a test: an instability takes some tens to leave the range of numbers.
+/// Steps between two checks of the kinetic energy: an instability grows beyond all numbers within some tens of steps.
 const CLOSE_LOOK: u64 = 8;
-/// Steps between looks at the clock, the watchdog and Ctrl-C's flag (the flag itself at every step).
+/// Steps between two checks of the grains' positions and overlaps, two updates of the progress bar, and two looks at the clock.
 const LOOK: u64 = 64;
 
 struct Runner<'a> {
@@ -303,7 +318,7 @@ impl<'a> Runner<'a> {
                 Ok(false) => {}
                 Ok(true) => break,
                 Err(e) => {
-                    // keep what there is
+                    // the records so far are kept
                     self.progress.files.flush(self.out)?;
                     return Err(e);
                 }
@@ -327,7 +342,7 @@ impl<'a> Runner<'a> {
         summary::finish(self.model, self.out, &mut self.progress, &self.work)
     }
 
-    /// One step of whatever the rig is doing. True when the run is done.
+    /// One step of the present stage. True when the run is done.
     fn advance(&mut self) -> Result<bool> {
         let Runner { model, out, progress, work, .. } = self;
         let Progress { activity, state, files, .. } = progress;
@@ -364,7 +379,8 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// From a prepared specimen to its test: what is kept is what `specimen.csv` holds.
+    /// Writes the prepared specimen to `specimen.csv` and starts the test from this file: a later run that begins with the file
+    /// starts from the same bits.
     fn load(&mut self) -> Result<()> {
         let path = self.out.join(files::SPECIMEN);
         let state = &self.progress.state;
@@ -373,11 +389,11 @@ impl<'a> Runner<'a> {
         (self.progress.activity, self.progress.state) = test(self.model, grains, walls)?;
         self.progress.files.open(self.out, self.model, true)?;
         self.work = fresh_work(self.model, &mut self.progress.state);
-        // whatever may come, the specimen's test can begin again from here
+        // a run that is killed from here on need not prepare its specimen again
         self.checkpoint()
     }
 
-    /// Stops a run that has lost its meaning, with what there is.
+    /// Fails, with all records written, when the state is no longer meaningful ([`watch`]). `last`: after the last step.
     fn watch(&mut self, last: bool) -> Result<()> {
         let Runner { model, progress, .. } = self;
         let state = &progress.state;

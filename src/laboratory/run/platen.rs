@@ -1,5 +1,5 @@
-//! A batch of platen tests: each grain is a state of its own, all together take seconds. Nothing is kept on the way: a batch that was
-//! stopped is made anew by `resume`, from the same scene and so to the same bytes.
+//! Runs a batch of crushing tests of single grains between platens. Each grain has a state of its own, and a whole batch takes
+//! seconds, so there is no checkpoint: resuming a stopped batch makes all its tests again, with the same results.
 
 use super::progress_bar::Bar;
 use super::{Outcome, files};
@@ -15,10 +15,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Presses every grain and writes what became of them.
+/// Tests every grain and writes the tables and `summary.json`.
 ///
 /// # Errors
-/// Ctrl-C, a state that is no number, or a file that cannot be written.
+/// [`Error::Interrupted`], a force that is not finite, or a file that cannot be written.
 pub fn run(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Outcome> {
     let started = Instant::now();
     let tests = press_all(model, rig, out, quiet)?;
@@ -34,7 +34,7 @@ pub fn run(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Outco
     Ok(Outcome { summary, out: out.into(), draw: model.records.figures })
 }
 
-/// All tests in the order of the grains' numbers.
+/// Makes all tests, in parallel; results in the order of the grains' numbers.
 fn press_all(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Vec<Test>> {
     let bar = Mutex::new(Bar::new(quiet));
     let done = AtomicUsize::new(0);
@@ -52,7 +52,7 @@ fn press_all(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Vec
     };
     let tests: Vec<Result<Option<Test>>> = (0..count as u32).into_par_iter().with_max_len(1).map(one).collect();
     let bar = bar.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    // an error before an interruption: with one, the other tests were given up
+    // an error is reported before an interruption: it makes the other tests stop
     let mut finished = Vec::with_capacity(count);
     let mut given_up = false;
     for test in tests {
@@ -73,7 +73,7 @@ fn press_all(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Vec
 fn summary(model: &Model, rig: &Platen, tests: &[Test]) -> Value {
     let broken = tests.iter().filter(|t| t.broken);
     let largest = |f: &dyn Fn(&Test) -> f64| tests.iter().map(f).fold(0.0, f64::max);
-    // what breaks on being seated has met its limit at an unknown force
+    // a grain that breaks in the first step has passed its limit at an unknown force
     let seated = |t: &Test| t.broken && t.steps == 1;
     let overshoot = |t: &Test| t.limit_force.filter(|_| t.broken && !seated(t)).map_or(0.0, |limit| t.force / limit - 1.0);
     let name = |k: u8| model.physics.materials[usize::from(k)].name.clone();
@@ -103,7 +103,7 @@ fn summary(model: &Model, rig: &Platen, tests: &[Test]) -> Value {
     })
 }
 
-/// Realised mean and coefficient of variation of strength over its size-dependent mean.
+/// Mean and coefficient of variation of strength over mean strength of the same size.
 fn strengths(model: &Model, tests: &[Test]) -> Value {
     let Some(crush) = &model.physics.crush else { return Value::Null };
     let s = &crush.strength;

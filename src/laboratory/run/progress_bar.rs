@@ -1,4 +1,4 @@
-//! What a person sees while a run goes on: a bar on a terminal, a line now and then elsewhere.
+//! Progress on standard error while a run goes on: a bar on a terminal, else a line every 15 seconds.
 
 use super::{Activity, Progress};
 use crate::model::{Model, Rig};
@@ -50,7 +50,7 @@ impl Bar {
         self.draw(share, line);
     }
 
-    /// A share done after `seconds` of work, and a line about it.
+    /// Shows the share of the run that is done and a line about it, both from `describe`, and the time left after `seconds` of work.
     pub fn show_share(&mut self, steps: u64, seconds: f64, describe: impl FnOnce() -> (f64, String)) {
         if !self.due() {
             return;
@@ -65,7 +65,7 @@ impl Bar {
         self.draw(share, line);
     }
 
-    /// So many of so many.
+    /// Shows that `done` of `count` things, named by `what`, are done.
     pub fn show_count(&mut self, done: usize, count: usize, what: &str) {
         if self.due() {
             self.draw(done as f64 / count.max(1) as f64, format!("{done} of {count} {what}"));
@@ -105,7 +105,7 @@ impl Bar {
 }
 
 impl Drop for Bar {
-    /// What ends otherwise leaves the bar as it was.
+    /// A run that ends with an error leaves the bar on the screen as it was.
     fn drop(&mut self) {
         if let Some(bar) = self.bar.as_ref().filter(|bar| !bar.is_finished()) {
             bar.abandon();
@@ -113,7 +113,7 @@ impl Drop for Bar {
     }
 }
 
-/// Share done and what is going on.
+/// Share of the run that is done, and a line about its present stage.
 fn describe(model: &Model, p: &Progress) -> (f64, String) {
     let n = p.state.grains.len();
     match (&p.activity, &model.rig) {
@@ -136,6 +136,7 @@ fn describe(model: &Model, p: &Progress) -> (f64, String) {
     }
 }
 
+/// A time in seconds as a person reads it: `3.2 s`, `40 s`, `12 min`, `2.5 h`.
 pub fn human(seconds: f64) -> String {
     match seconds {
         s if s < 9.5 => format!("{s:.1} s"),

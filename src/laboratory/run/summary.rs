@@ -1,4 +1,5 @@
-//! The end of a run: `grains_final.csv`, figures, `summary.json`. Clocks, host facts and versions stand here only.
+//! The files at the end of a run of grains: `grains_final.csv` and `summary.json`. Times, host and version stand in
+//! `summary.json` only: all other files are the same on every machine.
 
 use super::{Activity, Outcome, Progress, files};
 use crate::error::Result;
@@ -11,7 +12,7 @@ use engine::dem::Workspace;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// Writes what closes a run and removes its checkpoint.
+/// Writes `grains_final.csv` and `summary.json`, and removes the checkpoint.
 pub fn finish(model: &Model, out: &Path, progress: &mut Progress, work: &Workspace) -> Result<Outcome> {
     progress.files.flush(out)?;
     files::write_final(out, model, progress)?;
@@ -110,13 +111,14 @@ fn summary(model: &Model, progress: &Progress, work: &Workspace) -> Value {
     Value::Object(s)
 }
 
-/// An overlap above this share of the smaller radius is named.
+/// Largest overlap over the smaller radius above which the summary warns.
 const DEEP: f64 = 0.5;
 
-/// Work of growing daughters over that of the walls above which it is named.
+/// Work of growing daughters over the work of the walls above which the summary warns.
 const GROWN: f64 = 0.25;
 
-/// What a reader of the results must know, in words. `growth`: work of growing daughters over that of the walls.
+/// Warnings for the reader of the results. `growth`: work of growing daughters over the work of the walls. The texts stand in
+/// `summary.json`, whose bytes the golden runs compare.
 fn warnings(recorder: &Recorder, growth: f64) -> Vec<String> {
     let mut warnings = recorder.broken.warnings();
     if recorder.deepest > DEEP {
@@ -135,7 +137,7 @@ fn warnings(recorder: &Recorder, growth: f64) -> Vec<String> {
     warnings
 }
 
-/// Where the void ratio first fell below what fines can fill; null where it never did.
+/// The record at which the void ratio first fell below `records.least_void_ratio`; null where it never did.
 fn below_least(below: Option<BelowLeast>) -> Value {
     below.map_or(
         Value::Null,
@@ -143,7 +145,7 @@ fn below_least(below: Option<BelowLeast>) -> Value {
     )
 }
 
-/// Realised mean and coefficient of variation of the initial grains' strength over its size-dependent mean.
+/// Mean and coefficient of variation of strength over mean strength of the same size, of the grains at the start.
 fn strengths(model: &Model, progress: &Progress) -> Value {
     let Some(crush) = &model.physics.crush else { return Value::Null };
     let radii: Vec<f64> = match (&model.rig, model.rig.specimen()) {

@@ -1,4 +1,4 @@
-//! What ends a run that has lost its meaning, before anything in it is not a number.
+//! Checks that end a run whose state is no longer meaningful, before its numbers become infinite.
 
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -8,24 +8,27 @@ use crate::record::cylinder::AtEnd;
 use crate::rig::continuum;
 use engine::dem::State;
 
-/// Energy that appears from nothing, as a share of all given. Measured: above -0.001 in the scenes, and above -1e-4 in cubes of 4 to 16 cells without damping and PIC.
+/// Largest share of all energy given that may appear from nothing (a negative `dissipated_share`). Measured: less than 0.001 in the
+/// scenes, and less than 1e-4 in cubes of 4 to 16 cells without damping and PIC.
 const CREATED: f64 = 0.05;
-/// Opposite platens whose forces differ by more than their mean: the rest would accelerate the specimen as if one of them were not there.
+/// Largest difference of the forces on opposite platens over their mean. At 1 the resultant on the specimen is as large as if one of
+/// the platens were missing.
 const APART: f64 = 1.0;
 
-/// The last row of a continuum between platens.
+/// Checks the last row of a continuum between platens.
 ///
 /// # Errors
-/// Pores of negative volume; in a test without grains that is under way, energy from nothing and opposite platens that do not balance.
+/// [`Error::Impossible`] for a negative void ratio; for a test of points alone that is under way, also for energy from nothing and
+/// for opposite platens out of balance.
 pub fn continuum(rig: &Rig, state: &continuum::State, row: &Recorder) -> Result<()> {
     if rig.specimen().is_none() {
         return Ok(());
     }
     let impossible = |what: String| Err(Error::Impossible { step: state.continuum.steps(), what });
-    // of grains alone it is that of the whole, which their overlaps may fill
+    // without points the void ratio is that of grains, whose overlaps may fill the whole volume
     if !state.continuum.points().is_empty() && (row.void_ratio.is_nan() || row.void_ratio < 0.0) {
         return impossible(format!(
-            "the void ratio is {:.4}, at an axial strain of {:.4}: the solids fill more than the whole volume, which the law does not know; \
+            "the void ratio is {:.4} at an axial strain of {:.4}: the solids fill more than the whole volume, which the constitutive law does not prevent; \
              lower test.axial_strain or use a stiffer law; if strains are small, lower stepping.safety or raise damping.local",
             row.void_ratio, row.last[0]
         ));
@@ -36,44 +39,47 @@ pub fn continuum(rig: &Rig, state: &continuum::State, row: &Recorder) -> Result<
     unbalanced(row.dissipated, row.difference).map_or(Ok(()), impossible)
 }
 
-/// What is wrong with the share of energy that a continuum has dissipated, and with the difference of opposite platens over their mean.
+/// What is wrong with a test, in words: `dissipated` is the share of all energy given that was dissipated, `difference` that of the
+/// forces on opposite platens over their mean. `None`: nothing is wrong.
 fn unbalanced(dissipated: f64, difference: f64) -> Option<String> {
     let change = "lower stepping.safety, raise damping.local (0.1) or grid.pic (0.1)";
     if dissipated.is_nan() || dissipated < -CREATED {
         return Some(format!(
-            "dissipated_share is {dissipated:.4}, below {:.2}: energy comes from nothing, an oscillation that feeds itself; {change}",
+            "dissipated_share is {dissipated:.4}, below {:.2}: energy comes from nothing, which is the sign of a growing oscillation; {change}",
             -CREATED
         ));
     }
     if difference.is_nan() || difference > APART {
         return Some(format!(
-            "forces of opposite platens differ by {difference:.2} of their mean (platen_difference), above {APART}: the test is not quasi-static; {change}, or lower test.strain_per_wave"
+            "the forces on opposite platens differ by {difference:.2} of their mean (platen_difference), more than {APART}: the test is not quasi-static; {change}, or lower test.strain_per_wave"
         ));
     }
     None
 }
 
-/// The voids of a specimen at its last row.
+/// Checks the voids of a specimen of grains at its last row.
 ///
 /// # Errors
-/// Dry mass that, without the grains' own pores, would fill more than the whole volume, unless the scene goes on without voids.
+/// [`Error::Impossible`] when the solid part of all dry mass, the pores inside the grains excluded, would fill more than the whole
+/// volume; not with `records.stop_without_voids = false`.
 pub fn voids(model: &Model, step: u64, row: &AtEnd) -> Result<()> {
     if row.void_ratio_star >= 0.0 || !model.records.stop_without_voids {
         return Ok(());
     }
     let what = format!(
-        "the void ratio of all dry mass, the grains' own pores counted as voids, is {:.4} at an axial strain of {:.4}: the solids would fill more than the whole volume (what breakages have lost bears \
-         nothing, and overlaps count twice); stop at a lower stress, use stronger grains or keep the mass (crushing.lost_mass = \"points\" in an oedometer, or \"grow\"), \
+        "the void ratio of all dry mass, the pores inside the grains counted as voids, is {:.4} at an axial strain of {:.4}: the solids would fill more than the whole volume (mass lost by breakages \
+         bears no stress, and the volume of overlaps counts twice); stop at a lower stress, use stronger grains or keep the mass (crushing.lost_mass = \"points\" in an oedometer, or \"grow\"), \
          or go on with records.stop_without_voids = false",
-        row.void_ratio, row.axial_strain
+        row.void_ratio_star, row.axial_strain
     );
     Err(Error::Impossible { step, what })
 }
 
-/// The kinetic energy of a test of a specimen of grains beside all energy that there can be.
+/// Compares the kinetic energy of the grains of a quasi-static test with all energy that they have been given: stored and kinetic
+/// energy at the start, work of walls, of growing daughters, and of changes of scaled inertia.
 ///
 /// # Errors
-/// Grains of a quasi-static test that have more kinetic energy than walls and growth have ever given and contacts had at the start: the motion feeds itself.
+/// [`Error::Unstable`] when the kinetic energy is larger.
 pub fn energy(state: &State) -> Result<()> {
     let (g, ledger) = (&state.grains, &state.ledger);
     let [stored, kinetic, _] = ledger.start;
@@ -93,23 +99,24 @@ pub fn energy(state: &State) -> Result<()> {
     }
     let fastest = (0..g.len()).max_by(|&i, &j| of(i).total_cmp(&of(j))).unwrap_or(0);
     let what = format!(
-        "the kinetic energy of the grains, {now:.3e} J, is more than all energy that they were ever given, {possible:.3e} J: the time step has become \
+        "the kinetic energy of the grains, {now:.3e} J, is larger than all energy that they were ever given, {possible:.3e} J: the time integration has become \
          unstable; try stepping.safety = 0.4, contact.unloading = \"rescale\", crushing.birth = \"gradual\", in this order. The fastest grain has diameter {:.3e} m",
         2.0 * g.pos[fastest][3]
     );
     Err(Error::Unstable { step: state.step, what, grain: Some(u64::from(g.id[fastest])) })
 }
 
-/// After `step` steps of the run; grains may overlap by `deepest` of the smaller one's radius.
+/// Checks position and overlaps of every grain; `deepest` is the largest allowed overlap over the smaller radius, `step` the step
+/// that an error names.
 ///
 /// # Errors
-/// A grain that is nowhere, has left through a wall, or is too deep in another one.
+/// [`Error::Unstable`] for a grain without a finite position, one outside a wall, or an overlap that is too large.
 pub fn grains(state: &State, deepest: f64, step: u64) -> Result<()> {
     let g = &state.grains;
     let bad = |i: usize, what: String| Err(Error::Unstable { step, what, grain: Some(u64::from(g.id[i])) });
     for (i, p) in g.pos.iter().enumerate() {
         if !(p[0] + p[1] + p[2]).is_finite() {
-            return bad(i, "a grain's position is not a number: the time step is too large for the stiffness; lower stepping.safety or stepping.dt_s".into());
+            return bad(i, "the position of a grain is not finite: the time step is too large for the stiffness; lower stepping.safety or stepping.dt_s".into());
         }
         for (k, w) in state.walls.iter().enumerate() {
             if w.shape.towards(*p).1 < -2.0 * p[3] {
@@ -123,11 +130,11 @@ pub fn grains(state: &State, deepest: f64, step: u64) -> Result<()> {
         }
         let [i, j] = ends.map(|i| i as usize);
         let small = if g.pos[i][3] < g.pos[j][3] { i } else { j };
-        // what has just been born may still have to grow out of a neighbour
+        // a daughter that still grows to its radius may overlap with a neighbour
         if touch.overlap > deepest * g.pos[small][3] && state.aftermath.radius(small, g) == g.pos[small][3] {
             let large = if small == i { j } else { i };
             let what = format!(
-                "a grain of diameter {:.3e} m is {:.2} of its radius deep in one of {:.3e} m (grain {}): contacts are too soft for these forces; raise material.elastic \
+                "a grain of diameter {:.3e} m overlaps by {:.2} of its radius with a grain of {:.3e} m (grain {}): contacts are too soft for these forces; raise material.elastic \
                  or the comminution limit, load to a lower stress, or go on with a higher records.stop_at_overlap",
                 2.0 * g.pos[small][3],
                 touch.overlap / g.pos[small][3],
