@@ -1,4 +1,4 @@
-//! Free assemblies: listed or imported grains, walls, gravity, a duration or a number of steps.
+//! Free scenes: listed or imported grains move between walls, under gravity, for a time or a number of steps.
 
 use crate::error::Error;
 use crate::model::{Assembly, Model};
@@ -29,12 +29,15 @@ pub fn start(model: &Model, rig: &Assembly) -> State {
     state
 }
 
-/// Whether the scene's steps or duration are over.
+/// Whether the steps or the duration of the scene are over.
 pub fn done(rig: &Assembly, state: &State) -> bool {
     rig.steps.is_some_and(|n| state.step >= n) || rig.duration.is_some_and(|t| state.time >= t - 0.5 * state.dt)
 }
 
-/// One step; `observe` sees the state when its forces are known.
+/// One step. `observe` is called when the forces of the step are known and before grains move.
+///
+/// # Errors
+/// A step that cannot be made; the errors of `observe`.
 pub fn advance(
     model: &Model,
     state: &mut State,
@@ -51,7 +54,7 @@ pub fn advance(
     })
 }
 
-/// Opens the ledger with the energies of the first instant.
+/// Opens the energy ledger with the energies at the start.
 fn open(model: &Model, state: &mut State, work: &Workspace) {
     let State { ledger, grains, walls, .. } = state;
     ledger.open(grains, walls);
@@ -62,13 +65,14 @@ fn open(model: &Model, state: &mut State, work: &Workspace) {
     state.ledger.start = [sums.stored, sums.kinetic, sums.potential];
 }
 
-/// Largest servo speed: this share of the mean radius per step.
+/// Largest way of a wall under servo in one step, over the mean radius.
 const SERVO_STRIDE: f64 = 1e-3;
-/// Stress, Pa, by which inertia is scaled where nothing is loaded yet.
+/// Least stress for which inertia is scaled, Pa: grains may bear no load at the start.
 const LEAST_STRESS: f64 = 1e3;
-/// Steps between looks at the stress by which inertia is scaled.
+/// Steps between two updates of the stress for which inertia is scaled.
 const LOOK: u64 = 32;
 
+/// Sets the speed of every wall for the next step.
 fn drive(model: &Model, state: &mut State, work: &Workspace) {
     if model.physics.stepping.inertia_scaling && state.step.is_multiple_of(LOOK) {
         state.reference_stress = contact_pressure(state, work).max(LEAST_STRESS);
@@ -92,7 +96,7 @@ fn drive(model: &Model, state: &mut State, work: &Workspace) {
     }
 }
 
-/// Height between the lowest and the highest point of all grains, m: a cylinder's stress acts on its shell over this height.
+/// Height from the lowest to the highest point of all grains, m. The stress on a cylinder counts on its shell over this height.
 fn extent_z(state: &State) -> f64 {
     let (low, high) = state
         .grains
@@ -102,7 +106,7 @@ fn extent_z(state: &State) -> f64 {
     (high - low).max(0.0)
 }
 
-/// Mean stress of the contacts over the grains' own volume, Pa: Σ F_n (r_1 + r_2) / (3 V).
+/// Mean stress from the contact forces, Pa: Σ F_n (r_1 + r_2) / (3 V) with V the volume of the grains.
 fn contact_pressure(state: &State, work: &Workspace) -> f64 {
     let g = &state.grains;
     let (mut sum, mut volume) = (0.0, 0.0);

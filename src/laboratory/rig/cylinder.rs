@@ -1,16 +1,18 @@
-//! A cylindrical specimen between its walls: two platens and a shell.
+//! The walls of a cylindrical specimen (bottom platen, top platen, cylinder), the stresses on them, and the start of its test.
 
 use crate::model::{Model, Specimen};
 use engine::boundary::{CylinderSpace, Drive, Wall, WallShape, WallSpec};
 use engine::dem::State;
 use engine::grains::Grains;
 
-/// Indices of the walls.
+/// Index of the bottom platen among the walls of the state.
 pub const BOTTOM: usize = 0;
+/// Index of the top platen.
 pub const TOP: usize = 1;
+/// Index of the cylinder.
 pub const CYLINDER: usize = 2;
 
-/// The three walls, with the material's or the scene's friction.
+/// The three walls with the friction of the scene, at rest. `radius`, `bottom` (height of the bottom platen) and `height` in m.
 pub fn walls(specimen: &Specimen, radius: f64, bottom: f64, height: f64) -> Vec<Wall> {
     let wall = |shape, friction| Wall::new(&WallSpec { shape, friction, drive: Drive::Fixed, material: None });
     vec![
@@ -20,7 +22,7 @@ pub fn walls(specimen: &Specimen, radius: f64, bottom: f64, height: f64) -> Vec<
     ]
 }
 
-/// The space between the walls.
+/// The space between the walls of `state`.
 pub fn space(state: &State) -> CylinderSpace {
     let z = |k: usize| match state.walls[k].shape {
         WallShape::Plane { point, .. } => point[2],
@@ -29,16 +31,19 @@ pub fn space(state: &State) -> CylinderSpace {
     CylinderSpace { bottom: z(BOTTOM), height: z(TOP) - z(BOTTOM), radius: z(CYLINDER) }
 }
 
-/// Stresses at the walls, Pa, compression positive (NOTES.md: decisions).
+/// Stresses on the walls, Pa, compression positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stresses {
+    /// Force on the top platen over its area.
     pub top: f64,
+    /// Force on the bottom platen over its area.
     pub bottom: f64,
-    /// Radial force over the shell's current area.
+    /// Sum of the radial forces on the cylinder over its area between the platens.
     pub horizontal: f64,
 }
 
 impl Stresses {
+    /// The stresses on the walls of `state`, from the forces of its last step and the present areas.
     pub fn of(state: &State) -> Stresses {
         let size = space(state);
         Stresses {
@@ -48,20 +53,20 @@ impl Stresses {
         }
     }
 
-    /// Mean platen force over area.
+    /// Vertical stress: mean of both platens, Pa.
     pub fn vertical(&self) -> f64 {
         0.5 * (self.top + self.bottom)
     }
 
-    /// Difference of the platens over their mean.
+    /// Difference of the stresses on the platens over their mean, -; 0 where the mean is not positive.
     pub fn platen_difference(&self) -> f64 {
         let v = self.vertical();
         if v > 0.0 { (self.top - self.bottom).abs() / v } else { 0.0 }
     }
 }
 
-/// Time scale of grain rearrangement d √(ρ/p) with the inertia actually used: I = strain rate × this. `d` is the mass-weighted mean
-/// diameter and ρ the inertial mass over the grains' volume.
+/// Time scale of grain rearrangement d √(ρ/p), s: the strain rate times this is the inertial number. d is the mean diameter weighted
+/// by volume, ρ the inertial mass (scaled, where inertia is scaled) over the volume of the grains, p the `pressure`, Pa.
 pub fn inertial_time(state: &State, pressure: f64) -> f64 {
     let g = &state.grains;
     let (mut inertia, mut volume, mut weighted) = (0.0, 0.0, 0.0);
@@ -75,7 +80,7 @@ pub fn inertial_time(state: &State, pressure: f64) -> f64 {
     weighted / volume * (inertia / volume / pressure).sqrt()
 }
 
-/// The state from which a specimen is tested: no history, at rest, strengths drawn, the damping of its preparation.
+/// The first state of a specimen's test: at rest, contacts without history, strengths drawn, the damping of the preparation.
 pub fn start(model: &Model, specimen: &Specimen, grains: Grains, size: CylinderSpace) -> State {
     let walls = walls(specimen, size.radius, size.bottom, size.height);
     let mut state = State::new(&model.physics, grains, walls, model.records.energy);
@@ -89,7 +94,8 @@ pub fn start(model: &Model, specimen: &Specimen, grains: Grains, size: CylinderS
     state
 }
 
-/// The test begins: damping and crushing as the scene asks, ledger open.
+/// Begins the test of a specimen that is at rest: from now on damping and crushing are those of the scene, and the energy ledger
+/// counts.
 pub fn begin(model: &Model, state: &mut State, work: &engine::dem::Workspace) {
     state.damping = model.physics.damping;
     state.crushing = model.physics.crush.is_some();
@@ -97,7 +103,7 @@ pub fn begin(model: &Model, state: &mut State, work: &engine::dem::Workspace) {
     ledger.open(grains, walls);
     let sums = engine::dem::observables::sums(&model.physics, state, work);
     state.ledger.start = [sums.stored, sums.kinetic, sums.potential];
-    // the sweep of this instant belongs to what was before
+    // the contacts' work of the step before the test is not counted
     for w in state.pairs.work.iter_mut().chain(state.wall_pairs.work.iter_mut()) {
         *w = [0.0; 4];
     }

@@ -1,4 +1,5 @@
-//! Radius expansion: grains grow where they stand until they have their size. What preparations of cylinders and of boxes share.
+//! Radius expansion: the first stage of every preparation. Grains start small at random places and grow to their size. Used for
+//! cylinders ([`super::preparation`]) and for boxes (`super::continuum`).
 
 use engine::dem::physics::Physics;
 use engine::dem::{State, Workspace};
@@ -6,16 +7,18 @@ use engine::grains::sphere_volume;
 
 /// Radii at the start of growth over final radii.
 pub const START: f64 = 0.35;
-/// Inertia during growth is that of grains under this many times the stress to come: overlaps come and go fast.
+/// Scaled inertia during growth is chosen for this many times the stress that the specimen will have: large overlaps come and go
+/// during growth.
 pub const STRESS: f64 = 100.0;
-/// Inertial number of wall motion during compaction: a fast but orderly preparation.
+/// Inertial number of the walls' motion during compaction: fast, yet without disturbing the packing.
 pub const INERTIAL: f64 = 3e-3;
-/// Unbalanced ratio at rest.
+/// Unbalanced ratio below which grains count as at rest.
 pub const UNBALANCED: f64 = 2e-3;
-/// At rest: stresses within this share of the target.
+/// Largest difference of a stress from its target, over the target, at rest.
 pub const STRESS_AT_REST: f64 = 0.01;
 
-/// Radii by id, m, of step `step` (from 0) of so many: fast at first, gently at the end.
+/// Sets the radii of step `step` (from 0) of `steps`, and the masses that go with them; `radii` are the final radii by id, m. The
+/// radii grow fast at first and slowly at the end.
 pub fn grow(physics: &Physics, radii: &[f64], step: u64, steps: u64, state: &mut State, work: &mut Workspace) {
     let left = 1.0 - (step + 1) as f64 / steps as f64;
     let scale = START + (1.0 - START) * (1.0 - left * left);
@@ -28,7 +31,7 @@ pub fn grow(physics: &Physics, radii: &[f64], step: u64, steps: u64, state: &mut
     work.grown(g);
 }
 
-/// All velocities to zero.
+/// Sets all velocities and spins to zero.
 pub fn still(state: &mut State) {
     let g = &mut state.grains;
     for i in 0..g.len() {

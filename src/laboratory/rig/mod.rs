@@ -1,4 +1,5 @@
-//! What is done to the grains: making a specimen and testing it, single grains between platens, or a free scene.
+//! The laboratory tests: a specimen is made and tested, single grains are crushed between platens, or a free scene is moved on.
+//! A test changes the engine's state step by step; it writes no files.
 
 pub mod assembly;
 pub mod continuum;

@@ -1,10 +1,9 @@
-//! Single grains between two platens (Ciantia et al. 2015, eqs 16, 17; Figs 7, 8).
+//! Crushing tests of single grains between two platens (Ciantia et al. 2015, eqs 16 and 17; Figs 7 and 8).
 //!
-//! Each grain is a state of its own: one grain, two planes. The lower platen stays, the upper one comes down; the grain
-//! follows by the forces of its two contacts, its inertia scaled. The displacement δ of the upper platen grows by the same
-//! share of itself in every step, so that the force at which a grain breaks is known to the same share whatever the
-//! grain's size and strength. δ is the sum of both contacts' overlaps; of Hertz' closed form each bears
-//! F = 4/3 E* √r (δ/2)^{3/2}.
+//! Each grain has a state of its own: one grain and two planes. The lower platen is fixed, the upper one comes down, and the grain
+//! moves under the forces of its two contacts; its inertia is scaled. The displacement δ of the upper platen grows by the same
+//! share of itself in every step, so the force at breakage has the same relative error whatever the size and strength of the grain.
+//! δ is the sum of both overlaps. By Hertz' theory each contact bears F = 4/3 E* √r (δ/2)^{3/2}.
 
 use crate::error::Error;
 use crate::model::{Model, Platen};
@@ -17,50 +16,55 @@ use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use std::f64::consts::PI;
 
-/// Displacement at the first step over the diameter: what seats the grain.
+/// Displacement of the upper platen at the first step, over the diameter: the grain then touches both platens.
 pub const SEATING: f64 = 1e-8;
-/// Steps in which the platen comes to its pace: many times the grain's own period, so that it follows without swinging (local damping,
-/// which opposes the velocity, does not end a swing about a steady motion).
+/// Steps in which the platen takes up its speed: many times the period of the grain between its contacts, so that the grain follows
+/// without oscillating. Local damping opposes the velocity and does not end an oscillation about a steady motion.
 const START: u64 = 1000;
-/// Points of a curve per decade of displacement.
+/// Points of a force-displacement curve per decade of displacement.
 const PER_DECADE: f64 = 60.0;
-/// Inertia is scaled by at least this share of the seating force.
+/// Inertia is scaled for at least this share of the contact force at the first step.
 const FLOOR: f64 = 0.1;
 
-/// What became of one grain.
+/// The result of one grain's test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Test {
-    /// Number in the batch, from 0: the key of the strength's draw.
+    /// Number in the batch, from 0; the strength is drawn for this number.
     pub grain: u32,
-    /// m
+    /// Diameter, m.
     pub diameter: f64,
-    /// Strength as drawn, Pa, and the force at which the grain would break, N (eqs 16, 17); `None` where it cannot break.
+    /// Limit strength as drawn, Pa.
     pub strength: f64,
+    /// Force at which the grain breaks, N (eqs 16 and 17); `None` where it cannot break.
     pub limit_force: Option<f64>,
-    /// Largest force, N, and the displacement, m, at it: those of breakage, or of the end of the test.
+    /// Force at breakage, or at the end of the test, N.
     pub force: f64,
+    /// Displacement at breakage, or at the end of the test, m.
     pub displacement: f64,
+    /// Whether the grain broke.
     pub broken: bool,
-    /// As many steps; a grain that broke in the first one did so on being seated.
+    /// Steps of the test. A grain that broke in the first step broke as soon as it touched the platens.
     pub steps: u64,
-    /// Largest relative distance of a platen's force from Hertz', and of the platens' forces from each other, at any step.
+    /// Largest relative difference of a platen's force from Hertz' force at any step.
     pub deviation: f64,
+    /// Largest relative difference of the two platens' forces at any step.
     pub difference: f64,
-    /// Points of the curve, where it was asked for.
+    /// Points of the force-displacement curve, where the model asks for it.
     pub curve: Vec<Point>,
 }
 
 /// One point of a force-displacement curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// m
+    /// Displacement of the upper platen, m.
     pub displacement: f64,
-    /// Force on the lower and the upper platen, N.
+    /// Force on the lower platen, N.
     pub bottom: f64,
+    /// Force on the upper platen, N.
     pub top: f64,
 }
 
-/// Contact parameters of grain and platen.
+/// Contact parameters of a grain with a platen.
 pub fn pair(model: &Model, rig: &Platen) -> Pair {
     let m = &model.physics.materials;
     let grain = &m[usize::from(rig.grain)];
@@ -70,27 +74,28 @@ pub fn pair(model: &Model, rig: &Platen) -> Pair {
     }
 }
 
-/// Hertz' force, N, of a sphere of radius `r` under a displacement `delta` shared by two contacts, m.
+/// Hertz' force, N, on a sphere of radius `r`, m, between two platens whose displacement is `delta`, m: each contact has half of it.
+/// `e_eff` is E*, Pa.
 pub fn hertz(e_eff: f64, r: f64, delta: f64) -> f64 {
     let overlap = 0.5 * delta;
     4.0 / 3.0 * e_eff * (r * overlap).sqrt() * overlap
 }
 
-/// Displacement at which Hertz' force is `force`, m.
+/// Displacement of the platens, m, at which [`hertz`] is `force`, N.
 pub fn hertz_displacement(e_eff: f64, r: f64, force: f64) -> f64 {
     2.0 * (0.75 * force / (e_eff * r.sqrt())).cbrt().powi(2)
 }
 
-/// Steps from seating to the largest displacement.
+/// Steps from the first contact to the largest displacement.
 pub fn most_steps(rig: &Platen) -> f64 {
     ((rig.max_displacement / SEATING).ln() / rig.step.ln_1p() + 0.5 * START as f64).ceil()
 }
 
-/// The seated grain between its platens.
+/// The first state of a test: the grain touches both platens.
 fn seated(model: &Model, rig: &Platen, number: u32) -> State {
     let d = rig.diameters[number as usize];
     let r = 0.5 * d;
-    // the number is the identity: by it the strength is drawn
+    // the grain's id is its number in the batch: the strength is drawn for the id
     let mut grains = Grains { next_id: number, ..Grains::default() };
     grains.add([0.0; 3], r, rig.grain, &model.physics.materials);
     let at = r - 0.5 * SEATING * d;
@@ -114,10 +119,10 @@ fn height(wall: &Wall) -> f64 {
     }
 }
 
-/// Presses grain `number` until it breaks or its test ends; `stop` is asked now and then whether to give up (`None`).
+/// Tests grain `number` until it breaks or its test ends. `stop` is called every 256 steps; `None` is returned when it is true.
 ///
 /// # Errors
-/// A state that is no number.
+/// [`Error::Unstable`]: the force on a platen is not finite.
 pub fn press(model: &Model, rig: &Platen, number: u32, stop: impl Fn() -> bool) -> Result<Option<Test>, Error> {
     let d = rig.diameters[number as usize];
     let e_eff = pair(model, rig).e_eff;
@@ -172,12 +177,12 @@ pub fn press(model: &Model, rig: &Platen, number: u32, stop: impl Fn() -> bool) 
     }
 }
 
-/// Takes one instant into the test.
+/// Adds one step to the result.
 fn observe(test: &mut Test, now: &Point, hertz: f64, step: u64) -> Result<(), Error> {
     let (low, high) = (now.bottom.min(now.top), now.bottom.max(now.top));
     let deviation = (low / hertz - 1.0).abs().max((high / hertz - 1.0).abs());
     if !deviation.is_finite() {
-        let what = "the force on a platen is not a number: lower stepping.safety".into();
+        let what = "the force on a platen is not finite: lower stepping.safety".into();
         return Err(Error::Unstable { step, what, grain: Some(u64::from(test.grain)) });
     }
     test.deviation = test.deviation.max(deviation);

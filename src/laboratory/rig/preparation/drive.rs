@@ -1,4 +1,4 @@
-//! How walls move while a specimen is made on the way from loose to dense: strain that all grains share, and a servo.
+//! The motion of the walls in [`super::path`]: a uniform strain of the whole specimen, and a stress servo.
 
 use crate::model::Specimen;
 use crate::rig::cylinder::{CYLINDER, Stresses, TOP, inertial_time, space};
@@ -7,32 +7,32 @@ use engine::boundary::servo_speed;
 use engine::dem::{State, Workspace};
 use serde::{Deserialize, Serialize};
 
-/// Inertial number of strain on the way: as fast as a packing without friction can follow under [`super::path`]'s stress.
+/// Inertial number of the uniform strain: as fast as a packing without friction can follow under the stress of [`super::path`].
 const INERTIAL: f64 = 1e-2;
-/// Steps between looks at the time scale of rearrangement.
+/// Steps between two updates of the strain rate under servo.
 const LOOK: u64 = 16;
 
-/// Speeds that walls are given.
+/// The strain rate at which a specimen is strained.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Drive {
-    /// Largest strain in one unit of time (0: not yet known).
+    /// Largest strain rate, 1/s; 0 as long as it has not been found.
     pub rate: f64,
 }
 
-/// Mean of the walls' normal stresses, Pa.
+/// Mean of the stresses on top, bottom and cylinder, Pa.
 pub fn mean_stress(state: &State) -> f64 {
     let s = Stresses::of(state);
     (s.top + s.bottom + s.horizontal) / 3.0
 }
 
 impl Drive {
-    /// Strain rate at which grains under `stress` are rearranged.
+    /// The strain rate of inertial number [`INERTIAL`] under `stress`, Pa.
     pub fn at(state: &State, stress: f64) -> Drive {
         Drive { rate: INERTIAL / inertial_time(state, stress) }
     }
 
-    /// Strains the specimen and its walls alike in one step, `along` its axis and `across` it, compression positive: what a platen alone would press together
-    /// next to itself is shared by all.
+    /// Strains grains and walls by the same amount in one step, at the rates `along` the axis and `across` it, 1/s, compression
+    /// positive. A platen that moved alone would compress only the grains next to it.
     pub fn strain(along: f64, across: f64, state: &mut State, work: &mut Workspace) {
         let size = space(state);
         let (z, xy) = (along * state.dt, across * state.dt);
@@ -44,7 +44,7 @@ impl Drive {
         work.grown(&state.grains);
     }
 
-    /// Top and cylinder towards `asked`, Pa.
+    /// Moves the top platen and the cylinder under servo towards the stress `asked`, Pa; `steps` counts the steps of the stage.
     pub fn servo(&mut self, asked: f64, steps: u64, rig: &Specimen, state: &mut State) {
         let size = space(state);
         if steps.is_multiple_of(LOOK) {

@@ -1,4 +1,6 @@
-//! Preparation of a cylindrical specimen: with the friction while growing that the scene states, or on the way from the loosest to the densest.
+//! Preparation of a cylindrical specimen of a given porosity. There are two ways: [`stated`] grows the radii with the friction that
+//! the scene states (`preparation.growth_friction`), as in Ciantia et al. (2015); [`path`] densifies one loose specimen step by step
+//! and stops at the target, which needs no friction from the user.
 
 mod drive;
 pub(crate) mod path;
@@ -16,15 +18,17 @@ use path::{Path, Wish};
 use serde::{Deserialize, Serialize};
 use stated::Stated;
 
-/// Progress of a preparation; with the [`State`] it is all that a restart needs.
+/// The state of a preparation; with the [`State`] of the grains it is all that a restart needs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Preparation {
+    /// With a stated friction during growth.
     Stated(Stated),
+    /// On the way from the loosest to the densest specimen.
     Path(Box<Path>),
 }
 
 impl Preparation {
-    /// The first state: grains at a fraction of their size, at random in a cylinder with some room.
+    /// The first state: small grains at random places in a cylinder that is larger than the specimen.
     pub fn start(model: &Model, rig: &Specimen) -> (Preparation, State) {
         if let Some(friction) = rig.preparation.growth_friction {
             let (stated, state) = Stated::start(model, rig, friction);
@@ -34,7 +38,10 @@ impl Preparation {
         (Preparation::Path(Box::new(path)), state)
     }
 
-    /// One step. True when the specimen is ready.
+    /// One step. True when the specimen is ready: at rest at its porosity and isotropic stress.
+    ///
+    /// # Errors
+    /// [`Error::Failed`]: the porosity cannot be reached, or the specimen does not come to rest.
     pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         match self {
             Preparation::Stated(stated) => stated.advance(model, rig, state, work),
@@ -42,7 +49,7 @@ impl Preparation {
         }
     }
 
-    /// What it is doing, for a person to read.
+    /// Name of the present stage, for the progress bar.
     pub fn stage(&self) -> &'static str {
         match self {
             Preparation::Stated(stated) => stated.stage.name(),
@@ -50,7 +57,7 @@ impl Preparation {
         }
     }
 
-    /// Steps so far.
+    /// Steps done.
     pub fn steps(&self) -> u64 {
         match self {
             Preparation::Stated(stated) => stated.steps,
@@ -59,7 +66,8 @@ impl Preparation {
     }
 }
 
-/// Final radii by id, m, and the first state: grains at a fraction of their size, at random in a cylinder in which they will leave so many pores.
+/// Final radii by id, m, and the first state: grains of [`growth::START`] times their size at random places in a cylinder in which the
+/// grown grains will have the porosity `porosity`. `friction` is the friction coefficient while they grow.
 fn scattered(model: &Model, rig: &Specimen, porosity: f64, friction: f64) -> (Vec<f64>, State) {
     let radii = packing::radii(rig, model.seeds.packing);
     let volume: f64 = radii.iter().map(|&r| sphere_volume(r)).sum();
@@ -77,7 +85,7 @@ fn scattered(model: &Model, rig: &Specimen, porosity: f64, friction: f64) -> (Ve
     (radii, state)
 }
 
-/// Whether these walls bear a stress, Pa, as nearly as at rest.
+/// Whether each of the walls `held` bears the stress `stress`, Pa, within [`growth::STRESS_AT_REST`].
 fn bears(state: &State, held: &[usize], stress: f64) -> bool {
     let size = space(state);
     held.iter().all(|&k| {
@@ -86,7 +94,7 @@ fn bears(state: &State, held: &[usize], stress: f64) -> bool {
     })
 }
 
-/// Porosity of the grains in the space between the walls (overlaps not subtracted).
+/// Porosity of the grains in the space between the walls. The volume of overlaps is not subtracted from that of the grains.
 pub fn porosity(state: &State) -> f64 {
     let (_, volume) = state.grains.mass_and_volume();
     1.0 - volume / space(state).volume()

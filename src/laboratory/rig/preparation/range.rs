@@ -1,4 +1,5 @@
-//! The range of densities that can be reached: both ends of the way ([`super::path`]) of a specimen, found once and kept in a file of the user's cache.
+//! The range of porosities that a specimen can have: both ends of the way of [`super::path`]. The range is measured once, by making
+//! the loosest and the densest specimen, and kept in a file of the user's cache.
 
 use super::path::{Path, Wish};
 use super::porosity;
@@ -13,46 +14,49 @@ use std::path::PathBuf;
 /// Porosities of the loosest and the densest specimen of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Range {
+    /// Porosity of the loosest specimen.
     pub loosest: f64,
+    /// Porosity of the densest specimen.
     pub densest: f64,
 }
 
-/// Seed of the packing whose ends are measured: specimens of one scene have one range, whatever their own.
+/// Seed of the specimens that are made to measure a range. It does not follow the seed of the run: all runs of one scene have one
+/// range.
 const SEED: u64 = 1;
-/// Number of the way that is taken, to be raised with every change of [`super::path`]'s ends: ranges of before are not read.
+/// Version of the way. A change of [`super::path`] that changes its ends must raise this number; files of other versions are not read.
 const WAY: u32 = 3;
-/// What the names of its files in the cache begin with.
+/// Beginning of the names of files in the cache.
 const PREFIX: &str = "range-";
 
-/// A file of the cache.
+/// The content of a file in the cache.
 #[derive(Serialize, Deserialize)]
 struct Kept {
-    /// All that the range depends on, in words: two that share a name are told apart.
+    /// Everything that the range depends on ([`depends_on`]): tells two scenes apart whose file names are equal by chance.
     of: String,
     range: Range,
 }
 
 impl Range {
-    /// Porosity at a relative density D_r = (e_max - e) / (e_max - e_min).
+    /// Porosity of a specimen of relative density D_r = (e_max - e) / (e_max - e_min), with e its void ratio.
     pub fn porosity(&self, relative_density: f64) -> f64 {
         let (loose, dense) = (void_ratio(self.loosest), void_ratio(self.densest));
         let e = loose - relative_density * (loose - dense);
         e / (1.0 + e)
     }
 
-    /// The nearest porosity that can be reached, where `porosity` lies outside by more than the tolerance.
+    /// The nearest porosity of the range, where `porosity` lies outside of the range by more than the relative tolerance; else `None`.
     pub fn nearest(&self, porosity: f64, tolerance: f64) -> Option<f64> {
         let nearest = porosity.clamp(self.densest, self.loosest);
         ((porosity - nearest).abs() > tolerance * porosity).then_some(nearest)
     }
 }
 
-/// Void ratio of a porosity.
+/// Void ratio e = n / (1 - n) of a porosity n.
 pub fn void_ratio(porosity: f64) -> f64 {
     porosity / (1.0 - porosity)
 }
 
-/// The range of the scene's specimen as it was measured before, or none.
+/// The range of the specimen from the cache; `None` where it has not been measured.
 pub fn known(model: &Model, rig: &Specimen) -> Option<Range> {
     let of = depends_on(model, rig);
     let text = std::fs::read_to_string(file(&of)?).ok()?;
@@ -61,26 +65,27 @@ pub fn known(model: &Model, rig: &Specimen) -> Option<Range> {
     (sound && kept.of == of).then_some(kept.range)
 }
 
-/// Measures the range of the scene's specimen: makes the loosest and the densest. What is found is kept where there is a cache.
+/// Measures the range of the specimen by making the loosest and the densest, and writes the range into the cache.
 ///
 /// # Errors
-/// A specimen that does not come to rest, or a stop from outside.
+/// A specimen that does not come to rest; a stop from outside.
 pub fn measure(model: &Model, rig: &Specimen) -> Result<Range, Error> {
     let mut model = model.clone();
     model.seeds.packing = SEED;
     let range = Range { loosest: end(&model, rig, Wish::Loosest)?, densest: end(&model, rig, Wish::Densest)? };
     let of = depends_on(&model, rig);
     if let Some(path) = file(&of) {
-        // a cache that cannot be written is none
+        // without a cache that can be written, the next run measures again
         let _ = keep(&path, &Kept { of, range });
     }
     Ok(range)
 }
 
-/// Turns a relative density into the porosity that it is, by the range as it was measured before or by measuring it. The range, if there was one to turn.
+/// Turns the relative density of the model's specimen into a porosity. The range comes from the cache or is measured now. Gives the
+/// range; `None` where the model has no relative density.
 ///
 /// # Errors
-/// As [`measure`].
+/// Those of [`measure`].
 pub fn settle(model: &mut Model) -> Result<Option<Range>, Error> {
     let Some((rig, density)) = model.rig.specimen().and_then(|rig| Some((rig, rig.relative_density?))) else { return Ok(None) };
     let range = known(model, rig).map_or_else(|| measure(model, rig), Ok)?;
@@ -104,7 +109,7 @@ fn end(model: &Model, rig: &Specimen, wish: Wish) -> Result<f64, Error> {
     Ok(porosity(&state))
 }
 
-/// Everything that the ends of the way depend on, the program's version included; the target is none of it, nor is the seed.
+/// Everything that the range depends on, as text, the program's version included. Target and seed of the scene are not in it.
 fn depends_on(model: &Model, rig: &Specimen) -> String {
     let p = &rig.preparation;
     format!(
@@ -126,7 +131,8 @@ fn depends_on(model: &Model, rig: &Specimen) -> String {
     )
 }
 
-/// Where the range is kept: `COMMINUTE_CACHE`, or the folder for caches of the user's system.
+/// File of the range in the cache: in the folder of the environment variable `COMMINUTE_CACHE`, or in `comminute` below the user's
+/// folder for caches; `None` where there is no such folder.
 fn file(of: &str) -> Option<PathBuf> {
     let of_system = || {
         let own = |key: &str| std::env::var_os(key).filter(|v| !v.is_empty()).map(PathBuf::from);
@@ -137,7 +143,7 @@ fn file(of: &str) -> Option<PathBuf> {
     Some(folder.join(format!("{PREFIX}{:016x}.json", checksum(of))))
 }
 
-/// Writes a file of the cache whole, under its name only when it is complete.
+/// Writes a file of the cache. It gets its name when it is complete, so a process that is killed leaves no broken file.
 fn keep(path: &std::path::Path, kept: &Kept) -> std::io::Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;

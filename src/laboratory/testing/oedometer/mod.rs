@@ -1,5 +1,5 @@
-//! The oedometer: a cylinder of fixed radius, a fixed bottom platen, a top platen that follows the load programme of
-//! Ciantia et al. 2015 eq. (18) under stress servo.
+//! The oedometer: one-dimensional compression of grains in a cylinder of fixed radius. The bottom platen is fixed; the top platen
+//! follows the load programme (Ciantia et al. 2015, eq. 18) under stress servo, or moves at a constant inertial number.
 
 mod record;
 mod scene;
@@ -23,8 +23,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 impl Stresses {
-    /// How far the platens are from the target, over the target: both of them, but the driven one alone where friction on the shell carries a part; and the shell, where it bears the
-    /// same stress.
+    /// Difference of the stress from the target `target`, Pa, over the target: the larger one of both platens. Where the cylinder
+    /// has friction, that of the top platen alone, for friction carries a part of the stress. In isotropic compression the stress on
+    /// the cylinder counts as well.
     pub fn lag(&self, target: f64, rig: &Compression) -> f64 {
         let of = |stress: f64| (stress / target - 1.0).abs();
         if rig.all_sides {
@@ -33,58 +34,67 @@ impl Stresses {
         if rig.specimen.wall_friction.cylinder > 0.0 { of(self.top) } else { of(self.top).max(of(self.bottom)) }
     }
 
-    /// How far the specimen is from balance: the lag, or where it is larger the platens' difference (if the cylinder carries nothing).
+    /// How far the specimen is from balance at the target: the larger one of [`Stresses::lag`] and, where the cylinder has no
+    /// friction, [`Stresses::platen_difference`].
     fn imbalance(&self, target: f64, rig: &Compression) -> f64 {
         let difference = if rig.specimen.wall_friction.cylinder > 0.0 { 0.0 } else { self.platen_difference() };
         self.lag(target, rig).max(difference)
     }
 }
 
-/// Where loading is.
+/// The phase of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Phase {
-    /// Rest at the isotropic stress with the cylinder fixed.
+    /// The specimen rests at the isotropic stress; the cylinder is fixed.
     Settle,
-    /// On the way to stage `k`'s stress.
+    /// The stress changes towards that of stage `k`.
     Load(usize),
-    /// At stage `k`'s stress until the specimen is at rest.
+    /// The stress of stage `k` is held until the specimen is at rest.
     Hold(usize),
+    /// All stages are done.
     Done,
 }
 
-/// The loading programme's state.
+/// The state of a load programme.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Loading {
+    /// The present phase.
     pub phase: Phase,
+    /// Steps in the present phase.
     pub phase_steps: u64,
     /// Target vertical stress, Pa.
     pub target: f64,
     /// Height and radius at the start of loading, m.
     pub start: (f64, f64),
-    /// Largest platen speed, m per unit time.
+    /// Largest speed of the platen, m/s.
     pub(super) limit: f64,
     /// Largest vertical stress so far, Pa.
     peak: f64,
-    /// Whether the programme waits for the specimen.
+    /// Whether the target waits until the stress has followed.
     pub waits: bool,
-    /// Fines from crushing, where they become material points.
+    /// Material points from breakages, where the lost mass becomes points.
     pub fines: Option<Box<Embedded>>,
-    /// Whether the present stage is under strain control: it stays so when the stress falls.
+    /// Whether the present stage has become strain controlled. It stays so when breakages let the stress fall.
     strained: bool,
 }
 
-/// Steps between two looks at the platen's speed limit.
+/// Steps between two updates of the platen's largest speed.
 const LOOK: u64 = 64;
 /// Steps in which a platen under strain control takes up its speed.
 const RAMP: u64 = 1024;
-/// Share of the largest stress so far below which the platen's speed under strain control does not fall with the stress any more: without any stress it would stand still.
+/// Least stress that counts for the speed of a platen under strain control, over the largest stress so far. The speed falls with the
+/// stress; without this bound the platen would stand still where breakages have taken all stress away.
 const FALLEN: f64 = 0.01;
-/// A stage ends when the platens are this close to their target ...
+/// A stage ends when the stress differs from its target by less than this share ...
 const CLOSE: f64 = 0.005;
 /// ... or after this many steps.
 const HOLD_AT_MOST: u64 = 4000;
 
 impl Loading {
+    /// Starts the test with grains at rest in the space `size`.
+    ///
+    /// # Errors
+    /// A grid for the points from breakages that the material point method does not allow.
     fn begin(model: &Model, rig: &Compression, grains: Grains, size: CylinderSpace) -> Result<(Loading, State), Error> {
         let state = cylinder::start(model, &rig.specimen, grains, size);
         let fines = rig.fines.as_ref().map(|embedding| Embedded::new(&model.physics, embedding, size).map(Box::new)).transpose()?;
@@ -102,6 +112,10 @@ impl Loading {
         Ok((loading, state))
     }
 
+    /// One step. `observe` is called when the forces of the step are known and before grains move.
+    ///
+    /// # Errors
+    /// A step of the points that cannot be made; the errors of `observe`.
     fn step(
         &mut self,
         model: &Model,
@@ -125,7 +139,7 @@ impl Loading {
         Ok(())
     }
 
-    /// Next target (eq. 18) and phase.
+    /// Sets target and phase of the next step.
     pub(super) fn programme(&mut self, model: &Model, rig: &Compression, state: &mut State, work: &Workspace) {
         let stages = &rig.loading.stages;
         match self.phase {
@@ -139,7 +153,7 @@ impl Loading {
                 self.peak = self.peak.max(stresses.vertical());
                 self.strained = self.strained(k, rig);
                 if self.strained {
-                    // the stress is what comes out
+                    // under strain control the stress is a result, and the target follows it
                     self.target = stresses.vertical();
                     state.reference_stress = state.reference_stress.max(self.target);
                     if self.target >= stages[k] {
@@ -173,8 +187,9 @@ impl Loading {
         }
     }
 
-    /// What the target changes by in one step, Pa: by eq. (18), or the faster the nearer the specimen is to balance, so that a run with a
-    /// given error takes few steps: quick while it is elastic, slow while grains break.
+    /// Change of the target in one step, Pa: eq. (18), or with the adaptive programme the share `pace` of the target, less the
+    /// further the specimen is from balance. The adaptive programme is fast while the specimen is elastic and slow while grains
+    /// break.
     fn increment(&self, stresses: &Stresses, rig: &Compression) -> f64 {
         let asked = &rig.loading;
         match asked.pace {
@@ -195,13 +210,14 @@ impl Loading {
         rig.loading.stages[k] > before
     }
 
-    /// Whether the present step of stage `k` is first loading controlled by strain.
+    /// Whether the present step of stage `k` is first loading under strain control.
     fn strained(&self, k: usize, rig: &Compression) -> bool {
-        // a reloaded specimen is back on its way when it has had its largest target again, though breakages may let the stress fall below it
+        // reloading becomes first loading when the target has reached the largest stress of the stages before; `strained` keeps it so
+        // when breakages let the stress fall again
         rig.loading.strain_controlled.is_some() && self.rising(k, rig) && (self.strained || self.target >= rig.loading.before(k))
     }
 
-    /// Inertial number of the platen's motion.
+    /// Inertial number of the top platen's motion, -.
     pub fn inertial_number(&self, rig: &Compression, state: &State) -> f64 {
         if self.limit > 0.0 { state.walls[TOP].speed.abs() / self.limit * rig.loading.max_inertial_number } else { 0.0 }
     }
@@ -209,7 +225,6 @@ impl Loading {
     pub(super) fn servo(&mut self, rig: &Compression, state: &mut State) {
         let size = space(state);
         if state.step.is_multiple_of(LOOK) || self.limit == 0.0 {
-            // a platen under strain control goes on where breakages have taken all stress away
             let pressure = if self.strained { self.target.max(FALLEN * self.peak) } else { self.target };
             self.limit = rig.loading.max_inertial_number * size.height / inertial_time(state, pressure);
         }

@@ -1,5 +1,5 @@
-//! Drained triaxial compression of a cylindrical specimen: the shell holds the cell pressure under servo, the bottom platen is fixed and the top
-//! one moves at a speed that keeps the inertial number (Ciantia et al. 2015, Fig. 12).
+//! Drained triaxial compression of a cylindrical specimen of grains (Ciantia et al. 2015, Fig. 12). The cylinder holds the cell
+//! pressure under servo, the bottom platen is fixed, and the top platen moves at a constant inertial number.
 
 mod record;
 mod scene;
@@ -18,37 +18,41 @@ use engine::grains::Grains;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// Where a test is.
+/// The phase of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// Rest at the cell pressure on all sides.
+    /// The specimen comes to rest at the cell pressure on all sides.
     Settle,
     /// The top platen moves.
     Shear,
+    /// The final axial strain is reached.
     Done,
 }
 
-/// The test's state.
+/// The state of a test, besides that of its grains and walls.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Shearing {
+    /// The present phase.
     pub phase: Phase,
+    /// Steps in the present phase.
     phase_steps: u64,
     /// Height and radius at the start of shear, m.
     pub start: (f64, f64),
-    /// Strain per unit time at the inertial number asked for.
+    /// Axial strain rate that has the inertial number asked for, 1/s.
     rate: f64,
 }
 
-/// Steps between two looks at the rate.
+/// Steps between two updates of the strain rate.
 const LOOK: u64 = 64;
 /// Steps in which the platen takes up its speed.
 const RAMP: u64 = 2048;
-/// The shell may move this many times as fast as the platens strain the specimen.
+/// Largest radial strain rate of the cylinder under servo over the axial strain rate.
 const SHELL: f64 = 4.0;
-/// At rest: stresses within this of the cell pressure, and unbalanced ratio below.
+/// Largest difference of a stress from the cell pressure, over the cell pressure, at rest.
 const STRESS_AT_REST: f64 = 0.005;
+/// Unbalanced ratio below which grains count as at rest.
 const UNBALANCED_AT_REST: f64 = 2e-3;
-/// Steps of rest at most, over those asked for.
+/// Steps after which settling is given up, over those of `specimen.settle_steps`.
 const SETTLE_AT_MOST: u64 = 100;
 
 impl Shearing {
