@@ -65,8 +65,8 @@ impl Stresses {
     }
 }
 
-/// Time scale of grain rearrangement d √(ρ/p), s: the strain rate times this is the inertial number. d is the mean diameter weighted
-/// by volume, ρ the inertial mass (scaled, where inertia is scaled) over the volume of the grains, p the `pressure`, Pa.
+/// Time scale of grain rearrangement d √(ρ/p), s: the strain rate times this is the inertial number. d is the mean diameter
+/// weighted by volume, ρ the inertial mass (scaled, where inertia is scaled) over the volume of the grains, p the `pressure`, Pa.
 pub fn inertial_time(state: &State, pressure: f64) -> f64 {
     let g = &state.grains;
     let (mut inertia, mut volume, mut weighted) = (0.0, 0.0, 0.0);

@@ -1,9 +1,9 @@
 //! Crushing tests of single grains between two platens (Ciantia et al. 2015, eqs 16 and 17; Figs 7 and 8).
 //!
-//! Each grain has a state of its own: one grain and two planes. The lower platen is fixed, the upper one comes down, and the grain
-//! moves under the forces of its two contacts; its inertia is scaled. The displacement δ of the upper platen grows by the same
-//! share of itself in every step, so the force at breakage has the same relative error whatever the size and strength of the grain.
-//! δ is the sum of both overlaps. By Hertz' theory each contact bears F = 4/3 E* √r (δ/2)^{3/2}.
+//! Each grain has a state of its own: one grain and two planes. The lower platen is fixed, the upper one comes down, and the
+//! grain moves under the forces of its two contacts; its inertia is scaled. The displacement δ of the upper platen grows by the
+//! same share of itself in every step, so the force at breakage has the same relative error whatever the size and strength of the
+//! grain. δ is the sum of both overlaps. By Hertz' theory each contact bears F = 4/3 E* √r (δ/2)^{3/2}.
 
 use crate::error::Error;
 use crate::model::{Model, Platen};
@@ -18,8 +18,8 @@ use std::f64::consts::PI;
 
 /// Displacement of the upper platen at the first step, over the diameter: the grain then touches both platens.
 pub const SEATING: f64 = 1e-8;
-/// Steps in which the platen takes up its speed: many times the period of the grain between its contacts, so that the grain follows
-/// without oscillating. Local damping opposes the velocity and does not end an oscillation about a steady motion.
+/// Steps in which the platen takes up its speed: many times the period of the grain between its contacts, so that the grain
+/// follows without oscillating. Local damping opposes the velocity and does not end an oscillation about a steady motion.
 const START: u64 = 1000;
 /// Points of a force-displacement curve per decade of displacement.
 const PER_DECADE: f64 = 60.0;
@@ -74,8 +74,8 @@ pub fn pair(model: &Model, rig: &Platen) -> Pair {
     }
 }
 
-/// Hertz' force, N, on a sphere of radius `r`, m, between two platens whose displacement is `delta`, m: each contact has half of it.
-/// `e_eff` is E*, Pa.
+/// Hertz' force, N, on a sphere of radius `r`, m, between two platens whose displacement is `delta`, m: each contact has half of
+/// it. `e_eff` is E*, Pa.
 pub fn hertz(e_eff: f64, r: f64, delta: f64) -> f64 {
     let overlap = 0.5 * delta;
     4.0 / 3.0 * e_eff * (r * overlap).sqrt() * overlap

@@ -100,8 +100,8 @@ impl<'a> Beside<'a> {
     }
 }
 
-/// Grows the specimen, where the scene asks for it, and gives the rig with the grown points and grains, which replaces that of the
-/// scene. `None`: the specimen need not grow.
+/// Grows the specimen, where the scene asks for it, and gives the rig with the grown points and grains, which replaces that of
+/// the scene. `None`: the specimen need not grow.
 ///
 /// # Errors
 /// A specimen that does not come to rest; [`Error::Interrupted`], after a checkpoint.
@@ -489,8 +489,8 @@ fn law(rig: &Rig) -> &Law {
     &rig.laws[usize::from(rig.specimen().map_or_else(|| rig.points.law[0], |s| s.law))]
 }
 
-/// σ1/σ3 in triaxial compression at cell pressure `cell`, Pa, with the largest strength of the law and with its residual strength.
-/// `None` for an elastic law and for grains without points.
+/// σ1/σ3 in triaxial compression at cell pressure `cell`, Pa, with the largest strength of the law and with its residual
+/// strength. `None` for an elastic law and for grains without points.
 fn closed_forms(rig: &Rig, cell: f64) -> Option<[f64; 2]> {
     let law = law(rig);
     if rig.points.is_empty() {

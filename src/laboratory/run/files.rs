@@ -240,7 +240,8 @@ impl Files {
         Ok(())
     }
 
-    /// Writes a row for each breakage of a step; `target` is the present target of the vertical stress, Pa, in a test that has one.
+    /// Writes a row for each breakage of a step; `target` is the present target of the vertical stress, Pa, in a test that has
+    /// one.
     ///
     /// # Errors
     /// A file that cannot be written.

@@ -57,8 +57,8 @@ pub fn look(out: &Path, scene: &Scene, model: &Model) -> Result<Found> {
     Ok(summary.map_or(Found::Broken, Found::Finished))
 }
 
-/// The first line in which the resolved scene of the folder (`there`) differs from the `wanted` one, in words; `None` where they are
-/// equal.
+/// The first line in which the resolved scene of the folder (`there`) differs from the `wanted` one, in words; `None` where they
+/// are equal.
 fn difference(there: &str, wanted: &str) -> Option<String> {
     // a scene whose writing was interrupted counts as equal: no run has begun from it
     if there == wanted || (wanted.starts_with(there) && !there.ends_with('\n')) {

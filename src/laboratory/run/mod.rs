@@ -1,5 +1,5 @@
-//! The loop of a run: makes steps until the test is done, writes records and checkpoints when they are due, and stops a run that has
-//! become meaningless. No other module knows when something is due.
+//! The loop of a run: makes steps until the test is done, writes records and checkpoints when they are due, and stops a run that
+//! has become meaningless. No other module knows when something is due.
 
 mod backend;
 mod continuum;
@@ -122,8 +122,8 @@ struct Progress {
     loading_seconds: f64,
 }
 
-/// Turns a relative density of the model's specimen into a porosity ([`range::settle`]), in a pool of `threads` threads. Gives the
-/// range of porosities that was used, `None` where the model has no relative density.
+/// Turns a relative density of the model's specimen into a porosity ([`range::settle`]), in a pool of `threads` threads. Gives
+/// the range of porosities that was used, `None` where the model has no relative density.
 ///
 /// # Errors
 /// A range that cannot be measured.
@@ -198,7 +198,8 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
     released(outcome, &folder, lock)
 }
 
-/// Passes the outcome on. After an error other than an interruption the folder is freed for the next run if it holds no records yet.
+/// Passes the outcome on. After an error other than an interruption the folder is freed for the next run if it holds no records
+/// yet.
 fn released(outcome: Result<Outcome>, out: &Path, lock: Lock) -> Result<Outcome> {
     // the locked file may be removed below
     drop(lock);

@@ -50,7 +50,8 @@ impl Bar {
         self.draw(share, line);
     }
 
-    /// Shows the share of the run that is done and a line about it, both from `describe`, and the time left after `seconds` of work.
+    /// Shows the share of the run that is done and a line about it, both from `describe`, and the time left after `seconds` of
+    /// work.
     pub fn show_share(&mut self, steps: u64, seconds: f64, describe: impl FnOnce() -> (f64, String)) {
         if !self.due() {
             return;

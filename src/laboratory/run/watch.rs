@@ -8,18 +8,18 @@ use crate::record::cylinder::AtEnd;
 use crate::rig::continuum;
 use engine::dem::State;
 
-/// Largest share of all energy given that may appear from nothing (a negative `dissipated_share`). Measured: less than 0.001 in the
-/// scenes, and less than 1e-4 in cubes of 4 to 16 cells without damping and PIC.
+/// Largest share of all energy given that may appear from nothing (a negative `dissipated_share`). Measured: less than 0.001 in
+/// the scenes, and less than 1e-4 in cubes of 4 to 16 cells without damping and PIC.
 const CREATED: f64 = 0.05;
-/// Largest difference of the forces on opposite platens over their mean. At 1 the resultant on the specimen is as large as if one of
-/// the platens were missing.
+/// Largest difference of the forces on opposite platens over their mean. At 1 the resultant on the specimen is as large as if one
+/// of the platens were missing.
 const APART: f64 = 1.0;
 
 /// Checks the last row of a continuum between platens.
 ///
 /// # Errors
-/// [`Error::Impossible`] for a negative void ratio; for a test of points alone that is under way, also for energy from nothing and
-/// for opposite platens out of balance.
+/// [`Error::Impossible`] for a negative void ratio; for a test of points alone that is under way, also for energy from nothing
+/// and for opposite platens out of balance.
 pub fn continuum(rig: &Rig, state: &continuum::State, row: &Recorder) -> Result<()> {
     if rig.specimen().is_none() {
         return Ok(());
@@ -39,8 +39,8 @@ pub fn continuum(rig: &Rig, state: &continuum::State, row: &Recorder) -> Result<
     unbalanced(row.dissipated, row.difference).map_or(Ok(()), impossible)
 }
 
-/// What is wrong with a test, in words: `dissipated` is the share of all energy given that was dissipated, `difference` that of the
-/// forces on opposite platens over their mean. `None`: nothing is wrong.
+/// What is wrong with a test, in words: `dissipated` is the share of all energy given that was dissipated, `difference` that of
+/// the forces on opposite platens over their mean. `None`: nothing is wrong.
 fn unbalanced(dissipated: f64, difference: f64) -> Option<String> {
     let change = "lower stepping.safety, raise damping.local (0.1) or grid.pic (0.1)";
     if dissipated.is_nan() || dissipated < -CREATED {
@@ -60,8 +60,8 @@ fn unbalanced(dissipated: f64, difference: f64) -> Option<String> {
 /// Checks the voids of a specimen of grains at its last row.
 ///
 /// # Errors
-/// [`Error::Impossible`] when the solid part of all dry mass, the pores inside the grains excluded, would fill more than the whole
-/// volume; not with `records.stop_without_voids = false`.
+/// [`Error::Impossible`] when the solid part of all dry mass, the pores inside the grains excluded, would fill more than the
+/// whole volume; not with `records.stop_without_voids = false`.
 pub fn voids(model: &Model, step: u64, row: &AtEnd) -> Result<()> {
     if row.void_ratio_star >= 0.0 || !model.records.stop_without_voids {
         return Ok(());

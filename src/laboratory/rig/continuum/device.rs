@@ -1,4 +1,5 @@
-//! A test on a graphics device: the state goes there once; a look brings back what loading plates and walls feel, and points and grains come when they are asked for.
+//! A test on a graphics device. The state is copied to the device once. After each batch of steps the forces on loading plates
+//! and walls are copied back; points and grains only when a record or checkpoint needs them.
 
 use super::{Coupled, Rig, State};
 use crate::error::Result;
@@ -7,18 +8,18 @@ use ::engine::coupling::{Cycle, Rates};
 use ::engine::gpu::{self, Adapter, Saved};
 use ::engine::mpm::LoadingPlate;
 
-/// The points and loading plates of a [`State`] on the device, and its grains.
+/// Points, loading plates and grains of a [`State`] on the device.
 pub struct Device {
     gpu: gpu::DeviceContinuum,
-    /// What grains need on the processor, where they break.
+    /// Working memory for the grains on the CPU, which makes the steps in which grains break.
     coupled: Option<Coupled>,
 }
 
 impl Device {
-    /// Takes the state over; with what [`Self::save`] gave, to the bit.
+    /// Copies the state to the device. With `saved` from [`Self::save`] the run goes on with the same bits.
     ///
     /// # Errors
-    /// No adapter, one without room, what the device lacks.
+    /// No graphics adapter, too little memory, or a scene that the device cannot compute.
     pub fn new(state: &mut State, model: &Model, rig: &Rig, saved: Option<&Saved>) -> Result<Device> {
         let mut coupled = state.mixture.as_deref_mut().map(|mixture| Coupled::new(model, rig, mixture));
         if saved.is_none() {
@@ -29,7 +30,7 @@ impl Device {
         Ok(Device { gpu, coupled })
     }
 
-    /// What it needs to go on with the same bits.
+    /// The device's own state, with which a resumed run goes on with the same bits.
     ///
     /// # Errors
     /// A device that was lost.
@@ -37,11 +38,12 @@ impl Device {
         Ok(self.gpu.save()?)
     }
 
+    /// The graphics adapter.
     pub fn adapter(&self) -> &Adapter {
         self.gpu.adapter()
     }
 
-    /// What happens when a device goes away.
+    /// Makes the device lost, as after a failure of its driver.
     #[cfg(test)]
     pub(crate) fn lose(&self) {
         self.gpu.lose();
@@ -55,12 +57,13 @@ impl Device {
         self.gpu.stable_step()
     }
 
-    /// What the grains' own contacts allow, s, and what those of points with grains and loading plates add to the square of a frequency, 1/s².
+    /// As [`super::Engine::bounds`].
     pub(super) fn bounds(&self, plates: &[LoadingPlate]) -> (f64, f64) {
         self.gpu.bounds(plates)
     }
 
-    /// Rates of a mixture where its scene gives none: the continuum has no steps of its own, and the grains not more than so many.
+    /// The rates nearest to `found` that a device can compute: one step of the continuum in a cycle, and at most [`MOST`] of the
+    /// grains.
     pub(super) fn rates(found: Rates) -> Rates {
         Rates { grains: found.grains.min(MOST), continuum: 1 }
     }
@@ -73,7 +76,8 @@ impl Device {
         Ok(())
     }
 
-    /// `n` steps with the drives that the programme has set, and what they leave. A grain that is over its limit ends them: the processor does the step in which it breaks.
+    /// Makes `n` steps with the loading plates' motion that the programme has set, and copies forces and means back. A grain
+    /// above its limit ends the batch early: the CPU makes the step in which it breaks.
     pub(super) fn steps(&mut self, state: &mut State, model: &Model, rig: &Rig, n: u64) -> Result<()> {
         for (k, drive) in state.drives.iter().enumerate() {
             self.gpu.drive(k, *drive)?;
@@ -106,7 +110,7 @@ impl Device {
         Ok(())
     }
 
-    /// What a batch leaves, points and contacts apart.
+    /// Takes the results of a batch into the state, but for points and contacts.
     fn take(&self, state: &mut State, rig: &Rig, steps: u64, extents: [f64; 3]) {
         let c = &mut state.continuum;
         c.set_counters(self.gpu.steps_done(), c.stress_work(), self.gpu.wall_force());
@@ -129,7 +133,7 @@ impl Device {
         state.add(rig, &means, extents);
     }
 
-    /// The step in which grains break, on the processor, and back with their daughters.
+    /// Makes the step in which grains break on the CPU, and copies the state with the daughters to the device.
     fn break_grains(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
         self.read_back(state, model)?;
         let (Some(coupled), Some(mixture)) = (&mut self.coupled, &mut state.mixture) else { return Ok(()) };
@@ -139,7 +143,7 @@ impl Device {
                 state.press()?;
                 coupled.cycle(state, model, rig)?;
             }
-            // between two steps of the grains: loading plates have gone their way already
+            // the grain broke between two steps of the grains: the loading plates have made the whole step already
             Some((done, time)) => {
                 let cycle = Cycle { time, rates: mixture.cycle.rates };
                 mixture.grains.step += u64::from(done);
@@ -157,10 +161,10 @@ impl Device {
     }
 }
 
-/// Most steps of the grains in a step of the continuum on a device.
+/// Most steps of the grains in one step of the continuum on a device.
 const MOST: u32 = 64;
 
-/// As after a step on the device: loading plates and grains have felt, and the instant counts.
+/// Computes the forces of all contacts on the CPU and adds the instant to the means, as the device does at the end of a step.
 fn compute_forces(state: &mut State, coupled: &mut Option<Coupled>, model: &Model, rig: &Rig) -> Result<()> {
     state.press()?;
     if let Some(coupled) = coupled {

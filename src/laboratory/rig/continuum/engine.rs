@@ -1,4 +1,5 @@
-//! What does the steps of a test: the processor one at a time, or a graphics device in batches. Everything else stands once, in [`State`].
+//! The engines that make the steps of a test: the CPU makes one step at a time, a graphics device makes batches of steps.
+//! Programme and records are the same for all of them ([`State`]).
 
 use super::specimen::face;
 use super::{Coupled, LOOK, Phase, Rig, State};
@@ -11,18 +12,20 @@ use ::engine::mpm::{Continuum, LoadingPlate, loading_plate};
 #[cfg(feature = "gpu")]
 use super::device::Device;
 
-/// Where the steps are done.
+/// An engine that makes the steps of a test.
 pub enum Engine {
+    /// The CPU, points alone.
     Cpu,
-    /// The processor, with grains.
+    /// The CPU, points and grains.
     Mixture(Box<Coupled>),
+    /// A graphics device.
     #[cfg(feature = "gpu")]
     Gpu(Box<Device>),
 }
 
 #[cfg_attr(not(feature = "gpu"), allow(unused_variables))]
 impl Engine {
-    /// The processor, with the grains that the state has.
+    /// The engine of the CPU for this state, with its grains if there are some.
     pub fn of_grains(state: &mut State, model: &Model, rig: &Rig) -> Engine {
         match &mut state.mixture {
             Some(mixture) => Engine::Mixture(Box::new(Coupled::new(model, rig, mixture))),
@@ -30,7 +33,8 @@ impl Engine {
         }
     }
 
-    /// The state at the instant at which its loading plates' forces are known.
+    /// Computes the forces of all contacts, those on the loading plates among them, and adds this instant to the means of the
+    /// records.
     pub(super) fn compute_forces(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
         match self {
             Engine::Cpu => {
@@ -42,14 +46,14 @@ impl Engine {
                 coupled.compute_forces(state, model)?;
                 state.collect(rig);
             }
-            // it has felt and collected at the end of each step
+            // a graphics device does both at the end of each step
             #[cfg(feature = "gpu")]
             Engine::Gpu(_) => {}
         }
         Ok(())
     }
 
-    /// The time of a wave through a cell, s.
+    /// Time of a compression wave through a cell, s.
     pub(super) fn stable_step(&self, state: &State) -> f64 {
         match self {
             Engine::Cpu | Engine::Mixture(_) => state.continuum.stable_step(1.0),
@@ -58,7 +62,8 @@ impl Engine {
         }
     }
 
-    /// What the grains' own contacts allow, s, and what those of points with grains and loading plates add to the square of a frequency, 1/s².
+    /// Largest stable step by the contacts between grains and walls, s; and the share of the contacts between points and grains
+    /// or loading plates in the square of the highest angular frequency, 1/s².
     pub(super) fn bounds(&self, mixture: &mut Mixture, continuum: &Continuum, plates: &[LoadingPlate], slow: bool) -> (f64, f64) {
         match self {
             Engine::Cpu | Engine::Mixture(_) => mixture.bounds(continuum, plates, slow),
@@ -67,7 +72,7 @@ impl Engine {
         }
     }
 
-    /// The rates that it can do instead of those that were found, where they are others.
+    /// The rates of a cycle that the engine can compute instead of `found`; `None`: it can compute `found`.
     pub(super) fn rates(&self, found: Rates) -> Option<Rates> {
         match self {
             Engine::Cpu | Engine::Mixture(_) => None,
@@ -76,7 +81,7 @@ impl Engine {
         }
     }
 
-    /// A step, or as many as it takes until the test has the share `next`.
+    /// Makes one step; on a graphics device as many as it takes until the share `next` of the test is done.
     pub(super) fn steps(&mut self, state: &mut State, model: &Model, rig: &Rig, next: f64) -> Result<()> {
         match self {
             Engine::Cpu => state.step(rig),
@@ -86,10 +91,10 @@ impl Engine {
         }
     }
 
-    /// Brings the points of the state up to date.
+    /// Copies points and grains from a graphics device into the state. On the CPU nothing is to be done.
     ///
     /// # Errors
-    /// A device that was lost; the points are then those of the last time.
+    /// A device that was lost; the state then holds the points of the last copy.
     pub fn read_back(&self, state: &mut State, model: &Model) -> Result<()> {
         match self {
             Engine::Cpu | Engine::Mixture(_) => Ok(()),
@@ -98,7 +103,7 @@ impl Engine {
         }
     }
 
-    /// Bytes held for the points and their grid.
+    /// Memory for points, grid and grains, bytes.
     pub fn bytes(&self, state: &State) -> u64 {
         match self {
             Engine::Cpu => state.continuum.bytes() as u64,
@@ -110,12 +115,12 @@ impl Engine {
 }
 
 impl State {
-    /// Loading plates press on the points.
+    /// Computes the contact forces between loading plates and points.
     pub(super) fn press(&mut self) -> Result<()> {
         Ok(loading_plate::press(&mut self.plates, &mut self.continuum)?)
     }
 
-    /// One step on the processor, with the loading plates' forces, and their way in it.
+    /// One step of points and loading plates on the CPU.
     fn step(&mut self, rig: &Rig) -> Result<()> {
         self.set_speeds(rig);
         self.continuum.step(self.dt)?;
@@ -125,7 +130,7 @@ impl State {
         Ok(())
     }
 
-    /// The loading plates' speeds, as their drives have it.
+    /// Sets the speed of each loading plate for the next step.
     pub(super) fn set_speeds(&mut self, rig: &Rig) {
         let extents = self.extents_now(rig);
         for ((plate, drive), drift) in self.plates.iter_mut().zip(&self.drives).zip(&mut self.drift) {
@@ -134,7 +139,8 @@ impl State {
         }
     }
 
-    /// Steps until the test has the share `next`, at most to the next look at what bounds the step, and while a specimen settles at most a wave's time.
+    /// Steps until the share `next` of the test is done; at most to the next search for the stable step, and in [`Phase::Settle`]
+    /// at most the time of a wave through the specimen.
     #[cfg_attr(not(feature = "gpu"), allow(dead_code))]
     fn ahead(&self, rig: &Rig, next: f64) -> u64 {
         let steps = self.continuum.steps();
@@ -145,7 +151,7 @@ impl State {
             _ if self.phase == Phase::Settle => return ((self.wave / self.dt).ceil() as u64).clamp(1, most),
             Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => self.rate * self.dt / s.axial_strain,
         };
-        // a whole number of steps that rounding has made a little more
+        // rounding may have made a whole number of steps a little larger
         let wanted = (next - self.share(rig)) / share - 1e-6;
         (wanted.ceil().max(1.0) as u64).min(most)
     }

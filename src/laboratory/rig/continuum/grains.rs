@@ -1,4 +1,4 @@
-//! Grains in a continuum under test: the walls that they meet, and their cycles.
+//! The grains of a mixture under test: their walls, and the cycles of grains and points on the CPU.
 
 use super::{Broken, Engine, Rig, State};
 use crate::error::{Error, Result};
@@ -17,7 +17,7 @@ use ::engine::mpm::{Points, Settings};
 use ::engine::point_contacts::PointContactTable;
 use ::engine::rigid::Blocks;
 
-/// A rigid plane without friction.
+/// A fixed rigid plane without friction.
 fn smooth(point: [f64; 3], normal: [f64; 3]) -> WallSpec {
     WallSpec { shape: WallShape::Plane { point, normal }, friction: 0.0, drive: Drive::Fixed, material: None }
 }
@@ -31,7 +31,8 @@ pub(super) fn side(s: &Specimen, k: usize) -> WallSpec {
     smooth(point, normal)
 }
 
-/// The grains of a scene between the walls of its test: loading plates, or the sides of an oedometer, in the order x low, x high, …; or its own.
+/// The grains of the scene with the walls of its test: the listed walls of a free scene; else fixed sides and loading plates in
+/// the order x low, x high, y low, …, so that the loading plates are the last walls.
 pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Continuum, plates: &[LoadingPlate]) -> Mixture {
     let of = |p: &LoadingPlate| {
         let plane = smooth(p.point, p.normal);
@@ -52,34 +53,37 @@ pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Contin
     mixture
 }
 
-/// Share of what the slower side of a slow test could do at which a cycle ends rather than have one more step of the faster side.
+/// In a quasi-static test a cycle may end at this share of the largest step of the slower side, if this saves a step of the
+/// faster side.
 const NEARLY: f64 = 0.8;
 
-/// How points touch grains and walls.
+/// Contact parameters of points with grains and walls.
 fn point_table(model: &Model, rig: &Rig, mixture: &Mixture) -> PointContactTable {
     let point_materials = rig.coarse.as_ref().map_or(&[][..], |c| &c.point_materials);
-    // points meet loading plates and sides of the grid by themselves
+    // in a test the loading plates and the walls of the grid act on the points themselves
     let walls: &[Wall] = if rig.specimen().is_some() { &[] } else { &mixture.grains.walls };
     PointContactTable::new(model.physics.contact.law, point_materials, &model.physics.materials, walls)
 }
 
-/// What a mixture needs besides its state; may be dropped and made anew between any two cycles.
+/// Working memory and contact parameters of a mixture on the CPU. It can be made anew from the state between any two cycles.
 pub struct Coupled {
     table: PointContactTable,
     work: Workspace,
 }
 
 impl Coupled {
+    /// Working memory for `mixture`.
     pub fn new(model: &Model, rig: &Rig, mixture: &mut Mixture) -> Coupled {
         Coupled { table: point_table(model, rig, mixture), work: Workspace::new(&model.physics, &mut mixture.grains) }
     }
 
+    /// Contact parameters of points with grains and walls.
     #[cfg(feature = "gpu")]
     pub fn table(&self) -> &PointContactTable {
         &self.table
     }
 
-    /// Lists anew, for contacts that were found elsewhere.
+    /// Makes the neighbour lists anew, after a graphics device has moved the grains.
     #[cfg(feature = "gpu")]
     pub(super) fn renew(&mut self, state: &mut State, model: &Model) {
         if let Some(mixture) = &mut state.mixture {
@@ -87,10 +91,11 @@ impl Coupled {
         }
     }
 
-    /// Forces between grains, and between grains and points; what loading plates feel of the grains.
+    /// Computes the forces between grains and between grains and points, and passes the forces of grains on the loading plates'
+    /// walls to the loading plates.
     ///
     /// # Errors
-    /// Rigid bodies that come within reach of each other.
+    /// Rigid bodies that come within reach of each other: their contacts are not computed.
     pub(super) fn compute_forces(&mut self, state: &mut State, model: &Model) -> Result<()> {
         let State { continuum, mixture, plates, .. } = state;
         let Some(mixture) = mixture else { return Ok(()) };
@@ -107,7 +112,7 @@ impl Coupled {
         Ok(())
     }
 
-    /// A cycle with the drives that the programme has set.
+    /// One cycle of grains and points, with the loading plates' motion that the programme has set.
     pub(super) fn cycle(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
         state.set_speeds(rig);
         let State { continuum, mixture, plates, .. } = state;
@@ -126,7 +131,7 @@ impl Coupled {
         Ok(())
     }
 
-    /// The rest of a cycle that a device has begun.
+    /// The rest of a cycle of which a graphics device has made the first `done` steps of the grains.
     #[cfg(feature = "gpu")]
     pub(super) fn finish_cycle(&mut self, state: &mut State, model: &Model, rig: &Rig, cycle: Cycle, done: u32) -> Result<()> {
         let State { continuum, mixture, plates, .. } = state;
@@ -144,7 +149,7 @@ impl Coupled {
         Ok(())
     }
 
-    /// Bytes held for grains and their contacts.
+    /// Memory for grains and contacts, bytes.
     pub(super) fn bytes(&self, state: &State) -> usize {
         state
             .mixture
@@ -154,12 +159,12 @@ impl Coupled {
 }
 
 impl State {
-    /// Rigid bodies that are no spheres, where there are some.
+    /// The rigid bodies that are no spheres; `None`: there are none.
     pub fn blocks(&self) -> Option<&Blocks> {
         self.mixture.as_ref()?.blocks.as_deref()
     }
 
-    /// Keeps the breakages of a cycle that began at `step` for the records.
+    /// Moves the breakages of a cycle that began at step `step` to those that wait to be recorded.
     fn take_breakages(&mut self, rig: &Rig, step: u64) {
         let Some(mixture) = self.mixture.as_mut().filter(|m| !m.breakages.is_empty()) else { return };
         let events = std::mem::take(&mut mixture.breakages);
@@ -208,7 +213,7 @@ impl State {
         )?)
     }
 
-    /// The next cycle; `continuum` is what waves allow, s.
+    /// Sets time and rates of the next cycle; `continuum` is the largest step by compression waves, s.
     pub(super) fn find_cycle(&mut self, model: &Model, rig: &Rig, continuum: f64, engine: &Engine) -> Result<()> {
         let Some(mixture) = &mut self.mixture else { return Ok(()) };
         let safety = model.physics.stepping.safety;

@@ -1,6 +1,7 @@
-//! Specimens by volume expansion (Li et al. 2023, section 4.1): coarse and fine grains grow together in the box and are pressed until its walls bear the
-//! stress. Then the fine ones are replaced by material points on the spot, so that their overlaps with grains and loading plates stay; or they stay
-//! grains, for the same test without a continuum.
+//! Specimens by volume expansion (Li et al. 2023, section 4.1). Coarse and fine grains grow together in a box, and its walls
+//! press them until they bear the isotropic stress. Then each fine grain is replaced by a material point at the same place, so
+//! that overlaps with coarse grains and loading plates stay; or the fine grains stay grains, for the same test without a
+//! continuum.
 
 use super::grains::side as wall_of;
 use crate::error::{Error, Result};
@@ -22,51 +23,58 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-/// Local damping of the preparation, and the share of a wall's imbalance that it removes per step.
+/// Local damping during growth.
 const DAMPING: f64 = 0.7;
+/// Share of the difference between force and target that a wall under servo removes in one step.
 const GAIN: f64 = 0.5;
-/// The unbalanced ratio at which pressing ends, over that of rest: grains with little friction creep for long.
+/// Unbalanced ratio at which pressing ends, over that of rest. Grains with little friction creep for long, so pressing does not
+/// wait for rest.
 const NEARLY: f64 = 10.0;
-/// Steps between two looks at equilibrium.
+/// Steps between two checks of equilibrium.
 const LOOK: u64 = 64;
 
-/// What the growing grains do.
+/// The stage of growth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Stage {
     Growth,
-    /// The walls press at the friction of growth, then at the materials'.
+    /// The walls press, with the friction of growth.
     Pressing,
+    /// The walls press, with the friction of the materials.
     Rest,
     Done,
 }
 
-/// A specimen that grows: everything that a restart needs.
+/// A specimen while it grows: everything that a restart needs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Growing {
     state: State,
-    /// Final radii by id, m, the coarse ones first, and how many of these there are.
+    /// Final radii by id, m; those of the coarse grains come first.
     radii: Vec<f64>,
+    /// Number of coarse grains.
     coarse: usize,
     stage: Stage,
-    /// Steps done, and those at which the stage began.
+    /// Steps done.
     steps: u64,
+    /// Steps done when the present stage began.
     from: u64,
 }
 
-/// A grown specimen: what a restart needs instead of growing it again.
+/// A grown specimen. A checkpoint keeps it, so that a restart need not grow it again.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Grown {
-    /// Lower corner and size of the box, m.
+    /// Lower corner of the box, m.
     pub lower: [f64; 3],
+    /// Size of the box, m.
     pub size: [f64; 3],
-    /// Middle, m, and radius of every grain, the coarse ones first, and how many of these there are.
+    /// Centre and radius of every grain, m; the coarse grains come first.
     pub grains: Vec<[f64; 4]>,
+    /// Number of coarse grains.
     pub coarse: usize,
-    /// Steps that it took.
+    /// Steps of the growth.
     pub steps: u64,
 }
 
-/// The physics by which grains grow: their inertia follows their contacts, and nothing but walls acts on them.
+/// The physics of growth: as `physics`, but with scaled inertia, without gravity and without breakage.
 pub fn growing(physics: &Physics) -> Physics {
     Physics {
         stepping: Stepping { inertia_scaling: true, dt: None, ..physics.stepping },
@@ -77,13 +85,13 @@ pub fn growing(physics: &Physics) -> Physics {
 }
 
 impl Growing {
-    /// Small grains at random places.
+    /// The first state: small grains at random places in the box of the specimen.
     ///
     /// # Errors
-    /// A rig without a specimen.
+    /// [`Error::Failed`] for a free scene, which has no specimen.
     pub fn start(model: &Model, rig: &Rig, growth: &Growth) -> Result<Growing> {
         let Some(specimen) = rig.specimen() else {
-            return Err(Error::Failed { step: 0, what: "growth needs a test".into() });
+            return Err(Error::Failed { step: 0, what: "a free scene has no specimen that can grow".into() });
         };
         let mut rng = ChaCha8Rng::seed_from_u64(model.seeds.packing);
         let mut radii = growth.coarse.map_or(Vec::new(), |c| packing::sizes(c.radii, c.volume, &mut rng));
@@ -107,16 +115,17 @@ impl Growing {
         Ok(Growing { state, radii, coarse, stage: Stage::Growth, steps: 0, from: 0 })
     }
 
-    /// Scratch for its steps, by [`growing`].
+    /// Working memory for steps; `physics` from [`growing`].
     pub fn work(&mut self, physics: &Physics) -> Workspace {
         Workspace::new(physics, &mut self.state)
     }
 
+    /// Steps done.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// What it does, in words.
+    /// Name of the present stage, for the progress bar.
     pub fn doing(&self) -> &'static str {
         match self.stage {
             Stage::Growth => "grains grow",
@@ -125,10 +134,10 @@ impl Growing {
         }
     }
 
-    /// One step; true once the specimen is at rest.
+    /// One step. True when the specimen is at rest under its stress.
     ///
     /// # Errors
-    /// Grains that do not come to rest at the stress.
+    /// [`Error::Failed`]: the specimen does not come to rest within `growth.max_steps`.
     pub fn advance(&mut self, physics: &Physics, rig: &Rig, growth: &Growth, work: &mut Workspace) -> Result<bool> {
         let (stage, state) = (self.stage, &mut self.state);
         if stage == Stage::Growth {
@@ -164,7 +173,8 @@ impl Growing {
         (self.stage, self.from) = (stage, self.steps);
     }
 
-    /// Whether all walls that move bear the stress and grains are in balance; looked at now and then, and not at once.
+    /// Whether all walls that move bear `stress`, Pa, and the unbalanced ratio is below `unbalanced`. Checked every [`LOOK`]
+    /// steps, not in the first steps of a stage.
     fn at_rest(&self, physics: &Physics, rig: &Rig, stress: f64, work: &Workspace, unbalanced: f64) -> bool {
         if self.steps < self.from + 4 * LOOK || !self.steps.is_multiple_of(LOOK) {
             return false;
@@ -187,7 +197,7 @@ impl Growing {
         Error::Failed { step: self.steps, what }
     }
 
-    /// The specimen as it is now.
+    /// The grown specimen.
     pub fn grown(&self) -> Grown {
         let ([lower, size], g) = (extent(&self.state), &self.state.grains);
         let grains = g.by_id().into_iter().map(|i| g.pos[i as usize]).collect();
@@ -204,12 +214,12 @@ fn extent(state: &State) -> [[f64; 3]; 2] {
     [std::array::from_fn(|a| at(2 * a)), std::array::from_fn(|a| at(2 * a + 1) - at(2 * a))]
 }
 
-/// Stress on a side, Pa.
+/// Stress on side `k` of a box of extents `size`, Pa.
 fn side(state: &State, size: [f64; 3], k: usize) -> f64 {
     state.walls[k].reaction / ::engine::mpm::area(size, k / 2)
 }
 
-/// Which walls move: all in a triaxial test, the top in an oedometer.
+/// Whether wall `k` moves: in a triaxial test all of them, in an oedometer the top.
 fn moves(rig: &Rig, k: usize) -> bool {
     matches!(rig.test, Test::Triaxial { .. }) || k == 5
 }
@@ -228,12 +238,12 @@ fn servo(rig: &Rig, stress: f64, state: &mut State) {
 }
 
 impl Grown {
-    /// The rig with this specimen.
+    /// The rig of the test with this specimen: `rig` with the grown points, grains and box.
     pub fn rig(&self, model: &Model, rig: &Rig, growth: &Growth) -> Rig {
         let (coarse, fine) = self.grains.split_at(self.coarse);
         let solid = |grains: &[[f64; 4]]| grains.iter().map(|p| sphere_volume(p[3])).sum::<f64>();
         let whole = self.size.iter().product::<f64>() - solid(coarse);
-        // without fines their material still says how fast a test is
+        // without fine grains the porosity of the scene is kept: it gives the wave speed, and with it the speed of the test
         let porosity = match rig.specimen() {
             Some(s) if fine.is_empty() => s.porosity,
             _ => 1.0 - solid(fine) / whole,

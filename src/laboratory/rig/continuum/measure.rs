@@ -1,4 +1,6 @@
-//! What a test shows: stresses and strains as means since the last row, who bears them as mean of the instants of both rows, energies at this instant.
+//! The measures of a test for its records. Stresses on the loading plates and strains are means over the steps since the last
+//! row; the shares of points and grains in the stress are means of the instants of both rows; energies are those of the present
+//! instant.
 
 use super::{Phase, Rig, State, dimensions};
 use ::engine::coupling::{Shares, Touching};
@@ -8,23 +10,27 @@ use serde::{Deserialize, Serialize};
 /// Sums over the steps since the last row.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Means {
+    /// Number of steps.
     count: u64,
+    /// Sums of the stresses on the sides, Pa.
     sides: [f64; 6],
+    /// Sums of the extents, m.
     extents: [f64; 3],
-    /// What the material bore in that row's instant.
+    /// Stress in the material at the last row.
     borne: Option<Borne>,
 }
 
-/// What the material bears at an instant: too dear to be summed at each step.
+/// Stress in the material at an instant. Computing it at every step would take too long.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Borne {
-    /// Pa, as [`Moment::along_z`].
+    /// As [`Moment::along_z`], Pa.
     along_z: f64,
+    /// Parts of points, grains, and contacts between both.
     shares: Shares,
 }
 
 impl Means {
-    /// `count` instants with these means.
+    /// Adds `count` instants whose means are `sides` and `extents`.
     fn add(&mut self, count: u64, sides: [f64; 6], extents: [f64; 3]) {
         let times = count as f64;
         self.count += count;
@@ -33,84 +39,106 @@ impl Means {
     }
 }
 
-/// An instant of a test. Stresses Pa, compression positive; energies J; strains since the start of loading.
+/// The measures of a test at an instant. Stresses Pa, compression positive; energies J; strains since the start of loading,
+/// compression positive.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Moment {
+    /// Axial strain.
     pub axial_strain: f64,
-    /// Of the space between loading plates and walls.
+    /// Volumetric strain of the space between loading plates and walls.
     pub volumetric_strain: f64,
-    /// Axial stress, and mean of the lateral ones.
+    /// Axial stress.
     pub axial: f64,
+    /// Mean of the lateral stresses.
     pub lateral: f64,
-    /// Largest difference of two opposite sides over their mean: the force that is left over accelerates the specimen.
+    /// Largest difference of the stresses on opposite sides over their mean, -. The resultant accelerates the specimen; small is
+    /// quasi-static.
     pub difference: f64,
+    /// Mass, momentum, energies and volume of all points.
     pub totals: Totals,
-    /// Volume-weighted mean of the points' stress along z, Pa (the third principal stress in plane strain).
+    /// Mean stress of the points along z, weighted by volume (in plane strain the stress out of the plane).
     pub along_z: f64,
-    /// Pores over solids by the points' volumes.
+    /// Volume of pores over volume of solids, by the volumes of the points, -.
     pub void_ratio: f64,
-    /// Mean and largest accumulated plastic strain.
+    /// Mean and largest accumulated plastic strain of the points.
     pub plastic: [f64; 2],
+    /// Work of the stresses in the points.
     pub stress_work: f64,
+    /// Work of loading plates and walls.
     pub plate_work: f64,
-    /// In the loading plates' contacts, since the start.
+    /// Change since the start of the elastic energy in the contacts of loading plates and grains.
     pub stored: f64,
-    /// What loading plates, gravity, motion and released overlaps gave and neither motion, stresses nor contacts have: taken by local damping, by the
-    /// transfer between points and nodes, by wall friction, and by errors.
+    /// Energy given by loading plates, gravity, motion at the start and released overlaps, less the present kinetic energy,
+    /// stress work and contact energy: taken by local damping, the transfer between points and nodes, wall friction, and errors.
     pub dissipated: f64,
-    /// Scale of all these.
+    /// Sum of the magnitudes of the energies given: the scale for `dissipated`.
     pub scale: f64,
-    /// With grains: who bears the stress, how they touch, their kinetic energy, J, their lowest point, m, volume, m³, and what broke.
+    /// Measures of the grains; `None`: there are none.
     pub grains: Option<Coarse>,
 }
 
-/// Of the grains in a continuum.
+/// Measures of the grains in a continuum at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coarse {
+    /// Stress borne by points, by contacts between grains, and by contacts between grains and points.
     pub shares: Shares,
+    /// Numbers of contacts and fabric.
     pub touching: Touching,
+    /// Kinetic energy, J.
     pub kinetic: f64,
+    /// Height of the lowest point of a grain, m.
     pub lowest: f64,
+    /// Number of grains.
     pub count: usize,
+    /// Volume of the grains, m³.
     pub volume: f64,
+    /// Mass of the grains, kg.
     pub mass: f64,
-    /// Of all solids, grains and points, in the space between the loading plates, or in that of points and grains.
+    /// Void ratio with all solids, grains and points, -: of the space between the loading plates, in a free scene of the volume
+    /// of points and grains.
     pub void_ratio: f64,
+    /// Breakages so far.
     pub crush_events: u64,
+    /// Steps of grains and of the continuum in one cycle.
     pub rates: [u32; 2],
-    /// Where the mass that breakages lose becomes points.
+    /// Points from breakages, where the lost mass becomes points.
     pub fines: Option<FromCrushing>,
 }
 
-/// Fines from crushing: how many points, masses that have entered, that wait, and of all there is, kg; energy from released overlaps, J.
+/// Points from breakages at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FromCrushing {
+    /// Number of points.
     pub points: u64,
+    /// Mass that has become points, kg.
     pub entered: f64,
+    /// Mass that waits for room, kg.
     pub reserve: f64,
+    /// Mass of all points and grains, with `reserve`, kg.
     pub total: f64,
+    /// Elastic energy of overlaps that were released when points were inserted, J.
     pub released: f64,
 }
 
 impl Moment {
-    /// Of all energy given.
+    /// Share of all energy given that was dissipated, -; negative: energy came from nothing.
     pub fn dissipated_share(&self) -> f64 {
         self.dissipated / self.scale.max(f64::MIN_POSITIVE)
     }
 
-    /// q = σ1 − σ3 with the axial stress as σ1.
+    /// Deviatoric stress q = σ1 − σ3, Pa: axial less lateral stress.
     pub fn q(&self) -> f64 {
         self.axial - self.lateral
     }
 
-    /// (σ1 + 2 σ3)/3, or with the stress along z in plane strain.
+    /// Mean stress (σ1 + 2 σ3)/3, Pa; in plane strain (`plane`) with the stress along z as the third one.
     pub fn p(&self, plane: bool) -> f64 {
         (self.axial + self.lateral + if plane { self.along_z } else { self.lateral }) / 3.0
     }
 }
 
 impl State {
-    /// Adds this instant to the means.
+    /// Adds the present instant to the means, and at the first call notes the energies at the start.
     pub(super) fn collect(&mut self, rig: &Rig) {
         let (sides, extents) = (self.sides(rig), self.extents_now(rig));
         self.means.add(1, sides, extents);
@@ -120,7 +148,8 @@ impl State {
         }
     }
 
-    /// Adds the instants of a batch of steps on a device, which began with the extents that [`State::material`] gave.
+    /// Adds the instants of a batch of steps on a graphics device; `extents` are those that [`State::material`] gave before the
+    /// batch.
     #[cfg(feature = "gpu")]
     pub(super) fn add(&mut self, rig: &Rig, batch: &::engine::gpu::Means, mut extents: [f64; 3]) {
         for (plate, [way, overlap, _]) in self.plates.iter().zip(&batch.plates) {
@@ -134,17 +163,18 @@ impl State {
         self.means.add(batch.steps, sides, extents);
     }
 
-    /// Kinetic and potential energy of grains, and what their contacts hold, J.
+    /// Kinetic energy, potential energy and elastic contact energy of the grains, J.
     fn of_grains(&self, rig: &Rig) -> [f64; 3] {
         self.mixture.as_ref().map_or([0.0; 3], |m| m.energies(rig.settings.gravity))
     }
 
+    /// Elastic energy of the loading plates' contacts, J.
     fn stored(&self) -> f64 {
         self.plates.iter().map(|p| p.stored).sum()
     }
 
-    /// Means since the last call, and this instant. What the material bears is the mean of the instants of both calls: else it would be half a row ahead of
-    /// the stresses on the loading plates.
+    /// The measures for a row: means since the last call, and the present instant. Stresses in the material are the mean of the
+    /// instants of both calls: else they would be half a row ahead of the mean stresses on the loading plates.
     pub fn moment(&mut self, rig: &Rig) -> Moment {
         let d = dimensions(rig);
         let means = std::mem::take(&mut self.means);
@@ -175,7 +205,7 @@ impl State {
         moment
     }
 
-    /// What needs no mean.
+    /// The measures of the present instant.
     fn instant(&self, rig: &Rig) -> Moment {
         let (c, points) = (&self.continuum, self.continuum.points());
         let totals = c.totals();
@@ -190,7 +220,7 @@ impl State {
         let coarse = self.of_grains(rig);
         let now = [totals.kinetic + coarse[0], totals.potential + coarse[1], self.stored() + coarse[2]];
         let [kinetic, potential, stored] = self.energy.unwrap_or(now);
-        // walls of free scenes, and what loading plates do to grains
+        // work of walls and loading plates on grains
         let on_grains: f64 = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work).sum();
         let plate_work = self.plates.iter().map(|plate| plate.work).sum::<f64>() + on_grains;
         let (fallen, stored) = (potential - now[1], now[2] - stored);

@@ -1,4 +1,5 @@
-//! A continuum under test: free between the walls of its grid, in an oedometer, or between six loading plates.
+//! Tests of a continuum of material points, with grains in it or without: free motion between the walls of the grid, an
+//! oedometer, or triaxial compression between loading plates.
 
 #[cfg(feature = "gpu")]
 mod device;
@@ -23,55 +24,68 @@ use ::engine::dem::event::Breakage;
 use ::engine::mpm::{Continuum, Dimension, LoadingPlate, PlateDrive, Ramp, with_plates};
 use serde::{Deserialize, Serialize};
 
-/// Steps between two looks at what bounds the time step.
+/// Steps between two searches for the largest stable time step.
 const LOOK: u64 = 64;
 
-/// Where a test is.
+/// The phase of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// The cell pressure rises to its value and the specimen comes to rest.
+    /// Triaxial test: the cell pressure rises to its value, and the specimen comes to rest.
     Settle,
-    /// The axial loading plates move, or the points by themselves.
+    /// The axial loading plates move; in a free scene the points.
     Load,
+    /// The test is done.
     Done,
 }
 
-/// A breakage, and where the test was: steps of the continuum, time, s, stress on the axial loading plates, Pa (not a number in a free scene).
+/// A breakage with the instant of the test at which it happened.
 #[derive(Clone, Debug)]
 pub struct Broken {
+    /// The breakage.
     pub event: Breakage,
+    /// Steps of the continuum at the start of the cycle.
     pub step: u64,
+    /// Time at the start of the cycle, s.
     pub time: f64,
+    /// Mean stress on the axial loading plates, Pa, compression positive; NaN in a free scene.
     pub axial: f64,
 }
 
-/// Everything that a restart needs.
+/// The state of a test of a continuum: everything that a restart needs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
+    /// Points and grid.
     pub continuum: Continuum,
-    /// Grains in it, where there are some.
+    /// The grains among the points, and their coupling; `None`: there are none.
     pub mixture: Option<Box<Mixture>>,
-    /// In an oedometer the top one; in a triaxial test those of x low, x high, y low, …
+    /// The loading plates: in an oedometer the top one, after the shell of a cylinder; in a triaxial test of a box x low, x high,
+    /// y low, …, of a cylinder shell, bottom, top.
     pub plates: Vec<LoadingPlate>,
+    /// The present phase.
     pub phase: Phase,
-    /// Since the start, and in this phase, s.
+    /// Time since the start, s.
     pub time: f64,
+    /// Time in the present phase, s.
     pub phase_time: f64,
-    /// The present step, s, and its bound by waves through a cell.
+    /// Time step, s; with grains the time of a cycle.
     pub dt: f64,
+    /// Time of a compression wave through a cell, s: bounds the time step.
     bound: f64,
-    /// Extents at the start of loading, m; time of a compression wave through the height, s; axial strain per second.
+    /// Extents of the specimen at the start of loading, m.
     pub extents: [f64; 3],
+    /// Time of a compression wave through the height of the specimen, s.
     pub wave: f64,
+    /// Axial strain rate, 1/s.
     rate: f64,
-    /// What each loading plate does until the programme looks again, and its mean speed under servo, m/s.
+    /// Motion of each loading plate until the programme is looked at again.
     #[serde(skip)]
     drives: Vec<PlateDrive>,
+    /// Mean speed of each loading plate under servo, m/s.
     drift: Vec<f64>,
     /// Breakages that have not been recorded yet.
     #[serde(skip)]
     pub broken: Vec<Broken>,
-    /// Kinetic and potential energy of the points and elastic energy of the loading plates' contacts at the start, J.
+    /// Kinetic energy, potential energy, and elastic energy of the contacts of loading plates and grains, at the start, J.
     energy: Option<[f64; 3]>,
     means: measure::Means,
 }
@@ -82,10 +96,10 @@ fn dimensions(rig: &Rig) -> usize {
 }
 
 impl State {
-    /// The points as the scene has them, loading plates where they balance the points' stress.
+    /// The first state: the points of the rig, with the loading plates at the places where they balance the stress of the points.
     ///
     /// # Errors
-    /// What the method does not allow, and a time step above the bound.
+    /// Points or a grid that the material point method does not allow; a fixed time step above its bound.
     pub fn start(model: &Model, rig: &Rig) -> Result<State> {
         let continuum = Continuum::new(rig.settings.clone(), rig.laws.clone(), rig.points.clone())?;
         if let Some(dt) = model.physics.stepping.dt {
@@ -125,10 +139,10 @@ impl State {
         Ok(state)
     }
 
-    /// The step with which the test of a specimen that need not grow begins, when what contacts allow is known, s.
+    /// First time step of a test whose specimen need not grow, s, with the bounds by all contacts.
     ///
     /// # Errors
-    /// As [`Self::start`], and a step that is refused.
+    /// Those of [`Self::start`]; a fixed time step above its bound.
     pub fn first_step(model: &Model, rig: &Rig) -> Result<f64> {
         let mut state = State::start(model, rig)?;
         let mut engine = Engine::of_grains(&mut state, model, rig);
@@ -138,11 +152,13 @@ impl State {
         Ok(state.dt)
     }
 
-    /// To the next look: one step, or a batch of them on a device. `observe` sees the state when the loading plates' forces are known, and says at which share of the
-    /// test it has to look again. In [`Phase::Done`] nothing moves any more.
+    /// One step on the CPU, or a batch of steps on a graphics device. `observe` is called when the forces on the loading plates
+    /// are known and before the step; it gives the share of the test at which it must be called again, which ends a batch. In
+    /// [`Phase::Done`] no step is made.
     ///
     /// # Errors
-    /// A lost point, a loading plate through the points, a step above its bound, a specimen that does not come to rest; what `observe` returns.
+    /// A point that is lost, a loading plate that has passed through the points, a fixed time step above its bound, a specimen
+    /// that does not come to rest; the errors of `observe`.
     pub fn advance(
         &mut self,
         model: &Model,
@@ -160,7 +176,8 @@ impl State {
         engine.steps(self, model, rig, next)
     }
 
-    /// The step: a share of what waves through a cell and the loading plates' contacts allow, or the fixed one.
+    /// Sets the time step: the fixed one, or the share `stepping.safety` of the largest that waves through a cell and the
+    /// contacts of the loading plates allow.
     fn find_step(&mut self, model: &Model, rig: &Rig, engine: &Engine) -> Result<()> {
         let step = self.continuum.steps();
         if step.is_multiple_of(LOOK) || self.bound == 0.0 {
@@ -185,7 +202,7 @@ impl State {
         Ok(())
     }
 
-    /// What is to be done next, by what the loading plates feel.
+    /// Sets phase and motion of the loading plates for the next step, from the forces on them.
     fn programme(&mut self, rig: &Rig) -> Result<()> {
         self.drives.resize(self.plates.len(), PlateDrive::Speed(Ramp::constant(0.0)));
         match &rig.test {
@@ -203,7 +220,7 @@ impl State {
         }
     }
 
-    /// Share of the test that is done, 0 until its loading begins.
+    /// Share of the test that is done, 0 to 1; 0 in [`Phase::Settle`].
     pub fn share(&self, rig: &Rig) -> f64 {
         match &rig.test {
             Test::Free { duration: Some(duration), .. } => (self.time / duration) * (1.0 + 1e-12),

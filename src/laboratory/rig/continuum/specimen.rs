@@ -1,4 +1,4 @@
-//! A box between loading plates: where they stand, what they feel, how they move.
+//! The loading plates of a specimen: their places at the start, the stresses on them, and their motion.
 
 use super::{Phase, Rig, State, dimensions};
 use crate::error::{Error, Result};
@@ -7,34 +7,38 @@ use ::engine::mpm::loading_plate::{LoadingPlate, ghost_radius, overlap};
 use ::engine::mpm::{Continuum, Dimension, PlateDrive, Ramp, area};
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// Lateral loading plates may move this many times as fast as the axial ones strain the specimen.
+/// Largest lateral strain rate of loading plates under servo over the axial strain rate. A wave time below is the time of a
+/// compression wave through the height of the specimen.
 const LATERAL: f64 = 4.0;
 /// Wave times over which the mean speed of a lateral loading plate is taken.
 const DRIFT: f64 = 4.0;
 /// Wave times in which the axial loading plates take up their speed.
 const RAMP: f64 = 5.0;
-/// At rest: stresses of all sides within this of the cell pressure, after so many wave times; given up after so many more.
+/// Largest difference of the stress on a side from the cell pressure, over the cell pressure, at rest.
 const AT_REST: f64 = 0.005;
+/// Wave times after which rest is first looked for.
 const REST: f64 = 5.0;
+/// Wave times after which a specimen that does not come to rest is given up.
 const PATIENCE: f64 = 500.0;
 
-/// Distance of a loading plate that just touches from the face of the material, m: points stand half their spacing inside, and reach
-/// out by their ghost radius.
+/// Distance of a loading plate that just touches the points from the face of the material, m, outwards positive: the points stand
+/// half their spacing inside the face and reach outwards by the radius of their contact spheres.
 fn offset(rig: &Rig, s: &Specimen) -> f64 {
     radius(rig, s) - 0.5 * s.spacing
 }
 
+/// Radius of the points' contact spheres at the start, m: the sphere of the solid volume of a point (Li et al. 2023, eq. 22).
 fn radius(rig: &Rig, s: &Specimen) -> f64 {
     let volume = s.roominess() * s.spacing.powi(dimensions(rig) as i32);
     ghost_radius(rig.settings.dimension, (1.0 - s.porosity) * volume)
 }
 
-/// Mean overlap of a loading plate's contacts, m: their energy is 2/5 F δ.
+/// Mean overlap δ of a loading plate's contacts, m, from their force F and their elastic energy 2/5 F δ (Hertz).
 fn mean_overlap(p: &LoadingPlate) -> f64 {
     if p.reaction > 0.0 { p.stored / (0.4 * p.reaction) } else { 0.0 }
 }
 
-/// The loading plates of a test, pressed in so far that they balance the points' stress.
+/// The loading plates of a test at the start, pressed in so far that their contacts balance the stress of the points.
 pub fn plates(rig: &Rig, continuum: &Continuum) -> Vec<LoadingPlate> {
     let Some(s) = rig.specimen() else { return Vec::new() };
     let d = dimensions(rig);
@@ -59,7 +63,7 @@ pub fn plates(rig: &Rig, continuum: &Continuum) -> Vec<LoadingPlate> {
     }
 }
 
-/// The loading plate that stands at side `k` (x low, x high, …); `None` where it is a side of the grid.
+/// Index of the loading plate at side `k` (x low, x high, y low, …); `None` where the side is a wall of the grid.
 fn at_side(rig: &Rig, k: usize) -> Option<usize> {
     let d = dimensions(rig);
     match &rig.test {
@@ -71,7 +75,8 @@ fn at_side(rig: &Rig, k: usize) -> Option<usize> {
     }
 }
 
-/// Area of the specimen's face that stands against an axis, m² (m in plane strain); of a cylinder's shell the whole, whose radial forces are summed.
+/// Area of the specimen's face normal to `axis`, m² (m in plane strain). For the lateral axes of a cylinder this is the whole
+/// area of the shell, for its force is the sum of all radial forces.
 pub(super) fn face(rig: &Rig, extents: [f64; 3], axis: usize) -> f64 {
     let square = area(extents, axis);
     match rig.specimen() {
@@ -82,11 +87,12 @@ pub(super) fn face(rig: &Rig, extents: [f64; 3], axis: usize) -> f64 {
 }
 
 impl State {
-    /// Extents of the material, m (in plane strain 1 along z): the distance of its faces, by the loading plates and their contacts.
+    /// Extents of the material, m (in plane strain 1 along z): the distances of its opposite faces, from the places of the
+    /// loading plates and the overlaps of their contacts.
     pub(super) fn extents_now(&self, rig: &Rig) -> [f64; 3] {
         let Some(s) = rig.specimen() else { return [0.0; 3] };
         let (d, radius) = (dimensions(rig), radius(rig, s));
-        // where the faces are: ghosts reach beyond them, less the contacts' mean overlap
+        // the face is inside the loading plate: contact spheres reach beyond the face, less the mean overlap
         let inside = |p: &LoadingPlate| if s.lattice { radius - 0.5 * s.spacing - mean_overlap(p) } else { 0.0 };
         let mut extents = s.size;
         if d == 2 {
@@ -104,7 +110,7 @@ impl State {
         extents
     }
 
-    /// Extents as a device follows them: less what overlaps add to them now.
+    /// Extents without the present overlaps, m: a graphics device adds the overlaps of each step itself.
     #[cfg(feature = "gpu")]
     pub(super) fn material(&self, rig: &Rig) -> [f64; 3] {
         let mut extents = self.extents_now(rig);
@@ -114,22 +120,23 @@ impl State {
         extents
     }
 
-    /// Stress on each side, Pa, compression positive, in the order x low, x high, …; 0 where there is none.
+    /// Stress on each side, Pa, compression positive, in the order x low, x high, y low, …; 0 in a free scene.
     pub(super) fn sides(&self, rig: &Rig) -> [f64; 6] {
         let wall = |k: usize| self.continuum.wall_force()[k][k / 2] * if k % 2 == 1 { -1.0 } else { 1.0 };
-        // of a cylinder's grid only the bottom is a side, the first wall of the grains
+        // with a cylinder only the bottom is a side of the grid, and it is the first wall of the grains
         let own = |k: usize| if rig.specimen().is_some_and(|s| s.round) { 0 } else { k };
         let grains = |k: usize| self.mixture.as_ref().map_or(0.0, |m| m.grains.walls[own(k)].reaction);
         self.stresses(rig, self.extents_now(rig), |k| self.plates[k].force(), |k| wall(k) + grains(k))
     }
 
-    /// Mean stress on both axial loading plates at this instant, Pa.
+    /// Mean stress on both axial sides at the present instant, Pa.
     pub(super) fn axial_stress(&self, rig: &Rig) -> f64 {
         let (sides, axis) = (self.sides(rig), dimensions(rig) - 1);
         0.5 * (sides[2 * axis] + sides[2 * axis + 1])
     }
 
-    /// The same from the forces on loading plates and on the sides of the grid, along their inward normals.
+    /// Stress on each side as [`State::sides`], from the force on each loading plate and on each side of the grid, N, along the
+    /// inward normals.
     pub(super) fn stresses(
         &self,
         rig: &Rig,
@@ -156,14 +163,15 @@ impl State {
         if rig.specimen().is_none() { 0.0 } else { 1.0 - self.extents_now(rig)[axis] / self.extents[axis] }
     }
 
-    /// Speed with which the loading plates of the axis come together, each with the share `part` of it, m/s: that of the strain over the whole height.
+    /// Motion of an axial loading plate that takes the share `part` of the whole axial speed, which is strain rate times height.
     fn axial(&self, rig: &Rig, part: f64) -> PlateDrive {
         let (end, rise) = (self.rate * self.extents[dimensions(rig) - 1], RAMP * self.wave);
         let value = part * (end * (self.phase_time / rise).min(1.0));
         PlateDrive::Speed(Ramp { value, slope: part * (end / rise), end: part * end })
     }
 
-    /// The top loading plate comes down; a shell follows what its contacts give way, so that the material keeps its width.
+    /// Sets the motion for an oedometer: the top loading plate comes down. A shell moves inwards by the growth of its contacts'
+    /// overlap, so that the material keeps its width.
     pub(super) fn compress(&mut self, rig: &Rig, s: &Specimen) {
         if self.axial_strain(rig) >= s.axial_strain {
             self.phase = Phase::Done;
@@ -175,7 +183,8 @@ impl State {
         }
     }
 
-    /// Lateral loading plates hold the cell pressure, or from then on the volume; axial ones hold it too, then come together.
+    /// Sets the motion for a triaxial test. In [`Phase::Settle`] all loading plates hold the cell pressure, which rises to its
+    /// value; then the axial ones come together, and the lateral ones hold the cell pressure or the volume.
     ///
     /// # Errors
     /// A specimen that does not come to rest at the cell pressure.
@@ -219,8 +228,9 @@ impl State {
         Ok(())
     }
 
-    /// Half the speed with which the sides of an axis go apart so that the volume stays, w = w₀ (L₀/L)^(1/(d−1)), with what contacts have given way taken back
-    /// in a few wave times; positive inwards, m/s.
+    /// Motion of a lateral loading plate that keeps the volume constant: the width is w = w₀ (L₀/L)^(1/(d−1)) with the height L
+    /// and d dimensions. The difference of the present width from this, which comes from the overlaps of contacts, is corrected
+    /// within [`DRIFT`] wave times. Each loading plate takes half of the speed; positive inwards, m/s.
     fn apart(&self, rig: &Rig, extents: [f64; 3], axis: usize) -> PlateDrive {
         let d = dimensions(rig);
         let [width, length] = [axis, d - 1].map(|a| extents[a]);
@@ -233,7 +243,8 @@ impl State {
     }
 }
 
-/// Stiffness of a contact of a specimen's loading plates under a stress over the mass `mass` of its point, 1/s².
+/// Stiffness of a contact between a loading plate and a point under `stress`, Pa, over the mass `mass` of the point, kg: the
+/// square of an angular frequency, 1/s².
 pub fn contact_rate(dimension: Dimension, s: &Specimen, mass: f64, stress: f64) -> f64 {
     let d = if dimension == Dimension::Space { 3 } else { 2 };
     let radius = ghost_radius(dimension, (1.0 - s.porosity) * s.roominess() * s.spacing.powi(d));

@@ -1,6 +1,6 @@
-//! Preparation of a cylindrical specimen of a given porosity. There are two ways: [`stated`] grows the radii with the friction that
-//! the scene states (`preparation.growth_friction`), as in Ciantia et al. (2015); [`path`] densifies one loose specimen step by step
-//! and stops at the target, which needs no friction from the user.
+//! Preparation of a cylindrical specimen of a given porosity. There are two ways: [`stated`] grows the radii with the friction
+//! that the scene states (`preparation.growth_friction`), as in Ciantia et al. (2015); [`path`] densifies one loose specimen step
+//! by step and stops at the target, which needs no friction from the user.
 
 mod drive;
 pub(crate) mod path;
@@ -66,8 +66,8 @@ impl Preparation {
     }
 }
 
-/// Final radii by id, m, and the first state: grains of [`growth::START`] times their size at random places in a cylinder in which the
-/// grown grains will have the porosity `porosity`. `friction` is the friction coefficient while they grow.
+/// Final radii by id, m, and the first state: grains of [`growth::START`] times their size at random places in a cylinder in
+/// which the grown grains will have the porosity `porosity`. `friction` is the friction coefficient while they grow.
 fn scattered(model: &Model, rig: &Specimen, porosity: f64, friction: f64) -> (Vec<f64>, State) {
     let radii = packing::radii(rig, model.seeds.packing);
     let volume: f64 = radii.iter().map(|&r| sphere_volume(r)).sum();

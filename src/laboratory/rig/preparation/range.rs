@@ -1,5 +1,5 @@
-//! The range of porosities that a specimen can have: both ends of the way of [`super::path`]. The range is measured once, by making
-//! the loosest and the densest specimen, and kept in a file of the user's cache.
+//! The range of porosities that a specimen can have: both ends of the way of [`super::path`]. The range is measured once, by
+//! making the loosest and the densest specimen, and kept in a file of the user's cache.
 
 use super::path::{Path, Wish};
 use super::porosity;
@@ -23,7 +23,8 @@ pub struct Range {
 /// Seed of the specimens that are made to measure a range. It does not follow the seed of the run: all runs of one scene have one
 /// range.
 const SEED: u64 = 1;
-/// Version of the way. A change of [`super::path`] that changes its ends must raise this number; files of other versions are not read.
+/// Version of the way. A change of [`super::path`] that changes its ends must raise this number; files of other versions are not
+/// read.
 const WAY: u32 = 3;
 /// Beginning of the names of files in the cache.
 const PREFIX: &str = "range-";
@@ -44,7 +45,8 @@ impl Range {
         e / (1.0 + e)
     }
 
-    /// The nearest porosity of the range, where `porosity` lies outside of the range by more than the relative tolerance; else `None`.
+    /// The nearest porosity of the range, where `porosity` lies outside of the range by more than the relative tolerance; else
+    /// `None`.
     pub fn nearest(&self, porosity: f64, tolerance: f64) -> Option<f64> {
         let nearest = porosity.clamp(self.densest, self.loosest);
         ((porosity - nearest).abs() > tolerance * porosity).then_some(nearest)
@@ -81,8 +83,8 @@ pub fn measure(model: &Model, rig: &Specimen) -> Result<Range, Error> {
     Ok(range)
 }
 
-/// Turns the relative density of the model's specimen into a porosity. The range comes from the cache or is measured now. Gives the
-/// range; `None` where the model has no relative density.
+/// Turns the relative density of the model's specimen into a porosity. The range comes from the cache or is measured now. Gives
+/// the range; `None` where the model has no relative density.
 ///
 /// # Errors
 /// Those of [`measure`].
@@ -131,8 +133,8 @@ fn depends_on(model: &Model, rig: &Specimen) -> String {
     )
 }
 
-/// File of the range in the cache: in the folder of the environment variable `COMMINUTE_CACHE`, or in `comminute` below the user's
-/// folder for caches; `None` where there is no such folder.
+/// File of the range in the cache: in the folder of the environment variable `COMMINUTE_CACHE`, or in `comminute` below the
+/// user's folder for caches; `None` where there is no such folder.
 fn file(of: &str) -> Option<PathBuf> {
     let of_system = || {
         let own = |key: &str| std::env::var_os(key).filter(|v| !v.is_empty()).map(PathBuf::from);

@@ -1,6 +1,6 @@
-//! Preparation with a stated friction while growing (Ciantia et al. 2015, Model application; NOTES.md): radius expansion, isotropic
-//! compression under the platen's servo with friction lowered until the target porosity is reached, rest at final friction with platen and
-//! cylinder under servo.
+//! Preparation with a stated friction during growth (Ciantia et al. 2015, "Model application"): radii grow; the specimen is
+//! compressed by the platen under servo while friction is lowered until the target porosity is reached; then the specimen comes
+//! to rest with the friction of its material, platen and cylinder under servo.
 
 use super::{bears, porosity, scattered};
 use crate::error::Error;
@@ -13,23 +13,25 @@ use engine::dem::observables;
 use engine::dem::{State, Workspace};
 use serde::{Deserialize, Serialize};
 
-/// Where preparation is.
+/// The stage of a preparation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Stage {
     /// Radii grow to their final size.
     Growth,
-    /// Isotropic servo at growth friction until at rest.
+    /// The platen holds the isotropic stress, with the friction of growth, until the grains are at rest.
     Compaction,
-    /// Friction falls until the porosity is reached.
+    /// Friction falls until the target porosity is reached.
     Densification,
-    /// Still looser without friction: pressed by the platen and let go, again and again, each time harder.
+    /// The specimen is looser than the target even without friction: the platen presses with a higher stress.
     Pressing,
+    /// The stress is let down after [`Stage::Pressing`]. Both stages repeat, with a higher stress each time.
     Release,
-    /// Rest at final friction.
+    /// The specimen comes to rest with the friction of its material.
     Rest,
 }
 
 impl Stage {
+    /// Name for messages and the progress bar.
     pub fn name(&self) -> &'static str {
         match self {
             Stage::Growth => "growth",
@@ -42,54 +44,61 @@ impl Stage {
     }
 }
 
-/// Progress of a preparation; with the [`State`] it is all that a restart needs.
+/// The state of a preparation; with the [`State`] of the grains it is all that a restart needs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stated {
+    /// The present stage.
     pub stage: Stage,
-    /// Steps done in this stage, and in all.
+    /// Steps in the present stage.
     pub stage_steps: u64,
+    /// Steps done.
     pub steps: u64,
     /// Final radii by id, m.
     radii: Vec<f64>,
-    /// Largest wall speed, m per unit time.
+    /// Largest speed of a wall, m/s.
     limit: f64,
-    /// What pressing has been tried.
     press: Press,
-    /// Porosity at which densification ends: the target, less what rest has been seen to change.
+    /// Porosity at which densification ends: the target, corrected by the change of porosity in earlier rests.
     aim: f64,
-    /// Specimens that came to rest outside tolerance, and the assembly before densification to return to.
+    /// Number of specimens that came to rest outside the tolerance.
     corrections: u32,
+    /// The grains before densification: the preparation returns to this state from a specimen that is too dense.
     compacted: Option<Box<State>>,
 }
 
-/// Pressing: by which stress, over that of the specimen, and what is known of the stress that it takes.
+/// The search for the stress with which a specimen must be pressed. All stresses are multiples of the isotropic stress.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Press {
+    /// The present stress.
     stress: f64,
-    /// Left the specimen too loose; made it too dense.
+    /// The largest stress after which the specimen was still too loose.
     weak: f64,
+    /// The smallest stress after which the specimen was too dense.
     strong: Option<f64>,
-    /// The assembly before it was last pressed.
+    /// The grains before they were last pressed.
     before: Option<Box<State>>,
 }
 
-/// Porosity above the target in which grains grow.
+/// The grown grains have a porosity larger than the target by this.
 const ROOM: f64 = 0.01;
-/// Steps between looks at equilibrium.
+/// Steps between two checks of equilibrium.
 const LOOK: u64 = 64;
-/// Friction factor per step during densification, and the friction below which it is zero.
+/// Friction after a step of densification over that before.
 const FADE: f64 = 0.9995;
+/// Friction coefficient below which friction is set to zero.
 const FRICTIONLESS: f64 = 1e-3;
-/// Stress of the first pressing over that of the specimen; doubled each time up to the last. One that was too strong is taken back
-/// for one in between, until what is known is within the last factor.
+/// Stress of the first pressing over the isotropic stress. The stress is doubled until the specimen is dense enough; after a
+/// stress that was too strong, the geometric mean of the bounds is tried.
 const PRESS_FIRST: f64 = 4.0;
+/// Largest stress of pressing over the isotropic stress.
 const PRESS_LAST: f64 = 512.0;
+/// Ratio of two stresses that are no longer told apart: the search ends.
 const PRESS_SAME: f64 = 1.02;
-/// Corrections of the porosity at which densification ends, after a rest outside tolerance.
+/// Specimens that may come to rest outside the tolerance before the preparation fails.
 const CORRECTIONS: u32 = 10;
 
 impl Stated {
-    /// The first state: grains at a fraction of their size, at random in a cylinder with some room.
+    /// The first state: small grains at random places in a cylinder that is a little larger than the specimen.
     pub fn start(model: &Model, rig: &Specimen, growth_friction: f64) -> (Stated, State) {
         let (radii, mut state) = scattered(model, rig, rig.porosity + ROOM, growth_friction);
         state.reference_stress = growth::STRESS * rig.isotropic_stress;
@@ -109,6 +118,9 @@ impl Stated {
     }
 
     /// One step. True when the specimen is ready.
+    ///
+    /// # Errors
+    /// [`Error::Failed`]: the porosity cannot be reached, or the specimen does not come to rest.
     pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         if self.stage == Stage::Growth {
             growth::grow(&model.physics, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work);
@@ -125,7 +137,7 @@ impl Stated {
             let n = porosity(state);
             let advice = if n > rig.porosity && self.stage != Stage::Growth {
                 format!(
-                    "; {n:.3} (void ratio {:.3}) is about the densest that it reaches: ask for a looser specimen, more grains or a wider gradation",
+                    "; the densest specimen that it reaches has about {n:.3} (void ratio {:.3}): ask for a looser specimen, more grains or a wider gradation",
                     n / (1.0 - n)
                 )
             } else {
@@ -199,8 +211,9 @@ impl Stated {
         Ok(false)
     }
 
-    /// After a rest at porosity `n`, outside tolerance: densification again to another porosity, on from here if too loose, from its
-    /// beginning if too dense. False when that has been tried often enough.
+    /// After a rest at a porosity `n` outside the tolerance: begins densification again, with a corrected aim. A specimen that is
+    /// too loose goes on from where it is, one that is too dense from the state before densification. False after [`CORRECTIONS`]
+    /// attempts.
     fn correct(&mut self, n: f64, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> bool {
         self.corrections += 1;
         let dense = n < rig.porosity;
@@ -218,12 +231,13 @@ impl Stated {
         true
     }
 
-    /// Slightly above the target still serves: rest at final friction changes porosity little.
+    /// Whether the specimen is dense enough. A porosity a little above the target serves: the rest that follows changes it
+    /// little.
     fn dense_enough(&self, rig: &Specimen, state: &State) -> bool {
         porosity(state) <= self.aim * (1.0 + 0.7 * rig.preparation.porosity_tolerance)
     }
 
-    /// Final friction from here on.
+    /// Ends densification: from here on friction is that of the material.
     fn finish(&mut self, state: &mut State) {
         state.friction = None;
         self.enter(Stage::Rest);
@@ -250,13 +264,13 @@ impl Stated {
     fn servo(&mut self, rig: &Specimen, state: &mut State) {
         let size = space(state);
         if self.stage_steps.is_multiple_of(LOOK / 4) {
-            // by the stress there is, not the one to come: a pressing starts as gently as the specimen is soft
+            // the speed follows the present stress, not the target: a soft specimen is pressed slowly at first
             let now = Stresses::of(state).top.clamp(rig.isotropic_stress, self.stress(rig));
             state.reference_stress = now;
             self.limit = growth::INERTIAL * size.height / inertial_time(state, now);
         }
         let stress = self.stress(rig);
-        // the cylinder keeps its radius until the porosity is reached, then joins in
+        // the cylinder keeps its radius until the porosity is reached; then it is under servo as well
         let shell_limit = if self.stage == Stage::Rest { self.limit * size.radius / size.height } else { 0.0 };
         for (k, area, limit) in [(TOP, size.platen_area(), self.limit), (CYLINDER, size.shell_area(), shell_limit)] {
             let w = &mut state.walls[k];
@@ -287,19 +301,19 @@ impl Stated {
 }
 
 impl Press {
-    /// The present stress was too weak.
+    /// Chooses the next stress after one that was too weak.
     fn harder(&mut self) {
         self.weak = self.stress;
         self.stress = self.strong.map_or((2.0 * self.stress).min(PRESS_LAST), |strong| (self.weak * strong).sqrt());
     }
 
-    /// Whether the last stress of all brought less than a twentieth of the tolerance.
+    /// Whether pressing has reached its largest stress and this brought less than a twentieth of the tolerance.
     fn in_vain(&self, n: f64, rig: &Specimen) -> bool {
         let least = 0.05 * rig.preparation.porosity_tolerance * rig.porosity;
         self.stress >= PRESS_LAST && self.before.as_ref().is_some_and(|before| porosity(before) - n < least)
     }
 
-    /// The present stress was too strong; false if there is none in between.
+    /// Chooses the next stress after one that was too strong; false if no stress is left between the bounds.
     fn softer(&mut self) -> bool {
         self.strong = Some(self.stress);
         let between = self.stress > PRESS_SAME * self.weak;
