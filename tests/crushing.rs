@@ -33,6 +33,7 @@ fn pressure_from_all_sides_breaks_no_grain_whose_mean_stress_is_judged() {
     let d = 2e-3;
     let von_mises =
         crushing("fixed_angle", 30.0, 2.0, 0.0).replace("\"fixed_angle\"", "\"von_mises\"").replace(".fixed_angle.", ".von_mises.");
+    let von_mises = von_mises.replace("crushing.area", "crushing.criterion");
     let von_mises: String = von_mises.lines().filter(|line| !line.contains("theta0")).map(|line| format!("{line}\n")).collect();
     for (head, breaks) in [(crushing("fixed_angle", 30.0, 2.0, 0.0), true), (von_mises, false)] {
         let plane = |axis: usize, sign: f64| {

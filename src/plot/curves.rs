@@ -72,6 +72,16 @@ fn all() -> Vec<Curves> {
             ..curves("void_ratio_mean_stress", Axis::linear("void ratio e (–)", "void_ratio"), &[("void_ratio", "")])
         },
         Curves { factor: 100.0, ..curves("axial_strain", percent.including(&[0.0]).downwards(), &[("axial_strain", "")]) },
+        // of tests whose shell moves
+        Curves {
+            x: Abscissa::MeanStress,
+            factor: 100.0,
+            ..curves(
+                "volumetric_strain",
+                Axis::linear("volumetric strain ε_{v} (%)", "volumetric_strain_percent").including(&[0.0]).downwards(),
+                &[("volumetric_strain", "")],
+            )
+        },
         curves("k0", Axis::linear("stress ratio k_{0} = σ_{h}/σ_{v} (–)", "k0").including(&[0.0]), &[("k0", "")]),
         Curves {
             skip_zero: true,

@@ -241,7 +241,7 @@ fn read(run: &Run) -> Result<Vec<Gradation>> {
     let in_continuum = table.has("time_s");
     let by = match run.history.as_ref() {
         Some(h) if in_continuum && h.has("front_mm") => By::Time,
-        Some(h) if (in_continuum || h.has("volumetric_strain")) && table.has("axial_strain") => By::Strain,
+        Some(_) if (in_continuum || run.is_triaxial()) && table.has("axial_strain") => By::Strain,
         _ => By::Stress,
     };
     let level = match by {

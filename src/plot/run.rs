@@ -90,7 +90,9 @@ impl Run {
 
     /// Whether it is a triaxial test.
     pub fn is_triaxial(&self) -> bool {
-        self.history.as_ref().is_some_and(|h| h.has("volumetric_strain"))
+        // isotropic compression of grains has strains of both directions, too, but no ratio of stresses
+        let sheared = |h: &Table| h.has("volumetric_strain") && (h.has("stress_ratio") || !h.has("radial_strain"));
+        self.history.as_ref().is_some_and(sheared)
     }
 
     /// A column of the history, `None` if there is no such column.

@@ -7,13 +7,12 @@ use super::curves::title;
 use super::error::Result;
 use super::plot::Plot;
 
-/// A column that only triaxial tests have.
-const OWN: &str = "volumetric_strain";
+/// A figure's name and the column in it.
+const VOLUMETRIC: &str = "volumetric_strain";
 
 /// Whether the runs are triaxial tests.
 pub fn is(input: &Input) -> bool {
-    let own = |run: &super::run::Run| run.history.as_ref().is_some_and(|h| h.has(OWN));
-    input.groups.iter().any(|group| group.runs.iter().any(own))
+    input.groups.iter().any(|group| group.runs.iter().any(super::run::Run::is_triaxial))
 }
 
 /// The two curves, if the records have them.
@@ -22,7 +21,7 @@ pub fn plots(input: &Input) -> Result<Vec<Plot>> {
     let q = Axis::linear("deviatoric stress q (kPa)", "q_kPa").including(&[0.0]);
     let volume = Axis::linear("volumetric strain ε_{v} (%)", "volumetric_strain_percent").including(&[0.0]).downwards();
     let mut out = Vec::new();
-    for (name, column, factor, y) in [("deviatoric_stress", "q_kPa", 1.0, q), (OWN, OWN, 100.0, volume)] {
+    for (name, column, factor, y) in [("deviatoric_stress", "q_kPa", 1.0, q), (VOLUMETRIC, VOLUMETRIC, 100.0, volume)] {
         let mut series = Vec::new();
         for (i, group) in input.groups.iter().enumerate() {
             series.extend(group.series(&group.label, colour::kind(i), colour::dash(i), false, |run| {
