@@ -23,7 +23,7 @@ done
 
 # events, utilisation, state at the end
 table=figures/criteria/criteria.csv
-echo "criterion,seed,breakages,breakages_1_MPa,void_ratio_1_MPa,void_ratio_2_MPa,void_ratio_5_MPa,k0_5_MPa,d50_mm_5_MPa,hardin_br_5_MPa,utilisation_median,seconds" > "$table"
+echo "criterion,seed,breakages,breakages_1_MPa,void_ratio_1_MPa,void_ratio_2_MPa,void_ratio_3_MPa,k0_3_MPa,d50_mm_3_MPa,hardin_br_3_MPa,utilisation_median,seconds" > "$table"
 for criterion in $criteria; do
     for seed in ${2:-1 2 3}; do
         of=$out/$criterion/seed-$seed
@@ -33,7 +33,7 @@ for criterion in $criteria; do
             /^#/ { next }
             !c { for (i = 1; i <= NF; i++) at[$i] = i; c = 1; next }
             { s = $at["sigma_v_kPa"] / 1e3; e = $at["void_ratio"]; k = $at["k0"]; n = $at["crush_events"]; d = $at["d50_mm"]; b = $at["hardin_br"]
-              split("1 2 5", w, " "); for (j = 1; j <= 3; j++) if (!(j in found) && s >= 0.995 * w[j]) { found[j] = e; events[j] = n } }
+              split("1 2 3", w, " "); for (j = 1; j <= 3; j++) if (!(j in found) && s >= 0.995 * w[j]) { found[j] = e; events[j] = n } }
             END { printf "%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%s,%.0f\n", criterion, seed, n, events[1], found[1], found[2], found[3], k, d, b, u, seconds }' \
             "$of/history.csv" >> "$table"
     done

@@ -193,11 +193,8 @@ impl View<'_> {
         let key = format!("{table}.var");
         let var = self.number(&key);
         match (self.text(&of.key("strength.distribution")), var) {
-            ("weibull", None) => Some((Distribution::Weibull, weibull_variation(self.si(&format!("{table}.m"))))),
-            ("weibull", Some(_)) => {
-                self.refuse(&key, "must not be written with distribution = \"weibull\", whose variation follows from m");
-                None
-            }
+            // a `var` that a base has serves the normal distribution only
+            ("weibull", _) => Some((Distribution::Weibull, weibull_variation(self.si(&format!("{table}.m"))))),
             (_, Some(var)) => Some((Distribution::Normal, var)),
             (_, None) => {
                 self.refuse(&key, "is missing: coefficient of variation of the limit strength");

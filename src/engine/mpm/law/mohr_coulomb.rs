@@ -137,7 +137,7 @@ impl MohrCoulomb {
         let smallest = 2.0 * shear * (1.0 - d * (1.0 / 3.0)) - 2.0 * bulk * d;
         let own = 4.0 * shear * (1.0 + s * d * (1.0 / 3.0)) + 4.0 * bulk * s * d;
         let ordered = |x: [f64; 3]| {
-            let rounding = 8.0 * f64::EPSILON * (x[0].abs() + x[2].abs());
+            let rounding = 8.0 * f64::EPSILON * (trial[0].abs() + trial[2].abs());
             x[0] >= x[1] - rounding && x[1] >= x[2] - rounding
         };
 
@@ -161,7 +161,8 @@ impl MohrCoulomb {
         };
         let apex = if s > 0.0 { self.strength / (2.0 * s) } else { f64::INFINITY };
         let mean = (edge[0] + edge[1] + edge[2]) * (1.0 / 3.0);
-        if ordered(edge) && mean <= apex { edge } else { [apex; 3] }
+        // on an edge the largest stress is above the smallest as far as the mean is below the apex
+        if mean <= apex { edge } else { [apex; 3] }
     }
 }
 
