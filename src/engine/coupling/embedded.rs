@@ -221,7 +221,7 @@ impl Embedded {
         let of = |(grain, _, _, touch): (usize, usize, f64, crate::contact::pairs::ContactForce)| {
             let [u, v, w, _] = g.vel[grain];
             let [a, b, c, _] = g.spin[grain];
-            let torque = scaled(cross(touch.normal, touch.tangential), g.pos[grain][3] - 0.5 * touch.overlap);
+            let torque = scaled(cross(touch.normal, touch.tangential), g.radius(grain) - 0.5 * touch.overlap);
             -dot(touch.force(), [u, v, w]) - dot(torque, [a, b, c])
         };
         self.point_contacts.on_grains().map(of).sum()

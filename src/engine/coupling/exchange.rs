@@ -57,7 +57,7 @@ impl Mixture {
             };
             (0..pairs.slots()).filter(touching).map(contact).collect()
         };
-        let of_grains = |[i, j]: [usize; 2]| (r_eff(g.pos[i][3], g.pos[j][3]), *table.grains(g.material[i], g.material[j]));
+        let of_grains = |[i, j]: [usize; 2]| (r_eff(g.radius(i), g.radius(j)), *table.grains(g.material[i], g.material[j]));
         let of_point = |contact: &PointContact| {
             let body = match contact.body {
                 Body::Grain(_) => Body::Grain(place[contact.place[0] as usize]),
@@ -69,7 +69,7 @@ impl Mixture {
         ExchangedContacts {
             grains: of(&self.grains.pairs, &|ends| ends.map(|i| place[i as usize]), &of_grains),
             walls: of(&self.grains.wall_pairs, &|[i, k]| [place[i as usize], k], &|[i, k]| {
-                (g.pos[i][3], *table.wall(k, g.material[i]))
+                (g.radius(i), *table.wall(k, g.material[i]))
             }),
             points: self.point_contacts.touching().map(of_point).collect(),
         }
@@ -110,9 +110,9 @@ impl Mixture {
                     pairs.load[s] = pairs.touch[s].normal_force * (weight * weight);
                 }
             };
-            let reduced = |[i, j]: [usize; 2]| g.pos[i][3] * g.pos[j][3] / (g.pos[i][3] + g.pos[j][3]);
+            let reduced = |[i, j]: [usize; 2]| g.radius(i) * g.radius(j) / (g.radius(i) + g.radius(j));
             weigh(&mut pairs, &reduced, &|[i, j]| *materials.grains(g.material[i], g.material[j]));
-            weigh(&mut wall_pairs, &|[i, _]| g.pos[i][3], &|[i, k]| *materials.wall(k, g.material[i]));
+            weigh(&mut wall_pairs, &|[i, _]| g.radius(i), &|[i, k]| *materials.wall(k, g.material[i]));
         }
         (self.grains.pairs, self.grains.wall_pairs) = (pairs, wall_pairs);
         let points = continuum.points();

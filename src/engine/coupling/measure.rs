@@ -69,7 +69,7 @@ impl Mixture {
         }
         for s in self.grains.wall_pairs.touching(|[i, k]| [k, id(i)]) {
             let touch = &self.grains.wall_pairs.touch[s];
-            let arm = g.pos[self.grains.wall_pairs.ends[s][0] as usize][3] - touch.overlap;
+            let arm = g.radius(self.grains.wall_pairs.ends[s][0] as usize) - touch.overlap;
             add(&mut shares.skeleton, touch.force(), touch.normal.map(|n| n * arm));
         }
         for contact in self.point_contacts.touching().filter(|contact| matches!(contact.body, Body::Grain(_))) {

@@ -46,7 +46,7 @@ impl PointContacts {
             let [k_n, k_t] = contact.stiffness;
             continuum.add_external_force(point, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
             if let Body::Grain(_) = contact.body {
-                let torque = torque(&contact.touch, grains.pos[body][3]);
+                let torque = torque(&contact.touch, grains.radius(body));
                 for a in 0..3 {
                     external_forces[body][0][a] += of_grains * force[a];
                     external_forces[body][1][a] += of_grains * torque[a];

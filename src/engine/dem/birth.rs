@@ -1,17 +1,18 @@
-//! Birth without a shock: how the daughters of a broken grain enter the assembly.
+//! Gradual birth: how the daughters of a broken grain (the mother) enter the assembly without a shock.
 //!
-//! A daughter put where her mother was has her mother's overlaps with the neighbours, which a sphere a fraction as large cannot bear (NOTES.md: 0.9 to 1.2 of her own mean limit
-//! at once), and the neighbours, which the mother has held until then, move into the gap within a few steps. Gradual birth takes both shocks away:
+//! A daughter placed at once in the mother's sphere has the mother's overlaps with neighbours, which load the smaller sphere to 0.9 to 1.2 of its own mean
+//! limit. And neighbours that the mother has supported would move into the gap within a few steps. Gradual birth avoids both:
 //!
-//! - Daughters begin small enough to overlap no neighbour and no wall, so without force, and grow to their size. A daughter whose load comes
-//!   near her limit waits with it, so none is broken by her own growth. Where the mother was pressed so deep into a wall or a neighbour that a daughter at her edge would begin inside of it, all
-//!   begin in the largest sphere around her middle that overlaps nothing, in proportion.
-//! - Each contact of the mother with a neighbour goes on, with the place where she was instead of her, and softens: its normal force is that of the law times the share of a number of steps that is
-//!   left. She loses her strength as a cracking grain does, not at an instant, and the neighbours close in at a pace that their contacts can follow. A neighbour
-//!   that moves away lets go, so nothing is thrown.
+//! - Daughters begin so small that they overlap no neighbour and no wall, hence without force, and grow to their size. A daughter whose load comes near
+//!   its limit stops growing for a while, so that none is broken by its own growth. If the mother was pressed so deep into a wall or neighbour that a
+//!   daughter at its edge would begin inside of that, all daughters begin in proportion in the largest sphere around the mother's centre that overlaps nothing.
+//! - Each contact of the mother with a neighbour continues as a contact of the neighbour with the place of the mother, and *softens*: its normal force is that
+//!   of the contact law times the share of a number of steps that is left. The mother loses its strength gradually, as a cracking grain does, and the
+//!   neighbours approach slowly enough for their contacts to follow. If a neighbour moves away, the contact ends, so nothing is thrown.
 //!
-//! The mass is the daughter's own from birth on; only her radius lags behind. The work of growth on contacts and of the softening contacts is counted
-//! ([`crate::dem::ledger::Ledger`]). The latter push neighbours only: the mother's contacts were nearly in balance, so they bring little momentum. A neighbour that breaks drops hers.
+//! A daughter has its final mass from birth on; only its radius grows. The work of growth and of softening contacts is counted
+//! ([`crate::dem::ledger::Ledger`]). Softening contacts push the neighbours only: the mother's contacts were nearly in equilibrium, so the momentum is small.
+//! If a neighbour breaks, its softening contacts end.
 
 use crate::boundary::Wall;
 use crate::breakage::Criterion;
@@ -26,83 +27,87 @@ use crate::neighbours::Neighbours;
 use crate::neighbours::adjacency::Entry;
 use serde::{Deserialize, Serialize};
 
-/// What breakages have left to do.
+/// Consequences of breakages that are still going on.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Aftermath {
-    /// In the order of birth.
+    /// Growing daughters, in the order of birth.
     growing: Vec<Growing>,
+    /// Softening contacts.
     fading: Vec<Fading>,
 }
 
-/// A grain on the way to its size.
+/// A grain that grows to its final size.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Growing {
-    /// Index.
+    /// Index of the grain.
     grain: u32,
-    /// Radius that it shall have, m, and what it may grow in a step, m.
+    /// Final radius, m.
     target: f64,
+    /// Largest growth of the radius in a step, m.
     rate: f64,
-    /// What it has grown in the last step, m.
+    /// Growth of the radius in the last step, m.
     grown: f64,
-    /// Steps until its load is looked at again.
+    /// Number of steps for which it still waits before it grows on.
     wait: u32,
 }
 
-/// A contact of a broken grain with a neighbour, which softens.
+/// A softening contact of a broken grain with a neighbour.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Fading {
     /// Index of the neighbour.
     grain: u32,
     /// Material of the broken grain.
     material: u8,
-    /// Centre and radius of the broken grain, m, and her velocity, m/s, with which the centre goes on.
+    /// Centre, which moves on with `velocity`, and radius of the broken grain, m.
     place: [f64; 4],
+    /// Velocity of the broken grain when it broke, m/s.
     velocity: [f64; 3],
-    /// Radius, m, that sets her stiffness.
+    /// Radius that set the stiffness of the broken grain, m.
     stiffness_radius: f64,
     /// Largest overlap of the contact, m.
     largest: f64,
-    /// Steps left, of how many.
+    /// Number of steps left.
     left: u32,
+    /// Number of steps in all.
     of: u32,
-    /// Force on the neighbour now, N.
+    /// Present force on the neighbour, N.
     force: [f64; 3],
-    /// Tangent stiffness now, N/m.
+    /// Present tangent stiffness, N/m.
     stiffness: f64,
 }
 
-/// A grain grows while the largest load on it is below this share of its limit.
+/// A grain grows while its load is below this share of its threshold.
 const EASE: f64 = 0.9;
-/// Steps that a grain waits when it is above that.
+/// Number of steps for which a grain waits when its load is above that.
 const WAIT: u32 = 16;
-/// Radius at birth over the radius to come, at least.
+/// Smallest radius at birth over the final radius.
 const LEAST: f64 = 0.1;
 
-/// Spheres (centre, radius, m) that daughters have to keep clear of at birth.
+/// Spheres (centre and radius, m) that daughters must not overlap at birth.
 #[derive(Default)]
 pub struct Obstacles(Vec<[f64; 4]>);
 
 impl Obstacles {
-    /// Those that overlap grain `m`: no daughter in her sphere can reach another one.
+    /// The grains that overlap grain `m`; daughters inside of its sphere cannot reach any other.
     pub fn around(m: usize, g: &Grains, neighbours: &Neighbours, pairs: &Pairs) -> Obstacles {
         let overlaps = |q: &[f64; 4]| {
-            let (d, reach) = (sweep::difference(g.pos[m], *q), g.pos[m][3] + q[3]);
+            let (d, reach) = (sweep::difference(g.pos[m], *q), g.radius(m) + q[3]);
             dot(d, d) < reach * reach
         };
         Obstacles(neighbours.around(m, pairs).map(|(_, j)| g.pos[j]).filter(overlaps).collect())
     }
 
-    /// Radius up to `radius`, m, with which a daughter at `centre` overlaps none of them and no wall; at least `LEAST` of it.
+    /// Largest radius, m, with which a daughter at `centre` overlaps no obstacle and no wall, limited to `radius` and to at least `LEAST` times that.
     pub fn free_radius(&self, centre: [f64; 3], radius: f64, walls: &[Wall]) -> f64 {
         self.gap(centre, walls).clamp(LEAST * radius, radius)
     }
 
-    /// Whether a daughter of this radius, m, at `centre` would begin in the reach of one of them or of a wall, as at the edge of a grain that was pressed deep into it.
+    /// Whether a daughter at `centre` with the final radius `radius`, m, would overlap an obstacle or wall even with the smallest radius at birth.
     pub fn bury(&self, centre: [f64; 3], radius: f64, walls: &[Wall]) -> bool {
         self.gap(centre, walls) < LEAST * radius
     }
 
-    /// Distance of the next surface, m; below zero behind it.
+    /// Distance to the nearest surface of an obstacle or wall, m; negative behind it.
     fn gap(&self, [x, y, z]: [f64; 3], walls: &[Wall]) -> f64 {
         let point = [x, y, z, 0.0];
         let of_wall = |w: &Wall| w.shape.towards(point).1;
@@ -115,27 +120,27 @@ impl Obstacles {
 }
 
 impl Aftermath {
-    /// Whether nothing is left to do.
+    /// Whether nothing is going on.
     pub fn is_empty(&self) -> bool {
         self.growing.is_empty() && self.fading.is_empty()
     }
 
-    /// What a grain grows in one step at most, m.
+    /// Largest growth of a radius in one step, m.
     pub fn fastest_growth(&self) -> f64 {
         self.growing.iter().map(|x| x.rate).fold(0.0, f64::max)
     }
 
-    /// Lets grain `grain` grow to the radius `target`, m, by `rate`, m, in a step.
+    /// Lets grain `grain` grow to the radius `target`, m, by at most `rate`, m, in a step.
     pub fn grow(&mut self, grain: usize, target: f64, rate: f64) {
         self.growing.push(Growing { grain: grain as u32, target, rate, grown: 0.0, wait: 0 });
     }
 
-    /// Radius, m, that grain `i` is growing to, or has.
+    /// Final radius of grain `i`, m: its present one if it does not grow.
     pub fn radius(&self, i: usize, g: &Grains) -> f64 {
-        self.growing.iter().find(|x| x.grain == i as u32).map_or(g.pos[i][3], |x| x.target)
+        self.growing.iter().find(|x| x.grain == i as u32).map_or(g.radius(i), |x| x.target)
     }
 
-    /// The contacts of grain `m` with its neighbours begin to soften.
+    /// Turns the contacts of grain `m`, which breaks, with its neighbours into softening contacts over `steps` steps.
     pub fn release(&mut self, m: usize, g: &Grains, neighbours: &Neighbours, pairs: &Pairs, steps: u32) {
         for e in neighbours.contacts.of(m).filter(|e| !e.is_wall()) {
             if pairs.touch[e.slot()].overlap <= 0.0 || steps == 0 {
@@ -158,7 +163,7 @@ impl Aftermath {
         }
     }
 
-    /// Forces of the softening contacts at the present positions.
+    /// Computes the forces of the softening contacts at the present positions.
     pub fn compute_forces(&mut self, physics: &Physics, g: &Grains, table: &PairTable) {
         for x in &mut self.fading {
             let i = x.grain as usize;
@@ -178,7 +183,7 @@ impl Aftermath {
         }
     }
 
-    /// Radii of all grains, m, as if those that grow had their size already.
+    /// Final radii of all grains, m.
     pub fn radii(&self, g: &Grains) -> Vec<f64> {
         let mut radii: Vec<f64> = g.pos.iter().map(|p| p[3]).collect();
         for x in &self.growing {
@@ -187,19 +192,19 @@ impl Aftermath {
         radii
     }
 
-    /// Grain `m` is no more.
+    /// Ends growth and softening contacts of grain `m`, which breaks.
     pub fn forget(&mut self, m: usize) {
         self.growing.retain(|x| x.grain != m as u32);
         self.fading.retain(|x| x.grain != m as u32);
     }
 
-    /// Grains whose contacts change fast: those that grow or are let go.
+    /// Indices of grains whose contacts change fast: those that grow, and those with softening contacts.
     pub fn restless(&self) -> impl Iterator<Item = usize> + '_ {
         let growing = self.growing.iter().filter(|x| x.wait == 0).map(|x| x.grain as usize);
         growing.chain(self.fading.iter().map(|x| x.grain as usize))
     }
 
-    /// Adds the forces of softening contacts, N, to those on the grains from elsewhere.
+    /// Adds the forces of softening contacts to the external forces on grains; `grains`: number of grains.
     pub fn add_forces(&self, external_forces: &mut Vec<[[f64; 4]; 2]>, grains: usize) {
         if self.fading.is_empty() {
             return;
@@ -211,16 +216,17 @@ impl Aftermath {
         }
     }
 
-    /// Force, N, on grain `i` from broken neighbours.
+    /// Force of softening contacts on grain `i`, N.
     pub fn on(&self, i: usize) -> [f64; 3] {
         self.of(i).fold([0.0; 3], |sum, x| plus(sum, x.force))
     }
 
-    /// Stiffness, N/m, of what is left of the contacts of grain `i` with broken neighbours.
+    /// Sum of the tangent stiffnesses of the softening contacts of grain `i`, N/m.
     pub fn stiffness(&self, i: usize) -> f64 {
         self.of(i).map(|x| x.stiffness).sum()
     }
 
+    /// Softening contacts of grain `i`.
     fn of(&self, i: usize) -> impl Iterator<Item = &Fading> {
         self.fading.iter().filter(move |x| x.grain == i as u32)
     }
@@ -234,14 +240,14 @@ impl Aftermath {
         self.fading.iter().map(of).sum()
     }
 
-    /// After grains were permuted: the new index of each is in `place`.
+    /// Follows a permutation of grains; `place[i]`: new index of what was grain `i`.
     pub fn permute(&mut self, place: &[u32]) {
         self.growing.iter_mut().for_each(|x| x.grain = place[x.grain as usize]);
         self.fading.iter_mut().for_each(|x| x.grain = place[x.grain as usize]);
     }
 }
 
-/// One step: contacts soften, radii grow, and what has grown out of its neighbourhood is listed in `moved`.
+/// One step: contacts soften, radii grow, and grains that are not inside their reference spheres any more are added to `moved`.
 pub fn advance(criterion: Option<&Criterion>, state: &mut State, neighbours: &Neighbours, moved: &mut Vec<u32>) {
     let State { grains: g, aftermath, pairs, wall_pairs, ledger, dt, .. } = state;
     aftermath.fading.retain_mut(|x| {
@@ -258,24 +264,24 @@ pub fn advance(criterion: Option<&Criterion>, state: &mut State, neighbours: &Ne
         }
         let of = |e: &Entry| if e.is_wall() { &*wall_pairs } else { &*pairs };
         let force = neighbours.contacts.of(i).fold(0.0, |sum, e| sum + of(&e).touch[e.slot()].normal_force);
-        let load = criterion.map_or(0.0, |c| mean_stress::load(c, i, g.pos[i][3], neighbours, pairs, wall_pairs));
-        let left = x.target - g.pos[i][3];
+        let load = criterion.map_or(0.0, |c| mean_stress::load(c, i, g.radius(i), neighbours, pairs, wall_pairs));
+        let left = x.target - g.radius(i);
         if load > EASE * g.breakage_threshold[i] {
             x.wait = WAIT;
         } else {
             x.grown = x.rate.min(left);
-            let (before, [u, v, w, _]) = (g.pos[i][3], g.spin[i]);
-            // to the last bit at the end
+            let (before, [u, v, w, _]) = (g.radius(i), g.spin[i]);
+            // exactly the final radius at the end
             let after = if x.rate < left { before + x.rate } else { x.target };
             g.pos[i][3] = after;
-            // the spin stays: I = 2/5 m r²
+            // the spin stays, so the kinetic energy changes with I = 2/5 m r²
             ledger.inertia += 0.2 * g.inertia(i) * (after * after - before * before) * (u * u + v * v + w * w);
             if neighbours.outgrown(i, g) {
                 moved.push(x.grain);
             }
         }
-        let grows = g.pos[i][3] < x.target;
-        // trapezium; the last step's second half is taken at once
+        let grows = g.radius(i) < x.target;
+        // trapezium rule; the second half of the last growth is added at once
         ledger.growth += force * if grows { 0.5 * (grown + x.grown) } else { 0.5 * grown + x.grown };
         grows
     });

@@ -1,7 +1,7 @@
-//! Breakage: a grain whose load exceeds its limit is replaced by its daughters.
+//! Breakage: a grain that is over its breakage threshold is replaced by its daughters.
 //!
-//! All grains that exceed in a step are judged on that step's forces, then broken in the order of ids (NOTES.md). Daughters inherit the
-//! mother's rigid-body motion and material, draw fresh strengths keyed by lineage, and start without history.
+//! All such grains of a step are examined with the forces of that step, then broken in the order of their identities. Daughters inherit the rigid-body
+//! motion and the material of the broken grain (their mother), draw new strengths keyed by lineage, and begin without contact history.
 
 use super::birth::Obstacles;
 use crate::breakage::criterion::Judges;
@@ -18,75 +18,86 @@ use crate::math::vector::{cross, dot, less};
 use crate::neighbours::{Neighbours, Pools};
 use serde::{Deserialize, Serialize};
 
-/// One breakage, as recorded.
+/// One breakage, as it is recorded.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Breakage {
-    /// Number of the event, from 1.
+    /// Number of the breakage, from 1.
     pub event: u64,
+    /// Step in which it happened.
     pub step: u64,
-    /// Persistent id, generation and lineage key of the mother.
+    /// Identity of the broken grain.
     pub mother: u32,
+    /// Generation of the broken grain ([`crate::grains::Grains::generation`]).
     pub generation: u8,
+    /// Lineage of the broken grain ([`crate::grains::Grains::lineage`]).
     pub lineage: u64,
-    /// Steps since the mother's own birth; of initial grains all steps so far.
+    /// Steps since the birth of the broken grain; for a grain of the start all steps so far.
     pub age: u64,
-    /// Diameter, m.
+    /// Diameter of the broken grain, m.
     pub diameter: f64,
-    /// Decisive normal force and its limit, N, and the area, m^2, over which the force is the stress that is compared with the strength.
+    /// Decisive normal force: that of the contact with the largest load, N.
     pub force: f64,
+    /// Normal force at which the grain fails, N.
     pub limit_force: f64,
+    /// Area, m², over which the decisive force makes the stress that is compared with the strength.
     pub area: f64,
-    /// Force over limit a step before, by the way that the two bodies have moved against each other since.
+    /// Force over its limit one step before, from the distance by which the two bodies have approached each other since.
     pub before: f64,
-    /// Limit strength, Pa.
+    /// Limit strength of the broken grain, Pa.
     pub strength: f64,
-    /// Direction of the decisive force.
+    /// Unit vector along the decisive normal force; its sign means nothing.
     pub axis: [f64; 3],
+    /// Centre of the broken grain, m.
     pub position: [f64; 3],
-    /// Mass lost, kg, and diameter of the smallest daughter, m.
+    /// Mass lost: that of the broken grain minus those of its daughters, kg.
     pub lost_mass: f64,
+    /// Diameter of the smallest daughter, m.
     pub smallest: f64,
-    /// Momentum, kg m/s, and kinetic energy, J, of the mass lost: the mother's less her daughters'.
+    /// Momentum of the lost mass: that of the broken grain minus those of its daughters, kg m/s.
     pub lost_momentum: [f64; 3],
+    /// Kinetic energy of the lost mass, as the momentum, J.
     pub lost_kinetic: f64,
-    /// Elastic energy of the contacts around the event, J.
+    /// Elastic energy of the contacts of the broken grain, J.
     pub stored_before: f64,
+    /// Elastic energy of the contacts of its daughters, J.
     pub stored_after: f64,
 }
 
 impl Breakage {
-    /// Load over limit: how far above its limit the grain was when it was judged.
+    /// Decisive force over its limit: 1 or a little more, more in a collision.
     pub fn utilisation(&self) -> f64 {
         self.force / self.limit_force
     }
 
-    /// Whether two bodies have collided ([`collided`]).
+    /// Whether the grain broke in a collision ([`collided`]).
     pub fn is_collision(&self) -> bool {
         collided(self.utilisation(), self.before)
     }
 }
 
-/// Whether a load over its limit, `now` and a step `before` by the way that the two bodies have come since, is above 1 by that way alone: but for a twentieth of the excess, as the way is not known
-/// better, and a grain that is judged at every step was within its limit a step before.
+/// Whether a grain breaks by the approach of two bodies within the last step, as in a collision. `now`: force over its limit; `before`: the same one step
+/// before, computed from the approach since. True if `before` was at most 1, with a tolerance of a twentieth of the present excess, as the approach is not
+/// known better.
 pub fn collided(now: f64, before: f64) -> bool {
     before - 1.0 <= 0.05 * (now - 1.0)
 }
 
-/// Siblings touch to rounding; a rise of stored energy below this share of force times radius is none.
+/// Rises of stored energy below this share of force times radius are rounding: daughters touch each other to rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The decisive contact of a failing grain.
+/// The decisive contact of a grain that breaks; fields as in [`Breakage`].
 struct Verdict {
+    /// Index of the grain.
     grain: usize,
     axis: [f64; 3],
     force: f64,
     limit_force: f64,
     area: f64,
-    /// As [`Breakage::before`].
     before: f64,
 }
 
-/// Breaks the grains listed (indices in the order of ids); `external_forces` are the forces that grains took from elsewhere in this step, [`crate::dem::Workspace::external_forces`].
+/// Breaks the grains `failing` (indices in the order of identities) and adds a record of each breakage to `out`. `external_forces`: those of this step
+/// ([`crate::dem::Workspace::external_forces`]).
 pub fn break_grains(
     physics: &Physics,
     state: &mut State,
@@ -97,7 +108,7 @@ pub fn break_grains(
     out: &mut Vec<Breakage>,
 ) {
     let crush = physics.crush.as_ref().expect("only judged grains fail");
-    // all verdicts before any change
+    // all grains are examined before any is changed
     let verdicts: Vec<Verdict> =
         failing.iter().map(|&i| judge(physics, crush, state, neighbours, table, external_forces, i as usize)).collect();
     for verdict in verdicts {
@@ -105,7 +116,8 @@ pub fn break_grains(
     }
 }
 
-/// The contact with the largest load decides, or, where the grain's mean stress is judged, the one with the largest normal force; among equals the first in the order of ids.
+/// The decisive contact of grain `i`: the one with the largest load or, for criteria on the mean stress, the largest normal force; of equal ones the first in
+/// the order of identities.
 fn judge(
     physics: &Physics,
     crush: &CrushModel,
@@ -127,7 +139,7 @@ fn judge(
     let slot = e.slot();
     let (r_eff, pair) = observables::pair_from(state, table, slot, e.is_wall());
     let g = &state.grains;
-    // of the size that it was judged by, which it may still be growing to
+    // a growing grain counts with its final size
     let d = 2.0 * state.aftermath.radius(i, g);
     let (force, limit_force, area) = match crush.criterion.judges() {
         Judges::Contacts => {
@@ -137,7 +149,7 @@ fn judge(
         }
         Judges::MeanStress => {
             // the force at which the grain would fail if all of its forces grew alike
-            let stress = mean_stress::load(&crush.criterion, i, g.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
+            let stress = mean_stress::load(&crush.criterion, i, g.radius(i), neighbours, &state.pairs, &state.wall_pairs);
             (load, load * crush.criterion.threshold(g.strength[i], d) / stress, load / stress)
         }
     };
@@ -165,7 +177,7 @@ fn judge(
     }
 }
 
-/// Velocity, m/s, with which grain `i` has come to the place where it was judged: what the kick of this step has given it since is taken back.
+/// Velocity of grain `i` in the step that led to its present position, m/s: the change of velocity of the present step is taken back.
 fn arriving(physics: &Physics, state: &State, neighbours: &Neighbours, external_forces: &[[[f64; 4]; 2]], i: usize) -> [f64; 3] {
     let (mut f, _) = gather::force_and_torque(i, physics, state, neighbours);
     if let Some([force, _]) = external_forces.get(i) {
@@ -175,6 +187,7 @@ fn arriving(physics: &Physics, state: &State, neighbours: &Neighbours, external_
     less([u, v, w], f.map(|f| f * inverse_inertia * state.dt))
 }
 
+/// Replaces one grain by its daughters.
 fn break_one(
     physics: &Physics,
     crush: &CrushModel,
@@ -237,7 +250,7 @@ fn break_one(
     let mut kept = 0.0;
     let mut daughters_kinetic = 0.0;
     let mut born = Vec::with_capacity(crush.pattern.count());
-    // in the sphere that she had, or in what of it is free; their own sizes are those of the sphere that she was growing to, and of all her mass if it is kept
+    // daughters are placed in the sphere of the broken grain, or in its free part; their sizes are those for its final size, enlarged if all mass is kept
     let in_sphere = |radius: f64| crush.pattern.daughters(centre, radius, verdict.axis, perpendicular);
     let mut sphere = mother.pos[3];
     if matches!(crush.birth, Birth::Gradual { .. })
@@ -270,7 +283,7 @@ fn break_one(
         stability::newborn_inertia(i, physics, state, neighbours, table);
         daughters_kinetic += kinetic_energy(state, i);
         event.lost_momentum.iter_mut().zip(momentum(state, i)).for_each(|(sum, p)| *sum -= p);
-        // siblings only touch, so each new contact is counted once
+        // daughters only touch each other, so each contact is counted once
         event.stored_after += energy_around(physics, state, neighbours, table, i);
     }
     event.lost_mass = mother.mass - kept;
@@ -289,10 +302,10 @@ fn break_one(
     event
 }
 
-/// What daughters inherit.
+/// State of the broken grain that daughters inherit.
 struct Mother {
     pos: [f64; 4],
-    /// Radius that she had or was growing to, m.
+    /// Its radius, or the radius to which it was growing, m.
     size: f64,
     vel: [f64; 4],
     spin: [f64; 4],
@@ -302,7 +315,7 @@ struct Mother {
     material: u8,
 }
 
-/// Puts daughter `k` at index `i`.
+/// Makes daughter `k`, with its centre and radius, m, at index `i`.
 #[allow(clippy::too_many_arguments)]
 fn place(
     physics: &Physics,
@@ -341,27 +354,27 @@ fn place(
 /// Draws a grain's strength and sets its limit; grains at or below the comminution limit cannot break.
 pub fn arm_grain(crush: &CrushModel, state: &mut State, i: usize) {
     let g = &mut state.grains;
-    let d = 2.0 * g.pos[i][3];
+    let d = 2.0 * g.radius(i);
     g.strength[i] = crush.strength.draw(crush.seed, g.lineage[i], d);
     g.breakage_threshold[i] = if d > crush.d_limit { crush.criterion.threshold(g.strength[i], d) } else { f64::INFINITY };
 }
 
-/// Momentum with the inertia in use, kg m/s.
+/// Momentum of grain `i` with its inertial mass, kg m/s.
 fn momentum(state: &State, i: usize) -> [f64; 3] {
     let [u, v, w, _] = state.grains.vel[i];
     [u, v, w].map(|v| state.grains.inertia(i) * v)
 }
 
-/// Kinetic energy with the inertia in use, J.
+/// Kinetic energy of grain `i` with its inertial mass, J.
 fn kinetic_energy(state: &State, i: usize) -> f64 {
     let g = &state.grains;
-    let (v, w, r) = (g.vel[i], g.spin[i], g.pos[i][3]);
+    let (v, w, r) = (g.vel[i], g.spin[i], g.radius(i));
     let v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     let w2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
     0.5 * g.inertia(i) * (v2 + 0.4 * r * r * w2)
 }
 
-/// Elastic energy of a grain's contacts at the present positions, J.
+/// Elastic energy of the contacts of grain `i` at the present positions, J.
 fn energy_around(physics: &Physics, state: &State, neighbours: &Neighbours, table: &PairTable, i: usize) -> f64 {
     let mut sum = 0.0;
     stability::overlaps(i, state, neighbours, table, |o| {
@@ -371,7 +384,7 @@ fn energy_around(physics: &Physics, state: &State, neighbours: &Neighbours, tabl
     sum
 }
 
-/// The trapezium of path work is left open by contacts that vanish after the kick: −½ F·v of the last half step is theirs.
+/// Counts the path work of contacts that end with grain `m` up to the end of the step: −½ F·v dt, which the trapezium rule would add in the next step.
 fn close_contacts(state: &mut State, neighbours: &Neighbours, m: usize) {
     let g = &state.grains;
     let mut open = 0.0;

@@ -1,5 +1,7 @@
-//! The pass over grains: each sums its contacts in the order of its partners' ids (walls last), is judged against its
-//! limit, gets local damping and gravity, is kicked and drifted. Parallel over grains; each writes only itself.
+//! The loop over grains. Each grain sums its contact forces in the order of its partners' identities (walls last), is compared with its breakage threshold,
+//! gets gravity and local damping, and is accelerated and moved. In parallel over grains; each task writes only its own grains.
+//!
+//! This is an inner loop: it uses lane 3 of positions (radius), velocities (inverse inertial mass) and spins directly ([`crate::grains`]).
 
 use super::{State, Workspace};
 use crate::breakage::CrushModel;
@@ -14,9 +16,9 @@ use crate::neighbours::Neighbours;
 use crate::neighbours::adjacency::Link;
 use pulp::Arch;
 
-/// Flag: the grain has used up its skin.
+/// Flag: the grain has left its reference sphere.
 pub const MOVED: u8 = 1;
-/// Flag: the grain's load exceeds its limit.
+/// Flag: the grain is over its breakage threshold.
 pub const FAILED: u8 = 2;
 /// Flag: a contact of the grain has ended.
 pub const PARTED: u8 = 4;
@@ -24,18 +26,19 @@ pub const PARTED: u8 = 4;
 /// Sums over the contacts of one grain.
 #[derive(Clone, Copy)]
 struct ContactSums<F> {
-    /// Force, N, and torque, N m.
+    /// Force, N.
     force: F,
+    /// Torque about the centre, N m.
     torque: F,
-    /// Largest load, in the units of the area model.
+    /// Largest load of a contact, in the units of the breakage threshold.
     load: f64,
-    /// Path, slip, viscous work of the contacts whose first end the grain is, J (with the ledger).
+    /// Path, slip and viscous work in this step of the contacts of which the grain is the first end, J (with the energy ledger).
     work: F,
     /// Whether a contact with a grain has ended.
     parted: bool,
 }
 
-/// Sums the contacts of grain `i` in the order of its partners' ids, walls last.
+/// Sums the contacts of grain `i` of radius `radius`, m, in the order of its partners' identities, walls last.
 #[inline(always)]
 fn sum<F: Four, const LEDGER: bool>(
     token: F::Token,
@@ -47,7 +50,7 @@ fn sum<F: Four, const LEDGER: bool>(
 ) -> ContactSums<F> {
     let (half, radius) = (F::all(token, 0.5), F::all(token, radius));
     let (mut force, mut torque, mut work) = (F::all(token, 0.0), F::all(token, 0.0), F::all(token, 0.0));
-    // of the fourth numbers: largest normal force and smallest overlap
+    // only the fourth numbers are used: largest normal force and smallest overlap
     let (mut largest, mut smallest) = (F::all(token, 0.0), F::all(token, f64::INFINITY));
     let links = neighbours.contacts.links(i);
     let mut touching = links.len();
@@ -77,22 +80,22 @@ fn sum<F: Four, const LEDGER: bool>(
             work = work + F::of(token, wall_pairs.work[slot]);
         }
     }
-    // n t' − n' t is the cross product in the order z, x, y
+    // with n' for n in the order y, z, x: n t' − n' t is the cross product n × t in the order z, x, y
     ContactSums { force, torque: torque.yzxw(), load, work, parted: smallest.xyzw()[3] == 0.0 }
 }
 
-/// Tangential and normal force; normal and overlap.
+/// The two registers of a contact force: tangential force with the normal force, normal with the overlap.
 #[inline(always)]
 fn halves<F: Four>(token: F::Token, touch: &ContactForce) -> (F, F) {
     (F::of(token, touch.first()), F::of(token, touch.second()))
 }
 
-/// The largest of the weighted loads.
+/// The largest of the stored loads of these contacts.
 fn heaviest(links: &[Link], loads: &[f64]) -> f64 {
     links.iter().map(|e| loads[e.slot()]).fold(0.0, f64::max)
 }
 
-/// Adds rolling moments, where the run has them.
+/// Adds the rolling moments of the contacts of grain `i` to its torque.
 fn add_rolling(t: &mut [f64; 4], i: usize, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) {
     for &e in neighbours.contacts.links(i) {
         let slot = e.slot();
@@ -107,14 +110,15 @@ fn add_rolling(t: &mut [f64; 4], i: usize, neighbours: &Neighbours, pairs: &Pair
     }
 }
 
+/// Adds the weight of a grain to its force.
 fn weigh(force: &mut [f64; 4], mass: f64, gravity: [f64; 3]) {
     for (f, g) in force.iter_mut().zip(gravity) {
         *f += mass * g;
     }
 }
 
-/// Force and torque on grain `i` from contacts, gravity and broken neighbours (before damping), with rolling where the run has it. Where grains do not turn,
-/// what keeps them from it takes the torque.
+/// Force, N, and torque, N m, on grain `i` from contacts, rolling moments, gravity and softening contacts of broken neighbours, before damping. The torque is
+/// zero if grains are kept from rotating.
 pub fn force_and_torque(i: usize, physics: &Physics, state: &State, neighbours: &Neighbours) -> ([f64; 3], [f64; 3]) {
     let s = sum::<Plain, false>((), i, state.grains.pos[i][3], neighbours, &state.pairs, &state.wall_pairs);
     let (mut f, mut t) = (s.force.xyzw(), s.torque.xyzw());
@@ -133,7 +137,9 @@ pub fn force_and_torque(i: usize, physics: &Physics, state: &State, neighbours: 
     ([f[0], f[1], f[2]], [t[0], t[1], t[2]])
 }
 
+/// The slices of the grains' arrays that a task writes.
 struct GrainSlices<'a> {
+    /// Index of the first grain.
     first: usize,
     pos: &'a mut [[f64; 4]],
     vel: &'a mut [[f64; 4]],
@@ -142,7 +148,7 @@ struct GrainSlices<'a> {
     flags: &'a mut [u8],
 }
 
-/// What the pass reads.
+/// Input of the loop, read by all tasks.
 struct Input<'a> {
     neighbours: &'a Neighbours,
     pairs: &'a Pairs,
@@ -151,12 +157,13 @@ struct Input<'a> {
     mass: &'a [f64],
     gravity: [f64; 3],
     damping: f64,
-    /// m r² / I of a sphere, or nothing where grains do not turn.
+    /// m r²/I of a sphere, 5/2; 0 if grains are kept from rotating.
     turning: f64,
-    /// Step of the drift, and of the kick (half of it on the first step).
+    /// Time over which positions change, s.
     dt: f64,
+    /// Time over which velocities change, s: half of `dt` in the first step.
     kick: f64,
-    /// Force, N, and torque, N m, on each grain from elsewhere; empty where there is nothing else.
+    /// Force, N, and torque, N m, on each grain besides those of contacts; empty if there are none.
     external_forces: &'a [[[f64; 4]; 2]],
     task: usize,
     arch: Arch,
@@ -169,7 +176,7 @@ pub(super) fn judged(physics: &Physics, state: &State, by: Judges) -> bool {
     state.crushing && physics.crush.as_ref().is_some_and(now)
 }
 
-/// Judges, kicks and drifts all grains, so many to a parallel task; leaves a flag per grain.
+/// Compares all grains with their breakage thresholds, accelerates and moves them, and writes a flag for each.
 pub fn advance(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let Workspace { neighbours, flags, external_forces, task, arch, .. } = work;
     let (task, arch) = (*task / 4, *arch);
@@ -205,6 +212,7 @@ pub fn advance(physics: &Physics, state: &mut State, work: &mut Workspace) {
     }
 }
 
+/// Runs the loop, in parallel if there are enough grains.
 fn run<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: GrainSlices<'_>) {
     if few(part.pos.len(), input.task) {
         return dispatch::<LEDGER, CRUSH, ROLLING>(input, part);
@@ -212,6 +220,7 @@ fn run<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input
     split::<LEDGER, CRUSH, ROLLING>(input, part);
 }
 
+/// Divides the grains into tasks.
 fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: GrainSlices<'_>) {
     let n = part.pos.len();
     if n <= input.task {
@@ -228,8 +237,9 @@ fn split<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Inp
     rayon::join(|| split::<LEDGER, CRUSH, ROLLING>(input, left), || split::<LEDGER, CRUSH, ROLLING>(input, right));
 }
 
+/// Chooses code with or without external forces.
 fn dispatch<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &Input<'_>, part: GrainSlices<'_>) {
-    // to ask for each grain whether something else pushes it costs 4 % of a step where nothing does
+    // a test at each grain would cost 4 % of a step in runs without external forces
     if input.external_forces.is_empty() {
         vectorised::<LEDGER, CRUSH, ROLLING, false>(input, part);
     } else {
@@ -237,6 +247,7 @@ fn dispatch<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool>(input: &
     }
 }
 
+/// Chooses SIMD or plain code.
 fn vectorised<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, const EXTERNAL: bool>(
     input: &Input<'_>,
     part: GrainSlices<'_>,
@@ -251,6 +262,7 @@ fn vectorised<const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, const 
     }
 }
 
+/// The loop over the grains of one task.
 #[inline(always)]
 fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, const EXTERNAL: bool>(
     token: F::Token,
@@ -267,7 +279,7 @@ fn chunk<F: Four, const LEDGER: bool, const CRUSH: bool, const ROLLING: bool, co
         let (p, v) = (F::of(token, *pos), F::of(token, *vel));
         let external = if EXTERNAL { input.external_forces.get(i) } else { None };
         if !gravity && external.is_none() && input.neighbours.contacts.links(i).is_empty() {
-            // most fragments fly free: nothing but their place changes, and nothing else is read
+            // a grain without contacts, as most fragments: only its position changes
             let p = (p + v * drift).with_w_of(p);
             *pos = p.xyzw();
             *flag = if Neighbours::has_left(reference, p, token) { MOVED } else { 0 };

@@ -1,11 +1,11 @@
-//! The mean stress of single grains (Love–Weber), for criteria that judge grains by it.
+//! Mean stress of a single grain (Love–Weber), for failure criteria that use it.
 //!
 //! ```text
 //! σ = 1/V Σ_contacts x ⊗ F     x = r n, V = 4/3 π r³:     σ = 3/(4 π r²) Σ n ⊗ F
 //! ```
 //!
-//! x goes from the centre to the grain's surface at the contact, F is the force on the grain. Two opposite forces F between platens are then exactly the uniaxial stress
-//! F/(π d²/6). Of a grain out of balance the symmetric part counts. Contacts with grains and walls are summed in the order of ids, walls last.
+//! Here x is the vector from the grain's centre to its surface at the contact, and F the force on the grain. So two opposite forces F between platens give the
+//! uniaxial stress F/(π d²/6). If a grain is not in equilibrium, the symmetric part is used. Contacts are summed in the order of identities, walls last.
 
 use super::{State, Workspace, gather};
 use crate::breakage::Criterion;
@@ -16,15 +16,15 @@ use crate::neighbours::Neighbours;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Grains per parallel task.
+/// Number of grains in a parallel task.
 const TASK: usize = 256;
 
-/// Mean stress of grain `i` of radius `r`, m, under the forces of the last sweep, Pa, compression positive.
+/// Mean stress of grain `i` of radius `r`, m, under the contact forces that were computed last, Pa, compression positive.
 pub fn of_grain(i: usize, r: f64, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) -> MeanStress {
     let mut sum = [0.0; 6];
     for e in neighbours.contacts.links(i) {
         let touch = if e.is_wall() { &wall_pairs.touch[e.slot()] } else { &pairs.touch[e.slot()] };
-        // both ends: the signs of normal and force cancel
+        // at the second end normal and force both change sign, so their product does not
         let (n, f) = (touch.normal, touch.force());
         for (k, (a, b)) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].into_iter().enumerate() {
             sum[k] -= 0.5 * (n[a] * f[b] + n[b] * f[a]);
@@ -33,7 +33,7 @@ pub fn of_grain(i: usize, r: f64, neighbours: &Neighbours, pairs: &Pairs, wall_p
     MeanStress(sum.map(|s| s * 3.0 / (4.0 * PI * r * r)))
 }
 
-/// What a criterion compares with the threshold of grain `i`: the largest load of its contacts, or its equivalent stress, Pa.
+/// Load of grain `i` that the criterion compares with its breakage threshold: the largest load of a contact, or the equivalent of its mean stress, Pa.
 pub fn load(criterion: &Criterion, i: usize, r: f64, neighbours: &Neighbours, pairs: &Pairs, wall_pairs: &Pairs) -> f64 {
     match criterion.judges() {
         Judges::Contacts => {
@@ -44,7 +44,7 @@ pub fn load(criterion: &Criterion, i: usize, r: f64, neighbours: &Neighbours, pa
     }
 }
 
-/// Flags the grains whose equivalent stress exceeds their threshold; nothing where contacts are judged.
+/// Flags the grains whose equivalent stress exceeds their threshold. Does nothing for criteria on contacts.
 pub(super) fn judge(physics: &Physics, state: &State, work: &mut Workspace) {
     let Some(crush) = physics.crush.as_ref().filter(|_| gather::judged(physics, state, Judges::MeanStress)) else { return };
     let State { grains, pairs, wall_pairs, .. } = state;
@@ -53,7 +53,7 @@ pub(super) fn judge(physics: &Physics, state: &State, work: &mut Workspace) {
     flags.par_iter_mut().enumerate().with_min_len(TASK).for_each(|(i, flag)| {
         let threshold = grains.breakage_threshold[i];
         if threshold.is_finite() && !neighbours.contacts.links(i).is_empty() {
-            let stress = of_grain(i, grains.pos[i][3], neighbours, pairs, wall_pairs);
+            let stress = of_grain(i, grains.radius(i), neighbours, pairs, wall_pairs);
             if crush.criterion.equivalent_stress(&stress) > threshold {
                 *flag |= gather::FAILED;
             }

@@ -1,15 +1,16 @@
-//! One time step: the stages in order. Nothing else knows the order.
+//! One time step of the grains: the stages in order. No other module knows the order.
 //!
-//! Leapfrog: positions and forces at full steps, velocities at half steps. A step is
+//! The integration is a leapfrog: positions and forces are those of full steps, velocities those of half steps. The stages of a step are
 //!
-//! 1. contacts: force of every pair from positions and half-step velocities,
-//! 2. beside it the lists: neighbours of what has moved too far, near pairs that meet,
-//! 3. reactions of the walls, inertia or time step when due,
-//! 4. control: what the rig does with the forces of this instant (records, wall speeds),
-//! 5. grains: each sums its contacts in the order of its partners' ids, is judged, kicked and drifted; walls advance,
-//! 6. crush: grains whose load exceeded their limit are replaced by daughters, in id order; what breakages have left to do goes on.
+//! 1. contact forces of every pair, from positions and velocities;
+//! 2. in parallel with them, neighbour lists: search around grains that have moved too far, find listed pairs that begin to touch;
+//! 3. reactions of the walls; inertial masses or the time step when due;
+//! 4. control: the test looks at the forces of this instant (records, wall speeds);
+//! 5. motion: each grain sums its contacts in the order of its partners' identities, is compared with its breakage threshold, and is accelerated and
+//!    moved; walls move;
+//! 6. breakage: grains over their thresholds are replaced by daughters, in the order of identities; the consequences of earlier breakages go on.
 //!
-//! Only + − × ÷ √ in a stated order reach the results.
+//! Results depend only on + − × ÷ √ in a stated order.
 
 pub mod birth;
 pub mod event;
@@ -36,73 +37,85 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Everything a restart needs.
+/// The state of the grains, their contacts and walls: all that a restart needs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
-    /// Steps done.
+    /// Number of steps done.
     pub step: u64,
-    /// Time, s (in inertia-scaled runs: steps).
+    /// Time, s; with inertia scaling the number of steps.
     pub time: f64,
+    /// Present time step, s; with inertia scaling 1. 0 before the first step.
     pub dt: f64,
+    /// The grains.
     pub grains: Grains,
+    /// Contacts between grains.
     pub pairs: Pairs,
+    /// The walls.
     pub walls: Vec<Wall>,
+    /// Contacts of grains with walls.
     pub wall_pairs: Pairs,
-    /// Friction between grains that replaces the materials' (preparation).
+    /// Coefficient of friction between grains during preparation; `None`: that of the materials.
     pub friction: Option<f64>,
-    /// Local damping coefficient in force.
+    /// Present coefficient of local damping.
     pub damping: f64,
     /// Whether grains may break now.
     pub crushing: bool,
-    /// A stress, Pa, from which grains without contacts get their inertia (inertia scaling).
+    /// With inertia scaling: stress, Pa, that gives grains without contacts their inertial mass ([`stability`]).
     pub reference_stress: f64,
-    /// Steps between two looks at inertia or time step.
+    /// Number of steps between two updates of inertial masses or of the time step.
     pub stability_interval: u64,
-    /// Grains were born in the last step: the time step is looked at again.
+    /// Whether grains were born in the last step, so that the time step has to be computed again.
     pub births: bool,
+    /// Energies that are not counted at a grain or wall.
     pub ledger: Ledger,
+    /// Number of breakages so far.
     pub crush_events: u64,
-    /// (lost mass, kg; smallest daughter's diameter, m) of each event, for the reconstructed gradation.
+    /// Of each breakage: lost mass, kg, and diameter of the smallest daughter, m, for the reconstructed gradation.
     pub lost: Vec<(f64, f64)>,
-    /// What breakages have left to do: radii that grow, forces that fade.
+    /// Consequences of breakages that are still going on: growing daughters, softening contacts.
     pub aftermath: Aftermath,
-    /// The next kick is a half one: velocities are those of the full step.
+    /// Whether velocities are those of the full step (at the start), so that the next change of velocity is over half a step.
     pub fresh: bool,
 }
 
-/// Scratch: may be dropped and made anew between any two steps.
+/// Neighbour lists and buffers; may be dropped and made again between any two steps.
 pub struct Workspace {
+    /// Lists of pairs of grains.
     pub neighbours: Neighbours,
+    /// Parameters of the contacts for each pair of materials and each wall.
     pub table: PairTable,
+    /// Indices of grains that have left their reference spheres.
     moved: Vec<u32>,
+    /// Indices of grains over their breakage thresholds.
     failing: Vec<u32>,
-    /// Grains a contact of which has ended, and slots of contacts that have begun.
+    /// Indices of grains with a contact that has ended.
     parted: Vec<u32>,
+    /// Slots of contacts that have begun.
     begun: Vec<u32>,
+    /// Of each grain: flags of the loop over grains ([`gather`]).
     flags: Vec<u8>,
+    /// Buffers for inertial masses.
     scratch: stability::InertiaBuffers,
-    /// Force, N, and torque, N m, on each grain from elsewhere, for the next pass over grains; empty where there is nothing else.
+    /// Force, N, and torque, N m, on each grain from points, rigid bodies and softening contacts, for the coming step; empty if there are none.
     pub external_forces: Vec<[[f64; 4]; 2]>,
     /// Breakages of the last step.
     pub breakages: Vec<Breakage>,
-    /// Friction the table was made for.
+    /// [`State::friction`] for which `table` was made.
     table_friction: Option<f64>,
+    /// Number of grains born since grains were last sorted in memory.
     births_since_reorder: usize,
-    /// Force a path in tests: lists anew at every step, or a random order in memory.
+    /// For tests: makes all lists anew at every step.
     pub rebuild_always: bool,
-    /// Contacts per parallel task; a near pair costs a quarter of a contact, a grain four times one.
+    /// Number of contacts in a parallel task. A pair that does not touch costs about a quarter of a contact, a grain four times a contact.
     pub task: usize,
-    /// The instruction set of the inner loops; changes no bit of the results.
+    /// Instruction set of the inner loops; changes no bit of the results.
     pub arch: pulp::Arch,
-    /// Nanoseconds per stage (`bench`): neighbours, contacts, grains, crush.
+    /// For benches: time spent in neighbour lists, contacts, motion of grains and breakage, ns; `None`: no clock is read.
     pub clock: Option<[u64; 4]>,
 }
 
-/// Name of [`Workspace`] until the last of its users has the new one.
-#[doc(hidden)]
-pub type Work = Workspace;
-
 impl Workspace {
+    /// Lists and buffers for a state. The list of contacts with walls in `state` may change.
     pub fn new(physics: &Physics, state: &mut State) -> Workspace {
         let State { grains, walls, pairs, wall_pairs, .. } = state;
         let neighbours = Neighbours::new(grains, walls, &mut Pools { pairs, wall_pairs }, physics.stepping.skin);
@@ -126,18 +139,18 @@ impl Workspace {
         }
     }
 
-    /// The state has become another one: all anew but what was asked for.
+    /// Makes lists and buffers anew for a state that was changed from outside; keeps the settings of tests and benches.
     pub fn restart(&mut self, physics: &Physics, state: &mut State) {
         let Workspace { rebuild_always, task, arch, clock, .. } = *self;
         *self = Workspace { rebuild_always, task, arch, clock, ..Workspace::new(physics, state) };
     }
 
-    /// The radii have changed: grains that have outgrown their neighbourhood are searched before the next forces.
+    /// To be called after radii were changed from outside: grains that are not inside their reference spheres any more are searched before the next forces.
     pub fn grown(&mut self, grains: &Grains) {
         self.neighbours.account_for_growth(grains, &mut self.moved);
     }
 
-    /// Bytes held by lists and pools, state included.
+    /// Memory in use by lists and state, bytes.
     pub fn bytes(&self, state: &State) -> usize {
         let n = state.grains.pos.capacity();
         n * (3 * 32 + 8 * 4 + 8 + 4 + 2 + 32) + state.pairs.bytes() + state.wall_pairs.bytes() + self.neighbours.bytes()
@@ -145,7 +158,7 @@ impl Workspace {
 }
 
 impl State {
-    /// A state without preparation: the given grains and walls at rest or moving, ledger open.
+    /// A state at its start, with the given grains and walls. `energy`: whether contacts keep account of their work for the energy ledger.
     pub fn new(physics: &Physics, grains: Grains, walls: Vec<Wall>, energy: bool) -> State {
         let kept = Kept {
             work: energy,
@@ -177,10 +190,13 @@ impl State {
     }
 }
 
-/// Steps between two looks at inertia or time step, unless a rig asks for more.
+/// Number of steps between two updates of inertial masses or of the time step, unless a test sets another.
 const STABILITY_INTERVAL: u64 = 32;
 
-/// Advances by one step. `control` runs when the forces of this instant are known; it may change wall speeds.
+/// Makes one step. `control` is called when the forces of this instant are known, and may change wall speeds.
+///
+/// # Errors
+/// The error of `control`; the grains have not moved then.
 pub fn step<E>(
     physics: &Physics,
     state: &mut State,
@@ -193,12 +209,12 @@ pub fn step<E>(
     Ok(())
 }
 
-/// The first half of a step: the forces of this instant.
+/// First half of a step: computes the forces of this instant.
 pub fn compute_forces(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let mut watch = Stopwatch::new(&mut work.clock);
     tidy(state, work);
     if watch.0.is_some() {
-        // apart from the sweep, to be timed
+        // before the forces and not in parallel with them, to be timed
         let State { grains, walls, wall_pairs, .. } = state;
         search(&mut work.neighbours, &mut work.moved, work.rebuild_always, grains, walls, wall_pairs);
     }
@@ -207,13 +223,13 @@ pub fn compute_forces(physics: &Physics, state: &mut State, work: &mut Workspace
     watch.lap(&mut work.clock, 1);
 }
 
-/// The second half: motion, and what breaks.
+/// Second half of a step: moves grains and walls, then breaks grains.
 pub fn integrate(physics: &Physics, state: &mut State, work: &mut Workspace) {
     move_grains(physics, state, work);
     breakage(physics, state, work);
 }
 
-/// Grains and walls move.
+/// Moves grains and walls by one step.
 pub fn move_grains(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let mut watch = Stopwatch::new(&mut work.clock);
     stability::follow_fast_contacts(physics, state, work);
@@ -230,7 +246,7 @@ pub fn move_grains(physics: &Physics, state: &mut State, work: &mut Workspace) {
     watch.lap(&mut work.clock, 2);
 }
 
-/// Grains over their limit break, and what breakages have left to do goes on; the step is done.
+/// Breaks the grains over their thresholds, continues the consequences of earlier breakages, and ends the step.
 pub fn breakage(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let mut watch = Stopwatch::new(&mut work.clock);
     on_one_thread(small(state, work), || crush(physics, state, work));
@@ -245,8 +261,8 @@ pub fn breakage(physics: &Physics, state: &mut State, work: &mut Workspace) {
     state.fresh = false;
 }
 
-/// Runs what one thread has to do alone while the others stay awake: waking a sleeping worker costs as much as a sweep of a thousand
-/// contacts.
+/// Runs `job` on one thread while another worker spins instead of going to sleep: waking a sleeping worker costs as much as the forces of a thousand
+/// contacts. If the step is `small`, `job` is simply run.
 fn on_one_thread(small: bool, job: impl FnOnce() + Send) {
     if small {
         return job();
@@ -264,7 +280,7 @@ fn on_one_thread(small: bool, job: impl FnOnce() + Send) {
     rayon::join(job, spin);
 }
 
-/// Tells the waiting workers that a job has ended, even by a panic.
+/// Tells the spinning worker that a job has ended, even if it ended by a panic.
 struct Ends<'a>(&'a AtomicBool);
 
 impl Drop for Ends<'_> {
@@ -273,19 +289,19 @@ impl Drop for Ends<'_> {
     }
 }
 
-/// Whether a step is too small for threads to bring anything.
+/// Whether a step has too few contacts for several threads to be of use.
 fn small(state: &State, work: &Workspace) -> bool {
     chunk::few(state.pairs.slots(), work.task)
 }
 
-/// Grains in space order again once many were born or moved about.
+/// Sorts grains in memory when many were born or many searches were needed since the last time.
 fn tidy(state: &mut State, work: &mut Workspace) {
     if work.births_since_reorder * 16 > state.grains.len() || work.neighbours.searches > 2 * state.grains.len() as u64 {
         reorder(state, work);
     }
 }
 
-/// Searches the neighbourhoods of what has moved too far.
+/// Renews the lists around the grains `moved` (or around all grains), and empties that list.
 fn search(lists: &mut Neighbours, moved: &mut Vec<u32>, all: bool, grains: &Grains, walls: &[Wall], wall_pairs: &mut Pairs) {
     if all {
         moved.clear();
@@ -295,7 +311,7 @@ fn search(lists: &mut Neighbours, moved: &mut Vec<u32>, all: bool, grains: &Grai
     moved.clear();
 }
 
-/// Forces of all contacts at the present positions, the walls' reactions, and, when due, inertia or time step.
+/// Computes the forces of all contacts at the present positions, the walls' reactions and, when due, inertial masses or the time step.
 pub fn contacts(physics: &Physics, state: &mut State, work: &mut Workspace) {
     if work.table_friction != state.friction {
         work.table = physics.contact.law.pairs(&physics.materials, &state.walls, state.friction);
@@ -310,7 +326,7 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let State { grains, walls, pairs, wall_pairs, .. } = state;
     let Workspace { table, neighbours, begun, moved, rebuild_always, .. } = work;
     let table = &*table;
-    // the lists change only what does not touch, which the sweep of contacts leaves alone
+    // the lists change only pairs that do not touch, which the computation of contact forces does not read
     let laws = physics.contact.law.table();
     let rolling = physics.contact.rolling;
     let mut sweep = || (laws.sweep_grains)(rolling, table, &rules, grains, pairs, Slots::All);
@@ -330,7 +346,7 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Workspace) {
         reactions(physics, table, &rules, grains, walls, wall_pairs, neighbours);
     });
     state.aftermath.compute_forces(physics, &state.grains, &work.table);
-    // newborn grains get their scaled inertia at birth; an unscaled time step has to follow them
+    // with inertia scaling newborn grains get their inertial mass at birth; without, the time step has to be computed again
     let born =
         (std::mem::take(&mut state.births) || state.aftermath.restless().next().is_some()) && !physics.stepping.inertia_scaling;
     if born || state.step.is_multiple_of(state.stability_interval) {
@@ -338,6 +354,7 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Workspace) {
     }
 }
 
+/// Reaction, stiffness and work of each wall, from its contacts in the order of identities.
 fn reactions(
     physics: &Physics,
     table: &PairTable,
@@ -360,7 +377,7 @@ fn reactions(
                 stiffness += physics
                     .contact
                     .law
-                    .elastic(touch.overlap, pairs.largest(slot as usize, touch.overlap), grains.pos[i][3], pair)
+                    .elastic(touch.overlap, pairs.largest(slot as usize, touch.overlap), grains.radius(i), pair)
                     .k_n;
             }
         }
@@ -371,7 +388,7 @@ fn reactions(
     }
 }
 
-/// Sorts out what the grains' pass flagged; contacts that have ended go back to the near pairs.
+/// Collects the grains that were flagged by the loop over grains, and ends the contacts that do not touch any more.
 fn collect(state: &mut State, work: &mut Workspace) {
     let Workspace { flags, moved, failing, parted, neighbours, .. } = work;
     for list in [&mut *moved, failing, parted] {
@@ -394,7 +411,7 @@ fn crush(physics: &Physics, state: &mut State, work: &mut Workspace) {
     if work.failing.is_empty() {
         return;
     }
-    // what has just moved out of its skin is searched before daughters look for whom they touch
+    // lists have to be valid before daughters look for neighbours
     let State { grains, walls, wall_pairs, .. } = state;
     search(&mut work.neighbours, &mut work.moved, false, grains, walls, wall_pairs);
     work.failing.sort_unstable_by_key(|&i| state.grains.id[i as usize]);
@@ -406,7 +423,7 @@ fn crush(physics: &Physics, state: &mut State, work: &mut Workspace) {
     work.flags.resize(state.grains.len(), 0);
 }
 
-/// Puts grains near in space near in memory (Z-order), and slots in the order of their first grain. Changes no result.
+/// Sorts grains in memory along a space-filling curve (Z-order), and contacts in the order of their grains. Changes no bit of a result.
 pub fn reorder(state: &mut State, work: &mut Workspace) {
     let g = &state.grains;
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -431,7 +448,7 @@ pub fn reorder(state: &mut State, work: &mut Workspace) {
     permute(state, work, &order);
 }
 
-/// Permutes memory: new index `k` holds the grain that was at `order[k]`.
+/// Sorts grains in memory: entry `k` becomes the grain that was at `order[k]`. Contacts and lists follow. Changes no bit of a result.
 pub fn permute(state: &mut State, work: &mut Workspace, order: &[u32]) {
     let mut place = vec![0u32; order.len()];
     for (k, &i) in order.iter().enumerate() {
@@ -442,7 +459,7 @@ pub fn permute(state: &mut State, work: &mut Workspace, order: &[u32]) {
     }
     state.grains.permute(order);
     state.aftermath.permute(&place);
-    // slots in the order in which the pass over grains first meets them
+    // contacts in the order in which a loop over grains first comes to them
     let slot_order = |pairs: &Pairs| {
         let mut slots: Vec<u32> = (0..pairs.slots() as u32).filter(|&s| pairs.ends[s as usize][0] != FREE).collect();
         slots.sort_unstable_by_key(|&s| {
@@ -465,7 +482,7 @@ pub fn permute(state: &mut State, work: &mut Workspace, order: &[u32]) {
     work.births_since_reorder = 0;
 }
 
-/// Spreads the low ten bits three apart.
+/// Spreads the lowest ten bits so that each is followed by two zeros, for the key of the Z-order.
 fn spread(x: u64) -> u64 {
     let mut x = x & 0x3ff;
     x = (x | x << 16) & 0x0300_00ff;
@@ -474,7 +491,7 @@ fn spread(x: u64) -> u64 {
     (x | x << 2) & 0x0924_9249
 }
 
-/// Times the stages when asked to; otherwise reads no clock.
+/// Measures the time of stages for benches; reads no clock otherwise.
 struct Stopwatch(Option<std::time::Instant>);
 
 impl Stopwatch {

@@ -128,7 +128,7 @@ pub fn sums(physics: &Physics, state: &State, work: &Workspace) -> Sums {
             } else {
                 s.contacts += 1;
                 s.fabric.add(touch.normal);
-                s.overlap_volume += lens(p[3], g.pos[state.pairs.ends[slot][1] as usize][3], touch.overlap);
+                s.overlap_volume += lens(p[3], g.radius(state.pairs.ends[slot][1] as usize), touch.overlap);
             }
         }
         s.without += usize::from(touching == 0);
@@ -141,10 +141,10 @@ pub fn sums(physics: &Physics, state: &State, work: &Workspace) -> Sums {
 fn smaller_radius(state: &State, slot: usize, wall: bool) -> f64 {
     let g = &state.grains;
     if wall {
-        g.pos[state.wall_pairs.ends[slot][0] as usize][3]
+        g.radius(state.wall_pairs.ends[slot][0] as usize)
     } else {
         let [a, b] = state.pairs.ends[slot];
-        g.pos[a as usize][3].min(g.pos[b as usize][3])
+        g.radius(a as usize).min(g.radius(b as usize))
     }
 }
 
@@ -234,7 +234,7 @@ pub fn love_weber(state: &State, work: &Workspace, radius: f64, low: f64, high: 
             let j = state.pairs.ends[slot][1] as usize;
             let d = difference(g.pos[i], g.pos[j]);
             let p = g.pos[i];
-            let at = p[3] / (p[3] + g.pos[j][3]);
+            let at = p[3] / (p[3] + g.radius(j));
             let c = [p[0] + at * d[0], p[1] + at * d[1], p[2] + at * d[2]];
             if c[0] * c[0] + c[1] * c[1] < radius * radius && c[2] > low && c[2] < high {
                 let force = touch.force();

@@ -89,7 +89,7 @@ fn stiffness(i: usize, physics: &Physics, state: &State, neighbours: &Neighbours
 /// Σ max(2 k_n, 7 k_t), N/m, of a grain of this size and material that has two contacts with its like, each under the force `stress` π r²: a lower bound
 /// for grains with few or light contacts.
 fn stiffness_at_rest(i: usize, physics: &Physics, g: &Grains, stress: f64, table: &PairTable) -> f64 {
-    let r = g.pos[i][3];
+    let r = g.radius(i);
     let pair = table.grains(g.material[i], g.material[i]);
     let r_eff = 0.5 * g.stiffness_radius(i);
     let force = stress * std::f64::consts::PI * r * r;
@@ -128,7 +128,7 @@ pub fn first_step(physics: &Physics, state: &State) -> f64 {
 /// π r √(ρ/G) / (0.163 ν + 0.877) (Li et al. 2023, eq. 38), or √(m/k) for linear contact laws. 1 s without grains.
 pub fn rayleigh(physics: &Physics, g: &Grains) -> f64 {
     let least = (0..g.len())
-        .map(|i| free_step(physics, g.material[i], g.mass[i], g.pos[i][3], g.stiffness_radius(i)))
+        .map(|i| free_step(physics, g.material[i], g.mass[i], g.radius(i), g.stiffness_radius(i)))
         .fold(f64::INFINITY, f64::min);
     // without grains nothing bounds the step
     if least.is_finite() { physics.stepping.rayleigh() * resolved(physics) * least } else { 1.0 }
@@ -244,7 +244,7 @@ pub struct InertiaBuffers {
 fn set_inertia(state: &mut State, i: usize, inertia: f64) {
     let g = &mut state.grains;
     let before = g.inertia(i);
-    let (v, s, r) = (g.vel[i], g.spin[i], g.pos[i][3]);
+    let (v, s, r) = (g.vel[i], g.spin[i], g.radius(i));
     let v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     let s2 = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
     state.ledger.inertia += 0.5 * (inertia - before) * (v2 + 0.4 * r * r * s2);

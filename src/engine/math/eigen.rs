@@ -1,4 +1,4 @@
-//! Principal values and directions of a symmetric tensor by Jacobi's rotations: + − × ÷ √ in a stated order, the same bytes on every machine.
+//! Principal values and directions of a symmetric tensor by Jacobi's rotations, with + − × ÷ √ in a stated order: the same bits on every machine.
 
 /// Sweeps after which the off-diagonal entries of every tensor are rounding.
 const SWEEPS: usize = 10;

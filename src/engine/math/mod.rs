@@ -1,4 +1,4 @@
-//! Numbers: one or several side by side, vectors, functions and random draws that are the same bytes on every machine.
+//! Mathematics with the same bits on every machine: SIMD arithmetic, vectors, principal values of tensors, functions, random draws.
 
 pub mod eigen;
 pub mod portable;

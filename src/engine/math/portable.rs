@@ -1,19 +1,19 @@
-//! Power, exponential, logarithm, sine and ln Γ from + - * / in a stated order, so that what a run makes of them is the same
-//! bytes on every machine; the system library picks its own variant by instruction set.
+//! Power, exponential, logarithm, sine and ln Γ computed by + − × ÷ in a stated order, so that their results have the same bits on every machine. (System
+//! libraries choose different variants by instruction set.)
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-/// ln 2 in two parts; the first has trailing zeros, so that an exponent times it is exact.
+/// ln 2 in two parts. The first ends with zero bits, so that its product with an exponent is exact.
 const LN2_HIGH: f64 = 6.931_471_803_691_238e-1;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
-/// `base^exponent` for a positive `base`, to a few units in the last place while the result is not extreme.
-/// A `base` that is not a positive normal number gives NaN.
+/// `base` to the power of `exponent`, for a positive `base`; accurate to a few units in the last place unless the result is extreme. NaN if `base` is not a
+/// positive normal number.
 pub fn pow(base: f64, exponent: f64) -> f64 {
     exp(exponent * ln(base))
 }
 
-/// Natural logarithm of a positive normal number (else NaN): ln m = 2 artanh((m - 1) / (m + 1)), m in 0.7..1.42.
+/// Natural logarithm of a positive normal number (else NaN), with ln m = 2 artanh((m − 1)/(m + 1)) for the mantissa m in 0.7..1.42.
 pub fn ln(x: f64) -> f64 {
     if !(x.is_normal() && x > 0.0) {
         return f64::NAN;
@@ -36,7 +36,7 @@ pub fn ln(x: f64) -> f64 {
     e * LN2_HIGH + (e * LN2_LOW + 2.0 * s * (1.0 + sum))
 }
 
-/// Exponential: 2^n times the Taylor series of the remainder, |remainder| <= ln 2 / 2.
+/// Exponential function: 2^n times the Taylor series of the remainder, which is at most ln 2 / 2. Infinite above 709, 0 below −708.
 pub fn exp(x: f64) -> f64 {
     if x.is_nan() {
         return x;
@@ -57,7 +57,7 @@ pub fn exp(x: f64) -> f64 {
     sum * f64::from_bits(((n as i64 + 1023) as u64) << 52)
 }
 
-/// Sine of an angle within -pi/2..pi/2, rad, by its Taylor series.
+/// Sine of an angle from −π/2 to π/2, rad, by its Taylor series.
 pub fn sin(angle: f64) -> f64 {
     let square = angle * angle;
     let mut sum = 1.0;
@@ -67,7 +67,7 @@ pub fn sin(angle: f64) -> f64 {
     angle * sum
 }
 
-/// ln Γ(x) for x > 0: Stirling's series from x ≥ 12 on, Γ(x + 1) = x Γ(x) below.
+/// ln Γ(x) for x > 0: Stirling's series for x ≥ 12, and Γ(x + 1) = x Γ(x) below.
 pub fn ln_gamma(x: f64) -> f64 {
     const SERIES: [f64; 6] = [1.0 / 12.0, -1.0 / 360.0, 1.0 / 1260.0, -1.0 / 1680.0, 1.0 / 1188.0, -691.0 / 360_360.0];
     const HALF_LN_2_PI: f64 = 0.918_938_533_204_672_7;

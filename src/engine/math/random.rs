@@ -1,4 +1,5 @@
-//! Random draws keyed by a grain's lineage: every draw has a generator of its own, keyed by a seed and the lineage, so that no draw depends on the order of events.
+//! Random draws keyed by the lineage of a grain. Every draw has a generator of its own, made from a seed, the lineage and the purpose, so that no draw depends
+//! on the order of events.
 //!
 //! The hash is SplitMix64's (Steele, Lea & Flood 2014):
 //!
@@ -13,8 +14,9 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Streams of a lineage: its strength, and the azimuth of its splitting.
+/// Stream for the draw of a grain's strength.
 pub const STRENGTH: u64 = 1;
+/// Stream for the draw of the azimuth of a grain's splitting.
 pub const AZIMUTH: u64 = 2;
 
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
@@ -31,11 +33,10 @@ pub fn lineage_child(mother: u64, k: u32) -> u64 {
     combine(mother, u64::from(k) + 1)
 }
 
-/// A unit vector perpendicular to the unit vector `axis`, its azimuth uniform, from a stream apart from the strength's.
-/// Every axis will do.
+/// A random unit vector perpendicular to the unit vector `axis` (of any direction), uniform in its azimuth, from the stream [`AZIMUTH`].
 pub fn random_perpendicular(seed: u64, lineage: u64, axis: [f64; 3]) -> [f64; 3] {
     let mut rng = generator(seed, lineage, AZIMUTH);
-    // A right-handed frame about the axis without a special direction (Duff et al. 2017).
+    // Two unit vectors perpendicular to the axis, without a case distinction (Duff et al. 2017).
     let [x, y, z] = axis;
     let sign = if z < 0.0 { -1.0 } else { 1.0 };
     let a = -1.0 / (sign + z);
@@ -55,7 +56,7 @@ pub fn random_perpendicular(seed: u64, lineage: u64, axis: [f64; 3]) -> [f64; 3]
     [w[0] / length, w[1] / length, w[2] / length]
 }
 
-/// Three numbers uniform in 0..1, from the lineage alone.
+/// Three uniform numbers in 0..1, from the lineage alone (without a seed).
 pub fn lineage_uniform(lineage: u64) -> [f64; 3] {
     [1, 2, 3].map(|k| (mix(combine(lineage, PLACES + k)) >> 11) as f64 / (1_u64 << 53) as f64)
 }
@@ -65,7 +66,7 @@ pub fn positive_unit(rng: &mut ChaCha8Rng) -> f64 {
     ((rng.next_u64() >> 11) as f64 + 1.0) / (1_u64 << 53) as f64
 }
 
-/// A number uniform in -1..1.
+/// A uniform number in −1..1.
 fn symmetric_unit(rng: &mut ChaCha8Rng) -> f64 {
     let unit = (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     2.0 * unit - 1.0
@@ -81,7 +82,7 @@ fn combine(a: u64, b: u64) -> u64 {
     mix(mix(a.wrapping_add(GOLDEN)).wrapping_add(b.wrapping_mul(GOLDEN)))
 }
 
-/// The generator of one draw.
+/// Generator of one draw: for a seed, a lineage and a stream.
 pub fn generator(seed: u64, lineage: u64, stream: u64) -> ChaCha8Rng {
     let mut state = combine(combine(seed, lineage), stream);
     let mut bytes = [0; 32];

@@ -1,33 +1,35 @@
-//! Where there is material: blocks of 4 × 4 (× 4) cells, and the points sorted by block, cell and id.
+//! Sparse storage of the grid: blocks of 4 × 4 (× 4) cells exist only where there are points, and the points are sorted by block, cell and identity.
 //!
-//! A point belongs to the cell whose first node its shape functions reach, so all points of a cell reach the same nodes and those of a block
-//! a tile of 6 × 6 (× 6). Blocks stand in the order of their keys. Everything here is scratch.
+//! A point belongs to the cell whose number is that of the first node that its shape functions reach. So all points of a cell reach the same nodes,
+//! and those of a block a *tile* of 6 × 6 (× 6) nodes. Blocks are in the order of their keys. Everything here can be made again from the points.
 
 use super::points::Points;
 use rayon::prelude::*;
 
-/// Cells along a block's edge, and nodes along its tile's.
+/// Number of cells along the edge of a block.
 pub const EDGE: usize = 4;
+/// Number of nodes along the edge of a tile.
 pub const TILE: usize = EDGE + 2;
-/// No block, no cell.
+/// Stands for "no block" or "no node".
 pub const NONE: u32 = u32::MAX;
-/// A point that stays in its cell.
+/// Stands for a point that stays in its cell, in place of a key.
 pub const STAYS: u64 = u64::MAX;
-/// Added to cell coordinates so that they are positive: domains reach this many cells to each side.
+/// Added to cell coordinates to make them positive: cells from −2²⁰ to 2²⁰ − 1 along each axis have a key.
 pub const BIAS: i32 = 1 << 20;
+/// Bits of a block's coordinate in its key.
 const BITS: u32 = 19;
 
-/// Cells, and own nodes, of a block in `d` dimensions.
+/// Number of cells of a block in `d` dimensions; also the number of nodes that belong to it.
 pub const fn cells(d: usize) -> usize {
     EDGE.pow(d as u32)
 }
 
-/// Nodes of a tile in `d` dimensions.
+/// Number of nodes of a tile in `d` dimensions.
 pub const fn tile(d: usize) -> usize {
     TILE.pow(d as u32)
 }
 
-/// Number of a cell: its block's key and its place there. Ordered as points stand in memory.
+/// Key of a cell: the key of its block and its number in the block. Points are sorted by these keys.
 #[inline(always)]
 pub fn cell_key<const D: usize>(cell: [i32; 3]) -> u64 {
     let [x, y, z] = cell.map(|c| (c + BIAS) as u64);
@@ -37,38 +39,43 @@ pub fn cell_key<const D: usize>(cell: [i32; 3]) -> u64 {
     (block << bits) | local
 }
 
-/// First cell of the block with this key.
+/// Coordinates of the first cell of the block with this key.
 pub fn block_corner(key: u64) -> [i32; 3] {
     let mask = (1 << BITS) - 1;
     [key & mask, (key >> BITS) & mask, key >> (2 * BITS)].map(|b| (b as i32) * EDGE as i32 - BIAS)
 }
 
-/// Key of the block so many blocks further along each axis.
+/// Key of the block `by` blocks further along each axis.
 fn shifted(key: u64, by: [i64; 3]) -> u64 {
     (key as i64 + by[0] + (by[1] << BITS) + (by[2] << (2 * BITS))) as u64
 }
 
-/// The blocks and what links them.
+/// The blocks with points, the blocks with nodes, and the links between them.
 #[derive(Clone, Debug, Default)]
 pub struct CellBlocks {
     /// Keys of the blocks that hold points, in order.
     pub keys: Vec<u64>,
-    /// First point of each cell of each of them, and the number of points at the end.
+    /// Index of the first point of each cell of each of these blocks; at the end the number of points.
     pub starts: Vec<u32>,
     /// Keys of the blocks that hold nodes, in order.
     pub node_keys: Vec<u64>,
-    /// Of each block with points: the blocks that its tile's nodes belong to (x fastest).
+    /// Of each block with points: the (up to eight) blocks of nodes that its tile covers, x changing fastest.
     pub ahead: Vec<[u32; 8]>,
-    /// Of each block with nodes: the blocks whose tiles reach it, in the same order.
+    /// Of each block with nodes: the blocks of points whose tiles cover it, in the same order.
     pub behind: Vec<[u32; 8]>,
+    /// Points that change their cell, in the order of their new places.
     movers: Vec<Mover>,
+    /// Old indices of these points, in order.
     leavers: Vec<u32>,
+    /// Old index of each point in a new order.
     source: Vec<u32>,
+    /// Buffers for arrays on the way to a new order.
     spare: Spare,
+    /// Buffers for `keys` and `starts`.
     other: (Vec<u64>, Vec<u32>),
 }
 
-/// A point that goes to another cell; in the order of its new place.
+/// A point that changes its cell; ordered by new cell, then by identity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Mover {
     key: u64,
@@ -76,7 +83,7 @@ struct Mover {
     from: u32,
 }
 
-/// Room for one array on its way to another order.
+/// Buffers, one for each type of array.
 #[derive(Clone, Debug, Default)]
 struct Spare {
     numbers: Vec<[f64; 4]>,
@@ -88,16 +95,18 @@ struct Spare {
 }
 
 impl CellBlocks {
+    /// Number of blocks with points.
     pub fn len(&self) -> usize {
         self.keys.len()
     }
 
-    /// Points of block `b` in dimension `d`.
+    /// Indices of the points of block `b` in `d` dimensions.
     pub fn points(&self, b: usize, d: usize) -> std::ops::Range<usize> {
         self.starts[b * cells(d)] as usize..self.starts[(b + 1) * cells(d)] as usize
     }
 
-    /// Sorts all points, wherever they are, by `key_of`, and the places of forces that wait for them, where there are some.
+    /// Sorts all points by the cell keys that `key_of` gives for their positions, whatever their order is now. `forces`: entries of external forces of the
+    /// points, sorted along if there are any.
     pub fn sort<const D: usize>(&mut self, points: &mut Points, forces: &mut [u32], key_of: impl Fn(&[f64; 4]) -> u64) {
         let n = points.len();
         let mut order: Vec<Mover> =
@@ -130,8 +139,8 @@ impl CellBlocks {
         self.link::<D>();
     }
 
-    /// Moves the points that have crossed: `target` has the new cell of each, `left` how many of each block have left their cell. Answers
-    /// whether blocks have come or gone.
+    /// Moves the points that have left their cells to their new places. `target`: key of the new cell of each of them, `STAYS` for others; `left`: number of
+    /// such points of each block. Returns whether the set of blocks has changed.
     pub fn resort<const D: usize>(&mut self, points: &mut Points, target: &[u64], left: &[u32]) -> bool {
         self.movers.clear();
         self.leavers.clear();
@@ -156,7 +165,7 @@ impl CellBlocks {
         new_blocks
     }
 
-    /// Blocks for the movers; blocks without points go.
+    /// Adds the blocks to which points move, and removes blocks without points.
     fn add_blocks<const D: usize>(&mut self) {
         let (keys, starts) = (&mut self.other.0, &mut self.other.1);
         keys.clear();
@@ -183,15 +192,15 @@ impl CellBlocks {
         std::mem::swap(&mut self.starts, &mut self.other.1);
     }
 
-    /// Cell with this key, counted through the blocks.
+    /// Number of the cell with this key, counted through all blocks.
     fn cell_of<const D: usize>(&self, key: u64) -> usize {
         let b = self.keys.binary_search(&(key >> (2 * D))).expect("movers have blocks");
         b * cells(D) + (key as usize & (cells(D) - 1))
     }
 
-    /// Merges the movers (in their new order) with those that stay; only what lies between the first and the last change is touched.
+    /// Merges the points that move (in their new order) with those that stay. Only the range from the first to the last change is rewritten.
     fn merge<const D: usize>(&mut self, points: &mut Points) {
-        // starts of the same value are empty cells: the last one of them holds the point
+        // of several cells with the same start only the last one has points
         let holder = |starts: &[u32], i: u32| starts.partition_point(|&s| s <= i) - 1;
         let (first, last) = (self.leavers[0], self.leavers[self.leavers.len() - 1]);
         let (low, high) = (self.movers[0].key, self.movers[self.movers.len() - 1].key);
@@ -201,7 +210,7 @@ impl CellBlocks {
         let CellBlocks { keys, starts, movers, leavers, source, .. } = self;
         let (mut movers, mut leavers) = (movers.iter().peekable(), leavers.iter().peekable());
         source.clear();
-        // old start of the cell, which is overwritten as soon as it is known
+        // old start of the cell at hand; `starts` is overwritten meanwhile
         let mut start = from;
         for c in low..=high {
             let key = (keys[c / cells(D)] << (2 * D)) | (c % cells(D)) as u64;
@@ -232,7 +241,7 @@ impl CellBlocks {
         permute(points, from as usize, &self.source, &mut self.spare);
     }
 
-    /// Finds the blocks of nodes and who reaches whom.
+    /// Finds the blocks of nodes, and the links between blocks of points and blocks of nodes.
     fn link<const D: usize>(&mut self) {
         let around = |k: usize| [(k & 1) as i64, (k >> 1 & 1) as i64, (k >> 2) as i64];
         let count = 1 << D;
@@ -257,7 +266,7 @@ impl CellBlocks {
         );
     }
 
-    /// Calls `visit` with the points of the cells from `low` to `high`, a run of cells at a time.
+    /// Calls `visit` with the indices of the points of the cells from `low` to `high` (both included), for a row of cells at a time.
     pub fn visit<const D: usize>(&self, low: [i32; 3], high: [i32; 3], mut visit: impl FnMut(std::ops::Range<usize>)) {
         let edge = EDGE as i32;
         let span = |a: usize| if a < D { low[a].div_euclid(edge)..=high[a].div_euclid(edge) } else { 0..=0 };
@@ -266,7 +275,7 @@ impl CellBlocks {
                 for bx in span(0) {
                     let corner = [bx * edge, by * edge, bz * edge];
                     let Ok(b) = self.keys.binary_search(&(cell_key::<D>(corner) >> (2 * D))) else { continue };
-                    // cells of the block that are asked for
+                    // range of cells of this block
                     let of = |a: usize| {
                         let (from, to) = (low[a].max(corner[a]) - corner[a], high[a].min(corner[a] + edge - 1) - corner[a]);
                         if a < D { from as usize..to as usize + 1 } else { 0..1 }
@@ -283,14 +292,14 @@ impl CellBlocks {
         }
     }
 
-    /// The node at this place, counted through the blocks of nodes; `None` where no block holds it.
+    /// Index of the node with these coordinates, counted through the blocks of nodes; `None` if no block holds it.
     pub fn node<const D: usize>(&self, node: [i32; 3]) -> Option<u32> {
         let key = cell_key::<D>(node);
         let b = self.node_keys.binary_search(&(key >> (2 * D))).ok()?;
         Some((b * cells(D)) as u32 + (key as u32 & (cells(D) as u32 - 1)))
     }
 
-    /// Bytes held.
+    /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         let s = &self.spare;
         8 * (self.keys.capacity()
@@ -307,7 +316,7 @@ impl CellBlocks {
     }
 }
 
-/// Puts the points `source` in the places from `first` on.
+/// Sorts all arrays of points: the places from `first` on get the points with the old indices `source`.
 fn permute(points: &mut Points, first: usize, source: &[u32], spare: &mut Spare) {
     array(&mut points.position, first, source, &mut spare.numbers);
     array(&mut points.velocity, first, source, &mut spare.numbers);
@@ -328,15 +337,16 @@ fn permute(points: &mut Points, first: usize, source: &[u32], spare: &mut Spare)
     }
 }
 
-/// Points of one task.
+/// Number of points of one parallel task.
 const TASK: usize = 4096;
 
+/// Sorts one array; arguments as of [`permute`].
 fn array<T: Copy + Default + Send + Sync>(values: &mut [T], first: usize, source: &[u32], spare: &mut Vec<T>) {
     fetch(source, spare, values.len(), values, |values, from| values[from]);
     values[first..first + source.len()].copy_from_slice(&spare[..source.len()]);
 }
 
-/// The same for arrays of `N` parts, a part after another: less room.
+/// Sorts an array of entries with `N` parts, one part after the other, which needs smaller buffers.
 fn parts<T: Copy + Default + Send + Sync, const N: usize>(values: &mut [T], first: usize, source: &[u32], spare: &mut Vec<T>) {
     for part in 0..N {
         fetch(source, spare, values.len() / N, values, |values, from| values[from * N + part]);
@@ -346,6 +356,7 @@ fn parts<T: Copy + Default + Send + Sync, const N: usize>(values: &mut [T], firs
     }
 }
 
+/// Copies the values with the old indices `source` into the buffer `spare`.
 fn fetch<T: Copy + Default + Send + Sync>(
     source: &[u32],
     spare: &mut Vec<T>,
@@ -354,7 +365,7 @@ fn fetch<T: Copy + Default + Send + Sync>(
     of: impl Fn(&[T], usize) -> T + Sync,
 ) {
     if spare.len() < source.len() {
-        // all that can be asked for, so that it happens once
+        // as large as it can ever be needed, so that memory is taken once
         spare.resize(room, T::default());
     }
     let spare = &mut spare[..source.len()];

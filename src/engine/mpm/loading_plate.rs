@@ -1,15 +1,16 @@
-//! Loading plates: rigid planes, and upright shells, that press on material points as on grains (Li et al. 2023, section 2.3), so that nothing of their
-//! place between two nodes is felt.
+//! Loading plates: rigid planes, and upright cylindrical shells, that press on material points by contacts as on grains (Li et al. 2023, section 2.3).
+//! A plate can so stand anywhere between two nodes of the grid.
 //!
-//! A point near a loading plate is a ghost sphere, eq. 22: (1 − n) V = 4/3 π r³ with its current porosity n and volume V. That is its solid volume,
-//! which stays: r is a constant of the point. The force is Hertz's for a sphere on a rigid plane, F = 4/3 E* √r δ^{3/2} (eqs 18, 20 with the
-//! plane's infinite radius and stiffness), without friction. In plane strain the ghost is a disc, (1 − n) V = π r² with V per metre of
-//! thickness, which stands for a row of touching spheres of its radius, 1/(2 r) of them per metre.
+//! A point touches a plate as a sphere, its ghost, with (1 − n) V = 4/3 π r³ (eq. 22), where n is the porosity and V the volume of the point. (1 − n) V is
+//! the volume of solids, which does not change, so r is a constant of the point. The force is that of Hertz for a sphere on a rigid plane,
+//! F = 4/3 E* √r δ^{3/2} with the overlap δ (eqs 18, 20 with infinite radius and modulus of the plane), without friction. In plane strain the ghost is a
+//! disc, (1 − n) V = π r² with V per metre of thickness, and stands for a row of touching spheres of radius r, 1/(2r) of them per metre.
 //!
-//! Li et al. spread the force to the nodes from the point (eq. 29). Here it acts on the point's face, where the material ends: a uniform stress is then in balance up to there,
-//! where otherwise the outermost points would bear a fraction of it, and moduli come out too high by half a point's edge over the length at each end. The face is followed with
-//! the nodes' velocities from the first touch on ([`super::Points::faces`]), and the ghost stays as far inside the material from it as at the start. So planes stand along the
-//! axes, and a shell's points in rings; each component of a shell's force acts on the face across its own axis.
+//! Li et al. spread the force from the centre of the point to the nodes (eq. 29). Here the force acts on the *face* of the point, where the material ends.
+//! Then a uniform stress is in equilibrium up to the face. With the force at the centre the outermost points carry only a part of the stress, and
+//! moduli are too high by half a point's edge over the specimen's length at each end. From the first touch on the face is moved with the
+//! nodes' velocities ([`super::Points::faces`]), and the ghost keeps its distance from the face inside of the material. So planes must stand across the
+//! axes, and points in a shell must be in rings; each component of a shell's force acts on the face across its own axis.
 
 use super::{Continuum, Dimension, Points, Settings};
 use crate::error::{Error, Result};
@@ -17,44 +18,46 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// A loading plate and what is known of it.
+/// A loading plate with its motion, and the sums over its contacts at the last call of [`press`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoadingPlate {
-    /// A point on it, m, and its unit normal, towards the material. Of a shell: a point of its axis, and nothing.
+    /// A point on the plane, m; of a shell a point of its axis.
     pub point: [f64; 3],
+    /// Unit normal of the plane, towards the material; zero for a shell.
     pub normal: [f64; 3],
-    /// Radius of a shell, m, that stands upright around the material.
+    /// Radius, m, if the plate is an upright shell around the material; `None`: a plane.
     pub radius: Option<f64>,
-    /// Into the material, m/s.
+    /// Speed, m/s, positive into the material.
     pub speed: f64,
-    /// E* of its contacts, Pa.
+    /// Effective modulus E* of the contacts with points, Pa.
     pub modulus: f64,
-    /// Force of the points on it along its normal, N, the sum of what each point was given (per metre in plane strain; on a shell of the radial forces).
+    /// Sum of the normal forces of the points, N (per metre in plane strain), positive in compression.
     pub reaction: f64,
-    /// Sum of the contacts' tangent stiffness, N/m.
+    /// Sum of the tangent stiffnesses of the contacts, N/m.
     pub stiffness: f64,
-    /// Elastic energy of its contacts, J.
+    /// Elastic energy of the contacts, J.
     pub stored: f64,
-    /// Work done on the points, J: trapezium rule over every step.
+    /// Work of the plate on the points so far, J, by the trapezium rule over every step.
     pub work: f64,
-    /// Largest tangent stiffness over mass of a point, 1/s²: what bounds the time step.
+    /// Largest tangent stiffness over mass of a point in contact, 1/s², which bounds the time step ([`super::with_plates`]).
     pub rate: f64,
-    /// Force, N, and tangent stiffness, N/m, of what else presses on it: grains.
+    /// Force, N, and tangent stiffness, N/m, of the grains on the plate, if there are grains; set by the caller.
     pub others: [f64; 2],
-    /// Points that it touches.
+    /// Number of points in contact.
     pub touching: u64,
     /// Largest ghost radius of all points, m.
     reach: f64,
-    /// Distance moved since the last contact, m.
+    /// Distance by which the plate has moved into the material since contact forces were last computed, m.
     pub moved: f64,
+    /// Points in contact, in the order of identities.
     #[serde(skip)]
     contacts: Vec<PlateContact>,
-    /// Points that it no longer touches, by index.
+    /// Indices of points that have ceased to be in contact.
     #[serde(skip)]
     left: Vec<u32>,
 }
 
-/// A point in touch: identity, index, overlap, radius, tangent stiffness, unit normal into the material.
+/// A point in contact with a plate: identity, index, overlap, m, ghost radius, m, tangent stiffness, N/m, unit normal into the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PlateContact {
     id: u32,
@@ -65,17 +68,18 @@ struct PlateContact {
     normal: [f64; 3],
 }
 
-/// All loading plates press: what they touch is found for several at once, what they give back summed one after the other.
+/// Computes the contact forces of all plates, adds them to the points for the next step, and sums reactions, energy and work of each plate. Contacts are
+/// found in parallel over plates; sums are taken one plate after the other.
 ///
 /// # Errors
-/// A point whose centre a loading plate has passed.
+/// A plate that has passed the centre of a point.
 pub fn press(plates: &mut [LoadingPlate], continuum: &mut Continuum) -> Result<()> {
     let points = &*continuum;
     plates.par_iter_mut().for_each(|plate| plate.find_contacts(points));
     plates.iter_mut().try_for_each(|plate| plate.apply_forces(continuum))
 }
 
-/// Ghost radius, m, of a point of so much solid volume (Li et al. 2023, eq. 22; in plane strain a disc's).
+/// Ghost radius, m, of a point with the volume of solids `solid`, m³ (Li et al. 2023, eq. 22); in plane strain the radius of a disc of area `solid`, m².
 pub fn ghost_radius(dimension: Dimension, solid: f64) -> f64 {
     match dimension {
         Dimension::Space => cube_root(solid * (0.75 / PI)),
@@ -83,24 +87,24 @@ pub fn ghost_radius(dimension: Dimension, solid: f64) -> f64 {
     }
 }
 
-/// Overlap, m, at which a point bears the force `force`, N.
+/// Overlap, m, of a point of ghost radius `radius`, m, with a plate of modulus `modulus`, Pa, under the force `force`, N: the inverse of Hertz's law.
 pub fn overlap(dimension: Dimension, modulus: f64, radius: f64, force: f64) -> f64 {
     let coefficient = 4.0 / 3.0 * modulus * radius.sqrt() * row(dimension, radius);
     let root = cube_root(force / coefficient);
     root * root
 }
 
-/// Spheres per ghost: one, or a row per metre.
+/// Number of spheres that a ghost stands for: one, or in plane strain a row of 1/(2r) per metre.
 fn row(dimension: Dimension, radius: f64) -> f64 {
     if dimension == Dimension::Space { 1.0 } else { 0.5 / radius }
 }
 
-/// From + − × ÷ alone, so that it is the same bits everywhere; 0 for what is not positive.
+/// Cube root from + − × ÷ alone, with the same bits on every machine; 0 for a number that is not positive and normal.
 pub(super) fn cube_root(x: f64) -> f64 {
     if !(x.is_normal() && x > 0.0) {
         return 0.0;
     }
-    // a third of the exponent, then Halley's steps, each of which triples the digits
+    // start with a third of the exponent; each step of Halley's method triples the number of correct digits
     let mut y = f64::from_bits(x.to_bits() / 3 + 0x2A9F_7893_782D_A1CE);
     for _ in 0..4 {
         let cube = y * y * y;
@@ -109,14 +113,14 @@ pub(super) fn cube_root(x: f64) -> f64 {
     y
 }
 
-/// A point whose centre a loading plate has passed.
+/// Error: a plate has passed the centre of point `id`.
 pub fn passed(step: u64, id: u32) -> Error {
     let what = format!("a platen has passed point {id}: its speed or the time step is too large, or the material too soft for it");
     Error::Unstable { step, what, grain: None }
 }
 
 impl LoadingPlate {
-    /// A loading plate at rest, for the points of `continuum`.
+    /// A plane at rest with a point and a unit normal towards the material, for the points of `continuum`; `modulus`: E* of its contacts, Pa.
     pub fn new(continuum: &Continuum, point: [f64; 3], normal: [f64; 3], modulus: f64) -> LoadingPlate {
         let points = continuum.points();
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
@@ -140,12 +144,12 @@ impl LoadingPlate {
         }
     }
 
-    /// A shell at rest around an upright axis through `point`.
+    /// A shell at rest around the upright axis through `point`, with its radius, m, and the modulus E* of its contacts, Pa.
     pub fn shell(continuum: &Continuum, point: [f64; 3], radius: f64, modulus: f64) -> LoadingPlate {
         LoadingPlate { radius: Some(radius), ..LoadingPlate::new(continuum, point, [0.0; 3], modulus) }
     }
 
-    /// How far a place is from its surface, m, and the unit normal there, into the material.
+    /// Distance of a position from the surface of the plate, m (negative behind it), and the unit normal there, into the material.
     pub fn height(&self, p: [f64; 4]) -> (f64, [f64; 3]) {
         let d: [f64; 3] = std::array::from_fn(|a| p[a] - self.point[a]);
         let Some(radius) = self.radius else {
@@ -157,12 +161,13 @@ impl LoadingPlate {
         (radius - rho, [d[0] * inverse, d[1] * inverse, 0.0])
     }
 
-    /// Axis of its normal; of a shell the first.
+    /// Index of the axis along which the normal points; 0 for a shell.
     pub fn axis(&self) -> usize {
         (0..3).find(|&a| self.normal[a] != 0.0).unwrap_or(0)
     }
 
-    /// Pushes the points in touch, for the next step, and sums what they give back in the order of ids. Where it has passed a point it does neither.
+    /// Adds the forces of the contacts to the points for the next step and sums them in the order of identities. Nothing is done if the plate has passed a
+    /// point.
     fn apply_forces(&mut self, continuum: &mut Continuum) -> Result<()> {
         if let Some(contact) = self.contacts.iter().find(|c| c.overlap > c.radius) {
             return Err(passed(continuum.steps(), contact.id));
@@ -187,7 +192,7 @@ impl LoadingPlate {
         Ok(())
     }
 
-    /// Where the ghost of a point is, m: as far inside the material from its face as at the start; whether its face is followed.
+    /// Position of the ghost of a point, m, at its constant distance from the followed face if there is one; and whether a face is followed.
     fn ghost(&self, points: &Points, index: usize, dimension: Dimension) -> ([f64; 4], bool) {
         let (mut place, mut followed) = (points.position[index], false);
         if let Some([beside, face]) = points.faces.get(index) {
@@ -199,7 +204,7 @@ impl LoadingPlate {
         (place, followed)
     }
 
-    /// The points in touch, in the order of ids.
+    /// Finds the points in contact, in the order of identities.
     fn find_contacts(&mut self, continuum: &Continuum) {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let (mut contacts, mut left) = (std::mem::take(&mut self.contacts), std::mem::take(&mut self.left));
@@ -222,7 +227,7 @@ impl LoadingPlate {
         (self.contacts, self.left) = (contacts, left);
     }
 
-    /// Corners of the part of the domain where points may touch it, m: of a plane along the axes what lies behind it and within reach.
+    /// Corners of a box that holds all points that may be in contact, m: the domain, for a plane across an axis only its part behind the plate and within reach.
     fn vicinity(&self, continuum: &Continuum) -> [[f64; 3]; 2] {
         let Settings { lower, cells, cell, .. } = continuum.settings();
         let mut corners = [*lower, std::array::from_fn(|a| lower[a] + f64::from(cells[a]) * cell)];
@@ -234,19 +239,19 @@ impl LoadingPlate {
         corners
     }
 
-    /// Force of everything on it along its normal, N.
+    /// Normal force of points and grains on the plate, N, positive in compression.
     pub fn force(&self) -> f64 {
         self.reaction + self.others[0]
     }
 
-    /// Moves with its speed for `dt` seconds.
+    /// Moves the plate at its speed for `dt` seconds.
     pub fn advance(&mut self, dt: f64) {
         let step = self.speed * dt;
         self.moved += step;
         self.shift(step);
     }
 
-    /// So far into the material, m.
+    /// Moves the plate by `step` into the material, m.
     fn shift(&mut self, step: f64) {
         for (x, n) in self.point.iter_mut().zip(self.normal) {
             *x += step * n;
@@ -256,7 +261,7 @@ impl LoadingPlate {
         }
     }
 
-    /// Takes back the way since the last contact.
+    /// Takes back the motion since contact forces were last computed.
     #[cfg(feature = "gpu")]
     pub fn withdraw(&mut self) {
         self.shift(-self.moved);

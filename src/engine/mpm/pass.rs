@@ -1,5 +1,5 @@
-//! Passes over the points, a block after another: each writes its own points and its own tile, so blocks go in any order and on any thread.
-//! Inside a block points go cell by cell, and in the order of ids in a cell: the sums are those of the state alone.
+//! Loops over all points (*passes*), block by block. A block writes only its own points and its own tile of nodes, so blocks can be done in any order and on
+//! any thread. In a block, points are taken cell by cell and in the order of identities in a cell, so sums depend on the state alone.
 
 use super::blocks::{BIAS, CellBlocks, EDGE, STAYS, TILE, block_corner, cell_key, cells, tile};
 use super::external_forces::{ExternalForces, PointForce};
@@ -15,91 +15,119 @@ use crate::math::real::{Four, Plain, quads};
 use pulp::Arch;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Points of one task.
+/// Largest number of points in a parallel task, unless a block has more.
 const TASK: usize = 2048;
 
-/// Which pass.
+/// The passes, as constants for generic code.
 pub mod stage {
-    /// Mass and momentum to the tiles.
+    /// Momentum and mass of the points to the tiles.
     pub const PROJECT: u8 = 0;
-    /// Strain from the nodes' velocities, stress, internal forces to the tiles.
+    /// Strain of the points from the nodes' velocities, new stress, internal forces to the tiles.
     pub const STRESS: u8 = 1;
-    /// Internal forces of the stress as it is.
+    /// Internal forces of the present stress to the tiles.
     pub const FORCES: u8 = 2;
-    /// Forces from outside, added to the tiles.
+    /// External forces, added to the tiles.
     pub const EXTERNAL: u8 = 3;
-    /// Velocities and positions from the nodes.
+    /// New velocities and positions of the points from the nodes.
     pub const MOVE: u8 = 4;
 }
 
-/// What has gone wrong with a point; the lowest id is told.
+/// Why a point is lost. Of several points the one with the lowest identity is reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
+    /// Its position is not finite.
     NotFinite,
+    /// It has left the grid.
     OutsideGrid,
+    /// It has moved by more than one cell in a step.
     TooFast,
+    /// Its volume is not positive.
     Inverted,
 }
 
 impl Fault {
     const ALL: [Fault; 4] = [Fault::NotFinite, Fault::OutsideGrid, Fault::TooFast, Fault::Inverted];
 
+    /// Reports the fault of point `id` into the shared word `faults`.
     fn report(self, faults: &AtomicU64, id: u32) {
         faults.fetch_min((u64::from(id) << 8) | self as u64, Ordering::Relaxed);
     }
 
-    /// What was told, with the id of the point.
+    /// The fault with the lowest identity that was reported, and that identity; `None` without a fault.
     pub fn reported(faults: u64) -> Option<(Fault, u32)> {
         (faults != u64::MAX).then(|| (Fault::ALL[(faults & 3) as usize], (faults >> 8) as u32))
     }
 }
 
-/// What all blocks read.
+/// Input of a pass, read by all blocks.
 pub struct Pass<'a, S> {
+    /// Instruction set.
     pub arch: Arch,
+    /// Shape functions.
     pub shape: S,
+    /// Blocks of cells that hold points.
     pub blocks: &'a CellBlocks,
+    /// Constitutive laws.
     pub laws: &'a [Law],
+    /// Lower corner of the domain, m.
     pub lower: [f64; 3],
+    /// Edge of a cell, m.
     pub cell: f64,
+    /// Number of cells of the domain along each axis.
     pub size: [i32; 3],
+    /// Time step, s.
     pub dt: f64,
-    /// 1: PIC, 0: FLIP (Li et al. 2023, eq. 30).
+    /// Share of PIC: 1 is PIC, 0 is FLIP (Li et al. 2023, eq. 30).
     pub pic: f64,
+    /// Velocities of the nodes, m/s.
     pub velocity: &'a [[f64; 4]],
+    /// Changes of the nodes' velocities in this step, m/s; fourth number: stiffness of external forces over mass, 1/s².
     pub change: &'a [[f64; 4]],
+    /// Constitutive law of each point.
     pub law: &'a [u8],
+    /// Identity of each point.
     pub id: &'a [u32],
+    /// External forces on points.
     pub external_forces: &'a ExternalForces,
+    /// Where faults are reported.
     pub faults: &'a AtomicU64,
 }
 
-/// What some blocks write.
+/// Output of a pass for a range of blocks: slices of the points' arrays and of arrays with one entry per block.
 pub struct BlockSlices<'a> {
+    /// First block.
     pub first: usize,
+    /// Number of blocks.
     pub count: usize,
+    /// As [`super::Points::position`].
     pub position: &'a mut [[f64; 4]],
+    /// As [`super::Points::velocity`].
     pub velocity: &'a mut [[f64; 4]],
+    /// As [`super::Points::stress`].
     pub stress: &'a mut [Sym],
+    /// As [`super::Points::memory`].
     pub memory: &'a mut [InternalVariables],
-    /// Empty without APIC.
+    /// As [`super::Points::affine`]; empty without APIC.
     pub affine: &'a mut [[[f64; 3]; 3]],
-    /// Empty unless something asks for it.
+    /// As [`super::Points::transport_velocity`]; empty unless it is kept.
     pub transport_velocity: &'a mut [[f64; 3]],
-    /// Empty unless loading plates press.
+    /// As [`super::Points::faces`]; empty unless loading plates press.
     pub faces: &'a mut [Face],
-    /// New cell of each point that leaves its own.
+    /// Key of the new cell of each point that leaves its cell; `STAYS` for others.
     pub target: &'a mut [u64],
+    /// Tiles of the blocks.
     pub tiles: &'a mut [[f64; 4]],
-    /// Of each block: points that leave their cell; stress work, J.
+    /// Of each block: number of points that leave their cell.
     pub left: &'a mut [u32],
+    /// Of each block: work of the stresses, J.
     pub work: &'a mut [f64],
-    /// Of each block: the largest of [`super::Continuum::contact_frequency_bound`], where carrying velocities are kept.
+    /// Of each block: largest value over its points of the sum that bounds [`super::Continuum::contact_frequency_bound`], 1/s²; 0 unless transport
+    /// velocities are kept.
     pub contact_frequency: &'a mut [f64],
 }
 
 impl<'a> BlockSlices<'a> {
-    /// The first `blocks` blocks with their `points` points, and the others.
+    /// Splits into the first `blocks` blocks with their `points` points, and the rest.
     fn split<const D: usize>(self, blocks: usize, points: usize) -> (BlockSlices<'a>, BlockSlices<'a>) {
         let (p0, p1) = self.position.split_at_mut(points);
         let (v0, v1) = self.velocity.split_at_mut(points);
@@ -149,13 +177,13 @@ impl<'a> BlockSlices<'a> {
     }
 }
 
-/// Goes over the blocks of `part`, shared among threads.
+/// Runs the pass `STAGE` over the blocks of `part`, in parallel.
 pub fn run<const STAGE: u8, const D: usize, S: ShapeFunction>(pass: &Pass<'_, S>, part: BlockSlices<'_>) {
     let points = part.position.len();
     if points <= TASK || part.count < 2 {
         return dispatch::<STAGE, D, S>(pass, part);
     }
-    // the block that holds the point in the middle
+    // split at the block that holds the middle point
     let start = |b: usize| pass.blocks.starts[b * cells(D)] as usize;
     let first = start(part.first);
     let (mut low, mut high) = (part.first + 1, part.first + part.count - 1);
@@ -168,6 +196,7 @@ pub fn run<const STAGE: u8, const D: usize, S: ShapeFunction>(pass: &Pass<'_, S>
     rayon::join(|| run::<STAGE, D, S>(pass, left), || run::<STAGE, D, S>(pass, right));
 }
 
+/// Runs the pass with the best instructions that `pass.arch` allows.
 fn dispatch<const STAGE: u8, const D: usize, S: ShapeFunction>(pass: &Pass<'_, S>, part: BlockSlices<'_>) {
     match quads(pass.arch) {
         #[cfg(target_arch = "x86_64")]
@@ -179,6 +208,7 @@ fn dispatch<const STAGE: u8, const D: usize, S: ShapeFunction>(pass: &Pass<'_, S
     }
 }
 
+/// Runs the pass over the blocks of `part` one after the other.
 #[inline(always)]
 fn some<F: Four, const STAGE: u8, const D: usize, S: ShapeFunction>(token: F::Token, pass: &Pass<'_, S>, part: BlockSlices<'_>) {
     let first_point = pass.blocks.starts[part.first * cells(D)] as usize;
@@ -190,7 +220,7 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: ShapeFunction>(token: F::To
         let corner = block_corner(pass.blocks.keys[b]);
         let starts = &pass.blocks.starts[b * cells(D)..=(b + 1) * cells(D)];
         if starts[0] == starts[cells(D)] {
-            // a block that has lost its last point
+            // a block without points any more
             if matches!(STAGE, stage::PROJECT | stage::STRESS | stage::FORCES) {
                 part.tiles[k * tile(D)..][..tile(D)].fill([0.0; 4]);
             }
@@ -230,25 +260,30 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: ShapeFunction>(token: F::To
     }
 }
 
-/// Sums over a block.
+/// Sums over the points of a block; the fields are those of [`BlockSlices`].
 struct BlockSums {
     left: u32,
     work: f64,
     contact_frequency: f64,
 }
 
-/// One point: its index in the part and in the whole, where its first node stands in the tile, its cell and its block in the part.
+/// One point of a pass.
 #[derive(Clone, Copy)]
 struct At<T> {
     token: T,
+    /// Index in the slices.
     i: usize,
+    /// Index in the whole arrays.
     whole: usize,
+    /// Index of its first node in the tile.
     at: usize,
+    /// Its cell.
     cell: [i32; 3],
+    /// Index of its block in the slices.
     k: usize,
 }
 
-/// From positions to cells.
+/// Constants for the way from a position to cell coordinates and weights.
 struct CellMap<F: Four, S> {
     token: F::Token,
     shape: S,
@@ -273,13 +308,13 @@ impl<F: Four, S: ShapeFunction> CellMap<F, S> {
         }
     }
 
-    /// Position in cells from the domain's corner.
+    /// Position in cells from the lower corner of the domain.
     #[inline(always)]
     fn in_cells(&self, position: F) -> F {
         (position - self.lower) * self.inverse
     }
 
-    /// Distance from the cell's first node, in cells, and the shape functions there.
+    /// Distance of a position from the first node of its cell, in cells, and the weights there.
     #[inline(always)]
     fn weights(&self, position: [f64; 4], cell: [i32; 3]) -> (F, Weights) {
         let first = F::of(self.token, [f64::from(cell[0]), f64::from(cell[1]), f64::from(cell[2]), 0.0]);
@@ -287,7 +322,8 @@ impl<F: Four, S: ShapeFunction> CellMap<F, S> {
         (t, self.shape.weights(self.token, t, self.inverse_cell))
     }
 
-    /// The shape functions `w` of a point `t` cells from its first node, with those of its face across `axis` instead, so far beside it, m.
+    /// Weights of a face of a point: those of the point, `w`, along the other axes, and along `axis` those for a traction on the face `beside` metres from
+    /// the point ([`ShapeFunction::at_edge`]). `t`: distance of the point from its first node, in cells.
     #[inline(always)]
     fn at_face(&self, t: [f64; 4], w: &Weights, axis: usize, beside: f64) -> Weights {
         let mut w = *w;
@@ -300,16 +336,18 @@ impl<F: Four, S: ShapeFunction> CellMap<F, S> {
     }
 }
 
-/// The cell of a position; also [`Pass`]'s, to the bit.
+/// Cell of a position, with the same bits as in the passes.
 pub fn cell_of<const D: usize>(position: &[f64; 4], lower: [f64; 3], inverse_cell: f64, reach: f64) -> [i32; 3] {
     std::array::from_fn(|a| if a < D { ((position[a] - lower[a]) * inverse_cell - reach).floor() as i32 } else { 0 })
 }
 
+/// Tile of block `k` of the slices.
 #[inline(always)]
 fn own<'t, const D: usize>(part: &'t mut BlockSlices<'_>, k: usize) -> &'t mut [[f64; 4]] {
     &mut part.tiles[k * tile(D)..][..tile(D)]
 }
 
+/// Adds momentum and mass of a point to its tile.
 #[inline(always)]
 fn project<F: Four, const D: usize, S: ShapeFunction>(
     pass: &Pass<'_, S>,
@@ -323,7 +361,7 @@ fn project<F: Four, const D: usize, S: ShapeFunction>(
     if part.affine.is_empty() {
         return spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, q);
     }
-    // m (v + C (x_I − x_p)): at the first node, and its growth from node to node
+    // APIC: m (v + C (x_I − x_p)) at the first node, and its difference from node to node
     let scale = v.w() * F::all(p.token, pass.cell);
     let [x, y, z] = part.affine[p.i];
     let along = [column::<F>(p.token, x) * scale, column::<F>(p.token, y) * scale, column::<F>(p.token, z) * scale];
@@ -335,6 +373,7 @@ fn project<F: Four, const D: usize, S: ShapeFunction>(
     spread_affine::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, q, along);
 }
 
+/// A vector with a fourth number of zero.
 #[inline(always)]
 fn column<F: Four>(token: F::Token, [x, y, z]: [f64; 3]) -> F {
     F::of(token, [x, y, z, 0.0])
@@ -348,6 +387,7 @@ fn pull<F: Four>(token: F::Token, volume: f64, s: &Sym) -> [F; 3] {
     [column::<F>(token, columns[0]) * v, column::<F>(token, columns[1]) * v, column::<F>(token, columns[2]) * v]
 }
 
+/// Strain and spin of a point, its new stress and volume, the places of its faces, and its internal force on the tile.
 #[inline(always)]
 fn strain<F: Four, const D: usize, S: ShapeFunction>(
     pass: &Pass<'_, S>,
@@ -383,6 +423,7 @@ fn strain<F: Four, const D: usize, S: ShapeFunction>(
     spread_stress::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, pull(p.token, grown, &stress));
 }
 
+/// Adds the internal force of a point with its present stress to its tile.
 #[inline(always)]
 fn forces<F: Four, const D: usize, S: ShapeFunction>(
     _: &Pass<'_, S>,
@@ -395,6 +436,7 @@ fn forces<F: Four, const D: usize, S: ShapeFunction>(
     spread_stress::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, pull);
 }
 
+/// Adds the external force on a point and its faces to its tile.
 #[inline(always)]
 fn external_forces<F: Four, const D: usize, S: ShapeFunction>(
     pass: &Pass<'_, S>,
@@ -410,13 +452,14 @@ fn external_forces<F: Four, const D: usize, S: ShapeFunction>(
     for a in (0..D).filter(|&a| beside[a] != 0.0) {
         let mut along = [0.0; 4];
         along[a] = beside[a];
-        // each component has the stiffness that it has of the force
+        // the stiffness is divided among the components as the force is
         along[3] = beside[3] * (beside[a].abs() / (beside[0].abs() + beside[1].abs() + beside[2].abs()));
         let w = place.at_face(t.xyzw(), &w, a, part.faces[p.i][0][a]);
         spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, along));
     }
 }
 
+/// New velocity and position of a point.
 #[inline(always)]
 fn advance<F: Four, const D: usize, S: ShapeFunction>(
     pass: &Pass<'_, S>,
@@ -471,7 +514,7 @@ fn advance<F: Four, const D: usize, S: ShapeFunction>(
     part.target[p.i] = if stays { STAYS } else { crossing::<D, S>(pass, there, p.whole, p.cell, sums) };
 }
 
-/// The new cell of a point that has left its own.
+/// Key of the new cell of a point that has left its cell; reports a fault if the point is lost.
 #[cold]
 #[inline(never)]
 fn crossing<const D: usize, S: ShapeFunction>(
@@ -488,7 +531,7 @@ fn crossing<const D: usize, S: ShapeFunction>(
         } else {
             cell[a] = there[a].floor() as i32;
             match cell[a] {
-                // its nodes are then at most one behind a wall
+                // cell −1 is allowed: its first node is one behind the wall
                 c if c < -1 || c >= pass.size[a] || c >= BIAS => Some(Fault::OutsideGrid),
                 c if (c - from[a]).abs() > 1 => Some(Fault::TooFast),
                 _ => None,

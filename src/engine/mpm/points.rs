@@ -1,73 +1,78 @@
-//! The material points: a structure of arrays, one entry per point.
+//! The arrays of material points: one entry per point.
 //!
-//! A point's index changes when it crosses cells; its [`Points::id`] never does. What is summed over points for a record is summed in the
-//! order of ids.
+//! The index of a point changes when points cross cells; its identity [`Points::id`] never does. Sums over points for records are taken in the order of
+//! identities.
 
 use super::Dimension;
 use super::law::{InternalVariables, Sym};
 use super::loading_plate::cube_root;
 use serde::{Deserialize, Serialize};
 
-/// A point as it is made.
+/// A new point, for [`Points::add`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Position, m. In plane strain the third coordinate is kept and never used.
+    /// Position, m. In plane strain the third coordinate is stored but not used.
     pub position: [f64; 3],
     /// Velocity, m/s.
     pub velocity: [f64; 3],
-    /// Mass, kg, and volume, m³ (in plane strain: per metre of thickness).
+    /// Mass, kg (in plane strain per metre of thickness).
     pub mass: f64,
+    /// Volume, m³ (in plane strain per metre of thickness).
     pub volume: f64,
     /// Cauchy stress, Pa, tension positive.
     pub stress: Sym,
-    /// Pores per volume, 0 where that means nothing.
+    /// Volume of pores over total volume; 0 for a material without pores.
     pub porosity: f64,
-    /// Index of the law.
+    /// Index of the constitutive law.
     pub law: u8,
 }
 
-/// See [`Points::faces`]: distances, then places.
+/// Faces of a point, see [`Points::faces`]: distances of the faces from the point, then coordinates of the faces, m, each along x, y, z.
 pub type Face = [[f64; 3]; 2];
 
 /// State of all points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Points {
-    /// Position x, y, z, m, and current volume, m³.
+    /// Position x, y, z, m; lane 3: present volume, m³.
     pub position: Vec<[f64; 4]>,
-    /// Velocity, m/s, of the last half step, and mass, kg.
+    /// Velocity x, y, z, m/s, of the last half step; lane 3: mass, kg.
     pub velocity: Vec<[f64; 4]>,
     /// Cauchy stress, Pa, tension positive.
     pub stress: Vec<Sym>,
-    /// What the law remembers.
+    /// Internal variables of the constitutive law.
     pub memory: Vec<InternalVariables>,
-    /// Volume, m³, and porosity at the start.
+    /// Volume at the start, m³.
     pub initial_volume: Vec<f64>,
+    /// Porosity at the start.
     pub initial_porosity: Vec<f64>,
-    /// Columns ∂v/∂x, ∂v/∂y, ∂v/∂z, 1/s, of the affine field around the point; empty without APIC.
+    /// Velocity gradient around the point with APIC: columns ∂v/∂x, ∂v/∂y, ∂v/∂z, 1/s; empty without APIC.
     pub affine: Vec<[[f64; 3]; 3]>,
-    /// Velocity, m/s, that carried the point in its last step (with FLIP not its own); empty unless something asks for it.
+    /// Velocity with which the nodes moved the point in its last step, m/s; with FLIP it differs from `velocity`. Empty unless
+    /// [`super::Continuum::keep_transport_velocity`] was called.
     pub transport_velocity: Vec<[f64; 3]>,
-    /// Face of the point that a loading plate presses on, across each axis: how far it lies beside the point, m (0 where nothing presses), and where it is, m, moved
-    /// along with the nodes since it was first touched; empty unless loading plates press.
+    /// Faces of the point on which loading plates press, across x, y, z: distance of the face from the point along the axis, m (0: nothing presses there),
+    /// and coordinate of the face, m, moved with the nodes since it was first touched. Empty unless loading plates press.
     pub faces: Vec<Face>,
-    /// Index of the law.
+    /// Index of the constitutive law.
     pub law: Vec<u8>,
-    /// Persistent identity, in order of creation.
+    /// Identity of the point, given in the order of creation.
     pub id: Vec<u32>,
-    /// The identity that the next new point gets.
+    /// Identity that the next new point gets.
     pub next_id: u32,
 }
 
 impl Points {
+    /// Number of points.
     pub fn len(&self) -> usize {
         self.position.len()
     }
 
+    /// Whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.position.is_empty()
     }
 
-    /// Adds a point; returns its id.
+    /// Adds a point; returns its identity.
     pub fn add(&mut self, point: &Point) -> u32 {
         let ([x, y, z], [u, v, w]) = (point.position, point.velocity);
         let id = self.next_id;
@@ -83,14 +88,14 @@ impl Points {
         id
     }
 
-    /// Takes away the points that are marked, before a run begins: the others are counted anew.
+    /// Removes the points that are marked, before a run begins; the others get new identities from 0 on.
     pub fn drop_those(&mut self, gone: &[bool]) {
         self.remove(gone);
         self.id = (0..self.position.len() as u32).collect();
         self.next_id = self.id.len() as u32;
     }
 
-    /// Takes away the points that are marked.
+    /// Removes the points that are marked; the others keep their identities.
     pub fn remove(&mut self, gone: &[bool]) {
         fn kept<T: Copy>(values: &mut Vec<T>, gone: &[bool]) {
             let mut gone = gone.iter();
@@ -109,35 +114,35 @@ impl Points {
         kept(&mut self.id, gone);
     }
 
-    /// Mass over current volume, kg/m³.
+    /// Density of point `i`: mass over present volume, kg/m³.
     pub fn density(&self, i: usize) -> f64 {
         self.velocity[i][3] / self.position[i][3]
     }
 
-    /// Solid volume, m³, which stays.
+    /// Volume of solids of point `i`, m³, which does not change.
     pub fn solid(&self, i: usize) -> f64 {
         (1.0 - self.initial_porosity[i]) * self.initial_volume[i]
     }
 
-    /// Half of the edge of what the point stands for at the start, m.
+    /// Half of the edge of the cube (square) that point `i` fills at the start, m.
     pub fn half_edge(&self, i: usize, dimension: Dimension) -> f64 {
         let volume = self.initial_volume[i];
         0.5 * if dimension == Dimension::Space { cube_root(volume) } else { volume.sqrt() }
     }
 
-    /// Current porosity: the solid volume (1 − n₀) V₀ stays.
+    /// Present porosity of point `i`, from its constant volume of solids (1 − n₀) V₀.
     pub fn porosity(&self, i: usize) -> f64 {
         1.0 - self.solid(i) / self.position[i][3]
     }
 
-    /// Indices in the order of ids.
+    /// Indices of all points in the order of identities.
     pub fn by_id(&self) -> Vec<u32> {
         let mut order: Vec<u32> = (0..self.len() as u32).collect();
         order.sort_unstable_by_key(|&i| self.id[i as usize]);
         order
     }
 
-    /// Bytes held.
+    /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         use std::mem::size_of;
         let vectors = (self.position.capacity() + self.velocity.capacity()) * size_of::<[f64; 4]>();

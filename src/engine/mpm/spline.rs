@@ -1,39 +1,46 @@
-//! Shape functions: each point reaches three nodes along each axis, and Nᵢ(x) = w(ζx) w(ζy) w(ζz) (Li et al. 2023, eq. 11).
+//! Shape functions: weights between a point and its nodes, N(x) = w(ζx) w(ζy) w(ζz) (Li et al. 2023, eq. 11). Each point reaches three nodes along
+//! each axis.
 //!
-//! Along an axis in units of the cell, a point at ξ belongs to the cell ⌊ξ − reach⌋ and reaches that node and the two after it.
+//! Along an axis, with the coordinate ξ in units of a cell, a point belongs to the cell ⌊ξ − reach⌋ and reaches the node of that number and the next two.
 
 use crate::math::real::Four;
 use serde::{Deserialize, Serialize};
 
-/// Which shape functions.
+/// Kind of shape functions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ShapeFunctions {
     /// Quadratic B-spline (Li et al. 2023, eq. 10).
     BSpline,
-    /// Generalised interpolation with linear hats (Jiang et al. 2020, eq. A2); half the width of a point's box over the cell, above 0 and at most ½.
-    Gimp { half_width: f64 },
+    /// Generalised interpolation (GIMP): linear hat functions averaged over a box around the point (Jiang et al. 2020, eq. A2).
+    Gimp {
+        /// Half of the width of the box over the edge of a cell, above 0 and at most ½.
+        half_width: f64,
+    },
 }
 
-/// Values and derivatives (1/m) at the three nodes: `value[node][axis]`.
+/// One-dimensional weights of a point: `value[node][axis]` for three nodes along each axis; fourth numbers are not used.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights {
+    /// Weights w.
     pub value: [[f64; 4]; 3],
+    /// Derivatives of the weights by the coordinate, 1/m.
     pub slope: [[f64; 4]; 3],
 }
 
-/// One kind of shape functions, for the inner loops.
+/// A kind of shape functions, for the inner loops.
 pub trait ShapeFunction: Copy + Send + Sync {
-    /// How far, in cells, a cell's own points lie beyond its node at least.
+    /// Smallest distance, in cells, of the points of a cell from the node of the same number.
     fn reach(self) -> f64;
-    /// `t`: distance from the first node in cells, in `reach` ≤ t < 1 + `reach`.
+    /// Weights of a point. `t`: distances from its first node along the axes, in cells, with reach ≤ t < 1 + reach.
     fn weights<F: Four>(self, token: F::Token, t: F, inverse_cell: f64) -> Weights;
-    /// Values for a traction on the edge of what a point stands for, `half` cells beside the point, at `t` from the first node. They are those with which a uniform
-    /// stress is in balance wherever the points stand between the nodes: Σ V ∂N over an even row of points is the difference of these values at its ends.
+    /// Weights along one axis for a traction on the face of a point, `half` cells from its centre; `t`: distance of the face from the point's first node, in
+    /// cells. With these weights a uniform stress is in equilibrium wherever the points are between the nodes: Σ V ∂N over a regular row of points equals
+    /// the difference of the weights at its two ends.
     fn at_edge(self, t: f64, half: f64) -> [f64; 3];
 }
 
-/// So many hats are as good as the spline.
+/// Number of hat functions whose mean is as good as the spline.
 const MANY: f64 = 8.0;
 
 /// Quadratic B-spline.
@@ -59,8 +66,8 @@ impl ShapeFunction for BSpline {
         }
     }
 
-    /// The slope of the spline at x is the difference of linear hats at x ± ½. Over n points per cell these differences cancel but for n hats at each end, which
-    /// stand evenly around it: their mean. With many points that is the spline itself.
+    /// The derivative of the spline at x is the difference of linear hat functions at x + ½ and x − ½. In a row with n points per cell these differences
+    /// cancel except for n hats at each end, spread evenly around the face; the weights are their mean. With many points that is the spline itself.
     #[inline(always)]
     fn at_edge(self, t: f64, half: f64) -> [f64; 3] {
         let n = (0.5 / half + 0.5).floor().clamp(1.0, MANY);
@@ -76,19 +83,19 @@ impl ShapeFunction for BSpline {
     }
 }
 
-/// Linear hats of the three nodes, which end at the outer ones.
+/// Linear hat functions of the three nodes at `t` cells from the first; `t` is limited to the range of the nodes.
 #[inline(always)]
 fn hats(t: f64) -> [f64; 3] {
     let t = t.clamp(0.0, 2.0);
     [0.0, 1.0, 2.0].map(|node: f64| (1.0 - (t - node).abs()).max(0.0))
 }
 
-/// Generalised interpolation; the half width l over the cell.
+/// Generalised interpolation, with the half width l of a point's box over the edge of a cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Gimp(pub f64);
 
 impl Gimp {
-    /// Value and derivative (in units of the cell) at distance `d` beyond the node.
+    /// Weight and derivative, 1/cell, of a node at `d` cells before the point.
     #[inline(always)]
     fn at(l: f64, d: f64) -> (f64, f64) {
         let r = if d < 0.0 { -d } else { d };
@@ -126,7 +133,7 @@ impl ShapeFunction for Gimp {
         weights
     }
 
-    /// Linear hats, whose means over a point's box the functions are.
+    /// Linear hat functions: the shape functions are their means over a point's box.
     #[inline(always)]
     fn at_edge(self, t: f64, _: f64) -> [f64; 3] {
         hats(t)

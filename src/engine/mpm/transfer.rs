@@ -1,14 +1,14 @@
-//! Between one point and the nodes that it reaches: sums over 3 × 3 (× 3) nodes of a tile, a row along x at a time.
+//! Transfer between one point and its nodes: sums over 3 × 3 (× 3) nodes of a tile, one row along x at a time.
 //!
-//! A node's entry is a vector with a fourth number beside it and goes through one register. Products are taken in the order
-//! (w(ζy) w(ζz)) first, then w(ζx), on every machine.
+//! The entry of a node has four numbers and is handled in one SIMD register. Products are taken in the same order on every machine: w(ζy) w(ζz) first,
+//! then w(ζx).
 
 use super::blocks::TILE;
 use super::spline::Weights;
 use crate::math::real::Four;
 
-/// Does `body` for each row of three nodes that a point reaches: place of its first node in the tile, and the factors along y and z. A macro, as a
-/// closure that is not inlined would lose the instruction set.
+/// Runs `body` for each row of three nodes along x that a point reaches, with the index of its first node in the tile and the weights along y and z. This is a
+/// macro because a closure that is not inlined would not be compiled for the wider instruction set.
 macro_rules! rows {
     ($d:ident, $at:expr, $w:expr, |$place:ident, $row:ident| $body:block) => {
         for k in 0..if $d == 3 { 3 } else { 1 } {
@@ -23,31 +23,40 @@ macro_rules! rows {
     };
 }
 
+/// A row of nodes along x.
 struct Row {
+    /// Number of the row along y, 0 to 2.
     j: usize,
+    /// Number of the row along z, 0 to 2.
     k: usize,
-    /// w(ζy) w(ζz), w'(ζy) w(ζz), w(ζy) w'(ζz).
+    /// w(ζy) w(ζz).
     value: f64,
+    /// w'(ζy) w(ζz), 1/m.
     along_y: f64,
+    /// w(ζy) w'(ζz), 1/m.
     along_z: f64,
 }
 
+/// Weights along x of the three nodes, each in all lanes.
 #[inline(always)]
 fn three<F: Four>(token: F::Token, w: &[[f64; 4]; 3]) -> [F; 3] {
     [F::all(token, w[0][0]), F::all(token, w[1][0]), F::all(token, w[2][0])]
 }
 
+/// Three nodes of a tile from index `at` on.
 #[inline(always)]
 fn nodes_of(tile: &[[f64; 4]], at: usize) -> &[[f64; 4]; 3] {
     (&tile[at..at + 3]).try_into().expect("three nodes")
 }
 
+/// As [`nodes_of`], to be changed.
 #[inline(always)]
 fn nodes_mut(tile: &mut [[f64; 4]], at: usize) -> &mut [[f64; 4]; 3] {
     (&mut tile[at..at + 3]).try_into().expect("three nodes")
 }
 
-/// Each node gets N times `q`: mass and momentum of a point (Li et al. 2023, eqs 36, 37), or a force on it (eq. 29).
+/// Adds N `q` to each node: `q` is momentum and mass of a point (Li et al. 2023, eqs 36, 37), or a force on it (eq. 29). `at`: index of the point's first node in
+/// the tile.
 #[inline(always)]
 pub fn spread<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64; 4]], at: usize, w: &Weights, q: F) {
     let wx: [F; 3] = three(token, &w.value);
@@ -60,7 +69,7 @@ pub fn spread<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64; 4]], a
     });
 }
 
-/// The same with momentum that grows by `along` per node (affine particle-in-cell); `q` is that of the first node.
+/// As [`spread`] for APIC: the momentum differs from node to node by `along` (per node along x, y, z); `q` is that for the first node.
 #[inline(always)]
 pub fn spread_affine<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64; 4]], at: usize, w: &Weights, q: F, along: [F; 3]) {
     let wx: [F; 3] = three(token, &w.value);
@@ -77,7 +86,7 @@ pub fn spread_affine<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64;
     });
 }
 
-/// Each node gets S·∇N, the columns of S given: with S = −V σ the internal force (Li et al. 2023, eqs 8, 12).
+/// Adds S·∇N to each node, with S given by its columns; S = −V σ gives the internal force (Li et al. 2023, eqs 8, 12).
 #[inline(always)]
 pub fn spread_stress<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64; 4]], at: usize, w: &Weights, s: [F; 3]) {
     let (wx, sx): ([F; 3], [F; 3]) = (three(token, &w.value), three(token, &w.slope));
@@ -94,7 +103,7 @@ pub fn spread_stress<F: Four, const D: usize>(token: F::Token, tile: &mut [[f64;
     });
 }
 
-/// Σ N u.
+/// Value at the point of a field given at its nodes: Σ N u.
 #[inline(always)]
 pub fn gather<F: Four, const D: usize>(token: F::Token, tile: &[[f64; 4]], at: usize, w: &Weights) -> F {
     let wx: [F; 3] = three(token, &w.value);
@@ -107,7 +116,7 @@ pub fn gather<F: Four, const D: usize>(token: F::Token, tile: &[[f64; 4]], at: u
     sum
 }
 
-/// Columns ∂u/∂x, ∂u/∂y, ∂u/∂z of Σ u ∇N.
+/// Gradient at the point of a field given at its nodes, Σ u ∇N, as columns ∂u/∂x, ∂u/∂y, ∂u/∂z.
 #[inline(always)]
 pub fn gradient<F: Four, const D: usize>(token: F::Token, tile: &[[f64; 4]], at: usize, w: &Weights) -> [F; 3] {
     let (wx, sx): ([F; 3], [F; 3]) = (three(token, &w.value), three(token, &w.slope));

@@ -1,59 +1,74 @@
-//! Walls along planes of nodes. In contact the material beyond a wall is its own mirror image: what a node behind the plane has received is
-//! folded onto the node before it, so that splines, which reach across the plane, keep reproducing uniform strain there.
+//! Walls at the sides of the domain, each along a plane of nodes.
 //!
-//! Symmetry: normal components are odd, tangential ones even. Stick: all are odd. Friction: as symmetry while the wall has to push, and the
-//! tangential momentum of the plane's nodes is reduced by μ times the normal impulse at most; while it would have to pull, the wall is not there.
+//! Shape functions of points near a wall reach across its plane. In contact the material behind the wall is taken as the mirror image of the material in
+//! front: momentum, mass and force that a node behind the plane has received are *folded* onto the node in front of it, so that uniform strain stays
+//! exact up to the wall.
+//!
+//! For a plane of symmetry the normal component is mirrored with the opposite sign, the tangential ones with the same sign. For a rough wall all
+//! components change sign. A wall with friction is a plane of symmetry while it has to push, and it reduces the tangential momentum of its nodes by at
+//! most μ times the normal impulse; while it would have to pull, it does nothing.
 
 use super::blocks::{CellBlocks, NONE, block_corner, cell_key, cells};
 use serde::{Deserialize, Serialize};
 
-/// What stands along one side of the domain.
+/// The wall at one side of the domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GridWall {
-    /// Nothing: a point that gets there is an error.
+    /// No wall: a point that leaves the domain here is an error.
     #[default]
     Open,
-    /// Smooth, and holds the material: a plane of symmetry.
+    /// Smooth, and holds the material in both directions: a plane of symmetry.
     Symmetry,
-    /// Rough, and holds the material.
+    /// Rough, and holds the material in both directions.
     Stick,
-    /// Pushes and never pulls; Coulomb's friction coefficient (0: slip).
-    Friction { friction: f64 },
+    /// Pushes but never pulls, with Coulomb friction.
+    Friction {
+        /// Coefficient of friction; 0: smooth.
+        friction: f64,
+    },
 }
 
-/// Nodes of one wall point: behind the plane, on it, before it; places in [`Walls::nodes`].
+/// Three nodes in a row across a wall: behind its plane, on it, in front of it, as indices into [`Walls::nodes`].
 type Triple = [u32; 3];
 
+/// One wall and its nodes.
 #[derive(Clone, Debug, Default)]
 struct WallPlane {
+    /// Axis across the plane.
     axis: usize,
-    /// Of the normal into the domain.
+    /// 1 or −1: direction of the normal into the domain along the axis.
     sign: f64,
     wall: GridWall,
+    /// Rows of nodes across the wall.
     triples: Vec<Triple>,
-    /// Key of the plane's node, in order.
+    /// Key of the node on the plane of each row, in order.
     keys: Vec<u64>,
-    /// Whether the wall touches there: in the folding at hand, and when forces were last known.
+    /// Of each row: whether the wall acts, in the present folding.
     contact: Vec<bool>,
+    /// Of each row: whether the wall acted when nodes were last accelerated.
     pressed: Vec<bool>,
-    /// Keys and `pressed` of the walls as they were.
+    /// `keys` and `pressed` before the blocks of nodes changed.
     before: (Vec<u64>, Vec<bool>),
 }
 
-/// The nodes near walls, with room to fold.
+/// The nodes near walls, and buffers for their values.
 #[derive(Clone, Debug, Default)]
 pub struct Walls {
+    /// Nodes near walls, as indices of the grid's nodes.
     nodes: Vec<u32>,
+    /// The walls in the order x low, x high, y low, …
     faces: [WallPlane; 6],
-    /// Momentum and mass, and impulse of this step, N s.
+    /// Momentum, kg m/s, and mass, kg, of these nodes; after folding their velocities.
     momentum: Vec<[f64; 4]>,
+    /// Impulse of the forces of this step on these nodes, N s; after folding changes of velocity.
     impulse: Vec<[f64; 4]>,
+    /// Of each node of the grid: its index in `nodes`, or `NONE`.
     place: Vec<u32>,
 }
 
 impl Walls {
-    /// Finds the nodes near walls: sides in the order x low, x high, y low, …; `size` is the domain's, in cells.
+    /// Finds the nodes near the walls, given in the order x low, x high, y low, …; `size`: number of cells of the domain along each axis.
     pub fn find<const D: usize>(&mut self, blocks: &CellBlocks, walls: &[GridWall; 6], size: [i32; 3]) {
         self.nodes.clear();
         self.place.clear();
@@ -107,8 +122,8 @@ impl Walls {
         self.impulse.resize(self.nodes.len(), [0.0; 4]);
     }
 
-    /// Velocity of the nodes near walls from their momentum. A wall that pushed in this step's [`Self::accelerate`] still touches: momentum alone
-    /// would tell contact from none by its noise where material rests.
+    /// Writes the velocities of the nodes near walls, from the momentum of the nodes. A wall with friction that acted in [`Self::accelerate`] of this step
+    /// still acts: where material rests, momentum alone would decide by rounding.
     pub fn project(&mut self, momentum: &[[f64; 4]], velocity: &mut [[f64; 4]]) {
         for (k, &node) in self.nodes.iter().enumerate() {
             self.momentum[k] = momentum[node as usize];
@@ -120,8 +135,8 @@ impl Walls {
         }
     }
 
-    /// Velocity before this step and its change in it of the nodes near walls, from momentum and the change that they would have without;
-    /// returns the impulse of each wall on the material, N s.
+    /// Writes velocities and changes of velocity of the nodes near walls, from their momentum and from the changes that they would have without walls.
+    /// Returns the impulse of each wall on the material, N s.
     pub fn accelerate(&mut self, momentum: &[[f64; 4]], velocity: &mut [[f64; 4]], change: &mut [[f64; 4]]) -> [[f64; 3]; 6] {
         let mut reaction = [[0.0; 3]; 6];
         for (k, &node) in self.nodes.iter().enumerate() {
@@ -140,7 +155,8 @@ impl Walls {
         reaction
     }
 
-    /// Folds momentum and impulse at each wall in turn, divides by the mass, and mirrors the velocities back.
+    /// Folds momentum and impulse at one wall after the other, divides by the mass, and mirrors velocities back to the nodes behind the walls. `held`: walls
+    /// that acted at the last acceleration act in any case.
     fn fold(&mut self, reaction: &mut [[f64; 3]; 6], held: bool) {
         let (p, i) = (&mut self.momentum, &mut self.impulse);
         for (face, reaction) in self.faces.iter_mut().zip(reaction) {
@@ -155,7 +171,7 @@ impl Walls {
             *p = [over(p[0]), over(p[1]), over(p[2]), 0.0];
             *i = [over(i[0]), over(i[1]), over(i[2]), 0.0];
         }
-        // in a domain of one cell the other wall has folded onto this plane meanwhile
+        // if the domain is one cell wide, the wall opposite has folded onto this plane meanwhile
         for face in &self.faces {
             for (&[_, on, _], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
                 for a in (0..3).filter(|&a| a == face.axis || face.wall == GridWall::Stick) {
@@ -177,14 +193,15 @@ impl Walls {
         }
     }
 
-    /// Bytes held.
+    /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         let faces: usize = self.faces.iter().map(|f| 36 * f.triples.capacity()).sum();
         faces + 4 * (self.nodes.capacity() + self.place.capacity()) + 32 * (self.momentum.capacity() + self.impulse.capacity())
     }
 }
 
-/// Folds the three nodes, if the wall pushes or is `held` to touch; answers whether it does.
+/// Folds three nodes in a row across a wall, if the wall acts: always for walls that hold the material, for friction if it has to push or `held` is true.
+/// Adds the impulse of the wall to `reaction`; returns whether the wall acts.
 #[inline(always)]
 fn fold_one(
     (axis, sign, wall): (usize, f64, GridWall),
@@ -196,7 +213,7 @@ fn fold_one(
 ) -> bool {
     let on = on as usize;
     let (p_behind, i_behind) = if behind == NONE { ([0.0; 4], [0.0; 4]) } else { (p[behind as usize], i[behind as usize]) };
-    // what the wall has to give so that nothing passes: Σ over the nodes on and, with its image, behind
+    // impulse that the wall must give so that nothing passes: minus the sum over the node on the plane and, twice with its image, the node behind
     let needed = |a: usize| 0.0 - (i[on][a] + 2.0 * i_behind[a]);
     let pushes = sign * (needed(axis) - (p[on][axis] + 2.0 * p_behind[axis])) > 0.0;
     if let GridWall::Friction { .. } = wall

@@ -146,7 +146,7 @@ impl Blocks {
             match c.other {
                 Other::Grain(_) => {
                     let i = c.place as usize;
-                    let arm = grains.pos[i][3] - 0.5 * c.touch.overlap;
+                    let arm = grains.radius(i) - 0.5 * c.touch.overlap;
                     let (force, torque) = (c.touch.force(), scaled(cross(c.touch.normal, c.touch.tangential), arm));
                     for a in 0..3 {
                         external_forces[i][0][a] -= force[a];

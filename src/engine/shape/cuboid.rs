@@ -4,9 +4,10 @@ use super::{Bulk, Mesh, Nearest, Solid};
 use crate::math::vector::dot;
 use serde::{Deserialize, Serialize};
 
-/// Half edges along the axes, m.
+/// A box with sharp edges.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cuboid {
+    /// Half of the edges along x, y, z, m.
     pub half: [f64; 3],
 }
 
@@ -19,7 +20,7 @@ impl Solid for Cuboid {
         if distance > 0.0 {
             return Nearest { distance, normal: std::array::from_fn(|a| side(a) * out[a] / distance) };
         }
-        // inside: the nearest face
+        // inside: the normal of the nearest face
         let a = (0..3).fold(0, |most, a| if beyond[a] > beyond[most] { a } else { most });
         let mut normal = [0.0; 3];
         normal[a] = side(a);

@@ -1,19 +1,22 @@
-//! Surfaces as triangles.
+//! Surfaces made of triangles, and their volume and inertia.
 
 use super::Bulk;
 use crate::math::vector::{cross, dot, less};
 use parry3d_f64::mass_properties::MassProperties;
 use parry3d_f64::math::{Matrix, Vector};
 
-/// Corners, m, and triangles, counter-clockwise from outside.
+/// A closed surface made of triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
+    /// Corners, m.
     pub corners: Vec<[f64; 3]>,
+    /// Triangles as indices of corners, counter-clockwise when seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    /// Images of the points of a cube from −1 to 1, `n` along an edge; `place` keeps the side on which a point is.
+    /// The surface of the cube from −1 to 1, divided into `n` squares along an edge, with each corner moved by `place`, which must not turn triangles inside
+    /// out.
     pub fn of_cube(n: u32, place: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
         let mut mesh = Mesh::default();
         let at = |k: u32| 2.0 * f64::from(k) / f64::from(n) - 1.0;
@@ -34,7 +37,7 @@ impl Mesh {
         mesh
     }
 
-    /// Adds a triangle, turned so that it looks along `outwards`.
+    /// Adds a triangle with these corners, m, ordered so that its normal points to the side of `outwards`.
     pub fn add(&mut self, corners: [[f64; 3]; 3], outwards: [f64; 3]) {
         let k = self.corners.len() as u32;
         let [p, q, r] = corners;
@@ -43,14 +46,14 @@ impl Mesh {
         self.triangles.push(if looks { [k, k + 1, k + 2] } else { [k, k + 2, k + 1] });
     }
 
-    /// Volume, m³, its centre, m, and the inertia of unit density about that, m⁵.
+    /// Volume, m³, centre of the volume, m, and tensor of inertia about it for a density of 1, m⁵.
     pub fn inertia(&self) -> (f64, Vector, Matrix) {
         let corners: Vec<Vector> = self.corners.iter().map(|&p| Vector::from(p)).collect();
         let properties = MassProperties::from_trimesh(1.0, &corners, &self.triangles);
         (properties.mass(), properties.local_com, properties.reconstruct_inertia_matrix())
     }
 
-    /// The same where the axes are principal and the centre is the origin.
+    /// Volume and moments of inertia of a surface whose centre is the origin and whose principal axes are x, y, z.
     pub fn bulk(&self) -> Bulk {
         let (volume, _, inertia) = self.inertia();
         Bulk { volume, moments: inertia.diagonal().into() }

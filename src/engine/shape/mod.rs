@@ -1,8 +1,8 @@
-//! Shapes of rigid bodies, each in a frame of its own: origin at the centre of mass, axes along the principal axes of inertia.
+//! Shapes of rigid bodies, each in the frame of the body: origin at the centre of mass, axes along the principal axes of inertia.
 //!
-//! [`Solid`] is all that the rest knows of a shape. What touches a body is a sphere (a grain, the ghost of a material point), whose middle asks for the
-//! nearest point, or a plane, which looks at the [spots](Solid::spot) of the body that can reach it. Only + − × ÷ √ stand behind the answers, or what
-//! `crate::math::portable` makes of them.
+//! Other modules use a shape through [`Solid`] only. A body is touched by spheres (grains, ghosts of material points), for whose centres the nearest point of
+//! the surface is needed, and by walls, for which the [spots](Solid::spot) of the body that can touch a plane are needed. Results are computed with
+//! + − × ÷ √ or with functions made of these (`crate::math::portable`), so that they have the same bits on every machine.
 
 mod cuboid;
 mod mesh;
@@ -16,19 +16,21 @@ pub use superquadric::Superquadric;
 
 use serde::{Deserialize, Serialize};
 
-/// Where a surface is from a place.
+/// The surface of a shape, as seen from a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// Distance from the surface, m; negative inside.
+    /// Distance of the position from the surface, m; negative inside.
     pub distance: f64,
-    /// Outward unit normal there. The nearest point is the place less `distance` times this.
+    /// Outward unit normal at the nearest point of the surface; that point is the position minus `distance` times the normal.
     pub normal: [f64; 3],
 }
 
-/// Volume, m³, and the moments of inertia of unit density about the three axes, m⁵.
+/// Volume and moments of inertia of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bulk {
+    /// Volume, m³.
     pub volume: f64,
+    /// Moments of inertia about the three axes for a density of 1: ∫ (y² + z²) dV and so on, m⁵.
     pub moments: [f64; 3],
 }
 
@@ -39,39 +41,43 @@ impl Bulk {
     }
 }
 
-/// What is asked of a shape. Lengths in m.
+/// Geometry of a shape. Lengths in m, in the frame of the body.
 pub trait Solid {
-    /// The surface from a place, which lies outside in all that a contact asks.
+    /// Distance and normal of the surface from a position. Contacts ask for positions outside; inside, the answer may be approximate.
     fn nearest(&self, at: [f64; 3]) -> Nearest;
 
-    /// At most the distance of a place; cheap.
+    /// A lower bound on the distance of a position from the surface, cheap to compute.
     fn clearance(&self, at: [f64; 3]) -> f64;
 
-    /// Distance of the furthest point from the origin.
+    /// Distance of the furthest point of the shape from the origin.
     fn reach(&self) -> f64;
 
-    /// Number of spots that can touch a plane.
+    /// Number of spots: parts of the surface that can touch a plane, such as corners.
     fn spots(&self) -> usize;
 
-    /// The spot `k`: its point furthest along the unit vector `towards`.
+    /// Point of spot `k` that is furthest along the unit vector `towards`.
     fn spot(&self, k: usize, towards: [f64; 3]) -> [f64; 3];
 
+    /// Volume and moments of inertia.
     fn bulk(&self) -> Bulk;
 
     /// The surface as triangles, for pictures.
     fn surface(&self) -> Mesh;
 }
 
-/// One of the shapes.
+/// A shape of one of the known kinds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Shape {
+    /// A box with sharp edges.
     Box(Cuboid),
+    /// A superquadric.
     Superquadric(Superquadric),
+    /// A rounded convex polyhedron.
     Polyhedron(Polyhedron),
 }
 
 impl Shape {
-    /// The shape behind the seam.
+    /// The geometry of the shape.
     pub fn solid(&self) -> &dyn Solid {
         match self {
             Shape::Box(s) => s,
@@ -80,7 +86,7 @@ impl Shape {
         }
     }
 
-    /// In words.
+    /// Name of the kind of shape.
     pub fn name(&self) -> &'static str {
         match self {
             Shape::Box(_) => "box",

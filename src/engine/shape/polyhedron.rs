@@ -1,4 +1,4 @@
-//! Rounded convex polyhedra: the hull of some points, with a sphere swept over it (Minkowski sum, as in Jiang et al. 2020).
+//! Rounded convex polyhedra: the convex hull of given points, enlarged by a sphere (Minkowski sum, as in Jiang et al. 2020).
 
 use super::{Bulk, Mesh, Nearest, Solid};
 use crate::math::vector::{cross, dot, less, plus, scaled};
@@ -10,44 +10,55 @@ use parry3d_f64::transformation::try_convex_hull;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The polyhedron within, and the radius of the sphere that rounds it, m.
+/// A rounded convex polyhedron.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Polyhedron {
+    /// Corners of the hull, m.
     corners: Vec<[f64; 3]>,
+    /// Triangles of the hull.
     faces: Vec<HullFace>,
+    /// Radius of the sphere, m.
     rounding: f64,
+    /// Volume and moments of inertia of the rounded body.
     bulk: Bulk,
+    /// Distance of the furthest point of the rounded body from the origin, m.
     reach: f64,
 }
 
-/// A triangle of the hull: its corners, outward normal and distance from the origin along that.
+/// A triangle of the hull.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct HullFace {
+    /// Indices of its corners.
     corners: [u32; 3],
+    /// Outward unit normal.
     normal: [f64; 3],
+    /// Distance of its plane from the origin along the normal, m.
     offset: f64,
 }
 
-/// A polyhedron in its own frame, and where that stands in the frame of its points: x = centre + Σ axes`[k]` x'_k.
+/// A polyhedron in its own frame, with the place of that frame among the points that it was made from: x = centre + Σ axes`[k]` x'_k.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
+    /// The polyhedron.
     pub polyhedron: Polyhedron,
+    /// Its centre of mass, m.
     pub centre: [f64; 3],
+    /// Its principal axes, unit vectors.
     pub axes: [[f64; 3]; 3],
 }
 
-/// Times that an arc is halved for mass and inertia; the next finer triangles give what is left of the error.
+/// Number of times that arcs are halved for volume and inertia; once more gives an estimate of the error, which is removed.
 const FINE: u32 = 3;
-/// The same for pictures.
+/// Number of times that arcs are halved for pictures.
 const SHOWN: u32 = 2;
-/// Normals nearer than this are those of one face.
+/// Normals that differ by less than this belong to one flat face.
 const FLAT: f64 = 1e-9;
 
 impl Polyhedron {
-    /// The hull of these points, swept by a sphere of this radius, m.
+    /// The convex hull of `points`, m, enlarged by a sphere of radius `rounding`, m.
     ///
     /// # Errors
-    /// Points whose hull has no volume, in words.
+    /// Points whose hull has no volume; the text says so.
     pub fn hull(points: &[[f64; 3]], rounding: f64) -> Result<Placed, String> {
         let vectors: Vec<Vector> = points.iter().map(|&p| Vector::from(p)).collect();
         let (corners, triangles) = try_convex_hull(&vectors).map_err(|e| format!("have no convex hull with a volume: {e}"))?;
@@ -67,6 +78,7 @@ impl Polyhedron {
         Ok(Placed { polyhedron, centre, axes })
     }
 
+    /// A polyhedron with these corners and triangles; volume and moments of inertia are not computed yet.
     fn of(corners: Vec<[f64; 3]>, triangles: &[[u32; 3]], rounding: f64) -> Polyhedron {
         let faces = triangles.iter().map(|&t| {
             let [p, q, r] = t.map(|k| corners[k as usize]);
@@ -78,8 +90,8 @@ impl Polyhedron {
         Polyhedron { faces: faces.collect(), corners, rounding, bulk: Bulk { volume: 0.0, moments: [0.0; 3] }, reach }
     }
 
-    /// Volume, centre and inertia about it, of unit density. Flat parts are exact; those of round ones, which fall short by the square of an arc's pieces, are
-    /// extrapolated from two finenesses.
+    /// Volume, m³, centre, m, and tensor of inertia about it for a density of 1, m⁵. Flat parts are exact. Round parts are approximated by triangles, with an
+    /// error in proportion to the square of their size, which is removed by extrapolation from two sizes.
     fn inertia(&self) -> (f64, [f64; 3], Matrix3<f64>) {
         let of = |fine: u32| {
             let (volume, centre, inertia) = self.triangles(fine).inertia();
@@ -96,12 +108,12 @@ impl Polyhedron {
         (beyond(fine.0, coarse.0), centre, fine.2 + (fine.2 - coarse.2) / 3.0)
     }
 
-    /// The rounded surface; arcs are halved so many times.
+    /// The rounded surface as triangles; arcs are halved `fine` times.
     fn triangles(&self, fine: u32) -> Mesh {
         let mut mesh = Mesh::default();
         let corner = |k: u32| self.corners[k as usize];
         let out = |p: [f64; 3], n: [f64; 3]| plus(p, scaled(n, self.rounding));
-        // the faces on both sides of each edge, and the mean of the normals around each corner
+        // normals of the two faces at each edge, and sum of the normals around each corner
         let mut edges: BTreeMap<[u32; 2], Vec<[f64; 3]>> = BTreeMap::new();
         let mut means = vec![[0.0; 3]; self.corners.len()];
         for face in &self.faces {
@@ -142,13 +154,13 @@ impl Polyhedron {
     }
 }
 
-/// The unit vector between two.
+/// Unit vector halfway between two unit vectors.
 fn halfway(m: [f64; 3], n: [f64; 3]) -> [f64; 3] {
     let sum = plus(m, n);
     scaled(sum, 1.0 / dot(sum, sum).sqrt())
 }
 
-/// A triangle of a sphere, divided into four so many times.
+/// Adds a triangle of a sphere, divided into four `fine` times; `out` gives the position for a unit normal.
 fn cap(mesh: &mut Mesh, out: &impl Fn([f64; 3]) -> [f64; 3], [l, m, n]: [[f64; 3]; 3], fine: u32) {
     if fine == 0 {
         return mesh.add([l, m, n].map(out), plus(l, plus(m, n)));
@@ -160,14 +172,14 @@ fn cap(mesh: &mut Mesh, out: &impl Fn([f64; 3]) -> [f64; 3], [l, m, n]: [[f64; 3
 }
 
 impl Solid for Polyhedron {
-    /// From the faces that a place is before; parry's projection on a triangle is + − × ÷.
+    /// The nearest point on the triangles in front of which the position lies. Parry's projection on a triangle uses + − × ÷ only.
     fn nearest(&self, at: [f64; 3]) -> Nearest {
         let (point, mut least) = (Vector::from(at), f64::INFINITY);
         let (mut deepest, mut found) = (f64::NEG_INFINITY, [0.0; 3]);
         for face in &self.faces {
             let before = dot(face.normal, at) - face.offset;
             if before <= 0.0 {
-                // inside of all of them: the nearest face
+                // for a position inside of all faces: the nearest face
                 if least == f64::INFINITY && before > deepest {
                     (deepest, found) = (before, face.normal);
                 }

@@ -1,23 +1,25 @@
-//! Superquadrics, Li et al. 2023, eq. (39): f(x) = (|x/a|^n₂ + |y/b|^n₂)^(n₁/n₂) + |z/c|^n₁ − 1, with n₁, n₂ ≥ 2.
+//! Superquadrics f(x) = 0 with f(x) = (|x/a|^n₂ + |y/b|^n₂)^(n₁/n₂) + |z/c|^n₁ − 1 and n₁, n₂ ≥ 2 (Li et al. 2023, eq. 39).
 
 use super::{Bulk, Mesh, Nearest, Solid};
 use crate::math::portable::{exp, ln_gamma, pow};
 use crate::math::vector::{dot, less, scaled};
 use serde::{Deserialize, Serialize};
 
-/// Half lengths a, b, c along the axes, m, and blockiness n₁ (towards z) and n₂ (around it).
+/// A superquadric.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Superquadric {
+    /// Half lengths a, b, c along x, y, z, m.
     pub half: [f64; 3],
+    /// Exponents n₁ (towards z) and n₂ (around z); 2 and 2 make an ellipsoid, larger ones a block.
     pub blockiness: [f64; 2],
 }
 
-/// Below this a power is nothing.
+/// Numbers below this count as zero in powers.
 const NOTHING: f64 = 1e-100;
-/// Most rounds of a search for a root; they end when the bracket does not shrink any more.
+/// Largest number of rounds of a search for a root; it ends earlier when the root does not change any more.
 const ROUNDS: usize = 200;
 
-/// x^n, x ≥ 0; whole powers by squaring.
+/// x^n for x ≥ 0; whole powers by repeated squaring.
 fn power(x: f64, n: f64) -> f64 {
     if x < NOTHING {
         return if n == 0.0 { 1.0 } else { 0.0 };
@@ -36,7 +38,8 @@ fn power(x: f64, n: f64) -> f64 {
     product
 }
 
-/// Where `f`, positive at `low` and not at `high`, changes its sign: false position that halves the weight of an end which stays twice (Illinois).
+/// Root of `f` between `low`, where f is positive, and `high`, where it is not: method of false position that halves the weight of an end that stays twice in
+/// a row (Illinois).
 fn root(mut low: f64, mut high: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     let (mut at_low, mut at_high) = (f(low), f(high));
     if at_low <= 0.0 {
@@ -65,7 +68,7 @@ fn root(mut low: f64, mut high: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The root u ≥ 0 of u + κ u^(n−1) = q, by Newton's method from above: the left side is convex.
+/// Root u ≥ 0 of u + κ u^(n−1) = q, by Newton's method from above, which converges as the left side is convex.
 fn shrunk(q: f64, kappa: f64, n: f64) -> f64 {
     if n == 2.0 {
         return q / (1.0 + kappa);
@@ -83,19 +86,20 @@ fn shrunk(q: f64, kappa: f64, n: f64) -> f64 {
 }
 
 impl Superquadric {
+    /// n₁/n₂.
     fn ratio(&self) -> f64 {
         self.blockiness[0] / self.blockiness[1]
     }
 
-    /// |x/a|^n₂ + |y/b|^n₂.
+    /// u^n₂ + v^n₂ with u = |x/a| and v = |y/b|.
     fn around(&self, u: f64, v: f64) -> f64 {
         power(u, self.blockiness[1]) + power(v, self.blockiness[1])
     }
 
-    /// 1 on the surface, and in proportion to the distance from the origin along each ray.
+    /// Distance of a position from the origin over that of the surface on the same ray: below 1 inside, 1 on the surface.
     fn gauge(&self, at: [f64; 3]) -> f64 {
         let [u, v, w]: [f64; 3] = std::array::from_fn(|a| at[a].abs() / self.half[a]);
-        // kept from under- and overflow
+        // scaled by the largest, against underflow and overflow
         let most = u.max(v).max(w);
         if most < NOTHING {
             return 0.0;
@@ -104,7 +108,7 @@ impl Superquadric {
         most * pow(sum, 1.0 / self.blockiness[0])
     }
 
-    /// Gradient of eq. (39) over n₁, at a place at or near the surface.
+    /// ∇f/n₁ at a position on or near the surface, 1/m.
     fn gradient(&self, at: [f64; 3]) -> [f64; 3] {
         let [u, v, w]: [f64; 3] = std::array::from_fn(|a| at[a].abs() / self.half[a]);
         let [n1, n2] = self.blockiness;
@@ -114,7 +118,7 @@ impl Superquadric {
         [of(0, outer * power(u, n2 - 1.0)), of(1, outer * power(v, n2 - 1.0)), of(2, power(w, n1 - 1.0))]
     }
 
-    /// The point x with x + λ ∇f(x) = p, over the half lengths, for ν = n₁ λ; p lies in the positive octant.
+    /// The position x with x + λ ∇f(x) = p for ν = n₁ λ, divided by the half lengths; p has no negative coordinate.
     fn image(&self, p: [f64; 3], nu: f64) -> [f64; 3] {
         let ([a, b, c], [n1, n2], ratio) = (self.half, self.blockiness, self.ratio());
         let [qx, qy, qz]: [f64; 3] = std::array::from_fn(|k| p[k] / self.half[k]);
@@ -125,7 +129,7 @@ impl Superquadric {
             let [u, v] = flat(nu);
             return [u, v, w];
         }
-        // μ = ν s^(n₁/n₂ − 1) with s of the point that μ gives
+        // μ = ν s^(n₁/n₂ − 1), where s = u^n₂ + v^n₂ follows from μ
         let excess = |mu: f64| {
             let [u, v] = flat(mu);
             nu * power(self.around(u, v).max(NOTHING), ratio - 1.0) - mu
@@ -140,8 +144,8 @@ impl Superquadric {
 }
 
 impl Solid for Superquadric {
-    /// Outside: x + λ ∇f(x) = p with f(x) = 0. For a given λ each coordinate has an equation of its own, and f falls with λ, so there are only roots
-    /// of one unknown, each between bounds. Inside: to first order.
+    /// Outside, the nearest point x solves x + λ ∇f(x) = p with f(x) = 0. For a given λ each coordinate has an equation of its own, and f(x) decreases with λ, so
+    /// only roots of one unknown between bounds are needed. Inside, the distance is that to the tangent plane on the same ray.
     fn nearest(&self, at: [f64; 3]) -> Nearest {
         let gauge = self.gauge(at);
         if gauge <= 1.0 {
@@ -159,7 +163,7 @@ impl Solid for Superquadric {
         }
         let p = at.map(f64::abs);
         let least = self.half.into_iter().fold(f64::INFINITY, f64::min);
-        // a root of eq. (39) of about n₁ makes it nearly straight
+        // taking the root of about n₁ of f + 1 makes the function nearly linear, for a fast search; `flat` counts the square roots
         let flat = self.blockiness[0].to_bits() >> 52 & 0x7ff;
         let left = |nu: f64| {
             let [u, v, w] = self.image(p, nu);
@@ -181,7 +185,7 @@ impl Solid for Superquadric {
         Nearest { distance, normal: scaled(out, 1.0 / distance) }
     }
 
-    /// It lies in the box of its half lengths.
+    /// From the box of the half lengths, which holds the shape.
     fn clearance(&self, at: [f64; 3]) -> f64 {
         (0..3).map(|a| at[a].abs() - self.half[a]).fold(f64::NEG_INFINITY, f64::max)
     }
@@ -194,12 +198,12 @@ impl Solid for Superquadric {
         1
     }
 
-    /// The point whose normal is `towards`, by the dual norms of eq. (39).
+    /// The point whose outward normal is `towards`, from the dual norms of eq. 39.
     fn spot(&self, _: usize, towards: [f64; 3]) -> [f64; 3] {
         let [n1, n2] = self.blockiness;
         let [x, y, z]: [f64; 3] = std::array::from_fn(|a| (self.half[a] * towards[a]).abs());
         let root = |x: f64, n: f64| power(x, 1.0 / n);
-        // largest of what is compared is 1, so that powers stay in range
+        // scaled by the largest, so that powers stay in range
         let of = |x: f64, y: f64, n: f64| {
             let most = x.max(y).max(NOTHING);
             let [p, q] = [x, y].map(|x| root(x / most, n - 1.0));
@@ -212,14 +216,14 @@ impl Solid for Superquadric {
         [(0, s * u), (1, s * v), (2, w)].map(|(a, x)| (x * self.half[a]).copysign(towards[a]))
     }
 
-    /// In closed form by the beta function (Jaklič, Leonardis & Solina 2000, Segmentation and recovery of superquadrics, chapter 2), with
-    /// ε₁ = 2/n₁ and ε₂ = 2/n₂.
+    /// In closed form with the beta function (Jaklič, Leonardis & Solina 2000, Segmentation and recovery of superquadrics, chapter 2), ε₁ = 2/n₁ and
+    /// ε₂ = 2/n₂.
     fn bulk(&self) -> Bulk {
         let ([a, b, c], [e1, e2]) = (self.half, self.blockiness.map(|n| 2.0 / n));
         let beta = |x: f64, y: f64| exp(ln_gamma(x) + ln_gamma(y) - ln_gamma(x + y));
         let abc = a * b * c * e1 * e2;
         let volume = 2.0 * abc * beta(0.5 * e1 + 1.0, e1) * beta(0.5 * e2, 0.5 * e2);
-        // ½ ∫ x²/a² and ½ ∫ y²/b² are alike
+        // ∫ x²/a² dV and ∫ y²/b² dV are equal
         let side = 0.5 * abc * beta(1.5 * e2, 0.5 * e2) * beta(0.5 * e1, 2.0 * e1 + 1.0);
         let along = 2.0 * abc * beta(0.5 * e2, 0.5 * e2 + 1.0) * beta(1.5 * e1, e1 + 1.0);
         let moments = [side * b * b + along * c * c, side * a * a + along * c * c, side * (a * a + b * b)];

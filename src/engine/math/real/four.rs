@@ -1,29 +1,32 @@
-//! A vector with a fourth number beside it, as grains and contacts keep them: x, y, z and w in one register.
+//! Four numbers x, y, z, w in one SIMD register: a vector with a fourth number, as grains and contacts store them.
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Four numbers that go through the same operations.
+/// Four numbers x, y, z, w on which each operation acts in the same way.
 pub trait Four: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
-    /// What is needed to make one.
+    /// Proof that the machine has the instructions, needed to make a value.
     type Token: Copy;
+    /// The numbers x, y, z, w.
     fn of(token: Self::Token, xyzw: [f64; 4]) -> Self;
+    /// The numbers as an array.
     fn xyzw(self) -> [f64; 4];
-    /// The number in all four.
+    /// `x` four times.
     fn all(token: Self::Token, x: f64) -> Self;
-    /// The fourth in all four.
+    /// w four times.
     fn w(self) -> Self;
-    /// y, z, x, w.
+    /// The numbers in the order y, z, x, w.
     fn yzxw(self) -> Self;
-    /// The same vector with the fourth number of `other`.
+    /// x, y, z of `self` and w of `other`.
     fn with_w_of(self, other: Self) -> Self;
-    /// The larger of each two; `other` where one is not a number.
+    /// The larger of each two numbers; that of `other` if one is not a number.
     fn max(self, other: Self) -> Self;
+    /// The smaller of each two numbers; that of `other` if one is not a number.
     fn min(self, other: Self) -> Self;
-    /// |self| with the sign opposite to that of `other`, and zero where that is zero.
+    /// Each number's magnitude with the sign opposite to that in `other`; 0 where that is 0. For local damping.
     fn against(self, other: Self) -> Self;
 }
 
-/// Without vector instructions.
+/// Four numbers without SIMD instructions.
 #[derive(Clone, Copy)]
 pub struct Plain([f64; 4]);
 
@@ -104,7 +107,7 @@ mod avx {
     use std::arch::x86_64::__m256d;
     use std::ops::{Add, Div, Mul, Sub};
 
-    /// In one AVX register.
+    /// Four numbers in one AVX register.
     #[derive(Clone, Copy)]
     pub struct Quad(V3, __m256d);
 

@@ -1,14 +1,14 @@
-//! One number in each lane of the processor's registers.
+//! Several numbers side by side: one in each lane of a SIMD register.
 
 use super::Real;
 use pulp::Simd;
 use pulp::bytemuck;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// No instruction set has more lanes.
+/// Largest number of lanes of any instruction set.
 pub const MOST_LANES: usize = 8;
 
-/// As many numbers side by side as the instruction set `S` takes at once.
+/// As many numbers as a register of the instruction set `S` holds.
 #[derive(Clone, Copy)]
 pub struct Lanes<S: Simd> {
     simd: S,
@@ -72,8 +72,10 @@ impl<S: Simd> Real for Lanes<S> {
 }
 
 impl<S: Simd> Lanes<S> {
+    /// Number of lanes.
     pub const COUNT: usize = S::F64_LANES;
 
+    /// `x` in every lane.
     #[inline(always)]
     pub fn constants(simd: S, x: f64) -> Lanes<S> {
         Lanes { simd, values: simd.splat_f64s(x) }
@@ -91,7 +93,7 @@ impl<S: Simd> Lanes<S> {
         simd.first_true_m64s(simd.not_m64s(mask)) == Self::COUNT
     }
 
-    /// The four columns of [`Self::COUNT`] rows. Lanes may stand in another order than the rows, the same one every time.
+    /// Reads [`Self::COUNT`] rows of four numbers and returns the four columns. The order of lanes may differ from that of rows, but is always the same.
     #[inline(always)]
     pub fn columns(simd: S, row: impl Fn(usize) -> [f64; 4]) -> [Lanes<S>; 4] {
         let mut rows = [simd.splat_f64s(0.0); 4];
@@ -101,7 +103,7 @@ impl<S: Simd> Lanes<S> {
         simd.deinterleave_shfl_f64s(rows).map(|values| Lanes { simd, values })
     }
 
-    /// Calls `row` with each row of four columns: the reverse of [`Self::columns`].
+    /// Calls `row` with the index and the four numbers of each row of four columns: the reverse of [`Self::columns`].
     #[inline(always)]
     pub fn rows(simd: S, columns: [Lanes<S>; 4], mut row: impl FnMut(usize, [f64; 4])) {
         let rows = simd.interleave_shfl_f64s(columns.map(|c| c.values));

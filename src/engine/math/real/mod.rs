@@ -1,7 +1,7 @@
-//! Numbers for the laws of contact: one `f64`, or several side by side in the registers of the processor.
+//! Arithmetic for contact laws: on one `f64`, or on several side by side in SIMD registers.
 //!
-//! A law is written once, over [`Real`]. Lanes do what a scalar does, in the same order and rounded the same way (no fused
-//! multiply-add), so that which instruction set a machine has changes no bit.
+//! A law is written once, for any type that is [`Real`]. Lanes compute what a single number does, in the same order and with the same rounding (no fused
+//! multiply-add), so that the instruction set of a machine changes no bit of a result.
 
 mod four;
 mod lanes;
@@ -16,7 +16,7 @@ use pulp::Arch;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::OnceLock;
 
-/// A number, or several that go through the same operations.
+/// A number, or several numbers on which each operation acts in the same way.
 pub trait Real:
     Copy
     + Add<Output = Self>
@@ -26,18 +26,20 @@ pub trait Real:
     + Neg<Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// A truth for each number.
+    /// A truth value for each number.
     type Mask: Copy;
     /// The constant `x`, as many times as `self` has numbers.
     fn constant(self, x: f64) -> Self;
+    /// Square root.
     fn sqrt(self) -> Self;
+    /// Whether `self` is larger than `other`.
     fn above(self, other: Self) -> Self::Mask;
     /// `self` where the mask holds, `other` where it does not.
     fn where_else(self, mask: Self::Mask, other: Self) -> Self;
-    /// Whether it is worth asking if a mask holds at all: a branch costs many lanes more than the work that it saves.
+    /// Whether work that is needed only where `mask` holds can be skipped. For several lanes the answer is always no: a branch costs more than it saves.
     fn may_skip(mask: Self::Mask) -> bool;
 
-    /// The larger of the two; `x` where `self` is not a number.
+    /// The larger of `self` and `x`; `x` if `self` is not a number.
     #[inline(always)]
     fn at_least(self, x: f64) -> Self {
         let x = self.constant(x);
@@ -69,22 +71,22 @@ impl Real for f64 {
     }
 }
 
-/// Names of instruction sets: the best that the machine has, or at best the one named.
+/// Names of instruction sets for [`choose`] and [`at_best`]; `best` stands for the best that the machine has.
 pub const ARCHS: [&str; 4] = ["best", "avx512", "avx2", "scalar"];
 
 static ARCH: OnceLock<Arch> = OnceLock::new();
 
-/// The instruction set of the inner loops. It changes no bit of the results.
+/// The instruction set of the inner loops: the best of the machine, unless [`choose`] was called before. It changes no bit of the results.
 pub fn arch() -> Arch {
     *ARCH.get_or_init(Arch::new)
 }
 
-/// Settles what [`arch`] answers, unless it has been asked before.
+/// Limits the instruction set that [`arch`] returns to the one named; without effect once [`arch`] has been called.
 pub fn choose(name: &str) {
     ARCH.get_or_init(|| at_best(name));
 }
 
-/// The best instruction set that the machine has up to the one named.
+/// The best instruction set of the machine up to the one named.
 pub fn at_best(name: &str) -> Arch {
     match (name, Arch::new()) {
         ("scalar", _) => Arch::Scalar,
@@ -94,7 +96,7 @@ pub fn at_best(name: &str) -> Arch {
     }
 }
 
-/// Registers of four numbers, if the instruction set has them.
+/// Proof that the instruction set has registers of four numbers, if it does.
 #[cfg(target_arch = "x86_64")]
 pub fn quads(arch: Arch) -> Option<pulp::x86::V3> {
     match arch {
@@ -104,13 +106,13 @@ pub fn quads(arch: Arch) -> Option<pulp::x86::V3> {
     }
 }
 
-/// Registers of four numbers: not on this machine.
+/// On this kind of machine no registers of four numbers are used.
 #[cfg(not(target_arch = "x86_64"))]
 pub fn quads(_: Arch) -> Option<()> {
     None
 }
 
-/// Name of an instruction set.
+/// Name of an instruction set, one of [`ARCHS`].
 pub fn name(arch: Arch) -> &'static str {
     match arch {
         #[cfg(target_arch = "x86_64")]
