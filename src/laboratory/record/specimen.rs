@@ -7,6 +7,7 @@ use engine::boundary::CylinderSpace;
 use engine::dem::State;
 use engine::grains::Grains;
 use engine::material::Material;
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -26,7 +27,7 @@ fn save(path: &Path, g: &Grains, materials: &[Material], walls: Option<CylinderS
     for &i in &g.by_id() {
         let i = i as usize;
         let p = g.pos[i];
-        let name = &materials[g.material[i] as usize].name;
+        let name = quoted(&materials[g.material[i] as usize].name);
         let _ = write!(rows, "{:?},{:?},{:?},{:?},{},{name}", p[0], p[1], p[2], p[3], g.generation[i]);
         if moving {
             let (v, w) = (g.vel[i], g.spin[i]);
@@ -41,6 +42,15 @@ fn save(path: &Path, g: &Grains, materials: &[Material], walls: Option<CylinderS
     let _ = writeln!(text, "# hash = {:016x}", checksum(&(text.clone() + &rows)));
     text += &rows;
     std::fs::write(path, text).map_err(Error::write(path))
+}
+
+/// A text as a field of a CSV row: in quotes where it holds a comma, a quote or a line break.
+fn quoted(text: &str) -> Cow<'_, str> {
+    if text.contains([',', '"', '\n', '\r']) {
+        Cow::Owned(format!("\"{}\"", text.replace('"', "\"\"")))
+    } else {
+        Cow::Borrowed(text)
+    }
 }
 
 /// FNV-1a of 64 bits.
@@ -112,4 +122,32 @@ pub fn read(path: &Path, materials: &[Material]) -> Result<(Grains, CylinderSpac
         return Err(wrong("", None, "holds no grains"));
     }
     Ok((grains, walls))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_material_may_have_any_name() {
+        let material = |name: &str| Material {
+            name: name.into(),
+            density: 2650.0,
+            internal_porosity: 0.0,
+            young: 70e9,
+            poisson: 0.2,
+            friction: 0.3,
+            rolling_friction: 0.0,
+            contact: Default::default(),
+        };
+        let materials = [material("sand, \"fine\"\nwashed"), material("glass")];
+        let mut grains = Grains::default();
+        grains.add([1e-3, 0.0, 0.0], 1e-3, 0, &materials);
+        grains.add([-1e-3, 0.0, 0.0], 1e-3, 1, &materials);
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("specimen.csv");
+        write(&path, &grains, &materials, Some(CylinderSpace { radius: 0.01, height: 0.02, bottom: 0.0 })).expect("written");
+        let (read, _) = read(&path, &materials).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!((read.pos, read.material), (grains.pos, grains.material));
+    }
 }
