@@ -1,4 +1,9 @@
-//! Crushable-grain discrete element method for geotechnical research, with a continuum of material points.
+//! Discrete element method with crushable grains for geotechnical research, coupled with a continuum of material points.
+//!
+//! This crate gathers the crates of the workspace under one name: the engine's modules (physics), the laboratory's (scenes, runs,
+//! records), `figure` (drawings from records), `campaign` (many runs) and `calibrate` (parameters from laboratory data).
+
+#![deny(missing_docs)]
 
 pub use calibrate;
 pub use campaign;

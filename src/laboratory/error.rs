@@ -131,9 +131,9 @@ pub enum Error {
         /// True: the records or data asked for are wrong. False: a file could not be written.
         input: bool,
     },
-    /// The run was stopped from outside (Ctrl-C, SIGTERM) or at the step that the caller asked for. Its checkpoint is kept, and
-    /// [`crate::run::resume`] continues it.
-    #[error("interrupted at step {step}; the checkpoint is in {}", .out.display())]
+    /// The run was stopped from outside (Ctrl-C, SIGTERM) or at the step that the caller asked for. Its checkpoint is kept (a
+    /// batch of single grains has none and begins again), and [`crate::run::resume`] continues it.
+    #[error("{}: interrupted at step {step}", .out.display())]
     Interrupted {
         /// Steps done.
         step: u64,

@@ -199,7 +199,7 @@ impl Gradation {
     }
 }
 
-/// Values at increasing sizes with the last digits' dips taken out.
+/// Values at increasing sizes. A value smaller than the one before, which rounding may give, is replaced by that one.
 fn rising(sizes: &[f64], passing: impl Fn(f64) -> f64) -> Vec<f64> {
     let mut last = (f64::NEG_INFINITY, 0.0_f64);
     sizes
@@ -234,10 +234,13 @@ pub fn sieve_sizes(smallest: f64, largest: f64, count: usize) -> Vec<f64> {
 /// Numbers that sum up a gradation and its change since the start. Diameters in m, divided by N, with the lost mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Indices {
-    /// Smallest size with at least 10, 30, 50, 60 % of the mass finer or equal.
+    /// Smallest size with at least 10 % of the mass finer or equal, m.
     pub d10: f64,
+    /// The same for 30 %.
     pub d30: f64,
+    /// The same for 50 %: the median size.
     pub d50: f64,
+    /// The same for 60 %.
     pub d60: f64,
     /// Uniformity coefficient d60 / d10.
     pub cu: f64,
@@ -249,20 +252,22 @@ pub struct Indices {
     pub hardin_br: Option<f64>,
     /// Einav's relative breakage B (Einav 2007, J. Mech. Phys. Solids 55, 1274-1297), -: area between the initial and the
     /// current curve over the area between the initial curve and the ultimate one, both over ln d. The ultimate curve
-    /// is eq. (12) with the run's alpha from its `d_min` to the largest initial grain; areas count from `d_min` up. What
-    /// is broken further than the ultimate gradation at some size counts as broken to it: 0..1.
+    /// is eq. (12) with the run's alpha from its `d_min` to the largest initial grain; areas count from `d_min` up. Where the
+    /// current curve is finer than the ultimate one, the ultimate one counts in its place, so B lies between 0 and 1.
     /// `None` where the initial curve is not coarser than the ultimate one.
     pub einav_br: Option<f64>,
-    /// Area by which the current curve lies beyond the ultimate one, over the same area as `einav_br`, -. In Einav's
-    /// theory it is 0. Eq. (12) puts the lost mass of each event below its smallest daughter, and has more of it fine
-    /// than one fractal from the largest grain down: 14 balls that break once leave more than Einav's ultimate fines.
+    /// Area by which the current curve is finer than the ultimate one, over the same area as `einav_br`, -. In Einav's
+    /// theory it is 0. Eq. (12) puts the lost mass of each breakage below its smallest daughter, so this mass is finer
+    /// than that of the ultimate gradation, which begins at the largest grain: grains that break once into 14 balls
+    /// already leave more fines than Einav's ultimate gradation has.
     pub einav_beyond: Option<f64>,
 }
 
-/// A gradation that is coarser than at the start: mass has gone astray, and no index of breakage means anything.
+/// An error: the gradation is coarser than at the start. Breakage cannot do this, so mass was lost or added, and no index of breakage
+/// is meaningful.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coarser {
-    /// Area between the curves over ln d that has gone the wrong way, -.
+    /// Area over ln d by which the current curve is coarser than the initial one, -.
     pub by: f64,
 }
 
@@ -276,7 +281,7 @@ impl std::fmt::Display for Coarser {
     }
 }
 
-/// Areas over ln d up to this are rounding.
+/// Areas over ln d up to this size come from rounding.
 const ROUNDING: f64 = 1e-9;
 
 impl Indices {
@@ -307,7 +312,7 @@ impl Indices {
     }
 }
 
-/// An area of breakage, without what rounding leaves below zero.
+/// An area of breakage, which rounding may have made negative; an error where it is negative beyond rounding.
 fn finer(area: f64) -> Result<f64, Coarser> {
     if area < -ROUNDING { Err(Coarser { by: -area }) } else { Ok(area.max(0.0)) }
 }

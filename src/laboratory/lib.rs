@@ -1,4 +1,7 @@
-//! What is done to a specimen: a scene as the user wrote it becomes a model, a run drives it through a laboratory test step by step, and records say what was found.
+//! The laboratory: a scene that a user wrote becomes a model ([`scene`], [`model`]), a run drives the model through a laboratory test step
+//! by step ([`run`], [`rig`], [`testing`]), and records keep what was found ([`record`]).
+
+#![deny(missing_docs)]
 
 pub mod error;
 pub mod gradation;

@@ -1,19 +1,22 @@
-//! Who a grain comes from: daughters get the next numbers in the order of the breakages, so that a list of mothers tells the whole descent.
+//! The descent of grains. Daughters get the next free numbers in the order of the breakages, so the list of all mothers gives
+//! mother and first ancestor of every grain.
 
 use engine::dem::event::Breakage;
 use serde::{Deserialize, Serialize};
 
-/// The mother of each breakage, in their order; part of the checkpoint.
+/// The grain that broke in each breakage, in the order of the breakages; part of the checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ancestors(Vec<u32>);
 
 impl Ancestors {
+    /// Adds a breakage; they must come in their order.
     pub fn add(&mut self, b: &Breakage) {
         self.0.push(b.mother);
     }
 
-    /// Mother of the grain with this number, and the grain of the start that it comes from (itself without a mother). `next` is the number that the
-    /// next grain will have, `daughters` how many a breakage makes.
+    /// Mother of grain `id` (`None` for a grain of the start), and the grain of the start from which it descends (the grain
+    /// itself, if it has no mother). `next` is the number that the next grain will get, `daughters` the number of daughters of a
+    /// breakage.
     pub fn of(&self, id: u32, next: u32, daughters: usize) -> (Option<u32>, u32) {
         let first = next as usize - self.0.len() * daughters;
         let mother = |id: u32| (id as usize).checked_sub(first).and_then(|k| self.0.get(k / daughters)).copied();

@@ -1,11 +1,11 @@
-//! Records of a free assembly: sums in `history.csv`, chosen grains in `tracks.csv`.
+//! Records of a free scene: sums over all grains in `history.csv`, chosen grains in `tracks.csv`.
 
 use crate::model::{Assembly, Model};
 use engine::dem::observables;
 use engine::dem::{State, Workspace, gather};
 use table::Row;
 
-/// The row of this instant: energies and walls.
+/// The row of `history.csv` for the present state.
 pub fn history_row(model: &Model, state: &State, work: &Workspace) -> Row {
     let sums = observables::sums(&model.physics, state, work);
     let balance = state.ledger.balance(&state.walls, &sums);
@@ -31,7 +31,8 @@ pub fn history_row(model: &Model, state: &State, work: &Workspace) -> Row {
     ]
 }
 
-/// One row per tracked grain that still exists. Velocities and spins are those of this instant, not of the half step.
+/// One row of `tracks.csv` for each tracked grain that still exists. Velocities and spins are those of the present instant; the
+/// state holds those of half a step before.
 pub fn track_rows(model: &Model, rig: &Assembly, state: &State, work: &Workspace) -> Vec<Row> {
     let g = &state.grains;
     let back = if state.fresh { 0.0 } else { 0.5 * state.dt };

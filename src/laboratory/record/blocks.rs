@@ -1,4 +1,5 @@
-//! Records of rigid bodies that are no spheres: a row of each at every row of the history, and their surfaces in snapshots.
+//! Records of rigid bodies that are no spheres: `blocks.csv` has a row for each body at every row of the history; snapshots have
+//! their surfaces.
 
 use super::vtk::{self, Fact, Field};
 use crate::error::{Error, Result};
@@ -7,10 +8,10 @@ use engine::rigid::Blocks;
 use std::path::Path;
 use table::Row;
 
-/// Where they were, how they moved, what they bore.
+/// Table with place, motion and forces of each body.
 pub const TRACKS: &str = "blocks.csv";
 
-/// A row of each body. Forces on it are those of points, of grains and of walls.
+/// A row of [`TRACKS`] for each body at step `step` and time `time`, s.
 pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> {
     blocks.blocks.iter().enumerate().map(move |(k, b)| {
         let ([x, y, z], [u, v, w], [p, q, r], [a, i, j, l]) = (b.centre, b.velocity, b.spin(), b.turn);
@@ -46,7 +47,7 @@ pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> 
     })
 }
 
-/// Writes a ParaView snapshot of their surfaces.
+/// Writes the surfaces of all bodies as a ParaView snapshot, with `facts` noted in it.
 pub fn write_surfaces(path: &Path, facts: &[Fact], step: u64, blocks: &Blocks) -> Result<()> {
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());
     let names = [("block", 1), ("velocity_m_s", 3), ("spin_rad_s", 3), ("speed_m_s", 1), ("material", 1)];

@@ -1,19 +1,21 @@
-//! Rows of `breakage.csv`, and what is remembered of all breakages of a run: how old the broken grains were, how far above their limits, and how far
-//! the stress was from what was asked for.
+//! Rows of `breakage.csv`, and statistics of all breakages of a run for its summary: age of the broken grains, force over limit
+//! force, and difference of the stress from its target.
 
 use engine::dem::event::{Breakage, collided};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use table::Row;
 
-/// A daughter that breaks within so many steps of her birth is young.
+/// Age in steps up to which a daughter that breaks counts as young.
 pub const YOUNG: u64 = 20;
-/// A grain that was within its limit a step before and is above this many times its limit now has been hit: two grains have collided, or a wall and a grain.
+/// Force over limit force above which a breakage needs an explanation: a grain that was within its limit one step before has been
+/// hit by another grain or a wall.
 pub const HARD: f64 = 1.1;
-/// A breakage is off the stress asked for when that differs by more than this share from the stress measured.
+/// Relative difference of the stress from its target above which a breakage counts as off the target.
 pub const OFF: f64 = 0.05;
-/// Shares above which the summary warns.
+/// Share of breakages of young daughters above which the summary warns.
 const MANY_YOUNG: f64 = 0.05;
+/// Share of breakages far above the limit without a collision above which the summary warns.
 const MANY_OVER: f64 = 0.01;
 
 /// One breakage.
@@ -21,19 +23,20 @@ const MANY_OVER: f64 = 0.01;
 struct Broken {
     generation: u8,
     young: bool,
-    /// Load over limit, now and a step before.
+    /// Force over limit force.
     utilisation: f64,
+    /// The same one step before.
     before: f64,
-    /// Whether the stress was off the one asked for; false where none is.
+    /// Whether the stress was off its target; false in a test without a target.
     off: bool,
 }
 
-/// All breakages.
+/// Statistics of all breakages of a run; part of the checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Breakages(Vec<Broken>);
 
 impl Breakages {
-    /// Adds a breakage; `off` says whether the stress was off the one asked for.
+    /// Adds a breakage; `off`: the stress was off its target.
     pub fn add(&mut self, b: &Breakage, off: bool) {
         let young = b.generation > 0 && b.age <= YOUNG;
         self.0.push(Broken { generation: b.generation, young, utilisation: b.utilisation(), before: b.before, off });
@@ -43,17 +46,18 @@ impl Breakages {
         self.0.iter().filter(|b| of(b)).count() as f64 / self.0.len().max(1) as f64
     }
 
-    /// Share that broke while young: what birth has done rather than load.
+    /// Share of breakages of young daughters: these break because of the overlaps that they are born with, not because of the
+    /// load.
     fn young(&self) -> f64 {
         self.share(|b| b.young)
     }
 
-    /// Share that was far above its limit though nothing had hit it.
+    /// Share of breakages above [`HARD`] without a collision.
     fn unexplained(&self) -> f64 {
         self.share(|b| b.utilisation > HARD && !collided(b.utilisation, b.before))
     }
 
-    /// For `summary.json`.
+    /// The entry `breakages` of `summary.json`.
     pub fn summary(&self) -> Value {
         let last = self.0.iter().map(|b| b.generation).max().unwrap_or(0);
         let generations: Vec<Value> = (0..=last)
@@ -74,7 +78,7 @@ impl Breakages {
         })
     }
 
-    /// What a reader of the results must know, in words.
+    /// Warnings for the reader of the results. The texts stand in `summary.json`, whose bytes the golden runs compare.
     pub fn warnings(&self) -> Vec<String> {
         let percent = |x: f64| format!("{:.1} %", 100.0 * x);
         let mut warnings = Vec::new();
@@ -102,7 +106,7 @@ impl Breakages {
     }
 }
 
-/// Row of `breakage.csv` for a breakage at this step and vertical stress, Pa.
+/// Row of `breakage.csv` for the breakage `b` at step `step` and vertical stress `sigma_v`, Pa.
 pub fn row(b: &Breakage, step: u64, sigma_v: f64) -> Row {
     vec![
         ("event", b.event.into()),
@@ -132,7 +136,7 @@ pub fn row(b: &Breakage, step: u64, sigma_v: f64) -> Row {
     ]
 }
 
-/// Of sorted numbers; 0 without any.
+/// Quantile `p`, 0 to 1, of sorted numbers, without interpolation; 0 where there are none.
 fn quantile(sorted: &[f64], p: f64) -> f64 {
     sorted.get(((sorted.len() as f64 * p) as usize).min(sorted.len().saturating_sub(1))).copied().unwrap_or(0.0)
 }

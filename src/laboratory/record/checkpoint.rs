@@ -1,5 +1,5 @@
-//! Checkpoints: the whole progress of a run in one file, replaced atomically, so that a run killed at any moment goes on from the last
-//! one with the same bits.
+//! Checkpoints: the whole progress of a run in one file. A new checkpoint replaces the old one in a single operation of the file
+//! system, so a run that is killed at any moment can go on from the last one, with the same bits.
 
 use crate::error::{Error, Result};
 use serde::Serialize;
@@ -8,9 +8,13 @@ use std::path::Path;
 
 /// Name of the file in a run's folder.
 pub const FILE: &str = "checkpoint.bin";
+/// Beginning of every checkpoint; its number rises with every change of the format.
 const MAGIC: &[u8] = b"comminute checkpoint 9\n";
 
-/// Writes `progress` to `dir`.
+/// Writes `progress` as the checkpoint of the folder `dir`.
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn save<T: Serialize>(dir: &Path, progress: &T) -> Result<()> {
     let path = dir.join(FILE);
     let body =
@@ -20,7 +24,10 @@ pub fn save<T: Serialize>(dir: &Path, progress: &T) -> Result<()> {
     std::fs::rename(&temporary, &path).map_err(Error::write(&path))
 }
 
-/// Reads the progress that `dir` holds.
+/// Reads the checkpoint of the folder `dir`.
+///
+/// # Errors
+/// A missing file; [`Error::Checkpoint`] for one of another version, or a damaged one.
 pub fn load<T: DeserializeOwned>(dir: &Path) -> Result<T> {
     let path = dir.join(FILE);
     let bytes = std::fs::read(&path).map_err(Error::read(&path))?;
@@ -29,7 +36,10 @@ pub fn load<T: DeserializeOwned>(dir: &Path) -> Result<T> {
     postcard::from_bytes(body).map_err(|e| wrong(format!("damaged ({e})")))
 }
 
-/// Removes the checkpoint of a run that is done.
+/// Removes the checkpoint of the folder `dir`, if there is one.
+///
+/// # Errors
+/// A file that cannot be removed.
 pub fn remove(dir: &Path) -> Result<()> {
     let path = dir.join(FILE);
     match std::fs::remove_file(&path) {

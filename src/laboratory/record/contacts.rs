@@ -1,4 +1,5 @@
-//! Contacts of an instant: who touches whom, where, with which force; as a file beside a snapshot, and what they make each grain bear.
+//! The contacts of grains at an instant: bodies, place and forces, as a table beside a snapshot; and the mean stress in each
+//! grain.
 
 use super::vtk::Fact;
 use crate::error::{Error, Result};
@@ -17,7 +18,7 @@ use table::number;
 const HEADER: &str = "a,kind_b,b,x_m,y_m,z_m,a_x_m,a_y_m,a_z_m,b_x_m,b_y_m,b_z_m,normal_x_N,normal_y_N,normal_z_N,\
                       tangential_x_N,tangential_y_N,tangential_z_N,overlap_m\n";
 
-/// The second body.
+/// The second body of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Other {
     /// Index of a grain.
@@ -31,16 +32,17 @@ pub enum Other {
 /// A contact of a grain.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact {
-    /// Index of the grain, the first body.
+    /// Index of the grain, which is the first body.
     pub grain: usize,
+    /// The second body.
     pub other: Other,
-    /// Point of contact: the middle of the overlap, on a wall the wall's surface, m.
+    /// Point of contact, m: the middle of the overlap, on a wall its surface.
     pub point: [f64; 3],
-    /// Centre of the other body; of a wall the point of contact, m.
+    /// Centre of the second body, m; of a wall the point of contact.
     pub centre: [f64; 3],
-    /// Distance of the point of contact from both centres along the normal, m.
+    /// Distance of the point of contact from the centres of both bodies along the normal, m.
     arms: [f64; 2],
-    /// Forces on the grain.
+    /// Forces on the grain, N.
     pub touch: ContactForce,
 }
 
@@ -70,7 +72,7 @@ pub fn of_grains(state: &State) -> Vec<Contact> {
     between.chain(on_walls).collect()
 }
 
-/// The same, and those of grains with points.
+/// Contacts between grains, of grains with walls, and of grains with points.
 pub fn of_mixture(mixture: &Mixture, continuum: &Continuum) -> Vec<Contact> {
     let mut all = of_grains(&mixture.grains);
     let points = continuum.points();
@@ -81,11 +83,12 @@ pub fn of_mixture(mixture: &Mixture, continuum: &Continuum) -> Vec<Contact> {
     all
 }
 
-/// Mean stress of each grain by index, Pa, compression positive: Love and Weber's sum of its contact forces over its volume.
+/// Mean stress in each grain by index, Pa, compression positive: a third of the trace of Love and Weber's sum of contact forces
+/// times branch vectors, over the volume of the grain.
 pub fn mean_stresses(grains: &Grains, contacts: &[Contact]) -> Vec<f64> {
     let mut sums = vec![0.0; grains.len()];
     for c in contacts {
-        // tangential forces stand across the arms
+        // tangential forces are normal to the branch vectors and add nothing to the trace
         sums[c.grain] += c.touch.normal_force * c.arms[0];
         if let Other::Grain(j) = c.other {
             sums[j] += c.touch.normal_force * c.arms[1];
@@ -94,7 +97,7 @@ pub fn mean_stresses(grains: &Grains, contacts: &[Contact]) -> Vec<f64> {
     sums.iter().zip(&grains.pos).map(|(sum, p)| sum / (3.0 * sphere_volume(p[3]))).collect()
 }
 
-/// Names of walls: of a specimen by their place, of a free scene by their number there.
+/// Names of the walls: `bottom`, `top`, `cylinder`, `x_low`, … in a test (`specimen`), `wall_0`, `wall_1`, … in a free scene.
 pub fn names(walls: &[Wall], specimen: bool) -> Vec<String> {
     let name = |(k, wall): (usize, &Wall)| {
         let of_specimen = match wall.shape {
@@ -116,7 +119,8 @@ pub fn names(walls: &[Wall], specimen: bool) -> Vec<String> {
     walls.iter().enumerate().map(name).collect()
 }
 
-/// Writes contacts, with what is known of the instant as notes; forces are those on the first body.
+/// Writes the contacts as a table, with `facts` as notes before it; forces are those on the first body. `walls` are the names of
+/// the walls.
 pub fn write(path: &Path, facts: &[Fact], grains: &Grains, walls: &[String], contacts: &[Contact]) -> Result<()> {
     let mut text: String = facts.iter().map(|(name, value)| format!("# {name} = {}\n", number(*value))).collect();
     text += HEADER;

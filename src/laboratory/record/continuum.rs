@@ -1,4 +1,5 @@
-//! Records of a continuum: rows of history, what the summary remembers of them, points as files. Compression is positive.
+//! Records of a continuum or mixture: rows of `history.csv`, the values of rows that the summary needs, points as tables and
+//! snapshots. Compression is positive.
 
 use super::gradations::At;
 use super::vtk::{self, Fact, Field};
@@ -12,57 +13,67 @@ use std::fmt::Write as _;
 use std::path::Path;
 use table::{Row, number};
 
-/// Files with the points at the start and at the end.
+/// Table of the points at the start of the test.
 pub const START: &str = "points_start.csv";
+/// Table of the points at the end.
 pub const END: &str = "points_final.csv";
-/// The grains of a mixture at the start.
+/// Table of the grains of a mixture at the start of the test.
 pub const GRAINS_START: &str = "grains_start.csv";
-/// Stresses below this are none, Pa.
+/// Stresses of smaller magnitude are written as 0, Pa.
 const NOTHING: f64 = 1e-3;
-/// Rows of the settling stage: wave times between two.
+/// Times of a wave through the specimen between two rows while it settles.
 const SETTLE_EVERY: f64 = 5.0;
-/// Axial strain from which a test is held to the quasi-static measures, as a share of its end.
+/// Axial strain, over that at the end, from which on the quasi-static measures count.
 const FROM: f64 = 0.05;
-/// The residual ratio is the mean over this last share of the strain.
+/// Last share of the axial strain over which the residual stress ratio is averaged.
 const RESIDUAL: f64 = 0.1;
 
-/// What is carried along; part of the checkpoint.
+/// The state of the records; part of the checkpoint.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Recorder {
+    /// Whether the last row was one of settling, and its number.
     level: Option<(bool, i64)>,
+    /// Number of snapshots so far.
     frame: u64,
-    /// Largest σ1/σ3 of the rows, axial strain there, and q there, Pa.
+    /// Largest σ1/σ3 of all rows, with the axial strain and q, Pa, of the same row.
     pub peak: [f64; 3],
-    /// Sum and number of the ratios of the last rows.
+    /// Sum and number of the stress ratios over the last share [`RESIDUAL`] of the test.
     residual: [f64; 2],
-    /// Largest platen difference and kinetic energy over stress work of the rows of loading.
+    /// Largest difference of opposite sides, and largest kinetic energy over stress work, of the rows that count.
     pub worst: [f64; 2],
-    /// Share of all energy given that is dissipated, in the last row.
+    /// Dissipated share of all energy given, in the last row.
     pub dissipated: f64,
-    /// Platen difference in the last row.
+    /// Difference of opposite sides in the last row, -.
     pub difference: f64,
-    /// Axial strain and axial stress, Pa, of the last row; the largest axial stress of a row of loading.
+    /// Axial strain and axial stress, Pa, of the last row.
     now: [f64; 2],
+    /// Largest axial stress of a row of loading, Pa.
     pub most: f64,
-    /// First and last row's axial strain and axial stress, for the modulus.
+    /// Axial strain and axial stress, Pa, of the first row of loading.
     pub first: Option<[f64; 2]>,
+    /// Axial strain and axial stress, Pa, of the last row of loading.
     pub last: [f64; 2],
+    /// Lateral stress of the last row of loading, Pa.
     pub lateral: f64,
+    /// Void ratio in the last row.
     pub void_ratio: f64,
+    /// Largest plastic strain in the last row.
     pub plastic: f64,
-    /// First and last reach: distance and height, m.
+    /// Run-out and height, m, of the first and of the last row of a free scene.
     pub reach: [Option<[f64; 2]>; 2],
 }
 
-/// What is due at an instant.
+/// The records that are due.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Due {
+    /// A row of the history.
     pub row: bool,
+    /// A snapshot and a gradation.
     pub frame: bool,
 }
 
 impl Recorder {
-    /// What is due now.
+    /// The records that are due for the present state; counts them as made.
     pub fn due(&mut self, rig: &Rig, state: &State) -> Due {
         let (settling, share) = (state.phase == Phase::Settle, state.share(rig));
         let level = match settling {
@@ -82,14 +93,14 @@ impl Recorder {
         Due { row: row || frame, frame }
     }
 
-    /// Share of the test at which the next row or frame is due.
+    /// Share of the test at which the next row or snapshot is due.
     pub fn next(&self, rig: &Rig, state: &State) -> f64 {
         let share = state.share(rig);
         let after = |n: u32| ((share * f64::from(n) + 1e-9).floor() + 1.0) / f64::from(n);
         after(rig.rows).min(after(rig.frames))
     }
 
-    /// The row of this instant.
+    /// The row of `history.csv` for the present state. Keeps what the summary needs.
     pub fn row(&mut self, rig: &Rig, state: &mut State) -> Row {
         let mut m = state.moment(rig);
         // platens that just touch give rounding, which no logarithmic axis should show
@@ -157,7 +168,7 @@ impl Recorder {
         row
     }
 
-    /// Where the test was at the last row, for a gradation.
+    /// The instant of the last row, for a gradation.
     pub fn at(&self, rig: &Rig, state: &State) -> At {
         let [axial_strain, sigma_v] = if rig.specimen().is_some() { self.now } else { [f64::NAN; 2] };
         At { step: state.continuum.steps(), stage: stage(state.phase), sigma_v, axial_strain }
@@ -185,12 +196,13 @@ impl Recorder {
         }
     }
 
-    /// Whether a test has gone so far that its quasi-static measures mean something: after the waves of its start.
+    /// Whether the test has passed the share [`FROM`] of its axial strain. Before, waves from its start disturb the quasi-static
+    /// measures.
     pub fn under_way(&self, rig: &Rig, phase: Phase) -> bool {
         phase != Phase::Settle && rig.specimen().is_some_and(|s| self.last[0] >= FROM * s.axial_strain)
     }
 
-    /// Mean σ1/σ3 at the end.
+    /// Residual stress ratio: mean σ1/σ3 over the last share [`RESIDUAL`] of the axial strain.
     pub fn residual_ratio(&self) -> f64 {
         self.residual[0] / self.residual[1]
     }
@@ -200,7 +212,10 @@ fn stage(phase: Phase) -> &'static str {
     if phase == Phase::Settle { "settle" } else { "load" }
 }
 
-/// Writes the points in the order of their ids; displacement from `start`, where it is known.
+/// Writes the points as a table in the order of their ids, with the displacement from their places in `start`.
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn write_points(path: &Path, rig: &Rig, points: &Points, start: Option<&Points>) -> Result<()> {
     let edge = rig.settings.cell / f64::from(rig.per_edge);
     let mut text = format!("# spacing_m = {}\n", number(edge));
@@ -208,7 +223,7 @@ pub fn write_points(path: &Path, rig: &Rig, points: &Points, start: Option<&Poin
     for i in points.by_id().into_iter().map(|i| i as usize) {
         let ([x, y, z, volume], [u, v, w, _], s) = (points.position[i], points.velocity[i], points.stress[i]);
         let moved = start.map_or(0.0, |start| {
-            // points that a breakage left have no start
+            // points from breakages were not there at the start
             let Some(p) = start.position.get(points.id[i] as usize) else { return 0.0 };
             1e3 * ((x - p[0]).powi(2) + (y - p[1]).powi(2) + (z - p[2]).powi(2)).sqrt()
         });
@@ -227,10 +242,13 @@ fn invariants(s: &[f64; 6]) -> (f64, f64) {
     (p, (3.0 * j2).sqrt())
 }
 
-/// A field of a snapshot: its name, how many numbers it has, and those of what stands at an index.
+/// A field of a snapshot: its name, its number of components, and the components of the body at an index.
 type Of<'a> = (&'static str, usize, &'a dyn Fn(usize) -> Vec<f64>);
 
-/// Writes a ParaView snapshot of the points.
+/// Writes the points as a ParaView snapshot, with `facts` noted in it.
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn write_snapshot(path: &Path, facts: &[Fact], continuum: &Continuum) -> Result<()> {
     let points = continuum.points();
     let fields: [Of; 9] = [
@@ -247,8 +265,11 @@ pub fn write_snapshot(path: &Path, facts: &[Fact], continuum: &Continuum) -> Res
     write_fields(path, facts, continuum.steps(), &points.by_id(), &points.position, &fields)
 }
 
-/// Writes a ParaView snapshot of the grains in a continuum; `stresses` are their mean stresses by index, Pa, `descent` says who is the mother and the first
-/// ancestor of a grain.
+/// Writes the grains of a mixture as a ParaView snapshot. `stresses` are their mean stresses by index, Pa; `descent` gives mother
+/// and first ancestor of a grain.
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn write_grains(
     path: &Path,
     facts: &[Fact],

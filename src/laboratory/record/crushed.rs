@@ -1,5 +1,6 @@
-//! Records of grains that break in a continuum: breakages, gradations, and the columns of breakage in the history, as specimens of grains have
-//! them. Gradations are those of the grains and of what they have lost; the material of the scene's points is not in them.
+//! Records of grains that break in a mixture: `breakage.csv`, `gsd.csv` and the columns of breakage in the history, as for
+//! specimens of grains. Gradations are those of the grains and of the mass that they have lost; the points of the scene are not
+//! in them.
 
 use super::ancestors::Ancestors;
 use super::breakages::{self, Breakages};
@@ -16,18 +17,18 @@ use serde_json::{Map, Value, json};
 use std::path::Path;
 use table::{Row, Table};
 
-/// Tables of a run whose grains break, and what the summary says; part of the checkpoint.
+/// The records of breakage of a mixture; part of the checkpoint.
 #[derive(Serialize, Deserialize)]
 pub struct Crushed {
     gsd: Table,
     breakage: Table,
     broken: Breakages,
     ancestors: Ancestors,
-    /// Most contacts between grains and with walls at a row: nothing else breaks a grain.
+    /// Largest number of contacts between grains and of grains with walls at a row. Only such contacts break grains.
     contacts: u64,
-    /// Relative breakage of Hardin and of Einav at the last row, and what is beyond Einav's.
+    /// Relative breakage of Hardin and of Einav at the last row, and the part beyond Einav's ultimate gradation.
     indices: [f64; 3],
-    /// Gradation before loading; from the rig when a run is resumed.
+    /// Gradation before loading; a resumed run takes it from the rig.
     #[serde(skip)]
     initial: Option<Gradation>,
 }
@@ -47,16 +48,16 @@ impl Default for Crushed {
 }
 
 impl Crushed {
-    /// Takes the gradation that breakage is counted from, where grains break.
+    /// Notes the gradation before loading, if grains can break.
     pub fn open(&mut self, model: &Model, rig: &Rig) {
         let coarse = rig.coarse.as_ref().filter(|c| model.physics.crush.is_some() && !c.grains.is_empty());
         self.initial = coarse.map(|c| gradations::of_listed(model, &c.grains));
     }
 
-    /// Columns of this instant; none where nothing can break.
+    /// The columns of breakage for a row of the history; none where no grain can break.
     ///
     /// # Errors
-    /// A gradation that is coarser than at the start.
+    /// [`Error::Failed`]: the gradation is coarser than at the start, so mass was lost or added.
     pub fn columns(&mut self, model: &Model, state: &State) -> Result<Row> {
         let (Some(initial), Some(mixture)) = (&self.initial, &state.mixture) else { return Ok(Row::new()) };
         let indices = Indices::between(initial, &gradation(model, &mixture.grains))
@@ -69,7 +70,10 @@ impl Crushed {
         Ok(row)
     }
 
-    /// Rows of `gsd.csv` for this instant, where grains break.
+    /// Writes the rows of `gsd.csv` for the present state, if grains can break.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn gradation(&mut self, out: &Path, model: &Model, state: &State, at: &At) -> Result<()> {
         let (Some(initial), Some(mixture)) = (&self.initial, &state.mixture) else { return Ok(()) };
         for mut row in gradations::rows(model, &gradation(model, &mixture.grains), at, initial) {
@@ -79,10 +83,13 @@ impl Crushed {
         Ok(())
     }
 
-    /// Rows of `breakage.csv` for what has broken since the last call.
+    /// Writes the rows of `breakage.csv` for the breakages since the last call.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn breakages(&mut self, out: &Path, state: &mut State) -> Result<()> {
         for broken in std::mem::take(&mut state.broken) {
-            // nothing asks for a stress: the platens go at their speed
+            // the platens move at a given speed: there is no target of the stress
             self.broken.add(&broken.event, false);
             self.ancestors.add(&broken.event);
             let mut row = breakages::row(&broken.event, broken.step, broken.axial);
@@ -92,17 +99,21 @@ impl Crushed {
         Ok(())
     }
 
-    /// Mother of a grain, and the grain of the start that it comes from.
+    /// Mother of the grain `id`, and the grain of the start from which it descends ([`Ancestors::of`]).
     pub fn descent(&self, model: &Model, grains: &Grains, id: u32) -> (Option<u32>, u32) {
         self.ancestors.of(id, grains.next_id, model.physics.crush.as_ref().map_or(1, |c| c.pattern.count()))
     }
 
+    /// Hands all rows to the operating system.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn flush(&mut self, out: &Path) -> Result<()> {
         self.gsd.flush(out)?;
         Ok(self.breakage.flush(out)?)
     }
 
-    /// What the summary says of breakage; nothing where nothing can break.
+    /// The entries of `summary.json` about breakage; none where no grain can break.
     pub fn summary(&self, model: &Model, state: &State) -> Map<String, Value> {
         let mut s = Map::new();
         let (Some(crush), Some(initial), Some(mixture)) = (&model.physics.crush, &self.initial, &state.mixture) else { return s };

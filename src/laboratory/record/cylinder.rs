@@ -1,4 +1,4 @@
-//! Records of a cylindrical specimen under test: rows of history, and what the summary remembers of them.
+//! Records of a cylindrical specimen of grains under test: rows of `history.csv`, and the values of rows that the summary needs.
 
 use super::breakages::Breakages;
 use super::gradations::{self, gradation};
@@ -12,13 +12,15 @@ use engine::dem::{State, Workspace};
 use serde::{Deserialize, Serialize};
 use table::Row;
 
-/// What the recorder carries along; part of the checkpoint.
+/// The state of the records; part of the checkpoint.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Recorder {
-    /// Stage and position in the series of levels of the last record.
+    /// Stage of the last record, and its number in the series of stresses (oedometer) or strains (triaxial) at which rows are
+    /// due.
     pub(crate) last: Option<(usize, i64)>,
-    /// Position in the list of full records for the present stage.
+    /// Number of full records that the present stage has had.
     pub(crate) next_at: usize,
+    /// Number of stages whose end has been recorded.
     pub(crate) ended_stages: usize,
     /// Largest measured vertical stress at a record, Pa.
     pub max_stress: f64,
@@ -26,61 +28,78 @@ pub struct Recorder {
     pub mass: f64,
     /// Largest overlap over the smaller radius at a record.
     pub deepest: f64,
-    /// Over every step: how the test was held, and what has broken.
+    /// How well the stress was held, over every step.
     pub held: Held,
+    /// Statistics of all breakages.
     pub broken: Breakages,
-    /// Measured vertical stress, Pa, axial strain and breakages at the last record.
+    /// Measured vertical stress at the last record, Pa.
     pub(crate) row_stress: f64,
+    /// Axial strain at the last record.
     pub(crate) row_strain: f64,
+    /// Breakages up to the last record.
     pub(crate) row_events: u64,
-    /// Worst values at records above 50 kPa: platen difference, distance from the target, inertial number.
+    /// Largest values at records above 50 kPa: difference of the platens, difference of the stress from its target, inertial
+    /// number.
     pub worst: [f64; 3],
-    /// Energy error and non-conservative share at the last record.
+    /// Error of the energy balance at the last record, -.
     pub energy_error: f64,
+    /// Non-conservative share of the contacts' work at the last record, -.
     pub energy_nonconservative: f64,
+    /// Relative error of the mass at the last record.
     pub mass_error: f64,
-    /// What the summary says of the last record.
+    /// Horizontal over vertical stress at the last record.
     pub k0: f64,
+    /// Further values of the last record.
     pub at_end: AtEnd,
-    /// Where the void ratio first fell below `records.least_void_ratio`.
+    /// The first record with a void ratio below `records.least_void_ratio`.
     pub below_least: Option<BelowLeast>,
 }
 
-/// Values of the last record for the summary; ratios as in the history.
+/// Values of the last record for the summary; each is the column of the same name of the history.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct AtEnd {
+    /// Porosity with all dry mass as solids.
     pub porosity: f64,
+    /// Void ratio with all dry mass as solids.
     pub void_ratio: f64,
+    /// Void ratio with the grains alone as solids.
     pub void_ratio_grains: f64,
+    /// Void ratio with all dry mass as solids and the pores inside the grains as voids (eq. 20).
     pub void_ratio_star: f64,
+    /// Axial strain, compression positive.
     pub axial_strain: f64,
+    /// Relative breakage of Hardin.
     pub hardin_br: f64,
+    /// Relative breakage of Einav.
     pub einav_br: f64,
+    /// The part of the gradation beyond Einav's ultimate one.
     pub einav_beyond: f64,
 }
 
-/// The first record with a void ratio that fines cannot reach.
+/// The first record with a void ratio below `records.least_void_ratio`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BelowLeast {
     /// Vertical stress, Pa.
     pub sigma_v: f64,
+    /// Axial strain, compression positive.
     pub axial_strain: f64,
+    /// Void ratio with all dry mass as solids.
     pub void_ratio: f64,
 }
 
 impl BelowLeast {
-    /// What a person is told, with the limit it fell below.
+    /// The warning for the user; `least` is `records.least_void_ratio`.
     pub fn in_words(&self, least: f64) -> String {
         format!(
-            "void ratio of all dry mass is {:.3} at {:.0} kPa, below records.least_void_ratio = {least}: grains have broken into more \
-             fines than the voids can hold; the curve has no meaning from there on",
+            "the void ratio of all dry mass is {:.3} at {:.0} kPa, below records.least_void_ratio = {least}: the grains have broken into more \
+             fines than would fit into the voids; the curve has no meaning from there on",
             self.void_ratio,
             self.sigma_v * 1e-3
         )
     }
 }
 
-/// What a record is for.
+/// The kind of a record that is due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Due {
     /// A row of the history.
@@ -89,20 +108,25 @@ pub enum Due {
     Full,
 }
 
-/// What the rig says of this instant.
+/// What only the test knows of an instant.
 pub struct Moment {
+    /// Name of the stage.
     pub stage: &'static str,
-    /// The stress that a servo is to hold, Pa, and what it is.
+    /// Target of the stress under servo, Pa.
     pub target: f64,
+    /// The same stress as measured, Pa.
     pub held: f64,
     /// Height at the start of the test, m.
     pub start_height: f64,
-    /// The rig's own columns.
+    /// The test's own columns.
     pub own: Row,
 }
 
 impl Recorder {
-    /// The row of this instant.
+    /// The row of `history.csv` for the present state; `initial` is the gradation before loading. Keeps what the summary needs.
+    ///
+    /// # Errors
+    /// [`Error::Failed`]: the gradation is coarser than at the start, so mass was lost or added.
     pub fn row(&mut self, model: &Model, moment: Moment, state: &State, work: &Workspace, initial: &Gradation) -> Result<Row> {
         let size = space(state);
         let s = Stresses::of(state);
@@ -113,7 +137,7 @@ impl Recorder {
         let internal = model.physics.materials[0].internal_porosity;
         let lost: f64 = state.lost.iter().map(|l| l.0).sum();
         let lost_volume = lost / model.physics.materials[0].density;
-        // all dry mass is solid, the lost mass too; `grains` counts what is left in grains only
+        // here all dry mass counts as solid, that lost by breakages included; in `grains` the mass of the grains alone
         let porosity = 1.0 - (sums.volume + lost_volume) / size.volume();
         let grains = 1.0 - sums.volume / size.volume();
         // n* = 1 − (1 − n)(1 − n_int), eq. (20)

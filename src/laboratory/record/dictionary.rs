@@ -1,26 +1,30 @@
-//! Every column of every table that runs leave: unit and meaning. `comminute check --columns` prints this.
+//! The dictionary: unit and meaning of every column of every table that runs leave. `comminute check --columns` prints it, and
+//! the book has it as a page.
 
-/// A column.
+/// A column of a table.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
+    /// Name, as in the header.
     pub name: &'static str,
-    /// `-` where there is none.
+    /// Unit; `-` for a number without a unit, a text or a count.
     pub unit: &'static str,
+    /// Meaning.
     pub what: &'static str,
 }
 
-/// A table, or several with the same columns.
+/// A table, or several tables with the same columns.
 #[derive(Clone, Copy, Debug)]
 pub struct Sheet {
     /// Names of the files, with commas between.
     pub files: &'static str,
-    /// Kinds of scenes that leave it, or the command that does.
+    /// Kinds of scenes whose runs leave the table, with commas between; or the command that leaves it.
     pub of: &'static str,
+    /// The columns, in the order of the table.
     pub columns: &'static [Column],
 }
 
 impl Sheet {
-    /// Whether a run of this kind of scene leaves the file with these columns.
+    /// Whether this is the table `file` of a run of a scene of kind `kind`.
     pub fn describes(&self, file: &str, kind: &str) -> bool {
         self.files.split(", ").any(|f| f == file) && self.of.split(", ").any(|k| k == kind)
     }
@@ -529,7 +533,7 @@ const RUNS: &[Column] = &[
     column("wall_seconds", "s", "time that the run took"),
 ];
 
-/// The reference that `comminute check --columns` prints.
+/// The whole dictionary as text for a person.
 pub fn reference() -> String {
     let mut text = String::from(
         "Columns of the tables that runs leave. Lengths of grains are those of the model: of a scene with specimen.scale they are larger by it,\n\

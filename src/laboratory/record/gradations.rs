@@ -1,4 +1,4 @@
-//! Gradations of the grains of a run: at an instant, before loading, and as rows of `gsd.csv`.
+//! Gradations of the grains of a run: now, before loading, and as rows of `gsd.csv`.
 
 use crate::gradation::{Gradation, Indices, sieve_sizes};
 use crate::model::{GrainSpec, Model};
@@ -6,10 +6,10 @@ use engine::dem::State;
 use engine::grains::{Grains, sphere_volume};
 use table::Row;
 
-/// Sizes at which a gradation is written.
+/// Number of sizes at which a gradation is written.
 const SIEVES: usize = 121;
 
-/// Present gradation, lost mass reconstructed (eq. 12).
+/// The present gradation, with the mass that breakages have lost spread over sizes (Ciantia et al. 2015, eq. 12).
 pub fn gradation(model: &Model, state: &State) -> Gradation {
     let g = &state.grains;
     let radii = state.aftermath.radii(g);
@@ -17,13 +17,13 @@ pub fn gradation(model: &Model, state: &State) -> Gradation {
     Gradation::new(grains, state.lost.iter().copied(), model.fines, model.scale)
 }
 
-/// Relative breakage of Hardin and of Einav, and what is beyond Einav's; not numbers where there is none.
+/// Relative breakage of Hardin and of Einav, and the part beyond Einav's ultimate gradation; NaN where they are not defined.
 pub fn breakage(indices: Option<&Indices>) -> [f64; 3] {
     let of = |f: fn(&Indices) -> Option<f64>| indices.and_then(f).unwrap_or(f64::NAN);
     [of(|i| i.hardin_br), of(|i| i.einav_br), of(|i| i.einav_beyond)]
 }
 
-/// Columns of a history that say how the gradation has changed.
+/// The columns of a history with diameters and indices of the present gradation.
 pub fn columns(indices: Option<&Indices>) -> Row {
     let of = |f: fn(&Indices) -> f64| indices.map_or(f64::NAN, f);
     let [hardin, einav, beyond] = breakage(indices);
@@ -40,29 +40,33 @@ pub fn columns(indices: Option<&Indices>) -> Row {
     ]
 }
 
-/// Gradation of a specimen before loading.
+/// The gradation of a specimen before loading.
 pub fn initial(model: &Model, g: &Grains) -> Gradation {
     let grains = (0..g.len()).map(|i| (2.0 * g.pos[i][3], g.mass[i]));
     Gradation::new(grains, std::iter::empty(), model.fines, model.scale)
 }
 
-/// Gradation of grains that are listed.
+/// The gradation of the grains of a scene.
 pub fn of_listed(model: &Model, grains: &[GrainSpec]) -> Gradation {
     let mass = |g: &GrainSpec| model.physics.materials[usize::from(g.material)].density * sphere_volume(g.radius);
     let grains = grains.iter().map(|g| (2.0 * g.radius, mass(g)));
     Gradation::new(grains, std::iter::empty(), model.fines, model.scale)
 }
 
-/// Where a test stands: its step and stage, vertical stress, Pa, and axial strain.
+/// An instant of a test, as it stands beside a gradation.
 #[derive(Clone, Copy, Debug)]
 pub struct At {
+    /// Step.
     pub step: u64,
+    /// Name of the stage.
     pub stage: &'static str,
+    /// Vertical stress, Pa, compression positive.
     pub sigma_v: f64,
+    /// Axial strain, compression positive.
     pub axial_strain: f64,
 }
 
-/// Rows of `gsd.csv` for this instant.
+/// Rows of `gsd.csv` for the gradation `now`; the largest size is that of `initial`.
 pub fn rows(model: &Model, now: &Gradation, at: &At, initial: &Gradation) -> Vec<Row> {
     let sizes = sieve_sizes(model.fines.d_min / model.scale, initial.largest().unwrap_or(model.fines.d_min), SIEVES);
     let (all, grains) = (now.curve(&sizes), now.curve_grains(&sizes));

@@ -1,5 +1,5 @@
-//! What is recorded of a run: measures of the state, the energy ledger, tables, snapshots, checkpoints. The physics compiles without
-//! it, but for the ledger's counters.
+//! The records of a run: rows of tables, gradations, breakages, snapshots for ParaView, specimen files and checkpoints. The
+//! engine knows nothing of them.
 
 pub(crate) mod ancestors;
 pub(crate) mod assembly;

@@ -1,4 +1,5 @@
-//! Records of single grains between platens: `platen.csv`, `force_displacement.csv`, `survival.csv`, `limit_force.csv`.
+//! Records of crushing tests of single grains between platens: the tables `platen.csv`, `force_displacement.csv`, `survival.csv`
+//! and `limit_force.csv`.
 
 use crate::error::Result;
 use crate::model::{Model, Platen};
@@ -8,21 +9,28 @@ use engine::breakage::criterion::size_factor;
 use std::path::Path;
 use table::{Row, Table, Value};
 
+/// Result of each test.
 pub const TESTS: &str = "platen.csv";
+/// Force-displacement curves.
 pub const CURVES: &str = "force_displacement.csv";
+/// Share of grains that survive a force.
 pub const SURVIVAL: &str = "survival.csv";
+/// Limit force against diameter.
 pub const LIMITS: &str = "limit_force.csv";
 
-/// Quantiles of the limit force that `limit_force.csv` holds: the band of the figures.
+/// Quantiles of the limit force in `limit_force.csv`: the band of the figures.
 const BAND: [f64; 3] = [0.05, 0.5, 0.95];
-/// Diameters at which it holds them.
+/// Number of diameters in `limit_force.csv`.
 const SIZES: usize = 33;
-/// Share by which these go beyond the sizes tested.
+/// Largest diameter in `limit_force.csv` over the largest tested one; the smallest is smaller by the same factor.
 const BEYOND: f64 = 1.25;
-/// Classes of about equally many grains into which a gradation is divided for survival.
+/// Number of classes, with about equal numbers of grains, into which a gradation is divided for `survival.csv`.
 const CLASSES: usize = 4;
 
-/// Writes all tables.
+/// Writes all tables into the folder `out`.
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn write(out: &Path, model: &Model, rig: &Platen, tests: &[Test]) -> Result<()> {
     save(out, TESTS, tests.iter().map(|t| test_row(t)))?;
     let e_eff = pair(model, rig).e_eff;
@@ -99,8 +107,9 @@ fn classes<'a>(rig: &Platen, tests: &'a [Test]) -> Vec<Class<'a>> {
     parts.into_iter().map(class).collect()
 }
 
-/// Share of grains that bear more than each force at which one of them broke: the product-limit estimate (Kaplan & Meier 1958),
-/// which counts unbroken grains as long as they were pressed; beside it that of the law, for a class of one diameter.
+/// Rows of `survival.csv`: for each force at which a grain of the class broke the share of grains that bear more. This is the
+/// product-limit estimate (Kaplan & Meier 1958), in which an unbroken grain counts up to its largest force. Beside it stands the
+/// share by the strength distribution of the model, for a class of one diameter.
 fn survival_rows(model: &Model, rig: &Platen, class: &Class) -> Vec<Row> {
     let mut tests = class.tests.clone();
     // at the same force the broken ones come first
@@ -122,7 +131,8 @@ fn survival_rows(model: &Model, rig: &Platen, class: &Class) -> Vec<Row> {
     rows
 }
 
-/// Share of grains of a diameter whose limit force is larger than that at which `t` broke.
+/// Share of grains of the diameter of `t` whose limit force is larger than the force at which `t` broke, by the model's
+/// distribution.
 fn survival_of_law(crush: &CrushModel, model: &Model, rig: &Platen, t: &Test) -> f64 {
     let mean = mean_limit(crush, t.diameter, pair(model, rig).e_eff);
     // the force goes with the strength or with its cube
@@ -130,13 +140,13 @@ fn survival_of_law(crush: &CrushModel, model: &Model, rig: &Platen, t: &Test) ->
     1.0 - crush.strength.share_weaker(ratio)
 }
 
-/// Limit force, N, of a grain of the mean strength of its size (eqs 16, 17).
+/// Limit force, N, of a grain of diameter `d`, m, with the mean strength of its size (Ciantia et al. 2015, eqs 16 and 17).
 fn mean_limit(crush: &CrushModel, d: f64, e_eff: f64) -> f64 {
     let s = &crush.strength;
     crush.criterion.limit_force(s.sigma_lim0 * size_factor(d, s.d0, s.m), d, 0.5 * d, e_eff)
 }
 
-/// Limit force against diameter: at the mean strength, and quantiles of its spread.
+/// Rows of `limit_force.csv`: limit force against diameter, for the mean strength and for the quantiles [`BAND`] of strength.
 fn limit_rows(crush: &CrushModel, rig: &Platen, e_eff: f64) -> Vec<Row> {
     let (low, high) = rig.diameters.iter().fold((f64::INFINITY, 0.0f64), |(low, high), d| (low.min(*d), high.max(*d)));
     let (low, high) = ((low / BEYOND).max(crush.d_limit), high * BEYOND);

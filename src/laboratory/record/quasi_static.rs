@@ -1,53 +1,60 @@
-//! How well a test has held what it says, over every step and not only at records.
+//! How well a test has held its stress and remained quasi-static, over every step and not only at records.
 
 use crate::rig::cylinder::Stresses;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// Steps below this stress, Pa, are not held to anything (NOTES.md).
+/// Least vertical stress of the steps that count, Pa: below it small forces give large relative differences.
 pub const FROM: f64 = 50e3;
 
-/// What has been worst so far.
+/// The largest values so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Held {
-    /// Distance of the held stress from its target, over the target; the platens' difference over their mean; inertial number.
+    /// Difference of the stress from its target, over the target.
     distance: f64,
+    /// Difference of the platens' stresses, over their mean.
     platens: f64,
+    /// Inertial number.
     inertial: f64,
-    /// Steps looked at, and those in which the programme waited for the specimen.
+    /// Number of steps that count.
     steps: u64,
+    /// Those in which the target waited for the stress.
     waited: u64,
-    /// Longest wait, steps, and the target then, Pa; the present wait.
+    /// Longest wait, steps.
     longest: u64,
+    /// Target of the stress during the longest wait, Pa.
     longest_at: f64,
+    /// Length of the present wait, steps.
     waiting: u64,
 }
 
-/// What a rig says of one step.
+/// One step of a test.
 #[derive(Clone, Copy, Debug)]
 pub struct Instant {
-    /// The stress that a servo is to hold, Pa, and what it is.
+    /// Target of the stress under servo, Pa.
     pub target: f64,
+    /// The same stress as measured, Pa.
     pub held: f64,
+    /// Inertial number.
     pub inertial_number: f64,
-    /// Whether the programme waits until the stress is near its target.
+    /// Whether the target waits until the stress is near it.
     pub waits: bool,
 }
 
 impl Instant {
-    /// Distance from the target over the target.
+    /// Difference of the stress from its target, over the target.
     pub fn distance(&self) -> f64 {
         distance(self.held, self.target)
     }
 }
 
-/// Distance of a stress from its target over the target.
+/// Difference of the stress `stress` from `target`, both in Pa, over the target.
 pub fn distance(stress: f64, target: f64) -> f64 {
     (stress / target - 1.0).abs()
 }
 
 impl Held {
-    /// Takes in one step.
+    /// Adds one step; `stresses` are those on the walls.
     pub fn look(&mut self, now: &Instant, stresses: &Stresses) {
         if stresses.vertical() < FROM {
             return;
@@ -63,7 +70,7 @@ impl Held {
         }
     }
 
-    /// For `summary.json`.
+    /// The entry `held_every_step` of `summary.json`.
     pub fn summary(&self) -> Value {
         json!({
             "above_kPa": FROM * 1e-3,

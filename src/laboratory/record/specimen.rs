@@ -1,5 +1,5 @@
-//! Specimens as CSV: `specimen.csv` (prepared) and `grains_final.csv`. Numbers are written so that reading them gives the same
-//! bits; a checksum guards against edits that were not meant.
+//! Specimens as CSV files: `specimen.csv` (prepared, at rest) and `grains_final.csv` (at the end of a run). Reading a file gives
+//! the same bits as were written. A checksum in the file detects later edits.
 
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -11,12 +11,18 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Writes grains at rest with the walls around them (the prepared specimen: no velocities, no contact history).
+/// Writes grains at rest, with the cylinder around them: no velocities, no contact history.
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn write(path: &Path, grains: &Grains, materials: &[Material], walls: Option<CylinderSpace>) -> Result<()> {
     save(path, grains, materials, walls, false)
 }
 
-/// Writes the grains as they are, with velocities and spins.
+/// Writes the grains of `state` with velocities and spins.
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn write_final(path: &Path, state: &State, model: &Model, walls: Option<CylinderSpace>) -> Result<()> {
     save(path, &state.grains, &model.physics.materials, walls, true)
 }
@@ -53,15 +59,16 @@ fn quoted(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// FNV-1a of 64 bits.
+/// Checksum of a text: FNV-1a with 64 bits.
 pub fn checksum(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// Reads a prepared specimen.
+/// Reads a prepared specimen: the grains, and the cylinder around them. Grains get the material of the scene with the name in the
+/// file.
 ///
 /// # Errors
-/// A file that is not a specimen, has changed since it was written, or names a material the run does not have.
+/// A file that is not a specimen, was edited after it was written, or names a material that the scene does not have.
 pub fn read(path: &Path, materials: &[Material]) -> Result<(Grains, CylinderSpace)> {
     let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
     let wrong = |key: &str, value: Option<String>, message: &str| Error::input(path.display(), key, value, message);

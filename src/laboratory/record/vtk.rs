@@ -1,5 +1,5 @@
-//! ParaView snapshots: one `.vtp` (VTK XML PolyData, one vertex per grain, arrays appended as raw little-endian
-//! binary) per instant with what is known of it as field data, and one `.pvd` that lists them by number or time.
+//! Snapshots for ParaView: one `.vtp` file for each instant (VTK XML PolyData, one vertex for each grain or point, arrays
+//! appended as raw little-endian binary, stress and strain of the instant as field data), and one `.pvd` file that lists them.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -10,16 +10,33 @@ use thiserror::Error;
 /// Why a snapshot could not be written.
 #[derive(Debug, Error)]
 pub enum VtkError {
+    /// An array has a wrong number of values.
     #[error("{path}: snapshot array {array} has {have} values, {want} expected")]
-    Length { path: String, array: &'static str, have: usize, want: usize },
+    Length {
+        /// The file.
+        path: String,
+        /// Name of the array.
+        array: &'static str,
+        /// Number of its values.
+        have: usize,
+        /// Number that the bodies of the snapshot need.
+        want: usize,
+    },
+    /// The file cannot be written.
     #[error("{path}: {source}")]
-    Io { path: String, source: io::Error },
+    Io {
+        /// The file.
+        path: String,
+        /// The system's reason.
+        source: io::Error,
+    },
 }
 
-/// What is known of the instant of a snapshot: name with its unit, value. What is not finite is left out.
+/// A number that is noted in a snapshot: its name, which ends in the unit, and its value. Values that are not finite are left
+/// out.
 pub type Fact = (&'static str, f64);
 
-/// The grains of one snapshot, one entry a grain in every array.
+/// The grains of one snapshot; every array has one entry for each grain.
 #[derive(Clone, Debug, Default)]
 pub struct SnapshotData {
     /// Centres, m.
@@ -38,8 +55,9 @@ pub struct SnapshotData {
     pub id: Vec<u64>,
     /// Mean stress from the contact forces over the grain's volume, Pa, compression positive.
     pub mean_stress: Vec<f64>,
-    /// Number of the mother, -1 of an initial grain, and of the initial grain that it comes from.
+    /// Number of the mother; -1 for an initial grain.
     pub mother: Vec<i64>,
+    /// Number of the initial grain from which the grain descends.
     pub ancestor: Vec<i64>,
 }
 
@@ -71,8 +89,11 @@ impl SnapshotData {
     }
 }
 
-/// Writes one snapshot as `.vtp` with the point data `radius` (m), `generation`, `strength` (Pa), `force` (N),
+/// Writes one snapshot of grains as `.vtp` with the point data `radius` (m), `generation`, `strength` (Pa), `force` (N),
 /// `velocity` (m/s, 3 components), `id`, `mean_stress_Pa`, `mother_id` and `ancestor_id`.
+///
+/// # Errors
+/// Arrays of unequal length; a file that cannot be written.
 pub fn write_snapshot(path: &Path, facts: &[Fact], points: &SnapshotData) -> Result<(), VtkError> {
     points.check(path)?;
     let n = points.len();
@@ -80,14 +101,17 @@ pub fn write_snapshot(path: &Path, facts: &[Fact], points: &SnapshotData) -> Res
     arrays.write(path, &xml)
 }
 
-/// A quantity of the points of a continuum: name with its unit, numbers per point, values point by point.
+/// A quantity of the points or triangles of a snapshot.
 pub struct Field {
+    /// Name, which ends in the unit.
     pub name: &'static str,
+    /// Numbers for each point: 1 for a scalar, 3 for a vector, 6 for a symmetric tensor.
     pub components: usize,
+    /// All numbers, point by point.
     pub values: Vec<f64>,
 }
 
-/// Each field has its numbers for each of `n`.
+/// Checks that every field has its numbers for each of `n` points.
 fn check_fields(path: &Path, fields: &[Field], n: usize) -> Result<(), VtkError> {
     match fields.iter().find(|field| field.values.len() != n * field.components) {
         None => Ok(()),
@@ -98,7 +122,10 @@ fn check_fields(path: &Path, fields: &[Field], n: usize) -> Result<(), VtkError>
     }
 }
 
-/// Writes points with these fields as `.vtp`.
+/// Writes points at `position`, m, with these fields as `.vtp`.
+///
+/// # Errors
+/// A field of wrong length; a file that cannot be written.
 pub fn write_points(path: &Path, facts: &[Fact], position: &[[f64; 3]], fields: &[Field]) -> Result<(), VtkError> {
     let n = position.len();
     check_fields(path, fields, n)?;
@@ -112,7 +139,10 @@ pub fn write_points(path: &Path, facts: &[Fact], position: &[[f64; 3]], fields: 
     arrays.write(path, &xml)
 }
 
-/// Writes triangles with these fields, each a value or vector of a triangle, as `.vtp`.
+/// Writes triangles (indices of their `corners`, m) as `.vtp`; each field has its numbers for each triangle.
+///
+/// # Errors
+/// A field of wrong length; a file that cannot be written.
 pub fn write_surfaces(
     path: &Path,
     facts: &[Fact],
@@ -137,8 +167,11 @@ pub fn write_surfaces(
     arrays.write(path, &xml)
 }
 
-/// Writes a `.pvd` collection: for each snapshot its value on the time axis, which increases (its number from 0, or
-/// seconds), and its file name relative to the collection.
+/// Writes a `.pvd` list: for each snapshot its value on ParaView's time axis (its number from 0, or seconds; increasing) and its
+/// file name relative to the list.
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Result<(), VtkError> {
     let mut xml = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\" \
@@ -151,7 +184,7 @@ pub fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Result<(), 
     std::fs::write(path, xml).map_err(|source| VtkError::Io { path: path.display().to_string(), source })
 }
 
-/// The arrays of a file in the order of their offsets.
+/// The binary arrays of a file, in the order of their offsets.
 #[derive(Default)]
 struct Arrays {
     blobs: Vec<Vec<u8>>,

@@ -1,4 +1,5 @@
-//! Walls of an instant as triangles for ParaView: platens as discs or rectangles, cylinders as tubes, planes of free scenes as far as the bodies reach.
+//! Snapshots of walls for ParaView, as triangles: platens as discs or rectangles, cylinders as tubes. An infinite plane of a free
+//! scene is drawn as far as the bodies reach.
 
 use super::vtk::{self, Fact, Field, VtkError};
 use engine::boundary::WallShape;
@@ -8,10 +9,10 @@ use std::path::Path;
 /// Corners around a circle.
 const SIDES: u32 = 72;
 
-/// A wall with the normal force on it, N (on a cylinder the sum of the radial ones).
+/// A wall with the normal force on it, N (on a cylinder the sum of the radial forces).
 pub type Loaded = (WallShape, f64);
 
-/// Lower and upper corner of the space in which bodies (centre and radius) and walls along the axes stand, m.
+/// Lower and upper corner of a box around all bodies (centre and radius) and all walls that are normal to an axis, m.
 pub fn space(bodies: impl Iterator<Item = [f64; 4]>, walls: &[Loaded]) -> [[f64; 3]; 2] {
     let mut space = bodies.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], p| {
         [std::array::from_fn(|a| low[a].min(p[a] - p[3])), std::array::from_fn(|a| high[a].max(p[a] + p[3]))]
@@ -71,7 +72,11 @@ fn ring([x, y]: [f64; 2], radius: f64, z: f64, k: u32) -> [f64; 3] {
     [x + radius * cos, y + radius * sin, z]
 }
 
-/// Writes them as `.vtp` with the cell data `wall` (its number) and `normal_force_N`.
+/// Writes the walls as `.vtp` with the cell data `wall` (number of the wall) and `normal_force_N`. `low` and `high` are the
+/// corners of [`space`].
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn write(path: &Path, facts: &[Fact], walls: &[Loaded], [low, high]: [[f64; 3]; 2]) -> Result<(), VtkError> {
     let mut mesh = Mesh::default();
     let (mut numbers, mut forces) = (Vec::new(), Vec::new());
@@ -96,7 +101,8 @@ pub fn write(path: &Path, facts: &[Fact], walls: &[Loaded], [low, high]: [[f64; 
     vtk::write_surfaces(path, facts, &mesh.corners, &mesh.triangles, &[field("wall", numbers), field("normal_force_N", forces)])
 }
 
-/// The part of a plane that faces the space: a side of the box along an axis, else a square as wide as the box's diagonal.
+/// The part of a plane that is drawn: a side of the box from `low` to `high` for a plane normal to an axis, else a square as wide
+/// as the diagonal of the box.
 fn face(point: [f64; 3], normal: [f64; 3], low: [f64; 3], high: [f64; 3]) -> [[f64; 3]; 4] {
     if let Some(axis) = (0..3).find(|&a| normal[a].abs() == 1.0) {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -1,33 +1,42 @@
-//! `[[calibrate]]`: the keys that a calibration may change, with bounds and priors.
+//! The tables `[[calibrate]]` of a scene: keys that a calibration may change, with bounds and priors.
 
 use super::Scene;
 use crate::error::{Error, Result};
 use toml::Value;
 
-/// What is known of a parameter before its calibration.
+/// Prior distribution of a parameter: what is known before the calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prior {
-    /// Any value between the bounds.
+    /// Uniform between the bounds.
     Uniform,
-    /// Any order of magnitude between the bounds.
+    /// Uniform in the logarithm between the bounds.
     LogUniform,
     /// Normal, cut off at the bounds.
-    Normal { mean: f64, sd: f64 },
+    Normal {
+        /// Mean, in the unit of the key.
+        mean: f64,
+        /// Standard deviation, in the unit of the key.
+        sd: f64,
+    },
 }
 
-/// One key with bounds and prior, in the unit of the key.
+/// A key that is to be calibrated. Numbers are in the unit of the key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibrated {
+    /// Dotted key of the scene.
     pub key: String,
+    /// Lower bound.
     pub lower: f64,
+    /// Upper bound.
     pub upper: f64,
+    /// Prior distribution.
     pub prior: Prior,
-    /// Where it was written, for messages.
+    /// File and key where it was written, for messages.
     pub place: String,
 }
 
 impl Scene {
-    /// The keys that the scene says are to be calibrated.
+    /// The keys of the scene that are to be calibrated.
     ///
     /// # Errors
     /// A normal prior without mean or standard deviation.

@@ -10,18 +10,20 @@ use engine::mpm::law::{Cone, Elastic, Evolution, Law, Parameters};
 use std::path::Path;
 use toml::Value;
 
-/// A material as a continuum, read by itself.
+/// A material as a continuum, read from its file without a scene.
 #[derive(Clone, Debug)]
 pub struct Continuum {
+    /// Name of the material.
     pub name: String,
+    /// Constitutive law.
     pub law: Law,
-    /// The material file with every override and default, as it would be written.
+    /// The material with every override and default, as text of a material file.
     pub resolved: String,
-    /// Values of it that no source backs.
+    /// Values whose source is an assumption.
     pub assumed: Vec<Assumption>,
 }
 
-/// Read the continuum law of the material file `path`, with the overrides `sets` (`continuum.nu=0.2`) laid over it.
+/// Reads the constitutive law of the material file `path`, with the overrides `sets` (`continuum.nu=0.2`) laid over it.
 ///
 /// # Errors
 /// Every mistake in file and overrides, with file, key, value and what is allowed.

@@ -1,4 +1,4 @@
-//! What a run of a continuum would be.
+//! Estimates size, time step and duration of a run of a continuum or mixture before it is started.
 
 use super::duration::{GRAIN_AMONG_POINTS, POINT, START, growth};
 use super::estimate::{Estimate, share};
@@ -17,37 +17,42 @@ use std::f64::consts::PI;
 
 /// Bytes of a point with its share of the grid.
 const BYTES_PER_POINT: f64 = 400.0;
-/// Steps until a specimen has grown and is pressed, over those of its growth; measured 1.7 to 3.4.
+/// Steps of the whole preparation of a grown specimen over those in which radii grow; measured 1.7 to 3.4.
 const PRESSED: f64 = 2.5;
-/// What limits the step where points and grains touch.
+/// The bound of the time step where points and grains touch.
 const TOUCHING: &str = "contacts of points and grains";
-/// Steps of a scene whose blocks have yet to fall on points, over those of points by themselves; measured 3.4.
+/// Steps of a scene whose rigid bodies fall on points later, over the steps with the time step of points alone; measured 3.4.
 const BLOCKS: f64 = 3.0;
-/// Steps over those before any breakage where grains break throughout the test: fragments and points of fines are light. Measured 6.5 where there were 1.1
-/// breakages a grain, and 1.5 to 2.1 with one in the middle of the test.
+/// Steps of a test in which grains break throughout, over the steps with the time step before any breakage: light fragments and points
+/// need smaller steps. Measured 6.5 with 1.1 breakages a grain, and 1.5 to 2.1 with one breakage in the middle of the test.
 const LIGHT: f64 = 5.0;
-/// Stress on grains over that of a matrix strained alone: they are stiffer and touch; measured 4.5 with 60 % of the mass in grains.
+/// Stress on the grains over the stress in the points alone under the same strain: grains are stiffer and touch each other. Measured 4.5
+/// with 60 % of the mass in grains.
 const STIFFER: f64 = 3.0;
-/// Loading that shows its inertia.
+/// Axial strain per wave time above which a test is no longer quasi-static.
 const FAST: f64 = 5e-4;
 
 /// Size of a continuum.
 #[derive(Clone, Debug, Serialize)]
 pub struct Points {
+    /// Number of points.
     pub points: usize,
-    /// The specimen grows: numbers are estimates.
+    /// True: the specimen grows first, and the numbers of points and grains are estimates.
     pub grows: bool,
+    /// Cells of the grid along x, y and z.
     pub cells: [u32; 3],
+    /// Points in a cell at the start.
     pub points_per_cell: u32,
-    /// Rigid bodies that are no spheres, in words.
+    /// Rigid bodies that are no spheres, each described in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub blocks: Vec<String>,
-    /// MB on a graphics device, or why none takes the scene.
+    /// Memory on a graphics device, MB; `None` where no device can compute the scene.
     pub device_mb: Option<f64>,
+    /// Why no graphics device can compute the scene.
     pub device_lacks: Option<String>,
 }
 
-/// Bytes on a graphics device.
+/// Memory on a graphics device, bytes.
 #[cfg(feature = "gpu")]
 fn device_bytes(model: &Model, rig: &Continuum) -> Result<u64> {
     State::start(model, rig)?.on_device(model, rig, engine::gpu::needs)
@@ -58,6 +63,7 @@ fn device_bytes(_: &Model, _: &Continuum) -> Result<u64> {
     Err(crate::error::Error::input("gpu", "", None, "this program was built without the feature gpu"))
 }
 
+/// Estimates the run of a continuum or mixture.
 pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
     let d = if rig.settings.dimension == Dimension::Space { 3 } else { 2 };
     let [points, grains] = rig.counts();
@@ -125,28 +131,30 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
     }
 }
 
-/// What a grown specimen without points allows, s: two contacts of its smallest grain bear the stress on its section.
+/// Largest step of a grown specimen without points, s: two contacts of its smallest grain bear the stress `stress`, Pa, on its section.
 fn fines_step(model: &Model, rig: &Continuum, stress: f64) -> f64 {
     let Some(Fraction { material, radii: [r, _], .. }) = rig.growth.map(|g| g.fines) else { return f64::INFINITY };
     let material = &model.physics.materials[usize::from(material)];
     2.0 / (2.0 * share(model.physics.contact.law, material, r, stress * PI * r * r) / (material.density * sphere_volume(r))).sqrt()
 }
 
-/// Steps over those that are said, where blocks touch points only later.
+/// Factor on the number of steps for rigid bodies that touch points only later in the run.
 fn touching_later(rig: &Continuum) -> f64 {
     let falls = rig.specimen().is_none() && rig.coarse.as_ref().is_some_and(|c| !c.blocks.is_empty());
     if falls { BLOCKS } else { 1.0 }
 }
 
-/// What breakages add to a test, in its mean.
+/// The effect of breakages on a test, as a mean over its duration.
 struct Broken {
-    /// Steps over those without.
+    /// Steps over those of a test without breakages.
     steps: f64,
+    /// Points that are added.
     points: f64,
+    /// Grains that are added.
     grains: f64,
 }
 
-/// As the stress between the platens breaks grains; none of a scene without platens is expected to break.
+/// Estimates the breakages by the stress between the platens. In a scene without platens no grain is expected to break.
 fn broken(model: &Model, rig: &Continuum) -> Broken {
     let none = Broken { steps: 1.0, points: 0.0, grains: 0.0 };
     let (Some(crush), Some(specimen)) = (&model.physics.crush, rig.specimen()) else { return none };
@@ -162,26 +170,26 @@ fn broken(model: &Model, rig: &Continuum) -> Broken {
     let lost = each * sizes.iter().map(|d| sphere_volume(0.5 * d)).sum::<f64>() * (1.0 - crush.pattern.volume_kept());
     let rule = rig.coarse.as_ref().and_then(|c| c.fines);
     Broken {
-        // half of the grains in the mean, all of them in the end
+        // with one breakage a grain at the end, half of the test has small steps on average
         steps: 1.0 + (LIGHT - 1.0) * (2.0 * each).min(1.0),
         points: rule.map_or(0.0, |rule| lost / rule.solid),
         grains: sizes.len() as f64 * (mean - 1.0),
     }
 }
 
-/// Seconds that a specimen takes to grow, on one thread.
+/// Time in which a specimen grows, on one thread, s.
 fn growing(rig: &Continuum) -> f64 {
     rig.growth.map_or(0.0, |g| PRESSED * g.steps as f64 * g.counts().iter().sum::<usize>() as f64 * GRAIN_AMONG_POINTS)
 }
 
-/// Time of a compression wave through a cell, s: the largest step at the start.
+/// Time of a compression wave through a cell, s, the speed of the points added to that of the wave: the largest step at the start.
 pub fn wave_step(rig: &Continuum) -> f64 {
     let speed = |i: usize| rig.laws[usize::from(rig.points.law[i])].wave_speed(rig.points.density(i)) + speed(rig, i);
     rig.settings.cell / (0..rig.points.len()).map(speed).fold(0.0, f64::max)
 }
 
-/// What contacts of points and grains allow, s: as they are at the start, or, of a specimen that has to grow, of a point that a grain holds at the
-/// stress, with as much again for the grain.
+/// Largest step by the contacts between points and grains, s: from the contacts at the start; for a specimen that has to grow, from one
+/// contact of a point with a grain under the largest stress, counted twice for the grain's other contacts.
 fn coupled_bound(model: &Model, rig: &Continuum) -> Option<f64> {
     rig.coarse.as_ref()?;
     let Some(growth) = &rig.growth else {
@@ -203,7 +211,7 @@ fn speed(rig: &Continuum, i: usize) -> f64 {
     (u * u + v * v + w * w).sqrt()
 }
 
-/// Stress that the platens will bear, Pa.
+/// Estimated largest stress on the platens, Pa.
 fn largest_stress(rig: &Continuum, s: &Specimen, law: &Law) -> f64 {
     match (&rig.test, law.yield_line(0.0)) {
         (Test::Triaxial { cell_pressure, .. }, Some(_)) => 3.0 * cell_pressure,

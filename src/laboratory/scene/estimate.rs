@@ -1,4 +1,5 @@
-//! What a run would be, before it is started. Rough on purpose: orders of magnitude for a person to judge.
+//! Estimates of a run before it is started: size, time step, duration, memory, and warnings. They are rough: orders of magnitude for a
+//! person to judge.
 
 use super::crushing::extremes;
 use super::duration::strained_steps;
@@ -16,50 +17,60 @@ use std::f64::consts::PI;
 /// Bytes of one grain with its contacts.
 const BYTES_PER_GRAIN: f64 = 600.0;
 
-/// Expected size, step and duration of a run.
+/// Expected size, time step and duration of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Estimate {
+    /// Grains at the start.
     pub grains: usize,
-    /// With those that breakages are expected to add; equal to `grains` without crushing.
+    /// Grains at the end, with those that breakages are expected to add; equal to `grains` without crushing, 0 for a continuum.
     pub grains_final: f64,
-    /// On one thread, s: preparation, test and figures; and the preparation alone.
+    /// Time of preparation, test and figures on one thread, s.
     pub seconds: f64,
+    /// Time of the preparation on one thread, s.
     pub preparation_seconds: f64,
+    /// Memory, MB.
     #[serde(rename = "memory_MB")]
     pub memory_mb: f64,
+    /// Geometry of the cylindrical specimen, where there is one.
     pub specimen: Option<Specimen>,
-    /// Void ratios that can be made, where they are known or looked for.
+    /// Void ratios that the specimen can have; set by the caller where they are known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub void_ratio_range: Option<super::Reach>,
-    /// Of a continuum; grains are 0 there.
+    /// Size of the continuum, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub continuum: Option<super::continuum_estimate::Points>,
-    /// Time step, s; `None` where time counts steps.
+    /// Time step, s; `None` with scaled inertia, where time counts steps.
     #[serde(rename = "time_step_s")]
     pub time_step: Option<f64>,
-    /// Of a single grain, where grains break.
+    /// Crushing strength of a single grain as laboratories state it, where grains break.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crushing_stress: Option<super::crushing_estimate::CrushingStress>,
-    /// What limits the time step.
+    /// What bounds the time step, in words.
     pub time_step_limit: String,
-    /// Loading steps (eq. 18), or steps of a free scene.
+    /// Steps of the test.
     pub steps: f64,
+    /// What the user should know before the run is started.
     pub warnings: Vec<String>,
 }
 
-/// Geometry of an oedometer specimen, and its ratios to grain sizes.
+/// Geometry of a cylindrical specimen, and its ratios to grain sizes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Specimen {
+    /// Diameter, mm.
     pub diameter_mm: f64,
+    /// Height, mm, at the target porosity.
     pub height_mm: f64,
-    /// Asked for, at the isotropic stress.
+    /// Target void ratio at the isotropic stress.
     pub void_ratio: f64,
+    /// Diameter over the median grain size.
     pub diameter_over_d50: f64,
+    /// Diameter over the largest grain size.
     pub diameter_over_largest: f64,
+    /// Height over the largest grain size.
     pub height_over_largest: f64,
 }
 
-/// Estimate the run of `model`.
+/// Estimates the run of `model`.
 pub fn estimate(model: &Model) -> Estimate {
     let mut estimate = without_strength(model);
     estimate.crushing_stress = super::crushing_estimate::crushing_stress(model);

@@ -1,4 +1,4 @@
-//! Where values come from: assumptions that no paper backs, and decisions where the papers are silent.
+//! The sources of values: assumed values that no paper gives, and decisions on matters that the papers leave open.
 
 use super::Scene;
 use super::layers::join;
@@ -9,16 +9,22 @@ use toml::{Table, Value};
 /// A value whose source begins with "assumed".
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Assumption {
+    /// Dotted key.
     pub key: String,
+    /// Value in the unit of the key.
     pub value: Value,
+    /// Source as written; begins with "assumed".
     pub source: String,
 }
 
-/// A matter that the papers leave open, the key that settles it and its value.
+/// A matter that the papers leave open, and how this scene settles it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Decision {
+    /// The matter, in words.
     pub matter: &'static str,
+    /// The key that settles the matter; empty where the program settles it.
     pub key: &'static str,
+    /// Value of the key in its unit; a text where the program settles the matter.
     pub value: Value,
 }
 
@@ -58,7 +64,7 @@ fn collect(table: &Table, at: &str, found: &mut Vec<Assumption>) {
     }
 }
 
-/// Matters settled by keys; a key that stands in no scene of this kind is left out.
+/// Matters that keys settle. Keys that a scene does not have are left out.
 const SETTLED: &[(&str, &str)] = &[
     ("wall friction", "walls.friction.bottom"),
     ("wall friction", "walls.friction.top"),
@@ -95,7 +101,7 @@ const SETTLED: &[(&str, &str)] = &[
     ("energy ledger", "records.energy"),
 ];
 
-/// Matters that no key changes in this version.
+/// Matters that the program settles, for specimens and free scenes of grains.
 const FIXED: &[(&str, &str)] = &[
     ("when grains are judged", "in loading, on the forces of the step; all that exceed break, in id order"),
     ("azimuth of the pattern", "random, keyed by lineage"),
@@ -105,7 +111,7 @@ const FIXED: &[(&str, &str)] = &[
     ("a wall", "rigid: a grain meets its mirror image"),
 ];
 
-/// As [`FIXED`], of single grains between platens.
+/// Matters that the program settles, for single grains between platens.
 const FIXED_OF_PLATENS: &[(&str, &str)] = &[
     ("when grains are judged", "every step, on that step's forces; a test ends where its grain breaks"),
     ("platens", "lower one fixed, upper one moves; without friction"),
@@ -114,7 +120,7 @@ const FIXED_OF_PLATENS: &[(&str, &str)] = &[
     ("platens without a material", "rigid: a grain meets its mirror image"),
 ];
 
-/// As [`FIXED`], of continua.
+/// Matters that the program settles, for continua.
 const FIXED_OF_CONTINUA: &[(&str, &str)] = &[
     ("platens", "rigid and smooth; a point meets them with its ghost radius (Li et al. 2023, eq. 22) and Hertz's force"),
     ("where a platen's force acts", "on the point's face, half its edge beyond it (Li et al. 2023 spread it from the point)"),
@@ -124,7 +130,7 @@ const FIXED_OF_CONTINUA: &[(&str, &str)] = &[
     ("plastic strain", "integral of sqrt(2/3 ep:ep)"),
 ];
 
-/// Every decision of a scene, with the key that holds it (empty: fixed in this version).
+/// Every decision that holds for a scene: first those of its keys, then those of the program.
 pub fn decisions(scene: &Scene) -> Vec<Decision> {
     let view = View::of(&scene.layer);
     let settled =

@@ -1,4 +1,4 @@
-//! Densities that a scene's specimen can have: measured before, or estimated; and the refusal of others.
+//! The range of densities that a scene's specimen can have, measured or estimated; and the refusal of a target outside the range.
 
 use super::Scene;
 use super::estimate::median;
@@ -13,10 +13,13 @@ use std::f64::consts::PI;
 /// The range of void ratios of a scene's specimen.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Reach {
+    /// Void ratio of the densest specimen.
     pub void_ratio_densest: f64,
+    /// Void ratio of the loosest specimen.
     pub void_ratio_loosest: f64,
-    /// Whether the program has made both specimens; otherwise an estimate.
+    /// True: the program has made both specimens. False: an estimate.
     pub measured: bool,
+    /// The same range as porosities.
     #[serde(skip)]
     pub range: Range,
 }
@@ -26,7 +29,8 @@ impl Reach {
         Reach { void_ratio_densest: void_ratio(range.densest), void_ratio_loosest: void_ratio(range.loosest), measured, range }
     }
 
-    /// Gives a specimen of stated relative density the porosity that it is in this range, and every specimen the range where it is measured.
+    /// Sets the porosity of a specimen whose scene states a relative density, from this range. A measured range becomes that of the
+    /// specimen.
     pub fn settle(&self, model: &mut Model) {
         let Some(rig) = model.rig.specimen_mut() else { return };
         if let Some(density) = rig.relative_density {
@@ -36,16 +40,17 @@ impl Reach {
     }
 }
 
-/// Grains up to which `check` makes both specimens where only an estimate puts a target outside: some seconds.
+/// Largest number of grains for which [`sure_reach`] measures the range without being asked to: takes some seconds.
 const FEW: usize = 2000;
 
-/// The range as it is known without making a specimen; none where the scene states the friction while growing, whose own range is another one.
+/// The range as far as it is known without making a specimen: from the cache, or estimated. `None` for tests without a specimen of
+/// grains, and where the scene states the friction during growth: then the range is another one.
 pub fn reach(model: &Model) -> Option<Reach> {
     let rig = model.rig.specimen().filter(|o| o.preparation.growth_friction.is_none())?;
     Some(range::known(model, rig).map_or_else(|| Reach::new(estimated(rig), false), |range| Reach::new(range, true)))
 }
 
-/// Makes the loosest and the densest specimen to see how dense they are; none as in [`reach`].
+/// Measures the range by making the loosest and the densest specimen; `None` as in [`reach`].
 ///
 /// # Errors
 /// A specimen that cannot be made.
@@ -54,8 +59,9 @@ pub fn measured_reach(model: &Model) -> Result<Option<Reach>> {
     Ok(Some(Reach::new(range::measure(model, rig)?, true)))
 }
 
-/// As [`reach`], but measured where an estimate puts the scene's target outside and the specimen is not given: `always`, or for few grains only. An estimate refuses nothing.
-/// Where an end of the range cannot be made the estimate stands.
+/// As [`reach`], but the range is measured if the estimate excludes the scene's target and the specimen does not come from a file: with
+/// `always` for any number of grains, else for at most [`FEW`]. An estimate alone refuses no target. Where a specimen at an end of
+/// the range cannot be made, the estimate is given.
 pub fn sure_reach(scene: &Scene, model: &Model, always: bool) -> Option<Reach> {
     let estimate = reach(model);
     let doubtful = estimate.as_ref().is_some_and(|reach| doubt(model, reach).is_some());
@@ -63,10 +69,10 @@ pub fn sure_reach(scene: &Scene, model: &Model, always: bool) -> Option<Reach> {
     if doubtful && (always || few) && !is_given_its_specimen(scene) { measured_reach(model).unwrap_or(estimate) } else { estimate }
 }
 
-/// Refuses a target outside the measured range, with the nearest that works and its key.
+/// Checks that the target of the scene lies in the measured range. An estimated range refuses nothing.
 ///
 /// # Errors
-/// Such a target.
+/// A target outside the range; the message gives the nearest value that works.
 pub fn within_reach(scene: &Scene, model: &Model, reach: &Reach) -> Result<()> {
     let Some(rig) = model.rig.specimen().filter(|o| o.relative_density.is_none()) else { return Ok(()) };
     let view = View::of(&scene.layer);
@@ -81,7 +87,7 @@ pub fn within_reach(scene: &Scene, model: &Model, reach: &Reach) -> Result<()> {
         _ => nearest,
     };
     let message = format!(
-        "is a void ratio of {:.3}, and grains like these can be brought to {:.3} to {:.3} (measured): the nearest that works is {key} = {value:.4}",
+        "is a void ratio of {:.3}, but specimens of these grains can only have {:.3} to {:.3} (measured): the nearest that works is {key} = {value:.4}",
         void_ratio(rig.porosity),
         reach.void_ratio_densest,
         reach.void_ratio_loosest
@@ -90,12 +96,12 @@ pub fn within_reach(scene: &Scene, model: &Model, reach: &Reach) -> Result<()> {
     Error::all(view.into_errors())
 }
 
-/// Whether the scene begins with a specimen from a file, which is not made again.
+/// Whether the scene begins with a specimen from a file.
 pub fn is_given_its_specimen(scene: &Scene) -> bool {
     View::of(&scene.layer).get("specimen.file").is_some()
 }
 
-/// Says where a target lies that only an estimate puts outside.
+/// A warning for a target that lies outside an estimated range; `None` where there is nothing to warn of.
 pub fn doubt(model: &Model, reach: &Reach) -> Option<String> {
     let rig = model.rig.specimen().filter(|o| o.relative_density.is_none())?;
     let outside = reach.range.nearest(rig.porosity, rig.preparation.porosity_tolerance).is_some();
@@ -109,22 +115,26 @@ pub fn doubt(model: &Model, reach: &Reach) -> Option<String> {
     })
 }
 
-/// The range, by a fit to twenty specimens of figures/specimens (Cu 1.3 to 4.8, 550 to 3600 grains, friction 0.5; small ones of nearly one size under stress are up to 0.035 denser): wider gradations are denser, and so are specimens that are wide and high against their grains.
+/// Estimates the range from uniformity Cu and size of the specimen, by a fit to twenty specimens of figures/specimens (Cu 1.3 to 4.8, 550
+/// to 3600 grains, friction 0.5; small specimens of nearly one grain size under stress are up to 0.035 denser). Wider gradations are
+/// denser, and so are specimens that are large compared with their grains.
 pub fn estimated(o: &Specimen) -> Range {
     let uniformity = (size(o, 0.6) / size(o, 0.1)).ln();
     let height = solid_volume(o) / (0.6 * PI * o.diameter * o.diameter / 4.0);
     let d = median(&o.gradation);
-    // share of the specimen within a median grain of a wall
+    // share of the volume at a distance below half a median grain from the walls
     let walls = 2.0 * d / o.diameter + d / height;
     let at = |[bulk, wide, wall]: [f64; 3]| (bulk - wide * uniformity + wall * walls).clamp(0.05, 0.95);
     Range { loosest: at(LOOSEST), densest: at(DENSEST) }
 }
 
-/// Porosity of a uniform, endless specimen, its fall with ln(Cu), and its rise with the share of grains at walls.
+/// Coefficients of the loosest porosity: of an infinite specimen of one grain size, fall with ln(Cu), rise with the share of the volume
+/// near walls.
 const LOOSEST: [f64; 3] = [0.455, 0.097, 0.113];
+/// The same for the densest porosity.
 const DENSEST: [f64; 3] = [0.390, 0.106, 0.162];
 
-/// Diameter, m, of which the share `finer` of the mass is finer.
+/// The diameter, m, below which the share `finer` of the mass lies.
 fn size(o: &Specimen, finer: f64) -> f64 {
     let between = o.gradation.windows(2).find(|w| w[1].1 >= finer);
     between.map_or(f64::NAN, |w| w[0].0 + (finer - w[0].1) / (w[1].1 - w[0].1) * (w[1].0 - w[0].0))

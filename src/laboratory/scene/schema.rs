@@ -94,14 +94,18 @@ pub enum Default {
     ByKind(&'static str, &'static str, &'static str),
 }
 
-/// One key of a scene; those of a material begin with `material.`.
+/// A key of a scene; those of a material begin with `material.`.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
     /// Dotted path; `grain.` and `wall.` stand for each entry of a list.
     pub path: &'static str,
+    /// The values that are allowed.
     pub shape: Shape,
+    /// The value where the key is not written.
     pub default: Default,
+    /// The kinds of scenes that have the key.
     pub of: Of,
+    /// Meaning.
     pub what: &'static str,
 }
 

@@ -1,5 +1,5 @@
-//! The laboratory tests on a cylindrical specimen of grains. A test is a folder here whose state implements [`SpecimenTest`], and a line in [`registry`]; a run prepares the
-//! specimen, then steps the test until it is over and writes what it reports.
+//! The laboratory tests on a cylindrical specimen of grains. A test is a folder here whose state implements [`SpecimenTest`], and
+//! a line in `registry.rs`. A run prepares the specimen, makes the steps of the test until it is over, and writes the records.
 //!
 //! (Unit tests of this crate stand beside what they test, or in the workspace's `tests/`.)
 
@@ -22,19 +22,20 @@ use serde_json::Value;
 
 /// The state of a laboratory test on a specimen of grains.
 pub trait SpecimenTest: Sized {
-    /// What the scene says of it.
+    /// The model of the test, with its specimen.
     type Rig;
 
-    /// The test of a prepared specimen, and the state from which it starts: strengths drawn, no history, at rest.
+    /// Starts the test with a prepared specimen, at rest in the space `size`. Gives the test and the first state of the grains:
+    /// strengths drawn, contacts without history.
     ///
     /// # Errors
-    /// A rig that this specimen does not allow.
+    /// A rig that cannot be used with this specimen.
     fn start(model: &Model, rig: &Self::Rig, grains: Grains, size: CylinderSpace) -> Result<(Self, State), Error>;
 
-    /// One step; `observe` sees the state when its forces are known.
+    /// One step. `observe` is called when the forces of the step are known and before grains move.
     ///
     /// # Errors
-    /// A specimen that cannot be tested; what `observe` returns.
+    /// A specimen that cannot be tested; the errors of `observe`.
     fn advance(
         &mut self,
         model: &Model,
@@ -44,36 +45,36 @@ pub trait SpecimenTest: Sized {
         observe: &mut dyn FnMut(&Self, &State, &Workspace) -> Result<(), Error>,
     ) -> Result<(), Error>;
 
-    /// Whether the programme has come to its end.
+    /// Whether the programme is done.
     fn is_over(&self) -> bool;
 
-    /// Whether a record is due now.
+    /// The record that is due now; `None`: none is.
     fn due(&self, model: &Model, rig: &Self::Rig, recorder: &mut Recorder, state: &State) -> Option<Due>;
 
-    /// What a servo is to hold and holds now, where that is watched over every step.
+    /// Target and value of the stress under servo, if the summary says how well it was held over every step.
     fn held(&self, _rig: &Self::Rig, _state: &State) -> Option<Instant> {
         None
     }
 
-    /// This instant, for a row of the history, with the test's own columns.
+    /// The measures of the test for a row of the history.
     fn moment(&self, rig: &Self::Rig, state: &State) -> Moment;
 
-    /// Vertical stress, Pa, that the programme asks for now, beside which breakages are recorded.
+    /// Present target of the vertical stress, Pa: a breakage is compared with it. `None`: the test has none.
     fn target(&self) -> Option<f64> {
         None
     }
 
-    /// The continuum of fines, where breakages make one.
+    /// The material points from breakages, where the lost mass becomes points.
     fn fines(&self) -> Option<&Continuum> {
         None
     }
 
-    /// Share of the programme done, 0 to 1, and a line for the progress bar.
+    /// Share of the programme that is done, 0 to 1, and a line for the progress bar.
     fn describe(&self, rig: &Self::Rig, state: &State) -> (f64, String);
 
-    /// The test's own entries of the summary.
+    /// Puts the test's own entries into the summary.
     fn summary(&self, rig: &Self::Rig, recorder: &Recorder, put: &mut dyn FnMut(&str, Value));
 
-    /// The specimen of a rig.
+    /// The specimen of the rig.
     fn specimen(rig: &Self::Rig) -> &Specimen;
 }

@@ -1,4 +1,4 @@
-//! The tests that there are: a line for each, with the variant of [`Rig`] that its scenes become.
+//! The list of all tests on a specimen: a line for each, named as the variant of [`Rig`] that describes it.
 
 use super::isotropic::Isotropic;
 use super::oedometer::Loading;
@@ -14,10 +14,10 @@ use engine::mpm::Continuum;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Writes the enumeration of tests and hands every call on to the one that is running, with its rig.
+/// Makes the enumeration of tests, whose methods call those of the test that is running, with its rig.
 macro_rules! specimen_tests {
     ($($(#[$doc:meta])* $test:ident($state:ident);)*) => {
-        /// A test under way. Its methods are those of [`SpecimenTest`]; the rig given must be the test's own.
+        /// A test that is running. Its methods are those of [`SpecimenTest`]; the rig given to them must be that of the test.
         #[derive(Debug, Serialize, Deserialize)]
         pub enum Test {
             $($(#[$doc])* $test($state),)*
@@ -27,7 +27,7 @@ macro_rules! specimen_tests {
             /// [`SpecimenTest::start`] of the model's rig.
             ///
             /// # Errors
-            /// A rig that this specimen does not allow.
+            /// A rig that cannot be used with this specimen.
             pub fn start(model: &Model, grains: Grains, size: CylinderSpace) -> Result<(Test, State), Error> {
                 match &model.rig {
                     $(Rig::$test(rig) => <$state as SpecimenTest>::start(model, rig, grains, size).map(|(test, state)| (Test::$test(test), state)),)*
@@ -38,7 +38,7 @@ macro_rules! specimen_tests {
             /// [`SpecimenTest::advance`]
             ///
             /// # Errors
-            /// A specimen that cannot be tested; what `observe` returns.
+            /// A specimen that cannot be tested; the errors of `observe`.
             pub fn advance(
                 &mut self,
                 model: &Model,
@@ -81,7 +81,7 @@ macro_rules! specimen_tests {
             }
         }
 
-        /// A test and its rig at the instant of a step at which forces are known.
+        /// A test and its rig, at the moment of a step when the forces are known and grains have not moved.
         pub enum Observed<'a> {
             $($(#[$doc])* $test(&'a $state, &'a <$state as SpecimenTest>::Rig),)*
         }
@@ -109,7 +109,7 @@ macro_rules! specimen_tests {
         }
 
         impl Rig {
-            /// The cylindrical specimen, where there is one.
+            /// The cylindrical specimen of grains; `None` for tests that have none.
             pub fn specimen(&self) -> Option<&crate::model::Specimen> {
                 match self {
                     $(Rig::$test(rig) => Some(<$state as SpecimenTest>::specimen(rig)),)*

@@ -1,7 +1,8 @@
-//! Isotropic compression: the bottom platen is fixed, the top one and the shell hold the same stress under servo, which goes through the stages of the scene:
-//! first loading, then unloading and reloading as often as it says.
+//! Isotropic compression of a cylindrical specimen of grains. The bottom platen is fixed; the top platen and the cylinder hold
+//! the same stress under servo. The stress goes through the stages of the scene: first loading, then unloading and reloading.
 //!
-//! The programme is the adaptive one of the oedometer ([`super::oedometer`]): the target stress changes the faster the nearer platens and shell are to it.
+//! The load programme is the adaptive one of the oedometer ([`super::oedometer`]): the nearer the stresses are to the target, the
+//! faster the target changes.
 
 mod scene;
 
@@ -23,7 +24,7 @@ use serde_json::{Value, json};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Isotropic(Loading);
 
-/// The shell may move this many times as fast, of the radius, as the top platen of the height.
+/// Largest radial strain rate of the cylinder over the largest axial strain rate.
 const SHELL: f64 = 1.0;
 
 impl SpecimenTest for Isotropic {

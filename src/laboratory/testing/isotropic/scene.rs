@@ -1,11 +1,11 @@
-//! From the keys of isotropic compression to [`Compression`].
+//! Makes [`Compression`] from the keys of isotropic compression.
 
 use crate::model::{Compression, Loading};
 use crate::scene::material::Named;
 use crate::scene::view::View;
 
 impl View<'_> {
-    /// Isotropic compression, or `None` with the reasons noted.
+    /// The isotropic compression of the scene; `None`, with the reasons noted, where it is refused.
     pub fn isotropic(&self, named: &[Named]) -> Option<Compression> {
         let specimen = self.specimen(&named[0])?;
         let mut stages = vec![self.si("loading.max_stress_kPa")];
@@ -20,7 +20,7 @@ impl View<'_> {
         self.check(
             specimen.wall_friction.cylinder == 0.0,
             "walls.friction.cylinder",
-            "must be 0: a shell that carries a part of the platens' force bears no isotropic stress",
+            "must be 0: with friction the cylinder would carry a part of the platens' force, and the stress would not be isotropic",
         );
         let loading = Loading {
             stages,

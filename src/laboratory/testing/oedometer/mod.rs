@@ -24,8 +24,8 @@ use serde_json::{Value, json};
 
 impl Stresses {
     /// Difference of the stress from the target `target`, Pa, over the target: the larger one of both platens. Where the cylinder
-    /// has friction, that of the top platen alone, for friction carries a part of the stress. In isotropic compression the stress on
-    /// the cylinder counts as well.
+    /// has friction, that of the top platen alone, for friction carries a part of the stress. In isotropic compression the stress
+    /// on the cylinder counts as well.
     pub fn lag(&self, target: f64, rig: &Compression) -> f64 {
         let of = |stress: f64| (stress / target - 1.0).abs();
         if rig.all_sides {
@@ -82,8 +82,8 @@ pub struct Loading {
 const LOOK: u64 = 64;
 /// Steps in which a platen under strain control takes up its speed.
 const RAMP: u64 = 1024;
-/// Least stress that counts for the speed of a platen under strain control, over the largest stress so far. The speed falls with the
-/// stress; without this bound the platen would stand still where breakages have taken all stress away.
+/// Least stress that counts for the speed of a platen under strain control, over the largest stress so far. The speed falls with
+/// the stress; without this bound the platen would stand still where breakages have taken all stress away.
 const FALLEN: f64 = 0.01;
 /// A stage ends when the stress differs from its target by less than this share ...
 const CLOSE: f64 = 0.005;
@@ -212,8 +212,8 @@ impl Loading {
 
     /// Whether the present step of stage `k` is first loading under strain control.
     fn strained(&self, k: usize, rig: &Compression) -> bool {
-        // reloading becomes first loading when the target has reached the largest stress of the stages before; `strained` keeps it so
-        // when breakages let the stress fall again
+        // reloading becomes first loading when the target has reached the largest stress of the stages before; `strained` keeps
+        // it so when breakages let the stress fall again
         rig.loading.strain_controlled.is_some() && self.rising(k, rig) && (self.strained || self.target >= rig.loading.before(k))
     }
 

@@ -1,4 +1,4 @@
-//! Records of an oedometer run: which are due, and its own columns.
+//! Records of an oedometer: when rows are due, and the test's own columns.
 
 use super::{Loading, Phase};
 use crate::model::{Compression, Model};
@@ -7,12 +7,12 @@ use crate::rig::cylinder::{BOTTOM, Stresses, TOP, space};
 use engine::coupling::FinesAsPoints;
 use engine::dem::State;
 
-/// Where something breaks, rows follow each other before the measured stress has changed by more than this share: the stress of every breakage is near
-/// that of a row.
+/// Relative change of the measured stress after which a row is due if a grain has broken since the last row: every breakage then
+/// has a row at nearly its stress.
 const NEAR: f64 = 0.04;
 
 impl Recorder {
-    /// Whether a record of an oedometer is due now.
+    /// The record of an oedometer that is due now; `None`: none is.
     pub fn due(&mut self, model: &Model, rig: &Compression, loading: &Loading, state: &State) -> Option<Due> {
         let (k, holding) = match loading.phase {
             Phase::Settle => return None,
@@ -79,7 +79,7 @@ impl Recorder {
     }
 }
 
-/// This instant of an oedometer.
+/// The measures of an oedometer for a row of the history.
 pub fn moment(rig: &Compression, loading: &Loading, state: &State) -> Moment {
     let s = Stresses::of(state);
     let mut own = vec![("k0", (s.horizontal / s.vertical()).into())];
@@ -98,6 +98,7 @@ pub fn moment(rig: &Compression, loading: &Loading, state: &State) -> Moment {
     Moment { stage: stage_name(loading, rig), target: loading.target, held: s.vertical(), start_height: loading.start.0, own }
 }
 
+/// Name of the present stage: `settle`, `load`, `unload` or `reload`.
 pub fn stage_name(loading: &Loading, rig: &Compression) -> &'static str {
     let k = match loading.phase {
         Phase::Settle => return "settle",

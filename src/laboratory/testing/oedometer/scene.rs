@@ -1,4 +1,4 @@
-//! From the keys of an oedometer, or of isotropic compression, to [`Compression`].
+//! Makes [`Compression`] from the keys of an oedometer.
 
 use crate::model::{Compression, Loading};
 use crate::scene::estimate::median;
@@ -6,12 +6,14 @@ use crate::scene::material::Named;
 use crate::scene::view::View;
 use engine::coupling::Embedding;
 
-/// Edge of a cell of the fines' grid over d50, where the scene does not say it: two points stand for about as much as one daughter.
+/// Edge of a cell of the grid for points from breakages, over d50, where the scene does not state it: two points then have about
+/// the volume of one daughter.
 const CELL: f64 = 0.4;
-/// What it may be: smaller ones make more points of a breakage than there are places for, larger ones hold several grains.
+/// Allowed edges over d50: with smaller cells a breakage makes more points than find a place, larger ones hold several grains.
 const CELLS: std::ops::RangeInclusive<f64> = 0.1..=2.0;
 
 impl View<'_> {
+    /// The oedometer of the scene; `None`, with the reasons noted, where it is refused.
     pub fn oedometer(&self, named: &[Named]) -> Option<Compression> {
         let (specimen, loading) = (self.specimen(&named[0])?, self.loading());
         let fines = if self.flag("crushing.enabled") && self.text("crushing.lost_mass") == "points" {
@@ -22,7 +24,8 @@ impl View<'_> {
         Some(Compression { specimen, loading, all_sides: false, fines })
     }
 
-    /// Fines from crushing as a continuum, in a specimen with this d50, m, or `None` with the reasons noted.
+    /// The continuum of points from breakages in a specimen with median size `d50`, m; `None`, with the reasons noted, where it
+    /// is refused.
     fn embedding(&self, named: &[Named], d50: f64) -> Option<Embedding> {
         let key = "crushing.lost_mass";
         self.check(
@@ -32,7 +35,7 @@ impl View<'_> {
         );
         let law = &named[0].key("continuum");
         if !self.has(law) {
-            self.refuse(law, "is missing: with crushing.lost_mass = \"points\" it says how fines behave (law, E_MPa, nu …; the material that `comminute new oedometer` writes has one)");
+            self.refuse(law, "is missing: with crushing.lost_mass = \"points\" the lost mass becomes a continuum and needs a constitutive law (law, E_MPa, nu …)");
             return None;
         }
         let cell = self.number("crushing.points_cell_mm").map_or(CELL * d50, |cell| cell * self.scale());
@@ -54,6 +57,7 @@ impl View<'_> {
         })
     }
 
+    /// The load programme of the scene.
     pub fn loading(&self) -> Loading {
         let mut stages = vec![self.si("loading.max_stress_kPa")];
         stages.extend(self.numbers("loading.stages_kPa"));

@@ -1,4 +1,4 @@
-//! Records of a triaxial test: which are due, and its own columns.
+//! Records of a triaxial test: when rows are due, and the test's own columns.
 
 use super::{Phase, Shearing};
 use crate::model::Triaxial;
@@ -7,7 +7,7 @@ use crate::rig::cylinder::{Stresses, space};
 use engine::dem::State;
 
 impl Recorder {
-    /// Whether a record of a triaxial test is due now.
+    /// The record of a triaxial test that is due now; `None`: none is.
     pub fn due_in_shear(&mut self, rig: &Triaxial, shearing: &Shearing, state: &State) -> Option<Due> {
         let shear = &rig.shear;
         let strain = shearing.axial_strain(state);
@@ -27,7 +27,8 @@ impl Recorder {
     }
 }
 
-/// This instant of a triaxial test. Strains are compression positive; volumetric strain is that of the space between the walls.
+/// The measures of a triaxial test for a row of the history. Strains are compression positive; the volumetric strain is that of
+/// the space between the walls.
 pub fn moment(rig: &Triaxial, shearing: &Shearing, state: &State) -> Moment {
     let (s, size) = (Stresses::of(state), space(state));
     let (height, radius) = shearing.start;

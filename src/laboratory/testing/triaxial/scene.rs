@@ -1,9 +1,10 @@
-//! From the keys of shear to [`Shear`].
+//! Makes [`Shear`] from the keys of a triaxial test.
 
 use crate::model::Shear;
 use crate::scene::view::View;
 
 impl View<'_> {
+    /// The shear programme of the scene.
     pub fn shear(&self) -> Shear {
         Shear {
             axial_strain: self.si("loading.axial_strain"),
