@@ -25,10 +25,11 @@ fn comminute(verb: &str) -> Command {
 
 fn run(out: &Path, threads: &str, more: &[&str]) -> Command {
     let mut command = comminute("run");
-    command.args([SCENE, "--quiet", "--threads", threads, "--out"]).arg(out).args(more);
+    command.args([SCENE, "--quiet", "--threads", threads, "--out"]).arg(out);
     for set in SMALL {
         command.args(["--set", set]);
     }
+    command.args(more);
     command
 }
 
@@ -53,14 +54,16 @@ fn one_stress_on_all_sides_through_every_stage() {
         ["target_kPa", "sigma_v_kPa", "sigma_h_kPa", "axial_strain", "radial_strain", "volumetric_strain", "void_ratio"]
             .map(|name| column(&out, name));
     let stages = text(&out, "stage");
+    let mut off: Vec<f64> = Vec::new();
     for k in 0..target.len() {
-        for stress in [v[k], h[k]] {
-            assert!((stress / target[k] - 1.0).abs() < 0.05, "{stress} of {} kPa", target[k]);
-        }
+        off.extend([v[k], h[k]].map(|stress| (stress / target[k] - 1.0).abs()));
         let by_walls = 1.0 - (1.0 - axial[k]) * (1.0 - radial[k]).powi(2);
         let by_voids = 1.0 - (1.0 + void_ratio[k]) / (1.0 + void_ratio[0]);
         assert!((volume[k] - by_walls).abs() < 1e-7 && (volume[k] - by_voids).abs() < 1e-7);
     }
+    // the programme waits where platens or shell are 1.5 % off; a breakage takes them further for a while
+    off.sort_by(f64::total_cmp);
+    assert!(off[off.len() * 9 / 10] < 0.02 && off[off.len() - 1] < 0.3, "{off:?}");
     // compression index of a stage: fall of the void ratio per decade of stress
     let index = |stage: &str| {
         let rows: Vec<usize> = (0..stages.len()).filter(|&k| stages[k] == stage && target[k] > 80.0 && target[k] < 290.0).collect();

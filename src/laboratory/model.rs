@@ -103,15 +103,19 @@ impl Rig {
             Rig::Triaxial(_) | Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
         }
     }
+}
 
-    /// As [`Rig::specimen`], to be changed.
-    pub fn specimen_mut(&mut self) -> Option<&mut Specimen> {
-        match self {
-            Rig::Oedometer(rig) | Rig::Isotropic(rig) => Some(&mut rig.specimen),
-            Rig::Triaxial(rig) => Some(&mut rig.specimen),
-            Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
-        }
-    }
+/// What a rig works on.
+#[derive(Clone, Copy, Debug)]
+pub enum Subject<'a> {
+    /// A specimen of grains under one of the tests of [`crate::testing`].
+    Specimen(&'a Specimen),
+    /// A free scene.
+    Assembly(&'a Assembly),
+    /// Single grains between platens.
+    Platen(&'a Platen),
+    /// A continuum, with grains in it or without.
+    Continuum(&'a continuum::Continuum),
 }
 
 /// Compression of a specimen by stages of stress: one-dimensional in a ring of fixed radius, or from all sides.

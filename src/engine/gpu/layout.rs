@@ -202,35 +202,30 @@ pub struct Law32 {
 }
 
 impl From<&Law> for Law32 {
+    /// Of a law that shaders have ([`Law::on_gpu`]).
     fn from(law: &Law) -> Law32 {
         let elastic = law.elastic();
         let moduli = Law32 { bulk: elastic.bulk as f32, shear: elastic.shear as f32, ..Law32::default() };
-        match law {
-            Law::Elastic(_) => moduli,
-            // refused before
-            Law::MohrCoulomb(_) => moduli,
-            Law::DruckerPrager(law) => {
-                let p = law.parameters();
-                let alpha_psi = p.cone.at(p.dilation).alpha;
-                let last = law.strength(f64::INFINITY);
-                Law32 {
-                    kind: 1,
-                    cone: match p.cone {
-                        Cone::Outer => 0,
-                        Cone::Inner => 1,
-                        Cone::PlaneStrain => 2,
-                    },
-                    volume_return: (9.0 * elastic.bulk * alpha_psi) as f32,
-                    per_multiplier: (1.0 / 3.0 + 2.0 * (alpha_psi * alpha_psi)).sqrt() as f32,
-                    cut: (3.0 * p.tension).min(HUGE) as f32,
-                    settled: p.friction.settled().max(p.cohesion.settled()) as f32,
-                    last_alpha: last.alpha as f32,
-                    last_kappa: last.kappa as f32,
-                    friction: p.friction.into(),
-                    cohesion: p.cohesion.into(),
-                    ..moduli
-                }
-            }
+        let Law::DruckerPrager(law) = law else { return moduli };
+        let p = law.parameters();
+        let alpha_psi = p.cone.at(p.dilation).alpha;
+        let last = law.strength(f64::INFINITY);
+        Law32 {
+            kind: 1,
+            cone: match p.cone {
+                Cone::Outer => 0,
+                Cone::Inner => 1,
+                Cone::PlaneStrain => 2,
+            },
+            volume_return: (9.0 * elastic.bulk * alpha_psi) as f32,
+            per_multiplier: (1.0 / 3.0 + 2.0 * (alpha_psi * alpha_psi)).sqrt() as f32,
+            cut: (3.0 * p.tension).min(HUGE) as f32,
+            settled: p.friction.settled().max(p.cohesion.settled()) as f32,
+            last_alpha: last.alpha as f32,
+            last_kappa: last.kappa as f32,
+            friction: p.friction.into(),
+            cohesion: p.cohesion.into(),
+            ..moduli
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::material::Named;
 use super::view::View;
-use crate::model::{GrainSpec, Rig};
+use crate::model::{GrainSpec, Rig, Subject};
 use engine::breakage::criterion::Judges;
 use engine::breakage::criterion::limit_strength::limit_strength;
 use engine::breakage::criterion::size_factor;
@@ -23,7 +23,7 @@ pub fn fill(scene: &mut Table) {
             table.entry(key).or_insert(Value::String(value.into()));
         }
     };
-    if matches!(kind.as_str(), "oedometer" | "triaxial" | "isotropic" | "assembly" | "mixture") {
+    if !matches!(kind.as_str(), "platen" | "continuum") {
         // a breakage unloads its neighbourhood, and a tangential force that is kept then creates energy
         fill("contact", "unloading", if breaks { "rescale" } else { "keep" });
     }
@@ -269,11 +269,11 @@ pub fn rigid_platens((young, poisson): (f64, f64)) -> f64 {
 /// Materials of the scene's grains, by number, each as often as it is met; `None` where there can be no grains.
 pub fn grain_materials(rig: &Rig) -> Option<Vec<u8>> {
     let of = |grains: &[GrainSpec]| grains.iter().map(|g| g.material).collect();
-    Some(match rig {
-        Rig::Oedometer(_) | Rig::Triaxial(_) | Rig::Isotropic(_) => vec![0],
-        Rig::Platen(platen) => vec![platen.grain],
-        Rig::Assembly(assembly) => of(&assembly.grains),
-        Rig::Continuum(rig) => match &rig.growth {
+    Some(match rig.subject() {
+        Subject::Specimen(_) => vec![0],
+        Subject::Platen(platen) => vec![platen.grain],
+        Subject::Assembly(assembly) => of(&assembly.grains),
+        Subject::Continuum(rig) => match &rig.growth {
             Some(growth) => {
                 let all = growth.coarse.into_iter().chain((!growth.as_points).then_some(growth.fines));
                 all.map(|fraction| fraction.material).collect()
@@ -285,15 +285,14 @@ pub fn grain_materials(rig: &Rig) -> Option<Vec<u8>> {
 
 /// Smallest and largest diameter of the scene, m.
 pub fn extremes(rig: &Rig) -> (f64, f64) {
-    match rig {
-        Rig::Oedometer(_) | Rig::Triaxial(_) | Rig::Isotropic(_) => {
-            let Some(specimen) = rig.specimen() else { unreachable!("these tests have a specimen") };
+    match rig.subject() {
+        Subject::Specimen(specimen) => {
             let first = specimen.gradation.first().map_or(f64::NAN, |p| p.0);
             (first, specimen.gradation.last().map_or(f64::NAN, |p| p.0))
         }
-        Rig::Assembly(a) => span(a.grains.iter().map(|g| 2.0 * g.radius)),
-        Rig::Platen(p) => span(p.diameters.iter().copied()),
-        Rig::Continuum(rig) => {
+        Subject::Assembly(a) => span(a.grains.iter().map(|g| 2.0 * g.radius)),
+        Subject::Platen(p) => span(p.diameters.iter().copied()),
+        Subject::Continuum(rig) => {
             let grown = rig.growth.iter().flat_map(|g| g.coarse.into_iter().chain((!g.as_points).then_some(g.fines)));
             let grown = grown.flat_map(|fraction| fraction.radii);
             span(rig.coarse.iter().flat_map(|c| &c.grains).map(|g| g.radius).chain(grown).map(|r| 2.0 * r))

@@ -2,7 +2,7 @@
 
 use super::crushing::{grain_materials, rigid_platens};
 use super::estimate::median;
-use crate::model::{Model, Rig};
+use crate::model::{Model, Rig, Subject};
 use engine::breakage::crushing_stress::Quoted;
 use serde::Serialize;
 
@@ -47,11 +47,11 @@ pub fn crushing_stress(model: &Model) -> Option<CrushingStress> {
 
 /// Median diameter of the grains by mass, m.
 fn middle_size(rig: &Rig) -> Option<f64> {
-    let listed = match rig {
-        Rig::Oedometer(_) | Rig::Triaxial(_) | Rig::Isotropic(_) => return rig.specimen().map(|s| median(&s.gradation)),
-        Rig::Platen(p) => p.diameters.clone(),
-        Rig::Assembly(a) => a.grains.iter().map(|g| 2.0 * g.radius).collect(),
-        Rig::Continuum(rig) => match &rig.growth {
+    let listed = match rig.subject() {
+        Subject::Specimen(s) => return Some(median(&s.gradation)),
+        Subject::Platen(p) => p.diameters.clone(),
+        Subject::Assembly(a) => a.grains.iter().map(|g| 2.0 * g.radius).collect(),
+        Subject::Continuum(rig) => match &rig.growth {
             Some(growth) => {
                 let [low, high] = growth.coarse.unwrap_or(growth.fines).radii;
                 return Some(low + high);

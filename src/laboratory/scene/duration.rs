@@ -5,7 +5,7 @@
 
 use super::crushing::rigid_platens;
 use super::estimate::{median, rearrangement};
-use crate::model::{Compression, Model, Rig, Specimen};
+use crate::model::{Compression, Model, Rig, Specimen, Subject};
 use crate::packing;
 use engine::boundary::Drive;
 use engine::breakage::CrushModel;
@@ -123,26 +123,23 @@ pub fn strained_steps(model: &Model, o: &Compression, inertial: f64, [from, to]:
 
 /// Largest stress on the grains of a scene, Pa; 0 where none is stated.
 fn stress(model: &Model) -> f64 {
-    match &model.rig {
-        Rig::Oedometer(o) | Rig::Isotropic(o) => o.loading.stages.iter().copied().fold(0.0, f64::max),
-        Rig::Triaxial(t) => SHEARED * t.specimen.isotropic_stress,
-        Rig::Assembly(a) => {
+    match (model.rig.largest_stress(), model.rig.subject()) {
+        (Some(stress), _) => stress,
+        (_, Subject::Assembly(a)) => {
             let pressed =
                 a.walls.iter().filter_map(|w| if let Drive::Stress { stress, .. } = w.drive { Some(stress) } else { None });
             pressed.fold(0.0, f64::max)
         }
-        Rig::Platen(_) | Rig::Continuum(_) => 0.0,
+        _ => 0.0,
     }
 }
 
 /// Some diameters of the scene's grains, m.
 fn sizes(model: &Model) -> Option<Vec<f64>> {
-    let all: Vec<f64> = match &model.rig {
-        Rig::Oedometer(_) | Rig::Triaxial(_) | Rig::Isotropic(_) => {
-            model.rig.specimen().map(|s| packing::radii(s, model.seeds.packing).iter().map(|r| 2.0 * r).collect())?
-        }
-        Rig::Assembly(a) => a.grains.iter().map(|g| 2.0 * g.radius).collect(),
-        Rig::Platen(_) | Rig::Continuum(_) => return None,
+    let all: Vec<f64> = match model.rig.subject() {
+        Subject::Specimen(s) => packing::radii(s, model.seeds.packing).iter().map(|r| 2.0 * r).collect(),
+        Subject::Assembly(a) => a.grains.iter().map(|g| 2.0 * g.radius).collect(),
+        Subject::Platen(_) | Subject::Continuum(_) => return None,
     };
     let every = all.len().div_ceil(GRAINS).max(1);
     Some(all.into_iter().step_by(every).collect())

@@ -4,7 +4,7 @@
 use super::crushing::extremes;
 use super::duration::strained_steps;
 use super::specimen::height;
-use crate::model::{self, Assembly, Compression, Model, Rig, Triaxial};
+use crate::model::{self, Assembly, Compression, Model, Rig, Subject, Triaxial};
 use crate::rig::platen::most_steps;
 use engine::boundary::Drive;
 use engine::breakage::CrushModel;
@@ -82,13 +82,11 @@ pub fn estimate(model: &Model) -> Estimate {
 /// Everything but what strengths mean.
 fn without_strength(model: &Model) -> Estimate {
     let (smallest, largest) = extremes(&model.rig);
-    let grains = match &model.rig {
-        Rig::Oedometer(Compression { specimen, .. })
-        | Rig::Isotropic(Compression { specimen, .. })
-        | Rig::Triaxial(Triaxial { specimen, .. }) => specimen.grains,
-        Rig::Assembly(a) => a.grains.len(),
-        Rig::Platen(p) => p.diameters.len(),
-        Rig::Continuum(rig) => return super::continuum_estimate::estimate(model, rig),
+    let grains = match model.rig.subject() {
+        Subject::Specimen(specimen) => specimen.grains,
+        Subject::Assembly(a) => a.grains.len(),
+        Subject::Platen(p) => p.diameters.len(),
+        Subject::Continuum(rig) => return super::continuum_estimate::estimate(model, rig),
     };
     let finest = match &model.physics.crush {
         Some(c) if c.d_limit < largest => smallest.min(c.pattern.smallest() * c.d_limit),
@@ -97,7 +95,7 @@ fn without_strength(model: &Model) -> Estimate {
     let (time_step, time_step_limit) = time_step(model, finest);
     let stages = model.rig.compression().map_or_else(Vec::new, |rig| stage_steps(model, rig, time_step));
     let steps = match &model.rig {
-        Rig::Oedometer(_) | Rig::Isotropic(_) => stages.iter().sum::<f64>().ceil(),
+        _ if !stages.is_empty() => stages.iter().sum::<f64>().ceil(),
         Rig::Triaxial(t) => shear_steps(model, t, time_step),
         Rig::Assembly(a) => match (a.steps, a.duration, time_step) {
             (Some(steps), ..) => steps as f64,
@@ -105,7 +103,7 @@ fn without_strength(model: &Model) -> Estimate {
             _ => 0.0,
         },
         Rig::Platen(p) => most_steps(p) * grains as f64,
-        Rig::Continuum(_) => 0.0,
+        _ => 0.0,
     };
     let expected = super::duration::duration(model, grains, steps, &stages);
     let mut estimate = Estimate {
@@ -368,19 +366,12 @@ pub(super) fn share(law: ContactLaw, material: &engine::material::Material, r: f
 /// Force, N, that a contact of a grain of radius `r` may bear.
 fn load(model: &Model, r: f64) -> (f64, String) {
     let section = PI * r * r;
-    match &model.rig {
-        Rig::Platen(_) | Rig::Continuum(_) => (0.0, "the force on a platen".into()),
-        Rig::Oedometer(o) | Rig::Isotropic(o) => {
-            let stress = o.loading.stages.iter().copied().fold(0.0, f64::max);
-            let text = format!("its section under {} kPa", 1e-3 * stress);
-            (stress * section, text)
-        }
-        Rig::Triaxial(t) => {
-            // dense sand bears some four times the cell pressure
-            let stress = 4.0 * t.specimen.isotropic_stress;
-            (stress * section, format!("its section under {} kPa", 1e-3 * stress))
-        }
-        Rig::Assembly(a) => {
+    if let Some(stress) = model.rig.largest_stress() {
+        return (stress * section, format!("its section under {} kPa", 1e-3 * stress));
+    }
+    match model.rig.subject() {
+        Subject::Platen(_) | Subject::Continuum(_) | Subject::Specimen(_) => (0.0, "the force on a platen".into()),
+        Subject::Assembly(a) => {
             let pressed = a.walls.iter().filter_map(|w| match w.drive {
                 Drive::Stress { stress, .. } => Some(stress),
                 _ => None,

@@ -1,6 +1,6 @@
 //! Every key of scenes and materials: what it holds, its default and what it means. `comminute check --keys` prints this.
 
-use super::schema::{Default, Key, Of, Range, Shape};
+use super::schema::{Default, KIND_WORDS, Key, Of, Range, Shape};
 
 use engine::breakage::Criterion;
 use engine::contact::ContactLaw;
@@ -221,7 +221,7 @@ fn declare(keys: &mut Vec<Key>, parameters: &[Parameter], anchor: &str) {
 const OWN: &[Key] = &[
     every(
         "kind",
-        Choice(&["oedometer", "triaxial", "isotropic", "assembly", "platen", "continuum", "mixture"]),
+        Choice(&KIND_WORDS),
         Required,
         "what is done: one-dimensional compression, drained triaxial compression, compression from all sides, a free scene, single grains crushed between platens, a continuum of material points, or grains in one",
     ),
@@ -1020,7 +1020,7 @@ written beside it replaces them; it works in scenes, materials and [material]. E
                 _ => format!("\n[{table}]\n"),
             };
         }
-        let of = match key.scenes() {
+        let of = match key.scenes().as_str() {
             "" => String::new(),
             kinds => format!("; {kinds}"),
         };

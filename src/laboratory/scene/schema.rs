@@ -35,7 +35,39 @@ pub enum Of {
     Free,
 }
 
+/// The kinds of scenes: the word for each in files, and what a message calls it.
+const KINDS: [(Of, &str, &str); 7] = [
+    (Of::Oedometer, "oedometer", "an oedometer"),
+    (Of::Triaxial, "triaxial", "a triaxial test"),
+    (Of::Isotropic, "isotropic", "isotropic compression"),
+    (Of::Assembly, "assembly", "an assembly"),
+    (Of::Platen, "platen", "a platen test"),
+    (Of::Continuum, "continuum", "a continuum"),
+    (Of::Mixture, "mixture", "a mixture"),
+];
+
+/// The words of [`KINDS`].
+pub const KIND_WORDS: [&str; KINDS.len()] = {
+    let mut words = [""; KINDS.len()];
+    let mut k = 0;
+    while k < KINDS.len() {
+        words[k] = KINDS[k].1;
+        k += 1;
+    }
+    words
+};
+
 impl Of {
+    /// The kind of scene of this word, or every kind where there is none.
+    pub fn kind(word: Option<&str>) -> Of {
+        KINDS.iter().find(|(_, own, _)| word == Some(*own)).map_or(Of::Every, |(kind, ..)| *kind)
+    }
+
+    /// What a message calls a scene of this kind.
+    pub fn called(self) -> &'static str {
+        KINDS.iter().find(|(kind, ..)| *kind == self).map_or("a scene", |(.., name)| name)
+    }
+
     /// Whether a key of this kind may stand in a scene of that one.
     pub fn fits(self, scene: Of) -> bool {
         match (self, scene) {
@@ -144,25 +176,12 @@ impl Key {
     }
 
     /// Kinds of scenes in which the key may stand, with commas between; empty for all.
-    pub fn scenes(&self) -> &'static str {
-        match self.of {
-            Of::Every => "",
-            Of::Grains => "oedometer, triaxial, isotropic, assembly, platen, mixture",
-            Of::Both => "oedometer, triaxial, isotropic, assembly, mixture",
-            Of::States => "oedometer, triaxial, isotropic, assembly, continuum, mixture",
-            Of::Free => "assembly, continuum, mixture",
-            Of::Continuum => "continuum, mixture",
-            Of::Mixture => "mixture",
-            Of::Fines => "oedometer, mixture",
-            Of::Listed => "assembly, mixture",
-            Of::Cylinder => "oedometer, triaxial, isotropic",
-            Of::Compression => "oedometer, isotropic",
-            Of::Isotropic => "isotropic",
-            Of::Oedometer => "oedometer",
-            Of::Triaxial => "triaxial",
-            Of::Assembly => "assembly",
-            Of::Platen => "platen",
+    pub fn scenes(&self) -> String {
+        if self.of == Of::Every {
+            return String::new();
         }
+        let words: Vec<&str> = KINDS.iter().filter(|(kind, ..)| self.of.fits(*kind)).map(|(_, word, _)| *word).collect();
+        words.join(", ")
     }
 }
 

@@ -9,16 +9,7 @@ use toml::{Table, Value};
 
 /// Check the merged table of a scene and fill in its defaults. All mistakes are reported together.
 pub fn validate(layer: &mut Layer) -> Result<()> {
-    let of = match layer.table.get("kind").and_then(Value::as_str) {
-        Some("assembly") => Of::Assembly,
-        Some("oedometer") => Of::Oedometer,
-        Some("triaxial") => Of::Triaxial,
-        Some("isotropic") => Of::Isotropic,
-        Some("platen") => Of::Platen,
-        Some("continuum") => Of::Continuum,
-        Some("mixture") => Of::Mixture,
-        _ => Of::Every,
-    };
+    let of = Of::kind(layer.table.get("kind").and_then(Value::as_str));
     let mut table = std::mem::take(&mut layer.table);
     let mut walk = Walk { layer, of, errors: Vec::new() };
     walk.table(&mut table, "", "");
@@ -215,16 +206,7 @@ impl Walk<'_> {
     }
 
     fn foreign(&self) -> String {
-        let kind = match self.of {
-            Of::Assembly => "an assembly",
-            Of::Platen => "a platen test",
-            Of::Triaxial => "a triaxial test",
-            Of::Isotropic => "isotropic compression",
-            Of::Continuum => "a continuum",
-            Of::Mixture => "a mixture",
-            _ => "an oedometer",
-        };
-        format!("has no meaning in {kind}")
+        format!("has no meaning in {}", self.of.called())
     }
 
     fn unknown(&self, at: &str, path: &str, name: &str) -> String {

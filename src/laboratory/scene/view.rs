@@ -3,7 +3,7 @@
 use super::layers::{Layer, shown};
 use super::schema::unit;
 use crate::error::Error;
-use crate::model::{Model, Records, Rig, Seeds, Triaxial};
+use crate::model::{Model, Records, Rig, Seeds};
 use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use engine::dem::physics::Physics;
 use engine::dem::physics::Stepping;
@@ -133,9 +133,7 @@ impl<'a> View<'a> {
             "assembly" => Rig::Assembly(self.assembly(&named)?),
             "platen" => Rig::Platen(self.platen(&named)?),
             "mixture" => Rig::Continuum(Box::new(self.mixture(&named, &materials)?)),
-            "triaxial" => Rig::Triaxial(Triaxial { specimen: self.specimen(&named[0])?, shear: self.shear() }),
-            "isotropic" => Rig::Isotropic(self.isotropic(&named)?),
-            _ => Rig::Oedometer(self.oedometer(&named)?),
+            test => Rig::of_test(test, self, &named)??,
         };
         let mut stepping = self.stepping();
         if let Rig::Continuum(rig) = &rig {

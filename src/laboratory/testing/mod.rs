@@ -14,6 +14,8 @@ use crate::error::Error;
 use crate::model::{Model, Specimen};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::record::quasi_static::Instant;
+use crate::scene::material::Named;
+use crate::scene::view::View;
 use engine::boundary::CylinderSpace;
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
@@ -77,4 +79,13 @@ pub trait SpecimenTest: Sized {
 
     /// The specimen of the rig.
     fn specimen(rig: &Self::Rig) -> &Specimen;
+
+    /// As [`SpecimenTest::specimen`], to be changed.
+    fn specimen_mut(rig: &mut Self::Rig) -> &mut Specimen;
+
+    /// Largest stress, Pa, that the rig puts on its specimen, or about that: for what `check` tells before a run.
+    fn largest_stress(rig: &Self::Rig) -> f64;
+
+    /// The rig from the keys of a scene; `None` with the reasons noted where they do not agree.
+    fn of_scene(view: &View<'_>, named: &[Named]) -> Option<Self::Rig>;
 }

@@ -5,8 +5,10 @@ use super::oedometer::Loading;
 use super::triaxial::Shearing;
 use super::{Instant, SpecimenTest};
 use crate::error::Error;
-use crate::model::{Model, Rig};
+use crate::model::{Model, Rig, Specimen, Subject};
 use crate::record::cylinder::{Due, Moment, Recorder};
+use crate::scene::material::Named;
+use crate::scene::view::View;
 use engine::boundary::CylinderSpace;
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
@@ -16,7 +18,7 @@ use serde_json::Value;
 
 /// Makes the enumeration of tests, whose methods call those of the test that is running, with its rig.
 macro_rules! specimen_tests {
-    ($($(#[$doc:meta])* $test:ident($state:ident);)*) => {
+    ($($(#[$doc:meta])* $test:ident($state:ident) = $word:literal;)*) => {
         /// A test that is running. Its methods are those of [`SpecimenTest`]; the rig given to them must be that of the test.
         #[derive(Debug, Serialize, Deserialize)]
         pub enum Test {
@@ -109,11 +111,42 @@ macro_rules! specimen_tests {
         }
 
         impl Rig {
-            /// The cylindrical specimen of grains; `None` for tests that have none.
-            pub fn specimen(&self) -> Option<&crate::model::Specimen> {
+            /// What the rig works on.
+            pub fn subject(&self) -> Subject<'_> {
                 match self {
-                    $(Rig::$test(rig) => Some(<$state as SpecimenTest>::specimen(rig)),)*
+                    $(Rig::$test(rig) => Subject::Specimen(<$state as SpecimenTest>::specimen(rig)),)*
+                    Rig::Assembly(rig) => Subject::Assembly(rig),
+                    Rig::Platen(rig) => Subject::Platen(rig),
+                    Rig::Continuum(rig) => Subject::Continuum(rig),
+                }
+            }
+
+            /// The cylindrical specimen of grains; `None` for tests that have none.
+            pub fn specimen(&self) -> Option<&Specimen> {
+                if let Subject::Specimen(specimen) = self.subject() { Some(specimen) } else { None }
+            }
+
+            /// As [`Rig::specimen`], to be changed.
+            pub fn specimen_mut(&mut self) -> Option<&mut Specimen> {
+                match self {
+                    $(Rig::$test(rig) => Some(<$state as SpecimenTest>::specimen_mut(rig)),)*
                     Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
+                }
+            }
+
+            /// [`SpecimenTest::largest_stress`], Pa; `None` where no specimen is tested.
+            pub fn largest_stress(&self) -> Option<f64> {
+                match self {
+                    $(Rig::$test(rig) => Some(<$state as SpecimenTest>::largest_stress(rig)),)*
+                    Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
+                }
+            }
+
+            /// The rig of the test of this word, from its keys: `None` if no test has it, `Some(None)` with the reasons noted where its keys do not agree.
+            pub(crate) fn of_test(word: &str, view: &View<'_>, named: &[Named]) -> Option<Option<Rig>> {
+                match word {
+                    $($word => Some(<$state as SpecimenTest>::of_scene(view, named).map(Rig::$test)),)*
+                    _ => None,
                 }
             }
         }
@@ -122,9 +155,9 @@ macro_rules! specimen_tests {
 
 specimen_tests! {
     /// One-dimensional compression in a ring.
-    Oedometer(Loading);
+    Oedometer(Loading) = "oedometer";
     /// Drained triaxial compression at constant cell pressure.
-    Triaxial(Shearing);
+    Triaxial(Shearing) = "triaxial";
     /// Compression from all sides.
-    Isotropic(Isotropic);
+    Isotropic(Isotropic) = "isotropic";
 }

@@ -13,6 +13,8 @@ use crate::model::{Compression, Model, Specimen};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::record::quasi_static::Instant;
 use crate::rig::cylinder::{CYLINDER, Stresses, space};
+use crate::scene::material::Named;
+use crate::scene::view::View;
 use engine::boundary::{CylinderSpace, servo_speed};
 use engine::dem;
 use engine::dem::{State, Workspace};
@@ -103,5 +105,17 @@ impl SpecimenTest for Isotropic {
 
     fn specimen(rig: &Compression) -> &Specimen {
         &rig.specimen
+    }
+
+    fn specimen_mut(rig: &mut Compression) -> &mut Specimen {
+        &mut rig.specimen
+    }
+
+    fn largest_stress(rig: &Compression) -> f64 {
+        rig.loading.stages.iter().copied().fold(0.0, f64::max)
+    }
+
+    fn of_scene(view: &View<'_>, named: &[Named]) -> Option<Compression> {
+        view.isotropic(named)
     }
 }

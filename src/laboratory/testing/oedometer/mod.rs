@@ -12,6 +12,8 @@ use crate::model::{Compression, Model, Specimen};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::record::quasi_static::Instant;
 use crate::rig::cylinder::{self, Stresses, TOP, inertial_time, space};
+use crate::scene::material::Named;
+use crate::scene::view::View;
 use engine::boundary::CylinderSpace;
 use engine::boundary::servo_speed;
 use engine::coupling::Embedded;
@@ -307,5 +309,17 @@ impl SpecimenTest for Loading {
 
     fn specimen(rig: &Compression) -> &Specimen {
         &rig.specimen
+    }
+
+    fn specimen_mut(rig: &mut Compression) -> &mut Specimen {
+        &mut rig.specimen
+    }
+
+    fn largest_stress(rig: &Compression) -> f64 {
+        rig.loading.stages.iter().copied().fold(0.0, f64::max)
+    }
+
+    fn of_scene(view: &View<'_>, named: &[Named]) -> Option<Compression> {
+        view.oedometer(named)
     }
 }

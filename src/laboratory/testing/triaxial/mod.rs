@@ -9,6 +9,8 @@ use crate::error::Error;
 use crate::model::{Model, Specimen, Triaxial};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::rig::cylinder::{self, Stresses, TOP, inertial_time, space};
+use crate::scene::material::Named;
+use crate::scene::view::View;
 use engine::boundary::CylinderSpace;
 use engine::boundary::servo_speed;
 use engine::dem;
@@ -180,5 +182,18 @@ impl SpecimenTest for Shearing {
 
     fn specimen(rig: &Triaxial) -> &Specimen {
         &rig.specimen
+    }
+
+    fn specimen_mut(rig: &mut Triaxial) -> &mut Specimen {
+        &mut rig.specimen
+    }
+
+    /// Dense sand bears some four times the cell pressure.
+    fn largest_stress(rig: &Triaxial) -> f64 {
+        4.0 * rig.specimen.isotropic_stress
+    }
+
+    fn of_scene(view: &View<'_>, named: &[Named]) -> Option<Triaxial> {
+        Some(Triaxial { specimen: view.specimen(&named[0])?, shear: view.shear() })
     }
 }
