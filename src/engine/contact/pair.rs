@@ -1,11 +1,32 @@
 //! What two materials in contact have in common: the parameters of their contacts, and the table of all pairs of a run.
 
-use super::law::{Coefficients, Moduli};
 use crate::boundary::Wall;
 use crate::material::{Material, effective_modulus};
 use crate::math::real::Lanes;
 use crate::parameter::Values;
 use pulp::Simd;
+
+/// Elastic moduli of two bodies in contact, Pa.
+#[derive(Clone, Copy, Debug)]
+pub struct Moduli {
+    /// E*.
+    pub young: f64,
+    /// G*.
+    pub shear: f64,
+}
+
+/// What a law makes of two materials once, before any contact.
+#[derive(Clone, Copy, Debug)]
+pub struct Coefficients {
+    /// [`Pair::normal_stiffness`].
+    pub normal: f64,
+    /// [`Pair::tangential_stiffness`].
+    pub tangential: f64,
+    /// [`Pair::viscous`]; 0 without dashpots.
+    pub viscous: f64,
+    /// [`Pair::yield_overlap`]; 0 of elastic laws.
+    pub yield_overlap: f64,
+}
 
 /// A law's [`super::law::Law::coefficients`].
 pub type CoefficientsOf = fn(Moduli, &Values, Option<&Values>) -> Coefficients;

@@ -21,7 +21,7 @@ pub use hertz::Hertz;
 pub use hertz_viscous::{HertzViscous, HertzViscousNoTension, viscous_coefficient, viscous_coefficient_without_tension};
 pub use linear::{Linear, LinearInherited};
 
-use super::pair::Pair;
+pub use super::pair::{Coefficients, Moduli, Pair};
 use crate::material::Material;
 use crate::math::real::Real;
 use crate::parameter::{Parameter, Values};
@@ -37,28 +37,6 @@ pub struct Elastic<R = f64> {
     pub k_t: R,
     /// Elastic energy of the normal compression, J.
     pub energy: R,
-}
-
-/// Elastic moduli of two bodies in contact, Pa.
-#[derive(Clone, Copy, Debug)]
-pub struct Moduli {
-    /// E*.
-    pub young: f64,
-    /// G*.
-    pub shear: f64,
-}
-
-/// What a law makes of two materials once, before any contact.
-#[derive(Clone, Copy, Debug)]
-pub struct Coefficients {
-    /// [`Pair::normal_stiffness`].
-    pub normal: f64,
-    /// [`Pair::tangential_stiffness`].
-    pub tangential: f64,
-    /// [`Pair::viscous`]; 0 without dashpots.
-    pub viscous: f64,
-    /// [`Pair::yield_overlap`]; 0 of elastic laws.
-    pub yield_overlap: f64,
 }
 
 /// A normal law with its tangential stiffness.
