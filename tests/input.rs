@@ -4,6 +4,7 @@
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
 use comminute::record::dictionary::SHEETS;
+use comminute::scene;
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::collections::BTreeSet;
@@ -14,6 +15,20 @@ const COKE: &str = "experiments/petroleum_coke/h-c-2.toml";
 
 fn comminute(args: &[&str]) -> Assert {
     Command::cargo_bin("comminute").expect("the binary").current_dir(env!("CARGO_MANIFEST_DIR")).args(args).assert()
+}
+
+/// A program that has the text of a scene gets the same run from it as from the file, and the same messages with another name.
+#[test]
+fn the_text_of_a_scene_is_as_good_as_its_file() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(COKE);
+    let text = fs::read_to_string(&file).expect("scene");
+    let sets = ["loading.max_stress_kPa=300".to_string()];
+    let loaded = scene::load(&file, &sets).expect("a scene");
+    let read = scene::from_text(&text, file.parent().expect("a folder"), &sets).expect("a scene");
+    assert_eq!(scene::resolved(&read), scene::resolved(&loaded));
+    let refused = |text: &str| scene::from_text(text, "", &[]).expect_err("refused").to_string();
+    assert_eq!(refused("kind = \"assembly\"\nstep = 3"), "scene: step: unknown key; did you mean steps?");
+    assert!(refused("kind = ").starts_with("scene: line 1 (`kind =`): not TOML"), "{}", refused("kind = "));
 }
 
 /// The coke scene with a strength law of its own, checked as JSON.

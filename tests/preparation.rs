@@ -6,6 +6,8 @@ use assert_cmd::Command;
 use assert_cmd::assert::Assert;
 use comminute::dem::Workspace;
 use comminute::model::Model;
+use comminute::record::specimen;
+use comminute::rig::cylinder::space;
 use comminute::rig::preparation::{Preparation, porosity};
 use common::*;
 use predicates::prelude::*;
@@ -20,6 +22,22 @@ fn small(porosity: f64, tolerance: f64, seed: u32) -> Model {
         format!("seed.packing={seed}"),
     ];
     model(&oedometer_text(160, 8.0, ""), &sets)
+}
+
+/// A program that steps a specimen itself starts its test from the same bits as a run, which goes by way of a file.
+#[test]
+fn a_specimen_at_rest_is_what_its_file_holds() {
+    let model = small(0.46, 0.02, 1);
+    let (_, mut state) = Preparation::start(&model, model.rig.specimen().expect("a specimen"));
+    state.grains.vel[3] = [1.0, 2.0, 3.0, 1e3];
+    state.grains.generation[5] = 2;
+    state.grains.permute(&(0..160).rev().collect::<Vec<u32>>());
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("specimen.csv");
+    let materials = &model.physics.materials;
+    specimen::write(&path, &state.grains, materials, Some(space(&state))).expect("written");
+    let read = specimen::read(&path, materials).expect("read");
+    assert_eq!(format!("{read:?}"), format!("{:?}", specimen::at_rest(&state, materials)));
 }
 
 /// Without its retry this one ends 0.3 % too dense.

@@ -21,10 +21,7 @@ pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// A model from the text of a scene.
 pub fn model(text: &str, sets: &[String]) -> Model {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("scene.toml");
-    std::fs::write(&path, text).expect("written");
-    let scene = scene::load(&path, sets).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let scene = scene::from_text(text, "", sets).unwrap_or_else(|e| panic!("{e}\n{text}"));
     scene::model(&scene).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 

@@ -3,6 +3,7 @@
 
 use crate::error::{Error, Result};
 use crate::model::Model;
+use crate::rig::cylinder::space;
 use engine::boundary::CylinderSpace;
 use engine::dem::State;
 use engine::grains::Grains;
@@ -57,6 +58,20 @@ fn quoted(text: &str) -> Cow<'_, str> {
     } else {
         Cow::Borrowed(text)
     }
+}
+
+/// The specimen that a state holds: what [`read`] makes of the file that [`write`] leaves, without the file. Grains are at rest, in the order of ids, with their real
+/// mass as inertia and without strengths; velocities, contacts and history are left behind.
+pub fn at_rest(state: &State, materials: &[Material]) -> (Grains, CylinderSpace) {
+    let g = &state.grains;
+    let mut grains = Grains::default();
+    for &i in &g.by_id() {
+        let i = i as usize;
+        let [x, y, z, r] = g.pos[i];
+        let k = grains.add([x, y, z], r, g.material[i], materials);
+        grains.generation[k] = g.generation[i];
+    }
+    (grains, space(state))
 }
 
 /// Checksum of a text: FNV-1a with 64 bits.

@@ -17,6 +17,7 @@ use crate::record::{checkpoint, specimen};
 use crate::rig::assembly;
 use crate::rig::cylinder::{Stresses, space};
 use crate::rig::preparation::{Preparation, range};
+use crate::scene::Scene;
 use crate::testing::Test;
 pub use backend::{Backend, Chosen, choose};
 use engine::boundary::CylinderSpace;
@@ -54,6 +55,28 @@ pub struct RunRequest {
     pub stop_after: Option<u64>,
     /// The backend that computes the steps, from [`choose`].
     pub backend: Chosen,
+}
+
+impl RunRequest {
+    /// The run of a scene by the processor with a thread for each core, which leaves its records in the folder `out`. It shows no progress and overwrites no
+    /// other run.
+    ///
+    /// # Errors
+    /// Values of the scene that do not agree.
+    pub fn of(scene: &Scene, out: impl Into<PathBuf>) -> Result<RunRequest> {
+        Ok(RunRequest {
+            model: crate::scene::model(scene)?,
+            scene_resolved: crate::scene::resolved(scene),
+            out: out.into(),
+            force: false,
+            threads: None,
+            specimen: scene.specimen(),
+            quiet: true,
+            json: false,
+            stop_after: None,
+            backend: Chosen::default(),
+        })
+    }
 }
 
 /// Options of a resumed run; as in [`RunRequest`].

@@ -13,6 +13,13 @@ pub fn scene_file(path: &Path) -> Result<Layer> {
     file(path, &mut Vec::new())
 }
 
+/// A scene from its text, with everything it refers to; paths in it and messages are as if it stood in the file `path`.
+pub fn scene_text(path: &Path, text: &str) -> Result<Layer> {
+    let path = tidy(path);
+    let table = parse(&path, text)?;
+    resolve(table, &path, "", &mut vec![path.clone()])
+}
+
 /// A material file with everything it refers to.
 pub fn material_file(path: &Path) -> Result<Layer> {
     file(path, &mut Vec::new())

@@ -104,7 +104,21 @@ impl Scene {
 /// Every mistake in files and overrides, with file, key, value and what is allowed.
 pub fn load(path: impl AsRef<Path>, sets: &[String]) -> Result<Scene> {
     let path = path.as_ref();
-    let mut layer = files::scene_file(path)?;
+    complete(path, files::scene_file(path)?, sets)
+}
+
+/// Read a scene from its text in TOML and lay the overrides `sets` (`key=value`) over it. Paths in the text are relative to `folder`; messages call the
+/// text `scene` in that folder. The scene's name is `scene` where the text gives none.
+///
+/// # Errors
+/// Every mistake in text, files and overrides, with file, key, value and what is allowed.
+pub fn from_text(text: &str, folder: impl AsRef<Path>, sets: &[String]) -> Result<Scene> {
+    let path = folder.as_ref().join("scene");
+    complete(&path, files::scene_text(&path, text)?, sets)
+}
+
+/// The scene of the file `path` as read, with overrides, imported grains and defaults.
+fn complete(path: &Path, mut layer: Layer, sets: &[String]) -> Result<Scene> {
     // a whole material first, so that its own values can be overridden in any order
     let (whole, rest): (Vec<_>, Vec<_>) = sets.iter().partition(|s| s.starts_with("material="));
     for set in whole.into_iter().chain(rest) {
