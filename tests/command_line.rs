@@ -83,6 +83,20 @@ fn the_key_reference_is_printed() {
 }
 
 #[test]
+fn shells_can_complete_and_man_has_pages() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let told = contains("comminute").and(contains("point-test")).and(contains("max-stress").not()).and(contains("stop-after"));
+        comminute(&["completions", shell]).success().stderr("").stdout(told);
+    }
+    refused(&["completions", "sh"], "possible values: bash");
+    comminute(&["man"]).success().stderr("").stdout(contains(".TH comminute 1").and(contains("calibrate")));
+    let page = contains(".TH comminute-calibrate-curve 1").and(contains("\\fBcomminute calibrate curve\\fR"));
+    comminute(&["man", "calibrate", "curve"]).success().stderr("").stdout(page);
+    refused(&["man", "crush"], "man crush: must be one of new, run, check");
+    refused(&["man", "run", "crush"], "man crush: run has no verbs of its own");
+}
+
+#[test]
 fn help_shows_an_example_that_works_as_typed() {
     for verb in ["run", "check"] {
         comminute(&[verb, "--help"]).success().stdout(contains(COKE));

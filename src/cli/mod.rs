@@ -11,7 +11,9 @@ mod calibrate_grains;
 mod calibrate_study;
 mod campaign;
 mod check;
+mod completions;
 mod ensemble;
+mod man;
 mod new;
 mod plot;
 mod point_test;
@@ -73,6 +75,10 @@ pub enum Verb {
     Bench(bench::Args),
     /// Find parameters from laboratory data
     Calibrate(calibrate::Args),
+    /// Print what makes a shell complete the words of this program
+    Completions(completions::Args),
+    /// Print a manual page of this program
+    Man(man::Args),
 }
 
 impl Verb {
@@ -90,6 +96,8 @@ impl Verb {
             Verb::Verify(args) => verify::call(&args),
             Verb::Bench(args) => bench::call(&args),
             Verb::Calibrate(args) => calibrate::call(&args),
+            Verb::Completions(args) => completions::call(&args),
+            Verb::Man(args) => man::call(&args),
         }
     }
 }
