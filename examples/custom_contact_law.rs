@@ -20,7 +20,7 @@ use comminute::contact::pair::Pair;
 use comminute::contact::registry::LawTable;
 use comminute::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use comminute::dem::physics::{Physics, Stepping};
-use comminute::dem::{self, State, Work};
+use comminute::dem::{self, State, Workspace};
 use comminute::grains::Grains;
 use comminute::material::Material;
 use comminute::math::real::Real;
@@ -124,7 +124,7 @@ fn impact(material: &Material, law: ContactLaw, time_step: f64) -> [f64; 2] {
         grains.vel[i][0] = -0.5 * SPEED * side;
     }
     let mut state = State::new(&physics, grains, Vec::new(), false);
-    let mut work = Work::new(&physics, &mut state);
+    let mut work = Workspace::new(&physics, &mut state);
     let (mut deepest, mut began) = (0.0_f64, None);
     loop {
         let mut overlap = 0.0;

@@ -9,14 +9,15 @@
 //! cargo run --release --example oedometer_step_by_step
 //! ```
 
-use comminute::dem::{State, Work};
+use comminute::dem::{State, Workspace};
 use comminute::error::Result;
 use comminute::model::Rig;
 use comminute::record::specimen;
 use comminute::rig::cylinder::{Stresses, space};
-use comminute::rig::oedometer::{Loading, Phase};
 use comminute::rig::preparation::Preparation;
 use comminute::scene;
+use comminute::testing::SpecimenTest;
+use comminute::testing::oedometer::{Loading, Phase};
 
 fn main() -> Result<()> {
     let changes = [
@@ -35,22 +36,22 @@ fn main() -> Result<()> {
 
     // grains grow in the ring until the specimen has its porosity and rests under the isotropic stress
     let (mut preparation, mut state) = Preparation::start(&model, &rig.specimen);
-    let mut work = Work::new(&model.physics, &mut state);
+    let mut work = Workspace::new(&model.physics, &mut state);
     while !preparation.advance(&model, &rig.specimen, &mut state, &mut work)? {}
     println!("specimen of {} grains, made in {} steps", state.grains.len(), preparation.steps());
 
     // the test begins with the same grains at rest
     let (grains, ring) = specimen::at_rest(&state, &model.physics.materials);
     let (mut loading, mut state) = Loading::start(&model, rig, grains, ring)?;
-    let mut work = Work::new(&model.physics, &mut state);
+    let mut work = Workspace::new(&model.physics, &mut state);
     let density = model.physics.materials[0].density;
     let (grains_before, mass_before) = (state.grains.len() as u64, dry_mass(&state));
 
     println!("σ_v (kPa)   void ratio   σ_h/σ_v   grains   breakages   steps");
     let (mut next, mut rows) = (10e3, Vec::new());
-    while loading.phase != Phase::Done {
+    while !loading.is_over() {
         // the closure sees the state when the forces of this instant are known, before the grains move
-        loading.advance(&model, rig, &mut state, &mut work, |loading, state, _| {
+        loading.advance(&model, rig, &mut state, &mut work, &mut |loading, state, _| {
             let stresses = Stresses::of(state);
             if matches!(loading.phase, Phase::Load(_) | Phase::Hold(_)) && stresses.vertical() >= next {
                 let void_ratio = space(state).volume() / (dry_mass(state) / density) - 1.0;

@@ -10,7 +10,7 @@
 //! cargo run --release --example two_grains_collide
 //! ```
 
-use comminute::dem::Work;
+use comminute::dem::Workspace;
 use comminute::error::Result;
 use comminute::model::Rig;
 use comminute::rig::assembly;
@@ -83,7 +83,7 @@ velocity_m_s = [{:?}, 0.0, 0.0]
     let model = scene::model(&scene::from_text(&text, ".", &[])?)?;
     let Rig::Assembly(rig) = &model.rig else { unreachable!("the scene's kind is assembly") };
     let mut state = assembly::start(&model, rig);
-    let mut work = Work::new(&model.physics, &mut state);
+    let mut work = Workspace::new(&model.physics, &mut state);
     loop {
         assembly::advance(&model, &mut state, &mut work, |_, _| Ok(()))?;
         // each array of the grains holds four numbers a grain: x, y, z and one more (`Grains`)

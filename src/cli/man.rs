@@ -32,6 +32,7 @@ pub fn call(args: &Args) -> Result<()> {
         command = found.clone();
     }
     let mut text = Vec::new();
-    Man::new(command).render(&mut text).map_err(Error::write("standard output"))?;
+    let source = format!("comminute {}", env!("CARGO_PKG_VERSION"));
+    Man::new(command).source(source).render(&mut text).map_err(Error::write("standard output"))?;
     print(String::from_utf8_lossy(&text).trim_end())
 }
