@@ -36,16 +36,16 @@ const fn column(name: &'static str, unit: &'static str, what: &'static str) -> C
 
 /// The dictionary.
 pub const SHEETS: &[Sheet] = &[
-    Sheet { files: "history.csv", of: "oedometer, triaxial", columns: SPECIMEN_HISTORY },
+    Sheet { files: "history.csv", of: "oedometer, triaxial, isotropic", columns: SPECIMEN_HISTORY },
     Sheet { files: "history.csv", of: "assembly", columns: FREE_HISTORY },
     Sheet { files: "history.csv", of: "continuum, mixture", columns: CONTINUUM_HISTORY },
-    Sheet { files: "gsd.csv", of: "oedometer, triaxial, mixture", columns: GSD },
-    Sheet { files: "breakage.csv", of: "oedometer, triaxial, assembly, mixture", columns: BREAKAGE },
-    Sheet { files: "contacts_*.csv", of: "oedometer, triaxial, assembly, mixture", columns: CONTACTS },
+    Sheet { files: "gsd.csv", of: "oedometer, triaxial, isotropic, mixture", columns: GSD },
+    Sheet { files: "breakage.csv", of: "oedometer, triaxial, isotropic, assembly, mixture", columns: BREAKAGE },
+    Sheet { files: "contacts_*.csv", of: "oedometer, triaxial, isotropic, assembly, mixture", columns: CONTACTS },
     Sheet { files: "tracks.csv", of: "assembly", columns: TRACKS },
     Sheet { files: "blocks.csv", of: "mixture", columns: BLOCKS },
-    Sheet { files: "specimen.csv, grains_start.csv", of: "oedometer, triaxial, assembly, mixture", columns: SPECIMEN },
-    Sheet { files: "grains_final.csv", of: "oedometer, triaxial, assembly, mixture", columns: GRAINS_FINAL },
+    Sheet { files: "specimen.csv, grains_start.csv", of: "oedometer, triaxial, isotropic, assembly, mixture", columns: SPECIMEN },
+    Sheet { files: "grains_final.csv", of: "oedometer, triaxial, isotropic, assembly, mixture", columns: GRAINS_FINAL },
     Sheet { files: "points_start.csv, points_final.csv", of: "continuum, mixture", columns: POINTS },
     Sheet { files: "platen.csv", of: "platen", columns: PLATEN },
     Sheet { files: "force_displacement.csv", of: "platen", columns: FORCE_DISPLACEMENT },
