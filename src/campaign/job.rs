@@ -11,10 +11,13 @@ use std::path::{Path, PathBuf};
 /// A run in a folder of its own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Job {
+    /// Scene file.
     pub scene: PathBuf,
     /// `key=value`, laid over the scene in this order.
     pub sets: Vec<String>,
+    /// Seed of the specimen; `None`: that of the scene.
     pub seed_packing: Option<u64>,
+    /// Seed of the strengths; `None`: that of the scene.
     pub seed_strength: Option<u64>,
     /// A prepared specimen to begin with.
     pub specimen: Option<PathBuf>,

@@ -3,6 +3,8 @@
 //! A [`Job`] is one run with everything that changes its scene. It knows its command line (which anything else can run as well: a
 //! second call does only what is left) and what its folder holds. [`run`] works through a list of jobs.
 
+#![deny(missing_docs)]
+
 pub mod bench;
 mod grid;
 mod job;

@@ -29,13 +29,16 @@ pub struct Options {
 /// What became of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
+    /// The run is finished.
     Done {
         /// Its `summary.json`.
         summary: Value,
         /// Whether it was done before.
         before: bool,
     },
+    /// The run failed.
     Failed {
+        /// Its error message.
         reason: String,
         /// Everything it said.
         log: PathBuf,

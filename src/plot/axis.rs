@@ -33,6 +33,7 @@ impl Axis {
         Self { scale: Scale::Log, ..Self::linear(label, column) }
     }
 
+    /// The axis with values that its range must contain.
     pub fn including(mut self, values: &[f64]) -> Self {
         self.include.extend_from_slice(values);
         self

@@ -14,16 +14,19 @@ pub struct Quantity {
     pub label: String,
     /// Quantity and unit, as the column of the CSV.
     pub column: String,
+    /// Whether the axis is logarithmic.
     pub log: bool,
     /// Values that the axis must contain.
     pub include: Vec<f64>,
 }
 
 impl Quantity {
+    /// A linear axis that contains the values `include`.
     pub fn linear(label: &str, column: &str, include: &[f64]) -> Quantity {
         Quantity { label: label.into(), column: column.into(), log: false, include: include.to_vec() }
     }
 
+    /// A logarithmic axis.
     pub fn log(label: &str, column: &str) -> Quantity {
         Quantity { label: label.into(), column: column.into(), log: true, include: Vec::new() }
     }
@@ -41,7 +44,9 @@ pub enum Tone {
     Kind(usize),
     /// Share of an ordered quantity, 0 dark to 1 light.
     Ordered(f64),
+    /// The colour of text.
     Ink,
+    /// Grey.
     Grey,
 }
 
@@ -52,8 +57,13 @@ pub enum Look {
     Symbols(usize),
     /// A line with the n-th dash.
     Line(usize),
-    /// A line between two limits.
-    Band { low: Vec<f64>, high: Vec<f64> },
+    /// A line with a band around it.
+    Band {
+        /// Lower limits, one for each point.
+        low: Vec<f64>,
+        /// Upper limits.
+        high: Vec<f64>,
+    },
     /// A thin construction line.
     Guide,
 }
@@ -65,8 +75,11 @@ pub struct Drawn {
     pub label: Option<String>,
     /// Name in the CSV.
     pub name: String,
+    /// Colour.
     pub tone: Tone,
+    /// How the series is drawn.
     pub look: Look,
+    /// Points (x, y), in the units of the axes.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -77,9 +90,13 @@ pub struct Graph {
     pub name: String,
     /// Parts of the line over the frame.
     pub title: Vec<String>,
+    /// Heading of the legend, if it has one.
     pub legend_title: Option<String>,
+    /// Horizontal axis.
     pub x: Quantity,
+    /// Vertical axis.
     pub y: Quantity,
+    /// The series, drawn in this order.
     pub series: Vec<Drawn>,
 }
 

@@ -6,19 +6,55 @@ use thiserror::Error;
 /// Result of a figure.
 pub type Result<T> = std::result::Result<T, FigureError>;
 
-/// Each message names the file and, where there is one, the column or line.
+/// Why no figure was drawn. Each message names the file and, where there is one, column and line.
 #[derive(Debug, Error)]
 pub enum FigureError {
+    /// A file cannot be read or written.
     #[error("{path}: {message}")]
-    Io { path: PathBuf, message: String },
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        message: String,
+    },
+    /// A table lacks a column.
     #[error("{path}: no column `{column}`; the file has {have}")]
-    Column { path: PathBuf, column: String, have: String },
+    Column {
+        /// The table.
+        path: PathBuf,
+        /// The missing column.
+        column: String,
+        /// The columns that the table has.
+        have: String,
+    },
+    /// A cell of a table holds no number.
     #[error("{path}: line {line}, column `{column}`: `{value}` is not a number")]
-    Number { path: PathBuf, line: u64, column: String, value: String },
+    Number {
+        /// The table.
+        path: PathBuf,
+        /// Line in the file, from 1.
+        line: u64,
+        /// Column of the cell.
+        column: String,
+        /// Content of the cell.
+        value: String,
+    },
+    /// The records hold nothing that could be drawn, or hold something that is not allowed.
     #[error("{path}: {why}")]
-    Nothing { path: PathBuf, why: String },
+    Nothing {
+        /// The folder or file.
+        path: PathBuf,
+        /// What is missing or wrong.
+        why: String,
+    },
+    /// The drawing library failed.
     #[error("{path}: could not draw: {message}")]
-    Draw { path: PathBuf, message: String },
+    Draw {
+        /// The figure.
+        path: PathBuf,
+        /// The library's reason.
+        message: String,
+    },
 }
 
 impl FigureError {

@@ -2,6 +2,8 @@
 //! specimen, each as SVG (84 mm wide), PNG (1600 pixels wide) and the CSV of what was drawn. Reads record files only
 //! and never sees a simulation.
 
+#![deny(missing_docs)]
+
 mod assembly;
 mod axis;
 mod balls;

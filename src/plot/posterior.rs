@@ -18,23 +18,30 @@ pub struct FittedLine {
     pub name: String,
     /// Stress, kPa, or size, mm.
     pub x: Vec<f64>,
+    /// Measured values.
     pub measured: Vec<f64>,
+    /// Median of the mean curves.
     pub median: Vec<f64>,
-    /// 95 % of mean curves, and of single specimens.
+    /// Lower and upper 95 % limit of the mean curves.
     pub mean: [Vec<f64>; 2],
+    /// Lower and upper 95 % limit of single specimens.
     pub specimen: [Vec<f64>; 2],
     /// Runs at the likeliest parameters.
     pub checks: Vec<Vec<f64>>,
+    /// Parts of the line over the frame.
     pub title: Vec<String>,
 }
 
 /// A parameter of the figures.
 #[derive(Clone, Debug)]
 pub struct Input {
+    /// Name of the parameter, with its unit.
     pub name: String,
-    /// Spread in its logarithm.
+    /// Whether the axis is logarithmic.
     pub log: bool,
+    /// Lower bound.
     pub lower: f64,
+    /// Upper bound.
     pub upper: f64,
 }
 

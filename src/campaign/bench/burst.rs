@@ -9,12 +9,14 @@ use std::convert::Infallible;
 use std::time::Instant;
 use table::median;
 
-/// What a series of breakages cost.
+/// The cost of a series of breakages.
 #[derive(Clone, Debug)]
 pub struct Burst {
+    /// Number of breakages.
     pub events: usize,
-    /// Seconds of the breakage itself: median and mean of events (arrays that grow are in the mean).
+    /// Median time of one breakage itself, s. The mean, below, contains the growth of arrays.
     pub each: f64,
+    /// Mean time of one breakage itself, s.
     pub mean: f64,
     /// Seconds of neighbour work per step while grains break (mean).
     pub neighbours: f64,

@@ -9,6 +9,7 @@ use std::time::Instant;
 /// Measured limits of so many threads together.
 #[derive(Clone, Copy, Debug)]
 pub struct Machine {
+    /// Number of threads.
     pub threads: usize,
     /// Bytes per second read and written in a triad a = b + s c far larger than the caches.
     pub bandwidth: f64,

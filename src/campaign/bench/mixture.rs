@@ -10,10 +10,13 @@ use table::median;
 /// What was measured.
 #[derive(Clone, Debug)]
 pub struct MixtureSpeed {
+    /// Number of points.
     pub points: usize,
+    /// Number of grains.
     pub grains: usize,
     /// Contacts of points with grains.
     pub contacts: u64,
+    /// Number of threads.
     pub threads: usize,
     /// Milliseconds for a step of the continuum with the grains' steps and all contacts, of each block.
     pub blocks: Vec<f64>,

@@ -43,8 +43,9 @@ use std::f64::consts::PI;
 const TIME_STEP: f64 = 1.4e-6;
 /// Speed of the top platen, m/s.
 pub const PLATEN_SPEED: f64 = 5e-3;
-/// Porosity and isotropic stress, Pa, of the packing.
+/// Porosity of the packing.
 pub const POROSITY: f64 = 0.40;
+/// Isotropic stress of the packing, Pa.
 pub const STRESS: f64 = 90e3;
 /// Restitution where the law is viscous.
 pub const RESTITUTION: f64 = 0.3;
@@ -70,6 +71,7 @@ impl Case {
     /// Sizes in this case are multiplied by this for the small grains; share of the mass that they have.
     const FINES: (f64, f64) = (1.0 / 30.0, 0.1);
 
+    /// Name in options and tables.
     pub fn name(self) -> &'static str {
         match self {
             Case::Uniform => "uniform",

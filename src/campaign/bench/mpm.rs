@@ -17,11 +17,15 @@ const SAFETY: f64 = 0.3;
 /// What was measured.
 #[derive(Clone, Debug)]
 pub struct MpmSpeed {
+    /// Number of points.
     pub points: usize,
+    /// Number of threads.
     pub threads: usize,
-    /// Point-steps per second of each block, and per second of processor time where the system tells.
+    /// Point-steps per second of each block.
     pub blocks: Vec<f64>,
+    /// Point-steps per second of CPU time of each block; empty where the system does not tell.
     pub cpu_blocks: Vec<f64>,
+    /// Memory for each point with its share of the grid, bytes.
     pub bytes_per_point: f64,
     /// Hash of every position, velocity and stress in the order of ids.
     pub hash: u64,

@@ -10,10 +10,13 @@ use table::median;
 /// What was measured on the graphics device.
 #[derive(Clone, Debug)]
 pub struct GpuSpeed {
+    /// Name of the graphics adapter.
     pub adapter: String,
+    /// Number of points.
     pub points: usize,
     /// Point-steps per second of each block.
     pub blocks: Vec<f64>,
+    /// Memory on the device for each point with its share of the grid, bytes.
     pub bytes_per_point: f64,
 }
 

@@ -20,15 +20,20 @@ use std::time::Instant;
 
 /// A packing at rest.
 pub struct Packing {
+    /// The case.
     pub case: Case,
+    /// The grains at rest.
     pub grains: Grains,
+    /// The cylinder around them.
     pub walls: CylinderSpace,
+    /// File of the packing.
     pub path: PathBuf,
     /// Seconds it took to make; `None` when it was there already.
     pub seconds: Option<f64>,
 }
 
 impl Packing {
+    /// Porosity of the packing.
     pub fn porosity(&self) -> f64 {
         1.0 - self.grains.mass_and_volume().1 / self.walls.volume()
     }

@@ -15,9 +15,11 @@ use table::median;
 /// How long to measure.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
+    /// Steps before the first timed block.
     pub warm_up: u64,
-    /// Steps of one timed block, and the number of blocks.
+    /// Steps of one timed block.
     pub steps: u64,
+    /// Number of timed blocks.
     pub repeats: usize,
     /// Steps of the pass with clocks.
     pub clocked: u64,
@@ -33,19 +35,25 @@ pub struct Speed {
     pub cpu_blocks: Vec<f64>,
     /// Steps done when the checks below were taken.
     pub steps: u64,
+    /// Memory for each grain with its contacts, bytes.
     pub bytes_per_grain: f64,
-    /// Per grain: touching pairs, listed pairs, touching and listed wall contacts.
+    /// Touching pairs of grains, per grain.
     pub touching: f64,
+    /// Pairs in the neighbour lists, per grain.
     pub near: f64,
+    /// Contacts with walls, per grain.
     pub wall_touching: f64,
+    /// Grain-wall pairs in the neighbour lists, per grain.
     pub wall_near: f64,
     /// Nanoseconds per grain-step: neighbours, contacts, grains, crush (from the pass with clocks).
     pub stages: [f64; 4],
     /// Searches of single grains' neighbourhoods during the timed blocks.
     pub searches: u64,
-    /// Vertical stress averaged over the volume (grain contacts only), at the platens, radial at the cylinder, Pa.
+    /// Vertical stress averaged over the volume, from contacts between grains only, Pa.
     pub stress_volume: f64,
+    /// Vertical stress at the platens, Pa.
     pub stress_platens: f64,
+    /// Radial stress at the cylinder, Pa.
     pub stress_radial: f64,
     /// Hash of every position and velocity, in the order of ids: the same for any number of threads.
     pub hash: u64,

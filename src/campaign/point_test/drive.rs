@@ -8,14 +8,21 @@ use laboratory::error::{Error, Result};
 /// What is recorded of a step; stresses in Pa, compression positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
+    /// Number of the step; 0 is the start.
     pub step: u32,
+    /// Axial strain, compression positive.
     pub axial_strain: f64,
+    /// Lateral strain, compression positive.
     pub lateral_strain: f64,
     /// Engineering shear strain
     pub shear_strain: f64,
+    /// Volumetric strain, compression positive.
     pub volumetric_strain: f64,
+    /// Axial stress.
     pub axial: f64,
+    /// Lateral stress.
     pub lateral: f64,
+    /// Shear stress in the x-z plane, positive with positive shear strain.
     pub shear: f64,
     /// Mean stress
     pub p: f64,
@@ -23,6 +30,7 @@ pub struct Row {
     pub q: f64,
     /// Largest over smallest principal stress, where that is pressure
     pub stress_ratio: Option<f64>,
+    /// Accumulated plastic strain.
     pub plastic_strain: f64,
     /// Yield surface of this plastic strain, of laws that have one
     pub strength: Option<YieldParameters>,
@@ -33,6 +41,7 @@ pub struct Row {
 pub struct Test {
     /// Isotropic stress at the start, Pa
     pub confining: f64,
+    /// A row for each step.
     pub rows: Vec<Row>,
     /// Largest distance of the lateral stress from the cell pressure, Pa (triaxial tests)
     pub cell_pressure_error: f64,

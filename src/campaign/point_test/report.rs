@@ -9,7 +9,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use table::{Row as Record, Table};
 
+/// Table of all tests.
 pub const HISTORY: &str = "history.csv";
+/// What the tests found.
 pub const SUMMARY: &str = "summary.json";
 /// The material with overrides and defaults: a test of it repeats the test.
 pub const MATERIAL: &str = "material.resolved.toml";

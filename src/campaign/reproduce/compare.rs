@@ -9,10 +9,15 @@ use table::number;
 /// One published row with what the seeds give.
 #[derive(Clone, Debug)]
 pub struct Row {
+    /// Name of the run in the plan.
     pub id: String,
+    /// The published numbers.
     pub published: Published,
+    /// Breakages, over the seeds.
     pub events: Option<Spread>,
+    /// Grains, over the seeds.
     pub grains: Option<Spread>,
+    /// Grains that keeping all lost mass would have needed besides, over the seeds.
     pub excluded: Option<Spread>,
     /// Run time, min, of the whole run; with its last published row.
     pub minutes: Option<Spread>,

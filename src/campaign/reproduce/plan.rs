@@ -19,8 +19,10 @@ pub struct Plan {
     /// Remarks that stand under the table.
     #[serde(default)]
     pub notes: Vec<String>,
+    /// The runs.
     #[serde(default, rename = "run")]
     pub runs: Vec<Run>,
+    /// The figures.
     #[serde(default, rename = "figure")]
     pub figures: Vec<Figure>,
     /// Folder of the plan, from which scenes are named.
@@ -54,8 +56,11 @@ pub struct Run {
 pub struct Published {
     /// Vertical stress to which the row belongs, kPa; the end of the run if it is not given.
     pub stress_kPa: Option<f64>,
+    /// Breakages.
     pub events: f64,
+    /// Grains.
     pub grains: f64,
+    /// Grains that keeping all lost mass would have needed besides.
     pub excluded: f64,
     /// Run time, min.
     pub minutes: Option<f64>,
@@ -74,6 +79,7 @@ pub struct Figure {
     /// What is seen here.
     #[serde(default)]
     pub here: String,
+    /// What is drawn.
     pub draw: Content,
 }
 
@@ -81,17 +87,33 @@ pub struct Figure {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "of", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Content {
-    /// Curves of runs (by id), each figure of `show` with all of them.
-    Curves { show: Vec<String>, runs: Vec<String> },
-    /// A run's specimen before and after.
-    Specimen { runs: Vec<String> },
+    /// Curves: each figure of `show` with all runs.
+    Curves {
+        /// Names of figures.
+        show: Vec<String>,
+        /// Names of runs of the plan.
+        runs: Vec<String>,
+    },
+    /// Views of the specimens of runs before and after the test.
+    Specimen {
+        /// Names of runs of the plan.
+        runs: Vec<String>,
+    },
     /// Run time against initial grains, crush events and final grains; all runs of the table if none are named.
     Cost {
+        /// Names of runs of the plan.
         #[serde(default)]
         runs: Vec<String>,
     },
-    /// Largest force between platens against diameter (eqs 16, 17).
-    LimitForce { diameter_mm: [f64; 2], m: Vec<f64>, sets: Vec<StrengthSet> },
+    /// Limit force of a grain between platens against its diameter (Ciantia et al. 2015, eqs 16 and 17).
+    LimitForce {
+        /// Smallest and largest diameter, mm.
+        diameter_mm: [f64; 2],
+        /// Exponents m of the size effect, a curve for each.
+        m: Vec<f64>,
+        /// Parameters of strength.
+        sets: Vec<StrengthSet>,
+    },
 }
 
 /// A row of Table 1 (with an angle) or Table 2 (with moduli).
@@ -99,13 +121,21 @@ pub enum Content {
 #[serde(deny_unknown_fields)]
 #[allow(non_snake_case)]
 pub struct StrengthSet {
+    /// Name in the legend.
     pub label: String,
+    /// Mean limit strength at the diameter `d0_mm`, MPa.
     pub sigma_lim0_MPa: f64,
+    /// Reference diameter, mm.
     pub d0_mm: f64,
+    /// Contact angle, rad (eq. 16).
     pub theta0_rad: Option<f64>,
+    /// Young's modulus of the grain, GPa (eq. 17).
     pub E_GPa: Option<f64>,
+    /// Poisson's ratio of the grain.
     pub nu: Option<f64>,
+    /// Young's modulus of the platen, GPa.
     pub platen_E_GPa: Option<f64>,
+    /// Poisson's ratio of the platen.
     pub platen_nu: Option<f64>,
 }
 
@@ -161,6 +191,7 @@ impl Plan {
         Error::all(errors)
     }
 
+    /// The run named `id`.
     pub fn run(&self, id: &str) -> Option<&Run> {
         self.runs.iter().find(|run| run.id == id)
     }

@@ -10,15 +10,20 @@ use std::path::{Path, PathBuf};
 /// The runs of one entry of the plan that are done.
 #[derive(Clone, Debug)]
 pub struct Done {
+    /// Name of the run in the plan.
     pub id: String,
+    /// The published numbers.
     pub published: Vec<Published>,
+    /// The finished runs, one for each seed.
     pub seeds: Vec<Seed>,
 }
 
 /// One run.
 #[derive(Clone, Debug)]
 pub struct Seed {
+    /// Folder of the run.
     pub folder: PathBuf,
+    /// Content of its `summary.json`.
     pub summary: Value,
     /// Vertical stress, kPa, with the crush events by then: first loading only, stress rising.
     counts: Vec<(f64, f64)>,
@@ -27,10 +32,15 @@ pub struct Seed {
 /// Mean, standard deviation (of the sample), least and most of the seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
+    /// Mean.
     pub mean: f64,
+    /// Standard deviation of the sample; NaN for one value.
     pub sd: f64,
+    /// Smallest value.
     pub least: f64,
+    /// Largest value.
     pub most: f64,
+    /// Number of values.
     pub of: usize,
 }
 
@@ -128,6 +138,7 @@ impl Done {
         Spread::of(&values)
     }
 
+    /// Folders of the finished runs.
     pub fn folders(&self) -> Vec<PathBuf> {
         self.seeds.iter().map(|seed| seed.folder.clone()).collect()
     }

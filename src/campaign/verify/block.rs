@@ -7,12 +7,17 @@ use laboratory::error::Result;
 /// How points and nodes talk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Method {
+    /// Shape functions.
     pub shape: ShapeFunctions,
+    /// Transfer between points and nodes.
     pub transfer: Transfer,
 }
 
+/// FLIP with splines.
 pub const FLIP: Method = Method { shape: ShapeFunctions::BSpline, transfer: Transfer::Blend { pic: 0.0 } };
+/// PIC with splines.
 pub const PIC: Method = Method { transfer: Transfer::Blend { pic: 1.0 }, ..FLIP };
+/// APIC with splines.
 pub const APIC: Method = Method { transfer: Transfer::Affine, ..FLIP };
 /// Two points along the edge of a cell.
 pub const GIMP: Method = Method { shape: ShapeFunctions::Gimp { half_width: 0.25 }, ..FLIP };
@@ -73,6 +78,7 @@ pub fn fill(
     points
 }
 
+/// An elastic law with Young's modulus, Pa, and Poisson's ratio, for all points.
 pub fn elastic(young: f64, poisson: f64) -> Vec<Law> {
     vec![Law::Elastic(Elastic::of_young(young, poisson))]
 }

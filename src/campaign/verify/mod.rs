@@ -3,24 +3,24 @@
 //! A [`Case`] is a file of its own: it takes a way of doing it and a resolution to errors. Some put points on a grid themselves (what a scene cannot
 //! say: a velocity that varies from place to place), others run a scene as a user would. Here times are measured, tables and figures made.
 
-pub mod bar;
+mod bar;
 pub mod block;
 mod collapse;
-pub mod column;
-pub mod cones;
+mod column;
+mod cones;
 mod contact_box;
 mod contact_slide;
 mod crater;
-pub mod disk;
+mod disk;
 mod impact;
 mod oedometer;
-pub mod patch;
+mod patch;
 mod pushed;
 mod rates;
 mod report;
 mod scene;
 mod slide;
-pub mod wave;
+mod wave;
 
 pub use report::{TABLE, write};
 
@@ -80,7 +80,9 @@ impl Task<'_> {
 /// What one run gave.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
+    /// Number of points.
     pub points: usize,
+    /// Steps of the continuum.
     pub steps: u64,
     /// Relative errors, in the order of [`Case::quantities`]; what follows them is the case's own.
     pub errors: Vec<f64>,
@@ -89,8 +91,11 @@ pub struct Found {
 /// A row of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
+    /// Index of the way in [`Case::ways`].
     pub way: usize,
+    /// Resolution, as [`Case::across`] says.
     pub cells: u32,
+    /// Result of the run.
     pub found: Found,
     /// Wall time, or the processor's of a scene on one thread, s.
     pub seconds: f64,
