@@ -6,6 +6,7 @@ use engine::mpm::Continuum;
 use laboratory::error::Result;
 use std::f64::consts::PI;
 
+/// The case in the list of cases.
 pub const CASE: Case = Case {
     name: "bar",
     about: "Axial vibration of a bar, fixed at one end, in its first mode, over two periods",

@@ -5,6 +5,7 @@ use super::{Case, Found, Task};
 use engine::mpm::{Continuum, Dimension, GridWall};
 use laboratory::error::Result;
 
+/// The case in the list of cases.
 pub const CASE: Case = Case {
     name: "column",
     about: "A column between smooth walls settles under its own weight, suddenly applied, with local damping",

@@ -7,6 +7,7 @@ use engine::mpm::{Continuum, Dimension, Transfer};
 use laboratory::error::Result;
 use std::f64::consts::PI;
 
+/// The case in the list of cases.
 pub const CASE: Case = Case {
     name: "disk",
     about: "An elastic disk in plane strain spins freely, one turn, from the stress that its spin asks for",

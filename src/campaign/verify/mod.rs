@@ -3,24 +3,24 @@
 //! A [`Case`] is a file of its own: it takes a way of doing it and a resolution to errors. Some put points on a grid themselves (what a scene cannot
 //! say: a velocity that varies from place to place), others run a scene as a user would. Here times are measured, tables and figures made.
 
-mod bar;
+pub mod bar;
 pub mod block;
 mod collapse;
-mod column;
+pub mod column;
 mod cones;
 mod contact_box;
 mod contact_slide;
 mod crater;
-mod disk;
+pub mod disk;
 mod impact;
 mod oedometer;
-mod patch;
+pub mod patch;
 mod pushed;
 mod rates;
 mod report;
 mod scene;
 mod slide;
-mod wave;
+pub mod wave;
 
 pub use report::{TABLE, write};
 

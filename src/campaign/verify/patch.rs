@@ -5,6 +5,7 @@ use super::{Case, Found, Task};
 use engine::mpm::{Continuum, Dimension};
 use laboratory::error::Result;
 
+/// The case in the list of cases.
 pub const CASE: Case = Case {
     name: "patch",
     about: "Points at random places in a uniform gradient of velocity, seen with affine fields; a box of points at uniform stress",

@@ -5,6 +5,7 @@ use super::{Case, Found, Task};
 use engine::mpm::Continuum;
 use laboratory::error::Result;
 
+/// The case in the list of cases.
 pub const CASE: Case = Case {
     name: "wave",
     about: "A bell of velocity parts into two that run along a strip without lateral strain",
