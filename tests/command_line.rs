@@ -118,7 +118,7 @@ fn unknown_verbs_and_missing_arguments_are_refused() {
 fn a_misspelt_key_gets_a_suggestion() {
     refused(
         &["check", COKE, "--set", "loading.max_stres_kPa=2000"],
-        "--set loading.max_stres_kPa=2000: unknown key; did you mean loading.max_stress_kPa?",
+        "override loading.max_stres_kPa=2000: unknown key; did you mean loading.max_stress_kPa?",
     );
     let folder = folder();
     let scene = scene_with(&folder, "theta0_rad", "theta_rad");
@@ -176,7 +176,7 @@ fn overrides_are_refused_by_their_own_text() {
         ("material=materials/petroleum_cok.toml", "did you mean materials/petroleum_coke.toml?"),
         ("new.table=1", "unknown key"),
     ] {
-        let place = format!("--set {set}");
+        let place = format!("override {set}");
         comminute(&["check", COKE, "--set", set]).code(2).stderr(contains(says).and(contains(place).or(contains("materials/"))));
     }
 }
