@@ -14,7 +14,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use table::number;
 
+/// File of the material.
 pub const FILE: &str = "material.toml";
+/// File of the result.
 pub const REPORT: &str = "calibration.json";
 
 /// Share of the largest q below which a test is taken as elastic.
@@ -38,19 +40,29 @@ struct Test {
     sigma_3: Vec<f64>,
 }
 
-/// What the tests give.
+/// The parameters that the tests give.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fines {
+    /// Folders of the tests.
     pub tests: Vec<PathBuf>,
+    /// Young's modulus, MPa.
     #[serde(rename = "E_MPa")]
     pub young_mpa: f64,
+    /// Poisson's ratio.
     pub nu: f64,
+    /// Friction angle at the peak, degrees.
     pub peak_deg: f64,
+    /// Residual friction angle, degrees.
     pub residual_deg: f64,
+    /// Dilation angle, degrees.
     pub dilation_deg: f64,
+    /// Axial strain at the peak, compression positive.
     pub peak_axial_strain: f64,
+    /// Accumulated plastic strain at the peak.
     pub peak_plastic_strain: f64,
+    /// Coefficients of the friction angle, rad, before the peak (Li et al. 2023, eq. 43).
     pub cubic_rad: [f64; 4],
+    /// Rate H of the decay after the peak (Li et al. 2023, eq. 43).
     pub decay: f64,
     /// Root mean square of the cubic's and the decay's distance from the tests, degrees.
     pub misfit_deg: f64,

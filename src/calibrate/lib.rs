@@ -1,4 +1,6 @@
-//! Parameters from laboratory data.
+//! Calibration: parameters of scenes and materials from laboratory data, with what the data leave open.
+
+#![deny(missing_docs)]
 
 mod columns;
 pub mod curve;

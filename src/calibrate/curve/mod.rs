@@ -7,22 +7,22 @@
 //! ([`sensitivity`]). Optimisers (Bayesian optimisation of a misfit, CMA-ES) would give the best point without its
 //! uncertainty for as many runs.
 
-pub mod design;
-pub mod emulator;
-pub mod failures;
-pub mod findings;
-pub mod gp;
-pub mod left_out;
-pub mod log;
+pub(crate) mod design;
+pub(crate) mod emulator;
+pub(crate) mod failures;
+pub(crate) mod findings;
+pub(crate) mod gp;
+pub(crate) mod left_out;
+pub(crate) mod log;
 mod outputs;
 pub mod parameter;
-pub mod posterior;
+pub(crate) mod posterior;
 mod report;
-pub mod search;
-pub mod sensitivity;
-pub mod simulator;
+pub(crate) mod search;
+pub(crate) mod sensitivity;
+pub(crate) mod simulator;
 #[cfg(test)]
-pub mod stand_in;
+pub(crate) mod stand_in;
 pub mod study;
 pub mod target;
 
@@ -36,25 +36,36 @@ use search::{LONG, Search, Settings};
 use std::path::{Path, PathBuf};
 use target::{Files, Kind, Target};
 
-/// What to calibrate, against what, and how.
+/// A calibration to be made: scene, measurements and settings.
 #[derive(Clone, Debug)]
 pub struct Request {
+    /// Scene whose runs are to give the curve.
     pub scene: PathBuf,
+    /// Overrides `key=value` of the scene in every run.
     pub sets: Vec<String>,
+    /// Files with the measurements.
     pub files: Files,
     /// Instead of the `[[calibrate]]` tables of the scene.
     pub parameters: Vec<Calibrated>,
     /// Changes of the usual [`Settings`]; `None` leaves them.
     pub budget: Option<usize>,
+    /// Runs, among the budget, that fill the space between the bounds.
     pub design: Option<usize>,
+    /// Runs between two updates of the results.
     pub batch: Option<usize>,
+    /// Runs with the parameters found, besides the budget.
     pub check: Option<usize>,
+    /// Seed of everything random.
     pub seed: u64,
+    /// Number of specimens whose mean the curve is.
     pub specimens: f64,
     /// Folder of the calibration.
     pub out: PathBuf,
+    /// Runs at a time; 0: one for each core.
     pub parallel: usize,
+    /// Threads of each run; `None`: the cores are shared out.
     pub threads: Option<usize>,
+    /// Show no progress.
     pub quiet: bool,
     /// Begin again where the folder holds another calibration.
     pub force: bool,
@@ -69,6 +80,7 @@ pub struct Outcome {
     pub table: String,
     /// What speaks against the result, if anything does.
     pub warnings: Vec<String>,
+    /// Files written.
     pub files: Vec<PathBuf>,
 }
 

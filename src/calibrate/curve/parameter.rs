@@ -10,9 +10,13 @@ pub const MOST: usize = 6;
 /// One parameter. Its unit coordinate u runs from 0 at the lower bound to 1 at the upper, in the logarithm for a log-uniform prior.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
+    /// Dotted key of the scene.
     pub key: String,
+    /// Lower bound, in the unit of the key.
     pub lower: f64,
+    /// Upper bound, in the unit of the key.
     pub upper: f64,
+    /// Prior distribution.
     pub prior: Prior,
 }
 

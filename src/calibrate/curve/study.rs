@@ -28,23 +28,31 @@ pub struct Plan {
     pub truths: PathBuf,
     /// Give k₀ and the gradation at the end beside the curve.
     pub all_data: bool,
+    /// Folder of the study.
     pub out: PathBuf,
 }
 
 /// One parameter of one target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recovered {
+    /// Index of the curve among the truths.
     pub target: usize,
+    /// The parameter.
     pub parameter: Parameter,
+    /// Value with which the curve was made, in the unit of the key.
     pub truth: f64,
+    /// Calibrated value.
     pub estimate: f64,
+    /// Lower 95 % limit.
     pub lower: f64,
+    /// Upper 95 % limit.
     pub upper: f64,
     /// Width of the interval over that of the prior.
     pub over_prior: f64,
 }
 
 impl Recovered {
+    /// Whether the 95 % interval contains the truth.
     pub fn holds(&self) -> bool {
         self.lower <= self.truth && self.truth <= self.upper
     }

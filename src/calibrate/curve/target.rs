@@ -34,15 +34,20 @@ pub enum Kind {
 /// A measured line: stress in kPa, or size in mm, with value and standard deviation of each point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
+    /// The quantity.
     pub kind: Kind,
+    /// Vertical stress, kPa, or size, mm, of each point.
     pub at: Vec<f64>,
+    /// Measured value of each point.
     pub values: Vec<f64>,
+    /// Standard deviation of each point.
     pub sd: Vec<f64>,
 }
 
 /// Everything that was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
+    /// The measured lines.
     pub blocks: Vec<Block>,
     /// What was left out, for the user.
     pub notes: Vec<String>,
@@ -53,7 +58,9 @@ pub struct Target {
 pub struct Files {
     /// Curve, with a column k0 if there is one.
     pub curve: PathBuf,
+    /// Stress ratios, if they are in a file of their own.
     pub k0: Option<PathBuf>,
+    /// Gradations, if there are some.
     pub gradations: Option<PathBuf>,
 }
 

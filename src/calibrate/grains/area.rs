@@ -15,6 +15,7 @@ pub enum Model {
 }
 
 impl Model {
+    /// Name in options and files.
     pub fn name(self) -> &'static str {
         match self {
             Model::FixedAngle => "fixed-angle",
@@ -27,6 +28,7 @@ impl Model {
 /// for sin theta0 = 1 (or E' = 1 Pa).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
+    /// The area model.
     pub model: Model,
     law: Criterion,
     /// Pa

@@ -30,7 +30,9 @@ pub struct Grain {
 /// The tests of one file.
 #[derive(Clone, Debug)]
 pub struct Data {
+    /// File of the tests.
     pub path: PathBuf,
+    /// The tested grains.
     pub grains: Vec<Grain>,
     /// Names of the series; one empty name where the file has none.
     pub series: Vec<String>,

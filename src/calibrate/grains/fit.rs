@@ -12,8 +12,11 @@ use serde::Serialize;
 /// A value with its 95 % limits; what the data leave open is `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Estimate {
+    /// The value.
     pub estimate: Option<f64>,
+    /// Lower 95 % limit.
     pub lower: Option<f64>,
+    /// Upper 95 % limit.
     pub upper: Option<f64>,
 }
 
@@ -37,16 +40,27 @@ impl Estimate {
 /// How intervals are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Intervals {
+    /// By the profile likelihood.
     Profile,
-    Bootstrap { resamples: usize, seed: u64 },
+    /// By resampling the tests.
+    Bootstrap {
+        /// Number of resamples.
+        resamples: usize,
+        /// Seed of the resampling.
+        seed: u64,
+    },
 }
 
 /// A fitted law.
 #[derive(Clone, Debug)]
 pub struct Fit {
+    /// The area model.
     pub area: Area,
+    /// The kind of spread.
     pub spread: Spread,
+    /// The parameters of largest likelihood.
     pub at: Params,
+    /// The tests as the likelihood takes them.
     pub sample: Sample,
     /// ln of the likelihood of the forces, N
     pub ln_likelihood: f64,
@@ -57,9 +71,11 @@ pub struct Fit {
 /// ln of Akaike's and Schwarz's criteria: the smaller, the better.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Criteria {
+    /// Akaike's criterion.
     pub aic: f64,
     /// AIC corrected for few grains.
     pub aicc: Option<f64>,
+    /// Schwarz's criterion.
     pub bic: f64,
 }
 
@@ -111,6 +127,7 @@ impl Fit {
         if self.sample.sized { 3 } else { 2 }
     }
 
+    /// The criteria for the choice among fits.
     pub fn criteria(&self) -> Criteria {
         let (k, n) = (self.parameters() as f64, self.sample.len() as f64);
         let aic = 2.0 * k - 2.0 * self.ln_likelihood;
@@ -125,6 +142,7 @@ impl Fit {
         self.at.t > high - 0.02 || self.at.t < low + 0.02
     }
 
+    /// The fitted distribution of strength.
     pub fn law(&self) -> Law {
         Law::new(self.spread, self.at.t)
     }
@@ -178,6 +196,7 @@ impl Fit {
         }
     }
 
+    /// Coefficient of variation of strength, -; open where the fit ends at the limit of its shape.
     pub fn var(&self) -> Estimate {
         if self.at_limit() {
             return Estimate::default();

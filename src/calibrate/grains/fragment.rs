@@ -7,6 +7,7 @@ use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 use toml::Value;
 
+/// File of the material.
 pub const FILE: &str = "material.toml";
 
 /// Text of the material for the folder `out`, with a table for each area model of which all values are known; `None`

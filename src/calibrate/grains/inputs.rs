@@ -15,19 +15,26 @@ pub const D0: f64 = 2e-3;
 pub struct Given {
     /// `None`: those that can be told apart by what is given.
     pub models: Option<Vec<Model>>,
-    /// rad
+    /// Contact angle, rad (eq. 16).
     pub theta0: Option<f64>,
+    /// Young's modulus of the grains, GPa.
     pub grain_e_gpa: Option<f64>,
+    /// Poisson's ratio of the grains.
     pub grain_nu: Option<f64>,
+    /// Young's modulus of the platens, GPa.
     pub platen_e_gpa: f64,
+    /// Poisson's ratio of the platens.
     pub platen_nu: f64,
+    /// Reference diameter, mm.
     pub d0_mm: Option<f64>,
+    /// Material file that gives what is left out.
     pub material: Option<PathBuf>,
 }
 
-/// The same, complete and in SI.
+/// The inputs of a calibration, complete and in SI units.
 #[derive(Clone, Debug)]
 pub struct Inputs {
+    /// Area models that are fitted.
     pub areas: Vec<Area>,
     /// m
     pub d0: f64,
@@ -35,9 +42,11 @@ pub struct Inputs {
     pub theta0: Option<f64>,
     /// Young's modulus, Pa, and Poisson ratio of the grain.
     pub grain: Option<(f64, f64)>,
+    /// Young's modulus, Pa, and Poisson's ratio of the platens.
     pub platen: (f64, f64),
     /// The moduli of the grain come from the command, not from the material.
     pub own_moduli: bool,
+    /// Material file that gave what was left out.
     pub material: Option<PathBuf>,
 }
 

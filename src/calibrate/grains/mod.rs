@@ -12,17 +12,17 @@
 
 pub mod area;
 mod bootstrap;
-pub mod classes;
+pub(crate) mod classes;
 pub mod data;
-pub mod figures;
+pub(crate) mod figures;
 pub mod fit;
 pub mod fragment;
-pub mod goodness;
+pub(crate) mod goodness;
 pub mod inputs;
-pub mod likelihood;
+pub(crate) mod likelihood;
 mod profile;
 pub mod report;
-pub mod simulate;
+pub(crate) mod simulate;
 pub mod spread;
 pub mod study;
 pub mod study_report;
@@ -37,34 +37,42 @@ use inputs::Inputs;
 use spread::Spread;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// How a calibration is done.
+/// Settings of a calibration.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
+    /// How the 95 % limits are found.
     pub intervals: Intervals,
     /// Samples drawn for the goodness of each fit.
     pub samples: usize,
+    /// Seed of these samples.
     pub seed: u64,
 }
 
 /// Every law fitted to the tests of one file, and which is preferred.
 #[derive(Clone, Debug)]
 pub struct Calibration {
+    /// The tests.
     pub data: Data,
+    /// Angle, moduli and reference diameter.
     pub inputs: Inputs,
+    /// How the calibration was done.
     pub settings: Settings,
     /// Area models in the order given, each with every spread.
     pub fits: Vec<Fit>,
+    /// Goodness of each fit, in their order.
     pub goodness: Vec<Goodness>,
     /// Index of the preferred fit.
     pub best: usize,
     /// Why it is preferred.
     pub why: String,
+    /// The tests by size, each with its own Weibull fit.
     pub classes: Vec<Class>,
     /// Where the file has several series: the probability that they differ so much by chance under one law.
     pub series_p_value: Option<f64>,
 }
 
 impl Calibration {
+    /// The preferred fit.
     pub fn best(&self) -> &Fit {
         &self.fits[self.best]
     }

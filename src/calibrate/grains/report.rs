@@ -13,7 +13,9 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// File of the result.
 pub const JSON: &str = "calibration.json";
+/// File of the report.
 pub const REPORT: &str = "report.md";
 
 /// Makes the folder `out`. One that holds anything is refused unless `force`d; then what an older calibration left goes.

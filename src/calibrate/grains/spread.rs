@@ -19,9 +19,13 @@ use std::f64::consts::{PI, SQRT_2};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Spread {
+    /// Normal without its negative part, as scenes draw strengths.
     TruncatedNormal,
+    /// Normal.
     Normal,
+    /// Log-normal.
     LogNormal,
+    /// Weibull.
     Weibull,
 }
 
@@ -29,6 +33,7 @@ impl Spread {
     /// All of them; that which a scene draws comes first.
     pub const ALL: [Spread; 4] = [Spread::TruncatedNormal, Spread::Normal, Spread::LogNormal, Spread::Weibull];
 
+    /// Name in files and figures.
     pub fn name(self) -> &'static str {
         match self {
             Spread::TruncatedNormal => "truncated-normal",

@@ -18,8 +18,11 @@ pub const PARAMETERS: [&str; 3] = ["sigma_lim0_MPa", "m", "var"];
 /// A material whose tests are simulated.
 #[derive(Clone, Debug)]
 pub struct Case {
+    /// Name in tables.
     pub name: &'static str,
+    /// Area model.
     pub area: Area,
+    /// Distribution of strength from which tests are drawn.
     pub law: StrengthModel,
     /// m
     pub sizes: Vec<f64>,
@@ -56,6 +59,7 @@ impl Case {
         [1e-6 * self.law.sigma_lim0, self.law.m, self.law.var]
     }
 
+    /// Simulates tests of `grains` grains, shared out evenly over the sizes.
     pub fn simulate(&self, grains: usize, seed: u64) -> Data {
         tests(&self.law, &self.area, &self.sizes, grains / self.sizes.len(), seed)
     }
@@ -113,11 +117,13 @@ fn inverse_diagonal(m: [[f64; 3]; 3]) -> [f64; 3] {
 /// One repeat: the calibration of one simulated set of tests.
 #[derive(Clone, Debug)]
 pub struct Repeat {
+    /// Seed of the simulated tests.
     pub seed: u64,
     /// With the spread that drew the tests, in the order of [`PARAMETERS`].
     pub estimates: [Estimate; 3],
     /// The same of the preferred spread.
     pub preferred: [Estimate; 3],
+    /// The preferred spread.
     pub preferred_spread: Spread,
 }
 
@@ -137,9 +143,13 @@ pub fn repeat(case: &Case, grains: usize, seed: u64) -> Repeat {
 /// What the repeats of one case say about one parameter.
 #[derive(Clone, Debug)]
 pub struct Recovery {
+    /// Name of the case.
     pub case: &'static str,
+    /// Name of the parameter, one of [`PARAMETERS`].
     pub parameter: &'static str,
+    /// Value with which the tests were simulated.
     pub truth: f64,
+    /// Number of repeats.
     pub repeats: usize,
     /// Repeats whose interval holds the truth.
     pub held: usize,
@@ -151,6 +161,7 @@ pub struct Recovery {
     pub mean: f64,
     /// Mean width of the closed intervals.
     pub width: f64,
+    /// Width of the 95 % interval that the Fisher information allows.
     pub fisher_width: f64,
 }
 
