@@ -229,7 +229,7 @@ fn bodies_that_cannot_be_are_refused() {
         (vec!["block[0].shape=superquadric"], "block[0].blockiness: is missing: shape = \"superquadric\" needs it"),
         (vec!["block[0].shape=cone"], "\"box\" or \"superquadric\" or \"polyhedron\""),
         (vec!["block[0].rounding_mm=1"], "block[0].rounding_mm=1: has no meaning with shape = \"box\""),
-        (vec!["block[0].position_mm=[150.0, 75.0, 60.0]"], "must leave the points outside: 288 lie in it"),
+        (vec!["block[0].position_mm=[150.0, 75.0, 60.0]"], "must not put the block over points: 288 points lie in it"),
         (vec!["block[0].axis=[0.0, 0.0, 0.0]"], ": must not be zero"),
         (vec!["block[0].angle_deg=270"], "must be >= -180 and <= 180"),
         (vec!["crushing.enabled=true"], "must be false beside [[block]]"),

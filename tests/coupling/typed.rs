@@ -199,12 +199,12 @@ fn mixtures_that_cannot_be_are_refused() {
         ("coarse.material=gravel", "is no material of the scene"),
         ("stepping.inertia_scaling=true", "a continuum moves in time"),
         ("coarse.diameter_mm=[10.0, 9.0]", "smallest, then the largest"),
-        ("coarse.diameter_mm=[34.0, 35.0]", "are not one of this size"),
+        ("coarse.diameter_mm=[34.0, 35.0]", "less than one grain of this size"),
         ("growth.fines=\"grains\"", "must be \"points\" without growth.fines_diameter_mm"),
     ] {
         check("triaxial_small", set).code(2).stderr(contains(says));
     }
-    let through = "must leave the points outside";
+    let through = "must not put the grain over points";
     for (scene, set, says) in [
         ("oedometer_crushing", "grain[2].position_m=[0.0075, 0.0075, 0.03]", "grain 2 of radius 0.0025 m reaches"),
         ("oedometer_crushing", "grain[2].position_m=[0.0075, 0.0075, 0.0131]", "out of the specimen"),

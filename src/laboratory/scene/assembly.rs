@@ -1,4 +1,4 @@
-//! From the grains and walls of a free scene to [`Assembly`].
+//! Makes [`Assembly`] from the grains and walls of a free scene.
 
 use super::material::Named;
 use super::schema::unit;
@@ -24,7 +24,7 @@ impl View<'_> {
         })
     }
 
-    /// The walls that the scene lists, before which the grains have to be.
+    /// The walls that the scene lists; grains that do not lie inside them are refused.
     pub fn walls(&self, named: &[Named], grains: &[GrainSpec]) -> Vec<WallSpec> {
         let walls: Vec<WallSpec> =
             self.list("wall").iter().enumerate().filter_map(|(i, wall)| self.wall(i, wall, named)).flatten().collect();
@@ -63,7 +63,7 @@ impl View<'_> {
         Some(grains)
     }
 
-    /// The material that the entry of a list names at `key`; it need not where the scene has only one.
+    /// The material that an entry of a list names at `key`. In a scene with one material it may be left out.
     pub fn material_of(&self, key: &str, table: &Table, named: &[Named]) -> Option<u8> {
         match table.get("material").and_then(Value::as_str) {
             None if named.len() == 1 => Some(0),

@@ -1,4 +1,4 @@
-//! From the rigid bodies of a mixture to [`Block`]s.
+//! Makes [`Block`]s from the rigid bodies of a mixture that are no spheres.
 
 use super::bodies::{number, vector};
 use super::material::Named;
@@ -29,7 +29,7 @@ impl View<'_> {
         self.check(
             whole,
             "crushing.enabled",
-            "must be false beside [[block]]: only spheres break, and what a block bears on them is not judged",
+            "must be false beside [[block]]: only spheres break, and forces of blocks on spheres do not count for breakage",
         );
         let blocks: Vec<Option<Block>> = tables.iter().enumerate().map(|(i, t)| self.block(i, t, named, materials)).collect();
         blocks.into_iter().collect()
@@ -108,7 +108,7 @@ impl View<'_> {
         }
     }
 
-    /// Refuses bodies that stand in what is there at the start.
+    /// Refuses bodies that overlap at the start with points, grains, walls or each other.
     pub fn blocks_have_room(&self, rig: &Continuum, coarse: &Coarse) {
         if coarse.blocks.is_empty() || !matches!(rig.test, Test::Free { .. }) {
             return;
@@ -121,16 +121,16 @@ impl View<'_> {
                 solid.clearance(local) < 0.0 && solid.nearest(local).distance < 0.0
             };
             let inside = rig.points.position.iter().filter(|&&[x, y, z, _]| holds([x, y, z])).count();
-            self.check(inside == 0, &key, format!("must leave the points outside: {inside} lie in it"));
+            self.check(inside == 0, &key, format!("must not put the block over points: {inside} points lie in it"));
             if let Some(k) = coarse.grains.iter().position(|g| holds(g.position)) {
-                self.refuse(&key, format!("must leave the grains outside: the middle of grain {k} lies in it"));
+                self.refuse(&key, format!("must not put the block over grains: the centre of grain {k} lies in it"));
             }
             for (k, wall) in coarse.walls.iter().map(Wall::new).enumerate() {
                 let deepest = block.deepest(&wall);
                 self.check(
                     deepest < DEEP * block.radius,
                     &key,
-                    format!("must be before the walls: it reaches {} mm behind wall {k}", mm(deepest)),
+                    format!("must not put the block through a wall: it reaches {} mm behind wall {k}", mm(deepest)),
                 );
             }
             for (j, other) in coarse.blocks[..i].iter().enumerate() {
@@ -139,7 +139,7 @@ impl View<'_> {
                 self.check(
                     apart > reach,
                     &key,
-                    format!("must be further from block {j}: contacts between blocks are not computed, and within {} mm they may touch; they are {} mm apart", mm(reach), mm(apart)),
+                    format!("must be further from block {j}: contacts between blocks are not computed, and they may touch when their centres are within {} mm; the centres are {} mm apart", mm(reach), mm(apart)),
                 );
             }
         }

@@ -1,4 +1,5 @@
-//! From the bodies of a continuum to material points. Of a body that reaches beyond a plane of symmetry only the part before it is filled.
+//! Makes material points from the bodies of a continuum. A body that reaches beyond a plane of symmetry is filled on the inner
+//! side only.
 
 use super::material::Named;
 use super::schema::unit;
@@ -13,7 +14,7 @@ const GOLDEN: f64 = 0.381_966_011_250_105;
 /// Most points of a scene.
 const MOST: f64 = 2e8;
 
-/// A body in SI units: where its points may be, and what is true of them.
+/// A body in SI units: its shape, and the properties of its points.
 struct Body {
     shape: Shape,
     velocity: [f64; 3],
@@ -52,7 +53,8 @@ impl Shape {
 }
 
 impl View<'_> {
-    /// The points of all bodies, and where run-out counts from. Points stand on the lattice of the grid, `per` along a cell's edge.
+    /// The points of all bodies, and where run-out counts from. Points stand on the lattice of the grid, `per` along a cell's
+    /// edge.
     pub fn bodies(&self, named: &[Named], settings: &Settings, per: u32, pressure: f64) -> Option<(Points, [f64; 3])> {
         let tables = self.list("body");
         if tables.is_empty() {
@@ -213,7 +215,7 @@ impl View<'_> {
             if a >= d {
                 return [0, 1];
             }
-            // what lies beyond a plane of symmetry is the image of what lies before it
+            // the part beyond a plane of symmetry is the image of the part before it
             let kept = |side: usize, site: i64, end: i64, inner: fn(i64, i64) -> i64| {
                 if settings.walls[2 * a + side] == GridWall::Symmetry { inner(site, end) } else { site }
             };
@@ -240,7 +242,8 @@ impl View<'_> {
     }
 }
 
-/// Places and volumes of points in rings around the axis of a cylinder, about `spacing` from each other, so that the outermost stand half that inside its shell.
+/// Places and volumes of points in rings around the axis of a cylinder, about `spacing` from each other, so that the outermost
+/// stand half that inside its shell.
 fn rings(base: [f64; 3], radius: f64, height: f64, spacing: f64) -> impl Iterator<Item = ([f64; 3], f64)> {
     let [count, layers] = [radius, height].map(|length| (length / spacing).round().max(1.0));
     let [width, thick] = [radius / count, height / layers];

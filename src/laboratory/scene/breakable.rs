@@ -1,16 +1,17 @@
-//! Whether grains that are to break can: larger than the comminution limit, and loaded by another grain or a wall. Contacts with points break nothing.
+//! Checks whether grains can break at all: a grain must be larger than the comminution limit and touch another grain or a wall.
+//! Contacts with points break no grain.
 
 use super::crushing::extremes;
 use crate::model::continuum::{Continuum, Specimen, Test};
 use crate::model::{GrainSpec, Model, Rig};
 use engine::breakage::CrushModel;
 
-/// Why none can break, in words; `None` where one can, or where nothing is to break.
+/// A warning that no grain can break; `None` where one can, or where breakage is off.
 pub fn none_breaks(model: &Model) -> Option<String> {
     let crush = model.physics.crush.as_ref()?;
     let (_, largest) = extremes(&model.rig);
     if largest == 0.0 {
-        return Some("crushing.enabled = true, but there are no grains: what is points does not break".into());
+        return Some("crushing.enabled = true, but there are no grains: points do not break".into());
     }
     if largest <= crush.d_limit {
         return Some(format!(
@@ -25,7 +26,7 @@ pub fn none_breaks(model: &Model) -> Option<String> {
     }
 }
 
-/// A mixture whose points keep all grains apart that could break.
+/// A warning for a mixture in which points keep all breakable grains apart.
 fn unloaded(crush: &CrushModel, rig: &Continuum) -> Option<String> {
     let coarse = rig.coarse.as_ref()?;
     let breakable = || coarse.grains.iter().enumerate().filter(|(_, g)| 2.0 * g.radius > crush.d_limit);
@@ -36,11 +37,11 @@ fn unloaded(crush: &CrushModel, rig: &Continuum) -> Option<String> {
             at_a_platen(s, g) || others.any(|(_, h)| meet(s, g, h))
         }),
     };
-    let why = "contacts with points break no grain, so that probably none breaks";
+    let why = "contacts with points break no grain, so probably no grain breaks";
     (!loaded).then(|| match rig.test {
         Test::Free { .. } => format!("crushing.enabled = true, but there is no other grain and no [[wall]] to touch: {why}"),
         _ => format!(
-            "crushing.enabled = true, but points keep all grains apart: none comes to touch another one or a platen if it moves with the material; {why}"
+            "crushing.enabled = true, but points keep all grains apart: a grain that moves with the material touches no other grain and no platen; {why}"
         ),
     })
 }
@@ -52,7 +53,7 @@ fn meet(s: &Specimen, g: &GrainSpec, h: &GrainSpec) -> bool {
     (x * x + y * y + z * z).sqrt() <= g.radius + h.radius
 }
 
-/// Whether a grain touches the bottom or the top then, or a side at the start.
+/// Whether a grain touches the bottom or the top at the end of such a test, or a side at the start.
 fn at_a_platen(s: &Specimen, g: &GrainSpec) -> bool {
     let away = |a: usize| (g.position[a] - s.lower[a]).min(s.lower[a] + s.size[a] - g.position[a]);
     let side = if s.round {

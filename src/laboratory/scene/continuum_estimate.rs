@@ -23,11 +23,12 @@ const PRESSED: f64 = 2.5;
 const TOUCHING: &str = "contacts of points and grains";
 /// Steps of a scene whose rigid bodies fall on points later, over the steps with the time step of points alone; measured 3.4.
 const BLOCKS: f64 = 3.0;
-/// Steps of a test in which grains break throughout, over the steps with the time step before any breakage: light fragments and points
-/// need smaller steps. Measured 6.5 with 1.1 breakages a grain, and 1.5 to 2.1 with one breakage in the middle of the test.
+/// Steps of a test in which grains break throughout, over the steps with the time step before any breakage: light fragments and
+/// points need smaller steps. Measured 6.5 with 1.1 breakages a grain, and 1.5 to 2.1 with one breakage in the middle of the
+/// test.
 const LIGHT: f64 = 5.0;
-/// Stress on the grains over the stress in the points alone under the same strain: grains are stiffer and touch each other. Measured 4.5
-/// with 60 % of the mass in grains.
+/// Stress on the grains over the stress in the points alone under the same strain: grains are stiffer and touch each other.
+/// Measured 4.5 with 60 % of the mass in grains.
 const STIFFER: f64 = 3.0;
 /// Axial strain per wave time above which a test is no longer quasi-static.
 const FAST: f64 = 5e-4;
@@ -131,7 +132,8 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
     }
 }
 
-/// Largest step of a grown specimen without points, s: two contacts of its smallest grain bear the stress `stress`, Pa, on its section.
+/// Largest step of a grown specimen without points, s: two contacts of its smallest grain bear the stress `stress`, Pa, on its
+/// section.
 fn fines_step(model: &Model, rig: &Continuum, stress: f64) -> f64 {
     let Some(Fraction { material, radii: [r, _], .. }) = rig.growth.map(|g| g.fines) else { return f64::INFINITY };
     let material = &model.physics.materials[usize::from(material)];
@@ -182,14 +184,15 @@ fn growing(rig: &Continuum) -> f64 {
     rig.growth.map_or(0.0, |g| PRESSED * g.steps as f64 * g.counts().iter().sum::<usize>() as f64 * GRAIN_AMONG_POINTS)
 }
 
-/// Time of a compression wave through a cell, s, the speed of the points added to that of the wave: the largest step at the start.
+/// Time of a compression wave through a cell, s, the speed of the points added to that of the wave: the largest step at the
+/// start.
 pub fn wave_step(rig: &Continuum) -> f64 {
     let speed = |i: usize| rig.laws[usize::from(rig.points.law[i])].wave_speed(rig.points.density(i)) + speed(rig, i);
     rig.settings.cell / (0..rig.points.len()).map(speed).fold(0.0, f64::max)
 }
 
-/// Largest step by the contacts between points and grains, s: from the contacts at the start; for a specimen that has to grow, from one
-/// contact of a point with a grain under the largest stress, counted twice for the grain's other contacts.
+/// Largest step by the contacts between points and grains, s: from the contacts at the start; for a specimen that has to grow,
+/// from one contact of a point with a grain under the largest stress, counted twice for the grain's other contacts.
 fn coupled_bound(model: &Model, rig: &Continuum) -> Option<f64> {
     rig.coarse.as_ref()?;
     let Some(growth) = &rig.growth else {

@@ -1,4 +1,4 @@
-//! What the strengths of a scene mean for a single grain between platens: the number that laboratories give.
+//! The crushing strength F/d² of a single grain of the scene between platens, as laboratories state it.
 
 use super::crushing::{grain_materials, rigid_platens};
 use super::estimate::median;
@@ -6,35 +6,35 @@ use crate::model::{Model, Rig, Subject};
 use engine::breakage::crushing_stress::Quoted;
 use serde::Serialize;
 
-/// Mean F/d^2, MPa, of grains that soils and bulk goods have, from loose agglomerates to single crystals of a tenth of a millimetre, with room on
-/// both sides: a unit that is wrong by 1000 lies outside.
+/// Range of the mean F/d², MPa, of grains of soils and bulk goods, from loose agglomerates to single crystals of a tenth of a
+/// millimetre. A value in a unit that is wrong by a factor of 1000 lies outside.
 const USUAL: [f64; 2] = [0.5, 5000.0];
 
 /// Mean crushing stress at the median size of the scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CrushingStress {
-    /// Size of the grain, unscaled.
+    /// Diameter of the grain, mm, without the scale of the specimen.
     pub d_mm: f64,
-    /// Mean F/d^2 between rigid platens.
+    /// Mean F/d² between rigid platens, MPa.
     #[serde(rename = "mean_MPa")]
     pub mean_mpa: f64,
 }
 
 impl CrushingStress {
-    /// What is to be said where no grain is as weak or as strong as this.
+    /// A warning for a strength that no real grain has.
     pub fn warning(&self) -> Option<String> {
         let [low, high] = USUAL;
         let beyond = !(low..=high).contains(&self.mean_mpa);
         beyond.then(|| {
             format!(
-                "a single grain of {:.3} mm breaks at a mean F/d^2 of {:.3e} MPa, outside {low} to {high} MPa: strengths are in MPa, and sigma_lim0 is not F/d^2 (crushing_stress_MPa is)",
+                "a single grain of {:.3} mm breaks at a mean F/d^2 of {:.3e} MPa, outside the {low} to {high} MPa of real grains: check the unit (MPa), and that sigma_lim0 was not given a value of F/d^2 (crushing_stress_MPa takes one)",
                 self.d_mm, self.mean_mpa
             )
         })
     }
 }
 
-/// Of the scene's strength law; `None` where nothing breaks.
+/// The mean crushing strength by the scene's strength distribution; `None` where no grain breaks.
 pub fn crushing_stress(model: &Model) -> Option<CrushingStress> {
     let crush = model.physics.crush.as_ref()?;
     let number = grain_materials(&model.rig).and_then(|all| all.first().copied()).unwrap_or(0);

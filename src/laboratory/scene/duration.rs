@@ -1,5 +1,5 @@
-//! How long a run takes on one thread: the steps it is expected to make, times what a step of a grain and of a point takes. Meant to be within a factor of two;
-//! what a run waits for, and how many grains break, is known only when it has been made.
+//! How long a run takes on one thread: the steps it is expected to make, times what a step of a grain and of a point takes. Meant
+//! to be within a factor of two; what a run waits for, and how many grains break, is known only when it has been made.
 //!
 //! All times are of one thread of a virtual Xeon of 2.5 GHz with AVX-512.
 
@@ -16,48 +16,54 @@ use engine::math::random::lineage_root;
 
 /// Start of the program, and the figures of a small run, s.
 pub const START: f64 = 0.25;
-/// A step without grains, and of one grain with its contacts, s: boxes of 12 to 250 grains that fall, and tests of 700 to 19 000, took 50 to 80 ns a grain.
+/// Time of a step without grains, s.
 const STEP: f64 = 0.3e-6;
+/// Time of a step for one grain with its contacts, s. Falling boxes of 12 to 250 grains and tests of 700 to 19 000 took 50 to 80
+/// ns.
 const GRAIN: f64 = 60e-9;
-/// A step of a point, and of a grain that points touch, s; measured 0.15 to 0.5 and 0.08 to 0.5 µs.
+/// Time of a step for one point, s; measured 0.15 to 0.5 µs.
 pub const POINT: f64 = 1.0 / 3e6;
+/// Time of a step for one grain that points touch, s; measured 0.08 to 0.5 µs.
 pub const GRAIN_AMONG_POINTS: f64 = 1.0 / 5e6;
 /// Share of the mass lost in breakages that has become points: the rest waits for room. Measured 0.48 to 0.49.
 const ENTERED: f64 = 0.5;
-/// A step of a grain between platens, s.
+/// Time of a step in the test of a single grain between platens, s.
 const PLATEN: f64 = 0.2e-6;
 
-/// Steps of preparation over those of growth, on the way from loose to dense and with a stated friction: measured 3 to 8 and 4 to 38.
+/// Steps of the whole preparation over those in which radii grow: on the way from loose to dense (measured 3 to 8), and with a
+/// stated friction (measured 4 to 38).
 const PREPARED: [f64; 2] = [4.0, 8.0];
-/// Steps of an oedometer's stress programme over those it would take without waiting: measured 1.2 to 1.7 where grains break, and, of the adaptive
-/// programme, 14 to 22.
+/// Steps of a stress programme by eq. (18) in which grains break, over those without waiting; measured 1.2 to 1.7.
 const WAITS: f64 = 1.5;
+/// Steps of the adaptive stress programme over those with the platens in balance; measured 14 to 22.
 const ADAPTS: f64 = 20.0;
 /// Axial strain of an oedometer at its largest stress: measured 0.04 to 0.45.
 const STRAIN: f64 = 0.15;
-/// Forces on grains of one size are exponential, their mean this many times stress times d²: breakages per grain are then within a factor of 2.5 of those of
-/// seven tests, 0.02 to 2 a grain.
+/// Mean largest force on a grain of diameter d over stress times d². The forces on grains of one size are taken as exponentially
+/// distributed; the breakages per grain are then within a factor of 2.5 of those of seven tests, 0.02 to 2 a grain.
 const BEARS: f64 = 2.3;
-/// Largest stress of a triaxial test over its cell pressure.
-const SHEARED: f64 = 4.0;
-/// Draws of strength, grains and stresses over which the expectation of breakages is taken.
+/// Draws of strength over which the expected number of breakages is averaged.
 const DRAWS: u32 = 16;
+/// Grains over which it is averaged.
 const GRAINS: usize = 32;
+/// Stresses over which it is averaged.
 const STRESSES: u32 = 8;
-/// A breakage of a breakage of … is followed so far.
+/// Generations of daughters whose breakages are counted.
 const GENERATIONS: u32 = 4;
 
-/// How long the run of grains takes.
+/// Expected duration of a run of grains.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Duration {
-    /// On one thread, s, with the preparation, and the preparation alone.
+    /// Time of the whole run on one thread, s.
     pub seconds: f64,
+    /// Time of the preparation on one thread, s.
     pub preparation: f64,
     /// Grains at the end.
     pub grains: f64,
 }
 
-/// Of `grains` in so many steps, as [`super::Estimate`] says, `stages` those of an oedometer's stages.
+/// Estimates the duration of a run of `grains` grains with `steps` steps of its test; `stages` are the steps of each stage of a
+/// compression.
 pub fn duration(model: &Model, grains: usize, steps: f64, stages: &[f64]) -> Duration {
     let n = grains as f64;
     if let Rig::Platen(_) = model.rig {
@@ -112,8 +118,8 @@ fn preparation_steps(s: &Specimen) -> f64 {
     PREPARED[usize::from(s.preparation.growth_friction.is_some())] * s.preparation.growth_steps as f64
 }
 
-/// Steps of first loading by strain between two stresses, Pa, whose largest is `largest`: the strain grows with the stress, and a platen at an inertial number
-/// goes the slower the longer grains take to rearrange, [`rearrangement`].
+/// Steps of first loading by strain between two stresses, Pa, whose largest is `largest`: the strain grows with the stress, and a
+/// platen at an inertial number goes the slower the longer grains take to rearrange, [`rearrangement`].
 pub fn strained_steps(model: &Model, o: &Compression, inertial: f64, [from, to]: [f64; 2], dt: f64) -> f64 {
     let strain = STRAIN * (to - from) / to;
     let stress = |k: u32| from + (to - from) * (f64::from(k) + 0.5) / f64::from(STRESSES);

@@ -1,5 +1,5 @@
-//! Estimates of a run before it is started: size, time step, duration, memory, and warnings. They are rough: orders of magnitude for a
-//! person to judge.
+//! Estimates of a run before it is started: size, time step, duration, memory, and warnings. They are rough: orders of magnitude
+//! for a person to judge.
 
 use super::crushing::extremes;
 use super::duration::strained_steps;
@@ -79,7 +79,7 @@ pub fn estimate(model: &Model) -> Estimate {
     estimate
 }
 
-/// Everything but what strengths mean.
+/// The estimate without the crushing strength of single grains.
 fn without_strength(model: &Model) -> Estimate {
     let (smallest, largest) = extremes(&model.rig);
     let grains = match model.rig.subject() {
@@ -164,7 +164,8 @@ fn without_strength(model: &Model) -> Estimate {
 /// Share of grains too weak for the isotropic stress from which on a scene is warned.
 const TOO_WEAK: f64 = 1e-3;
 
-/// Says how many grains of median size are drawn weaker than what the prepared specimen already puts on them, a force of stress times d².
+/// A warning with the share of grains of median size that are weaker than the force on them in the prepared specimen, stress
+/// times d².
 fn weak_from_the_start(model: &Model, crush: &CrushModel, specimen: &model::Specimen) -> Option<String> {
     let d = median(&specimen.gradation);
     let pair = model.physics.contact.law.between(&model.physics.materials[0], &model.physics.materials[0]);
@@ -262,8 +263,8 @@ fn quasi_static_warnings(model: &Model, o: &Compression, estimate: &mut Estimate
     }
 }
 
-/// Steps of each loading stage by eq. (18): the increment is L_C (sigma_ref + sigma_ref ln(sigma/sigma_ref)); of an adaptive programme, if
-/// nothing held it back; where first loading is by strain, those in which the platen goes so far.
+/// Steps of each loading stage by eq. (18): the increment is L_C (sigma_ref + sigma_ref ln(sigma/sigma_ref)); of an adaptive
+/// programme, if nothing held it back; where first loading is by strain, those in which the platen goes so far.
 fn stage_steps(model: &Model, o: &Compression, time_step: Option<f64>) -> Vec<f64> {
     let l = &o.loading;
     let of = |from: f64, to: f64| {
@@ -291,8 +292,8 @@ fn shear_steps(model: &Model, t: &Triaxial, time_step: Option<f64>) -> f64 {
     (strain_time / time_step.unwrap_or(1.0)).ceil()
 }
 
-/// Time scale d √(ρ/p) in which grains of a specimen are rearranged under a stress, s. With scaled inertia it is counted in steps, and follows from the inertia for
-/// which a step is stable under contact forces of p d².
+/// Time scale d √(ρ/p) in which grains of a specimen are rearranged under a stress, s. With scaled inertia it is counted in
+/// steps, and follows from the inertia for which a step is stable under contact forces of p d².
 pub(super) fn rearrangement(model: &Model, specimen: &model::Specimen, p: f64) -> f64 {
     let d = median(&specimen.gradation);
     let Some(material) = model.physics.materials.first() else { return 0.0 };

@@ -1,4 +1,4 @@
-//! From the keys of a mixture's specimen to its coarse fraction and its growth.
+//! Makes the coarse fraction and the growth of a mixture's specimen from their keys.
 
 use super::material::Named;
 use super::view::View;
@@ -6,7 +6,8 @@ use crate::model::continuum::{Fraction, Growth, Specimen};
 use engine::material::Material;
 
 impl View<'_> {
-    /// Material and radii, m, of a specimen's coarse grains, if it has some, and their share of the mass; `None` with the reason noted.
+    /// Material, smallest and largest radius, m, and share of the mass of a specimen's coarse grains, if it has some; `None`,
+    /// with the reason noted, where the scene is refused.
     pub fn coarse_grains(&self, named: &[Named]) -> Option<Option<(u8, [f64; 2], f64)>> {
         let keys = ["coarse.mass_fraction", "coarse.diameter_mm", "coarse.material"];
         let there = keys.map(|k| self.has(k));
@@ -22,14 +23,15 @@ impl View<'_> {
         Some(Some((material, self.radii(keys[1])?, share)))
     }
 
-    /// Refuses a share of coarse grains, m³ in all, that is less than one of them.
+    /// Refuses a share of coarse grains whose volume, m³, is less than that of one grain.
     pub fn at_least_one(&self, radii: [f64; 2], volume: f64, share: f64) {
         let one = Fraction { material: 0, radii, volume };
-        let message = format!("is too large: {share} of the mass, {volume:.3e} m³ of coarse grains, are not one of this size");
+        let message =
+            format!("is too large: {share} of the mass is {volume:.3e} m³ of coarse grains, less than one grain of this size");
         self.check(share == 0.0 || one.count() > 0, "coarse.diameter_mm", message);
     }
 
-    /// How a specimen grows, if the scene asks for it; `None` with the reason noted.
+    /// How a specimen grows, if the scene asks for it; `None`, with the reason noted, where the scene is refused.
     pub fn growth(
         &self,
         named: &[Named],

@@ -1,4 +1,4 @@
-//! From the keys of a mixture to the continuum with its grains.
+//! Makes the model of a mixture from its keys: the continuum, and the grains in it.
 
 use super::material::Named;
 use super::view::View;
@@ -11,13 +11,13 @@ use engine::material::Material;
 use engine::mpm::loading_plate::ghost_radius;
 use engine::mpm::{Dimension, Points};
 
-/// Room between coarse grains, and between them and platens, when they are placed, over the distance of two points.
+/// Gap between coarse grains, and between them and platens, when they are placed at random, over the distance of two points.
 const ROOM: f64 = 0.5;
-/// Depth, over its radius, to which a grain may stand in a platen at the start.
+/// Largest overlap of a grain with a platen at the start, over the radius of the grain.
 const DEEP: f64 = 0.01;
 
 impl View<'_> {
-    /// The continuum with its grains, or `None` with the reasons noted.
+    /// The continuum with its grains; `None`, with the reasons noted, where the scene is refused.
     pub fn mixture(&self, named: &[Named], materials: &[Material]) -> Option<Continuum> {
         let solid = !self.flag("grid.plane_strain");
         self.check(solid, "grid.plane_strain", "must be false in a mixture: its grains are spheres");
@@ -42,7 +42,7 @@ impl View<'_> {
         let mut growth = None;
         let mut rig = self.continuum_rig(&fines, |points, settings, test| {
             growth = self.growth(named, materials, &point_materials, test.specimen())?;
-            // these points and grains are then only what `check` counts
+            // the points and grains of a specimen that grows only serve to estimate the run
             if growth.is_some() {
                 return Some(());
             }
@@ -96,7 +96,7 @@ impl View<'_> {
         }
     }
 
-    /// Refuses listed grains that points lie in; in a specimen points make room for them.
+    /// Refuses listed grains of a free scene that contain points. In a specimen the points make room for the grains.
     fn grains_have_room(&self, rig: &Continuum, grains: &[GrainSpec]) {
         if rig.specimen().is_some() {
             return;
@@ -104,12 +104,13 @@ impl View<'_> {
         for (i, g) in grains.iter().enumerate() {
             let holds = |q: &&[f64; 4]| (0..3).map(|a| (q[a] - g.position[a]).powi(2)).sum::<f64>() < g.radius * g.radius;
             let inside = rig.points.position.iter().filter(holds).count();
-            let message = format!("must leave the points outside: {inside} lie in grain {i}, whose radius is {:?} m", g.radius);
+            let message =
+                format!("must not put the grain over points: {inside} points lie in grain {i} of radius {:?} m", g.radius);
             self.check(inside == 0, &format!("grain[{i}].position_m"), message);
         }
     }
 
-    /// How the mass that breakages lose becomes points, if it does; `None` with the reason noted.
+    /// How the mass that breakages lose becomes points, if it does; `None`, with the reason noted, where the scene is refused.
     fn fines_as_points(&self, materials: &[Material], rig: &Continuum, grains: &[GrainSpec]) -> Option<Option<Rule>> {
         let key = "crushing.lost_mass";
         if self.text(key) != "points" {
@@ -136,7 +137,7 @@ impl View<'_> {
         Some(Some(Rule { release_strain, law, porosity, solid, density, at_rest: false }))
     }
 
-    /// Coarse grains at random in a specimen's box.
+    /// Coarse grains at random places in the specimen. `fine_density` is the density of the fines' solids, kg/m³.
     fn coarse(&self, named: &[Named], materials: &[Material], specimen: &Specimen, fine_density: f64) -> Option<Vec<GrainSpec>> {
         let Some((material, radii, share)) = self.coarse_grains(named)? else { return Some(Vec::new()) };
         // of the box: coarse volume V with ρ_c V / (ρ_c V + ρ_f (1 − n) (box − V)) = share
@@ -161,7 +162,7 @@ impl View<'_> {
             ),
             Err(reached) => {
                 let message = format!(
-                    "cannot be placed at random without contact: {:.1} % of the mass found room; use a smaller share, let the specimen grow (growth.fines_diameter_mm), or list the grains as [[grain]]",
+                    "cannot be placed at random without contact: places were found for {:.1} % of the mass; use a smaller share, let the specimen grow (growth.fines_diameter_mm), or list the grains as [[grain]]",
                     100.0 * coarse * reached / (coarse * reached + fine * (volume - reached))
                 );
                 self.refuse("coarse.mass_fraction", message);
@@ -171,13 +172,15 @@ impl View<'_> {
     }
 }
 
-/// Times that points are moved out of grains and back into the box.
+/// Number of times that a point is moved out of grains and back into the specimen.
 const ROUNDS: usize = 20;
-/// Overlap beyond what bears the stress, over the ghost's radius, at which a point has found no room.
+/// Largest overlap beyond the one that bears the stress, over the radius of the contact sphere. A point with more is removed.
 const TOO_DEEP: f64 = 0.02;
 
-/// Direct filling: points whose middle lies in a grain make room for it; those that reach into one move out until their overlap is `depth` of
-/// their material, of the grain and of R*, inside the lattice of the specimen. Those that find no room between grains, or between a grain and a platen, go.
+/// Makes room for the grains in a specimen full of points. A point whose centre lies in a grain is removed. A point whose contact
+/// sphere overlaps with a grain is moved outwards until the overlap is `depth` (of the point's law, the grain and the effective
+/// radius R*, m), but not out of the specimen's lattice. A point that finds no room between grains, or between a grain and a
+/// platen, is removed.
 fn displace(
     points: &mut Points,
     dimension: Dimension,

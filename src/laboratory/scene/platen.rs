@@ -1,4 +1,4 @@
-//! From the keys of a platen test to [`Platen`].
+//! Makes [`Platen`] from the keys of a crushing test of single grains.
 
 use super::material::Named;
 use super::schema::unit;
@@ -125,7 +125,7 @@ fn typical(rig: &Platen, crush: Option<&CrushModel>) -> Vec<u32> {
 /// Largest share by which a force may pass its limit before it is pointed out.
 const OVERSHOOT: f64 = 1e-3;
 
-/// What a batch will not show as one might expect.
+/// Warnings for a batch of crushing tests.
 pub fn warnings(model: &Model, rig: &Platen, out: &mut Vec<String>) {
     let Some(crush) = &model.physics.crush else {
         out.push("crushing.enabled = false: every grain is pressed to the end of its test".into());

@@ -29,8 +29,8 @@ impl Reach {
         Reach { void_ratio_densest: void_ratio(range.densest), void_ratio_loosest: void_ratio(range.loosest), measured, range }
     }
 
-    /// Sets the porosity of a specimen whose scene states a relative density, from this range. A measured range becomes that of the
-    /// specimen.
+    /// Sets the porosity of a specimen whose scene states a relative density, from this range. A measured range becomes that of
+    /// the specimen.
     pub fn settle(&self, model: &mut Model) {
         let Some(rig) = model.rig.specimen_mut() else { return };
         if let Some(density) = rig.relative_density {
@@ -43,8 +43,8 @@ impl Reach {
 /// Largest number of grains for which [`sure_reach`] measures the range without being asked to: takes some seconds.
 const FEW: usize = 2000;
 
-/// The range as far as it is known without making a specimen: from the cache, or estimated. `None` for tests without a specimen of
-/// grains, and where the scene states the friction during growth: then the range is another one.
+/// The range as far as it is known without making a specimen: from the cache, or estimated. `None` for tests without a specimen
+/// of grains, and where the scene states the friction during growth: then the range is another one.
 pub fn reach(model: &Model) -> Option<Reach> {
     let rig = model.rig.specimen().filter(|o| o.preparation.growth_friction.is_none())?;
     Some(range::known(model, rig).map_or_else(|| Reach::new(estimated(rig), false), |range| Reach::new(range, true)))
@@ -59,9 +59,9 @@ pub fn measured_reach(model: &Model) -> Result<Option<Reach>> {
     Ok(Some(Reach::new(range::measure(model, rig)?, true)))
 }
 
-/// As [`reach`], but the range is measured if the estimate excludes the scene's target and the specimen does not come from a file: with
-/// `always` for any number of grains, else for at most [`FEW`]. An estimate alone refuses no target. Where a specimen at an end of
-/// the range cannot be made, the estimate is given.
+/// As [`reach`], but the range is measured if the estimate excludes the scene's target and the specimen does not come from a
+/// file: with `always` for any number of grains, else for at most [`FEW`]. An estimate alone refuses no target. Where a specimen
+/// at an end of the range cannot be made, the estimate is given.
 pub fn sure_reach(scene: &Scene, model: &Model, always: bool) -> Option<Reach> {
     let estimate = reach(model);
     let doubtful = estimate.as_ref().is_some_and(|reach| doubt(model, reach).is_some());
@@ -115,9 +115,9 @@ pub fn doubt(model: &Model, reach: &Reach) -> Option<String> {
     })
 }
 
-/// Estimates the range from uniformity Cu and size of the specimen, by a fit to twenty specimens of figures/specimens (Cu 1.3 to 4.8, 550
-/// to 3600 grains, friction 0.5; small specimens of nearly one grain size under stress are up to 0.035 denser). Wider gradations are
-/// denser, and so are specimens that are large compared with their grains.
+/// Estimates the range from uniformity Cu and size of the specimen, by a fit to twenty specimens of figures/specimens (Cu 1.3 to
+/// 4.8, 550 to 3600 grains, friction 0.5; small specimens of nearly one grain size under stress are up to 0.035 denser). Wider
+/// gradations are denser, and so are specimens that are large compared with their grains.
 pub fn estimated(o: &Specimen) -> Range {
     let uniformity = (size(o, 0.6) / size(o, 0.1)).ln();
     let height = solid_volume(o) / (0.6 * PI * o.diameter * o.diameter / 4.0);
@@ -128,8 +128,8 @@ pub fn estimated(o: &Specimen) -> Range {
     Range { loosest: at(LOOSEST), densest: at(DENSEST) }
 }
 
-/// Coefficients of the loosest porosity: of an infinite specimen of one grain size, fall with ln(Cu), rise with the share of the volume
-/// near walls.
+/// Coefficients of the loosest porosity: of an infinite specimen of one grain size, fall with ln(Cu), rise with the share of the
+/// volume near walls.
 const LOOSEST: [f64; 3] = [0.455, 0.097, 0.113];
 /// The same for the densest porosity.
 const DENSEST: [f64; 3] = [0.390, 0.106, 0.162];

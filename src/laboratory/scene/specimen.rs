@@ -1,4 +1,4 @@
-//! From the keys of a specimen to [`Specimen`].
+//! Makes [`Specimen`] from the keys of a specimen.
 
 use super::material::Named;
 use super::view::View;
@@ -6,7 +6,7 @@ use crate::gradation::mean_cubed_diameter;
 use crate::model::{Preparation, Specimen, WallFriction};
 use std::f64::consts::PI;
 
-/// Keys that give the density without more ado.
+/// Keys that give the density directly.
 pub const DENSITIES: [&str; 3] = ["specimen.porosity", "specimen.void_ratio", "specimen.height_mm"];
 
 const ONE_DENSITY: &str = "must have porosity, void_ratio, relative_density or height_mm, one of them";
@@ -49,20 +49,20 @@ impl View<'_> {
         Some(specimen)
     }
 
-    /// The relative density, where it is what the scene gives.
+    /// The relative density, where the scene states one.
     fn relative_density(&self) -> Option<f64> {
         const KEY: &str = "specimen.relative_density";
         let density = self.number(KEY)?;
         self.check(
             self.number("preparation.growth_friction").is_none(),
             KEY,
-            "needs preparation.growth_friction = \"auto\": the range it refers to is that of this way of making specimens",
+            "needs preparation.growth_friction = \"auto\": a relative density refers to the range of specimens that are made in this way",
         );
         self.check(DENSITIES.iter().all(|k| self.number(k).is_none()), "specimen", ONE_DENSITY);
         Some(density)
     }
 
-    /// Grains, as said or from their mass.
+    /// Number of grains: as stated, or from the dry mass.
     fn number_of_grains(&self, of: &Named, gradation: &[(f64, f64)]) -> Option<usize> {
         let mass = self.number("specimen.dry_mass_g").map(|grams| 1e-3 * grams);
         match (self.whole("specimen.grains"), mass) {
