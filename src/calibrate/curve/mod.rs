@@ -2,9 +2,9 @@
 //!
 //! A run costs seconds and scatters with its seeds, and there are few parameters, so the runs' curves are emulated by Gaussian
 //! processes whose noise is found with them, and the emulator, not the runs, is sampled: a design that fills the space between the
-//! bounds ([`design`]), batches of runs where the curve speaks for the parameters and the emulator knows least ([`search`]),
-//! Bayes' rule with the seeds' scatter and the emulator's own error ([`posterior`]), shares of the parameters in the curve
-//! ([`sensitivity`]). Optimisers (Bayesian optimisation of a misfit, CMA-ES) would give the best point without its
+//! bounds (`design`), batches of runs where the curve speaks for the parameters and the emulator knows least (`search`),
+//! Bayes' rule with the seeds' scatter and the emulator's own error (`posterior`), shares of the parameters in the curve
+//! (`sensitivity`). Optimisers (Bayesian optimisation of a misfit, CMA-ES) would give the best point without its
 //! uncertainty for as many runs.
 
 pub(crate) mod design;
@@ -47,7 +47,7 @@ pub struct Request {
     pub files: Files,
     /// Instead of the `[[calibrate]]` tables of the scene.
     pub parameters: Vec<Calibrated>,
-    /// Changes of the usual [`Settings`]; `None` leaves them.
+    /// Runs in all; `None`: the usual number.
     pub budget: Option<usize>,
     /// Runs, among the budget, that fill the space between the bounds.
     pub design: Option<usize>,

@@ -60,8 +60,9 @@ fn quoted(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The specimen that a state holds: what [`read`] makes of the file that [`write`] leaves, without the file. Grains are at rest, in the order of ids, with their real
-/// mass as inertia and without strengths; velocities, contacts and history are left behind.
+/// The specimen that a state holds: what [`read`] makes of the file that [`write()`] leaves, without the file. Grains are at
+/// rest, in the order of ids, with their real mass as inertia and without strengths; velocities, contacts and history are left
+/// behind.
 pub fn at_rest(state: &State, materials: &[Material]) -> (Grains, CylinderSpace) {
     let g = &state.grains;
     let mut grains = Grains::default();

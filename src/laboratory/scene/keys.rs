@@ -140,7 +140,8 @@ pub const RIVALS: &[(&str, &str)] = &[
     ("criterion", "area"),
 ];
 
-/// The vocabulary, in the order in which `scene.resolved.toml` is written: [`OWN`] and what laws ask of materials.
+/// The vocabulary, in the order in which `scene.resolved.toml` is written: the keys of scenes and materials, with those that laws
+/// ask of materials.
 pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(assembled);
 
 /// [`OWN`] with the keys that laws declare themselves, each behind the others of its table, or where `anchor` stands if it is the first of a table.

@@ -60,7 +60,7 @@ pub fn measured_reach(model: &Model) -> Result<Option<Reach>> {
 }
 
 /// As [`reach`], but the range is measured if the estimate excludes the scene's target and the specimen does not come from a
-/// file: with `always` for any number of grains, else for at most [`FEW`]. An estimate alone refuses no target. Where a specimen
+/// file: with `always` for any number of grains, else for at most 2000. An estimate alone refuses no target. Where a specimen
 /// at an end of the range cannot be made, the estimate is given.
 pub fn sure_reach(scene: &Scene, model: &Model, always: bool) -> Option<Reach> {
     let estimate = reach(model);

@@ -1,5 +1,5 @@
-//! Preparation of a cylindrical specimen of a given porosity. There are two ways: [`stated`] grows the radii with the friction
-//! that the scene states (`preparation.growth_friction`), as in Ciantia et al. (2015); [`path`] densifies one loose specimen step
+//! Preparation of a cylindrical specimen of a given porosity. There are two ways: `stated` grows the radii with the friction
+//! that the scene states (`preparation.growth_friction`), as in Ciantia et al. (2015); `path` densifies one loose specimen step
 //! by step and stops at the target, which needs no friction from the user.
 
 mod drive;

@@ -1,4 +1,4 @@
-//! The range of porosities that a specimen can have: both ends of the way of [`super::path`]. The range is measured once, by
+//! The range of porosities that a specimen can have: both ends of the way of `path.rs`. The range is measured once, by
 //! making the loosest and the densest specimen, and kept in a file of the user's cache.
 
 use super::path::{Path, Wish};
