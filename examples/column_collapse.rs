@@ -10,10 +10,7 @@
 //! cargo run --release --example column_collapse
 //! ```
 
-use comminute::error::Result;
-use comminute::model::Rig;
-use comminute::mpm::Continuum;
-use comminute::scene;
+use comminute::{Continuum, Result, Rig, scene};
 
 /// Length of half the column at the start, mm.
 const LENGTH: f64 = 100.0;

@@ -14,10 +14,8 @@ use comminute::calibrate::grains::area::Area;
 use comminute::calibrate::grains::data::{Data, Grain};
 use comminute::calibrate::grains::fit::{Fit, Intervals};
 use comminute::calibrate::grains::spread::Spread;
-use comminute::error::Result;
-use comminute::model::Rig;
 use comminute::rig::platen::press;
-use comminute::scene;
+use comminute::{Result, Rig, scene};
 use std::f64::consts::PI;
 
 /// Contact angle θ0 of the scene's material, rad (Table 1).

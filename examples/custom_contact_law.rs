@@ -18,13 +18,9 @@
 use comminute::contact::law::{Coefficients, Elastic, Law, Moduli};
 use comminute::contact::pair::Pair;
 use comminute::contact::registry::LawTable;
-use comminute::contact::{ContactLaw, ContactModel, TangentialUnloading};
-use comminute::dem::physics::{Physics, Stepping};
-use comminute::dem::{self, State, Workspace};
-use comminute::grains::Grains;
-use comminute::material::Material;
 use comminute::math::real::Real;
 use comminute::parameter::{Parameter, Range, Values};
+use comminute::{ContactLaw, Grains, Material, Physics, State, Stepping, Workspace, step};
 use std::convert::Infallible;
 use std::f64::consts::PI;
 
@@ -109,14 +105,8 @@ fn main() {
 
 /// Largest overlap, m, and duration, s, of the impact with steps of `time_step` seconds.
 fn impact(material: &Material, law: ContactLaw, time_step: f64) -> [f64; 2] {
-    let physics = Physics {
-        materials: vec![material.clone()],
-        contact: ContactModel { law, unloading: TangentialUnloading::Rescale, rolling: false, turning: true },
-        crush: None,
-        damping: 0.0,
-        gravity: [0.0; 3],
-        stepping: Stepping { safety: 0.2, inertia_scaling: false, dt: Some(time_step), slow: false, skin: 0.1 },
-    };
+    let stepping = Stepping { dt: Some(time_step), ..Stepping::default() };
+    let physics = Physics { stepping, ..Physics::of(vec![material.clone()], law) };
     let mut grains = Grains::default();
     let half_way = 0.25 * SPEED * time_step;
     for side in [-1.0, 1.0] {
@@ -129,7 +119,7 @@ fn impact(material: &Material, law: ContactLaw, time_step: f64) -> [f64; 2] {
     loop {
         let mut overlap = 0.0;
         // the closure sees the state when the forces of this instant are known
-        let Ok(()) = dem::step(&physics, &mut state, &mut work, |state, _| -> Result<(), Infallible> {
+        let Ok(()) = step(&physics, &mut state, &mut work, |state, _| -> Result<(), Infallible> {
             overlap = 2.0 * RADIUS - (state.grains.pos[1][0] - state.grains.pos[0][0]).abs();
             Ok(())
         });

@@ -9,10 +9,8 @@
 //! cargo run --release --example mixture
 //! ```
 
-use comminute::error::Result;
-use comminute::model::Rig;
 use comminute::rig::continuum::{Engine, Phase, State};
-use comminute::scene;
+use comminute::{Result, Rig, scene};
 
 fn main() -> Result<()> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/mixture/ball_impact.toml");

@@ -9,15 +9,12 @@
 //! cargo run --release --example oedometer_step_by_step
 //! ```
 
-use comminute::dem::{State, Workspace};
-use comminute::error::Result;
-use comminute::model::Rig;
 use comminute::record::specimen;
 use comminute::rig::cylinder::{Stresses, space};
 use comminute::rig::preparation::Preparation;
-use comminute::scene;
 use comminute::testing::SpecimenTest;
 use comminute::testing::oedometer::{Loading, Phase};
+use comminute::{Result, Rig, State, Workspace, scene};
 
 fn main() -> Result<()> {
     let changes = [

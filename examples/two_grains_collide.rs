@@ -10,11 +10,8 @@
 //! cargo run --release --example two_grains_collide
 //! ```
 
-use comminute::dem::Workspace;
-use comminute::error::Result;
-use comminute::model::Rig;
 use comminute::rig::assembly;
-use comminute::scene;
+use comminute::{Result, Rig, Workspace, scene};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Radius of both spheres, m.

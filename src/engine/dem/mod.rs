@@ -197,6 +197,50 @@ const STABILITY_INTERVAL: u64 = 32;
 ///
 /// # Errors
 /// The error of `control`; the grains have not moved then.
+///
+/// # Example
+/// Two equal spheres meet head-on without loss: each leaves with the velocity of the other.
+///
+/// ```
+/// use comminute_engine::contact::ContactLaw;
+/// use comminute_engine::dem::{State, Workspace, physics::Physics, step};
+/// use comminute_engine::{grains::Grains, material::Material};
+///
+/// let quartz = Material {
+///     name: "quartz".into(),
+///     density: 2650.0,
+///     internal_porosity: 0.0,
+///     young: 70e9,
+///     poisson: 0.17,
+///     friction: 0.4,
+///     contact: [0.0; 4], // Hertz's law asks for nothing more
+///     rolling_friction: 0.0,
+/// };
+/// let physics = Physics::of(vec![quartz], ContactLaw::Hertz);
+/// let mut grains = Grains::default();
+/// for (x, velocity) in [(-1.001e-3, 0.5), (1.001e-3, -0.5)] {
+///     let i = grains.add([x, 0.0, 0.0], 1e-3, 0, &physics.materials);
+///     grains.vel[i][0] = velocity;
+/// }
+/// let walls = Vec::new();
+/// let mut state = State::new(&physics, grains, walls, false);
+/// let mut work = Workspace::new(&physics, &mut state);
+/// let mut largest_force = 0.0_f64;
+/// while state.time < 2e-5 {
+///     step(&physics, &mut state, &mut work, |state, _| {
+///         let forces = state.pairs.touch.iter().map(|contact| contact.force()[0].abs());
+///         largest_force = forces.fold(largest_force, f64::max);
+///         Ok::<(), std::convert::Infallible>(())
+///     })?;
+/// }
+/// // Hertz: 4/3 E* √R* δ^(3/2) with the largest overlap δ of the impact
+/// let (modulus, radius, mass) = (0.5 * 70e9 / (1.0 - 0.17 * 0.17), 0.5e-3_f64, 0.5 * state.grains.mass[0]);
+/// let overlap = (15.0 * mass / (16.0 * modulus * radius.sqrt())).powf(0.4);
+/// let expected = 4.0 / 3.0 * modulus * radius.sqrt() * overlap.powf(1.5);
+/// assert!((largest_force / expected - 1.0).abs() < 0.02, "{largest_force} N instead of {expected} N");
+/// assert!((state.grains.vel[0][0] + 0.5).abs() < 1e-3 && (state.grains.vel[1][0] - 0.5).abs() < 1e-3);
+/// # Ok::<(), std::convert::Infallible>(())
+/// ```
 pub fn step<E>(
     physics: &Physics,
     state: &mut State,

@@ -1,7 +1,7 @@
 //! What the time step needs and a run never changes: materials, laws of contact and breakage, gravity, damping, choice of the time step.
 
 use crate::breakage::CrushModel;
-use crate::contact::ContactModel;
+use crate::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use crate::material::Material;
 
 /// Laws and constants of a run that the time step needs, SI units.
@@ -21,6 +21,22 @@ pub struct Physics {
     pub stepping: Stepping,
 }
 
+impl Physics {
+    /// Grains of these materials under a contact law and nothing else: no breakage, no damping, no gravity; grains turn, the
+    /// tangential force stays when the normal force falls, and the time step is the automatic one.
+    pub fn of(materials: Vec<Material>, law: ContactLaw) -> Physics {
+        let rolling = materials.iter().any(|m| m.rolling_friction > 0.0);
+        Physics {
+            materials,
+            contact: ContactModel { law, unloading: TangentialUnloading::Keep, rolling, turning: true },
+            crush: None,
+            damping: 0.0,
+            gravity: [0.0; 3],
+            stepping: Stepping::default(),
+        }
+    }
+}
+
 /// Choice of the time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepping {
@@ -35,6 +51,13 @@ pub struct Stepping {
     pub slow: bool,
     /// Skin of the neighbour lists over the radius of a grain.
     pub skin: f64,
+}
+
+impl Default for Stepping {
+    /// The automatic step with real inertia: 0.8 of the stable one, lists with a skin of 0.2.
+    fn default() -> Stepping {
+        Stepping { safety: 0.8, inertia_scaling: false, dt: None, slow: false, skin: 0.2 }
+    }
 }
 
 impl Stepping {

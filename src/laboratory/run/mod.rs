@@ -58,8 +58,8 @@ pub struct RunRequest {
 }
 
 impl RunRequest {
-    /// The run of a scene by the processor with a thread for each core, which leaves its records in the folder `out`. It shows no progress and overwrites no
-    /// other run.
+    /// The run of a scene by the processor with a thread for each core, which leaves its records in the folder `out`. It shows
+    /// no progress and overwrites no other run.
     ///
     /// # Errors
     /// Values of the scene that do not agree.

@@ -107,8 +107,8 @@ pub fn load(path: impl AsRef<Path>, sets: &[String]) -> Result<Scene> {
     complete(path, files::scene_file(path)?, sets)
 }
 
-/// Read a scene from its text in TOML and lay the overrides `sets` (`key=value`) over it. Paths in the text are relative to `folder`; messages call the
-/// text `scene` in that folder. The scene's name is `scene` where the text gives none.
+/// Read a scene from its text in TOML and lay the overrides `sets` (`key=value`) over it. Paths in the text are relative to
+/// `folder`; messages call the text `scene` in that folder. The scene's name is `scene` where the text gives none.
 ///
 /// # Errors
 /// Every mistake in text, files and overrides, with file, key, value and what is allowed.

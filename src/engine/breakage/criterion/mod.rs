@@ -34,6 +34,28 @@ pub enum Judges {
 }
 
 /// When a grain fails.
+///
+/// # Example
+/// Table 1 of Ciantia et al. (2015): a grain of 2 mm with the strength 300 MPa and the contact angle π/9 breaks between two
+/// platens at 110 N, whatever they are made of. The grain's mean stress is then 6 F/(π d²): von Mises breaks a grain of that
+/// strength at the same force.
+///
+/// ```
+/// use comminute_engine::breakage::criterion::{FailureCriterion, FixedAngle, MeanStress, VonMises};
+/// use std::f64::consts::PI;
+///
+/// let (d, strength) = (2e-3, 300e6);
+/// let criterion = FixedAngle { theta0: PI / 9.0 };
+/// // R* and E' of the contact do not matter to this criterion
+/// let force = criterion.limit_force(strength, d, 0.5 * d, 1e9);
+/// assert!((force - 110.25).abs() < 0.01);
+/// assert!((force / criterion.area(force, d, 0.5 * d, 1e9) / strength - 1.0).abs() < 1e-12);
+///
+/// let stress = 6.0 * force / (PI * d * d);
+/// assert!((VonMises.limit_force(stress, d, 0.5 * d, 1e9) / force - 1.0).abs() < 1e-12);
+/// // the same from all sides breaks nothing
+/// assert!(VonMises.equivalent_stress(&MeanStress([stress, stress, stress, 0.0, 0.0, 0.0])) < 1.0);
+/// ```
 pub trait FailureCriterion: Copy {
     /// What the criterion asks of a material besides the limit strength and its spread.
     const PARAMETERS: &'static [Parameter] = &[];

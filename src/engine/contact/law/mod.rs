@@ -40,6 +40,44 @@ pub struct Elastic<R = f64> {
 }
 
 /// A normal law with its tangential stiffness.
+///
+/// # Example
+/// A program that uses the engine gives it a law of its own: F = c δ², c = E*. The sweeps over contacts are compiled for it,
+/// for one contact at a time and for several side by side.
+///
+/// ```
+/// use comminute_engine::contact::{ContactLaw, law::*, pair::Pair, registry::LawTable};
+/// use comminute_engine::{math::real::Real, parameter::Values};
+///
+/// #[derive(Clone, Copy)]
+/// struct Quadratic;
+///
+/// impl Law for Quadratic {
+///     const HERTZIAN: bool = false;
+///
+///     fn coefficients(moduli: Moduli, _: &Values, _: Option<&Values>) -> Coefficients {
+///         Coefficients { normal: moduli.young, tangential: moduli.shear, viscous: 0.0, yield_overlap: 0.0 }
+///     }
+///
+///     #[inline(always)]
+///     fn elastic<R: Real>(overlap: R, _largest: R, _r_eff: R, pair: &Pair<R>) -> Elastic<R> {
+///         let secant = pair.normal_stiffness * overlap;
+///         let force = secant * overlap;
+///         Elastic { force, k_n: secant * 2.0, k_t: pair.tangential_stiffness * overlap, energy: force * overlap * (1.0 / 3.0) }
+///     }
+///
+///     fn overlap_under(force: f64, _r_eff: f64, pair: &Pair) -> f64 {
+///         (force / pair.normal_stiffness).sqrt()
+///     }
+/// }
+///
+/// static TABLE: LawTable = LawTable::of::<Quadratic>();
+/// let law = ContactLaw::Custom(&TABLE); // for `Physics::of`, or in place of a model's `physics.contact.law`
+///
+/// let pair = Pair::of(&Quadratic::coefficients(Moduli { young: 40e9, shear: 16e9 }, &[0.0; 4], None), 0.4, 0.0, 40e9);
+/// assert!((law.elastic(1e-6, 1e-6, 1e-3, &pair).force - 0.04).abs() < 1e-12);
+/// assert!((law.overlap_under(0.04, 1e-3, &pair) - 1e-6).abs() < 1e-15);
+/// ```
 pub trait Law: Copy + Send + Sync + 'static {
     /// What the law asks of each material besides Young's modulus, Poisson ratio and friction.
     const PARAMETERS: &'static [Parameter] = &[];

@@ -36,6 +36,39 @@ pub struct InternalVariables {
 }
 
 /// A law of a material point.
+///
+/// # Example
+/// A soil with the friction angle 30° and no cohesion is compressed axially at a constant cell pressure of 100 kPa, as in a
+/// drained triaxial test. It fails at three times the cell pressure, (1 + sin φ)/(1 − sin φ).
+///
+/// ```
+/// use comminute_engine::mpm::law::{Cone, Elastic, Evolution, InternalVariables, Law, MohrCoulomb, Parameters};
+///
+/// let law = Law::MohrCoulomb(MohrCoulomb::from(Parameters {
+///     elastic: Elastic::of_young(20e6, 0.3), // Pa, -
+///     cone: Cone::Outer,                     // of Drucker-Prager's law only
+///     friction: Evolution::Constant(30_f64.to_radians()),
+///     cohesion: Evolution::Constant(0.0),
+///     dilation: 0.0,
+///     tension: f64::INFINITY,
+/// }));
+/// let cell = -100e3; // tension is positive
+/// let (mut stress, mut memory) = ([cell, cell, cell, 0.0, 0.0, 0.0], InternalVariables::default());
+/// for _ in 0..300 {
+///     // the lateral strain at which the lateral stress stays, by bisection
+///     let axial = -1e-4;
+///     let after = |lateral: f64| law.update(stress, [lateral, lateral, axial, 0.0, 0.0, 0.0], memory);
+///     let (mut low, mut high) = (0.0, -2.0 * axial);
+///     for _ in 0..60 {
+///         let middle = 0.5 * (low + high);
+///         // wider means less lateral pressure
+///         if after(middle).0[0] < cell { low = middle } else { high = middle }
+///     }
+///     (stress, memory) = after(0.5 * (low + high));
+/// }
+/// assert!((stress[2] / stress[0] - 3.0).abs() < 1e-6, "{stress:?}");
+/// assert!(memory.plastic > 0.0);
+/// ```
 pub trait ConstitutiveLaw: Sized {
     /// Keys of a material's table [continuum] that the law reads besides `law` and the moduli, without their units; all but evolutions and `tension` are needed.
     const KEYS: &'static [&'static str];
