@@ -82,7 +82,7 @@
 //! | [`calibrate`], [`campaign`], [`reproduce`], [`verify`], [`bench`], [`point_test`] | parameters from laboratory data; many runs, published runs, closed forms, speed, a law at one point |
 //! | [`figure`], [`table`] | figures from records; tables |
 //!
-//! Whole runs install a handler for Ctrl-C ([`interrupt`]) and use a thread pool of their own ([`run::in_pool`]); stepping does
+//! Whole runs install a handler for Ctrl-C ([`interrupt`]) and use a thread pool of their own ([`in_pool`](run::in_pool)); stepping does
 //! neither. Results do not depend on threads, to the bit.
 
 pub use calibrate;
