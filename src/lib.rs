@@ -78,12 +78,16 @@
 //! | [`rig`], [`testing`], [`packing`], [`gradation`] | laboratory tests step by step, and their specimens |
 //! | [`dem`], [`grains`], [`boundary`], [`material`] | grains: one time step, arrays, walls, constants |
 //! | [`contact`], [`breakage`], [`parameter`] | laws of contact and of breakage |
-//! | [`mpm`], [`coupling`], [`point_contacts`], [`rigid`], [`shape`], `gpu` | material points, grains in them, bodies that are no spheres, the same on a graphics device |
-//! | [`calibrate`], [`campaign`], [`reproduce`], [`verify`], [`bench`], [`point_test`] | parameters from laboratory data; many runs, published runs, closed forms, speed, a law at one point |
+//! | [`mpm`], [`coupling`], [`point_contacts`] | material points, grains in them |
+//! | [`rigid`], [`shape`] | bodies that are no spheres |
+//! | `gpu` | material points and grains in them on a graphics device (feature `gpu`) |
+//! | [`calibrate`] | parameters from laboratory data |
+//! | [`campaign`], [`reproduce`] | many runs; a paper's runs beside what was published |
+//! | [`verify`], [`mod@bench`], [`point_test`] | closed forms, speed, a law at one material point |
 //! | [`figure`], [`table`] | figures from records; tables |
 //!
-//! Whole runs install a handler for Ctrl-C ([`interrupt`]) and use a thread pool of their own ([`in_pool`](run::in_pool)); stepping does
-//! neither. Results do not depend on threads, to the bit.
+//! Whole runs install a handler for Ctrl-C ([`interrupt`]) and use a thread pool of their own ([`in_pool`](run::in_pool));
+//! stepping does neither. Results do not depend on threads, to the bit.
 
 pub use calibrate;
 pub use campaign;
