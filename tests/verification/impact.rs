@@ -110,7 +110,7 @@ fn unequal_spheres_meet_by_their_reduced_radius_and_mass() {
     check("unequal", &got, closed, 3.0);
 }
 
-/// NOTES.md: averaging G instead would make coke on steel 59 times too stiff.
+/// Averaging G instead (`docs/theory/contact_normal.md`) would make coke on steel 59 times too stiff.
 #[test]
 fn different_materials_meet_by_their_reduced_modulus() {
     let coke = Stuff { young: 0.858e9, poisson: 0.3, density: 1040.0, friction: 0.4, restitution: 1.0 };

@@ -1,4 +1,4 @@
-//! NOTES.md: a rigid wall is a mirrored identical grain.
+//! A rigid wall is a mirrored identical grain (`docs/theory/contact_normal.md`).
 
 use crate::common::*;
 

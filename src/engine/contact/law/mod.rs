@@ -7,7 +7,7 @@
 //! | `r_eff` R* | r1 r2 / (r1 + r2); the grain's own radius on a wall | m |
 //! | E*, G* | 1/E* = Σ (1 − ν²)/E; 1/G* = Σ (2 − ν)/G | Pa |
 //!
-//! On a wall the law is that of a mirrored identical grain (NOTES.md): R* = r, E* = E/(1 − ν²), G* = G/(2 − ν).
+//! On a wall the law is that of a mirrored identical grain (`docs/theory/contact_normal.md`, Walls): R* = r, E* = E/(1 − ν²), G* = G/(2 − ν).
 //!
 //! A law is a type that implements [`Law`] in a file of its own, and a line in [`super::registry`].
 
