@@ -16,7 +16,7 @@
 //! | [`point_contacts`], [`rigid`], [`coupling`] | contacts of material points; rigid bodies that are not spheres; grains inside a continuum |
 //! | `gpu` | the continuum, with or without grains in it, on a graphics processor (feature `gpu`) |
 
-#![warn(missing_docs)]
+#![deny(missing_docs)]
 
 pub mod boundary;
 pub mod breakage;

@@ -1,51 +1,51 @@
-//! Crushing stress of single grains as laboratories give it: the force F that breaks a grain of diameter d between two flat
-//! rigid platens, over d^2.
+//! Crushing stress of single grains, as laboratories measure it: the force F that breaks a grain of the diameter d between two flat rigid platens, over d^2.
 //!
-//! It is not the limit strength sigma_lim of eq. (5) of Ciantia et al. (2015), which is F over the area of the contact:
+//! It differs from the limit strength sigma_lim of Ciantia et al. (2015) eq. (5), which is F over the area of the contact:
 //!
-//! - fixed angle (eq. 16): F/d^2 = pi/4 sin^2(theta0) sigma_lim, a ninth or less of it at theta0 <= 0.38 rad;
-//! - Hertz's area (eq. 17, r' = d/2): F/d^2 = 9/64 pi^3 sigma_lim^3 / E'^2, so the mean force is not the force of the mean strength.
+//! - fixed angle (eq. 16): F/d^2 = pi/4 sin^2(theta0) sigma_lim, at theta0 <= 0.38 rad at most a ninth of it;
+//! - Hertz's area (eq. 17, r' = d/2): F/d^2 = 9/64 pi^3 sigma_lim^3 / E'^2. The mean force is then not the force at the mean strength.
 //!
-//! Platens are rigid, E' = E/(1 - nu^2). Steel (200 GPa, nu 0.3) instead lets F grow by (E'_rigid/E'_steel)^2 in eq. (17): 1.8 times
-//! for grains of E = 70 GPa.
+//! Platens are rigid: E' = E/(1 - nu^2) of the grain. With platens of steel (200 GPa, nu 0.3) the force of eq. (17) would be larger by (E'_rigid/E'_steel)^2, for
+//! grains of E = 70 GPa 1.8 times.
 //!
-//! A run's strengths come from here, so only functions that are the same on every machine are used.
+//! The strengths of a run are computed here, so only functions are used that give the same bits on every machine.
 
 use super::Criterion;
 use super::criterion::size_factor;
 use super::strength::{Distribution, StrengthModel, Truncation};
 use crate::math::portable;
 
-/// Which of the crushing stresses of many grains of one size is given.
+/// Which statistic of the crushing stresses of many grains of one size is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quoted {
-    /// Their mean.
+    /// The mean.
     Mean,
-    /// The one that the share 1/e = 37 % of the grains survives, as Weibull plots give it.
+    /// The stress that the share 1/e = 37 % of the grains survives; the characteristic strength of Weibull plots.
     Survival37,
 }
 
-/// Standard deviations on each side of the mean beyond which no strength is looked for: 1e-14 of all.
+/// Half the range of integration, in standard deviations about the mean; the share beyond is 1e-14.
 const REACH: f64 = 8.0;
-/// Intervals of Simpson's rule over the distribution.
+/// Number of intervals of Simpson's rule over the distribution.
 const INTERVALS: usize = 2000;
 
 impl StrengthModel {
-    /// F/d^2, Pa, of grains of diameter `d`, m, between rigid platens; `e_eff` is E', Pa.
+    /// Crushing stress F/d^2, Pa, of grains of the diameter `d`, m, between rigid platens; `e_eff` is E', Pa.
     pub fn crushing_stress(&self, criterion: Criterion, e_eff: f64, d: f64, quoted: Quoted) -> f64 {
         let strength = self.sigma_lim0 * size_factor(d, self.d0, self.m);
         let (factor, power) = stress_per_strength(criterion, e_eff, d);
         factor * whole_power(strength, power) * self.statistic(power, quoted)
     }
 
-    /// sigma_lim0, Pa, for which grains of the reference diameter have the crushing stress, Pa, between rigid platens.
+    /// The `sigma_lim0`, Pa, for which grains of the reference diameter have this crushing stress, Pa, between rigid platens; the inverse of
+    /// [`StrengthModel::crushing_stress`].
     pub fn sigma_lim0_from(&self, crushing_stress: f64, criterion: Criterion, e_eff: f64, quoted: Quoted) -> f64 {
         let (factor, power) = stress_per_strength(criterion, e_eff, self.d0);
         let powered = crushing_stress / (factor * self.statistic(power, quoted));
         if power == 1 { powered } else { portable::pow(powered, 1.0 / f64::from(power)) }
     }
 
-    /// What is quoted of the ratios' `power`: their mean, or the value that 37 % pass.
+    /// The mean of the ratios to a power, or the value that 37 % of them exceed.
     fn statistic(&self, power: u32, quoted: Quoted) -> f64 {
         if self.var == 0.0 {
             return 1.0;
@@ -56,7 +56,7 @@ impl StrengthModel {
         }
     }
 
-    /// Mean of a power of the ratios.
+    /// Mean of the ratios to a power.
     fn mean_power(&self, power: u32) -> f64 {
         let (low, high) = self.ends();
         let admitted = self.integral(low, high, 0);
@@ -70,7 +70,7 @@ impl StrengthModel {
         }
     }
 
-    /// Ratio that the share `p` of all grains surpasses, by bisection.
+    /// Ratio that the share `p` of all grains exceeds, by bisection.
     fn ratio_survived(&self, p: f64) -> f64 {
         let (low, high) = self.ends();
         let all = match self.truncation {
@@ -85,17 +85,17 @@ impl StrengthModel {
         0.5 * (a + b)
     }
 
-    /// Smallest and largest ratio that matters.
+    /// Smallest and largest ratio of the integration.
     fn ends(&self) -> (f64, f64) {
         let (low, high) = self.widest();
         (self.min_ratio.max(low), self.max_ratio().min(high))
     }
 
-    /// Smallest and largest ratio that matters before truncation.
+    /// Smallest and largest ratio of the integration for the distribution before truncation.
     fn widest(&self) -> (f64, f64) {
         match self.distribution {
             Distribution::Normal => (1.0 - REACH * self.var, 1.0 + REACH * self.var),
-            // exp(−x^m) is 1e-14 of all there, and so is 1 − exp(−x^m)
+            // the share below the first and the share above the second are 1e-14 each
             Distribution::Weibull => {
                 let at = |x: f64| self.weibull_scale() * portable::pow(x, 1.0 / self.m);
                 (at(1e-14), at(0.5 * REACH * REACH))
@@ -103,7 +103,7 @@ impl StrengthModel {
         }
     }
 
-    /// Density of the ratios before truncation, without its factor.
+    /// Density of the ratios before truncation, up to a constant factor.
     fn density(&self, ratio: f64) -> f64 {
         match self.distribution {
             Distribution::Normal => {
@@ -117,7 +117,7 @@ impl StrengthModel {
         }
     }
 
-    /// Integral of the ratio to a power times the distribution's density (without its factor) by Simpson's rule.
+    /// Integral of the ratio to a power times [`StrengthModel::density`] from `low` to `high`, by Simpson's rule.
     fn integral(&self, low: f64, high: f64, power: u32) -> f64 {
         if high <= low {
             return 0.0;
@@ -132,11 +132,12 @@ impl StrengthModel {
     }
 }
 
-/// F/d^2 over the strength to a power, and that power (eqs 16, 17).
+/// The factor and the power in F/d^2 = factor sigma_lim^power (eqs 16, 17).
 fn stress_per_strength(criterion: Criterion, e_eff: f64, d: f64) -> (f64, u32) {
     (criterion.limit_force(1.0, d, 0.5 * d, e_eff) / (d * d), criterion.power())
 }
 
+/// `x` to a whole power.
 fn whole_power(x: f64, power: u32) -> f64 {
     (0..power).fold(1.0, |product, _| product * x)
 }

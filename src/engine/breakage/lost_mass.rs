@@ -1,24 +1,24 @@
-//! The mass of a broken grain that its daughters do not hold: how it is spread over sizes (Ciantia et al. 2015,
-//! eq. 12, after Einav 2007 and Turcotte 1986) and how many grains it would have been (Table 4).
+//! The mass of a broken grain that its daughters do not hold: which sizes it has (Ciantia et al. 2015, eq. 12, after Einav 2007 and Turcotte 1986), and how many
+//! grains it would have been (Table 4).
 
 use super::pattern::Pattern;
 
-/// Fractal distribution of the lost mass of one event between `d_min` and the event's smallest daughter, `d_max`:
+/// Fractal distribution of the mass lost in one breakage over the diameters from `d_min` to `d_max`, that of the smallest daughter:
 ///
 /// ```text
 /// M(L < d) / M_T = (d^(3-alpha) - d_min^(3-alpha)) / (d_max^(3-alpha) - d_min^(3-alpha))      (eq. 12)
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fines {
-    /// Fractal dimension, -; the paper takes 2.6. With 3 the mass is uniform in ln d, the limit of eq. (12).
+    /// Fractal dimension, -; 2.6 in the paper. With 3 the mass is uniform in ln d, which is the limit of eq. (12).
     pub alpha: f64,
-    /// Smallest size, m, multiplied by the scale N as all sizes of a run are.
+    /// Smallest diameter, m, multiplied by the scale N like all lengths of a run.
     pub d_min: f64,
 }
 
 impl Fines {
-    /// Mass fraction finer than `d`, m, of one event whose smallest daughter has the diameter `d_max`, m (eq. 12), 0..1.
-    /// An event whose `d_max` is not above `d_min` leaves no range: all its mass has the size `d_max`.
+    /// Share of the mass lost in one breakage, 0..1, that is finer than `d`, m; `d_max`, m: diameter of the smallest daughter (eq. 12). Where `d_max` is not above
+    /// `d_min` all of the lost mass has the diameter `d_max`.
     pub fn finer(&self, d: f64, d_max: f64) -> f64 {
         if d >= d_max {
             1.0
@@ -29,21 +29,21 @@ impl Fines {
         }
     }
 
-    /// d^(3-alpha) - d_min^(3-alpha), up to a factor that does not depend on `d`: the numerator of eq. (12), and with
-    /// `d_max` its denominator.
+    /// Numerator of eq. (12) at `d`, m, or its denominator at `d_max`, both over the same factor: ((d/d_min)^(3-alpha) - 1)/(3-alpha), and ln(d/d_min) for
+    /// alpha = 3.
     pub fn rise(&self, d: f64) -> f64 {
         let log = (d / self.d_min).ln();
         let exponent = 3.0 - self.alpha;
         if exponent == 0.0 { log } else { (exponent * log).exp_m1() / exponent }
     }
 
-    /// ln(d / d_min) of the size at which [`Self::rise`] has a value.
+    /// ln(d/d_min) of the diameter d at which [`Self::rise`] is `rise`.
     fn log_of(&self, rise: f64) -> f64 {
         let exponent = 3.0 - self.alpha;
         if exponent == 0.0 { rise } else { (exponent * rise).ln_1p() / exponent }
     }
 
-    /// Integral over ln d of a + b rise(d) between two values of `rise`.
+    /// Integral of a + b [`Self::rise`] over ln d, between the diameters at which `rise` has the values `from` and `to`.
     pub fn area(&self, (a, b): (f64, f64), [from, to]: [f64; 2]) -> f64 {
         let (lower, upper) = (self.log_of(from), self.log_of(to));
         let span = upper - lower;
@@ -52,8 +52,8 @@ impl Fines {
         a * span + b * risen
     }
 
-    /// Mean over one event's lost mass of ln(d / `size`) where d is above `size`, 0 where it is not: the closed form of
-    /// the integral of 1 - F over ln d from `size` up.
+    /// Mean of max(0, ln(d/`size`)) over the mass lost in one breakage; `d_max`, m: diameter of the smallest daughter. It is the integral of 1 - F over ln d from
+    /// `size` up, with F of eq. (12), in closed form.
     pub fn mean_log_above(&self, size: f64, d_max: f64) -> f64 {
         if d_max <= size {
             return 0.0;
@@ -62,7 +62,7 @@ impl Fines {
         if d_max <= self.d_min {
             return whole;
         }
-        // Below `d_min` nothing is finer: F = 0 there.
+        // F = 0 below `d_min`.
         let from = size.max(self.d_min);
         let span = (d_max / from).ln();
         let exponent = 3.0 - self.alpha;
@@ -76,18 +76,17 @@ impl Fines {
     }
 }
 
-/// Number of further grains that would have been needed to keep all mass: all lost mass in grains of half the diameter
-/// of one class of daughters, of equal mothers (Table 4, "Excluded particles").
+/// Number of grains that the lost mass would have been (Table 4, "Excluded particles"): for mothers of one size, all in grains of half the diameter of one class of
+/// daughters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExcludedGrains {
-    /// By the paper's numbers: half the size of the next to smallest class (0.2573 of 14 balls; the only class of 2).
+    /// With the class that gives the numbers of the paper: the next to smallest (radius 0.2573 in the pattern of 14; the only class in the pattern of 2).
     pub paper: f64,
-    /// By the paper's words: half the size of the smallest daughter (0.2240 of 14 balls).
+    /// With the class that the text of the paper names: the smallest (radius 0.2240 in the pattern of 14).
     pub smallest: f64,
 }
 
-/// Excluded grains of that many crush events. With 14 daughters an event has 218.95 by the paper's numbers and 331.74 by
-/// its words (218.96 and 331.85 from the rounded radii of Table 5).
+/// Excluded grains after `events` breakages. One breakage into 14 daughters has 218.95 or 331.74 of them (218.96 or 331.85 from the rounded radii of Table 5).
 pub fn excluded_grains(events: u64, pattern: &Pattern) -> ExcludedGrains {
     let classes = pattern.classes();
     let next = classes.iter().rev().nth(1).map_or(pattern.smallest(), |c| c.0);

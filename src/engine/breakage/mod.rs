@@ -1,7 +1,8 @@
-//! How a grain breaks, after Ciantia, Arroyo, Calvetti & Gens (2015): when (`criterion`, `strength`), into what
-//! (`pattern`), and what becomes of the mass that the daughters do not hold (`lost_mass`).
+//! How a grain breaks, after Ciantia, Arroyo, Calvetti & Gens (2015): when ([`criterion`], [`strength`]), into which daughters ([`pattern`]), and what sizes the
+//! mass has that the daughters do not hold ([`lost_mass`]).
 //!
-//! These are laws: they take and return plain values and know no arrays of grains, files or clocks. How daughters enter the assembly is in [`crate::dem::birth`], one breakage in [`crate::dem::event`].
+//! These are laws: functions of plain values, without arrays of grains and files. How daughters enter the assembly is in [`crate::dem::birth`], the breakage of one
+//! grain in [`crate::dem::event`].
 
 pub mod criterion;
 pub mod crushing_stress;

@@ -1,39 +1,40 @@
-//! Into what a grain breaks: balls that fill its sphere without overlap (Ciantia et al. 2015, Fig. 3, Table 5,
-//! Appendix). Lengths are over the mother's radius, in a frame whose z' axis turns to the direction of the decisive
-//! force.
+//! Into which daughters a grain breaks: balls inside its sphere that do not overlap (Ciantia et al. 2015, Fig. 3, Table 5, Appendix). Lengths are over the
+//! mother's radius; the axes are x', y', z', with z' along the decisive force.
 //!
-//! One rule makes all patterns from 5 balls up: three equal balls that touch one another and the mother sphere, centred
-//! in the plane z' = 0, the first on +y'; the ball above that touches all four; then every ball tangent to four mutually
-//! tangent spheres, the mother among them. With curvature b = 1/r (mother: -1) and b c for the centre, the two spheres
-//! tangent to the same four satisfy the linear form of Soddy's relation in space,
+//! The pattern of two is two balls of half the mother's radius on the axis x'. All larger patterns come from one construction in the mother's sphere. It begins
+//! with three equal balls that touch each other and the sphere, with their centres in the plane z' = 0, the first on +y', and the ball above them that touches all
+//! three and the sphere. These are five spheres of which each touches the other four. From any such five the next ones follow: leave one out, and there is exactly
+//! one other sphere that touches the remaining four. With the curvature b = 1/r (-1 for the mother, which is touched from inside) and the centre c, the sphere b, c
+//! left out and the new one b', c' satisfy the linear form of Soddy's theorem for spheres,
 //!
 //! ```text
 //! b + b' = b1 + b2 + b3 + b4,      b c + b' c' = b1 c1 + b2 c2 + b3 c3 + b4 c4
 //! ```
 //!
-//! Whole size classes are taken, the largest first: 0.4641 x 3, 0.3660 x 2, 0.2573 x 6, 0.2240 x 3, 0.1780 x 12,
-//! 0.1360 x 12, 0.1261 x 12, 0.1101 x 18. The pattern of two is two balls of half the mother's radius on x'.
+//! A pattern is the largest balls found in this way, in whole size classes. Radius and number of the classes: 0.4641 x 3, 0.3660 x 2, 0.2573 x 6, 0.2240 x 3,
+//! 0.1780 x 12, 0.1360 x 12, 0.1261 x 12, 0.1101 x 18.
 
 use std::collections::HashSet;
 
-/// Counts of daughters for which there is a pattern.
+/// Numbers of daughters for which there is a pattern.
 pub const COUNTS: [u32; 7] = [2, 5, 14, 26, 38, 50, 68];
 
-/// Curvature up to which balls are generated: above the last class used, 9.08, and below the next.
+/// Largest curvature of the balls generated: above that of the smallest class used, 9.08, and below the next.
 const LARGEST_CURVATURE: f64 = 1.0 / 0.105;
 
-/// Coordinates and radii closer than this are the same.
+/// Coordinates and radii that differ by less than this count as the same.
 const RESOLUTION: f64 = 1e-9;
 
 /// One daughter in the mother's frame, over the mother's radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
+    /// Centre, -.
     pub centre: [f64; 3],
+    /// Radius, -.
     pub radius: f64,
 }
 
-/// The daughters of a mother of radius 1. Sorted by radius from large to small, then z' from high to low, then y' from
-/// high to low, then x' from low to high.
+/// The daughters of a mother of radius 1, sorted by radius from large to small, then by z' and then by y' from high to low, then by x' from low to high.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pattern {
     balls: Vec<Ball>,
@@ -42,7 +43,10 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// The pattern with `count` daughters, one of [`COUNTS`]; the error says which there are.
+    /// The pattern with `count` daughters.
+    ///
+    /// # Errors
+    /// Where `count` is none of [`COUNTS`]; the message lists them.
     pub fn new(count: u32) -> Result<Self, String> {
         let balls = match count {
             2 => vec![ball(-0.5, 0.0, 0.0, 0.5), ball(0.5, 0.0, 0.0, 0.5)],
@@ -71,17 +75,17 @@ impl Pattern {
         self.balls.len()
     }
 
-    /// Volume of the daughters over the mother's, -.
+    /// Volume of all daughters together over that of the mother, -.
     pub fn volume_kept(&self) -> f64 {
         self.volume_kept
     }
 
-    /// Radius of the smallest daughter over the mother's, -.
+    /// Radius of the smallest daughter over that of the mother, -.
     pub fn smallest(&self) -> f64 {
         self.smallest
     }
 
-    /// Size classes, largest first: radius over the mother's and number of daughters.
+    /// Size classes, the largest first: radius over that of the mother, and number of daughters.
     pub fn classes(&self) -> Vec<(f64, usize)> {
         let mut classes: Vec<(f64, usize)> = Vec::new();
         for ball in &self.balls {
@@ -93,8 +97,8 @@ impl Pattern {
         classes
     }
 
-    /// Centres and radii, m, of the daughters of the sphere (`centre`, `radius`, m). z' turns to the unit vector `axis`
-    /// (the direction of the decisive force), x' to the unit vector `perpendicular` to it, y' = z' x x'.
+    /// Centres and radii, m, of the daughters of a mother with this centre and radius, m. The axis z' of the pattern is the unit vector `axis` (the direction of
+    /// the decisive force), x' is `perpendicular`, a unit vector at right angles to it, and y' = z' × x'.
     pub fn daughters(
         &self,
         centre: [f64; 3],
@@ -116,9 +120,10 @@ fn ball(x: f64, y: f64, z: f64, radius: f64) -> Ball {
     Ball { centre: [x, y, z], radius }
 }
 
-/// Curvature and curvature times centre; the mother's curvature is negative.
+/// A sphere as curvature, and curvature times centre; the mother has the curvature -1.
 type Sphere = [f64; 4];
 
+/// A coordinate or radius as a whole number, equal for those that count as the same.
 fn key(value: f64) -> i64 {
     (value / RESOLUTION).round() as i64
 }
@@ -127,7 +132,7 @@ fn sphere_key(sphere: &Sphere) -> [i64; 4] {
     sphere.map(key)
 }
 
-/// All balls above the smallest radius, sorted.
+/// All balls up to the largest curvature, sorted as in [`Pattern`].
 fn gasket() -> Vec<Ball> {
     let root3 = 3.0_f64.sqrt();
     let large = 2.0 * root3 - 3.0;
@@ -144,7 +149,7 @@ fn gasket() -> Vec<Ball> {
     let mut spheres: HashSet<[i64; 4]> = first.iter().map(sphere_key).collect();
     let mut balls: Vec<Ball> = first[1..].iter().map(inside).collect();
     let mut visited = HashSet::from([five_key(&first)]);
-    // Breadth first, so that every ball is found by the shortest way and with the least rounding.
+    // Breadth first, so that every ball is found in the fewest steps and with the least rounding error.
     let mut front = vec![first];
     while !front.is_empty() {
         let mut next = Vec::new();
@@ -173,7 +178,7 @@ fn gasket() -> Vec<Ball> {
     balls
 }
 
-/// The other sphere tangent to the four that stay when number `replaced` of five mutually tangent spheres goes.
+/// The other sphere that touches four of five mutually tangent spheres, in place of number `replaced`.
 fn mirror(five: &[Sphere; 5], replaced: usize) -> Sphere {
     std::array::from_fn(|k| {
         let mut sum = 0.0;
@@ -197,7 +202,7 @@ fn sphere(ball: Ball) -> Sphere {
     [b, b * ball.centre[0], b * ball.centre[1], b * ball.centre[2]]
 }
 
-/// The ball of a sphere inside the mother; rounding about zero is cut off.
+/// The ball of a sphere inside the mother. Coordinates that are zero but for rounding become zero.
 fn inside(sphere: &Sphere) -> Ball {
     let clean = |k: usize| {
         let x = sphere[k] / sphere[0];

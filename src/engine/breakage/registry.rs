@@ -1,27 +1,27 @@
-//! The failure criteria that there are. A criterion is a type in a file of [`super::criterion`] and a line here; the words of scene files, the keys of materials, the checks and
-//! every dispatch follow from it.
+//! The list of failure criteria. To add one, write a type in a file of [`super::criterion`] and a line in the list below; from that line follow the word in scene
+//! files, the keys of materials, their checks, and the calls.
 
 use super::criterion::{self, FailureCriterion, Judges, MeanStress};
 use crate::parameter::{Parameter, Values};
 
-/// Writes the enumeration of criteria and what is asked of them by name.
+/// Writes the enumeration [`Criterion`] with its functions from the list of criteria.
 macro_rules! criteria {
     ($($(#[$doc:meta])* $criterion:ident = $word:literal, $meaning:literal, gpu: $gpu:expr;)*) => {
-        /// When the grains of a run fail.
+        /// The failure criterion of the grains of a run.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum Criterion {
             $($(#[$doc])* $criterion(criterion::$criterion),)*
         }
 
         impl Criterion {
-            /// The words for the criteria in scene files; each is also the table of its strengths in a material.
+            /// The words for the criteria in scene files; a material has the strengths for a criterion in the table of the same name.
             pub const WORDS: &'static [&'static str] = &[$($word),*];
             /// What each criterion is, in a few words, in the order of their words.
             pub const MEANINGS: &'static [&'static str] = &[$($meaning),*];
-            /// What each criterion asks of a material, in the order of their words.
+            /// The parameters that each criterion needs of a material, in the order of their words.
             pub const PARAMETERS: &'static [&'static [Parameter]] = &[$(<criterion::$criterion as FailureCriterion>::PARAMETERS),*];
 
-            /// The criterion of this word with the values of its parameters.
+            /// The criterion with this word and with these values of its parameters; `None` where there is none.
             pub fn named(word: &str, values: &Values) -> Option<Criterion> {
                 match word {
                     $($word => Some(Criterion::$criterion(FailureCriterion::of(values))),)*
@@ -29,17 +29,17 @@ macro_rules! criteria {
                 }
             }
 
-            /// The word for it in scene files.
+            /// The word for the criterion in scene files.
             pub fn word(&self) -> &'static str {
                 match self { $(Criterion::$criterion(_) => $word,)* }
             }
 
-            /// What it is, in a few words.
+            /// What the criterion is, in a few words.
             pub fn meaning(&self) -> &'static str {
                 match self { $(Criterion::$criterion(_) => $meaning,)* }
             }
 
-            /// Whether shaders have it, or what to use instead on a graphics device.
+            /// Ok where shaders have the criterion; otherwise which to use instead on a graphics device.
             pub fn on_gpu(&self) -> Result<(), &'static str> {
                 match self { $(Criterion::$criterion(_) => $gpu,)* }
             }

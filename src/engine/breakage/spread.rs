@@ -1,11 +1,10 @@
-//! The distribution of strength at one size: the ratio of a grain's strength to the mean at its size, normal or Weibull's with mean 1 and
-//! truncated ([`super::strength`] draws from it).
+//! Quantiles of the distribution that [`super::strength`] draws from: of the ratio of a grain's strength to the mean strength at its size.
 
 use super::strength::{Distribution, StrengthModel, Truncation};
 use statrs::distribution::{ContinuousCDF, Normal, Weibull};
 
 impl StrengthModel {
-    /// Share of all grains, 0..1, whose ratio is at most `ratio`.
+    /// Share of all grains, 0..1, with a ratio of at most `ratio`.
     pub fn share_weaker(&self, ratio: f64) -> f64 {
         if ratio < self.min_ratio {
             return 0.0;
@@ -22,7 +21,7 @@ impl StrengthModel {
         }
     }
 
-    /// Ratio, -, below which the share 0 < `p` < 1 of all grains lies.
+    /// Ratio, -, that the share `p` of all grains does not exceed; 0 < `p` < 1.
     pub fn ratio_of_share(&self, p: f64) -> f64 {
         let Some(whole) = self.untruncated() else { return 1.0 };
         let p = match self.truncation {
@@ -35,13 +34,13 @@ impl StrengthModel {
         whole.inverse_cdf(p).max(self.min_ratio)
     }
 
-    /// Shares of draws that lie below the smallest admitted ratio, and that are admitted.
+    /// Share of the distribution before truncation below the smallest admitted ratio, and share that is admitted.
     fn admitted(&self, whole: &dyn ContinuousCDF<f64, f64>) -> (f64, f64) {
         let below = whole.cdf(self.min_ratio);
         (below, whole.cdf(self.max_ratio()) - below)
     }
 
-    /// The distribution before truncation; `None` without spread.
+    /// The distribution before truncation; `None` where it has no spread.
     fn untruncated(&self) -> Option<Box<dyn ContinuousCDF<f64, f64>>> {
         if self.var <= 0.0 {
             return None;

@@ -1,27 +1,29 @@
-//! Strength of one grain: sigma_lim = sigma_lim0 (d / d0)^(-3/m) * ratio (Ciantia et al. 2015, eqs 6, 7, 15). The ratio has mean 1 before truncation and is
+//! Strength of one grain: sigma_lim = sigma_lim0 (d / d0)^(-3/m) * ratio (Ciantia et al. 2015, eqs 6, 7, 15). The ratio of a grain is random. Before truncation
+//! its mean is 1 and its distribution is
 //!
-//! - normal with standard deviation `var` (the paper), or
-//! - Weibull's with the modulus m of the size hardening: ratio = (−ln U)^(1/m) / Γ(1 + 1/m), U uniform in 0..1. The share exp(−(Γ(1 + 1/m) x)^m) of all grains is stronger than x times the mean.
+//! - normal with the standard deviation `var` (the paper), or
+//! - Weibull's with the modulus m of the size hardening: ratio = (−ln U)^(1/m) / Γ(1 + 1/m), with U uniform in 0..1. The share exp(−(Γ(1 + 1/m) x)^m) of all
+//!   grains is stronger than x times the mean.
 //!
-//! Every draw has a generator of its own ([`crate::math::random`]), so that no draw depends on the order of events.
+//! Every grain has a random generator of its own ([`crate::math::random`]), so that its strength does not depend on the order in which grains break.
 
 use super::criterion::size_factor;
 use crate::math::portable;
 use crate::math::random::{STRENGTH, generator, positive_unit};
 use rand_distr::{Distribution as _, StandardNormal};
 
-/// Redraws after which a draw settles for `min_ratio`; only a `min_ratio` far above 1 ever gets here.
+/// Number of draws after which a grain takes the ratio `min_ratio`; only reached where that is far above 1.
 const MAX_REDRAWS: u32 = 4096;
 
-/// What becomes of a draw below the smallest admitted ratio.
+/// What happens to a draw below the smallest admitted ratio, `min_ratio`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Truncation {
     /// It is drawn again. With `min_ratio` 0 and `var` 1 the mean becomes 1.288, the coefficient of variation 0.616.
     Redraw,
     /// It becomes `min_ratio`. With `min_ratio` 0 and `var` 1 the mean becomes 1.083; 15.9 % have no strength at all.
     Clamp,
-    /// It is drawn again, and so is one as far above the mean: the mean stays what it is. With `min_ratio` 0 and `var` 1 the
-    /// coefficient of variation becomes 0.540.
+    /// It is drawn again, and so is a draw above 2 − `min_ratio`: a normal distribution keeps its mean. With `min_ratio` 0 and `var` 1 the coefficient of
+    /// variation becomes 0.540.
     Symmetric,
 }
 
@@ -40,26 +42,28 @@ pub fn weibull_variation(m: f64) -> f64 {
     (portable::exp(ln_gamma(2.0) - 2.0 * ln_gamma(1.0)) - 1.0).max(0.0).sqrt()
 }
 
-/// Law of the limit strength of a grain. `sigma_lim0` and `var` are parameters of the distribution before truncation.
+/// Distribution of the limit strengths of grains. `sigma_lim0` and `var` are those before truncation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrengthModel {
     /// Mean limit strength at the reference diameter, Pa.
     pub sigma_lim0: f64,
-    /// Reference diameter times the scale N, m (eq. 15).
+    /// Reference diameter, multiplied by the scale N, m (eq. 15).
     pub d0: f64,
-    /// Exponent of size hardening, - (eq. 7).
+    /// Modulus of the size hardening, -: the strength goes with d^(-3/m) (eq. 7).
     pub m: f64,
     /// How strengths are distributed.
     pub distribution: Distribution,
-    /// Coefficient of variation, -; of Weibull's distribution the one that follows from `m` ([`weibull_variation`]).
+    /// Coefficient of variation, -; for Weibull's distribution it must be the one that follows from `m` ([`weibull_variation`]). 0: no spread.
     pub var: f64,
+    /// What happens to draws below the smallest admitted ratio.
     pub truncation: Truncation,
     /// Smallest admitted ratio of a strength to the mean at its size, -.
     pub min_ratio: f64,
 }
 
 impl StrengthModel {
-    /// Limit strength, Pa, of the grain `lineage` with diameter `d`, m.
+    /// Limit strength, Pa, of a grain with the diameter `d`, m. `lineage` is the number of the grain that names its random generator
+    /// ([`crate::math::random::lineage_child`]).
     pub fn draw(&self, seed: u64, lineage: u64, d: f64) -> f64 {
         self.sigma_lim0 * size_factor(d, self.d0, self.m) * self.ratio(seed, lineage)
     }
@@ -85,7 +89,7 @@ impl StrengthModel {
         self.min_ratio
     }
 
-    /// Ratio that 1/e of all grains of Weibull's distribution surpass: 1/Γ(1 + 1/m).
+    /// Scale of Weibull's distribution with the mean 1: 1/Γ(1 + 1/m). The share 1/e of all grains is stronger.
     pub(super) fn weibull_scale(&self) -> f64 {
         portable::exp(-portable::ln_gamma(1.0 + 1.0 / self.m))
     }

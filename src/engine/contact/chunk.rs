@@ -1,4 +1,4 @@
-//! The slots of a sweep, cut into parts that threads share; reading and writing one contact, or one in each lane.
+//! The storage of contacts cut into chunks that threads work on, and the reading and writing of one contact, or of one in each SIMD lane.
 
 use super::force::ContactHistory;
 use super::law::Law;
@@ -6,20 +6,25 @@ use super::pairs::{ContactForce, Pairs};
 use crate::math::real::{Lanes, Real};
 use pulp::Simd;
 
-/// Contacts per parallel task; up to one and a half of them threads cost more than they bring.
+/// Contacts per parallel task. For up to one and a half tasks a second thread costs more than it brings ([`few`]).
 pub const TASK: usize = 1024;
 
-/// Which slots a sweep takes.
+/// Which slots a sweep computes.
 #[derive(Clone, Copy)]
 pub enum Slots<'a> {
+    /// All slots.
     All,
+    /// These slots only, in this order and in one thread.
     These(&'a [u32]),
 }
 
-/// One chunk of slots, each array's part; columns that the run does not keep are empty.
+/// A range of slots of [`Pairs`]: this range of each of its arrays. Columns that the run does not keep are empty.
 pub struct Chunk<'a> {
+    /// [`Pairs::ends`]
     pub ends: &'a [[u32; 2]],
+    /// [`Pairs::touch`]
     pub touch: &'a mut [ContactForce],
+    /// [`Pairs::work`]
     pub work: &'a mut [[f64; 4]],
     rolling: &'a mut [[f64; 3]],
     spring: &'a mut [[f64; 3]],
@@ -40,6 +45,7 @@ impl<'a> Chunk<'a> {
         }
     }
 
+    /// The slots before `at`, and the slots from `at` on.
     fn halves(self, at: usize) -> (Chunk<'a>, Chunk<'a>) {
         fn cut<T>(v: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
             v.split_at_mut(at.min(v.len()))
@@ -57,7 +63,7 @@ impl<'a> Chunk<'a> {
         )
     }
 
-    /// What slot `s` keeps. `EXTRA`: the run may have rolling moments or weighted loads.
+    /// The history of the contact in slot `s` under the law `L`. `EXTRA`: the run may have rolling moments or weighted loads.
     #[inline(always)]
     pub fn read<L: Law, const EXTRA: bool>(&self, s: usize) -> ContactHistory {
         ContactHistory {
@@ -70,6 +76,7 @@ impl<'a> Chunk<'a> {
         }
     }
 
+    /// Writes the history of the contact in slot `s`; what it does not hold stays as it is.
     #[inline(always)]
     pub fn write(&mut self, s: usize, m: ContactHistory) {
         self.touch[s] = m.touch;
@@ -89,7 +96,7 @@ impl<'a> Chunk<'a> {
         }
     }
 
-    /// What the slots keep, one in each lane.
+    /// [`Chunk::read`] of several slots at once: lane k takes the slot `slot(k)`.
     #[inline(always)]
     pub fn read_lanes<S: Simd, L: Law, const EXTRA: bool>(
         &self,
@@ -109,13 +116,14 @@ impl<'a> Chunk<'a> {
             touch: ContactForce { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap },
             spring: if L::VISCOUS { Some(vectors(self.spring)) } else { None },
             rolling: if EXTRA && !self.rolling.is_empty() { Some(vectors(self.rolling)) } else { None },
-            // an outcome only: its old value is not read
+            // the load of the last step is never read; the value only says that the run keeps loads
             load: if EXTRA && !self.load.is_empty() { Some(overlap) } else { None },
             largest: if L::PLASTIC { Some(Lanes::columns(simd, |k| [self.largest[slot(k)]; 4])[0]) } else { None },
             work: None,
         }
     }
 
+    /// [`Chunk::write`] of several slots at once: lane k goes to the slot `slot(k)`.
     #[inline(always)]
     pub fn write_lanes<S: Simd>(&mut self, simd: S, slot: impl Fn(usize) -> usize, m: &ContactHistory<Lanes<S>>) {
         let ContactForce { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = m.touch;
@@ -138,12 +146,12 @@ impl<'a> Chunk<'a> {
     }
 }
 
-/// Whether so many items are best done by one thread.
+/// Whether `items` are too few for more than one thread, at `task` items per parallel task.
 pub fn few(items: usize, task: usize) -> bool {
     2 * items <= 3 * task || rayon::current_num_threads() == 1
 }
 
-/// Runs `body` on the slots, cut into chunks and in parallel where there are enough.
+/// Runs `body` on the slots, cut into chunks of at most `task` slots that run in parallel; on all at once in one thread where there are [`few`].
 pub fn for_each_chunk(p: &mut Pairs, slots: Slots<'_>, task: usize, body: impl Fn(Chunk<'_>) + Sync) {
     if let Slots::These(slots) = slots {
         for &s in slots {
@@ -157,7 +165,7 @@ pub fn for_each_chunk(p: &mut Pairs, slots: Slots<'_>, task: usize, body: impl F
     if serial { body(all) } else { split(all, task, &body) }
 }
 
-/// Halves a part until it is small, the halves joined in parallel.
+/// Runs `body` on a range of slots: halves it until a part has at most `task` slots, and runs the halves in parallel.
 fn split(part: Chunk<'_>, task: usize, body: &(impl Fn(Chunk<'_>) + Sync)) {
     let n = part.ends.len();
     if n <= task {

@@ -1,14 +1,15 @@
 //! The fabric tensor of contacts.
 
-/// Mean n n over contacts (Satake 1982): how their normals lie. Its trace is 1.
+/// The fabric tensor: the mean of n_i n_j over the unit normals n of contacts (Satake 1982). It says in which directions contacts lie; its trace is 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fabric {
     sum: [f64; 6],
+    /// Number of contacts added so far.
     pub contacts: u64,
 }
 
 impl Fabric {
-    /// A contact with this unit normal; which of its two makes no difference.
+    /// Adds a contact with this unit normal; n and -n count the same.
     pub fn add(&mut self, [x, y, z]: [f64; 3]) {
         for (sum, term) in self.sum.iter_mut().zip([x * x, y * y, z * z, x * y, y * z, z * x]) {
             *sum += term;
@@ -16,7 +17,7 @@ impl Fabric {
         self.contacts += 1;
     }
 
-    /// xx, yy, zz, xy, yz, zx; zeros without a contact.
+    /// Components xx, yy, zz, xy, yz, zx, -; zeros where there is no contact.
     pub fn tensor(&self) -> [f64; 6] {
         self.sum.map(|s| s / self.contacts.max(1) as f64)
     }

@@ -1,4 +1,11 @@
-//! Contacts: the laws, the geometry and force of one contact, and the sweep over all of them.
+//! Contacts between spheres, and between spheres and walls.
+//!
+//! - [`law`], [`registry`]: the contact laws, and the list of them
+//! - [`force`]: the force of one contact from its geometry, its relative motion and its history
+//! - [`pair`]: the parameters of a contact, from the materials of its two ends
+//! - [`pairs`]: where the contacts of a run and their histories are stored
+//! - [`sweep`], [`wall_sweep`], [`chunk`]: the loops over all contacts, in parallel and with SIMD
+//! - [`fabric`]: the fabric tensor of the contacts' normals
 
 pub mod chunk;
 pub mod fabric;

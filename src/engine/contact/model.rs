@@ -1,17 +1,17 @@
-//! Which laws act at every contact of a run.
+//! Which laws act at the contacts of a run.
 
 use super::registry::ContactLaw;
 use super::unloading::TangentialUnloading;
 
-/// The laws of every contact of a run.
+/// The laws of all contacts of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactModel {
     /// Normal force and tangential stiffness.
     pub law: ContactLaw,
-    /// What the tangential force does when the normal force falls.
+    /// What happens to the tangential force when the normal force falls.
     pub unloading: TangentialUnloading,
     /// Whether any material has rolling friction.
     pub rolling: bool,
-    /// Whether grains turn. Grains kept from turning stand for angular ones.
+    /// Whether grains rotate. Grains without rotation are a crude model of angular grains, which interlock.
     pub turning: bool,
 }

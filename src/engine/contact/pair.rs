@@ -1,4 +1,4 @@
-//! What two materials in contact have in common: the parameters of their contacts, and the table of all pairs of a run.
+//! The parameters of the contacts between two materials, and the table of them for all materials and walls of a run.
 
 use crate::boundary::Wall;
 use crate::material::{Material, effective_modulus};
@@ -6,16 +6,16 @@ use crate::math::real::Lanes;
 use crate::parameter::Values;
 use pulp::Simd;
 
-/// Elastic moduli of two bodies in contact, Pa.
+/// Reduced elastic moduli of two bodies in contact, Pa.
 #[derive(Clone, Copy, Debug)]
 pub struct Moduli {
-    /// E*.
+    /// E*, Pa.
     pub young: f64,
-    /// G*.
+    /// G*, Pa.
     pub shear: f64,
 }
 
-/// What a law makes of two materials once, before any contact.
+/// The coefficients of a law for the contacts between two materials, computed once per run.
 #[derive(Clone, Copy, Debug)]
 pub struct Coefficients {
     /// [`Pair::normal_stiffness`].
@@ -28,36 +28,36 @@ pub struct Coefficients {
     pub yield_overlap: f64,
 }
 
-/// A law's [`super::law::Law::coefficients`].
+/// The function [`super::law::Law::coefficients`] of a law.
 pub type CoefficientsOf = fn(Moduli, &Values, Option<&Values>) -> Coefficients;
 
-/// Parameters of the contacts between two materials; a number of each, or as many as the processor has lanes.
+/// Parameters of the contacts between two materials. With `R` = f64 those of one contact; with SIMD lanes those of one contact per lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair<R = f64> {
-    /// Factor of the normal force, Pa. Linear: 4 K_eff, F = it R* U. Hertzian: 4/3 E*, F = it √R* U^(3/2).
+    /// Factor A of the normal force F at the overlap U, Pa. Linear law: A = 4 K_eff, F = A R* U. Hertzian laws: A = 4/3 E*, F = A √R* U^(3/2).
     pub normal_stiffness: R,
-    /// Factor of the tangential stiffness, Pa. Linear: 4 alpha_S K_eff, k_S = it R*. Hertzian: 8 G*, k_S = it √(R* U).
+    /// Factor B of the tangential stiffness k_S, Pa. Linear law: B = 4 alpha_S K_eff, k_S = B R*. Hertzian laws: B = 8 G*, k_S = B √(R* U).
     pub tangential_stiffness: R,
-    /// Coulomb coefficient mu, -.
+    /// Coefficient of friction mu, -.
     pub friction: R,
-    /// Viscous coefficient c of the dashpots, η = c √(S m*), -.
+    /// Viscous coefficient c, -: dashpots have the viscosity η = c √(S m*), with the stiffness S and the reduced mass m*.
     pub viscous: R,
-    /// Rolling friction mu_r, -.
+    /// Coefficient of rolling friction mu_r, -.
     pub rolling: R,
-    /// E' of eq. (11) for the Hertzian contact area, Pa.
+    /// Reduced modulus E' of Ciantia et al. 2015 eq. (11), for the area of a Hertzian contact, Pa.
     pub e_eff: R,
-    /// Overlap at which the contact begins to yield, over R*, -; 0 of laws that do not yield.
+    /// Overlap at which the contact begins to yield, over R*, -; 0 for laws that do not yield.
     pub yield_overlap: R,
 }
 
 impl Pair {
-    /// From a law's coefficients, the friction, the rolling friction and E', Pa.
+    /// From the coefficients of a law, the coefficients of friction and of rolling friction, and E', Pa.
     pub fn of(coefficients: &Coefficients, friction: f64, rolling: f64, e_eff: f64) -> Pair {
         let Coefficients { normal, tangential, viscous, yield_overlap } = *coefficients;
         Pair { normal_stiffness: normal, tangential_stiffness: tangential, friction, viscous, rolling, e_eff, yield_overlap }
     }
 
-    /// Each parameter by itself.
+    /// The pair with `f` of each parameter.
     #[inline(always)]
     pub fn map<R>(&self, f: impl Fn(f64) -> R) -> Pair<R> {
         Pair {
@@ -71,7 +71,7 @@ impl Pair {
         }
     }
 
-    /// Between two materials: the smaller friction of both, and the law's mean of everything else.
+    /// Contacts between two materials: the smaller friction and rolling friction of the two; everything else by the law.
     pub fn between(law: CoefficientsOf, m1: &Material, m2: &Material) -> Pair {
         let young = effective_modulus((m1.young, m1.poisson), (m2.young, m2.poisson));
         let shear = |m: &Material| m.young / (2.0 * (1.0 + m.poisson));
@@ -80,7 +80,7 @@ impl Pair {
         Pair::of(&coefficients, m1.friction.min(m2.friction), m1.rolling_friction.min(m2.rolling_friction), young)
     }
 
-    /// A grain of one material on a rigid wall with its own friction coefficient.
+    /// Contacts of grains of one material with a rigid wall that has its own coefficient of friction.
     pub fn on_wall(law: CoefficientsOf, m: &Material, friction: f64) -> Pair {
         let young = m.young / (1.0 - m.poisson * m.poisson);
         let shear = m.young / (2.0 * (1.0 + m.poisson)) / (2.0 - m.poisson);
@@ -88,7 +88,7 @@ impl Pair {
     }
 }
 
-/// All pairs of a run: between materials, and of each material on each wall.
+/// The parameters of all contacts of a run: of every two materials, and of every material on every wall.
 #[derive(Clone, Debug)]
 pub struct PairTable {
     materials: usize,
@@ -97,7 +97,7 @@ pub struct PairTable {
 }
 
 impl PairTable {
-    /// `friction` replaces the friction between grains during preparation.
+    /// The table of a run with these materials and walls; `friction`, where given, replaces the friction between grains (during preparation).
     pub fn new(law: CoefficientsOf, m: &[Material], walls: &[Wall], friction: Option<f64>) -> PairTable {
         let mut grains = Vec::with_capacity(m.len() * m.len());
         for m1 in m {
@@ -116,7 +116,8 @@ impl PairTable {
         PairTable { materials: m.len(), grains, walls: on_walls }
     }
 
-    /// A grain of material `m` on a wall.
+    /// Contacts of grains of material `m` with a wall: as between two materials where the wall has a material, otherwise with a rigid wall. The friction is the
+    /// wall's.
     pub fn on_wall(law: CoefficientsOf, m: &Material, wall: &Wall, materials: &[Material]) -> Pair {
         match wall.material {
             Some(k) => Pair { friction: wall.friction, ..Pair::between(law, m, &materials[k as usize]) },
@@ -135,7 +136,7 @@ impl PairTable {
         &self.grains[m1 as usize * self.materials + m2 as usize]
     }
 
-    /// The parameters of a pair in each lane.
+    /// The parameters of one contact per SIMD lane: lane k has those of `pair(k)`.
     #[inline(always)]
     pub fn lanes<'a, S: Simd>(simd: S, pair: impl Fn(usize) -> &'a Pair) -> Pair<Lanes<S>> {
         let [normal_stiffness, tangential_stiffness, friction, viscous] = Lanes::columns(simd, |k| {

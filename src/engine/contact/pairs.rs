@@ -1,48 +1,50 @@
-//! Storage of contacts: one slot per pair that is near enough to touch soon. Slots are re-used; the contacts of a grain are
-//! found through `neighbours::adjacency`. ContactHistory is what a large run waits for, so a contact is one cache line, and what only some
-//! runs need stands in columns that the others do not have.
+//! Storage of contacts: one slot for each pair that is close enough to touch soon; slots of pairs that have moved apart are used again. The slots of one
+//! grain are found through `neighbours::adjacency`. Reading and writing memory takes most of the time of a large run: force and geometry of a contact therefore
+//! fill exactly one cache line, and values that only some runs need are in columns that are empty in the others.
 
 use serde::{Deserialize, Serialize};
 use std::ops::{Deref, DerefMut};
 
-/// First end of a slot that holds no pair.
+/// Both ends of a slot that holds no pair.
 pub const FREE: u32 = u32::MAX;
 
-/// What a sweep leaves for the grains and for the next sweep. All zero when the pair does not touch.
+/// Force and geometry of one contact (or of one per SIMD lane); all zero where the pair does not touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub struct ContactForce<R = f64> {
     /// Tangential force on the first end, N.
     pub tangential: [R; 3],
-    /// Normal force, N, compression positive.
+    /// Normal force, N, positive in compression.
     pub normal_force: R,
-    /// Unit normal from the first to the second end.
+    /// Unit vector from the first to the second end.
     pub normal: [R; 3],
-    /// Overlap, m.
+    /// Overlap, m; above 0 in contact.
     pub overlap: R,
 }
 
 impl ContactForce {
-    /// The first half: tangential and normal force.
+    /// The first half of the cache line: tangential and normal force, N.
     #[inline(always)]
     pub fn first(&self) -> [f64; 4] {
         let [x, y, z] = self.tangential;
         [x, y, z, self.normal_force]
     }
 
+    /// Sets what [`ContactForce::first`] returns.
     #[inline(always)]
     pub fn set_first(&mut self, [x, y, z, normal_force]: [f64; 4]) {
         self.tangential = [x, y, z];
         self.normal_force = normal_force;
     }
 
-    /// The second half: normal and overlap.
+    /// The second half: unit normal, and overlap, m.
     #[inline(always)]
     pub fn second(&self) -> [f64; 4] {
         let [x, y, z] = self.normal;
         [x, y, z, self.overlap]
     }
 
+    /// Sets what [`ContactForce::second`] returns.
     #[inline(always)]
     pub fn set_second(&mut self, [x, y, z, overlap]: [f64; 4]) {
         self.normal = [x, y, z];
@@ -56,7 +58,7 @@ impl ContactForce {
     }
 }
 
-/// A value per slot, in the runs that need it; empty in the others.
+/// One value per slot in the runs that need it; empty in the others.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Column<T> {
     kept: bool,
@@ -110,41 +112,43 @@ impl<T> DerefMut for Column<T> {
     }
 }
 
-/// Which columns a run keeps.
+/// Which columns of [`Pairs`] a run keeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Kept {
-    /// With the energy ledger.
+    /// Works; with the energy ledger.
     pub work: bool,
-    /// With rolling friction.
+    /// Rolling moments; with rolling friction.
     pub rolling: bool,
-    /// With a viscous law.
+    /// Forces of the tangential springs; with a viscous law.
     pub spring: bool,
-    /// With the Hertzian contact area.
+    /// Weighted loads; with a failure criterion that weighs the forces of contacts (Hertz's area).
     pub load: bool,
-    /// With a law that yields.
+    /// Largest overlaps; with a law that yields.
     pub largest: bool,
 }
 
-/// Pairs of grains, or of a grain and a wall (the second end is then the wall's index).
+/// Pairs of grains, or of a grain and a wall; the second end is then the index of the wall. Slot s is entry s of every array.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Pairs {
-    /// Indices of both ends; between grains the one with the lower id is first.
+    /// Indices of both ends. Of two grains the one with the lower identity is first; [`FREE`] where the slot holds no pair.
     pub ends: Vec<[u32; 2]>,
+    /// Force and geometry of the last step.
     pub touch: Vec<ContactForce>,
-    /// Work of the last step, J: contact path, slip, viscous, and a lane to spare.
+    /// Works of the last step, J ([`super::force::ContactHistory::work`]); the fourth number is unused.
     pub work: Column<[f64; 4]>,
     /// Rolling moment on the first end, N m.
     pub rolling: Column<[f64; 3]>,
-    /// Tangential spring force on the first end where it is not the whole tangential force, N.
+    /// Force of the tangential spring on the first end, N, in runs in which it is not the whole tangential force.
     pub spring: Column<[f64; 3]>,
-    /// Normal force times the area model's weight, where that is not 1: compared with the limits of both grains.
+    /// Normal force times the weight of the failure criterion, in runs in which the weight is not 1; compared with the thresholds of both grains.
     pub load: Column<f64>,
-    /// Largest overlap so far, m, of contacts that yield.
+    /// Largest overlap so far, m, in runs with a law that yields.
     pub largest: Column<f64>,
     free: Vec<u32>,
 }
 
 impl Pairs {
+    /// No pairs yet, with these columns.
     pub fn new(kept: Kept) -> Pairs {
         Pairs {
             work: Column::new(kept.work),
@@ -156,7 +160,7 @@ impl Pairs {
         }
     }
 
-    /// Slots of the pairs that touch, in the order of their ends' identities.
+    /// Slots of the pairs that touch, in the order of the identities of their ends; `id` gives the identities for two indices.
     pub fn touching(&self, id: impl Fn([u32; 2]) -> [u32; 2]) -> Vec<usize> {
         let touching = |s: &usize| self.ends[*s][0] != FREE && self.touch[*s].overlap > 0.0;
         let mut slots: Vec<usize> = (0..self.slots()).filter(touching).collect();
@@ -164,7 +168,7 @@ impl Pairs {
         slots
     }
 
-    /// Which columns there are.
+    /// Which columns the run keeps.
     pub fn kept(&self) -> Kept {
         Kept {
             work: self.work.kept,
@@ -175,25 +179,25 @@ impl Pairs {
         }
     }
 
-    /// The load that counts for breakage.
+    /// The load of a contact that the failure criterion compares with its threshold: the normal force, N, weighted where the criterion has a weight.
     #[inline(always)]
     pub fn load(&self, slot: usize) -> f64 {
         if self.load.is_empty() { self.touch[slot].normal_force } else { self.load[slot] }
     }
 
-    /// Largest overlap so far, m, of a contact whose overlap is now `overlap`.
+    /// Largest overlap so far, m, of a contact whose overlap is now `overlap`; that itself in runs without laws that yield.
     #[inline(always)]
     pub fn largest(&self, slot: usize, overlap: f64) -> f64 {
         if self.largest.is_empty() { overlap } else { self.largest[slot].max(overlap) }
     }
 
-    /// Tangential spring force on the first end, N.
+    /// Force of the tangential spring on the first end, N.
     #[inline(always)]
     pub fn spring(&self, slot: usize) -> [f64; 3] {
         if self.spring.is_empty() { self.touch[slot].tangential } else { self.spring[slot] }
     }
 
-    /// A slot for the pair, without history.
+    /// Takes a slot for a pair, with an empty history, and returns its number.
     pub fn add(&mut self, first: u32, second: u32) -> u32 {
         if let Some(slot) = self.free.pop() {
             self.ends[slot as usize] = [first, second];
@@ -210,7 +214,7 @@ impl Pairs {
         self.ends.len() as u32 - 1
     }
 
-    /// Grows by an eighth, not by doubling: slots are most of a run's memory.
+    /// Makes room for more slots: an eighth more, not twice as many, as contacts take most of the memory of a run.
     fn make_room(&mut self) {
         let n = self.ends.len();
         if n == self.ends.capacity() {
@@ -243,7 +247,7 @@ impl Pairs {
         self.ends.len()
     }
 
-    /// Slots in the order given; the ends are renumbered by `renumber`. What is not listed is dropped.
+    /// Sorts the slots: the new slot k is the old slot `order[k]`, its ends replaced by `renumber` of them. Slots not listed are dropped.
     pub fn permute(&mut self, order: &[u32], renumber: impl Fn([u32; 2]) -> [u32; 2]) {
         self.ends = order.iter().map(|&s| renumber(self.ends[s as usize])).collect();
         self.touch = order.iter().map(|&s| self.touch[s as usize]).collect();
@@ -255,7 +259,7 @@ impl Pairs {
         self.free.clear();
     }
 
-    /// Bytes held.
+    /// Memory reserved, bytes.
     pub fn bytes(&self) -> usize {
         self.ends.capacity() * size_of::<[u32; 2]>()
             + self.touch.capacity() * size_of::<ContactForce>()

@@ -1,5 +1,5 @@
-//! The contact laws that there are. A law is a type in a file of [`super::law`] and a line here; the words of scene files, their keys, the checks and every
-//! dispatch follow from it. A program that uses the engine as a library adds a law of its own as [`ContactLaw::Custom`].
+//! The list of contact laws. To add one, write a type in a file of [`super::law`] and a line in the list below; from that line follow the word and the keys in
+//! scene files, their checks, and the calls. A program that uses the engine as a library can pass a law of its own as [`ContactLaw::Custom`].
 
 use super::chunk::Slots;
 use super::force::Rules;
@@ -12,7 +12,7 @@ use crate::grains::Grains;
 use crate::material::Material;
 use crate::parameter::{Parameter, Values};
 
-/// The functions and constants of one law, whatever its type: what a run calls once per sweep.
+/// Constants and functions of one law behind pointers, so that code need not know its type. A run calls through them once per sweep, not once per contact.
 #[derive(Debug)]
 pub struct LawTable {
     /// [`Law::PARAMETERS`]
@@ -61,14 +61,15 @@ impl LawTable {
     }
 }
 
-/// Writes the enumeration of laws, what is asked of them by name, and `with_law!`, which calls `$body` with `$L` bound to the type of a law.
+/// Writes the enumeration [`ContactLaw`] with its functions from the list of laws, and the macro `with_law!`, which runs `$body` with the name `$L` standing for
+/// the type of a law.
 macro_rules! contact_laws {
     (($d:tt) $($(#[$doc:meta])* $law:ident = $word:literal, $meaning:literal, gpu: $gpu:expr;)*) => {
         /// The law of every contact of a run.
         #[derive(Clone, Copy, Debug)]
         pub enum ContactLaw {
             $($(#[$doc])* $law,)*
-            /// A law of the program that uses the engine, between spheres and walls only.
+            /// A law of the program that uses the engine as a library. It acts between spheres and walls only, not on other shapes or material points.
             Custom(&'static LawTable),
         }
 
@@ -103,7 +104,7 @@ macro_rules! contact_laws {
                 }
             }
 
-            /// The law's number in shaders, or what to use instead on a graphics device.
+            /// Number of the law in shaders; or, for a law that shaders do not have, which to use instead on a graphics device.
             pub fn on_gpu(self) -> Result<u32, &'static str> {
                 match self {
                     $(ContactLaw::$law => $gpu,)*
@@ -154,7 +155,7 @@ impl PartialEq for ContactLaw {
 impl Eq for ContactLaw {}
 
 impl ContactLaw {
-    /// The law of this word.
+    /// The law with this word; `None` where there is none.
     pub fn named(word: &str) -> Option<ContactLaw> {
         ContactLaw::ALL.iter().copied().find(|law| law.word() == word)
     }
@@ -164,18 +165,18 @@ impl ContactLaw {
         self.table().viscous
     }
 
-    /// Whether the law and its area of contact follow from the grains' elastic moduli.
+    /// Whether force and contact area follow from the elastic moduli of the grains, as in Hertz's theory.
     pub fn is_hertzian(self) -> bool {
         self.table().hertzian
     }
 
-    /// Force, stiffness and energy at an overlap > 0 ([`Law::elastic`]).
+    /// Force, stiffness and energy at an overlap above 0 ([`Law::elastic`]).
     #[inline]
     pub fn elastic(self, overlap: f64, largest: f64, r_eff: f64, pair: &Pair) -> Elastic {
         (self.table().elastic)(overlap, largest, r_eff, pair)
     }
 
-    /// Overlap, m, at which a contact that is loaded for the first time bears the force `force`, N.
+    /// Overlap, m, at which a contact loaded for the first time has the normal force `force`, N.
     pub fn overlap_under(self, force: f64, r_eff: f64, pair: &Pair) -> f64 {
         (self.table().overlap_under)(force, r_eff, pair)
     }
@@ -185,12 +186,12 @@ impl ContactLaw {
         Pair::between(self.table().coefficients, m1, m2)
     }
 
-    /// Parameters of the contacts of a material with a rigid wall that has its own friction coefficient.
+    /// Parameters of the contacts of a material with a rigid wall that has its own coefficient of friction.
     pub fn on_wall(self, m: &Material, friction: f64) -> Pair {
         Pair::on_wall(self.table().coefficients, m, friction)
     }
 
-    /// Parameters of all contacts of a run; `friction` replaces the friction between grains during preparation.
+    /// Parameters of all contacts of a run; `friction`, where given, replaces the friction between grains (during preparation).
     pub fn pairs(self, materials: &[Material], walls: &[Wall], friction: Option<f64>) -> PairTable {
         PairTable::new(self.table().coefficients, materials, walls, friction)
     }

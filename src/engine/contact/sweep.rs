@@ -1,5 +1,8 @@
-//! The sweep over contacts between grains: every pair's geometry, then its force, as many at once as the processor has lanes. Parallel over
-//! slots; each slot writes only itself and reads the grains, so no result depends on threads or on the order of slots.
+//! The loop over all contacts between grains: the geometry of each pair, then its force, for as many pairs at once as the processor has SIMD lanes. It runs in
+//! parallel over slots; each slot reads the grains and writes itself only, so results depend neither on the number of threads nor on the order of slots.
+//!
+//! It reads the arrays of the grains as they lie in memory: the fourth numbers of position, velocity and spin are the radius, 1/mass and the number that
+//! [`crate::grains::stiffness_radius`] takes.
 
 use super::chunk::{Chunk, Slots, for_each_chunk};
 use super::force::{self, ContactGeometry, RelativeMotion, Rules};
@@ -13,9 +16,9 @@ use crate::math::vector::{dot, less, plus, scaled};
 use pulp::{Simd, WithSimd};
 use std::marker::PhantomData;
 
-/// Contacts of grains with grains under the law `L`; `rolling`: whether any material has rolling friction.
+/// Computes the contacts `slots` between grains under the law `L`. `rolling`: whether any material has rolling friction.
 pub fn grains<L: Law>(rolling: bool, table: &PairTable, rules: &Rules, g: &Grains, pairs: &mut Pairs, slots: Slots<'_>) {
-    // whether the contacts need more than one material's normal and tangential law with a kept tangential force
+    // the shorter code suffices for a single material without rolling friction and weighted loads, whose tangential force stays as the normal force falls
     let extra = rolling || rules.unloading == TangentialUnloading::Rescale || pairs.kept().load || table.materials() > 1;
     match (pairs.kept().work, extra) {
         (false, false) => sweep_grains::<L, false, false>(table, rules, g, pairs, slots),
@@ -37,7 +40,7 @@ fn sweep_grains<L: Law, const LEDGER: bool, const EXTRA: bool>(
     });
 }
 
-/// A part of the contacts between grains.
+/// The computation of one chunk of contacts between grains.
 struct Sweep<'a, L, const LEDGER: bool, const EXTRA: bool> {
     table: &'a PairTable,
     rules: &'a Rules,
@@ -70,7 +73,7 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> WithSimd for Sweep<'_, L, LE
 }
 
 impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> {
-    /// The contact in slot `s`.
+    /// Computes the contact in slot `s`.
     #[inline(always)]
     fn scalar(&mut self, s: usize) {
         let Sweep { table, rules, g, part, .. } = self;
@@ -84,21 +87,21 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> 
         let reach = p[3] + q[3];
         let distance = dot(d, d).sqrt();
         let old = part.read::<L, EXTRA>(s);
-        // an overlap that rounds to nothing is none
+        // an overlap that rounds to zero is no contact
         if distance < reach {
             let m_eff = if L::VISCOUS { 1.0 / (g.vel[i][3] + g.vel[j][3]) } else { 0.0 };
-            let mut meeting = meeting(d, distance, [p[3], q[3]], m_eff, motion(g, i, j));
+            let mut geometry = contact_geometry(d, distance, [p[3], q[3]], m_eff, motion(g, i, j));
             if L::INHERITED {
-                meeting.r_eff = r_eff(g.stiffness_radius(i), g.stiffness_radius(j));
+                geometry.r_eff = r_eff(g.stiffness_radius(i), g.stiffness_radius(j));
             }
             let pair = if EXTRA { table.grains(g.material[i], g.material[j]) } else { table.grains(0, 0) };
-            part.write(s, force::touching::<f64, L, LEDGER, EXTRA>(&meeting, pair, rules, &old));
+            part.write(s, force::touching::<f64, L, LEDGER, EXTRA>(&geometry, pair, rules, &old));
         } else {
             part.write(s, force::apart::<LEDGER>(|| motion(g, i, j), rules.dt, &old));
         }
     }
 
-    /// The contacts from slot `s` on, one in each lane; false, and nothing done, unless all of them touch.
+    /// Computes as many contacts as there are lanes, from slot `s` on. Returns false, with nothing done, unless all of them touch.
     #[inline(always)]
     fn simd<S: Simd>(&mut self, simd: S, s: usize, one_pair: &Pair<Lanes<S>>) -> bool {
         let Sweep { table, rules, g, part, .. } = self;
@@ -121,9 +124,9 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> 
         let w = [Lanes::columns(simd, |k| spin[first(k)]), Lanes::columns(simd, |k| spin[second(k)])];
         let motion = relative(v, w, [p[3], q[3]]);
         let m_eff = if L::VISCOUS { d[0].constant(1.0) / (v[0][3] + v[1][3]) } else { d[0] };
-        let mut meeting = meeting(d, distance, [p[3], q[3]], m_eff, motion);
+        let mut geometry = contact_geometry(d, distance, [p[3], q[3]], m_eff, motion);
         if L::INHERITED {
-            meeting.r_eff = r_eff(stiffness_radius(p, w[0]), stiffness_radius(q, w[1]));
+            geometry.r_eff = r_eff(stiffness_radius(p, w[0]), stiffness_radius(q, w[1]));
         }
         let old = part.read_lanes::<S, L, EXTRA>(simd, |k| s + k);
         let pair = if EXTRA && !table.is_single() {
@@ -131,27 +134,27 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> Sweep<'_, L, LEDGER, EXTRA> 
         } else {
             one_pair
         };
-        let new = force::touching::<Lanes<S>, L, LEDGER, EXTRA>(&meeting, pair, rules, &old);
+        let new = force::touching::<Lanes<S>, L, LEDGER, EXTRA>(&geometry, pair, rules, &old);
         part.write_lanes(simd, |k| s + k, &new);
         true
     }
 }
 
-/// From the centre of `p` to that of `q`: the one place where displacement differences are taken.
+/// Vector from the centre of `p` to the centre of `q`, m. All code that needs it calls this, so that it rounds the same everywhere.
 #[inline(always)]
 pub fn difference<R: Real>(p: [R; 4], q: [R; 4]) -> [R; 3] {
     [q[0] - p[0], q[1] - p[1], q[2] - p[2]]
 }
 
-/// R* of two radii.
+/// Reduced radius R* of two radii, m.
 #[inline(always)]
 pub fn r_eff<R: Real>(a: R, b: R) -> R {
     a * b / (a + b)
 }
 
-/// Two spheres of radii `r` that overlap: `d` from the first centre to the second, `distance` its length.
+/// Contact geometry of two spheres of the radii `r`, m, that overlap; `d` is the vector from the first centre to the second, `distance` its length, m.
 #[inline(always)]
-fn meeting<R: Real>(d: [R; 3], distance: R, r: [R; 2], m_eff: R, motion: RelativeMotion<R>) -> ContactGeometry<R> {
+fn contact_geometry<R: Real>(d: [R; 3], distance: R, r: [R; 2], m_eff: R, motion: RelativeMotion<R>) -> ContactGeometry<R> {
     let reach = r[0] + r[1];
     // one division for 1/distance and 1/(r_i + r_j)
     let both = distance.constant(1.0) / (distance * reach);
@@ -159,13 +162,13 @@ fn meeting<R: Real>(d: [R; 3], distance: R, r: [R; 2], m_eff: R, motion: Relativ
     ContactGeometry { normal, overlap: reach - distance, r_eff: r[0] * r[1] * (both * distance), m_eff, motion }
 }
 
-/// RelativeMotion of grain i against grain j.
+/// Relative motion of grains `i` and `j`.
 #[inline(always)]
 pub fn motion(g: &Grains, i: usize, j: usize) -> RelativeMotion {
     relative([g.vel[i], g.vel[j]], [g.spin[i], g.spin[j]], [g.pos[i][3], g.pos[j][3]])
 }
 
-/// RelativeMotion of the first of two spheres against the second, from their velocities, spins and radii.
+/// Relative motion of two spheres from their velocities `v`, m/s, spins `w`, rad/s, and radii `r`, m. Of four numbers the first three are the vector.
 #[inline(always)]
 fn relative<R: Real>(v: [[R; 4]; 2], w: [[R; 4]; 2], r: [R; 2]) -> RelativeMotion<R> {
     let xyz = |u: [R; 4]| [u[0], u[1], u[2]];

@@ -1,10 +1,10 @@
-//! What the tangential force of a contact does when the normal force falls.
+//! What happens to the tangential force of a contact when its normal force falls.
 
-/// What the tangential force does when the normal force falls.
+/// What happens to the tangential force of a contact when its normal force falls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TangentialUnloading {
-    /// The tangential force stays (the paper).
+    /// It stays as it is, up to the limit of friction (Ciantia et al. 2015).
     Keep,
-    /// The tangential force falls in proportion to k_S.
+    /// It falls in proportion to the tangential stiffness k_S, which falls with the overlap.
     Rescale,
 }

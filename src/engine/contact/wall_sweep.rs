@@ -1,4 +1,5 @@
-//! The sweep over contacts with walls. Most of those listed do not touch: those that do are collected until they fill the lanes.
+//! The loop over all pairs of a grain and a wall. Most of them do not touch; those that do are collected until they fill the SIMD lanes and then computed
+//! together. The fourth numbers of position, velocity and spin are those of [`super::sweep`].
 
 use super::chunk::{Chunk, Slots, for_each_chunk};
 use super::force::{self, ContactGeometry, RelativeMotion, Rules};
@@ -12,7 +13,7 @@ use crate::math::vector::{plus, scaled};
 use pulp::{Simd, WithSimd};
 use std::marker::PhantomData;
 
-/// All contacts of grains with walls under the law `L`.
+/// Computes all contacts of grains with walls under the law `L`.
 pub fn walls<L: Law>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall], pairs: &mut Pairs) {
     match pairs.kept().work {
         false => sweep_walls::<L, false>(table, rules, g, walls, pairs),
@@ -20,7 +21,8 @@ pub fn walls<L: Law>(table: &PairTable, rules: &Rules, g: &Grains, walls: &[Wall
     }
 }
 
-/// RelativeMotion of grain i against a wall that moves against `normal` (into the grains) with `speed`.
+/// Relative motion of grain `i` and a wall. `normal`: unit vector from the grain to the wall; `speed`, m/s: that of the wall against the normal, positive into
+/// the grains.
 #[inline(always)]
 pub fn motion_on_wall(g: &Grains, i: usize, normal: [f64; 3], speed: f64) -> RelativeMotion {
     relative_to_wall(g.vel[i], g.spin[i], g.pos[i][3], normal, speed)
@@ -43,7 +45,7 @@ fn sweep_walls<L: Law, const LEDGER: bool>(table: &PairTable, rules: &Rules, g: 
     });
 }
 
-/// A part of the contacts with walls.
+/// The computation of one chunk of pairs of a grain and a wall.
 struct WallSweep<'a, L, const LEDGER: bool> {
     table: &'a PairTable,
     rules: &'a Rules,
@@ -53,7 +55,7 @@ struct WallSweep<'a, L, const LEDGER: bool> {
     law: PhantomData<L>,
 }
 
-/// A contact with a wall: its slot, and its normal and overlap.
+/// A contact with a wall that waits to be computed: its slot; its unit normal, and its overlap, m.
 #[derive(Clone, Copy, Default)]
 struct OnWall {
     slot: usize,
@@ -92,28 +94,31 @@ impl<L: Law, const LEDGER: bool> WithSimd for WallSweep<'_, L, LEDGER> {
 }
 
 impl<L: Law, const LEDGER: bool> WallSweep<'_, L, LEDGER> {
+    /// Clears the history of a pair that does not touch.
     #[inline(always)]
     fn apart(&mut self, slot: usize, normal: [f64; 3]) {
         let [i, k] = self.part.ends[slot];
         let old = self.part.read::<L, true>(slot);
-        // only what has just ended leaves anything to write
+        // nothing to write unless the contact has ended in this step or the last
         if old.touch.overlap > 0.0 || LEDGER && self.part.work[slot][0] != 0.0 {
             let motion = || motion_on_wall(self.g, i as usize, normal, self.walls[k as usize].speed);
             self.part.write(slot, force::apart::<LEDGER>(motion, self.rules.dt, &old));
         }
     }
 
+    /// Computes one contact.
     #[inline(always)]
     fn scalar(&mut self, OnWall { slot, at: [x, y, z, overlap] }: OnWall) {
         let WallSweep { table, rules, g, walls, part, .. } = self;
         let [i, k] = part.ends[slot].map(|e| e as usize);
         let normal = [x, y, z];
         let motion = motion_on_wall(g, i, normal, walls[k].speed);
-        let meeting = ContactGeometry { normal, overlap, r_eff: g.stiffness_radius(i), m_eff: 1.0 / g.vel[i][3], motion };
+        let geometry = ContactGeometry { normal, overlap, r_eff: g.stiffness_radius(i), m_eff: 1.0 / g.vel[i][3], motion };
         let pair = table.wall(k, g.material[i]);
-        part.write(slot, force::touching::<f64, L, LEDGER, true>(&meeting, pair, rules, &part.read::<L, true>(slot)));
+        part.write(slot, force::touching::<f64, L, LEDGER, true>(&geometry, pair, rules, &part.read::<L, true>(slot)));
     }
 
+    /// Computes as many contacts as there are lanes.
     #[inline(always)]
     fn simd<S: Simd>(&mut self, simd: S, those: &[OnWall]) {
         let WallSweep { table, rules, g, walls, part, .. } = self;
@@ -129,9 +134,9 @@ impl<L: Law, const LEDGER: bool> WallSweep<'_, L, LEDGER> {
         let normal = [x, y, z];
         let motion = relative_to_wall(v, w, r, normal, speed);
         let r_eff = if L::INHERITED { stiffness_radius(p, w) } else { r };
-        let meeting = ContactGeometry { normal, overlap, r_eff, m_eff: r.constant(1.0) / v[3], motion };
+        let geometry = ContactGeometry { normal, overlap, r_eff, m_eff: r.constant(1.0) / v[3], motion };
         let pair = PairTable::lanes(simd, |k| table.wall(wall(k), g.material[grain(k)]));
         let old = part.read_lanes::<S, L, true>(simd, slot);
-        part.write_lanes(simd, slot, &force::touching::<Lanes<S>, L, LEDGER, true>(&meeting, &pair, rules, &old));
+        part.write_lanes(simd, slot, &force::touching::<Lanes<S>, L, LEDGER, true>(&geometry, &pair, rules, &old));
     }
 }

@@ -1,4 +1,4 @@
-//! A continuum on the device: batches of steps without a look at what happens between.
+//! A continuum on the graphics device, which computes steps in batches; the processor reads the state only between batches.
 
 use super::device::{Adapter, Device, refused};
 use super::grains::{self, Bodies, CoarseGrains};
@@ -17,14 +17,14 @@ use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use wgpu::BufferUsages as Usage;
 
-/// Steps of one submission.
+/// Number of steps in one submission to the device.
 const BATCH: u64 = 200;
-/// Submissions on their way.
+/// Largest number of submissions that wait on the device.
 const AHEAD: usize = 2;
 
-/// The material points of an [`mpm::Continuum`] on the graphics device, with the same settings and laws.
+/// The material points of an [`mpm::Continuum`] on the graphics device, with the same settings and laws, its loading plates, and its grains where it has some.
 ///
-/// The device computes in f32, with compensated sums where small steps add up. The same input gives the same bytes on the same device and driver.
+/// The device computes in f32, with compensated sums where many small increments add up. The same input gives the same bits on the same device and driver.
 pub struct DeviceContinuum {
     device: Device,
     passes: Passes,
@@ -32,9 +32,9 @@ pub struct DeviceContinuum {
     params: Params,
     settings: Settings,
     sizes: BufferSizes,
-    /// Ids of the points and their places on the device, in the order of ids.
+    /// Identities of the points and their indices on the device, in the order of identities.
     by_id: Vec<(u32, u32)>,
-    /// Steps and stress work, J, before the state went to the device.
+    /// Number of steps and stress work, J, at the time the state was copied to the device.
     before: (u64, f64),
     status: Status,
     batch: BatchState,
@@ -43,31 +43,32 @@ pub struct DeviceContinuum {
     bodies: Option<Bodies>,
 }
 
-/// The device's own words, from which it goes on with the same bits.
+/// The state as the device holds it, so that a run that is resumed from it continues with the same bits.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Saved {
     state: Vec<u32>,
     plates: Vec<u32>,
-    /// Bits of the stress work before the state went to the device, J.
+    /// Stress work at the time the state was copied to the device, J, as the bits of an f64.
     work: u64,
     grains: Option<grains::SavedGrains>,
 }
 
-/// What a batch left of each of its steps: means over the instants at their ends.
+/// Means over a batch, taken at the ends of its steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Means {
+    /// Number of steps.
     pub steps: u64,
-    /// Length of the batch, s.
+    /// Duration of the batch, s.
     pub time: f64,
-    /// Way since the batch began and overlap, m, and reaction, N, of each loading plate.
+    /// For each loading plate: displacement along its normal since the batch began, m; overlap with the points, m; reaction, N.
     pub plates: Vec<[f64; 3]>,
     /// Force along the inward normal of each side of the domain, N.
     pub sides: [f64; 6],
-    /// Force of the grains on each of their walls, N.
+    /// Normal force of the grains on each of their walls, N.
     pub grains: Vec<f64>,
 }
 
-/// Memory on the device.
+/// Buffers on the device; `passes.rs` binds them to the shaders.
 pub(super) struct Buffers {
     pub params: wgpu::Buffer,
     pub laws: wgpu::Buffer,
@@ -83,26 +84,27 @@ pub(super) struct Buffers {
 }
 
 impl DeviceContinuum {
-    /// Takes over the state of `cpu`. Forces that wait there for its next step are not taken.
+    /// Copies the state of `cpu` to the device. External forces that have been added there for the next step are not copied.
     ///
     /// # Errors
-    /// No adapter; a setting that the GPU path lacks, by name; a state that does not fit into the device's memory.
+    /// There is no adapter; the device lacks a setting; its memory is too small.
     pub fn new(cpu: &mpm::Continuum) -> Result<DeviceContinuum> {
         DeviceContinuum::with_plates(cpu, &[])
     }
 
-    /// The same, between loading plates, which stand still until they are driven.
+    /// The same with loading plates, which keep their speeds until [`Self::drive`] is called.
     ///
     /// # Errors
-    /// As [`Self::new`]; a loading plate that is not allowed; one through the points.
+    /// As [`Self::new`]; a loading plate that the device lacks, or that lies in the points.
     pub fn with_plates(cpu: &mpm::Continuum, plates: &[LoadingPlate]) -> Result<DeviceContinuum> {
         DeviceContinuum::begin(cpu, plates, &vec![0.0; plates.len()], None, None)
     }
 
-    /// The same with the mean speeds of the loading plates under servo, m/s, and with grains, or from what [`Self::save`] gave of a continuum with these points and grains.
+    /// The same with the mean speeds of the loading plates under servo control, m/s, with grains, and, where `saved` is given, with the state that [`Self::save`] has
+    /// returned for these points and grains in place of that of `cpu`.
     ///
     /// # Errors
-    /// As [`Self::with_plates`]; what the GPU path lacks of grains, by name; a state of other points.
+    /// As [`Self::with_plates`]; the device lacks something of the grains; `saved` is the state of other points or grains.
     pub fn begin(
         cpu: &mpm::Continuum,
         plates: &[LoadingPlate],
@@ -117,7 +119,7 @@ impl DeviceContinuum {
         DeviceContinuum::load(device, passes, cpu, plates, drifts, coarse, saved)
     }
 
-    /// Takes another state over, of as many points and grains as there are now.
+    /// Replaces everything by another state, as [`Self::begin`] does, on the device and with the pipelines that are open already.
     ///
     /// # Errors
     /// As [`Self::begin`].
@@ -209,15 +211,16 @@ impl DeviceContinuum {
         Ok(gpu)
     }
 
-    /// `n` steps of `dt` seconds.
+    /// Computes `n` steps of `dt`, s.
     ///
     /// # Errors
-    /// A point that is lost, with its step, as on the CPU; a device that is lost or out of memory. [`Self::read_back`] then has nothing of use.
+    /// A point that has become unstable, with its step, as on the processor; a device that is lost or out of memory. The state on the device is then of no use.
     pub fn steps(&mut self, n: u64, dt: f64) -> Result<()> {
         self.batch(n, dt, 0.0)
     }
 
-    /// `n` steps of at most `dt` seconds, and at most the share `safety` of what waves and the loading plates' contacts allow together at each.
+    /// Computes `n` steps, each of at most `dt`, s, and at most `safety` times the stable step for waves and the contacts of loading plates and grains together.
+    /// With `safety` 0 each step is `dt`.
     ///
     /// # Errors
     /// As [`Self::steps`].
@@ -251,11 +254,11 @@ impl DeviceContinuum {
         self.look()
     }
 
-    /// Writes the state into `cpu`, which must have the same points (by their ids), and its counters. Nothing changes on the device; a state that is taken up
-    /// again from `cpu` differs from it by the rounding of f64.
+    /// Writes the state and the counters into `cpu`, which must have the same points (by identity). The device keeps its state; a run resumed from `cpu` differs from
+    /// it by rounding.
     ///
     /// # Errors
-    /// Other points; a device that was lost. `cpu` is then as it was.
+    /// `cpu` has other points; the device is lost. `cpu` is then unchanged.
     pub fn read_back(&self, cpu: &mut mpm::Continuum) -> Result<()> {
         let bytes = self.words()?;
         let planes: &[[u32; 4]] = bytemuck::cast_slice(&bytes);
@@ -271,10 +274,10 @@ impl DeviceContinuum {
         Ok(())
     }
 
-    /// The words of the state as they are.
+    /// Copies the state as the device holds it.
     ///
     /// # Errors
-    /// A device that was lost.
+    /// The device is lost.
     pub fn save(&self) -> Result<Saved> {
         let bytes = self.words()?;
         let plates: &[u32] = bytemuck::cast_slice(&self.batch.plates);
@@ -286,37 +289,37 @@ impl DeviceContinuum {
         self.device.read(&[(&self.buffers.state, self.sizes.state)], self.steps_done())
     }
 
-    /// Steps done, those of the CPU before included.
+    /// Number of steps since the start of the run, those on the processor included.
     pub fn steps_done(&self) -> u64 {
         self.before.0 + u64::from(self.status.steps)
     }
 
-    /// Force of each side on the material in the last step, N (order as [`Settings::walls`]).
+    /// Force of each side of the domain on the material in the last step, N, in the order of [`Settings::walls`].
     pub fn wall_force(&self) -> [[f64; 3]; 6] {
         self.status.reaction.map(|[x, y, z, _]| [x, y, z].map(f64::from))
     }
 
-    /// Bytes on the device.
+    /// Memory on the device, bytes.
     pub fn bytes(&self) -> u64 {
         self.sizes.sum() + self.bodies.as_ref().map_or(0, Bodies::bytes)
     }
 
-    /// The adapter.
+    /// The adapter in use.
     pub fn adapter(&self) -> &Adapter {
         &self.device.adapter
     }
 
-    /// The loading plates as they feel the points after the last batch.
+    /// The loading plates after the last batch, with the forces of the points on them.
     pub fn plates(&self) -> &[LoadingPlate] {
         &self.plates
     }
 
-    /// Mean speed of the loading plate `k` under servo, m/s.
+    /// Mean speed of the loading plate `k` under servo control, m/s.
     pub fn drift(&self, k: usize) -> f64 {
         self.batch.plates[k].drift.into()
     }
 
-    /// What the last batch left.
+    /// Means over the last batch.
     pub fn means(&self) -> Means {
         let BatchState { time, count, sides, plates, .. } = self.batch;
         let n = f64::from(count.max(1));
@@ -330,7 +333,7 @@ impl DeviceContinuum {
         }
     }
 
-    /// Writes grains, their walls and all contacts into `mixture`, and points into `cpu` as [`Self::read_back`].
+    /// Writes grains, their walls and all contacts into `mixture`, and the transport velocities of the points into `cpu`.
     ///
     /// # Errors
     /// As [`Self::read_back`].
@@ -346,7 +349,7 @@ impl DeviceContinuum {
         bodies.read_back((&self.device, self.steps_done()), coarse, mixture, cpu, &point, dt)
     }
 
-    /// Index there of each point of the device.
+    /// For each point on the device its index in `cpu`.
     fn places(&self, cpu: &mpm::Continuum) -> Vec<u32> {
         let mut point = vec![0; self.by_id.len()];
         for ((_, i), to) in self.by_id.iter().zip(cpu.points().by_id()) {
@@ -355,16 +358,16 @@ impl DeviceContinuum {
         point
     }
 
-    /// Where the last batch has ended between two steps of the grains: those done in the step that was begun, and the length of that, s.
+    /// Where the last batch has ended within a step of the continuum, because a grain breaks: number of steps of the grains done in that step, and its length, s.
     pub fn within(&self) -> Option<(u32, f64)> {
         let bodies = self.bodies.as_ref().filter(|b| b.mix.sub > 0)?;
         Some((bodies.mix.sub, self.batch.dt.into()))
     }
 
-    /// Pushes the points of `cpu` as contacts have pushed them in the step that was begun.
+    /// Adds to `cpu` the external forces that contacts with grains and walls have exerted on the points so far in the step that has begun.
     ///
     /// # Errors
-    /// A device that was lost.
+    /// The device is lost.
     pub fn apply_point_forces(&self, cpu: &mut mpm::Continuum) -> Result<()> {
         let Some(bodies) = &self.bodies else { return Ok(()) };
         let point = self.places(cpu);
@@ -374,44 +377,45 @@ impl DeviceContinuum {
         Ok(())
     }
 
-    /// Writes what the grains' walls felt at the end of the last batch into `mixture`.
+    /// Writes position, speed, reaction, stiffness and work of the grains' walls at the end of the last batch into `mixture`.
     pub fn walls_of(&self, cpu: &mpm::Continuum, mixture: &mut Mixture) {
         if let Some(bodies) = &self.bodies {
             bodies.walls(cpu, mixture);
         }
     }
 
-    /// Steps of the grains in a step of the continuum, from the next batch on.
+    /// Sets the number of steps of the grains in one step of the continuum, from the next batch on.
     pub fn rates(&mut self, grains: u32) {
         if let Some(bodies) = &mut self.bodies {
             bodies.coupling.rates = grains.max(1);
         }
     }
 
-    /// What the grains' own contacts allow, s, and what those of points with grains and loading plates add to the square of a frequency, 1/s², at the end of the last batch.
+    /// At the end of the last batch: the stable step for the contacts between grains and with walls, s, and what the contacts of points with grains and loading plates
+    /// add to the square of the frequency, 1/s² ([`ContactRates::frequency2`](crate::point_contacts::ContactRates::frequency2)).
     pub fn bounds(&self, plates: &[LoadingPlate]) -> (f64, f64) {
         self.bodies.as_ref().map_or((f64::INFINITY, 0.0), |bodies| bodies.bounds(plates))
     }
 
-    /// Whether the last batch has ended because a grain is over its limit. The next one does nothing until a state has been taken over.
+    /// Whether the last batch has ended early because a grain fails. Further batches do nothing until [`Self::again`] has been called.
     pub fn broken(&self) -> bool {
         self.bodies.as_ref().is_some_and(Bodies::broken)
     }
 
-    /// Whether so many points are near grains now that the state should be taken over again, with more room.
+    /// Whether so many points are close to grains now that [`Self::again`] should be called, which makes more room.
     pub fn crowded(&self) -> bool {
         self.bodies.as_ref().is_some_and(Bodies::crowded)
     }
 
-    /// The least h/(c + |v|) over the points after the last batch, s, as [`mpm::Continuum::stable_step`].
+    /// Smallest h/(c + |v|) over the points after the last batch, s, as [`mpm::Continuum::stable_step`].
     pub fn stable_step(&self) -> f64 {
         self.settings.cell / f64::from(f32::from_bits(self.status.fastest))
     }
 
-    /// Another drive for the loading plate `k` from the next batch on.
+    /// Sets how the loading plate `k` moves from the next batch on.
     ///
     /// # Errors
-    /// There is no such loading plate.
+    /// There is no loading plate `k`.
     pub fn drive(&mut self, k: usize, drive: PlateDrive) -> Result<()> {
         let count = self.drives.len();
         let own = self.drives.get_mut(k).ok_or_else(|| refused("platen", k, format!("there are {count}, counted from 0")))?;
@@ -419,12 +423,13 @@ impl DeviceContinuum {
         Ok(())
     }
 
-    /// What the material extends over along each axis, m, for loading plates that hold a stress in the next batch: `extents` and, where it follows
-    /// them, each loading plate's mean overlap less its way since the batch began. Until it is told, extents are 1 m and stay so.
+    /// Sets the extents of the material along each axis, m, from which loading plates that hold a stress compute their areas in the next batch. `follows`: along the
+    /// axis of a loading plate its overlap is added and its displacement since the batch began subtracted. Before the first call extents are 1 m, and fixed.
     pub fn material(&mut self, extents: [f64; 3], follows: bool) {
         (self.params.extents, self.params.follows) = (extents.map(|x| x as f32), f32::from(follows));
     }
 
+    /// Records commands and submits them to the device.
     fn submit(&self, encode: impl FnOnce(&Passes, &mut wgpu::ComputePass<'_>, &Groups)) -> wgpu::SubmissionIndex {
         let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
@@ -450,7 +455,7 @@ impl DeviceContinuum {
         self.params.walls.iter().any(|wall| wall[0] != 0)
     }
 
-    /// Waits, and reads what the batches have left.
+    /// Waits for the device and reads the results of the batch: status, loading plates, and grains. A fault of a point becomes an error.
     fn look(&mut self) -> Result<()> {
         let mut parts =
             vec![(&self.buffers.status, size_of::<Status>() as u64), (&self.buffers.batch, size_of::<BatchState>() as u64)];
@@ -482,7 +487,7 @@ impl DeviceContinuum {
             1 => "has left the grid: enlarge the domain, put a wall there, or use a smaller time step",
             2 => "has passed more than one cell in a step: use a smaller time step",
             3 => "is turned inside out (volume not positive): use a smaller time step, a finer grid, or a stiffer law",
-            // found by what comes after a step
+            // found after the step was counted
             5 => return Err(mpm::loading_plate::passed(self.steps_done(), id)),
             6 => &crowded,
             7 => "came near a grain as one of more than there is room for: go on on the processor",
@@ -491,23 +496,23 @@ impl DeviceContinuum {
             }
         };
         let error = Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None };
-        // from 6 on it is the device that has no room
+        // from 6 on the run could go on on the processor: the device has no room
         Err(if fault < 6 { error } else { Error::Device(Box::new(error)) })
     }
 
-    /// Gives the device up, as a driver does that resets it: whatever is asked of it afterwards fails.
+    /// Destroys the device, as a driver does that resets it: every later call fails. For tests.
     pub fn lose(&self) {
         self.device.device.destroy();
     }
 
-    /// Planes of momentum and mass, velocity, and change of velocity.
+    /// The arrays of the nodes: momentum and mass, velocity, and change of velocity.
     #[cfg(test)]
     pub(super) fn nodes(&self) -> Vec<[f32; 4]> {
         bytemuck::pod_collect_to_vec(&self.device.read(&[(&self.buffers.nodes, self.sizes.nodes)], 0).expect("nodes"))
     }
 }
 
-/// Workgroups of the passes, and whether there are walls and loading plates.
+/// Numbers of workgroups of the passes along x and y, and which passes a step has.
 pub(super) struct Groups {
     pub points: [u32; 2],
     pub nodes: [u32; 2],
@@ -516,7 +521,8 @@ pub(super) struct Groups {
     pub grains: Option<GrainGroups>,
 }
 
-/// Of points near something, of grains, of one group for each grain; steps of the grains in a step.
+/// Numbers of workgroups of the passes of grains: of one thread per row ([`grains`]), of one thread per grain, and of one workgroup per grain; number of steps of the
+/// grains in a step of the continuum.
 pub(super) struct GrainGroups {
     pub rows: [u32; 2],
     pub grains: [u32; 2],

@@ -1,4 +1,4 @@
-//! The graphics adapter: choice, set-up, and what it says when something goes wrong.
+//! The graphics adapter: its choice, its set-up, buffers, and errors that it reports.
 
 use super::grains;
 use super::memory::BufferSizes;
@@ -6,11 +6,12 @@ use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::util::DeviceExt;
 
-/// An adapter that was found.
+/// A graphics adapter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Adapter {
+    /// Name, with the interface in use (Vulkan, Metal, Dx12).
     pub name: String,
-    /// Computes on the processor: good for tests, slower than the CPU path.
+    /// Whether it is a software adapter, which computes on the processor: good for tests, but slower than the code for the processor.
     pub software: bool,
 }
 
@@ -21,15 +22,15 @@ impl Adapter {
     }
 }
 
-/// The adapter that [`super::Continuum::new`] would use, if there is one.
+/// The adapter that [`super::DeviceContinuum::new`] would use; `None` where there is none.
 pub fn available() -> Option<Adapter> {
     adapter().ok().map(|adapter| Adapter::of(&adapter))
 }
 
-/// The adapter, if it can hold so much.
+/// The adapter, where it can have buffers of these sizes.
 ///
 /// # Errors
-/// No adapter; a buffer that it cannot have.
+/// There is no adapter; a buffer is larger than it allows.
 pub fn holding(sizes: &BufferSizes, of_grains: Option<&grains::GrainBufferSizes>) -> Result<Adapter> {
     let adapter = adapter()?;
     sizes.check(&adapter.limits())?;
@@ -42,7 +43,7 @@ pub fn holding(sizes: &BufferSizes, of_grains: Option<&grains::GrainBufferSizes>
 fn adapter() -> Result<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::PRIMARY;
-    // sizes of indirect dispatches come from our own pass, which bounds them
+    // without wgpu's checks of indirect dispatches: their sizes come from our own pass, which bounds them
     descriptor.flags = wgpu::InstanceFlags::empty();
     descriptor.memory_budget_thresholds = wgpu::MemoryBudgetThresholds { for_resource_creation: Some(95), for_device_loss: None };
     let instance = wgpu::Instance::new(descriptor);
@@ -54,17 +55,17 @@ fn adapter() -> Result<wgpu::Adapter> {
     })
 }
 
-/// Something that the GPU path cannot do, by name.
+/// The error for something that the graphics device cannot do: the key, its value, and what to do instead.
 pub fn refused(key: &str, value: impl ToString, message: impl Into<String>) -> Error {
     Error::Device(Box::new(Error::refused("gpu", key, Some(value.to_string()), message)))
 }
 
-/// A failure of the device itself at step `step`; the CPU can go on.
+/// The error for a failure of the device itself at the step `step`; the run can go on on the processor.
 fn failed(step: u64, what: String) -> Error {
     Error::Device(Box::new(Error::Failed { step, what }))
 }
 
-/// What the device has said since it was asked last.
+/// The first error that the device has reported since it was opened.
 #[derive(Clone, Default)]
 struct Complaints(Arc<Mutex<Option<String>>>);
 
@@ -79,7 +80,7 @@ impl Complaints {
     }
 }
 
-/// An open device.
+/// An open graphics device.
 #[derive(Clone)]
 pub struct Device {
     pub device: wgpu::Device,
@@ -89,8 +90,10 @@ pub struct Device {
 }
 
 impl Device {
+    /// Opens the device.
+    ///
     /// # Errors
-    /// No adapter, or one that cannot do what the passes need.
+    /// There is no adapter, or its limits are too small for the shaders.
     pub fn open(with_grains: bool) -> Result<Device> {
         let adapter = adapter()?;
         let known = Adapter::of(&adapter);
@@ -118,8 +121,10 @@ impl Device {
         Ok(Device { device, queue, adapter: known, complaints })
     }
 
+    /// Checks that nothing has gone wrong on the device since it was opened.
+    ///
     /// # Errors
-    /// What went wrong on the device since it was opened.
+    /// The first error of the device.
     pub fn healthy(&self, step: u64) -> Result<()> {
         match self.complaints.told() {
             None => Ok(()),
@@ -127,10 +132,10 @@ impl Device {
         }
     }
 
-    /// Does `make`, which allocates `bytes` in all.
+    /// Runs `make`, which allocates buffers of `bytes` in all.
     ///
     /// # Errors
-    /// The device has not enough memory.
+    /// The device is out of memory.
     pub fn allocate<T>(&self, bytes: u64, make: impl FnOnce() -> T) -> Result<T> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let made = make();
@@ -141,19 +146,20 @@ impl Device {
         Ok(made)
     }
 
+    /// A buffer with these contents.
     pub fn buffer(&self, label: &str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
     }
 
-    /// A buffer of zeros.
+    /// A buffer of `size` bytes, all zero.
     pub fn empty(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
     }
 
-    /// Waits until all is done and copies the first bytes of some buffers, one after the other.
+    /// Waits for the device and copies the first bytes of some buffers: for each a buffer and a number of bytes. The copies follow each other in the result.
     ///
     /// # Errors
-    /// A device that was lost.
+    /// The device is lost.
     pub fn read(&self, parts: &[(&wgpu::Buffer, u64)], step: u64) -> Result<Vec<u8>> {
         let size = parts.iter().map(|(_, size)| size).sum();
         let lost =
@@ -182,10 +188,10 @@ impl Device {
         Ok(bytes)
     }
 
-    /// Waits for a submission, or for all.
+    /// Waits for a submission, or, with `None`, for all of them.
     ///
     /// # Errors
-    /// A device that was lost.
+    /// The device is lost.
     pub fn wait(&self, submission: Option<wgpu::SubmissionIndex>, step: u64) -> Result<()> {
         let done = self.device.poll(wgpu::PollType::Wait { submission_index: submission, timeout: None });
         self.healthy(step)?;

@@ -1,12 +1,14 @@
-//! Sums that keep what f32 would lose, and positions as a cell, a whole number of units and what is left of one. Twin of `exact.wgsl`, f32.
+//! Arithmetic in f32 that loses less than f32 alone: compensated sums (a high part and a low part, the rounding error of the high one), and coordinates as a
+//! cell, a whole number of units (2^-30 cells) and a fraction of a unit, the rest. Twin of `exact.wgsl`.
 
-/// Units in a cell; offsets are counted from the cell's middle node.
+/// Units in a cell. The cell of a coordinate is that of the B-spline: the offset is counted from the nearest node, the middle one of the three that the point
+/// reaches along an axis, and lies within half a cell of it.
 pub const UNITS: f32 = 1_073_741_824.0;
 #[cfg(test)]
 const WIDTH: i32 = 1 << 30;
 const HALF: i32 = 1 << 29;
 
-/// high + low + x, with what does not fit into the first in the second (Knuth's two-sum).
+/// The compensated sum of high + low and x: the rounded sum, and its rounding error (Knuth's two-sum).
 #[cfg(test)]
 pub fn add([high, low]: [f32; 2], x: f32) -> [f32; 2] {
     let b = low + x;
@@ -15,13 +17,13 @@ pub fn add([high, low]: [f32; 2], x: f32) -> [f32; 2] {
     [sum, (high - (sum - part)) + (b - part)]
 }
 
-/// A high and a low part of a number.
+/// A number as the sum of two f32: its rounded value and the rest.
 pub fn split(x: f64) -> [f32; 2] {
     let high = x as f32;
     [high, (x - f64::from(high)) as f32]
 }
 
-/// An offset after a move of `by` cells, |by| < 1.5: units, what is left of one, cells passed.
+/// An offset after a displacement of `by` cells, |by| < 1.5: units, rest, and number of cells passed.
 #[cfg(test)]
 pub fn moved(units: i32, rest: f32, by: f32) -> (i32, f32, i32) {
     let sum = by * UNITS + rest;
@@ -31,19 +33,19 @@ pub fn moved(units: i32, rest: f32, by: f32) -> (i32, f32, i32) {
     (there - shift * WIDTH, sum - whole, shift)
 }
 
-/// Cell, units and rest of a place, in cells from the domain's corner.
+/// Cell, units and rest of the coordinate `x`, in cells from the corner of the domain.
 pub fn place(x: f64) -> (i32, i32, f32) {
     let cell = (x - 0.5).floor();
     let units = (x - cell - 1.0) * f64::from(UNITS);
     let whole = units.floor();
     if whole as i32 >= HALF {
-        // x − ½ lies just below a whole number
+        // x − ½ is a whole number but for rounding
         return (cell as i32 + 1, -HALF, 0.0);
     }
     (cell as i32, whole as i32, (units - whole) as f32)
 }
 
-/// The place again.
+/// The coordinate, in cells from the corner of the domain, from cell, units and rest.
 pub fn placed(cell: i32, units: i32, rest: f32) -> f64 {
     f64::from(cell) + 1.0 + (f64::from(units) + f64::from(rest)) / f64::from(UNITS)
 }

@@ -1,11 +1,11 @@
-//! Stress increments of the laws in f32. Twin of `law.wgsl`; the laws themselves are in `mpm::law`.
+//! Stress increments of the laws in f32, for tests. Twin of `law.wgsl`; what the functions compute is said in `mpm::law`, which has the same names.
 //!
-//! Everything is an increment: a return subtracts what a state is outside of the surface, the plastic strain of a step is found by itself. So small
-//! steps add up in compensated sums, where differences of new and old values would drown in the rounding of the large ones.
+//! All results are increments: of the stress, and of the plastic strain. They are added up in compensated sums. A new stress computed as a whole would have the
+//! rounding error of its size in each step, which is larger than the increment of a small step.
 
 use super::layout::{Evolution32, Law32};
 
-/// Components as `mpm::law::Sym`.
+/// Components in the order of `mpm::law::Sym`.
 pub type Sym32 = [f32; 6];
 
 #[derive(Clone, Copy)]
@@ -14,7 +14,7 @@ struct YieldParameters {
     kappa: f32,
 }
 
-/// Changes of I1 and J, and whether the end lies on the cone.
+/// Changes of I1 and J in the return, Pa, and whether it ends on the cone.
 #[derive(Clone, Copy)]
 struct Returned {
     di1: f32,
@@ -24,7 +24,7 @@ struct Returned {
 
 const NONE: Returned = Returned { di1: 0.0, dj: 0.0, on_cone: false };
 
-/// Increments of stress and plastic strain in a strain increment, from a stress that has turned with its material.
+/// Increments of stress, Pa, and plastic strain for the strain increment `strain`; `before`, Pa: stress, already rotated with the material.
 pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (Sym32, f32) {
     let two_g = 2.0 * law.shear;
     let lame = law.bulk - two_g * 0.333_333_33;
@@ -50,13 +50,13 @@ pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (
     };
     let share = if j > 0.0 { end.dj / j } else { 0.0 };
     let mean = end.di1 * 0.333_333_33;
-    // deviator from differences, so that a large pressure does not drown it
+    // the deviator from differences of normal stresses, so that a large pressure does not spoil its digits
     let deviator = [(d[0] - d[2]) * 0.333_333_33, (d[1] - d[0]) * 0.333_333_33, (d[2] - d[1]) * 0.333_333_33];
     let stress = std::array::from_fn(|k| elastic[k] + if k < 3 { deviator[k] * share + mean } else { trial[k] * share });
     (stress, plastic)
 }
 
-/// Sine of an angle within −π/2..π/2: Taylor series (the device's own need not be better than 2⁻¹¹).
+/// Sine of an angle in −π/2..π/2 by its Taylor series: the sine of the device may have errors up to 2⁻¹¹.
 fn sine(angle: f32) -> f32 {
     let q = angle * angle;
     let sum = ((((1.605_904_4e-10 * q - 2.505_210_8e-8) * q + 2.755_731_9e-6) * q - 1.984_127e-4) * q + 8.333_333e-3) * q
@@ -78,7 +78,7 @@ fn decay_of(x: f32) -> f32 {
     (1.0 + r * sum) * f32::from_bits(((127 - halvings) as u32) << 23)
 }
 
-/// Value and slope.
+/// The value and its derivative.
 fn evolution_at(e: &Evolution32, x: f32) -> (f32, f32) {
     match e.kind {
         0 => (e.last, 0.0),
@@ -101,7 +101,7 @@ fn evolution_at(e: &Evolution32, x: f32) -> (f32, f32) {
     }
 }
 
-/// The surface at a plastic strain, and its slope.
+/// The yield surface at a plastic strain, and its derivative.
 fn surface(law: &Law32, plastic: f32) -> (YieldParameters, YieldParameters) {
     if plastic >= law.settled {
         return (YieldParameters { alpha: law.last_alpha, kappa: law.last_kappa }, YieldParameters { alpha: 0.0, kappa: 0.0 });
@@ -175,9 +175,9 @@ fn at_jump(law: &Law32, i1: f32, j: f32, increment: f32, s: YieldParameters) -> 
     if j + end.dj >= 0.0 && inside(law, s, i1 + end.di1, j + end.dj) { end } else { returned(law, s, i1, j) }
 }
 
-/// As `DruckerPrager::hardened`, with the plastic strain of the step as the unknown.
+/// As `DruckerPrager::hardened`; the unknown is the increment of the plastic strain.
 fn hardened(law: &Law32, i1: f32, j: f32, before: f32, first: (YieldParameters, YieldParameters)) -> (Returned, f32) {
-    // what rounding of the stress leaves of a plastic strain
+    // error of the plastic strain from the rounding of the stress
     let noise = 2e-7 * (j + i1.abs()) / law.shear;
     let (mut low, mut high, mut at) = (0.0, largest_increment(law, i1, j), 0.0);
     let mut now = first;

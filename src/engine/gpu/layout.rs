@@ -1,13 +1,14 @@
-//! What the shaders read, with the same offsets (`params.wgsl`), in f32.
+//! Structs that the shaders read and write, with the same fields at the same offsets. What the fields are is said with the structs of the same names in
+//! `params.wgsl`, `loading_plates.wgsl` and `nodes.wgsl`; a test compares the offsets.
 
 use crate::mpm::law::{Cone, Evolution, Law};
 use crate::mpm::{GridWall, PlateDrive, Ramp, Settings, Transfer};
 use bytemuck::{Pod, Zeroable};
 
-/// Stands for infinity, which shaders may not know.
+/// In place of infinity, which shaders need not have.
 const HUGE: f64 = 1e30;
 
-/// The numbers of one batch of steps.
+/// What stays the same during one batch of steps.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Params {
@@ -62,7 +63,7 @@ impl From<PlateDrive> for PlateDrive32 {
     }
 }
 
-/// A loading plate and what is known of it; sums are pairs of a number and what does not fit into it.
+/// State of a loading plate; pairs are compensated sums.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct LoadingPlate32 {
@@ -88,7 +89,7 @@ pub struct LoadingPlate32 {
     pub reactions: [f32; 2],
 }
 
-/// What stands before the forces on points.
+/// State of a batch: the first part of the buffer `batch`, before the forces on points.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct BatchState {
@@ -100,7 +101,7 @@ pub struct BatchState {
 }
 
 impl Params {
-    /// Everything but the time step. Sizes must have been checked.
+    /// Everything but the time step and the drives. `lightest`: mass of the lightest point, kg. Sizes must have been checked before.
     pub fn of(settings: &Settings, points: usize, lightest: f64) -> Params {
         let size = settings.cells.map(|n| n as i32);
         let product = |more: u32| settings.cells.iter().map(|n| n + more).product::<u32>();
@@ -117,7 +118,7 @@ impl Params {
             cells,
             nodes,
             blocks: cells.div_ceil(256),
-            // so many steps of the sort stay below what software adapters let a loop do
+            // the sort of more points in a cell would exceed the number of iterations that software adapters allow in a loop
             crowd: 256,
             point_groups: groups(points as u32),
             cell_groups: groups(cells + 1),
@@ -127,7 +128,7 @@ impl Params {
     }
 }
 
-/// Workgroups of 64 along x and y.
+/// Numbers of workgroups of 64 threads along x and y for at least so many threads.
 pub fn groups(threads: u32) -> [u32; 2] {
     const MOST: u32 = 32_768;
     let all = threads.div_ceil(64).max(1);
@@ -230,11 +231,11 @@ impl From<&Law> for Law32 {
     }
 }
 
-/// What a batch leaves to be read.
+/// Status of a batch.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Status {
-    /// Lowest 8 id + fault; all bits set: none.
+    /// The smallest 8 · identity + fault over all points with a fault; all bits set where there is none.
     pub fault: u32,
     pub crossed: u32,
     pub steps: u32,

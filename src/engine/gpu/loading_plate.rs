@@ -1,4 +1,4 @@
-//! Loading plates on the device: rigid planes along the axes that press on the points' ghost spheres (`plates.wgsl`).
+//! Loading plates on the device: their state to the device and back, and what the device refuses. The shader is `loading_plates.wgsl`.
 
 use super::device::refused;
 use super::exact::{place, placed, split};
@@ -7,11 +7,12 @@ use super::state::ghost_radius;
 use crate::error::Error;
 use crate::mpm::{LoadingPlate, Points, Settings};
 
-/// Of a pair of a number and what does not fit into it.
+/// The value of a compensated sum.
 pub fn both([high, low]: [f32; 2]) -> f64 {
     f64::from(high) + f64::from(low)
 }
 
+/// State of a loading plate on the device; `drift`: its mean speed under servo control, m/s.
 pub fn to_device(p: &LoadingPlate, drift: f64, settings: &Settings) -> LoadingPlate32 {
     let axis = p.axis();
     let (cell, units, rest) = place((p.point[axis] - settings.lower[axis]) / settings.cell);
@@ -34,7 +35,7 @@ pub fn to_device(p: &LoadingPlate, drift: f64, settings: &Settings) -> LoadingPl
     }
 }
 
-/// What the device knows of it now.
+/// Writes the state on the device into a loading plate.
 pub fn take(plate: &mut LoadingPlate, p: &LoadingPlate32, settings: &Settings) {
     let axis = plate.axis();
     plate.point[axis] = settings.lower[axis] + settings.cell * placed(p.cell, p.units, p.rest);
@@ -43,7 +44,7 @@ pub fn take(plate: &mut LoadingPlate, p: &LoadingPlate32, settings: &Settings) {
     (plate.speed, plate.moved) = (p.speed.into(), p.moved.into());
 }
 
-/// What is not allowed.
+/// Refusals of loading plates that the device cannot have.
 pub fn wrong(plates: &[LoadingPlate], settings: &Settings, points: &Points) -> Vec<Error> {
     let mut errors = Vec::new();
     if plates.len() > 6 {

@@ -1,4 +1,4 @@
-//! What a continuum needs on the device, found before anything is allocated.
+//! Sizes of the buffers that a continuum needs on the device, known before anything is allocated.
 
 use super::device::refused;
 use super::layout::{BatchState, groups};
@@ -6,7 +6,7 @@ use super::state::planes;
 use crate::error::Result;
 use crate::mpm::Settings;
 
-/// Bytes of each buffer.
+/// Size of each buffer, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BufferSizes {
     pub state: u64,
@@ -19,7 +19,7 @@ pub struct BufferSizes {
 }
 
 impl BufferSizes {
-    /// For a number of points, with or without loading plates; the grid is that of the whole domain.
+    /// For `points` material points, with or without loading plates; the grid covers the whole domain.
     pub fn of(settings: &Settings, points: u64, plates: bool) -> BufferSizes {
         let n = settings.cells.map(u128::from);
         let all = |more: u128| n.iter().map(|n| n + more).product::<u128>().min(1 << 40) as u64;
@@ -33,21 +33,23 @@ impl BufferSizes {
             counts: 4 * cells,
             order: 4 * points,
             touching: 8 * sides,
-            // force on each point, and sums of groups of points
+            // the state, the force on each point, and sums over workgroups of points
             batch: size_of::<BatchState>() as u64 + 16 + if plates { 16 * points + 96 * (u64::from(x) * u64::from(y)) } else { 0 },
         }
     }
 
-    /// All of them.
+    /// Size of all buffers, bytes.
     pub fn sum(&self) -> u64 {
         self.state + self.nodes + self.starts + self.counts + self.order + self.touching + self.batch
     }
 
+    /// Compares the sizes with the limits of the device.
+    ///
     /// # Errors
-    /// A buffer that the device cannot have, with its size and the limit.
+    /// A buffer is larger than the device allows; the message has its size and the limit.
     pub fn check(&self, limits: &wgpu::Limits) -> Result<()> {
         let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
-        // so that indices stay within 32 bits, and workgroups of the prefix sum within one axis
+        // the workgroups of the prefix sum must fit along one axis; the grid is limited so that indices fit into 32 bits
         let cells = 65_535 * 256 * 4;
         for (what, bytes, most, advice) in [
             ("memory of the points", self.state, most, "use fewer points"),

@@ -12,10 +12,12 @@
 //! # }
 //! ```
 //!
-//! Space with quadratic B-splines, MUSL, a FLIP/PIC blend, walls, gravity, local damping; both laws; up to six loading plates that move at a speed or
-//! towards a stress; grains in it, with their contacts. What it lacks (plane strain, GIMP, affine transfer) is refused by name. Each `x.wgsl` stands beside its f32 twin or names the f64 code of `mpm` that states the same.
+//! It has three-dimensional grids with quadratic B-splines, the MUSL scheme, the blend of FLIP and PIC, walls, gravity, local damping, the laws `elastic` and
+//! `drucker_prager`, up to six loading plates that move at a speed or hold a stress, and grains with their contacts. What it lacks (plane strain, GIMP, the affine
+//! transfer, other laws) is refused with the key of the scene file.
 //!
-//! Tested on software Vulkan only; on graphics hardware it has not been run.
+//! The shaders are the files `*.wgsl`, which `shader.rs` puts together. Each of them names its twin: Rust code that computes the same, in f32 in this folder or in
+//! f64 in `mpm`, `coupling`, `contact` and `dem`, against which tests compare it.
 
 mod continuum;
 mod device;

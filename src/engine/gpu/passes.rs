@@ -1,10 +1,10 @@
-//! The pipelines, and their order in a step.
+//! The compute pipelines, one for each entry point of the shaders, and their order in a step.
 
 use super::continuum::{Buffers, Groups};
 use super::device::Device;
 use super::{grains, shader};
 
-/// Names of the entry points that all share one layout.
+/// Entry points for points and nodes; they share one layout of bindings.
 const NAMES: [&str; 18] = [
     "plate_forces",
     "sum_plate_loads",
@@ -26,42 +26,44 @@ const NAMES: [&str; 18] = [
     "sort",
 ];
 
-/// Those of grains.
+/// Entry points for grains.
 const OF_GRAINS: [&str; 6] =
     ["move_grains", "point_candidates", "grain_candidates", "point_contact_forces", "grain_forces", "step_bound"];
 
-/// Offsets of the sizes that `build_grid` writes.
+/// Offsets, bytes, of the sizes of dispatches that `build_grid` writes.
 const POINT_CANDIDATES: u64 = 0;
 const GRAIN_CANDIDATES: u64 = 12;
 
-/// Offsets of the sizes that `plan` writes.
+/// Offsets, bytes, of the sizes of dispatches that `plan` writes.
 const CELLS: u64 = 0;
 const BLOCKS: u64 = 12;
 const ONE: u64 = 24;
 const POINTS: u64 = 36;
 
-/// Pipelines, and the buffers that they are bound to.
+/// The pipelines, and the buffers that they are bound to.
 #[derive(Clone)]
 pub struct Passes {
     pipelines: Vec<wgpu::ComputePipeline>,
     plan: wgpu::ComputePipeline,
-    /// Where there are grains.
+    /// `None` without grains.
     build_grid: Option<wgpu::ComputePipeline>,
-    /// State, sizes of dispatches, grains.
+    /// Bindings of the state, of the sizes of dispatches, and of grains.
     layouts: [wgpu::BindGroupLayout; 3],
     bound: Option<BindGroups>,
 }
 
+/// Buffers bound for the shaders.
 #[derive(Clone)]
 struct BindGroups {
     state: wgpu::BindGroup,
     sizes: wgpu::BindGroup,
     dispatches: wgpu::Buffer,
-    /// Grains, the sizes of their searches, and the buffer of these.
+    /// Of grains: their buffers, the sizes of the dispatches of their search, and the buffer of these sizes.
     grains: Option<(wgpu::BindGroup, wgpu::BindGroup, wgpu::Buffer)>,
 }
 
 impl Passes {
+    /// Compiles the pipelines, with or without those for grains.
     pub fn new(device: &Device, with_grains: bool) -> Passes {
         let source = if with_grains { shader::MIXTURE } else { shader::STEP };
         let device = &device.device;
@@ -111,6 +113,7 @@ impl Passes {
         Passes { pipelines, plan, build_grid, layouts, bound: None }
     }
 
+    /// Binds them to buffers.
     pub fn bind(mut self, device: &Device, b: &Buffers, grains: Option<&grains::GrainBuffers>) -> Passes {
         let buffers = [&b.params, &b.laws, &b.state, &b.nodes, &b.starts, &b.counts, &b.order, &b.status, &b.touching, &b.batch];
         let group = |layout, buffers: &[&wgpu::Buffer]| {
@@ -142,7 +145,7 @@ impl Passes {
         pass.dispatch_workgroups(x, y, 1);
     }
 
-    /// Order of the points, if one has crossed.
+    /// Sorts the points by cell, if one of them has moved to another cell.
     fn sort(&self, pass: &mut wgpu::ComputePass<'_>) {
         let Some(BindGroups { sizes, dispatches, grains, .. }) = &self.bound else { return };
         pass.set_pipeline(&self.plan);
@@ -171,6 +174,7 @@ impl Passes {
         }
     }
 
+    /// Binds the buffers at the start of a pass.
     fn start(&self, pass: &mut wgpu::ComputePass<'_>) {
         if let Some(BindGroups { state, grains, .. }) = &self.bound {
             pass.set_bind_group(0, state, &[]);
@@ -180,7 +184,7 @@ impl Passes {
         }
     }
 
-    /// What grains bear at this instant, after a step of theirs.
+    /// Forces on the grains and contacts with points, after each step of the grains: lists of candidates where they are due, then contacts.
     fn compute_grain_forces(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
         let (Some(build_grid), Some(BindGroups { grains: Some((_, sizes, searches)), .. }), Some(grains)) =
             (&self.build_grid, &self.bound, &groups.grains)
@@ -200,7 +204,7 @@ impl Passes {
         self.run(pass, "step_bound", [1, 1]);
     }
 
-    /// What loading plates feel of the points as they are.
+    /// Forces between loading plates and points at their present positions.
     fn compute_plate_forces(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
         if groups.plates {
             self.run(pass, "plate_forces", groups.points);
@@ -208,7 +212,7 @@ impl Passes {
         }
     }
 
-    /// What must stand before the first step.
+    /// What must be computed before the first step: order of the points, velocities of the nodes, forces on loading plates and grains.
     pub fn prepare(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
         self.start(pass);
         self.sort(pass);
@@ -218,7 +222,7 @@ impl Passes {
         self.run(pass, "survey", groups.points);
     }
 
-    /// One step; the order of mpm/step.rs, from what loading plates feel to what they feel.
+    /// One step, in the order of mpm/step.rs; it begins with the forces known and ends with those of the new positions.
     pub fn step(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
         self.start(pass);
         if groups.plates || groups.grains.is_some() {
@@ -244,7 +248,7 @@ impl Passes {
         self.compute_grain_forces(pass, groups);
     }
 
-    /// What a batch leaves besides.
+    /// The largest speed of waves and points, at the end of a batch.
     pub fn survey(&self, pass: &mut wgpu::ComputePass<'_>, groups: &Groups) {
         self.start(pass);
         self.run(pass, "survey", groups.points);

@@ -1,6 +1,6 @@
-//! The sources of the passes, assembled.
+//! The sources of the shaders, put together from their files.
 
-/// All passes of a step.
+/// Source for a continuum without grains.
 pub const STEP: &str = concat!(
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
@@ -13,7 +13,7 @@ pub const STEP: &str = concat!(
     include_str!("order.wgsl")
 );
 
-/// The same with grains, and their own passes.
+/// Source for a continuum with grains.
 pub const MIXTURE: &str = concat!(
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
@@ -36,7 +36,7 @@ pub mod tests {
     use std::mem::{offset_of, size_of};
     use wgpu::naga;
 
-    /// Rung 2b runs the laws by themselves.
+    /// Source for tests of the laws alone.
     pub const LAW_TEST: &str =
         concat!(include_str!("params.wgsl"), include_str!("exact.wgsl"), include_str!("law.wgsl"), include_str!("law_test.wgsl"));
 
@@ -44,7 +44,7 @@ pub mod tests {
         naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
     }
 
-    /// Rung 0.
+    /// Every source is valid WGSL.
     #[test]
     fn shaders_are_valid() {
         for source in [STEP, MIXTURE, LAW_TEST] {
@@ -62,7 +62,7 @@ pub mod tests {
         (members.iter().map(|m| m.offset as usize).collect(), *span as usize)
     }
 
-    /// Rung 1.
+    /// Structs have the same fields at the same offsets in Rust and WGSL.
     #[test]
     fn structs_have_the_same_offsets() {
         let module = parsed(STEP);
@@ -122,7 +122,7 @@ pub mod tests {
             overlaps,
             reactions
         );
-        // what follows it has no size of its own
+        // the last field of the struct in WGSL is an array of any length
         let (mut fields, size) = offsets(&module, "BatchState");
         assert_eq!(fields.pop(), Some(size_of::<BatchState>()));
         assert_eq!(size, size_of::<BatchState>() + 16);
@@ -211,7 +211,7 @@ pub mod tests {
         );
     }
 
-    /// Constants that stand in both.
+    /// Constants have the same values in Rust and WGSL.
     #[test]
     fn constants_are_those_of_the_processor() {
         use crate::gpu::grains::layout::{NONE, PARTNERS, PLACES, SIDES, SLOTS, WALLS};

@@ -1,25 +1,25 @@
-//! Points of the CPU to planes of the device, and back.
+//! The state of the points as the device holds it, and back. The device has it in planes: arrays with four words of 32 bits for each point.
 
 use super::exact::{UNITS, place, placed, split};
 use crate::mpm::{Face, Points, Settings};
 
-/// Planes of four words per point; the order is that of `nodes.wgsl`.
+/// Number of planes; what they hold, in which order, is said in `nodes.wgsl`.
 const PLANES: usize = 9;
-/// The last ones, only between loading plates.
+/// Number of further planes for the faces of points, with loading plates only.
 const FACES: usize = 2;
 
-/// How many planes there are.
+/// Number of planes with or without loading plates.
 pub fn planes(plates: bool) -> usize {
     PLANES + if plates { FACES } else { 0 }
 }
 
-/// Radius of a point's ghost sphere, m (Li et al. 2023, eq. 22): its solid volume, which stays.
+/// Radius of the contact sphere of point `i`, m: the sphere with its solid volume (Li et al. 2023, eq. 22), which does not change.
 pub fn ghost_radius(points: &Points, i: usize) -> f64 {
     let solid = points.solid(i);
     (solid * (0.75 / std::f64::consts::PI)).cbrt()
 }
 
-/// Planes one after the other. Points must lie within the domain.
+/// The planes of the points, one after the other. Points must lie within the domain.
 pub fn to_device(settings: &Settings, points: &Points, plates: bool) -> Vec<[u32; 4]> {
     let n = points.len();
     let mut planes = vec![[0_u32; 4]; planes(plates) * n];
@@ -59,7 +59,7 @@ pub fn to_device(settings: &Settings, points: &Points, plates: bool) -> Vec<[u32
     planes
 }
 
-/// Ids of the points and their places, in the order of ids.
+/// Identities of the points and their indices on the device, in the order of identities.
 pub fn by_id(planes: &[[u32; 4]], points: usize) -> Vec<(u32, u32)> {
     let of_ids = &planes[8 * points..9 * points];
     let mut all: Vec<(u32, u32)> = of_ids.iter().map(|word| word[2]).zip(0..).collect();
@@ -67,8 +67,8 @@ pub fn by_id(planes: &[[u32; 4]], points: usize) -> Vec<(u32, u32)> {
     all
 }
 
-/// Writes the state into the point of the same index; returns the stress work since the state went to the device, J. Mass, law and what a point
-/// was at the start stay as they are.
+/// Writes the state of the point with the index `i` on the device into the point `to` of `points`; returns its stress work since the state was copied to the
+/// device, J. Mass, law and initial values of the point are not written.
 pub fn to_point(settings: &Settings, planes: &[[u32; 4]], i: usize, points: &mut Points, to: usize) -> f64 {
     let n = points.len();
     let word = |plane: usize| planes[plane * n + i];

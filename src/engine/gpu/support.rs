@@ -1,4 +1,4 @@
-//! What the GPU path takes, and where it fits; nothing is started for it.
+//! Which continua the graphics device can compute, and whether one fits into its memory; answered without opening the device.
 
 use super::device::{Adapter, holding, refused};
 use super::grains::{self, CoarseGrains};
@@ -8,27 +8,27 @@ use crate::error::{Error, Result};
 use crate::mpm::law::Law;
 use crate::mpm::{Dimension, LoadingPlate, Points, Settings, ShapeFunctions, Transfer};
 
-/// What a continuum needs on a device, in bytes, with grains a guess.
+/// Memory that a continuum needs on the device, bytes; with grains an estimate.
 ///
 /// # Errors
-/// What the GPU path lacks, by name.
+/// The device lacks something that the continuum has.
 pub fn needs(settings: &Settings, points: &Points, plates: &[LoadingPlate], coarse: Option<&CoarseGrains<'_>>) -> Result<u64> {
     sizes(settings, points, plates, coarse).map(|(sizes, grains)| sizes.sum() + grains.map_or(0, |g| g.sum()))
 }
 
-/// The adapter on which a continuum fits.
+/// The adapter, where the continuum fits into its memory.
 ///
 /// # Errors
-/// What the GPU path lacks, by name; no adapter; one without room.
+/// The device lacks something that the continuum has; there is no adapter; its memory is too small.
 pub fn fits(settings: &Settings, points: &Points, plates: &[LoadingPlate], coarse: Option<&CoarseGrains<'_>>) -> Result<Adapter> {
     let (sizes, grains) = sizes(settings, points, plates, coarse)?;
     holding(&sizes, grains.as_ref())
 }
 
-/// Bytes of each buffer, those of grains apart.
+/// Sizes of the buffers, those of points and nodes and those of grains.
 ///
 /// # Errors
-/// What the GPU path lacks, by name.
+/// The device lacks something that the continuum has.
 pub fn sizes(
     settings: &Settings,
     points: &Points,
@@ -42,10 +42,10 @@ pub fn sizes(
     Ok((BufferSizes::of(settings, points.len() as u64, !plates.is_empty()), grains))
 }
 
-/// Refuses laws that shaders do not have.
+/// Checks that shaders have these laws.
 ///
 /// # Errors
-/// The first such law.
+/// The first law that they lack.
 pub fn takes(laws: &[Law]) -> Result<()> {
     let refusal = |law: &Law| {
         let instead = law.on_gpu().err()?;
@@ -54,7 +54,7 @@ pub fn takes(laws: &[Law]) -> Result<()> {
     Error::all(laws.iter().find_map(refusal).into_iter().collect())
 }
 
-/// What the GPU path does not have.
+/// Refusals of what the device lacks.
 fn lacking(settings: &Settings, points: &Points) -> Vec<Error> {
     let mut errors = Vec::new();
     if settings.dimension == Dimension::PlaneStrain {

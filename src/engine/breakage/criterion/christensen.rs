@@ -1,20 +1,21 @@
-//! Christensen's criterion of two parameters on a grain's mean stress (Christensen 2000, Math. Mech. Solids 5: 285–300): a paraboloid about the hydrostatic axis.
+//! Christensen's criterion with two parameters on the mean stress of a grain (Christensen 2000, Math. Mech. Solids 5: 285–300): a paraboloid about the hydrostatic
+//! axis.
 //!
 //! ```text
 //! 3 (1 + χ) J2 = σ_c (σ_c + 3 χ p)      σ_eq = [−3 χ p + √(9 χ² p² + 12 (1 + χ) J2)] / 2 > σ_lim
 //! ```
 //!
 //! - p — mean of the normal stresses, Pa, compression positive; J2 — second invariant of the deviator, Pa²
-//! - χ = σ_c/σ_t − 1 — by how much the uniaxial compressive strength exceeds the tensile one, - (geological materials: 10 to 170); 0 is von Mises' criterion
+//! - χ = σ_c/σ_t − 1 — ratio of the uniaxial compressive to the tensile strength, less 1, - (geological materials: 10 to 170); 0 is von Mises' criterion
 //! - σ_lim = σ_c — strength in uniaxial compression, Pa
 //!
-//! It is the criterion from which Russell & Muir Wood derive the limit strength of a contact ([`super::limit_strength`]), here on the mean of the stress over the grain instead of the stress on
-//! the line between two contacts.
+//! Russell & Muir Wood derive the limit strength of a contact from the same criterion ([`super::limit_strength`]), but for the stress on the line between two
+//! contacts; here it is applied to the mean stress of the grain.
 
 use super::{FailureCriterion, Judges, MeanStress, sphere_area};
 use crate::parameter::{Parameter, Range, Values};
 
-/// Christensen's criterion of two parameters on the grain's mean stress.
+/// Christensen's criterion with two parameters on the mean stress of a grain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Christensen {
     /// χ = σ_c/σ_t − 1, -.
@@ -42,7 +43,7 @@ impl FailureCriterion for Christensen {
         let push = 3.0 * self.chi * stress.p();
         let shear = 12.0 * (1.0 + self.chi) * stress.j2();
         let root = (push * push + shear).sqrt();
-        // without the difference of two large numbers
+        // in a form that does not subtract two large, nearly equal numbers
         if push > 0.0 { 0.5 * shear / (push + root) } else { 0.5 * (root - push) }
     }
 

@@ -1,16 +1,16 @@
 //! Contact force over a fixed contact area: F > σ_lim A_F with A_F = π/4 d² sin² θ0 (Ciantia et al. 2015, eqs 5, 8, from Russell & Muir Wood 2009).
 //!
-//! - `theta0` θ0 — angle of the contact area at failure, half its opening seen from the grain's centre, rad, 0..π/2
+//! - `theta0` θ0 — angle of the contact area at failure: half the angle under which it is seen from the centre of the grain, rad, 0..π/2
 //! - `sigma_lim` σ_lim — limit strength, Pa ([`super::limit_strength`]); `d` — grain diameter, m
 //!
-//! Valid for small contact areas. Only the product σ_lim sin² θ0 acts.
+//! Valid for small contact areas. Results depend on the product σ_lim sin² θ0 only.
 
 use super::{FailureCriterion, Judges};
 use crate::math::portable;
 use crate::parameter::{Parameter, Range, Values};
 use std::f64::consts::FRAC_PI_4;
 
-/// Contact force over a fixed contact area (eq. 8).
+/// Contact force over a contact area of fixed angle (eq. 8).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedAngle {
     /// Angle of the contact area at failure, rad.

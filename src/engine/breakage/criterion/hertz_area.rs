@@ -1,16 +1,16 @@
-//! Contact force over Hertz's area of the contact itself: F > σ_lim A_F with A_F = π (3 F r'/(4 E'))^(2/3) (Ciantia et al. 2015, eqs 5, 9-11).
+//! Contact force over the Hertzian area of the contact at that force: F > σ_lim A_F with A_F = π (3 F r'/(4 E'))^(2/3) (Ciantia et al. 2015, eqs 5, 9-11).
 //!
 //! - `sigma_lim` σ_lim — limit strength, Pa ([`super::limit_strength`])
 //! - `r_eff` r', m, and `e_eff` E', Pa — reduced radius and modulus of the contact (eqs 10, 11)
 //!
-//! The inequality is F (E'/r')² > 9/16 π³ σ_lim³ (eq. 17): contacts keep the left side as their load, N Pa²/m², and the right side is the threshold.
+//! That is the same as F (E'/r')² > 9/16 π³ σ_lim³ (eq. 17). The left side is the load that contacts keep, N Pa²/m²; the right side is the threshold.
 
 use super::{FailureCriterion, Judges};
 use crate::math::portable;
 use crate::parameter::Values;
 use std::f64::consts::PI;
 
-/// Contact force over Hertz's area (eq. 9).
+/// Contact force over the Hertzian area of the contact (eq. 9).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HertzArea;
 

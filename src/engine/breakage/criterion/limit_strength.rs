@@ -8,21 +8,22 @@
 
 use std::f64::consts::SQRT_2;
 
-/// Christensen's parameters `(kappa, chi)` (eq. 2, with the misprint of chi corrected: chi = |sigma_c| / sigma_t - 1).
+/// Christensen's parameters kappa, Pa, and chi, -, from the uniaxial compressive and tensile strengths, Pa (eq. 2, with a misprint corrected:
+/// chi = |sigma_c| / sigma_t - 1).
 pub fn christensen(sigma_c: f64, sigma_t: f64) -> (f64, f64) {
     let chi = sigma_c.abs() / sigma_t - 1.0;
     let kappa = (1.0 + chi) / 3.0_f64.sqrt() * sigma_c.abs();
     (kappa, chi)
 }
 
-/// Prefactor f(chi, nu) of the mobilised strength, kappa_mob = f F / (pi R^2 sin^2 theta0) (eqs 3, 4), -.
+/// Factor f(chi, nu) of the mobilised strength kappa_mob = f F / (pi R^2 sin^2 theta0) (eqs 3, 4), -; `chi`: microstructure parameter, -; `nu`: Poisson's ratio, -.
 pub fn f_chi_nu(chi: f64, nu: f64) -> f64 {
     let chi_part = 3.0_f64.sqrt() * (1.0 + chi) * (1.0 + chi) / chi;
     let nu_part = 3.0 / 32.0 + SQRT_2 / 24.0 + (SQRT_2 / 12.0 - 0.25) * nu + (0.5 - SQRT_2 / 3.0) * nu * nu;
     chi_part * nu_part / ((2.0 - SQRT_2) * (1.0 + nu))
 }
 
-/// Limit strength sigma_lim = kappa / f(chi, nu), Pa (eq. 6).
+/// Limit strength sigma_lim = kappa / f(chi, nu), Pa (eq. 6), from the uniaxial compressive and tensile strengths, Pa, and Poisson's ratio, -.
 pub fn limit_strength(sigma_c: f64, sigma_t: f64, nu: f64) -> f64 {
     let (kappa, chi) = christensen(sigma_c, sigma_t);
     kappa / f_chi_nu(chi, nu)

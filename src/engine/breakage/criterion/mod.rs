@@ -1,8 +1,8 @@
-//! When a grain fails. A criterion is a type that implements [`FailureCriterion`] in a file of its own, and a line in [`super::registry`].
+//! When a grain fails. To add a criterion, write a type that implements [`FailureCriterion`] in a file of its own, and a line in [`super::registry`].
 //!
-//! Some criteria judge the contacts of a grain one by one: it fails where one of them bears more than the grain's strength times an area. Others judge the grain's
-//! mean stress (Love–Weber: the sum over its contacts of force times arm, over its volume): it fails where an equivalent stress exceeds its strength. The equivalent
-//! stress of every such criterion is the stress itself in uniaxial compression, so that one single-grain strength calibrates all of them.
+//! Some criteria judge the contacts of a grain one by one: the grain fails where the force of one contact exceeds the grain's strength times an area. Others judge
+//! the mean stress of the grain (Love–Weber: the sum over its contacts of force times arm, over its volume): the grain fails where an equivalent stress exceeds its
+//! strength. In uniaxial compression every equivalent stress equals the axial stress, so that one strength from tests of single grains calibrates all of them.
 //!
 //! Stresses are compression positive, Pa.
 
@@ -33,7 +33,7 @@ pub enum Judges {
     MeanStress,
 }
 
-/// When a grain fails.
+/// A failure criterion of grains.
 ///
 /// # Example
 /// Table 1 of Ciantia et al. (2015): a grain of 2 mm with the strength 300 MPa and the contact angle π/9 breaks between two
@@ -57,36 +57,37 @@ pub enum Judges {
 /// assert!(VonMises.equivalent_stress(&MeanStress([stress, stress, stress, 0.0, 0.0, 0.0])) < 1.0);
 /// ```
 pub trait FailureCriterion: Copy {
-    /// What the criterion asks of a material besides the limit strength and its spread.
+    /// The parameters that the criterion needs of a material besides the limit strength and its spread.
     const PARAMETERS: &'static [Parameter] = &[];
     /// What it looks at.
     const JUDGES: Judges;
-    /// Whether contacts keep their normal force times [`FailureCriterion::load_weight`]; otherwise the weight is 1.
+    /// Whether [`FailureCriterion::load_weight`] differs from 1: contacts then keep their normal force times this weight.
     const WEIGHTED: bool = false;
-    /// The power of the strength to which the force goes that breaks a grain between two platens.
+    /// The power of the strength in the force that breaks a grain between two platens.
     const POWER: u32 = 1;
 
     /// The criterion with the values of [`FailureCriterion::PARAMETERS`].
     fn of(values: &Values) -> Self;
 
-    /// What a load is compared with, for a grain of strength `sigma_lim`, Pa, and diameter `d`, m: the largest weighted normal force of its contacts, or its equivalent stress,
-    /// Pa.
+    /// Threshold of a grain with the strength `sigma_lim`, Pa, and the diameter `d`, m: for criteria on contacts that of the normal force, N, times its weight;
+    /// otherwise that of the equivalent stress, Pa.
     fn threshold(&self, sigma_lim: f64, d: f64) -> f64;
 
-    /// Weight of a contact's normal force in its load, by R*, m, and E', Pa, of the contact.
+    /// Factor on the normal force of a contact before it is compared with the threshold; `r_eff`: R* of the contact, m; `e_eff`: its E', Pa.
     fn load_weight(&self, _r_eff: f64, _e_eff: f64) -> f64 {
         1.0
     }
 
-    /// Equivalent stress, Pa, of a mean stress; criteria that judge contacts have none.
+    /// Equivalent stress, Pa, of a mean stress; 0 for criteria on contacts.
     fn equivalent_stress(&self, _stress: &MeanStress) -> f64 {
         0.0
     }
 
-    /// Normal force, N, at which a grain of strength `sigma_lim`, Pa, and diameter `d`, m, breaks between two platens that it touches with R*, m, and E', Pa.
+    /// Normal force, N, at which a grain with the strength `sigma_lim`, Pa, and the diameter `d`, m, breaks between two platens; `r_eff`, m, and `e_eff`, Pa: R* and E'
+    /// of its contacts with them.
     fn limit_force(&self, sigma_lim: f64, d: f64, r_eff: f64, e_eff: f64) -> f64;
 
-    /// Area, m², over which a contact's force, N, is the stress that is compared with the strength.
+    /// Area, m², over which the force `force`, N, of a contact makes the stress that is compared with the strength.
     fn area(&self, force: f64, d: f64, r_eff: f64, e_eff: f64) -> f64;
 }
 
@@ -119,7 +120,7 @@ impl MeanStress {
     }
 }
 
-/// Area, m², over which the force of two opposite contacts is the uniaxial mean stress of a sphere: σ = 2 r F/V = F / (π d²/6).
+/// Area, m², over which the force F of two opposite contacts makes the uniaxial mean stress of a sphere: σ = 2 r F/V = F / (π d²/6).
 fn sphere_area(d: f64) -> f64 {
     PI / 6.0 * d * d
 }

@@ -1,4 +1,4 @@
-//! Mohr–Coulomb on a grain's mean stress: it fails where σ1 − N σ3 > σ_lim, N = (1 + sin φ)/(1 − sin φ).
+//! Mohr–Coulomb's criterion on the mean stress of a grain, which fails where σ1 − N σ3 > σ_lim, with N = (1 + sin φ)/(1 − sin φ).
 //!
 //! - σ1, σ3 — largest and smallest principal mean stress, Pa, compression positive
 //! - φ — angle of internal friction of the grain's substance, rad; 0 is Tresca's criterion
@@ -8,10 +8,10 @@ use super::{FailureCriterion, Judges, MeanStress, sphere_area};
 use crate::math::portable;
 use crate::parameter::{Parameter, Range, Values};
 
-/// Mohr–Coulomb on the grain's mean stress.
+/// Mohr–Coulomb's criterion on the mean stress of a grain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MohrCoulomb {
-    /// N = (1 + sin φ)/(1 − sin φ): share of the smallest principal stress that supports the grain, -.
+    /// N = (1 + sin φ)/(1 − sin φ), -: by how much the largest principal stress at failure grows with the smallest one.
     pub support: f64,
 }
 

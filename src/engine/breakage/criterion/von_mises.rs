@@ -1,12 +1,12 @@
-//! Von Mises: a grain fails where the deviatoric stress of its mean stress exceeds its strength, q = √(3 J2) > σ_lim.
+//! Von Mises' criterion: a grain fails where the deviatoric part of its mean stress exceeds its strength, q = √(3 J2) > σ_lim.
 //!
-//! Between two platens q = 6 F/(π d²) = 1.91 F/d². The octahedral shear stress, √2/3 q = 0.90 F/d² there, is the same criterion with another strength (McDowell & de Bono
-//! 2013, Géotechnique 63: 895–908). Pressure does not matter: a grain held from all sides fails at the same q.
+//! Between two platens q = 6 F/(π d²) = 1.91 F/d². McDowell & de Bono (2013, Géotechnique 63: 895–908) compare the octahedral shear stress with the strength, √2/3 q =
+//! 0.90 F/d² between platens: the same criterion with another strength. The mean stress p has no influence: a grain loaded from all sides fails at the same q.
 
 use super::{FailureCriterion, Judges, MeanStress, sphere_area};
 use crate::parameter::Values;
 
-/// Deviatoric stress of the grain's mean stress.
+/// Von Mises' criterion on the mean stress of a grain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VonMises;
 

@@ -1,5 +1,6 @@
 //! Elastic–perfectly plastic contact of spheres, Thornton (1997, J. Appl. Mech. 64:383): Hertz's law until the pressure in the middle of the contact reaches the
-//! yield pressure p_y; beyond, the force grows in proportion to the overlap; unloading and reloading follow Hertz's law of a flatter contact.
+//! yield pressure p_y. Beyond, the force grows in proportion to the overlap. Unloading and reloading follow Hertz's law for the flatter surface that yielding
+//! leaves, with the larger radius of curvature R_p.
 //!
 //! ```text
 //! a_y = π R* p_y/(2 E*)    δ_y = a_y²/R*    F_y = 4/3 E* a_y δ_y                       where yielding begins
@@ -7,7 +8,7 @@
 //! F = 4/3 E* √R_p (δ − δ_p)^(3/2)    R_p = 4 E* a³/(3 F_max)    δ_p = δ_max − a²/R_p    unloading, with a = √(R* δ_max)
 //! ```
 //!
-//! Where a force ends an overlap δ_p is left, without force; a contact that opens altogether forgets it. An impact at the speed V above
+//! When the force of unloading reaches zero, an overlap δ_p is left; it is forgotten once the grains do not overlap any more. An impact at the speed V above
 //! V_y = (16/15)^(1/2) (π/2)^(5/2) √(p_y⁵ R*³/(E*⁴ m*)) has the restitution
 //! e = (6√3/5)^(1/2) [1 − (V_y/V)²/6]^(1/2) [x/(x + 2 √(6/5 − x²/5))]^(1/4), x = V_y/V: it falls with the speed, with V^(−1/4) far above V_y.
 //!
@@ -23,16 +24,16 @@ use std::f64::consts::FRAC_PI_2;
 #[derive(Clone, Copy)]
 pub struct ElastoPlastic;
 
-/// Radius, m, that a contact without force is given: small enough to make no force, large enough to divide by.
+/// Smallest contact radius, m: that of a contact without force. Small enough to make no force, large enough to divide by.
 const NO_RADIUS: f64 = 1e-30;
 
-/// The loading curve at one overlap.
+/// State on the curve of first loading at one overlap.
 struct Loading<R> {
     /// Radius of the contact, m.
     radius: R,
     /// Force, N.
     force: R,
-    /// Part of the overlap that unloading gives back, m.
+    /// Part of the overlap that is recovered in unloading, m.
     recovered: R,
     /// Work done on the contact so far, J.
     work: R,

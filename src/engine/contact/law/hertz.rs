@@ -4,8 +4,8 @@
 //! F = 4/3 E* √R* U^(3/2)     k_N = dF/dU = 2 E* √(R* U)     k_S = 8 G* √(R* U)
 //! ```
 //!
-//! For equal grains that is Hertz's law with the tangential stiffness without slip; written with E*, G* (Li et al. 2023 eqs 20, 21) it
-//! also holds for different materials.
+//! For equal grains that is Hertz's law with Mindlin's tangential stiffness before any slip. Written with E*, G* (Li et al. 2023 eqs 20, 21) it also holds for two
+//! materials.
 
 use super::{Coefficients, Elastic, Law, Moduli};
 use crate::contact::pair::Pair;

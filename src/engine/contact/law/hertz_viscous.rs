@@ -1,22 +1,22 @@
-//! Hertz–Mindlin with viscous damping, Li et al. 2023 eqs (18)–(21); spring and dashpot together slide (eq. 19).
+//! Hertz–Mindlin with viscous damping, Li et al. 2023 eqs (18)–(21). The limit of friction is that of spring and dashpot together (eq. 19).
 //!
 //! ```text
 //! F_n = F_Hertz + η_n v_n     η = c √(S m*)     S_n = 2 E* √(R* U)     S_t = 8 G* √(R* U)
 //! ```
 //!
-//! With c = 2 √(5/6) β, β = −ln e / √(π² + ln² e) (Tsuji's form), the restitution is exactly e where the force may turn tensile at the end of an
-//! impact ([`HertzViscous`]); where the force ends at zero ([`HertzViscousNoTension`]) another c gives it ([`viscous_coefficient_without_tension`]).
+//! With c = 2 √(5/6) β, β = −ln e / √(π² + ln² e) (Tsuji's form) the coefficient of restitution is exactly e if the normal force may become tensile at the end
+//! of an impact ([`HertzViscous`]). If the force stops at zero ([`HertzViscousNoTension`]) another c gives the same e ([`viscous_coefficient_without_tension`]).
 
 use super::{Coefficients, Elastic, Hertz, Law, Moduli};
 use crate::contact::pair::Pair;
 use crate::math::real::Real;
 use crate::parameter::{Parameter, Range, Values};
 
-/// Hertz–Mindlin with viscous damping, Li et al. 2023 eqs (18)–(21), whose normal force may turn tensile at the end of an impact.
+/// Hertz–Mindlin with viscous damping, Li et al. 2023 eqs (18)–(21), whose normal force may become tensile at the end of an impact.
 #[derive(Clone, Copy)]
 pub struct HertzViscous;
 
-/// [`HertzViscous`] whose normal force ends where it would turn tensile. The impulse of a sliding contact is then exactly μ (1 + e) m* v.
+/// [`HertzViscous`] with a normal force that is never tensile. The tangential impulse of an impact that slides throughout is then exactly μ (1 + e) m* v.
 #[derive(Clone, Copy)]
 pub struct HertzViscousNoTension;
 
@@ -79,13 +79,14 @@ impl Law for HertzViscousNoTension {
     }
 }
 
-/// Viscous coefficient c of η = c √(S_n m*) that gives the restitution e in (0, 1] where the force ends at zero.
+/// Viscous coefficient c of η = c √(S_n m*) that gives the coefficient of restitution `restitution`, in (0, 1], to a force that is never tensile.
 ///
-/// With z = δ^{5/4} Hertz's contact with Tsuji's damping is a linear oscillator of damping ratio ζ = √0.3 c (Antypov & Elliott 2011). That one leaves contact
-/// where its acceleration is zero, at the time t of tan(ω t) = −2 ζ ω / (1 − 2 ζ²), ω² = 1 − ζ², and with the speed e = exp(−ζ t) (Schwager & Pöschel 2007).
+/// In z = δ^{5/4} a Hertzian contact with Tsuji's damping is a linear oscillator with the damping ratio ζ = √0.3 c (Antypov & Elliott 2011). Its contact ends
+/// where the acceleration is zero, at the time t of tan(ω t) = −2 ζ ω / (1 − 2 ζ²), ω² = 1 − ζ², with the share e = exp(−ζ t) of the speed of impact (Schwager &
+/// Pöschel 2007).
 pub fn viscous_coefficient_without_tension(restitution: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1e6);
-    // the root by halving: e falls with ζ
+    // bisection: e falls with ζ
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
         if restitution_without_tension(middle) > restitution { low = middle } else { high = middle }
@@ -93,13 +94,13 @@ pub fn viscous_coefficient_without_tension(restitution: f64) -> f64 {
     low / 0.3f64.sqrt()
 }
 
-/// Restitution of a damping ratio ζ where the force ends at zero.
+/// Coefficient of restitution at the damping ratio `zeta` for a force that is never tensile.
 fn restitution_without_tension(zeta: f64) -> f64 {
     let difference = 1.0 - zeta * zeta;
     let omega = difference.abs().sqrt();
     let (sine, cosine) = (2.0 * zeta * omega, 1.0 - 2.0 * zeta * zeta);
     let time = match omega {
-        // the limit of both
+        // the limit of the other two expressions at critical damping
         omega if omega < 1e-6 => 2.0,
         omega if difference > 0.0 => sine.atan2(-cosine) / omega,
         omega => (sine / -cosine).atanh() / omega,
@@ -107,7 +108,7 @@ fn restitution_without_tension(zeta: f64) -> f64 {
     (-zeta * time).exp()
 }
 
-/// Viscous coefficient 2 √(5/6) β of a restitution e in (0, 1].
+/// Viscous coefficient c = 2 √(5/6) β that gives the coefficient of restitution `restitution`, in (0, 1], to a force that may become tensile.
 pub fn viscous_coefficient(restitution: f64) -> f64 {
     let l = restitution.ln();
     let beta = -l / (std::f64::consts::PI.powi(2) + l * l).sqrt();

@@ -4,7 +4,7 @@
 //! k_N = 2 K_eff D1 D2/(D1 + D2) = 4 K_eff R*     F = k_N U     k_S = alpha_S k_N
 //! ```
 //!
-//! Of two materials K_eff is the harmonic mean, alpha_S the arithmetic one.
+//! D1, D2: diameters; U: overlap. Between two materials K_eff is the harmonic mean of theirs, alpha_S the arithmetic mean.
 
 use super::{Coefficients, Elastic, Law, Moduli};
 use crate::contact::pair::Pair;
@@ -16,8 +16,8 @@ use crate::parameter::{Parameter, Range, Values};
 #[derive(Clone, Copy)]
 pub struct Linear;
 
-/// [`Linear`] with the stiffness that fragments have from the initial grain that they come from: D1, D2 of eq. (13) are its diameter. A reading of the paper
-/// (daughters "assume the … material parameters of the mother", and its code sets stiffness ball by ball), to be compared with the other.
+/// [`Linear`], but fragments keep the stiffness of the initial grain they come from: D1, D2 of eq. (13) are the diameters of the initial grains. This is another
+/// reading of the paper, which says that daughters "assume the … material parameters of the mother" and whose code sets the stiffness ball by ball.
 #[derive(Clone, Copy)]
 pub struct LinearInherited;
 
@@ -57,7 +57,7 @@ impl Law for Linear {
         force / (pair.normal_stiffness * r_eff)
     }
 
-    /// √(m/k) of the free oscillation on one contact with a wall.
+    /// √(m/k), with the stiffness k = 4 K_eff R* of one contact with a wall.
     fn free_step(m: &Material, mass: f64, _: f64, stiffness_radius: f64) -> f64 {
         (mass / (4.0 * m.contact[0] * stiffness_radius)).sqrt()
     }

@@ -1,4 +1,4 @@
-//! Contact laws: the normal force of one contact from its overlap, with the stiffness of its tangential spring. Pure functions of one contact.
+//! Contact laws: the normal force of a contact from its overlap, and the stiffness of its tangential spring. Functions of one contact, or of one per SIMD lane.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -7,9 +7,10 @@
 //! | `r_eff` R* | r1 r2 / (r1 + r2); the grain's own radius on a wall | m |
 //! | E*, G* | 1/E* = Σ (1 − ν²)/E; 1/G* = Σ (2 − ν)/G | Pa |
 //!
-//! On a wall the law is that of a mirrored identical grain (`docs/theory/contact_normal.md`, Walls): R* = r, E* = E/(1 − ν²), G* = G/(2 − ν).
+//! A wall is rigid, which is the same as the grain's mirror image behind it (`docs/theory/contact_normal.md`, Walls): R* = r, E* = E/(1 − ν²), G* = G/(2 − ν) of
+//! the grain.
 //!
-//! A law is a type that implements [`Law`] in a file of its own, and a line in [`super::registry`].
+//! To add a law, write a type that implements [`Law`] in a file of its own, and a line in [`super::registry`].
 
 mod elasto_plastic;
 mod hertz;
@@ -26,12 +27,12 @@ use crate::material::Material;
 use crate::math::real::Real;
 use crate::parameter::{Parameter, Values};
 
-/// What a law answers for one overlap.
+/// Force, stiffness and energy of a contact at one overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct Elastic<R = f64> {
     /// Normal force, N.
     pub force: R,
-    /// Tangent normal stiffness dF/d(overlap), N/m; where loading and unloading differ the larger of the two.
+    /// Normal stiffness dF/d(overlap), N/m; the larger one where that of loading and that of unloading differ.
     pub k_n: R,
     /// Tangential stiffness, N/m.
     pub k_t: R,
@@ -79,41 +80,43 @@ pub struct Elastic<R = f64> {
 /// assert!((law.overlap_under(0.04, 1e-3, &pair) - 1e-6).abs() < 1e-15);
 /// ```
 pub trait Law: Copy + Send + Sync + 'static {
-    /// What the law asks of each material besides Young's modulus, Poisson ratio and friction.
+    /// The parameters that the law needs of each material besides Young's modulus, Poisson's ratio and friction.
     const PARAMETERS: &'static [Parameter] = &[];
-    /// Whether the law follows from the grains' elastic moduli, and its area of contact with it, as Hertz's does.
+    /// Whether force and contact area follow from the elastic moduli of the grains, as in Hertz's theory.
     const HERTZIAN: bool = true;
     /// Whether the law adds viscous forces.
     const VISCOUS: bool = false;
     /// Whether the dashpot may make the normal force tensile at the end of an impact.
     const TENSION: bool = true;
-    /// Whether a grain's stiffness may be that of another size ([`crate::grains::Grains::stiffness_radius`]).
+    /// Whether fragments keep the stiffness of the grain they come from: R* is then that of [`crate::grains::Grains::stiffness_radius`].
     const INHERITED: bool = false;
-    /// Whether the force depends on the largest overlap that the contact has had, which contacts then keep.
+    /// Whether the force depends on the largest overlap that the contact has had; contacts then keep it.
     const PLASTIC: bool = false;
 
-    /// The coefficients of two materials in contact, given by the values of [`Law::PARAMETERS`]; a rigid wall has no second one.
+    /// The coefficients for two materials, from their reduced moduli and from their values of [`Law::PARAMETERS`]; `second` is `None` for a rigid wall.
     fn coefficients(moduli: Moduli, first: &Values, second: Option<&Values>) -> Coefficients;
 
-    /// Force, stiffness and energy at an overlap > 0.
+    /// Force, stiffness and energy at the overlap `overlap` > 0, m; `largest`, m, is the largest overlap so far, `r_eff` is R*, m.
     fn elastic<R: Real>(overlap: R, largest: R, r_eff: R, pair: &Pair<R>) -> Elastic<R>;
 
-    /// Energy, J, that a contact has lost to yielding when its overlap has been `largest`.
+    /// Energy, J, that a contact has lost to yielding when the largest overlap it has had is `largest`, m; `r_eff` is R*, m.
     #[inline(always)]
     fn dissipated<R: Real>(largest: R, _r_eff: R, _pair: &Pair<R>) -> R {
         largest.constant(0.0)
     }
 
-    /// Overlap, m, at which a contact that is loaded for the first time bears the force `force`, N.
+    /// Overlap, m, at which a contact loaded for the first time has the normal force `force`, N; `r_eff` is R*, m.
     fn overlap_under(force: f64, r_eff: f64, pair: &Pair) -> f64;
 
-    /// Coefficient of restitution of a material, where it sets how far dashpots have to be resolved; 1 without dashpots.
+    /// Coefficient of restitution of a material from its values of [`Law::PARAMETERS`], -; 1 for laws without dashpots. It bounds the time step, as dashpots must
+    /// be resolved in time.
     fn restitution(_values: &Values) -> f64 {
         1.0
     }
 
-    /// Step, s, that resolves the free motion of a grain of mass `mass`, kg, and radius `r`, m, whose contacts are as stiff as those of a grain of the radius
-    /// `stiffness_radius`, m: the Rayleigh step π r √(ρ/G) / (0.163 ν + 0.877) (Li et al. 2023 eq. 38).
+    /// Time scale, s, of a grain without contacts, for the choice of the time step: for Hertzian laws the Rayleigh time π r √(ρ/G) / (0.163 ν + 0.877) (Li et al.
+    /// 2023 eq. 38). `mass`, kg; `r`: radius, m; `stiffness_radius`, m: radius that sets the stiffness of the grain's contacts, which is another one for fragments
+    /// under a law that is [`Law::INHERITED`].
     fn free_step(m: &Material, _mass: f64, r: f64, _stiffness_radius: f64) -> f64 {
         let shear = m.young / (2.0 * (1.0 + m.poisson));
         std::f64::consts::PI * r * (m.density / shear).sqrt() / (0.163 * m.poisson + 0.877)

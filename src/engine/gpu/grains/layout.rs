@@ -1,20 +1,26 @@
-//! What the shaders of grains read, with the same offsets (`contact.wgsl`), in f32.
+//! Structs that the shaders of grains read and write, with the same fields at the same offsets. What the fields are is said with the structs of the same names in
+//! `contact.wgsl`; a test compares the offsets.
 
 use bytemuck::{Pod, Zeroable};
 
-/// Contacts of a grain with grains and with walls, and of a point with bodies, that there is room for.
+/// Largest number of contacts of a grain with other grains.
 pub const PARTNERS: usize = 32;
+/// Largest number of walls.
 pub const SIDES: usize = 8;
+/// Number of slots for the contacts of a grain.
 pub const SLOTS: usize = PARTNERS + SIDES;
+/// Largest number of contacts of a point with grains and walls.
 pub const PLACES: usize = 16;
-/// Planes of four words of a contact, and of a grain.
+/// Number of planes of a contact: arrays with four words of 32 bits for each contact.
 pub const CONTACT: usize = 4;
+/// Number of planes of a grain.
 pub const GRAIN: usize = 9;
-/// Stands for nobody; bodies from here on are walls.
+/// In place of an index: none.
 pub const NONE: u32 = u32::MAX;
+/// Bodies in contact are named by one number: grains by their index, walls by this plus their index.
 pub const WALLS: u32 = 0x4000_0000;
 
-/// The numbers of a mixture.
+/// What stays the same during one batch of steps with grains.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Coupling {
@@ -60,7 +66,7 @@ pub struct Side {
     pub work: [f32; 2],
 }
 
-/// What changes from step to step.
+/// State of the grains as a whole, which changes from step to step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Mix {

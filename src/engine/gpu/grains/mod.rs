@@ -1,8 +1,11 @@
-//! Grains in a continuum on the device (`coupling` is the f64 twin): their contacts with each other, with walls and with points, and their motion.
+//! Grains in a continuum on the device: their contacts with each other, with walls and with points, and their motion. The f64 twins are in `coupling`.
 //!
-//! A point near a grain or a wall has a row with up to [`PLACES`] contacts, a grain has [`PARTNERS`] contacts with grains and one with each wall; each remembers its tangential
-//! spring. Lists have a skin and are made anew on the device. Each of two grains finds their contact by itself, from the same numbers in the same order. A grain gathers what
-//! points give it over the cells around it, so nothing but integers is added atomically.
+//! A point close to a grain or a wall has a row, which has room for [`PLACES`] contacts. A grain has slots for [`PARTNERS`](layout::PARTNERS) contacts with grains and
+//! one for each wall. Every contact keeps its tangential spring. Rows and slots list all candidates closer than a margin, the skin; the device makes the lists anew
+//! before anything can have crossed the skin.
+//!
+//! Results do not depend on the order in which threads run: sums of floating-point numbers are never made with atomic additions. A contact between two grains is
+//! computed twice, by each of them, from the same numbers in the same order; and a grain sums up its contacts with points itself, over the cells around it.
 
 pub(super) mod layout;
 mod support;
@@ -28,20 +31,23 @@ use serde::{Deserialize, Serialize};
 use wgpu::BufferUsages as Usage;
 use words::ContactWords;
 
-/// Cells by which lists reach further than contacts.
+/// Width of the skin, cells: by how much further than contacts the lists of candidates reach.
 const SKIN: f64 = 0.25;
-/// Whole numbers below this are squared and summed as integers.
+/// Lengths in overlaps are below this many quanta ([`support::split`]), so that their squares can be summed exactly in 32-bit integers.
 const WHOLE: f64 = 1000.0;
 
-/// Grains that go to the device with a continuum: as they are when the forces of their instant are known.
+/// The grains that go to the device with a continuum, in a state in which the forces at their present positions have been computed.
 #[derive(Clone, Copy)]
 pub struct CoarseGrains<'a> {
+    /// Materials, laws and options of the grains.
     pub physics: &'a Physics,
+    /// State of the grains, and their contacts with points.
     pub mixture: &'a Mixture,
+    /// Parameters of the contacts of points with grains and walls.
     pub table: &'a PointContactTable,
 }
 
-/// Memory on the device.
+/// Buffers on the device; `contact.wgsl` says what they hold.
 pub struct GrainBuffers {
     pub coupling: wgpu::Buffer,
     pub tables: wgpu::Buffer,
@@ -58,16 +64,16 @@ pub struct GrainBuffers {
 pub struct Bodies {
     pub buffers: GrainBuffers,
     pub coupling: Coupling,
-    /// What the last batch left.
+    /// State as a whole after the last batch.
     pub mix: Mix,
     sizes: GrainBufferSizes,
     points: usize,
-    /// Work of each wall before the state went to the device, J.
+    /// Work of each wall at the time the state was copied to the device, J.
     work: Vec<f64>,
     safety: f64,
 }
 
-/// The device's own words of grains and contacts that touch.
+/// The state of grains and of contacts in touch as the device holds it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SavedGrains {
     grains: Vec<u32>,
@@ -76,11 +82,11 @@ pub struct SavedGrains {
     rows: Vec<u32>,
     transport: Vec<u32>,
     work: Vec<u64>,
-    /// Points near something.
+    /// Number of rows in use.
     rows_in_use: u32,
 }
 
-/// Grains, contacts of grains, contacts of points, and the velocities that carried the points, as words.
+/// Grains, contacts of grains, contacts of points, and transport velocities of points, as words of 32 bits.
 struct Words {
     grains: Vec<[u32; 4]>,
     slots: Vec<ContactWords>,
@@ -94,7 +100,7 @@ impl Words {
         let state = &mixture.grains;
         let table = physics.contact.law.pairs(&physics.materials, &state.walls, state.friction);
         let ExchangedContacts { grains, walls, points } = mixture.contacts(physics, &table);
-        // both grains of a contact keep it
+        // a contact between two grains is kept by both
         let twice = grains.iter().flat_map(|c| [words::kept(c.ends[0], c.ends[1], c), words::kept(c.ends[1], c.ends[0], c)]);
         let on_walls = walls.iter().map(|c| words::kept(c.ends[0], words::body(Body::Wall(c.ends[1])), c));
         let mut slots: Vec<ContactWords> = twice.chain(on_walls).collect();
@@ -127,10 +133,10 @@ impl Words {
 }
 
 impl Bodies {
-    /// Takes the grains over, those of `saved` where there are some. Nothing is found anew: contacts are those that were felt.
+    /// Copies the grains to the device, from `saved` where it is given. Contacts are copied with their forces, not computed anew.
     ///
     /// # Errors
-    /// A state of other grains; no room.
+    /// `saved` is the state of other grains; a grain or point has more contacts than there is room for; the memory is too small.
     pub fn new(
         device: &Device,
         cpu: &Cpu,
@@ -218,7 +224,7 @@ impl Bodies {
             words.copy_from_slice(&saved.mix);
             work = saved.work.iter().map(|w| f64::from_bits(*w)).collect();
         }
-        // a row for each point that touches something
+        // a row for each point with contacts
         let mut owners: Vec<[u32; 4]> = Vec::new();
         let mut pushes = vec![[0, 0, 0, NONE]; points.len()];
         let mut in_rows = own.rows;
@@ -259,33 +265,33 @@ impl Bodies {
         Ok(Bodies { buffers, coupling, mix, sizes, points: points.len(), work, safety: physics.stepping.safety })
     }
 
-    /// Bytes on the device.
+    /// Memory on the device, bytes.
     pub fn bytes(&self) -> u64 {
         self.sizes.sum()
     }
 
-    /// Before a batch: sums from zero.
+    /// Writes the parameters of the next batch, and sets its sums to zero.
     pub fn prepare(&self, queue: &wgpu::Queue) {
         queue.write_buffer(&self.buffers.coupling, 0, bytemuck::bytes_of(&self.coupling));
         queue.write_buffer(&self.buffers.mix, std::mem::offset_of!(Mix, reactions) as u64, &[0; size_of::<[[f32; 2]; SIDES]>()]);
     }
 
-    /// The grain that is over its limit, as far as the device can tell, in the order of ids.
+    /// Whether a grain fails, to the accuracy of the device.
     pub fn broken(&self) -> bool {
         self.mix.broken != NONE
     }
 
-    /// Whether so many points have come near something that there may not be room for all of the next batch.
+    /// Whether so many rows are in use that they may not suffice for the next batch.
     pub fn crowded(&self) -> bool {
         2 * u64::from(self.mix.rows) > u64::from(self.coupling.rows) && (self.coupling.rows as usize) < self.points
     }
 
-    /// Mean reaction of each wall over a batch of so many steps, N.
+    /// Mean reaction of each wall over a batch of `steps` steps, N.
     pub fn reactions(&self, steps: u64) -> Vec<f64> {
         self.mix.reactions[..self.coupling.walls as usize].iter().map(|sum| both(*sum) / steps.max(1) as f64).collect()
     }
 
-    /// What the grains' own contacts allow, s, and what those of points with grains and loading plates add to the square of a frequency, 1/s².
+    /// See [`super::DeviceContinuum::bounds`].
     pub fn bounds(&self, plates: &[LoadingPlate]) -> (f64, f64) {
         let rates = ContactRates { points: f32::from_bits(self.mix.point_rate).into(), grains: self.mix.grain_rate_points.into() };
         let bound_ratio = (self.mix.slow != 0).then_some(self.mix.bound_ratio.into());
@@ -297,10 +303,10 @@ impl Bodies {
         (own.min(self.coupling.least.into()), contacts)
     }
 
-    /// What has gone wrong with a grain.
+    /// Checks that nothing has gone wrong with a grain.
     ///
     /// # Errors
-    /// A grain that is lost, or has more neighbours than there is room for; a device that was lost.
+    /// A grain has no finite velocity, passes a cell in a step, or has more grains close to it than there is room for; the device is lost.
     pub fn sound(&self, step: u64, device: &Device) -> Result<()> {
         let unstable = |place: u32, what: String| -> Result<Error> {
             let words = device.read(&[(&self.buffers.grains, self.sizes.grains)], step)?;
@@ -347,7 +353,7 @@ impl Bodies {
         for words in &mut of_points {
             words[0] = rows[layout::CONTACT * PLACES * room + words[0] as usize][0];
         }
-        // rows have no order
+        // rows are in the order in which threads took them
         of_points.sort_unstable_by_key(|words| (words[0], words[4]));
         let words = Words {
             grains: grains[..layout::GRAIN * n].to_vec(),
@@ -358,12 +364,14 @@ impl Bodies {
         Ok((words, mix))
     }
 
+    /// Copies the state as the device holds it.
+    ///
     /// # Errors
-    /// A device that was lost.
+    /// The device is lost.
     pub fn save(&self, device: &Device, step: u64) -> Result<SavedGrains> {
         let (words, mut mix) = self.read(device, step)?;
         let rows_in_use = mix.rows;
-        // what is made anew when it is taken up
+        // these are determined anew when the run is resumed
         (mix.rows, mix.travelled, mix.fastest_point, mix.fastest_grain, mix.point_speed) = (0, 0.0, 0, 0, 0.0);
         mix.largest_bound = 0;
         Ok(SavedGrains {
@@ -377,11 +385,11 @@ impl Bodies {
         })
     }
 
-    /// Writes grains, walls and contacts into a mixture, and the points' carrying velocities into `cpu`; `point` is the index there of a point of the device.
-    /// `dt` is the grains' last step, s.
+    /// Writes grains, walls and contacts into a mixture, and the transport velocities of points into `cpu`. `point`: for each point on the device its index in `cpu`;
+    /// `dt`: last step of the grains, s.
     ///
     /// # Errors
-    /// A device that was lost.
+    /// The device is lost.
     pub fn read_back(
         &self,
         (device, step): (&Device, u64),
@@ -428,10 +436,11 @@ impl Bodies {
         Ok(())
     }
 
-    /// Force on each point, N, the mean over the steps of the grains so far, and the stiffness that it pushes with, N/m.
+    /// External force of contacts on each point, N, the sum over the steps of the grains so far divided by their number in a full step of the continuum, and its
+    /// stiffness, N/m.
     ///
     /// # Errors
-    /// A device that was lost.
+    /// The device is lost.
     pub fn pushes(&self, device: &Device, step: u64) -> Result<Vec<([f64; 3], f64)>> {
         let bytes = device.read(&[(&self.buffers.pushes, 32 * self.points as u64)], step)?;
         let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
@@ -441,7 +450,7 @@ impl Bodies {
         Ok(forces.iter().zip(transport).map(|(f, c)| ([0, 1, 2].map(|a| share * number(f[a])), number(c[3]))).collect())
     }
 
-    /// Takes what walls felt last, without the rest.
+    /// Writes the state of the walls alone into a mixture.
     pub fn walls(&self, cpu: &Cpu, mixture: &mut Mixture) {
         for (k, wall) in mixture.grains.walls.iter_mut().enumerate() {
             words::to_wall(cpu.settings(), &self.mix.sides[k], self.work[k], wall);
@@ -449,7 +458,7 @@ impl Bodies {
     }
 }
 
-/// An owner of more than so many contacts.
+/// An owner of more than `room` contacts, and their number.
 fn most_of(kept: &[ContactWords], room: usize) -> Option<(u32, usize)> {
     kept.chunk_by(|a, b| a[0] == b[0]).find(|c| c.len() > room).map(|c| (c[0][0], c.len()))
 }

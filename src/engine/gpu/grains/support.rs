@@ -1,4 +1,4 @@
-//! What the GPU path takes of grains, and how much it needs, before anything is started.
+//! Which grains the graphics device can compute, and the memory that they need; answered without opening the device.
 
 use super::layout::{CONTACT, GRAIN, Mix, PLACES, SIDES, SLOTS};
 use super::{CoarseGrains, SKIN, WHOLE};
@@ -12,10 +12,10 @@ use crate::grains::Grains;
 use crate::mpm::{Points, Settings};
 use std::f64::consts::PI;
 
-/// Shelves along an axis, at most.
+/// Largest number of grid cells for the search of grains along an axis.
 const MOST_CELLS: f64 = 32.0;
 
-/// Bytes of each buffer.
+/// Size of each buffer, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GrainBufferSizes {
     pub grains: u64,
@@ -23,32 +23,36 @@ pub struct GrainBufferSizes {
     pub rows: u64,
     pub pushes: u64,
     pub lists: u64,
-    /// Points near something that there is room for.
+    /// Number of rows: of points close to grains or walls that there is room for.
     pub room: usize,
 }
 
-/// Grains by places.
+/// The grid for the search of grains.
 pub struct GrainGrid {
+    /// Number of grid cells along each axis.
     pub along: [i32; 3],
-    /// Cells.
+    /// Edge of a grid cell, in cells of the continuum.
     pub size: f64,
 }
 
-/// Rows for so many points near something now.
+/// Number of rows to allocate where `near_points` points of `points` are close to grains or walls now.
 pub fn room(near_points: usize, points: usize) -> usize {
     (2 * near_points + 1024).min(points).max(1)
 }
 
-/// Differences of places are taken in 2^-split cells.
+/// Distances between spheres are computed in quanta of 2^-split cells, as a whole number and a rest; this is the number split, with which the largest distance in a
+/// contact stays below [`WHOLE`] quanta.
 pub fn split(settings: &Settings, g: &Grains) -> u32 {
     let widest = 2.0 * largest(g) / settings.cell + 2.0;
     ((WHOLE / widest).log2().floor()).clamp(0.0, 12.0) as u32
 }
 
+/// Largest radius, m.
 fn largest(g: &Grains) -> f64 {
     g.pos.iter().map(|p| p[3]).fold(0.0, f64::max)
 }
 
+/// The grid for the search: its cells are so large that two bodies in touch, or within the skin, lie in the same cell or in neighbouring ones.
 pub fn grid(settings: &Settings, points: &Points, g: &Grains) -> GrainGrid {
     let largest_ghost = (0..points.len()).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
     let radius = largest(g);
@@ -59,6 +63,7 @@ pub fn grid(settings: &Settings, points: &Points, g: &Grains) -> GrainGrid {
 }
 
 impl GrainBufferSizes {
+    /// For these points and grains, with `room` rows.
     pub fn of(settings: &Settings, points: &Points, g: &Grains, room: usize) -> GrainBufferSizes {
         let n = g.len().max(1) as u64;
         let grid_cells: u64 = grid(settings, points, g).along.iter().map(|n| *n as u64).product();
@@ -72,12 +77,15 @@ impl GrainBufferSizes {
         }
     }
 
+    /// Size of all buffers, bytes.
     pub fn sum(&self) -> u64 {
         self.grains + self.slots + self.rows + self.pushes + self.lists + size_of::<Mix>() as u64
     }
 
+    /// Compares the sizes with the limits of the device.
+    ///
     /// # Errors
-    /// A buffer that the device cannot have.
+    /// A buffer is larger than the device allows.
     pub fn check(&self, limits: &wgpu::Limits) -> Result<()> {
         let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
         for (what, bytes) in [("memory of the grains' contacts", self.slots), ("memory of the points' contacts", self.rows)] {
@@ -90,10 +98,10 @@ impl GrainBufferSizes {
     }
 }
 
-/// What a mixture needs, with a guess of how many points are near grains.
+/// Sizes of the buffers of the grains, with an estimate of the number of points close to them.
 ///
 /// # Errors
-/// What the GPU path lacks, by name.
+/// The device lacks something that the grains have.
 pub fn sizes(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> Result<GrainBufferSizes> {
     Error::all(lacking(settings, points, coarse))?;
     let g = &coarse.mixture.grains.grains;
@@ -109,7 +117,7 @@ pub fn sizes(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) ->
     Ok(GrainBufferSizes::of(settings, points, g, room(near_points, count)))
 }
 
-/// What the GPU path does not have.
+/// Refusals of what the device lacks.
 fn lacking(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> Vec<Error> {
     let CoarseGrains { physics, mixture, .. } = coarse;
     let mut errors = Vec::new();

@@ -1,4 +1,4 @@
-//! Grains and contacts of the CPU to words of the device, and back.
+//! Grains, contacts and walls as the device holds them, in words of 32 bits, and back.
 
 use super::layout::{CONTACT, GRAIN, NONE, PLACES, SLOTS, Side, WALLS};
 use crate::boundary::Wall;
@@ -12,13 +12,13 @@ use crate::mpm::Settings;
 
 const BITS: fn(f32) -> u32 = f32::to_bits;
 
-/// Stands for infinity, which shaders may not know.
+/// In place of infinity, which shaders need not have.
 const HUGE: f64 = 1e38;
 
-/// A contact on the device: whose it is (a grain, or a point) and its words, the fourth of which is the body.
+/// A contact: its owner (a grain, or a point) and its four planes of four words each, the fourth of which is the body that the owner touches.
 pub type ContactWords = [u32; 1 + 4 * CONTACT];
 
-/// Planes of all grains in the order of their ids; lengths are also counted in 2^-`parts` cells.
+/// The planes of all grains, in the order of their identities; radii are also given in quanta of 2^-`parts` cells.
 pub fn grains(settings: &Settings, g: &Grains, parts: u32) -> Vec<[u32; 4]> {
     let n = g.len();
     let mut planes = vec![[0; 4]; GRAIN * n];
@@ -45,7 +45,7 @@ pub fn grains(settings: &Settings, g: &Grains, parts: u32) -> Vec<[u32; 4]> {
     planes
 }
 
-/// Writes place, velocity and spin into the grain `i`; it is the `k`-th by its id.
+/// Writes position, velocity and spin of the `k`-th grain by identity into the grain `i` of `g`.
 pub fn to_grain(settings: &Settings, planes: &[[u32; 4]], k: usize, g: &mut Grains, i: usize) {
     let n = planes.len() / GRAIN;
     let number = |plane: usize, a: usize| f32::from_bits(planes[plane * n + k][a]);
@@ -61,7 +61,7 @@ pub fn to_grain(settings: &Settings, planes: &[[u32; 4]], k: usize, g: &mut Grai
     }
 }
 
-/// A body's number on the device.
+/// The number of a body on the device.
 pub fn body(body: Body) -> u32 {
     match body {
         Body::Grain(k) => k,
@@ -69,7 +69,7 @@ pub fn body(body: Body) -> u32 {
     }
 }
 
-/// A contact's words; `owner` is a grain or a point.
+/// The words of a contact; `owner` is a grain or a point.
 pub fn kept(owner: u32, body: u32, c: &ExchangedContact) -> ContactWords {
     let spring = c.spring.map(split);
     let (n, t) = (c.touch.normal.map(|x| BITS(x as f32)), c.touch.tangential.map(|x| BITS(x as f32)));
@@ -83,19 +83,20 @@ pub fn kept(owner: u32, body: u32, c: &ExchangedContact) -> ContactWords {
     words
 }
 
-/// The contact again, without its ends.
+/// The contact of some words, without its ends.
 pub fn contact(words: &ContactWords, viscous: bool) -> ExchangedContact {
     let number = |k: usize| f64::from(f32::from_bits(words[1 + k]));
     let three = |plane: usize| [0, 1, 2].map(|k| number(4 * plane + k));
     let (high, low) = (three(0), three(3));
     let spring: [f64; 3] = std::array::from_fn(|a| high[a] + low[a]);
-    // where nothing is viscous the spring is all of it
+    // without dashpots the tangential force is that of the spring, which is known more accurately
     let tangential = if viscous { three(2) } else { spring };
     let touch = ContactForce { tangential, normal_force: number(7), normal: three(1), overlap: number(11) };
     ExchangedContact { ends: [0; 2], touch, spring, stiffness: number(15) }
 }
 
-/// Contacts in arrays of so many owners with `room` each: an entry per plane, place and owner.
+/// The planes of all contacts of `owners` owners with room for `room` contacts each, as the buffers `slots` and `rows` have them: by plane, then by place, then by
+/// owner. `place` gives the place of a contact from the number of places its owner has used.
 pub fn spread(kept: &[ContactWords], owners: usize, room: usize, place: impl Fn(&ContactWords, usize) -> usize) -> Vec<[u32; 4]> {
     let mut all = vec![[0; 4]; CONTACT * room * owners];
     for entry in &mut all[..room * owners] {
@@ -115,13 +116,13 @@ pub fn spread(kept: &[ContactWords], owners: usize, room: usize, place: impl Fn(
     all
 }
 
-/// Those that touch, in the order of owners, then of bodies.
+/// The contacts in touch of the first `used` owners, in the order of owners, then of places; the inverse of [`spread`].
 pub fn collect(all: &[[u32; 4]], owners: usize, room: usize, used: usize) -> Vec<ContactWords> {
     let mut kept = Vec::new();
     for owner in 0..used {
         for s in 0..room {
             let entry = |plane: usize| all[(plane * room + s) * owners + owner];
-            // walls that a grain does not touch have no body yet
+            // the slots of walls that a grain has never touched have no body
             if entry(0)[3] == NONE || f32::from_bits(entry(2)[3]) <= 0.0 {
                 continue;
             }
@@ -133,12 +134,12 @@ pub fn collect(all: &[[u32; 4]], owners: usize, room: usize, used: usize) -> Vec
     kept
 }
 
-/// Place of a contact of a grain: those with walls have their own.
+/// The slot of a contact of a grain: for a wall the one that belongs to it, otherwise the next free one.
 pub fn slot(words: &ContactWords, next: usize) -> usize {
     if words[4] >= WALLS { SLOTS - super::layout::SIDES + (words[4] - WALLS) as usize } else { next }
 }
 
-/// A wall; `plate` is the one that it moves with.
+/// State of a wall on the device; `plate`: index of the loading plate that it moves with, or [`NONE`].
 pub fn side(settings: &Settings, wall: &Wall, plate: u32) -> Side {
     let WallShape::Plane { point, normal } = wall.shape else { return Side::default() };
     let axis = axis(normal);
@@ -157,12 +158,12 @@ pub fn side(settings: &Settings, wall: &Wall, plate: u32) -> Side {
     }
 }
 
-/// Axis of a normal.
+/// The axis along which a normal points.
 pub fn axis(normal: [f64; 3]) -> usize {
     (0..3).find(|&a| normal[a] != 0.0).unwrap_or(0)
 }
 
-/// Writes what the device knows into a wall; work since it went there comes on top of `before`, J.
+/// Writes the state of a wall on the device into `wall`; its work is `before`, J, plus that on the device.
 pub fn to_wall(settings: &Settings, side: &Side, before: f64, wall: &mut Wall) {
     let axis = side.axis as usize;
     if let WallShape::Plane { point, .. } = &mut wall.shape {

@@ -1,36 +1,45 @@
-//! Where the Drucker-Prager cone J + alpha I1 = k c (tension positive, J = sqrt(J2)) touches the Mohr-Coulomb pyramid of
-//! friction angle phi and cohesion c.
+//! The cones of Drucker and Prager, J + alpha I1 = k c (tension positive, J = sqrt(J2)), that touch the Mohr-Coulomb pyramid of the friction angle phi and the
+//! cohesion c. sin, cos and tan are those of phi.
 //!
-//! - outer, through the corners of triaxial compression: alpha = 2 sin / (sqrt3 (3 - sin)), k = 6 cos / (sqrt3 (3 - sin)).
-//!   The cone of Li et al. (2023), Computers and Geotechnics 160, 105508 (section 4.1).
-//! - inner, through the corners of triaxial extension: the same with 3 + sin.
-//! - plane strain, the same collapse load in plane strain with associated flow: alpha = tan / sqrt(9 + 12 tan²),
-//!   k = 3 / sqrt(9 + 12 tan²); Jiang et al. (2020), eq. 35 (its q_phi is 3 alpha) and Zhang et al., eq. 6.
+//! - outer, through the edges of triaxial compression: alpha = 2 sin / (sqrt3 (3 - sin)), k = 6 cos / (sqrt3 (3 - sin)). The cone of Li et al. (2023), Computers
+//!   and Geotechnics 160, 105508 (section 4.1).
+//! - inner, through the edges of triaxial extension: the same with 3 + sin.
+//! - plane strain, with the same collapse load in plane strain for associated flow: alpha = tan / sqrt(9 + 12 tan²), k = 3 / sqrt(9 + 12 tan²); Jiang et al.
+//!   (2020), eq. 35 (q_phi there is 3 alpha), and Zhang et al., eq. 6.
 
 use crate::math::portable::sin;
 use serde::{Deserialize, Serialize};
 
-/// A cone's place at the Mohr-Coulomb pyramid.
+/// Where a cone touches the Mohr-Coulomb pyramid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Cone {
+    /// At the edges of triaxial compression, outside of the pyramid.
     Outer,
+    /// At the edges of triaxial extension.
     Inner,
+    /// Inside of the pyramid, on all of its planes: the same collapse load in plane strain.
     PlaneStrain,
 }
 
-/// alpha and k of a cone with their first and second derivatives with respect to the angle.
+/// alpha and k of a cone, -, with their first and second derivatives with respect to the angle, 1/rad and 1/rad².
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Constants {
+    /// alpha, the slope of the cone.
     pub alpha: f64,
+    /// k, the factor of the cohesion.
     pub k: f64,
+    /// First derivative of alpha.
     pub dalpha: f64,
+    /// First derivative of k.
     pub dk: f64,
+    /// Second derivative of alpha.
     pub d2alpha: f64,
+    /// Second derivative of k.
     pub d2k: f64,
 }
 
 impl Cone {
-    /// The constants at a friction or dilation angle, rad, from 0 to less than pi/2.
+    /// The constants for a friction or dilation angle, rad, in 0..pi/2.
     pub fn at(self, angle: f64) -> Constants {
         let s = sin(angle);
         let c = (1.0 - s * s).max(0.0).sqrt();
@@ -63,6 +72,7 @@ impl Cone {
     }
 }
 
+/// The constants of a cone through edges of the pyramid, for the sine `s` and cosine `c` of the angle; `sign` is -1 for the outer cone and 1 for the inner one.
 fn edge(s: f64, c: f64, sign: f64) -> Constants {
     const ROOT: f64 = 1.154_700_538_379_251_7; // 2 / sqrt(3)
     let below = 1.0 / (3.0 + sign * s);

@@ -1,46 +1,53 @@
-//! Drucker-Prager plasticity, tension positive: f = J + alpha I1 - k c <= 0 and I1 <= 3 sigma_t, with J = sqrt(J2) and I1 = tr(sigma).
-//! alpha, k by the [`Cone`] and the friction angle, c cohesion, Pa; sigma_t the largest mean tension, Pa, never beyond the apex
-//! k c / (3 alpha). Flow by g = J + alpha_psi I1 on the cone (psi the dilation angle), along the hydrostatic axis at the
-//! cut-off, both at the corner between them; the apex is the corner with J = 0. Friction and cohesion may follow the
-//! accumulated plastic strain ([`Evolution`]).
+//! Drucker-Prager plasticity with a tension cut-off, tension positive: f = J + alpha I1 - k c <= 0 and I1 <= 3 sigma_t, with J = sqrt(J2) and I1 = tr(sigma).
 //!
-//! The return is implicit: the new stress lies on the surface of the new plastic strain. In (I1, J) it has a closed form
-//! where the surface stays; where it changes ([`Surface`]), one equation in the plastic strain remains.
+//! - alpha, k - from the [`Cone`] and the friction angle phi, -; c - cohesion, Pa. Both may change with the accumulated plastic strain ([`Evolution`])
+//! - sigma_t - largest mean tension, Pa; the apex of the cone, k c / (3 alpha), is a limit as well
+//! - psi - dilation angle, rad
 //!
-//! Holds for 0 <= psi <= phi: dissipation is then not negative. Material that was pulled apart does not remember its gap.
+//! The plastic potential is J + alpha_psi I1 on the cone. At the cut-off plastic strain is volumetric, and at the corner between cone and cut-off it is a sum of
+//! both; the apex is the corner with J = 0.
+//!
+//! The return is implicit: the new stress lies on the surface of the new plastic strain. In (I1, J) it has a closed form if the surface does not change; if it
+//! does ([`Surface`]), one equation in the plastic strain is solved.
+//!
+//! Holds for 0 <= psi <= phi: dissipation is then not negative. Material that has been pulled apart carries load as soon as it is compressed again: the gap is not
+//! remembered.
 
-use super::surface::{Origin, Place, Surface, YieldParameters};
+use super::surface::{Surface, SurfaceDefinition, SurfacePoint, YieldParameters};
 use super::{Cone, ConstitutiveLaw, Elastic, Evolution, InternalVariables, Sym, tensor};
 use serde::{Deserialize, Serialize};
 
-/// What makes a law: a law reads those of its keys ([`ConstitutiveLaw::KEYS`]).
+/// The parameters of a constitutive law; a law reads those of its keys ([`ConstitutiveLaw::KEYS`]).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
+    /// Elastic moduli.
     pub elastic: Elastic,
+    /// Where the cone of failure touches the Mohr-Coulomb pyramid.
     pub cone: Cone,
-    /// Friction angle, rad
+    /// Friction angle, rad.
     pub friction: Evolution,
-    /// Cohesion, Pa
+    /// Cohesion, Pa.
     pub cohesion: Evolution,
-    /// Dilation angle, rad
+    /// Dilation angle, rad.
     pub dilation: f64,
-    /// Largest mean tension, Pa; infinite: up to the apex
+    /// Largest mean tension, Pa; infinite: only the apex limits it.
     pub tension: f64,
 }
 
-/// The law, with what follows from its parameters.
+/// The law of Drucker and Prager, with constants that follow from its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Parameters", into = "Parameters")]
 pub struct DruckerPrager {
     elastic: Elastic,
-    /// Stress below this surface and below I1 = `floor_cut` is inside at any plastic strain.
+    /// A surface that lies inside of the yield surface at every plastic strain: stresses inside of it, with I1 up to `floor_cut`, are elastic.
     floor: YieldParameters,
+    /// Largest I1, Pa, of such stresses.
     floor_cut: f64,
-    /// 9 K alpha_psi: change of I1 with the plastic multiplier
+    /// 9 K alpha_psi, Pa: by how much I1 falls per plastic multiplier.
     volume_return: f64,
-    /// Accumulated plastic strain over the plastic multiplier on the cone, sqrt(1/3 + 2 alpha_psi²)
+    /// Accumulated plastic strain per plastic multiplier on the cone, sqrt(1/3 + 2 alpha_psi²), -.
     per_multiplier: f64,
-    /// 3 sigma_t, Pa
+    /// 3 sigma_t, Pa.
     cut: f64,
     surface: Surface,
     parameters: Parameters,
@@ -67,8 +74,8 @@ impl ConstitutiveLaw for DruckerPrager {
     }
 
     #[inline]
-    fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
-        DruckerPrager::update(self, stress, dstrain, memory)
+    fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
+        DruckerPrager::update(self, stress, dstrain, internal)
     }
 
     fn elastic(&self) -> Elastic {
@@ -95,7 +102,7 @@ impl ConstitutiveLaw for DruckerPrager {
         Some(self.strength(plastic).q_extension(cell))
     }
 
-    /// With the largest friction angle; none where cohesion changes as well.
+    /// At the largest friction angle; `None` where the cohesion changes as well.
     fn peak_q(&self, cell: f64, compression: bool) -> Option<f64> {
         let Evolution::Constant(cohesion) = self.parameters.cohesion else { return None };
         let cone = self.parameters.cone.at(self.parameters.friction.range().1);
@@ -104,7 +111,7 @@ impl ConstitutiveLaw for DruckerPrager {
     }
 }
 
-/// A returned state: invariants, Pa, and whether it lies on the cone.
+/// The stress after the return to the yield surface: its invariants, Pa, and whether it lies on the cone (not at the cut-off or the apex).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Returned {
     i1: f64,
@@ -113,17 +120,17 @@ struct Returned {
 }
 
 impl DruckerPrager {
-    /// The law of these parameters; angles within 0..pi/2, the dilation angle not above any friction angle.
+    /// The law with these parameters. Angles must be in 0..pi/2, and the dilation angle not above any value of the friction angle.
     pub fn new(parameters: Parameters) -> DruckerPrager {
         let Parameters { elastic, cone, friction, cohesion, dilation, tension } = parameters;
         let alpha_psi = cone.at(dilation).alpha;
         let (least, most) = friction.range();
         let least_cohesion = cohesion.range().0;
-        let surface = Surface::new(&Origin { cone, friction, cohesion });
+        let surface = Surface::new(&SurfaceDefinition { cone, friction, cohesion });
         let (last, settled) = (surface.last(), surface.settled());
         let mut law = DruckerPrager {
             elastic,
-            // k falls as the angle rises
+            // k falls with the angle, so its smallest value is that of the largest angle
             floor: YieldParameters { alpha: cone.at(least).alpha, kappa: cone.at(most).k * least_cohesion },
             floor_cut: 0.0,
             volume_return: 9.0 * elastic.bulk * alpha_psi,
@@ -139,59 +146,62 @@ impl DruckerPrager {
         law
     }
 
+    /// The elastic part of the law.
     pub fn elastic(&self) -> Elastic {
         self.elastic
     }
 
+    /// The parameters that the law was made from.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
-    /// The surface at a plastic strain.
+    /// The yield surface at an accumulated plastic strain.
     pub fn strength(&self, plastic: f64) -> YieldParameters {
         self.surface.value(plastic)
     }
 
-    /// Largest I1, Pa, at a plastic strain: the cut-off or the apex.
+    /// Largest I1, Pa, at an accumulated plastic strain: that of the cut-off or of the apex.
     pub fn largest_i1(&self, plastic: f64) -> f64 {
         self.cut_of(self.strength(plastic))
     }
 
-    /// How far a stress is outside of the surface, Pa; negative inside.
-    pub fn outside(&self, stress: &Sym, memory: InternalVariables) -> f64 {
-        let strength = self.strength(memory.plastic);
+    /// The yield function, Pa: by how much a stress lies outside of the cone or the cut-off, whichever is more; negative inside of both.
+    pub fn yield_function(&self, stress: &Sym, internal: InternalVariables) -> f64 {
+        let strength = self.strength(internal.plastic);
         let i1 = tensor::trace(stress);
         let cone = tensor::j2(stress).sqrt() + strength.alpha * i1 - strength.kappa;
         cone.max(i1 - self.cut_of(strength))
     }
 
-    /// Stress and memory after a strain increment.
+    /// Stress, Pa, and internal variables after a strain increment.
     #[inline]
-    pub fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
+    pub fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
         let trial = self.elastic.update(stress, dstrain);
         let i1 = tensor::trace(&trial);
         let j2 = tensor::j2(&trial);
         let room = self.floor.kappa - self.floor.alpha * i1;
         if i1 <= self.floor_cut && room >= 0.0 && j2 <= room * room {
-            return (trial, memory);
+            return (trial, internal);
         }
-        self.corrected(trial, i1, j2.sqrt(), memory)
+        self.plastic_correction(trial, i1, j2.sqrt(), internal)
     }
 
+    /// The same for a trial stress with the invariants `i1` and `j`, Pa, that may lie outside of the yield surface.
     #[inline(never)]
-    fn corrected(&self, trial: Sym, i1: f64, j: f64, memory: InternalVariables) -> (Sym, InternalVariables) {
-        let before = memory.plastic;
-        let place = self.surface.place(before);
-        let strength = place.map_or(self.surface.last(), |place| place.value());
+    fn plastic_correction(&self, trial: Sym, i1: f64, j: f64, internal: InternalVariables) -> (Sym, InternalVariables) {
+        let before = internal.plastic;
+        let point = self.surface.point(before);
+        let strength = point.map_or(self.surface.last(), |point| point.value());
         if self.inside(strength, i1, j) {
-            return (trial, memory);
+            return (trial, internal);
         }
-        let (end, plastic) = match place {
+        let (end, plastic) = match point {
             None => {
                 let end = self.returned(strength, i1, j);
                 (end, before + self.increment(i1, j, end))
             }
-            Some(place) => self.small(i1, j, before, place).unwrap_or_else(|| self.hardened(i1, j, before)),
+            Some(point) => self.newton_return(i1, j, before, point).unwrap_or_else(|| self.hardened(i1, j, before)),
         };
         let share = if j > 0.0 { end.j / j } else { 0.0 };
         let (before, after) = (i1 * (1.0 / 3.0), end.i1 * (1.0 / 3.0));
@@ -206,18 +216,18 @@ impl DruckerPrager {
         (stress, InternalVariables { plastic })
     }
 
-    /// The return to the cone by Newton's method, for an increment over which the surface hardly bends ([`Place::onward`]); `None` for a larger
-    /// one, where the surface jumps, and at the cut-off or the apex.
+    /// The return to the cone, and the new plastic strain, by Newton's method, for an increment so small that the surface changes smoothly over it
+    /// ([`SurfacePoint::advanced_by`]). `None` for a larger one, where the surface jumps, at the cut-off and at the apex.
     #[inline]
-    fn small(&self, i1: f64, j: f64, before: f64, place: Place<'_>) -> Option<(Returned, f64)> {
+    fn newton_return(&self, i1: f64, j: f64, before: f64, point: SurfacePoint<'_>) -> Option<(Returned, f64)> {
         const ROUNDS: u32 = 6;
         let (mut multiplier, mut increment, mut enough) = (0.0, 0.0, None);
-        let mut at = place;
+        let mut at = point;
         for _ in 0..ROUNDS {
             let YieldParameters { alpha, kappa } = at.value();
             let end = i1 - self.volume_return * multiplier;
-            let outside = (j - self.elastic.shear * multiplier) + alpha * end - kappa;
-            if outside.abs() <= *enough.get_or_insert(1e-11 * outside + 4.0 * f64::EPSILON * j) {
+            let excess = (j - self.elastic.shear * multiplier) + alpha * end - kappa;
+            if excess.abs() <= *enough.get_or_insert(1e-11 * excess + 4.0 * f64::EPSILON * j) {
                 let within = end <= self.cut && alpha * end < kappa;
                 return within.then_some((Returned { i1: end, j: kappa - alpha * end, on_cone: true }, before + increment));
             }
@@ -226,38 +236,40 @@ impl DruckerPrager {
             if tangent <= 0.0 {
                 return None;
             }
-            multiplier += outside / tangent;
+            multiplier += excess / tangent;
             increment = self.per_multiplier * multiplier;
-            at = place.onward(increment)?;
+            at = point.advanced_by(increment)?;
         }
         None
     }
 
+    /// Largest I1, Pa: that of the cut-off or of the apex.
     #[inline]
     fn cut_of(&self, strength: YieldParameters) -> f64 {
-        // without friction there is no apex; of 0 / 0 `min` takes the other
+        // without friction there is no apex: kappa / 0 is infinite, or NaN, of which `min` takes the other value
         self.cut.min(strength.kappa / strength.alpha)
     }
 
+    /// Whether a stress lies inside of this yield surface.
     #[inline]
     fn inside(&self, strength: YieldParameters, i1: f64, j: f64) -> bool {
         j + strength.alpha * i1 <= strength.kappa && i1 <= self.cut_of(strength)
     }
 
-    /// Return of a trial state to a surface that stays. The cone's return is the result unless it ends beyond the cut-off.
+    /// Return of a trial stress to a fixed surface: to the cone, or, where that ends beyond the cut-off, to the corner or to the cut-off.
     #[inline]
     fn returned(&self, strength: YieldParameters, i1: f64, j: f64) -> Returned {
         let YieldParameters { alpha, kappa } = strength;
         let cut = self.cut_of(strength);
-        let outside = j + alpha * i1 - kappa;
+        let excess = j + alpha * i1 - kappa;
         if i1 <= cut {
-            if outside <= 0.0 {
+            if excess <= 0.0 {
                 return Returned { i1, j, on_cone: false };
             }
         } else if j <= self.corner(strength, cut) {
             return Returned { i1: cut, j, on_cone: false };
         }
-        let multiplier = outside / (self.elastic.shear + self.volume_return * alpha);
+        let multiplier = excess / (self.elastic.shear + self.volume_return * alpha);
         let end = i1 - self.volume_return * multiplier;
         if end > cut {
             return Returned { i1: cut, j: self.corner(strength, cut), on_cone: false };
@@ -265,13 +277,14 @@ impl DruckerPrager {
         Returned { i1: end, j: (kappa - alpha * end).max(0.0), on_cone: true }
     }
 
-    /// J where cone and cut-off meet; without friction `cut` may be infinite.
+    /// J, Pa, at the corner between the cone and the cut-off at I1 = `cut`, which may be infinite without friction.
     #[inline]
     fn corner(&self, strength: YieldParameters, cut: f64) -> f64 {
         if strength.alpha > 0.0 { (strength.kappa - strength.alpha * cut).max(0.0) } else { strength.kappa }
     }
 
-    /// Accumulated plastic strain of a return, sqrt(2/3 de_p:de_p), with de_p = (s / 2J) (J_trial - J) / G + I (I1_trial - I1) / 9K.
+    /// Increment of the accumulated plastic strain in the return from (`i1`, `j`) to `end`: sqrt(2/3 de_p:de_p), with the deviator s and
+    /// de_p = (s / 2J) (J_trial - J) / G + I (I1_trial - I1) / 9K.
     #[inline]
     fn increment(&self, i1: f64, j: f64, end: Returned) -> f64 {
         let shear = (j - end.j) / self.elastic.shear;
@@ -279,9 +292,9 @@ impl DruckerPrager {
         ((shear * shear) * (1.0 / 3.0) + (volume * volume) * (2.0 / 9.0)).sqrt()
     }
 
-    /// Return to a surface that changes: finds the plastic strain e = e_before + increment(return to the surface of e) by Newton
-    /// steps kept between bounds, and by halving where they do not help. A plastic strain at which the strength jumps upwards may
-    /// have no such e; it is then taken just beyond the jump, with the stress between both surfaces that the plastic strain asks for.
+    /// Return to a surface that changes with the plastic strain. Solves e = before + (increment of the return to the surface at e) for the new plastic strain e,
+    /// by Newton's method within bounds, and by bisection where that does not converge. Where the strength jumps upwards there may be no solution: e is then just
+    /// beyond the jump, and the stress lies between the two surfaces, as that plastic strain demands.
     fn hardened(&self, i1: f64, j: f64, before: f64) -> (Returned, f64) {
         const NEWTON: u32 = 10;
         const MOST: u32 = 100;
@@ -289,13 +302,13 @@ impl DruckerPrager {
         let mut high = before + self.largest_increment(i1, j);
         let mut at = before;
         for round in 0..MOST {
-            let place = self.surface.place(at);
+            let point = self.surface.point(at);
             let (strength, slope) =
-                place.map_or((self.surface.last(), YieldParameters::default()), |place| (place.value(), place.slope()));
+                point.map_or((self.surface.last(), YieldParameters::default()), |point| (point.value(), point.slope()));
             let end = self.returned(strength, i1, j);
             let increment = self.increment(i1, j, end);
             let rest = at - before - increment;
-            // the stress lies on the surface of `at` in any case; this is how well `at` counts what was made
+            // the stress lies on the surface at `at` in any case; `rest` is how far `at` is from the plastic strain of the return
             if rest.abs() <= 1e-10 * increment + 4.0 * f64::EPSILON * at {
                 return (end, at);
             }
@@ -320,14 +333,14 @@ impl DruckerPrager {
         (self.at_jump(i1, j, high - before, self.strength(high)), high)
     }
 
-    /// The state at which the plastic strain has grown by `increment`, if it lies within the surface; else the return to it.
+    /// The stress after plastic flow on the cone by `increment`, if it lies inside of `strength`, the surface beyond a jump; otherwise the return to that surface.
     fn at_jump(&self, i1: f64, j: f64, increment: f64, strength: YieldParameters) -> Returned {
         let multiplier = increment / self.per_multiplier;
         let end = Returned { i1: i1 - self.volume_return * multiplier, j: j - self.elastic.shear * multiplier, on_cone: true };
         if end.j >= 0.0 && self.inside(strength, end.i1, end.j) { end } else { self.returned(strength, i1, j) }
     }
 
-    /// No return makes more plastic strain: all of J, and the larger of what the cone and the cut-off take of I1.
+    /// An upper bound of the increment of any return: that of a return that removes all of J, and of I1 the more of what cone and cut-off may remove.
     fn largest_increment(&self, i1: f64, j: f64) -> f64 {
         let multiplier = j / self.elastic.shear;
         let volume = (self.volume_return * multiplier).max(i1) / (3.0 * self.elastic.bulk);
@@ -350,13 +363,13 @@ mod tests {
             let (mut used, mut asked) = (0, 0);
             for _ in 0..20_000 {
                 let before = law.surface.settled() * rng.random::<f64>() * rng.random::<f64>();
-                let place = law.surface.place(before).expect("a surface that changes");
+                let point = law.surface.point(before).expect("a surface that changes");
                 let i1 = -1e5 * (0.01 + rng.random::<f64>());
-                let on = place.value().kappa - place.value().alpha * i1;
+                let on = point.value().kappa - point.value().alpha * i1;
                 let j = on + law.elastic.shear * 10f64.powf(rng.random_range(-9.0..-3.0));
                 let (full, at) = law.hardened(i1, j, before);
                 asked += u32::from(j - on < 1e-6 * law.elastic.shear);
-                if let Some((end, plastic)) = law.small(i1, j, before, place) {
+                if let Some((end, plastic)) = law.newton_return(i1, j, before, point) {
                     used += u32::from(j - on < 1e-6 * law.elastic.shear);
                     let close = |a: f64, b: f64, scale: f64| (a - b).abs() <= 2e-8 * scale.abs();
                     assert!(close(plastic - before, at - before, at - before + 1e-8 * at), "{law:?} {before}: {plastic} {at}");

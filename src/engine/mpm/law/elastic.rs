@@ -1,5 +1,4 @@
-//! Linear isotropic elasticity: dsigma = K tr(de) I + 2 G dev(de).
-//! K, G bulk and shear modulus, Pa; any strain increment, small in each step.
+//! Linear isotropic elasticity: dsigma = K tr(de) I + 2 G dev(de), with the bulk modulus K and the shear modulus G, Pa. Strain increments de must be small.
 
 use super::{ConstitutiveLaw, InternalVariables, Parameters, Sym};
 use serde::{Deserialize, Serialize};
@@ -14,12 +13,12 @@ pub struct Elastic {
 }
 
 impl Elastic {
-    /// From Young's modulus, Pa, and a Poisson ratio between -1 and 0.5.
+    /// From Young's modulus, Pa, and Poisson's ratio, between -1 and 0.5.
     pub fn of_young(young: f64, poisson: f64) -> Elastic {
         Elastic { bulk: young / (3.0 * (1.0 - 2.0 * poisson)), shear: young / (2.0 * (1.0 + poisson)) }
     }
 
-    /// From the shear modulus, Pa, and a Poisson ratio between -1 and 0.5.
+    /// From the shear modulus, Pa, and Poisson's ratio, between -1 and 0.5.
     pub fn of_shear(shear: f64, poisson: f64) -> Elastic {
         Elastic::of_young(2.0 * shear * (1.0 + poisson), poisson)
     }
@@ -29,17 +28,17 @@ impl Elastic {
         9.0 * self.bulk * self.shear / (3.0 * self.bulk + self.shear)
     }
 
-    /// Poisson ratio.
+    /// Poisson's ratio, -.
     pub fn poisson(&self) -> f64 {
         (3.0 * self.bulk - 2.0 * self.shear) / (2.0 * (3.0 * self.bulk + self.shear))
     }
 
-    /// Modulus of compression without lateral strain, K + 4/3 G, Pa.
+    /// Oedometric modulus K + 4/3 G, Pa: that of compression without lateral strain.
     pub fn oedometric(&self) -> f64 {
         self.bulk + 4.0 / 3.0 * self.shear
     }
 
-    /// Stress after a strain increment.
+    /// Stress, Pa, after a strain increment.
     #[inline]
     pub fn update(&self, stress: Sym, dstrain: Sym) -> Sym {
         let two_g = 2.0 * self.shear;
@@ -64,8 +63,8 @@ impl ConstitutiveLaw for Elastic {
     }
 
     #[inline]
-    fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
-        (Elastic::update(self, stress, dstrain), memory)
+    fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
+        (Elastic::update(self, stress, dstrain), internal)
     }
 
     fn elastic(&self) -> Elastic {

@@ -1,38 +1,46 @@
-//! How friction and cohesion follow the accumulated plastic strain. Li et al. (2023), Computers and Geotechnics 160, 105508:
-//! eq. 43 (cubic hardening, exponential softening; angles in rad) and Table 8 (linear hardening).
+//! Hardening and softening: friction angle and cohesion as functions of the accumulated plastic strain. Li et al. (2023), Computers and Geotechnics 160, 105508:
+//! eq. 43 (cubic hardening, then exponential softening; angles in rad) and Table 8 (linear hardening).
 
 use crate::math::portable::exp;
 use serde::{Deserialize, Serialize};
 
-/// Beyond this exponent what is left of a decay is below the last bit.
+/// Exponent x beyond which exp(-x) no longer changes a sum with values of order 1.
 const SETTLED: f64 = 40.0;
 
-/// An angle, rad, or a cohesion, Pa, against the accumulated plastic strain e, -.
+/// An angle, rad, or a cohesion, Pa, as a function of the accumulated plastic strain e, -.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Evolution {
+    /// This value at any e.
     Constant(f64),
-    /// From `initial` to `last` in proportion to e, which is `strain` where `last` is reached.
+    /// Linear in e up to `strain`, then constant.
     Linear {
+        /// Value at e = 0.
         initial: f64,
+        /// Value from `strain` on.
         last: f64,
+        /// Plastic strain at which the change ends, above 0.
         strain: f64,
     },
-    /// Eq. 43: `initial` at e = 0; a e³ + b e² + c e + d up to `peak_strain`; then residual + (peak - residual) exp(-H (e - peak_strain)).
-    /// It may jump where its parts meet: the coefficients of the paper leave 1 % at both ends.
+    /// Eq. 43: `initial` at e = 0; a e³ + b e² + c e + d up to `peak_strain`; then residual + (peak - residual) exp(-H (e - peak_strain)). The value may jump
+    /// between the parts: with the coefficients of the paper it does so by 1 % at e = 0 and at `peak_strain`.
     CubicExponential {
+        /// Value at e = 0.
         initial: f64,
-        /// a, b, c, d
+        /// Coefficients a, b, c, d of the cubic.
         cubic: [f64; 4],
+        /// Plastic strain at which the cubic ends.
         peak_strain: f64,
+        /// Value at which the softening begins.
         peak: f64,
+        /// Value towards which the softening goes.
         residual: f64,
-        /// H
+        /// Rate H of the softening, -.
         decay: f64,
     },
 }
 
 impl Evolution {
-    /// The value, its slope and its curvature at a plastic strain.
+    /// The value and its first and second derivatives with respect to e, at the plastic strain `e`.
     #[inline]
     pub fn at(&self, e: f64) -> (f64, f64, f64) {
         match *self {
@@ -58,7 +66,8 @@ impl Evolution {
         }
     }
 
-    /// The plastic strains at which it jumps or bends, or from which on nothing changes; within 0 < e <= first end and so on it is smooth.
+    /// The plastic strains at which the value jumps or has a kink, in ascending order, the last one where it stops changing. Between two of them, the upper one
+    /// included, the value is smooth.
     pub fn ends(&self) -> impl Iterator<Item = f64> {
         let (bend, settled) = match *self {
             Evolution::Constant(_) => (None, None),
@@ -68,12 +77,12 @@ impl Evolution {
         bend.into_iter().chain(settled)
     }
 
-    /// Plastic strain from which on nothing changes.
+    /// Plastic strain from which on the value is constant.
     pub fn settled(&self) -> f64 {
         self.ends().last().unwrap_or(0.0)
     }
 
-    /// The value after all changes.
+    /// The final value.
     pub fn last(&self) -> f64 {
         match *self {
             Evolution::Constant(value) | Evolution::Linear { last: value, .. } => value,
@@ -89,7 +98,7 @@ impl Evolution {
             Evolution::Linear { initial, last, .. } => of(&[initial, last]),
             Evolution::CubicExponential { initial, cubic: [a, b, c, d], peak_strain, peak, residual, .. } => {
                 let mut values = vec![initial, peak, residual, d, self.at(peak_strain).0];
-                // turning points: 3 a e² + 2 b e + c = 0, by the form that holds without a, too
+                // extrema of the cubic: the roots of 3 a e² + 2 b e + c, in the form that also holds for a = 0
                 let root = (b * b - 3.0 * a * c).sqrt();
                 let half = -(b + root.copysign(b));
                 let turns = [half / (3.0 * a), c / half];

@@ -1,7 +1,7 @@
-//! Constitutive laws of a material point. A law takes the stress and a strain increment to the new stress; it knows no
-//! arrays, files or clocks. Inside the laws tension is positive; records turn the sign.
+//! Constitutive laws of material points: the new stress from the old stress, a strain increment and the internal variables. Functions of plain values, without
+//! arrays and files. Inside the laws tension is positive; output files have compression positive.
 //!
-//! Only + - * / and square roots in a stated order reach results, so that they are the same bytes on every machine.
+//! Results come from + - * / and square roots alone, in the order in which they are written, so that they have the same bits on every machine.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,18 +24,18 @@ pub use mohr_coulomb::MohrCoulomb;
 pub use registry::Law;
 pub use surface::YieldParameters;
 
-/// Symmetric tensor, components xx, yy, zz, xy, yz, zx (tensor components: half the engineering shear strain). Tension is
-/// positive.
+/// Symmetric tensor of stress, Pa, or strain, -: components xx, yy, zz, xy, yz, zx, tension positive. Shear strains are those of the tensor, half the engineering
+/// ones.
 pub type Sym = [f64; 6];
 
-/// What a law remembers of a point.
+/// The internal variables of a material point: what a law keeps from step to step besides the stress.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InternalVariables {
-    /// Accumulated plastic strain, the integral of sqrt(2/3 de_p:de_p) with all of the plastic strain de_p, -
+    /// Accumulated plastic strain, -: the integral of sqrt(2/3 de_p:de_p), with volumetric and deviatoric plastic strain increments de_p.
     pub plastic: f64,
 }
 
-/// A law of a material point.
+/// A constitutive law.
 ///
 /// # Example
 /// A soil with the friction angle 30° and no cohesion is compressed axially at a constant cell pressure of 100 kPa, as in a
@@ -53,62 +53,64 @@ pub struct InternalVariables {
 ///     tension: f64::INFINITY,
 /// }));
 /// let cell = -100e3; // tension is positive
-/// let (mut stress, mut memory) = ([cell, cell, cell, 0.0, 0.0, 0.0], InternalVariables::default());
+/// let (mut stress, mut internal) = ([cell, cell, cell, 0.0, 0.0, 0.0], InternalVariables::default());
 /// for _ in 0..300 {
 ///     // the lateral strain at which the lateral stress stays, by bisection
 ///     let axial = -1e-4;
-///     let after = |lateral: f64| law.update(stress, [lateral, lateral, axial, 0.0, 0.0, 0.0], memory);
+///     let after = |lateral: f64| law.update(stress, [lateral, lateral, axial, 0.0, 0.0, 0.0], internal);
 ///     let (mut low, mut high) = (0.0, -2.0 * axial);
 ///     for _ in 0..60 {
 ///         let middle = 0.5 * (low + high);
 ///         // wider means less lateral pressure
 ///         if after(middle).0[0] < cell { low = middle } else { high = middle }
 ///     }
-///     (stress, memory) = after(0.5 * (low + high));
+///     (stress, internal) = after(0.5 * (low + high));
 /// }
 /// assert!((stress[2] / stress[0] - 3.0).abs() < 1e-6, "{stress:?}");
-/// assert!(memory.plastic > 0.0);
+/// assert!(internal.plastic > 0.0);
 /// ```
 pub trait ConstitutiveLaw: Sized {
-    /// Keys of a material's table [continuum] that the law reads besides `law` and the moduli, without their units; all but evolutions and `tension` are needed.
+    /// Keys, without units, that the law reads from the table `[continuum]` of a material besides `law` and the moduli. All but `tension` and the evolutions are
+    /// required.
     const KEYS: &'static [&'static str];
 
-    /// The law of these parameters; it looks at those of its keys.
+    /// The law with these parameters; it reads those of its keys.
     fn of(parameters: &Parameters) -> Self;
 
-    /// Stress, Pa, and memory after the strain increment `dstrain`. `stress` has been rotated with the material already
+    /// Stress, Pa, and internal variables after the strain increment `dstrain`. `stress`, Pa, is that before, already rotated with the material
     /// ([`crate::mpm::rotate_jaumann`]).
-    fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables);
+    fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables);
 
     /// The elastic part of the law.
     fn elastic(&self) -> Elastic;
 
-    /// The place of a cone of failure at the Mohr-Coulomb pyramid, of a law that has one.
+    /// Where the cone of failure touches the Mohr-Coulomb pyramid; `None` for laws without a cone.
     fn cone(&self) -> Option<Cone> {
         None
     }
 
-    /// Friction angle, rad, and cohesion, Pa, at a plastic strain, of a law that yields.
+    /// Friction angle, rad, and cohesion, Pa, at an accumulated plastic strain; `None` for laws that do not yield.
     fn shear_strength(&self, _plastic: f64) -> Option<[f64; 2]> {
         None
     }
 
-    /// The line of failure in triaxial compression at a plastic strain, of a law that yields.
+    /// The line of failure in triaxial compression at an accumulated plastic strain; `None` for laws that do not yield.
     fn yield_line(&self, _plastic: f64) -> Option<YieldParameters> {
         None
     }
 
-    /// Deviatoric stress q at failure in triaxial compression at the cell pressure, Pa (compression positive), at a plastic strain.
+    /// Deviatoric stress q at failure in triaxial compression, Pa: axial less radial stress, compression positive. `cell`: cell pressure, Pa; `plastic`:
+    /// accumulated plastic strain. `None` for laws that do not yield.
     fn q_compression(&self, _cell: f64, _plastic: f64) -> Option<f64> {
         None
     }
 
-    /// Radial less axial stress at failure in triaxial extension at the cell pressure, Pa (compression positive), at a plastic strain.
+    /// Radial less axial stress at failure in triaxial extension, Pa, compression positive; arguments as in [`ConstitutiveLaw::q_compression`].
     fn q_extension(&self, _cell: f64, _plastic: f64) -> Option<f64> {
         None
     }
 
-    /// The largest of these that the law reaches at any plastic strain, in compression or extension; `None` where no closed form says.
+    /// The largest of [`ConstitutiveLaw::q_compression`], or of [`ConstitutiveLaw::q_extension`], over all plastic strains; `None` where there is no closed form.
     fn peak_q(&self, _cell: f64, _compression: bool) -> Option<f64> {
         None
     }

@@ -1,11 +1,13 @@
 //! Mohr–Coulomb plasticity with constant friction, cohesion and dilation, tension positive, principal stresses σ1 ≥ σ2 ≥ σ3:
-//! f = (σ1 − σ3) + (σ1 + σ3) sin φ − 2 c cos φ ≤ 0. Flow by the same form with the dilation angle ψ.
+//! f = (σ1 − σ3) + (σ1 + σ3) sin φ − 2 c cos φ ≤ 0. The plastic potential is f with the dilation angle ψ in place of φ.
 //!
-//! The return is exact: in principal stresses the surface is a pyramid of planes, so that a trial state returns to one of its planes, edges or the apex c cot φ in closed form,
-//! and its directions stay (de Souza Neto, Perić & Owen 2008, Computational Methods for Plasticity, section 8.2).
+//! - φ, ψ — friction and dilation angle, rad; c — cohesion, Pa
 //!
-//! - φ, ψ — friction and dilation angle, rad, 0 ≤ ψ ≤ φ; c — cohesion, Pa
-//! - triaxial compression and extension fail at the same σ_largest/σ_smallest = N = (1 + sin φ)/(1 − sin φ) of a soil without cohesion
+//! The return is exact. In the space of principal stresses the surface is a pyramid of planes: a trial stress returns to one of its planes, to an edge between two
+//! of them or to the apex c cot φ in closed form, and its principal directions do not change (de Souza Neto, Perić & Owen 2008, Computational Methods for Plasticity,
+//! section 8.2).
+//!
+//! Without cohesion triaxial compression and extension fail at the same ratio of the largest to the smallest stress, (1 + sin φ)/(1 − sin φ).
 //!
 //! Holds for 0 ≤ ψ ≤ φ: dissipation is then not negative.
 
@@ -14,19 +16,20 @@ use crate::math::eigen::principal;
 use crate::math::portable::sin;
 use serde::{Deserialize, Serialize};
 
-/// The law, with what follows from its parameters.
+/// The law of Mohr and Coulomb, with constants that follow from its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Parameters", into = "Parameters")]
 pub struct MohrCoulomb {
     parameters: Parameters,
     friction_angle: f64,
     cohesion: f64,
-    /// sin φ, sin ψ
+    /// sin φ.
     sin_friction: f64,
+    /// sin ψ.
     sin_dilation: f64,
-    /// 2 c cos φ, Pa
+    /// 2 c cos φ, Pa.
     strength: f64,
-    /// The cone inside the pyramid that touches each of its planes: stress inside it needs no principal values.
+    /// The cone inside the pyramid that touches all of its planes: stresses inside it are elastic, which saves the computation of their principal values.
     inscribed: YieldParameters,
 }
 
@@ -66,13 +69,13 @@ impl ConstitutiveLaw for MohrCoulomb {
     }
 
     #[inline]
-    fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
+    fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
         let trial = self.parameters.elastic.update(stress, dstrain);
         let room = self.inscribed.kappa - self.inscribed.alpha * tensor::trace(&trial);
         if room >= 0.0 && tensor::j2(&trial) <= room * room {
-            return (trial, memory);
+            return (trial, internal);
         }
-        self.corrected(trial, memory)
+        self.plastic_correction(trial, internal)
     }
 
     fn shear_strength(&self, _: f64) -> Option<[f64; 2]> {
@@ -99,18 +102,19 @@ impl ConstitutiveLaw for MohrCoulomb {
 }
 
 impl MohrCoulomb {
-    /// Yield function of a largest and a smallest principal stress, Pa.
-    fn outside(&self, largest: f64, smallest: f64) -> f64 {
+    /// The yield function, Pa, of the largest and the smallest principal stress, Pa; negative inside of the pyramid.
+    fn yield_function(&self, largest: f64, smallest: f64) -> f64 {
         (largest - smallest) + (largest + smallest) * self.sin_friction - self.strength
     }
 
+    /// Stress and internal variables for a trial stress that may lie outside of the pyramid.
     #[inline(never)]
-    fn corrected(&self, trial: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
+    fn plastic_correction(&self, trial: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
         let (before, directions) = principal(trial);
-        // what rounding leaves of a stress on the surface is not outside
+        // a stress on the surface may be outside by rounding
         let scale = before[0].abs().max(before[2].abs());
-        if self.outside(before[0], before[2]) <= 4.0 * f64::EPSILON * scale {
-            return (trial, memory);
+        if self.yield_function(before[0], before[2]) <= 4.0 * f64::EPSILON * scale {
+            return (trial, internal);
         }
         let after = self.returned(before);
         let mut stress = [0.0; 6];
@@ -124,14 +128,16 @@ impl MohrCoulomb {
         let mean = (gone[0] + gone[1] + gone[2]) * (1.0 / 3.0);
         let plastic = gone.map(|g| (g - mean) / (2.0 * shear) + mean / (3.0 * bulk));
         let square = plastic[0] * plastic[0] + plastic[1] * plastic[1] + plastic[2] * plastic[2];
-        (stress, InternalVariables { plastic: memory.plastic + (2.0 / 3.0 * square).sqrt() })
+        (stress, InternalVariables { plastic: internal.plastic + (2.0 / 3.0 * square).sqrt() })
     }
 
-    /// Principal stresses, Pa, on the surface, of a trial state outside of it; its plane first, then the edge beside it, then the apex.
+    /// Principal stresses, Pa, after the return from the trial ones, which lie outside of the pyramid. The return to the plane is tried first, then that to the edge
+    /// beside it; where that ends beyond the apex, the result is the apex.
     fn returned(&self, trial: [f64; 3]) -> [f64; 3] {
         let (s, d) = (self.sin_friction, self.sin_dilation);
         let Elastic { bulk, shear } = self.parameters.elastic;
-        // change of σ with the multiplier of a plane: of its largest, its other and its smallest principal stress
+        // change per plastic multiplier of the largest, the middle and the smallest principal stress, for the flow of one plane; `own` is the change of its yield
+        // function
         let largest = -(2.0 * shear * (1.0 + d * (1.0 / 3.0)) + 2.0 * bulk * d);
         let other = (4.0 / 3.0 * shear - 2.0 * bulk) * d;
         let smallest = 2.0 * shear * (1.0 - d * (1.0 / 3.0)) - 2.0 * bulk * d;
@@ -141,27 +147,27 @@ impl MohrCoulomb {
             x[0] >= x[1] - rounding && x[1] >= x[2] - rounding
         };
 
-        let main = self.outside(trial[0], trial[2]);
+        let main = self.yield_function(trial[0], trial[2]);
         let m = main / own;
         let plane = [trial[0] + largest * m, trial[1] + other * m, trial[2] + smallest * m];
         if ordered(plane) {
             return plane;
         }
-        // the flow goes past the edge of triaxial compression (σ1 of tension alone) or of extension
-        let compression = (1.0 - d) * trial[0] - 2.0 * trial[1] + (1.0 + d) * trial[2] > 0.0;
-        let sign = if compression { 1.0 } else { -1.0 };
+        // the return to the plane ends beyond one of its two edges: that of triaxial extension, σ2 = σ3, or that of triaxial compression, σ1 = σ2
+        let extension = (1.0 - d) * trial[0] - 2.0 * trial[1] + (1.0 + d) * trial[2] > 0.0;
+        let sign = if extension { 1.0 } else { -1.0 };
         let across = 2.0 * shear * (1.0 + sign * (s + d) - s * d * (1.0 / 3.0)) + 4.0 * bulk * s * d;
-        let beside = if compression { self.outside(trial[0], trial[1]) } else { self.outside(trial[1], trial[2]) };
+        let beside = if extension { self.yield_function(trial[0], trial[1]) } else { self.yield_function(trial[1], trial[2]) };
         let determinant = own * own - across * across;
         let (a, b) = ((own * main - across * beside) / determinant, (own * beside - across * main) / determinant);
-        let edge = if compression {
+        let edge = if extension {
             [trial[0] + largest * (a + b), trial[1] + other * a + smallest * b, trial[2] + smallest * a + other * b]
         } else {
             [trial[0] + largest * a + other * b, trial[1] + other * a + largest * b, trial[2] + smallest * (a + b)]
         };
         let apex = if s > 0.0 { self.strength / (2.0 * s) } else { f64::INFINITY };
         let mean = (edge[0] + edge[1] + edge[2]) * (1.0 / 3.0);
-        // on an edge the largest stress is above the smallest as far as the mean is below the apex
+        // on an edge the largest stress is above the smallest one only where their mean is below the apex
         if mean <= apex { edge } else { [apex; 3] }
     }
 }
@@ -187,18 +193,18 @@ mod tests {
 
     /// Strains axially at a constant cell pressure (compression negative here), the lateral strain found so that the lateral stress stays.
     fn triaxial(law: &MohrCoulomb, cell: f64, axial: f64) -> (Sym, [f64; 2]) {
-        let (mut stress, mut memory) = ([-cell, -cell, -cell, 0.0, 0.0, 0.0], InternalVariables::default());
+        let (mut stress, mut internal) = ([-cell, -cell, -cell, 0.0, 0.0, 0.0], InternalVariables::default());
         let mut lateral_sum = 0.0;
         for _ in 0..400 {
             let da = axial / 400.0;
-            let trial = |lateral: f64| law.update(stress, [lateral, lateral, da, 0.0, 0.0, 0.0], memory);
+            let trial = |lateral: f64| law.update(stress, [lateral, lateral, da, 0.0, 0.0, 0.0], internal);
             let (mut low, mut high) = (-2.0 * da.abs(), 2.0 * da.abs());
             for _ in 0..200 {
                 let middle = 0.5 * (low + high);
                 if trial(middle).0[0] < -cell { low = middle } else { high = middle }
             }
             lateral_sum += low;
-            (stress, memory) = trial(low);
+            (stress, internal) = trial(low);
         }
         (stress, [axial, lateral_sum])
     }
@@ -230,9 +236,9 @@ mod tests {
     #[test]
     fn plane_strain_fails_at_the_same_ratio() {
         let law = soil(30.0, 0.0, 0.0);
-        let (mut stress, mut memory) = ([-1e5, -1e5, -1e5, 0.0, 0.0, 0.0], InternalVariables::default());
+        let (mut stress, mut internal) = ([-1e5, -1e5, -1e5, 0.0, 0.0, 0.0], InternalVariables::default());
         for _ in 0..4000 {
-            (stress, memory) = law.update(stress, [1e-5, 0.0, -1e-5, 0.0, 0.0, 0.0], memory);
+            (stress, internal) = law.update(stress, [1e-5, 0.0, -1e-5, 0.0, 0.0, 0.0], internal);
         }
         assert!((stress[2] / stress[0] - 3.0).abs() < 1e-9, "{stress:?}");
         assert!(stress[1] < stress[0] && stress[1] > stress[2]);
@@ -246,19 +252,19 @@ mod tests {
         ) {
             let law = soil(phi, share * phi, c);
             let start = [-p, -p, -p, 0.0, 0.0, 0.0];
-            let (stress, memory) = law.update(start, e, InternalVariables::default());
+            let (stress, internal) = law.update(start, e, InternalVariables::default());
             let trial = law.elastic().update(start, e);
             let ([a, b, z], size) = (principal(stress).0, tensor::j2(&trial).sqrt() + tensor::trace(&trial).abs());
-            prop_assert!(law.outside(a, z) <= 1e-10 * size, "{} of {size}", law.outside(a, z));
+            prop_assert!(law.yield_function(a, z) <= 1e-10 * size, "{} of {size}", law.yield_function(a, z));
             let _ = b;
-            if memory.plastic > 0.0 {
+            if internal.plastic > 0.0 {
                 // work of the plastic strain: σ : C (trial − σ) >= 0
                 let gone: Sym = std::array::from_fn(|k| trial[k] - stress[k]);
                 let mean = tensor::trace(&gone) / 3.0;
                 let Elastic { bulk, shear } = law.elastic();
                 let strain: Sym = std::array::from_fn(|k| if k < 3 { (gone[k] - mean) / (2.0 * shear) + mean / (3.0 * bulk) } else { gone[k] / (2.0 * shear) });
                 prop_assert!(tensor::contract(&stress, &strain) >= -1e-9 * size * tensor::equivalent(&strain));
-                let again = law.update(stress, [0.0; 6], memory);
+                let again = law.update(stress, [0.0; 6], internal);
                 let moved: Sym = std::array::from_fn(|k| again.0[k] - stress[k]);
                 prop_assert!(moved.iter().all(|m| m.abs() <= 1e-9 * size), "{moved:?}");
             } else {

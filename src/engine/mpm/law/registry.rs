@@ -1,13 +1,13 @@
-//! The constitutive laws that there are. A law is a type in a file of this room that implements [`ConstitutiveLaw`], and a line here; the words of material files, the checks and
-//! every dispatch follow from it.
+//! The list of constitutive laws. To add one, write a type that implements [`ConstitutiveLaw`] in a file of this folder, and a line in the list below; from that
+//! line follow the word in material files, the checks of its keys, and the calls.
 
 use super::{Cone, ConstitutiveLaw, DruckerPrager, Elastic, InternalVariables, MohrCoulomb, Parameters, Sym, YieldParameters};
 use serde::{Deserialize, Serialize};
 
-/// Writes the enumeration of laws and what is asked of them by name.
+/// Writes the enumeration [`Law`] with its functions from the list of laws.
 macro_rules! constitutive_laws {
     ($($(#[$doc:meta])* $law:ident = $word:literal, $meaning:literal, gpu: $gpu:expr;)*) => {
-        /// The law of a material: one of them for all of its points.
+        /// The constitutive law of a material.
         #[expect(clippy::large_enum_variant, reason = "a scene has a few laws; points hold none")]
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         pub enum Law {
@@ -20,7 +20,7 @@ macro_rules! constitutive_laws {
             /// What each law is, in a few words, in the order of their words.
             pub const MEANINGS: &'static [&'static str] = &[$($meaning),*];
 
-            /// The law of this word and of these parameters.
+            /// The law with this word and these parameters; `None` where there is none.
             pub fn named(word: &str, parameters: &Parameters) -> Option<Law> {
                 match word {
                     $($word => Some(Law::$law(ConstitutiveLaw::of(parameters))),)*
@@ -28,7 +28,7 @@ macro_rules! constitutive_laws {
                 }
             }
 
-            /// [`ConstitutiveLaw::KEYS`] of the law of this word.
+            /// [`ConstitutiveLaw::KEYS`] of the law with this word; `None` where there is none.
             pub fn keys(word: &str) -> Option<&'static [&'static str]> {
                 match word {
                     $($word => Some(<$law as ConstitutiveLaw>::KEYS),)*
@@ -41,15 +41,15 @@ macro_rules! constitutive_laws {
                 match self { $(Law::$law(_) => $word,)* }
             }
 
-            /// The law's number in shaders, or what to use instead on a graphics device.
+            /// Number of the law in shaders; or, for a law that shaders do not have, which to use instead on a graphics device.
             pub fn on_gpu(&self) -> Result<u32, &'static str> {
                 match self { $(Law::$law(_) => $gpu,)* }
             }
 
             /// [`ConstitutiveLaw::update`]
             #[inline]
-            pub fn update(&self, stress: Sym, dstrain: Sym, memory: InternalVariables) -> (Sym, InternalVariables) {
-                match self { $(Law::$law(law) => ConstitutiveLaw::update(law, stress, dstrain, memory),)* }
+            pub fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
+                match self { $(Law::$law(law) => ConstitutiveLaw::update(law, stress, dstrain, internal),)* }
             }
 
             /// [`ConstitutiveLaw::elastic`]
@@ -110,12 +110,12 @@ impl Law {
         self.elastic().young()
     }
 
-    /// Poisson ratio.
+    /// Poisson's ratio, -.
     pub fn poisson(&self) -> f64 {
         self.elastic().poisson()
     }
 
-    /// Speed of P-waves, m/s, in material of this density, kg/m³: no law is stiffer than its elastic part.
+    /// Speed of compression waves, m/s, in a material of this density, kg/m³. Plastic flow makes it smaller, never larger.
     pub fn wave_speed(&self, density: f64) -> f64 {
         (self.elastic().oedometric() / density).sqrt()
     }

@@ -2,33 +2,33 @@
 
 use super::Sym;
 
-/// a_ii
+/// Trace a_ii.
 #[inline]
 pub fn trace(a: &Sym) -> f64 {
     a[0] + a[1] + a[2]
 }
 
-/// a_ij - a_kk / 3 delta_ij
+/// Deviator a_ij - a_kk / 3 delta_ij.
 #[inline]
 pub fn deviator(a: &Sym) -> Sym {
     let mean = trace(a) * (1.0 / 3.0);
     [a[0] - mean, a[1] - mean, a[2] - mean, a[3], a[4], a[5]]
 }
 
-/// a_ij b_ij
+/// Double contraction a_ij b_ij.
 #[inline]
 pub fn contract(a: &Sym, b: &Sym) -> f64 {
     (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
 }
 
-/// Second invariant of the deviator, J2 = s_ij s_ij / 2. From differences, so that a large pressure does not drown it.
+/// Second invariant of the deviator, J2 = s_ij s_ij / 2; from differences of normal components, so that a large mean does not spoil its digits.
 #[inline]
 pub fn j2(a: &Sym) -> f64 {
     let (d0, d1, d2) = (a[0] - a[1], a[1] - a[2], a[2] - a[0]);
     (d0 * d0 + d1 * d1 + d2 * d2) * (1.0 / 6.0) + (a[3] * a[3] + a[4] * a[4] + a[5] * a[5])
 }
 
-/// Accumulated plastic strain of an increment: sqrt(2/3 a_ij a_ij).
+/// Equivalent strain sqrt(2/3 a_ij a_ij); of a plastic strain increment, the increment of the accumulated plastic strain.
 #[inline]
 pub fn equivalent(a: &Sym) -> f64 {
     (2.0 / 3.0 * contract(a, a)).sqrt()

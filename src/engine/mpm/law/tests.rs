@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// R a Rᵀ
-fn turned(a: &Sym, r: &[[f64; 3]; 3]) -> Sym {
+fn rotated(a: &Sym, r: &[[f64; 3]; 3]) -> Sym {
     let m = [[a[0], a[3], a[5]], [a[3], a[1], a[4]], [a[5], a[4], a[2]]];
     let row = |i: usize| -> [f64; 3] { std::array::from_fn(|k| r[i][0] * m[0][k] + r[i][1] * m[1][k] + r[i][2] * m[2][k]) };
     let (x, y, z) = (row(0), row(1), row(2));
@@ -76,9 +76,9 @@ fn admissible(law: &DruckerPrager, rng: &mut ChaCha8Rng) -> (Sym, InternalVariab
 }
 
 fn random(law: &DruckerPrager, rng: &mut ChaCha8Rng) -> (Sym, InternalVariables, Sym) {
-    let (stress, memory) = admissible(law, rng);
+    let (stress, internal) = admissible(law, rng);
     let size = 10f64.powf(rng.random_range(-8.0..-1.3));
-    (stress, memory, symmetric(rng, size))
+    (stress, internal, symmetric(rng, size))
 }
 
 /// Plastic strain of a step: what the elastic part does not explain.
@@ -99,15 +99,15 @@ fn no_step_ends_outside_and_none_gains_plastic_work() {
     let mut yielded = 0;
     for law in laws() {
         for _ in 0..4000 {
-            let (stress, memory, dstrain) = random(&law, &mut rng);
-            let (after, then) = law.update(stress, dstrain, memory);
+            let (stress, internal, dstrain) = random(&law, &mut rng);
+            let (after, then) = law.update(stress, dstrain, internal);
             let trial = law.elastic().update(stress, dstrain);
             let rounding = 1e-13 * (size(&trial) + size(&stress) + 1.0);
-            let outside = law.outside(&after, then);
-            assert!(outside <= 10.0 * rounding, "{law:?}: {outside} Pa outside at {after:?}, {then:?}");
-            assert!(then.plastic >= memory.plastic);
-            if law.outside(&trial, memory) <= 0.0 {
-                assert_eq!((after, then), (trial, memory), "inside it is elastic");
+            let excess = law.yield_function(&after, then);
+            assert!(excess <= 10.0 * rounding, "{law:?}: {excess} Pa excess at {after:?}, {then:?}");
+            assert!(then.plastic >= internal.plastic);
+            if law.yield_function(&trial, internal) <= 0.0 {
+                assert_eq!((after, then), (trial, internal), "inside it is elastic");
                 continue;
             }
             yielded += 1;
@@ -117,9 +117,9 @@ fn no_step_ends_outside_and_none_gains_plastic_work() {
             assert!(work >= -10.0 * unsure, "{law:?}: plastic work {work:e} at {after:?}");
             // what is accumulated is what was made
             let made = equivalent(&dp);
-            let sure = 1e-12 * (1.0 + memory.plastic) + 10.0 * rounding / law.elastic().shear;
-            let error = (then.plastic - memory.plastic - made).abs();
-            assert!(error <= sure + 1e-9 * made, "{law:?}: {:e} for {made:e}, at {memory:?}", then.plastic - memory.plastic);
+            let sure = 1e-12 * (1.0 + internal.plastic) + 10.0 * rounding / law.elastic().shear;
+            let error = (then.plastic - internal.plastic - made).abs();
+            assert!(error <= sure + 1e-9 * made, "{law:?}: {:e} for {made:e}, at {internal:?}", then.plastic - internal.plastic);
         }
     }
     assert!(yielded > 10_000, "the test has tested something: {yielded}");
@@ -131,12 +131,12 @@ fn a_yielding_step_ends_on_the_surface() {
     // without jumps
     for law in laws().into_iter().skip(1) {
         for _ in 0..2000 {
-            let (stress, memory, dstrain) = random(&law, &mut rng);
+            let (stress, internal, dstrain) = random(&law, &mut rng);
             let trial = law.elastic().update(stress, dstrain);
-            let (after, then) = law.update(stress, dstrain, memory);
-            if law.outside(&trial, memory) > 0.0 {
-                let inside = -law.outside(&after, then);
-                let made = then.plastic - memory.plastic;
+            let (after, then) = law.update(stress, dstrain, internal);
+            if law.yield_function(&trial, internal) > 0.0 {
+                let inside = -law.yield_function(&after, then);
+                let made = then.plastic - internal.plastic;
                 assert!(inside <= 1e-11 * (size(&trial) + 1e3), "{law:?}: {inside} Pa inside after {made:e}");
             }
         }
@@ -148,22 +148,22 @@ fn turning_the_input_turns_the_output() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for law in laws() {
         for _ in 0..1000 {
-            let (stress, memory, dstrain) = random(&law, &mut rng);
+            let (stress, internal, dstrain) = random(&law, &mut rng);
             let spin: [f64; 3] = std::array::from_fn(|_| rng.random_range(-3.0..3.0));
             let rotation: [[f64; 3]; 3] = nalgebra::Rotation3::new(spin.into()).matrix().transpose().into();
-            let turn = |a: Sym| turned(&a, &rotation);
-            let (there, a) = law.update(turn(stress), turn(dstrain), memory);
-            let (here, b) = law.update(stress, dstrain, memory);
+            let turn = |a: Sym| rotated(&a, &rotation);
+            let (there, a) = law.update(turn(stress), turn(dstrain), internal);
+            let (here, b) = law.update(stress, dstrain, internal);
             let here = turn(here);
             let trial = size(&law.elastic().update(stress, dstrain)) + size(&stress);
             let apart = (0..6).map(|i| (here[i] - there[i]).abs()).fold(0.0, f64::max);
             // where the strength drops at once, rounding decides on which side a state lies
             if apart > 1e-10 * (trial + 1.0) {
-                let near = law.outside(&law.elastic().update(stress, dstrain), memory).abs();
+                let near = law.yield_function(&law.elastic().update(stress, dstrain), internal).abs();
                 assert!(near < 1e-10 * trial, "{law:?}: {here:?} {there:?}");
                 continue;
             }
-            assert!((a.plastic - b.plastic).abs() <= 1e-9 * (a.plastic - memory.plastic) + 1e-13 * (1.0 + a.plastic));
+            assert!((a.plastic - b.plastic).abs() <= 1e-9 * (a.plastic - internal.plastic) + 1e-13 * (1.0 + a.plastic));
         }
     }
 }
@@ -172,9 +172,9 @@ fn turning_the_input_turns_the_output() {
 fn a_reflection_turns_nothing_else() {
     let mirror = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let (stress, dstrain) = ([-5e4, -4e4, -6e4, 3e3, 1e3, -2e3], [1e-3, 0.0, -3e-3, 1e-3, 2e-3, -1e-3]);
-    let memory = InternalVariables { plastic: 0.01 };
-    let (a, _) = li().update(turned(&stress, &mirror), turned(&dstrain, &mirror), memory);
-    assert_eq!(a, turned(&li().update(stress, dstrain, memory).0, &mirror));
+    let internal = InternalVariables { plastic: 0.01 };
+    let (a, _) = li().update(rotated(&stress, &mirror), rotated(&dstrain, &mirror), internal);
+    assert_eq!(a, rotated(&li().update(stress, dstrain, internal).0, &mirror));
 }
 
 /// The rate equations by forward steps: multiplier = trial excess / (G + 9 K alpha alpha_psi + H), flow and surface of the
@@ -253,7 +253,7 @@ fn the_jump_at_the_peak_is_crossed_without_a_gap() {
     for i in 0..4000 {
         let e = 1e-7 * f64::from(i);
         let now = law.update(stress, [0.5 * e, 0.5 * e, -e, 0.0, 0.0, 0.0], start);
-        assert!(law.outside(&now.0, now.1) < 1e-8);
+        assert!(law.yield_function(&now.0, now.1) < 1e-8);
         if let Some(last) = last {
             let step = (0..6).map(|i| (now.0[i] - last.0[i]).abs()).fold(0.0, f64::max);
             assert!(step < 3.0 * 2.0 * law.elastic().bulk.max(law.elastic().shear) * 1e-7, "{step} Pa at {now:?}");
@@ -272,12 +272,12 @@ fn apex_and_cut_off_are_met() {
     for cone in [Cone::Outer, Cone::Inner, Cone::PlaneStrain] {
         let law = law(cone, degrees(30.0), c(1e4), 10.0, NONE, 0.3);
         let apex = 1e4 / (30.0 * DEGREE).tan();
-        let (stress, memory) = law.update([0.0; 6], [0.02, 0.02, 0.021, 1e-4, 0.0, 0.0], InternalVariables::default());
+        let (stress, internal) = law.update([0.0; 6], [0.02, 0.02, 0.021, 1e-4, 0.0, 0.0], InternalVariables::default());
         for i in 0..6 {
             let expected = if i < 3 { apex } else { 0.0 };
             assert!((stress[i] - expected).abs() < 1e-9 * apex, "{cone:?}: {stress:?} for {apex}");
         }
-        assert!(memory.plastic > 0.0);
+        assert!(internal.plastic > 0.0);
     }
     // a cut-off before the apex: the deviator of a small shear stays as it is, that of a large one is held by the cone
     let law = law(Cone::Outer, degrees(30.0), c(1e4), 10.0, 5e3, 0.3);
