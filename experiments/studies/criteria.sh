@@ -21,9 +21,9 @@ for seed in ${2:-1 2 3}; do
     done
 done
 
-# events, utilisation, state at the end
+# breakages and void ratio at four stresses (empty where the void ratio has fallen below what fines can fill, where a run ends), state at the end
 table=figures/criteria/criteria.csv
-echo "criterion,seed,breakages,breakages_1_MPa,void_ratio_1_MPa,void_ratio_2_MPa,void_ratio_3_MPa,k0_3_MPa,d50_mm_3_MPa,hardin_br_3_MPa,utilisation_median,seconds" > "$table"
+echo "criterion,seed,breakages_2_MPa,breakages_3_MPa,breakages_5_MPa,breakages_10_MPa,void_ratio_2_MPa,void_ratio_3_MPa,void_ratio_5_MPa,void_ratio_10_MPa,sigma_v_end_MPa,k0_end,d50_mm_end,hardin_br_end,utilisation_median,seconds" > "$table"
 for criterion in $criteria; do
     for seed in ${2:-1 2 3}; do
         of=$out/$criterion/seed-$seed
@@ -33,9 +33,9 @@ for criterion in $criteria; do
             /^#/ { next }
             !c { for (i = 1; i <= NF; i++) at[$i] = i; c = 1; next }
             { s = $at["sigma_v_kPa"] / 1e3; e = $at["void_ratio"]; k = $at["k0"]; n = $at["crush_events"]; d = $at["d50_mm"]; b = $at["hardin_br"]
-              split("1 2 3", w, " "); for (j = 1; j <= 3; j++) if (!(j in found) && s >= 0.995 * w[j]) { found[j] = e; events[j] = n } }
-            END { printf "%s,%s,%d,%d,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%s,%.0f\n", criterion, seed, n, events[1], found[1], found[2], found[3], k, d, b, u, seconds }' \
-            "$of/history.csv" >> "$table"
+              split("2 3 5 10", w, " "); for (j = 1; j <= 4; j++) if (!(j in found) && s >= 0.985 * w[j]) { found[j] = sprintf("%.3f", e); events[j] = n } }
+            END { printf "%s,%s,%s,%s,%s,%s,%s,%s,%s,%s,%.2f,%.3f,%.3f,%.3f,%.4f,%.0f\n", criterion, seed, events[1], events[2], events[3], events[4],
+              found[1], found[2], found[3], found[4], s, k, d, b, u, seconds }' "$of/history.csv" >> "$table"
     done
 done
 "$program" plot "${runs[@]}" --show void_ratio,crush_events,k0,gradation --quiet --out figures/criteria

@@ -140,6 +140,15 @@ fn plot(input: &Input, curves: Curves) -> Result<Option<Plot>> {
             });
         }
     }
+    // what is said once of several groups
+    let mut said: Vec<String> = Vec::new();
+    for label in series.iter_mut().map(|s| &mut s.label) {
+        match label {
+            Some(text) if said.contains(text) => *label = None,
+            Some(text) => said.push(text.clone()),
+            None => {}
+        }
+    }
     for data in input.data.iter().filter(|_| curves.x == Abscissa::VerticalStress) {
         series.extend(data.against_stress(curves.columns[0].0, curves.factor)?);
     }

@@ -88,8 +88,13 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
             heading.push("unloading stages not shown".into());
         }
     } else {
+        let same = same_start(&input.groups)?;
         for (i, group) in input.groups.iter().enumerate() {
-            series.extend(ends(group, i)?);
+            series.extend(ends(group, i, same.is_none())?);
+        }
+        if let Some(start) = same {
+            let name = format!("all: {}", start.by.with_unit(start.level));
+            series.push(Series::line(&name, colour::INK, colour::dash(1), start.points));
         }
     }
     let simulated = !series.is_empty();
@@ -134,8 +139,21 @@ fn evolution(chosen: &[(String, &Gradation)]) -> Vec<Series> {
         .collect()
 }
 
-/// First (dashed) and last gradation of a group.
-fn ends(group: &Group, i: usize) -> Result<Vec<Series>> {
+/// The first gradation, where several groups begin with the same one.
+fn same_start(groups: &[Group]) -> Result<Option<Gradation>> {
+    let mut start: Option<Gradation> = None;
+    for run in groups.iter().flat_map(|group| &group.runs) {
+        let Some(own) = read(run)?.into_iter().next() else { continue };
+        if start.as_ref().is_some_and(|start| difference(start, &own) > SAME) {
+            return Ok(None);
+        }
+        start.get_or_insert(own);
+    }
+    Ok(start.filter(|_| groups.len() > 1))
+}
+
+/// Last gradation of a group, and the first (dashed) where it is `with_first`.
+fn ends(group: &Group, i: usize, with_first: bool) -> Result<Vec<Series>> {
     let (mut reached, mut first, mut by) = (f64::NAN, f64::NAN, By::Stress);
     for run in &group.runs {
         if let (Some(a), Some(b)) = (read(run)?.first(), loaded(&read(run)?).last()) {
@@ -152,6 +170,9 @@ fn ends(group: &Group, i: usize) -> Result<Vec<Series>> {
     let dash = |k| colour::dash(2 * i + k);
     let mut out =
         group.series(&name(reached), tone, dash(0), true, |run| Ok(branch(loaded(&read(run)?).last().copied()).collect()))?;
+    if !with_first {
+        return Ok(out);
+    }
     out.extend(group.series(&name(first), tone, dash(1), true, |run| Ok(branch(read(run)?.first()).collect()))?);
     Ok(out)
 }
