@@ -14,7 +14,7 @@ use comminute::calibrate::grains::area::Area;
 use comminute::calibrate::grains::data::{Data, Grain};
 use comminute::calibrate::grains::fit::{Fit, Intervals};
 use comminute::calibrate::grains::spread::Spread;
-use comminute::rig::platen::press;
+use comminute::rig::grain_crushing::press;
 use comminute::{Result, Rig, scene};
 use std::f64::consts::PI;
 
@@ -25,7 +25,7 @@ fn main() -> Result<()> {
     // sizes of 1, 2, 4 and 8 mm, so many grains of each
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/platen/silica.toml");
     let model = scene::model(&scene::load(path, &["batch.grains=50".into()])?)?;
-    let Rig::Platen(rig) = &model.rig else { unreachable!("the scene's kind is platen") };
+    let Rig::GrainCrushing(rig) = &model.rig else { unreachable!("the scene's kind is platen") };
 
     let mut grains = Vec::new();
     for number in 0..rig.diameters.len() as u32 {

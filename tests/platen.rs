@@ -3,8 +3,8 @@
 mod common;
 
 use assert_cmd::Command;
-use comminute::model::{Model, Platen, Rig};
-use comminute::rig::platen::{Test, press};
+use comminute::model::{GrainCrushing, Model, Rig};
+use comminute::rig::grain_crushing::{Test, press};
 use comminute::scene;
 use common::{ROOT, close, near};
 use predicates::prelude::*;
@@ -21,8 +21,8 @@ fn model(name: &str, sets: &[&str]) -> Result<Model, String> {
     scene::model(&scene).map_err(|e| e.to_string())
 }
 
-fn rig(model: &Model) -> &Platen {
-    let Rig::Platen(rig) = &model.rig else { panic!("platens") };
+fn rig(model: &Model) -> &GrainCrushing {
+    let Rig::GrainCrushing(rig) = &model.rig else { panic!("platens") };
     rig
 }
 

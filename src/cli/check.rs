@@ -124,7 +124,7 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
     writeln!(text, "  grains          {}", e.grains)?;
     match &model.physics.crush {
         None => writeln!(text, "  crushing        off")?,
-        Some(c) if matches!(model.rig, Rig::Platen(_)) => writeln!(text, "  crushing        {}", c.criterion.meaning())?,
+        Some(c) if matches!(model.rig, Rig::GrainCrushing(_)) => writeln!(text, "  crushing        {}", c.criterion.meaning())?,
         Some(c) => writeln!(
             text,
             "  crushing        {}-ball pattern above {:.4} mm; perhaps {:.0} grains at the end (estimate)",

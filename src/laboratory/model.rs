@@ -69,14 +69,14 @@ pub enum Rig {
     /// A free scene: listed grains and walls.
     Assembly(Assembly),
     /// Single grains crushed between two platens.
-    Platen(Platen),
+    GrainCrushing(GrainCrushing),
     /// A continuum of material points, with grains in it or without. Boxed, for it holds its points.
-    Continuum(Box<continuum::Continuum>),
+    Continuum(Box<continuum::MpmTest>),
 }
 
 /// Single grains, each crushed by itself between two platens.
 #[derive(Clone, Debug)]
-pub struct Platen {
+pub struct GrainCrushing {
     /// Diameter of each grain, m, in the order of their numbers.
     pub diameters: Vec<f64>,
     /// True: the diameters were drawn from a gradation. False: the scene lists them.
@@ -100,7 +100,7 @@ impl Rig {
     pub fn compression(&self) -> Option<&Compression> {
         match self {
             Rig::Oedometer(rig) | Rig::Isotropic(rig) => Some(rig),
-            Rig::Triaxial(_) | Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
+            Rig::Triaxial(_) | Rig::Assembly(_) | Rig::GrainCrushing(_) | Rig::Continuum(_) => None,
         }
     }
 }
@@ -113,9 +113,9 @@ pub enum Subject<'a> {
     /// A free scene.
     Assembly(&'a Assembly),
     /// Single grains between platens.
-    Platen(&'a Platen),
+    GrainCrushing(&'a GrainCrushing),
     /// A continuum, with grains in it or without.
-    Continuum(&'a continuum::Continuum),
+    Continuum(&'a continuum::MpmTest),
 }
 
 /// Compression of a specimen by stages of stress: one-dimensional in a ring of fixed radius, or from all sides.
@@ -208,11 +208,11 @@ pub struct Loading {
     /// sigma_ref of eq. (18), Pa.
     pub sigma_ref: f64,
     /// Rise of the target in one step over the target, while the platens are in balance (adaptive programme); `None`: eq. (18).
-    pub pace: Option<f64>,
+    pub load_increment: Option<f64>,
     /// Largest inertial number that the platen's motion may give the specimen, -.
     pub max_inertial_number: f64,
     /// The programme waits while a platen's stress differs from the target by more than this share of the target
-    /// ([`crate::rig::cylinder::Stresses::lag`]).
+    /// ([`crate::rig::cylinder::Stresses::target_error`]).
     pub max_lag: f64,
     /// Inertial number at which the platen moves in first loading, which is then strain controlled: the stress is a result. `None`:
     /// first loading is stress controlled. Unloading, and reloading up to the largest stress so far, are always stress controlled.

@@ -17,10 +17,10 @@ mod energy;
 mod error;
 mod force_chains;
 mod gradation;
+mod grain_crushing;
 mod group;
 mod legend;
 mod mean;
-mod platen;
 mod plot;
 mod point_test;
 mod posterior;
@@ -132,7 +132,7 @@ fn plots(input: &Input) -> Result<Vec<Plot>> {
     plots.extend(stress_path::plot(input)?);
     plots.extend(energy::plot(input)?);
     plots.extend(assembly::plots(input)?);
-    plots.extend(platen::plots(input)?);
+    plots.extend(grain_crushing::plots(input)?);
     plots.extend(continuum::plots(input)?);
     Ok(plots)
 }

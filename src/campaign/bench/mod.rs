@@ -257,7 +257,7 @@ fn rig(case: Case, grains: usize) -> Compression {
             stages: vec![2.0 * STRESS],
             rate: 0.01,
             sigma_ref: 1e3,
-            pace: None,
+            load_increment: None,
             max_inertial_number: 1e-3,
             max_lag: 0.02,
             strain_controlled: None,

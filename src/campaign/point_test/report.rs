@@ -3,7 +3,7 @@
 use super::{Path as Way, Row, Settings, Test};
 use engine::mpm::law::Law;
 use laboratory::error::{Error, Result};
-use laboratory::scene::Continuum;
+use laboratory::scene::ContinuumMaterial;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ pub fn claim(out: &Path, force: bool) -> Result<()> {
 ///
 /// # Errors
 /// Files that cannot be written.
-pub fn write(material: &Continuum, settings: &Settings, tests: &[Test], out: &Path) -> Result<Vec<PathBuf>> {
+pub fn write(material: &ContinuumMaterial, settings: &Settings, tests: &[Test], out: &Path) -> Result<Vec<PathBuf>> {
     let mut history = Table::new(HISTORY);
     for test in tests {
         for row in &test.rows {
@@ -95,7 +95,7 @@ fn record(law: &Law, test: &Test, row: &Row) -> Record {
 }
 
 /// The tests as one object; what has no value is null.
-pub fn summary(material: &Continuum, settings: &Settings, tests: &[Test]) -> Value {
+pub fn summary(material: &ContinuumMaterial, settings: &Settings, tests: &[Test]) -> Value {
     let each: Vec<Value> = tests.iter().map(|t| one(&material.law, settings, t)).collect();
     let largest = |key: &str| each.iter().filter_map(|t| t[key].as_f64()).reduce(f64::max);
     json!({

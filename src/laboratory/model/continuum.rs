@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_3, FRAC_PI_4};
 
 /// A continuum of material points on a background grid, the grains in it, and the test.
 #[derive(Clone, Debug)]
-pub struct Continuum {
+pub struct MpmTest {
     /// Grid, shape functions, transfer, gravity and damping of the material point method.
     pub settings: Settings,
     /// Constitutive law of each material of the points, in the order of their numbers.
@@ -23,7 +23,7 @@ pub struct Continuum {
     /// The test.
     pub test: Test,
     /// The grains among the points; `None`: there are none.
-    pub coarse: Option<Coarse>,
+    pub coarse: Option<CoarseGrains>,
     /// How the specimen is grown before the test. The grown points and grains then replace `points` and `coarse`, which only
     /// serve to size the grid and to estimate the run. `None`: the test starts from `points` and `coarse`.
     pub growth: Option<Growth>,
@@ -35,7 +35,7 @@ pub struct Continuum {
 
 /// The grains of a mixture, and how they touch its points.
 #[derive(Clone, Debug)]
-pub struct Coarse {
+pub struct CoarseGrains {
     /// The spheres at the start.
     pub grains: Vec<GrainSpec>,
     /// The rigid bodies that are no spheres, at the start.
@@ -113,11 +113,11 @@ pub enum Test {
         steps: Option<u64>,
     },
     /// One-dimensional compression: sides and bottom are smooth and fixed, the top platen moves.
-    Oedometer(Specimen),
+    Oedometer(MpmSpecimen),
     /// Triaxial compression between platens: the axial ones come together.
     Triaxial {
         /// The specimen.
-        specimen: Specimen,
+        specimen: MpmSpecimen,
         /// Cell pressure, Pa, compression positive.
         cell_pressure: f64,
         /// What the lateral platens do.
@@ -136,7 +136,7 @@ pub enum Drainage {
 
 /// The specimen of a continuum's test: a box of points between plane platens, or an upright cylinder of points in a shell.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Specimen {
+pub struct MpmSpecimen {
     /// Lower corner at the start, m; of a cylinder that of the box around it.
     pub lower: [f64; 3],
     /// Size at the start, m; of a cylinder that of the box around it.
@@ -149,7 +149,7 @@ pub struct Specimen {
     pub spacing: f64,
     /// Porosity of the points at the start.
     pub porosity: f64,
-    /// Constitutive law of the points, by its index in [`Continuum::laws`].
+    /// Constitutive law of the points, by its index in [`MpmTest::laws`].
     pub law: u8,
     /// Bulk density of the points at the start, kg/m³.
     pub density: f64,
@@ -166,7 +166,7 @@ pub struct Specimen {
     pub gain: f64,
 }
 
-impl Specimen {
+impl MpmSpecimen {
     /// Volume of the specimen over that of the box around it: 1, or π/4 for a cylinder.
     pub fn fullness(&self) -> f64 {
         if self.round { FRAC_PI_4 } else { 1.0 }
@@ -184,7 +184,7 @@ impl Specimen {
     }
 }
 
-impl Continuum {
+impl MpmTest {
     /// Numbers of points and of grains at the start of the test; estimates where the specimen grows.
     pub fn counts(&self) -> [usize; 2] {
         let listed = || [self.points.len(), self.coarse.as_ref().map_or(0, |c| c.grains.len())];
@@ -192,7 +192,7 @@ impl Continuum {
     }
 
     /// The specimen; `None` in a free scene.
-    pub fn specimen(&self) -> Option<&Specimen> {
+    pub fn specimen(&self) -> Option<&MpmSpecimen> {
         self.test.specimen()
     }
 
@@ -205,7 +205,7 @@ impl Continuum {
 
 impl Test {
     /// The specimen; `None` in a free scene.
-    pub fn specimen(&self) -> Option<&Specimen> {
+    pub fn specimen(&self) -> Option<&MpmSpecimen> {
         match self {
             Test::Free { .. } => None,
             Test::Oedometer(specimen) | Test::Triaxial { specimen, .. } => Some(specimen),

@@ -2,7 +2,7 @@
 //! results at a size ratio of 1:5 and up to 40 % of coarse grains; with 40 % the same test with fine grains instead of points
 //! (figures/mixture) does not agree with the mixture.
 
-use crate::model::continuum::Continuum as Rig;
+use crate::model::continuum::MpmTest;
 use engine::dem::physics::Physics;
 use engine::grains::sphere_volume;
 use engine::mpm::Dimension;
@@ -31,7 +31,7 @@ struct Sizes {
 }
 
 /// Sizes of the present grains and points, or of those that will grow; `None` where grains or points are missing.
-fn sizes(physics: &Physics, rig: &Rig) -> Option<Sizes> {
+fn sizes(physics: &Physics, rig: &MpmTest) -> Option<Sizes> {
     let density = |material: u8| physics.materials[usize::from(material)].density;
     let grains = &rig.coarse.as_ref()?.grains;
     if let (Some(growth), true) = (&rig.growth, grains.is_empty()) {
@@ -60,7 +60,7 @@ fn sizes(physics: &Physics, rig: &Rig) -> Option<Sizes> {
 }
 
 /// One warning for each limit that the mixture exceeds; they stand in `summary.json` (`outside_of_the_method`).
-pub fn warnings(physics: &Physics, rig: &Rig) -> Vec<String> {
+pub fn warnings(physics: &Physics, rig: &MpmTest) -> Vec<String> {
     let Some(Sizes { mean, least, ghosts: [ghost, widest], content }) = sizes(physics, rig) else { return Vec::new() };
     let mut doubts = Vec::new();
     if mean < RATIO * ghost {

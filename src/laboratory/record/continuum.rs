@@ -4,8 +4,8 @@
 use super::gradations::At;
 use super::vtk::{self, Fact, Field};
 use crate::error::{Error, Result};
-use crate::model::continuum::{Continuum as Rig, Drainage, Test};
-use crate::rig::continuum::{Coarse, Moment, Phase, State};
+use crate::model::continuum::{Drainage, MpmTest, Test};
+use crate::rig::continuum::{GrainMeasures, Moment, Phase, State};
 use engine::grains::Grains;
 use engine::mpm::{Continuum, Dimension, Points};
 use serde::{Deserialize, Serialize};
@@ -74,7 +74,7 @@ pub struct Due {
 
 impl Recorder {
     /// The records that are due for the present state; counts them as made.
-    pub fn due(&mut self, rig: &Rig, state: &State) -> Due {
+    pub fn due(&mut self, rig: &MpmTest, state: &State) -> Due {
         let (settling, share) = (state.phase == Phase::Settle, state.share(rig));
         let level = match settling {
             true => (state.phase_time / (SETTLE_EVERY * state.wave)) as i64,
@@ -94,14 +94,14 @@ impl Recorder {
     }
 
     /// Share of the test at which the next row or snapshot is due.
-    pub fn next(&self, rig: &Rig, state: &State) -> f64 {
+    pub fn next(&self, rig: &MpmTest, state: &State) -> f64 {
         let share = state.share(rig);
         let after = |n: u32| ((share * f64::from(n) + 1e-9).floor() + 1.0) / f64::from(n);
         after(rig.rows).min(after(rig.frames))
     }
 
     /// The row of `history.csv` for the present state. Keeps what the summary needs.
-    pub fn row(&mut self, rig: &Rig, state: &mut State) -> Row {
+    pub fn row(&mut self, rig: &MpmTest, state: &mut State) -> Row {
         let mut m = state.moment(rig);
         // platens that just touch give rounding, which no logarithmic axis should show
         for stress in [&mut m.axial, &mut m.lateral] {
@@ -169,12 +169,12 @@ impl Recorder {
     }
 
     /// The instant of the last row, for a gradation.
-    pub fn at(&self, rig: &Rig, state: &State) -> At {
+    pub fn at(&self, rig: &MpmTest, state: &State) -> At {
         let [axial_strain, sigma_v] = if rig.specimen().is_some() { self.now } else { [f64::NAN; 2] };
         At { step: state.continuum.steps(), stage: stage(state.phase), sigma_v, axial_strain }
     }
 
-    fn remember(&mut self, rig: &Rig, phase: Phase, m: &Moment) {
+    fn remember(&mut self, rig: &MpmTest, phase: Phase, m: &Moment) {
         (self.dissipated, self.void_ratio, self.plastic) = (m.dissipated_share(), m.void_ratio, m.plastic[1]);
         (self.difference, self.now) = (m.difference, [m.axial_strain, m.axial]);
         let Some(s) = rig.specimen().filter(|_| phase != Phase::Settle) else { return };
@@ -198,7 +198,7 @@ impl Recorder {
 
     /// Whether the test has passed the share [`FROM`] of its axial strain. Before, waves from its start disturb the quasi-static
     /// measures.
-    pub fn under_way(&self, rig: &Rig, phase: Phase) -> bool {
+    pub fn under_way(&self, rig: &MpmTest, phase: Phase) -> bool {
         phase != Phase::Settle && rig.specimen().is_some_and(|s| self.last[0] >= FROM * s.axial_strain)
     }
 
@@ -216,7 +216,7 @@ fn stage(phase: Phase) -> &'static str {
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_points(path: &Path, rig: &Rig, points: &Points, start: Option<&Points>) -> Result<()> {
+pub fn write_points(path: &Path, rig: &MpmTest, points: &Points, start: Option<&Points>) -> Result<()> {
     let edge = rig.settings.cell / f64::from(rig.per_edge);
     let mut text = format!("# spacing_m = {}\n", number(edge));
     text += "id,x_m,y_m,z_m,volume_m3,plastic_strain,p_kPa,q_kPa,vx_m_s,vy_m_s,vz_m_s,displacement_mm\n";
@@ -302,7 +302,7 @@ fn write_fields(path: &Path, facts: &[Fact], step: u64, order: &[u32], position:
 }
 
 /// Columns of the grains in a continuum.
-fn coarse(g: &Coarse) -> Row {
+fn coarse(g: &GrainMeasures) -> Row {
     let q = |s: [f64; 3]| 1e-3 * (s[2] - 0.5 * (s[0] + s[1]));
     let p = |s: [f64; 3]| 1e-3 * (s[0] + s[1] + s[2]) / 3.0;
     let [xx, yy, zz, xy, yz, zx] = g.touching.fabric;

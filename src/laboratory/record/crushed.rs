@@ -8,7 +8,7 @@ use super::gradations::{self, At, gradation};
 use crate::error::{Error, Result};
 use crate::gradation::{Gradation, Indices};
 use crate::model::Model;
-use crate::model::continuum::Continuum as Rig;
+use crate::model::continuum::MpmTest;
 use crate::rig::continuum::State;
 use engine::breakage::lost_mass::excluded_grains;
 use engine::grains::Grains;
@@ -49,7 +49,7 @@ impl Default for Crushed {
 
 impl Crushed {
     /// Notes the gradation before loading, if grains can break.
-    pub fn open(&mut self, model: &Model, rig: &Rig) {
+    pub fn open(&mut self, model: &Model, rig: &MpmTest) {
         let coarse = rig.coarse.as_ref().filter(|c| model.physics.crush.is_some() && !c.grains.is_empty());
         self.initial = coarse.map(|c| gradations::of_listed(model, &c.grains));
     }

@@ -145,7 +145,7 @@ impl Recorder {
         let void_ratio = |n: f64| n / (1.0 - n);
         let rate = state.walls[TOP].speed.abs() / size.height;
         let inertial = rate * inertial_time(state, v.max(f64::MIN_POSITIVE));
-        let lag = moment.held / moment.target - 1.0;
+        let target_error = moment.held / moment.target - 1.0;
         let balance = state.ledger.balance(&state.walls, &sums);
         let inner = 0.8;
         let low = size.bottom + 0.5 * (1.0 - inner) * size.height;
@@ -161,7 +161,7 @@ impl Recorder {
         self.deepest = self.deepest.max(sums.worst_overlap);
         (self.row_stress, self.row_strain, self.row_events) = (v, 1.0 - size.height / moment.start_height, state.crush_events);
         if v >= quasi_static::FROM {
-            for (worst, now) in self.worst.iter_mut().zip([s.platen_difference(), lag.abs(), inertial]) {
+            for (worst, now) in self.worst.iter_mut().zip([s.platen_difference(), target_error.abs(), inertial]) {
                 *worst = worst.max(now);
             }
         }

@@ -12,7 +12,7 @@ pub(crate) mod crushed;
 pub(crate) mod cylinder;
 pub mod dictionary;
 pub(crate) mod gradations;
-pub(crate) mod platen;
+pub(crate) mod grain_crushing;
 pub(crate) mod quasi_static;
 pub mod specimen;
 pub(crate) mod vtk;

@@ -4,6 +4,6 @@
 pub mod assembly;
 pub mod continuum;
 pub mod cylinder;
+pub mod grain_crushing;
 mod growth;
-pub mod platen;
 pub mod preparation;

@@ -1,7 +1,7 @@
 //! Backends: the CPU computes every scene; a graphics device computes continuum and mixture scenes.
 
 use crate::error::{Error, Result};
-use crate::model::continuum::Continuum as Rig;
+use crate::model::continuum::MpmTest;
 use crate::model::{self, Model};
 use crate::rig::continuum::{Engine, State};
 use serde::{Deserialize, Serialize};
@@ -85,14 +85,14 @@ fn adapter(model: &Model) -> Result<(String, bool)> {
 }
 
 #[cfg(feature = "gpu")]
-fn of_continuum(model: &Model, rig: &Rig) -> Result<(String, bool)> {
+fn of_continuum(model: &Model, rig: &MpmTest) -> Result<(String, bool)> {
     let state = State::start(model, rig)?;
     let adapter = state.on_device(model, rig, engine::gpu::fits)?;
     Ok((adapter.name, adapter.software))
 }
 
 #[cfg(not(feature = "gpu"))]
-fn of_continuum(_: &Model, _: &Rig) -> Result<(String, bool)> {
+fn of_continuum(_: &Model, _: &MpmTest) -> Result<(String, bool)> {
     Err(Error::input("gpu", "", None, "is not part of this program, which was built without the feature gpu"))
 }
 
@@ -120,7 +120,7 @@ impl Used {
     ///
     /// # Errors
     /// A graphics device that cannot be opened, has too little memory, or whose saved state is damaged.
-    pub fn engine(&mut self, chosen: Chosen, state: &mut State, model: &Model, rig: &Rig) -> Result<Engine> {
+    pub fn engine(&mut self, chosen: Chosen, state: &mut State, model: &Model, rig: &MpmTest) -> Result<Engine> {
         let name = chosen.name();
         let saved = self.saved.take().filter(|_| chosen.gpu && self.gpu());
         if self.names.last().is_none_or(|last| last != name) {
@@ -135,7 +135,7 @@ impl Used {
     }
 
     #[cfg(feature = "gpu")]
-    fn device(&mut self, saved: Option<Vec<u8>>, state: &mut State, model: &Model, rig: &Rig) -> Result<Engine> {
+    fn device(&mut self, saved: Option<Vec<u8>>, state: &mut State, model: &Model, rig: &MpmTest) -> Result<Engine> {
         let damaged = |e: postcard::Error| Error::Failed {
             step: state.continuum.steps(),
             what: format!("the device's state is damaged ({e})"),
@@ -147,7 +147,7 @@ impl Used {
     }
 
     #[cfg(not(feature = "gpu"))]
-    fn device(&mut self, _: Option<Vec<u8>>, _: &mut State, _: &Model, _: &Rig) -> Result<Engine> {
+    fn device(&mut self, _: Option<Vec<u8>>, _: &mut State, _: &Model, _: &MpmTest) -> Result<Engine> {
         unreachable!("refused when it was chosen")
     }
 

@@ -9,7 +9,7 @@ use super::{LOOK, Outcome, files, watch};
 use crate::error::{Error, Result};
 use crate::interrupt::stop_asked;
 use crate::model::Model;
-use crate::model::continuum::{Continuum as Rig, Test};
+use crate::model::continuum::{MpmTest, Test};
 use crate::record::continuum as records;
 use crate::record::continuum::{END, GRAINS_START, Recorder, START};
 use crate::record::crushed::Crushed;
@@ -59,7 +59,7 @@ pub struct Begun {
 ///
 /// # Errors
 /// A grid, step or grain that the method does not allow; a graphics device that cannot compute the scene.
-pub fn begin(model: &Model, rig: &Rig, chosen: Chosen) -> Result<Begun> {
+pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
     let (mut state, mut used) = (State::start(model, rig)?, Used::default());
     let engine = used.engine(chosen, &mut state, model, rig)?;
     let (history, blocks) = (Table::new("history.csv"), Table::new(blocks::TRACKS));
@@ -105,7 +105,14 @@ impl<'a> Beside<'a> {
 ///
 /// # Errors
 /// A specimen that does not come to rest; [`Error::Interrupted`], after a checkpoint.
-fn grow(model: &Model, rig: &Rig, begun: &mut Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Option<Rig>> {
+fn grow(
+    model: &Model,
+    rig: &MpmTest,
+    begun: &mut Begun,
+    out: &Path,
+    quiet: bool,
+    stop_after: Option<u64>,
+) -> Result<Option<MpmTest>> {
     let Begun { progress, engine } = begun;
     let Some(growth) = &rig.growth else { return Ok(None) };
     let mut beside = Beside::new(model, out, quiet, stop_after, progress);
@@ -154,7 +161,7 @@ impl Clock {
 ///
 /// # Errors
 /// Any error of growth, steps or files; records and checkpoint are kept.
-pub fn run(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+pub fn run(model: &Model, rig: &MpmTest, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     if let Some(growth) = &rig.growth {
         begun.progress.growing = Some(Box::new(Growing::start(model, rig, growth)?));
     }
@@ -162,7 +169,7 @@ pub fn run(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, 
 }
 
 /// Grows the specimen if it has to be, writes the points and grains at the start of the test, and makes the test.
-fn prepared(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+fn prepared(model: &Model, rig: &MpmTest, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let own = grow(model, rig, &mut begun, out, quiet, stop_after)?;
     let rig = own.as_ref().unwrap_or(rig);
     records::write_points(&out.join(START), rig, &rig.points, None)?;
@@ -178,7 +185,7 @@ fn prepared(model: &Model, rig: &Rig, mut begun: Begun, out: &Path, quiet: bool,
 /// Those of [`begin`] and [`run`]; a folder without a checkpoint.
 pub fn resume(
     model: &Model,
-    rig: &Rig,
+    rig: &MpmTest,
     out: &Path,
     backend: Option<Backend>,
     quiet: bool,
@@ -197,7 +204,7 @@ pub fn resume(
     go(model, rig, out, Begun { progress, engine }, quiet, stop_after)
 }
 
-fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+fn go(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let Begun { mut progress, mut engine } = begun;
     progress.crushed.open(model, rig);
     let mut beside = Beside::new(model, out, quiet, stop_after, &progress);
@@ -228,7 +235,7 @@ fn go(model: &Model, rig: &Rig, out: &Path, begun: Begun, quiet: bool, stop_afte
 
 impl Progress {
     /// One [`State::advance`], with the records that are due. True when the run is done.
-    fn advance(&mut self, model: &Model, rig: &Rig, engine: &mut Engine, out: &Path) -> Result<bool> {
+    fn advance(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, out: &Path) -> Result<bool> {
         let Progress { state, recorder, history, blocks, crushed, snapshots, .. } = self;
         let advanced = state.advance(model, rig, engine, |state, engine| {
             let due = recorder.due(rig, state);
@@ -275,7 +282,7 @@ impl Progress {
 }
 
 /// Writes the points and grains at the end.
-fn leave(model: &Model, rig: &Rig, state: &State, out: &Path) -> Result<()> {
+fn leave(model: &Model, rig: &MpmTest, state: &State, out: &Path) -> Result<()> {
     if let Some(mixture) = &state.mixture {
         specimen::write_final(&out.join(files::GRAINS_FINAL), &mixture.grains, model, None)?;
     }
@@ -283,7 +290,7 @@ fn leave(model: &Model, rig: &Rig, state: &State, out: &Path) -> Result<()> {
 }
 
 /// The numbers that are noted in every snapshot: step, time, and in a test stress and strain.
-fn facts(rig: &Rig, state: &State, recorder: &Recorder) -> Vec<Fact> {
+fn facts(rig: &MpmTest, state: &State, recorder: &Recorder) -> Vec<Fact> {
     let mut facts = vec![("step", state.continuum.steps() as f64), ("time_s", state.time)];
     if rig.specimen().is_some() {
         let at = recorder.at(rig, state);
@@ -354,7 +361,7 @@ fn walls(state: &State) -> Vec<Loaded> {
 }
 
 /// Share of the test that is done, and a line about it for the progress bar.
-fn describe(rig: &Rig, state: &State) -> (f64, String) {
+fn describe(rig: &MpmTest, state: &State) -> (f64, String) {
     let (share, points) = (state.share(rig), state.continuum.points().len());
     let line = match &rig.test {
         _ if state.phase == Phase::Settle => format!("settling at the cell pressure, {points} points"),
@@ -364,7 +371,7 @@ fn describe(rig: &Rig, state: &State) -> (f64, String) {
     (share, line)
 }
 
-fn finish(model: &Model, rig: &Rig, out: &Path, mut progress: Progress, engine: &Engine) -> Result<Outcome> {
+fn finish(model: &Model, rig: &MpmTest, out: &Path, mut progress: Progress, engine: &Engine) -> Result<Outcome> {
     progress.flush(out)?;
     leave(model, rig, &progress.state, out)?;
     let mut summary = summary(model, rig, &progress, engine);
@@ -374,7 +381,7 @@ fn finish(model: &Model, rig: &Rig, out: &Path, mut progress: Progress, engine: 
     Ok(Outcome { summary, out: out.into(), draw: model.records.figures })
 }
 
-fn summary(model: &Model, rig: &Rig, progress: &Progress, engine: &Engine) -> Value {
+fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -> Value {
     let (state, r) = (&progress.state, &progress.recorder);
     let (steps, points) = (state.continuum.steps(), state.continuum.points().len());
     let mut s = Map::new();
@@ -485,13 +492,13 @@ fn user_seconds() -> f64 {
     f64::NAN
 }
 
-fn law(rig: &Rig) -> &Law {
+fn law(rig: &MpmTest) -> &Law {
     &rig.laws[usize::from(rig.specimen().map_or_else(|| rig.points.law[0], |s| s.law))]
 }
 
 /// σ1/σ3 in triaxial compression at cell pressure `cell`, Pa, with the largest strength of the law and with its residual
 /// strength. `None` for an elastic law and for grains without points.
-fn closed_forms(rig: &Rig, cell: f64) -> Option<[f64; 2]> {
+fn closed_forms(rig: &MpmTest, cell: f64) -> Option<[f64; 2]> {
     let law = law(rig);
     if rig.points.is_empty() {
         return None;

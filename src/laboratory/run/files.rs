@@ -50,10 +50,10 @@ const OURS: [&str; 24] = [
     "gsd.csv",
     "breakage.csv",
     "tracks.csv",
-    crate::record::platen::TESTS,
-    crate::record::platen::CURVES,
-    crate::record::platen::SURVIVAL,
-    crate::record::platen::LIMITS,
+    crate::record::grain_crushing::TESTS,
+    crate::record::grain_crushing::CURVES,
+    crate::record::grain_crushing::SURVIVAL,
+    crate::record::grain_crushing::LIMITS,
     GRAINS_FINAL,
     "grains_start.csv",
     crate::record::continuum::START,
@@ -73,7 +73,7 @@ pub fn occupied(out: &Path) -> bool {
 /// Frees the folder of a run that failed before its test began: replaces its files by one with the reason `why` and the scene. A
 /// run that has records keeps all of them. Files that no run writes are not touched.
 pub fn release(out: &Path, why: &Error) {
-    let begun = [SPECIMEN, SUMMARY, "history.csv", crate::record::continuum::START, crate::record::platen::TESTS];
+    let begun = [SPECIMEN, SUMMARY, "history.csv", crate::record::continuum::START, crate::record::grain_crushing::TESTS];
     let resolved = out.join(crate::scene::RESOLVED);
     let Ok(scene) = std::fs::read_to_string(&resolved) else { return };
     if begun.iter().any(|name| out.join(name).exists()) {

@@ -5,7 +5,7 @@ mod backend;
 mod continuum;
 mod files;
 mod folder;
-mod platen;
+mod grain_crushing;
 mod progress_bar;
 mod summary;
 mod watch;
@@ -162,7 +162,7 @@ pub fn settle(model: &mut Model, threads: Option<usize>) -> Result<Option<range:
 /// - during the test: records and checkpoint are kept.
 pub fn run(request: RunRequest) -> Result<Outcome> {
     let RunRequest { mut model, scene_resolved, out, force, threads, specimen, quiet, stop_after, backend, .. } = request;
-    if matches!(model.rig, Rig::Platen(_)) {
+    if matches!(model.rig, Rig::GrainCrushing(_)) {
         never_halfway(stop_after)?;
     }
     let begun = match &model.rig {
@@ -180,8 +180,8 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
     let lock = lock(&out)?;
     let folder = out.clone();
     let outcome = in_pool(threads, move || {
-        if let Rig::Platen(rig) = &model.rig {
-            return platen::run(&model, rig, &out, quiet);
+        if let Rig::GrainCrushing(rig) = &model.rig {
+            return grain_crushing::run(&model, rig, &out, quiet);
         }
         if let (Rig::Continuum(rig), Some(begun)) = (&model.rig, begun) {
             return continuum::run(&model, rig, begun, &out, quiet, stop_after);
@@ -247,9 +247,9 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
     if !matches!(model.rig, Rig::Continuum(_)) {
         choose(options.backend.unwrap_or_default(), &model)?;
     }
-    if let Rig::Platen(rig) = &model.rig {
+    if let Rig::GrainCrushing(rig) = &model.rig {
         never_halfway(options.stop_after)?;
-        return in_pool(options.threads, || platen::run(&model, rig, dir, options.quiet));
+        return in_pool(options.threads, || grain_crushing::run(&model, rig, dir, options.quiet));
     }
     if let Rig::Continuum(rig) = &model.rig {
         let resume = || continuum::resume(&model, rig, dir, options.backend, options.quiet, options.stop_after);

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::model::continuum::Continuum as Rig;
+use crate::model::continuum::MpmTest;
 use crate::record::continuum::Recorder;
 use crate::record::cylinder::AtEnd;
 use crate::rig::continuum;
@@ -20,7 +20,7 @@ const APART: f64 = 1.0;
 /// # Errors
 /// [`Error::Impossible`] for a negative void ratio; for a test of points alone that is under way, also for energy from nothing
 /// and for opposite platens out of balance.
-pub fn continuum(rig: &Rig, state: &continuum::State, row: &Recorder) -> Result<()> {
+pub fn continuum(rig: &MpmTest, state: &continuum::State, row: &Recorder) -> Result<()> {
     if rig.specimen().is_none() {
         return Ok(());
     }

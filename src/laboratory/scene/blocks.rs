@@ -3,7 +3,7 @@
 use super::bodies::{number, vector};
 use super::material::Named;
 use super::view::View;
-use crate::model::continuum::{Coarse, Continuum, Test};
+use crate::model::continuum::{CoarseGrains, MpmTest, Test};
 use engine::boundary::Wall;
 use engine::material::Material;
 use engine::rigid::Block;
@@ -109,7 +109,7 @@ impl View<'_> {
     }
 
     /// Refuses bodies that overlap at the start with points, grains, walls or each other.
-    pub fn blocks_have_room(&self, rig: &Continuum, coarse: &Coarse) {
+    pub fn blocks_have_room(&self, rig: &MpmTest, coarse: &CoarseGrains) {
         if coarse.blocks.is_empty() || !matches!(rig.test, Test::Free { .. }) {
             return;
         }

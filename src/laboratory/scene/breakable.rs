@@ -2,7 +2,7 @@
 //! Contacts with points break no grain.
 
 use super::crushing::extremes;
-use crate::model::continuum::{Continuum, Specimen, Test};
+use crate::model::continuum::{MpmSpecimen, MpmTest, Test};
 use crate::model::{GrainSpec, Model, Rig};
 use engine::breakage::CrushModel;
 
@@ -27,7 +27,7 @@ pub fn none_breaks(model: &Model) -> Option<String> {
 }
 
 /// A warning for a mixture in which points keep all breakable grains apart.
-fn unloaded(crush: &CrushModel, rig: &Continuum) -> Option<String> {
+fn unloaded(crush: &CrushModel, rig: &MpmTest) -> Option<String> {
     let coarse = rig.coarse.as_ref()?;
     let breakable = || coarse.grains.iter().enumerate().filter(|(_, g)| 2.0 * g.radius > crush.d_limit);
     let loaded = match &rig.test {
@@ -47,14 +47,14 @@ fn unloaded(crush: &CrushModel, rig: &Continuum) -> Option<String> {
 }
 
 /// Whether two grains touch at the end of a test in which they move with the material.
-fn meet(s: &Specimen, g: &GrainSpec, h: &GrainSpec) -> bool {
+fn meet(s: &MpmSpecimen, g: &GrainSpec, h: &GrainSpec) -> bool {
     let [x, y, z]: [f64; 3] = std::array::from_fn(|a| g.position[a] - h.position[a]);
     let z = z * (1.0 - s.axial_strain);
     (x * x + y * y + z * z).sqrt() <= g.radius + h.radius
 }
 
 /// Whether a grain touches the bottom or the top at the end of such a test, or a side at the start.
-fn at_a_platen(s: &Specimen, g: &GrainSpec) -> bool {
+fn at_a_platen(s: &MpmSpecimen, g: &GrainSpec) -> bool {
     let away = |a: usize| (g.position[a] - s.lower[a]).min(s.lower[a] + s.size[a] - g.position[a]);
     let side = if s.round {
         let [x, y, _] = s.base();

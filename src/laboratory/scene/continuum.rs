@@ -12,7 +12,7 @@ use toml::Value;
 
 /// A material as a continuum, read from its file without a scene.
 #[derive(Clone, Debug)]
-pub struct Continuum {
+pub struct ContinuumMaterial {
     /// Name of the material.
     pub name: String,
     /// Constitutive law.
@@ -27,7 +27,7 @@ pub struct Continuum {
 ///
 /// # Errors
 /// Every mistake in file and overrides, with file, key, value and what is allowed.
-pub fn continuum(path: &Path, sets: &[String]) -> Result<Continuum> {
+pub fn continuum(path: &Path, sets: &[String]) -> Result<ContinuumMaterial> {
     let mut material = files::material_file(path)?;
     if material.table.contains_key("kind") {
         return Err(Error::input(path.display(), "kind", None, "is that of a scene: a material file is needed"));
@@ -46,7 +46,7 @@ pub fn continuum(path: &Path, sets: &[String]) -> Result<Continuum> {
     let law = law.ok_or_else(|| Error::input(path.display(), "continuum", None, "is not a complete law"))?;
     let table = layer.table.get("material").and_then(Value::as_table).cloned().unwrap_or_default();
     let assumed = table.get("continuum").and_then(Value::as_table).map(|t| assumed_in(t, "continuum")).unwrap_or_default();
-    Ok(Continuum { name: named.name, law, resolved: write::write_material(&table), assumed })
+    Ok(ContinuumMaterial { name: named.name, law, resolved: write::write_material(&table), assumed })
 }
 
 impl View<'_> {
@@ -235,7 +235,7 @@ mod tests {
     const HEAD: &str = "name = \"m\"\n[grain]\ndensity_kg_m3 = 2600.0\n[continuum]\n";
     const SOIL: &str = "law = \"drucker_prager\"\nE_MPa = 4.6\nnu = 0.12\ncone = \"outer\"\nfriction_angle_deg = 30.0\ndilation_angle_deg = 5.0\ncohesion_kPa = 2.0\n";
 
-    fn read(text: &str, sets: &[&str]) -> Result<Continuum> {
+    fn read(text: &str, sets: &[&str]) -> Result<ContinuumMaterial> {
         let dir = tempfile::tempdir().expect("folder");
         let path = dir.path().join("m.toml");
         std::fs::write(&path, format!("{HEAD}{text}")).expect("written");

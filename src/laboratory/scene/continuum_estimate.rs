@@ -4,7 +4,7 @@ use super::duration::{GRAIN_AMONG_POINTS, POINT, START, growth};
 use super::estimate::{Estimate, share};
 use crate::error::Result;
 use crate::model::Model;
-use crate::model::continuum::{Continuum, Fraction, Growth, Specimen, Test};
+use crate::model::continuum::{Fraction, Growth, MpmSpecimen, MpmTest, Test};
 use crate::rig::continuum::{State, contact_rate};
 use engine::dem::physics::Physics;
 use engine::dem::physics::Stepping;
@@ -55,17 +55,17 @@ pub struct Points {
 
 /// Memory on a graphics device, bytes.
 #[cfg(feature = "gpu")]
-fn device_bytes(model: &Model, rig: &Continuum) -> Result<u64> {
+fn device_bytes(model: &Model, rig: &MpmTest) -> Result<u64> {
     State::start(model, rig)?.on_device(model, rig, engine::gpu::needs)
 }
 
 #[cfg(not(feature = "gpu"))]
-fn device_bytes(_: &Model, _: &Continuum) -> Result<u64> {
+fn device_bytes(_: &Model, _: &MpmTest) -> Result<u64> {
     Err(crate::error::Error::input("gpu", "", None, "this program was built without the feature gpu"))
 }
 
 /// Estimates the run of a continuum or mixture.
-pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
+pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
     let d = if rig.settings.dimension == Dimension::Space { 3 } else { 2 };
     let [points, grains] = rig.counts();
     let density = rig.points.density(0);
@@ -134,14 +134,14 @@ pub fn estimate(model: &Model, rig: &Continuum) -> Estimate {
 
 /// Largest step of a grown specimen without points, s: two contacts of its smallest grain bear the stress `stress`, Pa, on its
 /// section.
-fn fines_step(model: &Model, rig: &Continuum, stress: f64) -> f64 {
+fn fines_step(model: &Model, rig: &MpmTest, stress: f64) -> f64 {
     let Some(Fraction { material, radii: [r, _], .. }) = rig.growth.map(|g| g.fines) else { return f64::INFINITY };
     let material = &model.physics.materials[usize::from(material)];
     2.0 / (2.0 * share(model.physics.contact.law, material, r, stress * PI * r * r) / (material.density * sphere_volume(r))).sqrt()
 }
 
 /// Factor on the number of steps for rigid bodies that touch points only later in the run.
-fn touching_later(rig: &Continuum) -> f64 {
+fn touching_later(rig: &MpmTest) -> f64 {
     let falls = rig.specimen().is_none() && rig.coarse.as_ref().is_some_and(|c| !c.blocks.is_empty());
     if falls { BLOCKS } else { 1.0 }
 }
@@ -157,7 +157,7 @@ struct Broken {
 }
 
 /// Estimates the breakages by the stress between the platens. In a scene without platens no grain is expected to break.
-fn broken(model: &Model, rig: &Continuum) -> Broken {
+fn broken(model: &Model, rig: &MpmTest) -> Broken {
     let none = Broken { steps: 1.0, points: 0.0, grains: 0.0 };
     let (Some(crush), Some(specimen)) = (&model.physics.crush, rig.specimen()) else { return none };
     let sizes: Vec<f64> = match (&rig.growth, &rig.coarse) {
@@ -180,20 +180,20 @@ fn broken(model: &Model, rig: &Continuum) -> Broken {
 }
 
 /// Time in which a specimen grows, on one thread, s.
-fn growing(rig: &Continuum) -> f64 {
+fn growing(rig: &MpmTest) -> f64 {
     rig.growth.map_or(0.0, |g| PRESSED * g.steps as f64 * g.counts().iter().sum::<usize>() as f64 * GRAIN_AMONG_POINTS)
 }
 
 /// Time of a compression wave through a cell, s, the speed of the points added to that of the wave: the largest step at the
 /// start.
-pub fn wave_step(rig: &Continuum) -> f64 {
+pub fn wave_step(rig: &MpmTest) -> f64 {
     let speed = |i: usize| rig.laws[usize::from(rig.points.law[i])].wave_speed(rig.points.density(i)) + speed(rig, i);
     rig.settings.cell / (0..rig.points.len()).map(speed).fold(0.0, f64::max)
 }
 
 /// Largest step by the contacts between points and grains, s: from the contacts at the start; for a specimen that has to grow,
 /// from one contact of a point with a grain under the largest stress, counted twice for the grain's other contacts.
-fn coupled_bound(model: &Model, rig: &Continuum) -> Option<f64> {
+fn coupled_bound(model: &Model, rig: &MpmTest) -> Option<f64> {
     rig.coarse.as_ref()?;
     let Some(growth) = &rig.growth else {
         let stepping = Stepping { dt: None, ..model.physics.stepping };
@@ -202,20 +202,21 @@ fn coupled_bound(model: &Model, rig: &Continuum) -> Option<f64> {
     };
     let (specimen, of) = (rig.specimen()?, growth.coarse.filter(|_| growth.as_points)?);
     let [fine, grain] = [growth.fines, of].map(|f| &model.physics.materials[usize::from(f.material)]);
-    let s = Specimen { modulus: effective_modulus((fine.young, fine.poisson), (grain.young, grain.poisson)), ..specimen.clone() };
+    let s =
+        MpmSpecimen { modulus: effective_modulus((fine.young, fine.poisson), (grain.young, grain.poisson)), ..specimen.clone() };
     let stress = largest_stress(rig, specimen, &rig.laws[usize::from(specimen.law)]);
     let mass = rig.points.velocity.first()?[3];
     let rate = contact_rate(rig.settings.dimension, &s, mass, stress);
     (rate > 0.0).then(|| (2.0 / rate).sqrt())
 }
 
-fn speed(rig: &Continuum, i: usize) -> f64 {
+fn speed(rig: &MpmTest, i: usize) -> f64 {
     let [u, v, w, _] = rig.points.velocity[i];
     (u * u + v * v + w * w).sqrt()
 }
 
 /// Estimated largest stress on the platens, Pa.
-fn largest_stress(rig: &Continuum, s: &Specimen, law: &Law) -> f64 {
+fn largest_stress(rig: &MpmTest, s: &MpmSpecimen, law: &Law) -> f64 {
     match (&rig.test, law.yield_line(0.0)) {
         (Test::Triaxial { cell_pressure, .. }, Some(_)) => 3.0 * cell_pressure,
         (Test::Triaxial { cell_pressure, .. }, None) => cell_pressure + law.young() * s.axial_strain,

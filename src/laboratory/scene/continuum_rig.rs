@@ -4,7 +4,7 @@ use super::bodies::{number, vector};
 use super::continuum_estimate::wave_step;
 use super::material::Named;
 use super::view::View;
-use crate::model::continuum::{Continuum, Drainage, Specimen, Test};
+use crate::model::continuum::{Drainage, MpmSpecimen, MpmTest, Test};
 use crate::model::{Model, Rig, Seeds};
 use engine::breakage::lost_mass::Fines;
 use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
@@ -55,7 +55,7 @@ impl View<'_> {
         &self,
         named: &[Named],
         shape: impl FnOnce(&mut Points, &Settings, &Test) -> Option<()>,
-    ) -> Option<Continuum> {
+    ) -> Option<MpmTest> {
         let laws: Vec<Option<Law>> = named.iter().map(|n| self.continuum(n)).collect();
         let laws: Vec<Law> = laws.into_iter().collect::<Option<_>>()?;
         let rig = self.text("test.rig");
@@ -70,7 +70,7 @@ impl View<'_> {
         let (mut points, axis) = self.bodies(named, &settings, per, pressure)?;
         let test = self.test(rig, named, &laws, &settings, per, pressure)?;
         shape(&mut points, &settings, &test)?;
-        let rig = Continuum {
+        let rig = MpmTest {
             settings,
             laws,
             points,
@@ -307,7 +307,7 @@ impl View<'_> {
         self.check(still, "body[0].velocity_m_s", format!("must be [0, 0, 0] with test.rig = \"{rig}\""));
         let law =
             body.get("material").and_then(toml::Value::as_str).and_then(|m| named.iter().position(|n| n.name == m)).unwrap_or(0);
-        let specimen = Specimen {
+        let specimen = MpmSpecimen {
             lower,
             size,
             round,

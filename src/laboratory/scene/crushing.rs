@@ -47,7 +47,7 @@ impl View<'_> {
         }
         let pattern = self.pattern();
         // a test ends where its grain breaks: nothing need be known of what becomes of it
-        let single = matches!(rig, Rig::Platen(_));
+        let single = matches!(rig, Rig::GrainCrushing(_));
         let d_limit = if single && !self.has(&of.key("comminution")) { Some(0.0) } else { self.d_limit(of) };
         let strength = self.strength(of);
         let (pattern, d_limit, (criterion, strength)) = (pattern?, d_limit?, strength?);
@@ -271,7 +271,7 @@ pub fn grain_materials(rig: &Rig) -> Option<Vec<u8>> {
     let of = |grains: &[GrainSpec]| grains.iter().map(|g| g.material).collect();
     Some(match rig.subject() {
         Subject::Specimen(_) => vec![0],
-        Subject::Platen(platen) => vec![platen.grain],
+        Subject::GrainCrushing(platen) => vec![platen.grain],
         Subject::Assembly(assembly) => of(&assembly.grains),
         Subject::Continuum(rig) => match &rig.growth {
             Some(growth) => {
@@ -291,7 +291,7 @@ pub fn extremes(rig: &Rig) -> (f64, f64) {
             (first, specimen.gradation.last().map_or(f64::NAN, |p| p.0))
         }
         Subject::Assembly(a) => span(a.grains.iter().map(|g| 2.0 * g.radius)),
-        Subject::Platen(p) => span(p.diameters.iter().copied()),
+        Subject::GrainCrushing(p) => span(p.diameters.iter().copied()),
         Subject::Continuum(rig) => {
             let grown = rig.growth.iter().flat_map(|g| g.coarse.into_iter().chain((!g.as_points).then_some(g.fines)));
             let grown = grown.flat_map(|fraction| fraction.radii);

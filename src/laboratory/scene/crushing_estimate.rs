@@ -49,7 +49,7 @@ pub fn crushing_stress(model: &Model) -> Option<CrushingStress> {
 fn middle_size(rig: &Rig) -> Option<f64> {
     let listed = match rig.subject() {
         Subject::Specimen(s) => return Some(median(&s.gradation)),
-        Subject::Platen(p) => p.diameters.clone(),
+        Subject::GrainCrushing(p) => p.diameters.clone(),
         Subject::Assembly(a) => a.grains.iter().map(|g| 2.0 * g.radius).collect(),
         Subject::Continuum(rig) => match &rig.growth {
             Some(growth) => {

@@ -66,7 +66,7 @@ pub struct Duration {
 /// compression.
 pub fn duration(model: &Model, grains: usize, steps: f64, stages: &[f64]) -> Duration {
     let n = grains as f64;
-    if let Rig::Platen(_) = model.rig {
+    if let Rig::GrainCrushing(_) = model.rig {
         return Duration { seconds: START + steps * PLATEN, preparation: 0.0, grains: n };
     }
     let [mean, last] = match (&model.physics.crush, sizes(model)) {
@@ -107,7 +107,7 @@ fn points(specimen: &Specimen, fines: &Embedding, crush: &CrushModel) -> f64 {
 
 /// Steps in first loading over those that the programme takes by itself.
 fn waiting(model: &Model, o: &Compression) -> f64 {
-    match (o.loading.strain_controlled, o.loading.pace, &model.physics.crush) {
+    match (o.loading.strain_controlled, o.loading.load_increment, &model.physics.crush) {
         (None, Some(_), _) => ADAPTS,
         (None, None, Some(_)) => WAITS,
         _ => 1.0,
@@ -145,7 +145,7 @@ fn sizes(model: &Model) -> Option<Vec<f64>> {
     let all: Vec<f64> = match model.rig.subject() {
         Subject::Specimen(s) => packing::radii(s, model.seeds.packing).iter().map(|r| 2.0 * r).collect(),
         Subject::Assembly(a) => a.grains.iter().map(|g| 2.0 * g.radius).collect(),
-        Subject::Platen(_) | Subject::Continuum(_) => return None,
+        Subject::GrainCrushing(_) | Subject::Continuum(_) => return None,
     };
     let every = all.len().div_ceil(GRAINS).max(1);
     Some(all.into_iter().step_by(every).collect())

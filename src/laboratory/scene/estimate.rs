@@ -5,7 +5,7 @@ use super::crushing::extremes;
 use super::duration::strained_steps;
 use super::specimen::height;
 use crate::model::{self, Assembly, Compression, Model, Rig, Subject, Triaxial};
-use crate::rig::platen::most_steps;
+use crate::rig::grain_crushing::most_steps;
 use engine::boundary::Drive;
 use engine::breakage::CrushModel;
 use engine::breakage::criterion::size_factor;
@@ -32,7 +32,7 @@ pub struct Estimate {
     #[serde(rename = "memory_MB")]
     pub memory_mb: f64,
     /// Geometry of the cylindrical specimen, where there is one.
-    pub specimen: Option<Specimen>,
+    pub specimen: Option<SpecimenEstimate>,
     /// Void ratios that the specimen can have; set by the caller where they are known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub void_ratio_range: Option<super::Reach>,
@@ -55,7 +55,7 @@ pub struct Estimate {
 
 /// Geometry of a cylindrical specimen, and its ratios to grain sizes.
 #[derive(Clone, Debug, Serialize)]
-pub struct Specimen {
+pub struct SpecimenEstimate {
     /// Diameter, mm.
     pub diameter_mm: f64,
     /// Height, mm, at the target porosity.
@@ -85,7 +85,7 @@ fn without_strength(model: &Model) -> Estimate {
     let grains = match model.rig.subject() {
         Subject::Specimen(specimen) => specimen.grains,
         Subject::Assembly(a) => a.grains.len(),
-        Subject::Platen(p) => p.diameters.len(),
+        Subject::GrainCrushing(p) => p.diameters.len(),
         Subject::Continuum(rig) => return super::continuum_estimate::estimate(model, rig),
     };
     let finest = match &model.physics.crush {
@@ -102,7 +102,7 @@ fn without_strength(model: &Model) -> Estimate {
             (None, Some(t), Some(dt)) => (t / dt).ceil(),
             _ => 0.0,
         },
-        Rig::Platen(p) => most_steps(p) * grains as f64,
+        Rig::GrainCrushing(p) => most_steps(p) * grains as f64,
         _ => 0.0,
     };
     let expected = super::duration::duration(model, grains, steps, &stages);
@@ -143,8 +143,8 @@ fn without_strength(model: &Model) -> Estimate {
             estimate.warnings.push(UNLOADING.into());
         }
     }
-    if let Rig::Platen(p) = &model.rig {
-        super::platen::warnings(model, p, &mut estimate.warnings);
+    if let Rig::GrainCrushing(p) = &model.rig {
+        super::grain_crushing::warnings(model, p, &mut estimate.warnings);
     }
     if let Some(crush) = &model.physics.crush
         && crush.d_limit >= largest
@@ -196,10 +196,10 @@ fn unreached(o: &Compression, at: &[f64]) -> Vec<String> {
     outside.map(|s| format!("{}", 1e-3 * s)).collect()
 }
 
-fn specimen(o: &model::Specimen) -> Specimen {
+fn specimen(o: &model::Specimen) -> SpecimenEstimate {
     let height = height(o);
     let largest = o.gradation.last().map_or(f64::NAN, |p| p.0);
-    Specimen {
+    SpecimenEstimate {
         diameter_mm: 1e3 * o.diameter,
         height_mm: 1e3 * height,
         void_ratio: o.porosity / (1.0 - o.porosity),
@@ -214,7 +214,7 @@ pub(crate) fn median(points: &[(f64, f64)]) -> f64 {
     half.map_or(f64::NAN, |w| w[0].0 + (0.5 - w[0].1) / (w[1].1 - w[0].1) * (w[1].0 - w[0].0))
 }
 
-fn size_warnings(s: &Specimen, warnings: &mut Vec<String>) {
+fn size_warnings(s: &SpecimenEstimate, warnings: &mut Vec<String>) {
     let small = 10.0 * (1.0 - 1e-9);
     if s.diameter_over_largest < small {
         warnings.push(format!(
@@ -234,8 +234,8 @@ fn quasi_static_warnings(model: &Model, o: &Compression, estimate: &mut Estimate
     let l = &o.loading;
     // increment at 50 kPa over the stress; the thresholds of quasi-static loading hold above that
     let s = 50e3 / l.sigma_ref;
-    let (key, value, jump) = match l.pace {
-        Some(pace) => ("loading.pace", pace, pace),
+    let (key, value, jump) = match l.load_increment {
+        Some(load_increment) => ("loading.pace", load_increment, load_increment),
         None => ("loading.rate", l.rate, l.rate * (1.0 + s.ln()) / s),
     };
     let warnings = &mut estimate.warnings;
@@ -244,7 +244,7 @@ fn quasi_static_warnings(model: &Model, o: &Compression, estimate: &mut Estimate
             "{key} = {value}: at 50 kPa one increment is {:.1} % of the stress; quasi-static loading keeps within 2 %",
             100.0 * jump
         ));
-    } else if l.pace.is_none() && l.rate > 0.1 {
+    } else if l.load_increment.is_none() && l.rate > 0.1 {
         warnings.push(format!("loading.rate = {} is above 0.1, the largest that the paper uses", l.rate));
     }
     inertial_warning("loading.max_inertial_number", l.max_inertial_number, warnings);
@@ -269,7 +269,8 @@ fn stage_steps(model: &Model, o: &Compression, time_step: Option<f64>) -> Vec<f6
     let l = &o.loading;
     let of = |from: f64, to: f64| {
         let (a, b) = ((from / l.sigma_ref).ln(), (to / l.sigma_ref).ln());
-        let integrand = |u: f64| l.pace.map_or_else(|| u.exp() / (l.rate * (1.0 + u)), |pace| 1.0 / pace);
+        let integrand =
+            |u: f64| l.load_increment.map_or_else(|| u.exp() / (l.rate * (1.0 + u)), |load_increment| 1.0 / load_increment);
         simpson(integrand, a.min(b), a.max(b))
     };
     let stage = |(k, &to): (usize, &f64)| {
@@ -371,7 +372,7 @@ fn load(model: &Model, r: f64) -> (f64, String) {
         return (stress * section, format!("its section under {} kPa", 1e-3 * stress));
     }
     match model.rig.subject() {
-        Subject::Platen(_) | Subject::Continuum(_) | Subject::Specimen(_) => (0.0, "the force on a platen".into()),
+        Subject::GrainCrushing(_) | Subject::Continuum(_) | Subject::Specimen(_) => (0.0, "the force on a platen".into()),
         Subject::Assembly(a) => {
             let pressed = a.walls.iter().filter_map(|w| match w.drive {
                 Drive::Stress { stress, .. } => Some(stress),

@@ -2,7 +2,7 @@
 
 use super::material::Named;
 use super::view::View;
-use crate::model::continuum::{Fraction, Growth, Specimen};
+use crate::model::continuum::{Fraction, Growth, MpmSpecimen};
 use engine::material::Material;
 
 impl View<'_> {
@@ -37,7 +37,7 @@ impl View<'_> {
         named: &[Named],
         materials: &[Material],
         point_materials: &[u8],
-        specimen: Option<&Specimen>,
+        specimen: Option<&MpmSpecimen>,
     ) -> Option<Option<Growth>> {
         let (key, others) = ("growth.fines_diameter_mm", ["growth.friction"]);
         if !self.has(key) {

@@ -40,8 +40,8 @@ const fn every(path: &'static str, shape: Shape, default: Default, what: &'stati
     Key { of: Of::Every, ..both(path, shape, default, what) }
 }
 
-const fn platen(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
-    Key { of: Of::Platen, ..both(path, shape, default, what) }
+const fn grain_crushing(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::GrainCrushing, ..both(path, shape, default, what) }
 }
 
 const fn oedometer(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
@@ -461,13 +461,13 @@ const OWN: &[Key] = &[
         "height at the isotropic stress, with the grains and the diameter; or porosity, void_ratio or relative_density",
     ),
     cylinder("specimen.isotropic_stress_kPa", Number(POSITIVE), Is("5.0"), "stress of the prepared specimen"),
-    platen(
+    grain_crushing(
         "batch.diameters_mm",
         Numbers(POSITIVE, None),
         Absent,
         "diameters that are tested; without them sizes are drawn from the gradation of the grains' material",
     ),
-    platen(
+    grain_crushing(
         "batch.grains",
         Integer { low: 1, high: 1_000_000 },
         Required,
@@ -620,19 +620,19 @@ const OWN: &[Key] = &[
         Is("0.0003"),
         "inertial number at which the top platen moves (oedometer: with loading.control = \"strain\")",
     ),
-    platen(
+    grain_crushing(
         "loading.step",
         Number(Range::closed(1e-6, 1e-2)),
         Is("0.0005"),
         "displacement of the platen in one step over its displacement so far; the force rises by up to 1.5 times this share in a step",
     ),
-    platen(
+    grain_crushing(
         "loading.max_displacement_over_d",
         Number(Range::between(1e-3, 1.0)),
         Is("0.5"),
         "displacement over the diameter at which a test ends with an unbroken grain",
     ),
-    platen("loading.max_force_N", Number(POSITIVE), Absent, "force at which a test ends with an unbroken grain"),
+    grain_crushing("loading.max_force_N", Number(POSITIVE), Absent, "force at which a test ends with an unbroken grain"),
     states("damping.local", Number(RATIO), ByKind("0.05", "0.0", "0.0"), "local non-viscous damping (Cundall 1987)"),
     every("stepping.safety", Number(Range::above(0.0, 1.0)), Is("0.8"), "share of the stable time step"),
     both(
@@ -695,7 +695,7 @@ const OWN: &[Key] = &[
     ),
     assembly("records.every", COUNT, Is("100"), "steps between rows of history and tracks"),
     assembly("records.tracks", IndicesOr("all"), Is("[]"), "grains (from 0) whose motion is recorded"),
-    platen(
+    grain_crushing(
         "records.curves",
         IndicesOr("typical"),
         Is("\"typical\""),
@@ -1037,7 +1037,7 @@ mod tests {
     #[test]
     fn every_default_is_allowed_by_its_own_key() {
         for key in KEYS.iter() {
-            for kind in [Of::Oedometer, Of::Assembly, Of::Platen, Of::Continuum] {
+            for kind in [Of::Oedometer, Of::Assembly, Of::GrainCrushing, Of::Continuum] {
                 if let Some(value) = key.default_for(kind) {
                     assert!(key.shape.accept(value).is_ok(), "{}", key.path);
                 } else {

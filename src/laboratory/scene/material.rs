@@ -72,7 +72,7 @@ impl View<'_> {
         let hertzian_area = self.flag("crushing.enabled") && self.criterion() == "hertz_area";
         let why = if !law.is_hertzian() {
             "crushing.criterion = \"hertz_area\"".to_string()
-        } else if self.is_platen() {
+        } else if self.is_grain_crushing() {
             "a platen test".into()
         } else {
             format!("contact.law = \"{}\"", self.text("contact.law"))

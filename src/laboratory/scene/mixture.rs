@@ -3,7 +3,7 @@
 use super::material::Named;
 use super::view::View;
 use crate::model::GrainSpec;
-use crate::model::continuum::{Coarse, Continuum, Specimen};
+use crate::model::continuum::{CoarseGrains, MpmSpecimen, MpmTest};
 use crate::packing::dispersed;
 use engine::coupling::{Rates, Rule};
 use engine::grains::sphere_volume;
@@ -18,7 +18,7 @@ const DEEP: f64 = 0.01;
 
 impl View<'_> {
     /// The continuum with its grains; `None`, with the reasons noted, where the scene is refused.
-    pub fn mixture(&self, named: &[Named], materials: &[Material]) -> Option<Continuum> {
+    pub fn mixture(&self, named: &[Named], materials: &[Material]) -> Option<MpmTest> {
         let solid = !self.flag("grid.plane_strain");
         self.check(solid, "grid.plane_strain", "must be false in a mixture: its grains are spheres");
         let unscaled = !self.flag("stepping.inertia_scaling");
@@ -72,7 +72,7 @@ impl View<'_> {
         };
         rig.growth = growth;
         let fines = self.fines_as_points(materials, &rig, &grains)?;
-        let coarse = Coarse { grains, blocks, walls, point_materials, rates, fines };
+        let coarse = CoarseGrains { grains, blocks, walls, point_materials, rates, fines };
         self.blocks_have_room(&rig, &coarse);
         self.grains_have_room(&rig, &coarse.grains);
         rig.coarse = Some(coarse);
@@ -80,7 +80,7 @@ impl View<'_> {
     }
 
     /// Refuses listed grains that stand through a side of the specimen, where its platens begin.
-    fn grains_inside(&self, grains: &[GrainSpec], specimen: &Specimen) {
+    fn grains_inside(&self, grains: &[GrainSpec], specimen: &MpmSpecimen) {
         let (low, [x, y, _]) = (specimen.lower, specimen.base());
         let high: [f64; 3] = std::array::from_fn(|a| low[a] + specimen.size[a]);
         let shape = if specimen.round { "cylinder in the box" } else { "box" };
@@ -97,7 +97,7 @@ impl View<'_> {
     }
 
     /// Refuses listed grains of a free scene that contain points. In a specimen the points make room for the grains.
-    fn grains_have_room(&self, rig: &Continuum, grains: &[GrainSpec]) {
+    fn grains_have_room(&self, rig: &MpmTest, grains: &[GrainSpec]) {
         if rig.specimen().is_some() {
             return;
         }
@@ -111,7 +111,7 @@ impl View<'_> {
     }
 
     /// How the mass that breakages lose becomes points, if it does; `None`, with the reason noted, where the scene is refused.
-    fn fines_as_points(&self, materials: &[Material], rig: &Continuum, grains: &[GrainSpec]) -> Option<Option<Rule>> {
+    fn fines_as_points(&self, materials: &[Material], rig: &MpmTest, grains: &[GrainSpec]) -> Option<Option<Rule>> {
         let key = "crushing.lost_mass";
         if self.text(key) != "points" {
             return Some(None);
@@ -138,7 +138,7 @@ impl View<'_> {
     }
 
     /// Coarse grains at random places in the specimen. `fine_density` is the density of the fines' solids, kg/m³.
-    fn coarse(&self, named: &[Named], materials: &[Material], specimen: &Specimen, fine_density: f64) -> Option<Vec<GrainSpec>> {
+    fn coarse(&self, named: &[Named], materials: &[Material], specimen: &MpmSpecimen, fine_density: f64) -> Option<Vec<GrainSpec>> {
         let Some((material, radii, share)) = self.coarse_grains(named)? else { return Some(Vec::new()) };
         // of the box: coarse volume V with ρ_c V / (ρ_c V + ρ_f (1 − n) (box − V)) = share
         let (coarse, fine) = (materials[usize::from(material)].density, (1.0 - specimen.porosity) * fine_density);
@@ -184,7 +184,7 @@ const TOO_DEEP: f64 = 0.02;
 fn displace(
     points: &mut Points,
     dimension: Dimension,
-    specimen: &Specimen,
+    specimen: &MpmSpecimen,
     grains: &[GrainSpec],
     depth: impl Fn(u8, &GrainSpec, f64) -> f64,
 ) {

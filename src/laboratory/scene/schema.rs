@@ -23,7 +23,7 @@ pub enum Of {
     Triaxial,
     Isotropic,
     Assembly,
-    Platen,
+    GrainCrushing,
     Continuum,
     /// Grains in a continuum; every key of continua is one of theirs too.
     Mixture,
@@ -41,7 +41,7 @@ const KINDS: [(Of, &str, &str); 7] = [
     (Of::Triaxial, "triaxial", "a triaxial test"),
     (Of::Isotropic, "isotropic", "isotropic compression"),
     (Of::Assembly, "assembly", "an assembly"),
-    (Of::Platen, "platen", "a platen test"),
+    (Of::GrainCrushing, "platen", "a platen test"),
     (Of::Continuum, "continuum", "a continuum"),
     (Of::Mixture, "mixture", "a mixture"),
 ];
@@ -73,8 +73,8 @@ impl Of {
         match (self, scene) {
             (Of::Every, _) | (_, Of::Every) => true,
             (Of::Grains, kind) => kind != Of::Continuum,
-            (Of::Both, kind) => !matches!(kind, Of::Platen | Of::Continuum),
-            (Of::States, kind) => kind != Of::Platen,
+            (Of::Both, kind) => !matches!(kind, Of::GrainCrushing | Of::Continuum),
+            (Of::States, kind) => kind != Of::GrainCrushing,
             (Of::Continuum, kind) => matches!(kind, Of::Continuum | Of::Mixture),
             (Of::Fines, kind) => matches!(kind, Of::Oedometer | Of::Mixture),
             (Of::Listed, kind) => matches!(kind, Of::Assembly | Of::Mixture),
@@ -153,7 +153,7 @@ impl Key {
             Default::Is(text) => text,
             Default::ByKind(oedometer, free, platen) => match kind {
                 Of::Assembly | Of::Continuum | Of::Mixture => free,
-                Of::Platen => platen,
+                Of::GrainCrushing => platen,
                 _ => oedometer,
             },
             Default::Required | Default::Absent => return None,

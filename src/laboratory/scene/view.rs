@@ -131,7 +131,7 @@ impl<'a> View<'a> {
         self.of_grains_only(rolling);
         let mut rig = match self.text("kind") {
             "assembly" => Rig::Assembly(self.assembly(&named)?),
-            "platen" => Rig::Platen(self.platen(&named)?),
+            "platen" => Rig::GrainCrushing(self.grain_crushing(&named)?),
             "mixture" => Rig::Continuum(Box::new(self.mixture(&named, &materials)?)),
             test => Rig::of_test(test, self, &named)??,
         };
@@ -175,7 +175,7 @@ impl<'a> View<'a> {
     fn stepping(&self) -> Stepping {
         let stepping = Stepping {
             safety: self.si("stepping.safety"),
-            inertia_scaling: self.flag("stepping.inertia_scaling") || self.is_platen(),
+            inertia_scaling: self.flag("stepping.inertia_scaling") || self.is_grain_crushing(),
             dt: self.number("stepping.dt_s"),
             slow: false,
             skin: self.number("stepping.skin").unwrap_or(0.2),

@@ -33,7 +33,7 @@ macro_rules! specimen_tests {
             pub fn start(model: &Model, grains: Grains, size: CylinderSpace) -> Result<(Test, State), Error> {
                 match &model.rig {
                     $(Rig::$test(rig) => <$state as SpecimenTest>::start(model, rig, grains, size).map(|(test, state)| (Test::$test(test), state)),)*
-                    Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => unreachable!("no specimen of grains"),
+                    Rig::Assembly(_) | Rig::GrainCrushing(_) | Rig::Continuum(_) => unreachable!("no specimen of grains"),
                 }
             }
 
@@ -116,7 +116,7 @@ macro_rules! specimen_tests {
                 match self {
                     $(Rig::$test(rig) => Subject::Specimen(<$state as SpecimenTest>::specimen(rig)),)*
                     Rig::Assembly(rig) => Subject::Assembly(rig),
-                    Rig::Platen(rig) => Subject::Platen(rig),
+                    Rig::GrainCrushing(rig) => Subject::GrainCrushing(rig),
                     Rig::Continuum(rig) => Subject::Continuum(rig),
                 }
             }
@@ -130,7 +130,7 @@ macro_rules! specimen_tests {
             pub fn specimen_mut(&mut self) -> Option<&mut Specimen> {
                 match self {
                     $(Rig::$test(rig) => Some(<$state as SpecimenTest>::specimen_mut(rig)),)*
-                    Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
+                    Rig::Assembly(_) | Rig::GrainCrushing(_) | Rig::Continuum(_) => None,
                 }
             }
 
@@ -138,7 +138,7 @@ macro_rules! specimen_tests {
             pub fn largest_stress(&self) -> Option<f64> {
                 match self {
                     $(Rig::$test(rig) => Some(<$state as SpecimenTest>::largest_stress(rig)),)*
-                    Rig::Assembly(_) | Rig::Platen(_) | Rig::Continuum(_) => None,
+                    Rig::Assembly(_) | Rig::GrainCrushing(_) | Rig::Continuum(_) => None,
                 }
             }
 

@@ -1,7 +1,7 @@
 //! A test on a graphics device. The state is copied to the device once. After each batch of steps the forces on loading plates
 //! and walls are copied back; points and grains only when a record or checkpoint needs them.
 
-use super::{Coupled, Rig, State};
+use super::{Coupled, MpmTest, State};
 use crate::error::Result;
 use crate::model::Model;
 use ::engine::coupling::{Cycle, Rates};
@@ -20,7 +20,7 @@ impl Device {
     ///
     /// # Errors
     /// No graphics adapter, too little memory, or a scene that the device cannot compute.
-    pub fn new(state: &mut State, model: &Model, rig: &Rig, saved: Option<&Saved>) -> Result<Device> {
+    pub fn new(state: &mut State, model: &Model, rig: &MpmTest, saved: Option<&Saved>) -> Result<Device> {
         let mut coupled = state.mixture.as_deref_mut().map(|mixture| Coupled::new(model, rig, mixture));
         if saved.is_none() {
             compute_forces(state, &mut coupled, model, rig)?;
@@ -78,7 +78,7 @@ impl Device {
 
     /// Makes `n` steps with the loading plates' motion that the programme has set, and copies forces and means back. A grain
     /// above its limit ends the batch early: the CPU makes the step in which it breaks.
-    pub(super) fn steps(&mut self, state: &mut State, model: &Model, rig: &Rig, n: u64) -> Result<()> {
+    pub(super) fn steps(&mut self, state: &mut State, model: &Model, rig: &MpmTest, n: u64) -> Result<()> {
         for (k, drive) in state.drives.iter().enumerate() {
             self.gpu.drive(k, *drive)?;
         }
@@ -111,7 +111,7 @@ impl Device {
     }
 
     /// Takes the results of a batch into the state, but for points and contacts.
-    fn take(&self, state: &mut State, rig: &Rig, steps: u64, extents: [f64; 3]) {
+    fn take(&self, state: &mut State, rig: &MpmTest, steps: u64, extents: [f64; 3]) {
         let c = &mut state.continuum;
         c.set_counters(self.gpu.steps_done(), c.stress_work(), self.gpu.wall_force());
         state.plates.clone_from_slice(self.gpu.plates());
@@ -134,7 +134,7 @@ impl Device {
     }
 
     /// Makes the step in which grains break on the CPU, and copies the state with the daughters to the device.
-    fn break_grains(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
+    fn break_grains(&mut self, state: &mut State, model: &Model, rig: &MpmTest) -> Result<()> {
         self.read_back(state, model)?;
         let (Some(coupled), Some(mixture)) = (&mut self.coupled, &mut state.mixture) else { return Ok(()) };
         match self.gpu.within() {
@@ -165,7 +165,7 @@ impl Device {
 const MOST: u32 = 64;
 
 /// Computes the forces of all contacts on the CPU and adds the instant to the means, as the device does at the end of a step.
-fn compute_forces(state: &mut State, coupled: &mut Option<Coupled>, model: &Model, rig: &Rig) -> Result<()> {
+fn compute_forces(state: &mut State, coupled: &mut Option<Coupled>, model: &Model, rig: &MpmTest) -> Result<()> {
     state.press()?;
     if let Some(coupled) = coupled {
         coupled.compute_forces(state, model)?;

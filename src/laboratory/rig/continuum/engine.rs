@@ -2,7 +2,7 @@
 //! Programme and records are the same for all of them ([`State`]).
 
 use super::specimen::face;
-use super::{Coupled, LOOK, Phase, Rig, State};
+use super::{Coupled, LOOK, MpmTest, Phase, State};
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::continuum::Test;
@@ -26,7 +26,7 @@ pub enum Engine {
 #[cfg_attr(not(feature = "gpu"), allow(unused_variables))]
 impl Engine {
     /// The engine of the CPU for this state, with its grains if there are some.
-    pub fn of_grains(state: &mut State, model: &Model, rig: &Rig) -> Engine {
+    pub fn of_grains(state: &mut State, model: &Model, rig: &MpmTest) -> Engine {
         match &mut state.mixture {
             Some(mixture) => Engine::Mixture(Box::new(Coupled::new(model, rig, mixture))),
             None => Engine::Cpu,
@@ -35,7 +35,7 @@ impl Engine {
 
     /// Computes the forces of all contacts, those on the loading plates among them, and adds this instant to the means of the
     /// records.
-    pub(super) fn compute_forces(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
+    pub(super) fn compute_forces(&mut self, state: &mut State, model: &Model, rig: &MpmTest) -> Result<()> {
         match self {
             Engine::Cpu => {
                 state.press()?;
@@ -82,7 +82,7 @@ impl Engine {
     }
 
     /// Makes one step; on a graphics device as many as it takes until the share `next` of the test is done.
-    pub(super) fn steps(&mut self, state: &mut State, model: &Model, rig: &Rig, next: f64) -> Result<()> {
+    pub(super) fn steps(&mut self, state: &mut State, model: &Model, rig: &MpmTest, next: f64) -> Result<()> {
         match self {
             Engine::Cpu => state.step(rig),
             Engine::Mixture(coupled) => coupled.cycle(state, model, rig),
@@ -121,7 +121,7 @@ impl State {
     }
 
     /// One step of points and loading plates on the CPU.
-    fn step(&mut self, rig: &Rig) -> Result<()> {
+    fn step(&mut self, rig: &MpmTest) -> Result<()> {
         self.set_speeds(rig);
         self.continuum.step(self.dt)?;
         self.plates.iter_mut().for_each(|plate: &mut LoadingPlate| plate.advance(self.dt));
@@ -131,7 +131,7 @@ impl State {
     }
 
     /// Sets the speed of each loading plate for the next step.
-    pub(super) fn set_speeds(&mut self, rig: &Rig) {
+    pub(super) fn set_speeds(&mut self, rig: &MpmTest) {
         let extents = self.extents_now(rig);
         for ((plate, drive), drift) in self.plates.iter_mut().zip(&self.drives).zip(&mut self.drift) {
             let axis = plate.axis();
@@ -142,7 +142,7 @@ impl State {
     /// Steps until the share `next` of the test is done; at most to the next search for the stable step, and in [`Phase::Settle`]
     /// at most the time of a wave through the specimen.
     #[cfg_attr(not(feature = "gpu"), allow(dead_code))]
-    fn ahead(&self, rig: &Rig, next: f64) -> u64 {
+    fn ahead(&self, rig: &MpmTest, next: f64) -> u64 {
         let steps = self.continuum.steps();
         let most = LOOK - steps % LOOK;
         let share = match &rig.test {

@@ -1,8 +1,8 @@
 //! The grains of a mixture under test: their walls, and the cycles of grains and points on the CPU.
 
-use super::{Broken, Engine, Rig, State};
+use super::{Broken, Engine, MpmTest, State};
 use crate::error::{Error, Result};
-use crate::model::continuum::{Coarse, Specimen, Test};
+use crate::model::continuum::{CoarseGrains, MpmSpecimen, Test};
 use crate::model::{Assembly, Model};
 use crate::rig::assembly;
 use ::engine::boundary::Wall;
@@ -23,7 +23,7 @@ fn smooth(point: [f64; 3], normal: [f64; 3]) -> WallSpec {
 }
 
 /// Side `k` of a specimen's box, in the order x low, x high, …
-pub(super) fn side(s: &Specimen, k: usize) -> WallSpec {
+pub(super) fn side(s: &MpmSpecimen, k: usize) -> WallSpec {
     let (axis, high) = (k / 2, k % 2 == 1);
     let (mut point, mut normal) = (s.lower, [0.0; 3]);
     point[axis] += if high { s.size[axis] } else { 0.0 };
@@ -33,7 +33,7 @@ pub(super) fn side(s: &Specimen, k: usize) -> WallSpec {
 
 /// The grains of the scene with the walls of its test: the listed walls of a free scene; else fixed sides and loading plates in
 /// the order x low, x high, y low, …, so that the loading plates are the last walls.
-pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Continuum, plates: &[LoadingPlate]) -> Mixture {
+pub fn mixture(model: &Model, rig: &MpmTest, coarse: &CoarseGrains, continuum: &mut Continuum, plates: &[LoadingPlate]) -> Mixture {
     let of = |p: &LoadingPlate| {
         let plane = smooth(p.point, p.normal);
         let Some(radius) = p.radius else { return plane };
@@ -58,7 +58,7 @@ pub fn mixture(model: &Model, rig: &Rig, coarse: &Coarse, continuum: &mut Contin
 const NEARLY: f64 = 0.8;
 
 /// Contact parameters of points with grains and walls.
-fn point_table(model: &Model, rig: &Rig, mixture: &Mixture) -> PointContactTable {
+fn point_table(model: &Model, rig: &MpmTest, mixture: &Mixture) -> PointContactTable {
     let point_materials = rig.coarse.as_ref().map_or(&[][..], |c| &c.point_materials);
     // in a test the loading plates and the walls of the grid act on the points themselves
     let walls: &[Wall] = if rig.specimen().is_some() { &[] } else { &mixture.grains.walls };
@@ -73,7 +73,7 @@ pub struct Coupled {
 
 impl Coupled {
     /// Working memory for `mixture`.
-    pub fn new(model: &Model, rig: &Rig, mixture: &mut Mixture) -> Coupled {
+    pub fn new(model: &Model, rig: &MpmTest, mixture: &mut Mixture) -> Coupled {
         Coupled { table: point_table(model, rig, mixture), work: Workspace::new(&model.physics, &mut mixture.grains) }
     }
 
@@ -113,7 +113,7 @@ impl Coupled {
     }
 
     /// One cycle of grains and points, with the loading plates' motion that the programme has set.
-    pub(super) fn cycle(&mut self, state: &mut State, model: &Model, rig: &Rig) -> Result<()> {
+    pub(super) fn cycle(&mut self, state: &mut State, model: &Model, rig: &MpmTest) -> Result<()> {
         state.set_speeds(rig);
         let State { continuum, mixture, plates, .. } = state;
         let Some(mixture) = mixture else { return Ok(()) };
@@ -133,7 +133,7 @@ impl Coupled {
 
     /// The rest of a cycle of which a graphics device has made the first `done` steps of the grains.
     #[cfg(feature = "gpu")]
-    pub(super) fn finish_cycle(&mut self, state: &mut State, model: &Model, rig: &Rig, cycle: Cycle, done: u32) -> Result<()> {
+    pub(super) fn finish_cycle(&mut self, state: &mut State, model: &Model, rig: &MpmTest, cycle: Cycle, done: u32) -> Result<()> {
         let State { continuum, mixture, plates, .. } = state;
         let Some(mixture) = mixture else { return Ok(()) };
         mixture.cycle = cycle;
@@ -165,7 +165,7 @@ impl State {
     }
 
     /// Moves the breakages of a cycle that began at step `step` to those that wait to be recorded.
-    fn take_breakages(&mut self, rig: &Rig, step: u64) {
+    fn take_breakages(&mut self, rig: &MpmTest, step: u64) {
         let Some(mixture) = self.mixture.as_mut().filter(|m| !m.breakages.is_empty()) else { return };
         let events = std::mem::take(&mut mixture.breakages);
         let axial = if rig.specimen().is_some() { self.axial_stress(rig) } else { f64::NAN };
@@ -182,7 +182,7 @@ impl State {
     pub fn on_device<T>(
         &self,
         model: &Model,
-        rig: &Rig,
+        rig: &MpmTest,
         what: impl FnOnce(&Settings, &Points, &[LoadingPlate], Option<&gpu::CoarseGrains<'_>>) -> ::engine::error::Result<T>,
     ) -> Result<T> {
         if rig.specimen().is_some_and(|s| s.round) {
@@ -214,7 +214,7 @@ impl State {
     }
 
     /// Sets time and rates of the next cycle; `continuum` is the largest step by compression waves, s.
-    pub(super) fn find_cycle(&mut self, model: &Model, rig: &Rig, continuum: f64, engine: &Engine) -> Result<()> {
+    pub(super) fn find_cycle(&mut self, model: &Model, rig: &MpmTest, continuum: f64, engine: &Engine) -> Result<()> {
         let Some(mixture) = &mut self.mixture else { return Ok(()) };
         let safety = model.physics.stepping.safety;
         let (grains, contacts) = engine.bounds(mixture, &self.continuum, &self.plates, model.physics.stepping.slow);

@@ -5,7 +5,7 @@
 
 use super::grains::side as wall_of;
 use crate::error::{Error, Result};
-use crate::model::continuum::{Coarse, Continuum as Rig, Growth, Specimen, Test};
+use crate::model::continuum::{CoarseGrains, Growth, MpmSpecimen, MpmTest, Test};
 use crate::model::{GrainSpec, Model};
 use crate::packing;
 use crate::rig::cylinder::inertial_time;
@@ -89,7 +89,7 @@ impl Growing {
     ///
     /// # Errors
     /// [`Error::Failed`] for a free scene, which has no specimen.
-    pub fn start(model: &Model, rig: &Rig, growth: &Growth) -> Result<Growing> {
+    pub fn start(model: &Model, rig: &MpmTest, growth: &Growth) -> Result<Growing> {
         let Some(specimen) = rig.specimen() else {
             return Err(Error::Failed { step: 0, what: "a free scene has no specimen that can grow".into() });
         };
@@ -138,7 +138,7 @@ impl Growing {
     ///
     /// # Errors
     /// [`Error::Failed`]: the specimen does not come to rest within `growth.max_steps`.
-    pub fn advance(&mut self, physics: &Physics, rig: &Rig, growth: &Growth, work: &mut Workspace) -> Result<bool> {
+    pub fn advance(&mut self, physics: &Physics, rig: &MpmTest, growth: &Growth, work: &mut Workspace) -> Result<bool> {
         let (stage, state) = (self.stage, &mut self.state);
         if stage == Stage::Growth {
             growth::grow(physics, &self.radii, self.steps, growth.steps, state, work);
@@ -175,7 +175,7 @@ impl Growing {
 
     /// Whether all walls that move bear `stress`, Pa, and the unbalanced ratio is below `unbalanced`. Checked every [`LOOK`]
     /// steps, not in the first steps of a stage.
-    fn at_rest(&self, physics: &Physics, rig: &Rig, stress: f64, work: &Workspace, unbalanced: f64) -> bool {
+    fn at_rest(&self, physics: &Physics, rig: &MpmTest, stress: f64, work: &Workspace, unbalanced: f64) -> bool {
         if self.steps < self.from + 4 * LOOK || !self.steps.is_multiple_of(LOOK) {
             return false;
         }
@@ -220,11 +220,11 @@ fn side(state: &State, size: [f64; 3], k: usize) -> f64 {
 }
 
 /// Whether wall `k` moves: in a triaxial test all of them, in an oedometer the top.
-fn moves(rig: &Rig, k: usize) -> bool {
+fn moves(rig: &MpmTest, k: usize) -> bool {
     matches!(rig.test, Test::Triaxial { .. }) || k == 5
 }
 
-fn servo(rig: &Rig, stress: f64, state: &mut State) {
+fn servo(rig: &MpmTest, stress: f64, state: &mut State) {
     let [_, size] = extent(state);
     let least = size.into_iter().fold(f64::INFINITY, f64::min);
     let now = (0..6).filter(|k| moves(rig, *k)).map(|k| side(state, size, k)).fold(stress, f64::max);
@@ -239,7 +239,7 @@ fn servo(rig: &Rig, stress: f64, state: &mut State) {
 
 impl Grown {
     /// The rig of the test with this specimen: `rig` with the grown points, grains and box.
-    pub fn rig(&self, model: &Model, rig: &Rig, growth: &Growth) -> Rig {
+    pub fn rig(&self, model: &Model, rig: &MpmTest, growth: &Growth) -> MpmTest {
         let (coarse, fine) = self.grains.split_at(self.coarse);
         let solid = |grains: &[[f64; 4]]| grains.iter().map(|p| sphere_volume(p[3])).sum::<f64>();
         let whole = self.size.iter().product::<f64>() - solid(coarse);
@@ -251,7 +251,7 @@ impl Grown {
         let density = model.physics.materials[usize::from(growth.fines.material)].density;
         let mut rig = rig.clone();
         if let Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } = &mut rig.test {
-            *s = Specimen {
+            *s = MpmSpecimen {
                 lower: self.lower,
                 size: self.size,
                 spacing: (whole / fine.len().max(1) as f64).cbrt(),
@@ -288,7 +288,7 @@ impl Grown {
         if !growth.as_points {
             grains.extend(fine.iter().map(|p| spec(p, growth.fines.material)));
         }
-        rig.coarse = rig.coarse.map(|c| Coarse { grains, ..c });
+        rig.coarse = rig.coarse.map(|c| CoarseGrains { grains, ..c });
         rig
     }
 }

@@ -2,7 +2,7 @@
 //! row; the shares of points and grains in the stress are means of the instants of both rows; energies are those of the present
 //! instant.
 
-use super::{Phase, Rig, State, dimensions};
+use super::{MpmTest, Phase, State, dimensions};
 use ::engine::coupling::{Shares, Touching};
 use ::engine::mpm::Totals;
 use serde::{Deserialize, Serialize};
@@ -74,12 +74,12 @@ pub struct Moment {
     /// Sum of the magnitudes of the energies given: the scale for `dissipated`.
     pub scale: f64,
     /// Measures of the grains; `None`: there are none.
-    pub grains: Option<Coarse>,
+    pub grains: Option<GrainMeasures>,
 }
 
 /// Measures of the grains in a continuum at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Coarse {
+pub struct GrainMeasures {
     /// Stress borne by points, by contacts between grains, and by contacts between grains and points.
     pub shares: Shares,
     /// Numbers of contacts and fabric.
@@ -139,7 +139,7 @@ impl Moment {
 
 impl State {
     /// Adds the present instant to the means, and at the first call notes the energies at the start.
-    pub(super) fn collect(&mut self, rig: &Rig) {
+    pub(super) fn collect(&mut self, rig: &MpmTest) {
         let (sides, extents) = (self.sides(rig), self.extents_now(rig));
         self.means.add(1, sides, extents);
         if self.energy.is_none() {
@@ -151,7 +151,7 @@ impl State {
     /// Adds the instants of a batch of steps on a graphics device; `extents` are those that [`State::material`] gave before the
     /// batch.
     #[cfg(feature = "gpu")]
-    pub(super) fn add(&mut self, rig: &Rig, batch: &::engine::gpu::Means, mut extents: [f64; 3]) {
+    pub(super) fn add(&mut self, rig: &MpmTest, batch: &::engine::gpu::Means, mut extents: [f64; 3]) {
         for (plate, [way, overlap, _]) in self.plates.iter().zip(&batch.plates) {
             extents[plate.axis()] += overlap - way;
         }
@@ -164,7 +164,7 @@ impl State {
     }
 
     /// Kinetic energy, potential energy and elastic contact energy of the grains, J.
-    fn of_grains(&self, rig: &Rig) -> [f64; 3] {
+    fn of_grains(&self, rig: &MpmTest) -> [f64; 3] {
         self.mixture.as_ref().map_or([0.0; 3], |m| m.energies(rig.settings.gravity))
     }
 
@@ -175,7 +175,7 @@ impl State {
 
     /// The measures for a row: means since the last call, and the present instant. Stresses in the material are the mean of the
     /// instants of both calls: else they would be half a row ahead of the mean stresses on the loading plates.
-    pub fn moment(&mut self, rig: &Rig) -> Moment {
+    pub fn moment(&mut self, rig: &MpmTest) -> Moment {
         let d = dimensions(rig);
         let means = std::mem::take(&mut self.means);
         let n = means.count.max(1) as f64;
@@ -206,7 +206,7 @@ impl State {
     }
 
     /// The measures of the present instant.
-    fn instant(&self, rig: &Rig) -> Moment {
+    fn instant(&self, rig: &MpmTest) -> Moment {
         let (c, points) = (&self.continuum, self.continuum.points());
         let totals = c.totals();
         let [mut solid, mut plastic, mut most, mut along_z] = [0.0; 4];
@@ -231,7 +231,7 @@ impl State {
                 Some(s) => s.fullness() * self.extents_now(rig).iter().product::<f64>(),
                 None => totals.volume + volume,
             };
-            Coarse {
+            GrainMeasures {
                 shares: m.shares(c, box_volume),
                 touching: m.touching(),
                 kinetic: coarse[0],
@@ -271,7 +271,7 @@ impl State {
     }
 
     /// Largest horizontal distance from the axis of the first body, and largest height above the grid's floor, m.
-    pub fn reach(&self, rig: &Rig) -> [f64; 2] {
+    pub fn reach(&self, rig: &MpmTest) -> [f64; 2] {
         let (d, axis, lower) = (dimensions(rig), rig.axis, rig.settings.lower);
         self.continuum.points().position.iter().fold([0.0, f64::NEG_INFINITY], |[far, high], p| {
             let square: f64 = (0..d - 1).map(|a| (p[a] - axis[a]) * (p[a] - axis[a])).sum();

@@ -14,11 +14,11 @@ pub(crate) use device::Device;
 pub use engine::Engine;
 pub use grains::Coupled;
 pub(crate) use growth::{Growing, Grown, growing};
-pub(crate) use measure::{Coarse, Moment};
+pub(crate) use measure::{GrainMeasures, Moment};
 
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::model::continuum::{Continuum as Rig, Test};
+use crate::model::continuum::{MpmTest, Test};
 use ::engine::coupling::Mixture;
 use ::engine::dem::event::Breakage;
 use ::engine::mpm::{Continuum, Dimension, LoadingPlate, PlateDrive, Ramp, with_plates};
@@ -91,7 +91,7 @@ pub struct State {
 }
 
 /// Number of dimensions.
-fn dimensions(rig: &Rig) -> usize {
+fn dimensions(rig: &MpmTest) -> usize {
     if rig.settings.dimension == Dimension::Space { 3 } else { 2 }
 }
 
@@ -100,7 +100,7 @@ impl State {
     ///
     /// # Errors
     /// Points or a grid that the material point method does not allow; a fixed time step above its bound.
-    pub fn start(model: &Model, rig: &Rig) -> Result<State> {
+    pub fn start(model: &Model, rig: &MpmTest) -> Result<State> {
         let continuum = Continuum::new(rig.settings.clone(), rig.laws.clone(), rig.points.clone())?;
         if let Some(dt) = model.physics.stepping.dt {
             continuum.check_step(dt)?;
@@ -143,7 +143,7 @@ impl State {
     ///
     /// # Errors
     /// Those of [`Self::start`]; a fixed time step above its bound.
-    pub fn first_step(model: &Model, rig: &Rig) -> Result<f64> {
+    pub fn first_step(model: &Model, rig: &MpmTest) -> Result<f64> {
         let mut state = State::start(model, rig)?;
         let mut engine = Engine::of_grains(&mut state, model, rig);
         state.advance(model, rig, &mut engine, |_, _| Ok(0.0))?;
@@ -162,7 +162,7 @@ impl State {
     pub fn advance(
         &mut self,
         model: &Model,
-        rig: &Rig,
+        rig: &MpmTest,
         engine: &mut Engine,
         observe: impl FnOnce(&mut State, &Engine) -> Result<f64>,
     ) -> Result<()> {
@@ -178,7 +178,7 @@ impl State {
 
     /// Sets the time step: the fixed one, or the share `stepping.safety` of the largest that waves through a cell and the
     /// contacts of the loading plates allow.
-    fn find_step(&mut self, model: &Model, rig: &Rig, engine: &Engine) -> Result<()> {
+    fn find_step(&mut self, model: &Model, rig: &MpmTest, engine: &Engine) -> Result<()> {
         let step = self.continuum.steps();
         if step.is_multiple_of(LOOK) || self.bound == 0.0 {
             self.bound = engine.stable_step(self);
@@ -203,7 +203,7 @@ impl State {
     }
 
     /// Sets phase and motion of the loading plates for the next step, from the forces on them.
-    fn programme(&mut self, rig: &Rig) -> Result<()> {
+    fn programme(&mut self, rig: &MpmTest) -> Result<()> {
         self.drives.resize(self.plates.len(), PlateDrive::Speed(Ramp::constant(0.0)));
         match &rig.test {
             Test::Free { .. } => {
@@ -221,7 +221,7 @@ impl State {
     }
 
     /// Share of the test that is done, 0 to 1; 0 in [`Phase::Settle`].
-    pub fn share(&self, rig: &Rig) -> f64 {
+    pub fn share(&self, rig: &MpmTest) -> f64 {
         match &rig.test {
             Test::Free { duration: Some(duration), .. } => (self.time / duration) * (1.0 + 1e-12),
             Test::Free { steps, .. } => self.continuum.steps() as f64 / steps.unwrap_or(1) as f64,

@@ -1,8 +1,8 @@
 //! The loading plates of a specimen: their places at the start, the stresses on them, and their motion.
 
-use super::{Phase, Rig, State, dimensions};
+use super::{MpmTest, Phase, State, dimensions};
 use crate::error::{Error, Result};
-use crate::model::continuum::{Drainage, Specimen, Test};
+use crate::model::continuum::{Drainage, MpmSpecimen, Test};
 use ::engine::mpm::loading_plate::{LoadingPlate, ghost_radius, overlap};
 use ::engine::mpm::{Continuum, Dimension, PlateDrive, Ramp, area};
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -23,12 +23,12 @@ const PATIENCE: f64 = 500.0;
 
 /// Distance of a loading plate that just touches the points from the face of the material, m, outwards positive: the points stand
 /// half their spacing inside the face and reach outwards by the radius of their contact spheres.
-fn offset(rig: &Rig, s: &Specimen) -> f64 {
+fn offset(rig: &MpmTest, s: &MpmSpecimen) -> f64 {
     radius(rig, s) - 0.5 * s.spacing
 }
 
 /// Radius of the points' contact spheres at the start, m: the sphere of the solid volume of a point (Li et al. 2023, eq. 22).
-fn radius(rig: &Rig, s: &Specimen) -> f64 {
+fn radius(rig: &MpmTest, s: &MpmSpecimen) -> f64 {
     let volume = s.roominess() * s.spacing.powi(dimensions(rig) as i32);
     ghost_radius(rig.settings.dimension, (1.0 - s.porosity) * volume)
 }
@@ -39,7 +39,7 @@ fn mean_overlap(p: &LoadingPlate) -> f64 {
 }
 
 /// The loading plates of a test at the start, pressed in so far that their contacts balance the stress of the points.
-pub fn plates(rig: &Rig, continuum: &Continuum) -> Vec<LoadingPlate> {
+pub fn plates(rig: &MpmTest, continuum: &Continuum) -> Vec<LoadingPlate> {
     let Some(s) = rig.specimen() else { return Vec::new() };
     let d = dimensions(rig);
     let depth = match s.stress * s.roominess() * s.spacing.powi(d as i32 - 1) {
@@ -64,7 +64,7 @@ pub fn plates(rig: &Rig, continuum: &Continuum) -> Vec<LoadingPlate> {
 }
 
 /// Index of the loading plate at side `k` (x low, x high, y low, …); `None` where the side is a wall of the grid.
-fn at_side(rig: &Rig, k: usize) -> Option<usize> {
+fn at_side(rig: &MpmTest, k: usize) -> Option<usize> {
     let d = dimensions(rig);
     match &rig.test {
         Test::Free { .. } => None,
@@ -77,7 +77,7 @@ fn at_side(rig: &Rig, k: usize) -> Option<usize> {
 
 /// Area of the specimen's face normal to `axis`, m² (m in plane strain). For the lateral axes of a cylinder this is the whole
 /// area of the shell, for its force is the sum of all radial forces.
-pub(super) fn face(rig: &Rig, extents: [f64; 3], axis: usize) -> f64 {
+pub(super) fn face(rig: &MpmTest, extents: [f64; 3], axis: usize) -> f64 {
     let square = area(extents, axis);
     match rig.specimen() {
         Some(s) if s.round && axis == 2 => FRAC_PI_4 * square,
@@ -89,7 +89,7 @@ pub(super) fn face(rig: &Rig, extents: [f64; 3], axis: usize) -> f64 {
 impl State {
     /// Extents of the material, m (in plane strain 1 along z): the distances of its opposite faces, from the places of the
     /// loading plates and the overlaps of their contacts.
-    pub(super) fn extents_now(&self, rig: &Rig) -> [f64; 3] {
+    pub(super) fn extents_now(&self, rig: &MpmTest) -> [f64; 3] {
         let Some(s) = rig.specimen() else { return [0.0; 3] };
         let (d, radius) = (dimensions(rig), radius(rig, s));
         // the face is inside the loading plate: contact spheres reach beyond the face, less the mean overlap
@@ -112,7 +112,7 @@ impl State {
 
     /// Extents without the present overlaps, m: a graphics device adds the overlaps of each step itself.
     #[cfg(feature = "gpu")]
-    pub(super) fn material(&self, rig: &Rig) -> [f64; 3] {
+    pub(super) fn material(&self, rig: &MpmTest) -> [f64; 3] {
         let mut extents = self.extents_now(rig);
         for plate in &self.plates {
             extents[plate.axis()] -= mean_overlap(plate);
@@ -121,7 +121,7 @@ impl State {
     }
 
     /// Stress on each side, Pa, compression positive, in the order x low, x high, y low, …; 0 in a free scene.
-    pub(super) fn sides(&self, rig: &Rig) -> [f64; 6] {
+    pub(super) fn sides(&self, rig: &MpmTest) -> [f64; 6] {
         let wall = |k: usize| self.continuum.wall_force()[k][k / 2] * if k % 2 == 1 { -1.0 } else { 1.0 };
         // with a cylinder only the bottom is a side of the grid, and it is the first wall of the grains
         let own = |k: usize| if rig.specimen().is_some_and(|s| s.round) { 0 } else { k };
@@ -130,7 +130,7 @@ impl State {
     }
 
     /// Mean stress on both axial sides at the present instant, Pa.
-    pub(super) fn axial_stress(&self, rig: &Rig) -> f64 {
+    pub(super) fn axial_stress(&self, rig: &MpmTest) -> f64 {
         let (sides, axis) = (self.sides(rig), dimensions(rig) - 1);
         0.5 * (sides[2 * axis] + sides[2 * axis + 1])
     }
@@ -139,7 +139,7 @@ impl State {
     /// inward normals.
     pub(super) fn stresses(
         &self,
-        rig: &Rig,
+        rig: &MpmTest,
         extents: [f64; 3],
         plate: impl Fn(usize) -> f64,
         wall: impl Fn(usize) -> f64,
@@ -158,13 +158,13 @@ impl State {
     }
 
     /// Axial strain since the start of loading, compression positive.
-    pub fn axial_strain(&self, rig: &Rig) -> f64 {
+    pub fn axial_strain(&self, rig: &MpmTest) -> f64 {
         let axis = dimensions(rig) - 1;
         if rig.specimen().is_none() { 0.0 } else { 1.0 - self.extents_now(rig)[axis] / self.extents[axis] }
     }
 
     /// Motion of an axial loading plate that takes the share `part` of the whole axial speed, which is strain rate times height.
-    fn axial(&self, rig: &Rig, part: f64) -> PlateDrive {
+    fn axial(&self, rig: &MpmTest, part: f64) -> PlateDrive {
         let (end, rise) = (self.rate * self.extents[dimensions(rig) - 1], RAMP * self.wave);
         let value = part * (end * (self.phase_time / rise).min(1.0));
         PlateDrive::Speed(Ramp { value, slope: part * (end / rise), end: part * end })
@@ -172,7 +172,7 @@ impl State {
 
     /// Sets the motion for an oedometer: the top loading plate comes down. A shell moves inwards by the growth of its contacts'
     /// overlap, so that the material keeps its width.
-    pub(super) fn compress(&mut self, rig: &Rig, s: &Specimen) {
+    pub(super) fn compress(&mut self, rig: &MpmTest, s: &MpmSpecimen) {
         if self.axial_strain(rig) >= s.axial_strain {
             self.phase = Phase::Done;
         }
@@ -188,7 +188,7 @@ impl State {
     ///
     /// # Errors
     /// A specimen that does not come to rest at the cell pressure.
-    pub(super) fn shear(&mut self, rig: &Rig, s: &Specimen, cell: f64, drainage: Drainage) -> Result<()> {
+    pub(super) fn shear(&mut self, rig: &MpmTest, s: &MpmSpecimen, cell: f64, drainage: Drainage) -> Result<()> {
         let (d, extents) = (dimensions(rig), self.extents_now(rig));
         let modulus = rig.laws[usize::from(s.law)].elastic().oedometric();
         let rise = (cell - s.stress).abs() / (modulus * self.rate);
@@ -231,7 +231,7 @@ impl State {
     /// Motion of a lateral loading plate that keeps the volume constant: the width is w = w₀ (L₀/L)^(1/(d−1)) with the height L
     /// and d dimensions. The difference of the present width from this, which comes from the overlaps of contacts, is corrected
     /// within [`DRIFT`] wave times. Each loading plate takes half of the speed; positive inwards, m/s.
-    fn apart(&self, rig: &Rig, extents: [f64; 3], axis: usize) -> PlateDrive {
+    fn apart(&self, rig: &MpmTest, extents: [f64; 3], axis: usize) -> PlateDrive {
         let d = dimensions(rig);
         let [width, length] = [axis, d - 1].map(|a| extents[a]);
         let [width_0, length_0] = [axis, d - 1].map(|a| self.extents[a]);
@@ -245,7 +245,7 @@ impl State {
 
 /// Stiffness of a contact between a loading plate and a point under `stress`, Pa, over the mass `mass` of the point, kg: the
 /// square of an angular frequency, 1/s².
-pub fn contact_rate(dimension: Dimension, s: &Specimen, mass: f64, stress: f64) -> f64 {
+pub fn contact_rate(dimension: Dimension, s: &MpmSpecimen, mass: f64, stress: f64) -> f64 {
     let d = if dimension == Dimension::Space { 3 } else { 2 };
     let radius = ghost_radius(dimension, (1.0 - s.porosity) * s.roominess() * s.spacing.powi(d));
     let force = stress * s.roominess() * s.spacing.powi(d - 1);

@@ -26,7 +26,7 @@ impl View<'_> {
             stages,
             rate: 0.0,
             sigma_ref: 0.0,
-            pace: Some(self.si("loading.pace")),
+            load_increment: Some(self.si("loading.pace")),
             max_inertial_number: self.si("loading.max_inertial_number"),
             max_lag: self.si("loading.max_lag"),
             strain_controlled: None,

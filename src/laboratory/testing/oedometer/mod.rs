@@ -28,7 +28,7 @@ impl Stresses {
     /// Difference of the stress from the target `target`, Pa, over the target: the larger one of both platens. Where the cylinder
     /// has friction, that of the top platen alone, for friction carries a part of the stress. In isotropic compression the stress
     /// on the cylinder counts as well.
-    pub fn lag(&self, target: f64, rig: &Compression) -> f64 {
+    pub fn target_error(&self, target: f64, rig: &Compression) -> f64 {
         let of = |stress: f64| (stress / target - 1.0).abs();
         if rig.all_sides {
             return of(self.top).max(of(self.bottom)).max(of(self.horizontal));
@@ -36,11 +36,11 @@ impl Stresses {
         if rig.specimen.wall_friction.cylinder > 0.0 { of(self.top) } else { of(self.top).max(of(self.bottom)) }
     }
 
-    /// How far the specimen is from balance at the target: the larger one of [`Stresses::lag`] and, where the cylinder has no
+    /// How far the specimen is from balance at the target: the larger one of [`Stresses::target_error`] and, where the cylinder has no
     /// friction, [`Stresses::platen_difference`].
     fn imbalance(&self, target: f64, rig: &Compression) -> f64 {
         let difference = if rig.specimen.wall_friction.cylinder > 0.0 { 0.0 } else { self.platen_difference() };
-        self.lag(target, rig).max(difference)
+        self.target_error(target, rig).max(difference)
     }
 }
 
@@ -164,7 +164,7 @@ impl Loading {
                     }
                     return;
                 }
-                self.waits = stresses.lag(self.target, rig) > rig.loading.max_lag;
+                self.waits = stresses.target_error(self.target, rig) > rig.loading.max_lag;
                 if self.waits {
                     return;
                 }
@@ -180,7 +180,7 @@ impl Loading {
                 }
             }
             Phase::Hold(k) => {
-                let close = Stresses::of(state).lag(self.target, rig) < CLOSE;
+                let close = Stresses::of(state).target_error(self.target, rig) < CLOSE;
                 if (close && self.phase_steps > LOOK) || self.phase_steps > HOLD_AT_MOST {
                     self.enter(if k + 1 < stages.len() { Phase::Load(k + 1) } else { Phase::Done });
                 }
@@ -189,14 +189,16 @@ impl Loading {
         }
     }
 
-    /// Change of the target in one step, Pa: eq. (18), or with the adaptive programme the share `pace` of the target, less the
+    /// Change of the target in one step, Pa: eq. (18), or with the adaptive programme the share `load_increment` of the target, less the
     /// further the specimen is from balance. The adaptive programme is fast while the specimen is elastic and slow while grains
     /// break.
     fn increment(&self, stresses: &Stresses, rig: &Compression) -> f64 {
         let asked = &rig.loading;
-        match asked.pace {
+        match asked.load_increment {
             None => asked.rate * asked.sigma_ref * (1.0 + (self.target / asked.sigma_ref).max(1.0).ln()),
-            Some(pace) => pace * self.target * (1.0 - stresses.imbalance(self.target, rig) / asked.max_lag).max(0.0),
+            Some(load_increment) => {
+                load_increment * self.target * (1.0 - stresses.imbalance(self.target, rig) / asked.max_lag).max(0.0)
+            }
         }
     }
 

@@ -65,7 +65,7 @@ impl View<'_> {
             stages,
             rate: self.si("loading.rate"),
             sigma_ref: self.si("loading.sigma_ref_kPa"),
-            pace: (self.text("loading.programme") == "adaptive").then(|| self.si("loading.pace")),
+            load_increment: (self.text("loading.programme") == "adaptive").then(|| self.si("loading.pace")),
             max_inertial_number: self.si("loading.max_inertial_number"),
             max_lag: self.si("loading.max_lag"),
             strain_controlled: (self.text("loading.control") == "strain").then(|| self.si("loading.inertial_number")),

@@ -1,11 +1,11 @@
-//! Makes [`Platen`] from the keys of a crushing test of single grains.
+//! Makes [`GrainCrushing`] from the keys of a crushing test of single grains.
 
 use super::material::Named;
 use super::schema::unit;
 use super::view::View;
 use crate::gradation::stratified_diameters;
-use crate::model::{Model, Platen, Rig};
-use crate::rig::platen::{hertz_displacement, pair};
+use crate::model::{GrainCrushing, Model, Rig};
+use crate::rig::grain_crushing::{hertz_displacement, pair};
 use engine::breakage::CrushModel;
 use engine::breakage::criterion::size_factor;
 use engine::math::random::lineage_root;
@@ -18,14 +18,14 @@ const OF_GRADATION: usize = 4;
 const MOST: usize = 1_000_000;
 
 impl View<'_> {
-    pub fn is_platen(&self) -> bool {
+    pub fn is_grain_crushing(&self) -> bool {
         self.text("kind") == "platen"
     }
 
-    pub fn platen(&self, named: &[Named]) -> Option<Platen> {
+    pub fn grain_crushing(&self, named: &[Named]) -> Option<GrainCrushing> {
         let (grain, platen) = self.roles(named)?;
         let (diameters, graded) = self.batch(&named[usize::from(grain)])?;
-        Some(Platen {
+        Some(GrainCrushing {
             curves: self.curves(diameters.len()),
             diameters,
             graded,
@@ -96,14 +96,14 @@ impl View<'_> {
 
     /// Chooses typical curves where none are listed: the median strength of each diameter, or sizes spread over a gradation.
     pub fn typical(&self, rig: &mut Rig, crush: Option<&CrushModel>) {
-        let Rig::Platen(rig) = rig else { return };
+        let Rig::GrainCrushing(rig) = rig else { return };
         if !self.text("records.curves").is_empty() {
             rig.curves = typical(rig, crush);
         }
     }
 }
 
-fn typical(rig: &Platen, crush: Option<&CrushModel>) -> Vec<u32> {
+fn typical(rig: &GrainCrushing, crush: Option<&CrushModel>) -> Vec<u32> {
     let d = |i: u32| rig.diameters[i as usize];
     let mut order: Vec<u32> = (0..rig.diameters.len() as u32).collect();
     let mut chosen: Vec<u32> = if rig.graded {
@@ -126,7 +126,7 @@ fn typical(rig: &Platen, crush: Option<&CrushModel>) -> Vec<u32> {
 const OVERSHOOT: f64 = 1e-3;
 
 /// Warnings for a batch of crushing tests.
-pub fn warnings(model: &Model, rig: &Platen, out: &mut Vec<String>) {
+pub fn warnings(model: &Model, rig: &GrainCrushing, out: &mut Vec<String>) {
     let Some(crush) = &model.physics.crush else {
         out.push("crushing.enabled = false: every grain is pressed to the end of its test".into());
         return;

@@ -5,9 +5,9 @@ use super::progress_bar::Bar;
 use super::{Outcome, files};
 use crate::error::{Error, Result};
 use crate::interrupt::stop_asked;
-use crate::model::{Model, Platen};
-use crate::record::platen as records;
-use crate::rig::platen::{Test, pair, press};
+use crate::model::{GrainCrushing, Model};
+use crate::record::grain_crushing as records;
+use crate::rig::grain_crushing::{Test, pair, press};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -19,7 +19,7 @@ use std::time::Instant;
 ///
 /// # Errors
 /// [`Error::Interrupted`], a force that is not finite, or a file that cannot be written.
-pub fn run(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Outcome> {
+pub fn run(model: &Model, rig: &GrainCrushing, out: &Path, quiet: bool) -> Result<Outcome> {
     let started = Instant::now();
     let tests = press_all(model, rig, out, quiet)?;
     let wall_seconds = started.elapsed().as_secs_f64();
@@ -35,7 +35,7 @@ pub fn run(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Outco
 }
 
 /// Makes all tests, in parallel; results in the order of the grains' numbers.
-fn press_all(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Vec<Test>> {
+fn press_all(model: &Model, rig: &GrainCrushing, out: &Path, quiet: bool) -> Result<Vec<Test>> {
     let bar = Mutex::new(Bar::new(quiet));
     let done = AtomicUsize::new(0);
     let failed = AtomicBool::new(false);
@@ -70,7 +70,7 @@ fn press_all(model: &Model, rig: &Platen, out: &Path, quiet: bool) -> Result<Vec
     Ok(finished)
 }
 
-fn summary(model: &Model, rig: &Platen, tests: &[Test]) -> Value {
+fn summary(model: &Model, rig: &GrainCrushing, tests: &[Test]) -> Value {
     let broken = tests.iter().filter(|t| t.broken);
     let largest = |f: &dyn Fn(&Test) -> f64| tests.iter().map(f).fold(0.0, f64::max);
     // a grain that breaks in the first step has passed its limit at an unknown force

@@ -6,7 +6,7 @@
 //! grain. δ is the sum of both overlaps. By Hertz' theory each contact bears F = 4/3 E* √r (δ/2)^{3/2}.
 
 use crate::error::Error;
-use crate::model::{Model, Platen};
+use crate::model::{GrainCrushing, Model};
 use engine::boundary::Wall;
 use engine::boundary::{Drive, WallShape, WallSpec};
 use engine::contact::pair::Pair;
@@ -65,7 +65,7 @@ pub struct Point {
 }
 
 /// Contact parameters of a grain with a platen.
-pub fn pair(model: &Model, rig: &Platen) -> Pair {
+pub fn pair(model: &Model, rig: &GrainCrushing) -> Pair {
     let m = &model.physics.materials;
     let grain = &m[usize::from(rig.grain)];
     match rig.platen {
@@ -87,12 +87,12 @@ pub fn hertz_displacement(e_eff: f64, r: f64, force: f64) -> f64 {
 }
 
 /// Steps from the first contact to the largest displacement.
-pub fn most_steps(rig: &Platen) -> f64 {
+pub fn most_steps(rig: &GrainCrushing) -> f64 {
     ((rig.max_displacement / SEATING).ln() / rig.step.ln_1p() + 0.5 * START as f64).ceil()
 }
 
 /// The first state of a test: the grain touches both platens.
-fn seated(model: &Model, rig: &Platen, number: u32) -> State {
+fn seated(model: &Model, rig: &GrainCrushing, number: u32) -> State {
     let d = rig.diameters[number as usize];
     let r = 0.5 * d;
     // the grain's id is its number in the batch: the strength is drawn for the id
@@ -123,7 +123,7 @@ fn height(wall: &Wall) -> f64 {
 ///
 /// # Errors
 /// [`Error::Unstable`]: the force on a platen is not finite.
-pub fn press(model: &Model, rig: &Platen, number: u32, stop: impl Fn() -> bool) -> Result<Option<Test>, Error> {
+pub fn press(model: &Model, rig: &GrainCrushing, number: u32, stop: impl Fn() -> bool) -> Result<Option<Test>, Error> {
     let d = rig.diameters[number as usize];
     let e_eff = pair(model, rig).e_eff;
     let mut state = seated(model, rig, number);
@@ -155,8 +155,8 @@ pub fn press(model: &Model, rig: &Platen, number: u32, stop: impl Fn() -> bool) 
                 test.curve.push(point);
                 next = delta * 10f64.powf(1.0 / PER_DECADE);
             }
-            let pace = rig.step * (state.step.min(START) as f64 / START as f64);
-            state.walls[1].speed = pace * delta / state.dt;
+            let increment = rig.step * (state.step.min(START) as f64 / START as f64);
+            state.walls[1].speed = increment * delta / state.dt;
             Ok::<(), Error>(())
         })?;
         test.steps = state.step;

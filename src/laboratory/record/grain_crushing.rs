@@ -2,8 +2,8 @@
 //! and `limit_force.csv`.
 
 use crate::error::Result;
-use crate::model::{Model, Platen};
-use crate::rig::platen::{Test, hertz, pair};
+use crate::model::{GrainCrushing, Model};
+use crate::rig::grain_crushing::{Test, hertz, pair};
 use engine::breakage::CrushModel;
 use engine::breakage::criterion::size_factor;
 use std::path::Path;
@@ -31,7 +31,7 @@ const CLASSES: usize = 4;
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(out: &Path, model: &Model, rig: &Platen, tests: &[Test]) -> Result<()> {
+pub fn write(out: &Path, model: &Model, rig: &GrainCrushing, tests: &[Test]) -> Result<()> {
     save(out, TESTS, tests.iter().map(|t| test_row(t)))?;
     let e_eff = pair(model, rig).e_eff;
     save(out, CURVES, tests.iter().flat_map(|t| curve_rows(t, e_eff)))?;
@@ -70,7 +70,7 @@ fn test_row(t: &Test) -> Row {
 }
 
 fn curve_rows(t: &Test, e_eff: f64) -> Vec<Row> {
-    let row = |p: &crate::rig::platen::Point| -> Row {
+    let row = |p: &crate::rig::grain_crushing::Point| -> Row {
         let expected = hertz(e_eff, 0.5 * t.diameter, p.displacement);
         vec![
             ("grain", u64::from(t.grain).into()),
@@ -91,7 +91,7 @@ struct Class<'a> {
     tests: Vec<&'a Test>,
 }
 
-fn classes<'a>(rig: &Platen, tests: &'a [Test]) -> Vec<Class<'a>> {
+fn classes<'a>(rig: &GrainCrushing, tests: &'a [Test]) -> Vec<Class<'a>> {
     let mut sorted: Vec<&Test> = tests.iter().collect();
     sorted.sort_by(|a, b| a.diameter.total_cmp(&b.diameter).then(a.grain.cmp(&b.grain)));
     let parts: Vec<Vec<&Test>> = if rig.graded {
@@ -110,7 +110,7 @@ fn classes<'a>(rig: &Platen, tests: &'a [Test]) -> Vec<Class<'a>> {
 /// Rows of `survival.csv`: for each force at which a grain of the class broke the share of grains that bear more. This is the
 /// product-limit estimate (Kaplan & Meier 1958), in which an unbroken grain counts up to its largest force. Beside it stands the
 /// share by the strength distribution of the model, for a class of one diameter.
-fn survival_rows(model: &Model, rig: &Platen, class: &Class) -> Vec<Row> {
+fn survival_rows(model: &Model, rig: &GrainCrushing, class: &Class) -> Vec<Row> {
     let mut tests = class.tests.clone();
     // at the same force the broken ones come first
     tests.sort_by(|a, b| a.force.total_cmp(&b.force).then(b.broken.cmp(&a.broken)));
@@ -133,7 +133,7 @@ fn survival_rows(model: &Model, rig: &Platen, class: &Class) -> Vec<Row> {
 
 /// Share of grains of the diameter of `t` whose limit force is larger than the force at which `t` broke, by the model's
 /// distribution.
-fn survival_of_law(crush: &CrushModel, model: &Model, rig: &Platen, t: &Test) -> f64 {
+fn survival_of_law(crush: &CrushModel, model: &Model, rig: &GrainCrushing, t: &Test) -> f64 {
     let mean = mean_limit(crush, t.diameter, pair(model, rig).e_eff);
     // the force goes with the strength or with its cube
     let ratio = if crush.criterion.power() == 3 { (t.force / mean).cbrt() } else { t.force / mean };
@@ -147,7 +147,7 @@ fn mean_limit(crush: &CrushModel, d: f64, e_eff: f64) -> f64 {
 }
 
 /// Rows of `limit_force.csv`: limit force against diameter, for the mean strength and for the quantiles [`BAND`] of strength.
-fn limit_rows(crush: &CrushModel, rig: &Platen, e_eff: f64) -> Vec<Row> {
+fn limit_rows(crush: &CrushModel, rig: &GrainCrushing, e_eff: f64) -> Vec<Row> {
     let (low, high) = rig.diameters.iter().fold((f64::INFINITY, 0.0f64), |(low, high), d| (low.min(*d), high.max(*d)));
     let (low, high) = ((low / BEYOND).max(crush.d_limit), high * BEYOND);
     if low >= high {
