@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 macro_rules! constitutive_laws {
     ($($(#[$doc:meta])* $law:ident = $word:literal, $meaning:literal, gpu: $gpu:expr;)*) => {
         /// The constitutive law of a material.
-        #[expect(clippy::large_enum_variant, reason = "a scene has a few laws; points hold none")]
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         pub enum Law {
             $($(#[$doc])* $law($law),)*
