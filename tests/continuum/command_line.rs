@@ -49,6 +49,36 @@ fn a_small_triaxial_test_finds_its_peak_and_resumes_to_the_byte() {
     assert_eq!(number(&summary(&parts), "peak_stress_ratio").to_bits(), peak.to_bits());
 }
 
+/// A specimen of the Mohr-Coulomb law ends at N + 2 c √N / σ3, N = (1 + sin φ)/(1 − sin φ), whatever its stiffness, and dilates at its angle.
+#[test]
+fn a_mohr_coulomb_specimen_fails_at_its_friction_and_dilates_at_its_angle() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("o");
+    let mut command = comminute("run");
+    command.args([
+        "tests/golden/mohr_coulomb.toml",
+        "--quiet",
+        "--set",
+        "records.figures=false",
+        "--set",
+        "records.snapshots=false",
+    ]);
+    command.arg("--out").arg(&out).assert().success();
+    let s = summary(&out);
+    let sine = 33f64.to_radians().sin();
+    let n = (1.0 + sine) / (1.0 - sine);
+    let law = number(&s, "peak_stress_ratio_of_the_law");
+    assert!((law / (n + 2.0 * n.sqrt() / 50.0) - 1.0).abs() < 1e-12, "{law}");
+    assert!((number(&s, "residual_stress_ratio") / law - 1.0).abs() < 0.03, "{s}");
+    // over the second half of the test all strain is plastic
+    let rows = columns(&out, ["axial_strain", "volumetric_strain"]);
+    let ([a0, v0], [a1, v1]) = (rows[rows.len() / 2], rows[rows.len() - 1]);
+    let dilation = (v1 - v0) / (a1 - a0);
+    let sine = 8f64.to_radians().sin();
+    let expected = -2.0 * sine / (1.0 - sine);
+    assert!((dilation / expected - 1.0).abs() < 0.12, "{dilation} for {expected}");
+}
+
 /// At constant volume an elastic specimen has q = 3 G ε_a and keeps its mean stress: G = E/(2 (1 + ν)), before the first yield; the equivalent pore pressure is
 /// a third of q.
 #[test]

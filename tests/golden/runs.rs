@@ -32,6 +32,13 @@ runs! { "cpu":
     oedometer_linear_inherited: "experiments/petroleum_coke/l-c-2.toml", coke!("specimen.porosity=0.47", "contact.law=linear_inherited");
     oedometer_hertz_viscous: "experiments/petroleum_coke/h-c-2.toml", in_time!("contact.law=hertz_viscous");
     oedometer_hertz_viscous_no_tension: "experiments/petroleum_coke/h-c-2.toml", in_time!("contact.law=hertz_viscous_no_tension", "crushing.birth=gradual");
+    oedometer_elasto_plastic: "experiments/petroleum_coke/h-c-2.toml",
+        coke!("contact.law=elasto_plastic", "material.contact.yield_pressure_MPa=60", "contact.unloading=rescale", "crushing.birth=gradual");
+    oedometer_mean_stress_and_weibull: "experiments/criteria/oedometer.toml",
+        &["specimen.grains=100", "specimen.diameter_mm=80", "specimen.porosity=0.45", "crushing.criterion=mohr_coulomb", "loading.max_stress_kPa=6000", "records.at_kPa=[]"];
+    isotropic: "experiments/isotropic/petroleum_coke.toml",
+        &["specimen.grains=100", "specimen.diameter_mm=110", "specimen.porosity=0.45", "preparation.porosity_tolerance=0.02", "loading.max_stress_kPa=600",
+            "loading.stages_kPa=[60.0, 700.0]", "records.at_kPa=[500.0]"];
     oedometer_growing_daughters: "experiments/petroleum_coke/h-c-2.toml",
         coke!("specimen.porosity=0.46", "preparation.growth_friction=auto", "crushing.birth=gradual", "crushing.lost_mass=grow", "contact.unloading=rescale",
             "loading.control=strain", "loading.stages_kPa=[500.0, 1600.0]");
@@ -45,6 +52,7 @@ runs! { "cpu":
     continuum_apic: "experiments/mpm/triaxial_fine_small.toml", &["grid.pic=0", "grid.transfer=apic"];
     continuum_gimp: "experiments/mpm/triaxial_fine_small.toml", &["grid.shape_functions=gimp"];
     continuum_cylinder: "experiments/mpm/oedometer_cylinder.toml", &["test.axial_strain=0.002"];
+    continuum_mohr_coulomb: "tests/golden/mohr_coulomb.toml", &[];
     plane_strain: "experiments/mpm/column_collapse_2d.toml", &["duration_s=0.1", "grid.cell_mm=10"];
     mixture_spheres: "experiments/mixture/triaxial_small.toml", &["test.axial_strain=0.002"];
     mixture_blocks: "tests/golden/blocks.toml", &[];
