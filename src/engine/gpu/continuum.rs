@@ -1,5 +1,6 @@
 //! A continuum on the graphics device, which computes steps in batches; the processor reads the state only between batches.
 
+use super::buffers::{Buffers, GrainGroups, Groups};
 use super::device::{Adapter, Device, refused};
 use super::grains::{self, Bodies, CoarseGrains};
 use super::layout::{BatchState, Law32, Params, Status, groups};
@@ -66,21 +67,6 @@ pub struct Means {
     pub sides: [f64; 6],
     /// Normal force of the grains on each of their walls, N.
     pub grains: Vec<f64>,
-}
-
-/// Buffers on the device; `passes.rs` binds them to the shaders.
-pub(super) struct Buffers {
-    pub params: wgpu::Buffer,
-    pub laws: wgpu::Buffer,
-    pub state: wgpu::Buffer,
-    pub nodes: wgpu::Buffer,
-    pub starts: wgpu::Buffer,
-    pub counts: wgpu::Buffer,
-    pub order: wgpu::Buffer,
-    pub status: wgpu::Buffer,
-    pub touching: wgpu::Buffer,
-    pub batch: wgpu::Buffer,
-    pub dispatches: wgpu::Buffer,
 }
 
 impl DeviceContinuum {
@@ -510,22 +496,4 @@ impl DeviceContinuum {
     pub(super) fn nodes(&self) -> Vec<[f32; 4]> {
         bytemuck::pod_collect_to_vec(&self.device.read(&[(&self.buffers.nodes, self.sizes.nodes)], 0).expect("nodes"))
     }
-}
-
-/// Numbers of workgroups of the passes along x and y, and which passes a step has.
-pub(super) struct Groups {
-    pub points: [u32; 2],
-    pub nodes: [u32; 2],
-    pub walls: bool,
-    pub plates: bool,
-    pub grains: Option<GrainGroups>,
-}
-
-/// Numbers of workgroups of the passes of grains: of one thread per row ([`grains`]), of one thread per grain, and of one workgroup per grain; number of steps of the
-/// grains in a step of the continuum.
-pub(super) struct GrainGroups {
-    pub rows: [u32; 2],
-    pub grains: [u32; 2],
-    pub each: [u32; 2],
-    pub rates: u32,
 }

@@ -1,7 +1,5 @@
 //! The graphics adapter: its choice, its set-up, buffers, and errors that it reports.
 
-use super::grains;
-use super::memory::BufferSizes;
 use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::util::DeviceExt;
@@ -27,20 +25,11 @@ pub fn available() -> Option<Adapter> {
     adapter().ok().map(|adapter| Adapter::of(&adapter))
 }
 
-/// The adapter, where it can have buffers of these sizes.
+/// The adapter that suits best.
 ///
 /// # Errors
-/// There is no adapter; a buffer is larger than it allows.
-pub fn holding(sizes: &BufferSizes, of_grains: Option<&grains::GrainBufferSizes>) -> Result<Adapter> {
-    let adapter = adapter()?;
-    sizes.check(&adapter.limits())?;
-    if let Some(sizes) = of_grains {
-        sizes.check(&adapter.limits())?;
-    }
-    Ok(Adapter::of(&adapter))
-}
-
-fn adapter() -> Result<wgpu::Adapter> {
+/// There is none.
+pub(super) fn adapter() -> Result<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::PRIMARY;
     // without wgpu's checks of indirect dispatches: their sizes come from our own pass, which bounds them

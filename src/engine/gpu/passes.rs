@@ -1,6 +1,6 @@
 //! The compute pipelines, one for each entry point of the shaders, and their order in a step.
 
-use super::continuum::{Buffers, Groups};
+use super::buffers::{Buffers, Groups};
 use super::device::Device;
 use super::{grains, shader};
 

@@ -1,6 +1,6 @@
 //! Which continua the graphics device can compute, and whether one fits into its memory; answered without opening the device.
 
-use super::device::{Adapter, holding, refused};
+use super::device::{Adapter, adapter, refused};
 use super::grains::{self, CoarseGrains};
 use super::loading_plate;
 use super::memory::BufferSizes;
@@ -73,4 +73,17 @@ fn lacking(settings: &Settings, points: &Points) -> Vec<Error> {
         errors.push(refused("id", id, "must be below 2^29 on the GPU"));
     }
     errors
+}
+
+/// The adapter, where it can have buffers of these sizes.
+///
+/// # Errors
+/// There is no adapter; a buffer is larger than it allows.
+fn holding(sizes: &BufferSizes, of_grains: Option<&grains::GrainBufferSizes>) -> Result<Adapter> {
+    let adapter = adapter()?;
+    sizes.check(&adapter.limits())?;
+    if let Some(sizes) = of_grains {
+        sizes.check(&adapter.limits())?;
+    }
+    Ok(Adapter::of(&adapter))
 }
