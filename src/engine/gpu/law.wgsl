@@ -1,4 +1,4 @@
-// Stress increments of the laws. Twin: law.rs, which says what each function is.
+// Stress increments of the laws. Twin: law.rs, where the functions are documented.
 
 // xx, yy, zz and xy, yz, zx
 struct Sym {
@@ -235,7 +235,7 @@ fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     if j > 0.0 {
         share = end.end.dj / j;
     }
-    // deviator from differences, so that a large pressure does not drown it
+    // the deviator from differences of normal stresses, so that a large pressure does not spoil its digits
     let deviator = (d - d.zxy) * 0.33333333;
     let mean = end.end.di1 * 0.33333333;
     return Step(Sym(elastic.normal + (deviator * share + vec3<f32>(mean)), elastic.shear + shear * share), end.plastic);

@@ -1,45 +1,48 @@
-// Rigid planes along the axes that press on the points' ghost spheres (Li et al. 2023, eqs 18, 20, 22), by tractions on the points' faces.
-// Twins: mpm/loading_plate.rs, mpm/plate_drive.rs (f64), which say what is done and why.
+// Loading plates: rigid planes across an axis that press on the contact spheres of points (Li et al. 2023, eqs 18, 20, 22), with tractions on the points' faces.
+// Twins (f64): mpm/loading_plate.rs, mpm/plate_drive.rs, where the method is documented.
 
 struct LoadingPlate {
     axis: u32,
-    // of the normal, towards the material
+    // component of the normal along the axis, 1 or -1; the normal points to the material
     normal: f32,
-    // place along the axis, as a point's
+    // coordinate along the axis, as for points
     cell: i32,
     units: i32,
     rest: f32,
+    // reduced modulus of the contacts, Pa
     modulus: f32,
+    // speed along the normal, m/s; displacement in this step, m
     speed: f32,
-    // since the last contact
     moved: f32,
+    // sums over the contacts: normal force, N; normal stiffness, N/m; elastic energy, J. Largest stiffness over mass of a point, 1/s²
     reaction: f32,
     stiffness: f32,
     stored: f32,
     rate: f32,
+    // work of the plate on the points, J
     work: vec2<f32>,
-    // mean speed that a servo follows; mean overlap of the contacts, m; way since the batch began, m
+    // mean speed under servo control, m/s; mean overlap of the contacts, m; displacement since the batch began, m
     drift: f32,
     overlap: f32,
     way: f32,
     unused: f32,
-    // sums over the steps of the batch
+    // sums of way, overlap and reaction over the steps of the batch
     ways: vec2<f32>,
     overlaps: vec2<f32>,
     reactions: vec2<f32>,
 }
 
-// Sums are pairs of a number and what does not fit into it.
+// State of a batch. Pairs are compensated sums.
 struct BatchState {
     // seconds since the batch began
     time: vec2<f32>,
-    // the step, s, and how often sums were taken
+    // time step, s; number of terms in the sums
     dt: f32,
     count: u32,
-    // of the forces with which the domain's sides push, N
+    // sums of the normal forces of the sides of the domain on the material, N
     sides: array<vec2<f32>, 6>,
     plates: array<LoadingPlate, 6>,
-    // force on each point and the stiffness that it pushes with; then sums of groups of points for each loading plate
+    // for each point the force of the loading plates, N, and its stiffness, N/m; then for each workgroup of points the sums for each loading plate
     parts: array<vec4<f32>>,
 }
 
@@ -49,20 +52,21 @@ var<workgroup> partial_sums: array<vec4<f32>, 256>;
 
 fn cube_root(x: f32) -> f32 {
     let y = exp2(log2(x) * 0.33333333);
-    // a Newton step, as the device's logarithm need not be good
+    // a Newton step, as the logarithm of the device may be inaccurate
     return y - (y * y * y - x) / (3.0 * y * y);
 }
 
-// Half of the edge of what a point stands for at the start, cells.
+// Half the edge of the cube with the initial volume of a point, cells.
 fn half_edge(i: u32) -> f32 {
     return 0.5 * cube_root(number(REST, i).w) * params.inverse_cell;
 }
 
+// Sums of three numbers, the maximum of the fourth.
 fn summed(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
     return vec4<f32>(a.xyz + b.xyz, max(a.w, b.w));
 }
 
-// Force of every loading plate on each point; sums of reaction, tangent stiffness, stored energy, and the largest stiffness over mass.
+// Forces of the loading plates on each point; for each workgroup and plate the sums of normal force, stiffness and elastic energy, and the largest stiffness over mass.
 @compute @workgroup_size(64)
 fn plate_forces(
     @builtin(global_invocation_id) id: vec3<u32>,
@@ -86,7 +90,7 @@ fn plate_forces(
             let place = word(PLACE, i);
             let plate = batch.plates[k];
             let axis = plate.axis;
-            // in units as long as can be: overlaps are small differences
+            // in whole units as far as possible: the overlap is a small difference of coordinates
             let normal = i32(plate.normal);
             let cells = normal * (cell_place(place.w)[axis] - 1 - plate.cell);
             let units = normal * (bitcast<vec3<i32>>(place.xyz)[axis] - plate.units);
@@ -94,9 +98,9 @@ fn plate_forces(
             let deep = f32(radius_units - cells * WIDTH - units) - plate.normal * (number(REST, i)[axis] - plate.rest);
             let scale = params.cell / UNITS;
             let radius = f32(radius_units) * scale;
-            // further than two cells is out of reach, or far beyond
+            // two cells away or more the plate is out of reach, or the point is far behind it
             let of_point = select(select(deep * scale, 2.0 * params.cell, cells < -1), 0.0, cells > 1);
-            // a ghost stays as far inside the material from its face as at the start
+            // once pressed, the contact sphere moves with the face of the point, not with the point
             let followed = arm[axis] * plate.normal < 0.0;
             var further = 0.0;
             if followed {
@@ -144,7 +148,7 @@ fn plate_forces(
     }
 }
 
-// What loading plates and sides feel at the end of a step, the loading plates' work, and sums for the records.
+// Reactions of the loading plates and of the sides of the domain at the end of a step, the work of the plates, and the sums of the batch.
 @compute @workgroup_size(256)
 fn sum_plate_loads(@builtin(local_invocation_index) thread: u32) {
     let sound = status.stop == 0u && atomicLoad(&status.fault) == NO_FAULT;
@@ -181,6 +185,7 @@ fn sum_plate_loads(@builtin(local_invocation_index) thread: u32) {
     batch.count += 1u;
 }
 
+// Stores the sums over the contacts of the loading plate `k`.
 fn store_plate_load(k: u32, sums: vec4<f32>) {
     var p = batch.plates[k];
     p.work = grown(p.work, 0.5 * (p.reaction + sums.x) * p.moved);
@@ -199,6 +204,7 @@ fn store_plate_load(k: u32, sums: vec4<f32>) {
     batch.plates[k] = p;
 }
 
+// Value of a ramp at a time since the start of the batch, s.
 fn ramp(d: PlateDrive, time: f32) -> f32 {
     let value = d.value + d.slope * time;
     if d.slope > 0.0 {
@@ -210,14 +216,14 @@ fn ramp(d: PlateDrive, time: f32) -> f32 {
     return d.value;
 }
 
-// A step that a side allows by itself, with contacts that add so much to the square of a frequency.
+// The time step for a part of the system with the step `dt` by itself, where contacts add `contacts`, 1/s², to the square of its largest frequency.
 fn with_contacts(dt: f32, contacts: f32) -> f32 {
     let twice = 2.0 * params.safety;
     let own = twice / dt;
     return twice / sqrt(own * own + contacts);
 }
 
-// Begins a step: how long it is, and the way of the loading plates in it.
+// Begins a step: its length, and the displacements of the loading plates in it.
 @compute @workgroup_size(1)
 fn drive() {
     if status.stop != 0u {
@@ -241,9 +247,9 @@ fn drive() {
             let others = select(extents, vec3<f32>(1.0), vec3<u32>(0u, 1u, 2u) == vec3<u32>(p.axis));
             let force = value * (others.x * others.y * others.z);
             let limit = d.reach * extents[p.axis];
-            // boundary.rs: servo_speed
+            // as servo_speed in boundary.rs
             var servo = limit;
-            // force and stiffness of grains
+            // force and stiffness of the grains on the plate
             let other = plate_load_of_grains(k);
             if p.stiffness + other.y > 0.0 {
                 servo = clamp(d.gain * (force - (p.reaction + other.x)) / ((p.stiffness + other.y) * dt), -limit, limit);

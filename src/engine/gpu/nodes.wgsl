@@ -1,36 +1,40 @@
-// State of points and nodes, and what the nodes gather from the points: one thread per node, points of a cell in the order of ids.
-// Twins: mpm/transfer.rs, mpm/grid.rs (f64), compared by rung 3.
+// State of points and nodes, and the sums of the nodes over the points: one thread per node; the points of a cell are in the order of their identities.
+// Twins (f64): mpm/spline.rs, mpm/pass.rs, mpm/grid.rs, with which gpu/tests/step.rs compares it.
 
-// Planes of `points` entries each.
-const PLACE: u32 = 0u; // units x, y, z (bits of i32), cell
-const REST: u32 = 1u; // what is left of a unit x, y, z; volume at the start
-const VELOCITY: u32 = 2u; // velocity, mass
-const VELOCITY_LOW: u32 = 3u; // its low part, law
-const NORMAL: u32 = 4u; // stress xx, yy, zz; volume/volume at the start - 1
-const SHEAR: u32 = 5u; // stress xy, yz, zx; plastic strain
-const NORMAL_LOW: u32 = 6u; // low parts
-const SHEAR_LOW: u32 = 7u;
-const ENERGY: u32 = 8u; // stress work, its low part, id, ghost radius
-// between loading plates only
-const ARM: u32 = 9u; // how far beside the point its face lies across each axis, cells; 0 where nothing presses
-const ARM_LOW: u32 = 10u;
+// Planes of the state of points, `points` entries each. A number that is a compensated sum has its low part in another plane.
+const PLACE: u32 = 0u; // offset x, y, z in units (bits of i32); cell
+const REST: u32 = 1u; // offset x, y, z: fractions of a unit; initial volume, m³
+const VELOCITY: u32 = 2u; // velocity, m/s; mass, kg
+const VELOCITY_LOW: u32 = 3u; // its low part; index of the law
+const NORMAL: u32 = 4u; // stress xx, yy, zz, Pa; volume over initial volume, less 1
+const SHEAR: u32 = 5u; // stress xy, yz, zx, Pa; accumulated plastic strain
+const NORMAL_LOW: u32 = 6u; // low parts of NORMAL
+const SHEAR_LOW: u32 = 7u; // low parts of SHEAR
+const ENERGY: u32 = 8u; // stress work, J, and its low part; identity; radius of the contact sphere, units (bits of i32)
+// with loading plates only
+const ARM: u32 = 9u; // distance from the point to its pressed face along each axis, cells, with sign; 0 where no plate presses
+const ARM_LOW: u32 = 10u; // its low part
 
-// Planes of `nodes` entries each.
-const MOMENTUM: u32 = 0u; // momentum, mass
-const SPEED: u32 = 1u; // velocity; near walls, meanwhile, momentum and mass
-const CHANGE: u32 = 2u; // change of the velocity in this step; near walls, meanwhile, impulse; stiffness that pushed there over mass
+// Planes of the nodes, `nodes` entries each. Near walls SPEED and CHANGE hold momentum and mass, and impulse, until the walls have been applied.
+const MOMENTUM: u32 = 0u; // momentum, kg m/s; mass, kg
+const SPEED: u32 = 1u; // velocity, m/s
+const CHANGE: u32 = 2u; // change of the velocity in this step, m/s; stiffness of external forces over mass, 1/s²
 
 struct Status {
-    // lowest 8 id + fault
+    // the smallest 8 · identity + fault over all points with a fault; NO_FAULT where there is none
     fault: atomic<u32>,
-    // points that have left their cell in this step
+    // number of points that have left their cell in this step
     crossed: atomic<u32>,
+    // number of steps done; 1 where the remaining steps of the batch are skipped
     steps: u32,
     stop: u32,
-    // bits of the largest speed of waves and points, m/s
+    // bits of the largest sum of wave speed and speed of a point, m/s
     fastest: atomic<u32>,
+    // force of each side of the domain on the material, N
     reaction: array<vec4<f32>, 6>,
 }
+
+// Faults of points.
 
 const NOT_FINITE: u32 = 0u;
 const OUTSIDE: u32 = 1u;
@@ -42,13 +46,14 @@ const NO_FAULT: u32 = 0xffffffffu;
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> nodes: array<vec4<f32>>;
-// first place in `order` of each cell, the number of points, and sums of groups of cells
+// for each cell the index in `order` of its first point; the number of points; sums over groups of cells
 @group(0) @binding(4) var<storage, read_write> starts: array<u32>;
-// points of each cell, then its next free place
+// number of points of each cell; while points are sorted, the next free index in `order`
 @group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
+// points by cell, in a cell by identity
 @group(0) @binding(6) var<storage, read_write> order: array<u32>;
 @group(0) @binding(7) var<storage, read_write> status: Status;
-// whether a wall touches: 1 in the folding at hand, 2 when forces were last known
+// for each node in the plane of a wall, whether the wall touches the material there: bit 1 in the pass at hand, bit 2 in the last pass with forces
 @group(0) @binding(8) var<storage, read_write> touching: array<u32>;
 
 fn word(plane: u32, i: u32) -> vec4<u32> {
@@ -63,17 +68,19 @@ fn put(plane: u32, i: u32, value: vec4<f32>) {
     state[plane * params.points + i] = bitcast<vec4<u32>>(value);
 }
 
-// One of many threads in workgroups of 64.
+// A thread in workgroups of 64.
 struct Thread {
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
 }
 
+// Number of the thread.
 fn linear(one: Thread) -> u32 {
     return one.id.x + one.id.y * one.groups.x * 64u;
 }
 
-// The first node of the first cell stands one cell beyond the domain, as does the last of the last one.
+// Numbers of cells and nodes along each axis. A cell here is that of the B-spline, about a node, so there is one more than cells of the domain; nodes go one cell
+// beyond the domain on each side.
 fn cell_size() -> vec3<i32> {
     return params.size + 1;
 }
@@ -97,7 +104,8 @@ fn offset(place: vec4<u32>) -> vec3<f32> {
     return vec3<f32>(bitcast<vec3<i32>>(place.xyz)) * (1.0 / UNITS);
 }
 
-// Quadratic B-spline (Li et al. 2023, eq. 10) of the first, middle or last of the three nodes along each axis, `o` cells from the middle one.
+// Quadratic B-splines (Li et al. 2023, eq. 10): along each axis the value for the first, middle or last (d = 0, 1, 2) of the three nodes that a point reaches. `o`:
+// offset of the point from the middle node, cells.
 fn value(d: vec3<i32>, o: vec3<f32>) -> vec3<f32> {
     let left = 0.5 - o;
     let right = 0.5 + o;
@@ -105,14 +113,13 @@ fn value(d: vec3<i32>, o: vec3<f32>) -> vec3<f32> {
     return select(outer, 0.75 - o * o, d == vec3<i32>(1));
 }
 
-// Its derivative, 1/cell.
+// Their derivatives, 1/cell.
 fn slope(d: vec3<i32>, o: vec3<f32>) -> vec3<f32> {
     let outer = select(0.5 + o, o - 0.5, d == vec3<i32>(0));
     return select(outer, -2.0 * o, d == vec3<i32>(1));
 }
 
-// For a traction on a face so many cells beside a point, of the first, middle or last of the three nodes along an axis: the mean of linear hats around it
-// (mpm/spline.rs).
+// Weight of the node d along one axis for a traction on a face at the distance `arm`, cells, from the point: mpm/spline.rs, at_edge.
 fn at_edge(d: i32, o: f32, arm: f32) -> f32 {
     let n = clamp(floor(0.5 / abs(arm) + 0.5), 1.0, 8.0);
     var sum = 0.0;
@@ -123,7 +130,7 @@ fn at_edge(d: i32, o: f32, arm: f32) -> f32 {
     return sum;
 }
 
-// The same along all axes; where nothing presses the point's own functions `w`.
+// The same along all axes; along axes without a pressed face the weights `w` of the point itself.
 fn at_faces(d: vec3<i32>, o: vec3<f32>, arm: vec3<f32>, w: vec3<f32>) -> vec3<f32> {
     var there = w;
     for (var a = 0u; a < 3u; a++) {
@@ -143,7 +150,7 @@ fn near_wall(at: vec3<i32>) -> bool {
     return false;
 }
 
-// Cells along x from which points reach node `x`, and how many entries of `order` a row of them has.
+// The cells in one row along x from which points reach a node: the range of their points in `order`.
 struct Row {
     first: u32,
     end: u32,
@@ -151,6 +158,7 @@ struct Row {
     base: i32,
 }
 
+// That row for the node `at`, dy and dz cells back along y and z.
 fn row(at: vec3<i32>, dy: i32, dz: i32) -> Row {
     let n = cell_size();
     let y = at.y - dy;
@@ -206,7 +214,7 @@ fn project(one: Thread) {
     }
 }
 
-// Local damping −α |f| sign(v) of what walls have left of the force; what friction has stopped stays so. Then v ← v + Δv.
+// The new velocity v + Δv, with local damping −α |f| sign(v) of the force that remains after walls. Components that friction has stopped are not damped.
 fn damped_velocity(k: u32, v: vec3<f32>, change_and_rate: vec4<f32>) {
     let dv = change_and_rate.xyz;
     let moves = (v != vec3<f32>(0.0)) & (v + dv != vec3<f32>(0.0));
@@ -215,7 +223,7 @@ fn damped_velocity(k: u32, v: vec3<f32>, change_and_rate: vec4<f32>) {
     nodes[CHANGE * params.nodes + k] = vec4<f32>(change, change_and_rate.w);
 }
 
-// Internal forces −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of loading plates and grains (eq. 29), gravity, and the new velocity (eq. 28).
+// Forces on the nodes: internal ones −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of loading plates and grains (eq. 29), gravity; and the new velocity (eq. 28).
 @compute @workgroup_size(64)
 fn accelerate(one: Thread) {
     let k = linear(one);
@@ -255,7 +263,7 @@ fn accelerate(one: Thread) {
                 if params.plates > 0u {
                     let push = batch.parts[i];
                     if any(push.xyz != vec3<f32>(0.0)) {
-                        // each component on its face
+                        // each component acts on the face along its axis
                         let there = at_faces(d, o, number(ARM, i).xyz, w);
                         let at_node = vec3<f32>(there.x * w.y * w.z, w.x * there.y * w.z, w.x * w.y * there.z);
                         let size = abs(push.xyz);

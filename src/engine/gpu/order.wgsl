@@ -1,8 +1,9 @@
-// Sorts the points by cell and, in a cell, by id: count, prefix sum, scatter, sort. Runs only after a step in which a point has left its cell.
+// Sorts the points by cell and, in a cell, by identity: counts them, sums the counts up, writes the points to their cells, sorts each cell. Runs only after a step in
+// which a point has left its cell.
 
 @group(1) @binding(0) var<storage, read_write> dispatches: array<u32>;
 
-// Whether there is something to do, as sizes of dispatches: cells, blocks of the prefix sum, one, points.
+// Writes the sizes of the dispatches that follow, zero where no point has left its cell: by cells, by groups of the prefix sum, one, by points.
 @compute @workgroup_size(1)
 fn plan() {
     if atomicLoad(&status.fault) != NO_FAULT {
@@ -23,6 +24,7 @@ fn plan() {
     dispatches[11] = 1u;
 }
 
+// Sets the counts to zero.
 @compute @workgroup_size(64)
 fn clear(one: Thread) {
     let c = linear(one);
@@ -31,6 +33,7 @@ fn clear(one: Thread) {
     }
 }
 
+// Counts the points of each cell.
 @compute @workgroup_size(64)
 fn count(one: Thread) {
     let i = linear(one);
@@ -41,7 +44,7 @@ fn count(one: Thread) {
 
 var<workgroup> shared_sums: array<u32, 256>;
 
-// The sum of the values of the threads before this one.
+// The sum of the values `own` of the threads before this one.
 fn before(thread: u32, own: u32) -> u32 {
     shared_sums[thread] = own;
     workgroupBarrier();
@@ -57,6 +60,7 @@ fn before(thread: u32, own: u32) -> u32 {
     return shared_sums[thread] - own;
 }
 
+// Prefix sum of the counts within each group of 256 cells, and the sum of the group.
 @compute @workgroup_size(256)
 fn scan_cells(@builtin(workgroup_id) block: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let c = block.x * 256u + thread;
@@ -73,6 +77,7 @@ fn scan_cells(@builtin(workgroup_id) block: vec3<u32>, @builtin(local_invocation
     }
 }
 
+// Prefix sum of the sums of groups.
 @compute @workgroup_size(256)
 fn scan_blocks(@builtin(local_invocation_index) thread: u32) {
     let share = (params.blocks + 255u) / 256u;
@@ -90,6 +95,7 @@ fn scan_blocks(@builtin(local_invocation_index) thread: u32) {
     }
 }
 
+// The sum of both: the first index of each cell.
 @compute @workgroup_size(64)
 fn scan_add(one: Thread) {
     let c = linear(one);
@@ -102,6 +108,7 @@ fn scan_add(one: Thread) {
     }
 }
 
+// Writes each point to its cell, in any order.
 @compute @workgroup_size(64)
 fn scatter(one: Thread) {
     let i = linear(one);
@@ -110,7 +117,7 @@ fn scatter(one: Thread) {
     }
 }
 
-// Insertion by id, which makes the order that of the state alone.
+// Sorts the points of each cell by identity (insertion sort), so that the order depends on the state alone, not on the order in which threads ran.
 @compute @workgroup_size(64)
 fn sort(one: Thread) {
     let c = linear(one);

@@ -1,42 +1,47 @@
-// What all passes read. The Rust twins are in layout.rs; a test compares the offsets.
+// What all passes read, the same during a batch of steps. The Rust twins are in layout.rs; a test compares the offsets.
 
 struct Params {
     // cells of the domain along each axis
     size: vec3<i32>,
     points: u32,
     gravity: vec3<f32>,
-    // the time step, or the largest that waves allow
+    // number of points above; gravity, m/s²; time step or, where `safety` is not 0, its upper bound, s
     dt: f32,
+    // edge of a cell, m, and its inverse, 1/m
     cell: f32,
     inverse_cell: f32,
-    // 1: PIC, 0: FLIP
+    // weight of PIC in the blend: 1 is PIC, 0 is FLIP
     pic: f32,
+    // coefficient of local damping
     damping: f32,
     // nodes with less mass, kg, count as empty
     mass_floor: f32,
-    // always 0, which the compiler does not know: see exact.wgsl
+    // always 0, which the compiler does not know: see keep() in exact.wgsl
     zero: u32,
+    // numbers of cells and nodes
     cells: u32,
     nodes: u32,
-    // number of groups of cells of the prefix sum
+    // number of groups of 256 cells in the prefix sum
     blocks: u32,
-    // points that a cell may hold
+    // largest number of points in a cell
     crowd: u32,
     // number of workgroups along x and y for one thread per point, per cell
     point_groups: vec2<u32>,
     cell_groups: vec2<u32>,
+    // number of loading plates
     plates: u32,
-    // share of what waves and contacts allow that a step may have; 0: it is `dt`
+    // time step over the stable step for waves and contacts; 0: every step is `dt`
     safety: f32,
-    // what the material extends over along each axis, less overlaps, when the batch begins, m; whether it follows the loading plates (1) or stays (0)
+    // extents of the material along each axis at the start of the batch, without overlaps, m; 1 where they follow the loading plates, 0 where they are fixed
     extents: vec3<f32>,
     follows: f32,
-    // x low, x high, y low, …: kind (0 open, 1 symmetry, 2 stick, 3 friction), bits of the friction coefficient
+    // the sides x low, x high, y low, …: kind (0 open, 1 symmetry, 2 stick, 3 friction), bits of the coefficient of friction
     walls: array<vec4<u32>, 6>,
     drives: array<PlateDrive, 6>,
 }
 
-// How a loading plate moves: 0 at a speed, m/s, 1 towards a stress, Pa; both from `value` with `slope` to `end`. mpm/plate_drive.rs says what the others are.
+// How a loading plate moves: at a speed, m/s (kind 0), or towards a stress, Pa (kind 1). Speed and stress go from `value` with `slope`, per second, to `end`. The other
+// fields are those of PlateDrive::Stress in mpm/plate_drive.rs, `memory` as 1/time.
 struct PlateDrive {
     kind: u32,
     value: f32,
@@ -49,7 +54,7 @@ struct PlateDrive {
     unused: f32,
 }
 
-// How a parameter follows the plastic strain: 0 constant (`last`), 1 linear, 2 cubic and exponential.
+// A parameter as a function of the plastic strain (mpm/law/evolution.rs): kind 0 constant (`last`), 1 linear, 2 cubic and exponential.
 struct Evolution {
     kind: u32,
     initial: f32,
@@ -62,10 +67,11 @@ struct Evolution {
     decay: f32,
 }
 
-// 0 elastic, 1 Drucker-Prager.
+// A constitutive law: kind 0 linear elasticity, 1 Drucker-Prager. The other fields are those of DruckerPrager in mpm/law/drucker_prager.rs, with bulk and shear modulus,
+// Pa; from the plastic strain `settled` on the yield surface is `last_alpha`, `last_kappa`.
 struct Law {
     kind: u32,
-    // 0 outer, 1 inner, 2 plane strain
+    // 0 outer, 1 inner, 2 plane strain (mpm/law/cone.rs)
     cone: u32,
     bulk: f32,
     shear: f32,

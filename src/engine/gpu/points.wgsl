@@ -1,4 +1,5 @@
-// What points take from the nodes: one thread per point. Twins: mpm/pass.rs, mpm/stress.rs (f64), compared by rung 3.
+// Velocity, position, strain and stress of the points from the velocities of the nodes: one thread per point. Twins (f64): mpm/pass.rs, mpm/stress.rs, with which
+// gpu/tests/step.rs compares it.
 
 fn report_fault(fault: u32, i: u32) {
     atomicMin(&status.fault, 8u * word(ENERGY, i).z + fault);
@@ -31,7 +32,7 @@ fn advance(one: Thread) {
     let gain = gain_and_rate.xyz;
     let own = number(VELOCITY, i);
     let low = number(VELOCITY_LOW, i);
-    // (1 − α)(v + Σ N Δv) + α Σ N v, as an increment
+    // the new velocity (1 − α)(v + Σ N Δv) + α Σ N v of the blend, as an increment
     let by = (1.0 - params.pic) * gain + params.pic * ((field - own.xyz) - low.xyz);
     let next = add(vec4<f32>(own.xyz, 0.0), vec4<f32>(low.xyz, 0.0), vec4<f32>(by, 0.0));
     let d = field * (batch.dt * params.inverse_cell);
@@ -73,7 +74,7 @@ fn advance(one: Thread) {
     state[PLACE * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(there.units), cell);
 }
 
-// Faces that are followed move by so many cells against their points.
+// Moves the pressed faces of a point by `by` cells relative to the point.
 fn follow(i: u32, by: vec3<f32>) {
     let arm = number(ARM, i);
     let pressed = arm.xyz != vec3<f32>(0.0);
@@ -84,7 +85,7 @@ fn follow(i: u32, by: vec3<f32>) {
     }
 }
 
-// W σ − σ W of the spin xy, yz, zx.
+// W σ − σ W with the spin increments w = (W_xy, W_yz, W_zx).
 fn spin_rate(a: Sym, w: vec3<f32>) -> Sym {
     let n = a.normal;
     let s = a.shear;
@@ -115,7 +116,7 @@ fn strain(one: Thread) {
     let base = cell_place(place.w);
     let w = array<vec3<f32>, 3>(value(vec3<i32>(0), o), value(vec3<i32>(1), o), value(vec3<i32>(2), o));
     let s = array<vec3<f32>, 3>(slope(vec3<i32>(0), o), slope(vec3<i32>(1), o), slope(vec3<i32>(2), o));
-    // columns ∂v/∂x, ∂v/∂y, ∂v/∂z
+    // columns of the velocity gradient: ∂v/∂x, ∂v/∂y, ∂v/∂z
     var dx = vec3<f32>(0.0);
     var dy = vec3<f32>(0.0);
     var dz = vec3<f32>(0.0);
@@ -157,7 +158,7 @@ fn strain(one: Thread) {
     let normal_low = number(NORMAL_LOW, i);
     let shear_low = number(SHEAR_LOW, i);
     let law = word(VELOCITY_LOW, i).w;
-    // to second order, as mpm/stress.rs
+    // rotation of the stress to second order, as in mpm/stress.rs
     let first = spin_rate(Sym(normal.xyz, shear.xyz), spin);
     let second = spin_rate(first, spin);
     let turn = Sym(first.normal + 0.5 * second.normal, first.shear + 0.5 * second.shear);
@@ -179,7 +180,7 @@ fn strain(one: Thread) {
     put(SHEAR, i, b.high);
     put(NORMAL_LOW, i, a.low);
     put(SHEAR_LOW, i, b.low);
-    // the mean of both stresses, and of both volumes
+    // stress work, from the mean of the stresses and volumes before and after
     let volume = bitcast<f32>(word(REST, i).w);
     let mean = 0.5 * volume * ((1.0 + normal.w) + (1.0 + a.high.w));
     let after = Sym(a.high.xyz, b.high.xyz);
@@ -189,7 +190,7 @@ fn strain(one: Thread) {
     state[ENERGY * params.points + i] = vec4<u32>(bitcast<vec2<u32>>(sum), energy.zw);
 }
 
-// Ends a step: it counts when nothing was lost.
+// Ends a step: counts it if no point has a fault, and stops the batch otherwise.
 @compute @workgroup_size(1)
 fn finish() {
     if status.stop == 0u {
@@ -202,7 +203,7 @@ fn finish() {
     }
 }
 
-// The fastest wave or point, for the bound of the time step (mpm/check.rs). Bits of positive numbers are in their order.
+// The largest sum of wave speed and speed of a point, for the bound on the time step (mpm/check.rs). Positive numbers are in the order of their bits.
 @compute @workgroup_size(64)
 fn survey(one: Thread) {
     let i = linear(one);

@@ -1,15 +1,16 @@
-// Walls along planes of nodes, in one workgroup with a barrier after each wall. Twin: mpm/walls.rs (f64), which says what is done and why.
+// The walls at the sides of the domain, in one workgroup with a barrier after each wall. Twin (f64): mpm/walls.rs, where the method is documented.
 
 const WALL_THREADS: u32 = 256u;
 
 var<workgroup> partial: array<vec3<f32>, 256>;
 
-// Number of nodes in the plane of a wall, and the places of all walls before it in `touching`.
+// Number of nodes in the plane of a wall across `axis`.
 fn plane_size(axis: u32) -> u32 {
     let n = vec3<u32>(node_size());
     return n.x * n.y * n.z / n[axis];
 }
 
+// Index in `touching` of the first node of a wall.
 fn plane_first(side: u32) -> u32 {
     var first = 0u;
     for (var s = 0u; s < side; s++) {
@@ -18,7 +19,7 @@ fn plane_first(side: u32) -> u32 {
     return first;
 }
 
-// The `t`-th node of the plane `layer` (0 behind the wall, 1 on it, 2 before it).
+// The `t`-th node of the plane `layer`: 0 behind the wall, 1 on it, 2 in front of it.
 fn wall_node(side: u32, t: u32, layer: i32) -> vec3<i32> {
     let axis = side / 2u;
     let n = node_size();
@@ -31,7 +32,7 @@ fn wall_node(side: u32, t: u32, layer: i32) -> vec3<i32> {
     return at;
 }
 
-// Whether a node near several walls is this one's to finish.
+// Whether the node `at` is finished with this side: of several walls close to a node the first one does it.
 fn owned(side: u32, at: vec3<i32>) -> bool {
     for (var s = 0u; s < side; s++) {
         if params.walls[s].x != 0u {
@@ -53,7 +54,8 @@ struct Folded {
     given: vec3<f32>,
 }
 
-// Folds the three nodes, if the wall pushes or is `held` to touch.
+// Adds what the node behind the wall has to the node in front of it, mirrored, and applies the condition of the wall to the node on it; for a wall with friction only if
+// the wall presses on the material, or where `held` says that it touches. Returns whether the wall touches, and the impulse that it gives.
 fn fold(side: u32, t: u32, held: bool) -> Folded {
     let axis = side / 2u;
     let across = unit(axis);
@@ -101,6 +103,7 @@ fn fold(side: u32, t: u32, held: bool) -> Folded {
     return Folded(true, given);
 }
 
+// Applies all walls; `moving`: to forces and velocities of a step, not to the velocities after projection alone.
 fn all_walls(thread: u32, moving: bool) {
     let P = SPEED * params.nodes;
     let I = CHANGE * params.nodes;
@@ -151,7 +154,7 @@ fn all_walls(thread: u32, moving: bool) {
         }
     }
     storageBarrier();
-    // in a domain of one cell the other wall has folded onto this plane meanwhile
+    // again, as in a domain one cell wide the opposite wall has added to this plane since
     for (var side = 0u; side < 6u; side++) {
         if params.walls[side].x == 0u {
             continue;

@@ -1,10 +1,14 @@
-// Grains: what they bear of each other, of walls and of points, and their motion. Twins: contact/sweep.rs, contact/wall_sweep.rs, step/gather.rs, coupling/mixture.rs (f64).
+// Grains: their contacts with each other, with walls and with points, and their motion. Twins (f64): contact/sweep.rs, contact/wall_sweep.rs, dem/gather.rs,
+// coupling/mixture.rs.
 
-// What the continuum's own passes ask of grains (without_grains.wgsl).
+// The functions of the continuum's passes that depend on grains; without_grains.wgsl has those for continua without grains.
+
+// External force of contacts on a point, N, mean over the steps of the grains, and its stiffness, N/m.
 fn force_of_grains(i: u32) -> vec4<f32> {
     return vec4<f32>(bitcast<vec3<f32>>(pushes[i].xyz) / f32(coupling.rates), bitcast<f32>(pushes[params.points + i].w));
 }
 
+// Keeps the transport velocity of a point, m/s, and the largest stiffness over mass of the nodes around it, 1/s².
 fn keep_transport_velocity(i: u32, v: vec3<f32>, stiffness_rate: f32) {
     pushes[params.points + i] = vec4<u32>(bitcast<vec3<u32>>(v), 0u);
     let most = bitcast<u32>(stiffness_rate);
@@ -28,11 +32,11 @@ fn plate_load_of_grains(k: u32) -> vec2<f32> {
     return sum;
 }
 
-// coupling/mod.rs: Bound::SHARES
+// ContactRates::END_SHARES in point_contacts.rs
 const OF_POINT: f32 = 3.0;
 const OF_GRAIN: f32 = 1.5;
 
-// The step, where waves in the continuum allow `dt`, and the largest stiffness of loading plates over the mass of a point is `rate` (coupling/mixture.rs: bounds, Cycle::longest).
+// Length of the next step of the continuum, s; `dt`: that for waves alone, s; `rate`: largest stiffness of loading plates over mass of a point, 1/s² (coupling/mixture.rs).
 fn longest_step(dt: f32, rate: f32) -> f32 {
     mix_.isolated_bound = OF_POINT * bitcast<f32>(atomicLoad(&mix_.point_rate)) + rate;
     if params.safety <= 0.0 {
@@ -56,7 +60,7 @@ fn side_speed(side: Side) -> f32 {
     return batch.plates[side.plate].speed;
 }
 
-// A sphere on a wall; the normal points into the wall.
+// Geometry of a sphere on a wall; the normal points into the wall.
 fn on_side(side: Side, cell: vec3<i32>, units: vec3<i32>, rest: vec3<f32>, whole: i32, part: f32) -> ContactGeometry {
     let axis = side.axis;
     let normal = i32(side.normal);
@@ -74,7 +78,7 @@ fn damped(f: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     return f - coupling.damping * abs(f) * sign(v);
 }
 
-// Velocities and places.
+// Moves the grains by one of their steps: velocities, spins, positions.
 @compute @workgroup_size(64)
 fn move_grains(one: Thread) {
     let g = linear(one);
@@ -114,15 +118,15 @@ fn move_grains(one: Thread) {
     atomicMax(&mix_.fastest_grain, bitcast<u32>(speed));
 }
 
-// Sizes of the passes that make lists.
+// Sizes of the dispatches of the passes that make lists of candidates.
 @group(2) @binding(0) var<storage, read_write> searches: array<u32>;
 
 var<workgroup> wanted: u32;
 
-// Share of the skin that may be used up: places ahead of time are guesses.
+// Share of the skin that may be used up before lists are made anew. Not all of it, as the positions of points ahead of their time are estimates.
 const TRUST: f32 = 0.5;
 
-// After each step of the grains: time and walls go on, and when something may have come into reach grains go to shelves anew.
+// After each step of the grains: advances time and walls and, where a body may have come closer than the skin allows, sorts the grains into the grid.
 @compute @workgroup_size(256)
 fn build_grid(@builtin(local_invocation_index) thread: u32) {
     if thread == 0u {
@@ -173,7 +177,7 @@ fn build_grid(@builtin(local_invocation_index) thread: u32) {
     }
 }
 
-// Whether lists are due.
+// Advances time and walls by one step of the grains; returns 1 where lists of candidates must be made anew.
 fn advance_time() -> u32 {
     atomicStore(&mix_.point_rate, 0u);
     if mix_.search != 0u {
@@ -213,13 +217,14 @@ fn advance_time() -> u32 {
     return 1u;
 }
 
+// Moves a contact of grain g to another slot.
 fn move_slot(old: u32, to: u32, g: u32) {
     for (var plane = 0u; plane < 4u; plane++) {
         slots[slot_at(plane, to, g)] = slots[slot_at(plane, old, g)];
     }
 }
 
-// The list of each grain anew; as those of points.
+// Makes the list of candidates of each grain anew, as point_candidates does for points.
 @compute @workgroup_size(64)
 fn grain_candidates(one: Thread) {
     let g = linear(one);
@@ -296,7 +301,7 @@ fn grain_candidates(one: Thread) {
     }
 }
 
-// Contact `s` of grain `g`: of two grains the one with the lower number is the first, and both find the same.
+// The contact of grain `g` in slot `s`. Of two grains the one with the lower index is the first end, so that both compute the same numbers.
 fn evaluated(g: u32, s: u32, body: u32, pair: Pair, spring: vec3<f32>, low: vec3<f32>) -> Contact {
     var m: ContactGeometry;
     var motion: RelativeMotion;
@@ -342,13 +347,14 @@ fn evaluated(g: u32, s: u32, body: u32, pair: Pair, spring: vec3<f32>, low: vec3
     return contact_force(m, r_eff, m_eff, motion, pair, dt, spring, low);
 }
 
-// Sums of each thread of a workgroup, and of each contact.
+// Sums of the threads of a workgroup over contacts with points; force and torque of each contact with a grain or wall.
 var<workgroup> forces: array<vec4<f32>, 64>;
 var<workgroup> torques: array<vec4<f32>, 64>;
 var<workgroup> slot_forces: array<vec4<f32>, 40>;
 var<workgroup> slot_torques: array<vec4<f32>, 40>;
 
-// What each grain bears: a workgroup for each, a thread for each of its contacts with grains and walls, and all of them over the points of the cells around it.
+// Force and torque on each grain, in one workgroup for each grain: one thread for each contact with grains and walls; then all threads over the points in the cells
+// around the grain.
 @compute @workgroup_size(64)
 fn grain_forces(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -416,7 +422,7 @@ fn grain_forces(
         slot_forces[thread] = force;
         slot_torques[thread] = torque;
     }
-    // the cells from which a point can touch it
+    // the cells with points that can touch the grain
     let around = grain_cells(g) + 0.5;
     let far = vec3<f32>(radius * params.inverse_cell + coupling.reach + coupling.skin);
     let n = cell_size();
@@ -485,10 +491,10 @@ fn grain_forces(
     }
 }
 
-// Margin by which stiffness may grow before it is looked at again (step/stability.rs).
+// Factor on the stiffness of contacts, which grows until the bound is computed again (dem/stability.rs).
 const MARGIN: f32 = 1.2;
 
-// What walls feel, what bounds the step, and whether something has happened that ends the batch.
+// Reactions of the walls, bounds on the time step, and whether the batch must end.
 @compute @workgroup_size(256)
 fn step_bound(@builtin(local_invocation_index) thread: u32) {
     var most = vec2<f32>(0.0);
@@ -536,6 +542,7 @@ fn step_bound(@builtin(local_invocation_index) thread: u32) {
     mix_.contacts_known = 0u;
 }
 
+// Stores the sums over the contacts of the wall `k`, and adds to its work.
 fn store_reaction(k: u32, reaction: f32, stiffness: f32) {
     let side = mix_.sides[k];
     if mix_.contacts_known == 0u {

@@ -1,107 +1,118 @@
-// Grains and their contacts: what is kept of them, where they are, and the force of one contact. Twins: contact/force.rs, contact/law.rs (f64).
+// Grains and their contacts: buffers, parameters, and the force of one contact. Twins (f64): contact/force.rs, contact/law.
 
+// What stays the same during a batch.
 struct Coupling {
+    // number of grains
     grains: u32,
-    // points near grains or walls that there is room for
+    // number of rows: of points close to grains or walls that there is room for
     rows: u32,
-    // those of grains, and as many of them as points meet
+    // number of walls of the grains; points touch the first `point_walls` of them
     walls: u32,
     point_walls: u32,
+    // numbers of materials of grains and of laws of points
     materials: u32,
     laws: u32,
-    // differences of places are taken in whole numbers of 2^-split cells and what is left of one
+    // distances between spheres are computed in quanta of 2^-split cells, as a whole number and a rest
     split: u32,
     // 0 linear, 1 Hertz, 2 Hertz with viscous damping
     law: u32,
     // steps of the grains in a step of the continuum
     rates: u32,
+    // 1 where grains rotate; where the failure criterion weighs contacts by Hertz's area; where grains may break
     turning: u32,
     hertz_area: u32,
     crushing: u32,
-    // cells by which lists reach further than contacts; largest ghost radius, cells
+    // by how much further than contacts the lists of candidates reach, cells; radius of the largest contact sphere of a point, cells
     skin: f32,
     reach: f32,
-    // the step that grains may have by themselves, s
+    // Rayleigh's time step of the grains, s
     least: f32,
+    // coefficient of local damping
     damping: f32,
-    // shelves of grains: how many along each axis, in all
+    // the grid for the search of grains: number of grid cells along each axis, and in all
     grid: vec3<i32>,
     grid_cells: u32,
-    // cells of a shelf; m of a 2^-split cell; its share in a unit of places; cells beyond which nothing touches
+    // edge of a grid cell, cells; length of a quantum, m; quanta in a unit of coordinates; number of cells from which on nothing touches
     grid_size: f32,
     quantum: f32,
     fine: f32,
     far: i32,
-    // where in `tables` ghosts, walls, and ghosts on walls begin
+    // where in `tables` the parameters of contacts of points with grains, of grains with walls, and of points with walls begin
     tables: vec4<u32>,
 }
 
-// A wall that stands along an axis.
+// A plane wall of the grains across an axis.
 struct Side {
     axis: u32,
-    // of the normal, towards the grains
+    // component of the normal along the axis, 1 or -1; the normal points to the grains
     normal: f32,
+    // coordinate along the axis, as for points
     cell: i32,
     units: i32,
     rest: f32,
+    // speed along the normal, m/s
     speed: f32,
-    // the loading plate that it moves with
+    // index of the loading plate that it moves with, or NONE
     plate: u32,
-    // of the grains
+    // sums over its contacts with grains: normal force, N; normal stiffness, N/m
     reaction: f32,
     stiffness: f32,
     unused: f32,
+    // work of the wall on the grains, J
     work: vec2<f32>,
 }
 
+// State of the grains as a whole.
 struct Mix {
-    // rows in use
+    // number of rows in use
     rows: atomic<u32>,
-    // lowest grain with too many neighbours, over its limit, lost
+    // index of the first grain with too many candidates; that fails; without a finite velocity. NONE where there is none
     crowded: atomic<u32>,
     broken: atomic<u32>,
     lost: atomic<u32>,
-    // bits of the largest speeds since they were looked at, m/s, and of the largest sum of stiffness over mass of a point
+    // bits of the largest speed of points and of grains since they were last read, m/s; bits of the largest sum of stiffness over mass of a point, 1/s²
     fastest_point: atomic<u32>,
     fastest_grain: atomic<u32>,
     point_rate: atomic<u32>,
-    // lists are to be made, whatever has moved
+    // 1 where the lists of candidates must be made whatever has moved
     search: u32,
-    // way of a point and a grain towards each other since the lists were made, m
+    // upper bound on how far a point and a grain have approached each other since the lists were made, m; largest speed of points in the last step, m/s
     travelled: f32,
     point_speed: f32,
-    // seconds by which points are taken ahead, and steps of the grains since those of the points
+    // by how much points are moved ahead of their positions with their transport velocity, s; number of steps of the grains done in the present step of the points
     ahead: f32,
     sub: u32,
-    // largest sums of stiffness over mass of a grain: its own contacts, those with points
+    // largest sums of stiffness over mass of a grain, 1/s²: of contacts with grains and walls; of contacts with points
     grain_rate: f32,
     grain_rate_points: f32,
-    // the first kick is half a one; contacts are known already
+    // 1 where the next change of velocities is over half a step; 1 where the contacts have been computed already
     fresh: u32,
     contacts_known: u32,
-    // what the nodes felt of the stiffness that pushes points, of what each point by itself would have, 1/s²; bits of the most that they felt
+    // ratio of the nodes' bound on stiffness over mass to that of isolated points in the last step; that of isolated points, 1/s²; bits of the largest of a node, 1/s²
     bound_ratio: f32,
     isolated_bound: f32,
     largest_bound: atomic<u32>,
-    // contacts have to be stable, and need not be resolved
+    // 1 where contacts of points need only be stable, not resolved in time (coupling/mixture.rs)
     slow: u32,
     sides: array<Side, 8>,
-    // sums over the steps of the batch
+    // sums of the walls' reactions over the steps of the batch, N
     reactions: array<vec2<f32>, 8>,
 }
 
 @group(1) @binding(0) var<uniform> coupling: Coupling;
-// two entries a pair of materials: prefactors a, b, friction, viscous coefficient; E'
+// two entries for each pair of materials: normal and tangential stiffness, friction, viscous coefficient; then E' (contact/pair.rs)
 @group(1) @binding(1) var<storage, read> tables: array<vec4<f32>>;
+// planes of the grains
 @group(1) @binding(2) var<storage, read_write> grains: array<vec4<u32>>;
-// contacts of each grain: `PARTNERS` with grains in their order, `SIDES` with walls
+// planes of the contacts of each grain: `PARTNERS` slots for grains in the order of their indices, `SIDES` slots for walls
 @group(1) @binding(3) var<storage, read_write> slots: array<vec4<u32>>;
-// contacts of each point near something, in the order of bodies, and whose they are
+// planes of the contacts of each point close to grains or walls, in the order of bodies; then the point of each row
 @group(1) @binding(4) var<storage, read_write> rows: array<vec4<u32>>;
 @group(1) @binding(5) var<storage, read_write> mix_: Mix;
-// first place of each shelf, next free place, grains by shelves
+// the grid for the search: index of the first grain of each grid cell; the next free index; grains by grid cell
 @group(1) @binding(6) var<storage, read_write> lists: array<atomic<u32>>;
-// force on each point, summed over the grains' steps, and its row; velocity that carried it, and the stiffness that pushes it
+// for each point the force of its contacts, N, summed over the steps of the grains, and its row or NONE; then its transport velocity, m/s, and the stiffness of that
+// force, N/m
 @group(1) @binding(7) var<storage, read_write> pushes: array<vec4<u32>>;
 
 const GRAINS: bool = true;
@@ -115,21 +126,21 @@ const SLOTS: u32 = 40u;
 const PLACES: u32 = 16u;
 
 // Planes of `grains` entries each.
-const G_UNITS: u32 = 0u; // units x, y, z; material
-const G_CELL: u32 = 1u; // cells x, y, z; radius in whole 2^-split cells
-const G_REST: u32 = 2u; // what is left of a unit; of the radius
-const G_VELOCITY: u32 = 3u; // velocity, mass
-const G_VELOCITY_LOW: u32 = 4u; // its low part, radius, m
-const G_SPIN: u32 = 5u; // spin, largest load
-const G_SPIN_LOW: u32 = 6u; // its low part, id
-const G_FORCE: u32 = 7u; // force, sum of stiffness over mass of its own contacts
-const G_TORQUE: u32 = 8u; // torque, the same of those with points
+const G_UNITS: u32 = 0u; // offsets x, y, z in units; material
+const G_CELL: u32 = 1u; // cells x, y, z; radius in whole quanta
+const G_REST: u32 = 2u; // fractions of a unit x, y, z; of a quantum of the radius
+const G_VELOCITY: u32 = 3u; // velocity, m/s; inertial mass, kg
+const G_VELOCITY_LOW: u32 = 4u; // its low part; radius, m
+const G_SPIN: u32 = 5u; // spin, rad/s; largest load that the grain bears
+const G_SPIN_LOW: u32 = 6u; // its low part; identity
+const G_FORCE: u32 = 7u; // force, N; sum of stiffness over mass of contacts with grains and walls, 1/s²
+const G_TORQUE: u32 = 8u; // torque, N m; sum of stiffness over mass of contacts with points, 1/s²
 
 // Planes of a contact.
-const C_SPRING: u32 = 0u; // tangential spring, body
-const C_NORMAL: u32 = 1u; // normal, normal force
-const C_TANGENT: u32 = 2u; // tangential force, overlap
-const C_LOW: u32 = 3u; // low part of the spring, normal stiffness
+const C_SPRING: u32 = 0u; // force of the tangential spring, N; body in contact
+const C_NORMAL: u32 = 1u; // normal; normal force, N
+const C_TANGENT: u32 = 2u; // tangential force, N; overlap, m
+const C_LOW: u32 = 3u; // low part of the spring; normal stiffness, N/m
 
 fn grain_word(plane: u32, g: u32) -> vec4<u32> {
     return grains[plane * coupling.grains + g];
@@ -151,17 +162,18 @@ fn row_at(plane: u32, s: u32, r: u32) -> u32 {
     return (plane * PLACES + s) * coupling.rows + r;
 }
 
-// Whose row it is.
+// Index in `rows` of the point of row r.
 fn owner_at(r: u32) -> u32 {
     return 4u * PLACES * coupling.rows + r;
 }
 
-// A length, in whole 2^-split cells and what is left of one.
+// A vector in quanta of 2^-split cells: whole numbers and rests.
 struct Length {
     whole: vec3<i32>,
     part: vec3<f32>,
 }
 
+// The vector of so many cells, units and fractions of a unit.
 fn length_of(cells: vec3<i32>, units: vec3<i32>, rest: vec3<f32>) -> Length {
     let bits = vec3<u32>(30u - coupling.split);
     let near = (units + vec3<i32>(1 << (29u - coupling.split))) >> bits;
@@ -169,13 +181,14 @@ fn length_of(cells: vec3<i32>, units: vec3<i32>, rest: vec3<f32>) -> Length {
     return Length(cells * vec3<i32>(1 << coupling.split) + near, (vec3<f32>(left) + rest) * coupling.fine);
 }
 
-// How deep two spheres of the radii' sum (`whole`, `part`) overlap that are so far apart, m, and the direction from the first to the second. The difference of squares
-// is taken in whole numbers as far as it goes: an overlap is small against the radii.
+// Overlap of two bodies, m, negative where they are apart, and the unit vector from the first to the second.
 struct ContactGeometry {
     overlap: f32,
     normal: vec3<f32>,
 }
 
+// Geometry of two spheres with the vector `d` between their centres and the sum of radii `whole` + `part`, quanta. The overlap is small against the radii: the difference
+// of their squares is computed in whole numbers as far as possible.
 fn spheres_geometry(d: Length, whole: i32, part: f32) -> ContactGeometry {
     let w = d.whole;
     let first = whole * whole - (w.x * w.x + w.y * w.y + w.z * w.z);
@@ -200,7 +213,7 @@ fn pair_at(at: u32) -> Pair {
     return Pair(p.x, p.y, p.z, p.w);
 }
 
-// Force, and normal and tangential stiffness.
+// Normal force, N, and normal and tangential stiffness, N/m, at an overlap, m.
 fn elastic(overlap: f32, r_eff: f32, pair: Pair) -> vec3<f32> {
     if coupling.law == 0u {
         let k = pair.normal_stiffness * r_eff;
@@ -215,7 +228,7 @@ fn stiffness_ratio(pair: Pair) -> f32 {
     return pair.tangential_stiffness / select(1.5 * pair.normal_stiffness, pair.normal_stiffness, coupling.law == 0u);
 }
 
-// Motion of a first body against a second one.
+// Relative motion of the first and the second end (contact/force.rs).
 struct RelativeMotion {
     centres: vec3<f32>,
     turning: vec3<f32>,
@@ -237,7 +250,8 @@ fn no_contact() -> Contact {
     return Contact(zero, zero, zero, 0.0, zero, 0.0, 0.0);
 }
 
-// The spring turns with the contact and is stretched by the slip, as increments of a sum that keeps what f32 would lose.
+// The force of one contact from its geometry, relative motion and tangential spring (contact/force.rs, touching). Rotation of the spring with the contact and its
+// stretching by slip are increments of a compensated sum.
 fn contact_force(m: ContactGeometry, r_eff: f32, m_eff: f32, motion: RelativeMotion, pair: Pair, dt: f32, old: vec3<f32>, old_low: vec3<f32>) -> Contact {
     let n = m.normal;
     let v = motion.centres + cross(motion.turning - motion.mean_spin * m.overlap, n);

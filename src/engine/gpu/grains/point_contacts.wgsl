@@ -1,24 +1,27 @@
-// Points near grains and walls, and their point contacts (Li et al. 2023, section 2.3): one thread per point that is near something. Twins: coupling/search.rs,
-// coupling/evaluate.rs (f64).
+// Contacts of material points with grains and walls (Li et al. 2023, section 2.3): one thread per point with candidates. Twins (f64): coupling/search.rs,
+// coupling/evaluate.rs.
 
+// Faults of points, besides those of nodes.wgsl: more candidates than PLACES; more points with candidates than rows.
 const SURROUNDED: u32 = 6u;
 const NO_ROOM: u32 = 7u;
 
+// Radius of the contact sphere of a point.
 fn ghost_radius(i: u32) -> Length {
     return length_of(vec3<i32>(0), vec3<i32>(bitcast<i32>(word(ENERGY, i).w), 0, 0), vec3<f32>(0.0));
 }
 
-// Cells from which to which: place of a point, or of a grain.
+// Position of a point, cells from the corner of the domain.
 fn point_cells(i: u32) -> vec3<f32> {
     let place = word(PLACE, i);
     return vec3<f32>(cell_place(place.w) - 1) + offset(place);
 }
 
+// Position of a grain, cells from the corner of the domain.
 fn grain_cells(g: u32) -> vec3<f32> {
     return vec3<f32>(bitcast<vec3<i32>>(grain_word(G_CELL, g).xyz)) + offset(grain_word(G_UNITS, g));
 }
 
-// Shelf of a place; what is outside of the domain is on its border.
+// Grid cell of a position; positions outside of the domain belong to the grid cells at its border.
 fn grid_cell_of(at: vec3<f32>) -> vec3<i32> {
     return clamp(vec3<i32>(floor((at + 1.0) / coupling.grid_size)), vec3<i32>(0), coupling.grid - 1);
 }
@@ -27,21 +30,25 @@ fn grid_index(at: vec3<i32>) -> u32 {
     return u32(at.x + coupling.grid.x * (at.y + coupling.grid.y * at.z));
 }
 
+// The grain with the index k in the order of grid cells.
 fn grain_in_cell(k: u32) -> u32 {
     return atomicLoad(&lists[2u * coupling.grid_cells + 1u + k]);
 }
 
+// Index of the first grain of a grid cell.
 fn grid_start(grid_cell: u32) -> u32 {
     return atomicLoad(&lists[grid_cell]);
 }
 
+// Moves a contact to another place in its row.
 fn move_in_row(old: u32, to: u32, r: u32) {
     for (var plane = 0u; plane < 4u; plane++) {
         rows[row_at(plane, to, r)] = rows[row_at(plane, old, r)];
     }
 }
 
-// The list of each point anew. Contacts keep what they remember: those that touch go to the front, then from the back to their places.
+// Makes the list of candidates of each point anew, in the order of bodies. Contacts in touch keep their history: they are first moved to the front of the row, then,
+// from the last one on, to their new places.
 @compute @workgroup_size(64)
 fn point_candidates(one: Thread) {
     let i = linear(one);
@@ -145,7 +152,7 @@ fn point_candidates(one: Thread) {
     }
 }
 
-// Force of each point contact, and their sum on the point.
+// Force of each contact of a point, and their sum on the point.
 @compute @workgroup_size(64)
 fn point_contact_forces(one: Thread) {
     let r = linear(one);
@@ -224,7 +231,7 @@ fn point_contact_forces(one: Thread) {
             rows[row_at(C_TANGENT, s, r)] = bitcast<vec4<u32>>(vec4<f32>(c.tangent, c.overlap));
             rows[row_at(C_LOW, s, r)] = bitcast<vec4<u32>>(vec4<f32>(c.low, c.stiffness));
         }
-        // that on the body, of which the point bears the opposite
+        // the force on the body; the point gets the opposite
         sum += c.tangent - c.normal * c.force;
         rate += c.stiffness * max(1.0, stiffness_ratio(pair)) / mass;
     }
@@ -233,7 +240,7 @@ fn point_contact_forces(one: Thread) {
     if mix_.sub != 0u {
         push += bitcast<vec3<f32>>(pushes[i].xyz);
     } else {
-        // as the contacts are when the step begins
+        // the stiffness at the start of the step of the continuum
         pushes[params.points + i].w = bitcast<u32>(OF_POINT * mass * rate);
     }
     pushes[i] = vec4<u32>(bitcast<vec3<u32>>(push), r);

@@ -1,4 +1,4 @@
-// What a step asks of grains, where there are none. Their own answers: bodies.wgsl.
+// The functions of a step that depend on grains, for continua without grains. Those for continua with grains are in grains/bodies.wgsl.
 
 const GRAINS: bool = false;
 
