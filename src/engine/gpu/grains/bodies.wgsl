@@ -233,7 +233,7 @@ fn grain_candidates(one: Thread) {
     }
     let at = grain_cells(g);
     let radius = grain_number(G_VELOCITY_LOW, g).w * params.inverse_cell;
-    var found: array<u32, 32>;
+    var found: array<u32, PARTNERS>;
     var n = 0u;
     var count = 0u;
     let here = grid_cell_of(at);

@@ -57,7 +57,7 @@ fn point_candidates(one: Thread) {
     }
     let at = point_cells(i);
     let radius = f32(bitcast<i32>(word(ENERGY, i).w)) / UNITS;
-    var found: array<u32, 8>;
+    var found: array<u32, PLACES>;
     var n = 0u;
     var count = 0u;
     let here = grid_cell_of(at);
