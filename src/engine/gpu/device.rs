@@ -14,7 +14,7 @@ pub struct Adapter {
 }
 
 impl Adapter {
-    fn of(adapter: &wgpu::Adapter) -> Adapter {
+    pub(super) fn of(adapter: &wgpu::Adapter) -> Adapter {
         let info = adapter.get_info();
         Adapter { name: format!("{} ({})", info.name, info.backend), software: info.device_type == wgpu::DeviceType::Cpu }
     }
