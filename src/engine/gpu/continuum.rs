@@ -109,7 +109,7 @@ impl DeviceContinuum {
     ///
     /// # Errors
     /// As [`Self::begin`].
-    pub fn again(
+    pub fn reload(
         &mut self,
         cpu: &mpm::Continuum,
         plates: &[LoadingPlate],
@@ -148,7 +148,11 @@ impl DeviceContinuum {
             let words: &[[u32; 4]] = bytemuck::try_cast_slice(&saved.state).unwrap_or(&[]);
             let own: &mut [u32] = bytemuck::cast_slice_mut(&mut batch.plates);
             if words.len() != state.len() || saved.plates.len() != own.len() {
-                return Err(refused("state", saved.state.len(), format!("words are not those of {} points", cpu.points().len())));
+                return Err(refused(
+                    "state",
+                    saved.state.len(),
+                    format!("words: this is the saved state of other points than the {} given", cpu.points().len()),
+                ));
             }
             state.copy_from_slice(words);
             own.copy_from_slice(&saved.plates);
@@ -193,7 +197,7 @@ impl DeviceContinuum {
             bodies,
         };
         gpu.submit(|passes, pass, sizes| passes.prepare(pass, sizes));
-        gpu.look()?;
+        gpu.read_results()?;
         Ok(gpu)
     }
 
@@ -237,7 +241,7 @@ impl DeviceContinuum {
             }
         }
         self.submit(|passes, pass, sizes| passes.survey(pass, sizes));
-        self.look()
+        self.read_results()
     }
 
     /// Writes the state and the counters into `cpu`, which must have the same points (by identity). The device keeps its state; a run resumed from `cpu` differs from
@@ -251,7 +255,7 @@ impl DeviceContinuum {
         let there = cpu.points().by_id();
         let same = |(&(id, _), &i): (&(u32, u32), &u32)| id == cpu.points().id[i as usize];
         if there.len() != self.by_id.len() || !self.by_id.iter().zip(&there).all(same) {
-            return Err(refused("points", there.len(), "are others than those that went to the device"));
+            return Err(refused("points", there.len(), "are not those that were copied to the device"));
         }
         let points = cpu.points_mut();
         let point = |(&(_, i), &to): (&(u32, u32), &u32)| state::to_point(&self.settings, planes, i as usize, points, to as usize);
@@ -357,7 +361,7 @@ impl DeviceContinuum {
     pub fn apply_point_forces(&self, cpu: &mut mpm::Continuum) -> Result<()> {
         let Some(bodies) = &self.bodies else { return Ok(()) };
         let point = self.places(cpu);
-        for ((force, stiffness), i) in bodies.pushes(&self.device, self.steps_done())?.into_iter().zip(point) {
+        for ((force, stiffness), i) in bodies.point_forces(&self.device, self.steps_done())?.into_iter().zip(point) {
             cpu.add_external_force(i as usize, force, stiffness);
         }
         Ok(())
@@ -383,12 +387,12 @@ impl DeviceContinuum {
         self.bodies.as_ref().map_or((f64::INFINITY, 0.0), |bodies| bodies.bounds(plates))
     }
 
-    /// Whether the last batch has ended early because a grain fails. Further batches do nothing until [`Self::again`] has been called.
+    /// Whether the last batch has ended early because a grain fails. Further batches do nothing until [`Self::reload`] has been called.
     pub fn broken(&self) -> bool {
         self.bodies.as_ref().is_some_and(Bodies::broken)
     }
 
-    /// Whether so many points are close to grains now that [`Self::again`] should be called, which makes more room.
+    /// Whether so many points are close to grains now that [`Self::reload`] should be called, which makes more room.
     pub fn crowded(&self) -> bool {
         self.bodies.as_ref().is_some_and(Bodies::crowded)
     }
@@ -442,7 +446,7 @@ impl DeviceContinuum {
     }
 
     /// Waits for the device and reads the results of the batch: status, loading plates, and grains. A fault of a point becomes an error.
-    fn look(&mut self) -> Result<()> {
+    fn read_results(&mut self) -> Result<()> {
         let mut parts =
             vec![(&self.buffers.status, size_of::<Status>() as u64), (&self.buffers.batch, size_of::<BatchState>() as u64)];
         parts.extend(self.bodies.as_ref().map(|b| (&b.buffers.mix, size_of::<grains::Mix>() as u64)));
@@ -459,13 +463,13 @@ impl DeviceContinuum {
         let Status { fault, .. } = self.status;
         if fault == u32::MAX {
             return match &self.bodies {
-                Some(bodies) => bodies.sound(self.steps_done(), &self.device),
+                Some(bodies) => bodies.check_grains(self.steps_done(), &self.device),
                 None => Ok(()),
             };
         }
         let (id, fault) = (fault / 8, fault % 8);
         let crowded = format!(
-            "has more than {} grains and walls near it, which the GPU path does not keep: use smaller cells, or go on on the processor",
+            "has more than {} grains and walls close to it, for which the GPU has no room: use smaller cells, or continue on the processor",
             grains::PLACES
         );
         let what = match fault {
@@ -476,10 +480,8 @@ impl DeviceContinuum {
             // found after the step was counted
             5 => return Err(mpm::loading_plate::passed(self.steps_done(), id)),
             6 => &crowded,
-            7 => "came near a grain as one of more than there is room for: go on on the processor",
-            _ => {
-                "lies in a cell with more than 256 points, which the GPU path does not sort: use larger spacings, or the processor"
-            }
+            7 => "has come close to a grain, as more points have than the GPU has room for: continue on the processor",
+            _ => "lies in a cell with more than 256 points, which the GPU cannot sort: use larger spacings, or the processor",
         };
         let error = Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None };
         // from 6 on the run could go on on the processor: the device has no room

@@ -1,4 +1,4 @@
-// Loading plates: rigid planes across an axis that press on the contact spheres of points (Li et al. 2023, eqs 18, 20, 22), with tractions on the points' faces.
+// Loading plates: rigid planes across an axis that press on the ghosts of points (Li et al. 2023, eqs 18, 20, 22), with tractions on the points' faces.
 // Twins (f64): mpm/loading_plate.rs, mpm/plate_drive.rs, where the method is documented.
 
 struct LoadingPlate {
@@ -100,7 +100,7 @@ fn plate_forces(
             let radius = f32(radius_units) * scale;
             // two cells away or more the plate is out of reach, or the point is far behind it
             let of_point = select(select(deep * scale, 2.0 * params.cell, cells < -1), 0.0, cells > 1);
-            // once pressed, the contact sphere moves with the face of the point, not with the point
+            // once pressed, the ghost moves with the face of the point, not with the point
             let followed = arm[axis] * plate.normal < 0.0;
             var further = 0.0;
             if followed {

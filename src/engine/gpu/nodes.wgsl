@@ -10,7 +10,7 @@ const NORMAL: u32 = 4u; // stress xx, yy, zz, Pa; volume over initial volume, le
 const SHEAR: u32 = 5u; // stress xy, yz, zx, Pa; accumulated plastic strain
 const NORMAL_LOW: u32 = 6u; // low parts of NORMAL
 const SHEAR_LOW: u32 = 7u; // low parts of SHEAR
-const ENERGY: u32 = 8u; // stress work, J, and its low part; identity; radius of the contact sphere, units (bits of i32)
+const ENERGY: u32 = 8u; // stress work, J, and its low part; identity; ghost radius, units (bits of i32)
 // with loading plates only
 const ARM: u32 = 9u; // distance from the point to its pressed face along each axis, cells, with sign; 0 where no plate presses
 const ARM_LOW: u32 = 10u; // its low part

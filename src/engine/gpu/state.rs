@@ -13,7 +13,7 @@ pub fn planes(plates: bool) -> usize {
     PLANES + if plates { FACES } else { 0 }
 }
 
-/// Radius of the contact sphere of point `i`, m: the sphere with its solid volume (Li et al. 2023, eq. 22), which does not change.
+/// Radius of the ghost of point `i`, m: the sphere with its solid volume (Li et al. 2023, eq. 22), which does not change.
 pub fn ghost_radius(points: &Points, i: usize) -> f64 {
     let solid = points.solid(i);
     (solid * (0.75 / std::f64::consts::PI)).cbrt()

@@ -5,12 +5,12 @@
 
 // External force of contacts on a point, N, mean over the steps of the grains, and its stiffness, N/m.
 fn force_of_grains(i: u32) -> vec4<f32> {
-    return vec4<f32>(bitcast<vec3<f32>>(pushes[i].xyz) / f32(coupling.rates), bitcast<f32>(pushes[params.points + i].w));
+    return vec4<f32>(bitcast<vec3<f32>>(point_forces[i].xyz) / f32(coupling.rates), bitcast<f32>(point_forces[params.points + i].w));
 }
 
 // Keeps the transport velocity of a point, m/s, and the largest stiffness over mass of the nodes around it, 1/s².
 fn keep_transport_velocity(i: u32, v: vec3<f32>, stiffness_rate: f32) {
-    pushes[params.points + i] = vec4<u32>(bitcast<vec3<u32>>(v), 0u);
+    point_forces[params.points + i] = vec4<u32>(bitcast<vec3<u32>>(v), 0u);
     let most = bitcast<u32>(stiffness_rate);
     if most > atomicLoad(&mix_.largest_bound) {
         atomicMax(&mix_.largest_bound, most);
@@ -438,7 +438,7 @@ fn grain_forces(
             let end = starts[cell + 1u];
             for (var p = starts[cell]; p < end; p++) {
                 let i = order[p];
-                let r = pushes[i].w;
+                let r = point_forces[i].w;
                 if r == NONE {
                     continue;
                 }

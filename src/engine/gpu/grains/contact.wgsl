@@ -22,7 +22,7 @@ struct Coupling {
     turning: u32,
     hertz_area: u32,
     crushing: u32,
-    // by how much further than contacts the lists of candidates reach, cells; radius of the largest contact sphere of a point, cells
+    // by how much further than contacts the lists of candidates reach, cells; largest ghost radius, cells
     skin: f32,
     reach: f32,
     // Rayleigh's time step of the grains, s
@@ -113,7 +113,7 @@ struct Mix {
 @group(1) @binding(6) var<storage, read_write> lists: array<atomic<u32>>;
 // for each point the force of its contacts, N, summed over the steps of the grains, and its row or NONE; then its transport velocity, m/s, and the stiffness of that
 // force, N/m
-@group(1) @binding(7) var<storage, read_write> pushes: array<vec4<u32>>;
+@group(1) @binding(7) var<storage, read_write> point_forces: array<vec4<u32>>;
 
 const GRAINS: bool = true;
 
@@ -263,12 +263,12 @@ fn contact_force(m: ContactGeometry, r_eff: f32, m_eff: f32, motion: RelativeMot
         force += pair.viscous * sqrt(e.y * m_eff) * approach;
     }
     let twisted = cross(n, old) * (dot(motion.mean_spin, n) * dt);
-    let turned = twisted - n * dot(old + twisted, n);
-    let u = old + turned;
+    let rotation = twisted - n * dot(old + twisted, n);
+    let u = old + rotation;
     // half of 1 − |u|²/|v|²
-    let shrunk = -0.5 * (2.0 * dot(old, turned) + dot(turned, turned)) / max(dot(old, old), 1e-37);
+    let shrunk = -0.5 * (2.0 * dot(old, rotation) + dot(rotation, rotation)) / max(dot(old, old), 1e-37);
     let back = u * max(shrunk, -1.0);
-    let sum = add(vec4<f32>(old, 0.0), vec4<f32>(old_low, 0.0), vec4<f32>(turned + back - slip * (e.z * dt), 0.0));
+    let sum = add(vec4<f32>(old, 0.0), vec4<f32>(old_low, 0.0), vec4<f32>(rotation + back - slip * (e.z * dt), 0.0));
     var spring = sum.high.xyz;
     var low = sum.low.xyz;
     let limit = pair.friction * max(force, 0.0);

@@ -56,7 +56,7 @@ pub struct GrainBuffers {
     pub rows: wgpu::Buffer,
     pub mix: wgpu::Buffer,
     pub lists: wgpu::Buffer,
-    pub pushes: wgpu::Buffer,
+    pub point_forces: wgpu::Buffer,
     pub searches: wgpu::Buffer,
 }
 
@@ -101,10 +101,13 @@ impl Words {
         let table = physics.contact.law.pairs(&physics.materials, &state.walls, state.friction);
         let ExchangedContacts { grains, walls, points } = mixture.contacts(physics, &table);
         // a contact between two grains is kept by both
-        let twice = grains.iter().flat_map(|c| [words::kept(c.ends[0], c.ends[1], c), words::kept(c.ends[1], c.ends[0], c)]);
-        let on_walls = walls.iter().map(|c| words::kept(c.ends[0], words::body(Body::Wall(c.ends[1])), c));
+        let twice = grains
+            .iter()
+            .flat_map(|c| [words::contact_words(c.ends[0], c.ends[1], c), words::contact_words(c.ends[1], c.ends[0], c)]);
+        let on_walls = walls.iter().map(|c| words::contact_words(c.ends[0], words::body(Body::Wall(c.ends[1])), c));
         let mut slots: Vec<ContactWords> = twice.chain(on_walls).collect();
-        let mut rows: Vec<ContactWords> = points.iter().map(|(body, c)| words::kept(c.ends[1], words::body(*body), c)).collect();
+        let mut rows: Vec<ContactWords> =
+            points.iter().map(|(body, c)| words::contact_words(c.ends[1], words::body(*body), c)).collect();
         for kept in [&mut slots, &mut rows] {
             kept.sort_unstable_by_key(|words| (words[0], words[4]));
         }
@@ -116,7 +119,7 @@ impl Words {
         Words { grains: words::grains(cpu.settings(), &state.grains, split_at), slots, rows, transport }
     }
 
-    fn again(saved: &SavedGrains, grains: usize, points: usize) -> Result<Words> {
+    fn of_saved(saved: &SavedGrains, grains: usize, points: usize) -> Result<Words> {
         let fours = |words: &[u32]| words.chunks_exact(4).map(|w| [w[0], w[1], w[2], w[3]]).collect::<Vec<_>>();
         let kept = |words: &[u32], owners: usize| {
             let (all, rest) = words.as_chunks::<{ size_of::<ContactWords>() / 4 }>();
@@ -127,7 +130,13 @@ impl Words {
             (g, Some(slots), Some(rows), transport) if g.len() == layout::GRAIN * grains && transport.len() == points => {
                 Ok(Words { grains: g, slots, rows, transport })
             }
-            _ => Err(refused("state", saved.grains.len(), format!("words are not those of {grains} grains and {points} points"))),
+            _ => Err(refused(
+                "state",
+                saved.grains.len(),
+                format!(
+                    "words: this is the saved state of other grains or points than the {grains} grains and {points} points given"
+                ),
+            )),
         }
     }
 }
@@ -149,7 +158,7 @@ impl Bodies {
         let n = state.grains.len();
         let split_at = support::split(settings, &state.grains);
         let own = match saved {
-            Some(saved) => Words::again(saved, n, points.len())?,
+            Some(saved) => Words::of_saved(saved, n, points.len())?,
             None => Words::of(coarse, cpu, split_at),
         };
         let near_points = {
@@ -219,19 +228,19 @@ impl Bodies {
         if let Some(saved) = saved {
             let words: &mut [u32] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut mix));
             if words.len() != saved.mix.len() || work.len() != saved.work.len() {
-                return Err(refused("state", saved.mix.len(), "words are not those of a mixture"));
+                return Err(refused("state", saved.mix.len(), "words: this is not the saved state of a continuum with grains"));
             }
             words.copy_from_slice(&saved.mix);
             work = saved.work.iter().map(|w| f64::from_bits(*w)).collect();
         }
         // a row for each point with contacts
         let mut owners: Vec<[u32; 4]> = Vec::new();
-        let mut pushes = vec![[0, 0, 0, NONE]; points.len()];
+        let mut point_forces = vec![[0, 0, 0, NONE]; points.len()];
         let mut in_rows = own.rows;
         for words in &mut in_rows {
             let point = words[0];
             if owners.last().is_none_or(|last| last[0] != point) {
-                pushes[point as usize][3] = owners.len() as u32;
+                point_forces[point as usize][3] = owners.len() as u32;
                 owners.push([point, 0, 0, 0]);
             }
             words[0] = owners.len() as u32 - 1;
@@ -239,14 +248,18 @@ impl Bodies {
         (mix.rows, mix.crowded, mix.broken, mix.lost) = (owners.len() as u32, NONE, NONE, NONE);
         (mix.search, mix.contacts_known, mix.sub, mix.ahead) = (1, 1, 0, 0.0);
         if let Some((owner, many)) = most_of(&in_rows, PLACES).or_else(|| most_of(&own.slots, SLOTS)) {
-            return Err(refused("contacts", many, format!("are more than there is room for at one point or grain ({owner})")));
+            return Err(refused(
+                "contacts",
+                many,
+                format!("at one point or grain (index {owner}) are more than the GPU has room for: use the processor"),
+            ));
         }
         let mut row_words = words::spread(&in_rows, rows, PLACES, |_, next| next);
         owners.resize(rows, [0; 4]);
         row_words.extend(owners);
         let mut slot_words = words::spread(&own.slots, n, SLOTS, words::slot);
         slot_words.resize(layout::CONTACT * SLOTS * n.max(1), [0; 4]);
-        pushes.extend(own.transport);
+        point_forces.extend(own.transport);
         let storage = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST;
         let mut grain_words = own.grains;
         grain_words.resize(layout::GRAIN * n.max(1), [0; 4]);
@@ -259,7 +272,7 @@ impl Bodies {
             rows: device.buffer("rows", bytemuck::cast_slice(&row_words), storage),
             mix: device.buffer("mix", bytemuck::bytes_of(&mix), storage),
             lists: device.empty("lists", sizes.lists, Usage::STORAGE),
-            pushes: device.buffer("pushes", bytemuck::cast_slice(&pushes), storage),
+            point_forces: device.buffer("point_forces", bytemuck::cast_slice(&point_forces), storage),
             searches: device.empty("searches", 24, Usage::STORAGE | Usage::INDIRECT),
         })?;
         Ok(Bodies { buffers, coupling, mix, sizes, points: points.len(), work, safety: physics.stepping.safety })
@@ -307,7 +320,7 @@ impl Bodies {
     ///
     /// # Errors
     /// A grain has no finite velocity, passes a cell in a step, or has more grains close to it than there is room for; the device is lost.
-    pub fn sound(&self, step: u64, device: &Device) -> Result<()> {
+    pub fn check_grains(&self, step: u64, device: &Device) -> Result<()> {
         let unstable = |place: u32, what: String| -> Result<Error> {
             let words = device.read(&[(&self.buffers.grains, self.sizes.grains)], step)?;
             let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&words);
@@ -320,7 +333,7 @@ impl Bodies {
         }
         if self.mix.crowded != NONE {
             let what = format!(
-                "a grain has more than {} grains near it, which the GPU path does not keep: use the processor",
+                "a grain has more than {} grains close to it, for which the GPU has no room: use the processor",
                 layout::PARTNERS
             );
             return Err(Error::Device(Box::new(unstable(self.mix.crowded, what)?)));
@@ -334,7 +347,7 @@ impl Bodies {
             (&b.grains, s.grains),
             (&b.slots, s.slots),
             (&b.rows, s.rows),
-            (&b.pushes, s.pushes),
+            (&b.point_forces, s.point_forces),
             (&b.mix, size_of::<Mix>() as u64),
         ];
         let bytes = device.read(&parts, step)?;
@@ -345,7 +358,7 @@ impl Bodies {
             own
         };
         let fours = |bytes: &[u8]| bytemuck::pod_collect_to_vec::<u8, [u32; 4]>(bytes);
-        let [grains, slots, rows, pushes] = [s.grains, s.slots, s.rows, s.pushes].map(|size| fours(next(size)));
+        let [grains, slots, rows, point_forces] = [s.grains, s.slots, s.rows, s.point_forces].map(|size| fours(next(size)));
         let mix: Mix = bytemuck::pod_read_unaligned(next(size_of::<Mix>() as u64));
         let n = self.coupling.grains as usize;
         let (room, used) = (self.coupling.rows as usize, mix.rows.min(self.coupling.rows) as usize);
@@ -359,7 +372,7 @@ impl Bodies {
             grains: grains[..layout::GRAIN * n].to_vec(),
             slots: words::collect(&slots, n, SLOTS, n),
             rows: of_points,
-            transport: pushes[self.points..].to_vec(),
+            transport: point_forces[self.points..].to_vec(),
         };
         Ok((words, mix))
     }
@@ -441,8 +454,8 @@ impl Bodies {
     ///
     /// # Errors
     /// The device is lost.
-    pub fn pushes(&self, device: &Device, step: u64) -> Result<Vec<([f64; 3], f64)>> {
-        let bytes = device.read(&[(&self.buffers.pushes, 32 * self.points as u64)], step)?;
+    pub fn point_forces(&self, device: &Device, step: u64) -> Result<Vec<([f64; 3], f64)>> {
+        let bytes = device.read(&[(&self.buffers.point_forces, 32 * self.points as u64)], step)?;
         let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         let share = 1.0 / f64::from(self.coupling.rates);
         let number = |bits: u32| f64::from(f32::from_bits(bits));

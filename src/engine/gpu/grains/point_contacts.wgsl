@@ -5,7 +5,7 @@
 const SURROUNDED: u32 = 6u;
 const NO_ROOM: u32 = 7u;
 
-// Radius of the contact sphere of a point.
+// Radius of the ghost of a point.
 fn ghost_radius(i: u32) -> Length {
     return length_of(vec3<i32>(0), vec3<i32>(bitcast<i32>(word(ENERGY, i).w), 0, 0), vec3<f32>(0.0));
 }
@@ -102,7 +102,7 @@ fn point_candidates(one: Thread) {
         report_fault(SURROUNDED, i);
         return;
     }
-    var r = pushes[i].w;
+    var r = point_forces[i].w;
     if r == NONE {
         if n == 0u {
             return;
@@ -112,7 +112,7 @@ fn point_candidates(one: Thread) {
             report_fault(NO_ROOM, i);
             return;
         }
-        pushes[i] = vec4<u32>(0u, 0u, 0u, r);
+        point_forces[i] = vec4<u32>(0u, 0u, 0u, r);
         rows[owner_at(r)] = vec4<u32>(i, 0u, 0u, 0u);
         for (var s = 0u; s < PLACES; s++) {
             rows[row_at(C_SPRING, s, r)] = vec4<u32>(0u, 0u, 0u, NONE);
@@ -161,7 +161,7 @@ fn point_contact_forces(one: Thread) {
     }
     let i = rows[owner_at(r)].x;
     let place = word(PLACE, i);
-    let transport = bitcast<vec3<f32>>(pushes[params.points + i].xyz);
+    let transport = bitcast<vec3<f32>>(point_forces[params.points + i].xyz);
     let there = moved(bitcast<vec3<i32>>(place.xyz), number(REST, i).xyz, transport * (mix_.ahead * params.inverse_cell));
     let cell = cell_place(place.w) - 1 + there.shift;
     let radius = ghost_radius(i);
@@ -238,10 +238,10 @@ fn point_contact_forces(one: Thread) {
     atomicMax(&mix_.point_rate, bitcast<u32>(rate));
     var push = -sum;
     if mix_.sub != 0u {
-        push += bitcast<vec3<f32>>(pushes[i].xyz);
+        push += bitcast<vec3<f32>>(point_forces[i].xyz);
     } else {
         // the stiffness at the start of the step of the continuum
-        pushes[params.points + i].w = bitcast<u32>(OF_POINT * mass * rate);
+        point_forces[params.points + i].w = bitcast<u32>(OF_POINT * mass * rate);
     }
-    pushes[i] = vec4<u32>(bitcast<vec3<u32>>(push), r);
+    point_forces[i] = vec4<u32>(bitcast<vec3<u32>>(push), r);
 }

@@ -21,7 +21,7 @@ pub struct GrainBufferSizes {
     pub grains: u64,
     pub slots: u64,
     pub rows: u64,
-    pub pushes: u64,
+    pub point_forces: u64,
     pub lists: u64,
     /// Number of rows: of points close to grains or walls that there is room for.
     pub room: usize,
@@ -71,7 +71,7 @@ impl GrainBufferSizes {
             grains: 16 * GRAIN as u64 * n,
             slots: 16 * (CONTACT * SLOTS) as u64 * n,
             rows: 16 * (CONTACT * PLACES + 1) as u64 * room as u64,
-            pushes: 32 * points.len() as u64,
+            point_forces: 32 * points.len() as u64,
             lists: 4 * (2 * grid_cells + 1 + n),
             room,
         }
@@ -79,7 +79,7 @@ impl GrainBufferSizes {
 
     /// Size of all buffers, bytes.
     pub fn sum(&self) -> u64 {
-        self.grains + self.slots + self.rows + self.pushes + self.lists + size_of::<Mix>() as u64
+        self.grains + self.slots + self.rows + self.point_forces + self.lists + size_of::<Mix>() as u64
     }
 
     /// Compares the sizes with the limits of the device.

@@ -70,7 +70,7 @@ pub fn body(body: Body) -> u32 {
 }
 
 /// The words of a contact; `owner` is a grain or a point.
-pub fn kept(owner: u32, body: u32, c: &ExchangedContact) -> ContactWords {
+pub fn contact_words(owner: u32, body: u32, c: &ExchangedContact) -> ContactWords {
     let spring = c.spring.map(split);
     let (n, t) = (c.touch.normal.map(|x| BITS(x as f32)), c.touch.tangential.map(|x| BITS(x as f32)));
     let [high, low] = [0, 1].map(|k| spring.map(|s| BITS(s[k])));
@@ -188,10 +188,10 @@ mod tests {
     #[test]
     fn contacts_come_back() {
         let given = [
-            kept(0, 2, &contact_of(1.0)),
-            kept(0, 7, &contact_of(2.0)),
-            kept(0, WALLS + 3, &contact_of(3.0)),
-            kept(2, 0, &contact_of(1.0)),
+            contact_words(0, 2, &contact_of(1.0)),
+            contact_words(0, 7, &contact_of(2.0)),
+            contact_words(0, WALLS + 3, &contact_of(3.0)),
+            contact_words(2, 0, &contact_of(1.0)),
         ];
         let all = spread(&given, 3, SLOTS, slot);
         let places: Vec<usize> = (0..SLOTS).filter(|s| all[s * 3][3] != NONE).collect();

@@ -245,8 +245,8 @@ fn platens_press_on_points() {
     loading_plate::press(&mut plates, &mut cpu).expect("pressed");
     for (k, (p, here)) in gpu.plates().iter().zip(&plates).enumerate() {
         assert!(here.reaction > 0.0);
-        let felt = |p: &LoadingPlate| [p.reaction, p.stiffness, p.stored, p.rate];
-        for (a, b) in felt(&before[k]).into_iter().zip(felt(here)) {
+        let loads = |p: &LoadingPlate| [p.reaction, p.stiffness, p.stored, p.rate];
+        for (a, b) in loads(&before[k]).into_iter().zip(loads(here)) {
             in_sums = in_sums.max((a / b - 1.0).abs());
         }
         let mut mean = drift;

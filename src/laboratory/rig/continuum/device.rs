@@ -105,7 +105,7 @@ impl Device {
             let saved = self.gpu.save()?;
             self.read_back(state, model)?;
             let coarse = coarse(state, self.coupled.as_ref(), model);
-            self.gpu.again(&state.continuum, &state.plates, &state.drift, coarse.as_ref(), Some(&saved))?;
+            self.gpu.reload(&state.continuum, &state.plates, &state.drift, coarse.as_ref(), Some(&saved))?;
         }
         Ok(())
     }
@@ -157,7 +157,7 @@ impl Device {
         }
         compute_forces(state, &mut self.coupled, model, rig)?;
         let coarse = coarse(state, self.coupled.as_ref(), model);
-        Ok(self.gpu.again(&state.continuum, &state.plates, &state.drift, coarse.as_ref(), None)?)
+        Ok(self.gpu.reload(&state.continuum, &state.plates, &state.drift, coarse.as_ref(), None)?)
     }
 }
 
