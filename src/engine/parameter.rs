@@ -1,6 +1,6 @@
-//! What a law asks of a material: numbers that users write in its file, with what is allowed.
+//! Parameters that contact laws and failure criteria need of a material: numbers that users write in the material's file, with their units, limits and defaults.
 
-/// Limits of a number; `open` ends are excluded.
+/// Limits of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// Lower end.
@@ -63,21 +63,21 @@ impl Range {
     }
 }
 
-/// A number that a law asks of a material.
+/// A parameter that a law needs of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// Where the material's file has it: a table and a name whose ending is the unit in the file (`contact.yield_pressure_MPa`). Laws get SI units.
+    /// Key in the material's file: table and name, which ends with the unit in the file (`contact.yield_pressure_MPa`). Laws get values in SI units.
     pub key: &'static str,
-    /// What is allowed, in the file's unit.
+    /// Limits, in the unit of the file.
     pub range: Range,
-    /// Its value, in the file's unit as a file would have it, where the file does not say; `None`: the law cannot do without.
+    /// Default, written as in a file, in its unit; `None`: the file must have the key.
     pub default: Option<&'static str>,
-    /// What it is.
+    /// Description for users.
     pub meaning: &'static str,
 }
 
-/// Most parameters that a law may ask for.
+/// Largest number of parameters of a law.
 pub const MOST_PARAMETERS: usize = 4;
 
-/// Values of a law's parameters, in SI units, in the order in which the law declares them; those beyond its own are zero.
+/// Values of the parameters of a law, in SI units, in the order in which the law declares them; the remaining entries are zero.
 pub type Values = [f64; MOST_PARAMETERS];

@@ -59,7 +59,7 @@ pub struct Embedded {
     continuum: Continuum,
     /// Contacts of points with grains and walls.
     point_contacts: PointContacts,
-    /// What breakages have left so far.
+    /// The mass of breakages as points: what became points, and what waits for room.
     pub fines: FinesAsPoints,
     /// Modulus of compression K + 4/3 G of the fines' law, Pa.
     modulus: f64,

@@ -169,9 +169,9 @@ struct Input<'a> {
     arch: Arch,
 }
 
-/// Whether grains are judged in this step, by what criteria of this kind look at.
+/// Whether grains are compared with their thresholds in this step, and by a criterion that judges `by` (contacts or mean stress).
 pub(super) fn judged(physics: &Physics, state: &State, by: Judges) -> bool {
-    // judged every so many steps
+    // every `interval` steps
     let now = |c: &CrushModel| c.criterion.judges() == by && state.step.is_multiple_of(c.interval);
     state.crushing && physics.crush.as_ref().is_some_and(now)
 }

@@ -1,4 +1,4 @@
-//! How a loading plate moves between two looks of whoever leads a test: at a speed, or towards a stress. Twin on a graphics device: `plates.wgsl`.
+//! How a loading plate moves until the test sets another drive: at a speed, or towards a stress. Twin on a graphics device: `loading_plates.wgsl`.
 
 use super::LoadingPlate;
 use crate::boundary::servo_speed;

@@ -24,7 +24,7 @@ use crate::math::portable;
 use crate::parameter::{Parameter, Values};
 use std::f64::consts::PI;
 
-/// What a criterion looks at.
+/// What a criterion judges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Judges {
     /// The normal force of each contact.
@@ -59,7 +59,7 @@ pub enum Judges {
 pub trait FailureCriterion: Copy {
     /// The parameters that the criterion needs of a material besides the limit strength and its spread.
     const PARAMETERS: &'static [Parameter] = &[];
-    /// What it looks at.
+    /// What it judges: contacts one by one, or the mean stress.
     const JUDGES: Judges;
     /// Whether [`FailureCriterion::load_weight`] differs from 1: contacts then keep their normal force times this weight.
     const WEIGHTED: bool = false;
