@@ -280,7 +280,7 @@ pub fn write_grains(
 ) -> Result<()> {
     let fields: [Of; 10] = [
         ("id", 1, &|i| vec![f64::from(g.id[i])]),
-        ("radius_m", 1, &|i| vec![g.pos[i][3]]),
+        ("radius_m", 1, &|i| vec![g.radius(i)]),
         ("velocity_m_s", 3, &|i| g.vel[i][..3].to_vec()),
         ("spin_rad_s", 3, &|i| g.spin[i][..3].to_vec()),
         ("generation", 1, &|i| vec![f64::from(g.generation[i])]),

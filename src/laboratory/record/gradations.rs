@@ -42,7 +42,7 @@ pub fn columns(indices: Option<&Indices>) -> Row {
 
 /// The gradation of a specimen before loading.
 pub fn initial(model: &Model, g: &Grains) -> Gradation {
-    let grains = (0..g.len()).map(|i| (2.0 * g.pos[i][3], g.mass[i]));
+    let grains = (0..g.len()).map(|i| (2.0 * g.radius(i), g.mass[i]));
     Gradation::new(grains, std::iter::empty(), model.fines, model.scale)
 }
 

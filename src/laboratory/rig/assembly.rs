@@ -112,13 +112,13 @@ fn contact_pressure(state: &State, work: &Workspace) -> f64 {
     let (mut sum, mut volume) = (0.0, 0.0);
     for &i in &g.by_id() {
         let i = i as usize;
-        volume += sphere_volume(g.pos[i][3]);
+        volume += sphere_volume(g.radius(i));
         for e in work.neighbours.contacts.of(i).filter(|e| !e.second_end()) {
             let slot = e.slot();
             let (pool, length) = if e.is_wall() {
-                (&state.wall_pairs, g.pos[i][3])
+                (&state.wall_pairs, g.radius(i))
             } else {
-                (&state.pairs, g.pos[i][3] + g.pos[state.pairs.ends[slot][1] as usize][3])
+                (&state.pairs, g.radius(i) + g.radius(state.pairs.ends[slot][1] as usize))
             };
             if pool.touch[slot].overlap > 0.0 {
                 sum += observables::normal_force(state, slot, e.is_wall()) * length;

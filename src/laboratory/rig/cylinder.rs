@@ -72,10 +72,10 @@ pub fn inertial_time(state: &State, pressure: f64) -> f64 {
     let (mut inertia, mut volume, mut weighted) = (0.0, 0.0, 0.0);
     for &i in &g.by_id() {
         let i = i as usize;
-        let v = engine::grains::sphere_volume(g.pos[i][3]);
+        let v = engine::grains::sphere_volume(g.radius(i));
         inertia += g.inertia(i);
         volume += v;
-        weighted += 2.0 * g.pos[i][3] * v;
+        weighted += 2.0 * g.radius(i) * v;
     }
     weighted / volume * (inertia / volume / pressure).sqrt()
 }

@@ -300,7 +300,7 @@ impl Files {
         let (mother, ancestor) = descent.map(|(m, a)| (m.map_or(-1, i64::from), i64::from(a))).unzip();
         let data = vtk::SnapshotData {
             position: order.iter().map(|&i| [g.pos[i as usize][0], g.pos[i as usize][1], g.pos[i as usize][2]]).collect(),
-            radius: pick(&|i| g.pos[i][3]),
+            radius: pick(&|i| g.radius(i)),
             generation: order.iter().map(|&i| u32::from(g.generation[i as usize])).collect(),
             strength: pick(&|i| g.strength[i]),
             force: pick(&|i| forces[i]),

@@ -101,7 +101,7 @@ pub fn energy(state: &State) -> Result<()> {
     let what = format!(
         "the kinetic energy of the grains, {now:.3e} J, is larger than all energy that they were ever given, {possible:.3e} J: the time integration has become \
          unstable; try stepping.safety = 0.4, contact.unloading = \"rescale\", crushing.birth = \"gradual\", in this order. The fastest grain has diameter {:.3e} m",
-        2.0 * g.pos[fastest][3]
+        2.0 * g.radius(fastest)
     );
     Err(Error::Unstable { step: state.step, what, grain: Some(u64::from(g.id[fastest])) })
 }
@@ -129,16 +129,16 @@ pub fn grains(state: &State, deepest: f64, step: u64) -> Result<()> {
             continue;
         }
         let [i, j] = ends.map(|i| i as usize);
-        let small = if g.pos[i][3] < g.pos[j][3] { i } else { j };
+        let small = if g.radius(i) < g.radius(j) { i } else { j };
         // a daughter that still grows to its radius may overlap with a neighbour
-        if touch.overlap > deepest * g.pos[small][3] && state.aftermath.radius(small, g) == g.pos[small][3] {
+        if touch.overlap > deepest * g.radius(small) && state.aftermath.radius(small, g) == g.radius(small) {
             let large = if small == i { j } else { i };
             let what = format!(
                 "a grain of diameter {:.3e} m overlaps by {:.2} of its radius with a grain of {:.3e} m (grain {}): contacts are too soft for these forces; raise material.elastic \
                  or the comminution limit, load to a lower stress, or go on with a higher records.stop_at_overlap",
-                2.0 * g.pos[small][3],
-                touch.overlap / g.pos[small][3],
-                2.0 * g.pos[large][3],
+                2.0 * g.radius(small),
+                touch.overlap / g.radius(small),
+                2.0 * g.radius(large),
                 g.id[large]
             );
             return bad(small, what);
