@@ -36,9 +36,6 @@ runs! { "cpu":
         coke!("contact.law=elasto_plastic", "material.contact.yield_pressure_MPa=60", "contact.unloading=rescale", "crushing.birth=gradual");
     oedometer_mean_stress_and_weibull: "experiments/criteria/oedometer.toml",
         &["specimen.grains=100", "specimen.diameter_mm=80", "specimen.porosity=0.45", "crushing.criterion=mohr_coulomb", "loading.max_stress_kPa=6000", "records.at_kPa=[]"];
-    isotropic: "experiments/isotropic/petroleum_coke.toml",
-        &["specimen.grains=100", "specimen.diameter_mm=110", "specimen.porosity=0.45", "preparation.porosity_tolerance=0.02", "loading.max_stress_kPa=600",
-            "loading.stages_kPa=[60.0, 700.0]", "records.at_kPa=[500.0]"];
     oedometer_growing_daughters: "experiments/petroleum_coke/h-c-2.toml",
         coke!("specimen.porosity=0.46", "preparation.growth_friction=auto", "crushing.birth=gradual", "crushing.lost_mass=grow", "contact.unloading=rescale",
             "loading.control=strain", "loading.stages_kPa=[500.0, 1600.0]");
