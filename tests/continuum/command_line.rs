@@ -49,34 +49,44 @@ fn a_small_triaxial_test_finds_its_peak_and_resumes_to_the_byte() {
     assert_eq!(number(&summary(&parts), "peak_stress_ratio").to_bits(), peak.to_bits());
 }
 
-/// A specimen of the Mohr-Coulomb law ends at N + 2 c √N / σ3, N = (1 + sin φ)/(1 − sin φ), whatever its stiffness, and dilates at its angle.
+/// Where a specimen of the Mohr-Coulomb law deforms evenly it ends at N + 2 c √N / σ3, N = (1 + sin φ)/(1 − sin φ), and dilates at −2 sin ψ/(1 − sin ψ) of
+/// logarithmic strains: with ψ near φ on 4 cells, and with the scene's ψ of 8° on 2 cells. On 4 cells such a ψ lets planes slide past each other, as it may where
+/// ψ < φ, and the specimen ends below N, but above the strength of planes that can only slide, tan φ* = sin φ cos ψ/(1 − sin φ sin ψ) (Davis 1968).
 #[test]
 fn a_mohr_coulomb_specimen_fails_at_its_friction_and_dilates_at_its_angle() {
-    let folder = tempfile::tempdir().expect("folder");
-    let out = folder.path().join("o");
-    let mut command = comminute("run");
-    command.args([
-        "tests/golden/mohr_coulomb.toml",
-        "--quiet",
-        "--set",
-        "records.figures=false",
-        "--set",
-        "records.snapshots=false",
-    ]);
-    command.arg("--out").arg(&out).assert().success();
-    let s = summary(&out);
-    let sine = 33f64.to_radians().sin();
-    let n = (1.0 + sine) / (1.0 - sine);
-    let law = number(&s, "peak_stress_ratio_of_the_law");
-    assert!((law / (n + 2.0 * n.sqrt() / 50.0) - 1.0).abs() < 1e-12, "{law}");
-    assert!((number(&s, "residual_stress_ratio") / law - 1.0).abs() < 0.03, "{s}");
-    // over the second half of the test all strain is plastic
-    let rows = columns(&out, ["axial_strain", "volumetric_strain"]);
-    let ([a0, v0], [a1, v1]) = (rows[rows.len() / 2], rows[rows.len() - 1]);
-    let dilation = (v1 - v0) / (a1 - a0);
-    let sine = 8f64.to_radians().sin();
-    let expected = -2.0 * sine / (1.0 - sine);
-    assert!((dilation / expected - 1.0).abs() < 0.12, "{dilation} for {expected}");
+    let stress_ratio_and_dilation = |dilation_angle: f64, cell_mm: f64| {
+        let folder = tempfile::tempdir().expect("folder");
+        let out = folder.path().join("o");
+        let mut command = comminute("run");
+        command.args(["tests/golden/mohr_coulomb.toml", "--quiet"]);
+        let sets = ["records.figures=false", "records.snapshots=false", "test.strain_per_wave=1e-4", "test.axial_strain=0.04"];
+        let own = [format!("material.continuum.dilation_angle_deg={dilation_angle}"), format!("grid.cell_mm={cell_mm}")];
+        for set in sets.into_iter().chain(own.iter().map(String::as_str)) {
+            command.args(["--set", set]);
+        }
+        command.arg("--out").arg(&out).assert().success();
+        let law = number(&summary(&out), "peak_stress_ratio_of_the_law");
+        let (sine, psi) = (33f64.to_radians().sin(), dilation_angle.to_radians());
+        let n = (1.0 + sine) / (1.0 - sine);
+        assert!((law / (n + 2.0 * n.sqrt() / 50.0) - 1.0).abs() < 1e-12, "{law}");
+        // over the second half of the test all strain is plastic
+        let rows = columns(&out, ["axial_strain", "volumetric_strain", "principal_ratio"]);
+        let second_half = &rows[rows.len() / 2..];
+        let ([a0, v0, _], [a1, v1, _]) = (second_half[0], second_half[second_half.len() - 1]);
+        let dilation = ((1.0 - v1) / (1.0 - v0)).ln() / ((1.0 - a1) / (1.0 - a0)).ln();
+        let ratio = second_half.iter().map(|row| row[2]).sum::<f64>() / second_half.len() as f64;
+        (ratio / law, dilation / (-2.0 * psi.sin() / (1.0 - psi.sin())))
+    };
+    for (dilation_angle, cell_mm) in [(25.0, 18.75), (8.0, 37.5)] {
+        let (ratio, dilation) = stress_ratio_and_dilation(dilation_angle, cell_mm);
+        assert!((ratio - 1.0).abs() < 2e-3 && (dilation - 1.0).abs() < 5e-3, "psi {dilation_angle}: {ratio} {dilation}");
+    }
+    let (ratio, dilation) = stress_ratio_and_dilation(8.0, 18.75);
+    let (friction, psi) = (33f64.to_radians(), 8f64.to_radians());
+    let sliding = (friction.sin() * psi.cos() / (1.0 - friction.sin() * psi.sin())).atan().sin();
+    let n = |sine: f64| (1.0 + sine) / (1.0 - sine);
+    assert!(ratio < 0.99 && ratio > n(sliding) / n(friction.sin()), "{ratio}");
+    assert!((dilation - 1.0).abs() < 0.02, "{dilation}");
 }
 
 /// At constant volume an elastic specimen has q = 3 G ε_a and keeps its mean stress: G = E/(2 (1 + ν)), before the first yield; the equivalent pore pressure is
