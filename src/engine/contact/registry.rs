@@ -95,11 +95,15 @@ macro_rules! contact_laws {
                 }
             }
 
-            /// The law's functions.
+            /// The law's functions. A table is a `static`, which the engine alone compiles; as a constant it would make every crate that calls this function
+            /// compile the sweeps of all laws again.
             #[inline]
             pub fn table(self) -> &'static LawTable {
                 match self {
-                    $(ContactLaw::$law => const { &LawTable::of::<super::law::$law>() },)*
+                    $(ContactLaw::$law => {
+                        static TABLE: LawTable = LawTable::of::<super::law::$law>();
+                        &TABLE
+                    })*
                     ContactLaw::Custom(table) => table,
                 }
             }
