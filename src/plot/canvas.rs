@@ -122,9 +122,12 @@ impl Canvas {
             }
         }
         let coarse = average(&fine, w, h);
-        let mut file = BitMapBackend::new(path, (w as u32, h as u32));
-        file.blit_bitmap((0, 0), (w as u32, h as u32), &coarse)
-            .and_then(|()| file.present())
+        let file = std::fs::File::create(path).map_err(|e| FigureError::draw(path, e))?;
+        let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), w as u32, h as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder
+            .write_header()
+            .and_then(|mut image| image.write_image_data(&coarse).and_then(|()| image.finish()))
             .map_err(|e| FigureError::draw(path, e))
     }
 }
@@ -153,7 +156,7 @@ fn rgba(colour: Colour, alpha: f64) -> RGBAColor {
     RGBAColor(colour.0, colour.1, colour.2, alpha)
 }
 
-/// One shape as plotters' SVG backend writes it, without its document frame.
+/// A line or an area as SVG elements written by plotters, without the `<svg>` element around them.
 fn svg_shape(mark: &Mark, path: &Path) -> Result<String> {
     let whole = |points: &[Point]| -> Vec<(i32, i32)> { points.iter().map(|p| (p.0.round() as i32, p.1.round() as i32)).collect() };
     let mut text = String::new();
@@ -178,7 +181,8 @@ fn svg_shape(mark: &Mark, path: &Path) -> Result<String> {
     Ok(text.get(start..end).unwrap_or_default().to_string())
 }
 
-/// One shape on the fine bitmap. Thick lines are drawn as a quadrilateral a segment with round joints.
+/// Draws a line or an area on the fine bitmap. Each segment of a line is a quadrilateral of the
+/// line's width; a disc at each inner point makes the joint round.
 fn bitmap_shape<B: DrawingBackend>(backend: &mut B, mark: &Mark) -> std::result::Result<(), String> {
     let zoom = FINE as f64;
     let whole = |p: Point| ((p.0 * zoom).round() as i32, (p.1 * zoom).round() as i32);
@@ -214,8 +218,9 @@ fn quadrilateral(a: Point, b: Point, width: f64) -> Option<[Point; 4]> {
     Some([(a.0 + nx, a.1 + ny), (b.0 + nx, b.1 + ny), (b.0 - nx, b.1 - ny), (a.0 - nx, a.1 - ny)])
 }
 
-/// Cuts a line into the drawn parts of a dash pattern. The pattern is tied to the page (across it where a segment is
-/// flat, along it where it is steep), so that a branch that retraces another does not fill its gaps.
+/// Cuts a line into the parts that a dash pattern draws. The pattern is fixed to the page, not to
+/// the line: along x in segments closer to horizontal, along y in steeper ones. So a branch that
+/// runs back over an earlier one does not fill the gaps.
 fn dashed(points: &[Point], dash: &[f64]) -> Vec<Vec<Point>> {
     let period: f64 = dash.iter().sum();
     if points.len() < 2 || dash.len() % 2 == 1 || dash.iter().any(|d| *d <= 0.0 || !d.is_finite()) {
@@ -241,7 +246,8 @@ fn dashed(points: &[Point], dash: &[f64]) -> Vec<Vec<Point>> {
     out
 }
 
-/// The parts of a segment, 0..1, where the pattern is drawn, in the order of the segment.
+/// Drawn parts of a segment whose leading page coordinate runs from `from` to `to`, as fractions
+/// 0..1 along the segment.
 fn drawn(from: f64, to: f64, dash: &[f64], period: f64) -> Vec<(f64, f64)> {
     let length = to - from;
     if !(length.abs() > 0.0 && length.is_finite()) {
