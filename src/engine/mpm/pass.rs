@@ -4,7 +4,7 @@
 use super::blocks::{BIAS, CellBlocks, EDGE, STAYS, TILE, block_corner, cell_key, cells, tile};
 use super::external_forces::{ExternalForces, PointForce};
 use super::grid::load;
-use super::law::{InternalVariables, Law, Sym};
+use super::law::{ConstitutiveLaw, InternalVariables, Law, Sym, with_law};
 use super::points::Face;
 use super::spline::{ShapeFunction, Weights};
 use super::stress::{increments, rotate_jaumann, work};
@@ -177,11 +177,47 @@ impl<'a> BlockSlices<'a> {
     }
 }
 
+/// The constitutive law of each point, as the loop over points takes it.
+trait LawOfPoint: Sync {
+    /// [`ConstitutiveLaw::update`] of the point with this index.
+    fn update(&self, point: usize, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables);
+}
+
+/// One law for all points, of its own type: the loop is compiled for it alone. With the code of every law in one loop an elastic step took 15 % longer.
+struct OneLaw<'a, L>(&'a L);
+
+impl<L: ConstitutiveLaw + Sync> LawOfPoint for OneLaw<'_, L> {
+    #[inline(always)]
+    fn update(&self, _: usize, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
+        self.0.update(stress, dstrain, internal)
+    }
+}
+
+/// Several laws, and the number of that of each point.
+struct SeveralLaws<'a>(&'a [Law], &'a [u8]);
+
+impl LawOfPoint for SeveralLaws<'_> {
+    #[inline(always)]
+    fn update(&self, point: usize, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
+        self.0[self.1[point] as usize].update(stress, dstrain, internal)
+    }
+}
+
 /// Runs the pass `STAGE` over the blocks of `part`, in parallel.
 pub fn run<const STAGE: u8, const D: usize, S: ShapeFunction>(pass: &Pass<'_, S>, part: BlockSlices<'_>) {
+    if const { STAGE == stage::STRESS }
+        && let [law] = pass.laws
+    {
+        return with_law!(law, own => parallel::<STAGE, D, S, _>(pass, &OneLaw(own), part));
+    }
+    parallel::<STAGE, D, S, _>(pass, &SeveralLaws(pass.laws, pass.law), part);
+}
+
+/// Splits `part` into halves that run in parallel, down to tasks.
+fn parallel<const STAGE: u8, const D: usize, S: ShapeFunction, L: LawOfPoint>(pass: &Pass<'_, S>, law: &L, part: BlockSlices<'_>) {
     let points = part.position.len();
     if points <= TASK || part.count < 2 {
-        return dispatch::<STAGE, D, S>(pass, part);
+        return dispatch::<STAGE, D, S, L>(pass, law, part);
     }
     // split at the block that holds the middle point
     let start = |b: usize| pass.blocks.starts[b * cells(D)] as usize;
@@ -193,24 +229,29 @@ pub fn run<const STAGE: u8, const D: usize, S: ShapeFunction>(pass: &Pass<'_, S>
     }
     let (a, b) = (low - part.first, start(low) - first);
     let (left, right) = part.split::<D>(a, b);
-    rayon::join(|| run::<STAGE, D, S>(pass, left), || run::<STAGE, D, S>(pass, right));
+    rayon::join(|| parallel::<STAGE, D, S, L>(pass, law, left), || parallel::<STAGE, D, S, L>(pass, law, right));
 }
 
 /// Runs the pass with the best instructions that `pass.arch` allows.
-fn dispatch<const STAGE: u8, const D: usize, S: ShapeFunction>(pass: &Pass<'_, S>, part: BlockSlices<'_>) {
+fn dispatch<const STAGE: u8, const D: usize, S: ShapeFunction, L: LawOfPoint>(pass: &Pass<'_, S>, law: &L, part: BlockSlices<'_>) {
     match quads(pass.arch) {
         #[cfg(target_arch = "x86_64")]
         Some(v3) => v3.vectorize(
             #[inline(always)]
-            || some::<Quad, STAGE, D, S>(v3, pass, part),
+            || some::<Quad, STAGE, D, S, L>(v3, pass, law, part),
         ),
-        _ => some::<Plain, STAGE, D, S>((), pass, part),
+        _ => some::<Plain, STAGE, D, S, L>((), pass, law, part),
     }
 }
 
 /// Runs the pass over the blocks of `part` one after the other.
 #[inline(always)]
-fn some<F: Four, const STAGE: u8, const D: usize, S: ShapeFunction>(token: F::Token, pass: &Pass<'_, S>, part: BlockSlices<'_>) {
+fn some<F: Four, const STAGE: u8, const D: usize, S: ShapeFunction, L: LawOfPoint>(
+    token: F::Token,
+    pass: &Pass<'_, S>,
+    law: &L,
+    part: BlockSlices<'_>,
+) {
     let first_point = pass.blocks.starts[part.first * cells(D)] as usize;
     let place = CellMap::<F, S>::new(token, pass);
     let (mut velocity, mut change) = ([[0.0; 4]; TILE * TILE * TILE], [[0.0; 4]; TILE * TILE * TILE]);
@@ -245,7 +286,7 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: ShapeFunction>(token: F::To
                 let point = At { token, i, whole: first_point + i, at, cell, k };
                 match STAGE {
                     stage::PROJECT => project::<F, D, S>(pass, &place, &mut part, point),
-                    stage::STRESS => strain::<F, D, S>(pass, &place, &mut part, point, &velocity, &mut sums),
+                    stage::STRESS => strain::<F, D, S, L>(pass, law, &place, &mut part, point, &velocity, &mut sums),
                     stage::FORCES => forces::<F, D, S>(pass, &place, &mut part, point),
                     stage::EXTERNAL => external_forces::<F, D, S>(pass, &place, &mut part, point),
                     _ => advance::<F, D, S>(pass, &place, &mut part, point, [&velocity, &change], &mut sums),
@@ -389,8 +430,9 @@ fn pull<F: Four>(token: F::Token, volume: f64, s: &Sym) -> [F; 3] {
 
 /// Strain and spin of a point, its new stress and volume, the places of its faces, and its internal force on the tile.
 #[inline(always)]
-fn strain<F: Four, const D: usize, S: ShapeFunction>(
+fn strain<F: Four, const D: usize, S: ShapeFunction, L: LawOfPoint>(
     pass: &Pass<'_, S>,
+    law: &L,
     place: &CellMap<F, S>,
     part: &mut BlockSlices<'_>,
     p: At<F::Token>,
@@ -403,12 +445,11 @@ fn strain<F: Four, const D: usize, S: ShapeFunction>(
     let (strain, spin) = increments([(x * dt).xyzw(), (y * dt).xyzw(), (z * dt).xyzw()]);
     let volume = part.position[p.i][3];
     let grown = volume * (1.0 + (strain[0] + strain[1] + strain[2]));
-    let before = rotate_jaumann(part.stress[p.i], spin);
-    let law = &pass.laws[pass.law[p.whole] as usize];
-    let (stress, memory) = law.update(before, strain, part.memory[p.i]);
     if grown.is_nan() || grown <= 0.0 {
         Fault::Inverted.report(pass.faults, pass.id[p.whole]);
     }
+    let before = rotate_jaumann(part.stress[p.i], spin);
+    let (stress, memory) = law.update(p.whole, before, strain, part.memory[p.i]);
     // the mean of both stresses, and of both volumes
     sums.work += 0.25 * (volume + grown) * (work(before, strain) + work(stress, strain));
     part.position[p.i][3] = grown;

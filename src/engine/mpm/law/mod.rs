@@ -22,6 +22,7 @@ pub use elastic::Elastic;
 pub use evolution::Evolution;
 pub use mohr_coulomb::MohrCoulomb;
 pub use registry::Law;
+pub(crate) use registry::with_law;
 pub use surface::YieldParameters;
 
 /// Symmetric tensor of stress, Pa, or strain, -: components xx, yy, zz, xy, yz, zx, tension positive. Shear strains are those of the tensor, half the engineering

@@ -4,9 +4,10 @@
 use super::{Cone, ConstitutiveLaw, DruckerPrager, Elastic, InternalVariables, MohrCoulomb, Parameters, Sym, YieldParameters};
 use serde::{Deserialize, Serialize};
 
-/// Writes the enumeration [`Law`] with its functions from the list of laws.
+/// Writes the enumeration [`Law`] with its functions from the list of laws, and the macro `with_law!`, which runs `$body` with the name `$own` standing for a
+/// reference to the law of its own type.
 macro_rules! constitutive_laws {
-    ($($(#[$doc:meta])* $law:ident = $word:literal, $meaning:literal, gpu: $gpu:expr;)*) => {
+    (($d:tt) $($(#[$doc:meta])* $law:ident = $word:literal, $meaning:literal, gpu: $gpu:expr;)*) => {
         /// The constitutive law of a material.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         pub enum Law {
@@ -81,10 +82,19 @@ macro_rules! constitutive_laws {
                 match self { $(Law::$law(law) => ConstitutiveLaw::peak_q(law, cell, compression),)* }
             }
         }
+
+        macro_rules! with_law {
+            ($d law:expr, $d own:ident => $d body:expr) => {
+                match $d law {
+                    $($crate::mpm::law::Law::$law($d own) => $d body,)*
+                }
+            };
+        }
+        pub(crate) use with_law;
     };
 }
 
-constitutive_laws! {
+constitutive_laws! { ($)
     /// Linear elasticity.
     Elastic = "elastic", "linear elasticity", gpu: Ok(0);
     /// Drucker–Prager with a tension cut-off, hardening and softening.
