@@ -55,19 +55,22 @@ impl<L: Law, const LEDGER: bool, const EXTRA: bool> WithSimd for Sweep<'_, L, LE
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let n = self.part.ends.len();
-        let lanes = Lanes::<S>::COUNT;
         let one_pair = self.table.grains(0, 0).map(|x| Lanes::constants(simd, x));
         let mut s = 0;
-        while lanes > 1 && s + lanes <= n {
-            if !self.simd(simd, s, &one_pair) {
-                for k in s..s + lanes {
+        while s < n {
+            let next = n.min(s + Lanes::<S>::COUNT);
+            // a constant block: without lanes the compiler does not even see the code for them
+            let done = if const { Lanes::<S>::COUNT > 1 } {
+                next == s + Lanes::<S>::COUNT && self.simd(simd, s, &one_pair)
+            } else {
+                false
+            };
+            if !done {
+                for k in s..next {
                     self.scalar(k);
                 }
             }
-            s += lanes;
-        }
-        for k in s..n {
-            self.scalar(k);
+            s = next;
         }
     }
 }

@@ -84,7 +84,7 @@ impl<L: Law, const LEDGER: bool> WithSimd for WallSweep<'_, L, LEDGER> {
             n += 1;
             if n == lanes {
                 n = 0;
-                if lanes == 1 { self.scalar(waiting[0]) } else { self.simd(simd, &waiting[..lanes]) }
+                if const { Lanes::<S>::COUNT > 1 } { self.simd(simd, &waiting[..lanes]) } else { self.scalar(waiting[0]) }
             }
         }
         for &one in &waiting[..n] {

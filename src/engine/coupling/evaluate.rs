@@ -95,7 +95,7 @@ impl<L: Law> WithSimd for PointContactSweep<'_, L> {
                 n += 1;
                 if n == lanes {
                     n = 0;
-                    if lanes == 1 { self.scalar(&waiting[0]) } else { self.simd(simd, &waiting[..lanes]) }
+                    if const { Lanes::<S>::COUNT > 1 } { self.simd(simd, &waiting[..lanes]) } else { self.scalar(&waiting[0]) }
                 }
             }
         }
