@@ -55,6 +55,21 @@ fn mean_mpa(assert: Assert) -> f64 {
     value["estimate"]["crushing_stress"]["mean_MPa"].as_f64().expect("a crushing stress")
 }
 
+/// A layer may replace the older key for the criterion by the newer one; a file with both is refused.
+#[test]
+fn the_criterion_is_named_once() {
+    let sets = ["--set", "crushing.area=hertz", "--set", "crushing.criterion=fixed_angle"];
+    comminute(&[&["check", COKE][..], &sets].concat()).success();
+    let folder = tempfile::tempdir().expect("a folder");
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join(COKE);
+    let path = folder.path().join("both.toml");
+    let text = format!("base = {base:?}\n[crushing]\narea = \"hertz\"\ncriterion = \"fixed_angle\"\n");
+    fs::write(&path, text).expect("written");
+    comminute(&["check", &path.display().to_string()])
+        .code(2)
+        .stderr(contains("both.toml: crushing.area = \"hertz\": is the older name of crushing.criterion"));
+}
+
 #[test]
 fn a_strength_from_single_grain_tests_is_their_mean_crushing_stress() {
     for (area, theta0) in [("fixed_angle", "theta0_rad = 0.35"), ("hertz", "")] {

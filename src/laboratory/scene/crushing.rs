@@ -1,4 +1,4 @@
-//! From the keys of crushing, strength, comminution and fines to [`CrushModel`] and [`Fines`].
+//! Makes [`CrushModel`] and [`Fines`] from the keys of crushing, strength, comminution and fines.
 
 use super::material::Named;
 use super::view::View;
@@ -13,7 +13,8 @@ use engine::breakage::strength::{Distribution, StrengthModel, Truncation, weibul
 use engine::breakage::{Birth, Criterion, CrushModel};
 use toml::{Table, Value};
 
-/// Writes what a scene leaves open and what depends on whether grains break.
+/// Fills in the defaults that depend on the kind of scene, on whether grains break, or on another key: `contact.unloading`,
+/// `crushing.criterion` and `crushing.birth`.
 pub fn fill(scene: &mut Table) {
     let kind = scene.get("kind").and_then(Value::as_str).unwrap_or("").to_string();
     let breaks = scene.get("crushing").and_then(|c| c.get("enabled")).and_then(Value::as_bool) == Some(true);
@@ -24,20 +25,21 @@ pub fn fill(scene: &mut Table) {
         }
     };
     if !matches!(kind.as_str(), "platen" | "continuum") {
-        // a breakage unloads its neighbourhood, and a tangential force that is kept then creates energy
+        // a breakage unloads the contacts around it; a tangential force kept while its normal force falls creates energy
         fill("contact", "unloading", if breaks { "rescale" } else { "keep" });
     }
     if !named {
         fill("crushing", "criterion", "fixed_angle");
     }
     if breaks && kind != "platen" {
-        // the continuum around grains has not been tried with daughters that grow
+        // gradual birth has not been tried in a mixture
         fill("crushing", "birth", if kind == "mixture" { "overlapping" } else { "gradual" });
     }
 }
 
 impl View<'_> {
-    /// Whether and how grains break, and how lost mass is spread.
+    /// How grains break (`None`: they do not), and how lost mass is spread over sizes. `named`: the materials of the scene, in the
+    /// order of their numbers. `None` where the scene is refused, with the reason noted, or where it can have no grains.
     pub fn crushing(&self, named: &[Named], rig: &Rig) -> Option<(Option<CrushModel>, Fines)> {
         let (smallest, largest) = extremes(rig);
         let of = &named[self.grain_material(rig)?];
@@ -46,7 +48,7 @@ impl View<'_> {
             return Some((None, fines));
         }
         let pattern = self.pattern();
-        // a test ends where its grain breaks: nothing need be known of what becomes of it
+        // a test ends where its grain breaks, so sizes of daughters and of lost mass are not needed
         let single = matches!(rig, Rig::GrainCrushing(_));
         let d_limit = if single && !self.has(&of.key("comminution")) { Some(0.0) } else { self.d_limit(of) };
         let strength = self.strength(of);
@@ -84,7 +86,7 @@ impl View<'_> {
         self.check(
             !keeps_mass || matches!(birth, Birth::Gradual { .. }),
             "crushing.lost_mass",
-            "needs crushing.birth = \"gradual\" to be \"grow\": pieces with all of her mass that begin overlapping hold thousands of times what their mother did",
+            "\"grow\" needs crushing.birth = \"gradual\": daughters that together have their mother's mass overlap each other deeply if they begin at full size",
         );
         let points = self.text("crushing.lost_mass") == "points";
         self.check(
@@ -98,11 +100,13 @@ impl View<'_> {
         Some((Some(crush), fines))
     }
 
+    /// The number of steps at a key; 1 where the key is absent.
     fn steps(&self, key: &str) -> u32 {
         self.whole(key).and_then(|n| u32::try_from(n).ok()).unwrap_or(1)
     }
 
-    /// The one material of all grains, by number, where grains break; `None` with the reason noted where several would.
+    /// Number of the material of the grains: that of the first grain where they have several, 0 where there are none. `None` where
+    /// there can be no grains, or, with the reason noted, where grains of several materials would break.
     fn grain_material(&self, rig: &Rig) -> Option<usize> {
         let mut materials = grain_materials(rig)?.into_iter();
         let Some(first) = materials.next() else { return Some(0) };
@@ -117,12 +121,13 @@ impl View<'_> {
         Some(usize::from(first))
     }
 
+    /// The splitting pattern; `None`, with the reason noted, where there is none with this number of daughters.
     fn pattern(&self) -> Option<Pattern> {
         let count = self.whole("crushing.pattern")?;
         Pattern::new(u32::try_from(count).ok()?).map_err(|message| self.refuse("crushing.pattern", message)).ok()
     }
 
-    /// m, times the scale.
+    /// Comminution limit, m, multiplied by the scale N; `None`, with the reason noted, where keys are missing.
     fn d_limit(&self, of: &Named) -> Option<f64> {
         let table = of.key("comminution");
         if !self.has(&table) {
@@ -139,17 +144,25 @@ impl View<'_> {
         Some(ratio * d50 * self.scale())
     }
 
-    /// The word of the criterion by which grains fail.
+    /// The word for the failure criterion of the grains: that of `crushing.criterion`, or the one that the older key
+    /// `crushing.area` stands for.
     pub fn criterion(&self) -> &str {
         match (self.text("crushing.criterion"), self.text("crushing.area")) {
-            // its older name
+            // "hertz" is the older name, in `crushing.area`
             ("", "hertz") => "hertz_area",
             ("", _) => "fixed_angle",
             (word, _) => word,
         }
     }
 
+    /// The failure criterion and the distribution of strengths of the material `of`; `None`, with the reason noted, where keys are
+    /// missing or do not agree.
     fn strength(&self, of: &Named) -> Option<(Criterion, StrengthModel)> {
+        self.check(
+            self.text("crushing.criterion").is_empty() || self.text("crushing.area").is_empty(),
+            "crushing.area",
+            "is the older name of crushing.criterion: write one of them",
+        );
         let word = self.criterion();
         let table = of.key(&format!("strength.{word}"));
         let why = format!("crushing.criterion = \"{word}\"");
@@ -178,7 +191,8 @@ impl View<'_> {
         Some((criterion, StrengthModel { sigma_lim0, ..shape }))
     }
 
-    /// A grain's mean stress is known from its contacts with grains and walls only.
+    /// Refuses criteria that judge the mean stress of a grain where the scene has material points: the mean stress is the sum over
+    /// contacts with grains and walls only.
     fn judges(&self, criterion: Criterion) {
         let points = self.text("kind") == "mixture" || self.text("crushing.lost_mass") == "points";
         self.check(
@@ -188,12 +202,13 @@ impl View<'_> {
         );
     }
 
-    /// Distribution of strengths and its coefficient of variation.
+    /// Distribution of strengths and its coefficient of variation, -; `None`, with the reason noted, where a normal distribution
+    /// has no `var`. `table`: the table of the material's strengths for the criterion.
     fn spread(&self, of: &Named, table: &str) -> Option<(Distribution, f64)> {
         let key = format!("{table}.var");
         let var = self.number(&key);
         match (self.text(&of.key("strength.distribution")), var) {
-            // a `var` that a base has serves the normal distribution only
+            // Weibull's follows from `m`; a `var`, perhaps from a base file, is not used
             ("weibull", _) => Some((Distribution::Weibull, weibull_variation(self.si(&format!("{table}.m"))))),
             (_, Some(var)) => Some((Distribution::Normal, var)),
             (_, None) => {
@@ -203,7 +218,10 @@ impl View<'_> {
         }
     }
 
-    /// Given, or from the crushing stress of single grains (eqs 16, 17), or from uniaxial strengths (eqs 2, 4, 6).
+    /// Mean limit strength at the reference diameter, Pa: as written, or from the crushing stress of single grains (eqs 16, 17), or
+    /// from the uniaxial strengths of the grain's substance (eqs 2, 4, 6). `shape`: the distribution of strengths, whose own
+    /// `sigma_lim0` is not used. `None`, with the reason noted, where not exactly one of the three is given, or where a value that
+    /// belongs to it is missing or wrong.
     fn sigma_lim0(&self, of: &Named, table: &str, criterion: Criterion, shape: &StrengthModel) -> Option<f64> {
         let given = self.number(&format!("{table}.sigma_lim0_MPa"));
         let crushing = self.number(&format!("{table}.crushing_stress_MPa"));
@@ -251,7 +269,8 @@ impl View<'_> {
         }
     }
 
-    /// Without crushing no mass is lost, and a size below every grain will do.
+    /// How the lost mass of the material `of` is spread over sizes. Where the material does not say, the smallest size is a
+    /// hundredth of `smallest`, the diameter of the smallest grain, m; that is without effect, since no mass is lost then.
     fn fines(&self, of: &Named, smallest: f64) -> Fines {
         let d_min = self.number(&of.key("fines.d_min_mm"));
         Fines {
@@ -261,12 +280,14 @@ impl View<'_> {
     }
 }
 
-/// E', Pa, of a grain of Young's modulus, Pa, and Poisson ratio against a rigid platen (eq. 11).
+/// Effective modulus E', Pa, of the contact of a grain with a rigid platen (eq. 11), from the grain's Young's modulus, Pa, and
+/// Poisson ratio, -.
 pub fn rigid_platens((young, poisson): (f64, f64)) -> f64 {
     young / (1.0 - poisson * poisson)
 }
 
-/// Materials of the scene's grains, by number, each as often as it is met; `None` where there can be no grains.
+/// Number of the material of every grain, or of every fraction of grains that are made later; repetitions are kept. `None` for a
+/// continuum without grains.
 pub fn grain_materials(rig: &Rig) -> Option<Vec<u8>> {
     let of = |grains: &[GrainSpec]| grains.iter().map(|g| g.material).collect();
     Some(match rig.subject() {
@@ -283,7 +304,7 @@ pub fn grain_materials(rig: &Rig) -> Option<Vec<u8>> {
     })
 }
 
-/// Smallest and largest diameter of the scene, m.
+/// Smallest and largest diameter of the grains at the start of a run, m; infinity and 0 where there are no grains.
 pub fn extremes(rig: &Rig) -> (f64, f64) {
     match rig.subject() {
         Subject::Specimen(specimen) => {
@@ -300,6 +321,7 @@ pub fn extremes(rig: &Rig) -> (f64, f64) {
     }
 }
 
+/// Smallest and largest of the sizes; infinity and 0 where there are none.
 fn span(sizes: impl Iterator<Item = f64>) -> (f64, f64) {
     sizes.fold((f64::INFINITY, 0.0), |(low, high), d| (low.min(d), high.max(d)))
 }
