@@ -3,8 +3,9 @@
 //!
 //! Prints for two aspect ratios a = height over length the run-out l∞/l0 and two scaling laws from experiments with columns in
 //! channels: 1 + 1.2 a for a < 2.3 (Lube et al. 2005, Phys. Rev. E 72, 041301) and, of glass beads, 1 + 1.8 a for a < 3
-//! (Lajeunesse et al. 2005, Phys. Fluids 17, 103302). Fails unless the run-out lies between both laws, less and plus a tenth,
-//! the mass is kept, and the energy does not grow. `comminute verify collapse_2d` shows what the resolution does.
+//! (Lajeunesse et al. 2005, Phys. Fluids 17, 103302). Fails unless the run-out is at least 0.9
+//! times the first law and at most 1.1 times the second, the mass is kept, and the energy does not
+//! grow. `comminute verify collapse_2d` shows the influence of the resolution.
 //!
 //! ```text
 //! cargo run --release --example column_collapse
@@ -26,10 +27,11 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Run-out over the length at the start, after `duration` seconds of the collapse of a column `aspect` times as high as long;
-/// and the steps made.
+/// Run-out over the initial length after `duration` seconds, for a column `aspect` times as high as
+/// long; and the number of steps.
 fn collapse(aspect: f64, duration: f64) -> Result<(f64, u64)> {
-    // 20 points along the length; a share of PIC in the transfer that goes with the time step
+    // 20 points along the length. PIC acts in each step, so that its share goes with the length of
+    // the steps: 2e-4 for cells of this size, as in `verify collapse_2d`
     let changes = [
         format!("body[0].max_mm=[{LENGTH:?}, {:?}, 0.0]", aspect * LENGTH),
         "grid.cell_mm=10.0".into(),
@@ -54,8 +56,8 @@ fn collapse(aspect: f64, duration: f64) -> Result<(f64, u64)> {
     Ok((1e3 * front(&sand) / LENGTH, sand.steps()))
 }
 
-/// Place of the front, m: the outermost point that hangs together with the rest, plus half of what it stands for. A gap wider
-/// than a cell sets stray points apart.
+/// Position of the front, m: the outermost point before the first gap wider than a cell, plus half
+/// of the width that a point stands for (a quarter of a cell). Points beyond such a gap are strays.
 fn front(sand: &Continuum) -> f64 {
     let cell = sand.settings().cell;
     let mut x: Vec<f64> = sand.points().position.iter().map(|p| p[0]).collect();

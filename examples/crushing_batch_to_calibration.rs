@@ -4,7 +4,7 @@
 //! The engine draws each grain's strength from σ_lim,0 (d/d0)^(-3/m) times a truncated normal number with the coefficient of
 //! variation var. (Ciantia et al. 2015, eqs 6, 7, 16; Table 1). The calibration gets diameters and forces and the angle θ0 of
 //! eq. 16, as it would from a laboratory. Prints σ_lim,0, m and var.: given, found by maximum likelihood, and their 95 %
-//! intervals. Fails where an interval does not hold what was given.
+//! intervals. Fails if an interval does not hold the given value.
 //!
 //! ```text
 //! cargo run --release --example crushing_batch_to_calibration
@@ -22,14 +22,14 @@ use std::f64::consts::PI;
 const THETA0: f64 = PI / 24.0;
 
 fn main() -> Result<()> {
-    // sizes of 1, 2, 4 and 8 mm, so many grains of each
+    // 50 grains of each of the sizes 1, 2, 4 and 8 mm
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/platen/silica.toml");
     let model = scene::model(&scene::load(path, &["batch.grains=50".into()])?)?;
     let Rig::GrainCrushing(rig) = &model.rig else { unreachable!("the scene's kind is platen") };
 
     let mut grains = Vec::new();
     for number in 0..rig.diameters.len() as u32 {
-        // each grain is a state of its own; the closure would end a test early
+        // each test has its own state; the closure could end a test early by returning true
         let Some(test) = press(&model, rig, number, || false)? else { unreachable!("no test is ended early") };
         grains.push(Grain { diameter: test.diameter, force: test.force, censored: !test.broken, series: 0 });
     }

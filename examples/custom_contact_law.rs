@@ -1,4 +1,5 @@
-//! Gives the engine a contact law that it does not have, and runs the engine's own time step with it.
+//! Gives the engine a contact law that the engine does not have, and runs the engine's own time
+//! step with this law.
 //!
 //! The law is that of a blunt cone pressed into a plane (Sneddon 1965, Int. J. Eng. Sci. 3, 47): the force grows with the
 //! square of the overlap, F = c δ² with c = 2 E*/(π tan β), where β is the angle between cone and plane. Two spheres meet
@@ -9,7 +10,7 @@
 //! δ_max = ((n + 1) m* v²/(2 c))^(1/(n + 1))        T = 2 √π Γ(1 + 1/(n + 1))/Γ(1/2 + 1/(n + 1)) δ_max/v
 //! ```
 //!
-//! Fails where one of them is off by more than 0.1 %.
+//! Fails if an overlap or a duration differs from its closed form by more than 0.1 %.
 //!
 //! ```text
 //! cargo run --release --example custom_contact_law
@@ -29,10 +30,11 @@ use std::f64::consts::PI;
 struct Cone;
 
 impl Law for Cone {
-    /// The law's area of contact is not Hertz's.
+    /// False: the area of contact is not that of Hertz's theory.
     const HERTZIAN: bool = false;
 
-    /// What the law asks of a material besides its elastic moduli; the values are in [`Material::contact`], in this order.
+    /// Parameters that the law needs of a material besides its elastic moduli;
+    /// [`Material::contact`] holds the values in this order.
     const PARAMETERS: &'static [Parameter] = &[Parameter {
         key: "contact.cone_slope",
         range: Range::POSITIVE,
@@ -40,8 +42,9 @@ impl Law for Cone {
         meaning: "tangent of the angle between the cone and the plane",
     }];
 
-    /// Made once for each pair of materials: c, and 16 G*/(π tan β), as a contact of radius a = 2 δ/(π tan β) has the
-    /// tangential stiffness 8 G* a.
+    /// Coefficients of a pair of materials, made once: c for the normal force and 16 G*/(π tan β)
+    /// for the tangential one, as a contact of radius a = 2 δ/(π tan β) has the tangential
+    /// stiffness 8 G* a. tan β is the mean of the two materials.
     fn coefficients(moduli: Moduli, first: &Values, second: Option<&Values>) -> Coefficients {
         let slope = second.map_or(first[0], |second| 0.5 * (first[0] + second[0]));
         Coefficients {
@@ -52,7 +55,8 @@ impl Law for Cone {
         }
     }
 
-    /// Evaluated for every contact in every step, on one number or on several side by side: `R` stands for both.
+    /// Force, stiffnesses and energy of a contact, evaluated in every step. `R` stands for one
+    /// number or for several that are computed side by side.
     #[inline(always)]
     fn elastic<R: Real>(overlap: R, _largest: R, _r_eff: R, pair: &Pair<R>) -> Elastic<R> {
         let secant = pair.normal_stiffness * overlap;
@@ -65,7 +69,7 @@ impl Law for Cone {
     }
 }
 
-/// What the engine calls: the law's functions, compiled for its sweeps.
+/// The functions of the law, compiled for the loops of the engine.
 static CONE: LawTable = LawTable::of::<Cone>();
 
 /// Radius of both spheres, m, and their relative speed, m/s.

@@ -25,7 +25,8 @@ fn main() -> Result<()> {
     println!("time (ms)   grain (m/s)   points (m/s)");
     let mut next = 0.0;
     while state.phase != Phase::Done {
-        // the closure sees the state when the forces of this instant are known; its answer matters to a graphics device only
+        // the closure sees the state when the forces of this instant are known; the number that it
+        // returns matters to a graphics device only
         state.advance(&model, rig, &mut engine, |state, _| {
             if state.time >= next {
                 let [grain, points] = velocities(state);

@@ -65,7 +65,8 @@ fn main() -> Result<()> {
             }
             Ok(())
         })?;
-        // `work.breakages` holds those of this step: who broke, under which force, at which strength
+        // `work.breakages` holds the breakages of this step: each grain with its force and its
+        // strength
         if let Some(first) = work.breakages.first().filter(|first| first.event == 1) {
             println!("first breakage: a grain of {:.1} mm at {:.0} N", 1e3 * first.diameter, first.force);
         }

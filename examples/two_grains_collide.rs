@@ -3,8 +3,8 @@
 //!
 //! Prints two tables. In the first one the contact law is Hertz's with viscous damping: the restitution that the scene sets
 //! beside the measured one, which does not depend on the speed. In the second one contacts yield (`elasto_plastic`): the
-//! measured restitution falls with the speed, beside the closed form of Thornton (1997, J. Appl. Mech. 64, 383). Fails where a
-//! measured value is off by more than 0.002.
+//! measured restitution falls with the speed, beside the closed form of Thornton (1997, J. Appl.
+//! Mech. 64, 383). Fails if a measured value differs by more than 0.002.
 //!
 //! ```text
 //! cargo run --release --example two_grains_collide

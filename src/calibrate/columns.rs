@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 pub struct Columns {
     pub path: PathBuf,
     pub headers: Vec<String>,
-    /// Line of the file, and cells.
+    /// Number of the line in the file, and cells, of each row.
     pub rows: Vec<(u64, Vec<String>)>,
 }
 
@@ -60,7 +60,7 @@ impl Columns {
         Error::input(format!("{} line {}", self.path.display(), self.rows[row].0), column, value, message)
     }
 
-    /// A column as text.
+    /// A column as text; empty texts if the file has no such column.
     pub fn texts(&self, name: &str) -> Vec<&str> {
         let at = self.headers.iter().position(|h| h == name);
         self.rows.iter().map(|(_, cells)| at.and_then(|i| cells.get(i)).map_or("", String::as_str)).collect()

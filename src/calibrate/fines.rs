@@ -1,10 +1,20 @@
-//! The continuum of fine grains from their own drained triaxial tests, as Li et al. (2023), section 4.1, find Table 3 and eq. 43: grains alone are sheared, and stiffness, friction
-//! against plastic strain and dilation are read off their curves.
+//! Finds the continuum law of fine grains from runs of drained triaxial tests of these grains
+//! alone, as Li et al. (2023), section 4.1, find Table 3 and eq. 43. Stiffness, friction against
+//! plastic strain, and dilation are read off the curves:
 //!
-//! - E and ν: slopes of q and of the lateral strain against the axial strain below a third of the largest q.
-//! - φ from σ1/σ3: the outer cone is Mohr–Coulomb's in triaxial compression.
-//! - plastic strain: what is left of the strains after E and ν, accumulated as the law does, dε_p = √(2/3 dε^p : dε^p), over equal steps of axial strain so that noise does not add up.
-//! - eq. 43: the largest angle, the residual one as the mean of the last tenth; the cubic, level at the peak, and H by least squares, for the strain of the peak with which they miss the tests least.
+//! - E and ν: slopes of q and of the lateral strain against the axial strain, below a third of q at
+//!   the peak.
+//! - φ: from σ1/σ3, because the outer cone of the law agrees with Mohr–Coulomb's in triaxial
+//!   compression.
+//! - Plastic strain: total strain less the elastic one, accumulated as in the law, dε_p = √(2/3
+//!   dε^p : dε^p). The increments are taken over equal, large steps of axial strain, because noise
+//!   would add up over many small ones.
+//! - Eq. 43: the peak angle is the largest one (mean of the tests), the residual angle the mean
+//!   over the last tenth of the axial strain. The cubic, which is level at the peak, and the decay
+//!   H follow by least squares, for the plastic strain at the peak with which eq. 43 fits the tests
+//!   best.
+//! - ψ: slope of the plastic volumetric strain against the plastic axial strain, between half and
+//!   twice the axial strain of the peak.
 //! - ψ: from the slope of the plastic volumetric strain against the plastic axial one between the yield and twice the strain of the peak.
 
 use super::columns::Columns;
@@ -19,20 +29,20 @@ pub const FILE: &str = "material.toml";
 /// File of the result.
 pub const REPORT: &str = "calibration.json";
 
-/// Share of the largest q below which a test is taken as elastic.
+/// Share of q at the peak below which a test is taken as elastic.
 const ELASTIC: f64 = 1.0 / 3.0;
-/// Equal steps of axial strain in which plastic strain is counted.
+/// Number of equal steps of axial strain over which plastic strain is accumulated.
 const STEPS: usize = 60;
-/// Share of the strain at the end that is residual.
+/// Share of the axial strain, at the end of a test, over which the residual angle is averaged.
 const RESIDUAL: f64 = 0.1;
-/// Share of the softening that is left where its fit ends.
+/// Remaining share of the softening down to which points are used for the fit of the decay.
 const LEFT: f64 = 0.1;
-/// Strains of the peak that are tried.
+/// Number of values that are tried for the plastic strain at the peak.
 const PLACES: u32 = 200;
-/// Rows that a test needs.
+/// Least number of rows of shear in a test.
 const ROWS: usize = 30;
 
-/// A test: axial and volumetric strain (compression positive), σ1 and σ3, Pa.
+/// Curves of a test: axial and volumetric strain (compression positive), σ1 and σ3, Pa.
 struct Test {
     axial: Vec<f64>,
     volumetric: Vec<f64>,
@@ -60,11 +70,12 @@ pub struct Fines {
     pub peak_axial_strain: f64,
     /// Accumulated plastic strain at the peak.
     pub peak_plastic_strain: f64,
-    /// Coefficients of the friction angle, rad, before the peak (Li et al. 2023, eq. 43).
+    /// Coefficients of the friction angle, rad, before the peak, of the highest power of the
+    /// plastic strain first (Li et al. 2023, eq. 43).
     pub cubic_rad: [f64; 4],
     /// Rate H of the decay after the peak (Li et al. 2023, eq. 43).
     pub decay: f64,
-    /// Root mean square of the cubic's and the decay's distance from the tests, degrees.
+    /// Root mean square difference between eq. 43 and the friction angles of the tests, degrees.
     pub misfit_deg: f64,
     /// Friction angle, degrees, against plastic strain, of each test.
     #[serde(skip)]
@@ -114,7 +125,8 @@ impl Test {
             .fold(0, |best, i| if self.sigma_1[i] / self.sigma_3[i] > self.sigma_1[best] / self.sigma_3[best] { i } else { best })
     }
 
-    /// E, Pa, and ν.
+    /// Young's modulus, Pa, and Poisson's ratio, from the rows before q passes [`ELASTIC`] of its
+    /// value at the peak.
     fn elastic(&self) -> [f64; 2] {
         let q = |i: usize| self.sigma_1[i] - self.sigma_3[i];
         let most = q(self.peak());
@@ -124,7 +136,7 @@ impl Test {
         [young, (-lateral).clamp(0.0, 0.45)]
     }
 
-    /// Value of a column at an axial strain, between rows.
+    /// Value of a column at an axial strain, interpolated linearly between rows.
     fn at(&self, column: &[f64], strain: f64) -> f64 {
         let k = self.axial.partition_point(|a| *a < strain).clamp(1, self.axial.len() - 1);
         let (x0, x1) = (self.axial[k - 1], self.axial[k]);
@@ -132,7 +144,8 @@ impl Test {
         column[k - 1] + share * (column[k] - column[k - 1])
     }
 
-    /// Plastic axial, volumetric and accumulated strain, and friction angle, rad, at equal steps of axial strain.
+    /// Plastic axial, plastic volumetric and accumulated plastic strain, and friction angle, rad,
+    /// at equal steps of axial strain.
     fn plastic(&self, [young, nu]: [f64; 2]) -> Vec<[f64; 4]> {
         let angles: Vec<f64> = (0..self.axial.len()).map(|i| self.angle(i)).collect();
         let end = self.axial[self.axial.len() - 1];
@@ -152,7 +165,7 @@ impl Test {
     }
 }
 
-/// Eq. 43 for one strain of the peak.
+/// Eq. 43 fitted with a given plastic strain at the peak.
 struct Evolution {
     peak_plastic: f64,
     cubic: [f64; 4],
@@ -160,7 +173,10 @@ struct Evolution {
     misfit: f64,
 }
 
-/// The cubic with its top at the peak, φ_p + A x² + B x³ with x = ε_p − ε_p^peak, and the decay behind it, each by least squares; `None` where it does not rise all the way or does not fall.
+/// Fits eq. 43 to `points` (plastic strain; friction angle, rad) with the peak at the plastic
+/// strain `top`. `peak` and `last`: peak and residual angle, rad. Before the peak the angle is
+/// φ_p + A x² + B x³ with x = ε_p − top, after it the angle decays at the rate H; both by least
+/// squares. `None` if the cubic does not rise all the way to the peak, or the angle does not decay.
 fn evolution(points: &[(f64, f64)], top: f64, peak: f64, last: f64) -> Option<Evolution> {
     let (mut m, mut v) = ([[0.0; 2]; 2], [0.0; 2]);
     for (e, angle) in points.iter().filter(|p| p.0 <= top) {
@@ -193,10 +209,11 @@ fn evolution(points: &[(f64, f64)], top: f64, peak: f64, last: f64) -> Option<Ev
     Some(Evolution { peak_plastic: top, cubic, decay, misfit })
 }
 
-/// Reads the tests in these run folders and fits the law.
+/// Reads the tests in the folders of these runs and fits the law.
 ///
 /// # Errors
-/// A folder without a drained triaxial test; tests without a peak.
+/// A folder without a drained triaxial test; a test without a peak; tests to which eq. 43 cannot be
+/// fitted.
 pub fn calibrate(folders: &[PathBuf]) -> Result<Fines> {
     let tests: Vec<Test> = folders.iter().map(|f| read(f)).collect::<Result<_>>()?;
     let elastic: Vec<[f64; 2]> = tests.iter().map(Test::elastic).collect();
@@ -215,7 +232,8 @@ pub fn calibrate(folders: &[PathBuf]) -> Result<Fines> {
     };
     let last = mean(tests.iter().map(residual));
     let peak = mean(peaks.iter().zip(&rows).map(|(p, r)| r[*p][3]));
-    // one strain of the peak for all: that with which eq. 43 misses the angles least
+    // all tests have one plastic strain at the peak: of those tried, the one with which eq. 43 fits
+    // best
     let points: Vec<(f64, f64)> = rows.iter().flatten().filter(|r| r[0] > 0.0).map(|r| (r[2], r[3])).collect();
     let furthest = peaks.iter().zip(&rows).map(|(p, r)| r[*p][2]).fold(0.0, f64::max);
     let tried = (1..=PLACES).filter_map(|k| evolution(&points, furthest * f64::from(k) / f64::from(PLACES), peak, last));
@@ -223,7 +241,7 @@ pub fn calibrate(folders: &[PathBuf]) -> Result<Fines> {
     let Some(Evolution { peak_plastic, cubic, decay, misfit }) = best else {
         return Err(Error::input(folders[0].display(), "", None, "does not harden and soften as eq. 43 does"));
     };
-    // α_ψ = r / (√3 (3 + r)) with r = −dε_v^p / dε_a^p, and the outer cone's sin ψ of it
+    // α_ψ = r / (√3 (3 + r)) with r = −dε_v^p / dε_a^p, and sin ψ of the outer cone from α_ψ
     let window = |(peak, rows): (&usize, &Vec<[f64; 4]>)| {
         let end = (2 * peak).min(rows.len() - 1);
         -slope(&rows[peak / 2..=end].iter().map(|r| (r[0], r[1])).collect::<Vec<_>>())
@@ -248,7 +266,8 @@ pub fn calibrate(folders: &[PathBuf]) -> Result<Fines> {
 }
 
 impl Fines {
-    /// The law's tables of a material, as a scene reads them; `base`: the material of the grains.
+    /// Text of a material file with the tables of the law. `base`: path of the grains' material, as
+    /// written into the file.
     pub fn material(&self, base: Option<&str>) -> String {
         let mut text = String::from("# The continuum of fine grains, calibrated from drained triaxial tests of grains alone.\n");
         if let Some(base) = base {
@@ -256,7 +275,7 @@ impl Fines {
         }
         let digits = |x: f64| format!("{:?}", number(x).parse::<f64>().unwrap_or(x));
         let cubic = self.cubic_rad.map(digits).join(", ");
-        // the first yield is where the cubic begins
+        // `friction_angle_deg` is the angle at first yield, the cubic at zero plastic strain
         let first = digits(self.cubic_rad[3].to_degrees());
         let [young, nu, residual, psi] = [self.young_mpa, self.nu, self.residual_deg, self.dilation_deg].map(digits);
         let _ = write!(
@@ -271,7 +290,8 @@ impl Fines {
         text
     }
 
-    /// Writes material, report and the angles as CSV into a folder; the files.
+    /// Writes the material, the report (JSON) and the angles (CSV) into the folder `out` and
+    /// returns the files.
     ///
     /// # Errors
     /// A folder that cannot be written.
@@ -297,7 +317,8 @@ mod tests {
     use super::*;
     use engine::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, InternalVariables, Parameters};
 
-    /// A test of the law itself, its lateral strain found so that the cell pressure stays, gives the law back.
+    /// A test computed with the law, whose lateral strain keeps the cell pressure constant, gives
+    /// the parameters of the law back.
     #[test]
     fn a_test_of_the_law_gives_its_parameters_back() {
         let friction = Evolution::CubicExponential {
@@ -327,7 +348,7 @@ mod tests {
                 let _ = writeln!(text, "{a:e},{v:e},{:e},{:e}", -1e-3 * stress[2], -1e-3 * stress[0]);
             }
             let da = 1e-5;
-            // secant on the lateral strain
+            // secant method for the increment of lateral strain that keeps the cell pressure
             let tried = |dr: f64| law.update(stress, [-dr, -dr, -da, 0.0, 0.0, 0.0], memory);
             let (mut x0, mut x1) = (-0.2 * da, -0.6 * da);
             for _ in 0..60 {

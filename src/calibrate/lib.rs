@@ -1,4 +1,5 @@
-//! Calibration: parameters of scenes and materials from laboratory data, with what the data leave open.
+//! Calibration: finds parameters of scenes and materials from laboratory data, with intervals, and
+//! says which ones the data do not determine.
 
 #![deny(missing_docs)]
 

@@ -3,7 +3,7 @@
 use laboratory::error::{Error, Result};
 use std::path::Path;
 
-/// Most points of one table.
+/// Largest number of points of one table.
 const MOST: usize = 100_000;
 /// Longest name of a point, which is a folder and part of a scene's name.
 const LONGEST: usize = 60;
@@ -18,14 +18,14 @@ pub struct Point {
 }
 
 impl Point {
-    /// `key=value` for each.
+    /// The text `key=value` for each key.
     pub fn sets(&self) -> Vec<String> {
         self.values.iter().map(|(key, value)| format!("{key}={value}")).collect()
     }
 }
 
-/// The points of the rows of `tables` (each file's rows are one factor) with every combination of the values of `grids`, the last key
-/// fastest.
+/// All combinations of the rows of `tables` (each table is one factor) and the values of `grids`
+/// (each grid is one factor). The last factor varies fastest.
 ///
 /// # Errors
 /// A grid without key or values, a key that stands in two of them, or too many points.
@@ -58,7 +58,7 @@ pub fn points(grids: &[String], tables: Vec<Vec<Vec<(String, String)>>>) -> Resu
     Ok(named(rows))
 }
 
-/// `key=a,b,c` as rows of one value.
+/// A grid `key=a,b,c` as one row for each value.
 fn factor(text: &str) -> Result<Vec<Vec<(String, String)>>> {
     let fail = |message: &str| Error::input(format!("grid {text}"), "", None, message);
     let (key, list) = text.split_once('=').ok_or_else(|| fail("must be KEY=VALUE,VALUE,…"))?;
@@ -78,7 +78,7 @@ fn factor(text: &str) -> Result<Vec<Vec<(String, String)>>> {
     Ok(values.into_iter().map(|value| vec![(key.to_string(), value)]).collect())
 }
 
-/// Parts between commas that stand in no brackets and no quotes.
+/// Splits a list at the commas outside brackets and quotes.
 fn split(list: &str) -> Vec<String> {
     let (mut parts, mut depth, mut quoted) = (vec![String::new()], 0_i32, false);
     for c in list.chars() {
@@ -129,12 +129,13 @@ pub fn table(path: &Path) -> Result<Vec<Vec<(String, String)>>> {
     Ok(rows)
 }
 
-/// Rows with names: each key by as many of its last words as tell it from the others, with its value.
+/// Names the rows: each key, shortened to as many of its last words as tell it from the other keys
+/// of the row, with its value. Equal names get a number.
 fn named(rows: Vec<Vec<(String, String)>>) -> Vec<Point> {
     let mut taken: Vec<String> = Vec::new();
     let mut out = Vec::new();
     for values in rows {
-        // an empty cell is a value that is not changed
+        // an empty cell leaves the scene's value
         let values: Vec<(String, String)> = values.into_iter().filter(|(_, v)| !v.is_empty()).collect();
         let keys: Vec<&str> = values.iter().map(|(k, _)| k.as_str()).collect();
         let parts = values.iter().map(|(key, value)| format!("{}-{}", short(key, &keys), plain(value)));
@@ -162,7 +163,8 @@ fn short(key: &str, keys: &[&str]) -> String {
     plain(&last(key, count.unwrap_or(words.len())))
 }
 
-/// Text that can stand in the name of a folder and of a scene.
+/// Text for the names of folders and scenes: the last part of a path, without quotes, and with
+/// hyphens for characters that do not fit.
 fn plain(text: &str) -> String {
     let text = text.rsplit('/').next().unwrap_or(text).trim_matches('"');
     let text: String = text.chars().map(|c| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '-' }).collect();

@@ -25,23 +25,23 @@ pub struct Job {
     pub out: PathBuf,
     /// Threads of the run; the runner shares out the machine's cores if not given.
     pub threads: Option<usize>,
-    /// Who does the steps of a continuum.
+    /// Device that computes the steps of a continuum.
     pub backend: Backend,
 }
 
 impl Job {
-    /// The scene as it is, in the folder `out`.
+    /// A job that runs the scene unchanged, in the folder `out`.
     pub fn new(scene: impl Into<PathBuf>, out: impl Into<PathBuf>) -> Job {
         Job { scene: scene.into(), out: out.into(), ..Job::default() }
     }
 
-    /// With these `key=value`.
+    /// Adds `key=value` pairs that are laid over the scene.
     pub fn with(mut self, sets: &[String]) -> Job {
         self.sets.extend_from_slice(sets);
         self
     }
 
-    /// With this seed for the streams that vary.
+    /// Sets `seed` for the random streams that `vary` names.
     pub fn seeded(mut self, vary: Vary, seed: u64) -> Job {
         if vary != Vary::Strength {
             self.seed_packing = Some(seed);
@@ -52,7 +52,7 @@ impl Job {
         self
     }
 
-    /// The scene with everything that the job changes.
+    /// Loads the scene with everything that the job changes, and makes the model from it.
     ///
     /// # Errors
     /// Whatever is wrong with the scene or the values laid over it.
@@ -75,7 +75,7 @@ impl Job {
         look(&self.out, &scene, &model)
     }
 
-    /// Arguments of `comminute` that do what is left of the job.
+    /// Arguments with which `comminute` does what is left of the job.
     pub fn args(&self) -> Vec<OsString> {
         let mut args: Vec<OsString> = vec!["run".into(), self.scene.clone().into()];
         let mut option = |name: &str, value: OsString| args.extend([name.into(), value]);
@@ -106,13 +106,14 @@ impl Job {
         args
     }
 
-    /// The whole command for a shell, with `program` as it is to be called.
+    /// The whole command as a line for a shell; `program` is the name by which the program is
+    /// called.
     pub fn command_line(&self, program: &str) -> String {
         let words = self.args().into_iter().map(|word| shell_word(&word.to_string_lossy()));
         std::iter::once(shell_word(program)).chain(words).collect::<Vec<_>>().join(" ")
     }
 
-    /// Where the messages of a run that failed are kept: beside its folder.
+    /// File with the messages of a failed run, beside the folder of the run.
     pub fn log(&self) -> PathBuf {
         beside(&self.out, ".log")
     }
@@ -124,7 +125,7 @@ fn beside(path: &Path, end: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// A word as a POSIX shell takes it: as it is, or in quotes where it needs them.
+/// A word as a POSIX shell takes it: unchanged, or in quotes where the word needs them.
 pub fn shell_word(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }

@@ -1,7 +1,9 @@
 //! Many runs, each a process of its own in a folder of its own: ensembles of seeds, tables of parameters, evaluations of a calibration.
 //!
-//! A [`Job`] is one run with everything that changes its scene. It knows its command line (which anything else can run as well: a
-//! second call does only what is left) and what its folder holds. [`run`] works through a list of jobs.
+//! A [`Job`] is one run with everything that changes its scene. A job gives its command line, which
+//! can also be run by other means (a second call does only what is left), and tells what its folder
+//! holds. [`run`] works through a list of jobs. Reproductions of papers, point tests, verification
+//! and the bench have modules of their own.
 
 #![deny(missing_docs)]
 

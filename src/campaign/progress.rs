@@ -1,14 +1,14 @@
-//! The one line that shows how a campaign goes.
+//! The line that shows the progress of a campaign.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// How many runs are where.
+/// Number of runs in each state.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
-    /// Done before this call.
+    /// Runs that were finished before this call.
     before: usize,
     done: usize,
     failed: usize,
@@ -25,12 +25,12 @@ pub struct Progress {
     counts: Mutex<Counts>,
 }
 
-/// A change of one run.
+/// A change in the state of one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
     DoneBefore,
     Started,
-    /// Another process is running it.
+    /// Another process is working on the run.
     Waits,
     WaitsNoMore,
     Ended {
@@ -53,7 +53,7 @@ impl Progress {
     }
 
     pub fn tell(&self, change: Change) {
-        // a worker that panicked leaves counts that are good enough to show
+        // after a panic of another worker the counts are still good enough to show
         let mut c = self.counts.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         match change {
             Change::DoneBefore => c.before += 1,

@@ -1,4 +1,4 @@
-//! Works through a list of jobs, so many at a time, each a process of this program.
+//! Works through a list of jobs, a limited number at a time, each as a process of its own.
 
 use super::Job;
 use super::progress::{Change, Progress};
@@ -18,29 +18,29 @@ use std::time::{Duration, Instant};
 pub struct Options {
     /// Runs at a time; 0: one for each core.
     pub parallel: usize,
-    /// No progress.
+    /// Whether no progress is shown.
     pub quiet: bool,
-    /// Overwrite runs of other scenes.
+    /// Whether runs of other scenes in the folders are overwritten.
     pub force: bool,
-    /// The program; `None`: this one.
+    /// Program that runs the jobs; `None`: the program that is running now.
     pub program: Option<PathBuf>,
 }
 
-/// What became of a job.
+/// Outcome of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// The run is finished.
     Done {
-        /// Its `summary.json`.
+        /// Content of the run's `summary.json`.
         summary: Value,
-        /// Whether it was done before.
+        /// Whether the run was finished before this call.
         before: bool,
     },
     /// The run failed.
     Failed {
-        /// Its error message.
+        /// Error message of the run.
         reason: String,
-        /// Everything it said.
+        /// File with everything that the run wrote to standard error.
         log: PathBuf,
     },
     /// The campaign was stopped first; the job goes on when it is run again.
@@ -57,16 +57,18 @@ impl Outcome {
     }
 }
 
-/// Between looks at a running process, and at a folder in which another one is running.
+/// Time between two looks at a running process, and at a folder in which another process works.
 const LOOK: Duration = Duration::from_millis(10);
 const WAIT: Duration = Duration::from_millis(300);
-/// A run that was asked to stop and has not done so is ended.
+/// Time after which a run that was asked to stop, but still runs, is killed.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Runs what is left of `jobs`, and gives what became of each in their order. Ctrl-C and SIGTERM stop the runs at a checkpoint.
+/// Runs what is left of `jobs`, and returns the outcome of each job, in their order. After Ctrl-C
+/// or SIGTERM the runs stop at a checkpoint.
 ///
 /// # Errors
-/// Only what is wrong before anything is started: a scene that is not valid, a folder with another run, two jobs with one folder.
+/// Only errors found before anything is started: a scene that is not valid, a folder with another
+/// run, two jobs with one folder.
 pub fn run(jobs: &[Job], options: &Options) -> Result<Vec<Outcome>> {
     for (i, job) in jobs.iter().enumerate() {
         if jobs[..i].iter().any(|other| other.out == job.out) {
@@ -109,10 +111,11 @@ pub fn run(jobs: &[Job], options: &Options) -> Result<Vec<Outcome>> {
     Ok(outcomes.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// The verdict on a campaign: nothing when every job is done.
+/// Turns the outcomes of a campaign into its result: `Ok` if every job is done.
 ///
 /// # Errors
-/// [`Error::Campaign`] with what failed and why; [`Error::Stopped`] when it was stopped and nothing failed.
+/// [`Error::Stopped`] if the campaign was stopped before every job had ended, also where jobs
+/// failed; else [`Error::Campaign`] with each job that failed, and why.
 pub fn close(jobs: &[Job], outcomes: &[Outcome]) -> Result<()> {
     let failed: Vec<(PathBuf, String)> = jobs
         .iter()
@@ -130,7 +133,7 @@ pub fn close(jobs: &[Job], outcomes: &[Outcome]) -> Result<()> {
     if failed.is_empty() { Ok(()) } else { Err(Error::Campaign { failed, of }) }
 }
 
-/// What the workers share.
+/// Data that the workers share.
 struct Crew {
     program: PathBuf,
     threads: usize,
@@ -139,7 +142,8 @@ struct Crew {
 }
 
 impl Crew {
-    /// One job, whatever its folder holds.
+    /// Works on one job, whatever its folder holds: waits while another process works there, takes
+    /// a finished run as done, else runs the job.
     fn work(&self, job: &Job) -> Outcome {
         let failed = |e: &Error| Outcome::Failed { reason: e.to_string(), log: job.log() };
         let mut waits = false;
@@ -171,7 +175,7 @@ impl Crew {
         outcome
     }
 
-    /// Runs the job as a process and sees what it leaves.
+    /// Runs the job as a process, and reads what that process leaves in the folder and the log.
     fn child(&self, job: &Job) -> Result<Outcome> {
         let log = job.log();
         if let Some(folder) = log.parent() {
@@ -207,7 +211,8 @@ impl Crew {
     }
 }
 
-/// Waits for a process, which is asked to stop when this one is. True when it was.
+/// Waits for a process to end, and asks it to stop when this process is asked to. Returns the exit
+/// status, and whether a stop was asked for.
 fn wait(child: &mut Child) -> std::io::Result<(ExitStatus, bool)> {
     let mut asked: Option<Instant> = None;
     loop {
@@ -230,15 +235,16 @@ fn wait(child: &mut Child) -> std::io::Result<(ExitStatus, bool)> {
 fn ask_to_stop(child: &Child) {
     use nix::sys::signal::{Signal, kill};
     use nix::unistd::Pid;
-    // not yet waited for, so the id is still this child's; one that has just ended needs nothing
+    // The process has not been waited for, so its id is still valid; a signal to a process that has
+    // just ended has no effect.
     let _ = kill(Pid::from_raw(child.id() as i32), Signal::SIGTERM);
 }
 
-/// Ctrl-C reaches every process of the console by itself.
+/// Does nothing: Ctrl-C reaches every process of the console without help.
 #[cfg(not(unix))]
 fn ask_to_stop(_: &Child) {}
 
-/// Why a process failed: its own words, or how it ended.
+/// Why a process failed: its error messages, or its exit status with the last line that it wrote.
 fn reason(status: ExitStatus, said: &str) -> String {
     let own: Vec<&str> = said.lines().filter_map(|line| line.strip_prefix("error: ")).collect();
     match own.as_slice() {

@@ -2,10 +2,10 @@
 
 use laboratory::error::{Error, Result};
 
-/// Most seeds of one list.
+/// Largest number of seeds in one list.
 const MOST: usize = 10_000;
 
-/// Which random streams the seeds of an ensemble choose.
+/// Which random streams are set by the seeds of an ensemble.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Vary {
     /// Specimen and strengths.
@@ -20,7 +20,7 @@ pub enum Vary {
 /// Seeds from `1..8` (both ends included), `1,2,5` or both (`1..3,7`), in the order written.
 ///
 /// # Errors
-/// Text that is no such list, a list without seeds or with a seed twice.
+/// Text that is no such list, or a seed that stands in the list twice.
 pub fn parse(text: &str) -> Result<Vec<u64>> {
     let fail = |message: String| Error::input(format!("seeds {text}"), "", None, message);
     let number = |s: &str| {

@@ -69,7 +69,7 @@ pub struct Args {
     json: bool,
 }
 
-/// What to measure instead of the grains.
+/// Benches other than that of grains.
 #[derive(Debug, clap::Subcommand)]
 enum What {
     /// Measure the material point method
@@ -78,7 +78,7 @@ enum What {
     Mixture(super::bench_mixture::Args),
 }
 
-/// How points and mixtures are timed.
+/// Options of the benches of points and of mixtures.
 #[derive(Debug, clap::Args)]
 pub(super) struct Blocks {
     /// Numbers of threads; one, and all that this machine has, if not given
@@ -206,13 +206,14 @@ fn measured(args: &Args, packing: &Packing, law: Law, machine: &Machine, plan: &
     let (speed, state) = bench::measure(&model, packing, machine, plan)?;
     let burst = match usize::from(args.breakages) {
         0 => None,
-        // one thread: a breakage has none to share
+        // in rayon's default pool and not in that of `machine`: a breakage itself is not computed
+        // in parallel
         n => Some(bench::burst(&model, state, n.min(grains / 100))?),
     };
     Ok(Row { case, grains, threads: machine.threads, law, speed, burst })
 }
 
-/// One thread and all of the machine's.
+/// Numbers of threads to measure with: those asked for, else one and all of the machine.
 pub(super) fn some_threads(asked: &[u16]) -> Vec<usize> {
     if !asked.is_empty() {
         return asked.iter().map(|&n| n.into()).collect();
@@ -223,15 +224,18 @@ pub(super) fn some_threads(asked: &[u16]) -> Vec<usize> {
     }
 }
 
-/// The engine promises the same bits for any number of threads.
+/// Refuses results that depend on the number of threads: the hashes of the states at the end must
+/// be equal.
 fn same_bits(rows: &[Row]) -> Result<()> {
     for row in rows {
         let first = rows.iter().find(|r| (r.case, r.grains, r.law) == (row.case, row.grains, row.law));
         if let Some(first) = first
             && first.speed.hash != row.speed.hash
         {
-            let what =
-                format!("{} grains, {}: {} threads end with other bits than {}", row.grains, row.law, row.threads, first.threads);
+            let what = format!(
+                "{} grains, {}: the final state with {} threads differs from that with {}",
+                row.grains, row.law, row.threads, first.threads
+            );
             return Err(Error::Failed { step: row.speed.steps, what });
         }
     }
@@ -386,7 +390,7 @@ pub(super) fn processor() -> String {
     name.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())
 }
 
-/// Progress: one line that changes on a terminal, a line now and then elsewhere.
+/// Progress messages: one line that is overwritten on a terminal, a line every 15 s elsewhere.
 struct Told {
     quiet: bool,
     terminal: bool,

@@ -15,7 +15,7 @@ use std::path::PathBuf;
         \x20 comminute bench mixture experiments/mixture/triaxial_20_50kPa.toml --threads 1 --set coarse.mass_fraction=0\n\
         \x20 comminute bench mixture experiments/mixture/triaxial_20_50kPa.toml --set test.strain_per_wave=2e-3 --warm-up 4000")]
 pub struct Args {
-    /// Scene of a mixture (TOML) that need not grow first
+    /// Scene of a mixture (TOML) whose grains need not be grown first
     scene: PathBuf,
 
     #[command(flatten)]

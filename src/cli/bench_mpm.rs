@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 #[command(after_help = "The case: a cube of points, eight per cell, f64, elastic, quadratic B-splines, MUSL, on smooth walls.\n\n\
         Example:\n  comminute bench mpm --points 64000 --threads 1,2")]
 pub struct Args {
-    /// Material points; a cube of at least so many
+    /// Least number of material points; they fill a cube
     #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [64_000], value_parser = clap::value_parser!(u32).range(8..=50_000_000))]
     points: Vec<u32>,
 
@@ -19,7 +19,7 @@ pub struct Args {
     #[arg(long)]
     affine: bool,
 
-    /// The graphics device, too
+    /// Measure the graphics device, too
     #[cfg(feature = "gpu")]
     #[arg(long, conflicts_with = "affine")]
     gpu: bool,
@@ -113,13 +113,17 @@ fn as_json(row: &MpmSpeed) -> Value {
     })
 }
 
-/// The same bits for any number of threads.
+/// Refuses results that depend on the number of threads: the hashes of the states at the end must
+/// be equal.
 fn same_bits(rows: &[MpmSpeed]) -> Result<()> {
     for row in rows {
         if let Some(first) = rows.iter().find(|r| r.points == row.points)
             && first.hash != row.hash
         {
-            let what = format!("{} points: {} threads end with other bits than {}", row.points, row.threads, first.threads);
+            let what = format!(
+                "{} points: the final state with {} threads differs from that with {}",
+                row.points, row.threads, first.threads
+            );
             return Err(Error::Failed { step: 0, what });
         }
     }

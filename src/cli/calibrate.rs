@@ -19,11 +19,12 @@ enum Of {
     Grains(calibrate_grains::Args),
     /// Parameters of a scene from an oedometer curve
     Curve(calibrate_curve::Args),
-    /// The continuum of fine grains from their own triaxial tests
+    /// Continuum law of fine grains from their own triaxial tests
     Fines(calibrate_fines::Args),
-    /// Whether the calibration against a curve gives back what curves of the scene itself were made with
+    /// Test whether the calibration against a curve finds the known parameters of curves from the
+    /// scene itself
     CurveStudy(calibrate_curve_study::Args),
-    /// Whether the calibration of grains gives back what simulated tests were made with
+    /// Test whether the calibration of grains finds the known parameters of simulated tests
     GrainsStudy(calibrate_study::Args),
 }
 

@@ -19,7 +19,8 @@ pub struct Args {
     #[arg(long, value_name = "SCENE")]
     scene: PathBuf,
 
-    /// What may change, with bounds, and :log or :normal(MEAN,SD) for the prior; instead of the scene's [[calibrate]] tables
+    /// Parameter to be found, with its bounds, and :log or :normal(MEAN,SD) for its prior; replaces
+    /// the [[calibrate]] tables of the scene
     #[arg(long = "parameter", value_name = "KEY=LOW..HIGH[:PRIOR]")]
     parameters: Vec<String>,
 
@@ -35,15 +36,15 @@ pub struct Args {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
 
-    /// Runs in all; a later call with more goes on
+    /// Runs in all; a later call with a larger number goes on
     #[arg(long, value_name = "N")]
     budget: Option<usize>,
 
-    /// Of them, runs that fill the space between the bounds (14 for each parameter)
+    /// Runs of the budget that fill the space between the bounds (14 for each parameter)
     #[arg(long, value_name = "N")]
     design: Option<usize>,
 
-    /// Runs between two looks at the results (5)
+    /// Runs between two updates of the results (5)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     batch: Option<u16>,
 
@@ -51,7 +52,7 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     check: Option<u16>,
 
-    /// Specimens whose mean the curve is; each scatters like a run
+    /// Number of specimens over which the curve is averaged; each scatters like a run
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
     specimens: u16,
 

@@ -6,10 +6,12 @@ use comminute::calibrate::curve::target::Files;
 use comminute::error::Result;
 use std::path::PathBuf;
 
-/// Whether the calibration against a curve gives back what curves of the scene itself were made with
+/// Test whether the calibration against a curve finds the known parameters of curves from the scene
+/// itself
 ///
-/// Runs the scene with known parameters and seeds of their own, takes each curve for a measured one, calibrates it, and tells how often
-/// the 95 % intervals hold what it was made with: recovery.csv and a figure for each parameter. Goes on from what the folder holds.
+/// Runs the scene with known parameters, each with its own seeds, calibrates each curve as if it
+/// had been measured, and tells how often the 95 % intervals hold the known values: recovery.csv
+/// and a figure for each parameter. Goes on from what the folder holds.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example, from the repository root:\n  comminute calibrate curve-study --scene experiments/calibration/coke_small.toml --truths experiments/calibration/truths.csv --out runs/curve-study"
@@ -35,7 +37,8 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     budget: Option<usize>,
 
-    /// Of them, runs that fill the space between the bounds, the same for all curves (14 for each parameter)
+    /// Runs of the budget that fill the space between the bounds, the same for all curves (14 for
+    /// each parameter)
     #[arg(long, value_name = "N")]
     design: Option<usize>,
 

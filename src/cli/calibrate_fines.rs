@@ -6,17 +6,18 @@ use comminute::calibrate::grains::report;
 use comminute::error::Result;
 use std::path::PathBuf;
 
-/// The continuum of fine grains from their own drained triaxial tests
+/// Find the continuum law of fine grains from drained triaxial tests of these grains
 ///
-/// Reads stiffness, friction against plastic strain (Li et al. 2023, eq. 43) and dilation off the curves of runs whose grains are all grains, and
-/// writes material.toml, calibration.json and friction_angle.csv.
+/// Reads stiffness, friction against plastic strain (Li et al. 2023, eq. 43) and dilation off the
+/// curves of runs with grains only, no continuum, and writes material.toml, calibration.json and
+/// friction_angle.csv.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example, from the repository root:\n  comminute run experiments/mixture/twin_grains.toml --set coarse.mass_fraction=0 --out runs/fines\n  \
         comminute calibrate fines runs/fines --base ../../materials/li2023_fines.toml --out runs/fines_law"
 )]
 pub struct Args {
-    /// Folders of triaxial runs: seeds, cell pressures
+    /// Folders of triaxial runs with several seeds or cell pressures
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<PathBuf>,
 

@@ -30,7 +30,8 @@ pub struct Args {
     #[arg(value_name = "DATA")]
     data: PathBuf,
 
-    /// How the contact area follows from the force; if not given: what can be told with the angle and moduli given, else both
+    /// Model of the contact area; if not given: the one whose input (angle, or moduli) is known, or
+    /// both models if both inputs or none are
     #[arg(long, value_name = "MODEL")]
     area_model: Option<AreaModels>,
 
@@ -152,7 +153,7 @@ pub fn call(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// A bar on a terminal, nothing elsewhere.
+/// Progress bar; it is drawn on a terminal only.
 pub fn bar(quiet: bool, length: u64, what: &'static str) -> ProgressBar {
     let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(length) };
     if let Ok(style) = indicatif::ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}  {elapsed}, {eta} left") {

@@ -7,11 +7,12 @@ use comminute::calibrate::grains::study_report;
 use comminute::error::{Error, Result};
 use std::path::PathBuf;
 
-/// Whether the calibration of grains gives back what simulated tests were made with
+/// Test whether the calibration of grains finds the known parameters of simulated tests
 ///
-/// Crushing tests are drawn from known parameters (coke and silica of Ciantia et al. 2015, both area models, 1, 2, 4, 8 mm) and
-/// calibrated: how often the 95 % intervals hold the truth, and how wide they are beside what the Fisher information allows.
-/// The first file is kept as simulated.csv.
+/// Draws crushing tests from known parameters (coke and silica of Ciantia et al. 2015, both area
+/// models, 1, 2, 4, 8 mm), calibrates them, and tells how often the 95 % intervals hold the truth,
+/// and how wide they are beside what the Fisher information allows. The first file is kept as
+/// simulated.csv.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  comminute calibrate grains-study --repeats 100 --out runs/grains-study")]
 pub struct Args {
@@ -23,7 +24,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(20..=100_000))]
     grains: u32,
 
-    /// Seed of the first file; the cases count on
+    /// Seed of the first file; each further file has the next seed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..=1_000_000_000))]
     seed: u64,
 

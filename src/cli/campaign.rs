@@ -1,10 +1,11 @@
-//! What `ensemble` and `sweep` have in common: their options, running or listing jobs, and the closing lines.
+//! Common parts of `ensemble`, `sweep` and `reproduce`: options, running or listing of jobs, and
+//! the closing lines.
 
 use comminute::campaign::{self, Job, Outcome, Vary};
 use comminute::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// How a list of runs is worked through.
+/// Options of the verbs that make many runs.
 #[derive(Debug, clap::Args)]
 pub struct Options {
     /// Runs at a time; one for each core if not given
@@ -15,7 +16,7 @@ pub struct Options {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
 
-    /// Who does the steps of a continuum
+    /// Backend that computes the steps of a continuum
     #[arg(long, value_enum, default_value = "cpu")]
     backend: super::Backend,
 
@@ -23,7 +24,8 @@ pub struct Options {
     #[arg(long, value_name = "FILE")]
     specimen: Option<PathBuf>,
 
-    /// Print one shell command a line for each run instead of running them; what is done already is skipped when they are run
+    /// Print a shell command for each run, one a line, instead of running them; a command skips
+    /// what is done already
     #[arg(long)]
     list: bool,
 
@@ -39,19 +41,19 @@ pub struct Options {
     #[arg(long)]
     quiet: bool,
 
-    /// Print what became of each run as JSON to standard output
+    /// Print the outcome of each run as JSON to standard output
     #[arg(long)]
     json: bool,
 }
 
 impl Options {
-    /// With one specimen for all runs, seeds of specimens would choose nothing.
+    /// Refuses seeds that vary specimens only, if all runs begin with the same specimen.
     ///
     /// # Errors
     /// `--vary packing` beside `--specimen`.
     pub fn may_vary(&self, vary: Vary) -> Result<()> {
         if self.specimen.is_some() && vary == Vary::Packing {
-            let message = "has nothing to choose beside --specimen, with which every run begins; --vary strength does";
+            let message = "has no effect beside --specimen, because every run begins with that specimen; use --vary strength";
             return Err(Error::input("--vary packing", "", None, message));
         }
         Ok(())
@@ -77,7 +79,7 @@ impl Options {
         campaign::run(jobs, &options).map(Some)
     }
 
-    /// Says what there is, and fails if a run did.
+    /// Prints the results and the files, and returns an error if a run failed or was stopped.
     pub fn close(&self, jobs: &[Job], outcomes: &[Outcome], files: &[PathBuf]) -> Result<()> {
         if self.json {
             let runs: Vec<serde_json::Value> = jobs
@@ -109,7 +111,7 @@ impl Options {
     }
 }
 
-/// What runs found: quantity, where it stands in a summary, factor, decimals and unit.
+/// Results in the closing lines: name, place (JSON pointer) in a summary, factor, decimals, unit.
 const FOUND: [(&str, &str, f64, usize, &str); 9] = [
     ("largest stress", "/max_measured_stress_kPa", 1.0, 0, " kPa"),
     ("peak σ1/σ3", "/peak_stress_ratio", 1.0, 3, ""),
@@ -143,7 +145,7 @@ fn spread(summaries: &[&serde_json::Value]) -> Vec<String> {
     FOUND.into_iter().filter_map(line).collect()
 }
 
-/// One word about an outcome, and why.
+/// Outcome of a run in one word, and the reason if the run failed.
 pub fn status(outcome: &Outcome) -> (&'static str, Option<&str>) {
     match outcome {
         Outcome::Done { .. } => ("done", None),
@@ -157,9 +159,9 @@ pub fn done(jobs: &[Job], outcomes: &[Outcome]) -> Vec<PathBuf> {
     jobs.iter().zip(outcomes).filter(|(_, o)| o.summary().is_some()).map(|(job, _)| job.out.clone()).collect()
 }
 
-/// One command a line; every scene has been found valid.
+/// Shell commands of the jobs, one a line. Each scene is checked before it is listed.
 fn list(jobs: &[Job], force: bool) -> Result<String> {
-    // as it was called, so that the list runs where it was made
+    // the name by which this program was called, so that the commands work in the same folder
     let program = std::env::args().next().unwrap_or_else(|| "comminute".into());
     let mut lines = Vec::new();
     for job in jobs {

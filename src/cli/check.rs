@@ -159,7 +159,7 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
     writeln!(text, "  folder          {}", scene.default_out().display())
 }
 
-/// The strength law in the laboratory's terms.
+/// Writes the mean strength of single grains as the crushing stress F/d² of a laboratory.
 fn crushing_stress(text: &mut String, e: &Estimate) -> std::fmt::Result {
     let Some(s) = &e.crushing_stress else { return Ok(()) };
     writeln!(

@@ -13,7 +13,7 @@ use comminute::error::{Error, Result};
         comminute man > ~/.local/share/man/man1/comminute.1\n  \
         comminute man calibrate curve > ~/.local/share/man/man1/comminute-calibrate-curve.1")]
 pub struct Args {
-    /// Verb of which the page is, as in calibrate curve; the whole program if not given
+    /// Verb that the page describes, as in calibrate curve; the whole program if not given
     verb: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! One file per verb.
+//! The command line: a file for each verb.
 
 mod bench;
 mod bench_mixture;
@@ -36,7 +36,7 @@ pub struct Cli {
     #[command(subcommand)]
     pub verb: Verb,
 
-    /// Instructions of the inner loops, at best; changes no bit of the results
+    /// Largest instruction set that the inner loops may use; changes no bit of the results
     #[arg(long, global = true, value_name = "SET", env = "COMMINUTE_SIMD", hide_env_values = true, default_value = "best")]
     #[arg(value_parser = comminute::math::real::ARCHS)]
     simd: String,
@@ -102,7 +102,7 @@ impl Verb {
     }
 }
 
-/// What `run` and `check` change in a scene.
+/// Changes that the command line makes in a scene.
 #[derive(Debug, Args)]
 pub struct Overrides {
     /// Replace a value of the scene or its material, as in loading.max_stress_kPa=2000
@@ -122,7 +122,7 @@ pub struct Overrides {
     pub seed_strength: Option<u64>,
 }
 
-/// Who does the steps.
+/// Backend that computes the steps.
 #[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
 pub enum Backend {
     /// The processor, in double precision
@@ -155,7 +155,7 @@ impl Overrides {
     }
 }
 
-/// What a person can type next after an error, if there is something.
+/// Advice after an error: what the user can type next, if anything helps.
 pub fn advice(error: &Error) -> Option<String> {
     match error {
         Error::Several(errors) => errors.iter().find_map(advice),
@@ -170,18 +170,19 @@ pub fn advice(error: &Error) -> Option<String> {
     }
 }
 
-/// Prints what a program reads to standard output; a reader that has closed its end is no error.
+/// Prints text for other programs to standard output. No error if the reader has closed its end.
 pub fn print(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     let done = writeln!(out, "{text}").and_then(|()| out.flush());
     match done {
-        // the reader has seen enough
+        // the reader has closed its end
         Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         done => done.map_err(Error::write("standard output")),
     }
 }
 
-/// Draws the figures of a run that asks for them, and says what happened and where it lies.
+/// Draws the figures of a run if the scene asks for them, and prints its results, its warnings and
+/// its folder.
 pub fn close(mut outcome: comminute::run::Outcome, quiet: bool, json: bool) -> Result<()> {
     let mut figures = Vec::new();
     if outcome.draw {
@@ -260,7 +261,8 @@ pub fn close(mut outcome: comminute::run::Outcome, quiet: bool, json: bool) -> R
     Ok(())
 }
 
-/// What a test of a cylinder found, as `e = 0.461, k0 = 0.55, axial strain 8.1 %, B_r 0.21 (Hardin) 0.35 (Einav)`; empty for others.
+/// Results of an oedometer or triaxial test in one line, as `up to 1000 kPa, e = 0.461, k0 =
+/// 0.550`; empty if the summary has none.
 fn results(summary: &serde_json::Value) -> String {
     let number = |key: &str| summary.get(key).and_then(serde_json::Value::as_f64);
     let parts = [
@@ -274,7 +276,8 @@ fn results(summary: &serde_json::Value) -> String {
     parts.into_iter().flatten().collect::<Vec<String>>().join(", ")
 }
 
-/// What broke in a mixture, as `3 breakages, 0.12 g lost, B_r 0.21 (Hardin) 0.35 (Einav)`; empty where nothing can break.
+/// Breakages of a mixture in one line, as `3 breakages, 0.120 g lost`, with B_r; empty if nothing
+/// can break.
 fn breakage(summary: &serde_json::Value) -> String {
     let number = |key: &str| summary.get(key).and_then(serde_json::Value::as_f64);
     let parts = [
@@ -286,7 +289,7 @@ fn breakage(summary: &serde_json::Value) -> String {
     parts.into_iter().flatten().collect::<Vec<String>>().join(", ")
 }
 
-/// What a run found, whatever its kind; empty where its summary does not say.
+/// Results of a run of any kind in one line; empty if the summary has none.
 fn found(summary: &serde_json::Value) -> String {
     if summary["kind"] != "continuum" && summary["kind"] != "mixture" {
         return results(summary);
@@ -295,14 +298,14 @@ fn found(summary: &serde_json::Value) -> String {
     ratio.into_iter().chain(Some(breakage(summary)).filter(|b| !b.is_empty())).collect::<Vec<String>>().join(", ")
 }
 
-/// What a reader of the results must know.
+/// Prints the warnings of a summary.
 fn warn(summary: &serde_json::Value) {
     for warning in summary["warnings"].as_array().into_iter().flatten().filter_map(|w| w.as_str()) {
         eprintln!("warning: {warning}");
     }
 }
 
-/// Says how many figures were drawn, and where.
+/// Prints the number of figures drawn and their folder.
 fn count_figures(outcome: &comminute::run::Outcome, figures: &[PathBuf]) {
     let count = figures.iter().filter(|f| f.extension().is_some_and(|e| e == "png")).count();
     if count > 0 {
@@ -310,7 +313,7 @@ fn count_figures(outcome: &comminute::run::Outcome, figures: &[PathBuf]) {
     }
 }
 
-/// Name the files that were drawn.
+/// Prints the paths of files, one a line.
 pub fn list_files(files: &[PathBuf]) {
     for file in files {
         eprintln!("  {}", file.display());

@@ -10,7 +10,7 @@ pub struct Args {
     /// What the scene does
     kind: Kind,
 
-    /// Folder for scene.toml and material.toml; made, or empty
+    /// Folder for scene.toml and material.toml; it is made, or must be empty
     dir: PathBuf,
 
     /// Say nothing
@@ -33,7 +33,7 @@ enum Kind {
 }
 
 impl Kind {
-    /// Scene and material.
+    /// Files that are written: name and text of scene and material.
     fn files(self) -> [(&'static str, &'static str); 2] {
         let (scene, material) = match self {
             Kind::Oedometer => (include_str!("templates/oedometer_scene.toml"), include_str!("templates/oedometer_material.toml")),
@@ -62,7 +62,7 @@ pub fn call(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Nothing of the user's is written over.
+/// Refuses a folder that holds anything, so that no file of the user is overwritten.
 fn free(dir: &Path) -> Result<()> {
     let refuse =
         |what: &str| Err(Error::input(dir.display(), "", None, format!("{what}; comminute new writes into a new or empty folder")));

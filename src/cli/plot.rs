@@ -76,7 +76,7 @@ pub fn call(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// What a run found, in a line; nothing where it has left no summary.
+/// Prints the results of a run in one line; nothing if the run has left no summary.
 fn tell(dir: &Path) {
     let summary = std::fs::read_to_string(dir.join("summary.json")).ok();
     let Some(summary) = summary.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok()) else { return };

@@ -29,7 +29,8 @@ pub struct Args {
     #[arg(long, value_name = "PATH", default_value = "triaxial")]
     path: Way,
 
-    /// Isotropic stress at the start, kPa; the cell pressure of a triaxial test. Several make a test each
+    /// Isotropic stress at the start, kPa; the cell pressure of a triaxial test. Each of several
+    /// values makes a test
     #[arg(long = "confining-kPa", value_name = "KPA", value_delimiter = ',', default_value = "100", allow_negative_numbers = true)]
     confining_kpa: Vec<f64>,
 

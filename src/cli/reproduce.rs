@@ -6,9 +6,10 @@ use comminute::error::{Error, Result};
 use comminute::reproduce::{Plan, gather, write};
 use std::path::{Path, PathBuf};
 
-/// Run a paper's runs and set what they give beside what was published
+/// Make the runs of a paper and compare their results with those published
 ///
-/// What is done already is not run again; tables, figures and the report are made of all runs of the plan that are done.
+/// Runs that are done already are not made again; tables, figures and the report are made of all
+/// runs of the plan that are done.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples, from the repository root:\n  comminute reproduce ciantia2015 --only 'petroleum_coke-*-2'\n  comminute reproduce ciantia2015 --jobs 2"
@@ -25,7 +26,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Folder of tables, figures and report; report/ in that of the runs if not given
+    /// Folder of tables, figures and report; report/ in the folder of the runs if not given
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
 

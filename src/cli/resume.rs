@@ -15,7 +15,7 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
 
-    /// Who does the steps of a continuum from here on; as before if not given
+    /// Backend that computes the steps of a continuum from here on; as before if not given
     #[arg(long, value_enum)]
     backend: Option<super::Backend>,
 

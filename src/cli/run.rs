@@ -27,7 +27,7 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
 
-    /// Who does the steps of a continuum; cpu if not given
+    /// Backend that computes the steps of a continuum; cpu if not given
     #[arg(long, value_enum)]
     backend: Option<super::Backend>,
 
@@ -39,8 +39,8 @@ pub struct Args {
     #[arg(long)]
     force: bool,
 
-    /// Do only what is left: nothing if the folder holds this run finished, go on from its checkpoint, or begin. With --force a run of
-    /// another scene is overwritten
+    /// Do only what is left of the run: nothing if the folder holds it finished, the rest if it
+    /// holds a checkpoint, else all of it. With --force a run of another scene is overwritten
     #[arg(long = "continue")]
     left: bool,
 
@@ -126,7 +126,7 @@ pub fn call(mut args: Args) -> Result<()> {
     super::close(outcome, args.quiet, args.json)
 }
 
-/// A folder that holds anything but why a run failed is not written into unasked.
+/// Refuses a folder that holds anything but the message of a run that failed, unless `force`.
 fn free(out: &Path, force: bool) -> Result<()> {
     if out.is_file() {
         let message = "is a file; --out needs a folder";

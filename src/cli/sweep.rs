@@ -43,7 +43,7 @@ pub struct Args {
     options: Options,
 }
 
-/// With more points than colours a figure of all of them shows nothing.
+/// Largest number of points that are drawn into common figures: a colour for each.
 const DRAWN: usize = 7;
 
 pub fn call(args: &Args) -> Result<()> {
@@ -78,7 +78,8 @@ pub fn call(args: &Args) -> Result<()> {
     args.options.close(&jobs, &outcomes, &files)
 }
 
-/// The scene of a point is named after it, unless a name was asked for, so that figures tell the points apart.
+/// Names the scene of a job after its point, so that figures tell the points apart. A name that the
+/// user has set is kept.
 fn named(job: Job, point: &Point) -> Result<Job> {
     if job.sets.iter().any(|set| set.split('=').next().is_some_and(|key| key.trim() == "name")) {
         return Ok(job);
@@ -87,7 +88,8 @@ fn named(job: Job, point: &Point) -> Result<Job> {
     Ok(job.with(&[format!("name={name:?}")]))
 }
 
-/// Columns of `sweep.csv` after the parameters, and where they stand in a summary.
+/// Columns of `sweep.csv` after the parameters, each with its place (JSON pointer) in the summary
+/// of a run.
 const RESULTS: [(&str, &str); 16] = [
     ("seed_packing", "/seed/packing"),
     ("seed_strength", "/seed/strength"),

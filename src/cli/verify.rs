@@ -17,7 +17,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     only: Vec<String>,
 
-    /// Only the coarsest so many resolutions
+    /// Number of resolutions, from the coarsest on
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u8).range(1..))]
     levels: u8,
 
@@ -37,7 +37,7 @@ pub struct Args {
     #[arg(long)]
     force: bool,
 
-    /// Take over the runs of scenes that the folder holds, and make the others
+    /// Keep the runs that the folder holds, and make those that are missing
     #[arg(long = "continue", conflicts_with = "force")]
     keep: bool,
 

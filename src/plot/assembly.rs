@@ -1,4 +1,4 @@
-//! Free scenes: energies against time and the paths of the grains that moved most.
+//! Figures of free scenes against time: energies, and positions of the grains that moved most.
 
 use super::Input;
 use super::axis::Axis;
@@ -14,7 +14,7 @@ const MOST: usize = 6;
 const TERMS: [(&str, &str); 3] =
     [("kinetic_energy_J", "kinetic"), ("stored_energy_J", "stored in contacts"), ("potential_energy_J", "potential")];
 
-/// The figures of a free scene; none for other runs and for several at once.
+/// The figures of a free scene; none for other runs, and none for several runs.
 pub fn plots(input: &Input) -> Result<Vec<Plot>> {
     let [group] = &input.groups[..] else {
         return Ok(Vec::new());
@@ -61,7 +61,8 @@ fn energies(run: &Run) -> Result<Option<Plot>> {
     }))
 }
 
-/// The coordinate that changes most, against time.
+/// Positions against time along the one axis (x, y or z) with the longest travel of a grain, for
+/// the [`MOST`] grains that travel farthest along that axis.
 fn tracks(run: &Run) -> Result<Option<Plot>> {
     let Some(table) = Table::read_if_there(&run.dir.join("tracks.csv"))? else {
         return Ok(None);
@@ -110,7 +111,7 @@ impl Track {
     }
 }
 
-/// One track a grain, in mm.
+/// Separates the records into one track for each grain: time and position, mm.
 fn collect(time: &[f64], grain: &[f64], position_m: &[f64]) -> Vec<Track> {
     let mut place = std::collections::HashMap::new();
     let mut out: Vec<Track> = Vec::new();

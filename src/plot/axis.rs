@@ -1,6 +1,7 @@
 //! One axis: its range, ticks and labels, linear or logarithmic.
 
-/// Values farther from one than this are no measurements and have no place on any axis.
+/// Largest magnitude that an axis shows; on a logarithmic axis its inverse is the smallest value.
+/// Values beyond these limits are no measurements.
 const FAR: f64 = 1e60;
 
 /// How values are spread along an axis.
@@ -10,7 +11,7 @@ pub enum Scale {
     Log,
 }
 
-/// What an axis shows; the range comes from the data and `include`.
+/// An axis without its range; the range follows from the data and `include`.
 #[derive(Clone, Debug)]
 pub struct Axis {
     /// Quantity and unit, as printed.
@@ -20,7 +21,7 @@ pub struct Axis {
     pub scale: Scale,
     /// Values that the range must contain.
     pub include: Vec<f64>,
-    /// Positive downwards (strains).
+    /// Whether values grow downwards (strains).
     pub downwards: bool,
 }
 
@@ -49,7 +50,8 @@ impl Axis {
         v.abs() < FAR && (self.scale == Scale::Linear || v > 1.0 / FAR)
     }
 
-    /// A range with whole ticks and some air that contains every given value; `None` without any value.
+    /// The range that contains the given values and `include`, with a margin and with limits on
+    /// ticks; `None` if there is no value to show.
     pub fn range(&self, values: impl Iterator<Item = f64>) -> Option<Range> {
         let values = values.chain(self.include.iter().copied()).filter(|v| self.shows(*v));
         let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
@@ -66,9 +68,11 @@ impl Axis {
         let span = hi - lo;
         let span = if span > 1e-9 * hi.abs().max(lo.abs()) && span > 0.0 { span } else { (0.2 * hi.abs()).max(1e-6) };
         let step = minor(nice_step(span / 5.0)).0;
-        // A limit that was asked for is kept, whatever rounding has left of it; elsewhere a curve does not touch the frame.
+        // A limit in `include` is kept without a margin (up to rounding); at any other limit a
+        // margin keeps curves off the frame.
         let asked = |v: f64| self.include.iter().any(|limit| (limit - v).abs() <= 1e-9 * span);
-        // what settling leaves of a strain or a stress on the other side of an asked zero is too little to see
+        // where the axis must contain zero, negative values smaller than 1 % of the largest value
+        // are left over from settling and do not extend the axis
         let lo = if self.include.contains(&0.0) && lo < 0.0 && lo > -0.01 * hi { 0.0 } else { lo };
         let low = if asked(lo) { lo } else { lo - 0.03 * span };
         let high = if asked(hi) { hi } else { hi + 0.03 * span };
@@ -159,19 +163,20 @@ fn log_range(lo: f64, hi: f64) -> Range {
     Range {
         scale: Scale::Log,
         lo: whole(lo / 1.08, false),
-        // The last half decade is filled up to its label.
+        // If more than 0.45 of the last decade is in use, the axis ends at the end of this decade,
+        // which has a label.
         hi: if top > 0.45 * decade { decade } else { top },
     }
 }
 
-/// The distance of minor ticks and how many make a step.
+/// Distance of minor ticks, and their number in a `step` between labelled ticks.
 fn minor(step: f64) -> (f64, i64) {
     let leading = (step / 10f64.powf((step.log10() + 1e-9).floor())).round();
     let parts = if leading == 2.0 { 4 } else { 5 };
     (step / parts as f64, parts)
 }
 
-/// The nearest of 1, 2, 5 times a power of ten that is not below `rough`.
+/// The smallest of 1, 2 and 5 times a power of ten that is not below `rough`.
 fn nice_step(rough: f64) -> f64 {
     let unit = 10f64.powf(rough.log10().floor());
     let multiple = rough / unit;
@@ -185,7 +190,7 @@ fn decimal(value: f64, step: f64) -> String {
     minus(&format!("{value:.decimals$}"))
 }
 
-/// m times ten to the k: plain between 0.001 and 1000, else as a power.
+/// m·10^k as text: a plain number for k from −3 to 3, else with a power of ten.
 fn power(m: i32, k: i32) -> String {
     let value = f64::from(m) * 10f64.powi(k);
     match (k, m) {
@@ -195,7 +200,7 @@ fn power(m: i32, k: i32) -> String {
     }
 }
 
-/// A number with its sign as a true minus.
+/// The text with true minus signs in place of hyphens.
 fn minus(text: &str) -> String {
     text.replace('-', "−")
 }
@@ -215,7 +220,7 @@ pub fn significant(value: f64, digits: i32) -> String {
     minus(text)
 }
 
-/// A count with its thousands set apart.
+/// A count as text; thousands are set apart in counts of more than four digits.
 pub fn count(n: u64) -> String {
     let digits = n.to_string();
     let mut out = String::new();

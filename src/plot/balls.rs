@@ -4,11 +4,13 @@
 use super::colour::{Colour, WHITE, mix};
 use std::fmt::Write as _;
 
-/// Circles written to an SVG at most; the ones with the least visible area are left out beyond.
+/// Largest number of circles in an SVG; beyond this number the grains with the least visible area
+/// are left out.
 const MOST_CIRCLES: usize = 9000;
 /// Direction to the light: from the upper left, towards the reader (page axes, y downwards).
 const LIGHT: [f64; 3] = [-0.44, -0.58, 0.686];
-/// Half-width of the window whose mean depth tells how deep a pixel lies, in page units.
+/// Half-width, page units, of the window over which depths are averaged; pixels deeper than this
+/// mean are darkened.
 const HOLLOW: f64 = 11.0;
 const NONE: u32 = u32::MAX;
 
@@ -30,7 +32,7 @@ pub struct Balls {
     pub palette: Vec<Colour>,
 }
 
-/// Depth and owner of each pixel of a window.
+/// Depth of each pixel of a window, and the index of the grain that is seen there.
 struct Buffer {
     left: i64,
     top: i64,
@@ -61,7 +63,7 @@ impl Balls {
         out
     }
 
-    /// Visible pixels of each grain.
+    /// Number of visible pixels of each grain.
     fn visible(&self) -> Vec<u32> {
         let mut out = vec![0; self.items.len()];
         for owner in self.buffer(1.5).owner {
@@ -72,7 +74,8 @@ impl Balls {
         out
     }
 
-    /// Indices of the visible grains, far to near.
+    /// Indices of the visible grains, far to near; at most [`MOST_CIRCLES`], those with the largest
+    /// visible area.
     pub fn visible_order(&self) -> Vec<usize> {
         let seen = self.visible();
         let mut order: Vec<usize> = (0..seen.len()).filter(|i| seen[*i] > 0).collect();
@@ -114,7 +117,8 @@ impl Balls {
         }
     }
 
-    /// The visible grains as SVG circles with a radial gradient for each colour; `tag` keeps ids apart.
+    /// The visible grains as SVG circles with a radial gradient for each colour; `tag` makes the
+    /// ids of the gradients unique in the file.
     pub fn svg(&self, tag: usize) -> String {
         let mut out = String::from("<defs>\n");
         for (i, c) in self.palette.iter().enumerate() {

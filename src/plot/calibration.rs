@@ -1,5 +1,5 @@
-//! Graphs of calibrations: what was measured as symbols, the fitted law as lines and bands. The caller gives the points;
-//! looks, axes, legend and the files written are those of every other figure.
+//! Graphs of points that a caller gives (calibrations, verification, reproductions): symbols, lines
+//! and bands. Looks, axes, legend and the files written are those of every other figure.
 
 use super::axis::Axis;
 use super::colour::{self, GREY, INK};
@@ -40,7 +40,7 @@ impl Quantity {
 /// Colour of a series.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tone {
-    /// The n-th of the kinds.
+    /// The n-th colour of the palette for kinds.
     Kind(usize),
     /// Share of an ordered quantity, 0 dark to 1 light.
     Ordered(f64),
@@ -88,7 +88,7 @@ pub struct Drawn {
 pub struct Graph {
     /// File name without extension.
     pub name: String,
-    /// Parts of the line over the frame.
+    /// Parts of the title above the frame.
     pub title: Vec<String>,
     /// Heading of the legend, if it has one.
     pub legend_title: Option<String>,

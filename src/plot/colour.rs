@@ -1,4 +1,5 @@
-//! Colours and dashes: the Okabe-Ito order for kinds, a dark-to-light sequence for ordered quantities.
+//! Colours and dash patterns: Okabe and Ito's colours for kinds, a dark-to-light sequence for
+//! ordered quantities.
 
 /// Red, green, blue, 0..255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +22,8 @@ const KINDS: [Colour; 7] = [
     BLACK,
 ];
 
-/// Dash patterns in drawing units, drawn and skipped lengths in turn; empty = solid. A print in black and white tells so many lines apart.
+/// Dash patterns: drawn and skipped lengths in turn, page units; empty for a solid line. So many
+/// lines can be told apart in a black-and-white print.
 const DASHES: [&[f64]; 12] = [
     &[],
     &[34.0, 16.0],
@@ -37,7 +39,8 @@ const DASHES: [&[f64]; 12] = [
     &[64.0, 13.0, 9.0, 13.0, 9.0, 13.0],
 ];
 
-/// Generations of grains: light for grains that never broke, then darker in print for each generation.
+/// Colours of generations of grains: light for grains that never broke, and darker in print for
+/// each of the next four generations.
 const GENERATIONS: [Colour; 7] = [
     Colour(0xDA, 0xD5, 0xCB),
     Colour(0xE6, 0x9F, 0x00),
@@ -63,7 +66,7 @@ pub fn kind(i: usize) -> Colour {
     KINDS[i % KINDS.len()]
 }
 
-/// Dash of the i-th kind; repeats after twelve.
+/// Dash pattern of the i-th kind; repeats after twelve.
 pub fn dash(i: usize) -> &'static [f64] {
     DASHES[i % DASHES.len()]
 }
@@ -110,7 +113,7 @@ mod tests {
         let all: Vec<&[f64]> = (0..DASHES.len()).map(dash).collect();
         for (i, one) in all.iter().enumerate() {
             assert!(one.len() % 2 == 0 && all[..i].iter().all(|other| other != one), "{one:?}");
-            // two repeats of the longest stand in the legend's and the graph's lines
+            // a pattern must not be much longer than the legend's sample of 128 units
             assert!(one.iter().sum::<f64>() < 150.0, "{one:?}");
         }
     }

@@ -1,5 +1,6 @@
-//! Figures of a continuum: σ1/σ3 against axial strain with what the law allows, run-out and energies against time, and its points seen
-//! from the side, at the start and at the end.
+//! Figures of a continuum and of mixtures: σ1/σ3 against axial strain with the values of the law,
+//! parts of the deviatoric stress, breakage, run-out and energies against time, and views of the
+//! points from the side at the start and at the end.
 
 use super::Input;
 use super::axis::{Axis, count};
@@ -21,7 +22,8 @@ use std::path::{Path, PathBuf};
 const RATIO: &str = "principal_ratio";
 /// A column that only free scenes with grains have.
 const LOWEST: &str = "lowest_grain_mm";
-/// Energies of a free scene, with their names.
+/// Energies of a free scene: columns and legend entries. `fallen_J` is computed from the potential
+/// energy.
 const TERMS: [(&str, &str); 5] = [
     ("kinetic_J", "kinetic"),
     ("coarse_kinetic_J", "kinetic, of grains"),
@@ -29,14 +31,14 @@ const TERMS: [(&str, &str); 5] = [
     ("stress_work_J", "work of stresses"),
     ("dissipated_J", "damping, transfer, walls"),
 ];
-/// Deviatoric stress of a mixture, and its parts.
+/// Columns and legend entries of a mixture's deviatoric stress and of its parts.
 const BEARERS: [(&str, &str); 4] = [
     ("q_kPa", "on the platens"),
     ("q_matrix_kPa", "matrix"),
     ("q_interface_kPa", "contacts of grains and points"),
     ("q_skeleton_kPa", "contacts of grains"),
 ];
-/// Points of a picture are no higher than this on the page.
+/// Largest height of one view of the points, page units.
 const TALLEST: f64 = 560.0;
 
 /// The graphs that the records allow.
@@ -55,7 +57,7 @@ pub fn plots(input: &Input) -> Result<Vec<Plot>> {
     Ok(out)
 }
 
-/// σ1/σ3, and between which values the law keeps it.
+/// σ1/σ3 against axial strain, with the peak and residual values of the law as horizontal lines.
 fn ratio(input: &Input) -> Result<Option<Plot>> {
     let mut series = Vec::new();
     for (i, group) in input.groups.iter().enumerate() {
@@ -74,7 +76,7 @@ fn ratio(input: &Input) -> Result<Option<Plot>> {
             let Some(value) = summary[key].as_f64().filter(|v| seen.iter().all(|s| (s - v).abs() > 1e-3)) else { continue };
             seen.push(value);
             let name = format!("{name}: {value:.3}");
-            // told apart from each other and, by their grey, from the runs
+            // dashes tell the lines of the law from each other, grey tells them from the runs
             let dash = colour::dash(seen.len() - 1);
             series.push(Series { mark: Mark::Guide(dash), ..Series::line(&name, GREY, &[], vec![(0.0, value), (widest, value)]) });
         }
@@ -128,7 +130,8 @@ fn run_out(run: &Run) -> Result<Option<Plot>> {
     against_time("run_out", run, y, vec![("front", front), ("height", height)])
 }
 
-/// Who bears the deviatoric stress of a mixture.
+/// Deviatoric stress of a mixture and its parts (matrix, interface, skeleton) against axial strain;
+/// `None` if a column is missing.
 fn bearers(run: &Run) -> Result<Option<Plot>> {
     let mut series = Vec::new();
     for (i, (column, name)) in BEARERS.into_iter().enumerate() {
@@ -150,9 +153,10 @@ fn bearers(run: &Run) -> Result<Option<Plot>> {
     }))
 }
 
-/// How far the grains of a mixture have broken, against axial strain, or time in a free scene; nothing where none has.
+/// Breakage indices of the grains of a mixture against axial strain, in a free scene against time;
+/// `None` if no grain has broken.
 fn breakage(run: &Run) -> Result<Option<Plot>> {
-    // of grains alone these indices stand against stress
+    // for grains alone (no such column), `curves` draws these indices against stress
     if run.column("platen_work_J")?.is_none() {
         return Ok(None);
     }
@@ -179,7 +183,7 @@ fn breakage(run: &Run) -> Result<Option<Plot>> {
     }))
 }
 
-/// Of free scenes: tests have stresses.
+/// Energies of a free scene against time; `None` for tests, whose figures show stresses.
 fn energies(run: &Run) -> Result<Option<Plot>> {
     let Some(potential) = run.column("potential_J")?.filter(|_| run.history.as_ref().is_some_and(|h| h.has("front_mm"))) else {
         return Ok(None);
@@ -203,7 +207,8 @@ fn energies(run: &Run) -> Result<Option<Plot>> {
     against_time("energy_time", run, y, terms)
 }
 
-/// Points seen along y (in plane strain along z), m, with what colours them.
+/// A view of the points along y (in plane strain along z): coordinates rightwards, upwards and
+/// towards the reader, m, and the values that colour the points.
 struct View {
     name: &'static str,
     points: Vec<[f64; 3]>,
@@ -227,7 +232,8 @@ impl View {
     }
 }
 
-/// Draws `out/points.{svg,png,csv}`: plastic strain where there is any, else displacement; nothing without points.
+/// Draws `out/points.{svg,png,csv}`, coloured by plastic strain if any point has some, else by
+/// displacement; draws nothing without points.
 pub fn draw_points(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
     let read = |name, file: &str, column: &str| View::read(name, &run.dir.join(file), column);
     let Some((end, spacing)) = read("end", "points_final.csv", "plastic_strain")? else { return Ok(Vec::new()) };
@@ -261,7 +267,7 @@ pub fn draw_points(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// The top of the colour bar: all but the largest hundredth of the values lie below.
+/// Upper end of the colour bar: the value below which 99 % of the values lie; 0 without values.
 pub(super) fn high_of(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len().saturating_sub(1) * 99 / 100).copied().unwrap_or(0.0)

@@ -1,5 +1,6 @@
-//! Quantities against the logarithm of vertical stress: compression curves, k0, crush events, breakage indices
-//! (Ciantia et al. 2015, Figs 10, 11).
+//! Quantities against vertical stress, mean stress (both logarithmic) or work of the walls:
+//! compression curves, strains, k0, crush events, breakage indices (Ciantia et al. 2015, Figs 10,
+//! 11).
 
 use super::Input;
 use super::axis::{Axis, significant};
@@ -9,18 +10,18 @@ use super::group::{Group, band_note};
 use super::plot::{Mark, Plot, Series};
 use super::run::{Branch, Run};
 
-/// One figure: its axis and the history columns that stand in it, each with its legend.
+/// One figure: its axes, and the history columns that it shows, each with its legend entry.
 struct Curves {
     name: &'static str,
     x: Abscissa,
     y: Axis,
     columns: &'static [(&'static str, &'static str)],
     factor: f64,
-    /// Left out when every value is zero (no grain can break).
+    /// Whether the figure is left out when every value is zero (no grain can break).
     skip_zero: bool,
 }
 
-/// What stands on the horizontal axis.
+/// Quantity on the horizontal axis.
 #[derive(Clone, Copy, PartialEq)]
 enum Abscissa {
     VerticalStress,
@@ -30,7 +31,8 @@ enum Abscissa {
 }
 
 impl Abscissa {
-    /// Column of a run's history, and the factor to the axis; `None` where the run cannot say.
+    /// History column of the abscissa, with the factor to the unit of the axis; `None` if the run's
+    /// volume is not known.
     fn of(self, run: &Run) -> Option<(&'static str, f64)> {
         match self {
             Self::VerticalStress => Some(("sigma_v_kPa", 1e-3)),
@@ -48,9 +50,9 @@ impl Abscissa {
     }
 }
 
-/// Quantities that lose their meaning where fines could not fill the voids.
+/// Columns that have no meaning where the void ratio is below [`Run::least_void_ratio`].
 const DENSE: [&str; 3] = ["void_ratio", "porosity", "porosity_star"];
-/// Dash of a curve from there on.
+/// Dash pattern of a curve where its values have no meaning.
 const BEYOND: &[f64] = &[14.0, 14.0];
 
 /// Axis of the vertical stress.
@@ -72,7 +74,7 @@ fn all() -> Vec<Curves> {
             ..curves("void_ratio_mean_stress", Axis::linear("void ratio e (–)", "void_ratio"), &[("void_ratio", "")])
         },
         Curves { factor: 100.0, ..curves("axial_strain", percent.including(&[0.0]).downwards(), &[("axial_strain", "")]) },
-        // of tests whose shell moves
+        // only tests in which the cylinder wall moves record this column
         Curves {
             x: Abscissa::MeanStress,
             factor: 100.0,
@@ -92,7 +94,7 @@ fn all() -> Vec<Curves> {
     ]
 }
 
-/// The figures against stress for which the records have something to show.
+/// The figures for which the records have something to show.
 pub fn plots(input: &Input) -> Result<Vec<Plot>> {
     let mut out = Vec::new();
     for curves in all() {
@@ -101,10 +103,11 @@ pub fn plots(input: &Input) -> Result<Vec<Plot>> {
     Ok(out)
 }
 
-/// Stresses below this share of the largest are what rounding leaves of an unloaded specimen.
+/// Stresses below this share of the largest are rounding errors of an unloaded specimen.
 const NOISE: f64 = 1e-7;
 
-/// Branches without points at stresses that are no stresses, which would stretch a logarithmic axis.
+/// Removes points whose stress is a rounding error or not positive, and branches that are then
+/// empty: such points would stretch a logarithmic axis.
 fn without_noise(mut branches: Vec<Branch>) -> Vec<Branch> {
     let most = branches.iter().flat_map(|b| &b.points).map(|p| p.0.abs()).fold(0.0, f64::max);
     for branch in &mut branches {
@@ -140,7 +143,7 @@ fn plot(input: &Input, curves: Curves) -> Result<Option<Plot>> {
             });
         }
     }
-    // what is said once of several groups
+    // several groups may have the same legend entry: only the first keeps it
     let mut said: Vec<String> = Vec::new();
     for label in series.iter_mut().map(|s| &mut s.label) {
         match label {
@@ -163,7 +166,8 @@ fn plot(input: &Input, curves: Curves) -> Result<Option<Plot>> {
     Ok(Some(Plot { name: curves.name.into(), title, legend_title: None, x: curves.x.axis(), y: curves.y, series, equal: false }))
 }
 
-/// Where the first run of a group has a void ratio that fines cannot fill, on the axis, and that void ratio.
+/// Smallest abscissa at which a run of the group first has a void ratio below
+/// [`Run::least_void_ratio`], with that least void ratio; `None` if no run gets there.
 fn below_least(group: &Group, x: Abscissa) -> Result<Option<(f64, f64)>> {
     let mut first: Option<(f64, f64)> = None;
     for run in &group.runs {
@@ -175,7 +179,9 @@ fn below_least(group: &Group, x: Abscissa) -> Result<Option<(f64, f64)>> {
     Ok(first)
 }
 
-/// The series up to where the limit is passed for the first time, and all that follows pale and dashed.
+/// Splits series at the first point whose abscissa reaches `limit`: everything from that point on,
+/// later series included, is drawn pale and dashed. The legend entry of the pale part names the
+/// void ratio `least`.
 fn faded(series: Vec<Series>, limit: f64, least: f64) -> Vec<Series> {
     let mut passed = false;
     let mut out: Vec<Series> = Vec::new();
@@ -213,7 +219,8 @@ fn faded(series: Vec<Series>, limit: f64, least: f64) -> Vec<Series> {
     out
 }
 
-/// Scale, d50 and outcome where they are the same for everything drawn, and what a band is.
+/// Parts of the title: material, scale and d50 if all runs have the same, the outcome of a single
+/// run, and what a band shows.
 pub fn title(input: &Input) -> Vec<String> {
     let mut runs = input.groups.iter().flat_map(|g| &g.runs);
     let Some(first) = runs.next() else {

@@ -6,9 +6,9 @@ use super::plot::{Mark, Series, Shape};
 use super::table::Table;
 use std::path::Path;
 
-/// Columns of a stress axis and their factor to MPa.
+/// Columns of vertical stress, each with its factor to MPa.
 const STRESS: [(&str, f64); 2] = [("sigma_v_MPa", 1.0), ("sigma_v_kPa", 1e-3)];
-/// Quantities that can stand against stress.
+/// Columns that can be drawn against vertical stress.
 const QUANTITIES: [&str; 9] = [
     "void_ratio",
     "void_ratio_grains",
@@ -21,11 +21,13 @@ const QUANTITIES: [&str; 9] = [
     "crush_events",
 ];
 
-/// Axial strain in percent, and what can stand against it (triaxial tests).
+/// Column of axial strain with its factor to per cent, and the columns that can be drawn against
+/// axial strain (triaxial tests).
 const STRAIN: (&str, f64) = ("axial_strain", 100.0);
 const OF_STRAIN: [&str; 2] = ["q_kPa", "volumetric_strain"];
 
-/// One data file. Its legend is the comment `# label = ...` or its file name; an optional column `series` splits it.
+/// One data file. Its legend entry is the comment `# label = ...` or the file name; an optional
+/// column `series` splits the file into several series.
 #[derive(Clone, Debug)]
 pub struct Measured {
     table: Table,
@@ -34,7 +36,8 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Reads the index-th data file and makes sure that it has something to draw.
+    /// Reads a data file and checks that it has columns to draw. `index` counts the data files;
+    /// symbols and colour follow from it.
     pub fn read(path: &Path, index: usize) -> Result<Self> {
         let table = Table::read(path)?;
         let stem = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().replace('_', " "));
@@ -54,7 +57,9 @@ impl Measured {
         ))
     }
 
-    /// Symbols of a quantity against stress in MPa; empty if the file does not have it. A void ratio is a porosity as well, and a porosity a void ratio.
+    /// Symbols of a quantity against stress in MPa; empty if the file does not have the quantity.
+    /// Where the file has only the void ratio e, a porosity is computed as n = e/(1 + e), and the
+    /// reverse.
     pub fn against_stress(&self, column: &str, factor: f64) -> Result<Vec<Series>> {
         let Some(stress) = STRESS.iter().find(|(c, _)| self.table.has(c)) else { return Ok(Vec::new()) };
         let named =

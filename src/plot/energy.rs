@@ -1,4 +1,5 @@
-//! The energy ledger of one run against vertical stress, in a triaxial test, where that falls again, against axial strain.
+//! The energy ledger of one run against vertical stress; for a triaxial test, whose vertical stress
+//! falls again, against axial strain.
 
 use super::Input;
 use super::axis::Axis;
@@ -7,7 +8,8 @@ use super::curves::{stress_axis, title};
 use super::error::Result;
 use super::plot::{Plot, Series};
 
-/// Ledger columns in the order of the legend; the work of the walls is what all the others share.
+/// Ledger columns with their legend entries, in the order of the legend: the work of the walls,
+/// then the terms that balance this work.
 const TERMS: [(&str, &str); 12] = [
     ("energy_wall_J", "work of the walls"),
     ("energy_slip_J", "slip"),
@@ -22,12 +24,12 @@ const TERMS: [(&str, &str); 12] = [
     ("energy_growth_J", "growth of fragments"),
     ("energy_release_J", "hold of broken grains"),
 ];
-/// The re-scaled inertia is a term of its own.
+/// Column and legend entry of the kinetic energy that came from changes of scaled inertia.
 const INERTIA: (&str, &str) = ("energy_inertia_J", "re-scaled inertia");
-/// Terms that never reach this part of the largest are left out.
+/// Terms that always stay below this share of the largest term are left out.
 const SMALL: f64 = 2e-3;
 
-/// The ledger, if there is one run and it has one.
+/// The figure of the ledger; `None` for several runs, or without energies to show.
 pub fn plot(input: &Input) -> Result<Option<Plot>> {
     let [group] = &input.groups[..] else {
         return Ok(None);
@@ -59,7 +61,7 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
         for p in &mut points {
             p.1 *= factor;
         }
-        // Black for the work that goes in, colours for where it goes.
+        // Black for the work of the walls, colours for the other terms.
         let tone = colour::kind(if i == 0 { 6 } else { (i - 1) % 6 });
         series.push(Series::line(name, tone, colour::dash(i), points));
     }
@@ -76,7 +78,8 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
     }))
 }
 
-/// Unit in which the largest value is between about 0.1 and 10 000.
+/// Unit of energy in which the largest value, J, is between about 0.1 and 10 000, and the factor
+/// from J.
 pub fn unit(largest: f64) -> (&'static str, f64) {
     match largest {
         v if v >= 1e4 => ("kJ", 1e-3),

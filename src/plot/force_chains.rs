@@ -1,5 +1,7 @@
-//! Force chains: every contact as a line between the middles of its bodies (of a grain and a point the outer part of it), as wide as its normal force is large; of
-//! many contacts those in a vertical section through the middle. The first snapshot with contacts beside that of the largest stress.
+//! Force chains: every contact is a line between the centres of the two bodies (for a grain and a
+//! material point, only the part near the point), with a width in proportion to the normal force.
+//! Of many contacts only those in a vertical section through the middle are drawn. Two snapshots
+//! stand side by side: the first with contacts, and that with the largest stress.
 
 use super::axis::{count, significant};
 use super::canvas::{Canvas, Point, WIDTH};
@@ -15,18 +17,19 @@ use std::path::{Path, PathBuf};
 
 const GUTTER: f64 = 72.0;
 const TALLEST: f64 = 1000.0;
-/// Width of the line of the largest force.
+/// Width of the widest line, page units.
 const WIDEST: f64 = 26.0;
-/// Lines are at least this wide, and pale where their force would make them narrower.
+/// Smallest width of a line, page units; a line is pale where its force would make it narrower.
 const NARROW: f64 = 1.0;
-/// This share of the contacts has no larger force than that of the widest line.
+/// Share of the contacts whose force is at most that of the widest line; larger forces have the
+/// same width.
 const MOST: f64 = 0.995;
-/// More contacts than this are drawn as a section.
+/// With more contacts than this, only a section is drawn.
 const MANY: usize = 700;
-/// Its thickness over the median distance of two grains in contact.
+/// Thickness of the section over the median distance of two grains in contact.
 const THICK: f64 = 2.0;
 
-/// What a line joins.
+/// Kind of a contact: what a grain touches.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Grains,
@@ -34,18 +37,20 @@ enum Kind {
     Point,
 }
 
-/// One contact, seen along y.
+/// One contact: its line, from the centre of the first body to that of the second (of a wall, to
+/// the point of contact), m, and the normal force, N.
 struct Link {
     kind: Kind,
     ends: [[f64; 3]; 2],
     force: f64,
 }
 
-/// Of a contact with a point, which every grain has many of, only this last part is drawn.
+/// Drawn share of the line of a contact between a grain and a material point, at the point's end.
+/// Every grain has many such contacts.
 const OUTER: f64 = 0.4;
 
 impl Link {
-    /// Ends of its line, m.
+    /// Ends of the line that is drawn for the contact, m.
     fn drawn(&self) -> [[f64; 3]; 2] {
         let [from, to] = self.ends;
         match self.kind {
@@ -55,11 +60,12 @@ impl Link {
     }
 }
 
-/// The contacts of an instant.
+/// The contacts of one snapshot.
 struct Instant {
     links: Vec<Link>,
-    /// How many there are without the section, and its thickness, m.
+    /// Number of contacts before the section was taken.
     all: usize,
+    /// Thickness of the section, m; `None` if all contacts are drawn.
     thick: Option<f64>,
     stress: Option<f64>,
     strain: Option<f64>,
@@ -95,7 +101,7 @@ impl Instant {
         Ok(Some(Instant { links, all, thick, stress, strain }))
     }
 
-    /// Left, right, bottom and top of what is drawn, m.
+    /// Left, right, bottom and top of the contacts, m.
     fn bounds(&self) -> [f64; 4] {
         self.links.iter().flat_map(|l| l.ends).fold([f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY], |b, p| {
             [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[2]), b[3].max(p[2])]
@@ -127,7 +133,8 @@ fn length(v: [f64; 3]) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// The contacts near the vertical plane through the middle, and the thickness of that section, m; all where they are few.
+/// The contacts near the vertical plane through the middle, and the thickness of this section, m;
+/// all contacts and `None` if there are at most [`MANY`], or none between grains.
 fn section(links: Vec<Link>) -> (Vec<Link>, Option<f64>) {
     let across = |l: &Link| l.ends.map(|p| p[1]);
     let (low, high) = links.iter().flat_map(across).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(y), b.max(y)));
@@ -145,7 +152,8 @@ fn section(links: Vec<Link>) -> (Vec<Link>, Option<f64>) {
     (links.into_iter().filter(near).collect(), Some(thick))
 }
 
-/// The first instant and the one of the largest stress, or the last where there is no stress.
+/// The snapshots to draw, with their names: the first one, and the later one with the largest
+/// stress, or the last one if no snapshot has a stress.
 fn instants(run: &Run) -> Result<Vec<(&'static str, Instant)>> {
     let mut files: Vec<PathBuf> = match std::fs::read_dir(run.dir.join("snapshots")) {
         Ok(entries) => entries.flatten().map(|e| e.path()).collect(),
@@ -246,7 +254,7 @@ fn tone(kind: Kind) -> Colour {
     }
 }
 
-/// How many contacts are drawn, and of which part.
+/// How many contacts are drawn, and the thickness of the section.
 fn extent(instant: &Instant) -> String {
     let (drawn, all) = (count(instant.links.len() as u64), count(instant.all as u64));
     match instant.thick {
@@ -255,7 +263,8 @@ fn extent(instant: &Instant) -> String {
     }
 }
 
-/// What widths mean: lines of round forces.
+/// Draws the key to the widths: lines of three round forces, and the force below which lines are
+/// pale.
 fn widths(canvas: &mut Canvas, at: Point, large: f64) {
     label(canvas, at, "width of a line in proportion to F_{n}:".into(), Anchor::Start);
     let mut x = at.0;
@@ -272,7 +281,7 @@ fn widths(canvas: &mut Canvas, at: Point, large: f64) {
     label(canvas, (at.0, at.1 + 122.0), format!("pale: below about {thinnest}"), Anchor::Start);
 }
 
-/// A force of one digit, at most the one given.
+/// The force rounded down to one significant digit.
 fn rounded(force: f64) -> f64 {
     let unit = 10f64.powf(force.log10().floor());
     (force / unit * (1.0 + 1e-9)).floor().max(1.0) * unit
@@ -286,7 +295,7 @@ fn in_newtons(force: f64) -> String {
     }
 }
 
-/// Which colour is which contact, right-aligned; only kinds that are drawn.
+/// Draws the key to the colours, right-aligned, with the kinds of contact that are drawn.
 fn kinds(canvas: &mut Canvas, instants: &[(&str, Instant)], y: f64) {
     let mut x = WIDTH - MARGIN;
     for (kind, name) in [(Kind::Point, "grain and point"), (Kind::Wall, "grain and wall"), (Kind::Grains, "two grains")] {

@@ -16,12 +16,13 @@ const MOST: usize = 7;
 /// Gradations closer than this (largest difference, per cent) are drawn once.
 const SAME: f64 = 1.0;
 
-/// By what the gradations of a run are told apart and put in order.
+/// The quantity that orders and labels the gradations of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum By {
     /// Vertical stress, MPa: a specimen of grains that is loaded by stress.
     Stress,
-    /// Axial strain: triaxial tests, and grains in a continuum, whose platens go at their speed.
+    /// Axial strain: triaxial tests, and grains in a continuum, whose platens move at a given
+    /// speed.
     Strain,
     /// Time, s: a free scene.
     Time,
@@ -54,7 +55,7 @@ impl By {
 #[derive(Clone, Debug, PartialEq)]
 struct Gradation {
     by: By,
-    /// Its stress, strain or time.
+    /// Stress, strain or time of the record.
     level: f64,
     /// Recorded while the specimen was unloaded or loaded again.
     unloaded: bool,
@@ -62,7 +63,7 @@ struct Gradation {
     points: Vec<Point>,
 }
 
-/// The gradations of one run, or the first and last of several.
+/// The gradations of one run, or the first and last gradation of each group of runs.
 pub fn plot(input: &Input) -> Result<Option<Plot>> {
     let mut series = Vec::new();
     let one = match &input.groups[..] {
@@ -121,12 +122,13 @@ fn asked(run: &Run, by: By) -> Vec<f64> {
     run.asked.iter().map(|v| if by == By::Stress { v * 1e-3 } else { *v }).collect()
 }
 
-/// Stresses in MPa between which stages of loading go.
+/// Stresses in MPa at which stages of loading start and end; none if gradations are not ordered by
+/// stress.
 fn stages(run: &Run, by: By) -> Vec<f64> {
     if by == By::Stress { run.stages.iter().map(|v| v * 1e-3).collect() } else { Vec::new() }
 }
 
-/// The chosen gradations of one run, with their labels, in the order of stress or strain, dark to light.
+/// Series of the chosen gradations of one run, in their order, from dark to light.
 fn evolution(chosen: &[(String, &Gradation)]) -> Vec<Series> {
     let last = chosen.len().saturating_sub(1).max(1) as f64;
     chosen
@@ -139,7 +141,8 @@ fn evolution(chosen: &[(String, &Gradation)]) -> Vec<Series> {
         .collect()
 }
 
-/// The first gradation, where several groups begin with the same one.
+/// The first gradation, if there are several groups and all their runs start with the same one
+/// (within [`SAME`]).
 fn same_start(groups: &[Group]) -> Result<Option<Gradation>> {
     let mut start: Option<Gradation> = None;
     for run in groups.iter().flat_map(|group| &group.runs) {
@@ -152,7 +155,7 @@ fn same_start(groups: &[Group]) -> Result<Option<Gradation>> {
     Ok(start.filter(|_| groups.len() > 1))
 }
 
-/// Last gradation of a group, and the first (dashed) where it is `with_first`.
+/// Series of the last gradation of a group and, with `with_first`, of the first one (another dash).
 fn ends(group: &Group, i: usize, with_first: bool) -> Result<Vec<Series>> {
     let (mut reached, mut first, mut by) = (f64::NAN, f64::NAN, By::Stress);
     for run in &group.runs {
@@ -188,11 +191,14 @@ fn loaded(all: &[Gradation]) -> Vec<&Gradation> {
     rising.collect()
 }
 
-/// A record this close to what was asked for, as a share of it, is the one asked for: it comes with the first step past it, or with the last
-/// one before it where the stress falls as grains break.
+/// Largest relative distance of a record from the requested value for which the record was written.
+/// A record comes with the first step past the requested value, or with the last step before it
+/// where the stress falls because grains break.
 const NEAR: f64 = 0.05;
 
-/// First, last and every one asked for, by the value that was asked for, which at the end of a stage is the stage's; without any between, those that differ most.
+/// Chooses the gradations to draw, with their labels: the first, the last and every requested one.
+/// The label is the requested value or, at the end of a stage of loading, the stress of the stage.
+/// If no record is a requested one, the gradations that differ most are chosen.
 fn choose<'a>(all: &'a [Gradation], asked: &[f64], stages: &[f64]) -> Vec<(String, &'a Gradation)> {
     let rising = loaded(all);
     let wanted = |g: &Gradation| nearest(g.level, asked);
@@ -204,7 +210,7 @@ fn choose<'a>(all: &'a [Gradation], asked: &[f64], stages: &[f64]) -> Vec<(Strin
     let kept = rising.iter().enumerate().filter(|(i, g)| *i == 0 || *i == last || wanted(g).is_some());
     let mut chosen: Vec<(String, &Gradation)> = Vec::new();
     for next in kept.map(|(_, g)| (label(g), *g)) {
-        // of two records for one value the later one
+        // of two records with one label, the later one is kept
         if chosen.last().is_some_and(|before| before.0 == next.0) {
             chosen.pop();
         }
@@ -213,13 +219,14 @@ fn choose<'a>(all: &'a [Gradation], asked: &[f64], stages: &[f64]) -> Vec<(Strin
     chosen
 }
 
-/// The nearest of these values, where one is near.
+/// The nearest of the values, if its relative distance from `level` is below [`NEAR`].
 fn nearest(level: f64, values: &[f64]) -> Option<f64> {
     let off = |a: &f64| (level / a - 1.0).abs();
     values.iter().copied().filter(|a| off(a) < NEAR).min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
-/// First, last, and those between that differ most from the ones already chosen.
+/// The first, the last, and further gradations up to [`MOST`] in all: each further one differs most
+/// from those already chosen, and by more than [`SAME`].
 fn most_different(all: Vec<&Gradation>) -> Vec<&Gradation> {
     let Some(last) = all.len().checked_sub(1) else {
         return Vec::new();
@@ -252,7 +259,7 @@ fn difference(a: &Gradation, b: &Gradation) -> f64 {
     one_way(a, b).max(one_way(b, a))
 }
 
-/// The gradations of a run in file order, without the sizes below all and above all grains.
+/// The gradations of a run in file order, without the sizes smaller or larger than all grains.
 fn read(run: &Run) -> Result<Vec<Gradation>> {
     let Some(table) = Table::read_if_there(&run.dir.join("gsd.csv"))? else {
         return Ok(Vec::new());
@@ -275,7 +282,8 @@ fn read(run: &Run) -> Result<Vec<Gradation>> {
     let (size, passing) = (table.numbers("diameter_mm")?, table.numbers("passing_percent")?);
     let mut out: Vec<Gradation> = Vec::new();
     let mut last = f64::NAN;
-    // grains in a continuum begin with the settling stage, and what breaks in it counts
+    // a test of grains in a continuum starts with the settling stage, and breakages in that stage
+    // count
     let start = if in_continuum { None } else { run.loading_step()? };
     for i in 0..table.len() {
         if start.is_some_and(|s| steps[i] < s) {
@@ -299,7 +307,7 @@ fn read(run: &Run) -> Result<Vec<Gradation>> {
     Ok(out)
 }
 
-/// Leaves one point at 0 % and one at 100 %.
+/// Removes points at 0 % and at 100 % so that one of each is left.
 fn trim(points: &mut Vec<Point>) {
     let full = points.iter().position(|p| p.1 >= 100.0 - 1e-9);
     points.truncate(full.map_or(points.len(), |i| i + 1));

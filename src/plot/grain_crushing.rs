@@ -11,15 +11,18 @@ use super::table::Table;
 use ::table::quantile;
 use serde_json::Value;
 
-/// Forces that differ by more than this stand on logarithmic axes.
+/// Both axes are logarithmic where the largest final force of the curves is more than this many
+/// times the smallest.
 const WIDE: f64 = 30.0;
-/// A curve is drawn from this share of its largest displacement on.
+/// Displacements below this share of a curve's last displacement are not drawn.
 const SHORT: f64 = 1e-3;
-/// Survival is drawn from this share of the largest force on.
+/// Forces below this share of the largest force are not drawn in the figure of survival.
 const TAIL: f64 = 1e-4;
-/// Up to so many tests of a diameter each is a symbol; of more, their median and spread.
+/// Up to this number of tests per diameter (on average) each test is a symbol; with more tests,
+/// symbols show their median and spread.
 const FEW: usize = 10;
-/// From this many curves on they share one legend entry.
+/// From this number of curves on, colours follow a sequence, and the curves of force against
+/// displacement share one legend entry.
 const CURVES: usize = 8;
 
 /// A run with its tests.
@@ -29,7 +32,7 @@ struct Batch<'a> {
     tests: Table,
 }
 
-/// The figures of platen tests; of several runs, their forces together.
+/// The figures of grain crushing tests: all figures for one run, the peak forces for several.
 pub fn plots(input: &Input) -> Result<Vec<Plot>> {
     let mut batches = Vec::new();
     for run in input.groups.iter().flat_map(|g| &g.runs) {
@@ -112,7 +115,7 @@ fn force_displacement(batch: &Batch) -> Result<Option<Plot>> {
             ends.1.push(top[last]);
         }
     }
-    // thin, on the lines of the tests
+    // last, because these thin lines lie on top of the tests' lines
     series.extend(closed);
     series.push(symbols("breakage", INK, Shape::Diamond, ends));
     let label = "displacement of the platen (mm)";
@@ -171,7 +174,9 @@ fn peak_force(batches: &[Batch]) -> Result<Option<Plot>> {
     }))
 }
 
-/// Each test, or the median and spread of the tests of each diameter; an unbroken grain is stronger than all that broke.
+/// Symbols of each test, or of the median and the 5 and 95 % quantiles of the tests of each
+/// diameter. For the quantiles a grain that did not break is stronger than all that broke; a
+/// quantile that would be such a grain is left out.
 fn measured(batch: &Batch, prefix: &str, tone: Colour) -> Result<Vec<Series>> {
     let (d, force) = (batch.tests.numbers("diameter_mm")?, batch.tests.numbers("force_N")?);
     let censored = batch.tests.numbers("censored")?;
@@ -215,7 +220,7 @@ fn survival(batch: &Batch) -> Result<Option<Plot>> {
     let (force, share, law) = (table.numbers("force_N")?, table.numbers("survival")?, table.numbers("survival_law")?);
     let mut classes: Vec<(f64, f64)> = from.iter().copied().zip(to.iter().copied()).collect();
     classes.dedup();
-    // of the weakest grains the table tells
+    // smaller forces are in `survival.csv` only
     let least = TAIL * force.iter().copied().fold(0.0, f64::max);
     let (mut series, mut laws) = (Vec::new(), Vec::new());
     for (i, class) in classes.iter().enumerate() {

@@ -6,9 +6,9 @@ use super::error::Result;
 use super::plot::{Mark, Series};
 use super::run::{Branch, Run, Seed};
 
-/// Points on which a band is computed.
+/// Number of abscissae at which a band is computed.
 const GRID: usize = 90;
-/// From this many seeds on, a band spans 10-90 % instead of everything.
+/// From this number of seeds on, a band spans 10-90 % of the values instead of their whole range.
 const MANY: usize = 10;
 
 /// One run, or the runs of one scene and scale with different seeds.
@@ -27,7 +27,7 @@ pub struct Band {
     pub high: Vec<f64>,
 }
 
-/// Collects runs in the order given.
+/// Groups runs in the order given: runs of one scene and scale with different seeds are one group.
 pub fn group(runs: Vec<Run>) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for run in runs {
@@ -55,7 +55,7 @@ pub fn group(runs: Vec<Run>) -> Vec<Group> {
     groups
 }
 
-/// Groups that would have the same legend are told apart by their folders.
+/// Adds the folder to the labels of groups that would have the same label.
 fn tell_apart(groups: &mut [Group]) {
     let labels: Vec<String> = groups.iter().map(|g| g.label.clone()).collect();
     for g in groups {
@@ -88,7 +88,7 @@ fn label(runs: &[Run]) -> String {
     }
 }
 
-/// What a band spans, for the title; empty without bands.
+/// Note for the title that says what a band spans; `None` without bands.
 pub fn band_note(groups: &[Group]) -> Option<&'static str> {
     let most = groups.iter().map(|g| g.runs.len()).max().unwrap_or(0);
     match most {
@@ -99,7 +99,8 @@ pub fn band_note(groups: &[Group]) -> Option<&'static str> {
 }
 
 impl Group {
-    /// The group's series of one quantity: a line for one run, a band for each branch that all its runs have.
+    /// The group's series of one quantity: a line for one run, else a band for each branch that all
+    /// runs of the group have.
     pub fn series(
         &self,
         name: &str,
@@ -136,14 +137,15 @@ impl Group {
     }
 }
 
-/// The branches as one line in file order, without repeating their joints.
+/// The branches as one line in file order; a point shared by two branches is kept once.
 fn joined(branches: &[Branch]) -> Vec<Point> {
     let mut out: Vec<Point> = branches.iter().flat_map(|b| b.points.clone()).collect();
     out.dedup();
     out
 }
 
-/// Median and spread of curves over the abscissae that all of them have; `None` if there are none.
+/// Median and spread of curves over the range of abscissae that all curves cover; `None` if there
+/// is no such range.
 pub fn band(curves: &[&[Point]], log_x: bool) -> Option<Band> {
     let curves: Vec<Vec<Point>> = curves.iter().map(|c| rising(c, log_x)).collect();
     let lo = curves.iter().map(|c| c.first().map_or(f64::INFINITY, |p| p.0)).fold(f64::NEG_INFINITY, f64::max);
@@ -170,7 +172,8 @@ pub(super) fn edges(mut values: Vec<f64>) -> [f64; 3] {
     [spread, 0.5, 1.0 - spread].map(|q| ::table::quantile(&values, q))
 }
 
-/// Points in rising order of x (its logarithm if asked), one for each x.
+/// The finite points in rising order of x, or of ln x with `log_x`; of several points at one x, the
+/// first.
 pub(super) fn rising(points: &[Point], log_x: bool) -> Vec<Point> {
     let mut out: Vec<Point> =
         points.iter().map(|p| (if log_x { p.0.ln() } else { p.0 }, p.1)).filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
@@ -179,7 +182,8 @@ pub(super) fn rising(points: &[Point], log_x: bool) -> Vec<Point> {
     out
 }
 
-/// Linear interpolation on rising points, constant outside.
+/// Linear interpolation between points with rising x, constant before the first and after the last;
+/// NaN without points.
 pub fn interpolate(points: &[Point], x: f64) -> f64 {
     let i = points.partition_point(|p| p.0 < x);
     match (i.checked_sub(1).and_then(|j| points.get(j)), points.get(i)) {

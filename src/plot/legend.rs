@@ -1,4 +1,4 @@
-//! The legend: its size, the emptiest place for it, and its drawing.
+//! The legend: its size, a free place for it in the frame, and its drawing.
 
 use super::canvas::{Canvas, Point};
 use super::colour::{Colour, INK, WHITE};
@@ -11,7 +11,7 @@ const SIZE: f64 = 42.0;
 const ROW: f64 = 54.0;
 const SAMPLE: f64 = 128.0;
 const GAP: f64 = 20.0;
-/// Air kept between the legend and the curves or the frame.
+/// Distance kept between the legend and the curves or the frame, page units.
 const AIR: f64 = 20.0;
 
 /// A rectangle on the page.
@@ -80,7 +80,9 @@ impl Legend {
         (width.max(title), rows as f64 * ROW)
     }
 
-    /// Upper left corner of a place inside the frame that covers no ink: a corner if one is free, else anywhere.
+    /// Finds a place inside the frame where the legend covers no point of `ink`, and returns the
+    /// legend's upper left corner there. The four corners of the frame are tried first, then a grid
+    /// of places; `None` if every place covers some ink.
     pub fn place_inside(&self, inner: Box2, ink: &[Point]) -> Option<Point> {
         let (w, h) = self.extent();
         let b = inner;
@@ -103,7 +105,8 @@ impl Legend {
         corners.into_iter().chain(grid).find(free)
     }
 
-    /// The legend for a place over the frame: as many columns as fit, smaller text if one column is too wide.
+    /// Arranges the legend for the space above the frame, which is `room` wide: as many columns as
+    /// fit, and smaller text if one column is too wide.
     pub fn outside(mut self, room: f64) -> Self {
         let width = self.column_width();
         if width > room {
@@ -141,7 +144,8 @@ impl Legend {
     }
 }
 
-/// Parts of a sample, from its left end, where a dash pattern is drawn: it begins with the pattern's beginning, wherever it stands on the page.
+/// Drawn parts of a legend sample with a dash pattern, as distances from the sample's left end. A
+/// curve's dashes are fixed to the page; a sample always starts with the start of the pattern.
 fn drawn(dash: &[f64]) -> Vec<(f64, f64)> {
     let (mut parts, mut at) = (Vec::new(), 0.0);
     for pair in dash.chunks(2).cycle().take_while(|pair| pair.len() == 2 && pair[0] + pair[1] > 0.0) {

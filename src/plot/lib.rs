@@ -49,7 +49,7 @@ use plot::Plot;
 use run::Run;
 use std::path::{Path, PathBuf};
 
-/// What the figures of one call are drawn from.
+/// The groups of runs and the measured data from which the figures of one call are drawn.
 struct Input {
     groups: Vec<Group>,
     data: Vec<Measured>,
@@ -86,7 +86,8 @@ pub fn overlay(dirs: &[PathBuf], data: &[PathBuf], out: &Path) -> Result<Vec<Pat
     Ok(files)
 }
 
-/// As [`overlay`], but only the figures named, of those that the runs have, and no table of runs.
+/// Draws only those figures of [`overlay`] whose names are in `names`, and no table of runs. A
+/// figure that the runs do not have is left out.
 pub fn chosen(dirs: &[PathBuf], data: &[PathBuf], names: &[String], out: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for plot in plots(&input(dirs, data)?)?.iter().filter(|p| names.contains(&p.name)) {

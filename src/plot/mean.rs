@@ -1,4 +1,4 @@
-//! Means of several runs: every column of their histories on common vertical stresses.
+//! Means of several runs: every column of their histories at common vertical stresses.
 
 use super::error::{FigureError, Result};
 use super::group::{edges, interpolate, rising};
@@ -8,14 +8,16 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Stresses per decade at which means are taken: the same for every ensemble, so that two can be compared row by row.
+/// Stresses per decade at which means are taken: the same for every ensemble, so that two ensembles
+/// can be compared row by row.
 const PER_DECADE: f64 = 40.0;
-/// Columns that are no measured quantity.
+/// Columns of a history that are not averaged.
 const NOT_AVERAGED: [&str; 4] = ["step", "stage", "target_kPa", "sigma_v_kPa"];
 
-/// Writes `mean.csv` into `out`: for each branch that all runs have, and each stress, mean, standard deviation (of the sample), lower and
-/// upper edge of the band (as the figures draw it) of each column of their histories, with the number of runs. `None` without
-/// histories against stress.
+/// Writes `mean.csv` into `out`: for each branch that all runs have, and at each stress, the mean,
+/// the standard deviation (of the sample) and the lower and upper edge of the band (as figures draw
+/// it) of each column that all histories have, with the number of runs. Writes nothing and returns
+/// `None` unless every run has a history against stress.
 pub fn write(dirs: &[PathBuf], out: &Path) -> Result<Option<PathBuf>> {
     let runs: Vec<History> = dirs.iter().map(|d| History::read(d)).collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
     let Some(first) = runs.first().filter(|_| runs.len() == dirs.len()) else {
@@ -53,9 +55,9 @@ pub fn write(dirs: &[PathBuf], out: &Path) -> Result<Option<PathBuf>> {
 /// A history and the rows of its branches.
 struct History {
     table: Table,
-    /// Points of stress, kPa, and step.
+    /// Branches as points (vertical stress in kPa, step).
     branches: Vec<Branch>,
-    /// Row of each step; a step that has two records is that of its last.
+    /// Row of the table for each step; the last row where a step has two.
     rows: HashMap<u64, usize>,
 }
 
@@ -71,7 +73,7 @@ impl History {
         Ok(Some(History { table, branches, rows }))
     }
 
-    /// ln σ_v and the column along a branch, in rising order.
+    /// Points (ln σ_v, value of the column) along a branch, in rising order of σ_v.
     fn curve(&self, branch: usize, column: &str) -> Result<Vec<Point>> {
         let values = self.table.numbers(column)?;
         let points = self.branches[branch].points.iter();
@@ -81,7 +83,8 @@ impl History {
     }
 }
 
-/// Logarithms of the stresses at which means of the curves are taken: levels that all of them pass, with both ends.
+/// ln of the stresses at which means are taken: both ends of the range that all curves cover, and
+/// the levels of [`PER_DECADE`] between them.
 fn stresses(curves: &[Vec<Point>]) -> Vec<f64> {
     let Some((lo, hi)) = common(curves) else { return Vec::new() };
     let level = std::f64::consts::LN_10 / PER_DECADE;
@@ -90,14 +93,15 @@ fn stresses(curves: &[Vec<Point>]) -> Vec<f64> {
     std::iter::once(lo).chain(inner).chain((hi > lo).then_some(hi)).collect()
 }
 
-/// What all curves span.
+/// The range of abscissae that all curves cover; `None` if there is none.
 fn common(curves: &[Vec<Point>]) -> Option<(f64, f64)> {
     let lo = curves.iter().map(|c| c.first().map_or(f64::INFINITY, |p| p.0)).fold(f64::NEG_INFINITY, f64::max);
     let hi = curves.iter().map(|c| c.last().map_or(f64::NEG_INFINITY, |p| p.0)).fold(f64::INFINITY, f64::min);
     (lo.is_finite() && hi.is_finite() && lo <= hi).then_some((lo, hi))
 }
 
-/// Mean, standard deviation, lower and upper edge of the band at each stress; not a number outside of what all curves span.
+/// Mean, standard deviation, lower and upper edge of the band at each stress; NaN outside the range
+/// that all curves cover.
 fn statistics(curves: &[Vec<Point>], at: &[f64]) -> Vec<[f64; 4]> {
     let span = common(curves);
     at.iter()
@@ -150,7 +154,7 @@ mod tests {
         assert_eq!(table.numbers("runs").expect("runs")[0], 2.0);
         assert_eq!(stage.last(), Some(&"unload"));
         assert!((mean[stage.len() - 1] - mean[last]).abs() > 1e-3);
-        // a column with gaps still stands in its own rows
+        // where a run's column has no value, the mean has none
         assert!(table.numbers("rare_mean").expect("rare")[0].is_nan());
     }
 

@@ -1,5 +1,5 @@
-//! A graph: axes in a frame, series in it, and a legend that covers none of them. Drawn as SVG and PNG with the
-//! numbers that were drawn beside them as CSV.
+//! A graph: a frame with axes, the series in the frame, and a legend that covers no series. A graph
+//! is written as SVG and PNG, and the numbers drawn as CSV.
 
 use super::axis::{Axis, Range};
 use super::canvas::{Canvas, HEIGHT, Point, WIDTH};
@@ -10,7 +10,8 @@ use super::text::{self, Anchor, Line};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Sizes in page units (19 units = 1 mm in print).
+/// Sizes in page units (19 units = 1 mm in print): text of ticks, axes and title, width of curves
+/// and of the frame.
 pub const TICK_SIZE: f64 = 46.0;
 pub const LABEL_SIZE: f64 = 52.0;
 pub const TITLE_SIZE: f64 = 37.0;
@@ -48,7 +49,7 @@ pub enum Mark {
 /// One entry of the legend and its points.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Legend entry; `None` keeps it out of the legend (a later branch of a series above).
+    /// Legend entry; `None` for a series without one, such as a later branch of a series above.
     pub label: Option<String>,
     /// Name in the CSV.
     pub name: String,
@@ -69,13 +70,13 @@ impl Series {
 pub struct Plot {
     /// File name without extension.
     pub name: String,
-    /// Parts of the line over the frame (scene, N, d50 ...).
+    /// Parts of the title above the frame (scene, N, d50 ...).
     pub title: Vec<String>,
     pub legend_title: Option<String>,
     pub x: Axis,
     pub y: Axis,
     pub series: Vec<Series>,
-    /// One unit is as long on both axes.
+    /// Whether one unit is equally long on both axes.
     pub equal: bool,
 }
 
@@ -97,7 +98,8 @@ impl Frame {
 }
 
 impl Plot {
-    /// Draws `dir/name.{svg,png,csv}`; nothing is drawn, and nothing returned, when no series has a point to show.
+    /// Writes `dir/name.{svg,png,csv}` and returns their paths; writes and returns nothing if no
+    /// series has a point to show.
     pub fn draw(&self, dir: &Path) -> Result<Vec<PathBuf>> {
         let Some(canvas) = self.canvas() else {
             return Ok(Vec::new());
@@ -162,7 +164,7 @@ impl Plot {
     fn frame(&self, x: Range, y: Range, top: f64) -> Frame {
         let ticks = y.ticks();
         let widest = ticks.iter().filter_map(|t| t.label.as_ref()).map(|l| text::room(l, TICK_SIZE)).fold(0.0, f64::max);
-        // the last label of the x axis stays on the page
+        // right of the frame: room for the half of the last x label that extends beyond the frame
         let last = x.ticks().into_iter().rev().find_map(|t| Some((x.place(t.value), t.label?)));
         let beyond = last.filter(|(place, _)| *place > 0.98).map_or(0.0, |(_, label)| text::room(&label, TICK_SIZE) / 2.0);
         let inner = Box2 {
@@ -180,7 +182,7 @@ impl Plot {
         Frame { inner, x, y, downwards: self.y.downwards }
     }
 
-    /// The title in as few lines as its parts need, about equally long.
+    /// Breaks the title into as few lines as its parts need, of about equal length.
     fn title_lines(&self) -> Vec<String> {
         const ROOM: f64 = WIDTH - 215.0;
         let parts: Vec<&str> = self.title.iter().map(String::as_str).filter(|p| !p.is_empty()).collect();
@@ -216,7 +218,7 @@ impl Plot {
         out
     }
 
-    /// Page points of a series; `None` where a value has no place.
+    /// Page points of a series; `None` for a point that an axis cannot show.
     fn points(&self, frame: &Frame, s: &Series) -> Vec<Option<Point>> {
         s.x.iter().zip(&s.y).map(|(x, y)| (self.x.shows(*x) && self.y.shows(*y)).then(|| frame.at(*x, *y))).collect()
     }
@@ -299,7 +301,7 @@ impl Plot {
         canvas.text(text(at, self.y.label.clone(), size, Anchor::Middle, true));
     }
 
-    /// The numbers that were drawn, one row a point.
+    /// The numbers drawn, as CSV with a row for each point.
     fn csv(&self) -> String {
         let banded = self.series.iter().any(|s| matches!(s.mark, Mark::Band { .. }));
         let mut out = format!("series,kind,{},{}", self.x.column, self.y.column);
@@ -333,7 +335,7 @@ impl Plot {
     }
 }
 
-/// Parts joined into lines that fit the room; a part is never cut.
+/// Joins parts into lines that fit the width `room`; a part is never cut, even if it is wider.
 fn wrapped(parts: &[&str], room: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for part in parts {
@@ -384,7 +386,7 @@ pub fn symbol(canvas: &mut Canvas, shape: Shape, at: Point, colour: Colour) {
     canvas.line(&corners, colour, 5.0, &[]);
 }
 
-/// Straight lines from the origin, for ratios such as K0 in the q-p plane.
+/// A straight line from the origin to the abscissa `to`, for ratios such as K0 in the q-p plane.
 pub fn ray(name: &str, slope: f64, to: f64) -> Series {
     Series {
         label: Some(name.into()),

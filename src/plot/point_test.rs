@@ -7,9 +7,10 @@ use super::plot::{Mark, Plot, Series};
 use super::table::Table;
 use std::path::{Path, PathBuf};
 
-/// Names of all figures that any path leaves.
+/// Names of the figures of all paths.
 const NAMES: [&str; 6] = ["deviatoric_stress", "volumetric_strain", "stress_path", "axial_stress", "shear_stress", "mean_stress"];
-/// A yield line ends beyond the last state, where it can be seen.
+/// End of a yield line over the largest mean stress: above 1, so that the line can be seen beyond
+/// the paths.
 const BEYOND: f64 = 1.05;
 
 /// Every file that figures of point tests may have in `dir`.
@@ -17,7 +18,7 @@ pub fn files(dir: &Path) -> Vec<PathBuf> {
     NAMES.iter().flat_map(|n| ["svg", "png", "csv"].map(|e| dir.join(format!("{n}.{e}")))).collect()
 }
 
-/// Rows of one test, by column.
+/// One test: the rows `first..end` of the table, and its legend entry.
 struct Test {
     label: String,
     first: usize,
@@ -142,7 +143,9 @@ impl Records {
         })
     }
 
-    /// Name, slope and intercept, kPa, of the lines worth drawing: of the strongest row, and of the last if it differs.
+    /// Name, slope and intercept, kPa, of the yield lines to draw: the line of the row with the
+    /// largest strength (compared at p = 100 kPa), and the line of the last row if its strength
+    /// differs.
     fn yield_lines(&self) -> Result<Vec<(String, f64, f64)>> {
         let (slopes, intercepts) = (self.table.numbers("yield_slope")?, self.table.numbers("yield_intercept_kPa")?);
         let (angles, cohesions) = (self.table.numbers("friction_angle_deg")?, self.table.numbers("cohesion_kPa")?);

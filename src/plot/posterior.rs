@@ -1,5 +1,6 @@
-//! Figures of a calibration against a curve: the curve with the bands that it leaves, the draws of the parameters two by two, what each
-//! parameter does to the curve, and how the intervals narrowed.
+//! Figures of a calibration against a curve: the curve with the bands of the calibration, the draws
+//! of the parameters two by two, the sensitivity of the curve to each parameter, and how the
+//! intervals of the parameters narrowed.
 
 use super::axis::{Axis, Range, Scale};
 use super::canvas::{Canvas, Point, WIDTH};
@@ -9,14 +10,14 @@ use super::plot::{Mark, Plot, Series, Shape, fit};
 use super::text::{Anchor, Line, room};
 use std::path::{Path, PathBuf};
 
-/// A measured line, and what a calibration says of it.
+/// A measured curve, and what the calibration predicts for it.
 #[derive(Clone, Debug)]
 pub struct FittedLine {
-    /// Column of a history, or `gradation`.
+    /// The measured quantity: a column of a history, or `gradation`.
     pub quantity: String,
     /// File name without extension.
     pub name: String,
-    /// Stress, kPa, or size, mm.
+    /// Abscissae: vertical stress, kPa, or grain size, mm.
     pub x: Vec<f64>,
     /// Measured values.
     pub measured: Vec<f64>,
@@ -26,13 +27,13 @@ pub struct FittedLine {
     pub mean: [Vec<f64>; 2],
     /// Lower and upper 95 % limit of single specimens.
     pub specimen: [Vec<f64>; 2],
-    /// Runs at the likeliest parameters.
+    /// The curve in each run with the likeliest parameters.
     pub checks: Vec<Vec<f64>>,
-    /// Parts of the line over the frame.
+    /// Parts of the title above the frame.
     pub title: Vec<String>,
 }
 
-/// A parameter of the figures.
+/// A calibrated parameter, with the axis on which figures show it.
 #[derive(Clone, Debug)]
 pub struct Input {
     /// Name of the parameter, with its unit.
@@ -45,7 +46,7 @@ pub struct Input {
     pub upper: f64,
 }
 
-/// The curve with its bands.
+/// Draws the measured curve with the bands of the calibration; returns the files written.
 pub fn draw_fitted(line: &FittedLine, out: &Path) -> Result<Vec<PathBuf>> {
     let (x, y, x_factor, factor) = axes(&line.quantity);
     let scaled = |v: &[f64], f: f64| v.iter().map(|v| v * f).collect::<Vec<f64>>();
@@ -85,7 +86,7 @@ pub fn draw_fitted(line: &FittedLine, out: &Path) -> Result<Vec<PathBuf>> {
     plot.draw(out)
 }
 
-/// Axes of a quantity, and the factors of its abscissae and values.
+/// Axes of a quantity, and the factors from its recorded abscissae and values to the axes' units.
 fn axes(quantity: &str) -> (Axis, Axis, f64, f64) {
     let stress = super::curves::stress_axis();
     let y = |label: &str, column: &str| Axis::linear(label, column);
@@ -107,7 +108,9 @@ fn axes(quantity: &str) -> (Axis, Axis, f64, f64) {
     }
 }
 
-/// How the intervals narrowed: a panel for each parameter, with its median and 95 % interval after so many runs.
+/// Draws how the intervals narrowed: a panel for each parameter with its median and 95 % interval
+/// against the number of runs. `quantiles` holds lower limit, median and upper limit of each
+/// parameter for each entry of `runs`. Returns the files written.
 pub fn draw_convergence(inputs: &[Input], runs: &[f64], quantiles: &[Vec<[f64; 3]>], out: &Path) -> Result<Vec<PathBuf>> {
     const SIZE: f64 = 42.0;
     const GAP: f64 = 40.0;
@@ -152,7 +155,7 @@ impl Input {
         Range { scale, lo: self.lower, hi: self.upper }
     }
 
-    /// Share of the way from the lower to the upper bound.
+    /// Place of a value on the parameter's axis: 0 at the lower, 1 at the upper bound.
     fn place(&self, v: f64) -> f64 {
         self.range().place(v)
     }
@@ -168,7 +171,7 @@ struct Panel {
 }
 
 impl Panel {
-    /// Page position of places 0..1, upwards.
+    /// Page position of a place in the panel: x from 0 (left) to 1, y from 0 (bottom) to 1.
     fn at(&self, x: f64, y: f64) -> Point {
         (self.left + x * self.width, self.top + (1.0 - y) * self.height)
     }
@@ -183,10 +186,12 @@ impl Panel {
 const CELLS: usize = 48;
 /// Standard deviation of the smoothing of a density, cells.
 const BLUR: f64 = 1.3;
-/// Shares of the draws in the two shaded regions.
+/// The two shaded regions: share of the draws in the region, and its opacity.
 const REGIONS: [(f64, f64); 2] = [(0.95, 0.28), (0.68, 0.75)];
 
-/// Draws two by two: regions of 68 and 95 % of them; on the diagonal their density, with median and 95 % interval.
+/// Draws the corner figure: for each pair of parameters, the regions that hold 68 and 95 % of the
+/// `draws`; on the diagonal, the density of each parameter with its median and 95 % interval.
+/// Returns the files written.
 pub fn draw_corner(inputs: &[Input], draws: &[Vec<f64>], out: &Path) -> Result<Vec<PathBuf>> {
     let d = inputs.len();
     let gap = 22.0;
@@ -233,7 +238,8 @@ fn cell(place: f64) -> usize {
     ((place * CELLS as f64) as usize).min(CELLS - 1)
 }
 
-/// Normal weights about a cell, renewed at the bounds.
+/// Counts of cells smoothed with normal weights. The weights of each cell are divided by their sum
+/// over the cells between the bounds, so that the total stays.
 fn blurred(counts: &[f64]) -> Vec<f64> {
     let weight = |i: usize, j: usize| (-0.5 * ((i as f64 - j as f64) / BLUR).powi(2)).exp();
     let spread: Vec<f64> = (0..CELLS).map(|j| (0..CELLS).map(|i| weight(i, j)).sum()).collect();
@@ -264,7 +270,7 @@ fn marginal(canvas: &mut Canvas, panel: Panel, places: &[f64], tone: Colour) {
 fn joint(canvas: &mut Canvas, panel: Panel, xs: &[f64], ys: &[f64], tone: Colour) {
     let mut counts = vec![vec![0.0; CELLS]; CELLS];
     xs.iter().zip(ys).for_each(|(x, y)| counts[cell(*y)][cell(*x)] += 1.0);
-    // one direction after the other
+    // smoothed along the rows first, then along the columns
     let rows: Vec<Vec<f64>> = counts.iter().map(|row| blurred(row)).collect();
     let columns: Vec<Vec<f64>> = (0..CELLS).map(|i| blurred(&rows.iter().map(|r| r[i]).collect::<Vec<_>>())).collect();
     let density = |i: usize, j: usize| columns[i][j];
@@ -279,7 +285,7 @@ fn joint(canvas: &mut Canvas, panel: Panel, xs: &[f64], ys: &[f64], tone: Colour
         });
         let level = level.copied().unwrap_or(0.0);
         for j in 0..CELLS {
-            // neighbours in a row are one rectangle
+            // adjacent cells of a row are one rectangle
             let mut i = 0;
             while i < CELLS {
                 let start = i;
@@ -296,7 +302,8 @@ fn joint(canvas: &mut Canvas, panel: Panel, xs: &[f64], ys: &[f64], tone: Colour
     }
 }
 
-/// Ticks, their labels and the name of a panel's axis; labels keep clear of each other and of the panel beside.
+/// Draws the ticks of a panel's axis, their labels and the name. A label that would overlap another
+/// one, or the panel beside, is left out.
 fn ticks(canvas: &mut Canvas, panel: Panel, range: &Range, name: &str, size: f64, upwards: bool) {
     let text = |at, text: &str, size, anchor, upwards| Line { at, text: text.into(), size, colour: INK, anchor, upwards };
     let along = if upwards { panel.height } else { panel.width };
@@ -329,7 +336,9 @@ fn ticks(canvas: &mut Canvas, panel: Panel, range: &Range, name: &str, size: f64
     }
 }
 
-/// Shares of the curve's variance over the prior: of each parameter alone and with everything in which it plays a part.
+/// Draws, for each name, its shares of the curve's variance over the prior: `first`, the parameter
+/// alone, and `total`, with its interactions with the others (first-order and total Sobol'
+/// indices). Returns the files written.
 pub fn draw_sensitivity(names: &[String], first: &[f64], total: &[f64], out: &Path) -> Result<Vec<PathBuf>> {
     const ROW: f64 = 130.0;
     const SIZE: f64 = 46.0;

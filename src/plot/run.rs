@@ -1,4 +1,4 @@
-//! One run folder as figures see it: its name, seeds, scale and history.
+//! What figures read from the folder of one run: its name, seeds, scale and history.
 
 use super::axis::{count, significant};
 use super::canvas::Point;
@@ -21,42 +21,45 @@ pub struct Branch {
     pub points: Vec<Point>,
 }
 
-/// What is known of a run from its files; everything but the folder may be missing.
+/// What is known of a run from its files; all but the folder and the name may be missing.
 #[derive(Clone, Debug)]
 pub struct Run {
     pub dir: PathBuf,
     pub name: String,
     pub seed: Option<Seed>,
-    /// Scale N (eqs 13-15).
+    /// Scale N (Ciantia et al. 2015, eqs 13-15).
     pub scale: Option<f64>,
     /// Median size of the initial gradation, divided by N, mm.
     pub d50_mm: Option<f64>,
+    /// Number of grains at the start and at the end.
     pub grains: Option<(u64, u64)>,
     pub events: Option<u64>,
     /// Volume at the start of the test, m³.
     pub volume: Option<f64>,
-    /// Void ratio that fines can just fill.
+    /// Void ratio of all dry mass below which the fines would not fit into the voids
+    /// (`records.least_void_ratio`).
     pub least_void_ratio: f64,
-    /// Vertical stresses, kPa, or axial strains at which gradations were asked for.
+    /// Vertical stresses, kPa, or axial strains at which the scene asks for gradations.
     pub asked: Vec<f64>,
-    /// Vertical stresses, kPa, between which stages of loading go.
+    /// Vertical stresses, kPa, at which stages of loading start and end.
     pub stages: Vec<f64>,
     /// Name of the grains' material.
     pub material: Option<String>,
     pub history: Option<Table>,
 }
 
-/// [`Run::least_void_ratio`] of runs that do not say it.
+/// Value of [`Run::least_void_ratio`] for runs whose summary does not hold one.
 const LEAST_VOID_RATIO: f64 = 0.15;
 
-/// Name of a run's folder, also where it is given as `.`.
+/// Name of a run's folder; a path such as `.` is resolved first.
 pub fn folder_name(dir: &Path) -> String {
     let full = dir.canonicalize().unwrap_or_else(|_| dir.to_path_buf());
     full.file_name().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned())
 }
 
 impl Run {
-    /// Reads `summary.json` and `history.csv` of a run folder, each if it is there.
+    /// Reads `summary.json`, `history.csv` and the resolved scene of a run folder, each if it is
+    /// there.
     pub fn read(dir: &Path) -> Result<Self> {
         if !dir.is_dir() {
             return Err(FigureError::nothing(dir, "no such run folder"));
@@ -88,9 +91,10 @@ impl Run {
         Ok(run)
     }
 
-    /// Whether it is a triaxial test.
+    /// Whether the run is a triaxial test.
     pub fn is_triaxial(&self) -> bool {
-        // isotropic compression of grains has strains of both directions, too, but no ratio of stresses
+        // isotropic compression of grains records volumetric and radial strain as well, but no
+        // stress ratio; triaxial tests of a continuum record no radial strain
         let sheared = |h: &Table| h.has("volumetric_strain") && (h.has("stress_ratio") || !h.has("radial_strain"));
         self.history.as_ref().is_some_and(sheared)
     }
@@ -103,8 +107,9 @@ impl Run {
         }
     }
 
-    /// Pairs of two history columns in file order, cut where the stage changes. Records of the preparation are left
-    /// out but for the last, where loading starts. Empty if a column is missing.
+    /// Points of two history columns in file order, as a branch for each stage; each column is
+    /// given with a factor. Of the preparation (stage `settle`) only the last record is kept, where
+    /// loading starts. Empty if a column is missing.
     pub fn branches(&self, x: (&str, f64), y: (&str, f64)) -> Result<Vec<Branch>> {
         let (Some(xs), Some(ys)) = (self.column(x.0)?, self.column(y.0)?) else {
             return Ok(Vec::new());
@@ -124,7 +129,7 @@ impl Run {
             match out.last_mut() {
                 Some(last) if last.stage == stage => last.points.push((px, py)),
                 last => {
-                    // A branch starts where the one before it ended.
+                    // A branch starts with the last point of the branch before it.
                     let joint = last.and_then(|b| b.points.last().copied());
                     let points = joint.into_iter().chain([(px, py)]).collect();
                     out.push(Branch { stage, points });
@@ -151,21 +156,22 @@ impl Run {
         Ok(table.texts("stage")?.iter().map(|s| (*s).to_string()).collect())
     }
 
-    /// The first value of a column on a test's way at which the void ratio is less than fines can fill.
+    /// Value of a column, times `factor`, in the first record of loading whose void ratio is below
+    /// [`Run::least_void_ratio`]; `None` if there is no such record.
     pub fn below_least(&self, column: &str, factor: f64) -> Result<Option<f64>> {
         let (Some(e), Some(x)) = (self.column("void_ratio")?, self.column(column)?) else { return Ok(None) };
         let start = self.stages()?.iter().rposition(|s| s == "settle").unwrap_or(0);
         Ok((start..e.len()).find(|&i| e[i] < self.least_void_ratio).map(|i| x[i] * factor))
     }
 
-    /// `petroleum coke`, `grain scale 2`, `d50 = 7.1 mm`.
+    /// Facts for titles, such as `petroleum coke`, `grain scale 2`, `d_{50} = 7.1 mm`.
     pub fn facts(&self) -> Vec<String> {
         let scale = self.scale.map(|n| format!("grain scale {}", significant(n, 3)));
         let d50 = self.d50_mm.map(|d| format!("d_{{50}} = {} mm", significant(d, 3)));
         self.material.clone().into_iter().chain(scale).chain(d50).collect()
     }
 
-    /// `680 → 18 984 grains`, `1408 events`.
+    /// Outcome for titles, such as `680 → 18 984 grains`, `1408 events`.
     pub fn outcome(&self) -> Vec<String> {
         let grains = self
             .grains
@@ -174,7 +180,7 @@ impl Run {
         grains.into_iter().chain(events).collect()
     }
 
-    /// `H-C-2, seed 1`.
+    /// Name with the seed, such as `H-C-2, seed 1`.
     pub fn label(&self) -> String {
         match self.seed {
             None => self.name.clone(),
@@ -190,14 +196,16 @@ fn volume(summary: &Value) -> Option<f64> {
     Some(0.25 * std::f64::consts::PI * d * d * h)
 }
 
-/// `records.at_kPa` or `records.at_strain` of the scene as it was run; empty without one.
+/// Values of `records.at_kPa`, or else of `records.at_strain`, in the resolved scene; empty if
+/// neither is there.
 fn asked(scene: &toml::Table) -> Vec<f64> {
     let list = |key: &str| scene.get("records").and_then(|r| r.get(key)).and_then(toml::Value::as_array).cloned();
     let list = list("at_kPa").or_else(|| list("at_strain")).unwrap_or_default();
     list.iter().filter_map(number).collect()
 }
 
-/// `specimen.isotropic_stress_kPa`, `loading.max_stress_kPa` and `loading.stages_kPa` of the scene as it was run; empty without them.
+/// Values of `specimen.isotropic_stress_kPa`, `loading.max_stress_kPa` and `loading.stages_kPa` in
+/// the resolved scene; those that are there.
 fn stages(scene: &toml::Table) -> Vec<f64> {
     let of = |key: &str| scene.get("loading").and_then(|l| l.get(key));
     let later = of("stages_kPa").and_then(toml::Value::as_array).into_iter().flatten();
@@ -218,7 +226,7 @@ pub(super) fn read_summary(path: &Path) -> Result<Value> {
     serde_json::from_str(&text).map_err(|e| FigureError::io(path, e))
 }
 
-/// A scene given as a path is named by its file.
+/// Name of a scene; for a path, the name of the file.
 fn scene_name(scene: &str) -> String {
     let stem = scene.strip_suffix(".toml").map(|s| s.rsplit(['/', '\\']).next().unwrap_or(s));
     stem.unwrap_or(scene).to_string()

@@ -1,11 +1,12 @@
-//! One line per run: what `summary.json` says, as a table beside overlaid figures.
+//! A table with one row for each run, from its `summary.json`, written beside figures of several
+//! runs.
 
 use super::error::{FigureError, Result};
 use super::run::{folder_name, read_summary};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Column and where its value stands in `summary.json`.
+/// Each column, and the JSON pointer to its value in `summary.json`.
 const COLUMNS: [(&str, &str); 35] = [
     ("scene", "/scene"),
     ("seed_packing", "/seed/packing"),
@@ -44,7 +45,9 @@ const COLUMNS: [(&str, &str); 35] = [
     ("wall_seconds", "/wall_seconds"),
 ];
 
-/// Writes `runs.csv` for the runs that have a summary, by their folders' names, with the columns that any of them fills; returns its path, or `None` when none has.
+/// Writes `runs.csv` with a row for each run that has a summary, named by the run's folder, and
+/// with the columns that at least one run fills. Returns the path, or `None` if no run has a
+/// summary.
 pub fn write(dirs: &[PathBuf], out: &Path) -> Result<Option<PathBuf>> {
     let mut rows = Vec::new();
     for dir in dirs {
@@ -68,7 +71,8 @@ pub fn write(dirs: &[PathBuf], out: &Path) -> Result<Option<PathBuf>> {
     Ok(Some(path))
 }
 
-/// A value as it stands in a table: whole numbers as they are, others to six digits, nothing for what is absent.
+/// A value as text: whole numbers unchanged, others rounded to six decimals or, if smaller than
+/// 0.001, written with three significant digits and a power of ten; empty for a missing value.
 fn text(value: Option<&Value>) -> String {
     match value {
         Some(Value::String(s)) => s.clone(),

@@ -1,5 +1,6 @@
-//! A mixture cut open: the vertical plane through its middle, at the start and at the end. Each place of the plane has the colour of the nearest point, grains are
-//! the circles in which it cuts them.
+//! A section through a mixture: the vertical plane y = const through the middle, at the start and
+//! at the end. Each place of the plane has the colour of the nearest material point; grains are
+//! drawn as the circles in which the plane cuts them.
 
 use super::axis::significant;
 use super::canvas::{Canvas, Point, WIDTH};
@@ -17,16 +18,19 @@ use std::path::{Path, PathBuf};
 
 const GUTTER: f64 = 72.0;
 const TALLEST: f64 = 1000.0;
-/// Edge of a tile over the mean edge of the points, and most tiles along the width.
+/// Edge of a tile over the mean edge of the points, and the largest number of tiles along the
+/// width.
 const FINE: f64 = 1.0 / 3.0;
 const ACROSS: f64 = 150.0;
-/// A place further from every point than this many edges is empty.
+/// A place is empty if the distance to every point is larger than this many mean edges of the
+/// points.
 const FAR: f64 = 1.0;
 /// Corners of a drawn circle, and the width of its line.
 const CORNERS: usize = 48;
 const RIM: f64 = 3.0;
 
-/// What the plane meets: tiles of one edge, m, with place x and z and value; circles with place and radius, m.
+/// What is drawn of the plane: square tiles of one edge, m, each with the x and z of its centre, m,
+/// and its value; circles, each with its centre and radius, m.
 struct Cut {
     name: &'static str,
     edge: f64,
@@ -34,10 +38,10 @@ struct Cut {
     circles: Vec<([f64; 2], f64)>,
 }
 
-/// Middle and edge of a point, m, and its value.
+/// A material point: centre and edge (cube root of the volume), m, and the value that colours it.
 type Coloured = ([f64; 3], f64, f64);
 
-/// Points and grains of an instant, these with middle and radius, m.
+/// Material points and grains at one instant; a grain is its centre and its radius, m.
 struct Bodies {
     points: Vec<Coloured>,
     grains: Vec<([f64; 3], f64)>,
@@ -63,7 +67,7 @@ impl Bodies {
         Ok((sound && !points.is_empty() && !grains.is_empty()).then_some(Bodies { points, grains }))
     }
 
-    /// Where the middle lies along y, m.
+    /// The middle of all bodies along y, m.
     fn middle(&self) -> f64 {
         let across = self.points.iter().map(|(p, edge, _)| [p[1] - 0.5 * edge, p[1] + 0.5 * edge]);
         let across = across.chain(self.grains.iter().map(|(p, r)| [p[1] - r, p[1] + r]));
@@ -74,7 +78,8 @@ impl Bodies {
     fn cut(&self, name: &'static str, y: f64) -> Cut {
         let edge = self.points.iter().map(|p| p.1).sum::<f64>() / self.points.len() as f64;
         let reach = FAR * edge;
-        // points near the plane by columns as wide as a place can see
+        // points near the plane, sorted by columns as wide as the distance at which a place can see
+        // a point
         let column = |x: f64, z: f64| [(x / reach).floor() as i64, (z / reach).floor() as i64];
         let mut near: HashMap<[i64; 2], Vec<&Coloured>> = HashMap::new();
         for point in self.points.iter().filter(|p| (p.0[1] - y).abs() <= reach) {
@@ -87,7 +92,7 @@ impl Bodies {
             let all = around.filter_map(|c| near.get(&c)).flatten().map(|p| (square(&p.0), p.2));
             all.filter(|(d, _)| *d <= reach * reach).min_by(|a, b| a.0.total_cmp(&b.0)).map(|p| p.1)
         };
-        // as far as the points reach
+        // tiles cover the region of these points
         let [left, right, low, high] = bounds(near.values().flatten().map(|(p, edge, _)| ([p[0], p[2]], 0.5 * edge)));
         let tile = (FINE * edge).max((right - left) / ACROSS);
         let count = |from: f64, to: f64| ((to - from) / tile).round().max(0.0) as usize;
@@ -119,7 +124,8 @@ impl Cut {
     }
 }
 
-/// Draws `out/section.{svg,png,csv}` of a mixture: plastic strain where there is any, else mean stress; nothing without both points and grains.
+/// Draws `out/section.{svg,png,csv}` of a mixture, coloured by plastic strain if any point has
+/// some, else by mean stress; draws nothing without both points and grains.
 pub fn draw(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
     let read = |files, column| Bodies::read(run, files, column);
     let (starts, ends) = (["points_start.csv", "grains_start.csv"], ["points_final.csv", "grains_final.csv"]);
@@ -203,7 +209,7 @@ mod tests {
     #[test]
     fn the_plane_has_the_colour_of_the_nearest_points_and_cuts_grains_in_circles() {
         let dir = tempfile::tempdir().expect("folder");
-        // two layers at half an edge from the plane y = 0.05, and one that it does not see
+        // two points at half an edge from the plane y = 0.05, and two out of its reach
         let points = "id,x_m,y_m,z_m,volume_m3,plastic_strain,p_kPa\n0,0,0.045,0,1e-6,0,10\n1,0,0.055,0.02,1e-6,0.1,20\n2,0,0.1,0,1e-6,0.9,30\n3,0,0,0,1e-6,0.9,1\n";
         let grains = "x_m,y_m,z_m,r_m\n0.03,0.053,0.01,0.005\n0.03,0.09,0.01,0.005\n";
         for (name, text) in [("points_final.csv", points), ("grains_final.csv", grains)] {
@@ -219,7 +225,7 @@ mod tests {
         let (below, above) = (tiles(-1.0, 0.01), tiles(0.01, 1.0));
         assert!(below.len() > 6 && below.iter().all(|v| *v == "0.000000"), "{below:?}");
         assert!(above.len() > 6 && above.iter().all(|v| *v == "0.100000"), "{above:?}");
-        // the first grain with a radius of 4 mm, the second not at all
+        // the plane cuts the first grain in a circle of 4 mm radius and does not meet the second
         let circles: Vec<&Vec<&str>> = rows.iter().filter(|r| r[1] == "grain").collect();
         assert_eq!(circles, [&["end", "grain", "0.030000", "0.010000", "0.004000", ""]]);
         std::fs::remove_file(dir.path().join("grains_final.csv")).expect("removed");

@@ -13,7 +13,8 @@ use super::text::{self, Anchor, Line};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Height of the eye over the horizon and turn about the axis, degrees.
+/// Direction of view: height of the eye above the horizon and turn about the vertical axis,
+/// degrees.
 const ELEVATION: f64 = 27.0;
 const AZIMUTH: f64 = 25.0;
 pub(super) const MARGIN: f64 = 36.0;
@@ -21,9 +22,9 @@ const GUTTER: f64 = 56.0;
 const TALLEST: f64 = 1250.0;
 pub(super) const SIZE: f64 = 42.0;
 const WALL: f64 = 2.5;
-/// Lengths beyond this are no specimen, m.
+/// Grains and cylinders with a coordinate or size beyond this are left out, m.
 const FAR: f64 = 1e6;
-/// Tones of a coloured field.
+/// Number of tones of a coloured field.
 pub(super) const TONES: usize = 48;
 
 /// What the colour of a grain means.
@@ -74,7 +75,7 @@ impl Specimen {
         Ok(any.then_some(Self { grains, cylinder }))
     }
 
-    /// Bounds on the unscaled page: left, right, bottom, top (upwards), m.
+    /// Bounds of the projection: left, right, bottom, top (positive upwards), m.
     fn bounds(&self) -> [f64; 4] {
         let view = View::new();
         let mut b = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
@@ -105,7 +106,8 @@ fn ring(radius: f64, z: f64, degrees: f64) -> [f64; 3] {
     [radius * a.cos(), radius * a.sin(), z]
 }
 
-/// Orthographic view from above the horizon.
+/// Orthographic view from above the horizon; `turn` and `lift` are sine and cosine of the azimuth
+/// and of the elevation.
 struct View {
     turn: (f64, f64),
     lift: (f64, f64),
@@ -116,7 +118,7 @@ impl View {
         Self { turn: AZIMUTH.to_radians().sin_cos(), lift: ELEVATION.to_radians().sin_cos() }
     }
 
-    /// Rightwards, upwards, towards the reader, m.
+    /// Projection of a place: distances rightwards, upwards and towards the reader, m.
     fn project(&self, p: [f64; 3]) -> [f64; 3] {
         let (s, c) = self.turn;
         let (along, away) = (c * p[0] + s * p[1], -s * p[0] + c * p[1]);
@@ -125,12 +127,12 @@ impl View {
     }
 }
 
-/// Where one specimen stands on the page.
+/// Place of one specimen on the page: page position of its origin, and page units for a metre.
 struct Panel {
     centre: f64,
     base: f64,
     scale: f64,
-    /// Projection of the middle of the bottom.
+    /// Projection of the middle of the specimen's bottom, m; drawn at (`centre`, `base`).
     origin: [f64; 2],
 }
 
@@ -141,13 +143,15 @@ impl Panel {
         (at, v[2] * self.scale)
     }
 
-    /// Part of a horizontal circle of the cylinder, degrees counted from the eye's left.
+    /// Part of a horizontal circle of the cylinder between two angles, degrees, counted from the
+    /// right through the far side (0 to 180) and the near side (180 to 360).
     fn arc(&self, radius: f64, z: f64, from: f64, to: f64) -> Vec<Point> {
         (0..=60).map(|i| from + (to - from) * f64::from(i) / 60.0).map(|a| self.place(ring(radius, z, a + AZIMUTH)).0).collect()
     }
 }
 
-/// Draws `out/specimen.{svg,png,csv}` of a run; nothing if the run left no specimen.
+/// Draws the views of a run's specimen into `out`: `specimen.{svg,png,csv}`, or `specimen_FIELD`
+/// with a field as colour. Draws nothing if the run left no specimen.
 pub fn draw(run: &Run, colouring: &Colouring, out: &Path) -> Result<Vec<PathBuf>> {
     let read = |name: &str| Specimen::read(&run.dir.join(name), colouring);
     let mut specimens = Vec::new();
@@ -238,7 +242,7 @@ fn heading(run: &Run, canvas: &mut Canvas) {
     });
 }
 
-/// `start: 5 kPa, 680 grains`.
+/// Caption such as `start: σ_{v} = 5 kPa, 680 grains`.
 fn caption(run: &Run, name: &str, specimen: &Specimen) -> Result<String> {
     let grains = count(specimen.grains.len() as u64);
     let branches = run.branches(("sigma_v_kPa", 1.0), ("sigma_v_kPa", 1.0))?;
@@ -254,7 +258,8 @@ fn with_unit(kpa: f64) -> String {
     if kpa.abs() < 100.0 { format!("{} kPa", significant(kpa, 2)) } else { format!("{} MPa", significant(kpa * 1e-3, 2)) }
 }
 
-/// The far walls, the grains, the near walls; and the height at the start as a dashed line.
+/// Draws the far walls, the height at the start (`ghost`) as a dashed line, the grains, and the
+/// near walls, in this order.
 fn grains(
     canvas: &mut Canvas,
     csv: &mut String,
@@ -323,7 +328,7 @@ pub(super) fn scale_bar(canvas: &mut Canvas, widest: f64, scale: f64, y: f64) {
     });
 }
 
-/// The largest of 1, 2, 5 times a power of ten below a length.
+/// The largest of 1, 2 and 5 times a power of ten that is at most `most`; `None` if there is none.
 fn round_length(most: f64) -> Option<f64> {
     if !(most > 0.0 && most.is_finite()) {
         return None;
@@ -332,10 +337,10 @@ fn round_length(most: f64) -> Option<f64> {
     [5.0, 2.0, 1.0].into_iter().map(|m| m * unit).find(|v| *v <= most * (1.0 + 1e-9))
 }
 
-/// From a grain to its colour, and the key to it.
+/// Colours of grains, and the key that explains them.
 pub(super) struct Tones {
     pub(super) palette: Vec<Colour>,
-    /// Generations in use, or the range of the field and its name.
+    /// Number of generations, or name and range of the field.
     pub(super) key: Key,
 }
 
@@ -382,7 +387,7 @@ impl Tones {
         }
     }
 
-    /// `generation ● 0 ● 1 ● 2`, right-aligned.
+    /// Draws a legend such as `generation ● 0 ● 1 ● 2`, right-aligned.
     fn swatches(&self, canvas: &mut Canvas, n: usize, y: f64) {
         let colours = self.palette.len();
         let name = |i: usize| match i + 1 {

@@ -9,9 +9,10 @@ use super::error::Result;
 use super::plot::{Plot, Series, ray};
 use super::run::Run;
 
-/// With more groups than this, K0 lines would only cross each other.
+/// Largest number of groups for which K0 lines are drawn; more lines would only hide each other.
 const RAYS: usize = 3;
-/// A K0 line ends beyond the last state, where it can be seen.
+/// End of a K0 line over the largest mean stress: above 1, so that the line can be seen beyond the
+/// path.
 const BEYOND: f64 = 1.07;
 
 /// The stress path, if the records have one.
@@ -22,7 +23,7 @@ pub fn plot(input: &Input) -> Result<Option<Plot>> {
     for (i, group) in input.groups.iter().enumerate() {
         let series = group
             .series(&group.label, colour::kind(i), colour::dash(i), false, |run| run.branches(("p_kPa", 1e-3), ("q_kPa", 1e-3)))?;
-        // the ratio that shear reaches is no k0
+        // the stress ratio that a triaxial test reaches is not k0
         let at_rest = !group.runs.iter().any(Run::is_triaxial);
         if let Some(mut line) = k0_line(&series).filter(|_| at_rest) {
             if !single {

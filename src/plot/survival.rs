@@ -1,4 +1,5 @@
-//! Strength of the grains that broke: the share of them that was still whole at a force over their diameter squared.
+//! Strength of the grains that broke: the share of these grains that had not broken yet, against
+//! the force over the diameter squared.
 
 use super::Input;
 use super::axis::Axis;
@@ -12,7 +13,8 @@ use super::table::Table;
 /// Fewer broken grains than this make no curve.
 const FEWEST: usize = 5;
 
-/// Survival of the broken grains of each run, those of the start apart from their fragments.
+/// The figure of survival of each run's broken grains, with the grains of the start apart from
+/// their fragments; `None` without enough broken grains.
 pub fn plot(input: &Input) -> Result<Option<Plot>> {
     let mut series = Vec::new();
     let runs = input.groups.iter().flat_map(|g| &g.runs);
@@ -62,7 +64,8 @@ fn strengths(run: &Run) -> Result<[Vec<f64>; 2]> {
     Ok(out)
 }
 
-/// Values in rising order, each with the share that lies above it: 1 - (k - 1/2)/n.
+/// Values in rising order, each with the share of values above it: 1 − (k − 1/2)/n for the k-th of
+/// n.
 fn survival(mut values: Vec<f64>) -> Vec<(f64, f64)> {
     values.sort_by(f64::total_cmp);
     let n = values.len() as f64;

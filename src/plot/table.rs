@@ -1,4 +1,4 @@
-//! CSV records: one header line, comma, `#` comments of the form `# key = value`.
+//! Reading of CSV files: one header line, commas, comments of the form `# key = value`.
 
 use super::error::{FigureError, Result};
 use std::path::{Path, PathBuf};
@@ -13,7 +13,8 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads a file. A last line that was cut short is left out (a run may have been stopped while writing it).
+    /// Reads a file. An incomplete last line is left out: a run may have been stopped while writing
+    /// it.
     pub fn read(path: &Path) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|e| FigureError::io(path, e))?;
         let text = String::from_utf8_lossy(&bytes);

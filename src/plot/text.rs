@@ -7,15 +7,17 @@ use std::sync::LazyLock;
 
 static TYPEFACE: LazyLock<Option<FontRef<'static>>> = LazyLock::new(|| FontRef::try_from_slice(notosans::REGULAR_TTF).ok());
 
-/// Size of sub- and superscripts over that of the line.
+/// Size of sub- and superscripts over the size of the line.
 const SCRIPT: f64 = 0.72;
-/// Baseline shift of a subscript and of a superscript, in line sizes, downwards.
+/// Shift of the baseline of a subscript and of a superscript, in sizes of the line, positive
+/// downwards.
 const SUB: f64 = 0.17;
 const SUPER: f64 = -0.34;
-/// Half the height of the small letters and figures, to centre a line on a point.
+/// Distance of the baseline below the point on which a line is centred, in sizes of the line: about
+/// half the height of capitals and digits.
 const MIDDLE: f64 = 0.35;
 
-/// Which point of the line stands at the given position.
+/// Which point of a line of text stands at [`Line::at`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     Start,
@@ -34,7 +36,8 @@ pub struct Line {
     pub upwards: bool,
 }
 
-/// A piece of a line with one size and baseline.
+/// A piece of a line with one size and one baseline. `shift` is the baseline's shift, in sizes of
+/// the line, positive downwards; `scale` is the size over that of the line.
 #[derive(Debug, PartialEq)]
 struct Piece<'a> {
     text: &'a str,
@@ -72,13 +75,14 @@ pub fn width(text: &str, size: f64) -> f64 {
     pieces(text).iter().map(|p| run(p.text, size * p.scale, |_, _| ())).sum()
 }
 
-/// Room that a layout keeps for a line: the widest common sans-serif (an SVG may be shown with another typeface than
-/// the embedded one) is this much wider.
+/// Width that a layout reserves for a line: 1.15 times the width in the embedded typeface, because
+/// an SVG may be shown in a wider sans-serif typeface.
 pub fn room(text: &str, size: f64) -> f64 {
     1.15 * width(text, size)
 }
 
-/// Calls `each` with every glyph and its pen position; returns the advance.
+/// Calls `each` with every character and its pen position; returns the width of the text. Without a
+/// typeface the width is an estimate, and `each` is not called.
 fn run(text: &str, size: f64, mut each: impl FnMut(char, f64)) -> f64 {
     let Some(font) = TYPEFACE.as_ref() else {
         return 0.55 * size * text.chars().count() as f64;
@@ -149,7 +153,9 @@ impl Line {
                 let Some(glyph) = outline(c, size * p.scale) else {
                     continue;
                 };
-                // The glyph is rasterised at the fraction of its pen position on the unturned line.
+                // The glyph is rasterised at the origin of an unturned line; its pixels are then
+                // moved to the pen position, turned for an upward line, and rounded to whole
+                // pixels.
                 let (whole, bounds) = (at, glyph.px_bounds());
                 glyph.draw(|gx, gy, cover| {
                     let u = whole + f64::from(bounds.min.x) + f64::from(gx);

@@ -7,15 +7,15 @@ use super::curves::title;
 use super::error::Result;
 use super::plot::Plot;
 
-/// A figure's name and the column in it.
+/// Name of the figure of volumetric strain, and of the column that it shows.
 const VOLUMETRIC: &str = "volumetric_strain";
 
-/// Whether the runs are triaxial tests.
+/// Whether any of the runs is a triaxial test.
 pub fn is(input: &Input) -> bool {
     input.groups.iter().any(|group| group.runs.iter().any(super::run::Run::is_triaxial))
 }
 
-/// The two curves, if the records have them.
+/// The two figures, each if the records have its columns.
 pub fn plots(input: &Input) -> Result<Vec<Plot>> {
     let strain = || Axis::linear("axial strain ε_{a} (%)", "axial_strain_percent").including(&[0.0]);
     let q = Axis::linear("deviatoric stress q (kPa)", "q_kPa").including(&[0.0]);

@@ -42,6 +42,9 @@ runs! { "cpu":
     oedometer_fines_as_points: "tests/golden/sand_oedometer.toml", &[];
     triaxial: "experiments/fontainebleau/triaxial-h.toml",
         &["specimen.grains=300", "specimen.diameter_mm=10.3", "crushing.enabled=true", "loading.axial_strain=0.1", "specimen.isotropic_stress_kPa=2000", "loading.inertial_number=0.001"];
+    isotropic: "experiments/isotropic/petroleum_coke.toml",
+        &["specimen.grains=120", "specimen.diameter_mm=110", "specimen.porosity=0.45", "preparation.porosity_tolerance=0.02", "loading.max_stress_kPa=600",
+            "loading.stages_kPa=[60, 700]", "records.at_kPa=[]"];
     single_grains: "experiments/platen/silica.toml", &["batch.grains=4", "batch.diameters_mm=[1.0, 2.0]"];
     two_materials_and_rolling: "tests/golden/two_materials.toml", &[];
     imported_packing: "experiments/free/imported_packing.toml", &[];

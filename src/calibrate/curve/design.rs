@@ -2,10 +2,12 @@
 
 use rand::{Rng, RngExt, seq::SliceRandom};
 
-/// Latin hypercubes of which the one with the largest smallest distance is taken.
+/// Number of random Latin hypercubes, of which the one with the largest smallest distance between
+/// points is used.
 const TRIES: usize = 200;
 
-/// `n` points of a Latin hypercube of `d` inputs, as far apart as the best of many draws.
+/// `n` points of a Latin hypercube of `d` inputs. Of many random hypercubes the one whose nearest
+/// points are furthest apart is returned.
 pub fn latin(n: usize, d: usize, rng: &mut impl Rng) -> Vec<Vec<f64>> {
     let mut best = (f64::NEG_INFINITY, Vec::new());
     for _ in 0..TRIES {
@@ -25,7 +27,7 @@ pub fn latin(n: usize, d: usize, rng: &mut impl Rng) -> Vec<Vec<f64>> {
     best.1
 }
 
-/// Smallest squared distance of two points; infinite for fewer.
+/// Smallest squared distance between two of the points; `f64::MAX` for fewer than two points.
 fn nearest(points: &[Vec<f64>]) -> f64 {
     let mut least = f64::MAX;
     for (i, a) in points.iter().enumerate() {

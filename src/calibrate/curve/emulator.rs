@@ -1,39 +1,44 @@
-//! A fast stand-in for the runs: their curves as a few principal components, each a Gaussian process over the parameters (Higdon et al.
-//! 2008, J. Am. Stat. Assoc. 103, 570), with the scatter of the seeds found beside it.
+//! Emulator: a statistical model of the curves of runs, fast enough to be sampled. The curves are
+//! decomposed into a few principal components. The score of each component is a Gaussian process
+//! over the parameters (Higdon et al. 2008, J. Am. Stat. Assoc. 103, 570), whose noise is the
+//! scatter between seeds.
 
 use super::gp::Gp;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
-/// Components are looked at until they hold this share of the runs' variance, at most so many.
+/// Share of the runs' variance up to which components are considered, and their largest number.
 const SHARE: f64 = 0.9995;
 const MOST: usize = 8;
-/// A component of which the other runs do not predict each run better than to this share of its variance says nothing about the
-/// parameters, and is left out.
+/// Mean square error of predicting runs that are left out, over the variance of the component, from
+/// which on the component is dropped: the parameters then hardly influence it. If that holds for
+/// all, the first component is kept.
 const UNTOLD: f64 = 0.8;
-/// Weight of the correlations of the scatter between components; the rest goes to none, as few runs show them only roughly.
+/// Factor on the correlations between the scatter of components. It draws them towards zero,
+/// because few runs show them only roughly.
 const CORRELATED: f64 = 0.8;
 
-/// Curves as functions of parameters in the unit cube.
+/// Model of the curve as a function of the parameters, in unit coordinates.
 #[derive(Clone, Debug)]
 pub struct Emulator {
-    /// Mean of each output over the runs, and the scale that it is divided by.
+    /// Mean of each output over the runs, and in `scale` the number that it is divided by.
     centre: Vec<f64>,
     scale: Vec<f64>,
-    /// Outputs × components, orthonormal.
+    /// Principal components as columns (outputs × components), orthonormal.
     basis: DMatrix<f64>,
     gps: Vec<Gp>,
-    /// Covariance of the components between seeds.
+    /// Covariance of the scores between seeds.
     pub scatter: DMatrix<f64>,
-    /// Variance of each scaled output outside of the components.
+    /// Variance of each scaled output that the components do not hold.
     pub rest: Vec<f64>,
-    /// Share of the variance that the components hold.
+    /// Share of the runs' variance that the components hold.
     pub share: f64,
 }
 
 impl Emulator {
-    /// Fits runs with outputs `y` at parameters `x`. `scale` is a size of each output by which they are made comparable, at best
-    /// its scatter. `None` if the runs do not differ.
+    /// Fits an emulator to runs with outputs `y` at the unit coordinates `x`. `scale`: number by
+    /// which each output is divided so that outputs are comparable, at best its scatter between
+    /// seeds. `None` if the runs do not differ or a process cannot be fitted.
     pub fn fit(x: &[Vec<f64>], y: &[Vec<f64>], scale: &[f64]) -> Option<Emulator> {
         let (n, m) = (y.len(), scale.len());
         let centre: Vec<f64> = (0..m).map(|j| y.iter().map(|run| run[j]).sum::<f64>() / n as f64).collect();
@@ -75,28 +80,28 @@ impl Emulator {
         self.gps.len()
     }
 
-    /// The size of each output by which it is scaled.
+    /// Number by which each output is divided.
     pub fn scale(&self) -> &[f64] {
         &self.scale
     }
 
-    /// Scores of a curve.
+    /// Scores of a curve `y` on the components.
     pub fn project(&self, y: &[f64]) -> DVector<f64> {
         self.basis.tr_mul(&DVector::from_vec(self.scaled(y)))
     }
 
-    /// A curve over its scales, from the mean of the runs.
+    /// A curve `y` less the mean of the runs, over the scales.
     pub fn scaled(&self, y: &[f64]) -> Vec<f64> {
         y.iter().zip(&self.centre).zip(&self.scale).map(|((y, c), s)| (y - c) / s).collect()
     }
 
-    /// The curve of scores.
+    /// The curve with these scores.
     pub fn curve(&self, scores: &DVector<f64>) -> Vec<f64> {
         let scaled = &self.basis * scores;
         scaled.iter().zip(&self.centre).zip(&self.scale).map(|((v, c), s)| c + s * v).collect()
     }
 
-    /// Covariance of scores from a variance of each output.
+    /// Covariance of the scores if the outputs have these variances and no correlations.
     pub fn covariance(&self, variance: &[f64]) -> DMatrix<f64> {
         let scaled = DMatrix::from_diagonal(&DVector::from_iterator(
             variance.len(),
@@ -105,26 +110,28 @@ impl Emulator {
         self.basis.tr_mul(&(scaled * &self.basis))
     }
 
-    /// Covariance of the scaled outputs from one of the scores.
+    /// Covariance of the scaled outputs from the covariance of the scores.
     pub fn outputs(&self, scores: &DMatrix<f64>) -> DMatrix<f64> {
         &self.basis * scores * self.basis.transpose()
     }
 
-    /// Mean scores at parameters.
+    /// Mean scores at the unit coordinates `u`.
     pub fn mean(&self, u: &[f64]) -> DVector<f64> {
         DVector::from_iterator(self.gps.len(), self.gps.iter().map(|gp| gp.mean(u)))
     }
 
-    /// Mean scores at parameters, and how far each may be off (variance; the seeds' scatter not counted).
+    /// Mean scores at the unit coordinates `u`, and the variance of each as an error of the
+    /// emulator (without the scatter between seeds).
     pub fn predict(&self, u: &[f64]) -> (DVector<f64>, DVector<f64>) {
         let both: Vec<(f64, f64)> = self.gps.iter().map(|gp| gp.predict(u)).collect();
         let n = both.len();
         (DVector::from_iterator(n, both.iter().map(|b| b.0)), DVector::from_iterator(n, both.iter().map(|b| b.1)))
     }
 
-    /// Of `candidates`, the `count` runs after which the curves at `reference` would be known best: one after the other the one that
-    /// takes most variance from there, over the scatter, given the runs that are done and those already chosen (Cohn 1996, Neural
-    /// Netw. 9, 1071).
+    /// Chooses the next runs: of `candidates`, the `count` after which the curves at the points
+    /// `reference` are most certain. They are chosen one by one. Each is the candidate that reduces
+    /// the variance at these points most, over the variance of the scatter, given the finished runs
+    /// and those chosen before (Cohn 1996, Neural Netw. 9, 1071).
     pub fn choose(&self, candidates: &[Vec<f64>], reference: &[Vec<f64>], count: usize) -> Vec<Vec<f64>> {
         let mut gps = self.gps.clone();
         let mut chosen: Vec<Vec<f64>> = Vec::new();
@@ -143,7 +150,8 @@ impl Emulator {
     }
 }
 
-/// Covariance between seeds: each component's own noise, with the correlations of what each run is off.
+/// Covariance of the scores between seeds: variances from the noise of each process, correlations
+/// from the differences of left-out runs ([`Gp::left_out`]), times [`CORRELATED`].
 fn scatter(gps: &[Gp]) -> DMatrix<f64> {
     let left: Vec<Vec<f64>> = gps.iter().map(Gp::left_out).collect();
     let size = |k: usize| left[k].iter().map(|v| v * v).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);

@@ -1,29 +1,32 @@
-//! Whether the runs that failed are those with large, or small, values of a parameter: the rank-sum test of Mann & Whitney (1947, Ann. Math.
-//! Stat. 18, 50) of failed against finished runs. Then what is found of that parameter is found from a part of its range only.
+//! Tests whether runs fail at large, or at small, values of a parameter, by the rank-sum test of
+//! Mann & Whitney (1947, Ann. Math. Stat. 18, 50) of failed against finished runs. If they do, the
+//! estimate of that parameter rests on a part of its range only.
 
 use super::parameter::Parameter;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Probability, for all parameters together, of finding by chance what is told.
+/// Level of significance, for the tests of all parameters together.
 const CHANCE: f64 = 0.01;
 
-/// A parameter with which failures go.
+/// A parameter whose values differ between failed and finished runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tied {
+    /// Index of the parameter.
     pub parameter: usize,
-    /// Failed runs have the larger values.
+    /// Whether the failed runs have the larger values.
     pub large: bool,
-    /// Of as clear a difference by chance.
+    /// Probability of a difference at least as clear by chance.
     pub probability: f64,
 }
 
-/// Parameters with which failures go; `runs` are unit coordinates and whether the run finished.
+/// Parameters whose values differ significantly between failed and finished runs. `runs`: unit
+/// coordinates of each run, and whether it finished.
 pub fn tied(parameters: usize, runs: &[(Vec<f64>, bool)]) -> Vec<Tied> {
     let told = |t: &Tied| t.probability < CHANCE / parameters as f64;
     (0..parameters).filter_map(|k| rank_sum(k, runs)).filter(told).collect()
 }
 
-/// Both ends of what finished runs have of each parameter, in unit coordinates.
+/// Smallest and largest unit coordinate of each parameter in the finished runs.
 pub fn finished(parameters: usize, runs: &[(Vec<f64>, bool)]) -> Vec<[f64; 2]> {
     let ends = |k: usize| {
         let values = runs.iter().filter(|r| r.1).map(|r| r.0[k]);
@@ -32,7 +35,7 @@ pub fn finished(parameters: usize, runs: &[(Vec<f64>, bool)]) -> Vec<[f64; 2]> {
     (0..parameters).map(ends).collect()
 }
 
-/// In the user's words.
+/// Warning for the user about one such parameter.
 pub fn sentence(t: &Tied, parameters: &[Parameter], runs: &[(Vec<f64>, bool)]) -> String {
     let p = &parameters[t.parameter];
     let failed = runs.iter().filter(|r| !r.1).count();
@@ -67,7 +70,8 @@ fn rank_sum(k: usize, runs: &[(Vec<f64>, bool)]) -> Option<Tied> {
     if pairs == 0.0 {
         return None;
     }
-    // the count is normal to a good approximation; ties (the repeats in the middle) only make the test milder
+    // `larger` is nearly normally distributed; ties (between the repeats in the middle) lower its
+    // variance, so that the test finds too few differences rather than too many
     let n = runs.len() as f64;
     let deviation = (larger - 0.5 * pairs) / (pairs * (n + 1.0) / 12.0).sqrt();
     let probability = 2.0 * Normal::new(0.0, 1.0).ok()?.cdf(-deviation.abs());
@@ -100,7 +104,7 @@ mod tests {
         assert!(!tied(2, &log(|u, _| u[0] > 0.2, 2))[0].large);
     }
 
-    /// With failures by lot a parameter is named in about one of a hundred calibrations.
+    /// If runs fail at random, a parameter is named in about one of a hundred calibrations.
     #[test]
     fn failures_by_chance_go_with_nothing() {
         let named = (0..100).filter(|seed| !tied(2, &log(|_, lot| lot < 0.3, 100 + seed)).is_empty()).count();

@@ -1,4 +1,5 @@
-//! What a calibration has found, in numbers.
+//! Numbers that summarise the posterior of a calibration: estimates with intervals and remarks,
+//! correlations, bands of the curve.
 
 use super::emulator::Emulator;
 use super::left_out::LeftOut;
@@ -10,17 +11,19 @@ use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use table::quantile;
 
-/// Draws that bands are made from.
+/// Number of draws of the posterior from which the bands are made.
 const BAND: usize = 1000;
-/// Width of an interval over that of the prior below which a parameter is called found, and above which it is not.
+/// Limits of the width of the 95 % interval over that of the prior: below the first a parameter is
+/// called found, below the second narrowed, above it not found.
 const FOUND: f64 = 0.35;
 const NARROWED: f64 = 0.75;
-/// Share of the draws this near to a bound that makes one think of values beyond it.
+/// A distance to a bound in unit coordinates, and the share of the draws within this distance above
+/// which the value may lie beyond the bound.
 const EDGE: (f64, f64) = (0.02, 0.10);
-/// Correlation above which two parameters are told only together.
+/// Absolute rank correlation above which two parameters are said to be found only together.
 const TOGETHER: f64 = 0.8;
 
-/// One parameter.
+/// Estimate of one parameter, in the unit of its key.
 #[derive(Clone, Debug)]
 pub struct Estimate {
     /// Median of the draws.
@@ -32,49 +35,52 @@ pub struct Estimate {
     pub upper: f64,
     /// Value of the likeliest draw.
     pub mode: f64,
-    /// Smallest and largest value that finished runs have.
+    /// Smallest and largest value of the parameter in the finished runs.
     pub finished: [f64; 2],
-    /// Part of the interval, or the estimate itself, lies where no run finished.
+    /// Whether the estimate, an end of its interval or the likeliest value lies outside of the
+    /// range of the finished runs.
     pub extrapolated: bool,
     /// Width of the interval over that of the prior.
     pub width_over_prior: f64,
     pub remark: String,
 }
 
-/// A curve with a band at each point of the target.
+/// Median and 95 % bands of the curve at each point of the target; a band has its lower and its
+/// upper end.
 #[derive(Clone, Debug, Default)]
 pub struct Bands {
     pub median: Vec<f64>,
-    /// 95 % of the curves' means over seeds.
+    /// Band of the mean curve of many seeds.
     pub mean: [Vec<f64>; 2],
-    /// 95 % of single specimens.
+    /// Band of the curve of a single specimen.
     pub specimen: [Vec<f64>; 2],
 }
 
-/// Everything found.
+/// Results of a calibration.
 #[derive(Clone, Debug)]
 pub struct Findings {
     pub estimates: Vec<Estimate>,
     /// Rank correlations of the draws.
     pub correlations: Vec<Vec<f64>>,
-    /// Draws, as values.
+    /// Draws of the posterior, in the units of the keys.
     pub draws: Vec<Vec<f64>>,
     pub bands: Bands,
     pub misfit: Misfit,
     pub inflation: f64,
     pub shares: Vec<Share>,
-    /// Share of the seeds in the variance of a run over the prior.
+    /// Share of the scatter between seeds in the variance of single runs over the prior.
     pub seeds_share: f64,
     pub components: usize,
-    /// Share of the runs' variance in the components.
+    /// Share of the runs' variance that the components of the emulator hold.
     pub held: f64,
     /// Root mean square scatter between seeds of each block of outputs.
     pub scatter: Vec<f64>,
-    /// How the intervals did with curves whose parameters are known; `None` with too few runs.
+    /// Test of the intervals with curves whose parameters are known; `None` with too few runs.
     pub left_out: Option<LeftOut>,
 }
 
-/// Estimates with intervals and remarks from draws; `finished` are the ends of what finished runs have, in unit coordinates.
+/// Estimates, intervals and remarks from the draws of `chain`. `finished`: smallest and largest
+/// unit coordinate of the finished runs, for each parameter.
 pub fn estimates(parameters: &[Parameter], chain: &Chain, correlations: &[Vec<f64>], finished: &[[f64; 2]]) -> Vec<Estimate> {
     parameters
         .iter()
@@ -171,7 +177,7 @@ pub fn correlations(chain: &Chain) -> Vec<Vec<f64>> {
     ranks.iter().map(|a| ranks.iter().map(|b| one(a, b)).collect()).collect()
 }
 
-/// Bands of the curve over the draws.
+/// Median and bands of the curve over draws of the posterior.
 pub fn bands(emulator: &Emulator, chain: &Chain, curve: &Measured, rng: &mut impl Rng) -> Bands {
     let m = curve.values.len();
     let lower = emulator.scatter.clone().cholesky().map(|c| c.l());
@@ -232,7 +238,8 @@ mod tests {
         let edge = all(&chain(&|t| [0.1 * t * t, (37.0 * t).fract() * 0.5 + 0.3]), &parameters);
         assert!(edge[0].remark.contains("below the lower bound"), "{}", edge[0].remark);
         assert!(edge[1].remark.starts_with("narrowed") && (edge[1].estimate - 0.55).abs() < 0.02, "{:?}", edge[1]);
-        // no run finished where the draws lie, or at one of their ends
+        // no run finished where the draws of the first parameter lie, nor at the upper end of the
+        // draws of the second
         let stiff = chain(&|t| [0.6 + 0.1 * t, 0.4 + 0.2 * t]);
         let beyond = estimates(&parameters, &stiff, &correlations(&stiff), &[[0.0, 0.3], [0.1, 0.55]]);
         assert!(beyond[0].extrapolated && beyond[0].remark.starts_with("extrapolated, not found: runs finished from 0 to 0.3"));
@@ -242,7 +249,7 @@ mod tests {
             beyond[1].remark
         );
         assert!(tied.iter().all(|e| !e.extrapolated && !e.remark.contains("extrapolated")));
-        // as wide as a narrow prior: the curve has added nothing
+        // the interval is as wide as that of the narrow prior: the curve has added nothing
         parameters[1].prior = Prior::Normal { mean: 0.5, sd: 0.05 };
         assert!((prior_interval(&parameters[1])[0] - 0.402).abs() < 0.002);
         let same = all(&chain(&|t| [(37.0 * t).fract(), 0.4 + 0.2 * t]), &parameters);

@@ -1,5 +1,6 @@
-//! Gaussian process regression of one noisy output over the unit cube: a linear trend, a Matérn 5/2 kernel with a length for each
-//! input, and a noise whose size is found with them (Rasmussen & Williams 2006, eqs 2.25, 2.26, 4.17, 5.8, 5.12).
+//! Gaussian process regression of one noisy output over the unit cube: a linear trend, a Matérn 5/2
+//! kernel with a length for each input, and noise. Lengths, signal variance and noise variance are
+//! fitted to the data (Rasmussen & Williams 2006, eqs 2.25, 2.26, 4.17, 5.8, 5.12).
 
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::neldermead::NelderMead;
@@ -7,18 +8,21 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Variance of the trend's constant and slopes, over that of the outputs.
 const TREND: f64 = 4.0;
-/// Priors of the logarithms of length (cube = −1 … 1), signal and noise variance: mean and standard deviation.
+/// Normal priors of the logarithms of the lengths (the cube counts as −1 … 1), of the signal
+/// variance and of the noise variance: mean and standard deviation.
 const LENGTH: (f64, f64) = (0.4, 0.8);
 const SIGNAL: (f64, f64) = (-0.5, 1.5);
 const NOISE: (f64, f64) = (-3.0, 2.5);
 const NOISE_FLOOR: f64 = 1e-6;
 
-/// Logarithms of the kernel's lengths, of the signal variance and of the noise variance (outputs standardised).
+/// Logarithms of the kernel's lengths, of the signal variance and of the noise variance, in this
+/// order, for standardised outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hyper(Vec<f64>);
 
 impl Hyper {
-    /// Where the search begins: a smooth function with some noise, and a rough one with little.
+    /// Starting points of the fit: long lengths with some noise, and shorter lengths with little
+    /// noise.
     fn starts(inputs: usize) -> [Hyper; 2] {
         let start = |length: f64, signal: f64, noise: f64| {
             let mut h = vec![length; inputs];
@@ -36,7 +40,7 @@ impl Hyper {
         self.0[self.0.len() - 1].exp() + NOISE_FLOOR
     }
 
-    /// Kernel between two points of the unit cube, without noise.
+    /// Covariance of the outputs at two points of the unit cube, with the trend and without noise.
     fn kernel(&self, a: &[f64], b: &[f64]) -> f64 {
         let (mut square, mut trend) = (0.0, 1.0);
         for (k, (x, y)) in a.iter().zip(b).enumerate() {
@@ -62,7 +66,7 @@ pub struct Gp {
     x: Vec<Vec<f64>>,
     hyper: Hyper,
     chol: Cholesky<f64, Dyn>,
-    /// K⁻¹ y.
+    /// K⁻¹ y, with K the covariance of the runs, noise included, and y the standardised outputs.
     weights: DVector<f64>,
     mean: f64,
     scale: f64,
@@ -82,7 +86,8 @@ fn factor(x: &[Vec<f64>], hyper: &Hyper) -> Option<Cholesky<f64, Dyn>> {
     Cholesky::new(k)
 }
 
-/// − log posterior density of the hyperparameters.
+/// Cost function of the fit: minus the logarithm of the posterior density of the hyperparameters,
+/// up to a constant.
 struct Cost<'a> {
     x: &'a [Vec<f64>],
     y: &'a DVector<f64>,
@@ -106,7 +111,8 @@ impl CostFunction for Cost<'_> {
 }
 
 impl Gp {
-    /// Fits a process to outputs `y` at points `x` of the unit cube. `None` if the points are such that nothing can be fitted.
+    /// Fits a process to outputs `y` at points `x` of the unit cube. `None` if the covariance of
+    /// the points cannot be factorised.
     pub fn fit(x: &[Vec<f64>], y: &[f64]) -> Option<Gp> {
         let n = y.len() as f64;
         let mean = y.iter().sum::<f64>() / n;
@@ -130,7 +136,7 @@ impl Gp {
         Some(Gp { x: x.to_vec(), hyper, chol, weights, mean, scale })
     }
 
-    /// Variance of the noise.
+    /// Variance of the noise, in the unit of the output squared.
     pub fn noise(&self) -> f64 {
         self.hyper.noise() * self.scale * self.scale
     }
@@ -151,6 +157,8 @@ impl Gp {
         (mean, self.reduced(at, cross))
     }
 
+    /// Variance of the mean at `at`: the prior variance less what the runs explain; `cross`:
+    /// covariances of the point with the runs.
     fn reduced(&self, at: &[f64], cross: DVector<f64>) -> f64 {
         let known = self.solved(cross).norm_squared();
         (self.hyper.kernel(at, at) - known).max(0.0) * self.scale * self.scale
@@ -158,17 +166,21 @@ impl Gp {
 
     /// L⁻¹ v, with L Lᵀ the covariance of the runs.
     fn solved(&self, mut v: DVector<f64>) -> DVector<f64> {
-        // the factor of a covariance has no zero on its diagonal
+        // the solver returns false only for a zero on the diagonal, which a Cholesky factor does
+        // not have
         self.chol.l_dirty().solve_lower_triangular_mut(&mut v);
         v
     }
 
-    /// L⁻¹ k of a point: what [`Gp::gain`] needs of its reference.
+    /// L⁻¹ k, with k the covariances of the point `at` with the runs. [`Gp::gain`] needs this
+    /// vector of each reference point.
     pub fn whitened(&self, at: &[f64]) -> DVector<f64> {
         self.solved(self.cross(at))
     }
 
-    /// Variance that one more run at `at` takes from the reference points (their [`Gp::whitened`] beside them), over that of the noise.
+    /// Reduction of variance at the `reference` points by one more run at `at`, summed over the
+    /// points and divided by the variance of the noise. `whitened`: [`Gp::whitened`] of each
+    /// reference point.
     pub fn gain(&self, at: &[f64], reference: &[Vec<f64>], whitened: &[DVector<f64>]) -> f64 {
         let own = self.whitened(at);
         let variance = (self.hyper.kernel(at, at) - own.norm_squared()).max(0.0) + self.hyper.noise();
@@ -176,7 +188,8 @@ impl Gp {
         taken.sum::<f64>() / self.hyper.noise()
     }
 
-    /// The process with one more point, whose output is not known yet: only its variances mean anything.
+    /// Process with one more run at `at` whose output is not known yet: its variances are valid,
+    /// its means are not.
     pub fn with_pending(&self, at: &[f64]) -> Gp {
         let mut x = self.x.clone();
         x.push(at.to_vec());
@@ -186,14 +199,16 @@ impl Gp {
         }
     }
 
-    /// Difference of each output from what all others predict (eq. 5.12).
+    /// Difference of each output from its prediction by all other runs, with the same
+    /// hyperparameters (eq. 5.12).
     pub fn left_out(&self) -> Vec<f64> {
         let inverse = self.chol.inverse();
         (0..self.x.len()).map(|i| self.scale * self.weights[i] / inverse[(i, i)]).collect()
     }
 }
 
-/// Nelder–Mead from a simplex around `start`.
+/// Smallest cost and its place, found by Nelder–Mead from a simplex at `start`; `None` if the
+/// search fails.
 fn minimum(cost: Cost<'_>, start: &[f64]) -> Option<(f64, Vec<f64>)> {
     let mut simplex = vec![start.to_vec()];
     for k in 0..start.len() {
@@ -244,9 +259,10 @@ mod tests {
             square += (mean - truth(u)).powi(2) / 200.0;
             inside += usize::from((mean - truth(u)).abs() < 2.0 * variance.sqrt());
         }
-        // better than a single run by far, and 95 % within two standard deviations
+        // the error is well below the noise of one run; about 190 of 200 points lie within two
+        // standard deviations
         assert!(square.sqrt() < 0.7 * sd && (176..=200).contains(&inside), "{} {inside}", square.sqrt());
-        // an input without influence gets the longest length
+        // the third input has no influence and gets a longer length than the first
         assert!(gp.hyper.0[2] > gp.hyper.0[0]);
     }
 
@@ -276,10 +292,10 @@ mod tests {
         let at = [0.99, 0.01];
         let (before, after) = (gp.predict(&at).1, gp.with_pending(&at).predict(&at).1);
         assert!(after < 0.5 * before);
-        // the gain is what it says: variance taken over the noise
+        // `gain` equals the variance lost at the point over the variance of the noise
         let gain = gp.gain(&at, &[at.to_vec()], &[gp.whitened(&at)]);
         assert!(((before - after) / gp.noise() / gain - 1.0).abs() < 1e-6, "{before} {after} {gain}");
-        // outputs that are all the same are no trouble
+        // a process can be fitted to constant outputs
         let flat = Gp::fit(&x, &[2.0; 10]).expect("fit");
         assert!((flat.mean(&at) - 2.0).abs() < 1e-9);
     }

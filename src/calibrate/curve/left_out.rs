@@ -1,4 +1,6 @@
-//! A calibration's test of itself: runs are left out and their curves taken for the measured one, as their parameters are known.
+//! Test of a calibration with its own runs: runs are left out of the emulator, the curve of each is
+//! calibrated as if it had been measured, and the intervals are compared with the known parameters
+//! of the run.
 
 use super::emulator::Emulator;
 use super::parameter::Parameter;
@@ -9,41 +11,47 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 /// Parts into which the runs are divided; one is left out at a time.
 const PARTS: usize = 6;
-/// Walkers, steps before and steps of a chain.
+/// Walkers of a chain, steps of each that are discarded at the start, and steps that are kept.
 const CHAIN: (usize, usize, usize) = (24, 150, 200);
-/// Share of the intervals that should hold, and probability of so few that makes one doubt it.
+/// Share of the intervals that should hold the known value, and the probability of the number that
+/// do, below which the intervals are taken for too narrow.
 const LEVEL: f64 = 0.95;
 const DOUBT: f64 = 0.01;
 
-/// A run that the emulator saw.
+/// Finished run that the emulator of the calibration was fitted to.
 pub struct Run {
-    /// Unit coordinates of its parameters.
+    /// Unit coordinates of the parameters.
     pub u: Vec<f64>,
     pub outputs: Vec<f64>,
-    /// Whether it is one of those that fill the space between the bounds.
+    /// Whether the run belongs to the design that fills the space between the bounds.
     pub design: bool,
 }
 
-/// How often the 95 % intervals held the values that curves were made with.
+/// Number of 95 % intervals that held the known parameters, and their widths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
+    /// Number of curves that were calibrated.
     pub curves: usize,
-    /// Of them, for each parameter.
+    /// Number of these curves whose interval held the known value, for each parameter.
     pub held: Vec<usize>,
-    /// Mean width of the intervals over the bounds, unit coordinates.
+    /// Mean width of the intervals in unit coordinates (1: from bound to bound), for each
+    /// parameter.
     pub width: Vec<f64>,
 }
 
 impl LeftOut {
-    /// Whether so few intervals hold that they must be taken for too narrow.
+    /// Whether the intervals of parameter `k` must be taken for too narrow: if 95 % of them held
+    /// the known value, so few would do so with a probability below 1 % (binomial).
     pub fn doubtful(&self, k: usize) -> bool {
         let law = Binomial::new(LEVEL, self.curves as u64).ok();
         law.is_some_and(|law| law.cdf(self.held[k] as u64) < DOUBT)
     }
 }
 
-/// Leaves out the runs of the design, a sixth at a time, and finds the parameters of each from its curve and all other runs, with flat
-/// priors between the bounds, which is how the design was drawn. `None` where too few runs are left.
+/// Leaves out the runs of the design, a sixth at a time, fits an emulator to the other runs, and
+/// calibrates the curve of each run that was left out. The priors are uniform in unit coordinates,
+/// as the design was drawn. `None` if too few runs remain for an emulator or no run belongs to the
+/// design.
 pub fn left_out(parameters: &[Parameter], runs: &[Run], scale: &[f64], rng: &mut impl Rng) -> Option<LeftOut> {
     let d = parameters.len();
     let flat: Vec<Parameter> =

@@ -1,20 +1,22 @@
-//! `evaluations.csv`: every run of a calibration, written before it begins and after it ends, and what a second call goes on from.
+//! Log of a calibration, `evaluations.csv`: a row for each run, written before the run begins and
+//! again after it has ended. A later call continues from this log.
 
 use super::parameter::Parameter;
 use crate::columns::Columns;
 use laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// What a run is for.
+/// Purpose of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Part of the design that fills the space between the bounds.
     Design,
-    /// In the middle, for the scatter of the seeds.
+    /// In the middle of the bounds, with several seeds, for the scatter between seeds.
     Centre,
-    /// Where the curve speaks for the parameters and the emulator knows least.
+    /// At parameters that agree with the curve, where a run makes the emulator's predictions most
+    /// certain.
     Search,
-    /// At the parameters found; the emulator never sees it.
+    /// At the parameters found; the emulator is not fitted to this run.
     Check,
 }
 
@@ -28,13 +30,13 @@ pub enum Status {
     Failed(String),
 }
 
-/// One run.
+/// A run, planned or ended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
-    /// From 1.
+    /// Number from 1; check runs are counted by themselves.
     pub number: usize,
     pub stage: Stage,
-    /// Values of the parameters.
+    /// Values of the parameters, in the units of their keys.
     pub values: Vec<f64>,
     /// Seed of specimen and strengths.
     pub seed: u64,
@@ -52,7 +54,8 @@ impl Evaluation {
 /// Name of the file.
 pub const FILE: &str = "evaluations.csv";
 
-/// Writes the log; `misfit` is the root mean square difference of each run from the curve, in standard deviations.
+/// Writes the log. `misfit`: root mean square difference between the curve of the run with this
+/// index and the measured curve, each difference over the scale of its point.
 pub fn write(dir: &Path, parameters: &[Parameter], all: &[Evaluation], misfit: impl Fn(usize) -> Option<f64>) -> Result<()> {
     let path = dir.join(FILE);
     let mut file = csv::Writer::from_writer(Vec::new());
@@ -78,7 +81,7 @@ pub fn write(dir: &Path, parameters: &[Parameter], all: &[Evaluation], misfit: i
     replace(&path, &bytes)
 }
 
-/// Writes a file whole or not at all.
+/// Writes a file whole or not at all, so that an interrupt leaves the old content.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(".tmp");
@@ -87,16 +90,16 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
     std::fs::rename(&temporary, path).map_err(Error::write(path))
 }
 
-/// Reads the log, if there is one.
+/// Reads the log of the folder `dir`; no runs if there is none.
 ///
 /// # Errors
-/// A log that is not one of these parameters.
+/// A log that lacks a parameter or another column, or has an invalid value.
 pub fn read(dir: &Path, parameters: &[Parameter]) -> Result<Vec<Evaluation>> {
     let path = dir.join(FILE);
     if !path.exists() {
         return Ok(Vec::new());
     }
-    // the reader of columns refuses a table without rows, which is a log that had only begun
+    // `Columns::read` refuses a table without rows, but a log that has just begun has none
     if std::fs::read_to_string(&path).map_err(Error::read(&path))?.lines().count() < 2 {
         return Ok(Vec::new());
     }

@@ -1,10 +1,19 @@
-//! Parameters of a scene from an oedometer curve: the runs that it takes, and what the curve says about the parameters.
+//! Finds parameters of a scene from a measured oedometer curve, with their uncertainty
+//! ([`calibrate`]).
 //!
-//! A run costs seconds and scatters with its seeds, and there are few parameters, so the runs' curves are emulated by Gaussian
-//! processes whose noise is found with them, and the emulator, not the runs, is sampled: a design that fills the space between the
-//! bounds (`design`), batches of runs where the curve speaks for the parameters and the emulator knows least (`search`),
-//! Bayes' rule with the seeds' scatter and the emulator's own error (`posterior`), shares of the parameters in the curve
-//! (`sensitivity`). Optimisers (Bayesian optimisation of a misfit, CMA-ES) would give the best point without its
+//! A run takes seconds, its curve scatters from seed to seed, and there are few parameters.
+//! Therefore an emulator, a statistical model of the runs' curves made of Gaussian processes, is
+//! fitted to the runs and sampled in their place; the noise of the processes is the scatter between
+//! seeds. A calibration consists of
+//! - runs of a design that fills the space between the bounds (`design`),
+//! - batches of further runs at parameters that agree with the curve, chosen where a run makes the
+//!   emulator's predictions most certain (`search`),
+//! - the posterior by Bayes' rule, with the scatter between seeds and the error of the emulator
+//!   (`posterior`),
+//! - the share of each parameter in the variance of the curve (`sensitivity`).
+//!
+//! Optimisers (Bayesian optimisation of a misfit, CMA-ES) would find the best parameters, without
+//! their uncertainty, in as many runs.
 //! uncertainty for as many runs.
 
 pub(crate) mod design;
@@ -39,25 +48,27 @@ use target::{Files, Kind, Target};
 /// A calibration to be made: scene, measurements and settings.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// Scene whose runs are to give the curve.
+    /// Scene whose runs are compared with the measured curve.
     pub scene: PathBuf,
     /// Overrides `key=value` of the scene in every run.
     pub sets: Vec<String>,
     /// Files with the measurements.
     pub files: Files,
-    /// Instead of the `[[calibrate]]` tables of the scene.
+    /// Parameters to be calibrated; if empty, those of the `[[calibrate]]` tables of the scene.
     pub parameters: Vec<Calibrated>,
-    /// Runs in all; `None`: the usual number.
+    /// Number of runs without those of `check`; `None`: the design, the repeats in its middle and
+    /// ten runs for each parameter.
     pub budget: Option<usize>,
-    /// Runs, among the budget, that fill the space between the bounds.
+    /// Runs of the budget that fill the space between the bounds; `None`: 14 for each parameter, at
+    /// least 16.
     pub design: Option<usize>,
-    /// Runs between two updates of the results.
+    /// Runs between two updates of the results; `None`: 5.
     pub batch: Option<usize>,
-    /// Runs with the parameters found, besides the budget.
+    /// Runs with the parameters found, besides the budget; `None`: 4.
     pub check: Option<usize>,
-    /// Seed of everything random.
+    /// Seed of all random numbers; the seeds of the runs follow from it.
     pub seed: u64,
-    /// Number of specimens whose mean the curve is.
+    /// Number of specimens over which the measured curve is averaged.
     pub specimens: f64,
     /// Folder of the calibration.
     pub out: PathBuf,
@@ -67,38 +78,46 @@ pub struct Request {
     pub threads: Option<usize>,
     /// Show no progress.
     pub quiet: bool,
-    /// Begin again where the folder holds another calibration.
+    /// Use a folder that holds another calibration, which is deleted, or other files; without
+    /// `force` that is an error.
     pub force: bool,
 }
 
 /// A calibration that is done.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// What `calibration.json` holds.
+    /// Content of `calibration.json`.
     pub json: serde_json::Value,
-    /// The table of the report.
+    /// Table of the estimates in the report (Markdown).
     pub table: String,
-    /// What speaks against the result, if anything does.
+    /// Reasons to doubt the result; empty if there are none.
     pub warnings: Vec<String>,
     /// Files written.
     pub files: Vec<PathBuf>,
 }
 
-/// A run goes on this far beyond the last point of the curve.
+/// Largest stress of a run over the largest stress of the curve: runs end a little beyond the last
+/// point.
 const BEYOND: f64 = 1.02;
-/// Draws in `posterior.csv`.
+/// Largest number of draws in `posterior.csv`.
 const DRAWS: usize = 4000;
 
-/// Calibrates, or goes on with a calibration that the folder holds. `tell` is told what goes on.
+/// Calibrates the parameters of a scene, or continues the calibration that the folder `request.out`
+/// holds. `tell` receives messages about the progress.
 ///
 /// # Errors
-/// Whatever is wrong with scene, parameters and data (nothing is run then), a folder with another calibration, too many runs that
-/// fail, or a wish to stop.
+/// An invalid scene, parameter or data file (found before the first run), a folder that holds
+/// another calibration, too many runs that fail, or [`Error::Stopped`] after an interrupt.
 pub fn calibrate(request: &Request, tell: &dyn Fn(&str)) -> Result<Outcome> {
     let scene = scene::load(&request.scene, &request.sets)?;
     let model = scene::model(&scene)?;
     let Rig::Oedometer(rig) = &model.rig else {
-        return Err(Error::input(request.scene.display(), "kind", None, "a curve is that of an oedometer"));
+        return Err(Error::input(
+            request.scene.display(),
+            "kind",
+            None,
+            "must be \"oedometer\": a compression curve comes from an oedometer",
+        ));
     };
     let given = if request.parameters.is_empty() { scene.calibrated()? } else { request.parameters.clone() };
     let parameters = given.iter().map(Parameter::new).collect::<Result<Vec<_>>>()?;
@@ -143,7 +162,9 @@ pub fn calibrate(request: &Request, tell: &dyn Fn(&str)) -> Result<Outcome> {
     )
 }
 
-/// The posterior of the parameters and everything that is told of it.
+/// Samples the posterior of the parameters and summarises it. If the scene can hardly give the
+/// curve with any parameters ([`Misfit::inflation`] above 1), the covariance of scatter and
+/// measurement is multiplied by that factor and the posterior is sampled again.
 fn findings(
     parameters: &[Parameter],
     emulator: &emulator::Emulator,
@@ -151,7 +172,7 @@ fn findings(
     target: &Target,
     search: &Search<'_>,
 ) -> (Chain, Findings) {
-    // a stream of its own, far from those of the batches
+    // the batches use the random streams numbered by the runs made, which never reach this number
     let mut rng = search.rng(1 << 32);
     let mut chain = Posterior::new(parameters, emulator, curve, 1.0).sample(LONG.0, LONG.1, LONG.2, 1.0, &mut rng);
     let misfit = Misfit::at(chain.mode(), emulator, curve);
@@ -188,7 +209,12 @@ fn findings(
     (chain, found)
 }
 
-/// What every run is given besides the user's own: it ends just beyond the curve, and records what is needed.
+/// Overrides `key=value` of every run: those of the user, an end just beyond the curve, records at
+/// the stresses of the measured gradations, and no figures, snapshots or energies. A key that the
+/// user overrides keeps the user's value. `from`: isotropic stress of the specimen, kPa.
+///
+/// # Errors
+/// An invalid scene, or a user's largest stress below the last point of the curve.
 fn sets(request: &Request, target: &Target, from: f64) -> Result<Vec<String>> {
     let own = |key: &str| request.sets.iter().any(|s| s.split('=').next().is_some_and(|k| k.trim() == key));
     let end = BEYOND * target.largest_stress();
@@ -243,7 +269,8 @@ fn settings(request: &Request, parameters: usize) -> Result<Settings> {
 /// Name of the file that says which calibration a folder holds.
 const SETUP: &str = "setup.json";
 
-/// Makes sure that the folder holds this calibration or none, and says so in it.
+/// Checks that the folder holds this calibration or none, and writes [`SETUP`] into it. With
+/// `force`, log, trace and runs of another calibration are deleted.
 fn setup(request: &Request, resolved: &str, parameters: &[Parameter], target: &Target, settings: &Settings) -> Result<()> {
     let out = &request.out;
     if out.is_file() {
@@ -295,7 +322,7 @@ fn setup(request: &Request, resolved: &str, parameters: &[Parameter], target: &T
     log::replace(&path, text.as_bytes())
 }
 
-/// How a block is called.
+/// Name of a block of measurements in messages and files.
 fn block_name(kind: &Kind) -> String {
     match kind {
         Kind::History(column) => (*column).to_string(),
@@ -303,7 +330,8 @@ fn block_name(kind: &Kind) -> String {
     }
 }
 
-/// The folder of a calibration when none is asked for.
+/// Folder of a calibration if the user names none: `runs/`, the name of the curve file,
+/// `-calibration`.
 pub fn default_out(curve: &Path) -> PathBuf {
     let stem = curve.file_stem().map_or_else(|| "curve".into(), |s| s.to_string_lossy());
     Path::new("runs").join(format!("{stem}-calibration"))

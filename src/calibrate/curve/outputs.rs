@@ -4,10 +4,12 @@ use super::target::{Block, Kind, Target};
 use crate::columns::Columns;
 use std::path::Path;
 
-/// A run that ends this far below a point, as a share of its stress, does not reach it.
+/// Largest distance, as a share of the stress of a point, by which a run may end below the point
+/// and still have a value there.
 const SHORT: f64 = 0.03;
 
-/// Reads what the run of a folder gives for each point of the target, or says why it does not.
+/// Reads the value of the run in the folder `dir` for each point of the target; the error names the
+/// value that is missing.
 pub fn of_run(dir: &Path, target: &Target) -> Result<Vec<f64>, String> {
     let mut out = Vec::new();
     let history = Columns::read(&dir.join("history.csv")).map_err(|e| e.to_string())?;
@@ -20,7 +22,8 @@ pub fn of_run(dir: &Path, target: &Target) -> Result<Vec<f64>, String> {
     Ok(out)
 }
 
-/// A column of the first loading at stresses, linear in their logarithm.
+/// Values of a column at the stresses `at`, kPa, on first loading (from the last row of settling
+/// on), interpolated linearly in the logarithm of stress.
 fn against_stress(history: &Columns, column: &str, at: &[f64]) -> Result<Vec<f64>, String> {
     let numbers = |name: &str| history.numbers(name, 1.0).map_err(|e| e.to_string());
     let (stress, values) = (numbers("sigma_v_kPa")?, numbers(column)?);
@@ -43,7 +46,8 @@ fn against_stress(history: &Columns, column: &str, at: &[f64]) -> Result<Vec<f64
         .collect()
 }
 
-/// Per cent passing at sizes, linear in their logarithm, from the record nearest to a stress.
+/// Per cent passing at the sizes of `block`, interpolated linearly in the logarithm of size, from
+/// the recorded gradation whose stress is nearest to `sigma`, kPa, and within about 10 % of it.
 fn gradation(dir: &Path, sigma: f64, block: &Block) -> Result<Vec<f64>, String> {
     let table = Columns::read(&dir.join("gsd.csv")).map_err(|e| e.to_string())?;
     let numbers = |name: &str| table.numbers(name, 1.0).map_err(|e| e.to_string());
@@ -64,7 +68,8 @@ pub fn largest_grain(dir: &Path) -> Result<f64, String> {
     Ok(sizes.into_iter().flatten().fold(0.0, f64::max))
 }
 
-/// Linear interpolation on rising points, constant outside; `None` without points.
+/// Linear interpolation between points with rising x; beyond the ends the value of the end; `None`
+/// without points.
 fn interpolate(points: &[(f64, f64)], x: f64) -> Option<f64> {
     let i = points.partition_point(|p| p.0 < x);
     match (i.checked_sub(1).and_then(|j| points.get(j)), points.get(i)) {

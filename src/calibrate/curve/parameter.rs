@@ -1,10 +1,12 @@
-//! Parameters: their bounds and priors, and the unit cube in which designs, emulators and chains live.
+//! Parameters of a calibration: bounds, priors, and the map to the unit cube, in whose coordinates
+//! designs, emulators and chains work.
 
 use laboratory::error::{Error, Result};
 use laboratory::scene::{self, Calibrated, Prior};
 use std::path::Path;
 
-/// Most parameters of one calibration: a curve does not tell more apart, and the number of corners doubles with each.
+/// Largest number of parameters of a calibration. One curve cannot determine more, and the number
+/// of corners of the bounds, at which the scene is checked, doubles with each.
 pub const MOST: usize = 6;
 
 /// One parameter. Its unit coordinate u runs from 0 at the lower bound to 1 at the upper, in the logarithm for a log-uniform prior.
@@ -47,10 +49,11 @@ impl Parameter {
         Ok(Calibrated { key: key.trim().into(), lower: number(lower)?, upper: number(upper)?, prior, place })
     }
 
-    /// A parameter whose bounds and prior make sense.
+    /// Checks key, bounds and prior, and returns the parameter.
     ///
     /// # Errors
-    /// Bounds or priors that do not, with what is allowed.
+    /// A key that is no parameter of a material or a test; bounds or a prior that are invalid, with
+    /// what is allowed.
     pub fn new(c: &Calibrated) -> Result<Parameter> {
         let fail = |message: &str| Err(Error::input(format!("{}: {}", c.place, c.key), "", None, message));
         if c.key.is_empty() || ["seed.", "records.", "calibrate"].iter().any(|k| c.key.starts_with(k)) {
@@ -81,7 +84,8 @@ impl Parameter {
         if self.log() { self.lower * (self.upper / self.lower).powf(u) } else { self.lower + (self.upper - self.lower) * u }
     }
 
-    /// The value at a unit coordinate to six digits, inside of the bounds: what a run is given.
+    /// The value at a unit coordinate, rounded to six digits and kept within the bounds. Runs get
+    /// this value.
     pub fn rounded(&self, u: f64) -> f64 {
         let value: f64 = format!("{:.5e}", self.value(u)).parse().unwrap_or(f64::NAN);
         value.clamp(self.lower, self.upper)
@@ -107,7 +111,8 @@ impl Parameter {
         }
     }
 
-    /// Last words of the key, for legends: `fixed_angle.m`.
+    /// Short name for legends: the last word of the key, with the word before it if the last one
+    /// has fewer than four letters (`fixed_angle.m`).
     pub fn short(&self) -> String {
         let words: Vec<&str> = self.key.split('.').collect();
         match words.as_slice() {
@@ -118,10 +123,12 @@ impl Parameter {
     }
 }
 
-/// Makes sure that the scene is valid at both bounds of each parameter and at every corner of them together.
+/// Checks that the scene is valid at every corner of the bounds, where each parameter is at its
+/// lower or its upper bound.
 ///
 /// # Errors
-/// The scene's own message for the first value that it does not allow, or a key that stands twice.
+/// No parameters, too many, or a key given twice; the scene's own message for the first value that
+/// the scene does not allow.
 pub fn check(parameters: &[Parameter], scene: &Path, sets: &[String]) -> Result<()> {
     if parameters.is_empty() {
         let message = "there is nothing to calibrate: give --parameter KEY=LOW..HIGH, or [[calibrate]] tables in the scene";

@@ -1,5 +1,6 @@
-//! What a measured curve says about the parameters, given an emulator of the runs: Bayes' rule, sampled by an ensemble of walkers
-//! (Goodman & Weare 2010, Comm. App. Math. Comp. Sci. 5, 65).
+//! Posterior of the parameters given a measured curve and an emulator of the runs: Bayes' rule,
+//! sampled by an ensemble of random walkers (Goodman & Weare 2010, Comm. App. Math. Comp. Sci. 5,
+//! 65).
 
 use super::emulator::Emulator;
 use super::parameter::Parameter;
@@ -8,27 +9,29 @@ use rand::{Rng, RngExt};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Stretch of a move: a in g(z) ∝ 1/√z on 1/a … a.
+/// Largest factor a of a stretch move: the factor z has the density g(z) ∝ 1/√z on 1/a … a.
 const STRETCH: f64 = 2.0;
-/// Below this probability the curve is said not to be one that the runs can give.
+/// Probability of the misfit below which the scene is said not to be able to give the curve.
 const DOUBT: f64 = 0.05;
 
-/// A measured curve with what it may be off.
+/// Measured curve with its errors.
 #[derive(Clone, Debug)]
 pub struct Measured {
     pub values: Vec<f64>,
     /// Standard deviation of each value as measured.
     pub sd: Vec<f64>,
-    /// Specimens whose mean the curve is.
+    /// Number of specimens over which the curve is averaged.
     pub specimens: f64,
 }
 
-/// The density of the parameters given a curve.
+/// Posterior density of the parameters given a measured curve.
 pub struct Posterior<'a> {
     parameters: &'a [Parameter],
     emulator: &'a Emulator,
+    /// Scores of the measured curve.
     scores: DVector<f64>,
-    /// Covariance of the scores for given parameters: seeds' scatter and measurement.
+    /// Covariance of the scores at given parameters, from the scatter between seeds and the error
+    /// of measurement.
     noise: DMatrix<f64>,
 }
 
@@ -40,7 +43,8 @@ impl<'a> Posterior<'a> {
         Posterior { parameters, emulator, scores: emulator.project(&curve.values), noise }
     }
 
-    /// Logarithm of the density at unit coordinates, up to a constant; the likelihood to the power `heat`.
+    /// Logarithm of the density at unit coordinates `u`, up to a constant; the likelihood counts to
+    /// the power `heat`.
     pub fn log_density(&self, u: &[f64], heat: f64) -> f64 {
         let prior: f64 = self.parameters.iter().zip(u).map(|(p, u)| p.log_prior(*u)).sum();
         if prior == f64::NEG_INFINITY {
@@ -54,12 +58,14 @@ impl<'a> Posterior<'a> {
         prior - heat * (0.5 * off.dot(&chol.solve(&off)) + half_log)
     }
 
-    /// Draws from the density: `walkers` that take `steps` steps each after `burn` others.
+    /// Samples the density with about `walkers` walkers, an even number and at least 2 (d + 1) for
+    /// d parameters. The first `burn` steps of each are discarded, the next `steps` are kept.
     pub fn sample(&self, walkers: usize, burn: usize, steps: usize, heat: f64, rng: &mut impl Rng) -> Chain {
         let d = self.parameters.len();
         let half = (walkers / 2).max(d + 1);
         let density = |u: &Vec<f64>| self.log_density(u, heat);
-        // from the best of a spread over the whole cube: a far start costs steps
+        // the walkers start at the likeliest of many points in the cube: from improbable places
+        // they would need more steps
         let mut start = super::design::latin(16 * half, d, rng);
         let logs: Vec<f64> = start.par_iter().map(density).collect();
         let mut order: Vec<usize> = (0..start.len()).collect();
@@ -71,7 +77,8 @@ impl<'a> Posterior<'a> {
         for step in 0..burn + steps {
             for side in 0..2 {
                 let (own, other) = (side * half, (1 - side) * half);
-                // all that is random first, so that the densities may be computed in any order
+                // all random numbers are drawn before the densities, which can then be computed in
+                // any order
                 let drawn: Vec<(Vec<f64>, f64, f64)> = (0..half)
                     .map(|i| {
                         let x = &at[own + i];
@@ -103,8 +110,9 @@ impl<'a> Posterior<'a> {
     }
 }
 
-/// A walker moved along the line through it and one of the others (Goodman & Weare 2010, eq. 7), and the logarithm of the factor of its
-/// acceptance.
+/// Stretch move: proposes a place for walker `x` on the line through `x` and one of the other
+/// walkers (Goodman & Weare 2010, eq. 7). Returns the place and the logarithm of the factor in the
+/// probability of acceptance.
 fn stretched(x: &[f64], others: &[Vec<f64>], rng: &mut impl Rng) -> (Vec<f64>, f64) {
     let partner = &others[rng.random_range(0..others.len())];
     let root: f64 = 1.0 + (STRETCH - 1.0) * rng.random::<f64>();
@@ -112,8 +120,10 @@ fn stretched(x: &[f64], others: &[Vec<f64>], rng: &mut impl Rng) -> (Vec<f64>, f
     (x.iter().zip(partner).map(|(x, p)| p + z * (x - p)).collect(), (x.len() as f64 - 1.0) * z.ln())
 }
 
-/// A walker moved by the difference of two others, now and then by all of it, which takes it from one hill to the next (ter Braak
-/// 2006, Stat. Comput. 16, 239).
+/// Difference move: proposes a place for walker `x`, shifted by a fraction of the difference of two
+/// other walkers (ter Braak 2006, Stat. Comput. 16, 239). One move in ten takes the whole
+/// difference, so that walkers can change between separate maxima of the density. The logarithm of
+/// the factor in the probability of acceptance is 0.
 fn shifted(x: &[f64], others: &[Vec<f64>], rng: &mut impl Rng) -> (Vec<f64>, f64) {
     let a = rng.random_range(0..others.len());
     let b = (a + rng.random_range(1..others.len())) % others.len();
@@ -126,17 +136,17 @@ fn shifted(x: &[f64], others: &[Vec<f64>], rng: &mut impl Rng) -> (Vec<f64>, f64
     (moved.collect(), 0.0)
 }
 
-/// Draws in unit coordinates.
+/// Draws `u` in unit coordinates, each with the logarithm `log` of its density.
 #[derive(Clone, Debug, Default)]
 pub struct Chain {
     pub u: Vec<Vec<f64>>,
     pub log: Vec<f64>,
-    /// Share of the moves that were taken.
+    /// Share of the proposed moves that were accepted.
     pub accepted: f64,
 }
 
 impl Chain {
-    /// The draw of the largest density.
+    /// The draw with the largest density.
     pub fn mode(&self) -> &[f64] {
         let best = (0..self.log.len()).max_by(|a, b| self.log[*a].total_cmp(&self.log[*b]));
         best.map_or(&[], |i| &self.u[i])
@@ -144,13 +154,14 @@ impl Chain {
 
     /// `count` of the draws, spread evenly over steps and walkers.
     pub fn thinned(&self, count: usize) -> Vec<Vec<f64>> {
-        // multiples of the golden ratio fall into no step with the walkers
+        // with a constant stride the same walkers could recur; multiples of the golden ratio avoid
+        // that
         const GOLDEN: f64 = 0.618_033_988_749_895;
         let n = self.u.len();
         (0..count.min(n)).map(|i| self.u[((i as f64 * GOLDEN).fract() * n as f64) as usize].clone()).collect()
     }
 
-    /// Quantiles of one coordinate.
+    /// Quantiles `q` of coordinate `k`.
     pub fn quantiles<const N: usize>(&self, k: usize, q: [f64; N]) -> [f64; N] {
         let mut values: Vec<f64> = self.u.iter().map(|u| u[k]).collect();
         values.sort_by(f64::total_cmp);
@@ -158,18 +169,21 @@ impl Chain {
     }
 }
 
-/// How the curve compares with the emulator's at given parameters.
+/// Difference between the measured curve and that of the emulator at given parameters, beside the
+/// expected difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Misfit {
-    /// Mean square of the differences over their expected variances: 1 is as expected.
+    /// Mean over the points of the squared difference over its expected variance: 1 is as expected.
     pub ratio: f64,
-    /// Probability of a ratio as large as this.
+    /// Probability of a ratio at least as large if the scene is right.
     pub probability: f64,
 }
 
 impl Misfit {
-    /// Compares a curve with the one at `u`. Neighbouring points are off together; the ratio is taken as χ²/ν with the number
-    /// of independent points that their correlations leave (Satterthwaite).
+    /// Compares the measured curve with that of the emulator at unit coordinates `u`. The errors of
+    /// neighbouring points are correlated. Therefore the ratio is compared with the distribution
+    /// χ²/ν whose degrees of freedom ν follow from the correlations and are fewer than the points
+    /// (Satterthwaite).
     pub fn at(u: &[f64], emulator: &Emulator, curve: &Measured) -> Misfit {
         let (mean, variance) = emulator.predict(u);
         let scores = &emulator.scatter / curve.specimens + DMatrix::from_diagonal(&variance);
@@ -194,7 +208,8 @@ impl Misfit {
         Misfit { ratio: square, probability }
     }
 
-    /// What the covariance is multiplied by so that the curve is an expected one; 1 where there is no doubt about it.
+    /// Factor on the covariance of scatter and measurement: the ratio if [`DOUBT`] says that the
+    /// scene cannot give the curve, else 1.
     pub fn inflation(&self) -> f64 {
         if self.probability < DOUBT { self.ratio.max(1.0) } else { 1.0 }
     }
@@ -207,7 +222,8 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
-    /// Targets with parameters from the prior and scatter of their own: their 95 % intervals hold the truth in about 95 of 100.
+    /// For targets with parameters from the prior and their own scatter, about 95 of 100 intervals
+    /// hold the truth.
     #[test]
     fn intervals_hold_the_truth_as_often_as_they_say() {
         let stand_in = StandIn::default();
@@ -249,7 +265,7 @@ mod tests {
         assert!(misfit.probability < 1e-6 && misfit.inflation() > 3.0, "{misfit:?}");
     }
 
-    /// Without a curve that says anything the draws are those of the prior.
+    /// With a very large error of measurement the draws are those of the prior.
     #[test]
     fn the_walkers_draw_from_the_prior_when_the_curve_says_nothing() {
         let stand_in = StandIn::default();

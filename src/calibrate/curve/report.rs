@@ -1,4 +1,4 @@
-//! What a calibration leaves: `calibration.json`, `posterior.csv`, `report.md` and its figures.
+//! Files that a calibration writes: `calibration.json`, `posterior.csv`, `report.md` and figures.
 
 use super::findings::Findings;
 use super::parameter::Parameter;
@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use table::number;
 
-/// Everything that is told.
+/// Everything from which the report is made.
 pub struct Parts<'a> {
     pub request: &'a Request,
     pub parameters: &'a [Parameter],
@@ -23,14 +23,14 @@ pub struct Parts<'a> {
     pub settings: &'a Settings,
     pub search: &'a Search<'a>,
     pub findings: &'a Findings,
-    /// Curves of the runs with the parameters found.
+    /// Curves of the check runs, made with the parameters found.
     pub checks: &'a [Vec<f64>],
 }
 
 /// Draws in the corner figure.
 const CORNER: usize = 2000;
 
-/// Writes all of it into `out`.
+/// Writes all files into the folder `out`.
 ///
 /// # Errors
 /// Files that cannot be written.
@@ -91,7 +91,7 @@ fn json(parts: &Parts<'_>) -> Value {
     })
 }
 
-/// How the intervals did with runs that were left out.
+/// Results of the test with runs that were left out; null if there was none.
 fn left_out(parts: &Parts<'_>) -> Value {
     let Some(l) = &parts.findings.left_out else { return Value::Null };
     let keys = parts.parameters.iter().map(|p| p.key.clone());
@@ -100,7 +100,8 @@ fn left_out(parts: &Parts<'_>) -> Value {
     json!({ "curves": l.curves, "held": held, "mean_interval_over_bounds": width })
 }
 
-/// Root mean square difference of the mean of the checks from the curve, block by block.
+/// Root mean square difference between the mean curve of the check runs and the measured curve, for
+/// each block; null without check runs.
 fn check_rms(parts: &Parts<'_>) -> Value {
     if parts.checks.is_empty() {
         return Value::Null;
@@ -128,7 +129,7 @@ fn draws(parts: &Parts<'_>) -> String {
     text
 }
 
-/// Four digits are more than any interval here says.
+/// Number with four significant digits: no interval is known more exactly.
 fn short(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}");
@@ -155,7 +156,7 @@ fn table(parts: &Parts<'_>) -> String {
     text
 }
 
-/// What speaks against the result.
+/// Sentences for the user about reasons to doubt the result.
 fn warnings(parts: &Parts<'_>) -> Vec<String> {
     let f = parts.findings;
     let mut all = Vec::new();
@@ -204,7 +205,8 @@ fn warnings(parts: &Parts<'_>) -> Vec<String> {
     all
 }
 
-/// What may be said of the scene: nothing without a run at the parameters found, and nothing good beside a warning.
+/// Sentence on whether the scene agrees with the curve: no conclusion without a finished check run,
+/// and no approval if there are warnings.
 fn conclusion(inflation: f64, checks: usize, warnings: &[String]) -> &'static str {
     if inflation > 1.0 {
         "The covariance was multiplied by that ratio, so the intervals are wider, but they hold for the best of a wrong model."

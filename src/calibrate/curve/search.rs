@@ -1,4 +1,6 @@
-//! The course of a calibration: a design that fills the space, repeats in its middle, then batches of runs where they tell most.
+//! Course of a calibration: runs that fill the space between the bounds, repeats in its middle,
+//! then batches of runs at parameters that agree with the curve, chosen where a run makes the
+//! predictions of the emulator most certain.
 
 use super::design::latin;
 use super::emulator::Emulator;
@@ -13,49 +15,53 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::path::{Path, PathBuf};
 
-/// How many runs, and for what.
+/// Settings of a calibration: numbers of runs for each purpose, seed, and number of specimens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Runs that the emulator may see, failed ones included.
+    /// Number of runs for the emulator, failed ones included.
     pub budget: usize,
     /// Runs that fill the space between the bounds.
     pub design: usize,
-    /// Runs in its middle that differ only in their seeds.
+    /// Runs in the middle of that space that differ only in their seeds.
     pub centre: usize,
-    /// Runs between two looks at the results.
+    /// Runs between two updates of the emulator.
     pub batch: usize,
-    /// Runs at the parameters found.
+    /// Runs at the parameters found, besides the budget.
     pub check: usize,
     /// Seed of everything that is random; the runs' own seeds follow from it.
     pub seed: u64,
-    /// Specimens whose mean the curve is.
+    /// Number of specimens over which the measured curve is averaged.
     pub specimens: f64,
 }
 
 impl Settings {
-    /// For this many parameters.
+    /// Default numbers for this many parameters.
     pub fn usual(parameters: usize) -> Settings {
         let (design, centre) = ((14 * parameters).max(16), 4);
         Settings { budget: design + centre + 10 * parameters, design, centre, batch: 5, check: 4, seed: 1, specimens: 1.0 }
     }
 }
 
-/// Walkers, steps before and steps of a chain that guides the search, and of the final one.
+/// Walkers of a chain, steps of each that are discarded at the start, and steps that are kept: of
+/// the chains that choose runs, and of the final one.
 const QUICK: (usize, usize, usize) = (24, 100, 200);
 pub const LONG: (usize, usize, usize) = (40, 500, 2000);
-/// Power of the likelihood with which runs are chosen: wider than the posterior, whose edges matter.
+/// Power of the likelihood in the density from which candidates for runs are drawn. A power below 1
+/// widens the posterior, so that runs are also made at its edges.
 const SEARCH_HEAT: f64 = 0.5;
 const CANDIDATES: usize = 400;
-/// Draws of the posterior at which the curves are to be known.
+/// Number of draws of the posterior at which the next runs shall make the predictions of the
+/// emulator certain.
 const REFERENCE: usize = 150;
-/// Share of a block's range that stands for its scatter when the repeats show none.
+/// Scale of a block over the range of its values, used if neither the repeats scatter nor an error
+/// of measurement is given.
 const NO_SCATTER: f64 = 0.01;
 
-/// What is known of one parameter after so many runs.
+/// Quantiles of the parameters after a number of runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     pub evaluations: usize,
-    /// 2.5 %, 50 %, 97.5 % of each parameter.
+    /// 2.5 %, 50 % and 97.5 % quantile of each parameter, in the unit of its key.
     pub quantiles: Vec<[f64; 3]>,
 }
 
@@ -63,12 +69,12 @@ pub struct Trace {
 pub struct Search<'a> {
     pub parameters: &'a [Parameter],
     pub curve: &'a Measured,
-    /// Lengths of the blocks of outputs, which each have a scale of their own.
+    /// Number of outputs in each block; the outputs of a block have one scale.
     pub blocks: Vec<usize>,
     pub settings: &'a Settings,
     pub simulator: &'a dyn Simulator,
     pub dir: PathBuf,
-    /// Told what goes on.
+    /// Receives messages about the progress.
     pub tell: &'a dyn Fn(&str),
     evaluations: Vec<Evaluation>,
     outputs: Vec<Option<Vec<f64>>>,
@@ -76,10 +82,10 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Takes up what the log of the folder holds.
+    /// Starts a calibration with the runs in the log of the folder `dir`, if there is one.
     ///
     /// # Errors
-    /// A log of another calibration.
+    /// A log or a trace that cannot be read, or that belongs to other parameters.
     pub fn new(
         parameters: &'a [Parameter],
         curve: &'a Measured,
@@ -96,10 +102,12 @@ impl<'a> Search<'a> {
         Ok(Search { parameters, curve, blocks, settings, simulator, dir: dir.into(), tell, evaluations, outputs, trace })
     }
 
-    /// Runs everything up to the budget and gives the emulator of it.
+    /// Makes the runs up to the budget and returns the emulator fitted to them. Ends earlier if
+    /// every candidate for a run lies nearest to a run that failed.
     ///
     /// # Errors
-    /// [`Error::Stopped`] when it was stopped; [`Error::Campaign`] when too few runs are left to say anything.
+    /// [`Error::Stopped`] after an interrupt; [`Error::Campaign`] if so many runs failed that too
+    /// few are left for an emulator; [`Error::Input`] if the curves of the runs do not differ.
     pub fn run(&mut self) -> Result<Emulator> {
         let s = self.settings;
         if self.evaluations.is_empty() {
@@ -134,19 +142,20 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// A random stream for the state after `n` runs.
+    /// Random stream number `n` of the seed. A batch uses the number of runs made before it, so
+    /// that a calibration that was stopped draws the same numbers when it continues.
     pub fn rng(&self, n: u64) -> ChaCha8Rng {
         let mut rng = ChaCha8Rng::seed_from_u64(self.settings.seed);
         rng.set_stream(n);
         rng
     }
 
-    /// Runs that the emulator sees, with what they gave.
+    /// Finished runs that the emulator is fitted to, with their outputs.
     pub fn done(&self) -> impl Iterator<Item = (&Evaluation, &Vec<f64>)> {
         self.evaluations.iter().zip(&self.outputs).filter_map(|(e, y)| Some((e, y.as_ref()?)))
     }
 
-    /// The same, to be left out in turn.
+    /// The runs of [`Search::done`] in the form that [`left_out::left_out`] needs.
     pub fn runs(&self) -> Vec<left_out::Run> {
         let run = |(e, y): (&Evaluation, &Vec<f64>)| left_out::Run {
             u: self.unit(e),
@@ -170,7 +179,8 @@ impl<'a> Search<'a> {
         self.evaluations.iter().filter(|e| matches!(e.status, Status::Failed(_))).count()
     }
 
-    /// Notes what is known now, here and in `convergence.csv`.
+    /// Adds the quantiles of `chain` to the trace and writes the trace to `convergence.csv`.
+    /// Entries for as many or more runs are replaced.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -190,10 +200,11 @@ impl<'a> Search<'a> {
         log::replace(&self.dir.join(TRACE), text.as_bytes())
     }
 
-    /// Runs at parameters that were found, which the emulator never sees.
+    /// Makes the check runs at the unit coordinates `u` and returns the curves of those that
+    /// finished. The emulator is never fitted to these runs.
     ///
     /// # Errors
-    /// [`Error::Stopped`] when it was stopped.
+    /// [`Error::Stopped`] after an interrupt; files that cannot be written.
     pub fn check(&mut self, u: &[f64]) -> Result<Vec<Vec<f64>>> {
         let values: Vec<f64> = self.parameters.iter().zip(u).map(|(p, u)| p.rounded(*u)).collect();
         let first = 10_000 * self.settings.seed + 9_000;
@@ -236,7 +247,7 @@ impl<'a> Search<'a> {
         self.outputs.push(None);
     }
 
-    /// Runs whatever is planned, and reads again what was done before.
+    /// Makes the planned runs, and reads the outputs of runs that an earlier call has made.
     fn evaluate(&mut self) -> Result<()> {
         std::fs::create_dir_all(&self.dir).map_err(Error::write(&self.dir))?;
         self.save(&[])?;
@@ -279,7 +290,9 @@ impl<'a> Search<'a> {
         log::write(&self.dir, self.parameters, &all, misfit)
     }
 
-    /// The size of each output: the scatter of the repeats with the error of measurement, one size for a block.
+    /// Scale of each output, one value for all outputs of a block: root of the mean of scatter
+    /// variance (between the repeats) plus measurement variance; [`NO_SCATTER`] of the range where
+    /// both are zero.
     fn scale(&self) -> Vec<f64> {
         let repeats: Vec<&Vec<f64>> = self.done().filter(|(e, _)| e.stage == Stage::Centre).map(|d| d.1).collect();
         let all: Vec<&Vec<f64>> = self.done().map(|d| d.1).collect();
@@ -335,7 +348,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Name of the file with what was known of the parameters after so many runs.
+/// Name of the file with the quantiles of the parameters after each batch of runs.
 const TRACE: &str = "convergence.csv";
 
 fn read_trace(dir: &Path, parameters: &[Parameter]) -> Result<Vec<Trace>> {
@@ -364,7 +377,8 @@ mod tests {
     use crate::curve::stand_in::{self, StandIn};
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// The stand-in as a simulator that fails where the second parameter is small, and may be stopped.
+    /// Simulator of the tests: the curve in closed form; it fails where the second parameter is
+    /// small, and stops after a number of calls.
     struct Fake {
         stand_in: StandIn,
         calls: AtomicUsize,
@@ -425,7 +439,8 @@ mod tests {
         assert!(log.contains("did not come to rest"));
     }
 
-    /// Stopped wherever it may be, a calibration ends with the same log.
+    /// A calibration that was stopped (after 5, 20 or 23 runs) and continued ends with the log of
+    /// one that was not stopped.
     #[test]
     fn a_stopped_calibration_goes_on_to_the_same_end() {
         let whole = tempfile::tempdir().expect("folder");
@@ -440,7 +455,7 @@ mod tests {
             let trace = |dir: &Path| std::fs::read_to_string(dir.join(TRACE)).expect("trace");
             assert!(trace(dir.path()) == trace(whole.path()) && trace(dir.path()).lines().count() == 3);
         }
-        // more runs go on from what there is
+        // a larger budget adds runs to those already made
         go(whole.path(), &Fake::new(usize::MAX), 30).expect("found");
         assert_eq!(log(whole.path()).lines().count(), 1 + 30 + 4);
     }

@@ -1,5 +1,6 @@
-//! Which parameter moves the curve: first-order and total Sobol' indices of the emulated curve as a whole over the prior (Saltelli et
-//! al. 2010, Comput. Phys. Commun. 181, 259; for several outputs Gamboa et al. 2014, Electron. J. Stat. 8, 575).
+//! Sensitivity of the curve to each parameter: first-order and total Sobol' indices over the prior,
+//! of the emulated curve as a whole (Saltelli et al. 2010, Comput. Phys. Commun. 181, 259; for
+//! several outputs Gamboa et al. 2014, Electron. J. Stat. 8, 575).
 
 use super::emulator::Emulator;
 use super::parameter::Parameter;
@@ -7,15 +8,15 @@ use nalgebra::DVector;
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
 
-/// Points of each of the two samples.
+/// Points of each of the two samples of the prior.
 const POINTS: usize = 2000;
 
 /// Indices of one parameter, as shares of the curve's variance over the prior.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
-    /// By this parameter alone.
+    /// Share of this parameter alone (first-order index).
     pub first: f64,
-    /// With everything in which it plays a part.
+    /// Share of this parameter and of all its interactions (total index).
     pub total: f64,
 }
 
@@ -53,7 +54,8 @@ pub fn sobol(parameters: &[Parameter], emulator: &Emulator, rng: &mut impl Rng) 
 
 /// A draw from the prior of one parameter.
 fn draw(p: &Parameter, rng: &mut impl Rng) -> f64 {
-    // a normal prior by rejection under its highest point in the bounds
+    // rejection: a uniform draw is accepted with its prior density over the largest one within the
+    // bounds
     let highest = match p.prior {
         laboratory::scene::Prior::Normal { mean, .. } => p.log_prior(p.unit(mean.clamp(p.lower, p.upper))),
         _ => 0.0,

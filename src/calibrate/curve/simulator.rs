@@ -1,4 +1,4 @@
-//! Where curves come from: runs of the scene, or anything that stands in for them.
+//! Sources of curves for a calibration: runs of the scene, or a replacement in tests.
 
 use super::log::{Evaluation, Stage};
 use super::outputs;
@@ -8,22 +8,23 @@ use campaign::{self, Job, Outcome, Vary};
 use laboratory::error::Result;
 use std::path::PathBuf;
 
-/// What became of an evaluation.
+/// Outcome of an evaluation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ran {
     /// A value for each point of the target.
     Done(Vec<f64>),
     Failed(String),
-    /// Stopped from outside; goes on when it is asked for again.
+    /// Interrupted; the evaluation continues when it is asked for again.
     Stopped,
 }
 
 /// Gives curves for parameters and seeds.
 pub trait Simulator: Sync {
-    /// Evaluates all of `wanted`; asked twice for the same, it gives the same.
+    /// Evaluates all of `wanted`. The same evaluation always has the same outcome, unless it is
+    /// interrupted.
     ///
     /// # Errors
-    /// What is wrong with the calibration as a whole. An evaluation that fails is no error.
+    /// Errors that concern the calibration as a whole. An evaluation that fails is [`Ran::Failed`].
     fn run(&self, wanted: &[&Evaluation]) -> Result<Vec<Ran>>;
 }
 
@@ -55,7 +56,8 @@ impl Simulator for Runs<'_> {
         let options = campaign::Options {
             parallel: self.parallel,
             quiet: self.quiet,
-            // parameters found with more runs are checked in the folders of the earlier check
+            // after a larger budget the check runs have other parameters but the folders of the
+            // earlier check
             force: wanted.iter().all(|e| e.stage == Stage::Check),
             program: None,
         };

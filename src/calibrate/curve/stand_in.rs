@@ -1,4 +1,4 @@
-//! A curve in closed form with scatter, in place of runs, so that the statistics can be tested in a moment.
+//! Curves in closed form with random scatter, which replace runs in tests of the statistics.
 
 use super::design::latin;
 use super::parameter::Parameter;
@@ -7,8 +7,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A compression curve n(ln σ) that bends where grains begin to break, with two parameters, and specimens that differ in their
-/// first porosity, their slope and from point to point.
+/// Compression curve n(ln σ) with two parameters, bent where grains would begin to break. Specimens
+/// scatter in initial porosity (`offset`), in slope (`slope`) and from point to point (`rough`).
 pub struct StandIn {
     points: usize,
     offset: f64,
@@ -43,7 +43,7 @@ impl StandIn {
             .collect()
     }
 
-    /// A design of runs, each with a seed of its own.
+    /// Parameters and curves of a design of runs, each with its own seed.
     pub fn runs(&self, n: usize, seed: u64) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
         let x = latin(n, 2, &mut ChaCha8Rng::seed_from_u64(seed));
         let y = x.iter().enumerate().map(|(i, u)| self.curve(u, seed * 10_000 + i as u64)).collect();

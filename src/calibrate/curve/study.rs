@@ -1,5 +1,6 @@
-//! Whether a calibration gives back what a curve was made with: curves of the scene itself with known parameters and seeds of their
-//! own, each calibrated as if it had been measured.
+//! Recovery study: runs of the scene with known parameters and their own seeds give curves, each
+//! curve is calibrated as if it had been measured, and the intervals are compared with the known
+//! parameters.
 
 use super::parameter::Parameter;
 use super::search::Settings;
@@ -16,26 +17,27 @@ use table::number;
 
 /// Points of a curve, evenly spread over the logarithm of stress.
 const POINTS: usize = 20;
-/// Sieves of a gradation, shares of the largest grain.
+/// Sieves of a gradation over the size of the largest grain.
 const SIEVES: [f64; 8] = [0.15, 0.25, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9];
 
-/// What to study.
+/// A recovery study to be made.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The calibrations; its curve and folder are not used.
+    /// Settings of each calibration; its files and its folder are not used.
     pub request: Request,
-    /// Parameters of each target, with keys as header; may hold seeds.
+    /// Table (CSV) with a row for each curve: its parameters, and seeds if wanted, under their
+    /// keys.
     pub truths: PathBuf,
-    /// Give k₀ and the gradation at the end beside the curve.
+    /// Whether the calibrations get k₀ and the gradation at the end besides the curve.
     pub all_data: bool,
     /// Folder of the study.
     pub out: PathBuf,
 }
 
-/// One parameter of one target.
+/// Result for one parameter of one curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recovered {
-    /// Index of the curve among the truths.
+    /// Number of the curve, from 1: its row in the table of truths.
     pub target: usize,
     /// The parameter.
     pub parameter: Parameter,
@@ -58,9 +60,10 @@ impl Recovered {
     }
 }
 
-/// Makes the curves, calibrates each, and writes `recovery.csv` with a figure for each parameter, and `left_out.csv` (how each
-/// calibration's test of itself ended). Goes on from whatever is there. The
-/// runs that fill the space between the bounds are made once for all targets.
+/// Makes the curves, calibrates each, and writes `recovery.csv`, a figure for each parameter, and
+/// `left_out.csv` (for each calibration, the test with its own runs left out). Continues from what
+/// the folder holds. The runs of the design and in its middle are made once and copied for the
+/// other curves.
 ///
 /// # Errors
 /// As [`calibrate`], and a table of truths that does not fit the scene.
@@ -101,7 +104,7 @@ pub fn recover(plan: &Plan, tell: &dyn Fn(&str)) -> Result<Vec<Recovered>> {
             left_out += &format!("{},{},{},{},{width:.3}\n", i + 1, p.key, of["curves"], of["held"][&p.key]);
         }
         log::replace(&plan.out.join("left_out.csv"), left_out.as_bytes())?;
-        // after each, so that a study that is stopped shows what it has
+        // written after each target, so that a study that is stopped has the results so far
         write(&plan.out, &parameters, &found)?;
     }
     Ok(found)
@@ -124,11 +127,17 @@ fn truths_of(row: &[(String, String)], parameters: &[Parameter], path: &Path) ->
         .collect()
 }
 
-/// What is read of the runs that make the targets; the values are not known yet.
+/// Target with the quantities and points that are read from the runs that make the curves. Its
+/// values are not known yet and 0.
 fn template(plan: &Plan) -> Result<Target> {
     let model = scene::model(&scene::load(&plan.request.scene, &plan.request.sets)?)?;
     let Rig::Oedometer(rig) = &model.rig else {
-        return Err(Error::input(plan.request.scene.display(), "kind", None, "a curve is that of an oedometer"));
+        return Err(Error::input(
+            plan.request.scene.display(),
+            "kind",
+            None,
+            "must be \"oedometer\": a compression curve comes from an oedometer",
+        ));
     };
     let from = rig.specimen.isotropic_stress * 1e-3;
     let end = rig.loading.stages.first().copied().unwrap_or(0.0) * 1e-3 / BEYOND;
@@ -137,19 +146,20 @@ fn template(plan: &Plan) -> Result<Target> {
     let block = |kind, at: Vec<f64>| Block { kind, values: vec![0.0; at.len()], sd: vec![0.0; at.len()], at };
     let mut blocks = vec![block(Kind::History("void_ratio"), at.clone())];
     if plan.all_data {
-        // k0 of the first points is that of the preparation
+        // at small stresses k0 is still that of the preparation
         blocks.push(block(Kind::History("k0"), at[POINTS / 2..].to_vec()));
         blocks.push(block(Kind::Gradation(at[POINTS - 1]), SIEVES.to_vec()));
     }
     Ok(Target { blocks, notes: Vec::new() })
 }
 
-/// To four digits.
+/// The number with four significant digits.
 fn rounded(x: f64) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x)
 }
 
-/// Runs the scene with the true parameters and writes what a laboratory would have measured.
+/// Runs the scene with the true parameters and writes the files that a laboratory would have
+/// measured.
 fn make_targets(plan: &Plan, rows: &[Vec<(String, String)>], target: &Target) -> Result<Vec<Files>> {
     let r = &plan.request;
     let isotropic = target.blocks[0].at[0];
@@ -204,7 +214,8 @@ fn write_target(folder: &Path, i: usize, run: &Path, row: &[(String, String)], t
     Ok(names)
 }
 
-/// Copies the runs of the design, which are those of every target, into another calibration.
+/// Copies the first `count` runs, which are the same for every target, from one calibration into
+/// another.
 fn share(from: &Path, to: &Path, count: usize) -> Result<()> {
     for n in 1..=count {
         let name = Path::new("runs").join(format!("run-{n:03}"));
@@ -238,7 +249,7 @@ fn write(out: &Path, parameters: &[Parameter], all: &[Recovered]) -> Result<()> 
     Ok(())
 }
 
-/// Estimates with their intervals over what the curves were made with.
+/// Figure of one parameter: estimates and intervals against the known values.
 fn graph(p: &Parameter, own: &[&Recovered]) -> Graph {
     let ends = [p.lower, p.upper];
     let drawn = |label: Option<&str>, name: &str, tone, look, points| Drawn {
@@ -271,7 +282,8 @@ fn graph(p: &Parameter, own: &[&Recovered]) -> Graph {
     }
 }
 
-/// How often the intervals held: one line for each parameter.
+/// Table (Markdown) with a line for each parameter: intervals that hold the known value, and their
+/// mean width.
 pub fn table(all: &[Recovered]) -> String {
     let mut keys: Vec<&str> = Vec::new();
     for r in all {
@@ -289,7 +301,7 @@ pub fn table(all: &[Recovered]) -> String {
     text
 }
 
-/// The same as JSON.
+/// All results as JSON, an object for each parameter of each curve.
 pub fn json(all: &[Recovered]) -> Value {
     all.iter()
         .map(|r| {

@@ -1,12 +1,15 @@
-//! What a calibration is to meet: an oedometer curve, and with it k₀ and gradations if there are any.
+//! Target of a calibration: a measured oedometer curve, with k₀ and gradations if they were
+//! measured.
 
 use super::posterior::Measured;
 use crate::columns::Columns;
 use laboratory::error::{Error, Result};
 use std::path::PathBuf;
 
-/// A quantity against vertical stress: its column in a history, and in the file of the curve with the factor to the former. Void ratio
-/// and porosity count all dry mass as solid, as a laboratory does; `_restored`, an older name for that, is read too.
+/// Quantities that can be measured against vertical stress: column in the history of a run, column
+/// in the file of the curve, and the factor from the second to the first. `void_ratio` and
+/// `porosity` count all dry mass as solid, as a laboratory does. Older files, in which these two
+/// end in `_restored`, are read too (`table::old_names`).
 const QUANTITIES: [(&str, &str, f64); 8] = [
     ("void_ratio", "void_ratio", 1.0),
     ("void_ratio_grains", "void_ratio_grains", 1.0),
@@ -22,16 +25,17 @@ const SIZES: [(&str, f64); 2] = [("diameter_mm", 1.0), ("diameter_m", 1e3)];
 /// Fewest points of a curve.
 const FEWEST: usize = 4;
 
-/// Points of one kind.
+/// Quantity that was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// A column of the history at vertical stresses.
+    /// A column of the history, against vertical stress.
     History(&'static str),
-    /// Per cent finer by mass at sizes, at one vertical stress, kPa.
+    /// Per cent finer by mass, against size, at this vertical stress, kPa.
     Gradation(f64),
 }
 
-/// A measured line: stress in kPa, or size in mm, with value and standard deviation of each point.
+/// Measured points of one quantity: stress in kPa, or size in mm, with value and standard deviation
+/// of each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
     /// The quantity.
@@ -49,26 +53,27 @@ pub struct Block {
 pub struct Target {
     /// The measured lines.
     pub blocks: Vec<Block>,
-    /// What was left out, for the user.
+    /// Messages to the user about columns and points that are not used.
     pub notes: Vec<String>,
 }
 
 /// Files of a target.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
-    /// Curve, with a column k0 if there is one.
+    /// File of the curve; it may have a column k0.
     pub curve: PathBuf,
-    /// Stress ratios, if they are in a file of their own.
+    /// File of stress ratios k0, if they are not in that of the curve.
     pub k0: Option<PathBuf>,
-    /// Gradations, if there are some.
+    /// File of gradations, if there are any.
     pub gradations: Option<PathBuf>,
 }
 
 impl Target {
-    /// Reads the files. Points of first loading above `from` kPa are taken.
+    /// Reads the files. Points at `from` kPa and above are used.
     ///
     /// # Errors
-    /// What is wrong with the files: columns, units, values, too few points.
+    /// Missing columns, columns without unit, values that are impossible, stresses that do not rise
+    /// from row to row, too few points, or the same value at every point.
     pub fn read(files: &Files, from: f64) -> Result<Target> {
         let mut target = Target { blocks: Vec::new(), notes: Vec::new() };
         let curve = Columns::read(&files.curve)?;
@@ -103,7 +108,9 @@ impl Target {
         Ok(target)
     }
 
-    /// A quantity against stress.
+    /// Reads a quantity against stress and adds its block. `column`: name in the history of a run;
+    /// `name` and `factor`: name in `file` and factor to the unit of the history; `sd_name`: column
+    /// of its standard deviations; `from`: least stress, kPa; `fewest`: number of points needed.
     #[allow(clippy::too_many_arguments)]
     fn line(
         &mut self,
@@ -162,7 +169,7 @@ impl Target {
         Ok(())
     }
 
-    /// Gradations at one or more stresses.
+    /// Reads gradations and adds a block for each stress at which one was measured.
     fn gradations(&mut self, file: &Columns) -> Result<()> {
         let (stress_name, stress) = stresses(file)?;
         let size = SIZES.iter().find(|s| file.has(s.0));
@@ -253,7 +260,7 @@ fn deviations(file: &Columns, name: &str, factor: f64) -> Result<Vec<f64>> {
     Ok(all.into_iter().map(|sd| sd.unwrap_or(0.0)).collect())
 }
 
-/// A value that the quantity can have.
+/// Refuses a value that the quantity cannot have.
 fn check(file: &Columns, row: usize, name: &str, column: &str, value: f64) -> Result<()> {
     let allowed = match column {
         "void_ratio" | "void_ratio_grains" | "void_ratio_star" => {
@@ -268,7 +275,7 @@ fn check(file: &Columns, row: usize, name: &str, column: &str, value: f64) -> Re
     allowed.map_err(|message| file.wrong_value(row, name, message))
 }
 
-/// Reads a target from text, for tests here and beside.
+/// Reads a target from the text of a curve file; for the tests of this and other modules.
 #[cfg(test)]
 pub fn from_text(curve: &str, from: f64) -> Result<Target> {
     let dir = tempfile::tempdir().expect("folder");

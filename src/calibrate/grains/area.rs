@@ -1,4 +1,5 @@
-//! From a crushing force to a strength and back (Ciantia et al. 2015, eqs 16, 17), with what is known of the area.
+//! Strength from a crushing force and back (Ciantia et al. 2015, eqs 16, 17), by one of two models
+//! of the contact area.
 
 use engine::breakage::Criterion;
 use engine::breakage::criterion::{FixedAngle, HertzArea};
@@ -24,21 +25,22 @@ impl Model {
     }
 }
 
-/// How strengths follow from forces. Without theta0 (or E') only a product with it is found: strengths then are those
-/// for sin theta0 = 1 (or E' = 1 Pa).
+/// Relation between crushing force and strength. If theta0 (or E') is not known, forces determine
+/// only a product of strength and angle (or E'). Strengths are then those for sin theta0 = 1 (or
+/// for E' = 1 Pa).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
     /// The area model.
     pub model: Model,
     law: Criterion,
-    /// Pa
+    /// Effective modulus E' of grain and platen, Pa.
     e_eff: f64,
-    /// theta0, or E', is given.
+    /// Whether theta0, or E', is given.
     pub known: bool,
 }
 
 impl Area {
-    /// `theta0`, rad, above 0 and below pi/2, where it is known.
+    /// The model of a fixed angle; `theta0`, rad, above 0 and below pi/2, if it is known.
     pub fn fixed_angle(theta0: Option<f64>) -> Area {
         let angle = theta0.unwrap_or(std::f64::consts::FRAC_PI_2);
         Area {
@@ -49,7 +51,7 @@ impl Area {
         }
     }
 
-    /// `e_eff`, E' of eq. 11, Pa, where it is known.
+    /// The model of Hertz; `e_eff`: E' of eq. 11, Pa, if it is known.
     pub fn hertz(e_eff: Option<f64>) -> Area {
         Area { model: Model::Hertz, law: Criterion::HertzArea(HertzArea), e_eff: e_eff.unwrap_or(1.0), known: e_eff.is_some() }
     }
@@ -64,7 +66,8 @@ impl Area {
         self.law.limit_force(strength.max(0.0), d, 0.5 * d, self.e_eff)
     }
 
-    /// d ln F / d ln sigma: forces go with the strength (eq. 16) or its cube (eq. 17).
+    /// d ln F / d ln sigma: the force is proportional to the strength (eq. 16) or to its cube (eq.
+    /// 17).
     pub fn power(&self) -> f64 {
         match self.model {
             Model::FixedAngle => 1.0,
@@ -72,7 +75,8 @@ impl Area {
         }
     }
 
-    /// What forces alone identify: sigma_lim0 sin² theta0 or sigma_lim0³ / E'², MPa.
+    /// Quantity that forces alone determine, MPa, for a `strength`, Pa: sigma_lim0 sin² theta0, or
+    /// sigma_lim0³ / E'².
     pub fn identified_mpa(&self, strength: f64) -> f64 {
         1e-6 * match self.law {
             Criterion::FixedAngle(FixedAngle { theta0 }) => strength * theta0.sin().powi(2),

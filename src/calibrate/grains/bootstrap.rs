@@ -1,5 +1,6 @@
-//! Limits by bootstrap: grains are drawn with replacement within their size, the law is fitted again, and the 2.5 and
-//! 97.5 % quantiles of the fits are taken. The generator of each resample is keyed by its number.
+//! Confidence limits by bootstrap: grains are drawn with replacement within their size class, the
+//! law is fitted again, and the 2.5 and 97.5 % quantiles of these fits are the limits. Each
+//! resample has its own random stream, so that results do not depend on the number of threads.
 
 use super::likelihood::{Held, Params, Sample};
 use super::profile::{Limits, Which};
@@ -7,7 +8,8 @@ use super::simulate::{below, generator};
 use super::spread::Spread;
 use rayon::prelude::*;
 
-/// Limits of ln sigma_lim0, slope and ln shape. `groups` numbers the size class of each grain.
+/// 95 % limits of ln sigma_lim0, slope and ln shape. `groups`: number of the size class of each
+/// grain.
 pub fn limits(sample: &Sample, spread: Spread, at: &Params, groups: &[usize], resamples: usize, seed: u64) -> [Limits; 3] {
     let members: Vec<Vec<usize>> =
         (0..=groups.iter().copied().max().unwrap_or(0)).map(|g| (0..groups.len()).filter(|i| groups[*i] == g).collect()).collect();

@@ -1,5 +1,6 @@
-//! Strengths size by size as the field reports them (McDowell & Amon 2000; McDowell 2002): sigma = F/d², Weibull's
-//! modulus and the stress that 37 % of the grains survive, survival probabilities by mean rank.
+//! Strengths for each size, in the usual form of the field (McDowell & Amon 2000; McDowell 2002):
+//! sigma = F/d², Weibull's modulus and the stress that 37 % of the grains survive, survival
+//! probabilities by mean rank.
 
 use super::data::{Data, line};
 use super::fit::Estimate;
@@ -28,8 +29,9 @@ pub struct Class {
     pub members: Vec<usize>,
 }
 
-/// Number of the size class of each grain: its diameter where few diameters occur, else a sieve class whose bounds are
-/// a factor of the square root of two apart, laid so that the fullest classes are as full as they can be.
+/// Number of the size class of each grain. Where few diameters occur, each is a class. Otherwise
+/// the classes are sieve classes whose bounds are a factor √2 apart, shifted so that the sum of the
+/// squared counts is largest.
 pub fn numbers(data: &Data) -> Vec<usize> {
     const PHASES: u32 = 16;
     let mut sizes: Vec<f64> = data.grains.iter().map(|g| g.diameter).collect();
@@ -51,7 +53,7 @@ pub fn numbers(data: &Data) -> Vec<usize> {
     best.1
 }
 
-/// The same classes numbered without gaps.
+/// Renumbers the classes without gaps.
 fn dense(raw: Vec<usize>) -> Vec<usize> {
     let mut used = raw.clone();
     used.sort_unstable();
@@ -59,7 +61,7 @@ fn dense(raw: Vec<usize>) -> Vec<usize> {
     raw.iter().map(|n| used.partition_point(|u| u < n)).collect()
 }
 
-/// Sum of the squares of the classes' counts.
+/// Sum of the squared numbers of grains in the classes.
 fn fullness(numbers: &[usize]) -> usize {
     let mut counts = vec![0; numbers.iter().max().map_or(0, |n| n + 1)];
     for n in numbers {
@@ -96,8 +98,9 @@ fn class(data: &Data, members: Vec<usize>) -> Class {
     }
 }
 
-/// Survival probabilities of the broken tests, by mean rank, 1 - i/(n + 1). Tests that ended without breaking raise the
-/// ranks after them (Johnson 1964). Input: values with "did not break"; output sorted by value.
+/// Survival probabilities of the broken tests, by mean rank, 1 - i/(n + 1). Tests that ended
+/// without breaking raise the ranks after them (Johnson 1964). Input: value, and whether the grain
+/// did not break; output: value and probability, sorted by value.
 pub fn survival(tests: &[(f64, bool)]) -> Vec<(f64, f64)> {
     let mut sorted = tests.to_vec();
     // at equal values those that broke come first
@@ -114,7 +117,8 @@ pub fn survival(tests: &[(f64, bool)]) -> Vec<(f64, f64)> {
     out
 }
 
-/// Weibull's modulus from the line through ln ln(1/P_s).
+/// Weibull's modulus as the slope of the line through ln ln(1/P_s); `None` for fewer than three
+/// points or a slope that is not positive.
 fn line_modulus(tests: &[(f64, bool)]) -> Option<f64> {
     let points: Vec<(f64, f64)> = survival(tests).iter().map(|(x, p)| (*x, (-p.ln()).ln())).collect();
     let (slope, _) = line(&points);
@@ -168,7 +172,8 @@ fn weibull(tests: &[(f64, bool)]) -> (Estimate, Estimate) {
     (around(ln_scale.exp(), kk / det), around(k, aa / det))
 }
 
-/// d ln L / dk with the scale at its best.
+/// Score equation of Weibull's modulus k: -d ln L / dk per broken grain, with the best scale for
+/// each k. Its root is the estimate.
 struct Score<'a> {
     tests: &'a [(f64, bool)],
     broken: &'a [f64],
@@ -191,7 +196,8 @@ impl CostFunction for Score<'_> {
     }
 }
 
-/// Exponent b of sigma_37 ∝ d^b over the sizes, and the modulus -3/b that Weibull's theory of the weakest link gives it.
+/// Exponent b of sigma_37 ∝ d^b over the sizes, and the modulus -3/b that follows from it by
+/// Weibull's theory of the weakest link; no modulus if larger grains are not weaker.
 pub fn size_effect(classes: &[Class]) -> Option<(f64, Option<f64>)> {
     let points: Vec<(f64, f64)> =
         classes.iter().filter_map(|c| Some((c.diameter_mm.ln(), c.sigma_37_mpa.estimate?.ln()))).collect();
@@ -258,7 +264,8 @@ mod tests {
     #[test]
     fn sizes_are_told_apart_or_sieved() {
         let few = data([1e-3, 1e-3, 2e-3, 2.0001e-3, 1e-3, 2e-3, 2e-3, 1e-3, 1e-3, 4e-3].map(|d| grain(d, d)).to_vec());
-        // three sizes of ten grains are too many to stand alone; the sieves that hold none are left out
+        // three sizes among ten grains are too many for a class each; sieve classes without grains
+        // get no number
         assert_eq!(numbers(&few)[..4], [0, 0, 1, 1]);
         assert_eq!(numbers(&few)[9], 2);
         let more = data([[1e-3; 5], [2e-3; 5], [4e-3; 5]].concat().iter().map(|d| grain(*d, *d)).collect());

@@ -1,4 +1,5 @@
-//! Crushing tests from a CSV file: one row a grain, `diameter_mm,force_N` with optional `censored` and `series`.
+//! Crushing tests from a CSV file: a row for each grain, `diameter_mm,force_N` with optional
+//! `censored` and `series`.
 
 use laboratory::error::{Error, Result};
 use laboratory::scene::read_text;
@@ -9,9 +10,9 @@ const LENGTHS: [(&str, f64); 4] = [("mm", 1e-3), ("m", 1.0), ("cm", 1e-2), ("um"
 const FORCES: [(&str, f64); 4] = [("N", 1.0), ("kN", 1e3), ("MN", 1e6), ("mN", 1e-3)];
 const DIAMETER: [&str; 2] = ["diameter", "d"];
 const FORCE: [&str; 4] = ["force", "F", "peak_force", "crushing_force"];
-/// At most so many wrong rows are told.
+/// Largest number of wrong rows that are reported.
 const TOLD: usize = 8;
-/// Broken grains below which nothing is fitted: a law of three parameters needs more than three values.
+/// Least number of broken grains for a fit: a law of three parameters needs more than three values.
 pub const LEAST: usize = 5;
 
 /// One crushing test.
@@ -19,9 +20,9 @@ pub const LEAST: usize = 5;
 pub struct Grain {
     /// m
     pub diameter: f64,
-    /// Force at which it broke, or the largest that it bore, N.
+    /// Force at which the grain broke, or the largest force that it bore without breaking, N.
     pub force: f64,
-    /// It did not break.
+    /// Whether the grain did not break.
     pub censored: bool,
     /// Index into [`Data::series`].
     pub series: usize,
@@ -36,7 +37,7 @@ pub struct Data {
     pub grains: Vec<Grain>,
     /// Names of the series; one empty name where the file has none.
     pub series: Vec<String>,
-    /// What was noticed while reading.
+    /// Remarks for the user about the data.
     pub notes: Vec<String>,
 }
 
@@ -57,7 +58,8 @@ impl Data {
         self.grains.iter().filter(|g| !g.censored).map(|g| (g.diameter.ln(), g.force.ln())).collect()
     }
 
-    /// Whether there are enough broken grains, and forces that are more than a power of the size.
+    /// Whether at least [`LEAST`] grains broke and their forces scatter about a power law of the
+    /// size.
     pub fn has_spread(&self) -> bool {
         self.broken() >= LEAST && line(&self.logarithms()).1 >= 1e-6
     }
@@ -72,8 +74,9 @@ impl Data {
 /// Reads and checks a data file.
 ///
 /// # Errors
-/// Missing, doubled or unit-less columns, values that are no positive numbers (the first few, each with its line), too
-/// few broken grains, values without any spread; each says what is allowed or what can still be estimated.
+/// Missing columns, two columns of one quantity, columns without unit; values that are no positive
+/// numbers (the first few, each with its line); too few broken grains; forces without any spread.
+/// The message says what is allowed, or what cannot be estimated and why.
 pub fn read(path: &Path) -> Result<Data> {
     let text = read_text(path)?;
     let mut reader = csv::ReaderBuilder::new()
@@ -107,7 +110,7 @@ fn bad(path: &Path, error: csv::Error) -> Error {
     Error::input(path.display(), "", None, format!("not CSV: {error}"))
 }
 
-/// Where the columns stand, and their units.
+/// Index of each column, with the SI value of its unit where it has one.
 struct Columns {
     diameter: (usize, f64),
     force: (usize, f64),
@@ -135,7 +138,7 @@ impl Columns {
         Ok(Columns { diameter, force, censored: named("censored"), series: named("series") })
     }
 
-    /// Columns that are not used.
+    /// Note for the user that names the columns that are not used.
     fn notes(&self, header: &[String]) -> Vec<String> {
         let used = [Some(self.diameter.0), Some(self.force.0), self.censored, self.series];
         let unused: Vec<&str> = header
@@ -162,7 +165,7 @@ impl Columns {
             }
             let si = value * unit;
             if !(1e-12..=1e12).contains(&si) {
-                return Err(wrong("is no size or force of a grain"));
+                return Err(wrong("is not a possible size or force of a grain; is the unit in the header right?"));
             }
             Ok(si)
         };
@@ -187,7 +190,7 @@ impl Columns {
     }
 }
 
-/// The column of a quantity and the SI value of its unit.
+/// Index of the column of a quantity, and the SI value of its unit.
 fn measured(path: &Path, header: &[String], what: &str, names: &[&str], units: &[(&str, f64)]) -> Result<(usize, f64)> {
     let allowed: Vec<String> = units.iter().map(|(unit, _)| format!("{what}_{unit}")).collect();
     let wrong = |key: &str, message: String| Error::input(path.display(), key, None, message);
@@ -223,7 +226,8 @@ fn measured(path: &Path, header: &[String], what: &str, names: &[&str], units: &
     }
 }
 
-/// Refuses data from which no spread can be found.
+/// Refuses data to which no law can be fitted: no rows, too few broken grains, or forces without
+/// spread.
 fn enough(data: &Data) -> Result<()> {
     let refuse = |message: String| Err(Error::input(data.path.display(), "", None, message));
     let broken: Vec<&Grain> = data.grains.iter().filter(|g| !g.censored).collect();
@@ -273,7 +277,7 @@ pub fn line(points: &[(f64, f64)]) -> (f64, f64) {
     (slope, (rest / n).sqrt())
 }
 
-/// Notes on values that are possible but odd.
+/// Adds notes about values that are possible but odd.
 fn doubts(data: &mut Data) {
     let (low, high) = data.extent();
     let mut notes = Vec::new();

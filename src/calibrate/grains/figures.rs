@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Names of the figures.
 pub const NAMES: [&str; 3] = ["force_vs_diameter", "survival", "quantiles"];
-/// At most so many sizes are drawn in the survival figure.
+/// Largest number of sizes in the survival figure.
 const SIZES: usize = 6;
 const POINTS: u32 = 80;
 
@@ -48,7 +48,8 @@ fn name(fit: &Fit) -> String {
     format!("{area}, {}{m}", fit.spread.name())
 }
 
-/// x of the likelihood for a diameter, m.
+/// Size of a grain of diameter `d`, m, as the likelihood takes it: ln(d/d0) less the mean of the
+/// data.
 fn x(c: &Calibration, fit: &Fit, d: f64) -> f64 {
     (d / c.inputs.d0).ln() - fit.sample.x_mean
 }
@@ -112,7 +113,7 @@ fn tests(c: &Calibration, label: &str, tone: Tone, symbol: usize, which: impl Fn
     (!points.is_empty()).then(|| Drawn { label: Some(label.clone()), name: label, tone, look: Look::Symbols(symbol), points })
 }
 
-/// Indices of at most `SIZES` classes, those with most broken grains.
+/// Indices of at most `SIZES` classes, those with most broken grains; a class needs three.
 fn shown(c: &Calibration) -> Vec<usize> {
     let broken = |i: usize| c.classes[i].grains - c.classes[i].censored;
     let mut all: Vec<usize> = (0..c.classes.len()).filter(|&i| broken(i) >= 3).collect();

@@ -9,7 +9,7 @@ use super::profile::{self, Limits, Which};
 use super::spread::{Law, Spread};
 use serde::Serialize;
 
-/// A value with its 95 % limits; what the data leave open is `None`.
+/// A value with its 95 % limits; `None` for what the data do not determine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Estimate {
     /// The value.
@@ -26,7 +26,7 @@ impl Estimate {
         Estimate { estimate: map(at), lower: lower.and_then(map), upper: upper.and_then(map) }
     }
 
-    /// Whether the limits hold a value; open limits hold everything on their side.
+    /// Whether the limits enclose a value; an open limit encloses everything on its side.
     pub fn holds(&self, value: f64) -> bool {
         self.lower.is_none_or(|l| l <= value) && self.upper.is_none_or(|u| u >= value)
     }
@@ -37,7 +37,7 @@ impl Estimate {
     }
 }
 
-/// How intervals are made.
+/// Method by which intervals are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Intervals {
     /// By the profile likelihood.
@@ -60,15 +60,15 @@ pub struct Fit {
     pub spread: Spread,
     /// The parameters of largest likelihood.
     pub at: Params,
-    /// The tests as the likelihood takes them.
+    /// The tests in the form that the likelihood needs.
     pub sample: Sample,
     /// ln of the likelihood of the forces, N
     pub ln_likelihood: f64,
-    /// ln sigma_lim0, s, ln shape
+    /// 95 % limits of ln sigma_lim0, s and ln shape.
     limits: [Limits; 3],
 }
 
-/// ln of Akaike's and Schwarz's criteria: the smaller, the better.
+/// Akaike's and Schwarz's criteria: the smaller, the better.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Criteria {
     /// Akaike's criterion.
@@ -89,7 +89,8 @@ impl Fit {
         Fit { area, spread, at, sample, ln_likelihood, limits: [(None, None); 3] }
     }
 
-    /// The same with intervals. A larger likelihood that the profile comes upon replaces the fit.
+    /// The fit with 95 % intervals. If the profile comes upon parameters of a larger likelihood,
+    /// the fit moves there.
     pub fn with_intervals(mut self, data: &Data, how: Intervals) -> Fit {
         if let Intervals::Bootstrap { resamples, seed } = how {
             let groups = classes::numbers(data);
@@ -136,7 +137,8 @@ impl Fit {
         Criteria { aic, aicc, bic: k * n.ln() - 2.0 * self.ln_likelihood }
     }
 
-    /// The spread of the data is wider than this law can be: the fit ends at the limit of its shape.
+    /// Whether the fit ends at a limit of its shape: the data spread more (or less) than this law
+    /// can.
     pub fn at_limit(&self) -> bool {
         let (low, high) = self.spread.limits();
         self.at.t > high - 0.02 || self.at.t < low + 0.02
@@ -147,12 +149,13 @@ impl Fit {
         Law::new(self.spread, self.at.t)
     }
 
-    /// Strength of the law of size, Pa, at a size given by ln(d/d0) less its mean.
+    /// Strength by the law of size, Pa, at the size `x`, ln(d/d0) less the mean of the data.
     pub fn size_law(&self, x: f64) -> f64 {
         (self.at.a - self.at.s * x).exp()
     }
 
-    /// Whether the reference diameter is where the strength was measured: of several sizes by the law, of one size only there.
+    /// Whether the strength at d0 can be given: with several sizes always, by the law of size; with
+    /// one size only if it is d0.
     fn reaches_d0(&self) -> bool {
         self.sample.sized || self.sample.x_mean.abs() < 1e-3
     }
@@ -164,7 +167,8 @@ impl Fit {
         Estimate::new(self.at.ln_sigma(&self.sample), self.limits[0], |v| map(v.exp()))
     }
 
-    /// Mean strength at d0, MPa; nothing when theta0 or E' is not known, or when the one size is not d0.
+    /// Mean strength at d0, MPa; empty if theta0 or E' is not known, or if there is only one size
+    /// and it is not d0.
     pub fn sigma_lim0_mpa(&self) -> Estimate {
         if self.area.known && self.reaches_d0() { self.sigma(|pa| 1e-6 * pa) } else { Estimate::default() }
     }
@@ -174,8 +178,8 @@ impl Fit {
         (!self.sample.sized && self.area.known).then(|| self.sigma(|pa| 1e-6 * pa))
     }
 
-    /// What the forces identify without theta0 or E': sigma_lim0 sin² theta0, or sigma_lim0³ / E'², MPa (at the one
-    /// size, where there is one).
+    /// Quantity, MPa, that forces determine without theta0 or E': sigma_lim0 sin² theta0 or
+    /// sigma_lim0³ / E'² (at the one size, if there is only one).
     pub fn identified_mpa(&self) -> Estimate {
         self.sigma(|pa| self.area.identified_mpa(pa))
     }
@@ -185,7 +189,7 @@ impl Fit {
         if self.sample.sized { Estimate::new(self.at.s, self.limits[1], |v| v) } else { Estimate::default() }
     }
 
-    /// m = 3/s, for positive slopes. A slope that may be zero leaves its upper limit open.
+    /// m = 3/s, for positive slopes. If the slope may be zero, m has no upper limit.
     pub fn m(&self) -> Estimate {
         let slope = self.slope();
         let positive = |s: f64| Some(3.0 / s).filter(|m| s > 0.0 && m.is_finite());
@@ -196,7 +200,7 @@ impl Fit {
         }
     }
 
-    /// Coefficient of variation of strength, -; open where the fit ends at the limit of its shape.
+    /// Coefficient of variation of strength, -; empty if the fit ends at a limit of its shape.
     pub fn var(&self) -> Estimate {
         if self.at_limit() {
             return Estimate::default();
@@ -204,7 +208,7 @@ impl Fit {
         Estimate::new(self.at.t, self.limits[2], |t| Law::new(self.spread, t).var())
     }
 
-    /// What has to be said with the numbers.
+    /// Remarks without which the numbers would mislead.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if self.at_limit() {
@@ -248,8 +252,9 @@ impl Fit {
 /// Differences of AIC below this do not speak for a law (Burnham & Anderson 2002, section 2.6).
 pub const NO_DIFFERENCE: f64 = 2.0;
 
-/// The preferred fit and why: the smallest AIC; but a truncated normal, which a scene can draw, stays preferred while no
-/// other is better by [`NO_DIFFERENCE`]. Fits at the limit of their shape are not preferred while there is another.
+/// Index of the preferred fit, and the reason: the smallest AIC, except that a truncated normal,
+/// which scenes draw, is preferred if no other fit is better by [`NO_DIFFERENCE`]. Fits at a limit
+/// of their shape are preferred only if all are.
 pub fn preferred(fits: &[Fit]) -> Option<(usize, String)> {
     let aic: Vec<f64> = fits.iter().map(|f| f.criteria().aic).collect();
     let smallest = |among: &dyn Fn(&Fit) -> bool| {

@@ -1,4 +1,4 @@
-//! The strength tables of a material file, as a scene reads them.
+//! Material file that a calibration writes: the strength tables, as scenes read them.
 
 use super::Calibration;
 use super::area::Model;
@@ -7,11 +7,12 @@ use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 use toml::Value;
 
-/// File of the material.
+/// Name of the material file.
 pub const FILE: &str = "material.toml";
 
-/// Text of the material for the folder `out`, with a table for each area model of which all values are known; `None`
-/// where there is none. With a material it is a whole one, based on that.
+/// Text of the material file for the folder `out`, with a strength table for each area model whose
+/// sigma_lim0, m and var. are all known; `None` if there is no such model. If the calibration was
+/// given a material, the file takes everything else from that one as its `base`.
 pub fn fragment(calibration: &Calibration, out: &Path) -> Option<String> {
     let tables: Vec<(&Fit, [Estimate; 3])> = calibration
         .drawn()
@@ -74,7 +75,7 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// `4780 to 5260`, with open ends named.
+/// Limits as text, `4780 to 5260`; an open limit is `open`.
 pub fn limits(value: &Estimate) -> String {
     let end = |v: Option<f64>| v.map_or("open".to_string(), significant);
     format!("{} to {}", end(value.lower), end(value.upper))
@@ -85,7 +86,7 @@ pub fn significant(value: f64) -> String {
     plot::significant(value, 4).replace('−', "-")
 }
 
-/// `file` as seen from the folder `from`, where both exist; else as it is written.
+/// Path of `file` relative to the folder `from`; `file` itself if one of them does not exist.
 fn relative(from: &Path, file: &Path) -> PathBuf {
     let (Ok(from), Ok(file)) = (from.canonicalize(), file.canonicalize()) else {
         return file.to_path_buf();

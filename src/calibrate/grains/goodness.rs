@@ -1,5 +1,6 @@
-//! Goodness of fit: Anderson and Darling's statistic of the probabilities that the fitted law gives the strengths, with
-//! the share of samples drawn from that law, and fitted again, that lie as far from it.
+//! Goodness of fit: Anderson and Darling's statistic A² of the probabilities of the strengths under
+//! the fitted law, and a p-value: samples are drawn from that law and fitted again, and those whose
+//! A² is at least as large are counted.
 
 use super::fit::Fit;
 use super::likelihood::{Held, Params, Sample};
@@ -8,19 +9,21 @@ use super::spread::{Law, Spread};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// The strength of the smallest draws of an untruncated normal, over the mean: forces are positive.
+/// Least strength of a draw, over the mean: smaller and negative draws of an untruncated normal are
+/// raised to it, because forces are positive.
 const LEAST: f64 = 1e-9;
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Goodness {
     /// A², -
     pub anderson_darling: f64,
-    /// Share of the samples of the fitted law with a larger A²; below 0.05 the law does not describe the data.
+    /// Share of the samples of the fitted law whose A² is at least as large, the data counted as
+    /// one; below 0.05 the law does not describe the data.
     pub p_value: Option<f64>,
     pub samples: usize,
 }
 
-/// Judges a fit with `samples` drawn samples (0: only the statistic).
+/// Judges a fit with `samples` random samples (0: only the statistic).
 pub fn judge(fit: &Fit, samples: usize, seed: u64) -> Goodness {
     let measured = statistic(&fit.sample, fit.spread, &fit.at, seed, u64::MAX);
     let (_, step) = fit.sample.start(fit.spread);
@@ -37,7 +40,8 @@ pub fn judge(fit: &Fit, samples: usize, seed: u64) -> Goodness {
     Goodness { anderson_darling: measured, p_value, samples }
 }
 
-/// A sample of the fitted law with the sizes of the data. Grains that did not break keep the force at which their test ended.
+/// Random sample of the fitted law, with the sizes of the data. The test of a grain that did not
+/// break ends at the same force as in the data.
 fn draw(fit: &Fit, seed: u64, index: u64) -> Sample {
     let (law, sample) = (fit.law(), &fit.sample);
     let mut rng = generator(seed, 2 * index);
@@ -52,7 +56,8 @@ fn draw(fit: &Fit, seed: u64, index: u64) -> Sample {
     sample.with(strengths, censored)
 }
 
-/// A² of the probabilities. What did not break has a random one among those above its bound.
+/// A² of the probabilities of the strengths. A grain that did not break gets a random probability
+/// above that of the force at which its test ended.
 fn statistic(sample: &Sample, spread: Spread, at: &Params, seed: u64, index: u64) -> f64 {
     let law = Law::new(spread, at.t);
     let mut rng = generator(seed, index.wrapping_mul(2).wrapping_add(1));

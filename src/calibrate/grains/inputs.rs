@@ -1,4 +1,5 @@
-//! What the forces do not say and has to be given: the contact angle, or the moduli of grain and platen.
+//! Inputs of a calibration that crushing forces cannot determine: the contact angle, or the moduli
+//! of grain and platen.
 
 use super::area::{Area, Model};
 use engine::material::effective_modulus;
@@ -10,10 +11,11 @@ use toml::{Table, Value};
 /// Reference diameter where none is given, m (Ciantia et al. 2015, below eq. 7).
 pub const D0: f64 = 2e-3;
 
-/// What the user gave; a material fills what is left out.
+/// Inputs as the user gave them; a material gives those that are missing.
 #[derive(Clone, Debug, Default)]
 pub struct Given {
-    /// `None`: those that can be told apart by what is given.
+    /// Area models to be fitted; `None`: the one whose inputs (angle, or moduli) are known, both
+    /// models if both or neither are.
     pub models: Option<Vec<Model>>,
     /// Contact angle, rad (eq. 16).
     pub theta0: Option<f64>,
@@ -27,7 +29,7 @@ pub struct Given {
     pub platen_nu: f64,
     /// Reference diameter, mm.
     pub d0_mm: Option<f64>,
-    /// Material file that gives what is left out.
+    /// Material file that gives missing inputs.
     pub material: Option<PathBuf>,
 }
 
@@ -36,22 +38,22 @@ pub struct Given {
 pub struct Inputs {
     /// Area models that are fitted.
     pub areas: Vec<Area>,
-    /// m
+    /// Reference diameter, m.
     pub d0: f64,
-    /// rad
+    /// Contact angle, rad.
     pub theta0: Option<f64>,
     /// Young's modulus, Pa, and Poisson ratio of the grain.
     pub grain: Option<(f64, f64)>,
     /// Young's modulus, Pa, and Poisson's ratio of the platens.
     pub platen: (f64, f64),
-    /// The moduli of the grain come from the command, not from the material.
+    /// Whether Young's modulus of the grain was given directly and does not come from the material.
     pub own_moduli: bool,
-    /// Material file that gave what was left out.
+    /// Material file that gives missing inputs.
     pub material: Option<PathBuf>,
 }
 
 impl Given {
-    /// Checks everything and takes from the material what was left out.
+    /// Checks the inputs and takes missing ones from the material.
     pub fn resolve(&self) -> Result<Inputs> {
         let table = match &self.material {
             Some(path) => Some((path.as_path(), material_keys(path)?)),
@@ -96,13 +98,13 @@ impl Given {
 
 fn check(value: Option<f64>, place: &str, allowed: impl Fn(f64) -> bool, message: &str) -> Result<()> {
     match value {
-        // a NaN is not allowed by any comparison
+        // every comparison with NaN is false, so that NaN is refused
         Some(v) if !allowed(v) => Err(Error::input(format!("{place} {v}"), "", None, message)),
         _ => Ok(()),
     }
 }
 
-/// A number of a material file.
+/// The number at a dotted `key` of a material file; `None` if the file has no such key.
 fn number(path: &Path, table: &Table, key: &str) -> Result<Option<f64>> {
     let mut names = key.split('.');
     let mut value = names.next().and_then(|n| table.get(n));

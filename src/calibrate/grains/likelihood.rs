@@ -1,8 +1,8 @@
-//! The likelihood of crushing forces, and its largest value, free or with one parameter held.
+//! The likelihood of crushing forces, and its maximum, with all parameters free or one held.
 //!
 //! Parameters: the logarithm a of the strength at the (geometric) mean size, the slope s = 3/m of strength against size,
-//! and the logarithm t of the spread's shape. The mean size stands for d0 inside, because there a and s are nearly
-//! independent; ln sigma_lim0 = a + s x̄, x = ln(d / d0).
+//! and the logarithm t of the spread's shape. Sizes are taken relative to the mean size instead of
+//! d0, because a and s are then nearly independent; ln sigma_lim0 = a + s x̄, x = ln(d / d0).
 
 use super::area::Area;
 use super::data::{Data, line};
@@ -10,13 +10,14 @@ use super::spread::{Law, Spread};
 use argmin::core::{CostFunction, Error, Executor, State};
 use argmin::solver::neldermead::NelderMead;
 
-/// Slopes beyond this say that something else than size is at work.
+/// Largest absolute slope that is tried; steeper slopes would not be an effect of size.
 pub const STEEPEST: f64 = 60.0;
-/// Costs are -ln L; their spread over the simplex at the end, small beside the 1.92 of an interval.
+/// Standard deviation of the costs, -ln L, over the simplex at which a search ends; small beside
+/// the 1.92 that bounds an interval.
 const TOLERANCE: f64 = 1e-9;
 const OUTSIDE: f64 = 1e12;
 
-/// Strengths and sizes as the likelihood sees them.
+/// Strengths and sizes in the form that the likelihood needs.
 #[derive(Clone, Debug)]
 pub struct Sample {
     /// ln sigma, Pa
@@ -26,7 +27,7 @@ pub struct Sample {
     pub censored: Vec<bool>,
     /// Mean of ln(d/d0)
     pub x_mean: f64,
-    /// Whether s can be found.
+    /// Whether there are several sizes, so that s can be found.
     pub sized: bool,
     /// d ln F / d ln sigma
     pub power: f64,
@@ -59,12 +60,12 @@ impl Sample {
         Sample { ln_strength, censored, ..self.clone() }
     }
 
-    /// ln of the ratio of a grain's strength to the law of size.
+    /// ln y of grain `i`: logarithm of its strength over the strength by the law of size.
     pub fn ratio(&self, i: usize, p: &Params) -> f64 {
         self.ln_strength[i] - p.a + p.s * self.x[i]
     }
 
-    /// ln L less the part that no parameter changes.
+    /// ln L of ln sigma, which differs from that of the forces by a constant.
     fn core(&self, spread: Spread, p: &Params) -> f64 {
         let law = Law::new(spread, p.t);
         let mut sum = 0.0;
@@ -75,13 +76,15 @@ impl Sample {
         sum
     }
 
-    /// ln L of the forces, N: the density of ln sigma over the power and the force. `forces` as in the data.
+    /// ln L of the forces, N, from `core`, that of ln sigma: the density of each broken grain is
+    /// divided by its force and by d ln F / d ln sigma.
     pub fn ln_likelihood(&self, core: f64, data: &Data) -> f64 {
         let jacobian: f64 = data.grains.iter().filter(|g| !g.censored).map(|g| g.force.ln() + self.power.ln()).sum();
         core - jacobian
     }
 
-    /// Where a search begins, and how far apart its first points are: least squares of the logarithms.
+    /// Start of a search, from least squares of the logarithms, and the size of its first steps
+    /// (standard errors).
     pub fn start(&self, spread: Spread) -> (Params, Params) {
         let points: Vec<(f64, f64)> =
             (0..self.len()).filter(|&i| !self.censored[i]).map(|i| (self.x[i], self.ln_strength[i])).collect();
@@ -96,13 +99,14 @@ impl Sample {
         (at, step)
     }
 
-    /// The largest likelihood with what is held; `step` is the size of the first simplex.
+    /// Parameters of the largest likelihood with the parameter `held`, and their ln L (of ln
+    /// sigma). `step`: size of the first simplex.
     pub fn maximise(&self, spread: Spread, held: Held, from: &Params, step: &Params) -> (Params, f64) {
         let problem = Problem { sample: self, spread, held };
         let mut best = problem.pack(from);
         let step = problem.pack(step);
         let mut cost = problem.value(&best);
-        // begun anew with a fresh simplex until that gains nothing
+        // restarted with a new simplex until a restart gains nothing
         for round in 0..8 {
             let size = if round == 0 { 1.0 } else { 0.3 };
             let mut simplex = vec![best.clone()];
@@ -132,7 +136,7 @@ fn search(problem: &Problem, simplex: Vec<Vec<f64>>) -> Option<(Vec<f64>, f64)> 
     Some((best, run.state().get_best_cost()))
 }
 
-/// A point of the likelihood.
+/// Parameters of the likelihood.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Params {
     /// ln of the strength at the mean size, Pa
@@ -150,7 +154,7 @@ impl Params {
     }
 }
 
-/// The parameter that a search leaves alone.
+/// The parameter that a search holds fixed, with its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Held {
     Nothing,

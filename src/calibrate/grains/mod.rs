@@ -8,7 +8,8 @@
 //! ```
 //!
 //! The likelihood is that of the forces (the density of sigma times d sigma / d F), so that fits with different area
-//! models can be compared. A grain that bore its force counts with the probability of a higher strength.
+//! models can be compared. A grain that did not break counts with the probability of a higher
+//! strength.
 
 pub mod area;
 mod bootstrap;
@@ -59,15 +60,16 @@ pub struct Calibration {
     pub settings: Settings,
     /// Area models in the order given, each with every spread.
     pub fits: Vec<Fit>,
-    /// Goodness of each fit, in their order.
+    /// Goodness of each fit, in the order of `fits`.
     pub goodness: Vec<Goodness>,
     /// Index of the preferred fit.
     pub best: usize,
-    /// Why it is preferred.
+    /// Reason for which that fit is preferred.
     pub why: String,
     /// The tests by size, each with its own Weibull fit.
     pub classes: Vec<Class>,
-    /// Where the file has several series: the probability that they differ so much by chance under one law.
+    /// If the file has several series: the probability that they differ as much by chance under one
+    /// law.
     pub series_p_value: Option<f64>,
 }
 
@@ -82,7 +84,8 @@ impl Calibration {
         self.fits.iter().filter(|f| f.spread == Spread::TruncatedNormal)
     }
 
-    /// Everything that has to be said with the numbers: of the data, then of the preferred fit, then of the choice.
+    /// Remarks without which the numbers would mislead: on the data, the preferred fit, and the
+    /// choice of that fit.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.data.notes.clone();
         notes.extend(self.best().notes().into_iter().filter(|n| !n.starts_with("one size: m")));
@@ -114,8 +117,8 @@ impl Calibration {
     }
 }
 
-/// Probability of so large a likelihood ratio between a law for each series and one for all; nothing for one series, or
-/// where one has too few broken grains.
+/// p-value of the likelihood ratio between one law for each series and one law for all. `None` for
+/// one series, or if a series has too few broken grains or no spread.
 fn compare_series(data: &Data, best: &Fit, d0: f64) -> Option<f64> {
     let parts: Vec<Data> = (0..data.series.len())
         .map(|n| Data { grains: data.grains.iter().filter(|g| g.series == n).copied().collect(), ..data.clone() })
@@ -129,7 +132,7 @@ fn compare_series(data: &Data, best: &Fit, d0: f64) -> Option<f64> {
     ChiSquared::new(more as f64).ok().map(|c| c.sf(ratio.max(0.0)))
 }
 
-/// Fits all spreads with all area models of `inputs`. `done` is called after each.
+/// Fits all spreads with all area models of `inputs`. `done` is called after each fit.
 pub fn calibrate(data: Data, inputs: Inputs, settings: Settings, done: impl Fn()) -> Calibration {
     let mut fits = Vec::new();
     let mut goodness = Vec::new();

@@ -1,5 +1,6 @@
-//! Confidence limits by profile likelihood: a parameter's value is inside where twice the likelihood lost by holding it
-//! there is below the 95 % point of chi-squared with one degree of freedom.
+//! Confidence limits by profile likelihood. A value of a parameter lies within the limits if
+//! holding the parameter there, with the others at their best, lowers ln L by less than 1.92: half
+//! of the 95 % point of chi-squared with one degree of freedom.
 
 use super::likelihood::{Held, Params, STEEPEST, Sample};
 use super::spread::Spread;
@@ -8,7 +9,7 @@ use argmin::solver::brent::BrentRoot;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::cell::RefCell;
 
-/// A parameter that an interval is wanted of.
+/// Parameter whose interval is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Which {
     /// ln sigma_lim0
@@ -53,10 +54,13 @@ impl Which {
     }
 }
 
-/// Limits in the parameter's own scale; `None` where the likelihood never falls far enough.
+/// Lower and upper limit of ln sigma_lim0, the slope or ln shape; `None` (open) if ln L does not
+/// fall far enough within the range of the parameter, or only with the shape at an end of its
+/// range.
 pub type Limits = (Option<f64>, Option<f64>);
 
-/// 95 % limits, or a point with a larger likelihood than the one given as the largest.
+/// 95 % limits of the parameter `which`, or, as the error, parameters with a larger ln L than `top`
+/// that the search has come upon, and that ln L. `at` are the fitted parameters, `top` their ln L.
 pub fn limits(sample: &Sample, spread: Spread, at: &Params, top: f64, which: Which) -> Result<Limits, (Params, f64)> {
     let loss = ChiSquared::new(1.0).map_or(3.841_459, |c| c.inverse_cdf(0.95)) / 2.0;
     let (_, step) = sample.start(spread);
@@ -98,7 +102,8 @@ impl Search<'_> {
         }
     }
 
-    /// Whether the shape is off the ends of its range: there the range, not the data, would bound the others.
+    /// Whether the shape is away from the ends of its range. At an end, the range and not the data
+    /// would bound the other parameters.
     fn free(&self, p: &Params) -> bool {
         let (low, high) = self.spread.limits();
         p.t > low + 0.02 && p.t < high - 0.02
@@ -108,7 +113,8 @@ impl Search<'_> {
         self.sample.maximise(self.spread, self.which.held(value), near, &self.step)
     }
 
-    /// Where the loss is reached, between a value inside and one outside.
+    /// Value at which ln L has fallen by `loss`, between a value inside of the limits and one
+    /// outside.
     fn root(&self, inside: f64, outside: f64, near: Params, tolerance: f64) -> f64 {
         let problem = Crossing { search: self, near: RefCell::new(near) };
         let solver = BrentRoot::new(inside.min(outside), inside.max(outside), tolerance);
@@ -130,7 +136,8 @@ impl CostFunction for Crossing<'_, '_> {
         let near = *self.near.borrow();
         let (p, l) = self.search.profile(*value, &near);
         let loss = self.search.top - l;
-        // the next search begins where this one ended, unless that is nowhere
+        // the next maximisation starts from these parameters, unless their likelihood is far too
+        // small
         if loss < 10.0 * self.search.loss {
             *self.near.borrow_mut() = p;
         }

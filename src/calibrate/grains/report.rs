@@ -1,4 +1,5 @@
-//! What a calibration writes: `calibration.json`, `report.md`, the material fragment and the figures.
+//! Files that a calibration writes: `calibration.json`, `report.md`, the material file and the
+//! figures.
 
 use super::Calibration;
 use super::area::Model;
@@ -18,7 +19,8 @@ pub const JSON: &str = "calibration.json";
 /// File of the report.
 pub const REPORT: &str = "report.md";
 
-/// Makes the folder `out`. One that holds anything is refused unless `force`d; then what an older calibration left goes.
+/// Makes the folder `out`. If it holds anything, it is refused without `force`; with `force` the
+/// files of an older calibration are removed.
 ///
 /// # Errors
 /// [`Error::Exists`], or the folder cannot be made.
@@ -56,7 +58,7 @@ pub fn write(c: &Calibration, out: &Path) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// The calibration as one object. What the data or inputs leave open is null.
+/// The calibration as one object. Values that data or inputs do not determine are null.
 pub fn json(c: &Calibration) -> Value {
     let inputs = &c.inputs;
     let young = |pair: (f64, f64)| json!({ "E_GPa": rounded(1e-9 * pair.0), "nu": pair.1 });
@@ -163,7 +165,7 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.7e}").parse().unwrap_or(value)
 }
 
-/// `5017 (4780 to 5260)`, or what is missing.
+/// Estimate and limits as text, `5017 (4780 to 5260)`; a missing estimate is `–`.
 pub fn told(e: &Estimate) -> String {
     match e.estimate {
         Some(value) => format!("{} ({})", significant(value), limits(e)),

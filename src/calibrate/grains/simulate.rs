@@ -8,7 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::path::PathBuf;
 
-/// Tests of `each` grains of every size, m, with the strengths that the engine draws for `seed`.
+/// Simulated tests of `each` grains of every size, m, with the strengths that the engine draws for
+/// `seed`.
 pub fn tests(law: &StrengthModel, area: &Area, sizes: &[f64], each: usize, seed: u64) -> Data {
     let mut grains = Vec::with_capacity(sizes.len() * each);
     for &diameter in sizes {
@@ -20,7 +21,7 @@ pub fn tests(law: &StrengthModel, area: &Area, sizes: &[f64], each: usize, seed:
     Data { path: PathBuf::from("simulated"), grains, series: vec![String::new()], notes: Vec::new() }
 }
 
-/// The generator of the `index`-th repeat of something under a seed.
+/// Random stream number `index` of a seed.
 pub fn generator(seed: u64, index: u64) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(index);

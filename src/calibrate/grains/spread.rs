@@ -1,13 +1,13 @@
 //! Spread of strengths about the law of size: the distribution of y = sigma / (sigma_lim0 (d/d0)^(-s)).
 //!
-//! | spread | y | what sigma_lim0 and var. are |
+//! | spread | y | meaning of sigma_lim0 and var. |
 //! |---|---|---|
-//! | truncated normal | normal(1, var.²), drawn again below 0 | mean and coefficient of variation of the normal *before* truncation: what a scene means by them |
+//! | truncated normal | normal(1, var.²), drawn again below 0 | mean and coefficient of variation of the normal *before* truncation, as in scenes |
 //! | normal | normal(1, var.²) | the same; strengths below 0 have a probability |
 //! | log-normal | ln y normal(-w²/2, w²), var.² = exp(w²) - 1 | mean and coefficient of variation of the strengths |
 //! | Weibull | P(y > t) = exp(-(t G(1 + 1/k))^k), var.² = G(1 + 2/k) / G²(1 + 1/k) - 1 | mean and coefficient of variation of the strengths |
 //!
-//! Each is handled through z = ln y and its natural shape: var., w, or 1/k.
+//! G is the gamma function. All functions use z = ln y and one shape parameter: var., w, or 1/k.
 
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -30,7 +30,7 @@ pub enum Spread {
 }
 
 impl Spread {
-    /// All of them; that which a scene draws comes first.
+    /// All kinds of spread. The truncated normal, which scenes draw, is the first.
     pub const ALL: [Spread; 4] = [Spread::TruncatedNormal, Spread::Normal, Spread::LogNormal, Spread::Weibull];
 
     /// Name in files and figures.
@@ -43,7 +43,8 @@ impl Spread {
         }
     }
 
-    /// Limits of the logarithm of the natural shape. A (truncated) normal with var. = 10 is half a normal in all but name.
+    /// Limits of the logarithm of the shape. With var. = 10 a truncated normal is nearly the
+    /// positive half of a normal about 0.
     pub fn limits(self) -> (f64, f64) {
         let (low, high): (f64, f64) = match self {
             Spread::TruncatedNormal | Spread::Normal => (1e-4, 10.0),
@@ -53,7 +54,7 @@ impl Spread {
         (low.ln(), high.ln())
     }
 
-    /// Logarithm of the natural shape near a coefficient of variation; a start for a fit.
+    /// Logarithm of the shape that has about this coefficient of variation; the start of a fit.
     pub fn near(self, var: f64) -> f64 {
         let shape = match self {
             Spread::TruncatedNormal | Spread::Normal => var,
@@ -71,7 +72,8 @@ pub struct Law {
     spread: Spread,
     /// var., w or 1/k
     shape: f64,
-    /// Logarithm of the probability of y > 0; of G(1 + 1/k) for Weibull.
+    /// Logarithm of the probability of y > 0 before truncation (truncated normal), or of G(1 + 1/k)
+    /// (Weibull); else 0.
     constant: f64,
 }
 
@@ -87,7 +89,7 @@ impl Law {
         Law { spread, shape, constant }
     }
 
-    /// Coefficient of variation, with the meaning of the table above, -.
+    /// Coefficient of variation, -, as the table above defines it for each spread.
     pub fn var(&self) -> f64 {
         match self.spread {
             Spread::TruncatedNormal | Spread::Normal => self.shape,
@@ -123,18 +125,20 @@ impl Law {
         }
     }
 
-    /// Probability of a smaller ln y. Without truncation strengths below zero count.
+    /// Probability of a smaller ln y. For the normal that is not truncated, strengths below zero
+    /// count as smaller.
     pub fn probability(&self, z: f64) -> f64 {
         -self.ln_survival(z).exp_m1()
     }
 
-    /// The y that a share `p`, 0..1, of the grains does not reach. It may be negative for an untruncated normal.
+    /// The y below which a share `p`, 0..1, of the grains lies. It may be negative for the normal
+    /// that is not truncated.
     pub fn quantile(&self, p: f64) -> f64 {
         let normal = Normal::standard();
         match self.spread {
             Spread::Normal => 1.0 + self.shape * normal.inverse_cdf(p),
             Spread::TruncatedNormal => {
-                // from the upper end, where nothing is lost to the part cut off
+                // computed from the upper end, which truncation does not change
                 let above = (1.0 - p) * self.constant.exp();
                 (1.0 - self.shape * normal.inverse_cdf(above)).max(0.0)
             }
@@ -143,11 +147,12 @@ impl Law {
         }
     }
 
-    /// Mean of y and coefficient of variation of the strengths that really occur.
+    /// Mean of y and coefficient of variation after truncation. Without truncation they are 1 and
+    /// var.
     pub fn realised(&self) -> (f64, f64) {
         match self.spread {
             Spread::TruncatedNormal => {
-                // moments of a normal above -1/var. standard deviations
+                // moments of a standard normal number above a
                 let a = -1.0 / self.shape;
                 let hazard = (-0.5 * a * a - 0.5 * (2.0 * PI).ln() - self.constant).exp();
                 let mean = 1.0 + self.shape * hazard;
@@ -158,7 +163,7 @@ impl Law {
         }
     }
 
-    /// The parameters under which a textbook has this distribution, with their names; `mean` is in MPa.
+    /// The parameters of the distribution in textbooks, with their names. `mean`: sigma_lim0, MPa.
     pub fn natural(&self, mean: f64) -> Vec<(&'static str, f64)> {
         match self.spread {
             Spread::TruncatedNormal | Spread::Normal => vec![("mu_MPa", mean), ("sd_MPa", mean * self.shape)],
@@ -173,7 +178,7 @@ fn ln_upper(t: f64) -> f64 {
     if t < 30.0 {
         (0.5 * erfc(t / SQRT_2)).ln()
     } else {
-        // Mills' ratio, to 1e-6 there
+        // Mills' ratio, here correct to 4e-6
         -0.5 * t * t - (t * (2.0 * PI).sqrt()).ln() - 1.0 / (t * t)
     }
 }
@@ -219,7 +224,8 @@ mod tests {
             assert!((mean / mean_said - 1.0).abs() < 2e-3, "{law:?}: {mean} {mean_said}");
             assert!((var / var_said - 1.0).abs() < 1e-2, "{law:?}: {var} {var_said}");
         }
-        // the figures of the notes to the paper: var. 1 raises the mean by 28.8 % and leaves 0.616
+        // with var. = 1 truncation raises the mean by 28.8 % and leaves a coefficient of variation
+        // of 0.616
         let (mean, var) = Law::new(Spread::TruncatedNormal, 0.0).realised();
         assert!((mean - 1.2876).abs() < 1e-4 && (var - 0.616).abs() < 1e-3);
     }

@@ -1,6 +1,7 @@
-//! Does the calibration give back what it was given? Crushing tests drawn from known parameters by the engine's own
-//! strength law are calibrated again and again: how often the intervals hold the truth, and how wide they are beside the
-//! width that the Fisher information allows an unbiased estimate (1.96 standard errors of Cramér and Rao to either side).
+//! Recovery study: crushing tests drawn from known parameters by the engine's strength law are
+//! calibrated many times. The study counts how often the intervals hold the truth, and compares
+//! their width with the width that the Fisher information allows an unbiased estimate (1.96
+//! standard errors of Cramér and Rao to either side).
 
 use super::area::Area;
 use super::data::Data;
@@ -24,7 +25,7 @@ pub struct Case {
     pub area: Area,
     /// Distribution of strength from which tests are drawn.
     pub law: StrengthModel,
-    /// m
+    /// Diameters of the grains, m.
     pub sizes: Vec<f64>,
 }
 
@@ -119,9 +120,9 @@ fn inverse_diagonal(m: [[f64; 3]; 3]) -> [f64; 3] {
 pub struct Repeat {
     /// Seed of the simulated tests.
     pub seed: u64,
-    /// With the spread that drew the tests, in the order of [`PARAMETERS`].
+    /// Estimates with the spread from which the tests were drawn, in the order of [`PARAMETERS`].
     pub estimates: [Estimate; 3],
-    /// The same of the preferred spread.
+    /// Estimates with the preferred spread, in the same order.
     pub preferred: [Estimate; 3],
     /// The preferred spread.
     pub preferred_spread: Spread,
@@ -140,7 +141,7 @@ pub fn repeat(case: &Case, grains: usize, seed: u64) -> Repeat {
     Repeat { seed, estimates, preferred, preferred_spread }
 }
 
-/// What the repeats of one case say about one parameter.
+/// Results of all repeats of one case for one parameter.
 #[derive(Clone, Debug)]
 pub struct Recovery {
     /// Name of the case.
@@ -153,9 +154,10 @@ pub struct Recovery {
     pub repeats: usize,
     /// Repeats whose interval holds the truth.
     pub held: usize,
-    /// The same for the preferred spread, whichever it was.
+    /// Repeats whose interval with the preferred spread, whichever it was, holds the truth.
     pub held_preferred: usize,
-    /// Repeats with an open limit; they hold the truth or not, and have no width.
+    /// Repeats with an open limit. They may count as holding the truth, but not towards the mean
+    /// width.
     pub open: usize,
     /// Mean of the estimates.
     pub mean: f64,
@@ -165,7 +167,7 @@ pub struct Recovery {
     pub fisher_width: f64,
 }
 
-/// Repeats of one case, seeds from `seed` on. `done` is called after each.
+/// Makes the repeats of one case, with seeds from `seed` on. `done` is called after each.
 pub fn recover(case: &Case, grains: usize, repeats: usize, seed: u64, done: impl Fn() + Sync) -> (Vec<Recovery>, Vec<Repeat>) {
     let all: Vec<Repeat> = (0..repeats as u64)
         .into_par_iter()

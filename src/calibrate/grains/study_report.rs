@@ -7,12 +7,13 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The acceptance: an interval holds the truth in 90 to 99 of 100 repeats and is at most 1.3 times as wide as the Fisher
-/// information allows.
+/// Acceptance limits: the intervals shall hold the truth in 90 to 99 of 100 repeats and be at most
+/// 1.3 times as wide as the Fisher information allows.
 const HELD: (f64, f64) = (90.0, 99.0);
 const WIDE: f64 = 1.3;
 
-/// Crushing tests as `comminute calibrate grains` reads them, with what they were made with.
+/// Simulated crushing tests as CSV text, as `comminute calibrate grains` reads it; a comment line
+/// gives the true parameters.
 pub fn simulated(case: &Case, grains: usize, seed: u64) -> String {
     let [sigma, m, var] = case.truth();
     let mut text =
@@ -24,7 +25,8 @@ pub fn simulated(case: &Case, grains: usize, seed: u64) -> String {
     text
 }
 
-/// Writes `recovery.csv` (one row a case and parameter), `repeats.csv` (one row a repeat) and the figure into `out`.
+/// Writes `recovery.csv` (a row for each case and parameter), `repeats.csv` (a row for each repeat)
+/// and the figure into `out`.
 pub fn write(cases: &[(Vec<Recovery>, Vec<Repeat>)], out: &Path) -> Result<Vec<PathBuf>> {
     fs::create_dir_all(out).map_err(Error::write(out))?;
     let mut table = String::from(

@@ -1,4 +1,4 @@
-//! What the fits say about data whose law is known.
+//! Tests of the fits on data drawn from known laws.
 
 use super::area::{Area, Model};
 use super::data::{Data, Grain};
@@ -24,7 +24,8 @@ fn angle() -> Area {
     Area::fixed_angle(Some(0.35))
 }
 
-/// Tests whose strengths have a given spread about 100 MPa (d/2 mm)^(-3/m).
+/// Crushing tests, `each` of every size, whose strengths are 100 MPa (d/2 mm)^(-3/m) times random
+/// numbers that follow `law`.
 fn drawn(law: &Law, m: f64, sizes: &[f64], each: usize, seed: u64) -> Data {
     let mut rng = generator(seed, 0);
     let mut grains = Vec::new();
@@ -56,7 +57,7 @@ fn the_log_normal_fit_is_least_squares_of_logarithms() {
     let (slope, sd) = super::data::line(&points);
     assert!((fit.at.s + slope).abs() < 1e-4, "{} {slope}", fit.at.s);
     assert!((fit.at.t.exp() - sd).abs() < 1e-4);
-    // ln L of ln F: normal with that sd, less the logarithms of the forces
+    // ln L of the forces: that of ln F, which is normal with this sd, less the sum of ln F
     let n = data.grains.len() as f64;
     let logs: f64 = data.grains.iter().map(|g| g.force.ln()).sum();
     let exact = -0.5 * n * (1.0 + (std::f64::consts::TAU * sd * sd).ln()) - logs;
@@ -80,7 +81,8 @@ fn profile_limits_of_a_regression_are_the_closed_ones() {
 
 #[test]
 fn power_laws_of_one_another_have_one_likelihood() {
-    // a power of a log-normal or Weibull variable is one again: the area models cannot be told apart by them
+    // a power of a log-normal (Weibull) variable is log-normal (Weibull), too: with these spreads
+    // the area models fit equally well
     let data = drawn(&Law::new(Spread::Weibull, 0.3_f64.ln()), 3.0, &SIZES, 50, 5);
     for (spread, same) in [(Spread::LogNormal, true), (Spread::Weibull, true), (Spread::Normal, false)] {
         let fits = [angle(), Area::hertz(Some(5e9))].map(|a| Fit::new(&data, a, spread, 2e-3));
@@ -102,7 +104,7 @@ fn the_law_that_drew_the_tests_is_preferred() {
         assert_eq!(fits[best].spread, spread);
         let fit = fits[best].clone().with_intervals(&data, Intervals::Profile);
         assert!(fit.sigma_lim0_mpa().holds(100.0) && fit.m().holds(3.0) && fit.var().holds(law.var()), "{:?}", fit.at);
-        // and only its likelihood describes the data
+        // the goodness of fit accepts this law and rejects another one
         assert!(goodness::judge(&fit, 99, 1).p_value.expect("drawn") > 0.05);
         let wrong = if spread == Spread::LogNormal { 0 } else { 2 };
         assert!(goodness::judge(&fits[wrong], 99, 1).p_value.expect("drawn") < 0.05, "{spread:?}");
@@ -142,7 +144,7 @@ fn grains_that_did_not_break_are_lower_bounds() {
     let fit = |d: &Data| Fit::new(d, angle(), Spread::TruncatedNormal, 2e-3).with_intervals(d, Intervals::Profile);
     let with = fit(&ended);
     assert!(with.sigma_lim0_mpa().holds(100.0) && with.m().holds(3.0) && with.var().holds(0.4), "{:?}", with.at);
-    // taken for broken they would mislead
+    // if they counted as broken, the estimates would be wrong
     for g in &mut ended.grains {
         g.censored = false;
     }
@@ -227,7 +229,7 @@ fn few_grains_leave_limits_open_rather_than_wrong() {
     let law = Law::new(Spread::TruncatedNormal, 0.0);
     for seed in 0..20 {
         let all = calibrated(drawn(&law, 2.0, &[1e-3, 2e-3], 3, 100 + seed), &given());
-        // what is not finite would be written as null
+        // a number that is not finite would be written as null
         for model in json(&all)["models"].as_array().expect("models") {
             assert!(["aic", "bic", "ln_likelihood"].iter().all(|k| model[*k].is_f64()), "{model}");
             assert!(model["goodness"]["anderson_darling"].is_f64());

@@ -1,4 +1,5 @@
-//! The cost of breakages: one grain a step is broken into 14, with neighbours, history and ledger.
+//! The cost of breakages: in each step one grain is broken into 14, with the changes of neighbours,
+//! history and ledger.
 
 use super::breakable;
 use engine::dem;
@@ -27,10 +28,10 @@ pub struct Burst {
 /// Steps without breakages, to compare with.
 const PLAIN: usize = 50;
 
-/// Breaks up to `events` loaded grains, one a step. On the calling thread's pool.
+/// Breaks up to `events` loaded grains, one in each step, on the pool of the calling thread.
 ///
 /// # Errors
-/// None that a packing of the bench has.
+/// None with a packing of the bench.
 pub fn burst(model: &Model, mut state: State, events: usize) -> Result<Burst> {
     let model = &breakable(model)?;
     let mut work = Workspace::new(&model.physics, &mut state);
@@ -52,7 +53,7 @@ pub fn burst(model: &Model, mut state: State, events: usize) -> Result<Burst> {
     work.clock = Some([0; 4]);
     let mut whole = 0.0;
     for id in victims {
-        // re-ordering may have moved it
+        // re-ordering may have moved the grain
         let Some(i) = state.grains.id.iter().position(|&j| j == id) else { continue };
         state.grains.breakage_threshold[i] = 0.0;
         let before = work.clock.unwrap_or_default()[3];
@@ -68,7 +69,7 @@ pub fn burst(model: &Model, mut state: State, events: usize) -> Result<Burst> {
     Ok(Burst { events: broken.len(), each: median(&broken), mean: clock[3], neighbours: clock[0], extra: whole / steps - plain })
 }
 
-/// Ids of loaded grains, spread over the specimen.
+/// Ids of up to `events` grains that touch at least four others, spread over the specimen.
 fn victims(state: &State, work: &Workspace, events: usize) -> Vec<u32> {
     let n = state.grains.len();
     let loaded: Vec<u32> = (0..n)

@@ -1,4 +1,4 @@
-//! What the machine itself can do: the limits against which the stages of a step are held (a roofline).
+//! Limits of the machine, with which the speed of the stages of a step is compared (a roofline).
 
 use engine::math::real::{self, Lanes};
 use pulp::{Simd, WithSimd};
@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Measured limits of so many threads together.
+/// Measured limits of a number of threads together.
 #[derive(Clone, Copy, Debug)]
 pub struct Machine {
     /// Number of threads.
@@ -19,9 +19,9 @@ pub struct Machine {
 
 /// Numbers in each array of the triad: 3 × 64 MB.
 const TRIAD: usize = 8 << 20;
-/// Rounds; the best counts.
+/// Number of rounds; the best one counts.
 const ROUNDS: usize = 5;
-/// Multiply-adds of one chain.
+/// Number of multiply-adds in one chain.
 const CHAIN: usize = 1 << 21;
 
 impl Machine {
@@ -30,8 +30,9 @@ impl Machine {
         Machine { threads: rayon::current_num_threads(), bandwidth: bandwidth(), flops: flops() }
     }
 
-    /// Shares of the machine's limits at which a stage runs that does `work` in so many seconds: of its operations, of its bandwidth. The second
-    /// is above 1 where caches hold the packing.
+    /// For a stage that does `work` per grain in `seconds` per grain: operations per second over
+    /// the machine's limit, and bytes per second over its bandwidth. The second share is above 1
+    /// where caches hold the packing.
     pub fn shares(&self, work: Demand, seconds: f64) -> [f64; 2] {
         [work.operations / seconds / self.flops, work.bytes / seconds / self.bandwidth]
     }
@@ -42,26 +43,29 @@ impl Machine {
 pub struct Demand {
     /// Additions, multiplications, divisions and roots, each counted once.
     pub operations: f64,
-    /// Bytes read and written, each line once.
+    /// Bytes read and written, each cache line counted once.
     pub bytes: f64,
 }
 
-/// Operations of one contact (Hertz, without ledger) as `contact::force` writes them, and of one end of it in the grains' pass.
+/// Operations of one contact (Hertz, without ledger) in `contact::force`, and of one end of a
+/// contact in the pass over grains.
 const CONTACT: f64 = 145.0;
 const END: f64 = 30.0;
-/// Operations of one grain in the grains' pass.
+/// Operations of one grain in the pass over grains.
 const GRAIN: f64 = 60.0;
 
 impl Demand {
-    /// Of the contacts, with so many per grain.
+    /// Demand of the stage of contacts, with so many contacts per grain.
     pub fn contacts(per_grain: f64) -> Demand {
-        // ends, the contact read and written, position, velocity, spin
+        // per contact: its two ends, and its data read and written; per grain: position, velocity,
+        // spin
         Demand { operations: CONTACT * per_grain, bytes: (8.0 + 2.0 * 64.0) * per_grain + 3.0 * 32.0 }
     }
 
-    /// Of the pass over grains.
+    /// Demand of the pass over grains.
     pub fn grains(contacts_per_grain: f64) -> Demand {
-        // the contact, a link at each end; position, velocity, spin read and written, reference, place of the links
+        // per contact: its data, and a link at each end; per grain: position, velocity, spin read
+        // and written, reference, place of the links
         let bytes = (64.0 + 2.0 * 4.0) * contacts_per_grain + 6.0 * 32.0 + 16.0 + 12.0;
         Demand { operations: 2.0 * END * contacts_per_grain + GRAIN, bytes }
     }
@@ -81,7 +85,7 @@ fn bandwidth() -> f64 {
         black_box(&a);
         since.elapsed().as_secs_f64()
     });
-    // a line that is written is read first
+    // four arrays: a cache line of `a` is read before it is written
     (4 * TRIAD * size_of::<f64>()) as f64 / best.fold(f64::INFINITY, f64::min)
 }
 
@@ -95,7 +99,8 @@ fn flops() -> f64 {
     best.fold(0.0, f64::max)
 }
 
-/// Independent chains of multiplications and additions, as many as hide each other's latency; the number of operations.
+/// Independent chains of multiplications and additions, enough of them to hide their latency;
+/// returns the number of operations.
 struct Chains;
 
 impl WithSimd for Chains {

@@ -1,4 +1,5 @@
-//! The speed of a mixture: steps of its continuum with all that belongs to them.
+//! The speed of a mixture: time for a step of the continuum with the grains' steps and the
+//! coupling.
 
 use super::pool;
 use laboratory::error::{Error, Result};
@@ -7,7 +8,7 @@ use laboratory::rig::continuum::{Engine, State};
 use std::time::Instant;
 use table::median;
 
-/// What was measured.
+/// Measured speed of a mixture.
 #[derive(Clone, Debug)]
 pub struct MixtureSpeed {
     /// Number of points.
@@ -18,7 +19,8 @@ pub struct MixtureSpeed {
     pub contacts: u64,
     /// Number of threads.
     pub threads: usize,
-    /// Milliseconds for a step of the continuum with the grains' steps and all contacts, of each block.
+    /// Milliseconds for a step of the continuum, with the grains' steps and all contacts, in each
+    /// block.
     pub blocks: Vec<f64>,
 }
 
@@ -37,7 +39,7 @@ pub fn mixture_speed(model: &Model, threads: usize, [warm_up, steps]: [u64; 2], 
     let refused = |what: &str| Err(Error::input("bench mixture", "kind", None, what));
     let Rig::Continuum(rig) = &model.rig else { return refused("must be \"mixture\"") };
     if rig.growth.is_some() {
-        return refused("must be a mixture that need not grow first");
+        return refused("must be a mixture without growth of its grains");
     }
     pool(threads)?.install(|| {
         let mut state = State::start(model, rig)?;

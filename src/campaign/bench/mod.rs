@@ -1,7 +1,9 @@
-//! The engine's speed: a dense frictional Hertz–Mindlin oedometer at real inertia, the case other codes are measured with
-//! (E 0.8 GPa, ν 0.12, μ 0.35, r 0.95–1.05 mm, porosity 0.40, about 90 kPa, frictionless walls, top platen at 5 mm/s).
+//! The engine's speed: a dense frictional Hertz–Mindlin oedometer at real inertia, the case with
+//! which other codes are measured (E 0.8 GPa, ν 0.12, μ 0.35, r 0.95–1.05 mm, porosity 0.40, about
+//! 90 kPa, frictionless walls, top platen at 5 mm/s).
 //!
-//! Clocks are read here and nowhere else in the library but in `run`, in `verify` and, when asked to, by `step`.
+//! Clocks are read here, in `verify`, by the runner of a campaign and its progress line, in
+//! `laboratory::run` and, if asked to, by the step of the engine.
 
 mod burst;
 mod machine;
@@ -47,7 +49,7 @@ pub const PLATEN_SPEED: f64 = 5e-3;
 pub const POROSITY: f64 = 0.40;
 /// Isotropic stress of the packing, Pa.
 pub const STRESS: f64 = 90e3;
-/// Restitution where the law is viscous.
+/// Restitution with viscous contact laws.
 pub const RESTITUTION: f64 = 0.3;
 /// Neighbour skin over radius: surfaces up to a tenth of a radius apart are listed, as in the other codes.
 pub const SKIN: f64 = 0.05;
@@ -68,7 +70,8 @@ pub enum Case {
 }
 
 impl Case {
-    /// Sizes in this case are multiplied by this for the small grains; share of the mass that they have.
+    /// In the wide case: size of the small grains over that of the large ones, and the share of the
+    /// mass in small grains.
     const FINES: (f64, f64) = (1.0 / 30.0, 0.1);
 
     /// Name in options and tables.
@@ -79,7 +82,7 @@ impl Case {
         }
     }
 
-    /// Fewest grains that make a specimen: some thirty large ones.
+    /// Fewest grains that make a specimen; in the wide case some thirty of them are large.
     pub fn least(self) -> usize {
         match self {
             Case::Uniform => 200,
@@ -104,7 +107,7 @@ impl Case {
         }
     }
 
-    /// Mass finer against diameter, m.
+    /// Points of the gradation: diameter, m, and share of mass finer.
     fn gradation(self) -> Vec<(f64, f64)> {
         let (low, high) = RADII;
         match self {
@@ -121,17 +124,18 @@ impl Case {
         }
     }
 
-    /// Whether a grain of this radius is not one of the fines.
+    /// Whether a grain of radius `r`, m, is a large one (in the wide case, not one of the fines).
     fn is_large(self, r: f64) -> bool {
         r > 0.5 * RADII.0
     }
 
-    /// Time step, s: in proportion to the smallest grain.
+    /// Time step, s, in proportion to the smallest radius.
     pub fn time_step(self) -> f64 {
         TIME_STEP * self.radii().0 / RADII.0
     }
 
-    /// Porosity of the packing: in the wide one the fines stand in the pores of the others.
+    /// Porosity of the packing; in the wide case the fines are placed in the pores between the
+    /// large grains.
     fn porosity(self) -> f64 {
         match self {
             Case::Uniform => POROSITY,
@@ -142,12 +146,12 @@ impl Case {
 
 impl std::fmt::Display for Case {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // with the width that a table asks for
+        // `pad` keeps the width that a table asks for
         f.pad(self.name())
     }
 }
 
-/// The case with `grains` grains: a model for stepping at real inertia.
+/// The model of the case with `grains` grains, for steps at real inertia.
 pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
     let material = Material {
         name: "bench".into(),
@@ -189,7 +193,7 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
     }
 }
 
-/// The same case with grains that may break, none of them by itself.
+/// The same model with grains that may break, but are so strong that none breaks by itself.
 ///
 /// # Errors
 /// None: the pattern exists.
@@ -217,7 +221,8 @@ pub fn breakable(model: &Model) -> Result<Model> {
     Ok(Model { physics: Physics { crush: Some(crush), ..model.physics.clone() }, ..model.clone() })
 }
 
-/// The large grains of a wide packing by themselves: so few that the walls keep them looser.
+/// Model of the large grains of a wide packing alone: they are so few that the walls keep their
+/// packing looser.
 fn skeleton(grains: usize) -> Model {
     let mut model = model(Case::Uniform, grains, ContactLaw::Hertz, SKIN);
     if let Rig::Oedometer(rig) = &mut model.rig {
@@ -268,8 +273,9 @@ fn rig(case: Case, grains: usize) -> Compression {
     }
 }
 
-/// A state to step from: the packing at rest, walls of the grains' own material without friction (as the other codes have
-/// them), the top one moving, memory in the order of space.
+/// State from which steps are measured: the packing at rest, walls of the grains' own material
+/// without friction (as the other codes have them), a moving top wall, and grains sorted in memory
+/// by their place.
 pub fn start(model: &Model, packing: &Packing) -> (State, Workspace) {
     let size = packing.walls;
     let mut around: Vec<Wall> = walls(&rig(packing.case, packing.grains.len()).specimen, size.radius, size.bottom, size.height);

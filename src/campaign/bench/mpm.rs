@@ -1,4 +1,5 @@
-//! The material point method's speed: a cube of points, eight per cell, elastic, sheared and at rest on smooth walls.
+//! The material point method's speed: an elastic cube, eight points per cell, with gravity and
+//! shearing velocities at the start, on smooth walls.
 
 use super::speed::cpu_seconds;
 use super::{load_average, pool};
@@ -8,13 +9,14 @@ use laboratory::error::Result;
 use std::time::Instant;
 use table::median;
 
-/// Cell, m; density, kg/m³; Young's modulus, Pa, and Poisson's ratio; time step over the bound.
+/// Edge of a cell, m; density, kg/m³; Young's modulus, Pa, and Poisson's ratio; time step over the
+/// largest stable one.
 const CELL: f64 = 0.1;
 const DENSITY: f64 = 2000.0;
 const ELASTIC: (f64, f64) = (10e6, 0.3);
 const SAFETY: f64 = 0.3;
 
-/// What was measured.
+/// Measured speed of the material point method.
 #[derive(Clone, Debug)]
 pub struct MpmSpeed {
     /// Number of points.
@@ -23,7 +25,8 @@ pub struct MpmSpeed {
     pub threads: usize,
     /// Point-steps per second of each block.
     pub blocks: Vec<f64>,
-    /// Point-steps per second of CPU time of each block; empty where the system does not tell.
+    /// Point-steps per second of processor time of each block; empty where the system does not
+    /// tell.
     pub cpu_blocks: Vec<f64>,
     /// Memory for each point with its share of the grid, bytes.
     pub bytes_per_point: f64,

@@ -1,4 +1,4 @@
-//! The same case on the graphics device.
+//! The speed of the case of `mpm` on the graphics device.
 
 use super::mpm::mpm_case;
 use engine::gpu;
@@ -7,7 +7,7 @@ use laboratory::error::Result;
 use std::time::Instant;
 use table::median;
 
-/// What was measured on the graphics device.
+/// Measured speed on the graphics device.
 #[derive(Clone, Debug)]
 pub struct GpuSpeed {
     /// Name of the graphics adapter.

@@ -1,6 +1,7 @@
-//! Packings of the bench: made once by the toolkit itself (radius growth, inertia-scaled, isotropic servo), then kept as
-//! specimen files. A tenth of the mass in fines does not fill the pores of the others: there they are put at random, touching nothing, as most fragments
-//! of a crushed specimen are.
+//! Packings of the bench: made once by this program (radius growth, scaled inertia, isotropic
+//! servo), then kept as specimen files. A tenth of the mass in fines does not fill the pores
+//! between the large grains; the fines are placed in the pores at random, without contacts, as most
+//! fragments of a crushed specimen are.
 
 use super::{Case, model, skeleton};
 use engine::boundary::CylinderSpace;
@@ -28,7 +29,7 @@ pub struct Packing {
     pub walls: CylinderSpace,
     /// File of the packing.
     pub path: PathBuf,
-    /// Seconds it took to make; `None` when it was there already.
+    /// Seconds that making the packing took; `None` if its file was there already.
     pub seconds: Option<f64>,
 }
 
@@ -42,7 +43,8 @@ impl Packing {
 /// Steps between two reports of progress.
 const REPORT: u64 = 256;
 
-/// The packing of `grains` grains that the folder holds, or a new one, left there. `progress` hears what goes on.
+/// Reads the packing of `grains` grains from the folder; a packing that is not there is made and
+/// written first. `progress` is called with messages.
 ///
 /// # Errors
 /// A file that cannot be read or written or is not this packing, or a preparation that fails.
@@ -59,7 +61,7 @@ pub fn packing(case: Case, grains: usize, folder: &Path, mut progress: impl FnMu
     Ok(Packing { case, grains: found, walls, path, seconds })
 }
 
-/// Makes a packing and writes it in one piece.
+/// Makes a packing and writes its file in one piece; returns the seconds that this took.
 fn make(case: Case, model: &Model, path: &Path, progress: &mut impl FnMut(&str)) -> Result<f64> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(Error::write(folder))?;
@@ -109,7 +111,7 @@ fn at_rest(model: &Model, progress: &mut impl FnMut(&str)) -> Result<State> {
     Ok(state)
 }
 
-/// Puts small grains at random where they touch nothing.
+/// Adds small grains at random places where they touch no other grain.
 fn strew(state: &mut State, radii: &[f64], model: &Model) {
     let walls = space(state);
     let large = state.grains.pos.clone();

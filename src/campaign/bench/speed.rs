@@ -1,4 +1,4 @@
-//! Grain-steps per second, memory and the share of each stage.
+//! Speed of the engine for grains: grain-steps per second, memory, and the share of each stage.
 
 use super::{Demand, Machine, Packing, start};
 use engine::contact::pairs::{FREE, Pairs};
@@ -12,7 +12,7 @@ use std::convert::Infallible;
 use std::time::Instant;
 use table::median;
 
-/// How long to measure.
+/// Numbers of steps to measure.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
     /// Steps before the first timed block.
@@ -25,7 +25,7 @@ pub struct Plan {
     pub clocked: u64,
 }
 
-/// What was measured.
+/// Results of a measurement.
 #[derive(Clone, Debug)]
 pub struct Speed {
     /// Grain-steps per second of each block, in their order.
@@ -33,7 +33,7 @@ pub struct Speed {
     /// Grain-steps per second of processor time of each block, all threads together, where the system tells: on a busy machine
     /// the better figure for one thread (waiting threads spin, so for several it says less).
     pub cpu_blocks: Vec<f64>,
-    /// Steps done when the checks below were taken.
+    /// Number of steps done when stresses and hash were taken.
     pub steps: u64,
     /// Memory for each grain with its contacts, bytes.
     pub bytes_per_grain: f64,
@@ -47,7 +47,7 @@ pub struct Speed {
     pub wall_near: f64,
     /// Nanoseconds per grain-step: neighbours, contacts, grains, crush (from the pass with clocks).
     pub stages: [f64; 4],
-    /// Searches of single grains' neighbourhoods during the timed blocks.
+    /// Number of searches for the neighbours of single grains during the timed blocks.
     pub searches: u64,
     /// Vertical stress averaged over the volume, from contacts between grains only, Pa.
     pub stress_volume: f64,
@@ -55,9 +55,11 @@ pub struct Speed {
     pub stress_platens: f64,
     /// Radial stress at the cylinder, Pa.
     pub stress_radial: f64,
-    /// Hash of every position and velocity, in the order of ids: the same for any number of threads.
+    /// Hash of every position, velocity and spin, in the order of ids: the same for any number of
+    /// threads.
     pub hash: u64,
-    /// Of the contacts' and of the grains' stage: share of the machine's operations and of its bandwidth at which it runs.
+    /// For the stage of contacts and that of grains: operations per second over the machine's
+    /// limit, and bytes per second over its bandwidth.
     pub roofline: [[f64; 2]; 2],
     /// Load average of the last minute before and after, where the system tells.
     pub load: [Option<f64>; 2],
@@ -81,15 +83,16 @@ impl Speed {
     }
 }
 
-/// Steps the packing on as many threads as the machine was measured with; gives back the state it ends with.
+/// Steps the packing on as many threads as the machine was measured with; returns the speed and the
+/// state at the end.
 ///
 /// # Errors
-/// Threads that cannot be started, or a state that is lost.
+/// Threads that cannot be started, or a packing that becomes unstable.
 pub fn measure(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Result<(Speed, State)> {
     pool(machine.threads)?.install(|| timed(model, packing, machine, plan))
 }
 
-/// Threads to measure on.
+/// A pool of `threads` threads to measure on.
 ///
 /// # Errors
 /// Threads that cannot be started.
@@ -118,14 +121,14 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
     let steps = state.step;
 
     let mut ended = state.clone();
-    // forces of this instant, for the checks
+    // forces at this instant, from which the stresses are taken
     dem::contacts(&model.physics, &mut state, &mut work);
     let size = space(&state);
     let (vertical, _) = love_weber(&state, &work, size.radius, size.bottom, size.bottom + size.height);
     let stresses = Stresses::of(&state);
     let sums = sums(&model.physics, &state, &work);
     if !(vertical.is_finite() && stresses.vertical().is_finite()) {
-        let what = format!("the bench has lost its packing (dt {:e} s)", state.dt);
+        let what = format!("the packing of the bench has become unstable: its stress is not finite (dt {:e} s)", state.dt);
         return Err(Error::Unstable { step: state.step, what, grain: None });
     }
     let bytes = work.bytes(&state) as f64;
@@ -162,13 +165,13 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
     Ok((speed, ended))
 }
 
-/// Steps, and the number of searches they took.
+/// Does `steps` steps; returns the number of searches for neighbours in them.
 fn run(model: &Model, state: &mut State, work: &mut Workspace, steps: u64) -> u64 {
     let (mut searches, mut last) = (0, work.neighbours.searches);
     for _ in 0..steps {
         let Ok(()) = dem::step(&model.physics, state, work, |_, _| Ok::<(), Infallible>(()));
         let now = work.neighbours.searches;
-        // a re-ordering of memory begins the count anew
+        // re-ordering of memory sets the counter back to zero
         searches += now.checked_sub(last).unwrap_or(now);
         last = now;
     }

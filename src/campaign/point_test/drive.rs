@@ -1,11 +1,12 @@
-//! The paths, step by step. Here tension is positive, as in the laws; rows are not.
+//! Drives a law along the paths, step by step. Inside this file tension is positive, as in the
+//! laws; in a [`Row`] compression is positive.
 
 use super::{Path, Settings};
 use engine::mpm::law::{InternalVariables, Law, Sym, YieldParameters, tensor};
 use engine::mpm::rotate_jaumann;
 use laboratory::error::{Error, Result};
 
-/// What is recorded of a step; stresses in Pa, compression positive.
+/// Record of one step; stresses in Pa, compression positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     /// Number of the step; 0 is the start.
@@ -28,11 +29,11 @@ pub struct Row {
     pub p: f64,
     /// Axial less lateral stress; in simple shear sqrt(3 J2)
     pub q: f64,
-    /// Largest over smallest principal stress, where that is pressure
+    /// Largest over smallest principal stress; `None` unless the smallest is compressive.
     pub stress_ratio: Option<f64>,
     /// Accumulated plastic strain.
     pub plastic_strain: f64,
-    /// Yield surface of this plastic strain, of laws that have one
+    /// Yield surface at this plastic strain; `None` for laws without one.
     pub strength: Option<YieldParameters>,
 }
 
@@ -47,7 +48,7 @@ pub struct Test {
     pub cell_pressure_error: f64,
 }
 
-/// A point on its way.
+/// State of the point during a test, tension positive.
 #[derive(Clone, Copy)]
 struct Point {
     stress: Sym,
@@ -69,7 +70,7 @@ impl Point {
             step,
             axial_strain: strain[2],
             lateral_strain: strain[0],
-            // shear has no side of pressure: that of the strain
+            // shear has no compressive side: strain and stress keep the sign of the law
             shear_strain: 2.0 * self.strain[5],
             volumetric_strain: tensor::trace(&strain),
             axial: pressure[2],
@@ -84,7 +85,8 @@ impl Point {
     }
 }
 
-/// Largest over smallest principal stress of a tensor without shear in the y direction.
+/// Largest over smallest principal stress of a tensor whose only shear component is xz; `None`
+/// unless the smallest is compressive.
 fn ratio(pressure: &Sym) -> Option<f64> {
     let (middle, half) = (0.5 * (pressure[0] + pressure[2]), 0.5 * (pressure[0] - pressure[2]));
     let radius = (half * half + pressure[5] * pressure[5]).sqrt();
@@ -93,10 +95,10 @@ fn ratio(pressure: &Sym) -> Option<f64> {
     (low > 1e-9 * high).then(|| high / low)
 }
 
-/// Takes the law through the tests.
+/// Drives the law along the path of `settings`, in one test for each confining stress.
 ///
 /// # Errors
-/// Settings that make no test; a cell pressure that the law cannot hold.
+/// Settings with which no test can be made; a cell pressure that no lateral strain can hold.
 pub fn drive(law: &Law, settings: &Settings) -> Result<Vec<Test>> {
     settings.check()?;
     settings.confining.iter().map(|confining| test(law, settings, *confining)).collect()
@@ -120,14 +122,14 @@ fn test(law: &Law, settings: &Settings, confining: f64) -> Result<Test> {
             }
         };
         if !point.stress.iter().all(|s| s.is_finite()) {
-            return Err(Error::Failed { step: u64::from(step), what: "the stress is no number".into() });
+            return Err(Error::Failed { step: u64::from(step), what: "the stress is not a finite number".into() });
         }
         rows.push(point.row(law, path, step));
     }
     Ok(Test { confining, rows, cell_pressure_error: lateral.error })
 }
 
-/// The lateral strain that keeps the cell pressure.
+/// Finds the lateral strain that keeps the lateral stress at the cell pressure.
 struct Lateral<'a> {
     law: &'a Law,
     confining: f64,
@@ -137,7 +139,7 @@ struct Lateral<'a> {
 }
 
 impl Lateral<'_> {
-    /// Largest share of the cell pressure by which it may be missed.
+    /// Largest allowed error of the lateral stress, as a share of the cell pressure plus 10⁻⁶ E.
     const ALLOWED: f64 = 1e-3;
 
     fn step(&mut self, point: &Point, axial: f64, step: u32) -> Result<Point> {
@@ -148,7 +150,8 @@ impl Lateral<'_> {
         let mut low = self.ratio * axial;
         let mut best = at(low);
         if !close(&best) {
-            // the lateral stress grows with the lateral strain: walk until it has passed the cell pressure
+            // the lateral stress grows with the lateral strain: take longer and longer strides
+            // until the stress has passed the cell pressure
             let (mut a, mut high) = (best, low);
             let mut stride = 0.05 * axial.abs() * if rest(&a) > 0.0 { -1.0 } else { 1.0 };
             let mut b = a;
@@ -161,7 +164,8 @@ impl Lateral<'_> {
                 (low, a) = (high, b);
                 stride *= 2.0;
             }
-            // then between, by false position with halving
+            // then search between the last two strains: by false position, and every third time by
+            // halving
             for round in 0..200 {
                 if close(&b) || low == high {
                     break;

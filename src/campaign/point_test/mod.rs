@@ -1,5 +1,6 @@
-//! A law taken through laboratory paths at a single point, without a grid: drained triaxial compression or extension at constant
-//! cell pressure, oedometer, and simple shear at constant volume. Compression is positive in all that is recorded here.
+//! A constitutive law driven along laboratory paths at a single point, without a grid: drained
+//! triaxial compression or extension at constant cell pressure, oedometer, and simple shear at
+//! constant volume. Compression is positive in everything recorded.
 
 mod drive;
 mod report;
@@ -9,7 +10,8 @@ pub use report::{FIGURES, HISTORY, MATERIAL, SUMMARY, claim, summary, write};
 
 use laboratory::error::{Error, Result};
 
-/// What is done to the point. z is the axis, x and y are lateral, shear is in the x-z plane.
+/// Path of strain or stress that is imposed on the point. z is the axis, x and y are lateral, shear
+/// is in the x-z plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Path {
     /// Axial strain at constant lateral stress.
@@ -31,10 +33,10 @@ impl Path {
     }
 }
 
-/// Place of wrong values in messages.
+/// The place of wrong values that error messages name.
 const PLACE: &str = "point test";
 
-/// The tests that are made.
+/// The tests to make: one for each confining stress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Which strains and stresses are prescribed.

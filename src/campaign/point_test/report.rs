@@ -1,4 +1,4 @@
-//! What a point test leaves: `history.csv`, `summary.json`, the material with its defaults, figures.
+//! Files of a point test: `history.csv`, `summary.json`, the material with its defaults, figures.
 
 use super::{Path as Way, Row, Settings, Test};
 use engine::mpm::law::Law;
@@ -11,19 +11,20 @@ use table::{Row as Record, Table};
 
 /// Table of all tests.
 pub const HISTORY: &str = "history.csv";
-/// What the tests found.
+/// Results of the tests.
 pub const SUMMARY: &str = "summary.json";
-/// The material with overrides and defaults: a test of it repeats the test.
+/// The material with all overrides and defaults: a point test of this file gives the same results.
 pub const MATERIAL: &str = "material.resolved.toml";
 /// Folder of the figures.
 pub const FIGURES: &str = "figures";
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// Makes the folder `out`. One that holds anything is refused unless `force`d; then what an older test left goes.
+/// Makes the folder `out`, without files of an older test. A folder that is not empty is refused
+/// unless `force` is given.
 ///
 /// # Errors
-/// [`Error::Exists`], or the folder cannot be made.
+/// [`Error::Exists`], a file in the place of the folder, or a folder that cannot be made.
 pub fn claim(out: &Path, force: bool) -> Result<()> {
     if out.is_file() {
         return Err(Error::input(out.display(), "", None, "is a file, not a folder"));
@@ -46,7 +47,7 @@ pub fn claim(out: &Path, force: bool) -> Result<()> {
     fs::create_dir_all(out).map_err(Error::write(out))
 }
 
-/// Writes everything into `out`; returns the figures.
+/// Writes all files into `out`; returns the figures.
 ///
 /// # Errors
 /// Files that cannot be written.
@@ -94,7 +95,7 @@ fn record(law: &Law, test: &Test, row: &Row) -> Record {
     ]
 }
 
-/// The tests as one object; what has no value is null.
+/// Results of the tests as one JSON object; a result without a value is null.
 pub fn summary(material: &ContinuumMaterial, settings: &Settings, tests: &[Test]) -> Value {
     let each: Vec<Value> = tests.iter().map(|t| one(&material.law, settings, t)).collect();
     let largest = |key: &str| each.iter().filter_map(|t| t[key].as_f64()).reduce(f64::max);
@@ -147,7 +148,8 @@ fn one(law: &Law, settings: &Settings, test: &Test) -> Value {
     out
 }
 
-/// Largest over smallest principal stress at failure with the largest strength that the law reaches, where the smallest is pressure.
+/// Largest over smallest principal stress at failure, computed from the largest strength that the
+/// law reaches; `None` unless the smallest stress is compressive.
 fn closed_form(law: &Law, cell: f64, strain: f64) -> Option<f64> {
     let q = law.peak_q(cell, strain > 0.0)?;
     let (high, low) = if strain > 0.0 { (cell + q, cell) } else { (cell, cell - q) };

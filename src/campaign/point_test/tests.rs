@@ -24,9 +24,10 @@ fn run(law: &Law, path: Path, confining: f64, strain: f64, steps: u32) -> Test {
     drive(law, &settings).unwrap_or_else(|e| panic!("{e}")).remove(0)
 }
 
-/// phi, degrees; alpha, k, A and B of q = A s3 + B c in compression, A in extension: of the outer, inner and matched cone.
-/// Drucker-Prager against Mohr-Coulomb, derived independently of this program; plane-strain constants are those of Zhang et al.,
-/// eq. 6, and Jiang et al. (2020), eq. 35.
+/// Friction angle φ, degrees; for the outer, inner and plane-strain cone: α and k, the factors A
+/// and B of q = A σ₃ + B c in compression, and A in extension. Mohr–Coulomb matched by
+/// Drucker–Prager, derived independently of this program; the plane-strain constants are those of
+/// Zhang et al., eq. 6, and Jiang et al. (2020), eq. 35.
 #[rustfmt::skip]
 const CLOSED_FORMS: [(f64, [[f64; 5]; 3]); 5] = [
     (10.0, [[0.07094363, 1.207024, 0.4202766, 2.383507, 0.3282938],
@@ -92,7 +93,8 @@ fn li_reaches_the_ratio_of_the_largest_angle_and_then_of_the_residual_one() {
         let last = rows[3000].stress_ratio.expect("pressure");
         assert!((last / ratio(18.6) - 1.0).abs() < 1e-3 && last >= ratio(18.6) - 1e-9, "{cell}: {last}");
     }
-    // the curve at 50 kPa: it yields near 1 % and has its peak near 3.7 % (elastic strain q/E and the plastic strain of the peak)
+    // at 50 kPa the law yields near 1 % and has its peak near 3.7 % (elastic strain q/E and the
+    // plastic strain of the peak)
     let rows = run(&law, Path::Triaxial, 50e3, 0.15, 1500).rows;
     let at = rows.iter().max_by(|a, b| a.q.total_cmp(&b.q)).expect("rows");
     assert!((0.035..0.039).contains(&at.axial_strain), "{}", at.axial_strain);
@@ -112,7 +114,8 @@ fn an_elastic_oedometer_has_its_modulus_and_k0() {
 
 #[test]
 fn a_plastic_oedometer_stays_on_its_k0_line() {
-    // cohesionless, without dilation and loaded from nothing: each step yields where nu/(1-nu) is below the k0 of failure
+    // without cohesion and dilation, loaded from zero stress: each step yields where nu/(1-nu) is
+    // below the k0 of failure
     let (phi, nu) = (40.0, 0.05);
     let elastic = Elastic::of_young(E, nu);
     let Law::DruckerPrager(law) = soil(Cone::Outer, phi, 0.0, 0.0) else { panic!("the law") };

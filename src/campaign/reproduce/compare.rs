@@ -1,4 +1,4 @@
-//! The published counts beside those of the runs.
+//! The published counts beside the counts of the runs.
 
 use super::plan::Published;
 use super::results::{Done, Spread};
@@ -6,7 +6,7 @@ use laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};
 use table::number;
 
-/// One published row with what the seeds give.
+/// One published row with the results of the seeds.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// Name of the run in the plan.
@@ -17,9 +17,9 @@ pub struct Row {
     pub events: Option<Spread>,
     /// Grains, over the seeds.
     pub grains: Option<Spread>,
-    /// Grains that keeping all lost mass would have needed besides, over the seeds.
+    /// Additional grains that keeping all lost mass would have needed, over the seeds.
     pub excluded: Option<Spread>,
-    /// Run time, min, of the whole run; with its last published row.
+    /// Run time of the whole run, min; given only in the last published row of the run.
     pub minutes: Option<Spread>,
     /// Vertical stress at which the published number of events is reached, kPa, over the seeds that reach it.
     pub reached: Option<Spread>,
@@ -34,7 +34,7 @@ impl Row {
     }
 }
 
-/// A row for everything published.
+/// A row for each published row of the runs.
 pub fn rows(done: &[Done]) -> Vec<Row> {
     done.iter().flat_map(|d| d.published.iter().map(|p| row(d, p))).collect()
 }
@@ -46,7 +46,7 @@ fn row(done: &Done, published: &Published) -> Row {
         id: done.id.clone(),
         published: *published,
         events: done.spread(|s| s.events(at)),
-        // in proportion to the events: each puts as many grains in the place of one
+        // in proportion to the events, as if each event added the same number of grains
         grains: done.spread(|s| {
             let first = s.number("grains_initial")?;
             Some(first + s.share(at)? * (s.number("grains_final")? - first))

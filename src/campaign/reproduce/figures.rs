@@ -8,7 +8,8 @@ use laboratory::error::Result;
 use plot::{self, Colouring, Drawn, Graph, Look, Quantity, Tone};
 use std::path::{Path, PathBuf};
 
-/// Draws one figure into `dir` and returns the files; none if none of its runs is done, or if they have nothing of it.
+/// Draws one figure into `dir` and returns the files: none if no run of the figure is done, or if
+/// the runs hold nothing that the figure shows.
 ///
 /// # Errors
 /// Records that cannot be read and files that cannot be written.
@@ -36,7 +37,8 @@ pub fn draw(figure: &Figure, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> 
     }
 }
 
-/// Run time against initial grains, crush events and final grains, those of the paper beside (Ciantia et al. 2015, Figs 5c, 18).
+/// Draws run time against initial grains, crush events and final grains, with the numbers of the
+/// paper beside (Ciantia et al. 2015, Figs 5c, 18).
 fn cost(ids: &[String], done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> {
     let wanted = |d: &&Done| if ids.is_empty() { !d.published.is_empty() } else { ids.contains(&d.id) };
     let mut here: Vec<[f64; 4]> = Vec::new();
@@ -83,10 +85,11 @@ fn cost(ids: &[String], done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Points of a line.
+/// Number of intervals of a line.
 const STEPS: u32 = 60;
 
-/// Eq. (16) or (17) for each set and m.
+/// Graph of the limit force against the diameter, by eq. (16) or (17), with a curve for each set
+/// and exponent m.
 fn limit_force([from, to]: [f64; 2], m: &[f64], sets: &[StrengthSet]) -> Graph {
     let mut series = Vec::new();
     for (i, set) in sets.iter().enumerate() {
@@ -113,7 +116,8 @@ fn limit_force([from, to]: [f64; 2], m: &[f64], sets: &[StrengthSet]) -> Graph {
 }
 
 impl StrengthSet {
-    /// Mean limit force, N, of a grain of diameter `d`, m, between platens: eq. (16), or eq. (17) with r' = d/2.
+    /// Limit force at the mean strength, N, of a grain of diameter `d`, m, between platens: eq.
+    /// (16), or eq. (17) with r' = d/2.
     fn force(&self, d: f64, m: f64) -> f64 {
         let strength = 1e6 * self.sigma_lim0_MPa * size_factor(d, 1e-3 * self.d0_mm, m);
         match (self.theta0_rad, self.moduli()) {
@@ -140,7 +144,7 @@ mod tests {
             platen_E_GPa: None,
             platen_nu: None,
         };
-        // 300 MPa over pi/4 d² sin²(pi/9)
+        // 300 MPa times the area pi/4 d² sin²(pi/9)
         let f = 300e6 * std::f64::consts::FRAC_PI_4 * 4e-6 * (std::f64::consts::PI / 9.0).sin().powi(2);
         assert!((set.force(2e-3, 2.0) / f - 1.0).abs() < 1e-12 && (set.force(2e-3, 5.0) / f - 1.0).abs() < 1e-12);
         assert!((set.force(4e-3, 3.0) / f - 2.0).abs() < 1e-12, "F goes with d^(2 - 3/m)");

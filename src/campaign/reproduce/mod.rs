@@ -1,5 +1,5 @@
-//! A paper's runs again: what was published of them beside what they give here, in tables, in figures with the paper's axes, and in a
-//! report.
+//! Reproduction of a paper: its runs are made again, and the results stand beside the published
+//! numbers in tables, in figures with the axes of the paper, and in a report.
 
 mod compare;
 mod figures;
@@ -14,7 +14,8 @@ pub use results::{Done, gather};
 use laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Writes the tables, figures and report of what is done of a plan into `dir`, and returns the files.
+/// Writes tables, figures and the report for the finished runs of a plan into `dir`, and returns
+/// the files.
 ///
 /// # Errors
 /// Files that cannot be read or written.

@@ -1,4 +1,5 @@
-//! What a reproduction consists of: a TOML file that names runs, what was published of them, and figures.
+//! The plan of a reproduction: a TOML file that names runs, the numbers published of these runs,
+//! and figures.
 
 use crate::{Job, Vary, parse_seeds};
 use laboratory::error::{Error, Result};
@@ -25,7 +26,7 @@ pub struct Plan {
     /// The figures.
     #[serde(default, rename = "figure")]
     pub figures: Vec<Figure>,
-    /// Folder of the plan, from which scenes are named.
+    /// Folder of the plan; paths of scenes are relative to this folder.
     #[serde(skip)]
     folder: PathBuf,
 }
@@ -34,17 +35,17 @@ pub struct Plan {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
-    /// Name of its folder, and of its row in the table.
+    /// Name of the run's folder, and of the run's row in the table.
     pub id: String,
-    /// Scene file, from the folder of the plan.
+    /// Scene file, relative to the folder of the plan.
     pub scene: PathBuf,
-    /// As on a command line: `1..5`.
+    /// Seeds, written as on a command line: `1..5`.
     #[serde(default = "one")]
     pub seeds: String,
     /// `key=value` laid over the scene.
     #[serde(default)]
     pub set: Vec<String>,
-    /// What the paper gives of it.
+    /// Published numbers of the run.
     #[serde(default)]
     pub published: Vec<Published>,
 }
@@ -60,7 +61,7 @@ pub struct Published {
     pub events: f64,
     /// Grains.
     pub grains: f64,
-    /// Grains that keeping all lost mass would have needed besides.
+    /// Additional grains that keeping all lost mass would have needed.
     pub excluded: f64,
     /// Run time, min.
     pub minutes: Option<f64>,
@@ -70,13 +71,13 @@ pub struct Published {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Figure {
-    /// Name of its folder.
+    /// Name of the figure's folder.
     pub name: String,
     /// Heading: `Fig. 10(a), (b): …`.
     pub title: String,
-    /// What the paper's text says that it shows.
+    /// What the figure shows, according to the paper's text.
     pub paper: String,
-    /// What is seen here.
+    /// What the figure drawn here shows.
     #[serde(default)]
     pub here: String,
     /// What is drawn.
@@ -116,7 +117,7 @@ pub enum Content {
     },
 }
 
-/// A row of Table 1 (with an angle) or Table 2 (with moduli).
+/// Parameters of strength: a row of Table 1 (with an angle) or of Table 2 (with moduli).
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(non_snake_case)]
@@ -144,10 +145,11 @@ fn one() -> String {
 }
 
 impl Plan {
-    /// Reads a plan: a file, or the name of one in `experiments/`.
+    /// Reads a plan from a file, or by the name of a file in `experiments/`.
     ///
     /// # Errors
-    /// A file that is not there or no plan, a run named twice, a figure of a run that is not in the plan.
+    /// A file that is missing or is no plan, a run named twice, a figure of a run that is not in
+    /// the plan.
     pub fn read(name: &str) -> Result<Plan> {
         let path = locate(name)?;
         let text = std::fs::read_to_string(&path).map_err(Error::read(&path))?;
@@ -199,7 +201,7 @@ impl Plan {
     /// The jobs of a run, one for each seed, in `out/ID/seed-N`.
     ///
     /// # Errors
-    /// Seeds that are none.
+    /// Text in `seeds` that is no list of seeds.
     pub fn jobs(&self, run: &Run, out: &Path) -> Result<Vec<Job>> {
         let seeds = parse_seeds(&run.seeds)?;
         let job = |seed| {
@@ -211,13 +213,13 @@ impl Plan {
 }
 
 impl StrengthSet {
-    /// E and ν of the grain and of the platen, Pa and -.
+    /// E, Pa, and ν of the grain and of the platen; `None` if one of them is not given.
     pub fn moduli(&self) -> Option<[(f64, f64); 2]> {
         Some([(1e9 * self.E_GPa?, self.nu?), (1e9 * self.platen_E_GPa?, self.platen_nu?)])
     }
 }
 
-/// The file of a plan.
+/// Path of the plan `name`: a file of this name, or `experiments/NAME.toml`.
 fn locate(name: &str) -> Result<PathBuf> {
     let given = PathBuf::from(name);
     let named = Path::new("experiments").join(format!("{name}.toml"));

@@ -1,4 +1,4 @@
-//! The report: tables and figures, what the paper says on the left and what the runs show on the right.
+//! The report: tables and figures; beside each figure, what the paper says and what the runs show.
 
 use super::compare::Row;
 use super::plan::Plan;
@@ -8,7 +8,7 @@ use plot::significant;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Writes `README.md` (as which a folder is shown by what hosts repositories) and returns its path.
+/// Writes `README.md`, the file that hosts of repositories show for a folder, and returns its path.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -38,12 +38,13 @@ pub fn write(plan: &Plan, done: &[Done], rows: &[Row], drawn: &[Vec<PathBuf>], d
     Ok(path)
 }
 
-/// Text that stands in a cell of a table.
+/// Text made fit for a cell of a Markdown table.
 fn cell(text: &str) -> String {
     text.trim().replace('|', "\\|").replace('\n', " ")
 }
 
-/// Counts: thousands apart, no digits after the point.
+/// A count as text: rounded to a whole number; thousands are set apart in counts of more than four
+/// digits.
 fn count(x: f64) -> String {
     let digits = format!("{:.0}", x.abs());
     let mut out = String::new();
@@ -56,7 +57,8 @@ fn count(x: f64) -> String {
     out
 }
 
-/// The number to two digits, as the paper gives its excluded grains.
+/// The number rounded to two significant digits, and at least to a whole number, as the paper gives
+/// its excluded grains.
 fn two_digits(x: f64) -> f64 {
     let unit = 10f64.powf(x.abs().max(1.0).log10().floor() - 1.0).max(1.0);
     (x / unit).round() * unit
@@ -74,7 +76,7 @@ fn mpa(kpa: f64) -> String {
     format!("{} MPa", significant(1e-3 * kpa, 3))
 }
 
-/// Counts against the published ones.
+/// Table of the counts of the runs beside the published ones.
 fn table(rows: &[Row]) -> String {
     let mut out = String::from(
         "| run | at | events, paper | here: mean (range) | seeds | difference | final grains, paper | here | excluded, paper | here | min, paper | here |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
@@ -101,7 +103,7 @@ fn table(rows: &[Row]) -> String {
     out + "\n"
 }
 
-/// Stresses at which the published counts are reached.
+/// Table of the stresses at which the published counts are reached.
 fn reached(rows: &[Row]) -> String {
     let mut out = String::from(
         "Vertical stress at which the published number of events is reached:\n\n| run | events, paper | at a mean of (range) | seeds that reach it |\n|---|---|---|---|\n",
@@ -116,7 +118,7 @@ fn reached(rows: &[Row]) -> String {
     out + "\n"
 }
 
-/// What all of it took.
+/// Lines on the run times of the published runs and of the whole plan.
 fn times(plan: &Plan, done: &[Done]) -> String {
     let published: Vec<&Done> = done.iter().filter(|d| !d.published.is_empty() && !d.seeds.is_empty()).collect();
     let of = done.iter().filter(|d| !d.published.is_empty()).count();

@@ -1,4 +1,4 @@
-//! What the runs of a plan gave, read from their folders.
+//! Results of the runs of a plan, read from the folders of the runs.
 
 use super::plan::{Plan, Published, Run};
 use laboratory::error::{Error, Result};
@@ -7,7 +7,7 @@ use serde_json::Value;
 use statrs::statistics::Statistics;
 use std::path::{Path, PathBuf};
 
-/// The runs of one entry of the plan that are done.
+/// The finished runs of one entry of the plan.
 #[derive(Clone, Debug)]
 pub struct Done {
     /// Name of the run in the plan.
@@ -18,18 +18,19 @@ pub struct Done {
     pub seeds: Vec<Seed>,
 }
 
-/// One run.
+/// The finished run of one seed.
 #[derive(Clone, Debug)]
 pub struct Seed {
     /// Folder of the run.
     pub folder: PathBuf,
     /// Content of its `summary.json`.
     pub summary: Value,
-    /// Vertical stress, kPa, with the crush events by then: first loading only, stress rising.
+    /// Points (vertical stress in kPa, number of crush events up to that stress) of first loading,
+    /// with rising stress.
     counts: Vec<(f64, f64)>,
 }
 
-/// Mean, standard deviation (of the sample), least and most of the seeds.
+/// Mean, standard deviation (of the sample), smallest and largest value over the seeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Mean.
@@ -45,7 +46,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// `None` without values.
+    /// Statistics of the values; `None` if there are no values.
     pub fn of(values: &[f64]) -> Option<Spread> {
         if values.is_empty() {
             return None;
@@ -55,7 +56,7 @@ impl Spread {
     }
 }
 
-/// Every run of the plan that is finished in `out`.
+/// For every run of the plan, the seeds that are finished in `out`.
 ///
 /// # Errors
 /// Scenes that are not valid and files that cannot be read.
@@ -74,7 +75,7 @@ fn done(plan: &Plan, run: &Run, out: &Path) -> Result<Done> {
     Ok(Done { id: run.id.clone(), published: run.published.clone(), seeds })
 }
 
-/// Stress and events of first loading from a history; nothing where it has no such columns.
+/// Points (stress, events) of first loading from a history; none if the history lacks a column.
 fn counts(path: &Path) -> Result<Vec<(f64, f64)>> {
     let wrong = |e: csv::Error| Error::Read { path: path.into(), source: e.into() };
     let mut reader = csv::Reader::from_path(path).map_err(wrong)?;
@@ -101,8 +102,9 @@ impl Seed {
         self.summary.get(key).and_then(Value::as_f64)
     }
 
-    /// Crush events at a vertical stress, kPa, linear in its logarithm between records; all of them without one, or at the stress at which
-    /// the run was to end. `None` if it did not get there.
+    /// Number of crush events up to a vertical stress, kPa, interpolated between records (linear in
+    /// the logarithm of stress). Without a stress, or at the stress at which the run was to end:
+    /// the events of the whole run. `None` if the run did not reach the stress.
     pub fn events(&self, stress: Option<f64>) -> Option<f64> {
         let end = self.number("max_stress_kPa");
         match stress.filter(|s| Some(*s) != end) {
@@ -111,19 +113,21 @@ impl Seed {
         }
     }
 
-    /// Crush events by a vertical stress over those of the whole run.
+    /// Crush events up to a vertical stress, kPa, over those of the whole run.
     pub fn share(&self, stress: Option<f64>) -> Option<f64> {
         let all = self.number("crush_events")?;
         if all == 0.0 { Some(0.0) } else { Some(self.events(stress)? / all) }
     }
 
-    /// The vertical stress, kPa, at which so many grains had broken; `None` if they never did.
+    /// The vertical stress, kPa, at which the number of crush events reaches `events`; `None` if it
+    /// never does.
     pub fn stress(&self, events: f64) -> Option<f64> {
         between(&self.counts, |p| p.1, |p| p.0.ln(), events).map(f64::exp)
     }
 }
 
-/// y where x, which does not fall along the points, first reaches a value.
+/// The value of y where x first reaches `at`, interpolated linearly between points; x must not fall
+/// along the points. `None` if x never reaches `at`.
 fn between(points: &[(f64, f64)], x: impl Fn(&(f64, f64)) -> f64, y: impl Fn(&(f64, f64)) -> f64, at: f64) -> Option<f64> {
     let i = points.iter().position(|p| x(p) >= at)?;
     let Some(before) = i.checked_sub(1).map(|j| &points[j]) else { return Some(y(&points[0])) };
@@ -132,7 +136,7 @@ fn between(points: &[(f64, f64)], x: impl Fn(&(f64, f64)) -> f64, y: impl Fn(&(f
 }
 
 impl Done {
-    /// The spread of what each seed gives, of those that give it.
+    /// Statistics of `of(seed)` over the seeds for which `of` has a value.
     pub fn spread(&self, of: impl Fn(&Seed) -> Option<f64>) -> Option<Spread> {
         let values: Vec<f64> = self.seeds.iter().filter_map(of).collect();
         Spread::of(&values)

@@ -25,7 +25,7 @@ fn run(task: &Task) -> Result<Found> {
     vibrate(METHODS[task.way], task.cells)
 }
 
-/// Errors of the period and of kinetic energy plus stress work.
+/// Errors of the period and of the energy (kinetic energy plus stress work).
 ///
 /// # Errors
 /// A lost point.
@@ -48,7 +48,7 @@ pub fn vibrate(method: Method, cells: u32) -> Result<Found> {
         last = v;
     }
     let t = c.totals();
-    // four zeros of the momentum are three half periods apart
+    // from the first to the fourth zero of the momentum there are three half periods
     let period = zeros.get(3).map_or(f64::INFINITY, |last| 2.0 * (last - zeros[0]) / 3.0);
     Ok(Found { points: count, steps: c.steps(), errors: vec![period / 10.0 - 1.0, (t.kinetic + c.stress_work()) / start - 1.0] })
 }

@@ -4,7 +4,7 @@ use engine::mpm::law::{Elastic, Law};
 use engine::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
 use laboratory::error::Result;
 
-/// How points and nodes talk.
+/// Numerical method: shape functions, and transfer between points and nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Method {
     /// Shape functions.
@@ -19,13 +19,13 @@ pub const FLIP: Method = Method { shape: ShapeFunctions::BSpline, transfer: Tran
 pub const PIC: Method = Method { transfer: Transfer::Blend { pic: 1.0 }, ..FLIP };
 /// APIC with splines.
 pub const APIC: Method = Method { transfer: Transfer::Affine, ..FLIP };
-/// Two points along the edge of a cell.
+/// FLIP with GIMP, for two points along the edge of a cell.
 pub const GIMP: Method = Method { shape: ShapeFunctions::Gimp { half_width: 0.25 }, ..FLIP };
 
-/// Smooth sides that hold, everywhere.
+/// Smooth walls that hold the material, on all sides.
 pub const SMOOTH: [GridWall; 6] = [GridWall::Symmetry; 6];
 
-/// Open sides, no gravity, no damping.
+/// A grid of `cells` cells with the edge `cell`, m: open sides, no gravity, no damping.
 pub fn settings(dimension: Dimension, cell: f64, cells: [u32; 3], method: Method) -> Settings {
     let Method { shape, transfer } = method;
     Settings {
@@ -48,7 +48,8 @@ pub fn strip(cell: f64, room: u32, method: Method) -> Settings {
     s
 }
 
-/// Points on a lattice, `per` to a cell along each axis, in the box from `low` to `high`; density, velocity by place.
+/// Points on a lattice, `per` to a cell along each axis, in the box from `low` to `high`, where
+/// `keep` is true; `velocity` depends on the place.
 pub fn fill(
     settings: &Settings,
     [low, high]: [[f64; 3]; 2],
@@ -83,7 +84,7 @@ pub fn elastic(young: f64, poisson: f64) -> Vec<Law> {
     vec![Law::Elastic(Elastic::of_young(young, poisson))]
 }
 
-/// So many steps.
+/// Does `n` steps of `dt`.
 ///
 /// # Errors
 /// A lost point.

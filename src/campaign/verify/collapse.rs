@@ -38,13 +38,14 @@ pub const PLANE: Case = Case {
     graphs: Some(|rows| graphs(&PLANE, rows, &[("Lube et al. 2005", channel), ("Lajeunesse et al. 2005", beads)])),
 };
 const ASPECTS: [f64; 3] = [0.6, 1.0, 2.0];
-/// When all has come to rest, s.
+/// Duration of a run for each aspect ratio, s; all points are at rest then.
 const DURATION: [f64; 3] = [0.5, 0.6, 0.8];
 /// Radius or length at the start, mm.
 const START: f64 = 100.0;
-/// Share of PIC with 20 points along the radius; it goes with the time step, so that it takes the same in the same time.
+/// Share of PIC with 20 points along the radius. The share is in proportion to the cell, as the
+/// time step is, so that PIC takes the same energy in the same time at every resolution.
 const PIC: f64 = 2e-4;
-/// Sectors of a quarter in which the front is looked for.
+/// Number of sectors of a quarter, in each of which the front is searched.
 const SECTORS: usize = 9;
 
 /// Lube et al. 2004 (J. Fluid Mech. 508, 175): r∞/r0.
@@ -95,8 +96,9 @@ fn collapse(task: &Task, name: &str, affine: bool, own: [String; 2], law: fn(f64
     Ok(Found { points, steps, errors: vec![out / law(ASPECTS[task.way % 3]) - 1.0, lost[lost.len() - 1] / fallen, out] })
 }
 
-/// Mean over the sectors of the distance of the outermost point that hangs together with the rest: no gap wider than a cell on the way from
-/// where the front stood at the start.
+/// Run-out of the column, m: mean over the sectors of the distance of the front. The front of a
+/// sector is the outermost point that is not separated from the rest: beyond the radius `start`, no
+/// gap between successive points is wider than `cell`.
 fn front(x: &[f64], y: &[f64], [start, cell]: [f64; 2]) -> f64 {
     let mut sectors = vec![Vec::new(); SECTORS];
     for (x, y) in x.iter().zip(y) {
@@ -114,10 +116,11 @@ fn front(x: &[f64], y: &[f64], [start, cell]: [f64; 2]) -> f64 {
     ends.iter().sum::<f64>() / ends.len() as f64
 }
 
-/// A published run-out, and who found it.
+/// Name and formula of a published run-out.
 type Law = (&'static str, fn(f64) -> f64);
 
-/// Run-out against the aspect ratio, and over the first law against what the transfer has taken. Ways come in threes, one for each aspect ratio.
+/// Two graphs: run-out against the aspect ratio; run-out over that of the case's law against the
+/// energy lost in the transfer. The ways of a case come in threes, one for each aspect ratio.
 fn graphs(case: &Case, rows: &[Row], laws: &[Law]) -> Vec<Graph> {
     let name = |setting: usize| case.ways[3 * setting].rsplit_once(", a =").map_or("", |n| n.0);
     let drawn =
@@ -160,12 +163,13 @@ mod tests {
 
     #[test]
     fn a_stray_point_is_no_front() {
-        // nine rays of points 10 mm apart up to 150 mm, one of them to 300 mm with a gap of 100 mm
+        // nine rays of points 10 mm apart up to 150 mm; on one of them also points at 250 and 300
+        // mm, behind a gap of 100 mm
         let rays = (0..SECTORS).flat_map(|k| (1..=15).map(move |n| (k, 0.01 * f64::from(n)))).chain([(4, 0.25), (4, 0.3)]);
         let angle = |k: usize| FRAC_PI_2 * (k as f64 + 0.5) / SECTORS as f64;
         let (x, y): (Vec<f64>, Vec<f64>) = rays.map(|(k, r)| (r * angle(k).cos(), r * angle(k).sin())).unzip();
         assert!((front(&x, &y, [0.1, 0.02]) - 0.15).abs() < 1e-12);
-        // without a gap it counts, in its sector
+        // if such a gap is allowed, the stray points count as the front of their sector
         assert!((front(&x, &y, [0.1, 0.11]) - (0.15 + 0.15 / SECTORS as f64)).abs() < 1e-12);
     }
 

@@ -23,8 +23,9 @@ fn run(task: &Task) -> Result<Found> {
     settle(METHODS[task.way], Dimension::PlaneStrain, GridWall::Symmetry, task.cells)
 }
 
-/// Root mean squares over the points: error of the vertical stress over ρ g H, of the settlement over that of the top, of the lateral
-/// stress less k0 times the vertical one over ρ g H. A last entry: error of the floor's reaction.
+/// Errors as root mean squares over the points: vertical stress over ρ g H; settlement over that of
+/// the top; lateral stress less k0 times the vertical one, over ρ g H. The last entry is the error
+/// of the floor's reaction.
 ///
 /// # Errors
 /// A lost point.

@@ -1,4 +1,5 @@
-//! A rigid box, and Li's superquadric, that slide on a plane of points by ghost contacts.
+//! A rigid box, and Li's superquadric, that slide on a plane of material points; the contacts are
+//! those of the points' ghosts.
 
 use super::{Case, Found, Task, contact_slide, scene, slide};
 use laboratory::error::Result;
@@ -28,7 +29,7 @@ pub const SUPERQUADRIC: Case = Case {
     },
     graphs: None,
 };
-/// E* of two alike, Pa.
+/// E* of two bodies of the same material, Pa.
 const MODULUS: f64 = 0.5 * contact_slide::MODULUS;
 /// Middle of the box over its lower face, mm.
 const MIDDLE: f64 = 75.0;
@@ -55,7 +56,7 @@ fn slide_on_points(task: &Task, way: usize, others: &[&str]) -> Result<Found> {
     let ends = |column: &str| run.column("blocks.csv", column).map(|all| [all[0], all[all.len() - 1]]);
     let ([_, time], [start, end], [_, velocity]) = (ends("time_s")?, ends("x_m")?, ends("vx_m_s")?);
     let dt = run.column("history.csv", "dt_s")?;
-    // velocities are those of the half step before
+    // recorded velocities are those half a step before the recorded time
     let exact = |time: f64| slide::exact(friction, speed, time);
     let velocity = velocity / exact(time - 0.5 * dt[dt.len() - 1])[0] - 1.0;
     let distance = (end - start) / exact(time)[1] - 1.0;

@@ -1,4 +1,4 @@
-//! A block of points that slides on a wall by ghost contacts.
+//! A block of material points that slides on a wall; the contacts are those of the points' ghosts.
 
 use super::{Case, Found, Task, scene, slide};
 use laboratory::error::Result;
@@ -23,9 +23,11 @@ pub(super) const MODULUS: f64 = 80e6 / (1.0 - POISSON * POISSON);
 const POISSON: f64 = 0.3;
 
 pub(super) const QUANTITIES: &[&str] = &["velocity", "distance", "distance, give known"];
-/// What slides from the first gives nothing way.
+/// Quantities of a body that slides from the start: the contacts slide at once, so that there is no
+/// error with their deformation taken into account.
 pub(super) const SLIDES: &[&str] = &["velocity", "distance"];
-/// From rest, where contacts first give way until friction holds; and sliding from the first.
+/// Frictions with a start from rest, where contacts first deform until friction is mobilised; then
+/// the same frictions with a speed at the start, so that the block slides at once.
 pub(super) const WAYS: &[&str] = &[
     FRICTIONS[0],
     FRICTIONS[1],
@@ -39,10 +41,10 @@ pub(super) const WAYS: &[&str] = &[
     "μ = 0.5, from 0.3 m/s",
 ];
 pub(super) const FRICTIONS: &[&str] = &["μ = 0.1", "μ = 0.2", "μ = 0.3", "μ = 0.4", "μ = 0.5"];
-/// Those from rest come first.
+/// Number of ways that start from rest; these come first in [`WAYS`].
 pub(super) const AT_REST: usize = FRICTIONS.len();
 
-/// Friction and speed at the start, m/s, of one of [`WAYS`].
+/// Friction, and speed at the start, m/s, of the way with this index in [`WAYS`].
 pub(super) fn friction_and_speed(way: usize) -> (f64, f64) {
     (0.1 * (way % AT_REST + 1) as f64, if way < AT_REST { 0.0 } else { 0.3 })
 }
@@ -63,8 +65,13 @@ fn run(task: &Task) -> Result<Found> {
     Ok(found)
 }
 
-/// The distance's error against what is exact for springs that give way from rest: the block goes by x'' = g − ω² x with ω² = Σk_t/m until friction
-/// holds, cos ω t₁ = 1 − μ, and then as eq. 40 says. Hertz–Mindlin: k_t = 6 (G*/E*) F/δ, and G*/E* = (1 − ν)/(2 (2 − ν)) of two alike and on a wall.
+/// Error of the distance against a closed form that includes the deformation of the contacts;
+/// `error` is the error against eq. 40.
+///
+/// From rest the contacts first act as springs: the block moves by x'' = g − ω² x, ω² = Σk_t/m,
+/// until friction is mobilised at the time t₁ with cos ω t₁ = 1 − μ. From then on eq. 40 holds.
+/// Hertz–Mindlin: k_t = 6 (G*/E*) F/δ; for equal materials and for a rigid wall alike,
+/// G*/E* = (1 − ν)/(2 (2 − ν)). With a speed at the start, `error` is returned.
 pub(super) fn with_give(error: f64, (task, way): (&Task, usize), modulus: f64, time: f64) -> f64 {
     let (friction, start) = friction_and_speed(way);
     let [_, whole] = slide::exact(friction, start, time);
@@ -84,21 +91,25 @@ pub(super) fn cell(task: &Task) -> f64 {
     HEIGHT / f64::from(task.cells)
 }
 
-/// How deep the points of the face reach into what bears the block, m.
+/// Overlap, m, of each ghost in the face of the points with the other body, under the block's
+/// weight (Hertz).
 fn depth(task: &Task, modulus: f64) -> f64 {
     let spacing = 0.5e-3 * cell(task);
     let ghost = (0.75 / PI).cbrt() * spacing;
     (PRESSURE * spacing * spacing / (4.0 / 3.0 * modulus * ghost.sqrt())).cbrt().powi(2)
 }
 
-/// Where the face of points bears the block, m from it, into the points: ghosts reach out of it by their radius less half a spacing.
+/// Position of the surface of the other body, m from the face of the points, positive into the
+/// points. Ghosts reach out of the face by their radius less half a spacing, and overlap by
+/// [`depth`].
 pub(super) fn wall(task: &Task, modulus: f64) -> f64 {
     let spacing = 0.5e-3 * cell(task);
     let ghost = (0.75 / PI).cbrt() * spacing;
     0.5 * spacing - ghost + depth(task, modulus)
 }
 
-/// At least so long, mm, in whole cells: the points' lattice is that of the grid, and the block stands on a node.
+/// The length, mm, rounded up to whole cells, so that the points' lattice fits the grid and the
+/// block stands on a node.
 pub(super) fn whole(task: &Task, length: f64) -> f64 {
     cell(task) * (length / cell(task)).ceil()
 }

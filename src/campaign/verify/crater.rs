@@ -10,7 +10,7 @@ const ABOUT: &str =
 const EXACT: &str =
     "D = 0.14/μ √(ρ_ball/ρ_sand) (2R)^(2/3) (h + D)^(1/3) (eq. 62; Uehara et al. 2003, Ambroso et al. 2005, experiments)";
 const ACROSS: &str = "cells along the ball's radius";
-/// In threes of the same ball and sand.
+/// The ways: three heights of fall for each combination of ball and sand.
 const DROPS: &[&str] = &[
     "R 12.5 mm, μ 0.3, h 50 mm",
     "R 12.5 mm, μ 0.3, h 100 mm",
@@ -26,7 +26,7 @@ const DROPS: &[&str] = &[
     "R 20 mm, μ 0.5, h 200 mm",
 ];
 
-/// With the cone of the paper.
+/// The case with the plane-strain cone, as in the paper.
 pub const CASE: Case = Case {
     name: "crater",
     about: ABOUT,
@@ -46,7 +46,8 @@ pub const OUTER: Case = Case {
     graphs: Some(|rows| graphs("crater_outer", "outer cone", rows)),
     ..CASE
 };
-/// What else the depth of one of them depends on.
+/// The case that shows how the depth of one drop depends on the method, the ball's friction and the
+/// sand's stiffness.
 pub const NUMERICS: Case = Case {
     name: "crater_numerics",
     about: "A ball of 20 mm falls from 200 mm into dry sand with μ 0.3 (as crater)",
@@ -67,16 +68,18 @@ pub const NUMERICS: Case = Case {
     graphs: None,
     ..CASE
 };
-/// kg/m³ and m/s².
+/// Densities of ball and sand, kg/m³, and gravity, m/s².
 const BALL: f64 = 2200.0;
 const SAND: f64 = 1510.0;
 const GRAVITY: f64 = 9.81;
-/// Half the width of the sand, its depth, and the room above it over the ball's radius; the ball begins so far above the sand.
+/// Lengths over the ball's radius: half the width of the sand, depth of the sand (a layer for each
+/// radius), room above the sand, and gap between ball and sand at the start.
 const HALF: f64 = 4.0;
 const LAYERS: usize = 6;
 const ABOVE: f64 = 4.0;
 const GAP: f64 = 0.025;
-/// Time in which the largest ball comes to rest, s, and its radius, m; it goes with the root of the radius.
+/// Time in which the largest ball comes to rest, s, and its radius, m; the time of another ball is
+/// in proportion to the square root of its radius.
 const DURATION: [f64; 2] = [0.1, 0.02];
 
 /// A ball, the sand's friction coefficient and the height from which the ball falls, m.
@@ -92,10 +95,10 @@ fn drop(way: usize) -> Drop {
 }
 
 impl Drop {
-    /// Eq. 62 with the total way H = h + D of the ball in it, m.
+    /// Depth D by eq. 62, m, where the ball's whole way H = h + D contains D: solved by iteration.
     fn law(&self) -> f64 {
         let factor = 0.14 / self.friction * (BALL / SAND).sqrt() * (2.0 * self.radius).powf(2.0 / 3.0);
-        // D/3(h + D) of what is wrong is left in each round
+        // each round leaves the share D/(3 (h + D)) of the error
         (0..60).fold(self.radius, |depth, _| factor * (self.height + depth).cbrt())
     }
 
@@ -124,7 +127,7 @@ impl Drop {
     }
 }
 
-/// The depth over that of the law, the depth, m, and the last speed over the first.
+/// Runs the case: error of the depth against eq. 62, depth, m, and last speed over the first.
 fn fall(task: &Task, drop: &Drop, own: &[String]) -> Result<Found> {
     let mut sets = drop.sets(task.cells);
     sets.extend_from_slice(own);
@@ -135,7 +138,8 @@ fn fall(task: &Task, drop: &Drop, own: &[String]) -> Result<Found> {
     Ok(Found { points, steps, errors: vec![depth / drop.law() - 1.0, depth, moving] })
 }
 
-/// Exponents of radius, way and friction in D = c R^a H^b μ^e, by least squares of the logarithms. `None` with too few cases.
+/// Exponents a, b and e of radius, way and friction in D = c R^a H^b μ^e, by least squares of the
+/// logarithms. `None` with too few cases.
 fn exponents(cases: &[(Drop, f64)]) -> Option<[f64; 3]> {
     let row = |(drop, depth): &(Drop, f64)| [1.0, drop.radius.ln(), (drop.height + depth).ln(), drop.friction.ln()];
     let a = DMatrix::from_row_iterator(cases.len(), 4, cases.iter().flat_map(row));
@@ -145,7 +149,8 @@ fn exponents(cases: &[(Drop, f64)]) -> Option<[f64; 3]> {
     Some([x[1], x[2], x[3]])
 }
 
-/// Depths of the finest resolution against the law, and what all are of it against the height.
+/// Two graphs: depth at the finest resolution against the depth of the law; depth over that of the
+/// law against the height of fall, at all resolutions.
 fn graphs(name: &str, cone: &str, rows: &[Row]) -> Vec<Graph> {
     let (mut depths, mut ratios) = (Vec::new(), Vec::new());
     let cells = |r: &Row| r.cells;
@@ -169,7 +174,7 @@ fn graphs(name: &str, cone: &str, rows: &[Row]) -> Vec<Graph> {
             if *resolution == finest {
                 depths.push(drawn(own.iter().map(depth).collect()));
             }
-            // colours are named, symbols in the title
+            // the legend names the colours (ball and sand), the title the symbols (resolution)
             let ratio = drawn(own.iter().map(|r| (1e3 * drop(r.way).height, 1.0 + r.found.errors[0])).collect());
             ratios.push(Drawn { label: (n == 0).then(|| ball.into()), ..ratio });
         }
@@ -211,7 +216,7 @@ fn graphs(name: &str, cone: &str, rows: &[Row]) -> Vec<Graph> {
 mod tests {
     use super::*;
 
-    /// Values of eq. 62 solved elsewhere for the twelve cases, m.
+    /// Depths by eq. 62, m, solved independently of this program for the twelve ways.
     #[test]
     fn the_law_has_the_whole_way_in_it() {
         let known =

@@ -27,8 +27,8 @@ fn run(task: &Task) -> Result<Found> {
     spin(METHODS[task.way], task.cells)
 }
 
-/// Change of the angular momentum, and root mean square of the error of the stress over that of the stress, after one turn. A last entry:
-/// largest stress over ρω²R².
+/// Errors after one turn: change of the angular momentum; root mean square error of the stress over
+/// the root mean square stress. The last entry is the largest stress over ρω²R².
 ///
 /// # Errors
 /// A lost point.
@@ -47,7 +47,7 @@ pub fn spin(method: Method, cells: u32) -> Result<Found> {
     let count = points.len();
     let mut c = Continuum::new(s, elastic(1e6, NU), points)?;
     c.points_mut().affine.fill([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0; 3]]);
-    // angular momentum about the middle: the disk stays where it is
+    // about the origin, which is as good as the middle, because the disk has no momentum
     let start = c.totals().angular_momentum[2];
     let n = 800 * u64::from(cells);
     block::steps(&mut c, 2.0 * PI / n as f64, n)?;
@@ -55,7 +55,7 @@ pub fn spin(method: Method, cells: u32) -> Result<Found> {
     let (mut off, mut all, mut most) = (0.0, 0.0, 0.0_f64);
     for (stress, p) in points.stress.iter().zip(&points.position) {
         let exact = exact(at(p[0], p[1]));
-        // both shear components of the plane
+        // the full tensor holds the shear component of the plane twice
         for (k, twice) in [(0, 1.0), (1, 1.0), (3, 2.0)] {
             off += twice * (stress[k] - exact[k]) * (stress[k] - exact[k]);
             all += twice * exact[k] * exact[k];
@@ -66,7 +66,7 @@ pub fn spin(method: Method, cells: u32) -> Result<Found> {
     Ok(Found { points: count, steps: c.steps(), errors })
 }
 
-/// Stress of the spinning disk at a place from its middle.
+/// Stress of the spinning disk, Pa, at a place given from the middle of the disk.
 fn exact([x, y]: [f64; 2]) -> Sym {
     let square = x * x + y * y;
     let unit = DENSITY / (8.0 * (1.0 - NU));

@@ -19,7 +19,8 @@ pub const CASE: Case = Case {
     },
     graphs: None,
 };
-/// Points per ball and cells of the grid apart, with a ball as stiff as in the paper and a tenth of that.
+/// The case in which points and grid are refined apart from each other, with a ball as stiff as in
+/// the paper and one of a tenth of that stiffness.
 pub const REFINED: Case = Case {
     name: "impact_refined",
     about: "A grain at 5 m/s hits an elastic ball of points of its size, grid and points refined (scene ball_impact; contacts of 1 GPa)",
@@ -47,12 +48,13 @@ pub const REFINED: Case = Case {
     },
     graphs: Some(losses),
 };
-/// Radius of both, mm, density, kg/m³, and speed, m/s.
+/// Radius of both bodies, mm, their density, kg/m³, and the speed of the grain, m/s.
 const RADIUS: f64 = 34.199519;
 const DENSITY: f64 = 2000.0;
 const SPEED: f64 = 5.0;
 
-/// Errors of the velocities, of the energy and of the momentum, and the share of the energy that is in neither body's motion as a whole.
+/// Errors of the velocities, of the energy and of the momentum; then the share of the initial
+/// energy that is not energy of translation of either body.
 fn meet(task: &Task, own: &[String], per_edge: usize) -> Result<Found> {
     let cell = 2.0 * RADIUS / f64::from(task.cells);
     let corner = [2.0 * RADIUS, 2.0 * RADIUS, 3.0 * RADIUS];
@@ -79,7 +81,8 @@ fn meet(task: &Task, own: &[String], per_edge: usize) -> Result<Found> {
     Ok(Found { points, steps, errors })
 }
 
-/// What neither body has as a whole after the impact, against the points of the ball and against the cells along it.
+/// Graphs of the energy of translation lost in the impact: against the number of points of the
+/// ball, and against the number of cells along its diameter.
 fn losses(rows: &[Row]) -> Vec<Graph> {
     let graph = |end: &str, x: Quantity, at: fn(&Row) -> f64| {
         let mut series = Vec::new();

@@ -1,7 +1,10 @@
-//! Cases of the continuum, and of grains in it, with closed forms, each at several resolutions: how far off, after how long.
+//! Verification: cases of the continuum, and of grains in it, that have closed forms, each at
+//! several resolutions, with errors and times.
 //!
-//! A [`Case`] is a file of its own: it takes a way of doing it and a resolution to errors. Some put points on a grid themselves (what a scene cannot
-//! say: a velocity that varies from place to place), others run a scene as a user would. Here times are measured, tables and figures made.
+//! Each [`Case`] has a file of its own, with a function from a way and a resolution to errors. Some
+//! cases put points on a grid themselves (for what a scene cannot say: a velocity that varies from
+//! place to place), others run a scene as a user would. This module measures times and makes tables
+//! and figures.
 
 pub mod bar;
 pub mod block;
@@ -30,24 +33,24 @@ use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What is verified.
+/// A computation whose result is known.
 pub struct Case {
-    /// Name on the command line and of its figures.
+    /// Name of the case on the command line and in the names of figures.
     pub name: &'static str,
-    /// What is done.
+    /// What is computed.
     pub about: &'static str,
     /// The closed form, and where it is from.
     pub exact: &'static str,
-    /// What a resolution counts.
+    /// Meaning of a resolution, such as cells along the bar.
     pub across: &'static str,
-    /// Coarse to fine.
+    /// The resolutions, from coarse to fine.
     pub resolutions: &'static [u32],
-    /// Ways of doing it: transfers, shape functions, parameters.
+    /// Variants of the computation: transfers, shape functions, parameters.
     pub ways: &'static [&'static str],
-    /// What each error is of.
+    /// The quantity of each error.
     pub quantities: &'static [&'static str],
     run: fn(&Task) -> Result<Found>,
-    /// Figures of its own, beside those of all cases.
+    /// Figures for this case alone, besides those of all cases.
     graphs: Option<Graphs>,
 }
 
@@ -56,35 +59,36 @@ type Graphs = fn(&[Row]) -> Vec<Graph>;
 
 /// One run of a case.
 pub struct Task<'a> {
-    /// Index of the way.
+    /// Index of the way in [`Case::ways`].
     pub way: usize,
-    /// Cells, as [`Case::across`] says.
+    /// Resolution, as [`Case::across`] says.
     pub cells: u32,
     /// Folder with the scenes of the cases.
     pub scenes: &'a Path,
-    /// Folder of this run, for those that leave records.
+    /// Folder of the run, for cases that leave records.
     pub out: PathBuf,
-    /// Runs that the folder holds already are not run again.
+    /// Whether a run that is finished in the folder is read instead of made again.
     keep: bool,
-    /// What it took, s, where that is not the time that has passed.
+    /// Time of the run, s, if the case measures it; `None`: the wall time counts.
     seconds: Cell<Option<f64>>,
 }
 
 impl Task<'_> {
-    /// The same with another folder.
+    /// The same task with another folder.
     fn elsewhere(&self, out: PathBuf, keep: bool) -> Task<'_> {
         Task { out, keep, seconds: Cell::new(None), ..*self }
     }
 }
 
-/// What one run gave.
+/// Result of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     /// Number of points.
     pub points: usize,
     /// Steps of the continuum.
     pub steps: u64,
-    /// Relative errors, in the order of [`Case::quantities`]; what follows them is the case's own.
+    /// Relative errors, in the order of [`Case::quantities`]; further numbers are for the case's
+    /// own figures.
     pub errors: Vec<f64>,
 }
 
@@ -97,7 +101,7 @@ pub struct Row {
     pub cells: u32,
     /// Result of the run.
     pub found: Found,
-    /// Wall time, or the processor's of a scene on one thread, s.
+    /// Wall time, s; processor time for a scene on one thread.
     pub seconds: f64,
 }
 
@@ -126,15 +130,15 @@ pub const STUDIES: [Case; 5] = [impact::REFINED, crater::CASE, crater::OUTER, cr
 static USUAL: [Case; CASES.len()] = CASES;
 static LONG: [Case; STUDIES.len()] = STUDIES;
 
-/// All there are.
+/// All cases.
 pub fn all() -> impl Iterator<Item = &'static Case> {
     USUAL.iter().chain(&LONG)
 }
 
-/// The cases of these names; without any those of [`CASES`].
+/// The cases with these names; without names, those of [`CASES`].
 ///
 /// # Errors
-/// A name that is none.
+/// A name that no case has.
 pub fn chosen(names: &[String]) -> Result<Vec<&'static Case>> {
     if names.is_empty() {
         return Ok(USUAL.iter().collect());
@@ -149,11 +153,12 @@ pub fn chosen(names: &[String]) -> Result<Vec<&'static Case>> {
 }
 
 impl Case {
-    /// Every way at the first `levels` resolutions; `told` hears of each before it begins. Records of the cases that are scenes go into `out/runs`; with `keep` those that
-    /// are there are read instead of made again.
+    /// Runs every way at the first `levels` resolutions; `told` is called with way and resolution
+    /// before each run. Cases that are scenes leave their records in `out/runs`; with `keep`,
+    /// finished runs found there are read instead of made again.
     ///
     /// # Errors
-    /// What keeps a run from starting or ending.
+    /// Any error of a run.
     pub fn measure(
         &self,
         levels: usize,

@@ -1,4 +1,5 @@
-//! The patch test.
+//! The patch test: the strain rate that points see in a uniform gradient of velocity, and a box of
+//! points that must stay at rest under uniform stress.
 
 use super::block::{self, APIC, FLIP, GIMP, Method, SMOOTH, elastic, fill};
 use super::{Case, Found, Task};
@@ -25,7 +26,8 @@ fn run(task: &Task) -> Result<Found> {
     Ok(Found { errors: vec![seen, rest.errors[0]], ..rest })
 }
 
-/// Largest error of a component of the strain rate over the largest component, edges included.
+/// Largest error of a component of the strain rate at any point, those at the edges included, over
+/// the largest component of the gradient.
 ///
 /// # Errors
 /// A lost point.
@@ -50,7 +52,7 @@ pub fn gradient(cells: u32) -> Result<Found> {
     // λ = 0, 2G = E: stress over E is strain
     let mut c = Continuum::new(s, elastic(1e-6, 0.0), points)?;
     c.points_mut().affine.fill(std::array::from_fn(|column| std::array::from_fn(|row| a[row][column])));
-    // the field itself changes by A² Δt in the step
+    // a very short step, because the field itself changes by A² Δt in the step
     let dt = 1e-9;
     c.step(dt)?;
     let exact = [a[0][0], a[1][1], a[2][2], 0.5 * (a[0][1] + a[1][0]), 0.5 * (a[1][2] + a[2][1]), 0.5 * (a[0][2] + a[2][0])];
@@ -59,8 +61,9 @@ pub fn gradient(cells: u32) -> Result<Found> {
     Ok(Found { points: count, steps: c.steps(), errors: vec![worst / 0.7] })
 }
 
-/// A box full of points at 100, 200 and 300 kPa between smooth walls, 100 steps: largest speed over that which 100 kPa would give to a cell, and
-/// largest error of a wall's force.
+/// Errors of a box full of points with stresses of 100, 200 and 300 kPa, between smooth walls,
+/// after 100 steps: largest speed over the speed that an unbalanced 100 kPa would give to one cell
+/// of material, and largest error of the force on a wall.
 ///
 /// # Errors
 /// A lost point.

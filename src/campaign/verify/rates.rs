@@ -1,4 +1,5 @@
-//! Steps of their own for grains and continuum: what κ steps of the faster side in one of the slower change, and what they save.
+//! Different time steps for grains and continuum: how much the results change if the faster side
+//! does κ steps in one step of the slower side, and how much time this saves.
 
 use super::{Case, Found, Row, Task, scene};
 use laboratory::error::Result;
@@ -15,14 +16,16 @@ pub const CASE: Case = Case {
     run,
     graphs: Some(|rows| vec![saving(rows)]),
 };
-/// Scene, what makes it this case, who is the faster, and speed at the start, m/s. Without PIC: it takes a share in each step, so that smaller steps would lose more.
+/// For each way: scene, overrides, key for the number of steps of the faster side, and speed at the
+/// start, m/s. There is no PIC: PIC takes a share of the energy in each step, so that more steps
+/// would lose more.
 const CASES: [(&str, &[&str], &str, f64); 3] = [
     ("crater", &["materials.ball.elastic.E_GPa=5.0", "duration_s=0.03", "grid.pic=0.0"], "grain_steps", 2.0),
     ("stiff_rock", &["grid.pic=0.0"], "grain_steps", 5.0),
     ("ball_impact", &[], "continuum_steps", 5.0),
 ];
 const REPEATS: usize = 3;
-/// Zhang et al., Tables 3 and 4: κ, and by how much the efficiency was improved, %.
+/// Zhang et al., Tables 3 and 4: κ, and the improvement of efficiency, %.
 const PUBLISHED: [(f64, f64); 12] = [
     (9.0, 547.7),
     (9.0, 593.5),
@@ -38,14 +41,15 @@ const PUBLISHED: [(f64, f64); 12] = [
     (2.0, 52.2),
 ];
 
-/// Errors of velocity, way and energy against one step for both; the share of energy that is lost, and cycles.
+/// Errors of velocity, way and lost energy against the run with one step for both sides. Further
+/// entries: the share of energy that is lost, and the number of cycles.
 fn run(task: &Task) -> Result<Found> {
     let (run, mut least) = once(task, task.cells, 0, task.keep)?;
     for repeat in 1..REPEATS {
         least = least.min(once(task, task.cells, repeat, task.keep)?.1);
     }
     task.seconds.set(Some(least));
-    // made first, and there
+    // this run was made first, so its records are there
     let (reference, _) = once(task, 1, 0, true)?;
     let (points, steps) = run.size()?;
     let largest = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -63,7 +67,7 @@ fn run(task: &Task) -> Result<Found> {
     Ok(Found { points, steps, errors })
 }
 
-/// One run, and its seconds.
+/// One run, and its time, s.
 fn once(task: &Task, steps: u32, repeat: usize, keep: bool) -> Result<(scene::Run, f64)> {
     let (name, own, side, _) = CASES[task.way];
     let out = task.out.with_file_name(format!("{}-{}-{steps}", CASE.name, task.way + 1)).join((repeat + 1).to_string());
@@ -74,7 +78,8 @@ fn once(task: &Task, steps: u32, repeat: usize, keep: bool) -> Result<(scene::Ru
     Ok((run, task.seconds.get().unwrap_or(f64::NAN)))
 }
 
-/// (T_1/T_κ − 1)·100 % (Zhang et al., eq. 64) against κ.
+/// Graph of the time with κ = 1 over the time with κ, against κ. The published improvement is
+/// (T_1/T_κ − 1)·100 % (Zhang et al., eq. 64).
 fn saving(rows: &[Row]) -> Graph {
     let mut series = Vec::new();
     for (way, name) in CASE.ways.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! What was found, as a table, a page and figures: error against resolution and against time.
+//! The results of verification as a table, a page and figures: error against resolution and against
+//! time.
 
 use super::{Case, Row};
 use laboratory::error::{Error, Result};
@@ -10,13 +11,16 @@ use table::number;
 /// The table of all runs, in the folder that is written.
 pub const TABLE: &str = "verification.csv";
 const PAGE: &str = "verification.md";
-/// Errors below this are drawn there, beside those that are no rounding.
+/// Errors below `LEAST` are drawn at `LEAST` if the case has an error above `ROUNDING`; else all
+/// errors are rounding errors and are drawn as they are.
 const LEAST: f64 = 1e-8;
 const ROUNDING: f64 = 1e-6;
-/// With more ways than this, ways come in threes: colours tell the threes apart, and only the first quantity is drawn.
+/// With more ways than this, the ways come in threes: colours tell the threes apart, and only the
+/// first quantity is drawn.
 const FEW: usize = 5;
 
-/// Writes the table, the page and two figures a case into `out`; returns the files.
+/// Writes the table, the page, and for each case two figures and its own ones into `out`; returns
+/// the files.
 ///
 /// # Errors
 /// Files that cannot be written.
@@ -56,12 +60,13 @@ impl Row {
     }
 }
 
-/// Rows of one way, coarse to fine.
+/// Rows of one way, from coarse to fine.
 fn of_way(rows: &[Row], way: usize) -> Vec<&Row> {
     rows.iter().filter(|r| r.way == way).collect()
 }
 
-/// How the error falls with the resolution, by the last two: the exponent.
+/// Order of convergence of an error, from the last two resolutions; `None` if there is only one, or
+/// if the error is no more than rounding.
 fn order(rows: &[&Row], quantity: usize) -> Option<f64> {
     let [.., a, b] = rows else { return None };
     let error = |r: &Row| r.found.errors[quantity].abs();
@@ -116,7 +121,7 @@ fn graphs(case: &Case, rows: &[Row]) -> [Graph; 2] {
         for (way, label) in case.ways.iter().enumerate() {
             for (q, quantity) in quantities.iter().enumerate() {
                 let rows = of_way(rows, way);
-                // what a way does not have
+                // NaN: the way does not have this quantity
                 if rows.iter().any(|r| r.found.errors[q].is_nan()) {
                     continue;
                 }

@@ -1,4 +1,4 @@
-//! A case that is a scene: run as a user would, read back from what the run leaves.
+//! Cases that are scenes: run as a user would run them, and read back from the files of the run.
 
 use super::Task;
 use laboratory::error::{Error, Result};
@@ -13,8 +13,9 @@ pub struct Run {
     summary: Value,
 }
 
-/// Runs `scenes/name.toml` with these overrides into the task's folder, without figures and snapshots, on the threads of the caller's pool; or goes on from what the
-/// folder holds of that run, if the task keeps it.
+/// Runs `scenes/name.toml` with these overrides in the task's folder, without figures and
+/// snapshots, on the threads of the caller's pool. If the task keeps runs, a finished run in the
+/// folder is taken as it is, and an unfinished one is continued.
 ///
 /// # Errors
 /// As [`run::run`].
@@ -40,7 +41,7 @@ pub fn run(task: &Task, name: &str, sets: &[String]) -> Result<Run> {
             backend: run::Chosen::default(),
         })?,
     };
-    // on one thread what the processor has spent on it, whatever else the machine does
+    // on one thread: processor time, which does not depend on other work of the machine
     let seconds = |key: &str| outcome.summary[key].as_f64();
     let spent = if threads == Some(1) { seconds("user_seconds") } else { None };
     task.seconds.set(spent.or(seconds("wall_seconds")));
@@ -51,7 +52,7 @@ impl Run {
     /// A number of the summary.
     ///
     /// # Errors
-    /// A summary without it.
+    /// A summary that lacks the number.
     pub fn number(&self, key: &str) -> Result<f64> {
         self.summary[key].as_f64().ok_or_else(|| Error::input(self.out.join("summary.json").display(), key, None, "is missing"))
     }
@@ -59,7 +60,7 @@ impl Run {
     /// A column of one of the run's tables.
     ///
     /// # Errors
-    /// A table without it.
+    /// A table that lacks the column.
     pub fn column(&self, file: &str, name: &str) -> Result<Vec<f64>> {
         Ok(plot::read_column(&self.out.join(file), name)?)
     }
@@ -77,10 +78,10 @@ impl Run {
         }
     }
 
-    /// Points and steps.
+    /// Number of points and number of steps.
     ///
     /// # Errors
-    /// A summary without them.
+    /// A summary that lacks one of the numbers.
     pub fn size(&self) -> Result<(usize, u64)> {
         Ok((self.number("points")? as usize, self.number("steps")? as u64))
     }

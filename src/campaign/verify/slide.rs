@@ -28,13 +28,14 @@ fn run(task: &Task) -> Result<Found> {
     found(&run, friction, 0.0)
 }
 
-/// Velocity and way after a time, s, of what slides from a speed, m/s (Li et al. 2023, eqs 40, 41).
+/// Velocity, m/s, and distance, m, after a time, s, of a block that starts with the speed `start`,
+/// m/s (Li et al. 2023, eqs 40, 41).
 pub(super) fn exact(friction: f64, start: f64, time: f64) -> [f64; 2] {
     let gained = 10.0 * (1.0 - friction) * time;
     [start + gained, (start + 0.5 * gained) * time]
 }
 
-/// Errors of a block that has slid from a speed, as its run has left it.
+/// Errors of velocity and distance in the run of a block that started with the speed `start`, m/s.
 pub(super) fn found(run: &scene::Run, friction: f64, start: f64) -> Result<Found> {
     let (points, steps) = run.size()?;
     let time = run.number("time_s")?;

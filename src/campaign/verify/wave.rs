@@ -24,7 +24,8 @@ fn run(task: &Task) -> Result<Found> {
     travel(METHODS[task.way], task.cells)
 }
 
-/// Errors of the speed of the half that runs away from the wall, and of its share of the momentum, after 0.1 s; `cells` to a metre.
+/// Errors, after 0.1 s, of the speed of the half that runs away from the wall, and of its share of
+/// the momentum; `cells` cells to a metre.
 ///
 /// # Errors
 /// A lost point.
@@ -40,7 +41,8 @@ pub fn travel(method: Method, cells: u32) -> Result<Found> {
     let time = 0.1;
     block::steps(&mut c, time / f64::from(n), n.into())?;
     let points = c.points();
-    // beyond the middle between the reflection of the other half and this one
+    // 9.5 m lies between this half, now near 13.2 m, and the reflection of the other half, near 3.2
+    // m
     let ahead = (0..points.len()).filter(|&i| points.position[i][0] > 9.5);
     let (p, px) = ahead.fold((0.0, 0.0), |(p, px), i| {
         let [x, v, m] = [points.position[i][0], points.velocity[i][0], points.velocity[i][3]];

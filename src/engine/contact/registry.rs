@@ -136,15 +136,15 @@ contact_laws! { ($)
     /// Linear: Ciantia et al. 2015 eq. (13).
     Linear = "linear", "force in proportion to the overlap (eq. 13)", gpu: Ok(0);
     /// As `Linear`, but fragments keep the stiffness of the initial grain they come from.
-    LinearInherited = "linear_inherited", "the same with the mother's stiffness for fragments", gpu: Ok(0);
+    LinearInherited = "linear_inherited", "linear, and fragments keep the stiffness of the initial grain that they come from", gpu: Ok(0);
     /// Hertz–Mindlin: Ciantia et al. 2015 eq. (14); Li et al. 2023 eqs (20), (21) for pairs of different materials.
     Hertz = "hertz", "Hertz-Mindlin (eq. 14)", gpu: Ok(1);
     /// Hertz–Mindlin with viscous damping: Li et al. 2023 eqs (18)-(21).
     HertzViscous = "hertz_viscous", "Hertz-Mindlin with viscous damping", gpu: Ok(2);
     /// As `HertzViscous`, but the normal force ends where it would turn tensile, with the damping that gives the same restitution.
-    HertzViscousNoTension = "hertz_viscous_no_tension", "the same whose normal force never turns tensile, with which friction is mu times the impulse at any restitution", gpu: Err("use hertz_viscous");
+    HertzViscousNoTension = "hertz_viscous_no_tension", "hertz_viscous without tension: the normal force ends where it would turn tensile, so that the friction of a sliding contact is mu times the normal impulse at any restitution", gpu: Err("use hertz_viscous");
     /// Elastic–perfectly plastic with a restitution that falls with the speed: Thornton 1997.
-    ElastoPlastic = "elasto_plastic", "Hertz-Mindlin until the contact yields (Thornton 1997): the restitution falls with the speed", gpu: Err("use hertz");
+    ElastoPlastic = "elasto_plastic", "Hertz-Mindlin until the contact yields, then plastic (Thornton 1997): the restitution falls with the speed of impact", gpu: Err("use hertz");
 }
 
 impl PartialEq for ContactLaw {

@@ -1,4 +1,4 @@
-//! Scene and material files, with what they are based on and the materials they name.
+//! Reads scene and material files, together with their base files and the materials that they name.
 
 use super::layers::{Layer, join, shown};
 use super::sources::spread_sources;
@@ -8,29 +8,40 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 use toml::{Table, Value};
 
-/// A scene file with everything it refers to.
+/// Reads the scene file `path` and merges it with its base files and materials.
+///
+/// # Errors
+/// A file that cannot be read, is not TOML, or is based on itself.
 pub fn scene_file(path: &Path) -> Result<Layer> {
     file(path, &mut Vec::new())
 }
 
-/// A scene from its text, with everything it refers to; paths in it and messages are as if it stood in the file `path`.
+/// Reads a scene from `text` and merges it with its base files and materials. Paths in the text are relative to the folder of
+/// `path`, and messages name `path` as the file; there need not be such a file.
+///
+/// # Errors
+/// As of [`scene_file`].
 pub fn scene_text(path: &Path, text: &str) -> Result<Layer> {
     let path = tidy(path);
     let table = parse(&path, text)?;
     resolve(table, &path, "", &mut vec![path.clone()])
 }
 
-/// A material file with everything it refers to.
+/// Reads the material file `path` and merges it with its base files.
+///
+/// # Errors
+/// As of [`scene_file`].
 pub fn material_file(path: &Path) -> Result<Layer> {
     file(path, &mut Vec::new())
 }
 
+/// Reads a scene or material file with all that it refers to. `below`: the files that are being read and lead to this one.
 fn file(path: &Path, below: &mut Vec<PathBuf>) -> Result<Layer> {
     let path = tidy(path);
     let text = read_text(&path)?;
     if below.contains(&path) {
         let chain: Vec<String> = below.iter().map(|p| p.display().to_string()).collect();
-        let message = format!("is based on itself ({} → it)", chain.join(" → "));
+        let message = format!("is based on itself ({} → this file)", chain.join(" → "));
         return Err(Error::input(path.display(), "", None, message));
     }
     below.push(path.clone());
@@ -40,7 +51,9 @@ fn file(path: &Path, below: &mut Vec<PathBuf>) -> Result<Layer> {
     Ok(layer)
 }
 
-/// A table of `path` with its base and its materials; `at` is its place in the file.
+/// Merges the table at the key `at` of the file `path` (`""`: the whole file) with its base and its materials, and makes the paths
+/// of data files in the table relative to the working folder. The `description` of a base is left out, and so is
+/// its `name` in a scene.
 fn resolve(mut table: Table, path: &Path, at: &str, below: &mut Vec<PathBuf>) -> Result<Layer> {
     let mut base = match table.remove("base") {
         Some(Value::String(name)) => file_near(path, &join(at, "base"), &name, below)?,
@@ -90,7 +103,8 @@ fn resolve(mut table: Table, path: &Path, at: &str, below: &mut Vec<PathBuf>) ->
     Ok(base)
 }
 
-/// A material that is named or written at `key`, and whether it stands for a whole material.
+/// The material at `key` of the file `path`: a file that is named there, or a table. The flag is true where it replaces the
+/// material of a base as a whole, false where only the keys of the table do.
 fn material(value: Value, path: &Path, key: &str, below: &mut Vec<PathBuf>) -> Result<(Layer, bool)> {
     match value {
         Value::String(name) => Ok((file_near(path, key, &name, below)?, true)),
@@ -105,7 +119,10 @@ fn material(value: Value, path: &Path, key: &str, below: &mut Vec<PathBuf>) -> R
     }
 }
 
-/// The file `name` written at `key` of `path`.
+/// Reads the file `name`, which stands at `key` of the file `path`.
+///
+/// # Errors
+/// As of [`scene_file`]; where there is no such file, the error names `key` of `path`.
 fn file_near(path: &Path, key: &str, name: &str, below: &mut Vec<PathBuf>) -> Result<Layer> {
     let target = beside(path, name);
     if !target.exists() {
@@ -123,7 +140,10 @@ fn wrong(path: &Path, key: &str, value: &Value, message: &str) -> Error {
     Error::input(path.display(), key, Some(shown(value)), message)
 }
 
-/// A whole text file, with errors that say what it is instead.
+/// Reads a text file in UTF-8.
+///
+/// # Errors
+/// `path` is a folder, does not exist, cannot be read or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
     if path.is_dir() {
         return Err(Error::input(path.display(), "", None, "is a folder, not a file"));
@@ -138,6 +158,7 @@ pub fn read_text(path: &Path) -> Result<String> {
     })
 }
 
+/// The table of a text in TOML. Errors name the file `path`, the line and what is written there.
 fn parse(path: &Path, text: &str) -> Result<Table> {
     toml::from_str(text.strip_prefix('\u{feff}').unwrap_or(text)).map_err(|e: toml::de::Error| {
         let line = e.span().map_or(String::new(), |span| {
@@ -153,7 +174,7 @@ fn parse(path: &Path, text: &str) -> Result<Table> {
     })
 }
 
-/// "no such file", and the one that was perhaps meant.
+/// Message that there is no file `path`, with the file of a similar name in the same folder if there is one.
 fn missing(path: &Path) -> String {
     let wanted = path.file_name().and_then(|n| n.to_str()).unwrap_or("");
     let folder = match path.parent() {
@@ -171,12 +192,12 @@ fn missing(path: &Path) -> String {
     }
 }
 
-/// `name` as written in the file `path`.
+/// The path `name`, which is relative to the folder of the file `path`, as a path relative to the working folder.
 fn beside(path: &Path, name: &str) -> PathBuf {
     tidy(&path.parent().unwrap_or(Path::new("")).join(name))
 }
 
-/// The path without `.` and with `x/..` taken out, as a person would write it.
+/// The path without `.` and `x/..`: `experiments/../materials/x.toml` becomes `materials/x.toml`.
 fn tidy(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for part in path.components() {

@@ -1,4 +1,5 @@
-//! Grains from a CSV file: `x_m,y_m,z_m,r_m`, optional velocity, spin and material; lines that begin with `#` are comments.
+//! Reads grains from a CSV file. Columns `x_m,y_m,z_m` (centre) and `r_m` (radius) are needed, columns of velocity, spin and
+//! material are optional; lines that begin with `#` are comments.
 
 use super::files::read_text;
 use super::layers::{Layer, Origin};
@@ -7,13 +8,17 @@ use crate::error::{Error, Result};
 use std::path::Path;
 use toml::{Table, Value};
 
-/// What a column holds: the key of a grain, the component, and the SI value of its unit.
+/// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Column {
+    /// A component of a vector: key of the vector in `[[grain]]`, index of the component 0 to 2, and factor from the column's unit
+    /// to SI.
     Vector(&'static str, usize, f64),
+    /// The radius, m, after multiplication with the factor; the factor of a diameter contains 1/2.
     Radius(f64),
+    /// The name of the material.
     Material,
-    /// Written by a run and not needed to begin one.
+    /// A column that runs write and that a scene does not use.
     Ignored,
 }
 
@@ -21,7 +26,10 @@ const IGNORED: [&str; 4] = ["generation", "lineage", "id", "strength_MPa"];
 const LENGTHS: [(&str, f64); 3] = [("", 1.0), ("_m", 1.0), ("_mm", 1e-3)];
 const NEEDED: &str = "x_m, y_m, z_m and r_m (or _mm; without a unit: m)";
 
-/// Replace `grains_csv` of a free scene by the grains of that file.
+/// Replaces the key `grains_csv` of a free scene by the list `grain` that its file holds. Other scenes are left as they are.
+///
+/// # Errors
+/// A file that cannot be read; a mistake in the file, with line and column; `grains_csv` beside `[[grain]]`.
 pub fn grains(layer: &mut Layer) -> Result<()> {
     let free = layer.table.get("kind").and_then(Value::as_str) == Some("assembly");
     let Some(Value::String(name)) = layer.table.get("grains_csv").cloned().filter(|_| free) else {
@@ -44,6 +52,7 @@ pub fn grains(layer: &mut Layer) -> Result<()> {
     Ok(())
 }
 
+/// The grains of the file, each as an entry of `[[grain]]`.
 fn read(path: &Path) -> Result<Vec<Value>> {
     let text = read_text(path)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
@@ -64,7 +73,8 @@ fn read(path: &Path) -> Result<Vec<Value>> {
     Ok(grains)
 }
 
-/// The line of a record: its position is that of the comments and empty lines before it.
+/// The file and the line of a record, for messages. The reader's `position` is where it began to look for the record; the comments
+/// and empty lines between there and the record are counted here.
 fn at(path: &Path, text: &str, position: Option<&csv::Position>) -> String {
     let Some(position) = position else {
         return path.display().to_string();
@@ -83,6 +93,7 @@ fn cause(e: &csv::Error) -> String {
     }
 }
 
+/// What each column holds, by the names of the header.
 fn columns(path: &Path, header: &[String]) -> Result<Vec<Column>> {
     let known = known();
     let wrong = |key: &str, message: String| Error::input(path.display(), key, None, message);
@@ -117,6 +128,7 @@ fn columns(path: &Path, header: &[String]) -> Result<Vec<Column>> {
     Ok(columns)
 }
 
+/// Whether two columns hold the same quantity, in whatever unit.
 fn same(a: &Column, b: &Column) -> bool {
     match (a, b) {
         (Column::Vector(n, i, _), Column::Vector(m, j, _)) => n == m && i == j,
@@ -125,6 +137,7 @@ fn same(a: &Column, b: &Column) -> bool {
     }
 }
 
+/// All names that a column may have, and what a column of that name holds.
 fn known() -> Vec<(String, Column)> {
     let mut known = Vec::new();
     for (k, axis) in ["x", "y", "z"].iter().enumerate() {
@@ -147,6 +160,7 @@ fn known() -> Vec<(String, Column)> {
     known
 }
 
+/// One grain, as an entry of `[[grain]]`, from a record. `place`: file and line, for messages.
 fn grain(place: &str, header: &[String], columns: &[Column], record: &csv::StringRecord) -> Result<Value> {
     let mut vectors = [("position_m", [0.0; 3]), ("velocity_m_s", [0.0; 3]), ("spin_rad_s", [0.0; 3])];
     let mut grain = Table::new();

@@ -1,4 +1,5 @@
-//! Every key of scenes and materials: what it holds, its default and what it means. `comminute check --keys` prints this.
+//! The table of all keys of scenes and materials: for each key the allowed values, the default, the kinds of scenes that have the
+//! key, and its meaning. `comminute check --keys` prints it.
 
 use super::schema::{Default, KIND_WORDS, Key, Of, Range, Shape};
 
@@ -20,7 +21,7 @@ const FROM_ZERO: Shape = Integer { low: 0, high: i64::MAX };
 const VECTOR: Shape = Numbers(ANY, Some(3));
 const RATIO: Range = Range::below(0.0, 1.0);
 const WALL: Shape = Choice(&["open", "symmetry", "stick", "slip", "coulomb"]);
-const WALL_WHAT: &str = "side of the grid: nothing (a point that gets there is an error), smooth and holding, rough and holding, smooth and only pushing, or pushing with friction";
+const WALL_WHAT: &str = "side of the grid. open: no wall, and a point that gets there ends the run; symmetry: a smooth wall from which the material cannot part; stick: a rough wall on which the material cannot move; slip: a smooth wall that only pushes; coulomb: a wall that only pushes, with friction";
 const FRICTION: Range = Range::closed(0.0, 100.0);
 const DEGREES: Range = Range::below(0.0, 89.0);
 const RADIANS: Range = Range::below(0.0, 1.55);
@@ -30,7 +31,9 @@ const VARIATION_WHAT: &str =
     "coefficient of variation of the limit strength, for distribution = \"normal\"; Weibull's follows from m";
 const MODULUS_WHAT: &str = "Weibull modulus, eq. 7";
 const QUOTED: Shape = Choice(&["mean", "survival_37"]);
-const QUOTED_WHAT: &str = "what `crushing_stress_MPa` is of many grains of one size: their mean, or what 37 % (1/e) of them survive, as Weibull plots give it";
+const QUOTED_WHAT: &str = "which value of many grains of one size `crushing_stress_MPa` is. mean: their mean; survival_37: the stress that 37 % (1/e) of them survive, as Weibull plots give it";
+
+// Each function below makes a key of the group of scenes that the function is named after; `Of` says which kinds are in a group.
 
 const fn both(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
     Key { path, shape, default, of: Of::Both, what }
@@ -92,7 +95,8 @@ const fn continuum(path: &'static str, shape: Shape, default: Default, what: &'s
     Key { of: Of::Continuum, ..both(path, shape, default, what) }
 }
 
-/// Tables that a scene or material may leave out; the keys in them are asked for only when the table is there.
+/// Tables that a scene or material may leave out: their required keys are required only where the table is written, and their
+/// defaults are filled in only there. Tables of strengths are optional too ([`is_optional`]).
 const OPTIONAL_TABLES: &[&str] = &[
     "material",
     "material.elastic",
@@ -106,10 +110,12 @@ const OPTIONAL_TABLES: &[&str] = &[
     "material.continuum.cohesion_evolution",
 ];
 
-/// Tables written as lists (`[[grain]]`).
+/// Names of the tables that are written as lists, one entry each (`[[grain]]`).
 pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate", "body", "block"];
 
-/// Keys of which only one is meant: writing one replaces the other of a base or a file.
+/// Pairs of keys of one table that exclude each other: where a file or an override sets one of a pair, the other one is removed
+/// from what it is laid over (the base of a file, the file under an override). Both stay where one file sets both; what uses them
+/// may refuse that.
 pub const RIVALS: &[(&str, &str)] = &[
     ("G_GPa", "E_GPa"),
     ("G_MPa", "E_MPa"),
@@ -140,11 +146,12 @@ pub const RIVALS: &[(&str, &str)] = &[
     ("criterion", "area"),
 ];
 
-/// The vocabulary, in the order in which `scene.resolved.toml` is written: the keys of scenes and materials, with those that laws
-/// ask of materials.
+/// All keys of scenes and materials, in the order in which `scene.resolved.toml` lists them. The parameters that contact laws and
+/// failure criteria declare are among them.
 pub static KEYS: LazyLock<Vec<Key>> = LazyLock::new(assembled);
 
-/// [`OWN`] with the keys that laws declare themselves, each behind the others of its table, or where `anchor` stands if it is the first of a table.
+/// All keys: those of [`OWN`], and one for each parameter that a contact law or a failure criterion declares. The help texts of the
+/// keys that choose a law or a criterion are joined from the descriptions of the words.
 fn assembled() -> Vec<Key> {
     let mut keys = OWN.to_vec();
     let meanings: Vec<String> = ContactLaw::ALL.iter().map(|law| format!("{}: {}", law.word(), law.meaning())).collect();
@@ -168,10 +175,12 @@ fn assembled() -> Vec<Key> {
     keys
 }
 
-/// The first key behind the tables of strengths.
+/// The key of [`OWN`] before which new tables of strengths are inserted.
 const COMMINUTION: &str = "material.comminution.d_limit_over_d50";
 
-/// The keys that the table of every criterion has which judges the mean stress; those of the two others say more and stand in [`OWN`].
+/// Adds the keys of strength, `sigma_lim0_MPa` to `var`, to the table `material.strength.<word>` of the criterion `word`, if they
+/// are not there. Only criteria that judge the mean stress need this: [`OWN`] has the keys of `fixed_angle` and `hertz_area`, with
+/// help texts of their own.
 fn strengths(keys: &mut Vec<Key>, word: &str) {
     let path = |name: &str| -> &'static str { format!("material.strength.{word}.{name}").leak() };
     if keys.iter().any(|key| key.path == path("m")) {
@@ -205,11 +214,12 @@ pub fn is_optional(path: &str) -> bool {
     OPTIONAL_TABLES.contains(&path) || path.starts_with("material.strength.")
 }
 
+/// Adds a key for each of the parameters, as the last key of its table. A new table is inserted before the key `anchor`.
 fn declare(keys: &mut Vec<Key>, parameters: &[Parameter], anchor: &str) {
     for parameter in parameters {
         let path = format!("material.{}", parameter.key);
         if keys.iter().any(|key| key.path == path) {
-            continue; // two laws ask for the same
+            continue; // another law has declared the same parameter
         }
         let key = every(path.leak(), Number(parameter.range), parameter.default.map_or(Absent, Is), parameter.meaning);
         let last = keys.iter().rposition(|other| other.split().0 == key.split().0).map(|k| k + 1);
@@ -218,7 +228,8 @@ fn declare(keys: &mut Vec<Key>, parameters: &[Parameter], anchor: &str) {
     }
 }
 
-/// The keys that belong to no law.
+/// The keys that are written down here. [`assembled`] adds the parameters of contact laws and failure criteria, and the strengths
+/// of the criteria that judge the mean stress.
 const OWN: &[Key] = &[
     every(
         "kind",
@@ -281,8 +292,13 @@ const OWN: &[Key] = &[
     mixture("block.points_mm", Numbers(ANY, None), Absent, "polyhedron: x, y, z of each point, one after the other"),
     mixture("block.rounding_mm", Number(NOT_NEGATIVE), Absent, "polyhedron: radius of the sphere swept over it; 0 if not written"),
     mixture("block.position_mm", VECTOR, Required, "centre of mass"),
-    mixture("block.axis", VECTOR, Is("[0, 0, 1]"), "it is turned about this direction"),
-    mixture("block.angle_deg", Number(Range::closed(-180.0, 180.0)), Is("0.0"), "by this angle"),
+    mixture("block.axis", VECTOR, Is("[0, 0, 1]"), "axis of the rotation by `angle_deg` that the block has at the start"),
+    mixture(
+        "block.angle_deg",
+        Number(Range::closed(-180.0, 180.0)),
+        Is("0.0"),
+        "angle by which the block is rotated about `axis` at the start",
+    ),
     mixture("block.velocity_m_s", VECTOR, Is("[0, 0, 0]"), "velocity"),
     mixture("block.spin_rad_s", VECTOR, Is("[0, 0, 0]"), "angular velocity"),
     mixture("block.material", Text, Absent, "name of one of `materials`; needed when there are several"),
@@ -302,7 +318,7 @@ const OWN: &[Key] = &[
         "body.points_csv",
         Text,
         Absent,
-        "points: a file with x_mm,y_mm,z_mm (or _m) and an optional volume_mm3 (or _m3); without it each has a cell's volume over its points",
+        "points: a file with x_mm,y_mm,z_mm (or _m) and an optional volume_mm3 (or _m3); a point without a volume has the volume of a cell over the number of points per cell",
     ),
     continuum("body.points_m", Numbers(ANY, None), Absent, "points: x, y, z of each, one after the other; or `points_csv`"),
     continuum("body.volumes_m3", Numbers(POSITIVE, None), Absent, "points: volume of each (in plane strain per metre)"),
@@ -319,13 +335,13 @@ const OWN: &[Key] = &[
         Absent,
         "isotropic pressure at the start; the cell pressure in a triaxial test, else 0",
     ),
-    continuum("grid.cell_mm", Number(POSITIVE), Absent, "edge of a cell; or the next two"),
-    continuum("grid.fines_diameter_mm", Number(POSITIVE), Absent, "mean diameter of the grains for which points stand"),
+    continuum("grid.cell_mm", Number(POSITIVE), Absent, "edge of a cell; or `fines_diameter_mm` and `grains_per_point`"),
+    continuum("grid.fines_diameter_mm", Number(POSITIVE), Absent, "mean diameter of the fine grains that the points replace"),
     continuum(
         "grid.grains_per_point",
         Number(POSITIVE),
         Absent,
-        "how many of them a point stands for, 8 for a particle reduction of 1:8: the cell follows, to a whole number of points along the first edge of a box",
+        "number of fine grains that a point replaces, 8 for a particle reduction of 1:8; the edge of a cell follows, adjusted to a whole number of points along the first edge of a box",
     ),
     continuum("grid.min_mm", VECTOR, Absent, "lower corner of the grid; a free scene needs it, a test finds its own"),
     continuum("grid.max_mm", VECTOR, Absent, "upper corner of the grid, a whole number of cells further"),
@@ -360,14 +376,14 @@ const OWN: &[Key] = &[
         "test.rig",
         Choice(&["free", "oedometer", "triaxial"]),
         Is("\"free\""),
-        "points by themselves; a box with smooth fixed sides and a driven top platen; a box between six platens (four in plane strain)",
+        "free: no platens; oedometer: a box with smooth fixed sides under a driven top platen; triaxial: a box between six platens (four in plane strain)",
     ),
     continuum("test.cell_pressure_kPa", Number(POSITIVE), Absent, "triaxial: stress that the lateral platens hold"),
     continuum(
         "test.drainage",
         Choice(&["drained", "constant_volume"]),
         Is("\"drained\""),
-        "triaxial: lateral platens hold the cell pressure, or keep the volume (the cell pressure less theirs is the equivalent pore pressure)",
+        "triaxial. drained: the lateral platens hold the cell pressure; constant_volume: they move so that the volume stays, and the cell pressure minus their stress is the equivalent pore pressure",
     ),
     continuum("test.axial_strain", Number(Range::between(0.0, 1.0)), Absent, "oedometer, triaxial: axial strain at the end"),
     continuum(
@@ -411,7 +427,7 @@ const OWN: &[Key] = &[
         "growth.fines",
         Choice(&["points", "grains"]),
         Is("\"points\""),
-        "what the fine grains become: material points on the spot, or they stay grains, a test without a continuum",
+        "points: the fine grains of the grown specimen are replaced by material points; grains: they stay grains, and the test has no continuum",
     ),
     mixture(
         "growth.friction",
@@ -473,19 +489,19 @@ const OWN: &[Key] = &[
         Required,
         "grains of each diameter, or drawn from the gradation; each has its own strength",
     ),
-    both("contact.law", Choice(ContactLaw::WORDS), Is("\"hertz\""), ""), // what it says: `assembled`
+    both("contact.law", Choice(ContactLaw::WORDS), Is("\"hertz\""), ""), // `assembled` writes the help text
     both(
         "contact.unloading",
         Choice(&["keep", "rescale"]),
         Absent,
-        "tangential force when the normal force falls: kept (the paper; if not written, where no grain breaks), or in proportion to its stiffness, which creates no energy (if not written, where grains break)",
+        "tangential force while the normal force falls. keep: unchanged, as in the paper; rescale: reduced in proportion to the tangential stiffness, which creates no energy. If not written: rescale where grains break, else keep",
     ),
     both("contact.rotation", Choice(&["free", "fixed"]), Is("\"free\""), "whether grains turn; fixed, they stand for angular ones"),
     cylinder("walls.friction.bottom", Number(FRICTION), Is("0.0"), "friction coefficient of the lower platen"),
     cylinder("walls.friction.top", Number(FRICTION), Is("0.0"), "friction coefficient of the upper platen"),
     cylinder("walls.friction.cylinder", Number(FRICTION), Is("0.0"), "friction coefficient of the ring"),
     grains("crushing.enabled", Flag, ByKind("false", "false", "true"), "whether grains break"),
-    grains("crushing.criterion", Choice(Criterion::WORDS), Absent, ""), // what it says: `assembled`
+    grains("crushing.criterion", Choice(Criterion::WORDS), Absent, ""), // `assembled` writes the help text
     grains(
         "crushing.area",
         Choice(&["fixed_angle", "hertz"]),
@@ -498,19 +514,19 @@ const OWN: &[Key] = &[
         "crushing.birth",
         Choice(&["gradual", "overlapping"]),
         Absent,
-        "how daughters begin (if not written gradual, in a mixture overlapping): without overlap and without force, while the broken grain's hold on its neighbours fades; or where she was, with her overlaps, at once (the paper)",
+        "how the daughters of a broken grain begin. gradual: small enough to touch nothing; they grow while the forces of the broken grain on its neighbours fade; overlapping: at once at full size, with the overlaps of the broken grain, as in the paper. If not written: gradual, in a mixture overlapping",
     ),
     grains(
         "crushing.release_steps",
         STEPS,
         Is("200"),
-        "gradual birth: steps in which the broken grain's hold on its neighbours fades",
+        "gradual birth: steps in which the forces of the broken grain on its neighbours fade",
     ),
     grains(
         "crushing.growth_steps",
         STEPS,
         Is("1000"),
-        "gradual birth: steps in which a daughter grows to her size, at least; she waits while her load is near her limit",
+        "gradual birth: least number of steps in which a daughter grows to full size; it stops growing while its load is near its limit",
     ),
     grains("crushing.interval", Integer { low: 1, high: 1_000_000 }, Is("1"), "steps between two judgements of all grains"),
     grains(
@@ -535,7 +551,7 @@ const OWN: &[Key] = &[
         "crushing.release_strain",
         Number(POSITIVE),
         Is("0.1"),
-        "way that such a point slides past a grain, over its ghost's diameter, in which the overlap of their first contact, which bears no force, falls to 1/e",
+        "lost_mass = \"points\": a new point overlaps its neighbours, and this first overlap bears no force; it falls to 1/e when the point has slid past the neighbour by this many diameters of its contact sphere",
     ),
     cylinder(
         "preparation.growth_friction",
@@ -599,7 +615,7 @@ const OWN: &[Key] = &[
         "loading.max_lag",
         Number(Range::above(0.0, 1.0)),
         Is("0.015"),
-        "share by which a platen's stress may differ from the target before the programme waits, and from which an adaptive one slows down (with friction on the cylinder the driven platen's)",
+        "largest difference between the stress on a platen and the target, over the target: above it the programme waits, and an adaptive programme slows down as it comes near. With friction on the cylinder only the driven platen counts",
     ),
     cylinder("loading.settle_steps", FROM_ZERO, Is("1000"), "steps of rest at the isotropic stress before loading"),
     triaxial(
@@ -633,7 +649,12 @@ const OWN: &[Key] = &[
         "displacement over the diameter at which a test ends with an unbroken grain",
     ),
     grain_crushing("loading.max_force_N", Number(POSITIVE), Absent, "force at which a test ends with an unbroken grain"),
-    states("damping.local", Number(RATIO), ByKind("0.05", "0.0", "0.0"), "local non-viscous damping (Cundall 1987)"),
+    states(
+        "damping.local",
+        Number(RATIO),
+        ByKind("0.05", "0.0", "0.0"),
+        "local damping (Cundall 1987): a force against the velocity, this share of the unbalanced force of each grain or node",
+    ),
     every("stepping.safety", Number(Range::above(0.0, 1.0)), Is("0.8"), "share of the stable time step"),
     both(
         "stepping.inertia_scaling",
@@ -646,9 +667,14 @@ const OWN: &[Key] = &[
         "stepping.grain_steps",
         Integer { low: 1, high: 1000 },
         Absent,
-        "steps of the grains in one of the continuum, kappa of Zhang et al.; without it and the next one as the stable steps of both have it",
+        "steps of the grains per step of the continuum, kappa of Zhang et al.; or `continuum_steps`. If neither is written, the ratio of the stable steps",
     ),
-    mixture("stepping.continuum_steps", Integer { low: 1, high: 1000 }, Absent, "steps of the continuum in one of the grains"),
+    mixture(
+        "stepping.continuum_steps",
+        Integer { low: 1, high: 1000 },
+        Absent,
+        "steps of the continuum per step of the grains; or `grain_steps`",
+    ),
     both(
         "stepping.skin",
         Number(Range::above(0.0, 2.0)),
@@ -726,7 +752,7 @@ const OWN: &[Key] = &[
         "calibrate.prior",
         Choice(&["uniform", "log_uniform", "normal"]),
         Is("\"uniform\""),
-        "what is known of it before: nothing between the bounds, nothing of its order of magnitude, or a normal distribution",
+        "what is known of the parameter before the calibration. uniform: every value between the bounds is as likely; log_uniform: every order of magnitude is; normal: a normal distribution",
     ),
     oedometer("calibrate.mean", Number(ANY), Absent, "mean of a normal prior"),
     oedometer("calibrate.sd", Number(POSITIVE), Absent, "standard deviation of a normal prior"),
@@ -763,7 +789,7 @@ const OWN: &[Key] = &[
         "material.strength.truncation",
         Choice(&["redraw", "clamp", "symmetric"]),
         Is("\"redraw\""),
-        "what is done with a strength below `min_ratio`: drawn again, set to it, or drawn again with those as far above the mean",
+        "what is done with a draw below `min_ratio`. redraw: it is drawn again; clamp: it is set to `min_ratio`; symmetric: it is drawn again, and so is a draw that is as far above the mean",
     ),
     every("material.strength.min_ratio", Number(RATIO), Is("0.0"), "smallest strength over the mean at its size"),
     every(
@@ -824,7 +850,7 @@ const OWN: &[Key] = &[
         Required,
         "smallest size of the lost mass (eq. 12), unscaled, below every daughter",
     ),
-    every("material.continuum.law", Choice(Law::WORDS), Required, ""), // what it says: `assembled`
+    every("material.continuum.law", Choice(Law::WORDS), Required, ""), // `assembled` writes the help text
     every("material.continuum.G_MPa", Number(POSITIVE), Absent, "shear modulus of the continuum; or `E_MPa`"),
     every("material.continuum.E_MPa", Number(POSITIVE), Absent, "Young's modulus of the continuum; or `G_MPa`"),
     every("material.continuum.nu", Number(Range::between(-1.0, 0.5)), Required, "Poisson ratio of the continuum"),
@@ -892,7 +918,7 @@ const OWN: &[Key] = &[
         "material.continuum.friction_evolution.plastic_strain",
         Number(POSITIVE),
         Absent,
-        "linear: plastic strain at which it is reached",
+        "linear: plastic strain from which on the last value holds",
     ),
     every(
         "material.continuum.friction_evolution.cubic_rad",
@@ -942,7 +968,7 @@ const OWN: &[Key] = &[
         "material.continuum.cohesion_evolution.plastic_strain",
         Number(POSITIVE),
         Absent,
-        "linear: plastic strain at which it is reached",
+        "linear: plastic strain from which on the last value holds",
     ),
     every(
         "material.continuum.cohesion_evolution.cubic_kPa",
@@ -966,12 +992,13 @@ const OWN: &[Key] = &[
     ),
 ];
 
-/// Whether the schema has keys below the table `path`.
+/// Whether `path` is a table: whether there are keys whose dotted path begins with `path` and a dot.
 pub fn is_table(path: &str) -> bool {
     KEYS.iter().any(|k| k.path.strip_prefix(path).is_some_and(|rest| rest.starts_with('.')))
 }
 
-/// Names that may stand directly in the table `path` ("" for the top) of a scene of this kind: keys, then sub-tables.
+/// Names of the keys and sub-tables that may stand directly in the table `path` (`""`: the top level) of a scene of the kind `of`,
+/// in the order of [`KEYS`]. At the top level `materials` comes last, for the kinds of scenes that may have several materials.
 pub fn names_in(path: &str, of: Of) -> Vec<&'static str> {
     let fits = |k: &&Key| k.of.fits(of);
     let mut names: Vec<&str> = Vec::new();
@@ -992,19 +1019,21 @@ pub fn names_in(path: &str, of: Of) -> Vec<&'static str> {
     names
 }
 
-/// The key with this schema path.
+/// The key with the dotted path `path`, without list indices (`wall.kind`); `None` where there is none.
 pub fn find(path: &str) -> Option<&'static Key> {
     KEYS.iter().find(|k| k.path == path)
 }
 
-/// The reference that `comminute check --keys` prints.
+/// Text that `comminute check --keys` prints: every key with its meaning, allowed values, default and kinds of scenes, table by
+/// table.
 pub fn reference() -> String {
     const HEAD: &str = "\
 Keys of scenes and materials. A key that holds a dimension ends in its unit (_mm, _m, _kPa, _MPa, _GPa, _rad, _s, …).
 A scene names its material by a path relative to itself (material = \"../../materials/x.toml\"), or holds it
-as a table [material], whose keys are those listed under material. ; an assembly with several materials
-holds them as [materials.NAME], a platen test of elastic platens as [materials.grain] and [materials.platen]. `base = \"other.toml\"` takes every key of another file, and what is
-written beside it replaces them; it works in scenes, materials and [material]. Every table may hold
+as a table [material], whose keys are those listed under material. A free scene, a continuum or a mixture with several
+materials holds them as [materials.NAME], a platen test of elastic platens as [materials.grain] and [materials.platen].
+`base = \"other.toml\"` takes every key of another file, and keys written beside it replace those of that file; it works
+in scenes, materials and [material]. Every table may hold
 `source`, a text for the whole table or one per key (source.nu = \"…\"); a source that begins with
 \"assumed\" is listed by `comminute check`.
 ";

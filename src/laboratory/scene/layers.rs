@@ -1,26 +1,32 @@
-//! Layers of a scene (a base, a file, an override), merged into one table that remembers where each value was written.
+//! Merges the layers of a scene (a base file, the file itself, overrides) into one table, and remembers for each value where it was
+//! written.
 
 use super::keys::RIVALS;
 use super::sources::{merge_sources, outdate};
 use std::collections::BTreeMap;
 use toml::{Table, Value};
 
-/// Where a value was written: a file or an override, and its key there.
+/// Where a value was written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Origin {
+    /// The file, or `override ` and the text of the override.
     pub place: String,
+    /// Dotted key of the value in that place; empty: the whole file.
     pub key: String,
 }
 
 /// A table with the origin of each of its values.
 #[derive(Clone, Debug, Default)]
 pub struct Layer {
+    /// The values, in the units of the files.
     pub table: Table,
+    /// The origins by the dotted keys of `table`; the key `""` is that of the whole table.
     origins: BTreeMap<String, Origin>,
 }
 
 impl Layer {
-    /// Everything in `table`, written at the key `at` of `place`.
+    /// A layer with the values of `table`, all of which were written in the file `place`, below the key `at` (`""`: at the top
+    /// level).
     pub fn of(table: Table, place: &str, at: &str) -> Layer {
         let mut origins = BTreeMap::new();
         let mut note = |key: &str| {
@@ -32,7 +38,8 @@ impl Layer {
         Layer { table, origins }
     }
 
-    /// Where `key` was written, or would have to be: the nearest table above it that was.
+    /// Where the value at `key` was written. Where no origin of the key is known, as for a missing value, the origin is that of the
+    /// nearest table above, with the rest of the key appended.
     pub fn origin(&self, key: &str) -> Origin {
         let mut known = key;
         loop {
@@ -51,7 +58,7 @@ impl Layer {
         }
     }
 
-    /// Say that everything at and below `key` was written at `origin`.
+    /// Sets the origin of the value at `key`, and of everything below it, to `origin`.
     pub fn note(&mut self, key: &str, origin: Origin) {
         self.forget(key);
         self.origins.insert(key.into(), origin);
@@ -61,7 +68,7 @@ impl Layer {
         forget(&mut self.origins, key);
     }
 
-    /// Take out what is at `key`.
+    /// Removes the value at the dotted `key`, and the origins of the value and of everything below it.
     pub fn remove(&mut self, key: &str) {
         let mut table = Some(&mut self.table);
         let names: Vec<&str> = key.split('.').collect();
@@ -76,7 +83,7 @@ impl Layer {
         self.forget(key);
     }
 
-    /// Put `layer` at `key`, one or two names deep.
+    /// Replaces the value at `key` by the table of `layer`, with its origins. `key` is one name or two (`materials.steel`).
     pub fn mount(&mut self, key: &str, layer: Layer) {
         self.remove(key);
         for (inner, origin) in layer.origins {
@@ -95,7 +102,9 @@ impl Layer {
         }
     }
 
-    /// Lay `upper` over this one. `by` names it in the sources of values it replaces.
+    /// Lays `upper` over this layer: tables are merged, every other value of `upper` replaces the one here and removes its rivals
+    /// ([`RIVALS`]). The source of a changed value becomes "replaced " and `by` (`in coke.toml`), unless `upper` gives the value a
+    /// source.
     pub fn merge(&mut self, upper: Layer, by: &str) {
         let mut lower = std::mem::take(self);
         merge_tables(
@@ -118,7 +127,7 @@ impl Layer {
     }
 }
 
-/// Every key of a table and of the tables in it, by its path.
+/// Calls `visit` with the dotted key of every value of a table and of the tables in it. Entries of lists are not visited.
 fn each_key(table: &Table, at: &str, visit: &mut impl FnMut(&str)) {
     for (name, value) in table {
         let key = join(at, name);
@@ -129,14 +138,18 @@ fn each_key(table: &Table, at: &str, visit: &mut impl FnMut(&str)) {
     }
 }
 
+/// Whether the dotted `key` is that of `table` or of something in it.
 fn below_or_at(key: &str, table: &str) -> bool {
     key.strip_prefix(table).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }
 
+/// Removes the origins of the value at `key` and of everything below it.
 fn forget(origins: &mut BTreeMap<String, Origin>, key: &str) {
     origins.retain(|k, _| !below_or_at(k, key));
 }
 
+/// Lays `upper`, the table at the dotted key `at`, over `lower` ([`Layer::merge`]), and calls `written` with the key of every value
+/// that was replaced or added.
 fn merge_tables(lower: &mut Table, upper: &Table, at: &str, written: &mut impl FnMut(&str), by: &str) {
     for (name, value) in upper {
         let key = join(at, name);
@@ -171,7 +184,7 @@ fn merge_tables(lower: &mut Table, upper: &Table, at: &str, written: &mut impl F
     }
 }
 
-/// `a.b`, or the one that is not empty.
+/// The dotted key `table.name`; where one of the two is empty, the other.
 pub fn join(table: &str, name: &str) -> String {
     match (table, name) {
         ("", name) => name.into(),
@@ -180,7 +193,7 @@ pub fn join(table: &str, name: &str) -> String {
     }
 }
 
-/// A value as an error line shows it: short, on one line.
+/// A value as error messages show it: on one line, at most 60 characters; `{…}` for a table.
 pub fn shown(value: &Value) -> String {
     let text = match value {
         Value::Float(x) if x.is_finite() => format!("{x:?}").trim_end_matches(".0").to_string(),

@@ -1,4 +1,4 @@
-//! From the keys of a material to [`Material`].
+//! Makes [`Material`] from the keys of a material.
 
 use super::schema::unit;
 use super::view::View;
@@ -6,20 +6,24 @@ use engine::material::Material;
 use engine::parameter::{Parameter, Values};
 use toml::{Table, Value};
 
-/// A material of the scene: its name there and the table that holds it.
+/// A material of the scene.
 pub struct Named {
+    /// Name of the material in the scene.
     pub name: String,
+    /// Dotted key of the table that holds the material: `material` or `materials.NAME`.
     pub at: String,
 }
 
 impl Named {
+    /// Dotted key in the scene of the material's own key `key` (`elastic.nu`).
     pub fn key(&self, key: &str) -> String {
         format!("{}.{key}", self.at)
     }
 }
 
 impl View<'_> {
-    /// The materials of the scene, in the order of their numbers.
+    /// The materials of the scene; the index of a material in the list is its number. `None`, with the reason noted, where there is
+    /// none, where there are more than 256, or where `material` and `materials` both stand there.
     pub fn materials(&self) -> Option<Vec<Named>> {
         if self.has("material") {
             let several = self.has("materials");
@@ -38,18 +42,20 @@ impl View<'_> {
             return None;
         }
         if named.len() > 256 {
-            self.refuse("materials", "must be at most 256");
+            self.refuse("materials", "must be at most 256 materials");
             return None;
         }
         Some(named)
     }
 
-    /// Young's modulus, Pa, and Poisson ratio; noted as missing when they are `needed`.
+    /// Young's modulus, Pa, and Poisson ratio, -; (0, 0) where the material has none and they are not `needed`. `None`, with the
+    /// reason noted, where they are needed and missing, or where the material does not have exactly one modulus. `why`: what needs
+    /// them, for the message.
     pub fn elastic(&self, of: &Named, needed: bool, why: &str) -> Option<(f64, f64)> {
         let table = of.key("elastic");
         if !self.has(&table) {
             if needed {
-                self.refuse(&table, format!("is missing: {why} needs G_GPa and nu"));
+                self.refuse(&table, format!("is missing: {why} needs G_GPa or E_GPa, and nu"));
                 return None;
             }
             return Some((0.0, 0.0));
@@ -67,6 +73,8 @@ impl View<'_> {
         }
     }
 
+    /// The constants of a grain material; `None`, with the reason noted, where elastic constants or friction are missing or given
+    /// twice.
     pub fn material(&self, of: &Named) -> Option<Material> {
         let law = self.law();
         let hertzian_area = self.flag("crushing.enabled") && self.criterion() == "hertz_area";
@@ -93,7 +101,9 @@ impl View<'_> {
         })
     }
 
-    /// Values, in SI units, of what a law asks of a material; noted as missing where it cannot do without. `why`: the key and word that choose the law.
+    /// Values, in SI units, of the parameters `asked` that a contact law or failure criterion needs of a material. A parameter that
+    /// the material lacks and that has no default is noted as missing, and its value is 0. `why`: the key and word that choose the
+    /// law, for the message.
     pub fn parameters(&self, of: &Named, asked: &[Parameter], why: &str) -> Values {
         let mut values = Values::default();
         for (value, parameter) in values.iter_mut().zip(asked) {
@@ -113,7 +123,8 @@ impl View<'_> {
         values
     }
 
-    /// mu = tan(phi) between grains.
+    /// Coefficient of sliding friction between grains, -: as written, or the tangent of the friction angle. `None`, with the reason
+    /// noted, unless one of the two is given.
     fn friction(&self, of: &Named) -> Option<f64> {
         let angle = self.number(&of.key("contact.friction_angle_rad"));
         let friction = self.number(&of.key("contact.friction"));
@@ -127,13 +138,14 @@ impl View<'_> {
         }
     }
 
-    /// Points (diameter in m times the scale, mass fraction finer).
+    /// The gradation as points (diameter, m, multiplied by the scale N; mass fraction finer, 0 to 1), increasing. `None`, with the
+    /// reason noted, where the material has none or it is not a gradation.
     pub fn gradation(&self, of: &Named) -> Option<Vec<(f64, f64)>> {
         let key = of.key("gradation.points");
         let Some(value) = self.get(&key) else {
             self.refuse(
                 &of.key("gradation"),
-                "is missing: an oedometer needs the sizes of its grains, points = [[d_mm, fraction finer], …]",
+                "is missing: the sizes of the grains are drawn from a gradation, points = [[d_mm, fraction finer], …]",
             );
             return None;
         };
@@ -147,7 +159,8 @@ impl View<'_> {
     }
 }
 
-/// Write the median of the gradation where the comminution limit needs a d50 that is not given.
+/// Fills in `comminution.d50_mm` of every material that has a table `comminution` without this key: with the median of its
+/// gradation, by mass, mm. Materials without a valid gradation are left as they are.
 pub fn fill_d50(scene: &mut Table) {
     if let Some(Value::Table(material)) = scene.get_mut("material") {
         fill(material);
@@ -161,6 +174,7 @@ pub fn fill_d50(scene: &mut Table) {
     }
 }
 
+/// Fills in the d50 of one material ([`fill_d50`]).
 fn fill(material: &mut Table) {
     let points = material.get("gradation").and_then(|g| g.get("points")).map(pairs);
     let Some(points) = points.filter(|p| not_a_gradation(p).is_none()) else {
@@ -173,11 +187,13 @@ fn fill(material: &mut Table) {
     }
 }
 
+/// The pairs of numbers of a list; entries that are no pairs are left out.
 fn pairs(value: &Value) -> Vec<(f64, f64)> {
     let list = value.as_array().into_iter().flatten();
     list.filter_map(|pair| Some((pair.get(0)?.as_float()?, pair.get(1)?.as_float()?))).collect()
 }
 
+/// Why the points (diameter, mass fraction finer) are not a gradation; `None` where they are one.
 fn not_a_gradation(points: &[(f64, f64)]) -> Option<String> {
     let (first, last) = (points.first(), points.last());
     if points.len() < 2 {

@@ -1,4 +1,4 @@
-//! Overrides: one value `key=value` from the caller, laid over what the files say.
+//! Overrides: texts `key=value` from the caller, each of which replaces one value of the scene as read from files.
 
 use super::files::material_file;
 use super::layers::{Layer, Origin};
@@ -7,8 +7,13 @@ use crate::error::{Error, OVERRIDE, Result};
 use std::path::Path;
 use toml::{Table, Value};
 
-/// Lay the override `text` (`loading.max_stress_kPa=2000`, `wall[0].friction=0.2`) over `layer`.
-/// A word without quotes is taken as text; the paths of materials and grains are taken from the working folder.
+/// Lays the override `text` (`loading.max_stress_kPa=2000`, `wall[0].friction=0.2`) over `layer`. A value that is not TOML, such as
+/// a word without quotes, is taken as text. Paths in an override are relative to the working folder, not to the
+/// folder of the scene. `material=FILE` and `materials.NAME=FILE` replace a whole material.
+///
+/// # Errors
+/// A text that is no `key=value`, a key that leads into a value that holds no keys, a list entry that does not exist, a material
+/// file that cannot be read. Whether the key is known and the value allowed is checked later ([`super::validate`]).
 pub fn apply(layer: &mut Layer, text: &str) -> Result<()> {
     let place = format!("{OVERRIDE}{text}");
     let fail = |message: &str| Error::input(&place, "", None, message);
@@ -44,16 +49,21 @@ pub fn apply(layer: &mut Layer, text: &str) -> Result<()> {
     Ok(())
 }
 
+/// Whether `key` is that of a whole material: `material` or `materials.NAME`.
 fn names_material(key: &str) -> bool {
     key == "material" || key.strip_prefix("materials.").is_some_and(|n| !n.contains('.'))
 }
 
+/// A part of a key.
 #[derive(Debug, PartialEq)]
 enum Step {
+    /// Name of a value in a table.
     Name(String),
+    /// Index of an entry of a list, from 0.
     Entry(usize),
 }
 
+/// The parts of a dotted key, `wall[2].friction`; `None` where `key` is not a key.
 fn steps(key: &str) -> Option<Vec<Step>> {
     let mut out = Vec::new();
     for part in key.split('.') {
@@ -74,7 +84,10 @@ fn steps(key: &str) -> Option<Vec<Step>> {
     Some(out)
 }
 
-/// A value that is no table cannot be entered.
+/// Checks that `path`, up to its last part, leads through tables only, as far as they exist.
+///
+/// # Errors
+/// The message that a value on the way is a list or a single value.
 fn blocked(table: &Table, path: &[Step]) -> std::result::Result<(), String> {
     let mut here = table;
     let mut walked = String::new();
@@ -95,6 +108,10 @@ fn blocked(table: &Table, path: &[Step]) -> std::result::Result<(), String> {
     Ok(())
 }
 
+/// Sets the value at `path`, with new tables where they are missing.
+///
+/// # Errors
+/// The message that a list, its entry or a table on the way does not exist.
 fn enter(table: &mut Table, path: &[Step], value: Value) -> std::result::Result<(), String> {
     let Some((Step::Name(first), rest)) = path.split_first() else {
         return Err("is not a key".into());
@@ -107,7 +124,7 @@ fn enter(table: &mut Table, path: &[Step], value: Value) -> std::result::Result<
                 let count = list.len();
                 list.get_mut(*i).ok_or_else(|| format!("there is no entry {i}: the list has {count}"))?
             }
-            (Step::Entry(_), _) => return Err("[ ] needs a list, and this is none".into()),
+            (Step::Entry(_), _) => return Err("[ ] stands behind a key that holds no list".into()),
             (Step::Name(name), _) => return Err(format!("{name} is not in a table")),
         };
     }

@@ -1,4 +1,5 @@
-//! Every key known, of the right type, in its range; every default filled in.
+//! Checks that every key of a scene is known, of the right type and in its range, and fills in defaults. Whether values agree with
+//! each other is checked later, in [`super::view`].
 
 use super::keys::{KEYS, LIST_TABLES, find, is_optional, is_table, names_in};
 use super::layers::{Layer, join, shown};
@@ -7,7 +8,10 @@ use super::suggest::nearest;
 use crate::error::{Error, Result};
 use toml::{Table, Value};
 
-/// Check the merged table of a scene and fill in its defaults. All mistakes are reported together.
+/// Checks the merged table of a scene and fills in its defaults.
+///
+/// # Errors
+/// All mistakes together, each with file, key, value and what is allowed.
 pub fn validate(layer: &mut Layer) -> Result<()> {
     let of = Of::kind(layer.table.get("kind").and_then(Value::as_str));
     let mut table = std::mem::take(&mut layer.table);
@@ -18,10 +22,13 @@ pub fn validate(layer: &mut Layer) -> Result<()> {
     Error::all(errors)
 }
 
-/// Check the material at `material` of a table that holds nothing else, and fill in its defaults.
+/// Checks the table `material` of a layer, and nothing else of the layer, and fills in its defaults.
+///
+/// # Errors
+/// All mistakes together, each with file, key, value and what is allowed.
 pub fn validate_material(layer: &mut Layer) -> Result<()> {
     let mut table = std::mem::take(&mut layer.table);
-    // the keys of a material are those of every kind of scene
+    // a material has the same keys in every kind of scene, so any kind will do
     let mut walk = Walk { layer, of: Of::Assembly, errors: Vec::new() };
     if let Some(Value::Table(material)) = table.get_mut("material") {
         walk.table(material, "material", "material");
@@ -31,6 +38,7 @@ pub fn validate_material(layer: &mut Layer) -> Result<()> {
     Error::all(errors)
 }
 
+/// A walk through all tables of a scene of the kind `of`, which collects errors.
 struct Walk<'a> {
     layer: &'a Layer,
     of: Of,
@@ -43,7 +51,9 @@ impl Walk<'_> {
         self.errors.push(Error::input(origin.place, origin.key, value.map(shown), message));
     }
 
-    /// One table; `at` is where it stands, `path` its place in the schema.
+    /// Checks a table and fills in its defaults, with sub-tables that are missing and not optional. `at`: its dotted key in the
+    /// scene (`wall[0]`, `materials.steel.grain`); `path`: the same in the key table, without list indices and names of materials
+    /// (`wall`, `material.grain`).
     fn table(&mut self, table: &mut Table, at: &str, path: &str) {
         let names: Vec<String> = table.keys().cloned().collect();
         for name in names {
@@ -54,7 +64,7 @@ impl Walk<'_> {
                 table.insert(name, value);
             }
         }
-        // without a kind nothing can be said about what is missing, except the kind itself
+        // where the kind of scene is unknown, only `kind` itself is reported as missing
         self.fill(table, at, path);
         for name in names_in(path, self.of) {
             let inner = join(path, name);
@@ -67,7 +77,8 @@ impl Walk<'_> {
         }
     }
 
-    /// One key of a table; gives back what is kept.
+    /// Checks the value of the key `name` of the table at `at`. Returns the value to keep, in its canonical form; `None` where the
+    /// key is unknown or has no meaning in this kind of scene. `table`: the other keys of the table.
     fn entry(&mut self, table: &Table, at: &str, path: &str, name: &str, value: Value) -> Option<Value> {
         let (key, inner) = (join(at, name), join(path, name));
         if name == "source" && !LIST_TABLES.contains(&path) {
@@ -117,6 +128,7 @@ impl Walk<'_> {
         }
     }
 
+    /// Checks the list of tables at `key`.
     fn list(&mut self, value: Value, key: &str, path: &str) -> Value {
         let Value::Array(mut entries) = value else {
             let message = format!("must be a list of tables, written [[{key}]]");
@@ -137,6 +149,7 @@ impl Walk<'_> {
         Value::Array(entries)
     }
 
+    /// Checks the table `materials`, which holds materials by name.
     fn materials(&mut self, value: Value) -> Value {
         let Value::Table(mut named) = value else {
             let message = "must be a table of materials by name, [materials.NAME]".to_string();
@@ -162,7 +175,7 @@ impl Walk<'_> {
         Value::Table(named)
     }
 
-    /// `source = "…"` or `source.KEY = "…"`.
+    /// Checks the key `source` of the table at `at`: one text for the whole table, or a table of texts by key (`source.nu = "…"`).
     fn source(&mut self, value: &Value, table: &Table, at: &str, path: &str) {
         let key = join(at, "source");
         match value {
@@ -186,6 +199,7 @@ impl Walk<'_> {
         }
     }
 
+    /// Fills in the defaults of a table, and refuses the scene where required keys are missing. Sub-tables are left as they are.
     fn fill(&mut self, table: &mut Table, at: &str, path: &str) {
         for key in KEYS.iter().filter(|k| k.split().0 == path) {
             let (_, name) = key.split();
@@ -205,10 +219,12 @@ impl Walk<'_> {
         }
     }
 
+    /// Message for a key of other kinds of scenes.
     fn foreign(&self) -> String {
         format!("has no meaning in {}", self.of.called())
     }
 
+    /// Message for an unknown key: a key here with a similar name, the same name in another table, or all keys that may stand here.
     fn unknown(&self, at: &str, path: &str, name: &str) -> String {
         let here = names_in(path, self.of);
         if let Some(near) = nearest(name, here.iter().copied()) {
@@ -225,6 +241,7 @@ impl Walk<'_> {
     }
 }
 
+/// The names with commas between.
 fn list(names: &[&str]) -> String {
     names.join(", ")
 }

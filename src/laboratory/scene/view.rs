@@ -1,4 +1,4 @@
-//! Typed reading of a validated scene, in SI units, and the list of what does not agree.
+//! Reads the values of a validated scene, in SI units, and collects errors: values that are missing, or that contradict others.
 
 use super::layers::{Layer, shown};
 use super::schema::unit;
@@ -11,38 +11,45 @@ use engine::material::Material;
 use std::cell::RefCell;
 use toml::{Table, Value};
 
+/// A validated scene whose values are read one by one. Missing and contradictory values are collected as errors; reading goes on,
+/// so that all errors are reported together.
 pub struct View<'a> {
     layer: &'a Layer,
     errors: RefCell<Vec<Error>>,
 }
 
 impl<'a> View<'a> {
+    /// A view of the scene `layer`, without errors.
     pub fn of(layer: &'a Layer) -> Self {
         View { layer, errors: RefCell::new(Vec::new()) }
     }
 
+    /// The errors collected so far, in the order in which they were found.
     pub fn into_errors(self) -> Vec<Error> {
         self.errors.into_inner()
     }
 
-    /// Note, once, that the value at `key` does not go with the rest.
+    /// Adds an error about the value at `key`: `message`, and the place where the value was written. An error with the same text is
+    /// added once only.
     pub fn refuse(&self, key: &str, message: impl Into<String>) {
         let origin = self.layer.origin(key);
         let error = Error::input(origin.place, origin.key, self.get(key).map(shown), message);
         let (mut errors, text) = (self.errors.borrow_mut(), error.to_string());
-        // several questions may stumble over one value
+        // several checks may refuse the same value for the same reason
         if errors.iter().all(|e| e.to_string() != text) {
             errors.push(error);
         }
     }
 
-    /// Note it unless `good`.
+    /// Adds an error about the value at `key` unless `good` is true ([`View::refuse`]).
     pub fn check(&self, good: bool, key: &str, message: impl Into<String>) {
         if !good {
             self.refuse(key, message);
         }
     }
 
+    /// The value at a dotted key, in the unit of the key; `[0]` behind a name is the entry of a list (`wall[0].friction`). `None`
+    /// where there is none.
     pub fn get(&self, key: &str) -> Option<&'a Value> {
         let mut table = Some(&self.layer.table);
         let mut value = None;
@@ -57,67 +64,79 @@ impl<'a> View<'a> {
         value
     }
 
+    /// Whether the scene has the key, written or filled in by default.
     pub fn has(&self, key: &str) -> bool {
         self.get(key).is_some()
     }
 
+    /// The table at a key; `None` where there is none.
     pub fn table(&self, key: &str) -> Option<&'a Table> {
         self.get(key).and_then(Value::as_table)
     }
 
-    /// The tables of a list, empty if it is not there.
+    /// The tables of the list at a key (`[[grain]]`); empty where there is none.
     pub fn list(&self, key: &str) -> Vec<&'a Table> {
         let list = self.get(key).and_then(Value::as_array);
         list.into_iter().flatten().filter_map(Value::as_table).collect()
     }
 
-    /// A number in SI units.
+    /// The number at a key, in SI units (the unit in the file is the suffix of the key). `None` where the key is absent or holds a
+    /// word such as `"auto"`.
     pub fn number(&self, key: &str) -> Option<f64> {
         self.get(key).and_then(Value::as_float).map(|x| x * unit(key))
     }
 
-    /// A number that has a default or is required; NaN only where validation has refused already.
+    /// The number, in SI units, at a key that is required or has a default, so that a validated scene has it; NaN where the key is
+    /// absent.
     pub fn si(&self, key: &str) -> f64 {
         self.number(key).unwrap_or(f64::NAN)
     }
 
+    /// The numbers of the list at a key, in SI units; empty where there is none.
     pub fn numbers(&self, key: &str) -> Vec<f64> {
         let list = self.get(key).and_then(Value::as_array);
         let list = list.into_iter().flatten();
         list.filter_map(Value::as_float).map(|x| x * unit(key)).collect()
     }
 
+    /// The whole number at a key; `None` where the key is absent, or the number negative.
     pub fn whole(&self, key: &str) -> Option<u64> {
         self.get(key).and_then(Value::as_integer).and_then(|i| u64::try_from(i).ok())
     }
 
+    /// The true or false at a key; false where the key is absent.
     pub fn flag(&self, key: &str) -> bool {
         self.get(key).and_then(Value::as_bool).unwrap_or(false)
     }
 
+    /// The text at a key; empty where the key is absent or holds no text.
     pub fn text(&self, key: &str) -> &'a str {
         self.get(key).and_then(Value::as_str).unwrap_or("")
     }
 
-    /// Whether grains turn.
+    /// Whether grains may rotate (`contact.rotation`).
     pub fn turning(&self) -> bool {
         self.text("contact.rotation") != "fixed"
     }
 
+    /// Scale N, -: grains of the run are N times as large as those of the material. 1 where the scene has no key for it.
     pub fn scale(&self) -> f64 {
-        // single grains have no scale
+        // platen tests and continua have no key for it
         self.number("specimen.scale").unwrap_or(1.0)
     }
 
+    /// The contact law. Hertz's where the scene has no key for it: in platen tests, and in continua, whose platens press with
+    /// Hertz's force.
     pub fn law(&self) -> ContactLaw {
         match self.text("contact.law") {
-            // a scene without the key: points or grains between platens
+            // platen tests and continua
             "" => ContactLaw::Hertz,
             word => ContactLaw::named(word).expect("the word has passed the key's check"),
         }
     }
 
-    /// Everything, or `None` with the reasons noted.
+    /// The model of the run. It is valid only if no errors were collected ([`View::into_errors`]); `None` where errors leave it
+    /// incomplete.
     pub fn model(&self) -> Option<Model> {
         let named = self.materials()?;
         if self.text("kind") == "continuum" {
@@ -168,10 +187,13 @@ impl<'a> View<'a> {
         })
     }
 
+    /// Gravity, m/s²; zero where the scene has none.
     pub fn gravity(&self) -> [f64; 3] {
         self.numbers("gravity_m_s2").try_into().unwrap_or([0.0; 3])
     }
 
+    /// How the time step is chosen. Refuses what has no meaning with scaled inertia: weight, viscous contact laws, a time step or a
+    /// duration in s.
     fn stepping(&self) -> Stepping {
         let stepping = Stepping {
             safety: self.si("stepping.safety"),
@@ -190,7 +212,7 @@ impl<'a> View<'a> {
             self.check(
                 !self.law().is_viscous(),
                 "contact.law",
-                format!("must be \"linear\" or \"hertz\": a rate-dependent law has no meaning where {counts}"),
+                format!("must be a law without viscous damping, as \"linear\" or \"hertz\": a rate-dependent law has no meaning where {counts}"),
             );
             self.check(stepping.dt.is_none(), "stepping.dt_s", format!("must be \"auto\": {counts}"));
             self.check(!self.has("duration_s"), "duration_s", format!("must be given as `steps`: {counts}"));
@@ -198,7 +220,10 @@ impl<'a> View<'a> {
         stepping
     }
 
-    /// Stiffness from another size, and contacts that yield, are followed through the grains' own contacts only.
+    /// Refuses two kinds of contact laws where the rest of the scene cannot use them. Laws by which fragments keep the stiffness of
+    /// the grain they come from: in mixtures, with the criterion `hertz_area` and with rolling friction. Laws by which contacts
+    /// yield: in mixtures, with `hertz_area` and where lost mass becomes points. `rolling`: whether a material has rolling
+    /// friction.
     fn of_grains_only(&self, rolling: bool) {
         let law = self.law().table();
         let what = match (law.inherited, law.plastic) {
@@ -219,6 +244,7 @@ impl<'a> View<'a> {
         }
     }
 
+    /// What the run records. Keys that this kind of scene does not have get values without effect.
     pub fn records(&self) -> Option<Records> {
         Some(Records {
             per_decade: self.whole("records.per_decade").unwrap_or(1) as u32,
