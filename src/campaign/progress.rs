@@ -52,7 +52,7 @@ impl Progress {
         Progress { bar, terminal, of, begun: Instant::now(), counts: Mutex::default() }
     }
 
-    pub fn tell(&self, change: Change) {
+    pub fn update(&self, change: Change) {
         // after a panic of another worker the counts are still good enough to show
         let mut c = self.counts.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         match change {

@@ -154,7 +154,7 @@ impl Crew {
             match job.found() {
                 Ok(Found::Busy) => {
                     if !waits {
-                        self.progress.tell(Change::Waits);
+                        self.progress.update(Change::Waits);
                     }
                     waits = true;
                     std::thread::sleep(WAIT);
@@ -163,15 +163,15 @@ impl Crew {
             }
         };
         if waits {
-            self.progress.tell(Change::WaitsNoMore);
+            self.progress.update(Change::WaitsNoMore);
         }
         if let Ok(Found::Finished(summary)) = found {
-            self.progress.tell(Change::DoneBefore);
+            self.progress.update(Change::DoneBefore);
             return Outcome::Done { summary, before: true };
         }
-        self.progress.tell(Change::Started);
+        self.progress.update(Change::Started);
         let outcome = self.child(job).unwrap_or_else(|e| failed(&e));
-        self.progress.tell(Change::Ended { well: matches!(outcome, Outcome::Done { .. }) });
+        self.progress.update(Change::Ended { well: matches!(outcome, Outcome::Done { .. }) });
         outcome
     }
 

@@ -4,7 +4,7 @@ use super::{list_files, print};
 use comminute::calibrate::grains::area::Model;
 use comminute::calibrate::grains::fit::Intervals;
 use comminute::calibrate::grains::inputs::Given;
-use comminute::calibrate::grains::report::{self, told};
+use comminute::calibrate::grains::report::{self, in_words};
 use comminute::calibrate::grains::spread::Spread;
 use comminute::calibrate::grains::{Calibration, Settings, calibrate, data, fragment};
 use comminute::error::{Error, Result};
@@ -147,7 +147,7 @@ pub fn call(args: &Args) -> Result<()> {
         print(&format!("{:#}", report::json(&result)))?;
     }
     if !args.quiet {
-        tell(&result, files.iter().any(|f| f.ends_with(fragment::FILE)));
+        print_estimates(&result, files.iter().any(|f| f.ends_with(fragment::FILE)));
         list_files(&files);
     }
     Ok(())
@@ -162,20 +162,20 @@ pub fn bar(quiet: bool, length: u64, what: &'static str) -> ProgressBar {
     bar.with_message(what)
 }
 
-fn tell(c: &Calibration, material: bool) {
+fn print_estimates(c: &Calibration, material: bool) {
     let best = c.best();
     let censored = c.data.grains.len() - c.data.broken();
     let sizes = if c.classes.len() == 1 { "one size".into() } else { format!("{} sizes", c.classes.len()) };
     eprintln!("{} grains, {sizes}, {censored} not broken", c.data.grains.len());
     eprintln!("{}, {} spread: {}", best.area.model.name(), best.spread.name(), c.why);
     let line = |name: &str, value: String| eprintln!("  {name:<24}{value}");
-    line("sigma_lim0 (MPa)", told(&best.sigma_lim0_mpa()));
+    line("sigma_lim0 (MPa)", in_words(&best.sigma_lim0_mpa()));
     if let Some(at_size) = best.sigma_at_size_mpa() {
-        line("strength at this size", told(&at_size));
+        line("strength at this size", in_words(&at_size));
     }
-    line("m", told(&best.m()));
-    line("var.", told(&best.var()));
-    line(best.area.identified_name(), format!("{} MPa", told(&best.identified_mpa())));
+    line("m", in_words(&best.m()));
+    line("var.", in_words(&best.var()));
+    line(best.area.identified_name(), format!("{} MPa", in_words(&best.identified_mpa())));
     if let Some(p) = c.goodness[c.best].p_value {
         line("goodness of fit", format!("p = {p:.3} (Anderson-Darling)"));
     }

@@ -69,7 +69,7 @@ pub fn call(args: &Args) -> Result<()> {
     }
     if !args.quiet {
         for dir in &args.runs {
-            tell(dir);
+            print_results(dir);
         }
         super::list_files(&files);
     }
@@ -77,7 +77,7 @@ pub fn call(args: &Args) -> Result<()> {
 }
 
 /// Prints the results of a run in one line; nothing if the run has left no summary.
-fn tell(dir: &Path) {
+fn print_results(dir: &Path) {
     let summary = std::fs::read_to_string(dir.join("summary.json")).ok();
     let Some(summary) = summary.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok()) else { return };
     let found = super::found(&summary);

@@ -95,14 +95,14 @@ pub fn call(args: &Args) -> Result<()> {
         for a in &material.assumed {
             eprintln!("assumed: {} = {}  ({})", a.key, scene::shown(&a.value), a.source);
         }
-        tell(&summary);
+        print_results(&summary);
         eprintln!("records in {}", out.display());
         list_files(&figures);
     }
     Ok(())
 }
 
-fn tell(summary: &Value) {
+fn print_results(summary: &Value) {
     let text = |v: &Value| v.as_f64().map_or("-".into(), |x| format!("{x:.4}"));
     for test in summary["tests"].as_array().into_iter().flatten() {
         let known = |key: &str, what: &str| match &test[key] {

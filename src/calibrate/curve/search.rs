@@ -415,7 +415,7 @@ mod tests {
         Settings { budget, design: 14, ..Settings::usual(2) }
     }
 
-    fn go(dir: &Path, fake: &Fake, budget: usize) -> Result<(Vec<[f64; 2]>, usize)> {
+    fn search_with(dir: &Path, fake: &Fake, budget: usize) -> Result<(Vec<[f64; 2]>, usize)> {
         let (parameters, curve, settings) = (stand_in::parameters(), target(), settings(budget));
         let mut search = Search::new(&parameters, &curve, vec![15], &settings, fake, dir, &|_| ())?;
         let emulator = search.run()?;
@@ -428,7 +428,7 @@ mod tests {
     #[test]
     fn known_parameters_are_found_with_runs_that_fail_on_the_way() {
         let dir = tempfile::tempdir().expect("folder");
-        let (intervals, failed) = go(dir.path(), &Fake::new(usize::MAX), 30).expect("found");
+        let (intervals, failed) = search_with(dir.path(), &Fake::new(usize::MAX), 30).expect("found");
         assert!(failed > 0, "the design reaches where runs fail");
         for (interval, truth) in intervals.iter().zip(TRUTH) {
             assert!(interval[0] < truth && truth < interval[1], "{intervals:?}");
@@ -444,19 +444,19 @@ mod tests {
     #[test]
     fn a_stopped_calibration_goes_on_to_the_same_end() {
         let whole = tempfile::tempdir().expect("folder");
-        let once = go(whole.path(), &Fake::new(usize::MAX), 26).expect("found");
+        let once = search_with(whole.path(), &Fake::new(usize::MAX), 26).expect("found");
         let log = |dir: &Path| std::fs::read_to_string(dir.join(log::FILE)).expect("log");
         for stop in [5, 20, 23] {
             let dir = tempfile::tempdir().expect("folder");
-            assert!(matches!(go(dir.path(), &Fake::new(stop), 26), Err(Error::Stopped { .. })));
+            assert!(matches!(search_with(dir.path(), &Fake::new(stop), 26), Err(Error::Stopped { .. })));
             assert!(log(dir.path()).contains("planned"));
-            assert_eq!(go(dir.path(), &Fake::new(usize::MAX), 26).expect("found"), once);
+            assert_eq!(search_with(dir.path(), &Fake::new(usize::MAX), 26).expect("found"), once);
             assert!(log(dir.path()) == log(whole.path()), "stopped after {stop}");
             let trace = |dir: &Path| std::fs::read_to_string(dir.join(TRACE)).expect("trace");
             assert!(trace(dir.path()) == trace(whole.path()) && trace(dir.path()).lines().count() == 3);
         }
         // a larger budget adds runs to those already made
-        go(whole.path(), &Fake::new(usize::MAX), 30).expect("found");
+        search_with(whole.path(), &Fake::new(usize::MAX), 30).expect("found");
         assert_eq!(log(whole.path()).lines().count(), 1 + 30 + 4);
     }
 

@@ -102,7 +102,7 @@ pub fn read(path: &Path) -> Result<Data> {
     }
     Error::all(errors)?;
     enough(&data)?;
-    doubts(&mut data);
+    add_warnings(&mut data);
     Ok(data)
 }
 
@@ -278,7 +278,7 @@ pub fn line(points: &[(f64, f64)]) -> (f64, f64) {
 }
 
 /// Adds notes about values that are possible but odd.
-fn doubts(data: &mut Data) {
+fn add_warnings(data: &mut Data) {
     let (low, high) = data.extent();
     let mut notes = Vec::new();
     if low < 10e-6 || high > 0.5 {

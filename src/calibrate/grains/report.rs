@@ -166,7 +166,7 @@ fn rounded(value: f64) -> f64 {
 }
 
 /// Estimate and limits as text, `5017 (4780 to 5260)`; a missing estimate is `–`.
-pub fn told(e: &Estimate) -> String {
+pub fn in_words(e: &Estimate) -> String {
     match e.estimate {
         Some(value) => format!("{} ({})", significant(value), limits(e)),
         None if e.lower.is_some() || e.upper.is_some() => format!("– ({})", limits(e)),
@@ -217,7 +217,7 @@ fn body(t: &mut String, c: &Calibration, material: Option<&str>) -> std::fmt::Re
     writeln!(t, "\nIn brackets: 95 % limits by {method}.\n\n## Preferred\n")?;
     writeln!(t, "Area model **{}**, spread **{}** ({}).\n", best.area.model.name(), best.spread.name(), c.why)?;
     writeln!(t, "| σ_lim,0 (MPa) | m | var. | {} (MPa) |\n|---|---|---|---|", best.area.identified_name())?;
-    let row = [best.sigma_lim0_mpa(), best.m(), best.var(), best.identified_mpa()].map(|e| told(&e));
+    let row = [best.sigma_lim0_mpa(), best.m(), best.var(), best.identified_mpa()].map(|e| in_words(&e));
     writeln!(t, "| {} |\n", row.join(" | "))?;
     writeln!(
         t,
@@ -266,7 +266,7 @@ fn models(t: &mut String, c: &Calibration) -> std::fmt::Result {
     let least = c.fits.iter().map(|f| f.criteria().aic).fold(f64::INFINITY, f64::min);
     for (fit, Goodness { anderson_darling, p_value, .. }) in c.fits.iter().zip(&c.goodness) {
         let criteria = fit.criteria();
-        let [sigma, m, var] = [fit.sigma_lim0_mpa(), fit.m(), fit.var()].map(|e| told(&e));
+        let [sigma, m, var] = [fit.sigma_lim0_mpa(), fit.m(), fit.var()].map(|e| in_words(&e));
         writeln!(
             t,
             "| {} | {} | {sigma} | {m} | {var} | {:.2} | {:.2} | {:.2} | {:.2} | {anderson_darling:.3} | {} |",
@@ -301,7 +301,7 @@ fn sizes(t: &mut String, c: &Calibration) -> std::fmt::Result {
         } else {
             significant(k.diameter_mm)
         };
-        let (sigma, modulus) = (told(&k.sigma_37_mpa), told(&k.modulus));
+        let (sigma, modulus) = (in_words(&k.sigma_37_mpa), in_words(&k.modulus));
         let (force, line) = (number(k.mean_force_n), number(k.modulus_line));
         writeln!(t, "| {d} | {} | {} | {force} | {sigma} | {modulus} | {line} |", k.grains, k.censored)?;
     }

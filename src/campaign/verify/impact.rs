@@ -15,7 +15,7 @@ pub const CASE: Case = Case {
     run: |task| {
         let transfer = ["flip_pic", "flip_pic", "apic"][task.way];
         let pic = if task.way == 1 { 0.01 } else { 0.0 };
-        meet(task, &[format!("grid.transfer={transfer:?}"), format!("grid.pic={pic:?}")], 2)
+        simulate(task, &[format!("grid.transfer={transfer:?}"), format!("grid.pic={pic:?}")], 2)
     },
     graphs: None,
 };
@@ -44,7 +44,7 @@ pub const REFINED: Case = Case {
             format!("duration_s={duration:?}"),
             format!("grid.points_per_edge={per_edge}"),
         ];
-        meet(task, &ball, per_edge)
+        simulate(task, &ball, per_edge)
     },
     graphs: Some(losses),
 };
@@ -55,7 +55,7 @@ const SPEED: f64 = 5.0;
 
 /// Errors of the velocities, of the energy and of the momentum; then the share of the initial
 /// energy that is not energy of translation of either body.
-fn meet(task: &Task, own: &[String], per_edge: usize) -> Result<Found> {
+fn simulate(task: &Task, own: &[String], per_edge: usize) -> Result<Found> {
     let cell = 2.0 * RADIUS / f64::from(task.cells);
     let corner = [2.0 * RADIUS, 2.0 * RADIUS, 3.0 * RADIUS];
     let mut sets =

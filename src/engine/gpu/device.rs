@@ -64,7 +64,7 @@ impl Complaints {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(what);
     }
 
-    fn told(&self) -> Option<String> {
+    fn first(&self) -> Option<String> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
@@ -115,7 +115,7 @@ impl Device {
     /// # Errors
     /// The first error of the device.
     pub fn healthy(&self, step: u64) -> Result<()> {
-        match self.complaints.told() {
+        match self.complaints.first() {
             None => Ok(()),
             Some(what) => Err(failed(step, format!("{what}; the state of the last record is kept"))),
         }

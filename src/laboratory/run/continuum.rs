@@ -176,7 +176,7 @@ fn prepared(model: &Model, rig: &MpmTest, mut begun: Begun, out: &Path, quiet: b
     if let Some(mixture) = &begun.progress.state.mixture {
         specimen::write(&out.join(GRAINS_START), &mixture.grains.grains, &model.physics.materials, None)?;
     }
-    go(model, rig, out, begun, quiet, stop_after)
+    make_test(model, rig, out, begun, quiet, stop_after)
 }
 
 /// Continues from the checkpoint in `out`, on the run's last backend unless another one is asked for.
@@ -201,10 +201,10 @@ pub fn resume(
     let own = progress.grown.as_ref().zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth));
     let rig = own.as_ref().unwrap_or(rig);
     let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
-    go(model, rig, out, Begun { progress, engine }, quiet, stop_after)
+    make_test(model, rig, out, Begun { progress, engine }, quiet, stop_after)
 }
 
-fn go(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+fn make_test(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let Begun { mut progress, mut engine } = begun;
     progress.crushed.open(model, rig);
     let mut beside = Beside::new(model, out, quiet, stop_after, &progress);
@@ -544,7 +544,7 @@ mod tests {
         begun.progress.save(&begun.engine, &model, out.path()).expect("a checkpoint");
         let Engine::Gpu(device) = &begun.engine else { panic!("a device") };
         device.lose();
-        let told = go(&model, rig, out.path(), begun, true, None).expect_err("lost");
+        let told = make_test(&model, rig, out.path(), begun, true, None).expect_err("lost");
         assert!(told.exit_code() == 1 && told.to_string().contains("the graphics device"), "{told}");
         assert!(told.to_string().contains("the state of the last record is kept"), "{told}");
         let lines = |file: &str| std::fs::read_to_string(out.path().join(file)).expect(file).lines().count();

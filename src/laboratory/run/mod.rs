@@ -216,7 +216,7 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
             seconds: 0.0,
             loading_seconds: 0.0,
         };
-        Runner::new(&model, &out, progress, quiet)?.go(stop_after)
+        Runner::new(&model, &out, progress, quiet)?.run_to_end(stop_after)
     });
     released(outcome, &folder, lock)
 }
@@ -256,7 +256,7 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
         return released(in_pool(options.threads, resume), dir, lock);
     }
     let progress: Progress = checkpoint::load(dir)?;
-    let outcome = in_pool(options.threads, || Runner::new(&model, dir, progress, options.quiet)?.go(options.stop_after));
+    let outcome = in_pool(options.threads, || Runner::new(&model, dir, progress, options.quiet)?.run_to_end(options.stop_after));
     released(outcome, dir, lock)
 }
 
@@ -321,7 +321,7 @@ impl<'a> Runner<'a> {
         Ok(Runner { model, out, progress, work, bar: Bar::new(quiet), started: now, last_checkpoint: now })
     }
 
-    fn go(mut self, stop_after: Option<u64>) -> Result<Outcome> {
+    fn run_to_end(mut self, stop_after: Option<u64>) -> Result<Outcome> {
         let before = self.progress.seconds;
         let loading_before = self.progress.loading_seconds;
         let mut loading_since = (!matches!(self.progress.activity, Activity::Preparing(_))).then(Instant::now);

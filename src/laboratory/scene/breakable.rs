@@ -34,7 +34,7 @@ fn unloaded(crush: &CrushModel, rig: &MpmTest) -> Option<String> {
         Test::Free { .. } => coarse.grains.len() > 1 || !coarse.walls.is_empty(),
         Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => breakable().any(|(i, g)| {
             let mut others = coarse.grains.iter().enumerate().filter(|(j, _)| *j != i);
-            at_a_platen(s, g) || others.any(|(_, h)| meet(s, g, h))
+            at_a_platen(s, g) || others.any(|(_, h)| touch_at_end(s, g, h))
         }),
     };
     let why = "contacts with points break no grain, so probably no grain breaks";
@@ -47,7 +47,7 @@ fn unloaded(crush: &CrushModel, rig: &MpmTest) -> Option<String> {
 }
 
 /// Whether two grains touch at the end of a test in which they move with the material.
-fn meet(s: &MpmSpecimen, g: &GrainSpec, h: &GrainSpec) -> bool {
+fn touch_at_end(s: &MpmSpecimen, g: &GrainSpec, h: &GrainSpec) -> bool {
     let [x, y, z]: [f64; 3] = std::array::from_fn(|a| g.position[a] - h.position[a]);
     let z = z * (1.0 - s.axial_strain);
     (x * x + y * y + z * z).sqrt() <= g.radius + h.radius

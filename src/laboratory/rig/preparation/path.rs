@@ -238,12 +238,12 @@ impl Path {
     /// [`Error::Failed`]: the porosity cannot be reached, or the specimen does not come to rest.
     pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         let own = self.model.take().unwrap_or_else(|| Box::new(quasi_static(model)));
-        let ready = self.go(&own, rig, state, work);
+        let ready = self.advance_stage(&own, rig, state, work);
         self.model = Some(own);
         ready
     }
 
-    fn go(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
+    fn advance_stage(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         match self.stage {
             Stage::Growth => growth::grow(&model.physics, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work),
             Stage::Compression => {
