@@ -70,6 +70,20 @@ fn the_criterion_is_named_once() {
         .stderr(contains("both.toml: crushing.area = \"hertz\": is the older name of crushing.criterion"));
 }
 
+/// A long chain of base files and a file without an end are refused by a number, neither read on for ever nor until the memory is full.
+#[test]
+fn bases_and_files_without_an_end_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for k in 0..40 {
+        let text = format!("base = \"{}.toml\"\n", k + 1);
+        fs::write(folder.path().join(format!("{k}.toml")), text).expect("written");
+    }
+    let first = folder.path().join("0.toml").display().to_string();
+    comminute(&["check", &first]).code(2).stderr(contains("32.toml: is at the end of a chain of more than 32 files"));
+    #[cfg(unix)]
+    comminute(&["check", "/dev/zero"]).code(2).stderr(contains("/dev/zero: must be at most 256 MiB long"));
+}
+
 #[test]
 fn a_strength_from_single_grain_tests_is_their_mean_crushing_stress() {
     for (area, theta0) in [("fixed_angle", "theta0_rad = 0.35"), ("hertz", "")] {

@@ -232,3 +232,99 @@ fn a_finished_run_is_not_resumed_and_a_folder_without_checkpoint_neither() {
         assert_eq!(comminute().arg("resume").arg(dir).status().expect("start").code(), Some(2));
     }
 }
+
+/// A run stopped in the middle of its loading, in a folder of this name.
+fn stopped(name: &str) -> PathBuf {
+    let dir = folder().join(name);
+    let half = (whole().preparation + whole().steps / 2).to_string();
+    let mut command = comminute();
+    command.arg("run").arg(scene()).arg("--out").arg(&dir).args(["--threads", "1", "--stop-after", &half]);
+    assert_eq!(command.status().expect("start").code(), Some(130));
+    dir
+}
+
+/// Exit code of `comminute resume`, and what it says.
+fn resumed(dir: &Path) -> (Option<i32>, String) {
+    let out = comminute().stderr(Stdio::piped()).arg("resume").arg(dir).arg("--quiet").output().expect("start");
+    (out.status.code(), String::from_utf8_lossy(&out.stderr).into_owned())
+}
+
+/// A damaged checkpoint is not taken: the run goes on from the one before it, says so, and ends with the same bytes.
+#[test]
+fn a_damaged_checkpoint_costs_only_the_steps_since_the_one_before() {
+    let dir = stopped("damaged");
+    let path = dir.join("checkpoint.bin");
+    let mut bytes = std::fs::read(&path).expect("checkpoint");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 4;
+    std::fs::write(&path, bytes).expect("damaged");
+    let (code, said) = resumed(&dir);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("damaged") && said.contains("goes on from the checkpoint before it"), "{said}");
+    same_as_whole(&dir);
+}
+
+/// A scene or a table that was changed since the checkpoint was written is refused, and nothing is written.
+#[test]
+fn changed_scenes_and_tables_that_lost_rows_are_refused() {
+    let dir = stopped("changed");
+    let before = files(&dir);
+    let scene = dir.join("scene.resolved.toml");
+    let text = std::fs::read_to_string(&scene).expect("scene");
+    std::fs::write(&scene, text.replace("max_stress_kPa = 150", "max_stress_kPa = 160")).expect("changed");
+    let (code, said) = resumed(&dir);
+    assert!(code == Some(2) && said.contains("is not the scene that it was written for"), "{code:?} {said}");
+    std::fs::write(&scene, text).expect("as it was");
+    let history = dir.join("history.csv");
+    std::fs::write(&history, &before["history.csv"][..100]).expect("cut");
+    let (code, said) = resumed(&dir);
+    assert!(code == Some(1) && said.contains("history.csv") && said.contains("rows were lost"), "{code:?} {said}");
+    assert_eq!(std::fs::read(&history).expect("rows").len(), 100);
+    std::fs::write(&history, &before["history.csv"]).expect("as it was");
+    assert!(files(&dir) == before, "a refused run has changed nothing");
+    assert_eq!(resumed(&dir).0, Some(0));
+    same_as_whole(&dir);
+}
+
+/// A run killed while its figures are drawn is not finished: `resume` and `--continue` draw what is missing.
+#[test]
+fn figures_are_drawn_by_the_next_call_when_a_run_was_killed_while_it_drew_them() {
+    let names = |dir: &Path| -> Vec<String> { files(dir).into_keys().collect() };
+    let run = |dir: &Path| {
+        let mut command = comminute();
+        command.arg("run").arg(scene()).arg("--out").arg(dir).args(["--quiet", "--set", "records.figures=true"]);
+        command
+    };
+    let complete = folder().join("drawn");
+    assert!(run(&complete).status().expect("start").success());
+    assert!(names(&complete).iter().filter(|name| name.starts_with("figures/")).count() > 10);
+    for (name, resume) in [("killed_drawing", true), ("killed_drawing_continued", false)] {
+        let dir = folder().join(name);
+        let mut child = run(&dir).spawn().expect("start");
+        while !dir.join("figures").exists() && child.try_wait().expect("child").is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child.kill().expect("killed");
+        child.wait().expect("child");
+        let done = if resume { comminute().arg("resume").arg(&dir).status() } else { run(&dir).arg("--continue").status() };
+        assert!(done.expect("start").success());
+        assert_eq!(names(&dir), names(&complete), "{name}");
+        assert_eq!(resumed(&dir).0, Some(2), "now the run is finished");
+    }
+}
+
+/// `--force` overwrites runs and nothing else: a folder of somebody else is left as it is.
+#[test]
+fn a_folder_that_never_held_a_run_is_not_overwritten() {
+    let dir = folder().join("somebody");
+    std::fs::create_dir_all(dir.join("figures")).expect("folder");
+    for name in ["README.txt", "figures/own.png"] {
+        std::fs::write(dir.join(name), "of somebody").expect("written");
+    }
+    let before = files(&dir);
+    let mut command = comminute();
+    let out = command.stderr(Stdio::piped()).arg("run").arg(scene()).arg("--out").arg(&dir).arg("--force").output().expect("start");
+    let said = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(out.status.code() == Some(2) && said.contains("holds files but no run"), "{said}");
+    assert!(files(&dir) == before);
+}

@@ -75,6 +75,7 @@ pub fn call(mut args: Args) -> Result<()> {
         };
         match found {
             Found::Finished(summary) => return super::close(Outcome { summary, out, draw: false }, args.quiet, args.json),
+            Found::Undrawn(summary) => return super::close(Outcome { summary, out, draw: true }, args.quiet, args.json),
             Found::Unfinished => return super::close(resume(&out, options)?, args.quiet, args.json),
             Found::Busy => return Err(Error::Busy { path: out }),
             Found::Other(what) if !args.force => return Err(Error::Other { path: out, what }),

@@ -108,11 +108,12 @@ pub fn median(values: &[f64]) -> f64 {
 /// A row: the name and the value of each column, in order.
 pub type Row = Vec<(&'static str, Value)>;
 
-/// A CSV file that is written row by row. A checkpoint keeps the length of the file: a table read from a checkpoint cuts its file
-/// back to this length before the next row.
+/// A CSV file that is written row by row. A checkpoint keeps the length of the file, not its name: a table from a checkpoint is given
+/// its name by [`Table::reopen`], which cuts the file back to this length.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct Table {
-    name: String,
+    #[serde(skip)]
+    name: &'static str,
     /// Length of the file with all rows pushed so far, bytes.
     length: u64,
     #[serde(skip)]
@@ -121,14 +122,33 @@ pub struct Table {
 
 impl Table {
     /// A new, empty table in the file `name`. The file is made with the first row.
-    pub fn new(name: &str) -> Table {
-        Table { name: name.into(), length: 0, open: None }
+    pub fn new(name: &'static str) -> Table {
+        Table { name, length: 0, open: None }
+    }
+
+    /// Goes on with a table from a checkpoint, whose file is `name` in `dir`. Rows written after the checkpoint are cut off.
+    ///
+    /// # Errors
+    /// A file that lacks rows which the checkpoint knows, or that cannot be written.
+    pub fn reopen(&mut self, dir: &Path, name: &'static str) -> Result<(), WriteError> {
+        self.name = name;
+        if self.length > 0 {
+            let path = dir.join(name);
+            let found = std::fs::symlink_metadata(&path).map_err(WriteError::of(&path))?.len();
+            if found < self.length {
+                let lost = format!("the file has {found} bytes where the checkpoint knows of {}: rows were lost", self.length);
+                return Err(WriteError::of(&path)(std::io::Error::other(lost)));
+            }
+            self.writer(dir)?;
+        }
+        Ok(())
     }
 
     /// Opens the file in `dir`, and cuts it back to the known length.
     fn writer(&mut self, dir: &Path) -> Result<&mut (PathBuf, BufWriter<File>), WriteError> {
         if self.open.is_none() {
-            let path = dir.join(&self.name);
+            let path = dir.join(self.name);
+            no_link(&path).map_err(WriteError::of(&path))?;
             let mut options = OpenOptions::new();
             options.write(true).create(true).truncate(false);
             let file = options.open(&path).map_err(WriteError::of(&path))?;
@@ -158,16 +178,39 @@ impl Table {
         Ok(())
     }
 
+    /// Brings all rows to the disk, so that a checkpoint written afterwards knows of no row that a power failure can take.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn sync(&mut self, dir: &Path) -> Result<(), WriteError> {
+        self.flush(dir)?;
+        match &self.open {
+            Some((path, writer)) => writer.get_ref().sync_data().map_err(WriteError::of(path)),
+            None => Ok(()),
+        }
+    }
+
     /// Hands all rows to the operating system. A file that exists though the table has no rows yet is emptied.
     ///
     /// # Errors
     /// A file that cannot be written.
     pub fn flush(&mut self, dir: &Path) -> Result<(), WriteError> {
-        if self.length == 0 && !dir.join(&self.name).exists() {
+        if self.length == 0 && !dir.join(self.name).exists() {
             return Ok(());
         }
         let (path, writer) = self.writer(dir)?;
         writer.flush().map_err(WriteError::of(path))
+    }
+}
+
+/// Fails where `path` is a symbolic link: a file of a run is never written through one.
+///
+/// # Errors
+/// A link.
+pub fn no_link(path: &Path) -> std::io::Result<()> {
+    match std::fs::symlink_metadata(path) {
+        Ok(found) if found.is_symlink() => Err(std::io::Error::other("is a symbolic link, which is not followed")),
+        _ => Ok(()),
     }
 }
 
@@ -205,8 +248,35 @@ mod tests {
         table.flush(dir.path()).expect("flush");
         drop(table);
         let mut again: Table = postcard::from_bytes(&saved).expect("load");
+        again.reopen(dir.path(), "t.csv").expect("whole");
         again.push(dir.path(), &row(3)).expect("row");
         again.flush(dir.path()).expect("flush");
         assert_eq!(std::fs::read_to_string(dir.path().join("t.csv")).expect("text"), "step,x_m\n1,0.5\n3,1.5\n");
+    }
+
+    /// A file that lost rows is not filled up with zeros, and a link is not written through.
+    #[test]
+    fn a_file_that_lost_rows_or_is_a_link_is_refused() {
+        let dir = tempfile::tempdir().expect("folder");
+        let path = dir.path().join("t.csv");
+        let mut table = Table::new("t.csv");
+        table.push(dir.path(), &vec![("step", 1_u64.into())]).expect("row");
+        table.sync(dir.path()).expect("on the disk");
+        let saved = postcard::to_stdvec(&table).expect("save");
+        let again = || postcard::from_bytes::<Table>(&saved).expect("load");
+        std::fs::write(&path, "step\n").expect("cut");
+        let told = again().reopen(dir.path(), "t.csv").expect_err("rows were lost").to_string();
+        assert!(told.contains("has 5 bytes where the checkpoint knows of 7"), "{told}");
+        assert_eq!(std::fs::read_to_string(&path).expect("text"), "step\n");
+        #[cfg(unix)]
+        {
+            let victim = dir.path().join("victim");
+            std::fs::write(&victim, "a text of somebody else").expect("written");
+            std::fs::remove_file(&path).expect("removed");
+            std::os::unix::fs::symlink(&victim, &path).expect("link");
+            let told = again().reopen(dir.path(), "t.csv").expect_err("a link").to_string();
+            assert!(told.contains("symbolic link"), "{told}");
+            assert_eq!(std::fs::read_to_string(&victim).expect("text"), "a text of somebody else");
+        }
     }
 }

@@ -140,6 +140,11 @@ pub struct StrengthSet {
     pub platen_nu: Option<f64>,
 }
 
+/// Whether a folder of this name lies in the folder where it is made, and nowhere else.
+fn is_folder_name(name: &str) -> bool {
+    !name.is_empty() && name != "." && name != ".." && !name.contains(['/', '\\'])
+}
+
 fn one() -> String {
     "1".into()
 }
@@ -166,7 +171,7 @@ impl Plan {
             let wrong = |key: &str, value: &str, message: &str| {
                 Error::input(path.display(), format!("run.{key}"), Some(value.to_string()), message)
             };
-            if run.id.is_empty() || run.id.contains(['/', '\\']) {
+            if !is_folder_name(&run.id) {
                 errors.push(wrong("id", &run.id, "must be the name of a folder"));
             }
             if self.runs[..i].iter().any(|other| other.id == run.id) {
@@ -178,6 +183,9 @@ impl Plan {
             let wrong = |value: &str, message: &str| {
                 Error::input(path.display(), format!("figure {}", figure.name), Some(value.to_string()), message)
             };
+            if !is_folder_name(&figure.name) {
+                errors.push(wrong(&figure.name, "must be the name of a folder"));
+            }
             match &figure.draw {
                 Content::Curves { runs, .. } | Content::Specimen { runs } | Content::Cost { runs } => {
                     let unknown = runs.iter().filter(|id| self.run(id).is_none());
@@ -262,6 +270,11 @@ mod tests {
         for (text, says) in [
             (format!("{HEAD}{RUN}{RUN}"), "run.id = a: stands there twice"),
             (format!("{HEAD}{RUN}").replace("1..3", "3..1"), "counts down"),
+            (format!("{HEAD}{RUN}").replace("\"a\"", "\"..\""), "run.id = ..: must be the name of a folder"),
+            (
+                format!("{HEAD}{figure}[figure.draw]\nof = \"cost\"\n").replace("\"f\"", "\"../f\""),
+                "figure ../f = ../f: must be the name of a folder",
+            ),
             (
                 format!("{HEAD}{figure}[figure.draw]\nof = \"curves\"\nshow = []\nruns = [\"b\"]\n"),
                 "figure f = b: is no run of the plan",

@@ -17,6 +17,9 @@ use serde_json::{Map, Value, json};
 use std::path::Path;
 use table::{Row, Table};
 
+const GSD: &str = "gsd.csv";
+const BREAKAGE: &str = "breakage.csv";
+
 /// The records of breakage of a mixture; part of the checkpoint.
 #[derive(Serialize, Deserialize)]
 pub struct Crushed {
@@ -36,8 +39,8 @@ pub struct Crushed {
 impl Default for Crushed {
     fn default() -> Crushed {
         Crushed {
-            gsd: Table::new("gsd.csv"),
-            breakage: Table::new("breakage.csv"),
+            gsd: Table::new(GSD),
+            breakage: Table::new(BREAKAGE),
             broken: Breakages::default(),
             ancestors: Ancestors::default(),
             contacts: 0,
@@ -108,9 +111,18 @@ impl Crushed {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn flush(&mut self, out: &Path) -> Result<()> {
-        self.gsd.flush(out)?;
-        Ok(self.breakage.flush(out)?)
+    pub fn sync(&mut self, out: &Path) -> Result<()> {
+        self.gsd.sync(out)?;
+        Ok(self.breakage.sync(out)?)
+    }
+
+    /// Goes on with the tables of a checkpoint, whose files are in `out`.
+    ///
+    /// # Errors
+    /// A file that lacks rows which the checkpoint knows.
+    pub fn reopen(&mut self, out: &Path) -> Result<()> {
+        self.gsd.reopen(out, GSD)?;
+        Ok(self.breakage.reopen(out, BREAKAGE)?)
     }
 
     /// The entries of `summary.json` about breakage; none where no grain can break.

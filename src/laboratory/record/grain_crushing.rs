@@ -40,7 +40,7 @@ pub fn write(out: &Path, model: &Model, rig: &GrainCrushing, tests: &[Test]) -> 
     save(out, LIMITS, limit_rows(crush, rig, e_eff).into_iter())
 }
 
-fn save(out: &Path, name: &str, rows: impl Iterator<Item = Row>) -> Result<()> {
+fn save(out: &Path, name: &'static str, rows: impl Iterator<Item = Row>) -> Result<()> {
     let mut table = Table::new(name);
     for row in rows {
         table.push(out, &row)?;

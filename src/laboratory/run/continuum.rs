@@ -41,8 +41,8 @@ struct Progress {
     blocks: Table,
     /// Tables of breakages and gradations.
     crushed: Crushed,
-    /// Time, s, and file of each snapshot.
-    snapshots: Vec<(f64, String)>,
+    /// Time, s, and step of each snapshot.
+    snapshots: Vec<files::Snapshot>,
     /// Wall-clock time of the run, s.
     seconds: f64,
     /// CPU time of the process in user mode, s.
@@ -62,7 +62,7 @@ pub struct Begun {
 pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
     let (mut state, mut used) = (State::start(model, rig)?, Used::default());
     let engine = used.engine(chosen, &mut state, model, rig)?;
-    let (history, blocks) = (Table::new("history.csv"), Table::new(blocks::TRACKS));
+    let (history, blocks) = (Table::new(files::HISTORY), Table::new(blocks::TRACKS));
     let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
     let (growing, grown, [seconds, user_seconds]) = (None, None, [0.0; 2]);
     let progress = Progress { state, growing, grown, used, recorder, history, blocks, crushed, snapshots, seconds, user_seconds };
@@ -191,7 +191,10 @@ pub fn resume(
     quiet: bool,
     stop_after: Option<u64>,
 ) -> Result<Outcome> {
-    let mut progress: Progress = checkpoint::load(out)?;
+    let mut progress: Progress = super::taken_up(out)?;
+    progress.history.reopen(out, files::HISTORY)?;
+    progress.blocks.reopen(out, blocks::TRACKS)?;
+    progress.crushed.reopen(out)?;
     let same = if progress.used.gpu() { Backend::Gpu } else { Backend::Cpu };
     let chosen = choose(backend.unwrap_or(same), model)?;
     if progress.growing.is_some() {
@@ -218,7 +221,7 @@ fn make_test(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool
             Err(e) => {
                 // keep the records, and the points as they are now; those of a lost device are the points of the last record
                 let _ = engine.read_back(&mut progress.state, model);
-                progress.flush(out)?;
+                progress.sync(out)?;
                 leave(model, rig, &progress.state, out)?;
                 return Err(e);
             }
@@ -266,15 +269,15 @@ impl Progress {
         Ok(done)
     }
 
-    fn flush(&mut self, out: &Path) -> Result<()> {
-        self.blocks.flush(out)?;
-        self.crushed.flush(out)?;
-        Ok(self.history.flush(out)?)
+    fn sync(&mut self, out: &Path) -> Result<()> {
+        self.blocks.sync(out)?;
+        self.crushed.sync(out)?;
+        Ok(self.history.sync(out)?)
     }
 
     fn save(&mut self, engine: &Engine, model: &Model, out: &Path) -> Result<()> {
         self.used.save(engine, model, &mut self.state)?;
-        self.flush(out)?;
+        self.sync(out)?;
         checkpoint::save(out, self)?;
         self.used.saved = None;
         Ok(())
@@ -306,7 +309,7 @@ fn instant(
     state: &State,
     facts: &[Fact],
     crushed: &Crushed,
-    snapshots: &mut Vec<(f64, String)>,
+    snapshots: &mut Vec<files::Snapshot>,
 ) -> Result<()> {
     if !(model.records.snapshots || model.records.contacts) {
         return Ok(());
@@ -323,16 +326,15 @@ fn instant(
         return Ok(());
     }
     let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
-    let name = format!("{}/step_{step:08}.vtp", files::SNAPSHOTS);
-    records::write_snapshot(&out.join(&name), facts, &state.continuum)?;
-    snapshots.push((state.time, name));
-    vtk::write_collection(&out.join(files::COLLECTION), snapshots).map_err(failed)?;
+    records::write_snapshot(&out.join(files::snapshot_name("step_", step)), facts, &state.continuum)?;
+    snapshots.push((state.time, step));
+    vtk::write_collection(&out.join(files::COLLECTION), &files::listed(snapshots, "step_")).map_err(failed)?;
     if let Some(mixture) = &state.mixture {
         let grains = &mixture.grains.grains;
         let stresses = contacts::mean_stresses(grains, &touching);
         let descent = |id| crushed.descent(model, grains, id);
         records::write_grains(&dir.join(format!("grains_{step:08}.vtp")), facts, step, grains, &stresses, descent)?;
-        vtk::write_collection(&out.join(files::GRAINS), &files::beside(snapshots, "grains_")).map_err(failed)?;
+        vtk::write_collection(&out.join(files::GRAINS), &files::listed(snapshots, "grains_")).map_err(failed)?;
     }
     if let Some(theirs) = state.blocks() {
         blocks::write_surfaces(&dir.join(format!("blocks_{step:08}.vtp")), facts, step, theirs)?;
@@ -372,13 +374,11 @@ fn describe(rig: &MpmTest, state: &State) -> (f64, String) {
 }
 
 fn finish(model: &Model, rig: &MpmTest, out: &Path, mut progress: Progress, engine: &Engine) -> Result<Outcome> {
-    progress.flush(out)?;
+    progress.sync(out)?;
     leave(model, rig, &progress.state, out)?;
-    let mut summary = summary(model, rig, &progress, engine);
-    summary["figure_seconds"] = json!(0.0);
-    files::save_summary(out, &summary)?;
+    let outcome = Outcome::undrawn(summary(model, rig, &progress, engine), out, model)?;
     checkpoint::remove(out)?;
-    Ok(Outcome { summary, out: out.into(), draw: model.records.figures })
+    Ok(outcome)
 }
 
 fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -> Value {

@@ -21,8 +21,18 @@ use std::path::Path;
 use table::Table;
 
 pub use crate::scene::SPECIMEN;
+/// Rows of the state over time.
+pub const HISTORY: &str = "history.csv";
+/// Gradations.
+pub const GSD: &str = "gsd.csv";
+/// Breakages.
+pub const BREAKAGE: &str = "breakage.csv";
+/// Tracks of the grains of a free scene.
+pub const TRACKS: &str = "tracks.csv";
 /// What a finished run found.
 pub const SUMMARY: &str = "summary.json";
+/// A summary that is being written.
+const SUMMARY_TEMPORARY: &str = "summary.tmp";
 /// The grains at the end.
 pub const GRAINS_FINAL: &str = "grains_final.csv";
 /// Folder of the snapshots.
@@ -38,18 +48,19 @@ pub const FINES: &str = "fines.pvd";
 /// The only file of a run that failed before its test began: the reason, and the scene. The next run may use such a folder.
 pub const FAILED: &str = "failed.scene.toml";
 /// The files that a run leaves. Overwriting a run removes these and nothing else.
-const OURS: [&str; 24] = [
+const OURS: [&str; 26] = [
     FAILED,
     SPECIMEN,
     SUMMARY,
+    SUMMARY_TEMPORARY,
     COLLECTION,
     WALLS,
     GRAINS,
     FINES,
-    "history.csv",
-    "gsd.csv",
-    "breakage.csv",
-    "tracks.csv",
+    HISTORY,
+    GSD,
+    BREAKAGE,
+    TRACKS,
     crate::record::grain_crushing::TESTS,
     crate::record::grain_crushing::CURVES,
     crate::record::grain_crushing::SURVIVAL,
@@ -60,7 +71,8 @@ const OURS: [&str; 24] = [
     crate::record::continuum::END,
     crate::record::blocks::TRACKS,
     checkpoint::FILE,
-    "checkpoint.tmp",
+    checkpoint::PREVIOUS,
+    checkpoint::TEMPORARY,
     crate::scene::RESOLVED,
     "README.txt",
 ];
@@ -73,7 +85,7 @@ pub fn occupied(out: &Path) -> bool {
 /// Frees the folder of a run that failed before its test began: replaces its files by one with the reason `why` and the scene. A
 /// run that has records keeps all of them. Files that no run writes are not touched.
 pub fn release(out: &Path, why: &Error) {
-    let begun = [SPECIMEN, SUMMARY, "history.csv", crate::record::continuum::START, crate::record::grain_crushing::TESTS];
+    let begun = [SPECIMEN, SUMMARY, HISTORY, crate::record::continuum::START, crate::record::grain_crushing::TESTS];
     let resolved = out.join(crate::scene::RESOLVED);
     let Ok(scene) = std::fs::read_to_string(&resolved) else { return };
     if begun.iter().any(|name| out.join(name).exists()) {
@@ -84,16 +96,15 @@ pub fn release(out: &Path, why: &Error) {
     let tail = "# The scene with every default follows; the next run in this folder removes this file.\n\n";
     if std::fs::write(out.join(FAILED), format!("{head}{why}{tail}{scene}")).is_ok() {
         // where a file cannot be removed, the folder stays occupied
-        for path in [resolved, out.join(checkpoint::FILE), out.join("checkpoint.tmp")] {
-            let _ = std::fs::remove_file(path);
-        }
+        let _ = std::fs::remove_file(resolved);
+        let _ = checkpoint::remove(out);
     }
 }
 
 /// Makes the folder `out`. With `force` the files of an old run in it are removed.
 ///
 /// # Errors
-/// [`Error::Exists`] for a folder with a run, without `force`; a folder or file that cannot be changed.
+/// [`Error::Exists`] for a folder with a run, without `force`; with `force`, a folder with files that never held a run; a folder or file that cannot be changed.
 pub fn claim(out: &Path, force: bool) -> Result<()> {
     let occupied = occupied(out);
     if occupied && !force {
@@ -101,6 +112,10 @@ pub fn claim(out: &Path, force: bool) -> Result<()> {
     }
     if !occupied && out.join(FAILED).exists() {
         std::fs::remove_file(out.join(FAILED)).map_err(Error::write(out.join(FAILED)))?;
+    }
+    if occupied && ![crate::scene::RESOLVED, FAILED].iter().any(|name| out.join(name).exists()) {
+        let message = "holds files but no run, so that nothing in it is overwritten; choose another folder";
+        return Err(Error::input(out.display(), "", None, message));
     }
     if occupied {
         for name in OURS {
@@ -127,8 +142,8 @@ pub struct Files {
     breakage: Table,
     tracks: Table,
     pub recorder: Recorder,
-    /// Snapshots written: number from 0, or time, s, of a free scene, and file name.
-    snapshots: Vec<(f64, String)>,
+    /// Snapshots written.
+    snapshots: Vec<Snapshot>,
     ancestors: Ancestors,
     /// Gradation before loading; read again from the specimen when a run is resumed.
     #[serde(skip)]
@@ -138,10 +153,10 @@ pub struct Files {
 impl Default for Files {
     fn default() -> Files {
         Files {
-            history: Table::new("history.csv"),
-            gsd: Table::new("gsd.csv"),
-            breakage: Table::new("breakage.csv"),
-            tracks: Table::new("tracks.csv"),
+            history: Table::new(HISTORY),
+            gsd: Table::new(GSD),
+            breakage: Table::new(BREAKAGE),
+            tracks: Table::new(TRACKS),
             recorder: Recorder::default(),
             snapshots: Vec::new(),
             ancestors: Ancestors::default(),
@@ -151,6 +166,17 @@ impl Default for Files {
 }
 
 impl Files {
+    /// Goes on with the tables of a checkpoint, whose files are in `out`.
+    ///
+    /// # Errors
+    /// A file that lacks rows which the checkpoint knows.
+    pub fn reopen(&mut self, out: &Path) -> Result<()> {
+        self.history.reopen(out, HISTORY)?;
+        self.gsd.reopen(out, GSD)?;
+        self.breakage.reopen(out, BREAKAGE)?;
+        Ok(self.tracks.reopen(out, TRACKS)?)
+    }
+
     /// Prepares for records of a test. With `specimen` the mass and the gradation before loading are read from `specimen.csv`.
     ///
     /// # Errors
@@ -200,7 +226,7 @@ impl Files {
                     fines,
                 )?;
                 let failed = |e: vtk::VtkError| Error::Failed { step: state.step, what: e.to_string() };
-                vtk::write_collection(&out.join(FINES), &beside(&self.snapshots, "fines_")).map_err(failed)?;
+                vtk::write_collection(&out.join(FINES), &listed(&self.snapshots, "fines_")).map_err(failed)?;
             }
         }
         if model.records.energy && !self.recorder.energy_error.is_finite() {
@@ -290,7 +316,7 @@ impl Files {
         at: f64,
         facts: &[Fact],
     ) -> Result<()> {
-        let name = format!("{SNAPSHOTS}/step_{:08}.vtp", state.step);
+        let name = snapshot_name("step_", state.step);
         let g = &state.grains;
         let order = g.by_id();
         let forces = observables::largest_forces(state, work);
@@ -312,19 +338,19 @@ impl Files {
         };
         let failed = |e: vtk::VtkError| Error::Failed { step: state.step, what: e.to_string() };
         vtk::write_snapshot(&out.join(&name), facts, &data).map_err(failed)?;
-        self.snapshots.push((at, name));
-        vtk::write_collection(&out.join(COLLECTION), &self.snapshots).map_err(failed)?;
+        self.snapshots.push((at, state.step));
+        vtk::write_collection(&out.join(COLLECTION), &listed(&self.snapshots, "step_")).map_err(failed)?;
         let loaded: Vec<walls::Loaded> = state.walls.iter().map(|w| (w.shape, w.reaction)).collect();
         write_walls(out, state.step, g.pos.iter().copied(), &loaded, facts, &self.snapshots)
     }
 
-    /// Hands all rows to the operating system.
+    /// Brings all rows to the disk.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn flush(&mut self, out: &Path) -> Result<()> {
+    pub fn sync(&mut self, out: &Path) -> Result<()> {
         for table in [&mut self.history, &mut self.gsd, &mut self.breakage, &mut self.tracks] {
-            table.flush(out)?;
+            table.sync(out)?;
         }
         Ok(())
     }
@@ -338,20 +364,29 @@ pub fn write_walls(
     bodies: impl Iterator<Item = [f64; 4]>,
     loaded: &[walls::Loaded],
     facts: &[Fact],
-    snapshots: &[(f64, String)],
+    snapshots: &[Snapshot],
 ) -> Result<()> {
     if loaded.is_empty() {
         return Ok(());
     }
     let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
-    let path = out.join(format!("{SNAPSHOTS}/walls_{step:08}.vtp"));
+    let path = out.join(snapshot_name("walls_", step));
     walls::write(&path, facts, loaded, walls::space(bodies, loaded)).map_err(failed)?;
-    vtk::write_collection(&out.join(WALLS), &beside(snapshots, "walls_")).map_err(failed)
+    vtk::write_collection(&out.join(WALLS), &listed(snapshots, "walls_")).map_err(failed)
 }
 
-/// The list `snapshots` with the names of another kind of file: `kind` replaces `step_`.
-pub fn beside(snapshots: &[(f64, String)], kind: &str) -> Vec<(f64, String)> {
-    snapshots.iter().map(|(at, name)| (*at, name.replace("step_", kind))).collect()
+/// A snapshot: its place on ParaView's time axis (number from 0, or time, s, of a free scene), and its step. Its files follow from
+/// the step: a checkpoint names no files.
+pub type Snapshot = (f64, u64);
+
+/// File of a snapshot of the kind `kind` (`step_`, `walls_`, `grains_`, `fines_`), relative to the run's folder.
+pub fn snapshot_name(kind: &str, step: u64) -> String {
+    format!("{SNAPSHOTS}/{kind}{step:08}.vtp")
+}
+
+/// The snapshots with their files of the kind `kind`.
+pub fn listed(snapshots: &[Snapshot], kind: &str) -> Vec<(f64, String)> {
+    snapshots.iter().map(|&(at, step)| (at, snapshot_name(kind, step))).collect()
 }
 
 /// Writes the grains at the end of a run.
@@ -360,12 +395,23 @@ pub fn write_final(out: &Path, model: &Model, progress: &Progress) -> Result<()>
     specimen::write_final(&out.join(GRAINS_FINAL), &progress.state, model, walls)
 }
 
-/// Writes `summary.json`.
+/// The content of `summary.json` in the folder `out`; `None` where there is none that can be read.
+pub fn summary(out: &Path) -> Option<serde_json::Value> {
+    let text = std::fs::read_to_string(out.join(SUMMARY)).ok()?;
+    serde_json::from_str(&text).ok()
+}
+
+/// Writes `summary.json`, in one operation of the file system.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn save_summary(out: &Path, summary: &serde_json::Value) -> Result<()> {
-    let path = out.join(SUMMARY);
+    let (path, temporary) = (out.join(SUMMARY), out.join(SUMMARY_TEMPORARY));
     let text = serde_json::to_string_pretty(summary).unwrap_or_default() + "\n";
-    std::fs::write(&path, text).map_err(Error::write(&path))
+    let write = || {
+        table::no_link(&temporary)?;
+        std::fs::write(&temporary, text)?;
+        std::fs::rename(&temporary, &path)
+    };
+    write().map_err(Error::write(&path))
 }

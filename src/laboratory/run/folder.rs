@@ -1,6 +1,6 @@
 //! The state of a run's folder, and the lock that keeps a second process out of it.
 
-use super::files::SUMMARY;
+use super::files::summary;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::record::{checkpoint, specimen};
@@ -18,6 +18,8 @@ pub enum Found {
     Broken,
     /// A run of this scene with a checkpoint, from which it can be resumed.
     Unfinished,
+    /// A run of this scene that lacks its figures only, with the content of its `summary.json`.
+    Undrawn(Value),
     /// A finished run of this scene, with the content of its `summary.json`.
     Finished(Value),
     /// A run of this scene on which another process is at work.
@@ -48,13 +50,14 @@ pub fn look(out: &Path, scene: &Scene, model: &Model) -> Result<Found> {
     if lock(out).is_err() {
         return Ok(Found::Busy);
     }
-    if out.join(checkpoint::FILE).exists() {
+    if checkpoint::exists(out) {
         return Ok(Found::Unfinished);
     }
-    let summary = std::fs::read_to_string(out.join(SUMMARY)).ok();
-    // a summary whose writing was interrupted counts as none
-    let summary = summary.and_then(|text| serde_json::from_str(&text).ok());
-    Ok(summary.map_or(Found::Broken, Found::Finished))
+    Ok(match summary(out) {
+        None => Found::Broken,
+        Some(summary) if summary["figure_seconds"].is_null() => Found::Undrawn(summary),
+        Some(summary) => Found::Finished(summary),
+    })
 }
 
 /// The first line in which the resolved scene of the folder (`there`) differs from the `wanted` one, in words; `None` where they

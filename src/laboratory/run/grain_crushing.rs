@@ -1,8 +1,8 @@
 //! Runs a batch of crushing tests of single grains between platens. Each grain has a state of its own, and a whole batch takes
 //! seconds, so there is no checkpoint: resuming a stopped batch makes all its tests again, with the same results.
 
+use super::Outcome;
 use super::progress_bar::Bar;
-use super::{Outcome, files};
 use crate::error::{Error, Result};
 use crate::interrupt::stop_asked;
 use crate::model::{GrainCrushing, Model};
@@ -29,9 +29,7 @@ pub fn run(model: &Model, rig: &GrainCrushing, out: &Path, quiet: bool) -> Resul
     summary["threads"] = json!(rayon::current_num_threads());
     summary["version"] = json!(env!("CARGO_PKG_VERSION"));
     summary["host"] = json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH));
-    summary["figure_seconds"] = json!(0.0);
-    files::save_summary(out, &summary)?;
-    Ok(Outcome { summary, out: out.into(), draw: model.records.figures })
+    Outcome::undrawn(summary, out, model)
 }
 
 /// Makes all tests, in parallel; results in the order of the grains' numbers.

@@ -106,6 +106,15 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Writes `summary.json` at the end of a run. The seconds spent on figures stand there as null until they are drawn, so that a
+    /// run that was killed while its figures were drawn is not taken for a finished one.
+    fn undrawn(mut summary: serde_json::Value, out: &Path, model: &Model) -> Result<Outcome> {
+        let draw = model.records.figures;
+        summary["figure_seconds"] = if draw { serde_json::Value::Null } else { serde_json::json!(0.0) };
+        files::save_summary(out, &summary)?;
+        Ok(Outcome { summary, out: out.into(), draw })
+    }
+
     /// Records that the figures have been drawn in `seconds`, s: sets `draw` to false and writes `summary.json` anew.
     ///
     /// # Errors
@@ -233,12 +242,16 @@ fn released(outcome: Result<Outcome>, out: &Path, lock: Lock) -> Result<Outcome>
     })
 }
 
-/// Continues the run in the folder `dir` from its checkpoint. The records end with the same bytes as without the stop.
+/// Continues the run in the folder `dir` from its checkpoint. The records end with the same bytes as without the stop. Of a run
+/// that lacks nothing but its figures the outcome is given back, for the caller to draw them.
 ///
 /// # Errors
 /// [`Error::Checkpoint`] for a folder without a checkpoint; the errors of [`run`].
 pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
-    if dir.join(files::SUMMARY).exists() && !dir.join(checkpoint::FILE).exists() {
+    if let (Some(summary), false) = (files::summary(dir), checkpoint::exists(dir)) {
+        if summary["figure_seconds"].is_null() {
+            return Ok(Outcome { summary, out: dir.into(), draw: true });
+        }
         return Err(Error::Checkpoint { path: dir.into(), what: "the run is finished".into() });
     }
     let scene = crate::scene::load(dir.join(crate::scene::RESOLVED), &[])?;
@@ -255,9 +268,19 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
         let resume = || continuum::resume(&model, rig, dir, options.backend, options.quiet, options.stop_after);
         return released(in_pool(options.threads, resume), dir, lock);
     }
-    let progress: Progress = checkpoint::load(dir)?;
+    let mut progress: Progress = taken_up(dir)?;
+    progress.files.reopen(dir)?;
     let outcome = in_pool(options.threads, || Runner::new(&model, dir, progress, options.quiet)?.run_to_end(options.stop_after));
     released(outcome, dir, lock)
+}
+
+/// The progress of the newest checkpoint in `dir` that is whole; says so where this is not the newest one.
+fn taken_up<T: serde::de::DeserializeOwned>(dir: &Path) -> Result<T> {
+    let (progress, why) = checkpoint::load(dir)?;
+    if let Some(why) = why {
+        eprintln!("warning: {why}; the run goes on from the checkpoint before it");
+    }
+    Ok(progress)
 }
 
 /// Refuses to stop a batch of platen tests after some steps: the batch has no checkpoint.
@@ -343,7 +366,7 @@ impl<'a> Runner<'a> {
                 Ok(true) => break,
                 Err(e) => {
                     // the records so far are kept
-                    self.progress.files.flush(self.out)?;
+                    self.progress.files.sync(self.out)?;
                     return Err(e);
                 }
             }
@@ -429,13 +452,13 @@ impl<'a> Runner<'a> {
             lost = lost.and_then(|()| watch::grains(state, model.records.stop_at_overlap, state.step));
         }
         if lost.is_err() {
-            self.progress.files.flush(self.out)?;
+            self.progress.files.sync(self.out)?;
         }
         lost
     }
 
     fn checkpoint(&mut self) -> Result<()> {
-        self.progress.files.flush(self.out)?;
+        self.progress.files.sync(self.out)?;
         checkpoint::save(self.out, &self.progress)?;
         self.last_checkpoint = Instant::now();
         Ok(())

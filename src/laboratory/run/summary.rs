@@ -14,13 +14,12 @@ use std::path::Path;
 
 /// Writes `grains_final.csv` and `summary.json`, and removes the checkpoint.
 pub fn finish(model: &Model, out: &Path, progress: &mut Progress, work: &Workspace) -> Result<Outcome> {
-    progress.files.flush(out)?;
+    progress.files.sync(out)?;
     files::write_final(out, model, progress)?;
-    let mut summary = summary(model, progress, work);
-    summary["figure_seconds"] = json!(0.0);
-    files::save_summary(out, &summary)?;
+    let summary = summary(model, progress, work);
+    let outcome = Outcome::undrawn(summary, out, model)?;
     checkpoint::remove(out)?;
-    Ok(Outcome { summary, out: out.into(), draw: model.records.figures })
+    Ok(outcome)
 }
 
 fn summary(model: &Model, progress: &Progress, work: &Workspace) -> Value {

@@ -5,8 +5,14 @@ use super::sources::spread_sources;
 use super::suggest::nearest;
 use crate::error::{Error, Result};
 use std::fs;
+use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 use toml::{Table, Value};
+
+/// Most files of which each is the base of the one before.
+const MOST_BASES: usize = 32;
+/// Length of the longest text file that is read, bytes.
+const LONGEST: u64 = 256 << 20;
 
 /// Reads the scene file `path` and merges it with its base files and materials.
 ///
@@ -42,6 +48,10 @@ fn file(path: &Path, below: &mut Vec<PathBuf>) -> Result<Layer> {
     if below.contains(&path) {
         let chain: Vec<String> = below.iter().map(|p| p.display().to_string()).collect();
         let message = format!("is based on itself ({} → this file)", chain.join(" → "));
+        return Err(Error::input(path.display(), "", None, message));
+    }
+    if below.len() == MOST_BASES {
+        let message = format!("is at the end of a chain of more than {MOST_BASES} files of which each is based on the next");
         return Err(Error::input(path.display(), "", None, message));
     }
     below.push(path.clone());
@@ -143,7 +153,7 @@ fn wrong(path: &Path, key: &str, value: &Value, message: &str) -> Error {
 /// Reads a text file in UTF-8.
 ///
 /// # Errors
-/// `path` is a folder, does not exist, cannot be read or is not UTF-8.
+/// `path` is a folder, does not exist, cannot be read, is longer than 256 MiB or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
     if path.is_dir() {
         return Err(Error::input(path.display(), "", None, "is a folder, not a file"));
@@ -151,7 +161,12 @@ pub fn read_text(path: &Path) -> Result<String> {
     if !path.exists() {
         return Err(Error::input(path.display(), "", None, missing(path)));
     }
-    let bytes = fs::read(path).map_err(Error::read(path))?;
+    let mut bytes = Vec::new();
+    // a device or a pipe does not say how long it is
+    fs::File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_end(&mut bytes)).map_err(Error::read(path))?;
+    if bytes.len() as u64 > LONGEST {
+        return Err(Error::input(path.display(), "", None, format!("must be at most {} MiB long", LONGEST >> 20)));
+    }
     String::from_utf8(bytes).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
         Error::input(path.display(), "", None, format!("is not UTF-8 text (byte {at})"))
