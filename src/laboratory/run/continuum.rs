@@ -536,6 +536,8 @@ mod tests {
         let model = crate::scene::model(&crate::scene::load(path, &sets).expect("a scene")).expect("a model");
         let model::Rig::Continuum(rig) = &model.rig else { panic!("a continuum") };
         let out = tempfile::tempdir().expect("folder");
+        // a checkpoint belongs to the scene in its folder
+        std::fs::write(out.path().join(crate::scene::RESOLVED), "").expect("scene");
         let chosen = Chosen { gpu: true, why: None };
         let mut begun = begin(&model, rig, chosen).expect("set up");
         while begun.progress.state.continuum.steps() < 300 {
