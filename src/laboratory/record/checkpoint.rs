@@ -1,7 +1,7 @@
 //! Checkpoints: the whole progress of a run in one file, so that a run that is killed at any moment goes on from the last one with
 //! the same bits.
 //!
-//! A file is a line that names the format, the [`Head`] and the content (postcard, compressed with LZ4). The head ties the content to
+//! A file is a line that names the format, a head and the content (postcard, compressed with LZ4). The head ties the content to
 //! the scene of the run and to itself by SHA-256, and everything is verified before anything is decoded. A new file is written beside
 //! the old one, brought to the disk and renamed; the old one is kept as the previous checkpoint, from which a run goes on if the
 //! newest cannot be read.
