@@ -17,8 +17,10 @@ use serde_json::{Map, Value, json};
 use std::path::Path;
 use table::{Row, Table};
 
-const GSD: &str = "gsd.csv";
-const BREAKAGE: &str = "breakage.csv";
+/// Table of gradations.
+pub const GSD: &str = "gsd.csv";
+/// Table of breakages.
+pub const BREAKAGE: &str = "breakage.csv";
 
 /// The records of breakage of a mixture; part of the checkpoint.
 #[derive(Serialize, Deserialize)]

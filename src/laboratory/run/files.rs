@@ -20,13 +20,10 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use table::Table;
 
+use crate::record::crushed::{BREAKAGE, GSD};
 pub use crate::scene::SPECIMEN;
 /// Rows of the state over time.
 pub const HISTORY: &str = "history.csv";
-/// Gradations.
-pub const GSD: &str = "gsd.csv";
-/// Breakages.
-pub const BREAKAGE: &str = "breakage.csv";
 /// Tracks of the grains of a free scene.
 pub const TRACKS: &str = "tracks.csv";
 /// What a finished run found.
@@ -399,6 +396,11 @@ pub fn write_final(out: &Path, model: &Model, progress: &Progress) -> Result<()>
 pub fn summary(out: &Path) -> Option<serde_json::Value> {
     let text = std::fs::read_to_string(out.join(SUMMARY)).ok()?;
     serde_json::from_str(&text).ok()
+}
+
+/// Whether a summary is that of a run whose figures have not been drawn yet ([`super::Outcome::undrawn`]).
+pub fn lacks_figures(summary: &serde_json::Value) -> bool {
+    summary["figure_seconds"].is_null()
 }
 
 /// Writes `summary.json`, in one operation of the file system.

@@ -1,6 +1,6 @@
 //! The state of a run's folder, and the lock that keeps a second process out of it.
 
-use super::files::summary;
+use super::files::{lacks_figures, summary};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::record::{checkpoint, specimen};
@@ -55,7 +55,7 @@ pub fn look(out: &Path, scene: &Scene, model: &Model) -> Result<Found> {
     }
     Ok(match summary(out) {
         None => Found::Broken,
-        Some(summary) if summary["figure_seconds"].is_null() => Found::Undrawn(summary),
+        Some(summary) if lacks_figures(&summary) => Found::Undrawn(summary),
         Some(summary) => Found::Finished(summary),
     })
 }

@@ -101,7 +101,8 @@ pub struct Outcome {
     pub summary: serde_json::Value,
     /// Output folder.
     pub out: PathBuf,
-    /// Whether the scene asks for figures that have not been drawn yet. The laboratory draws none: the caller does.
+    /// Whether the scene asks for figures that have not been drawn yet. The laboratory draws none: the caller does, and says so by
+    /// [`Outcome::drawn`]; until then the folder counts as a run that lacks its figures.
     pub draw: bool,
 }
 
@@ -249,7 +250,7 @@ fn released(outcome: Result<Outcome>, out: &Path, lock: Lock) -> Result<Outcome>
 /// [`Error::Checkpoint`] for a folder without a checkpoint; the errors of [`run`].
 pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
     if let (Some(summary), false) = (files::summary(dir), checkpoint::exists(dir)) {
-        if summary["figure_seconds"].is_null() {
+        if files::lacks_figures(&summary) {
             return Ok(Outcome { summary, out: dir.into(), draw: true });
         }
         return Err(Error::Checkpoint { path: dir.into(), what: "the run is finished".into() });
