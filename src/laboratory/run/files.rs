@@ -6,6 +6,7 @@ use crate::gradation::Gradation;
 use crate::model::{Assembly, Model};
 use crate::record::ancestors::Ancestors;
 use crate::record::breakages::{self, OFF};
+use crate::record::crushed::{BREAKAGE, GSD};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::record::gradations::{self, At};
 use crate::record::quasi_static::distance;
@@ -20,7 +21,6 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 use table::Table;
 
-use crate::record::crushed::{BREAKAGE, GSD};
 pub use crate::scene::SPECIMEN;
 /// Rows of the state over time.
 pub const HISTORY: &str = "history.csv";
