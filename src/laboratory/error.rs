@@ -104,7 +104,15 @@ pub enum Error {
         /// What is wrong and what to change.
         what: String,
     },
-    /// The run could not reach what the scene asks for, such as rest at a stress.
+    /// A test does not come to what the scene asks for: a stress, or rest. The records so far are kept.
+    #[error("step {step}: {what}")]
+    Stalled {
+        /// The step at which it was given up.
+        step: u64,
+        /// What was not reached, the likely cause, and what to change.
+        what: String,
+    },
+    /// The run could not be prepared, such as a specimen that does not come to rest.
     #[error("step {step}: {what}")]
     Failed {
         /// The step at which it was given up; 0 where there was none yet.
@@ -197,7 +205,8 @@ impl Error {
     }
 
     /// Exit code for a program that ends with this error: 1 the run failed; 2 the call, scene or data is wrong and nothing was
-    /// started; 3 the run became unstable or physically impossible (its records are kept); 130 stopped from outside.
+    /// started; 3 the run became unstable, physically impossible, or
+    /// came to a standstill (its records are kept); 130 stopped from outside.
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Device(error) => error.exit_code(),
@@ -205,7 +214,7 @@ impl Error {
             Error::Other { .. } | Error::Busy { .. } => 2,
             Error::Figure { input, .. } => 1 + u8::from(*input),
             Error::Write { .. } | Error::Failed { .. } | Error::Campaign { .. } => 1,
-            Error::Unstable { .. } | Error::Impossible { .. } => 3,
+            Error::Unstable { .. } | Error::Impossible { .. } | Error::Stalled { .. } => 3,
             Error::Interrupted { .. } | Error::Stopped { .. } => 130,
         }
     }

@@ -214,6 +214,8 @@ pub struct Loading {
     /// The programme waits while a platen's stress differs from the target by more than this share of the target
     /// ([`crate::rig::cylinder::Stresses::target_error`]).
     pub max_lag: f64,
+    /// Largest number of steps for which the programme may wait before the run stops itself.
+    pub max_wait: u64,
     /// Inertial number at which the platen moves in first loading, which is then strain controlled: the stress is a result. `None`:
     /// first loading is stress controlled. Unloading, and reloading up to the largest stress so far, are always stress controlled.
     pub strain_controlled: Option<f64>,
@@ -256,6 +258,8 @@ pub struct Assembly {
     pub duration: Option<f64>,
     /// Grains whose tracks are written, by their index in `grains`.
     pub tracks: Vec<u32>,
+    /// Whether a fixed time step may be above the largest stable one.
+    pub above_bound: bool,
     /// Record every this many steps.
     pub record_every: u64,
 }

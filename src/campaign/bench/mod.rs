@@ -265,6 +265,7 @@ fn rig(case: Case, grains: usize) -> Compression {
             load_increment: None,
             max_inertial_number: 1e-3,
             max_lag: 0.02,
+            max_wait: u64::MAX,
             strain_controlled: None,
             row_strain: None,
             row_events: None,

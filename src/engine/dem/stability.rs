@@ -165,17 +165,18 @@ pub fn refresh(physics: &Physics, state: &mut State, work: &mut Workspace) {
     if physics.stepping.inertia_scaling {
         rescale(physics, state, work);
     } else if physics.stepping.dt.is_none() {
-        let frozen: &State = state;
-        let least = (0..frozen.grains.len())
-            .into_par_iter()
-            .with_min_len(256)
-            .map(|i| {
-                let k = stiffness(i, physics, frozen, &work.neighbours, &work.table);
-                if k > 0.0 { 2.0 * (frozen.grains.mass[i] / ((1.0 + frozen.damping) * k * MARGIN)).sqrt() } else { f64::INFINITY }
-            })
-            .reduce(|| f64::INFINITY, f64::min);
-        state.dt = (physics.stepping.safety * least).min(rayleigh(physics, &state.grains));
+        state.dt = (physics.stepping.safety * largest_step(physics, state, work, MARGIN)).min(rayleigh(physics, &state.grains));
     }
+}
+
+/// Largest stable step, s, of grains with their real masses if all contacts were `margin` times as stiff as they are: min_i 2/ω_i with the bound above,
+/// infinite without contacts.
+pub fn largest_step(physics: &Physics, state: &State, work: &Workspace, margin: f64) -> f64 {
+    let of = |i: usize| {
+        let k = stiffness(i, physics, state, &work.neighbours, &work.table);
+        if k > 0.0 { 2.0 * (state.grains.mass[i] / ((1.0 + state.damping) * k * margin)).sqrt() } else { f64::INFINITY }
+    };
+    (0..state.grains.len()).into_par_iter().with_min_len(256).map(of).reduce(|| f64::INFINITY, f64::min)
 }
 
 /// Gives new inertial masses to the grains that need them. The ledger is updated in the order of identities, so that its sum has the same bits whatever

@@ -11,6 +11,7 @@
 pub mod adjacency;
 mod grid;
 mod near;
+pub mod overlap;
 
 use crate::boundary::Wall;
 use crate::boundary::WallShape;

@@ -19,7 +19,7 @@ pub fn start(model: &Model, rig: &Assembly) -> State {
         grains.spin[i] = [s.spin[0], s.spin[1], s.spin[2], 0.0];
     }
     let mut state = State::new(&model.physics, grains, rig.walls.iter().map(Wall::new).collect(), model.records.energy);
-    state.reference_stress = LEAST_STRESS;
+    state.reference_stress = least_stress(rig.walls.iter().map(|w| w.drive));
     if let Some(crush) = &model.physics.crush {
         state.crushing = true;
         for i in 0..state.grains.len() {
@@ -69,13 +69,20 @@ fn open(model: &Model, state: &mut State, work: &Workspace) {
 const SERVO_STRIDE: f64 = 1e-3;
 /// Least stress for which inertia is scaled, Pa: grains may bear no load at the start.
 const LEAST_STRESS: f64 = 1e3;
+/// Least stress for which inertia is scaled, Pa: the largest that a wall under servo will put on a grain, which comes within a few
+/// steps.
+fn least_stress(drives: impl Iterator<Item = Drive>) -> f64 {
+    let of = |drive| if let Drive::Stress { stress, .. } = drive { stress } else { 0.0 };
+    drives.map(of).fold(LEAST_STRESS, f64::max)
+}
+
 /// Steps between two updates of the stress for which inertia is scaled.
 const LOOK: u64 = 32;
 
 /// Sets the speed of every wall for the next step.
 fn drive(model: &Model, state: &mut State, work: &Workspace) {
     if model.physics.stepping.inertia_scaling && state.step.is_multiple_of(LOOK) {
-        state.reference_stress = contact_pressure(state, work).max(LEAST_STRESS);
+        state.reference_stress = contact_pressure(state, work).max(least_stress(state.walls.iter().map(|w| w.drive)));
     }
     let mean_radius = state.grains.pos.iter().map(|p| p[3]).sum::<f64>() / state.grains.len().max(1) as f64;
     let limit = SERVO_STRIDE * mean_radius / state.dt;

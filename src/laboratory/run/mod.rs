@@ -135,6 +135,18 @@ enum Activity {
     Assembly,
 }
 
+impl Activity {
+    /// Whether the energy ledger of `state` counts what has been done to the grains.
+    fn ledger_is_open(&self, state: &State) -> bool {
+        match self {
+            Activity::Preparing(_) => false,
+            // specimens are under stress when it is opened
+            Activity::Testing(_) => state.ledger.start[0] > 0.0,
+            Activity::Assembly => state.step > 0,
+        }
+    }
+}
+
 /// Everything that a restart needs; the content of the checkpoint.
 #[derive(Serialize, Deserialize)]
 struct Progress {
@@ -419,7 +431,10 @@ impl<'a> Runner<'a> {
             (_, Rig::Assembly(rig)) => {
                 progress.grain_steps += state.grains.len() as u64;
                 let last = assembly::done(rig, state);
-                assembly::advance(model, state, work, |state, work| files.observe_assembly(out, model, rig, state, work, last))?;
+                assembly::advance(model, state, work, |state, work| {
+                    watch::step(model, rig, state, work)?;
+                    files.observe_assembly(out, model, rig, state, work, last)
+                })?;
                 files.breakages(out, &work.breakages, state, None)?;
                 Ok(last)
             }
@@ -446,8 +461,8 @@ impl<'a> Runner<'a> {
         let Runner { model, progress, .. } = self;
         let state = &progress.state;
         let mut lost = Ok(());
-        if matches!(progress.activity, Activity::Testing(_)) {
-            lost = watch::energy(state);
+        if progress.activity.ledger_is_open(state) {
+            lost = watch::energy(state, model.physics.gravity);
         }
         if last || progress.steps.is_multiple_of(LOOK) {
             lost = lost.and_then(|()| watch::grains(state, model.records.stop_at_overlap, state.step));

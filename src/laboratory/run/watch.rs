@@ -1,12 +1,13 @@
 //! Checks that end a run whose state is no longer meaningful, before its numbers become infinite.
 
 use crate::error::{Error, Result};
-use crate::model::Model;
+use crate::model::{Assembly, Model};
 use crate::model::continuum::MpmTest;
 use crate::record::continuum::Recorder;
 use crate::record::cylinder::AtEnd;
 use crate::rig::continuum;
-use engine::dem::State;
+use engine::dem::{State, Workspace, stability};
+use engine::math::vector::dot;
 
 /// Largest share of all energy given that may appear from nothing (a negative `dissipated_share`). Measured: less than 0.001 in
 /// the scenes, and less than 1e-4 in cubes of 4 to 16 cells without damping and PIC.
@@ -75,32 +76,63 @@ pub fn voids(model: &Model, step: u64, row: &AtEnd) -> Result<()> {
     Err(Error::Impossible { step, what })
 }
 
-/// Compares the kinetic energy of the grains of a quasi-static test with all energy that they have been given: stored and kinetic
-/// energy at the start, work of walls, of growing daughters, and of changes of scaled inertia.
+/// Steps between two comparisons of a fixed time step with the largest stable one: fewer than an impact lasts.
+const BETWEEN_BOUNDS: u64 = 4;
+
+/// Compares the fixed time step of a free scene, where it has one, with the largest stable one of the present contacts.
+///
+/// # Errors
+/// [`Error::Unstable`] where it is above; not with `stepping.above_bound = true`.
+pub fn step(model: &Model, rig: &Assembly, state: &State, work: &Workspace) -> Result<()> {
+    let Some(dt) = model.physics.stepping.dt.filter(|_| !rig.above_bound && state.step.is_multiple_of(BETWEEN_BOUNDS)) else {
+        return Ok(());
+    };
+    let bound = stability::largest_step(&model.physics, state, work, 1.0);
+    if dt <= bound {
+        return Ok(());
+    }
+    let what = format!(
+        "stepping.dt_s = {dt:e} is above {bound:.4e} s, the largest stable step of the present contacts: use a smaller one, \"auto\", or stepping.above_bound = true at your own risk"
+    );
+    Err(Error::Unstable { step: state.step, what, grain: None })
+}
+
+/// Largest share of all energy given by which the kinetic energy of grains may exceed it. Velocities are half a step older than
+/// positions, so a grain that rises against gravity may have a little more than the energy at its place: m g v dt/2.
+const ABOVE: f64 = 0.05;
+
+/// Compares the kinetic energy of the grains with all energy that they have been given since the ledger was opened: stored and
+/// kinetic energy at the start, work of walls, of growing daughters, of changes of scaled inertia and of softening contacts, and
+/// the way that they have fallen in `gravity`, m/s². To be called once the ledger is open.
 ///
 /// # Errors
 /// [`Error::Unstable`] when the kinetic energy is larger.
-pub fn energy(state: &State) -> Result<()> {
+pub fn energy(state: &State, gravity: [f64; 3]) -> Result<()> {
     let (g, ledger) = (&state.grains, &state.ledger);
-    let [stored, kinetic, _] = ledger.start;
-    if stored == 0.0 {
-        // the test has not begun
-        return Ok(());
-    }
+    let [stored, kinetic, potential] = ledger.start;
     let of = |i: usize| {
-        let [u, v, w, inverse] = g.vel[i];
-        0.5 * (u * u + v * v + w * w) / inverse
+        let ([u, v, w, inverse], [x, y, z, _], r) = (g.vel[i], g.spin[i], g.radius(i));
+        (0.5 * (u * u + v * v + w * w) + 0.2 * r * r * (x * x + y * y + z * z)) / inverse
     };
     let now: f64 = (0..g.len()).map(of).sum();
+    let height = |i: usize| -g.mass[i] * dot([g.pos[i][0], g.pos[i][1], g.pos[i][2]], gravity);
+    let fallen = if gravity == [0.0; 3] {
+        0.0
+    } else {
+        potential - ledger.lost_potential - (0..g.len()).map(height).sum::<f64>()
+    };
     let given: f64 = state.walls.iter().map(|w| w.work.max(0.0)).sum();
-    let possible = stored + kinetic + given + ledger.growth.max(0.0) + ledger.inertia.max(0.0);
-    if now <= possible {
+    let others = [ledger.growth, ledger.inertia, ledger.release].iter().map(|w| w.max(0.0)).sum::<f64>();
+    let possible = stored + kinetic + given + others + fallen;
+    let scale = stored + kinetic + given + others + fallen.abs();
+    if now <= possible + ABOVE * scale {
         return Ok(());
     }
     let fastest = (0..g.len()).max_by(|&i, &j| of(i).total_cmp(&of(j))).unwrap_or(0);
     let what = format!(
         "the kinetic energy of the grains, {now:.3e} J, is larger than all energy that they were ever given, {possible:.3e} J: the time integration has become \
-         unstable; try stepping.safety = 0.4, contact.unloading = \"rescale\", crushing.birth = \"gradual\", in this order. The fastest grain has diameter {:.3e} m",
+         unstable; try a smaller stepping.dt_s (or \"auto\"), stepping.safety = 0.4, contact.unloading = \"rescale\", crushing.birth = \"gradual\", in this order. \
+         The fastest grain has diameter {:.3e} m",
         2.0 * g.radius(fastest)
     );
     Err(Error::Unstable { step: state.step, what, grain: Some(u64::from(g.id[fastest])) })
@@ -181,9 +213,23 @@ mod tests {
 
     #[test]
     fn energy_out_of_nothing_ends_a_test() {
-        assert!(energy(&state(1.9, 1.0)).is_ok());
-        let told = energy(&state(2.1, 1.0)).expect_err("2.2 J of 2 J");
+        assert!(energy(&state(1.9, 1.0), [0.0; 3]).is_ok());
+        let told = energy(&state(2.1, 1.0), [0.0; 3]).expect_err("2.2 J of 2 J");
         assert!(told.exit_code() == 3 && told.to_string().contains("ever given"), "{told}");
-        assert!(energy(&state(f64::NAN, 1.0)).is_err(), "what is not a number is no energy");
+        assert!(energy(&state(f64::NAN, 1.0), [0.0; 3]).is_err(), "what is not a number is no energy");
+    }
+
+    #[test]
+    fn a_grain_that_falls_may_become_faster_and_one_that_rises_must_become_slower() {
+        let (mut fallen, weight) = (state(1.9, 0.0), [0.0, 0.0, -9.81]);
+        let mass = fallen.grains.mass[0];
+        assert!(energy(&fallen, weight).is_err(), "1.8 J of 1 J");
+        // 1 J of height
+        fallen.grains.pos[0][2] = -1.0 / (mass * 9.81);
+        assert!(energy(&fallen, weight).is_ok());
+        let mut risen = state(1.3, 0.0);
+        assert!(energy(&risen, weight).is_ok(), "0.85 J of 1 J");
+        risen.grains.pos[0][2] = 0.5 / (mass * 9.81);
+        assert!(energy(&risen, weight).is_err(), "0.85 J of 0.5 J");
     }
 }

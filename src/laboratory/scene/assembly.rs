@@ -5,8 +5,12 @@ use super::schema::unit;
 use super::view::View;
 use crate::model::{Assembly, GrainSpec};
 use engine::boundary::{Drive, WallShape, WallSpec};
+use engine::neighbours::overlap::{Overlap, first_deeper_than};
 use std::collections::HashMap;
 use toml::{Table, Value};
+
+/// Key of the largest overlap of listed grains at the start, over the smaller radius.
+const OVERLAP: &str = "records.largest_overlap_at_start";
 
 impl View<'_> {
     pub fn assembly(&self, named: &[Named]) -> Option<Assembly> {
@@ -20,6 +24,7 @@ impl View<'_> {
             walls,
             steps,
             duration,
+            above_bound: self.flag("stepping.above_bound"),
             record_every: self.whole("records.every")?,
         })
     }
@@ -60,7 +65,21 @@ impl View<'_> {
             }
             grains.push(grain);
         }
+        self.apart(&grains);
         Some(grains)
+    }
+
+    /// Refuses listed grains that overlap deeply: they would be thrown apart, or break, in the first steps.
+    fn apart(&self, grains: &[GrainSpec]) {
+        let allowed = self.si(OVERLAP);
+        let places: Vec<[f64; 4]> = grains.iter().map(|g| [g.position[0], g.position[1], g.position[2], g.radius]).collect();
+        if let Some(Overlap { grains: [i, j], share }) = first_deeper_than(allowed, &places) {
+            let message = format!(
+                "grains {i} (radius {:?} m) and {j} (radius {:?} m) overlap by {share:.3} of the smaller radius, more than {OVERLAP} = {allowed}: correct positions or radii, or raise that key",
+                grains[i].radius, grains[j].radius
+            );
+            self.refuse(&format!("grain[{j}].position_m"), message);
+        }
     }
 
     /// The material that an entry of a list names at `key`. In a scene with one material it may be left out.
@@ -186,19 +205,21 @@ impl View<'_> {
         }
     }
 
-    /// Grains behind a wall would be thrown out.
+    /// Refuses grains behind a wall, or deep in one: they would be thrown out.
     fn inside(&self, grains: &[GrainSpec], walls: &[WallSpec]) {
+        let allowed = self.si(OVERLAP);
         for (i, grain) in grains.iter().enumerate() {
-            let p = grain.position;
-            let behind = walls.iter().any(|w| match w.shape {
-                WallShape::Plane { point, normal } => (0..3).map(|k| (p[k] - point[k]) * normal[k]).sum::<f64>() <= 0.0,
-                WallShape::Cylinder { centre, radius } => {
-                    let (x, y) = (p[0] - centre[0], p[1] - centre[1]);
-                    x * x + y * y >= radius * radius
-                }
-            });
-            if behind {
-                let message = format!("grain {i} lies behind a wall, at {p:?}");
+            let (p, r) = (grain.position, grain.radius);
+            let distance = walls.iter().map(|w| w.shape.towards([p[0], p[1], p[2], 0.0]).1).fold(f64::INFINITY, f64::min);
+            let overlap = 1.0 - distance / r;
+            let message = if distance <= 0.0 {
+                format!("grain {i} lies behind a wall, at {p:?}")
+            } else {
+                format!(
+                    "grain {i} of radius {r:?} m overlaps a wall by {overlap:.3} of its radius, more than {OVERLAP} = {allowed}: correct its position or radius, or raise that key"
+                )
+            };
+            if distance <= 0.0 || overlap > allowed {
                 self.refuse(&format!("grain[{i}].position_m"), message);
                 return;
             }

@@ -617,6 +617,12 @@ const OWN: &[Key] = &[
         Is("0.015"),
         "largest difference between the stress on a platen and the target, over the target: above it the programme waits, and an adaptive programme slows down as it comes near. With friction on the cylinder only the driven platen counts",
     ),
+    compression(
+        "loading.max_wait_steps",
+        COUNT,
+        Is("1000000"),
+        "steps after which the run stops itself (exit code 3, records kept) where the stress has not followed its target (longest wait of the committed runs: some 72 000)",
+    ),
     cylinder("loading.settle_steps", FROM_ZERO, Is("1000"), "steps of rest at the isotropic stress before loading"),
     triaxial(
         "loading.axial_strain",
@@ -663,6 +669,12 @@ const OWN: &[Key] = &[
         "quasi-static: inertia so that every grain has the same stable step; time counts steps",
     ),
     states("stepping.dt_s", NumberOr(POSITIVE, "auto"), Is("\"auto\""), "time step"),
+    assembly(
+        "stepping.above_bound",
+        Flag,
+        Is("false"),
+        "whether stepping.dt_s may be above the largest stable step of the contacts: the run then stops itself only where energy comes from nothing",
+    ),
     mixture(
         "stepping.grain_steps",
         Integer { low: 1, high: 1000 },
@@ -732,6 +744,12 @@ const OWN: &[Key] = &[
         Number(POSITIVE),
         Is("2.0"),
         "overlap of two grains over the radius of the smaller at which the run stops itself (exit code 3, records kept): at 2 the smaller is inside the larger",
+    ),
+    listed(
+        "records.largest_overlap_at_start",
+        Number(POSITIVE),
+        Is("0.1"),
+        "largest overlap of two listed grains, or of one and a wall, over the radius of the smaller: a scene with a deeper one is refused",
     ),
     both("records.energy", Flag, Is("true"), "whether the energy ledger is kept"),
     continuum("records.rows", Integer { low: 1, high: 100_000 }, Is("200"), "rows of history over the run"),

@@ -209,7 +209,7 @@ impl State {
                     1e-3 * cell,
                     stresses.join(", ")
                 );
-                return Err(Error::Failed { step: self.continuum.steps(), what });
+                return Err(Error::Stalled { step: self.continuum.steps(), what });
             }
         }
         if self.phase == Phase::Load && self.axial_strain(rig) >= s.axial_strain {

@@ -46,7 +46,7 @@ impl SpecimenTest for Isotropic {
         observe: &mut dyn FnMut(&Isotropic, &State, &Workspace) -> Result<(), Error>,
     ) -> Result<(), Error> {
         dem::compute_forces(&model.physics, state, work);
-        self.0.programme(model, rig, state, work);
+        self.0.programme(model, rig, state, work)?;
         observe(self, state, work)?;
         self.0.servo(rig, state);
         let (size, loading) = (space(state), &self.0);

@@ -29,6 +29,7 @@ impl View<'_> {
             load_increment: Some(self.si("loading.pace")),
             max_inertial_number: self.si("loading.max_inertial_number"),
             max_lag: self.si("loading.max_lag"),
+            max_wait: self.whole("loading.max_wait_steps").unwrap_or(u64::MAX),
             strain_controlled: None,
             row_strain: self.number("records.every_strain"),
             row_events: self.whole("records.every_events"),

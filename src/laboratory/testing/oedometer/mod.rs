@@ -78,6 +78,10 @@ pub struct Loading {
     pub fines: Option<Box<Embedded>>,
     /// Whether the present stage has become strain controlled. It stays so when breakages let the stress fall.
     strained: bool,
+    /// Steps since the programme last advanced by what it does in one undisturbed step.
+    idle: u64,
+    /// What it has advanced since then, over what it does in one undisturbed step.
+    advanced: f64,
 }
 
 /// Steps between two updates of the platen's largest speed.
@@ -87,10 +91,8 @@ const RAMP: u64 = 1024;
 /// Least stress that counts for the speed of a platen under strain control, over the largest stress so far. The speed falls with
 /// the stress; without this bound the platen would stand still where breakages have taken all stress away.
 const FALLEN: f64 = 0.01;
-/// A stage ends when the stress differs from its target by less than this share ...
+/// A stage ends when the stress differs from its target by less than this share.
 const CLOSE: f64 = 0.005;
-/// ... or after this many steps.
-const HOLD_AT_MOST: u64 = 4000;
 
 impl Loading {
     /// Starts the test with grains at rest in the space `size`.
@@ -110,6 +112,8 @@ impl Loading {
             waits: false,
             fines,
             strained: false,
+            idle: 0,
+            advanced: 0.0,
         };
         Ok((loading, state))
     }
@@ -130,7 +134,7 @@ impl Loading {
         if let Some(fines) = &mut self.fines {
             fines.compute_forces(&model.physics, state, work);
         }
-        self.programme(model, rig, state, work);
+        self.programme(model, rig, state, work)?;
         observe(self, state, work)?;
         self.servo(rig, state);
         match &mut self.fines {
@@ -142,7 +146,16 @@ impl Loading {
     }
 
     /// Sets target and phase of the next step.
-    pub(super) fn programme(&mut self, model: &Model, rig: &Compression, state: &mut State, work: &Workspace) {
+    ///
+    /// # Errors
+    /// [`Error::Stalled`] where the stress has not followed its target for `loading.max_wait_steps` steps.
+    pub(super) fn programme(
+        &mut self,
+        model: &Model,
+        rig: &Compression,
+        state: &mut State,
+        work: &Workspace,
+    ) -> Result<(), Error> {
         let stages = &rig.loading.stages;
         match self.phase {
             Phase::Settle if self.phase_steps >= rig.specimen.settle_steps => {
@@ -162,13 +175,15 @@ impl Loading {
                         self.target = stages[k];
                         self.enter(Phase::Hold(k));
                     }
-                    return;
+                    return Ok(());
                 }
                 self.waits = stresses.target_error(self.target, rig) > rig.loading.max_lag;
+                let freedom = if self.waits { 0.0 } else { self.freedom(&stresses, rig) };
+                self.advance_by(freedom, k, rig, state)?;
                 if self.waits {
-                    return;
+                    return Ok(());
                 }
-                let (increment, end) = (self.increment(&stresses, rig), stages[k]);
+                let (increment, end) = (self.increment(rig) * freedom, stages[k]);
                 if self.rising(k, rig) {
                     self.target = (self.target + increment).min(end);
                 } else {
@@ -181,31 +196,74 @@ impl Loading {
             }
             Phase::Hold(k) => {
                 let close = Stresses::of(state).target_error(self.target, rig) < CLOSE;
-                if (close && self.phase_steps > LOOK) || self.phase_steps > HOLD_AT_MOST {
+                if close && self.phase_steps > LOOK {
                     self.enter(if k + 1 < stages.len() { Phase::Load(k + 1) } else { Phase::Done });
+                } else {
+                    self.advance_by(0.0, k, rig, state)?;
                 }
             }
             _ => {}
         }
+        Ok(())
     }
 
-    /// Change of the target in one step, Pa: eq. (18), or with the adaptive programme the share `load_increment` of the target, less the
-    /// further the specimen is from balance. The adaptive programme is fast while the specimen is elastic and slow while grains
-    /// break.
-    fn increment(&self, stresses: &Stresses, rig: &Compression) -> f64 {
+    /// Change of the target in one undisturbed step, Pa: eq. (18), or with the adaptive programme the share `load_increment` of the target.
+    fn increment(&self, rig: &Compression) -> f64 {
         let asked = &rig.loading;
         match asked.load_increment {
             None => asked.rate * asked.sigma_ref * (1.0 + (self.target / asked.sigma_ref).max(1.0).ln()),
-            Some(load_increment) => {
-                load_increment * self.target * (1.0 - stresses.imbalance(self.target, rig) / asked.max_lag).max(0.0)
-            }
+            Some(load_increment) => load_increment * self.target,
         }
+    }
+
+    /// Share of [`Self::increment`] by which the target changes: 1, or with the adaptive programme the less the further the specimen is from
+    /// balance. So that programme is fast while the specimen is elastic and slow while grains break.
+    fn freedom(&self, stresses: &Stresses, rig: &Compression) -> f64 {
+        match rig.loading.load_increment {
+            None => 1.0,
+            Some(_) => (1.0 - stresses.imbalance(self.target, rig) / rig.loading.max_lag).max(0.0),
+        }
+    }
+
+    /// Counts a step of stage `k` in which the programme has advanced by the share `freedom` of an undisturbed step.
+    ///
+    /// # Errors
+    /// [`Error::Stalled`] after `loading.max_wait_steps` steps in which these shares do not make one undisturbed step.
+    fn advance_by(&mut self, freedom: f64, k: usize, rig: &Compression, state: &State) -> Result<(), Error> {
+        self.advanced += freedom;
+        if self.advanced >= 1.0 {
+            (self.idle, self.advanced) = (0, 0.0);
+        }
+        self.idle += 1;
+        if self.idle <= rig.loading.max_wait {
+            return Ok(());
+        }
+        let Stresses { top, bottom, horizontal } = Stresses::of(state);
+        let what = format!(
+            "loading stands still: in {} steps (loading.max_wait_steps) the stress has not come to its target of {:.4} kPa in stage {} (to {:.4} kPa): the platens show {:.4} \
+             and {:.4} kPa, the cylinder {:.4} kPa. {}",
+            rig.loading.max_wait,
+            1e-3 * self.target,
+            k + 1,
+            1e-3 * rig.loading.stages[k],
+            1e-3 * top,
+            1e-3 * bottom,
+            1e-3 * horizontal,
+            if top < 0.5 * self.target {
+                "The specimen bears less than half of it: grains may not touch the platen, or crush faster than it moves; raise loading.max_inertial_number, \
+                 make the specimen denser, or unload to a higher stress"
+            } else {
+                "Raise loading.max_lag (the largest difference from the target that is no reason to wait) or damping.local"
+            }
+        );
+        Err(Error::Stalled { step: state.step, what })
     }
 
     fn enter(&mut self, phase: Phase) {
         self.phase = phase;
         self.phase_steps = 0;
         self.strained = false;
+        (self.idle, self.advanced) = (0, 0.0);
     }
 
     /// Whether stage `k` raises the stress.

@@ -68,6 +68,7 @@ impl View<'_> {
             load_increment: (self.text("loading.programme") == "adaptive").then(|| self.si("loading.pace")),
             max_inertial_number: self.si("loading.max_inertial_number"),
             max_lag: self.si("loading.max_lag"),
+            max_wait: self.whole("loading.max_wait_steps").unwrap_or(u64::MAX),
             strain_controlled: (self.text("loading.control") == "strain").then(|| self.si("loading.inertial_number")),
             row_strain: self.number("records.every_strain").or((self.text("loading.control") == "strain").then_some(0.002)),
             row_events: self.whole("records.every_events"),

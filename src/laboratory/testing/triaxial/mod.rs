@@ -99,7 +99,7 @@ impl Shearing {
                     1e-3 * bottom,
                     1e-3 * horizontal
                 );
-                return Err(Error::Failed { step: state.step, what });
+                return Err(Error::Stalled { step: state.step, what });
             }
             Phase::Shear if self.axial_strain(state) >= rig.shear.axial_strain => self.phase = Phase::Done,
             _ => {}

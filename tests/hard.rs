@@ -1,0 +1,283 @@
+//! Hard cases: scenes on which such programs fail, each with what must come of it. A case is right (compared with a closed form or a balance), refused before
+//! any work, or stopped with a diagnosis. Reduced forms run here; `cargo test --release --test hard -- --ignored` makes the long ones and writes the table
+//! of the book, `docs/validation/hard_to_break/hard_cases.csv`.
+
+use assert_cmd::cargo::cargo_bin;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// What a run has left.
+struct Run {
+    dir: tempfile::TempDir,
+    code: i32,
+    message: String,
+}
+
+type Row = HashMap<String, f64>;
+
+impl Run {
+    fn new(scene: &str, sets: &[String]) -> Run {
+        let dir = tempfile::tempdir().expect("folder");
+        let mut command = Command::new(cargo_bin("comminute"));
+        command.current_dir(ROOT).arg("run").arg(format!("experiments/hard/{scene}.toml")).arg("--out").arg(dir.path().join("run"));
+        let output = command.arg("--quiet").args(sets.iter().flat_map(|set| ["--set", set])).output().expect("start");
+        let code = output.status.code().unwrap_or_else(|| panic!("{scene}: ended by a signal"));
+        Run { dir, code, message: String::from_utf8_lossy(&output.stderr).trim().to_string() }
+    }
+
+    fn path(&self) -> PathBuf {
+        self.dir.path().join("run")
+    }
+
+    /// The rows of a table, numbers only.
+    fn table(&self, name: &str) -> Vec<Row> {
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(self.path().join(name)).expect("a table");
+        let header = reader.headers().expect("header").clone();
+        let row = |row: csv::StringRecord| header.iter().map(str::to_string).zip(row.iter().map(|x| x.parse().unwrap_or(f64::NAN))).collect();
+        reader.records().map(|r| row(r.expect("row"))).collect()
+    }
+
+    fn ends(&self, name: &str, column: &str) -> [f64; 2] {
+        let rows = self.table(name);
+        [rows.first(), rows.last()].map(|row| row.expect("rows")[column])
+    }
+
+    fn last(&self, column: &str) -> f64 {
+        self.ends("history.csv", column)[1]
+    }
+
+    fn summary(&self, key: &str) -> f64 {
+        let text = std::fs::read_to_string(self.path().join("summary.json")).expect("summary");
+        let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        summary[key].as_f64().unwrap_or_else(|| panic!("{key} is no number"))
+    }
+
+    /// Of the last instant of a free scene the rows of all tracked grains.
+    fn grains(&self) -> Vec<Row> {
+        let rows = self.table("tracks.csv");
+        let last = rows.last().expect("rows")["step"];
+        rows.into_iter().filter(|row| row["step"] == last).collect()
+    }
+
+    #[track_caller]
+    fn finished(&self) {
+        assert_eq!(self.code, 0, "{}", self.message);
+    }
+}
+
+/// Compares a value with what it should be and says so.
+#[track_caller]
+fn near(what: &str, value: f64, wanted: f64, within: f64) -> String {
+    let off = value / wanted - 1.0;
+    assert!(off.abs() < within, "{what} {value} instead of {wanted}");
+    format!("{what} {value:.6} for {wanted:.6} ({:+.1e})", off)
+}
+
+/// Asserts that a number which should vanish is below a bound, and says so.
+#[track_caller]
+fn small(what: &str, value: f64, bound: f64) -> String {
+    assert!(value.abs() < bound, "{what} {value:e} is not below {bound:e}");
+    format!("{what} {value:.1e}")
+}
+
+/// A hard case: name, scene, what is set in it for CI, and for the long form instead; and the check of what came of it, which says what it has found.
+struct Case {
+    name: &'static str,
+    scene: &'static str,
+    reduced: &'static [&'static str],
+    long: Option<&'static [&'static str]>,
+    check: fn(&Run) -> String,
+}
+
+/// Replaces the word for a list of `n` stages of unloading and reloading.
+fn set(text: &str) -> String {
+    let Some(n) = text.strip_prefix("cycles=") else { return text.into() };
+    let n: usize = n.parse().expect("number");
+    format!("loading.stages_kPa=[{}]", vec!["100.0,200.0"; n].join(","))
+}
+
+fn check(case: &Case, long: bool) -> [String; 4] {
+    let sets: Vec<String> = if long { case.long.unwrap_or(case.reduced) } else { case.reduced }.iter().map(|s| set(s)).collect();
+    let run = Run::new(case.scene, &sets);
+    println!("{}: exit {}, {}", case.name, run.code, run.message);
+    let found = (case.check)(&run);
+    let outcome = match run.code {
+        0 => "right",
+        2 => "refused",
+        3 => "stopped",
+        code => panic!("{}: exit {code}", case.name),
+    };
+    // nothing that a run leaves may be nonsense
+    if run.path().join("history.csv").exists() {
+        let text = std::fs::read_to_string(run.path().join("history.csv")).expect("a table");
+        assert!(!text.contains("inf"), "{}: an infinite number in history.csv", case.name);
+    }
+    [case.name.replace('_', " "), format!("{}.toml", case.scene), outcome.into(), found]
+}
+
+/// An error of a code whose message holds all these words.
+#[track_caller]
+fn told(run: &Run, code: i32, words: &[&str]) -> String {
+    assert_eq!(run.code, code, "{}", run.message);
+    for word in words {
+        assert!(run.message.contains(word), "`{word}` is not in: {}", run.message);
+    }
+    let first = run.message.lines().next().unwrap_or_default();
+    first.trim_start_matches("error: ").into()
+}
+
+/// A specimen that has come to its stress, with a ledger that closes and no mass lost but by breakages.
+#[track_caller]
+fn held(run: &Run) -> String {
+    run.finished();
+    let [_, mass] = run.ends("history.csv", "mass_error");
+    let (error, events) = (run.last("energy_error"), run.last("crush_events"));
+    near("σ_v", run.last("sigma_v_kPa"), run.last("target_kPa"), 0.02);
+    format!("{events} breakages, {}, {}", small("ledger", error, 1e-4), small("mass", mass, 1e-12))
+}
+
+/// σ1/σ3 of a continuum at its peak and at the end against the closed form of its law.
+#[track_caller]
+fn strength(run: &Run) -> String {
+    run.finished();
+    let of = |which: &str| near(which, run.summary(&format!("{which}_stress_ratio")), run.summary(&format!("{which}_stress_ratio_of_the_law")), 2e-3);
+    format!("{}, {}", of("peak"), of("residual"))
+}
+
+#[track_caller]
+fn modulus(run: &Run) -> String {
+    run.finished();
+    near("oedometric modulus", run.summary("oedometric_modulus_MPa"), run.summary("oedometric_modulus_of_the_law_MPa"), 6e-3)
+}
+
+macro_rules! cases {
+    ($($name:ident: $scene:literal, $reduced:expr $(=> $long:expr)?, $check:expr;)*) => {
+        const CASES: &[Case] = &[$(Case {
+            name: stringify!($name),
+            scene: $scene,
+            reduced: &$reduced,
+            long: { #[allow(unused_mut, unused_assignments)] let mut long: Option<&'static [&'static str]> = None; $(long = Some(&$long);)? long },
+            check: $check,
+        }),*];
+        $(#[test]
+        fn $name() {
+            let case = CASES.iter().find(|c| c.name == stringify!($name)).expect("listed");
+            println!("{:?}", check(case, false));
+        })*
+    };
+}
+
+cases! {
+    diameters_100_to_1: "size_ratio", [], |run| {
+        run.finished();
+        let [before, after] = run.ends("history.csv", "kinetic_energy_J");
+        let (radius, density) = ([0.01, 1e-4], 2500.0);
+        let mass = |k: usize| density * 4.0 / 3.0 * std::f64::consts::PI * f64::powi(radius[usize::from(k > 0)], 3);
+        let momentum: f64 = run.grains().iter().enumerate().map(|(k, g)| mass(k) * g["vx_m_s"]).sum();
+        let fastest = run.grains().iter().skip(1).map(|g| g["vx_m_s"]).fold(0.0, f64::max);
+        assert!(fastest > 3.5, "no small sphere was thrown ahead at nearly twice the speed: {fastest}");
+        format!("{}, {}", near("momentum", momentum, mass(0) * 2.0, 1e-8), near("energy", after, before, 1e-6))
+    };
+    moduli_10_000_to_1: "stiffness_ratio", [], |run| {
+        run.finished();
+        let v: Vec<f64> = run.grains().iter().map(|g| g["vx_m_s"]).collect();
+        format!("velocities exchanged: {}, {}", near("v1", v[0], -1.0, 1e-6), near("v2", v[1], 1.0, 1e-6))
+    };
+    strengths_without_spread: "oedometer", ["material.strength.fixed_angle.var=0", "loading.max_stress_kPa=8000"], held;
+    strengths_with_spread_2: "oedometer", ["material.strength.fixed_angle.var=2"], held;
+    no_size_effect: "oedometer", ["material.strength.fixed_angle.m=1e9"], held;
+    no_friction: "oedometer", ["material.contact.friction=0"], held;
+    limit_above_all_grains: "oedometer", ["material.comminution.d_limit_over_d50=3"], |run| {
+        let found = held(run);
+        assert_eq!(run.last("crush_events"), 0.0, "nothing is above the limit");
+        found
+    };
+    limit_below_all_daughters: "oedometer", ["material.comminution.d_limit_over_d50=0.001"], |run| told(run, 2, &["fines.d_min_mm", "must be <"]);
+    one_grain_in_an_oedometer: "oedometer", ["specimen.grains=1"], |run| told(run, 2, &["specimen.grains=1", "largest grain"]);
+    specimen_narrower_than_a_grain: "oedometer", ["specimen.diameter_mm=0.7"], |run| told(run, 2, &["specimen.diameter_mm", "must be > 0.8"]);
+    density_that_no_packing_has: "oedometer", ["specimen.void_ratio=0.2"], |run| told(run, 2, &["specimen.void_ratio", "the nearest that works"]);
+    unloading_to_5_kpa: "unload_to_5kpa", ["loading.max_stress_kPa=1000"] => [], held;
+    one_gpa_with_deep_overlaps: "one_gpa", ["loading.max_stress_kPa=20000"] => [], |run| match run.code {
+        0 => held(run),
+        _ => told(run, 3, &["void ratio", "more than the whole volume", "stop at a lower stress"]),
+    };
+    cycles_without_drift: "cycles", ["cycles=10"] => ["cycles=1000"], |run| {
+        let found = held(run);
+        let rows = run.table("history.csv");
+        let peaks: Vec<f64> = rows.iter().filter(|r| (r["target_kPa"] - 200.0).abs() < 1e-9).map(|r| r["void_ratio"]).collect();
+        let (early, end) = (peaks[peaks.len() / 10], peaks[peaks.len() - 1]);
+        format!("void ratio {early:.5} after a tenth, {end:.5} at the end of {} cycles, {found}", peaks.len() - 1)
+    };
+    generations_at_once: "generations", [], |run| {
+        run.finished();
+        let deepest = run.table("breakage.csv").iter().map(|b| b["generation"]).fold(0.0, f64::max);
+        assert!(deepest >= 3.0, "{deepest} generations");
+        format!("{} breakages, generation {deepest}, {}", run.last("crush_events"), small("ledger", run.last("energy_error"), 1e-2))
+    };
+    breakage_in_a_corner: "corner", [], |run| {
+        run.finished();
+        assert!(run.last("crush_events") >= 1.0);
+        format!("{} breakages, {}", run.last("crush_events"), small("ledger", run.last("energy_error"), 1e-4))
+    };
+    servo_on_a_single_grain: "empty_box", [], |run| {
+        run.finished();
+        // two equal Hertz contacts under F store 2 · 2/5 F δ
+        let overlap = 0.0005 - run.grains()[0]["z_m"];
+        near("stored energy over 4/5 F δ", run.last("stored_energy_J") / (0.8 * 0.1 * overlap), 1.0, 1e-4)
+    };
+    two_grains_at_one_place: "same_place", [], |run| told(run, 2, &["overlap by 2.000 of the smaller radius", "records.largest_overlap_at_start"]);
+    step_ten_times_too_large: "large_step", [], |run| told(run, 3, &["stepping.dt_s", "largest stable step", "stepping.above_bound"]);
+    the_same_forced: "large_step", ["stepping.above_bound=true"], |run| told(run, 3, &["kinetic energy", "ever given", "stepping.dt_s"]);
+    packing_at_rest: "idle", ["steps=100000", "records.every=50000"] => [], |run| {
+        run.finished();
+        let rows = run.table("tracks.csv");
+        let n = run.grains().len();
+        // the file of the grains has no tangential forces: they settle anew in the first half
+        let middle = rows.len() / n / 2 * n;
+        let moved = rows[middle..middle + n].iter().zip(&rows[rows.len() - n..]);
+        let moved = moved.map(|(a, b)| ["x_m", "y_m", "z_m"].iter().map(|c| (a[*c] - b[*c]).abs()).fold(0.0, f64::max)).fold(0.0, f64::max);
+        format!("{} steps, {}, {}", run.last("step"), small("largest displacement in the second half, m", moved, 1e-9), small("kinetic energy, J", run.last("kinetic_energy_J"), 1e-12))
+    };
+    elastic_cube_flip: "cube", [], modulus;
+    elastic_cube_apic: "cube", ["grid.transfer=apic"], modulus;
+    elastic_cube_gimp: "cube", ["grid.shape_functions=gimp"], modulus;
+    elastic_cube_pic: "cube", ["grid.pic=1"], modulus;
+    nearly_incompressible: "incompressible", [], modulus;
+    frictional_cube_flip: "cube_frictional", [], strength;
+    frictional_cube_apic: "cube_frictional", ["grid.transfer=apic"], strength;
+    frictional_cube_gimp: "cube_frictional", ["grid.shape_functions=gimp"], strength;
+    cohesive_cube_flip: "cube_cohesive", [], strength;
+    cohesive_cube_apic: "cube_cohesive", ["grid.transfer=apic"], strength;
+    cohesive_cube_gimp: "cube_cohesive", ["grid.shape_functions=gimp"], strength;
+    compression_to_90_percent: "cube", ["test.axial_strain=0.9"], |run| told(run, 3, &["void ratio", "test.axial_strain"]);
+    cells_crossed: "cell_crossing", [], |run| {
+        run.finished();
+        let [before, after] = run.ends("history.csv", "momentum_x_kg_m_s");
+        format!("{}, {}", near("momentum", after, before, 1e-12), small("work of stresses, J", run.last("stress_work_J"), 1e-15))
+    };
+    single_point_falls: "single_point", [], |run| {
+        run.finished();
+        let (time, dt) = (run.last("time_s"), run.last("dt_s"));
+        let mass = 2650.0 * 0.6 * 1e-6;
+        let wanted = -mass * 9.81 * time;
+        // the first kick is a whole step at half a step of way
+        near("momentum", run.last("momentum_z_kg_m_s"), wanted, 2.0 * dt / time)
+    };
+}
+
+/// All cases in their long form, as the table of the book.
+#[test]
+#[ignore = "minutes: writes docs/validation/hard_to_break/hard_cases.csv"]
+fn long_forms() {
+    let path = Path::new(ROOT).join("docs/validation/hard_to_break/hard_cases.csv");
+    std::fs::create_dir_all(path.parent().expect("a folder")).expect("folder");
+    let mut table = csv::Writer::from_path(path).expect("a table");
+    table.write_record(["case", "scene", "outcome", "found"]).expect("row");
+    for case in CASES {
+        table.write_record(check(case, true)).expect("row");
+        table.flush().expect("written");
+    }
+}
