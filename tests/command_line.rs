@@ -229,13 +229,13 @@ fn an_unstable_run_stops_itself_and_keeps_its_data() {
         let dir = out.path().join("run").display().to_string();
         let args =
             ["run", "experiments/free/box_settling.toml", "--out", &dir, "--set", "stepping.dt_s=0.01", "--set", "records.every=1"];
-        comminute(&[&args, more].concat()).code(3).stderr(
-            contains("position of a grain is not finite")
-                .or(contains("has left through wall"))
-                .or(contains("of its radius with a grain of")),
-        );
+        let (forced, again) = (&["--set", "stepping.above_bound=true"][..], &["--force"][..]);
+        comminute(&[&args[..], more].concat()).code(3).stderr(contains("above").and(contains("the largest stable step")));
+        comminute(&[&args[..], forced, more, again].concat())
+            .code(3)
+            .stderr(contains("larger than all energy that they were ever given"));
         let history = fs::read_to_string(out.path().join("run/history.csv")).expect("history");
-        assert!(history.lines().count() > 20, "{history}");
+        assert!(history.lines().count() > 5, "{history}");
         assert!(!out.path().join("run/summary.json").exists(), "an unstable run is not a finished one");
     }
 }

@@ -328,3 +328,29 @@ fn a_folder_that_never_held_a_run_is_not_overwritten() {
     assert!(out.status.code() == Some(2) && said.contains("holds files but no run"), "{said}");
     assert!(files(&dir) == before);
 }
+
+/// In the folder of a run `--force` removes what the run wrote and nothing else: it refuses, by name, where snapshots or figures hold a file of somebody.
+#[test]
+fn a_file_of_somebody_in_a_run_is_not_overwritten() {
+    let dir = folder().join("shared");
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/free/sliding_to_rolling.toml");
+    let run = |more: &[&str]| {
+        let mut command = comminute();
+        let out = command.stderr(Stdio::piped()).arg("run").arg(&scene).arg("--out").arg(&dir).args(more).output().expect("start");
+        (out.status.code(), String::from_utf8_lossy(&out.stderr).into_owned())
+    };
+    assert_eq!(run(&[]).0, Some(0));
+    assert!(dir.join("figures/tracks.png").exists() || dir.join("figures").read_dir().expect("figures").count() > 2);
+    std::fs::write(dir.join("notes.txt"), "of somebody").expect("written");
+    for name in ["figures/own.png", "snapshots/own.vtp"] {
+        std::fs::write(dir.join(name), "of somebody").expect("written");
+        let before = files(&dir);
+        let (code, said) = run(&["--force"]);
+        assert!(code == Some(2) && said.contains(name) && said.contains("was not written by a run"), "{said}");
+        assert!(files(&dir) == before, "nothing was removed");
+        std::fs::remove_file(dir.join(name)).expect("removed");
+    }
+    let (code, said) = run(&["--force", "--set", "records.figures=false"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(!dir.join("figures").exists() && dir.join("notes.txt").exists());
+}

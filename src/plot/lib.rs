@@ -45,6 +45,7 @@ pub use specimen::Colouring;
 
 use data::Measured;
 use group::Group;
+use laboratory::run::{DRAWING, DRAWN, FIGURES};
 use plot::Plot;
 use run::Run;
 use std::path::{Path, PathBuf};
@@ -55,16 +56,35 @@ struct Input {
     data: Vec<Measured>,
 }
 
-/// Draws every figure that the records of one run allow into `dir/figures` and returns the files written.
+/// Draws every figure that the records of one run allow into `dir/figures` and returns the files written. They are drawn in a folder of
+/// their own and moved when all are whole; `drawn.txt` beside them lists their names.
 pub fn draw_run(dir: &Path) -> Result<Vec<PathBuf>> {
+    let [out, drawing] = [FIGURES, DRAWING].map(|name| dir.join(name));
+    if drawing.is_dir() {
+        std::fs::remove_dir_all(&drawing).map_err(|e| FigureError::io(&drawing, e))?;
+    }
+    let fresh = draw_records(dir, &drawing)?;
+    std::fs::create_dir_all(&out).map_err(|e| FigureError::io(&out, e))?;
+    let names: Vec<_> = fresh.iter().filter_map(|path| path.file_name()).collect();
+    let lines: String = names.iter().map(|name| format!("{}\n", name.display())).collect();
+    std::fs::write(out.join(DRAWN), lines).map_err(|e| FigureError::io(&out, e))?;
+    let files: Vec<PathBuf> = names.iter().map(|name| out.join(name)).collect();
+    for (from, to) in fresh.iter().zip(&files) {
+        std::fs::rename(from, to).map_err(|e| FigureError::io(to, e))?;
+    }
+    std::fs::remove_dir(&drawing).map_err(|e| FigureError::io(&drawing, e))?;
+    Ok(files)
+}
+
+/// Draws every figure that the records of the run in `dir` allow into `out`.
+fn draw_records(dir: &Path, out: &Path) -> Result<Vec<PathBuf>> {
     let run = Run::read(dir)?;
-    let out = dir.join("figures");
     let input = Input { groups: group::group(vec![run.clone()]), data: Vec::new() };
-    let mut files = draw_all(&input, &out)?;
-    files.extend(specimen::draw(&run, &Colouring::Generation, &out)?);
-    files.extend(continuum::draw_points(&run, &out)?);
-    files.extend(section::draw(&run, &out)?);
-    files.extend(force_chains::draw(&run, &out)?);
+    let mut files = draw_all(&input, out)?;
+    files.extend(specimen::draw(&run, &Colouring::Generation, out)?);
+    files.extend(continuum::draw_points(&run, out)?);
+    files.extend(section::draw(&run, out)?);
+    files.extend(force_chains::draw(&run, out)?);
     if files.is_empty() {
         let why = "nothing to draw: no records in history.csv, gsd.csv, platen.csv, tracks.csv, specimen.csv or grains_final.csv";
         return Err(FigureError::nothing(dir, why));

@@ -18,7 +18,7 @@ use engine::dem::observables;
 use engine::dem::{State, Workspace};
 use engine::mpm::Continuum;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use table::Table;
 
 pub use crate::scene::SPECIMEN;
@@ -44,8 +44,8 @@ pub const GRAINS: &str = "grains.pvd";
 pub const FINES: &str = "fines.pvd";
 /// The only file of a run that failed before its test began: the reason, and the scene. The next run may use such a folder.
 pub const FAILED: &str = "failed.scene.toml";
-/// The files that a run leaves. Overwriting a run removes these and nothing else.
-const OURS: [&str; 26] = [
+/// The files that a run leaves, besides its scene, snapshots and figures. Overwriting a run removes these and nothing else.
+const OURS: [&str; 24] = [
     FAILED,
     SPECIMEN,
     SUMMARY,
@@ -70,9 +70,13 @@ const OURS: [&str; 26] = [
     checkpoint::FILE,
     checkpoint::PREVIOUS,
     checkpoint::TEMPORARY,
-    crate::scene::RESOLVED,
-    "README.txt",
 ];
+/// Folder of the figures.
+pub const FIGURES: &str = "figures";
+/// Folder in which figures are drawn, before they are moved to [`FIGURES`].
+pub const DRAWING: &str = "figures.drawing";
+/// In the folder of the figures: the names of all that were drawn, one in a line.
+pub const DRAWN: &str = "drawn.txt";
 
 /// Whether the folder holds anything but the message of a run that failed before its test began.
 pub fn occupied(out: &Path) -> bool {
@@ -98,37 +102,67 @@ pub fn release(out: &Path, why: &Error) {
     }
 }
 
-/// Makes the folder `out`. With `force` the files of an old run in it are removed.
+/// Makes the folder `out`. With `force` the files of an old run in it are removed, the scene last: a folder that is killed halfway is
+/// still one that held a run.
 ///
 /// # Errors
-/// [`Error::Exists`] for a folder with a run, without `force`; with `force`, a folder with files that never held a run; a folder or file that cannot be changed.
+/// [`Error::Exists`] for a folder with a run, without `force`; with `force`, a folder with files that never held a run, or snapshots
+/// or figures that no run has written, nothing being removed then; a folder or file that cannot be changed.
 pub fn claim(out: &Path, force: bool) -> Result<()> {
     let occupied = occupied(out);
     if occupied && !force {
         return Err(Error::Exists { path: out.into() });
     }
-    if !occupied && out.join(FAILED).exists() {
-        std::fs::remove_file(out.join(FAILED)).map_err(Error::write(out.join(FAILED)))?;
-    }
-    if occupied && ![crate::scene::RESOLVED, FAILED].iter().any(|name| out.join(name).exists()) {
-        let message = "holds files but no run, so that nothing in it is overwritten; choose another folder";
-        return Err(Error::input(out.display(), "", None, message));
-    }
     if occupied {
-        for name in OURS {
-            let path = out.join(name);
-            if path.exists() {
-                std::fs::remove_file(&path).map_err(Error::write(&path))?;
-            }
+        let ours = written(out)?;
+        for path in ours.iter().filter(|path| path.symlink_metadata().is_ok()) {
+            std::fs::remove_file(path).map_err(Error::write(path))?;
         }
-        for name in [SNAPSHOTS, "figures"] {
-            let path = out.join(name);
-            if path.is_dir() {
-                std::fs::remove_dir_all(&path).map_err(Error::write(&path))?;
+        for folder in [SNAPSHOTS, FIGURES, DRAWING].map(|name| out.join(name)).iter().filter(|folder| folder.is_dir()) {
+            std::fs::remove_dir(folder).map_err(Error::write(folder))?;
+        }
+    }
+    for name in [FAILED, crate::scene::RESOLVED] {
+        match std::fs::remove_file(out.join(name)) {
+            Err(e) if !matches!(e.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory) => {
+                return Err(Error::write(out.join(name))(e));
             }
+            _ => {}
         }
     }
     std::fs::create_dir_all(out).map_err(Error::write(out))
+}
+
+/// What the run in the folder `out` may have written besides its scene.
+///
+/// # Errors
+/// A folder that never held a run; a snapshot or figure that no run has written, by name.
+fn written(out: &Path) -> Result<Vec<PathBuf>> {
+    if ![crate::scene::RESOLVED, FAILED].iter().any(|name| out.join(name).exists()) {
+        let message = "holds files but no run, so that nothing in it is overwritten; choose another folder";
+        return Err(Error::input(out.display(), "", None, message));
+    }
+    let drawn = std::fs::read_to_string(out.join(FIGURES).join(DRAWN)).unwrap_or_default();
+    let snapshot = |name: &str| {
+        let digits = name.rsplit_once('_').and_then(|(_, rest)| rest.split_once('.'));
+        digits.is_some_and(|(step, ending)| step.bytes().all(|b| b.is_ascii_digit()) && ["vtp", "csv"].contains(&ending))
+    };
+    let figure = |name: &str| name == DRAWN || drawn.lines().any(|line| line == name);
+    let any = |_: &str| true;
+    let mut ours: Vec<PathBuf> = OURS.iter().map(|name| out.join(name)).collect();
+    let folders: [(&str, &dyn Fn(&str) -> bool); 3] = [(SNAPSHOTS, &snapshot), (FIGURES, &figure), (DRAWING, &any)];
+    for (folder, known) in folders {
+        for entry in out.join(folder).read_dir().into_iter().flatten().flatten() {
+            let name = entry.file_name();
+            let file = entry.file_type().is_ok_and(|kind| !kind.is_dir());
+            if !(file && name.to_str().is_some_and(known)) {
+                let message = "was not written by a run, so that nothing here is overwritten; move it, or choose another folder";
+                return Err(Error::input(entry.path().display(), "", None, message));
+            }
+            ours.push(entry.path());
+        }
+    }
+    Ok(ours)
 }
 
 /// Tables and snapshots with what is needed to continue them.

@@ -24,7 +24,7 @@ use engine::boundary::CylinderSpace;
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use files::Files;
-pub use files::occupied;
+pub use files::{DRAWING, DRAWN, FIGURES, occupied};
 pub use folder::{Found, Lock, lock, look};
 use progress_bar::Bar;
 pub use progress_bar::human;

@@ -1,8 +1,8 @@
 //! Checks that end a run whose state is no longer meaningful, before its numbers become infinite.
 
 use crate::error::{Error, Result};
-use crate::model::{Assembly, Model};
 use crate::model::continuum::MpmTest;
+use crate::model::{Assembly, Model};
 use crate::record::continuum::Recorder;
 use crate::record::cylinder::AtEnd;
 use crate::rig::continuum;
@@ -116,11 +116,7 @@ pub fn energy(state: &State, gravity: [f64; 3]) -> Result<()> {
     };
     let now: f64 = (0..g.len()).map(of).sum();
     let height = |i: usize| -g.mass[i] * dot([g.pos[i][0], g.pos[i][1], g.pos[i][2]], gravity);
-    let fallen = if gravity == [0.0; 3] {
-        0.0
-    } else {
-        potential - ledger.lost_potential - (0..g.len()).map(height).sum::<f64>()
-    };
+    let fallen = if gravity == [0.0; 3] { 0.0 } else { potential - ledger.lost_potential - (0..g.len()).map(height).sum::<f64>() };
     let given: f64 = state.walls.iter().map(|w| w.work.max(0.0)).sum();
     let others = [ledger.growth, ledger.inertia, ledger.release].iter().map(|w| w.max(0.0)).sum::<f64>();
     let possible = stored + kinetic + given + others + fallen;

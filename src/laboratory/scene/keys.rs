@@ -748,7 +748,7 @@ const OWN: &[Key] = &[
     listed(
         "records.largest_overlap_at_start",
         Number(POSITIVE),
-        Is("0.1"),
+        Is("0.25"),
         "largest overlap of two listed grains, or of one and a wall, over the radius of the smaller: a scene with a deeper one is refused",
     ),
     both("records.energy", Flag, Is("true"), "whether the energy ledger is kept"),

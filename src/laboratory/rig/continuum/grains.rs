@@ -45,7 +45,15 @@ pub fn mixture(model: &Model, rig: &MpmTest, coarse: &CoarseGrains, continuum: &
         Test::Oedometer(s) => (0..5).map(|k| side(s, k)).chain(plates.iter().map(of)).collect(),
         Test::Triaxial { .. } => plates.iter().map(of).collect(),
     };
-    let scene = Assembly { grains: coarse.grains.clone(), walls, steps: None, duration: None, tracks: Vec::new(), above_bound: false, record_every: 1 };
+    let scene = Assembly {
+        grains: coarse.grains.clone(),
+        walls,
+        steps: None,
+        duration: None,
+        tracks: Vec::new(),
+        above_bound: false,
+        record_every: 1,
+    };
     let mut mixture = Mixture::new(&model.physics, assembly::start(model, &scene), continuum, coarse.fines);
     if !coarse.blocks.is_empty() {
         mixture.blocks = Some(Box::new(Blocks::new(coarse.blocks.clone())));

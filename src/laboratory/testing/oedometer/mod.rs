@@ -149,13 +149,7 @@ impl Loading {
     ///
     /// # Errors
     /// [`Error::Stalled`] where the stress has not followed its target for `loading.max_wait_steps` steps.
-    pub(super) fn programme(
-        &mut self,
-        model: &Model,
-        rig: &Compression,
-        state: &mut State,
-        work: &Workspace,
-    ) -> Result<(), Error> {
+    pub(super) fn programme(&mut self, model: &Model, rig: &Compression, state: &mut State, work: &Workspace) -> Result<(), Error> {
         let stages = &rig.loading.stages;
         match self.phase {
             Phase::Settle if self.phase_steps >= rig.specimen.settle_steps => {
