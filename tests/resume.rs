@@ -354,3 +354,20 @@ fn a_file_of_somebody_in_a_run_is_not_overwritten() {
     assert_eq!(code, Some(0), "{said}");
     assert!(!dir.join("figures").exists() && dir.join("notes.txt").exists());
 }
+
+/// Of processes that begin a run in one folder at the same moment one makes it and the others are refused.
+#[test]
+fn a_folder_is_taken_by_one_of_several_runs() {
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/free/sliding_to_rolling.toml");
+    for round in 0..5 {
+        let dir = folder().join(format!("race {round}"));
+        let start = || {
+            let mut command = comminute();
+            command.arg("run").arg(&scene).arg("--out").arg(&dir).args(["--set", "duration_s=100.0", "--set", "records.figures=false"]);
+            command.args(["--set", "records.every=100000"]).spawn().expect("start")
+        };
+        let codes: Vec<_> = [start(), start(), start()].map(|mut child| child.wait().expect("ended").code()).into();
+        let of = |code: i32| codes.iter().filter(|c| **c == Some(code)).count();
+        assert!(of(0) == 1 && of(2) == 2, "{codes:?}");
+    }
+}

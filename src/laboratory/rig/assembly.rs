@@ -65,7 +65,7 @@ fn open(model: &Model, state: &mut State, work: &Workspace) {
     state.ledger.start = [sums.stored, sums.kinetic, sums.potential];
 }
 
-/// Largest way of a wall under servo in one step, over the mean radius.
+/// Largest way of a wall under servo in one step, over the largest radius, which does not depend on the order of grains.
 const SERVO_STRIDE: f64 = 1e-3;
 /// Least stress for which inertia is scaled, Pa: grains may bear no load at the start.
 const LEAST_STRESS: f64 = 1e3;
@@ -84,8 +84,7 @@ fn drive(model: &Model, state: &mut State, work: &Workspace) {
     if model.physics.stepping.inertia_scaling && state.step.is_multiple_of(LOOK) {
         state.reference_stress = contact_pressure(state, work).max(least_stress(state.walls.iter().map(|w| w.drive)));
     }
-    let mean_radius = state.grains.pos.iter().map(|p| p[3]).sum::<f64>() / state.grains.len().max(1) as f64;
-    let limit = SERVO_STRIDE * mean_radius / state.dt;
+    let limit = SERVO_STRIDE * state.grains.pos.iter().map(|p| p[3]).fold(0.0, f64::max) / state.dt;
     for k in 0..state.walls.len() {
         let w = &state.walls[k];
         let speed = match w.drive {

@@ -1,6 +1,6 @@
 //! The folder of a run and the files in it that grow while the run goes on.
 
-use super::{Progress, watch};
+use super::{Progress, lock, watch};
 use crate::error::{Error, Result};
 use crate::gradation::Gradation;
 use crate::model::{Assembly, Model};
@@ -106,9 +106,10 @@ pub fn release(out: &Path, why: &Error) {
 /// still one that held a run.
 ///
 /// # Errors
-/// [`Error::Exists`] for a folder with a run, without `force`; with `force`, a folder with files that never held a run, or snapshots
+/// [`Error::Busy`] while another process runs there; [`Error::Exists`] for a folder with a run, without `force`; with `force`, a folder with files that never held a run, or snapshots
 /// or figures that no run has written, nothing being removed then; a folder or file that cannot be changed.
 pub fn claim(out: &Path, force: bool) -> Result<()> {
+    let _busy = lock(out)?;
     let occupied = occupied(out);
     if occupied && !force {
         return Err(Error::Exists { path: out.into() });

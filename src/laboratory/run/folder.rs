@@ -7,6 +7,7 @@ use crate::record::{checkpoint, specimen};
 use crate::scene::{self, RESOLVED, SPECIMEN, Scene};
 use serde_json::Value;
 use std::fs::{File, TryLockError};
+use std::io::Write;
 use std::path::Path;
 
 /// What a folder holds of the run of a given scene ([`look`]).
@@ -115,6 +116,25 @@ pub fn lock(out: &Path) -> Result<Lock> {
         Err(TryLockError::WouldBlock) => Err(Error::Busy { path: out.into() }),
         Err(TryLockError::Error(_)) => Ok(Lock { _file: None }),
         Ok(()) => Ok(Lock { _file: Some(file) }),
+    }
+}
+
+/// Makes the scene file of a new run in the folder `out`, with the text `resolved`, and locks it: of two processes that begin a run in one
+/// folder at the same time one is refused.
+///
+/// # Errors
+/// [`Error::Busy`] when another process has just begun a run there; a file that cannot be written.
+pub fn begin(out: &Path, resolved: &str) -> Result<Lock> {
+    let path = out.join(RESOLVED);
+    match File::create_new(&path) {
+        Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => Err(Error::Busy { path: out.into() }),
+        Err(e) => Err(Error::write(&path)(e)),
+        Ok(mut file) => {
+            // taken before the first byte is there: who finds the file finds it locked
+            let lock = lock(out)?;
+            file.write_all(resolved.as_bytes()).and_then(|()| file.sync_all()).map_err(Error::write(&path))?;
+            Ok(lock)
+        }
     }
 }
 

@@ -195,11 +195,8 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
     if given.is_none() {
         settle(&mut model, threads)?;
     }
-    lock(&out)?;
     files::claim(&out, force)?;
-    let resolved = out.join(crate::scene::RESOLVED);
-    std::fs::write(&resolved, scene_resolved).map_err(Error::write(&resolved))?;
-    let lock = lock(&out)?;
+    let lock = folder::begin(&out, &scene_resolved)?;
     let folder = out.clone();
     let outcome = in_pool(threads, move || {
         if let Rig::GrainCrushing(rig) = &model.rig {
