@@ -363,7 +363,12 @@ fn a_folder_is_taken_by_one_of_several_runs() {
         let dir = folder().join(format!("race {round}"));
         let start = || {
             let mut command = comminute();
-            command.arg("run").arg(&scene).arg("--out").arg(&dir).args(["--set", "duration_s=100.0", "--set", "records.figures=false"]);
+            command.arg("run").arg(&scene).arg("--out").arg(&dir).args([
+                "--set",
+                "duration_s=100.0",
+                "--set",
+                "records.figures=false",
+            ]);
             command.args(["--set", "records.every=100000"]).spawn().expect("start")
         };
         let codes: Vec<_> = [start(), start(), start()].map(|mut child| child.wait().expect("ended").code()).into();

@@ -1,0 +1,263 @@
+//! Processes killed at random moments (SIGKILL) and called again until they are done: every file ends with the same bytes as without a kill, figures
+//! included. A few kills of every kind of run stand here; `COMMINUTE_KILLS=1000 cargo test --release --test kills -- --ignored` makes that many and writes the
+//! table of the book, `docs/validation/hard_to_break/kills.csv`.
+
+#![cfg(unix)]
+
+use assert_cmd::cargo::cargo_bin;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeMap;
+use std::fs;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// A command that a user would call again after a crash: `--out` is added, and checkpoints often enough that a run of a second has several.
+struct Kind {
+    name: &'static str,
+    /// Whether it takes a second or two, so that it stands in CI.
+    quick: bool,
+    call: &'static str,
+    /// What is set in its scene.
+    sets: &'static [&'static str],
+}
+
+const fn kind(quick: bool, name: &'static str, call: &'static str, sets: &'static [&'static str]) -> Kind {
+    Kind { name, quick, call, sets }
+}
+
+const KINDS: [Kind; 10] = [
+    kind(
+        true,
+        "preparation by path",
+        "run experiments/hard/oedometer.toml --continue",
+        &["specimen.grains=250", "specimen.diameter_mm=3.3", "loading.max_stress_kPa=20", OFTEN],
+    ),
+    kind(
+        true,
+        "oedometer with figures",
+        "run experiments/hard/oedometer.toml --continue",
+        &["records.figures=true", "records.snapshots=true", "records.contacts=true", OFTEN],
+    ),
+    kind(
+        false,
+        "oedometer, lost mass as points",
+        "run tests/golden/sand_oedometer.toml --continue",
+        &["loading.max_stress_kPa=3000", OFTEN],
+    ),
+    kind(
+        false,
+        "triaxial",
+        "run experiments/fontainebleau/triaxial-h.toml --continue",
+        &[
+            "specimen.grains=300",
+            "specimen.diameter_mm=10.3",
+            "crushing.enabled=true",
+            "loading.axial_strain=0.02",
+            "specimen.isotropic_stress_kPa=2000",
+            "loading.inertial_number=0.001",
+            OFTEN,
+        ],
+    ),
+    kind(true, "free scene", "run experiments/free/box_settling.toml --continue", &["duration_s=0.1", OFTEN]),
+    kind(true, "breakages in a corner", "run experiments/hard/corner.toml --continue", &["steps=20000", OFTEN]),
+    kind(
+        true,
+        "platen tests",
+        "run experiments/platen/silica.toml --continue",
+        &["batch.grains=4", "batch.diameters_mm=[1.0, 2.0]"],
+    ),
+    kind(
+        true,
+        "continuum with figures",
+        "run experiments/hard/cube_frictional.toml --continue",
+        &["grid.transfer=apic", "records.snapshots=true", "records.figures=true", OFTEN],
+    ),
+    kind(
+        false,
+        "mixture that grows and breaks",
+        "run experiments/mixture/coke_in_fines.toml --continue",
+        &["test.axial_strain=0.01", OFTEN],
+    ),
+    kind(
+        true,
+        "sweep",
+        "sweep experiments/hard/oedometer.toml --grid material.contact.friction=0.3,0.5 --seeds 1,2",
+        &["specimen.void_ratio=0.8", "loading.max_stress_kPa=300", OFTEN],
+    ),
+];
+
+#[cfg(feature = "gpu")]
+const ON_DEVICE: Kind = kind(
+    true,
+    "continuum on a graphics device",
+    "run experiments/hard/cube_frictional.toml --continue --backend gpu",
+    &["test.axial_strain=0.005", OFTEN],
+);
+
+/// Checkpoints every tenth of a second.
+const OFTEN: &str = "records.checkpoint_seconds=0.1";
+
+/// Entries of tables and summaries that say how long something took and on what.
+const OF_THE_MACHINE: [&str; 6] = ["second", "bytes_", "threads", "host", "simd", "version"];
+
+fn of_the_machine(name: &str) -> bool {
+    OF_THE_MACHINE.iter().any(|word| name.contains(word))
+}
+
+/// JSON without what depends on the machine.
+fn plain(value: &mut serde_json::Value) {
+    if let Some(object) = value.as_object_mut() {
+        object.retain(|key, _| !of_the_machine(key));
+        object.values_mut().for_each(plain);
+    }
+}
+
+/// All files below `dir` without clocks; logs of runs are left out.
+fn files(dir: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut open = vec![dir.to_path_buf()];
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder).expect("a folder").flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                open.push(path);
+                continue;
+            }
+            let name = path.strip_prefix(dir).expect("inside").display().to_string();
+            let mut bytes = fs::read(&path).expect("a file");
+            if name.ends_with(".json") {
+                let mut value = serde_json::from_slice(&bytes).expect("JSON");
+                plain(&mut value);
+                bytes = value.to_string().into_bytes();
+            } else if ["sweep.csv", "runs.csv"].iter().any(|table| name.ends_with(table)) {
+                let mut reader = csv::Reader::from_reader(&bytes[..]);
+                let kept: Vec<bool> = reader.headers().expect("header").iter().map(|name| !of_the_machine(name)).collect();
+                let row = |row: csv::StringRecord| {
+                    row.iter().zip(&kept).filter(|(_, k)| **k).map(|(x, _)| x.to_string()).collect::<Vec<_>>()
+                };
+                bytes = format!("{:?}", reader.records().map(|r| row(r.expect("row"))).collect::<Vec<_>>()).into_bytes();
+            } else if name.ends_with(".log") {
+                continue;
+            }
+            found.insert(name, bytes);
+        }
+    }
+    found
+}
+
+fn start(kind: &Kind, out: &Path) -> std::process::Child {
+    let mut command = Command::new(cargo_bin("comminute"));
+    command
+        .current_dir(ROOT)
+        .args(kind.call.split(' '))
+        .args(kind.sets.iter().flat_map(|set| ["--set", set]))
+        .arg("--out")
+        .arg(out)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
+    // a group of its own, so that the runs of a sweep are killed with it
+    command.process_group(0).spawn().expect("start")
+}
+
+/// Runs without a kill: what is left, and how long it took.
+fn whole(kind: &Kind, folder: &Path) -> (BTreeMap<String, Vec<u8>>, Duration) {
+    let (out, began) = (folder.join("whole"), Instant::now());
+    assert!(start(kind, &out).wait().expect("ended").success(), "{}", kind.name);
+    let took = began.elapsed();
+    // of a sweep the folder stands in its tables
+    (files(&out), took)
+}
+
+/// Calls a command, killing it after random times, at most `most` times, then until it is done; gives the number of kills.
+fn killed(kind: &Kind, out: &Path, took: Duration, most: usize, random: &mut ChaCha8Rng) -> usize {
+    let mut kills = 0;
+    while kills < most {
+        let mut child = start(kind, out);
+        std::thread::sleep(took.mul_f64(random.random_range(0.0..0.7)));
+        if child.try_wait().expect("state").is_some() {
+            break;
+        }
+        let group = nix::unistd::Pid::from_raw(child.id() as i32);
+        let _ = nix::sys::signal::killpg(group, nix::sys::signal::Signal::SIGKILL);
+        let _ = child.wait();
+        kills += 1;
+    }
+    assert!(start(kind, out).wait().expect("ended").success(), "{} after {kills} kills in {}", kind.name, out.display());
+    kills
+}
+
+/// Asserts that a killed run has left what the whole one has.
+fn same(kind: &Kind, whole: &BTreeMap<String, Vec<u8>>, out: &Path) {
+    let now = files(out);
+    let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&now), names(whole), "{}", kind.name);
+    for (name, bytes) in &now {
+        assert!(*bytes == whole[name], "{}: {name} differs after kills", kind.name);
+    }
+}
+
+fn kinds() -> Vec<&'static Kind> {
+    #[allow(unused_mut)]
+    let mut kinds: Vec<&Kind> = KINDS.iter().collect();
+    #[cfg(feature = "gpu")]
+    if adapter::adapter("killed processes go on") {
+        kinds.push(&ON_DEVICE);
+    }
+    kinds
+}
+
+#[cfg(feature = "gpu")]
+use comminute::gpu;
+
+#[cfg(feature = "gpu")]
+#[path = "../src/engine/gpu/tests/adapter.rs"]
+mod adapter;
+
+#[test]
+fn every_kind_of_run_survives_kills() {
+    let folder = tempfile::tempdir().expect("folder");
+    let mut random = ChaCha8Rng::seed_from_u64(26);
+    for (k, kind) in kinds().into_iter().filter(|kind| kind.quick).enumerate() {
+        let base = folder.path().join(k.to_string());
+        fs::create_dir_all(&base).expect("folder");
+        let (reference, took) = whole(kind, &base);
+        let out = base.join("killed");
+        let kills = killed(kind, &out, took, 2, &mut random);
+        println!("{}: {kills} kills", kind.name);
+        same(kind, &reference, &out);
+    }
+}
+
+#[test]
+#[ignore = "an hour: writes docs/validation/hard_to_break/kills.csv"]
+fn a_thousand_kills() {
+    let wanted: usize = std::env::var("COMMINUTE_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(1000);
+    let folder = tempfile::tempdir().expect("folder");
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let kinds = kinds();
+    let path = Path::new(ROOT).join("docs/validation/hard_to_break/kills.csv");
+    fs::create_dir_all(path.parent().expect("a folder")).expect("folder");
+    let mut table = csv::Writer::from_path(path).expect("a table");
+    table.write_record(["kind", "runs", "kills", "identical"]).expect("row");
+    for (k, kind) in kinds.iter().enumerate() {
+        let base: PathBuf = folder.path().join(k.to_string());
+        fs::create_dir_all(&base).expect("folder");
+        let (reference, took) = whole(kind, &base);
+        let (mut runs, mut kills) = (0, 0);
+        while kills < wanted.div_ceil(kinds.len()) {
+            let out = base.join(runs.to_string());
+            kills += killed(kind, &out, took, 6, &mut random);
+            same(kind, &reference, &out);
+            fs::remove_dir_all(&out).expect("removed");
+            runs += 1;
+        }
+        table.serialize((kind.name, runs, kills, runs)).expect("row");
+        table.flush().expect("written");
+    }
+}
