@@ -22,6 +22,7 @@ pub mod physics;
 pub mod stability;
 
 use crate::boundary::Wall;
+use crate::check::{self, Checked, below, ensure};
 use crate::contact::chunk::{self, Slots};
 use crate::contact::force::Rules;
 use crate::contact::pair::PairTable;
@@ -187,6 +188,45 @@ impl State {
             aftermath: Aftermath::default(),
             fresh: true,
         }
+    }
+}
+
+impl State {
+    /// Checks a state that comes from outside. `made` is a state of the same run as it was made, with grains or without: it tells which walls there are and what
+    /// contacts keep.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, physics: &Physics, made: &State) -> Checked {
+        let State { grains: g, pairs, walls, wall_pairs, ledger, aftermath, lost, .. } = self;
+        check::counters("steps", &[self.step, self.crush_events])?;
+        check::not_negative("times", [self.time])?;
+        let dt = self.dt;
+        check::not_negative("time steps", [dt])?;
+        let scaled = physics.stepping.inertia_scaling;
+        ensure(dt == 0.0 || if scaled { dt == 1.0 } else { dt.is_normal() }, || format!("the time step is {dt:e}"))?;
+        check::not_negative("friction", self.friction)?;
+        check::all("damping", [self.damping], "not from 0 to 1", |x| (0.0..=1.0).contains(&x))?;
+        check::not_negative("reference stress", [self.reference_stress])?;
+        let interval = self.stability_interval;
+        ensure((1..=STABILITY_INTERVAL).contains(&interval), || format!("the time step is looked at every {interval} steps"))?;
+        ensure(!self.crushing || physics.crush.is_some(), || "grains break which cannot".into())?;
+        check::lengths("walls", made.walls.len(), [walls.len()])?;
+        walls.iter().zip(&made.walls).try_for_each(|(wall, made)| wall.check(made))?;
+        g.check(physics.materials.len())?;
+        pairs.check(&g.id, g.len(), true, made.pairs.kept())?;
+        wall_pairs.check(&g.id, walls.len(), false, made.wall_pairs.kept())?;
+        // every identity is that of a grain which is there or has broken
+        ensure(g.next_id as u64 == g.len() as u64 + self.crush_events, || {
+            format!("{} grains and {} breakages do not make {} identities", g.len(), self.crush_events, g.next_id)
+        })?;
+        let counted = physics.crush.as_ref().is_none_or(|c| !c.keeps_mass);
+        let losses = if counted { self.crush_events as usize } else { 0 };
+        check::lengths("breakages", losses, [lost.len()])?;
+        check::numbers("lost masses", lost.iter().flat_map(|l| [l.0, l.1]))?;
+        g.born.iter().try_for_each(|born| below("born at step", *born, self.step as usize + 1))?;
+        ledger.check()?;
+        aftermath.check(g, physics.materials.len())
     }
 }
 

@@ -18,6 +18,7 @@ use crate::record::walls::Loaded;
 use crate::record::{blocks, checkpoint, contacts, specimen};
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
 use engine::boundary::WallShape;
+use engine::check::{self, Checked};
 use engine::mpm::law::Law;
 use engine::mpm::{Dimension, LoadingPlate};
 use serde::{Deserialize, Serialize};
@@ -191,7 +192,7 @@ pub fn resume(
     quiet: bool,
     stop_after: Option<u64>,
 ) -> Result<Outcome> {
-    let mut progress: Progress = super::taken_up(out)?;
+    let mut progress: Progress = super::taken_up(out, |progress: &Progress| progress.check(model, rig))?;
     progress.history.reopen(out, files::HISTORY)?;
     progress.blocks.reopen(out, blocks::TRACKS)?;
     progress.crushed.reopen(out)?;
@@ -201,7 +202,7 @@ pub fn resume(
         let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
         return prepared(model, rig, Begun { progress, engine }, out, quiet, stop_after);
     }
-    let own = progress.grown.as_ref().zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth));
+    let own = progress.own(model, rig);
     let rig = own.as_ref().unwrap_or(rig);
     let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
     make_test(model, rig, out, Begun { progress, engine }, quiet, stop_after)
@@ -237,6 +238,26 @@ fn make_test(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool
 }
 
 impl Progress {
+    /// The rig with the grown points and grains, where the specimen has grown.
+    fn own(&self, model: &Model, rig: &MpmTest) -> Option<MpmTest> {
+        self.grown.as_ref().zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth))
+    }
+
+    /// Checks a progress that was read from a file: whether a run of `rig` can have written it.
+    fn check(&self, model: &Model, rig: &MpmTest) -> Checked {
+        match (&self.growing, &self.grown, &rig.growth) {
+            (Some(growing), None, Some(growth)) => growing.check(model, rig, growth)?,
+            (None, Some(grown), Some(_)) => grown.check()?,
+            (None, None, None) => {}
+            _ => return Err("a specimen grows which the scene does not grow, or has not grown which it does".into()),
+        }
+        let own = self.own(model, rig);
+        self.state.check(model, own.as_ref().unwrap_or(rig))?;
+        self.crushed.check(model, &self.state)?;
+        self.used.check()?;
+        check::not_negative("seconds", [self.seconds, self.user_seconds])
+    }
+
     /// One [`State::advance`], with the records that are due. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, out: &Path) -> Result<bool> {
         let Progress { state, recorder, history, blocks, crushed, snapshots, .. } = self;
