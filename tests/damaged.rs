@@ -81,7 +81,13 @@ const KINDS: &[Kind] = &[
     Kind {
         name: "fines as points in an oedometer",
         scene: "tests/golden/sand_oedometer.toml",
-        sets: &["specimen.grains=60", "specimen.diameter_mm=2.0", "specimen.void_ratio=0.9", "loading.max_stress_kPa=7000"],
+        sets: &[
+            "specimen.grains=60",
+            "specimen.diameter_mm=2.0",
+            "specimen.void_ratio=0.9",
+            "loading.max_stress_kPa=7000",
+            "loading.stages_kPa=[]",
+        ],
         stops: [32_000, 34_000],
     },
     Kind {
@@ -484,7 +490,7 @@ fn try_all(kind: &Kind, seed: u64, number: u64, each: &mut dyn FnMut(&'static st
 
 /// A few of every way, on a run of every kind.
 fn some(kind: usize) {
-    let wrong = try_all(&KINDS[kind], 1, 3, &mut |_, _, _| {});
+    let wrong = try_all(&KINDS[kind], 1, 1, &mut |_, _, _| {});
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 

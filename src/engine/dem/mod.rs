@@ -595,6 +595,74 @@ impl Stopwatch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::boundary::{Drive, WallShape, WallSpec};
+    use crate::contact::ContactLaw;
+    use crate::material::Material;
+
+    /// Two grains that touch each other and a wall, some steps after their start.
+    fn moved() -> (Physics, State) {
+        let stuff = Material {
+            name: "stuff".into(),
+            density: 2000.0,
+            internal_porosity: 0.0,
+            young: 1e9,
+            poisson: 0.2,
+            friction: 0.5,
+            contact: [0.0; 4],
+            rolling_friction: 0.0,
+        };
+        let physics = Physics { gravity: [0.0, 0.0, -9.81], ..Physics::of(vec![stuff], ContactLaw::Hertz) };
+        let mut grains = Grains::default();
+        for x in [-0.9999e-3, 0.9999e-3] {
+            grains.add([x, 0.0, 0.9999e-3], 1e-3, 0, &physics.materials);
+        }
+        let shape = WallShape::Plane { point: [0.0; 3], normal: [0.0, 0.0, 1.0] };
+        let wall = Wall::new(&WallSpec { shape, friction: 0.2, drive: Drive::Fixed, material: None });
+        let mut state = State::new(&physics, grains, vec![wall], true);
+        let mut work = Workspace::new(&physics, &mut state);
+        for _ in 0..10 {
+            step(&physics, &mut state, &mut work, |_, _| Ok::<(), std::convert::Infallible>(())).expect("a step");
+        }
+        (physics, state)
+    }
+
+    type Change = fn(&mut State);
+
+    /// What no run has made is refused in words that name it.
+    #[test]
+    fn a_state_that_no_run_has_made_is_refused() {
+        let (physics, whole) = moved();
+        assert_eq!((whole.pairs.slots(), whole.wall_pairs.slots()), (1, 2));
+        let made = State::new(&physics, Grains::default(), whole.walls.clone(), true);
+        assert_eq!(whole.check(&physics, &made), Ok(()));
+        let changes: [(&str, Change); 19] = [
+            ("contact 0 names grain 300 of 2", |s| s.pairs.ends[0][0] = 300),
+            ("contact 0 names 1 of 1", |s| s.wall_pairs.ends[0][1] = 1),
+            ("not in their order", |s| s.pairs.ends[0].swap(0, 1)),
+            ("a contact stands twice", |s| s.wall_pairs.ends[1] = s.wall_pairs.ends[0]),
+            ("free places", |s| s.pairs.ends[0] = [FREE; 2]),
+            ("list 0 has 2 entries for 1", |s| s.pairs.touch.push(Default::default())),
+            ("other values than the scene asks for", |s| s.pairs = Pairs::new(Kept::default())),
+            ("value 3: NaN", |s| s.wall_pairs.touch[0].normal_force = f64::NAN),
+            ("grains: list 3 has 1 entries for 2", |s| drop(s.grains.mass.pop())),
+            ("grain 1 stands twice", |s| s.grains.id = vec![1, 1]),
+            ("material 9 of 1", |s| s.grains.material[0] = 9),
+            ("radii of grains, value 1", |s| s.grains.pos[1][3] = -1e-3),
+            ("places of grains, value 0: 1e300", |s| s.grains.pos[0][0] = 1e300),
+            ("do not make 4000000000 identities", |s| s.grains.next_id = 4_000_000_000),
+            ("time step is 5e-324", |s| s.dt = 5e-324),
+            ("no number that can be reached by counting", |s| s.step = u64::MAX - 1),
+            ("grains break which cannot", |s| s.crushing = true),
+            ("a wall is not that of the scene", |s| s.walls[0].friction = 0.3),
+            ("growing grain 2 of 2", |s| s.aftermath.grow(2, 1e-3, 1e-6)),
+        ];
+        for (expected, change) in changes {
+            let mut state = whole.clone();
+            change(&mut state);
+            let told = state.check(&physics, &made).expect_err(expected);
+            assert!(told.contains(expected), "{told} instead of {expected}");
+        }
+    }
 
     #[test]
     fn a_panic_alone_does_not_leave_the_others_waiting() {

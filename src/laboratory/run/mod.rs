@@ -291,8 +291,10 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
         return in_pool(options.threads, || grain_crushing::run(&model, rig, dir, options.quiet));
     }
     if let Rig::Continuum(rig) = &model.rig {
-        let resume = || continuum::resume(&model, rig, dir, options.backend, options.quiet, options.stop_after);
-        return released(in_pool(options.threads, resume), dir, lock);
+        // a checkpoint that is refused frees no folder
+        let begun = in_pool(options.threads, || continuum::take_up(&model, rig, dir, options.backend))?;
+        let go_on = || continuum::go_on(&model, rig, begun, dir, options.quiet, options.stop_after);
+        return released(in_pool(options.threads, go_on), dir, lock);
     }
     let mut progress: Progress = taken_up(dir, |progress: &Progress| progress.check(&model))?;
     progress.files.reopen(dir)?;
