@@ -7,7 +7,7 @@
 //! run has written is refused too. A new file is written beside the old one, brought to the disk and renamed; the old one is kept as
 //! the previous checkpoint, from which a run goes on if the newest cannot be used.
 //!
-//! Reading asks for no more memory than a multiple of the file: the content is at most [`LZ4_MOST`] times as long, and a list in it
+//! Reading asks for no more memory than a multiple of the file: the content is at most 255 times as long, and a list in it
 //! grows with the entries that are really there, whatever length it states (serde makes room for a megabyte at most beforehand).
 
 use crate::error::{Error, Result};
