@@ -2,6 +2,7 @@
 //!
 //! A wall moves along its own normal only. Its speed is positive towards the grains, its reaction positive where the grains press on it.
 
+use crate::check::{Checked, ensure, numbers, positive};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -113,6 +114,26 @@ impl Wall {
         }
     }
 
+    /// Checks the wall, which has moved since it was `made`.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, made: &Wall) -> Checked {
+        let Wall { shape, drive, friction, material, speed, reaction, shear_z, stiffness, work } = self;
+        let same = *drive == made.drive && *friction == made.friction && *material == made.material;
+        let alike = match (shape, made.shape) {
+            (WallShape::Plane { normal, .. }, WallShape::Plane { normal: as_made, .. }) => *normal == as_made,
+            (WallShape::Cylinder { centre, .. }, WallShape::Cylinder { centre: as_made, .. }) => *centre == as_made,
+            _ => false,
+        };
+        ensure(same && alike, || "a wall is not that of the scene".into())?;
+        match shape {
+            WallShape::Plane { point, .. } => numbers("places of walls", point)?,
+            WallShape::Cylinder { radius, .. } => positive("radii of walls", [radius])?,
+        }
+        numbers("forces and motions of walls", [speed, reaction, shear_z, stiffness, work])
+    }
+
     /// Moves the wall at its present speed for `dt` seconds.
     pub fn advance(&mut self, dt: f64) {
         let step = self.speed * dt;
@@ -146,7 +167,12 @@ pub fn servo_speed(force: f64, reaction: f64, stiffness: f64, gain: f64, dt: f64
     if stiffness <= 0.0 {
         return limit;
     }
-    (gain * (force - reaction) / (stiffness * dt)).clamp(-limit, limit)
+    limited(gain * (force - reaction) / (stiffness * dt), limit)
+}
+
+/// A speed limited to `limit` in either direction; 0 where the limit is negative or not a number, as in a state that has become meaningless.
+pub fn limited(speed: f64, limit: f64) -> f64 {
+    if limit >= 0.0 { speed.clamp(-limit, limit) } else { 0.0 }
 }
 
 /// The space of a cylindrical specimen: upright, between two platens.

@@ -6,6 +6,7 @@
 //! Position, velocity and spin are packed in vectors of four numbers, which fill one SIMD register; the fourth number (lane 3) holds something else.
 //! [`Grains::radius`], [`Grains::inertia`] and [`Grains::stiffness_radius`] read those lanes by name; the inner loops use the lanes themselves.
 
+use crate::check::{self, Checked, lengths, numbers, positive};
 use crate::material::Material;
 use crate::math::real::Real;
 use serde::{Deserialize, Serialize};
@@ -121,6 +122,30 @@ impl Grains {
             let i = i as usize;
             (m + self.mass[i], v + sphere_volume(self.pos[i][3]))
         })
+    }
+
+    /// Checks what does not depend on anything else: lists of one length, identities, sizes, masses and motions that can be. `materials`: their number.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, materials: usize) -> Checked {
+        let Grains { pos, vel, spin, mass, id, lineage, generation, born, material, strength, breakage_threshold, work, next_id } =
+            self;
+        let own = [pos.len(), vel.len(), spin.len(), mass.len(), id.len(), lineage.len(), generation.len(), born.len()];
+        let more = [material.len(), strength.len(), breakage_threshold.len(), work.len()];
+        lengths("grains", pos.len(), own.into_iter().chain(more))?;
+        check::identities("grain", id, *next_id)?;
+        numbers("places of grains", pos.as_flattened())?;
+        numbers("velocities of grains", vel.as_flattened())?;
+        numbers("spins of grains", spin.as_flattened())?;
+        numbers("works of grains", work.as_flattened())?;
+        positive("radii of grains", pos.iter().map(|p| p[3]))?;
+        positive("inverse inertial masses of grains", vel.iter().map(|v| v[3]))?;
+        positive("radii of the stiffness of grains", (0..pos.len()).map(|i| self.stiffness_radius(i)))?;
+        positive("masses of grains", mass)?;
+        // those of grains that cannot break are infinite
+        check::all("strengths of grains", strength.iter().chain(breakage_threshold), "not from 0 on", |x| x >= 0.0)?;
+        material.iter().try_for_each(|m| check::below("material", *m, materials))
     }
 
     /// Re-orders all arrays: entry `k` becomes the one that was at `order[k]`.

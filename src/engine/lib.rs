@@ -8,6 +8,7 @@
 //! | module | content |
 //! |---|---|
 //! | [`math`] | vectors, functions and random draws with the same bits on every machine, SIMD arithmetic |
+//! | [`check`] | checks that a state from outside holds only what a run can have made |
 //! | [`error`], [`parameter`], [`material`], [`boundary`], [`grains`], [`shape`] | errors, parameters that laws ask of materials, material constants, walls, the arrays of grains, shapes of rigid bodies |
 //! | [`contact`], [`breakage`] | contact laws and the loop over all contacts; laws of breakage |
 //! | [`neighbours`] | lists of pairs of grains that are close enough to touch soon |
@@ -20,6 +21,7 @@
 
 pub mod boundary;
 pub mod breakage;
+pub mod check;
 pub mod contact;
 pub mod coupling;
 pub mod dem;

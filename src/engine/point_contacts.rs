@@ -2,6 +2,7 @@
 //! a list of candidates.
 
 use crate::boundary::Wall;
+use crate::check::{self, Checked};
 use crate::contact::ContactLaw;
 use crate::contact::pair::{Pair, PairTable};
 use crate::material::Material;
@@ -41,6 +42,19 @@ impl Age {
         let [least, most] = SKIN.map(|cells| cells * cell);
         *self = Age { skin: (STEPS / TRUST * way).clamp(least, most), travelled: 0.0, searched: alive };
         Some(self.skin)
+    }
+
+    /// Whether the list may stand as it is at the next call of [`Self::due`], with so many bodies and points.
+    pub fn may_stand(&self, alive: [usize; 2]) -> bool {
+        self.searched == alive
+    }
+
+    /// Checks the two distances.
+    ///
+    /// # Errors
+    /// The one that is wrong.
+    pub fn check(&self) -> Checked {
+        check::not_negative("age of a list", [self.skin, self.travelled])
     }
 
     /// Makes a search due at the next call of [`Self::due`].

@@ -2,6 +2,7 @@
 //! grain are found through `neighbours::adjacency`. Reading and writing memory takes most of the time of a large run: force and geometry of a contact therefore
 //! fill exactly one cache line, and values that only some runs need are in columns that are empty in the others.
 
+use crate::check::{Checked, below, ensure, lengths, numbers};
 use serde::{Deserialize, Serialize};
 use std::ops::{Deref, DerefMut};
 
@@ -96,6 +97,11 @@ impl<T: Copy + Default> Column<T> {
 
     fn bytes(&self) -> usize {
         self.values.capacity() * size_of::<T>()
+    }
+
+    /// Number of values for so many slots.
+    fn needs(&self, slots: usize) -> usize {
+        if self.kept { slots } else { 0 }
     }
 }
 
@@ -240,6 +246,52 @@ impl Pairs {
         self.load.clear(s);
         self.largest.clear(s);
         self.free.push(slot);
+    }
+
+    /// Checks slots, ends and values. The first ends are grains with the identities `ids`; the second ends are below `second`, and grains as well where `grains`
+    /// is true. `kept`: the columns of the run.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, ids: &[u32], second: usize, grains: bool, kept: Kept) -> Checked {
+        let Pairs { ends, touch, work, rolling, spring, load, largest, free } = self;
+        ensure(self.kept() == kept, || "contacts keep other values than the scene asks for".into())?;
+        let n = ends.len();
+        lengths("contacts", n, [touch.len()])?;
+        for (needs, has) in [
+            (work.needs(n), work.len()),
+            (rolling.needs(n), rolling.len()),
+            (spring.needs(n), spring.len()),
+            (load.needs(n), load.len()),
+            (largest.needs(n), largest.len()),
+        ] {
+            lengths("contacts", needs, [has])?;
+        }
+        numbers("forces of contacts", touch.iter().flat_map(|t| [t.first(), t.second()]).flatten())?;
+        numbers("works of contacts", work.as_flattened())?;
+        numbers("springs of contacts", rolling.iter().chain(spring.iter()).flatten())?;
+        numbers("loads and overlaps of contacts", load.iter().chain(largest.iter()))?;
+        let mut taken: Vec<[u32; 2]> = Vec::with_capacity(n);
+        for (s, &[i, j]) in ends.iter().enumerate() {
+            if i == FREE && j == FREE {
+                continue;
+            }
+            below(format_args!("contact {s} names grain"), i, ids.len())?;
+            below(format_args!("contact {s} names"), j, second)?;
+            ensure(!grains || ids[i as usize] < ids[j as usize], || format!("the ends of contact {s} are not in their order"))?;
+            taken.push([i, j]);
+        }
+        let used = taken.len();
+        taken.sort_unstable();
+        taken.dedup();
+        ensure(taken.len() == used, || "a contact stands twice".into())?;
+        let mut spare = free.clone();
+        spare.sort_unstable();
+        spare.dedup();
+        let all = spare.len() == free.len() && spare.len() == n - used;
+        let right = all
+            && spare.iter().all(|s| ends.get(*s as usize) == Some(&[FREE, FREE]) && touch[*s as usize] == ContactForce::default());
+        ensure(right, || "the list of free places for contacts is not that of the free places".into())
     }
 
     /// Number of slots, free ones included.

@@ -12,6 +12,7 @@
 use super::evaluate::PointContactScene;
 use super::{Body, FinesAsPoints, PointContacts, Rule};
 use crate::boundary::CylinderSpace;
+use crate::check::{self, Checked};
 use crate::dem;
 use crate::dem::physics::Physics;
 use crate::dem::{State, Workspace, stability};
@@ -85,11 +86,19 @@ impl Embedded {
         let wide = ((2.0 * size.radius / cell).ceil() + 2.0 * MARGIN) as u32;
         let high = ((size.height / cell).ceil() + 2.0 * MARGIN) as u32;
         let middle = 0.5 * f64::from(wide) * cell;
+        Embedded::on_grid(physics, embedding, [-middle, -middle, size.bottom - MARGIN * cell], [wide, wide, high])
+    }
+
+    /// Without points, on a grid with the lower corner `lower`, m, and so many cells.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    fn on_grid(physics: &Physics, embedding: &Embedding, lower: [f64; 3], cells: [u32; 3]) -> Result<Embedded> {
         let settings = Settings {
             dimension: Dimension::Space,
-            cell,
-            lower: [-middle, -middle, size.bottom - MARGIN * cell],
-            cells: [wide, wide, high],
+            cell: embedding.cell,
+            lower,
+            cells,
             walls: [Side::Open; 6],
             gravity: [0.0; 3],
             shape: ShapeFunctions::BSpline,
@@ -114,6 +123,21 @@ impl Embedded {
             table: None,
             contact_stiffness: Vec::new(),
         })
+    }
+
+    /// Checks points that come from outside with the grains of their run, `state`.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, physics: &Physics, embedding: &Embedding, state: &State) -> Checked {
+        let Settings { lower, cells, .. } = *self.continuum.settings();
+        let made = Embedded::on_grid(physics, embedding, lower, cells).map_err(|e| e.to_string())?;
+        self.continuum.check(&made.continuum, FinesAsPoints::most(state.crush_events))?;
+        self.point_contacts.check(&state.grains, state.walls.len(), &self.continuum)?;
+        self.fines.check(&made.fines.rule, self.continuum.points().len())?;
+        check::lengths("walls at points", state.walls.len(), [self.pressed.len()])?;
+        check::numbers("points at walls", self.pressed.iter().chain([&self.work]))?;
+        check::ensure(self.modulus == made.modulus, || "the law of the fines is not that of the scene".into())
     }
 
     /// The points and their grid.

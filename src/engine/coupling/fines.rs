@@ -14,6 +14,7 @@
 
 use super::PointContacts;
 use crate::boundary::Wall;
+use crate::check::{self, Checked, ensure};
 use crate::dem::State;
 use crate::dem::event::Breakage;
 use crate::grains::Grains;
@@ -110,6 +111,25 @@ impl FinesAsPoints {
     pub fn new(rule: Rule) -> FinesAsPoints {
         let (reserve, entered) = (Account::default(), Account::default());
         FinesAsPoints { rule, reserve, entered, points: 0, released: 0.0, waiting: Vec::new() }
+    }
+
+    /// Largest number of points that `events` breakages have added.
+    pub(super) fn most(events: u64) -> u64 {
+        events.saturating_mul(CANDIDATES)
+    }
+
+    /// Checks the accounts of a run whose lost mass becomes points by `rule`, with `points` points in all.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub(super) fn check(&self, rule: &Rule, points: usize) -> Checked {
+        ensure(self.rule == *rule, || "lost mass becomes points in another way than in the scene".into())?;
+        for account in [&self.reserve, &self.entered] {
+            check::numbers("accounts of fines", account.momentum.iter().chain([&account.mass, &account.kinetic]))?;
+        }
+        ensure(self.points <= points as u64, || format!("{} of {points} points come from breakages", self.points))?;
+        check::numbers("energy of fines", [self.released])?;
+        self.waiting.iter().try_for_each(Breakage::check)
     }
 
     /// Takes note of breakages, for [`Self::insert_points`].

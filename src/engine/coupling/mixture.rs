@@ -7,6 +7,7 @@
 //! κ. With κ = 1 both sides get the forces of one instant.
 
 use super::{FinesAsPoints, PointContacts, Rule};
+use crate::check::{self, Checked, ensure};
 use crate::coupling::evaluate::PointContactScene;
 use crate::dem;
 use crate::dem::event::Breakage;
@@ -70,7 +71,8 @@ impl Cycle {
             if allowed.grains == f64::INFINITY || allowed.continuum == f64::INFINITY {
                 return Rates { grains: 1, continuum: 1 };
             }
-            let steps = |slow: f64, fast: f64| (allowed.nearly * slow / fast).ceil().clamp(1.0, MOST) as u32;
+            // from steps that are not numbers one step follows, and the next look at the state ends the run
+            let steps = |slow: f64, fast: f64| (allowed.nearly * slow / fast).ceil().max(1.0).min(MOST) as u32;
             if grains <= continuum {
                 Rates { grains: steps(continuum, grains), continuum: 1 }
             } else {
@@ -158,6 +160,35 @@ impl Mixture {
             isolated_bound: None,
             sums: Default::default(),
         }
+    }
+
+    /// Checks a mixture that comes from outside with its `continuum`. `made` are both as the same run made them; points touch `walls` walls of the grains.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, continuum: &Continuum, physics: &Physics, made: (&Mixture, &Continuum), walls: usize) -> Checked {
+        self.grains.check(physics, &made.0.grains)?;
+        let added = if self.fines.is_some() { FinesAsPoints::most(self.grains.crush_events) } else { 0 };
+        continuum.check(made.1, added)?;
+        self.point_contacts.check(&self.grains.grains, walls, continuum)?;
+        match (&self.blocks, &made.0.blocks) {
+            (Some(blocks), Some(made)) => blocks.check(made, &self.grains, continuum)?,
+            (None, None) => {}
+            _ => return Err("rigid bodies are not those of the scene".into()),
+        }
+        match (&self.fines, &made.0.fines) {
+            (Some(fines), Some(made)) => fines.check(&made.rule, continuum.points().len())?,
+            (None, None) => {}
+            _ => return Err("lost mass becomes points in another way than in the scene".into()),
+        }
+        ensure(self.energy_factor == made.0.energy_factor, || "energies of contacts are of another law".into())?;
+        let Cycle { time, rates: Rates { grains, continuum } } = self.cycle;
+        let possible = (1..=MOST as u32).contains(&grains.max(continuum)) && grains.min(continuum) == 1;
+        ensure(possible, || format!("a cycle has {grains} steps of grains and {continuum} of points"))?;
+        check::counters("cycles", &[self.cycles])?;
+        check::not_negative("times of a cycle", [time, self.last, self.fastest.1])?;
+        check::all("largest step of the grains", [self.own], "not from 0 on", |x| x >= 0.0)?;
+        check::all("bound by contacts", [self.bound_ratio], "not from 0 to 1", |x| (0.0..=1.0).contains(&x))
     }
 
     /// Computes the forces of this instant between grains, and between grains and points.

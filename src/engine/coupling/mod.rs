@@ -22,7 +22,10 @@ pub use fines::{Account, FinesAsPoints, Rule};
 pub use measure::{Shares, Touching};
 pub use mixture::{Allowed, Cycle, Mixture, Parts, Rates};
 
+use crate::check::{self, Checked, below, ensure};
 use crate::contact::pairs::ContactForce;
+use crate::grains::Grains;
+use crate::mpm::Continuum;
 use crate::point_contacts::Age;
 use serde::{Deserialize, Serialize};
 
@@ -95,6 +98,34 @@ impl PointContacts {
     /// Whether the point with this identity comes from a breakage.
     fn is_newborn(&self, point: u32) -> bool {
         self.newborn.is_some_and(|born| point >= born.first)
+    }
+
+    /// Checks contacts that come from outside against the grains, the number of `walls` that points touch, and the points of their run.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    fn check(&self, grains: &Grains, walls: usize, continuum: &Continuum) -> Checked {
+        let points = continuum.points();
+        self.age.check()?;
+        let sorted = self.candidates.windows(2).all(|w| (w[0].body, w[0].point) < (w[1].body, w[1].point));
+        ensure(sorted, || "contacts of points are not in their order".into())?;
+        let mut ids = points.id.clone();
+        ids.sort_unstable();
+        // points that are no more leave the list with the next search
+        let stands = self.age.may_stand([grains.len(), points.len()]);
+        for c in &self.candidates {
+            match c.body {
+                Body::Grain(id) => below("a point touches grain", id, grains.next_id as usize)?,
+                Body::Wall(k) => below("a point touches wall", k, walls)?,
+            }
+            ensure(!stands || ids.binary_search(&c.point).is_ok(), || format!("a grain touches point {}, which is none", c.point))?;
+            below("law", c.law, continuum.laws().len())?;
+            check::numbers("forces on points", c.touch.first().iter().chain(&c.touch.second()).chain(&c.spring))?;
+            check::not_negative("stiffnesses at points", c.stiffness)?;
+            check::positive("points in contact", [c.radius, c.mass])?;
+            check::all("overlaps of points", [c.reference], "not from 0 on", |x| x >= 0.0)?;
+        }
+        Ok(())
     }
 
     /// Makes a new search due.

@@ -16,6 +16,7 @@
 
 use crate::boundary::Wall;
 use crate::breakage::Criterion;
+use crate::check::{Checked, below, ensure, numbers, positive};
 use crate::contact::pair::PairTable;
 use crate::contact::pairs::Pairs;
 use crate::contact::sweep;
@@ -123,6 +124,30 @@ impl Aftermath {
     /// Whether nothing is going on.
     pub fn is_empty(&self) -> bool {
         self.growing.is_empty() && self.fading.is_empty()
+    }
+
+    /// Checks that grains which grow or touch broken ones are there, and that growth and softening end. `materials`: their number.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, g: &Grains, materials: usize) -> Checked {
+        let mut growing: Vec<u32> = self.growing.iter().map(|x| x.grain).collect();
+        growing.sort_unstable();
+        ensure(growing.windows(2).all(|w| w[0] != w[1]), || "a grain grows twice".into())?;
+        for x in &self.growing {
+            below("growing grain", x.grain, g.len())?;
+            positive("growth of grains", [x.target, x.rate])?;
+            numbers("growth of grains", [x.grown])?;
+            ensure(x.wait <= WAIT, || format!("a growing grain waits for {} steps", x.wait))?;
+        }
+        for x in &self.fading {
+            below("grain at a broken one", x.grain, g.len())?;
+            below("material", x.material, materials)?;
+            positive("radii of broken grains", [x.place[3], x.stiffness_radius])?;
+            numbers("broken grains", x.place.iter().chain(&x.velocity).chain(&x.force).chain([&x.largest, &x.stiffness]))?;
+            ensure((1..=x.of).contains(&x.left), || format!("a contact softens for {} of {} steps", x.left, x.of))?;
+        }
+        Ok(())
     }
 
     /// Largest growth of a radius in one step, m.

@@ -6,6 +6,7 @@
 use super::birth::Obstacles;
 use crate::breakage::criterion::Judges;
 use crate::breakage::{Birth, CrushModel};
+use crate::check::{self, Checked};
 use crate::contact::pair::PairTable;
 use crate::contact::{sweep, wall_sweep};
 use crate::dem::observables;
@@ -64,6 +65,16 @@ pub struct Breakage {
 }
 
 impl Breakage {
+    /// Checks the numbers from which points are made ([`crate::coupling::FinesAsPoints`]).
+    ///
+    /// # Errors
+    /// The one that is wrong.
+    pub fn check(&self) -> Checked {
+        check::positive("broken grains", [self.diameter, self.lost_mass])?;
+        let single = [&self.lost_kinetic, &self.stored_before, &self.stored_after];
+        check::numbers("breakages", self.position.iter().chain(&self.lost_momentum).chain(single))
+    }
+
     /// Decisive force over its limit: 1 or a little more, more in a collision.
     pub fn utilisation(&self) -> f64 {
         self.force / self.limit_force

@@ -15,6 +15,7 @@
 
 use super::observables::Sums;
 use crate::boundary::Wall;
+use crate::check::{self, Checked};
 use crate::grains::Grains;
 use serde::{Deserialize, Serialize};
 
@@ -85,6 +86,17 @@ pub struct Balance {
 }
 
 impl Ledger {
+    /// Checks that all entries are numbers.
+    ///
+    /// # Errors
+    /// The one that is not.
+    pub fn check(&self) -> Checked {
+        let Ledger { gone, lost_kinetic, lost_potential, removed, made, inertia, growth, release, points, rises, start } = self;
+        let single = [lost_kinetic, lost_potential, removed, made, inertia, growth, release, points];
+        check::numbers("energies", gone.iter().chain(start).chain(single))?;
+        check::counters("rises of energy", &[*rises])
+    }
+
     /// Opens the ledger: sets all counters of ledger, grains and walls to zero. The caller then writes the present energies into [`Ledger::start`].
     pub fn open(&mut self, grains: &mut Grains, walls: &mut [Wall]) {
         *self = Ledger::default();

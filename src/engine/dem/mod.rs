@@ -22,6 +22,7 @@ pub mod physics;
 pub mod stability;
 
 use crate::boundary::Wall;
+use crate::check::{self, Checked, below, ensure};
 use crate::contact::chunk::{self, Slots};
 use crate::contact::force::Rules;
 use crate::contact::pair::PairTable;
@@ -187,6 +188,45 @@ impl State {
             aftermath: Aftermath::default(),
             fresh: true,
         }
+    }
+}
+
+impl State {
+    /// Checks a state that comes from outside. `made` is a state of the same run as it was made, with grains or without: it tells which walls there are and what
+    /// contacts keep.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, physics: &Physics, made: &State) -> Checked {
+        let State { grains: g, pairs, walls, wall_pairs, ledger, aftermath, lost, .. } = self;
+        check::counters("steps", &[self.step, self.crush_events])?;
+        check::not_negative("times", [self.time])?;
+        let dt = self.dt;
+        check::not_negative("time steps", [dt])?;
+        let scaled = physics.stepping.inertia_scaling;
+        ensure(dt == 0.0 || if scaled { dt == 1.0 } else { dt.is_normal() }, || format!("the time step is {dt:e}"))?;
+        check::not_negative("friction", self.friction)?;
+        check::all("damping", [self.damping], "not from 0 to 1", |x| (0.0..=1.0).contains(&x))?;
+        check::not_negative("reference stress", [self.reference_stress])?;
+        let interval = self.stability_interval;
+        ensure((1..=STABILITY_INTERVAL).contains(&interval), || format!("the time step is looked at every {interval} steps"))?;
+        ensure(!self.crushing || physics.crush.is_some(), || "grains break which cannot".into())?;
+        check::lengths("walls", made.walls.len(), [walls.len()])?;
+        walls.iter().zip(&made.walls).try_for_each(|(wall, made)| wall.check(made))?;
+        g.check(physics.materials.len())?;
+        pairs.check(&g.id, g.len(), true, made.pairs.kept())?;
+        wall_pairs.check(&g.id, walls.len(), false, made.wall_pairs.kept())?;
+        // every identity is that of a grain which is there or has broken
+        ensure(g.next_id as u64 == g.len() as u64 + self.crush_events, || {
+            format!("{} grains and {} breakages do not make {} identities", g.len(), self.crush_events, g.next_id)
+        })?;
+        let counted = physics.crush.as_ref().is_none_or(|c| !c.keeps_mass);
+        let losses = if counted { self.crush_events as usize } else { 0 };
+        check::lengths("breakages", losses, [lost.len()])?;
+        check::numbers("lost masses", lost.iter().flat_map(|l| [l.0, l.1]))?;
+        g.born.iter().try_for_each(|born| below("born at step", *born, self.step as usize + 1))?;
+        ledger.check()?;
+        aftermath.check(g, physics.materials.len())
     }
 }
 
@@ -555,6 +595,74 @@ impl Stopwatch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::boundary::{Drive, WallShape, WallSpec};
+    use crate::contact::ContactLaw;
+    use crate::material::Material;
+
+    /// Two grains that touch each other and a wall, some steps after their start.
+    fn moved() -> (Physics, State) {
+        let stuff = Material {
+            name: "stuff".into(),
+            density: 2000.0,
+            internal_porosity: 0.0,
+            young: 1e9,
+            poisson: 0.2,
+            friction: 0.5,
+            contact: [0.0; 4],
+            rolling_friction: 0.0,
+        };
+        let physics = Physics { gravity: [0.0, 0.0, -9.81], ..Physics::of(vec![stuff], ContactLaw::Hertz) };
+        let mut grains = Grains::default();
+        for x in [-0.9999e-3, 0.9999e-3] {
+            grains.add([x, 0.0, 0.9999e-3], 1e-3, 0, &physics.materials);
+        }
+        let shape = WallShape::Plane { point: [0.0; 3], normal: [0.0, 0.0, 1.0] };
+        let wall = Wall::new(&WallSpec { shape, friction: 0.2, drive: Drive::Fixed, material: None });
+        let mut state = State::new(&physics, grains, vec![wall], true);
+        let mut work = Workspace::new(&physics, &mut state);
+        for _ in 0..10 {
+            step(&physics, &mut state, &mut work, |_, _| Ok::<(), std::convert::Infallible>(())).expect("a step");
+        }
+        (physics, state)
+    }
+
+    type Change = fn(&mut State);
+
+    /// What no run has made is refused in words that name it.
+    #[test]
+    fn a_state_that_no_run_has_made_is_refused() {
+        let (physics, whole) = moved();
+        assert_eq!((whole.pairs.slots(), whole.wall_pairs.slots()), (1, 2));
+        let made = State::new(&physics, Grains::default(), whole.walls.clone(), true);
+        assert_eq!(whole.check(&physics, &made), Ok(()));
+        let changes: [(&str, Change); 19] = [
+            ("contact 0 names grain 300 of 2", |s| s.pairs.ends[0][0] = 300),
+            ("contact 0 names 1 of 1", |s| s.wall_pairs.ends[0][1] = 1),
+            ("not in their order", |s| s.pairs.ends[0].swap(0, 1)),
+            ("a contact stands twice", |s| s.wall_pairs.ends[1] = s.wall_pairs.ends[0]),
+            ("free places", |s| s.pairs.ends[0] = [FREE; 2]),
+            ("list 0 has 2 entries for 1", |s| s.pairs.touch.push(Default::default())),
+            ("other values than the scene asks for", |s| s.pairs = Pairs::new(Kept::default())),
+            ("value 3: NaN", |s| s.wall_pairs.touch[0].normal_force = f64::NAN),
+            ("grains: list 3 has 1 entries for 2", |s| drop(s.grains.mass.pop())),
+            ("grain 1 stands twice", |s| s.grains.id = vec![1, 1]),
+            ("material 9 of 1", |s| s.grains.material[0] = 9),
+            ("radii of grains, value 1", |s| s.grains.pos[1][3] = -1e-3),
+            ("places of grains, value 0: 1e300", |s| s.grains.pos[0][0] = 1e300),
+            ("do not make 4000000000 identities", |s| s.grains.next_id = 4_000_000_000),
+            ("time step is 5e-324", |s| s.dt = 5e-324),
+            ("no number that can be reached by counting", |s| s.step = u64::MAX - 1),
+            ("grains break which cannot", |s| s.crushing = true),
+            ("a wall is not that of the scene", |s| s.walls[0].friction = 0.3),
+            ("growing grain 2 of 2", |s| s.aftermath.grow(2, 1e-3, 1e-6)),
+        ];
+        for (expected, change) in changes {
+            let mut state = whole.clone();
+            change(&mut state);
+            let told = state.check(&physics, &made).expect_err(expected);
+            assert!(told.contains(expected), "{told} instead of {expected}");
+        }
+    }
 
     #[test]
     fn a_panic_alone_does_not_leave_the_others_waiting() {

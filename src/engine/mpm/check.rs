@@ -3,6 +3,7 @@
 use super::law::Law;
 use super::points::Points;
 use super::{Continuum, Dimension, GridWall, Settings, ShapeFunctions, Transfer};
+use crate::check::{self, Checked, ensure};
 use crate::error::{Error, Result};
 
 /// Largest number of cells along a side of the domain.
@@ -93,6 +94,43 @@ fn of_points(settings: &Settings, laws: &[Law], points: &Points) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// See [`Continuum::check`].
+pub fn of_state(c: &Continuum, made: &Continuum, added: u64) -> Checked {
+    ensure(c.settings == made.settings && c.laws == made.laws, || "grid or laws of the points are not those of the scene".into())?;
+    ensure(c.keeps_transport_velocity == made.keeps_transport_velocity, || {
+        "points keep other velocities than the scene asks for".into()
+    })?;
+    let (p, n) = (&c.points, c.points.len());
+    let own = [
+        p.velocity.len(),
+        p.stress.len(),
+        p.memory.len(),
+        p.initial_volume.len(),
+        p.initial_porosity.len(),
+        p.law.len(),
+        p.id.len(),
+    ];
+    check::lengths("points", n, own)?;
+    check::lengths("points", if c.settings.transfer == Transfer::Affine { n } else { 0 }, [p.affine.len()])?;
+    check::lengths("points", if c.keeps_transport_velocity { n } else { 0 }, [p.transport_velocity.len()])?;
+    check::lengths("points", if p.faces.is_empty() { 0 } else { n }, [p.faces.len()])?;
+    let most = u64::from(made.points.next_id) + added;
+    ensure((u64::from(made.points.next_id)..=most).contains(&u64::from(p.next_id)), || format!("there were {} points", p.next_id))?;
+    check::identities("point", &p.id, p.next_id)?;
+    check::numbers("places of points", p.position.as_flattened())?;
+    check::numbers("velocities of points", p.velocity.as_flattened())?;
+    check::numbers("stresses of points", p.stress.as_flattened())?;
+    check::positive("volumes of points", p.position.iter().map(|p| p[3]).chain(p.initial_volume.iter().copied()))?;
+    check::positive("masses of points", p.velocity.iter().map(|v| v[3]))?;
+    check::not_negative("plastic strains of points", p.memory.iter().map(|m| m.plastic))?;
+    check::numbers("velocity gradients of points", p.affine.as_flattened().as_flattened())?;
+    check::numbers("velocities of points", p.transport_velocity.as_flattened())?;
+    check::numbers("faces of points", p.faces.as_flattened().as_flattened())?;
+    of_points(&c.settings, &c.laws, p).map_err(|e| e.to_string())?;
+    check::counters("steps", &[c.step])?;
+    check::numbers("work and forces of points", c.wall_force.iter().flatten().chain([&c.stress_work]))
 }
 
 /// See [`Continuum::stable_step`].

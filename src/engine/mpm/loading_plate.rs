@@ -13,6 +13,7 @@
 //! axes, and points in a shell must be in rings; each component of a shell's force acts on the face across its own axis.
 
 use super::{Continuum, Dimension, Points, Settings};
+use crate::check::{self, Checked, ensure};
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -147,6 +148,19 @@ impl LoadingPlate {
     /// A shell at rest around the upright axis through `point`, with its radius, m, and the modulus E* of its contacts, Pa.
     pub fn shell(continuum: &Continuum, point: [f64; 3], radius: f64, modulus: f64) -> LoadingPlate {
         LoadingPlate { radius: Some(radius), ..LoadingPlate::new(continuum, point, [0.0; 3], modulus) }
+    }
+
+    /// Checks the plate, which has moved since it was `made`.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, made: &LoadingPlate) -> Checked {
+        let same = self.normal == made.normal && self.modulus == made.modulus && self.reach == made.reach;
+        ensure(same && self.radius.is_some() == made.radius.is_some(), || "a platen is not that of the scene".into())?;
+        check::positive("radii of platens", self.radius)?;
+        let single = [self.speed, self.reaction, self.stiffness, self.stored, self.work, self.moved];
+        check::numbers("platens", self.point.into_iter().chain(self.others).chain(single))?;
+        check::not_negative("stiffnesses of platens", [self.rate])
     }
 
     /// Distance of a position from the surface of the plate, m (negative behind it), and the unit normal there, into the material.

@@ -30,6 +30,7 @@ pub use spline::{BSpline, Gimp, ShapeFunction, ShapeFunctions};
 pub use stress::rotate_jaumann;
 pub use walls::GridWall;
 
+use crate::check::Checked;
 use crate::error::Result;
 use law::Law;
 use serde::{Deserialize, Serialize};
@@ -130,6 +131,14 @@ impl Continuum {
             wall_force: [[0.0; 3]; 6],
             work,
         })
+    }
+
+    /// Checks a continuum that comes from outside. `made` is that of the same run as it was made; `added`: largest number of points that were added since.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, made: &Continuum, added: u64) -> Checked {
+        check::of_state(self, made, added)
     }
 
     /// The settings.

@@ -1,7 +1,7 @@
 //! How a loading plate moves until the test sets another drive: at a speed, or towards a stress. Twin on a graphics device: `loading_plates.wgsl`.
 
 use super::LoadingPlate;
-use crate::boundary::servo_speed;
+use crate::boundary::{limited, servo_speed};
 
 /// A value that changes in proportion to time until it reaches its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +59,7 @@ impl PlateDrive {
                 let force = target.at(time) * area;
                 let limit = reach * extent;
                 let servo = servo_speed(force, plate.force(), plate.stiffness + plate.others[1], gain, dt, limit);
-                let speed = (*drift + servo).clamp(-limit, limit);
+                let speed = limited(*drift + servo, limit);
                 *drift += (dt / memory).min(1.0) * (speed - *drift);
                 speed
             }

@@ -70,7 +70,13 @@ impl GridWorkspace {
             let [x, y, z] = x;
             cell_of::<D>(&[x, y, z, 0.0], settings.lower, inverse_cell, reach)
         };
-        self.blocks.visit::<D>(cell(low, 1.0), cell(high, 0.0), |range| range.for_each(&mut visit));
+        let (from, to) = (cell(low, 1.0), cell(high, 0.0));
+        // a box of more cells than there are points, such as that of a body which has grown beyond all bounds
+        let many = (0..D).map(|a| f64::from(to[a]) - f64::from(from[a]) + 1.0).product::<f64>() > 1e3 * (points.len() + 64) as f64;
+        if many {
+            return (0..points.len()).for_each(visit);
+        }
+        self.blocks.visit::<D>(from, to, |range| range.for_each(&mut visit));
     }
 
     /// Tells that points were changed from outside: the next step sorts them and makes the grid anew.

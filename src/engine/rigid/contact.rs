@@ -64,6 +64,13 @@ impl BlockContact {
         BlockContact { block, other, place, radius, touch, spring: none, arm: none, stiffness: [0.0; 2], inverse_mass: 0.0 }
     }
 
+    /// All its numbers.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let single = [self.radius, self.inverse_mass];
+        let vectors = self.spring.into_iter().chain(self.arm).chain(self.stiffness).chain(single);
+        self.touch.first().into_iter().chain(self.touch.second()).chain(vectors)
+    }
+
     fn is_of_point(&self) -> bool {
         matches!(self.other, Other::Point(_))
     }

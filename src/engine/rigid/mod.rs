@@ -17,7 +17,10 @@ mod search;
 pub use contact::{BlockContact, BlockScene, Other};
 pub use motion::Pose;
 
+use crate::check::{self, Checked, below, ensure};
+use crate::dem::State;
 use crate::dem::physics::Physics;
+use crate::mpm::Continuum;
 use crate::point_contacts::Age;
 use crate::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
@@ -62,6 +65,18 @@ impl Block {
         }
     }
 
+    /// Checks the body, which has moved since it was `made`.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    fn check(&self, made: &Block) -> Checked {
+        let size = |b: &Block| (b.material, b.mass, b.moments, b.radius);
+        ensure(self.shape == made.shape && size(self) == size(made), || "a rigid body is not that of the scene".into())?;
+        check::numbers("motions of rigid bodies", self.centre.iter().chain(&self.velocity).chain(&self.momentum))?;
+        let square: f64 = self.turn.iter().map(|x| x * x).sum();
+        ensure((square - 1.0).abs() < 1e-6, || format!("a rigid body is turned by no turn: {:?}", self.turn))
+    }
+
     /// The geometry of its shape.
     pub fn solid(&self) -> &dyn Solid {
         self.shape.solid()
@@ -93,6 +108,35 @@ impl Blocks {
     /// Bodies without contacts.
     pub fn new(blocks: Vec<Block>) -> Blocks {
         Blocks { applied: vec![[[0.0; 3]; 2]; blocks.len()], blocks, ..Blocks::default() }
+    }
+
+    /// Checks bodies and contacts that come from outside against grains, walls and points of their run; `made` are the bodies as the same run made them.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, made: &Blocks, state: &State, continuum: &Continuum) -> Checked {
+        let n = made.blocks.len();
+        check::lengths("rigid bodies", n, [self.blocks.len(), self.applied.len()])?;
+        self.blocks.iter().zip(&made.blocks).try_for_each(|(block, made)| block.check(made))?;
+        self.age.check()?;
+        let walls = if self.on_walls.is_empty() { 0 } else { state.walls.len() };
+        check::lengths("walls at rigid bodies", walls, [self.on_walls.len()])?;
+        check::numbers("forces on rigid bodies", self.on_walls.iter().chain(self.applied.as_flattened().as_flattened()))?;
+        let sorted = self.candidates.windows(2).all(|w| (w[0].block, w[0].other) < (w[1].block, w[1].other));
+        ensure(sorted, || "contacts of rigid bodies are not in their order".into())?;
+        for c in &self.candidates {
+            below("rigid body", c.block, n)?;
+            match c.other {
+                Other::Point(id) => below("a rigid body touches point", id, continuum.points().next_id as usize)?,
+                Other::Grain(id) => below("a rigid body touches grain", id, state.grains.next_id as usize)?,
+                Other::Wall { wall, spot } => {
+                    below("a rigid body touches wall", wall, state.walls.len())?;
+                    below("spot of a rigid body", spot, self.blocks[c.block as usize].solid().spots())?;
+                }
+            }
+            check::numbers("contacts of rigid bodies", c.numbers())?;
+        }
+        Ok(())
     }
 
     /// Upper bound on the speed of any part of any body, m/s.

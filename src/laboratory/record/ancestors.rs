@@ -1,6 +1,9 @@
 //! The descent of grains. Daughters get the next free numbers in the order of the breakages, so the list of all mothers gives
 //! mother and first ancestor of every grain.
 
+use crate::model::Model;
+use engine::check::{Checked, below, ensure, lengths};
+use engine::dem::State;
 use engine::dem::event::Breakage;
 use serde::{Deserialize, Serialize};
 
@@ -12,6 +15,19 @@ impl Ancestors {
     /// Adds a breakage; they must come in their order.
     pub fn add(&mut self, b: &Breakage) {
         self.0.push(b.mother);
+    }
+
+    /// Checks the list of a checkpoint against the state of the grains; `first`: number of grains at the start.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, model: &Model, state: &State, first: usize) -> Checked {
+        let daughters = model.physics.crush.as_ref().map_or(1, |c| c.pattern.count());
+        lengths("breakages", state.crush_events as usize, [self.0.len()])?;
+        let all = first.saturating_add(self.0.len().saturating_mul(daughters));
+        ensure(state.grains.next_id as usize == all, || format!("{} grains have been, not {all}", state.grains.next_id))?;
+        let mut mothers = self.0.iter().enumerate();
+        mothers.try_for_each(|(k, mother)| below(format_args!("breakage {k} of grain"), *mother, first + k * daughters))
     }
 
     /// Mother of grain `id` (`None` for a grain of the start), and the grain of the start from which it descends (the grain

@@ -36,6 +36,16 @@ struct Broken {
 pub struct Breakages(Vec<Broken>);
 
 impl Breakages {
+    /// Number of breakages.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Adds a breakage; `off`: the stress was off its target.
     pub fn add(&mut self, b: &Breakage, off: bool) {
         let young = b.generation > 0 && b.age <= YOUNG;

@@ -2,12 +2,17 @@
 //! the same bits.
 //!
 //! A file is a line that names the format, a head and the content (postcard, compressed with LZ4). The head ties the content to
-//! the scene of the run and to itself by SHA-256, and everything is verified before anything is decoded. A new file is written beside
-//! the old one, brought to the disk and renamed; the old one is kept as the previous checkpoint, from which a run goes on if the
-//! newest cannot be read.
+//! the scene of the run and to itself by SHA-256, and everything is verified before anything is decoded. The decoded progress is
+//! checked against the model of the scene before anything of it is used, so that a file with right hashes and a content that no
+//! run has written is refused too. A new file is written beside the old one, brought to the disk and renamed; the old one is kept as
+//! the previous checkpoint, from which a run goes on if the newest cannot be used.
+//!
+//! Reading asks for no more memory than a multiple of the file: the content is at most 255 times as long, and a list in it
+//! grows with the entries that are really there, whatever length it states (serde makes room for a megabyte at most beforehand).
 
 use crate::error::{Error, Result};
 use crate::scene::RESOLVED;
+use engine::check::Checked;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -101,22 +106,23 @@ pub fn exists(dir: &Path) -> bool {
     [FILE, PREVIOUS].iter().any(|name| dir.join(name).exists())
 }
 
-/// Reads the newest checkpoint of the folder `dir` that is whole. The second value says why the newest was not taken, if it was not.
+/// Reads the newest checkpoint of the folder `dir` that is whole and stands the `check`, which says what is wrong with a progress. The
+/// second value says why the newest was not taken, if it was not.
 ///
 /// # Errors
 /// A missing file; [`Error::Checkpoint`] for one of another version or another scene, or if all are damaged.
-pub fn load<T: DeserializeOwned>(dir: &Path) -> Result<(T, Option<Error>)> {
-    match read(&dir.join(FILE), dir) {
+pub fn load<T: DeserializeOwned>(dir: &Path, check: impl Fn(&T) -> Checked) -> Result<(T, Option<Error>)> {
+    match read(&dir.join(FILE), dir, &check) {
         Ok(progress) => Ok((progress, None)),
-        Err(newest) => match read(&dir.join(PREVIOUS), dir) {
+        Err(newest) => match read(&dir.join(PREVIOUS), dir, &check) {
             Ok(progress) => Ok((progress, Some(newest))),
             Err(_) => Err(newest),
         },
     }
 }
 
-/// The content of one checkpoint, if it is whole.
-fn read<T: DeserializeOwned>(path: &Path, dir: &Path) -> Result<T> {
+/// The content of one checkpoint, if it is whole and stands the check.
+fn read<T: DeserializeOwned>(path: &Path, dir: &Path, check: &impl Fn(&T) -> Checked) -> Result<T> {
     let bytes = std::fs::read(path).map_err(Error::read(path))?;
     let wrong = |what: String| Error::Checkpoint { path: path.into(), what };
     let damaged = |what: &str| wrong(format!("damaged ({what})"));
@@ -143,10 +149,12 @@ fn read<T: DeserializeOwned>(path: &Path, dir: &Path) -> Result<T> {
         return Err(damaged("its content is longer than possible"));
     }
     let content = lz4_flex::block::decompress(compressed, length as usize).map_err(|e| damaged(&e.to_string()))?;
-    match postcard::take_from_bytes(&content).map_err(|e| damaged(&e.to_string()))? {
-        (progress, []) => Ok(progress),
-        (_, rest) => Err(damaged(&format!("{} bytes too many", rest.len()))),
+    let (progress, rest): (T, &[u8]) = postcard::take_from_bytes(&content).map_err(|e| damaged(&e.to_string()))?;
+    if !rest.is_empty() {
+        return Err(damaged(&format!("{} bytes too many", rest.len())));
     }
+    check(&progress).map_err(|what| damaged(&what))?;
+    Ok(progress)
 }
 
 /// Removes the checkpoints of the folder `dir`, if there are any.
@@ -186,7 +194,7 @@ mod tests {
     }
 
     fn loaded(dir: &Path) -> Result<(Progress, Option<Error>)> {
-        load(dir)
+        load(dir, |_| Ok(()))
     }
 
     #[test]
@@ -244,6 +252,17 @@ mod tests {
         std::fs::write(dir.path().join(FILE), bytes).expect("forged");
         let told = loaded(dir.path()).expect_err("forged").to_string();
         assert!(told.contains("longer than possible"), "{told}");
+    }
+
+    /// A whole checkpoint whose content no run has written is passed over like a damaged one, and the error names what is wrong.
+    #[test]
+    fn a_checkpoint_that_does_not_stand_the_check_is_passed_over() {
+        let dir = folder();
+        let check = |past: u64| move |p: &Progress| engine::check::ensure(p.0 < past, || format!("step {}", p.0));
+        let (there, why) = load(dir.path(), check(2)).expect("the previous one");
+        assert_eq!(there, progress(1));
+        assert!(why.expect("a reason").to_string().ends_with("damaged (step 2)"));
+        assert!(load(dir.path(), check(1)).is_err());
     }
 
     #[test]

@@ -11,6 +11,7 @@ use crate::model::Model;
 use crate::model::continuum::MpmTest;
 use crate::rig::continuum::State;
 use engine::breakage::lost_mass::excluded_grains;
+use engine::check::{Checked, lengths};
 use engine::grains::Grains;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -53,6 +54,20 @@ impl Default for Crushed {
 }
 
 impl Crushed {
+    /// Checks what a checkpoint says of breakages against its state.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, model: &Model, state: &State) -> Checked {
+        let Some(mixture) = &state.mixture else { return lengths("breakages", 0, [self.broken.len()]) };
+        let events = mixture.grains.crush_events as usize;
+        lengths("breakages", events, [self.broken.len()])?;
+        // the state itself is checked: every grain that has been is there or has broken
+        let daughters = model.physics.crush.as_ref().map_or(1, |c| c.pattern.count());
+        let first = (mixture.grains.grains.next_id as usize).checked_sub(daughters.saturating_mul(events));
+        self.ancestors.check(model, &mixture.grains, first.ok_or("more grains have broken than there were")?)
+    }
+
     /// Notes the gradation before loading, if grains can break.
     pub fn open(&mut self, model: &Model, rig: &MpmTest) {
         let coarse = rig.coarse.as_ref().filter(|c| model.physics.crush.is_some() && !c.grains.is_empty());

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::gradation::{Gradation, Indices};
 use crate::model::Model;
 use crate::rig::cylinder::{Stresses, TOP, inertial_time, space};
+use engine::check::{Checked, lengths};
 use engine::dem::observables;
 use engine::dem::{State, Workspace};
 use serde::{Deserialize, Serialize};
@@ -123,6 +124,14 @@ pub struct Moment {
 }
 
 impl Recorder {
+    /// Checks what a checkpoint says of breakages against its state. The other values only reach the records.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, state: &State) -> Checked {
+        lengths("breakages", state.crush_events as usize, [self.broken.len()])
+    }
+
     /// The row of `history.csv` for the present state; `initial` is the gradation before loading. Keeps what the summary needs.
     ///
     /// # Errors

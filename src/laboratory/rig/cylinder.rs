@@ -2,7 +2,9 @@
 
 use crate::model::{Model, Specimen};
 use engine::boundary::{CylinderSpace, Drive, Wall, WallShape, WallSpec};
+use engine::check::{self, Checked};
 use engine::dem::State;
+use engine::dem::physics::Physics;
 use engine::grains::Grains;
 
 /// Index of the bottom platen among the walls of the state.
@@ -92,6 +94,17 @@ pub fn start(model: &Model, specimen: &Specimen, grains: Grains, size: CylinderS
         }
     }
     state
+}
+
+/// Checks grains and walls of a specimen that come from a checkpoint. `physics` are those with which the grains move, `energy`: whether
+/// contacts keep their works.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn check(physics: &Physics, specimen: &Specimen, state: &State, energy: bool) -> Checked {
+    state.check(physics, &State::new(physics, Grains::default(), walls(specimen, 1.0, 0.0, 1.0), energy))?;
+    let size = space(state);
+    check::positive("sizes of the specimen", [size.height, size.radius])
 }
 
 /// Begins the test of a specimen that is at rest: from now on damping and crushing are those of the scene, and the energy ledger

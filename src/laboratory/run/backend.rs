@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::model::continuum::MpmTest;
 use crate::model::{self, Model};
 use crate::rig::continuum::{Engine, State};
+use engine::check::{Checked, ensure};
 use serde::{Deserialize, Serialize};
 
 /// The backend that the caller asks for.
@@ -110,6 +111,15 @@ pub struct Used {
 }
 
 impl Used {
+    /// Checks the names from a checkpoint. A device looks at its own state when it takes it.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self) -> Checked {
+        let known = |name: &String| [Backend::Cpu, Backend::Gpu].iter().any(|backend| backend.name() == name);
+        ensure(!self.names.is_empty() && self.names.iter().all(known), || format!("no backends: {:?}", self.names))
+    }
+
     /// Whether the last one was a graphics device.
     pub fn gpu(&self) -> bool {
         self.names.last().is_some_and(|name| name == "gpu")

@@ -5,7 +5,7 @@
 
 use super::backend::{Backend, Chosen, Used, choose};
 use super::progress_bar::Bar;
-use super::{LOOK, Outcome, files, watch};
+use super::{LOOK, Outcome, files, multiplies, watch};
 use crate::error::{Error, Result};
 use crate::interrupt::stop_asked;
 use crate::model::Model;
@@ -18,6 +18,7 @@ use crate::record::walls::Loaded;
 use crate::record::{blocks, checkpoint, contacts, specimen};
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
 use engine::boundary::WallShape;
+use engine::check::{self, Checked};
 use engine::mpm::law::Law;
 use engine::mpm::{Dimension, LoadingPlate};
 use serde::{Deserialize, Serialize};
@@ -179,32 +180,32 @@ fn prepared(model: &Model, rig: &MpmTest, mut begun: Begun, out: &Path, quiet: b
     make_test(model, rig, out, begun, quiet, stop_after)
 }
 
-/// Continues from the checkpoint in `out`, on the run's last backend unless another one is asked for.
+/// Takes up the run of the checkpoint in `out`, on the run's last backend unless another one is asked for.
 ///
 /// # Errors
-/// Those of [`begin`] and [`run`]; a folder without a checkpoint.
-pub fn resume(
-    model: &Model,
-    rig: &MpmTest,
-    out: &Path,
-    backend: Option<Backend>,
-    quiet: bool,
-    stop_after: Option<u64>,
-) -> Result<Outcome> {
-    let mut progress: Progress = super::taken_up(out)?;
+/// Those of [`begin`]; a folder without a checkpoint, or one that cannot be used; a table that lacks rows.
+pub fn take_up(model: &Model, rig: &MpmTest, out: &Path, backend: Option<Backend>) -> Result<Begun> {
+    let mut progress: Progress = super::taken_up(out, |progress: &Progress| progress.check(model, rig))?;
     progress.history.reopen(out, files::HISTORY)?;
     progress.blocks.reopen(out, blocks::TRACKS)?;
     progress.crushed.reopen(out)?;
     let same = if progress.used.gpu() { Backend::Gpu } else { Backend::Cpu };
     let chosen = choose(backend.unwrap_or(same), model)?;
-    if progress.growing.is_some() {
-        let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
-        return prepared(model, rig, Begun { progress, engine }, out, quiet, stop_after);
+    let own = progress.own(model, rig);
+    let engine = progress.used.engine(chosen, &mut progress.state, model, own.as_ref().unwrap_or(rig))?;
+    Ok(Begun { progress, engine })
+}
+
+/// Continues a run that [`take_up`] has taken up.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn go_on(model: &Model, rig: &MpmTest, begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
+    if begun.progress.growing.is_some() {
+        return prepared(model, rig, begun, out, quiet, stop_after);
     }
-    let own = progress.grown.as_ref().zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth));
-    let rig = own.as_ref().unwrap_or(rig);
-    let engine = progress.used.engine(chosen, &mut progress.state, model, rig)?;
-    make_test(model, rig, out, Begun { progress, engine }, quiet, stop_after)
+    let own = begun.progress.own(model, rig);
+    make_test(model, own.as_ref().unwrap_or(rig), out, begun, quiet, stop_after)
 }
 
 fn make_test(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
@@ -212,8 +213,13 @@ fn make_test(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool
     progress.crushed.open(model, rig);
     let mut beside = Beside::new(model, out, quiet, stop_after, &progress);
     let before = progress.grown.as_ref().map_or(0, |g| g.steps);
+    let mut grains = progress.grains();
     loop {
-        let done = progress.advance(model, rig, &mut engine, out);
+        let mut done = progress.advance(model, rig, &mut engine, out);
+        if multiplies(grains, progress.grains()) {
+            done = done.and_then(|done| progress.watch(model).map(|()| done));
+            grains = progress.grains();
+        }
         beside.clock.read(&mut progress);
         match done {
             Ok(true) => break,
@@ -237,6 +243,26 @@ fn make_test(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool
 }
 
 impl Progress {
+    /// The rig with the grown points and grains, where the specimen has grown.
+    fn own(&self, model: &Model, rig: &MpmTest) -> Option<MpmTest> {
+        self.grown.as_ref().zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth))
+    }
+
+    /// Checks a progress that was read from a file: whether a run of `rig` can have written it.
+    fn check(&self, model: &Model, rig: &MpmTest) -> Checked {
+        match (&self.growing, &self.grown, &rig.growth) {
+            (Some(growing), None, Some(growth)) => growing.check(model, rig, growth)?,
+            (None, Some(grown), Some(_)) => grown.check()?,
+            (None, None, None) => {}
+            _ => return Err("a specimen grows which the scene does not grow, or has not grown which it does".into()),
+        }
+        let own = self.own(model, rig);
+        self.state.check(model, own.as_ref().unwrap_or(rig))?;
+        self.crushed.check(model, &self.state)?;
+        self.used.check()?;
+        check::not_negative("seconds", [self.seconds, self.user_seconds])
+    }
+
     /// One [`State::advance`], with the records that are due. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, out: &Path) -> Result<bool> {
         let Progress { state, recorder, history, blocks, crushed, snapshots, .. } = self;
@@ -263,10 +289,21 @@ impl Progress {
         advanced?;
         let done = state.phase == Phase::Done;
         let steps = state.continuum.steps();
-        if let Some(mixture) = state.mixture.as_ref().filter(|_| done || steps.is_multiple_of(LOOK)) {
-            watch::grains(&mixture.grains, model.records.stop_at_overlap, steps)?;
+        if done || steps.is_multiple_of(LOOK) {
+            self.watch(model)?;
         }
         Ok(done)
+    }
+
+    /// Number of grains.
+    fn grains(&self) -> usize {
+        self.state.mixture.as_ref().map_or(0, |mixture| mixture.grains.grains.len())
+    }
+
+    /// Fails when places or overlaps of grains are no longer meaningful.
+    fn watch(&self, model: &Model) -> Result<()> {
+        let Some(mixture) = &self.state.mixture else { return Ok(()) };
+        watch::grains(&mixture.grains, model.records.stop_at_overlap, self.state.continuum.steps())
     }
 
     fn sync(&mut self, out: &Path) -> Result<()> {

@@ -13,6 +13,7 @@ use crate::record::quasi_static::distance;
 use crate::record::vtk::{self, Fact};
 use crate::record::{assembly as assembly_records, checkpoint, contacts, specimen, walls};
 use crate::rig::cylinder::{Stresses, space};
+use engine::check::Checked;
 use engine::dem::event::Breakage;
 use engine::dem::observables;
 use engine::dem::{State, Workspace};
@@ -207,6 +208,15 @@ impl Files {
         self.gsd.reopen(out, GSD)?;
         self.breakage.reopen(out, BREAKAGE)?;
         Ok(self.tracks.reopen(out, TRACKS)?)
+    }
+
+    /// Checks what a checkpoint says of the records against its state; `grains`: number of grains at the start.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, model: &Model, state: &State, grains: usize) -> Checked {
+        self.ancestors.check(model, state, grains)?;
+        self.recorder.check(state)
     }
 
     /// Prepares for records of a test. With `specimen` the mass and the gradation before loading are read from `specimen.csv`.

@@ -21,6 +21,7 @@ use crate::scene::Scene;
 use crate::testing::Test;
 pub use backend::{Backend, Chosen, choose};
 use engine::boundary::CylinderSpace;
+use engine::check::{self, Checked, ensure};
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use files::Files;
@@ -167,6 +168,30 @@ struct Progress {
     loading_seconds: f64,
 }
 
+impl Progress {
+    /// Checks a progress that was read from a file: whether a run of `model` can have written it.
+    fn check(&self, model: &Model) -> Checked {
+        let Progress { activity, state, files, steps, preparation_steps, grains_initial, range, grain_steps: _, seconds, .. } =
+            self;
+        check::counters("steps", &[*steps, *preparation_steps])?;
+        check::not_negative("seconds", [*seconds, self.loading_seconds])?;
+        ensure(state.step <= *steps, || format!("step {} of a run of {steps}", state.step))?;
+        if let Some(range) = range {
+            range.check()?;
+        }
+        match (activity, &model.rig) {
+            (Activity::Preparing(preparation), rig) => match rig.specimen() {
+                Some(specimen) => preparation.check(model, specimen, state),
+                None => Err("a specimen is prepared which the scene does not have".into()),
+            },
+            (Activity::Testing(test), _) => test.check(model, state),
+            (Activity::Assembly, Rig::Assembly(rig)) => state.check(&model.physics, &assembly::start(model, rig)),
+            _ => Err("it is of another kind of run".into()),
+        }?;
+        files.check(model, state, *grains_initial)
+    }
+}
+
 /// Turns a relative density of the model's specimen into a porosity ([`range::settle`]), in a pool of `threads` threads. Gives
 /// the range of porosities that was used, `None` where the model has no relative density.
 ///
@@ -275,18 +300,20 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
         return in_pool(options.threads, || grain_crushing::run(&model, rig, dir, options.quiet));
     }
     if let Rig::Continuum(rig) = &model.rig {
-        let resume = || continuum::resume(&model, rig, dir, options.backend, options.quiet, options.stop_after);
-        return released(in_pool(options.threads, resume), dir, lock);
+        // a checkpoint that is refused frees no folder
+        let begun = in_pool(options.threads, || continuum::take_up(&model, rig, dir, options.backend))?;
+        let go_on = || continuum::go_on(&model, rig, begun, dir, options.quiet, options.stop_after);
+        return released(in_pool(options.threads, go_on), dir, lock);
     }
-    let mut progress: Progress = taken_up(dir)?;
+    let mut progress: Progress = taken_up(dir, |progress: &Progress| progress.check(&model))?;
     progress.files.reopen(dir)?;
     let outcome = in_pool(options.threads, || Runner::new(&model, dir, progress, options.quiet)?.run_to_end(options.stop_after));
     released(outcome, dir, lock)
 }
 
-/// The progress of the newest checkpoint in `dir` that is whole; says so where this is not the newest one.
-fn taken_up<T: serde::de::DeserializeOwned>(dir: &Path) -> Result<T> {
-    let (progress, why) = checkpoint::load(dir)?;
+/// The progress of the newest checkpoint in `dir` that is whole and stands the `check`; says so where this is not the newest one.
+fn taken_up<T: serde::de::DeserializeOwned>(dir: &Path, check: impl Fn(&T) -> Checked) -> Result<T> {
+    let (progress, why) = checkpoint::load(dir, check)?;
     if let Some(why) = why {
         eprintln!("warning: {why}; the run goes on from the checkpoint before it");
     }
@@ -335,6 +362,12 @@ const CLOSE_LOOK: u64 = 8;
 /// Steps between two checks of the grains' positions and overlaps, two updates of the progress bar, and two looks at the clock.
 const LOOK: u64 = 64;
 
+/// Whether the number of grains has risen so much since it was `before` that the state is looked at now: where numbers have become meaningless, all grains break
+/// at every step, and memory is full before the next look.
+fn multiplies(before: usize, now: usize) -> bool {
+    now > 2 * before + 1000
+}
+
 struct Runner<'a> {
     model: &'a Model,
     out: &'a Path,
@@ -359,6 +392,7 @@ impl<'a> Runner<'a> {
         let loading_before = self.progress.loading_seconds;
         let mut loading_since = (!matches!(self.progress.activity, Activity::Preparing(_))).then(Instant::now);
         let mut below_least = self.progress.files.recorder.below_least;
+        let mut grains = self.progress.state.grains.len();
         loop {
             let step = self.advance();
             let p = &mut self.progress;
@@ -384,8 +418,10 @@ impl<'a> Runner<'a> {
                 self.checkpoint()?;
                 return Err(Error::Interrupted { step: self.progress.steps, out: self.out.into() });
             }
-            if self.progress.steps.is_multiple_of(CLOSE_LOOK) {
-                self.watch(false)?;
+            let many = multiplies(grains, self.progress.state.grains.len());
+            if many || self.progress.steps.is_multiple_of(CLOSE_LOOK) {
+                self.watch(many)?;
+                grains = self.progress.state.grains.len();
             }
             if self.progress.steps.is_multiple_of(LOOK) {
                 self.bar.show(self.model, &self.progress);
@@ -453,15 +489,15 @@ impl<'a> Runner<'a> {
         self.checkpoint()
     }
 
-    /// Fails, with all records written, when the state is no longer meaningful ([`watch`]). `last`: after the last step.
-    fn watch(&mut self, last: bool) -> Result<()> {
+    /// Fails, with all records written, when the state is no longer meaningful ([`watch`]). `whole`: places and overlaps are looked at in any case.
+    fn watch(&mut self, whole: bool) -> Result<()> {
         let Runner { model, progress, .. } = self;
         let state = &progress.state;
         let mut lost = Ok(());
         if progress.activity.ledger_is_open(state) {
             lost = watch::energy(state, model.physics.gravity);
         }
-        if last || progress.steps.is_multiple_of(LOOK) {
+        if whole || progress.steps.is_multiple_of(LOOK) {
             lost = lost.and_then(|()| watch::grains(state, model.records.stop_at_overlap, state.step));
         }
         if lost.is_err() {

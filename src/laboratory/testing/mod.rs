@@ -17,6 +17,7 @@ use crate::record::quasi_static::Instant;
 use crate::scene::material::Named;
 use crate::scene::view::View;
 use engine::boundary::CylinderSpace;
+use engine::check::Checked;
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use engine::mpm::Continuum;
@@ -46,6 +47,12 @@ pub trait SpecimenTest: Sized {
         work: &mut Workspace,
         observe: &mut dyn FnMut(&Self, &State, &Workspace) -> Result<(), Error>,
     ) -> Result<(), Error>;
+
+    /// Checks a test from a checkpoint, with its grains.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    fn check(&self, model: &Model, rig: &Self::Rig, state: &State) -> Checked;
 
     /// Whether the programme is done.
     fn is_over(&self) -> bool;

@@ -10,6 +10,7 @@ use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::scene::material::Named;
 use crate::scene::view::View;
 use engine::boundary::CylinderSpace;
+use engine::check::Checked;
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use engine::mpm::Continuum;
@@ -53,6 +54,17 @@ macro_rules! specimen_tests {
                         observe(&Observed::$test(test, rig), state, work)
                     }),)*
                     _ => unreachable!("a test belongs to its rig"),
+                }
+            }
+
+            /// [`SpecimenTest::check`] against the model's rig.
+            ///
+            /// # Errors
+            /// What is wrong, in words.
+            pub fn check(&self, model: &Model, state: &State) -> Checked {
+                match (self, &model.rig) {
+                    $((Test::$test(test), Rig::$test(rig)) => SpecimenTest::check(test, model, rig, state),)*
+                    _ => Err("it is of another kind of test".into()),
                 }
             }
 

@@ -12,6 +12,7 @@ use crate::rig::cylinder::inertial_time;
 use crate::rig::growth::{self, INERTIAL, STRESS_AT_REST, UNBALANCED};
 use ::engine::boundary::WallShape;
 use ::engine::boundary::{Wall, servo_speed};
+use ::engine::check::{self, Checked, ensure};
 use ::engine::dem;
 use ::engine::dem::observables;
 use ::engine::dem::physics::Physics;
@@ -113,6 +114,23 @@ impl Growing {
         state.reference_stress = growth::STRESS * growth.stress;
         state.stability_interval = 1;
         Ok(Growing { state, radii, coarse, stage: Stage::Growth, steps: 0, from: 0 })
+    }
+
+    /// Checks a growing specimen from a checkpoint against that with which growth starts.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, model: &Model, rig: &MpmTest, growth: &Growth) -> Checked {
+        let made = Growing::start(model, rig, growth).map_err(|e| e.to_string())?;
+        ensure(self.radii == made.radii && self.coarse == made.coarse, || "the grains are not those of the scene".into())?;
+        self.state.check(&growing(&model.physics), &made.state)?;
+        check::lengths("grains that grow", made.radii.len(), [self.state.grains.len(), self.state.grains.next_id as usize])?;
+        check::positive("size of the growing specimen", extent(&self.state)[1])?;
+        check::counters("steps", &[self.steps])?;
+        let last = if self.stage == Stage::Growth { growth.steps.saturating_sub(1) } else { u64::MAX };
+        ensure(self.from <= self.steps && self.steps <= last, || {
+            format!("a stage of growth goes from {} to {}", self.from, self.steps)
+        })
     }
 
     /// Working memory for steps; `physics` from [`growing`].
@@ -238,6 +256,21 @@ fn servo(rig: &MpmTest, stress: f64, state: &mut State) {
 }
 
 impl Grown {
+    /// Checks a grown specimen from a checkpoint.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self) -> Checked {
+        check::numbers("lower corner", self.lower)?;
+        check::positive("size of the specimen", self.size)?;
+        check::numbers("places of grown grains", self.grains.as_flattened())?;
+        check::positive("radii of grown grains", self.grains.iter().map(|p| p[3]))?;
+        check::below("coarse grains", self.coarse as u64, self.grains.len() + 1)?;
+        check::counters("steps", &[self.steps])?;
+        let coarse: f64 = self.grains[..self.coarse].iter().map(|p| sphere_volume(p[3])).sum();
+        ensure(coarse < self.size.iter().product(), || "the coarse grains do not fit into the specimen".into())
+    }
+
     /// The rig of the test with this specimen: `rig` with the grown points, grains and box.
     pub fn rig(&self, model: &Model, rig: &MpmTest, growth: &Growth) -> MpmTest {
         let (coarse, fine) = self.grains.split_at(self.coarse);

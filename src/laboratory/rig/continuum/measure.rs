@@ -3,6 +3,7 @@
 //! instant.
 
 use super::{MpmTest, Phase, State, dimensions};
+use ::engine::check::{self, Checked};
 use ::engine::coupling::{Shares, Touching};
 use ::engine::mpm::Totals;
 use serde::{Deserialize, Serialize};
@@ -30,6 +31,15 @@ struct Borne {
 }
 
 impl Means {
+    /// Checks sums from a checkpoint.
+    pub(super) fn check(&self) -> Checked {
+        check::counters("steps", &[self.count])?;
+        check::numbers("sums of stresses and extents", self.sides.iter().chain(&self.extents))?;
+        let borne = self.borne.unwrap_or_default();
+        let shares = [borne.shares.matrix, borne.shares.skeleton, borne.shares.interface];
+        check::numbers("shares of the stress", shares.iter().flatten().chain([&borne.along_z]))
+    }
+
     /// Adds `count` instants whose means are `sides` and `extents`.
     fn add(&mut self, count: u64, sides: [f64; 6], extents: [f64; 3]) {
         let times = count as f64;

@@ -19,6 +19,7 @@ pub(crate) use measure::{GrainMeasures, Moment};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::continuum::{MpmTest, Test};
+use ::engine::check::{self, Checked, ensure};
 use ::engine::coupling::Mixture;
 use ::engine::dem::event::Breakage;
 use ::engine::mpm::{Continuum, Dimension, LoadingPlate, PlateDrive, Ramp, with_plates};
@@ -137,6 +138,36 @@ impl State {
             state.rate = specimen.strain_per_wave / state.wave;
         }
         Ok(state)
+    }
+
+    /// Checks a state from a checkpoint against that with which the test of `rig` starts.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, model: &Model, rig: &MpmTest) -> Checked {
+        let made = State::start(model, rig).map_err(|e| e.to_string())?;
+        match (&self.mixture, &made.mixture) {
+            (Some(mixture), Some(theirs)) => {
+                let walls = if rig.specimen().is_some() { 0 } else { theirs.grains.walls.len() };
+                mixture.check(&self.continuum, &model.physics, (theirs, &made.continuum), walls)?;
+            }
+            (None, None) => self.continuum.check(&made.continuum, 0)?,
+            _ => return Err("there are grains where the scene has none, or none where it has some".into()),
+        }
+        check::lengths("platens", made.plates.len(), [self.plates.len(), self.drift.len()])?;
+        self.plates.iter().zip(&made.plates).try_for_each(|(plate, made)| plate.check(made))?;
+        check::numbers("speeds of platens", &self.drift)?;
+        let settles = self.phase != Phase::Settle || matches!(rig.test, Test::Triaxial { .. });
+        let same = self.wave == made.wave && self.rate == made.rate;
+        ensure(settles && same, || "phase or speed of the test are not those of the scene".into())?;
+        check::not_negative("times", [self.time, self.phase_time])?;
+        check::all("time steps", [self.dt, self.bound], "no time step", |x| x == 0.0 || x >= f64::MIN_POSITIVE)?;
+        if rig.specimen().is_some() {
+            check::positive("extents", self.extents)?;
+            check::positive("extents", self.extents_now(rig))?;
+        }
+        check::numbers("energies", self.energy.iter().flatten())?;
+        self.means.check()
     }
 
     /// First time step of a test whose specimen need not grow, s, with the bounds by all contacts.

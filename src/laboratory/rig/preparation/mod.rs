@@ -10,8 +10,10 @@ pub(crate) mod stated;
 use crate::error::Error;
 use crate::model::{Model, Specimen};
 use crate::packing;
-use crate::rig::cylinder::{CYLINDER, space, walls};
+use crate::rig::cylinder::{self, CYLINDER, space, walls};
 use crate::rig::growth;
+use engine::check::{self, Checked, ensure};
+use engine::dem::physics::Physics;
 use engine::dem::{State, Workspace};
 use engine::grains::{Grains, sphere_volume};
 use path::{Path, Wish};
@@ -49,6 +51,17 @@ impl Preparation {
         }
     }
 
+    /// Checks a preparation from a checkpoint, with its grains.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, model: &Model, rig: &Specimen, state: &State) -> Checked {
+        match self {
+            Preparation::Stated(stated) => stated.check(model, rig, state),
+            Preparation::Path(path) => path.check(model, rig, state),
+        }
+    }
+
     /// Name of the present stage, for the progress bar.
     pub fn stage(&self) -> &'static str {
         match self {
@@ -83,6 +96,18 @@ fn scattered(model: &Model, rig: &Specimen, porosity: f64, friction: f64) -> (Ve
     state.damping = rig.preparation.damping;
     state.stability_interval = 1;
     (radii, state)
+}
+
+/// Checks one state of the grains of a preparation: those of the specimen, none of them broken. `radii` are their final radii by id, m.
+fn check_state(physics: &Physics, rig: &Specimen, radii: &[f64], state: &State) -> Checked {
+    cylinder::check(physics, rig, state, false)?;
+    check::lengths("grains of the specimen", radii.len(), [state.grains.len(), state.grains.next_id as usize])
+}
+
+/// Checks the final radii of a preparation and its place in time: `growth` are the steps of growth done.
+fn check_growth(model: &Model, rig: &Specimen, radii: &[f64], growth: Option<u64>) -> Checked {
+    ensure(*radii == packing::radii(rig, model.seeds.packing), || "the grains are not those of the scene".into())?;
+    ensure(growth.is_none_or(|n| n < rig.preparation.growth_steps), || "growth goes on beyond its end".into())
 }
 
 /// Whether each of the walls `held` bears the stress `stress`, Pa, within [`growth::STRESS_AT_REST`].

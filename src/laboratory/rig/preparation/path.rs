@@ -13,11 +13,12 @@
 //! times as many steps.
 
 use super::drive::{Drive, mean_stress};
-use super::{bears, porosity, scattered};
+use super::{bears, check_growth, check_state, porosity, scattered};
 use crate::error::Error;
 use crate::model::{Model, Specimen};
 use crate::rig::cylinder::{BOTTOM, CYLINDER, TOP, walls};
 use crate::rig::growth;
+use engine::check::{self, Checked, ensure};
 use engine::contact::ContactLaw;
 use engine::dem;
 use engine::dem::observables;
@@ -117,6 +118,14 @@ struct Place {
     amplitude: f64,
     /// Sum of the radial strains of all cycles, in either direction.
     sheared: f64,
+}
+
+impl Place {
+    fn check(&self) -> Checked {
+        ensure(matches!(self.stage, Stage::Compression | Stage::Shearing), || "a place that is not on the way".into())?;
+        check::positive("amplitude of shear", [self.amplitude])?;
+        check::not_negative("shear", [self.sheared])
+    }
 }
 
 /// A saved state on the way.
@@ -230,6 +239,37 @@ impl Path {
             model: Some(Box::new(own)),
         };
         (path, state)
+    }
+
+    /// Checks a preparation from a checkpoint, with its grains and the saved states on the way.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, model: &Model, rig: &Specimen, state: &State) -> Checked {
+        let own = quasi_static(model);
+        check::counters("steps", &[self.steps, self.stage_steps])?;
+        check_growth(model, rig, &self.radii, (self.stage == Stage::Growth).then_some(self.stage_steps))?;
+        let porosity = if let Wish::Porosity(n) = self.wish { n } else { f64::NAN };
+        ensure(porosity > 0.0 && porosity < 1.0, || format!("a specimen of porosity {porosity} is asked for"))?;
+        ensure(self.stress == stress(&own, rig, &self.radii), || "another stress is asked for".into())?;
+        check::numbers("porosities", self.known.iter().flatten().chain([&self.aim]))?;
+        check::positive("stress of unloading", [self.asked])?;
+        let jammed = self.place.jammed;
+        ensure(jammed || matches!(self.stage, Stage::Growth | Stage::Compression), || {
+            "loose grains are sheared or at rest".into()
+        })?;
+        ensure(jammed != self.marks.is_empty() && self.marks.len() <= MARKS, || format!("{} saved states", self.marks.len()))?;
+        let at_rest = matches!(self.stage, Stage::Quiet | Stage::Unloading | Stage::Rest);
+        ensure(at_rest == self.left.is_some(), || "it is not known where the specimen has left the way".into())?;
+        let marks = || self.marks.iter().chain(&self.left);
+        let here = (&self.place, &self.drive, state);
+        for (place, drive, state) in marks().map(|m| (&m.place, &m.drive, &m.state)).chain([here]) {
+            place.check()?;
+            check::not_negative("strain rate", [drive.rate])?;
+            check_state(&own.physics, rig, &self.radii, state)?;
+        }
+        ensure(marks().all(|m| m.place.jammed), || "a loose state is saved".into())?;
+        check::numbers("porosities", marks().map(|m| m.porosity))
     }
 
     /// One step. True when the specimen is ready.

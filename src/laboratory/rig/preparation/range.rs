@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::interrupt::stop_asked;
 use crate::model::{Model, Specimen};
 use crate::record::specimen::checksum;
+use engine::check::{Checked, ensure};
 use engine::dem::Workspace;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -38,6 +39,15 @@ struct Kept {
 }
 
 impl Range {
+    /// Checks a range from a checkpoint.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self) -> Checked {
+        let ordered = 0.0 < self.densest && self.densest <= self.loosest && self.loosest < 1.0;
+        ensure(ordered, || format!("porosities from {} to {} are no range", self.densest, self.loosest))
+    }
+
     /// Porosity of a specimen of relative density D_r = (e_max - e) / (e_max - e_min), with e its void ratio.
     pub fn porosity(&self, relative_density: f64) -> f64 {
         let (loose, dense) = (void_ratio(self.loosest), void_ratio(self.densest));

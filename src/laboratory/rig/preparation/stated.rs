@@ -2,12 +2,13 @@
 //! compressed by the platen under servo while friction is lowered until the target porosity is reached; then the specimen comes
 //! to rest with the friction of its material, platen and cylinder under servo.
 
-use super::{bears, porosity, scattered};
+use super::{bears, check_growth, check_state, porosity, scattered};
 use crate::error::Error;
 use crate::model::{Model, Specimen};
 use crate::rig::cylinder::{BOTTOM, CYLINDER, Stresses, TOP, inertial_time, space};
 use crate::rig::growth;
 use engine::boundary::servo_speed;
+use engine::check::{self, Checked};
 use engine::dem;
 use engine::dem::observables;
 use engine::dem::{State, Workspace};
@@ -115,6 +116,22 @@ impl Stated {
             compacted: None,
         };
         (preparation, state)
+    }
+
+    /// Checks a preparation from a checkpoint, with its grains and the states that it goes back to.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, model: &Model, rig: &Specimen, state: &State) -> Checked {
+        let Press { stress, weak, strong, before } = &self.press;
+        check::counters("steps", &[self.steps, self.stage_steps])?;
+        check_growth(model, rig, &self.radii, (self.stage == Stage::Growth).then_some(self.stage_steps))?;
+        check::not_negative("speed of walls", [self.limit])?;
+        check::numbers("porosity", [self.aim])?;
+        let stresses = [stress, weak].into_iter().chain(strong);
+        check::all("stresses of pressing", stresses, "not possible", |x| (1.0..=PRESS_LAST).contains(&x))?;
+        let states = [Some(state), self.compacted.as_deref(), before.as_deref()];
+        states.into_iter().flatten().try_for_each(|state| check_state(&model.physics, rig, &self.radii, state))
     }
 
     /// One step. True when the specimen is ready.

@@ -16,6 +16,7 @@ use crate::rig::cylinder::{CYLINDER, Stresses, space};
 use crate::scene::material::Named;
 use crate::scene::view::View;
 use engine::boundary::{CylinderSpace, servo_speed};
+use engine::check::Checked;
 use engine::dem;
 use engine::dem::{State, Workspace};
 use engine::grains::Grains;
@@ -56,6 +57,10 @@ impl SpecimenTest for Isotropic {
         dem::integrate(&model.physics, state, work);
         self.0.phase_steps += 1;
         Ok(())
+    }
+
+    fn check(&self, model: &Model, rig: &Compression, state: &State) -> Checked {
+        self.0.check(model, rig, state)
     }
 
     fn is_over(&self) -> bool {

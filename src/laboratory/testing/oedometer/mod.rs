@@ -16,6 +16,7 @@ use crate::scene::material::Named;
 use crate::scene::view::View;
 use engine::boundary::CylinderSpace;
 use engine::boundary::servo_speed;
+use engine::check::{self, Checked};
 use engine::coupling::Embedded;
 use engine::dem;
 use engine::dem::{State, Workspace};
@@ -313,6 +314,22 @@ impl SpecimenTest for Loading {
         observe: &mut dyn FnMut(&Loading, &State, &Workspace) -> Result<(), Error>,
     ) -> Result<(), Error> {
         self.step(model, rig, state, work, observe)
+    }
+
+    fn check(&self, model: &Model, rig: &Compression, state: &State) -> Checked {
+        cylinder::check(&model.physics, &rig.specimen, state, model.records.energy)?;
+        check::counters("steps", &[self.phase_steps])?;
+        if let Phase::Load(k) | Phase::Hold(k) = self.phase {
+            check::below("stage", k as u64, rig.loading.stages.len())?;
+        }
+        check::positive("stresses of the programme", [self.target, self.peak])?;
+        check::positive("sizes at the start", [self.start.0, self.start.1])?;
+        check::not_negative("speed of the platen", [self.limit])?;
+        match (&self.fines, &rig.fines) {
+            (Some(fines), Some(embedding)) => fines.check(&model.physics, embedding, state),
+            (None, None) => Ok(()),
+            _ => Err("lost mass becomes points in another way than in the scene".into()),
+        }
     }
 
     fn is_over(&self) -> bool {

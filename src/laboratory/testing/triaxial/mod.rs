@@ -13,6 +13,7 @@ use crate::scene::material::Named;
 use crate::scene::view::View;
 use engine::boundary::CylinderSpace;
 use engine::boundary::servo_speed;
+use engine::check::{self, Checked};
 use engine::dem;
 use engine::dem::observables;
 use engine::dem::{State, Workspace};
@@ -153,6 +154,13 @@ impl SpecimenTest for Shearing {
         observe: &mut dyn FnMut(&Shearing, &State, &Workspace) -> Result<(), Error>,
     ) -> Result<(), Error> {
         self.step(model, rig, state, work, observe)
+    }
+
+    fn check(&self, model: &Model, rig: &Triaxial, state: &State) -> Checked {
+        cylinder::check(&model.physics, &rig.specimen, state, model.records.energy)?;
+        check::counters("steps", &[self.phase_steps])?;
+        check::positive("sizes at the start", [self.start.0, self.start.1])?;
+        check::not_negative("strain rate", [self.rate])
     }
 
     fn is_over(&self) -> bool {
