@@ -14,7 +14,7 @@ const GOLDEN: f64 = 0.381_966_011_250_105;
 /// Most points of a scene.
 const MOST: f64 = 2e8;
 /// Points that an outline makes ([`super::outline`]).
-const OUTLINE: usize = 200_000;
+const OUTLINE: usize = 100_000;
 
 /// A body in SI units: its shape, and the properties of its points.
 struct Body {

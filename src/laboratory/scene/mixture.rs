@@ -14,9 +14,9 @@ use engine::mpm::{Dimension, Points};
 /// Gap between coarse grains, and between them and platens, when they are placed at random, over the distance of two points.
 const ROOM: f64 = 0.5;
 /// Coarse grains that an outline places ([`super::outline`]).
-const FEW: usize = 1000;
+const FEW: usize = 500;
 /// Pairs of a body and a point that an outline compares.
-const COMPARED: usize = 200_000_000;
+const COMPARED: usize = 50_000_000;
 /// Largest overlap of a grain with a platen at the start, over the radius of the grain.
 const DEEP: f64 = 0.01;
 
