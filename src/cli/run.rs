@@ -84,8 +84,10 @@ pub fn call(mut args: Args) -> Result<()> {
         }
     }
     free(&out, args.force)?;
-    let estimate = scene::estimate(&model);
-    scene::enough_disk(&model, &estimate, &out)?;
+    let outline = scene::outline(&scene)?;
+    let estimate = scene::estimate(&outline);
+    scene::enough_disk(&outline, &estimate, &out)?;
+    drop(outline);
     let backend = choose(args.backend.map_or_else(Backend::default, Into::into), &model)?;
     if !args.quiet {
         if let Some(why) = &backend.why {

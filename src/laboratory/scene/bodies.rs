@@ -262,9 +262,18 @@ impl View<'_> {
         let sites = lattice(&body.shape, settings, per, d);
         let middle = |a: usize, n: i64| if a < d { settings.lower[a] + (n as f64 + 0.5) * spacing } else { 0.0 };
         let place = |[x, y, z]: [i64; 3]| [middle(0, x), middle(1, y), middle(2, z)];
-        if most < usize::MAX && matches!(body.shape, Shape::Box { .. }) {
-            // the corner that is furthest from the points that are made
-            within(place(sites.map(|[_, end]| end - 1)))?;
+        if most < usize::MAX {
+            // the sites in the middle of each side, as those that lie outside of the grid may be left out
+            let middles = sites.map(|[from, to]| from + (to - 1 - from) / 2);
+            for (a, ends) in sites.iter().enumerate().take(d) {
+                for end in [ends[0], ends[1] - 1] {
+                    let mut site = middles;
+                    site[a] = end;
+                    if body.shape.holds(place(site), d) {
+                        within(place(site))?;
+                    }
+                }
+            }
         }
         let mut left = most;
         for z in sites[2][0]..sites[2][1] {
