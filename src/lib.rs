@@ -97,7 +97,7 @@ pub use engine::gpu;
 pub use engine::{
     boundary, breakage, contact, coupling, dem, grains, material, math, mpm, neighbours, parameter, point_contacts, rigid, shape,
 };
-pub use laboratory::{error, gradation, interrupt, model, packing, record, rig, run, scene, testing};
+pub use laboratory::{error, gradation, interrupt, machine, model, packing, record, rig, run, scene, testing};
 pub use plot as figure;
 pub use table;
 

@@ -6,6 +6,7 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    comminute::interrupt::outlive_size_limit();
     match cli::Cli::parse().call() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -3,6 +3,9 @@
 use laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
+/// Most values of a file.
+const MOST_CELLS: usize = 4_000_000;
+
 pub struct Columns {
     pub path: PathBuf,
     pub headers: Vec<String>,
@@ -16,14 +19,15 @@ impl Columns {
     /// # Errors
     /// A file that cannot be read, without rows, or with rows of another length than the header.
     pub fn read(path: &Path) -> Result<Columns> {
-        let bytes = std::fs::read(path).map_err(Error::read(path))?;
+        let bytes = laboratory::scene::read_bytes(path)?;
         let wrong = |place: String, message: String| Error::input(format!("{}{place}", path.display()), "", None, message);
         let text = String::from_utf8(bytes).map_err(|_| wrong(String::new(), "is not UTF-8 text".into()))?;
         let text = text.trim_start_matches('\u{feff}');
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
-        let mut headers: Vec<String> =
-            reader.headers().map_err(|e| wrong(String::new(), e.to_string()))?.iter().map(str::to_string).collect();
+        let header = reader.headers().map_err(|e| wrong(String::new(), e.to_string()))?;
+        laboratory::scene::bounded_columns(path, header.len())?;
+        let mut headers: Vec<String> = header.iter().map(str::to_string).collect();
         table::old_names::renew(&mut headers);
         let mut rows = Vec::new();
         for record in reader.records() {
@@ -32,6 +36,9 @@ impl Columns {
             if record.len() != headers.len() {
                 let message = format!("has {} values; the header has {}", record.len(), headers.len());
                 return Err(wrong(format!(" line {line}"), message));
+            }
+            if (rows.len() + 1) * headers.len() > MOST_CELLS {
+                return Err(wrong(String::new(), format!("must hold at most {MOST_CELLS} values")));
             }
             rows.push((line, record.iter().map(str::to_string).collect()));
         }

@@ -1,10 +1,14 @@
 //! Tables of parameters: full factorials of `key=a,b,c` and files with a column for each key.
 
 use laboratory::error::{Error, Result};
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Largest number of points of one table.
 const MOST: usize = 100_000;
+/// Most keys of a table, and the length of the longest one, bytes.
+const MOST_KEYS: usize = 100;
+const LONGEST_KEY: usize = 200;
 /// Longest name of a point, which is a folder and part of a scene's name.
 const LONGEST: usize = 60;
 
@@ -50,7 +54,7 @@ pub fn points(grids: &[String], tables: Vec<Vec<Vec<(String, String)>>>) -> Resu
     }
     let mut rows: Vec<Vec<(String, String)>> = vec![Vec::new()];
     for factor in &factors {
-        if rows.len() * factor.len() > MOST {
+        if rows.len().saturating_mul(factor.len()) > MOST {
             return Err(Error::input("grid", "", None, format!("gives more than {MOST} runs")));
         }
         rows = rows.iter().flat_map(|row| factor.iter().map(move |more| [row.as_slice(), more].concat())).collect();
@@ -70,10 +74,9 @@ fn factor(text: &str) -> Result<Vec<Vec<(String, String)>>> {
     if values.iter().any(|v| v.is_empty()) {
         return Err(fail("has an empty value"));
     }
-    for (i, value) in values.iter().enumerate() {
-        if values[..i].contains(value) {
-            return Err(fail(&format!("has the value {value} twice")));
-        }
+    let mut seen = HashSet::with_capacity(values.len());
+    if let Some(value) = values.iter().find(|value| !seen.insert(value.as_str())) {
+        return Err(fail(&format!("has the value {value} twice")));
     }
     Ok(values.into_iter().map(|value| vec![(key.to_string(), value)]).collect())
 }
@@ -104,17 +107,25 @@ fn split(list: &str) -> Vec<String> {
 /// # Errors
 /// A file that cannot be read, has no rows, or a row of another length than the header.
 pub fn table(path: &Path) -> Result<Vec<Vec<(String, String)>>> {
-    let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
+    let text = laboratory::scene::read_text(path)?;
     let text = text.trim_start_matches('\u{feff}');
     let wrong = |line: String, message: String| Error::input(format!("{}{line}", path.display()), "", None, message);
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let keys: Vec<String> = reader.headers().map_err(|e| wrong(String::new(), e.to_string()))?.iter().map(str::to_string).collect();
+    let header = reader.headers().map_err(|e| wrong(String::new(), e.to_string()))?;
+    laboratory::scene::bounded_columns(path, header.len())?;
+    let keys: Vec<String> = header.iter().map(str::to_string).collect();
     if keys.iter().any(String::is_empty) {
         return Err(wrong(String::new(), "the header must hold a key in each column, as in loading.rate,seed.strength".into()));
+    }
+    if keys.len() > MOST_KEYS || keys.iter().any(|key| key.len() > LONGEST_KEY) {
+        return Err(wrong(String::new(), format!("the header must hold at most {MOST_KEYS} keys, of {LONGEST_KEY} bytes at most")));
     }
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| wrong(String::new(), e.to_string()))?;
+        if rows.len() == MOST {
+            return Err(wrong(String::new(), format!("must hold at most {MOST} rows")));
+        }
         let line = record.position().map_or(0, csv::Position::line);
         if record.len() != keys.len() {
             let message = format!("has {} values; the header has {} keys", record.len(), keys.len());
@@ -132,7 +143,7 @@ pub fn table(path: &Path) -> Result<Vec<Vec<(String, String)>>> {
 /// Names the rows: each key, shortened to as many of its last words as tell it from the other keys
 /// of the row, with its value. Equal names get a number.
 fn named(rows: Vec<Vec<(String, String)>>) -> Vec<Point> {
-    let mut taken: Vec<String> = Vec::new();
+    let mut taken: HashMap<String, usize> = HashMap::new();
     let mut out = Vec::new();
     for values in rows {
         // an empty cell leaves the scene's value
@@ -143,10 +154,10 @@ fn named(rows: Vec<Vec<(String, String)>>) -> Vec<Point> {
         if name.is_empty() {
             name = "base".into();
         }
-        let again = taken.iter().filter(|n| **n == name).count();
-        taken.push(name.clone());
-        if again > 0 {
-            name += &format!("+{}", again + 1);
+        let times = taken.entry(name.clone()).or_default();
+        *times += 1;
+        if *times > 1 {
+            name += &format!("+{times}");
         }
         out.push(Point { values, name });
     }

@@ -52,7 +52,7 @@ impl Job {
         self
     }
 
-    /// Loads the scene with everything that the job changes, and makes the model from it.
+    /// Loads the scene with everything that the job changes, and makes the outline of the model from it ([`scene::outline`]).
     ///
     /// # Errors
     /// Whatever is wrong with the scene or the values laid over it.
@@ -62,7 +62,7 @@ impl Job {
         sets.extend(self.seed_packing.map(|n| format!("seed.packing={n}")));
         sets.extend(self.seed_strength.map(|n| format!("seed.strength={n}")));
         let scene = scene::load(&self.scene, &sets)?;
-        let model = scene::model(&scene)?;
+        let model = scene::outline(&scene)?;
         Ok((scene, model))
     }
 

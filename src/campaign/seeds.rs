@@ -1,6 +1,7 @@
 //! Lists of seeds as a person writes them: `1..8`, `1,2,5`.
 
 use laboratory::error::{Error, Result};
+use std::collections::HashSet;
 
 /// Largest number of seeds in one list.
 const MOST: usize = 10_000;
@@ -28,7 +29,7 @@ pub fn parse(text: &str) -> Result<Vec<u64>> {
         // a scene holds seeds as whole numbers of 63 bits
         s.trim().parse::<u64>().ok().filter(|&n| i64::try_from(n).is_ok()).ok_or_else(wanted)
     };
-    let mut seeds: Vec<u64> = Vec::new();
+    let (mut seeds, mut seen) = (Vec::new(), HashSet::new());
     for part in text.split(',') {
         let (first, last) = match part.split_once("..") {
             Some((a, b)) => (number(a)?, number(b.strip_prefix('=').unwrap_or(b))?),
@@ -41,7 +42,7 @@ pub fn parse(text: &str) -> Result<Vec<u64>> {
             return Err(fail(format!("more than {MOST} seeds")));
         }
         for seed in first..=last {
-            if seeds.contains(&seed) {
+            if !seen.insert(seed) {
                 return Err(fail(format!("{seed} stands there twice")));
             }
             seeds.push(seed);

@@ -29,7 +29,7 @@ pub struct Args {
     grains: Vec<u32>,
 
     /// Numbers of threads; one, and all that this machine has, if not given
-    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = super::threads())]
     threads: Vec<u16>,
 
     /// Contact laws: Hertz-Mindlin, and the same with viscous damping (restitution 0.3) as the other codes are measured with
@@ -82,7 +82,7 @@ enum What {
 #[derive(Debug, clap::Args)]
 pub(super) struct Blocks {
     /// Numbers of threads; one, and all that this machine has, if not given
-    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = super::threads())]
     pub threads: Vec<u16>,
 
     /// Steps of one timed block

@@ -61,11 +61,11 @@ pub struct Args {
     seed: u64,
 
     /// Runs at a time; one for each core if not given. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = super::threads())]
     jobs: Option<u16>,
 
     /// Threads of each run; the cores shared out if not given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = super::threads())]
     threads: Option<u16>,
 
     /// Folder of the calibration and its runs; runs/ and the name of the curve with -calibration if not given

@@ -9,11 +9,11 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub struct Options {
     /// Runs at a time; one for each core if not given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = super::threads())]
     jobs: Option<u16>,
 
     /// Threads of each run; the cores shared out if not given, and 1 in a list
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = super::threads())]
     threads: Option<u16>,
 
     /// Backend that computes the steps of a continuum

@@ -49,7 +49,7 @@ pub fn call(args: &Args) -> Result<()> {
         _ => return print(scene::key_reference().trim_end()),
     };
     let scene = args.overrides.load(path)?;
-    let mut model = scene::model(&scene)?;
+    let mut model = scene::outline(&scene)?;
     let reach = if args.range { scene::measured_reach(&model)? } else { scene::sure_reach(&scene, &model, false) };
     if args.range && reach.is_none() {
         let what = "has to be \"auto\", of an oedometer or a triaxial test, for a range to be measured";
@@ -66,6 +66,11 @@ pub fn call(args: &Args) -> Result<()> {
     if scene::is_given_its_specimen(&scene) {
         estimate.seconds -= std::mem::take(&mut estimate.preparation_seconds);
     }
+    let out = scene.default_out();
+    let free = comminute::machine::free_memory();
+    let short = scene::fits(&scene, &model, free).err().map(|e| e.to_string()).or_else(|| scene::crowded(&estimate, free));
+    let disk = comminute::machine::free_disk(&out).and_then(|free| scene::lacking(&model, &estimate, free as f64));
+    estimate.warnings.extend(short.into_iter().chain(disk));
     if args.json {
         print(&as_json(&scene, &model, &estimate))?;
     } else if !args.quiet {
@@ -155,6 +160,7 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
     }
     writeln!(text, "  time            {} on one thread (estimate)", comminute::run::human(e.seconds))?;
     writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
+    writeln!(text, "  files           {}", files(&e.output))?;
     writeln!(text, "  seeds           packing {}, strength {}", model.seeds.packing, model.seeds.strength)?;
     writeln!(text, "  folder          {}", scene.default_out().display())
 }
@@ -169,6 +175,14 @@ fn crushing_stress(text: &mut String, e: &Estimate) -> std::fmt::Result {
         // four digits
         format!("{:.3e}", s.mean_mpa).parse::<f64>().unwrap_or(s.mean_mpa)
     )
+}
+
+/// The files of a run in one line.
+fn files(o: &scene::Output) -> String {
+    let counts = [(o.rows, "rows"), (o.snapshots, "snapshots")];
+    let counts: Vec<String> = counts.iter().filter(|(n, _)| *n > 0.0).map(|(n, what)| format!("{n:.0} {what}")).collect();
+    let of = if counts.is_empty() { String::new() } else { format!(": {}", counts.join(", ")) };
+    format!("{} (estimate){of}", comminute::machine::size(1e6 * o.total_mb))
 }
 
 fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) -> std::fmt::Result {
@@ -193,6 +207,7 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
     }
     writeln!(text, "  time            {} on one thread (estimate)", comminute::run::human(e.seconds))?;
     writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
+    writeln!(text, "  files           {}", files(&e.output))?;
     match (c.device_mb, &c.device_lacks) {
         (Some(mb), _) => writeln!(text, "  graphics device {:.0} MB (estimate), with --backend gpu", mb.ceil())?,
         (None, why) => writeln!(text, "  graphics device no: {}", why.as_deref().unwrap_or("unknown"))?,

@@ -25,6 +25,7 @@ mod verify;
 
 use clap::{Args, Parser, Subcommand};
 use comminute::error::{Error, Result};
+use comminute::run::MOST_THREADS;
 use comminute::scene::{self, Scene};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -100,6 +101,11 @@ impl Verb {
             Verb::Man(args) => man::call(&args),
         }
     }
+}
+
+/// Numbers of threads, and of runs at a time, that a person may ask for.
+pub fn threads() -> clap::builder::RangedI64ValueParser<u16> {
+    clap::value_parser!(u16).range(1..=MOST_THREADS as i64)
 }
 
 /// Changes that the command line makes in a scene.

@@ -12,7 +12,7 @@ pub struct Args {
     dir: PathBuf,
 
     /// Threads; all cores if not given. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = super::threads())]
     threads: Option<u16>,
 
     /// Backend that computes the steps of a continuum from here on; as before if not given

@@ -24,7 +24,7 @@ pub struct Args {
     overrides: Overrides,
 
     /// Threads; all cores if not given. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = super::threads())]
     threads: Option<u16>,
 
     /// Backend that computes the steps of a continuum; cpu if not given
@@ -84,12 +84,17 @@ pub fn call(mut args: Args) -> Result<()> {
         }
     }
     free(&out, args.force)?;
+    let outline = scene::outline(&scene)?;
+    let estimate = scene::estimate(&outline);
+    scene::enough_disk(&outline, &estimate, &out)?;
+    drop(outline);
     let backend = choose(args.backend.map_or_else(Backend::default, Into::into), &model)?;
     if !args.quiet {
         if let Some(why) = &backend.why {
             eprintln!("backend {}: {why}", backend.name());
         }
-        for warning in scene::estimate(&model).warnings {
+        let crowded = scene::crowded(&estimate, comminute::machine::free_memory());
+        for warning in estimate.warnings.iter().chain(&crowded) {
             eprintln!("warning: {warning}");
         }
     }

@@ -45,6 +45,8 @@ pub struct Args {
 
 /// Largest number of points that are drawn into common figures: a colour for each.
 const DRAWN: usize = 7;
+/// Most runs of a sweep.
+const MOST_RUNS: usize = 100_000;
 
 pub fn call(args: &Args) -> Result<()> {
     if args.grid.is_empty() && args.table.is_empty() {
@@ -54,6 +56,11 @@ pub fn call(args: &Args) -> Result<()> {
     let points = grid_points(&args.grid, tables?)?;
     args.options.may_vary(args.vary.into())?;
     let seeds = args.seeds.as_deref().map(parse_seeds).transpose()?;
+    let runs = points.len() * seeds.as_ref().map_or(1, Vec::len);
+    if runs > MOST_RUNS {
+        let message = format!("makes {runs} runs with {} values of the grid; at most {MOST_RUNS} are made", points.len());
+        return Err(Error::input("--seeds", "", args.seeds.clone(), message));
+    }
     let out = args.out.clone().unwrap_or_else(|| campaign::default_out(&args.scene, "sweep"));
     let mut jobs = Vec::new();
     let mut rows: Vec<&Point> = Vec::new();

@@ -30,7 +30,7 @@ pub struct Args {
     out: PathBuf,
 
     /// Threads; times depend on it, errors do not
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::threads())]
     threads: u16,
 
     /// Overwrite what the folder holds

@@ -16,6 +16,19 @@ pub fn listen() {
     });
 }
 
+/// Lets a write beyond the size that files may have (`ulimit -f`) fail with an error, as on a full disk, where the system would end
+/// the program without a word. For this thread and those that it starts from now on; programs that it starts are not affected.
+pub fn outlive_size_limit() {
+    #[cfg(unix)]
+    {
+        use nix::sys::signal::{SigSet, Signal};
+        let mut signals = SigSet::empty();
+        signals.add(Signal::SIGXFSZ);
+        // an error cannot be: the set holds a signal that there is
+        let _ = signals.thread_block();
+    }
+}
+
 /// Whether Ctrl-C or SIGTERM has arrived since [`listen`]. A run then writes its checkpoint and stops at the next step.
 pub fn stop_asked() -> bool {
     STOP.load(Ordering::Relaxed)

@@ -6,6 +6,7 @@
 pub mod error;
 pub mod gradation;
 pub mod interrupt;
+pub mod machine;
 pub mod model;
 pub mod packing;
 pub mod record;

@@ -99,6 +99,8 @@ pub struct Outcome {
 /// Largest stress of a run over the largest stress of the curve: runs end a little beyond the last
 /// point.
 const BEYOND: f64 = 1.02;
+/// Most runs of a calibration: emulating them takes memory with their square.
+const MOST_RUNS: usize = 5000;
 /// Largest number of draws in `posterior.csv`.
 const DRAWS: usize = 4000;
 
@@ -253,7 +255,12 @@ fn settings(request: &Request, parameters: usize) -> Result<Settings> {
     s.design = request.design.unwrap_or(s.design);
     s.batch = request.batch.unwrap_or(s.batch);
     s.check = request.check.unwrap_or(s.check);
-    s.budget = request.budget.unwrap_or(s.design + s.centre + 10 * parameters);
+    s.budget = request.budget.unwrap_or(s.design.saturating_add(s.centre + 10 * parameters));
+    for (option, count) in [("--budget", s.budget), ("--design", s.design)] {
+        if count > MOST_RUNS {
+            return Err(Error::input(format!("{option} {count}"), "", None, format!("is more than {MOST_RUNS} runs")));
+        }
+    }
     let least = s.design + s.centre;
     if s.budget < least {
         let message = format!("is less than the {} runs of the design and the {} in its middle; see --design", s.design, s.centre);

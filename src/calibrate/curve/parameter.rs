@@ -148,7 +148,7 @@ pub fn check(parameters: &[Parameter], scene: &Path, sets: &[String]) -> Result<
             let value = if corner >> k & 1 == 0 { p.lower } else { p.upper };
             sets.push(format!("{}={value:?}", p.key));
         }
-        scene::model(&scene::load(scene, &sets)?)?;
+        scene::outline(&scene::load(scene, &sets)?)?;
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 //! `censored` and `series`.
 
 use laboratory::error::{Error, Result};
-use laboratory::scene::read_text;
+use laboratory::scene::{bounded_columns, read_text};
 use std::path::{Path, PathBuf};
 
 /// Units of length and force by the suffix of a column, in SI.
@@ -71,6 +71,10 @@ impl Data {
     }
 }
 
+/// Most grains of a data file, and most series.
+const MOST: usize = 1_000_000;
+const MOST_SERIES: usize = 1000;
+
 /// Reads and checks a data file.
 ///
 /// # Errors
@@ -84,13 +88,19 @@ pub fn read(path: &Path) -> Result<Data> {
         .trim(csv::Trim::All)
         .flexible(true)
         .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
-    let header: Vec<String> = reader.headers().map_err(|e| bad(path, e))?.iter().map(str::to_string).collect();
+    let header = reader.headers().map_err(|e| bad(path, e))?;
+    bounded_columns(path, header.len())?;
+    let header: Vec<String> = header.iter().map(str::to_string).collect();
     let columns = Columns::find(path, &header)?;
     let mut data = Data { path: path.into(), grains: Vec::new(), series: Vec::new(), notes: columns.notes(&header) };
     let mut errors = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| bad(path, e))?;
         let line = record.position().map_or(0, csv::Position::line);
+        if data.grains.len() == MOST || data.series.len() > MOST_SERIES {
+            let message = format!("must have at most {MOST} grains in {MOST_SERIES} series");
+            return Err(Error::input(path.display(), "", None, message));
+        }
         match columns.grain(path, line, &header, &record, &mut data.series) {
             Ok(grain) => data.grains.push(grain),
             Err(error) if errors.len() < TOLD => errors.push(error),

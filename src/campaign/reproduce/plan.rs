@@ -149,6 +149,9 @@ fn one() -> String {
     "1".into()
 }
 
+/// Most runs and most figures of a plan.
+const MOST: usize = 1000;
+
 impl Plan {
     /// Reads a plan from a file, or by the name of a file in `experiments/`.
     ///
@@ -157,7 +160,7 @@ impl Plan {
     /// the plan.
     pub fn read(name: &str) -> Result<Plan> {
         let path = locate(name)?;
-        let text = std::fs::read_to_string(&path).map_err(Error::read(&path))?;
+        let text = laboratory::scene::read_text(&path)?;
         let mut plan: Plan =
             toml::from_str(&text).map_err(|e| Error::input(path.display(), "", None, e.to_string().trim_end().to_string()))?;
         plan.folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
@@ -166,6 +169,12 @@ impl Plan {
     }
 
     fn check(&self, path: &Path) -> Result<()> {
+        for (what, count) in [("run", self.runs.len()), ("figure", self.figures.len())] {
+            if count > MOST {
+                let message = format!("must have at most {MOST} entries; there are {count}");
+                return Err(Error::input(path.display(), what, None, message));
+            }
+        }
         let mut errors = Vec::new();
         for (i, run) in self.runs.iter().enumerate() {
             let wrong = |key: &str, value: &str, message: &str| {

@@ -16,6 +16,9 @@ pub struct MpmTest {
     pub laws: Vec<Law>,
     /// The points at the start.
     pub points: Points,
+    /// Points, and grains at random places, that the scene asks for and that were not made: 0, but for the outline of a model
+    /// ([`crate::scene::outline`]).
+    pub left_out: [usize; 2],
     /// Points along the edge of a cell at the start.
     pub per_edge: u32,
     /// Origin of the run-out distance, m: the axis of the first body (of a box its lower corner).
@@ -187,7 +190,8 @@ impl MpmSpecimen {
 impl MpmTest {
     /// Numbers of points and of grains at the start of the test; estimates where the specimen grows.
     pub fn counts(&self) -> [usize; 2] {
-        let listed = || [self.points.len(), self.coarse.as_ref().map_or(0, |c| c.grains.len())];
+        let [points, grains] = self.left_out;
+        let listed = || [self.points.len() + points, self.coarse.as_ref().map_or(0, |c| c.grains.len()) + grains];
         self.growth.as_ref().map_or_else(listed, Growth::counts)
     }
 

@@ -82,7 +82,12 @@ pub fn save<T: Serialize>(dir: &Path, progress: &T) -> Result<()> {
     let wrong = |what: String| Error::Checkpoint { path: path.clone(), what };
     let content = postcard::to_stdvec(progress).map_err(|e| wrong(e.to_string()))?;
     let compressed = lz4_flex::block::compress(&content);
-    let head = postcard::to_stdvec(&Head::of(scene_hash(dir)?, content.len(), &compressed)).map_err(|e| wrong(e.to_string()))?;
+    let scene = scene_hash(dir).map_err(|e| match e {
+        // the folder is gone
+        Error::Read { source, .. } => Error::Write { path: path.clone(), source },
+        other => other,
+    })?;
+    let head = postcard::to_stdvec(&Head::of(scene, content.len(), &compressed)).map_err(|e| wrong(e.to_string()))?;
     // what a killed process has left is not written into: it might be a link to another file
     remove_file(&temporary)?;
     let write = || {

@@ -330,12 +330,18 @@ fn never_halfway(stop_after: Option<u64>) -> Result<()> {
     }
 }
 
+/// Most threads of a run.
+pub const MOST_THREADS: usize = 1024;
+
 /// Runs `job` inside a thread pool of its own with `threads` threads (`None`: one for each core), and makes Ctrl-C a wish to stop
 /// ([`listen`]). The thread that runs `job` is one of the pool's.
 ///
 /// # Errors
-/// Threads that cannot be started; the errors of `job`.
+/// More than [`MOST_THREADS`] threads, or threads that cannot be started; the errors of `job`.
 pub fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+    if let Some(many) = threads.filter(|n| *n > MOST_THREADS) {
+        return Err(Error::input("run", "threads", Some(many.to_string()), format!("must be at most {MOST_THREADS}")));
+    }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
         .build()

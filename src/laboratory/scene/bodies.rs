@@ -13,6 +13,8 @@ use toml::{Table, Value};
 const GOLDEN: f64 = 0.381_966_011_250_105;
 /// Most points of a scene.
 const MOST: f64 = 2e8;
+/// Points that an outline makes ([`super::outline`]).
+const OUTLINE: usize = 100_000;
 
 /// A body in SI units: its shape, and the properties of its points.
 struct Body {
@@ -53,9 +55,9 @@ impl Shape {
 }
 
 impl View<'_> {
-    /// The points of all bodies, and where run-out counts from. Points stand on the lattice of the grid, `per` along a cell's
-    /// edge.
-    pub fn bodies(&self, named: &[Named], settings: &Settings, per: u32, pressure: f64) -> Option<(Points, [f64; 3])> {
+    /// The points of all bodies, the number of those that an outline leaves out, and where run-out counts from. Points stand on the
+    /// lattice of the grid, `per` along a cell's edge.
+    pub fn bodies(&self, named: &[Named], settings: &Settings, per: u32, pressure: f64) -> Option<(Points, usize, [f64; 3])> {
         let tables = self.list("body");
         if tables.is_empty() {
             self.refuse("body", "is missing: a continuum needs a [[body]] with a shape");
@@ -69,17 +71,33 @@ impl View<'_> {
             Shape::Sphere { centre, .. } => *centre,
             Shape::Points { positions, .. } => positions[0],
         };
-        let mut points = Points::default();
-        for (i, body) in bodies.iter().enumerate() {
+        let counts: Vec<f64> =
+            bodies.iter().enumerate().map(|(i, body)| self.count(i, body, settings, per)).collect::<Option<_>>()?;
+        let wanted: f64 = counts.iter().sum();
+        if wanted > MOST {
+            self.refuse(
+                "body",
+                format!("would have some {wanted:.0} points together; at most {MOST:.0} are made: use a larger grid.cell_mm"),
+            );
+            return None;
+        }
+        let each = if self.outlined && wanted > OUTLINE as f64 { (OUTLINE / bodies.len()).max(1) } else { usize::MAX };
+        let (mut points, mut left_out) = (Points::default(), 0);
+        for (i, (body, count)) in bodies.iter().zip(counts).enumerate() {
             let before = points.len();
-            self.fill(i, body, settings, per, &mut points)?;
-            if points.len() == before {
+            self.fill(i, body, settings, per, each, &mut points)?;
+            let made = points.len() - before;
+            if made == 0 {
                 let message = "holds no point: it is smaller than the distance of two points, or outside of the grid; use a smaller grid.cell_mm or more grid.points_per_edge";
                 self.refuse(&format!("body[{i}]"), message);
                 return None;
             }
+            if made == each {
+                left_out += (count as usize).saturating_sub(made);
+                self.incomplete.set(true);
+            }
         }
-        Some((points, axis))
+        Some((points, left_out, axis))
     }
 
     fn body(&self, i: usize, table: &Table, named: &[Named], pressure: f64) -> Option<Body> {
@@ -173,12 +191,41 @@ impl View<'_> {
         found
     }
 
-    fn fill(&self, i: usize, body: &Body, settings: &Settings, per: u32, points: &mut Points) -> Option<()> {
+    /// Number of points of a body, without making them; near the shell of a sphere or cylinder it may be wrong by some. `None`, with
+    /// the reason noted, where there are too many.
+    fn count(&self, i: usize, body: &Body, settings: &Settings, per: u32) -> Option<f64> {
+        let d = if settings.dimension == Dimension::Space { 3 } else { 2 };
+        let spacing = settings.cell / f64::from(per);
+        let count = match &body.shape {
+            Shape::Points { positions, .. } => positions.len() as f64,
+            Shape::Cylinder { radius, height, .. } if self.text("test.rig") != "free" => {
+                // Σ 3 (2 k + 1) over the rings of each layer
+                let [rings, layers] = ring_counts(*radius, *height, spacing);
+                3.0 * rings * rings * layers
+            }
+            shape => {
+                let sites = lattice(shape, settings, per, d);
+                let across = sites.map(|[a, b]| (b as f64 - a as f64).max(0.0));
+                let all: f64 = across.iter().product();
+                // a ball fills half of the box around it
+                if all > 2.0 * MOST { all } else { inside(shape, settings, spacing, sites, d) }
+            }
+        };
+        if count > MOST {
+            let message = format!("would have some {count:.0} points; at most {MOST:.0} are made: use a larger grid.cell_mm");
+            self.refuse(&format!("body[{i}]"), message);
+            return None;
+        }
+        Some(count)
+    }
+
+    /// Adds the points of a body, at most `most` of them.
+    fn fill(&self, i: usize, body: &Body, settings: &Settings, per: u32, most: usize, points: &mut Points) -> Option<()> {
         let d = if settings.dimension == Dimension::Space { 3 } else { 2 };
         let spacing = settings.cell / f64::from(per);
         let volume = spacing.powi(d as i32);
         let at = format!("body[{i}]");
-        let mut add = |p: [f64; 3], volume: f64| {
+        let within = |p: [f64; 3]| {
             for a in 0..d {
                 let (low, high) = (settings.lower[a], settings.lower[a] + f64::from(settings.cells[a]) * settings.cell);
                 if !(p[a] > low && p[a] < high) {
@@ -190,6 +237,10 @@ impl View<'_> {
                     return None;
                 }
             }
+            Some(())
+        };
+        let mut add = |p: [f64; 3], volume: f64| {
+            within(p)?;
             let s = -body.stress;
             let stress = [s, s, s, 0.0, 0.0, 0.0];
             let (mass, velocity, porosity, law) = (body.density * volume, body.velocity, body.porosity, body.law);
@@ -197,42 +248,43 @@ impl View<'_> {
             Some(())
         };
         if let Shape::Points { positions, volumes } = &body.shape {
-            for (k, p) in positions.iter().enumerate() {
+            for (k, p) in positions.iter().enumerate().take(most) {
                 add(*p, volumes.get(k).copied().unwrap_or(volume))?;
             }
             return Some(());
         }
         if let (Shape::Cylinder { base, radius, height }, true) = (&body.shape, self.text("test.rig") != "free") {
-            for (p, volume) in rings(*base, *radius, *height, spacing) {
+            for (p, volume) in rings(*base, *radius, *height, spacing).take(most) {
                 add(p, volume)?;
             }
             return Some(());
         }
-        let [low, high] = body.shape.bounds();
-        // lattice sites, counted from the grid's corner, whose middles lie inside; a hair of room for rounding
-        let sites: [[i64; 2]; 3] = std::array::from_fn(|a| {
-            let site = |x: f64| ((x - settings.lower[a]) / spacing - 0.5 - 1e-6).ceil() as i64;
-            if a >= d {
-                return [0, 1];
-            }
-            // the part beyond a plane of symmetry is the image of the part before it
-            let kept = |side: usize, site: i64, end: i64, inner: fn(i64, i64) -> i64| {
-                if settings.walls[2 * a + side] == GridWall::Symmetry { inner(site, end) } else { site }
-            };
-            let end = i64::from(settings.cells[a]) * i64::from(per);
-            [kept(0, site(low[a]), 0, i64::max), kept(1, site(high[a] + 2e-6 * spacing), end, i64::min)]
-        });
-        let count: f64 = sites.iter().map(|[a, b]| (b - a).max(0) as f64).product();
-        if points_after(count) {
-            self.refuse(&at, format!("would have some {count:.0} points; at most {MOST:.0} are made: use a larger grid.cell_mm"));
-            return None;
-        }
+        let sites = lattice(&body.shape, settings, per, d);
         let middle = |a: usize, n: i64| if a < d { settings.lower[a] + (n as f64 + 0.5) * spacing } else { 0.0 };
+        let place = |[x, y, z]: [i64; 3]| [middle(0, x), middle(1, y), middle(2, z)];
+        if most < usize::MAX {
+            // the sites in the middle of each side, as those that lie outside of the grid may be left out
+            let middles = sites.map(|[from, to]| from + (to - 1 - from) / 2);
+            for (a, ends) in sites.iter().enumerate().take(d) {
+                for end in [ends[0], ends[1] - 1] {
+                    let mut site = middles;
+                    site[a] = end;
+                    if body.shape.holds(place(site), d) {
+                        within(place(site))?;
+                    }
+                }
+            }
+        }
+        let mut left = most;
         for z in sites[2][0]..sites[2][1] {
             for y in sites[1][0]..sites[1][1] {
                 for x in sites[0][0]..sites[0][1] {
-                    let p = [middle(0, x), middle(1, y), middle(2, z)];
+                    let p = place([x, y, z]);
                     if body.shape.holds(p, d) {
+                        if left == 0 {
+                            return Some(());
+                        }
+                        left -= 1;
                         add(p, volume)?;
                     }
                 }
@@ -242,10 +294,56 @@ impl View<'_> {
     }
 }
 
+/// First and last sites, the last one excluded, along each axis of the lattice of points around a shape. Sites are counted from
+/// the grid's corner; those whose middles lie inside are taken, with a hair of room for rounding.
+fn lattice(shape: &Shape, settings: &Settings, per: u32, d: usize) -> [[i64; 2]; 3] {
+    let spacing = settings.cell / f64::from(per);
+    let [low, high] = shape.bounds();
+    std::array::from_fn(|a| {
+        let site = |x: f64| ((x - settings.lower[a]) / spacing - 0.5 - 1e-6).ceil() as i64;
+        if a >= d {
+            return [0, 1];
+        }
+        // the part beyond a plane of symmetry is the image of the part before it
+        let kept = |side: usize, site: i64, end: i64, inner: fn(i64, i64) -> i64| {
+            if settings.walls[2 * a + side] == GridWall::Symmetry { inner(site, end) } else { site }
+        };
+        let end = i64::from(settings.cells[a]) * i64::from(per);
+        [kept(0, site(low[a]), 0, i64::max), kept(1, site(high[a] + 2e-6 * spacing), end, i64::min)]
+    })
+}
+
+/// Number of lattice sites in a shape, row by row along x.
+fn inside(shape: &Shape, settings: &Settings, spacing: f64, sites: [[i64; 2]; 3], d: usize) -> f64 {
+    let [along, rows, layers] = sites.map(|[a, b]| (b as f64 - a as f64).max(0.0));
+    let (centre, radius, round) = match shape {
+        Shape::Cylinder { base, radius, .. } => (base, radius, 2),
+        Shape::Sphere { centre, radius } => (centre, radius, d),
+        _ => return along * rows * layers,
+    };
+    let place = |a: usize, n: f64| settings.lower[a] + (n + 0.5) * spacing;
+    let site = |x: f64| (x - settings.lower[0]) / spacing - 0.5;
+    let row = |y: i64, z: i64| {
+        let apart: f64 = [y, z].iter().zip(1..round).map(|(n, a)| (place(a, *n as f64) - centre[a]).powi(2)).sum();
+        let half = (radius * radius - apart).sqrt();
+        // not a number where the row misses the shape
+        let (from, to) = (site(centre[0] - half).ceil(), site(centre[0] + half).floor());
+        if half >= 0.0 { (to.min(sites[0][1] as f64 - 1.0) - from.max(sites[0][0] as f64) + 1.0).max(0.0) } else { 0.0 }
+    };
+    let layer = |z: i64| (sites[1][0]..sites[1][1]).map(|y| row(y, z)).sum::<f64>();
+    // all layers of a cylinder are alike
+    if round == 3 { (sites[2][0]..sites[2][1]).map(layer).sum() } else { layers * layer(sites[2][0]) }
+}
+
+/// Numbers of rings and of layers of points in a cylinder, at least one of each.
+fn ring_counts(radius: f64, height: f64, spacing: f64) -> [f64; 2] {
+    [radius, height].map(|length| (length / spacing).round().max(1.0))
+}
+
 /// Places and volumes of points in rings around the axis of a cylinder, about `spacing` from each other, so that the outermost
 /// stand half that inside its shell.
 fn rings(base: [f64; 3], radius: f64, height: f64, spacing: f64) -> impl Iterator<Item = ([f64; 3], f64)> {
-    let [count, layers] = [radius, height].map(|length| (length / spacing).round().max(1.0));
+    let [count, layers] = ring_counts(radius, height, spacing);
     let [width, thick] = [radius / count, height / layers];
     let of_layer = move |z: f64| {
         (0..count as u32).map(f64::from).flat_map(move |k| {
@@ -261,10 +359,6 @@ fn rings(base: [f64; 3], radius: f64, height: f64, spacing: f64) -> impl Iterato
         })
     };
     (0..layers as u32).map(f64::from).flat_map(of_layer)
-}
-
-fn points_after(count: f64) -> bool {
-    count > MOST
 }
 
 fn mm(x: f64) -> String {

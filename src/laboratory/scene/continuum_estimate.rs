@@ -2,6 +2,7 @@
 
 use super::duration::{GRAIN_AMONG_POINTS, POINT, START, growth};
 use super::estimate::{Estimate, share};
+use super::memory;
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::continuum::{Fraction, Growth, MpmSpecimen, MpmTest, Test};
@@ -15,8 +16,9 @@ use engine::mpm::{Dimension, with_plates};
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Bytes of a point with its share of the grid.
-const BYTES_PER_POINT: f64 = 400.0;
+/// Memory of a point on a graphics device, bytes.
+#[cfg(feature = "gpu")]
+const BYTES_ON_DEVICE: usize = 200;
 /// Steps of the whole preparation of a grown specimen over those in which radii grow; measured 1.7 to 3.4.
 const PRESSED: f64 = 2.5;
 /// The bound of the time step where points and grains touch.
@@ -56,7 +58,8 @@ pub struct Points {
 /// Memory on a graphics device, bytes.
 #[cfg(feature = "gpu")]
 fn device_bytes(model: &Model, rig: &MpmTest) -> Result<u64> {
-    State::start(model, rig)?.on_device(model, rig, engine::gpu::needs)
+    let made = State::start(model, rig)?.on_device(model, rig, engine::gpu::needs)?;
+    Ok(made + (BYTES_ON_DEVICE * rig.left_out[0]) as u64)
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -112,7 +115,14 @@ pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
         grains_final: 0.0,
         seconds,
         preparation_seconds: growing(rig),
-        memory_mb: 1e-6 * BYTES_PER_POINT * points as f64,
+        // twice the mean over the test
+        memory_mb: 1e-6 * memory::needed(model, [2.0 * broken.grains, 2.0 * broken.points]),
+        output: super::output::output(
+            model,
+            steps,
+            points as f64 + grains as f64,
+            (points + grains) as f64 + 2.0 * (broken.grains + broken.points),
+        ),
         specimen: None,
         void_ratio_range: None,
         continuum: Some(Points {
@@ -160,22 +170,30 @@ struct Broken {
 fn broken(model: &Model, rig: &MpmTest) -> Broken {
     let none = Broken { steps: 1.0, points: 0.0, grains: 0.0 };
     let (Some(crush), Some(specimen)) = (&model.physics.crush, rig.specimen()) else { return none };
-    let sizes: Vec<f64> = match (&rig.growth, &rig.coarse) {
-        (Some(Growth { coarse: Some(coarse), .. }), _) => vec![coarse.mean_diameter(); coarse.count()],
-        (None, Some(coarse)) => coarse.grains.iter().map(|g| 2.0 * g.radius).collect(),
+    // number of grains, diameter of one in the middle, volume of all
+    let (count, middle, volume) = match (&rig.growth, &rig.coarse) {
+        (Some(Growth { coarse: Some(coarse), .. }), _) => {
+            let (count, d) = (coarse.count() as f64, coarse.mean_diameter());
+            (count, d, count * sphere_volume(0.5 * d))
+        }
+        (None, Some(coarse)) => {
+            let Some(middle) = coarse.grains.get(coarse.grains.len() / 2) else { return none };
+            let (made, volume) = (coarse.grains.len() as f64, coarse.grains.iter().map(|g| sphere_volume(g.radius)).sum::<f64>());
+            let count = made + rig.left_out[1] as f64;
+            (count, 2.0 * middle.radius, volume * count / made)
+        }
         _ => return none,
     };
-    let Some(middle) = sizes.get(sizes.len() / 2) else { return none };
     let stress = STIFFER * largest_stress(rig, specimen, &rig.laws[usize::from(specimen.law)]);
-    let [mean, _] = growth(model, crush, &[*middle], stress);
+    let [mean, _] = growth(model, crush, &[middle], stress);
     let each = (mean - 1.0) / (crush.pattern.count() - 1) as f64;
-    let lost = each * sizes.iter().map(|d| sphere_volume(0.5 * d)).sum::<f64>() * (1.0 - crush.pattern.volume_kept());
+    let lost = each * volume * (1.0 - crush.pattern.volume_kept());
     let rule = rig.coarse.as_ref().and_then(|c| c.fines);
     Broken {
         // with one breakage a grain at the end, half of the test has small steps on average
         steps: 1.0 + (LIGHT - 1.0) * (2.0 * each).min(1.0),
         points: rule.map_or(0.0, |rule| lost / rule.solid),
-        grains: sizes.len() as f64 * (mean - 1.0),
+        grains: count * (mean - 1.0),
     }
 }
 

@@ -67,13 +67,14 @@ impl View<'_> {
             _ => self.settings(dimension, self.own_grid(dimension, rig)?),
         }?;
         let pressure = if rig == "triaxial" { self.number("test.cell_pressure_kPa").unwrap_or(0.0) } else { 0.0 };
-        let (mut points, axis) = self.bodies(named, &settings, per, pressure)?;
+        let (mut points, left_out, axis) = self.bodies(named, &settings, per, pressure)?;
         let test = self.test(rig, named, &laws, &settings, per, pressure)?;
         shape(&mut points, &settings, &test)?;
         let rig = MpmTest {
             settings,
             laws,
             points,
+            left_out: [left_out, 0],
             per_edge: per,
             axis,
             test,

@@ -14,9 +14,6 @@ use engine::dem::stability;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Bytes of one grain with its contacts.
-const BYTES_PER_GRAIN: f64 = 600.0;
-
 /// Expected size, time step and duration of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Estimate {
@@ -31,6 +28,8 @@ pub struct Estimate {
     /// Memory, MB.
     #[serde(rename = "memory_MB")]
     pub memory_mb: f64,
+    /// Files that the run leaves.
+    pub output: super::Output,
     /// Geometry of the cylindrical specimen, where there is one.
     pub specimen: Option<SpecimenEstimate>,
     /// Void ratios that the specimen can have; set by the caller where they are known.
@@ -111,7 +110,8 @@ fn without_strength(model: &Model) -> Estimate {
         grains_final: expected.grains,
         seconds: expected.seconds,
         preparation_seconds: expected.preparation,
-        memory_mb: 1e-6 * BYTES_PER_GRAIN * expected.grains,
+        memory_mb: 1e-6 * super::memory::needed(model, [expected.grains - grains as f64, expected.points]),
+        output: super::output::output(model, steps, grains as f64, expected.grains),
         specimen: None,
         void_ratio_range: None,
         continuum: None,
@@ -136,7 +136,8 @@ fn without_strength(model: &Model) -> Estimate {
         quasi_static_warnings(model, o, &mut estimate);
         let never = unreached(o, &model.records.at);
         if !never.is_empty() {
-            let list = never.join(", ");
+            let more = if never.len() > NAMED { format!(" and {} more", never.len() - NAMED) } else { String::new() };
+            let list = never[..never.len().min(NAMED)].join(", ") + &more;
             estimate.warnings.push(format!("records.at_kPa: {list} will not be reached"));
         }
         if !o.loading.stages.is_sorted() && model.physics.contact.unloading == TangentialUnloading::Keep {
@@ -183,6 +184,9 @@ fn weak_from_the_start(model: &Model, crush: &CrushModel, specimen: &model::Spec
         )
     })
 }
+
+/// Stresses that a warning names.
+const NAMED: usize = 10;
 
 const UNLOADING: &str = "loading.stages_kPa unload the specimen, and a tangential force that is kept on unloading creates energy; \
                          contact.unloading = \"rescale\" does not";
@@ -268,10 +272,12 @@ fn quasi_static_warnings(model: &Model, o: &Compression, estimate: &mut Estimate
 fn stage_steps(model: &Model, o: &Compression, time_step: Option<f64>) -> Vec<f64> {
     let l = &o.loading;
     let of = |from: f64, to: f64| {
+        if let Some(load_increment) = l.load_increment {
+            // isotropic compression has no reference stress
+            return (to / from).ln().abs() / load_increment;
+        }
         let (a, b) = ((from / l.sigma_ref).ln(), (to / l.sigma_ref).ln());
-        let integrand =
-            |u: f64| l.load_increment.map_or_else(|| u.exp() / (l.rate * (1.0 + u)), |load_increment| 1.0 / load_increment);
-        simpson(integrand, a.min(b), a.max(b))
+        simpson(|u: f64| u.exp() / (l.rate * (1.0 + u)), a.min(b), a.max(b))
     };
     let stage = |(k, &to): (usize, &f64)| {
         let from = if k == 0 { o.specimen.isotropic_stress } else { l.stages[k - 1] };

@@ -12,7 +12,15 @@ use toml::{Table, Value};
 /// Most files of which each is the base of the one before.
 const MOST_BASES: usize = 32;
 /// Length of the longest text file that is read, bytes.
-const LONGEST: u64 = 256 << 20;
+const LONGEST: u64 = 64 << 20;
+/// Most values of a scene or material file, and half as many signs between values: reading them takes some 600 MB and a second.
+pub const MOST_VALUES: usize = 2_000_000;
+/// Most keys of a file, those in lists of tables not counted: every key of a scene with 100 materials.
+const MOST_KEYS: usize = 10_000;
+/// Characters of a line that a message shows.
+const LONGEST_LINE: usize = 200;
+/// Length of the longest `source`, bytes: each value below it gets a copy.
+const LONGEST_SOURCE: usize = 4096;
 
 /// Reads the scene file `path` and merges it with its base files and materials.
 ///
@@ -153,8 +161,31 @@ fn wrong(path: &Path, key: &str, value: &Value, message: &str) -> Error {
 /// Reads a text file in UTF-8.
 ///
 /// # Errors
-/// `path` is a folder, does not exist, cannot be read, is longer than 256 MiB or is not UTF-8.
+/// `path` is a folder, does not exist, cannot be read, is longer than 64 MiB or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
+    String::from_utf8(read_bytes(path)?).map_err(|e| {
+        let at = e.utf8_error().valid_up_to();
+        Error::input(path.display(), "", None, format!("is not UTF-8 text (byte {at})"))
+    })
+}
+
+/// Refuses a table of more than 1000 columns.
+///
+/// # Errors
+/// The number of columns of the file `path` is larger.
+pub fn bounded_columns(path: &Path, columns: usize) -> Result<()> {
+    const MOST: usize = 1000;
+    if columns > MOST {
+        return Err(Error::input(path.display(), "", None, format!("must have at most {MOST} columns; it has {columns}")));
+    }
+    Ok(())
+}
+
+/// Reads a file.
+///
+/// # Errors
+/// `path` is a folder, does not exist, cannot be read or is longer than 64 MiB.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     if path.is_dir() {
         return Err(Error::input(path.display(), "", None, "is a folder, not a file"));
     }
@@ -167,18 +198,61 @@ pub fn read_text(path: &Path) -> Result<String> {
     if bytes.len() as u64 > LONGEST {
         return Err(Error::input(path.display(), "", None, format!("must be at most {} MiB long", LONGEST >> 20)));
     }
-    String::from_utf8(bytes).map_err(|e| {
-        let at = e.utf8_error().valid_up_to();
-        Error::input(path.display(), "", None, format!("is not UTF-8 text (byte {at})"))
-    })
+    Ok(bytes)
+}
+
+/// The table of a text in TOML of a bounded size.
+///
+/// # Errors
+/// As of [`read`]; too many keys, or a `source` that is too long.
+fn parse(path: &Path, text: &str) -> Result<Table> {
+    // each value but the first of a list stands behind one of these
+    let values = text.bytes().filter(|b| matches!(b, b'=' | b',' | b'[' | b'{' | b'.')).count();
+    if values > 2 * MOST_VALUES {
+        let message = format!("must have at most {MOST_VALUES} values");
+        return Err(Error::input(path.display(), "", None, message));
+    }
+    let table = read(path, text)?;
+    let mut left = MOST_KEYS;
+    match bounded(&table, "", &mut left) {
+        None => Ok(table),
+        Some((key, message)) => Err(Error::input(path.display(), key, None, message)),
+    }
+}
+
+/// The first key of a table with what is wrong about its size; `left` counts down the keys that there may be.
+fn bounded(table: &Table, at: &str, left: &mut usize) -> Option<(String, String)> {
+    for (name, value) in table {
+        let key = join(at, name);
+        let Some(less) = left.checked_sub(1) else {
+            return Some((String::new(), format!("must have at most {MOST_KEYS} keys, those in lists of tables not counted")));
+        };
+        *left = less;
+        let found = match value {
+            Value::Table(inner) => bounded(inner, &key, left),
+            Value::Array(list) => list
+                .iter()
+                .filter_map(Value::as_table)
+                .enumerate()
+                .find_map(|(i, entry)| bounded(entry, &format!("{key}[{i}]"), &mut MOST_KEYS.clone())),
+            Value::String(text) if (name == "source" || at.ends_with("source")) && text.len() > LONGEST_SOURCE => {
+                Some((key, format!("must be at most {LONGEST_SOURCE} bytes long; it has {}", text.len())))
+            }
+            _ => None,
+        };
+        if found.is_some() {
+            return found;
+        }
+    }
+    None
 }
 
 /// The table of a text in TOML. Errors name the file `path`, the line and what is written there.
-fn parse(path: &Path, text: &str) -> Result<Table> {
+fn read(path: &Path, text: &str) -> Result<Table> {
     toml::from_str(text.strip_prefix('\u{feff}').unwrap_or(text)).map_err(|e: toml::de::Error| {
         let line = e.span().map_or(String::new(), |span| {
             let line = text[..span.start.min(text.len())].matches('\n').count() + 1;
-            let written = text.lines().nth(line - 1).unwrap_or("").trim();
+            let written: String = text.lines().nth(line - 1).unwrap_or("").trim().chars().take(LONGEST_LINE).collect();
             format!("line {line} (`{written}`): ")
         });
         let mut message = e.message().trim().replace('\n', ", ");

@@ -11,6 +11,7 @@ use engine::breakage::criterion::size_factor;
 use engine::math::random::lineage_root;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use std::collections::HashSet;
 use toml::Value;
 
 /// Curves that are written of a gradation.
@@ -69,12 +70,14 @@ impl View<'_> {
             self.refuse(key, "must hold a diameter, or be left out for a gradation");
             return None;
         }
-        if let Some(i) = (1..sizes.len()).find(|&i| sizes[..i].contains(&sizes[i])) {
+        let mut seen = HashSet::with_capacity(sizes.len());
+        if let Some(i) = sizes.iter().position(|d| !seen.insert(d.to_bits())) {
             self.refuse(key, format!("must differ from each other; entry {} stands there already", i + 1));
             return None;
         }
-        if sizes.len() * count > MOST {
-            self.refuse("batch.grains", format!("would make {} tests; at most {MOST} are made", sizes.len() * count));
+        let tests = sizes.len().saturating_mul(count);
+        if tests > MOST {
+            self.refuse("batch.grains", format!("would make {tests} tests; at most {MOST} are made"));
             return None;
         }
         Some((sizes.iter().flat_map(|d| std::iter::repeat_n(*d, count)).collect(), false))

@@ -5,6 +5,9 @@ use super::view::View;
 use crate::model::continuum::{Fraction, Growth, MpmSpecimen};
 use engine::material::Material;
 
+/// Most grains of a fraction.
+const MOST: usize = 100_000_000;
+
 impl View<'_> {
     /// Material, smallest and largest radius, m, and share of the mass of a specimen's coarse grains, if it has some; `None`,
     /// with the reason noted, where the scene is refused.
@@ -29,6 +32,17 @@ impl View<'_> {
         let message =
             format!("is too large: {share} of the mass is {volume:.3e} m³ of coarse grains, less than one grain of this size");
         self.check(share == 0.0 || one.count() > 0, "coarse.diameter_mm", message);
+    }
+
+    /// Refuses more grains than a run can number; `None` where they are too many.
+    pub fn not_too_many(&self, key: &str, of: &Fraction) -> Option<()> {
+        let count = of.count();
+        if count > MOST {
+            let message = format!("would be some {count} grains; at most {MOST} are made: use larger ones or a smaller body");
+            self.refuse(key, message);
+            return None;
+        }
+        Some(())
     }
 
     /// How a specimen grows, if the scene asks for it; `None`, with the reason noted, where the scene is refused.
@@ -69,6 +83,8 @@ impl View<'_> {
         });
         let volume = solids - coarse.map_or(0.0, |c| c.volume);
         let fines = Fraction { material, radii: self.radii(key)?, volume };
+        self.not_too_many(key, &fines)?;
+        coarse.iter().try_for_each(|coarse| self.not_too_many("coarse.diameter_mm", coarse))?;
         Some(Some(Growth {
             fines,
             coarse,

@@ -1,7 +1,7 @@
 //! Reads grains from a CSV file. Columns `x_m,y_m,z_m` (centre) and `r_m` (radius) are needed, columns of velocity, spin and
 //! material are optional; lines that begin with `#` are comments.
 
-use super::files::read_text;
+use super::files::{bounded_columns, read_text};
 use super::layers::{Layer, Origin};
 use super::suggest::nearest;
 use crate::error::{Error, Result};
@@ -24,6 +24,8 @@ enum Column {
 
 const IGNORED: [&str; 4] = ["generation", "lineage", "id", "strength_MPa"];
 const LENGTHS: [(&str, f64); 3] = [("", 1.0), ("_m", 1.0), ("_mm", 1e-3)];
+/// Most grains of a file: as many as a scene can list, each with 25 signs between its values.
+const MOST: usize = super::files::MOST_VALUES / 14;
 const NEEDED: &str = "x_m, y_m, z_m and r_m (or _mm; without a unit: m)";
 
 /// Replaces the key `grains_csv` of a free scene by the list `grain` that its file holds. Other scenes are left as they are.
@@ -58,12 +60,17 @@ fn read(path: &Path) -> Result<Vec<Value>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
     let broken = |e: csv::Error| Error::input(at(path, text, e.position()), "", None, cause(&e));
-    let header: Vec<String> = reader.headers().map_err(broken)?.iter().map(String::from).collect();
+    let header = reader.headers().map_err(broken)?;
+    bounded_columns(path, header.len())?;
+    let header: Vec<String> = header.iter().map(String::from).collect();
     let columns = columns(path, &header)?;
     let mut grains = Vec::new();
     for record in reader.records() {
         let record = record.map_err(broken)?;
         let place = at(path, text, record.position());
+        if grains.len() == MOST {
+            return Err(Error::input(path.display(), "", None, format!("must hold at most {MOST} grains")));
+        }
         grains.push(grain(&place, &header, &columns, &record)?);
     }
     if grains.is_empty() {

@@ -7,6 +7,7 @@ use engine::breakage::Criterion;
 use engine::contact::ContactLaw;
 use engine::mpm::law::Law;
 use engine::parameter::Parameter;
+use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
 
 use Default::{Absent, ByKind, Is, Required};
@@ -1012,7 +1013,19 @@ const OWN: &[Key] = &[
 
 /// Whether `path` is a table: whether there are keys whose dotted path begins with `path` and a dot.
 pub fn is_table(path: &str) -> bool {
-    KEYS.iter().any(|k| k.path.strip_prefix(path).is_some_and(|rest| rest.starts_with('.')))
+    static TABLES: LazyLock<HashSet<&str>> =
+        LazyLock::new(|| KEYS.iter().flat_map(|k| k.path.match_indices('.').map(|(end, _)| &k.path[..end])).collect());
+    TABLES.contains(path)
+}
+
+/// The keys that stand directly in the table `path`, in the order of [`KEYS`].
+pub fn keys_in(path: &str) -> &'static [&'static Key] {
+    static BY_TABLE: LazyLock<HashMap<&str, Vec<&'static Key>>> = LazyLock::new(|| {
+        let mut tables: HashMap<&str, Vec<&'static Key>> = HashMap::new();
+        KEYS.iter().for_each(|key| tables.entry(key.split().0).or_default().push(key));
+        tables
+    });
+    BY_TABLE.get(path).map_or(&[], Vec::as_slice)
 }
 
 /// Names of the keys and sub-tables that may stand directly in the table `path` (`""`: the top level) of a scene of the kind `of`,
@@ -1039,7 +1052,8 @@ pub fn names_in(path: &str, of: Of) -> Vec<&'static str> {
 
 /// The key with the dotted path `path`, without list indices (`wall.kind`); `None` where there is none.
 pub fn find(path: &str) -> Option<&'static Key> {
-    KEYS.iter().find(|k| k.path == path)
+    static BY_PATH: LazyLock<HashMap<&str, &'static Key>> = LazyLock::new(|| KEYS.iter().map(|key| (key.path, key)).collect());
+    BY_PATH.get(path).copied()
 }
 
 /// Text that `comminute check --keys` prints: every key with its meaning, allowed values, default and kinds of scenes, table by

@@ -4,6 +4,7 @@
 use super::keys::RIVALS;
 use super::sources::{merge_sources, outdate};
 use std::collections::BTreeMap;
+use std::ops::Bound;
 use toml::{Table, Value};
 
 /// Where a value was written.
@@ -113,7 +114,7 @@ impl Layer {
             "",
             &mut |key| {
                 forget(&mut lower.origins, key);
-                for (k, origin) in upper.origins.iter().filter(|(k, _)| below_or_at(k, key)) {
+                for (k, origin) in within(&upper.origins, key) {
                     lower.origins.insert(k.clone(), origin.clone());
                 }
                 lower.origins.insert(key.into(), upper.origin(key));
@@ -143,9 +144,19 @@ fn below_or_at(key: &str, table: &str) -> bool {
     key.strip_prefix(table).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }
 
+/// The origins of the value at `key` and of everything below it. Keys that begin with `key` follow each other in the map, so that
+/// the others are not looked at.
+fn within<'a>(origins: &'a BTreeMap<String, Origin>, key: &'a str) -> impl Iterator<Item = (&'a String, &'a Origin)> {
+    let from = origins.range::<str, _>((Bound::Included(key), Bound::Unbounded));
+    from.take_while(move |(k, _)| k.starts_with(key)).filter(move |(k, _)| below_or_at(k, key))
+}
+
 /// Removes the origins of the value at `key` and of everything below it.
 fn forget(origins: &mut BTreeMap<String, Origin>, key: &str) {
-    origins.retain(|k, _| !below_or_at(k, key));
+    let gone: Vec<String> = within(origins, key).map(|(k, _)| k.clone()).collect();
+    for key in gone {
+        origins.remove(&key);
+    }
 }
 
 /// Lays `upper`, the table at the dotted key `at`, over `lower` ([`Layer::merge`]), and calls `written` with the key of every value

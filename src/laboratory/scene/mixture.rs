@@ -3,7 +3,7 @@
 use super::material::Named;
 use super::view::View;
 use crate::model::GrainSpec;
-use crate::model::continuum::{CoarseGrains, MpmSpecimen, MpmTest};
+use crate::model::continuum::{CoarseGrains, Fraction, MpmSpecimen, MpmTest};
 use crate::packing::dispersed;
 use engine::coupling::{Rates, Rule};
 use engine::grains::sphere_volume;
@@ -13,6 +13,10 @@ use engine::mpm::{Dimension, Points};
 
 /// Gap between coarse grains, and between them and platens, when they are placed at random, over the distance of two points.
 const ROOM: f64 = 0.5;
+/// Coarse grains that an outline places ([`super::outline`]).
+const FEW: usize = 500;
+/// Pairs of a body and a point that an outline compares.
+const COMPARED: usize = 50_000_000;
 /// Largest overlap of a grain with a platen at the start, over the radius of the grain.
 const DEEP: f64 = 0.01;
 
@@ -40,6 +44,7 @@ impl View<'_> {
         let walls = self.walls(named, &grains);
         let blocks = self.blocks(named, materials)?;
         let mut growth = None;
+        let mut unplaced = 0;
         let mut rig = self.continuum_rig(&fines, |points, settings, test| {
             growth = self.growth(named, materials, &point_materials, test.specimen())?;
             // the points and grains of a specimen that grows only serve to estimate the run
@@ -49,7 +54,9 @@ impl View<'_> {
             if let Some(specimen) = test.specimen() {
                 self.grains_inside(&grains, specimen);
                 let density = materials[usize::from(point_materials[usize::from(points.law[0])])].density;
-                grains.extend(self.coarse(named, materials, specimen, density)?);
+                let (placed, others) = self.coarse(named, materials, specimen, density, points.len())?;
+                grains.extend(placed);
+                unplaced = others;
                 let law = self.law();
                 let ghost = |law: u8| &materials[usize::from(point_materials[usize::from(law)])];
                 displace(points, settings.dimension, specimen, &grains, |fine, g, r_eff| {
@@ -71,6 +78,7 @@ impl View<'_> {
             }
         };
         rig.growth = growth;
+        rig.left_out[1] = unplaced;
         let fines = self.fines_as_points(materials, &rig, &grains)?;
         let coarse = CoarseGrains { grains, blocks, walls, point_materials, rates, fines };
         self.blocks_have_room(&rig, &coarse);
@@ -98,7 +106,7 @@ impl View<'_> {
 
     /// Refuses listed grains of a free scene that contain points. In a specimen the points make room for the grains.
     fn grains_have_room(&self, rig: &MpmTest, grains: &[GrainSpec]) {
-        if rig.specimen().is_some() {
+        if rig.specimen().is_some() || self.leaves_out(grains.len(), rig.points.len()) {
             return;
         }
         for (i, g) in grains.iter().enumerate() {
@@ -137,9 +145,24 @@ impl View<'_> {
         Some(Some(Rule { release_strain, law, porosity, solid, density, at_rest: false }))
     }
 
-    /// Coarse grains at random places in the specimen. `fine_density` is the density of the fines' solids, kg/m³.
-    fn coarse(&self, named: &[Named], materials: &[Material], specimen: &MpmSpecimen, fine_density: f64) -> Option<Vec<GrainSpec>> {
-        let Some((material, radii, share)) = self.coarse_grains(named)? else { return Some(Vec::new()) };
+    /// Whether an outline leaves out to compare each of so many bodies with each of so many points: the run itself does.
+    pub fn leaves_out(&self, bodies: usize, points: usize) -> bool {
+        let left = self.outlined && bodies.saturating_mul(points) > COMPARED;
+        self.incomplete.set(self.incomplete.get() || left);
+        left
+    }
+
+    /// Coarse grains at random places in the specimen, and the number of those that an outline leaves out. `fine_density` is the
+    /// density of the fines' solids, kg/m³; `points` the number of points that were made.
+    fn coarse(
+        &self,
+        named: &[Named],
+        materials: &[Material],
+        specimen: &MpmSpecimen,
+        fine_density: f64,
+        points: usize,
+    ) -> Option<(Vec<GrainSpec>, usize)> {
+        let Some((material, radii, share)) = self.coarse_grains(named)? else { return Some((Vec::new(), 0)) };
         // of the box: coarse volume V with ρ_c V / (ρ_c V + ρ_f (1 − n) (box − V)) = share
         let (coarse, fine) = (materials[usize::from(material)].density, (1.0 - specimen.porosity) * fine_density);
         let volume = specimen.fullness() * specimen.size.iter().product::<f64>();
@@ -147,9 +170,17 @@ impl View<'_> {
         let room = ROOM * specimen.spacing;
         let seed = self.whole("seed.packing")?;
         self.at_least_one(radii, wanted, share);
+        let expected = Fraction { material, radii, volume: wanted };
+        self.not_too_many("coarse.diameter_mm", &expected)?;
+        let count = expected.count();
+        let few = FEW.min(COMPARED / points.max(1)).max(1);
+        let some = self.outlined && count > few;
+        self.incomplete.set(self.incomplete.get() || some);
+        let wanted = if some { wanted * few as f64 / count as f64 } else { wanted };
         match dispersed(specimen.lower, specimen.size, specimen.round, radii, wanted, room, seed) {
-            Ok(spheres) => Some(
-                spheres
+            Ok(spheres) => {
+                let left_out = if some { count.saturating_sub(spheres.len()) } else { 0 };
+                let grains = spheres
                     .into_iter()
                     .map(|([x, y, z], radius)| GrainSpec {
                         position: [x, y, z],
@@ -158,8 +189,9 @@ impl View<'_> {
                         spin: [0.0; 3],
                         material,
                     })
-                    .collect(),
-            ),
+                    .collect();
+                Some((grains, left_out))
+            }
             Err(reached) => {
                 let message = format!(
                     "cannot be placed at random without contact: places were found for {:.1} % of the mass; use a smaller share, let the specimen grow (growth.fines_diameter_mm), or list the grains as [[grain]]",

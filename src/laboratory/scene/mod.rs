@@ -20,7 +20,9 @@ mod import;
 mod keys;
 mod layers;
 pub(crate) mod material;
+mod memory;
 mod mixture;
+mod output;
 mod overrides;
 mod point_cloud;
 mod provenance;
@@ -38,14 +40,17 @@ pub use continuum::{ContinuumMaterial, continuum};
 pub use continuum_estimate::Points;
 pub use crushing_estimate::CrushingStress;
 pub use estimate::{Estimate, SpecimenEstimate, estimate};
-pub use files::read_text;
+pub use files::{bounded_columns, read_bytes, read_text};
 pub use keys::{KEYS, LIST_TABLES, reference as key_reference};
 pub use layers::shown;
+pub use memory::fits;
+pub use output::{Output, crowded, enough_disk, lacking};
 pub use provenance::{Assumption, Decision, assumptions, decisions};
 pub use reach::{Reach, doubt, is_given_its_specimen, measured_reach, reach, sure_reach, within_reach};
 pub use schema::Key;
 
 use crate::error::{Error, Result};
+use crate::machine;
 use crate::model::Model;
 use layers::Layer;
 use std::path::{Path, PathBuf};
@@ -135,12 +140,33 @@ fn complete(path: &Path, mut layer: Layer, sets: &[String]) -> Result<Scene> {
     Ok(Scene { path: path.to_path_buf(), layer })
 }
 
-/// The run that the scene describes, in SI units; refuses what does not agree.
+/// The run that the scene describes, in SI units; refuses what does not agree, and what does not fit into the memory that is free.
+///
+/// # Errors
+/// Values that do not agree; more points or grains than there is memory for, before any of them is made.
 pub fn model(scene: &Scene) -> Result<Model> {
-    let view = view::View::of(&scene.layer);
+    let (outline, complete) = made(scene, view::View::outlining(&scene.layer))?;
+    memory::fits(scene, &outline, machine::free_memory())?;
+    if complete { Ok(outline) } else { Ok(made(scene, view::View::of(&scene.layer))?.0) }
+}
+
+/// The model of a scene for estimates: where a scene has many points, or grains at random places, only some of them are made, and
+/// [`crate::model::continuum::MpmTest::left_out`] has the number of the others. It takes a second and some hundred megabytes at
+/// most, whatever the scene says.
+///
+/// # Errors
+/// Values that do not agree, but for what only the points that are left out would show.
+pub fn outline(scene: &Scene) -> Result<Model> {
+    Ok(made(scene, view::View::outlining(&scene.layer))?.0)
+}
+
+/// The model that a view makes, and whether it lacks nothing.
+fn made(scene: &Scene, view: view::View) -> Result<(Model, bool)> {
     let model = view.model();
+    let complete = !view.incomplete.get();
     Error::all(view.into_errors())?;
-    model.ok_or_else(|| Error::input(scene.path.display(), "", None, "is not a complete scene"))
+    let model = model.ok_or_else(|| Error::input(scene.path.display(), "", None, "is not a complete scene"))?;
+    Ok((model, complete))
 }
 
 /// The scene with every default filled in, its material and grains written out: running it repeats the run.

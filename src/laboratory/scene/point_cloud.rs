@@ -1,6 +1,6 @@
 //! Material points from a CSV file: `x_m,y_m,z_m` (or `_mm`) and an optional `volume_m3` (or `_mm3`); lines that begin with `#` are comments.
 
-use super::files::read_text;
+use super::files::{bounded_columns, read_text};
 use super::layers::Layer;
 use crate::error::{Error, Result};
 use std::path::Path;
@@ -17,6 +17,9 @@ const COLUMNS: [(&str, usize, f64); 8] = [
     ("volume_m3", 3, 1.0),
     ("volume_mm3", 3, 1e-9),
 ];
+
+/// Most points of a file: as many as a scene can list.
+const MOST: usize = super::files::MOST_VALUES / 5;
 
 /// Replaces `points_csv` of each body by what its file holds, so that a resolved scene needs no other file.
 pub fn points(layer: &mut Layer) -> Result<()> {
@@ -48,7 +51,9 @@ fn read(path: &Path) -> Result<(Vec<f64>, Vec<f64>)> {
     let wrong = |key: &str, value: Option<String>, message: String| Error::input(path.display(), key, value, message);
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
     let broken = |e: csv::Error| wrong("", None, e.to_string());
-    let header: Vec<String> = reader.headers().map_err(broken)?.iter().map(String::from).collect();
+    let header = reader.headers().map_err(broken)?;
+    bounded_columns(path, header.len())?;
+    let header: Vec<String> = header.iter().map(String::from).collect();
     let mut places: [Option<(usize, f64)>; 4] = [None; 4];
     for (column, name) in header.iter().enumerate() {
         let Some((_, what, si)) = COLUMNS.iter().find(|c| c.0 == name) else {
@@ -68,6 +73,9 @@ fn read(path: &Path) -> Result<(Vec<f64>, Vec<f64>)> {
     let (mut positions, mut volumes) = (Vec::new(), Vec::new());
     for record in reader.records() {
         let record = record.map_err(broken)?;
+        if positions.len() == 3 * MOST {
+            return Err(wrong("", None, format!("must hold at most {MOST} points")));
+        }
         for (what, place) in places.iter().enumerate() {
             let Some((column, si)) = *place else { continue };
             let cell = record.get(column).unwrap_or("");

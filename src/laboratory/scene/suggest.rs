@@ -1,9 +1,16 @@
 //! "Did you mean …?"
 
+/// Length of the longest word that is taken for a slip, bytes; the time of a comparison goes with the length of both words.
+const LONGEST: usize = 200;
+
 /// The candidate nearest to `word`, if it is near enough to be a slip.
 pub fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    if word.len() > LONGEST {
+        return None;
+    }
     let lower = word.to_lowercase();
     candidates
+        .filter(|c| c.len() <= LONGEST)
         .map(|c| {
             let folded = c.to_lowercase();
             let edits = strsim::damerau_levenshtein(&lower, &folded);

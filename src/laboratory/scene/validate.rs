@@ -1,12 +1,17 @@
 //! Checks that every key of a scene is known, of the right type and in its range, and fills in defaults. Whether values agree with
 //! each other is checked later, in [`super::view`].
 
-use super::keys::{KEYS, LIST_TABLES, find, is_optional, is_table, names_in};
+use super::keys::{KEYS, LIST_TABLES, find, is_optional, is_table, keys_in, names_in};
 use super::layers::{Layer, join, shown};
 use super::schema::{Default, Of};
 use super::suggest::nearest;
 use crate::error::{Error, Result};
 use toml::{Table, Value};
+
+/// Mistakes that are told; of the others it is only said that there are some.
+pub const TOLD: usize = 50;
+/// Most entries of each list of tables.
+const ENTRIES: [(&str, usize); 5] = [("grain", 150_000), ("wall", 1000), ("body", 1000), ("block", 1000), ("calibrate", 100)];
 
 /// Checks the merged table of a scene and fills in its defaults.
 ///
@@ -15,9 +20,9 @@ use toml::{Table, Value};
 pub fn validate(layer: &mut Layer) -> Result<()> {
     let of = Of::kind(layer.table.get("kind").and_then(Value::as_str));
     let mut table = std::mem::take(&mut layer.table);
-    let mut walk = Walk { layer, of, errors: Vec::new() };
+    let mut walk = Walk { layer, of, errors: Vec::new(), untold: false };
     walk.table(&mut table, "", "");
-    let errors = walk.errors;
+    let errors = walk.into_errors();
     layer.table = table;
     Error::all(errors)
 }
@@ -29,11 +34,11 @@ pub fn validate(layer: &mut Layer) -> Result<()> {
 pub fn validate_material(layer: &mut Layer) -> Result<()> {
     let mut table = std::mem::take(&mut layer.table);
     // a material has the same keys in every kind of scene, so any kind will do
-    let mut walk = Walk { layer, of: Of::Assembly, errors: Vec::new() };
+    let mut walk = Walk { layer, of: Of::Assembly, errors: Vec::new(), untold: false };
     if let Some(Value::Table(material)) = table.get_mut("material") {
         walk.table(material, "material", "material");
     }
-    let errors = walk.errors;
+    let errors = walk.into_errors();
     layer.table = table;
     Error::all(errors)
 }
@@ -43,10 +48,30 @@ struct Walk<'a> {
     layer: &'a Layer,
     of: Of,
     errors: Vec<Error>,
+    /// Whether there are mistakes that are not told.
+    untold: bool,
 }
 
 impl Walk<'_> {
+    /// The errors, with one for those that are not told.
+    fn into_errors(mut self) -> Vec<Error> {
+        if self.untold {
+            let place = self.layer.origin("").place;
+            self.errors.push(Error::input(place, "", None, "and more mistakes"));
+        }
+        self.errors
+    }
+
+    /// Whether as many mistakes are told as may be; notes that there are more.
+    fn is_full(&mut self) -> bool {
+        self.untold = self.untold || self.errors.len() >= TOLD;
+        self.untold
+    }
+
     fn refuse(&mut self, key: &str, value: Option<&Value>, message: String) {
+        if self.is_full() {
+            return;
+        }
         let origin = self.layer.origin(key);
         self.errors.push(Error::input(origin.place, origin.key, value.map(shown), message));
     }
@@ -66,6 +91,10 @@ impl Walk<'_> {
         }
         // where the kind of scene is unknown, only `kind` itself is reported as missing
         self.fill(table, at, path);
+        // tables of lists hold no tables
+        if LIST_TABLES.contains(&path) {
+            return;
+        }
         for name in names_in(path, self.of) {
             let inner = join(path, name);
             let wanted = is_table(&inner) && !is_optional(&inner) && !LIST_TABLES.contains(&inner.as_str());
@@ -102,6 +131,9 @@ impl Walk<'_> {
                 }
             }
         }
+        if !is_table(&inner) && self.is_full() {
+            return None;
+        }
         if !is_table(&inner) {
             let message = self.unknown(at, path, name);
             self.refuse(&key, None, message);
@@ -135,7 +167,15 @@ impl Walk<'_> {
             self.refuse(key, Some(&value), message);
             return value;
         };
+        if let Some((_, most)) = ENTRIES.iter().find(|(name, most)| *name == path && entries.len() > *most) {
+            let message = format!("must have at most {most} entries; there are {}", entries.len());
+            self.refuse(key, None, message);
+            return Value::Array(Vec::new());
+        }
         for (i, entry) in entries.iter_mut().enumerate() {
+            if self.is_full() {
+                break;
+            }
             let at = format!("{key}[{i}]");
             match entry {
                 Value::Table(table) => self.table(table, &at, path),
@@ -201,7 +241,7 @@ impl Walk<'_> {
 
     /// Fills in the defaults of a table, and refuses the scene where required keys are missing. Sub-tables are left as they are.
     fn fill(&mut self, table: &mut Table, at: &str, path: &str) {
-        for key in KEYS.iter().filter(|k| k.split().0 == path) {
+        for key in keys_in(path) {
             let (_, name) = key.split();
             let kind_unknown = self.of == Of::Every && key.path != "kind";
             let foreign = !key.of.fits(self.of);
@@ -244,4 +284,25 @@ impl Walk<'_> {
 /// The names with commas between.
 fn list(names: &[&str]) -> String {
     names.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is said about a table of so many unknown keys.
+    fn told(count: usize) -> Vec<String> {
+        let text: String = (0..count).map(|k| format!("k{k} = 1\n")).collect();
+        let mut layer = Layer::of(toml::from_str(&format!("kind = \"isotropic\"\n{text}")).expect("TOML"), "a.toml", "");
+        let error = validate(&mut layer).expect_err("unknown keys").to_string();
+        error.lines().filter(|line| !line.contains("is missing")).map(str::to_string).collect()
+    }
+
+    #[test]
+    fn of_many_mistakes_the_first_are_told() {
+        assert_eq!(told(1).len(), 1, "{:?}", told(1));
+        let many = told(5000);
+        assert_eq!(many.len(), TOLD + 1);
+        assert_eq!(many.last().map(String::as_str), Some("a.toml: and more mistakes"));
+    }
 }

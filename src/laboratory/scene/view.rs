@@ -2,13 +2,14 @@
 
 use super::layers::{Layer, shown};
 use super::schema::unit;
+use super::validate::TOLD;
 use crate::error::Error;
 use crate::model::{Model, Records, Rig, Seeds};
 use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use engine::dem::physics::Physics;
 use engine::dem::physics::Stepping;
 use engine::material::Material;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use toml::{Table, Value};
 
 /// A validated scene whose values are read one by one. Missing and contradictory values are collected as errors; reading goes on,
@@ -16,12 +17,21 @@ use toml::{Table, Value};
 pub struct View<'a> {
     layer: &'a Layer,
     errors: RefCell<Vec<Error>>,
+    /// Whether of many points and grains only some are made ([`super::outline`]).
+    pub outlined: bool,
+    /// Whether the outline lacks anything that the model has.
+    pub incomplete: Cell<bool>,
 }
 
 impl<'a> View<'a> {
     /// A view of the scene `layer`, without errors.
     pub fn of(layer: &'a Layer) -> Self {
-        View { layer, errors: RefCell::new(Vec::new()) }
+        View { layer, errors: RefCell::new(Vec::new()), outlined: false, incomplete: Cell::new(false) }
+    }
+
+    /// A view that makes the outline of a model ([`super::outline`]).
+    pub fn outlining(layer: &'a Layer) -> Self {
+        View { outlined: true, ..View::of(layer) }
     }
 
     /// The errors collected so far, in the order in which they were found.
@@ -32,6 +42,9 @@ impl<'a> View<'a> {
     /// Adds an error about the value at `key`: `message`, and the place where the value was written. An error with the same text is
     /// added once only.
     pub fn refuse(&self, key: &str, message: impl Into<String>) {
+        if self.errors.borrow().len() >= TOLD {
+            return;
+        }
         let origin = self.layer.origin(key);
         let error = Error::input(origin.place, origin.key, self.get(key).map(shown), message);
         let (mut errors, text) = (self.errors.borrow_mut(), error.to_string());
