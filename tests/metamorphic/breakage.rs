@@ -6,7 +6,7 @@ use comminute::boundary::{Drive, WallShape, WallSpec};
 use comminute::breakage::lost_mass::{Fines, excluded_grains};
 use comminute::breakage::pattern::Pattern;
 use comminute::breakage::strength::{Distribution, StrengthModel, Truncation};
-use comminute::breakage::{Birth, CrushModel, Criterion};
+use comminute::breakage::{Birth, Criterion, CrushModel};
 use comminute::dem::event::{Breakage, arm_grain};
 use comminute::math::random::lineage_root;
 use comminute::{ContactLaw, Physics, State, Workspace, step};

@@ -88,7 +88,8 @@ impl Change {
     pub fn tensor(&self, s: Sym, unit: Unit) -> Sym {
         let m = [[s[0], s[3], s[5]], [s[3], s[1], s[4]], [s[5], s[4], s[2]]];
         [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].map(|(i, j)| {
-            let sum = (0..3).flat_map(|a| (0..3).map(move |b| (a, b))).map(|(a, b)| self.turn[i][a] * m[a][b] * self.turn[j][b]).sum();
+            let sum =
+                (0..3).flat_map(|a| (0..3).map(move |b| (a, b))).map(|(a, b)| self.turn[i][a] * m[a][b] * self.turn[j][b]).sum();
             self.scalar(sum, unit)
         })
     }
@@ -128,5 +129,11 @@ pub fn same<const N: usize>(what: &str, found: &[[f64; N]], expected: &[[f64; N]
         Within::Nothing => 0.0,
         Within::Share(share) => share * largest,
     };
-    assert!(worst <= allowed, "{what} {at}: {:?} instead of {:?}, off by {:.1e} of {largest:.3e}", found[at], expected[at], worst / largest);
+    assert!(
+        worst <= allowed,
+        "{what} {at}: {:?} instead of {:?}, off by {:.1e} of {largest:.3e}",
+        found[at],
+        expected[at],
+        worst / largest
+    );
 }

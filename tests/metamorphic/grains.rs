@@ -74,7 +74,11 @@ impl Scene {
             let (i, j) = ((k % 3) as f64, (k / 3) as f64);
             let wobble = |seed: f64| (seed * (k as f64 + 1.0)).sin();
             balls.push(Ball {
-                at: [0.011 + 0.017 * i + 0.001 * wobble(1.3), 0.012 + 0.017 * j + 0.001 * wobble(2.9), 0.011 + 0.004 * wobble(4.7).abs()],
+                at: [
+                    0.011 + 0.017 * i + 0.001 * wobble(1.3),
+                    0.012 + 0.017 * j + 0.001 * wobble(2.9),
+                    0.011 + 0.004 * wobble(4.7).abs(),
+                ],
                 radius: 0.0065 + 0.001 * wobble(7.1),
                 velocity: [-1.2 + 0.3 * wobble(0.7), -1.5 + 0.3 * wobble(1.9), -1.0 + 0.2 * wobble(3.1)],
                 spin: [60.0 * wobble(5.3), 60.0 * wobble(6.7), 60.0 * wobble(8.9)],

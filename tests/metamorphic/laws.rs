@@ -68,7 +68,8 @@ fn path() -> Vec<(Sym, [f64; 3])> {
         let wave = |speed: f64| (speed * t).sin();
         let press = if k < 200 { -1e-4 } else { 1.2e-4 };
         let shear = 1.5e-4 + 1e-4 * wave(0.05);
-        let strain = [press + shear * wave(0.013), 0.4 * press - shear, 0.7 * press + shear, shear, -shear * wave(0.021), 0.5 * shear];
+        let strain =
+            [press + shear * wave(0.013), 0.4 * press - shear, 0.7 * press + shear, shear, -shear * wave(0.021), 0.5 * shear];
         (strain, [2e-3 * wave(0.031), 1e-3, -2e-3 * wave(0.017)])
     };
     (0..400).map(of).collect()
