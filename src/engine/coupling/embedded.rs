@@ -336,6 +336,26 @@ mod tests {
         assert_eq!(state.ledger.points, embedded.work);
     }
 
+    /// Counts the energy that a contact gains while sliding releases the overlap that its point was born with.
+    #[test]
+    fn released_overlaps_are_accounted_for() {
+        let (physics, mut state, mut work, mut embedded) = scene(0.0);
+        (state.grains.vel[0][0], state.grains.spin[0]) = (0.0, [0.0; 4]);
+        embedded.point_contacts.note_newborn(0, 1);
+        embedded.compute_forces(&physics, &mut state, &mut work);
+        assert_eq!((embedded.pressed(0), embedded.fines.released), (0.0, 0.0));
+        // the floor rises by a tenth of a millimetre, and the point slides by as much: a fortieth of a ghost's diameter times the strain
+        state.walls[0].speed = 1e-4;
+        state.walls[0].advance(1.0);
+        state.walls[0].speed = 0.0;
+        embedded.continuum.points_mut().transport_velocity[0] = [1e-4, 0.0, 0.0];
+        embedded.compute_forces(&physics, &mut state, &mut work);
+        let pair = physics.contact.law.on_wall(&physics.materials[0], 0.3);
+        let force = pair.normal_stiffness * (0.02f64 * 1e-4).sqrt() * 1e-4;
+        assert!((embedded.pressed(0) / force - 1.0).abs() < 1e-9);
+        assert!((embedded.fines.released / (force * 1e-3 / 40.0) - 1.0).abs() < 1e-9, "{}", embedded.fines.released);
+    }
+
     /// A point gets the inertial mass (1 + α) dt²/s² (M V/h² + k/2), and a fifth more, where it has less; else it keeps what it has.
     #[test]
     fn points_get_the_inertia_that_makes_the_step_stable() {

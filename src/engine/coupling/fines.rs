@@ -485,7 +485,7 @@ mod tests {
             let volume = others[13].volume;
             let lacking = Breakage { lost_mass: lost + DENSITY * volume, ..event };
             let (fines, _, _) = made(rule(share * room), lacking.clone(), Grains::default(), Vec::new(), continuum(&others));
-            assert_eq!(fines.points > 0, points, "{share}");
+            assert_eq!(fines.points, u64::from(points), "{share}");
             assert_eq!(fines.reserve.mass == lacking.lost_mass, !points);
         }
     }
