@@ -427,8 +427,8 @@ mod tests {
             near(fines.entered.kinetic + fines.reserve.kinetic, 0.5 * lost * dot(velocity, velocity));
             let of_points = continuum.totals();
             near(of_points.mass, fines.entered.mass);
-            for a in 0..3 {
-                near(fines.entered.momentum[a] + fines.reserve.momentum[a], lost * velocity[a]);
+            for (a, v) in velocity.iter().enumerate() {
+                near(fines.entered.momentum[a] + fines.reserve.momentum[a], lost * v);
                 near(of_points.momentum[a], fines.entered.momentum[a]);
             }
             // a point takes up the room of its solids: over (1 - porosity)

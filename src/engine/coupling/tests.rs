@@ -381,10 +381,8 @@ fn lists_hold_all_pairs_and_follow_memory() {
     assert!(scene.contacts.candidates.len() > before.len() && scene.contacts.bytes() > 100 * before.len());
     // a grain that has gone takes its contacts with it
     let gone = scene.grains.id[0];
-    for (list, replaced) in [(&mut scene.grains.id, 4)] {
-        list[0] = list[replaced];
-        list.truncate(4);
-    }
+    scene.grains.id[0] = scene.grains.id[4];
+    scene.grains.id.truncate(4);
     scene.grains.pos[0] = scene.grains.pos[4];
     scene.grains.pos.truncate(4);
     scene.grains.vel.truncate(4);
