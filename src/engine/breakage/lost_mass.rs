@@ -112,6 +112,21 @@ mod tests {
         assert_eq!(FIG_2.finer(0.7e-3, 0.5e-3), 1.0);
     }
 
+    /// The area under a + b rise over ln d is that of small trapezia, for every kind of exponent.
+    #[test]
+    fn area_is_an_integral_over_the_logarithm() {
+        for alpha in [0.0, 1.5, 2.6, 3.0, 3.4] {
+            let fines = Fines { alpha, ..FIG_2 };
+            let (low, high): (f64, f64) = (0.13e-3, 0.7e-3);
+            let steps = 20_000;
+            let h = (high / low).ln() / f64::from(steps);
+            let at = |k: f64| 0.7 - 0.2 * fines.rise(low * (k * h).exp());
+            let sum: f64 = (0..steps).map(|k| 0.5 * h * (at(f64::from(k)) + at(f64::from(k) + 1.0))).sum();
+            let area = fines.area((0.7, -0.2), [fines.rise(low), fines.rise(high)]);
+            assert!((area / sum - 1.0).abs() < 1e-6, "{alpha}: {area} {sum}");
+        }
+    }
+
     #[test]
     fn fraction_is_eq_12_as_printed() {
         for alpha in [0.0, 1.5, 2.6, 2.9, 3.4] {

@@ -16,6 +16,8 @@ pub mod pair;
 pub mod pairs;
 pub mod registry;
 pub mod sweep;
+#[cfg(test)]
+mod tests;
 mod unloading;
 pub mod wall_sweep;
 

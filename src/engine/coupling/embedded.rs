@@ -273,3 +273,155 @@ impl Embedded {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{floor, grain, physics, point};
+    use super::*;
+    use crate::contact::ContactLaw;
+    use crate::mpm::law::Elastic;
+
+    const DAMPING: f64 = 0.25;
+
+    fn embedding() -> Embedding {
+        Embedding { law: Law::Elastic(Elastic::of_young(1e6, 0.3)), porosity: 0.4, cell: 0.05, release_strain: 0.1 }
+    }
+
+    /// A test at one second a step, with a grain on the floor and a point that overlaps both by a millimetre.
+    fn scene(speed: f64) -> (Physics, State, Workspace, Embedded) {
+        let mut physics = physics(ContactLaw::Hertz);
+        (physics.damping, physics.stepping.inertia_scaling) = (DAMPING, true);
+        let grains = grain([0.0, 0.0, 0.1], [0.01, 0.0, 0.0], [0.0, 0.02, 0.0], &physics);
+        let mut state = State::new(&physics, grains, vec![floor(speed)], false);
+        state.dt = 1.0;
+        let work = Workspace::new(&physics, &mut state);
+        let size = CylinderSpace { bottom: 0.0, height: 0.3, radius: 0.12 };
+        let mut embedded = Embedded::new(&physics, &embedding(), size).expect("a grid");
+        // radius 0.1 and ghost 0.02: beside the grain and in the floor
+        let height: f64 = 0.019;
+        let across = (0.119f64 * 0.119 - (0.1 - height).powi(2)).max(0.0).sqrt();
+        embedded.continuum.insert(&[point([across, 0.0, height], [0.0; 3]), point([0.1, 0.1, 0.25], [0.0; 3])]);
+        (physics, state, work, embedded)
+    }
+
+    /// The grid reaches three cells beyond the specimen, and a point of a full cell is an eighth of its solids.
+    #[test]
+    fn the_grid_surrounds_the_specimen() {
+        let (_, _, _, embedded) = scene(0.0);
+        let settings = embedded.continuum().settings();
+        assert_eq!(settings.cells, [11, 11, 12]);
+        for (low, expected) in settings.lower.into_iter().zip([-0.275, -0.275, -0.15]) {
+            assert!((low - expected).abs() < 1e-12, "{:?}", settings.lower);
+        }
+        assert_eq!(settings.damping, DAMPING);
+        assert!((embedding().solid() / (0.6 * 0.05f64.powi(3) / 8.0) - 1.0).abs() < 1e-12);
+        assert_eq!(
+            (embedded.fines.rule.density, embedded.fines.rule.at_rest, embedded.fines.rule.release_strain),
+            (2500.0, true, 0.1)
+        );
+        let modulus = Elastic::of_young(1e6, 0.3).oedometric();
+        assert!((embedded.modulus / modulus - 1.0).abs() < 1e-12);
+    }
+
+    /// Points press on walls beside the grains: reaction, stiffness, and work by the trapezium rule.
+    #[test]
+    fn points_press_on_walls() {
+        let (physics, mut state, mut work, mut embedded) = scene(1e-5);
+        let pair = physics.contact.law.on_wall(&physics.materials[0], 0.3);
+        let force = |overlap: f64| pair.normal_stiffness * (0.02 * overlap).sqrt() * overlap;
+        embedded.compute_forces(&physics, &mut state, &mut work);
+        let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-9, "{a} instead of {b}");
+        let first = force(1e-3);
+        close(embedded.pressed(0), first);
+        close(state.walls[0].reaction, first);
+        close(state.walls[0].stiffness, 1.5 * pair.normal_stiffness * (0.02f64 * 1e-3).sqrt());
+        close(state.walls[0].work, 0.5 * first * 1e-5);
+        close(embedded.work, 0.5 * first * 1e-5);
+        // the wall moves up by a hundredth of a millimetre
+        state.walls[0].advance(1.0);
+        state.walls[0].reaction = 7.0;
+        embedded.compute_forces(&physics, &mut state, &mut work);
+        let second = force(1.01e-3);
+        close(state.walls[0].reaction, 7.0 + second);
+        close(embedded.pressed(0), second);
+        // ½ (F_old + F_new) of the way since, on top of the first half
+        close(embedded.work, (0.5 * first + 0.5 * (first + second)) * 1e-5);
+        // half a step of the grain's power on the points is ahead of it
+        let touch = embedded.point_contacts.on_grains().next().expect("a contact").3;
+        let [x, y, z] = touch.force();
+        let torque = scaled(cross(touch.normal, touch.tangential), 0.1 - 0.5 * touch.overlap);
+        let power = -dot([x, y, z], [0.01, 0.0, 0.0]) - dot(torque, [0.0, 0.02, 0.0]);
+        close(state.ledger.points, embedded.work + 0.5 * power);
+        assert!((power / (embedded.work + 1e-30)).abs() > 1e-3);
+        // none where there are no points
+        embedded.continuum.points_mut().remove(&[true, true]);
+        embedded.compute_forces(&physics, &mut state, &mut work);
+        assert_eq!((embedded.pressed(0), embedded.point_contacts.candidates.len()), (0.0, 0));
+        assert_eq!(state.ledger.points, embedded.work);
+    }
+
+    /// Counts the energy that a contact gains while sliding releases the overlap that its point was born with.
+    #[test]
+    fn released_overlaps_are_accounted_for() {
+        let (physics, mut state, mut work, mut embedded) = scene(0.0);
+        (state.grains.vel[0][0], state.grains.spin[0]) = (0.0, [0.0; 4]);
+        embedded.point_contacts.note_newborn(0, 1);
+        embedded.compute_forces(&physics, &mut state, &mut work);
+        assert_eq!((embedded.pressed(0), embedded.fines.released), (0.0, 0.0));
+        // the floor rises by a tenth of a millimetre, and the point slides by as much: a fortieth of a ghost's diameter times the strain
+        state.walls[0].speed = 1e-4;
+        state.walls[0].advance(1.0);
+        state.walls[0].speed = 0.0;
+        embedded.continuum.points_mut().transport_velocity[0] = [1e-4, 0.0, 0.0];
+        embedded.compute_forces(&physics, &mut state, &mut work);
+        let pair = physics.contact.law.on_wall(&physics.materials[0], 0.3);
+        let force = pair.normal_stiffness * (0.02f64 * 1e-4).sqrt() * 1e-4;
+        assert!((embedded.pressed(0) / force - 1.0).abs() < 1e-9);
+        assert!((embedded.fines.released / (force * 1e-3 / 40.0) - 1.0).abs() < 1e-9, "{}", embedded.fines.released);
+    }
+
+    /// A point gets the inertial mass (1 + α) dt²/s² (M V/h² + k/2), and a fifth more, where it has less; else it keeps what it has.
+    #[test]
+    fn points_get_the_inertia_that_makes_the_step_stable() {
+        let (physics, mut state, mut work, mut embedded) = scene(0.0);
+        embedded.compute_forces(&physics, &mut state, &mut work);
+        let safety = physics.stepping.safety;
+        let stiffness = |i: usize| {
+            let id = embedded.continuum.points().id[i];
+            embedded.point_contacts.touching().filter(|c| c.point == id).map(|c| c.stiffness[0].max(c.stiffness[1])).sum::<f64>()
+        };
+        let needed: Vec<f64> = (0..2)
+            .map(|i| {
+                let volume = embedded.continuum.points().position[i][3];
+                (1.0 + DAMPING) / (safety * safety) * (embedded.modulus * volume / (0.05 * 0.05) + 0.5 * stiffness(i))
+            })
+            .collect();
+        assert!(stiffness(0) > 0.0 && stiffness(1) == 0.0);
+        let mass = |e: &Embedded, i: usize| e.continuum.points().velocity[i][3];
+        embedded.raise_point_inertia(&physics, 1.0);
+        for (i, needed) in needed.iter().enumerate() {
+            assert!((mass(&embedded, i) / (1.2 * needed) - 1.0).abs() < 1e-12, "{i}");
+        }
+        // enough for a step of 1.05 s, not of 1.2 s
+        let before = [0, 1].map(|i| mass(&embedded, i));
+        embedded.raise_point_inertia(&physics, 1.05);
+        assert_eq!([0, 1].map(|i| mass(&embedded, i)), before);
+        embedded.raise_point_inertia(&physics, 1.2);
+        assert!((mass(&embedded, 0) / (1.44 * before[0]) - 1.0).abs() < 1e-12);
+    }
+
+    /// The grain's inertial mass takes the contacts with points into account, at every eighth step.
+    #[test]
+    fn grains_get_inertia_for_contacts_with_points() {
+        let (physics, mut state, mut work, mut embedded) = scene(0.0);
+        state.grains.set_inertia(0, 1e-3);
+        state.step = 3;
+        embedded.compute_forces(&physics, &mut state, &mut work);
+        assert!((state.grains.inertia(0) / 1e-3 - 1.0).abs() < 1e-12, "not yet");
+        state.step = 8;
+        embedded.compute_forces(&physics, &mut state, &mut work);
+        let sum: f64 = embedded.point_contacts.touching().filter(|c| c.body == Body::Grain(0)).map(|c| c.inertia_stiffness()).sum();
+        let least = (1.0 + DAMPING) * sum / (4.0 * physics.stepping.safety * physics.stepping.safety);
+        assert!(sum > 0.0 && state.grains.inertia(0) >= least * (1.0 - 1e-12), "{} {least}", state.grains.inertia(0));
+    }
+}

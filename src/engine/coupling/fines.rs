@@ -350,3 +350,274 @@ fn halton(mut k: u64, base: u64) -> f64 {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{continuum, floor, grain, physics, point, settings};
+    use super::*;
+    use crate::contact::ContactLaw;
+    use crate::mpm::law::{Elastic, Law};
+    use crate::mpm::{Points, Settings};
+
+    /// Density of grains, kg/m³.
+    const DENSITY: f64 = 2500.0;
+
+    fn rule(solid: f64) -> Rule {
+        Rule { release_strain: 0.1, law: 0, porosity: 0.4, solid, density: DENSITY, at_rest: false }
+    }
+
+    /// A breakage at `position` that lost this mass, kg, at this velocity, m/s.
+    fn breakage(position: [f64; 3], diameter: f64, lost_mass: f64, velocity: [f64; 3]) -> Breakage {
+        Breakage {
+            event: 1,
+            step: 1,
+            mother: 0,
+            generation: 0,
+            lineage: 77,
+            age: 1,
+            diameter,
+            force: 1.0,
+            limit_force: 1.0,
+            area: 1.0,
+            before: 1.0,
+            strength: 1.0,
+            axis: [0.0, 0.0, 1.0],
+            position,
+            lost_mass,
+            smallest: 0.1 * diameter,
+            lost_momentum: velocity.map(|v| lost_mass * v),
+            lost_kinetic: 0.5 * lost_mass * dot(velocity, velocity),
+            stored_before: 0.0,
+            stored_after: 0.0,
+        }
+    }
+
+    /// What a breakage leaves: the account, the continuum with its points, and their contacts.
+    fn made(
+        rule: Rule,
+        event: Breakage,
+        grains: Grains,
+        walls: Vec<Wall>,
+        mut continuum: Continuum,
+    ) -> (FinesAsPoints, Continuum, PointContacts) {
+        let state = State::new(&physics(ContactLaw::Hertz), grains, walls, false);
+        let mut fines = FinesAsPoints::new(rule);
+        let mut contacts = PointContacts::default();
+        fines.queue(&[event]);
+        fines.insert_points(&state, &mut continuum, &mut contacts);
+        // nothing waits any more
+        fines.insert_points(&state, &mut continuum, &mut contacts);
+        (fines, continuum, contacts)
+    }
+
+    fn near(found: f64, expected: f64) {
+        assert!((found - expected).abs() <= 1e-12 * expected.abs(), "{found} instead of {expected}");
+    }
+
+    fn place(continuum: &Continuum, i: usize) -> [f64; 3] {
+        let [x, y, z, _] = continuum.points().position[i];
+        [x, y, z]
+    }
+
+    #[test]
+    fn halton_numbers_are_digits_mirrored_at_the_point() {
+        let of = |base: u64| (1..=5).map(|k| halton(k, base)).collect::<Vec<_>>();
+        assert_eq!(of(2), [0.5, 0.25, 0.75, 0.125, 0.625]);
+        for (found, ninths) in of(3).iter().zip([3.0, 6.0, 1.0, 4.0, 7.0]) {
+            near(*found, ninths / 9.0);
+        }
+    }
+
+    /// Breaks a grain in the open: mass and momentum of the breakage are those of the points and of the reserve together. The solids of a point, room for
+    /// which the daughters leave at the fines' porosity, are as many as 32 points can share, and the points fill the sphere of the grain without crowding.
+    #[test]
+    fn mass_and_momentum_of_a_breakage_are_in_points_and_reserve() {
+        let (radius, lost, velocity) = (0.1, 8.0, [0.3, -0.2, 0.1]);
+        let solids = lost / DENSITY;
+        let room = 0.6 * solids;
+        for (solid, number) in [(room / 4.5, 32), (room / 2.5, 20), (room / 40.5, 41)] {
+            let event = breakage([0.05, 0.1, -0.1], 2.0 * radius, lost, velocity);
+            let (fines, continuum, contacts) = made(rule(solid), event.clone(), Grains::default(), Vec::new(), continuum(&[]));
+            let points = continuum.points();
+            // some would be alone in their cells and are left out
+            let made = points.len();
+            assert!(made <= number && made > number / 2 && fines.points == made as u64, "{solid}: {made}");
+            near(fines.entered.mass + fines.reserve.mass, lost);
+            near(fines.entered.mass, DENSITY * room * made as f64 / number as f64);
+            near(fines.entered.kinetic + fines.reserve.kinetic, 0.5 * lost * dot(velocity, velocity));
+            let of_points = continuum.totals();
+            near(of_points.mass, fines.entered.mass);
+            for (a, v) in velocity.iter().enumerate() {
+                near(fines.entered.momentum[a] + fines.reserve.momentum[a], lost * v);
+                near(of_points.momentum[a], fines.entered.momentum[a]);
+            }
+            // a point takes up the room of its solids: over (1 - porosity)
+            assert!(points.position.iter().all(|p| (p[3] / (solids / number as f64) - 1.0).abs() < 1e-12));
+            let ghost = ghost_radius(Dimension::Space, room / number as f64);
+            for i in 0..made {
+                assert!(contacts.is_newborn(points.id[i]));
+                assert_eq!((points.law[i], points.initial_porosity[i], points.stress[i]), (0, 0.4, [0.0; 6]));
+                let d = less(place(&continuum, i), event.position);
+                assert!(dot(d, d).sqrt() < radius);
+                for j in 0..i {
+                    let d = less(place(&continuum, i), place(&continuum, j));
+                    assert!(dot(d, d).sqrt() > LEAST_ROOM * 2.0 * ghost, "{i} {j}");
+                }
+            }
+            // spread over the sphere: the middle of the points is near its own
+            let middle = (0..made).fold([0.0; 3], |m, i| plus3(m, place(&continuum, i)));
+            let off = less(middle.map(|x| x / made as f64), event.position);
+            assert!(dot(off, off).sqrt() < 0.25 * radius, "{off:?}");
+        }
+    }
+
+    fn continuum_without_points() -> Continuum {
+        continuum(&[])
+    }
+
+    fn plus3(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| a[k] + b[k])
+    }
+
+    /// With inertia scaling points begin at rest, and nothing is said of the momentum.
+    #[test]
+    fn points_at_rest_have_no_momentum() {
+        let event = breakage([0.0; 3], 0.4, 8.0, [0.3, -0.2, 0.1]);
+        let (fines, continuum, _) =
+            made(Rule { at_rest: true, ..rule(5e-4) }, event, Grains::default(), Vec::new(), continuum(&[]));
+        assert!(!continuum.points().is_empty());
+        assert_eq!((continuum.totals().momentum, fines.entered.momentum, fines.reserve.momentum), ([0.0; 3], [0.0; 3], [0.0; 3]));
+        assert_eq!((fines.entered.kinetic, fines.reserve.kinetic), (0.0, 0.0));
+    }
+
+    /// Too little mass for a point goes to the reserve: below an eighth of the solids of a point.
+    #[test]
+    fn too_little_mass_waits() {
+        let lost = 8.0;
+        let room = 0.6 * lost / DENSITY;
+        for (share, points) in [(7.9, true), (8.1, false)] {
+            let event = breakage([0.0; 3], 0.2, lost, [0.0; 3]);
+            // one point alone in its cell would be dropped: there are others beside
+            let others: Vec<Point> = (0..27)
+                .map(|k| point([f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9)].map(|x| 0.125 * x - 0.12), [0.0; 3]))
+                .collect();
+            // one of them is inside of the sphere
+            let volume = others[13].volume;
+            let lacking = Breakage { lost_mass: lost + DENSITY * volume, ..event };
+            let (fines, _, _) = made(rule(share * room), lacking.clone(), Grains::default(), Vec::new(), continuum(&others));
+            assert_eq!(fines.points, u64::from(points), "{share}");
+            assert_eq!(fines.reserve.mass == lacking.lost_mass, !points);
+        }
+    }
+
+    /// Points of a breakage keep away from grains and walls, and stay in the domain.
+    #[test]
+    fn points_find_room_between_grains_and_walls() {
+        let at = [0.1, 0.0, 0.1];
+        let grains = grain(at, [0.0; 3], [0.0; 3], &physics(ContactLaw::Hertz));
+        let event = breakage([0.1, 0.0, 0.15], 0.4, 8.0, [0.0; 3]);
+        let (fines, continuum, _) = made(rule(5e-4), event, grains.clone(), vec![floor(0.0)], continuum(&[]));
+        assert!(fines.points > 5, "{}", fines.points);
+        let ghost = ghost_radius(Dimension::Space, continuum.points().solid(0));
+        for i in 0..continuum.points().len() {
+            let p = place(&continuum, i);
+            let d = less(p, at);
+            // not deeper in a grain than the share that is allowed, and not in the wall at all
+            assert!(dot(d, d).sqrt() - grains.radius(0) >= (1.0 - DEEPEST) * ghost && p[2] >= ghost, "{p:?}");
+        }
+        // at the edge of the grid: inside of it
+        let event = breakage([0.95, 0.0, -0.95], 0.4, 8.0, [0.0; 3]);
+        let (fines, continuum, _) = made(rule(5e-4), event, Grains::default(), Vec::new(), continuum_without_points());
+        assert!(fines.points > 2);
+        for i in 0..continuum.points().len() {
+            let [x, _, z] = place(&continuum, i);
+            assert!(x < 1.0 && z > -1.0);
+        }
+    }
+
+    /// Points that are there already have taken their room.
+    #[test]
+    fn room_is_what_other_points_leave() {
+        let others: Vec<Point> =
+            (0..8).map(|k| point([k & 1, k >> 1 & 1, k >> 2].map(|x| 0.08 * f64::from(x) - 0.04), [0.0; 3])).collect();
+        let far = point([0.5, 0.5, 0.5], [0.0; 3]);
+        let taken = 8.0 * others[0].volume;
+        let all: Vec<Point> = others.into_iter().chain([far]).collect();
+        near(volume_of_points(&continuum(&all), [0.0; 3], 0.2), taken);
+        let event = breakage([0.0; 3], 0.4, 8.0, [0.0; 3]);
+        let (fines, _, _) = made(rule(5e-4), event, Grains::default(), Vec::new(), continuum(&all));
+        let room = 0.6 * (8.0 / DENSITY - taken);
+        // as many as 8 room/solid, at most 32
+        let number = (8.0 * room / 5e-4).floor().min(32.0);
+        near(fines.entered.mass, DENSITY * room * fines.points as f64 / number);
+    }
+
+    /// A point alone in its cell would move with a node of hardly any mass: there are at least two in every cell.
+    #[test]
+    fn no_point_is_alone_in_its_cell() {
+        let event = breakage([0.02, 0.01, -0.03], 0.4, 8.0, [0.0; 3]);
+        // twelve points, in a sphere of 34 cells
+        let (fines, continuum, _) = made(rule(0.6 * 8.0 / DENSITY / 1.5), event, Grains::default(), Vec::new(), continuum(&[]));
+        let cell = |i: usize| place(&continuum, i).map(|x| ((x + 1.0) / 0.125).floor() as i32);
+        let cells: Vec<[i32; 3]> = (0..continuum.points().len()).map(cell).collect();
+        assert!(fines.points < 12, "some would be alone");
+        assert!(cells.iter().all(|c| cells.iter().filter(|d| c == *d).count() > 1), "{cells:?}");
+        near(fines.entered.mass + fines.reserve.mass, 8.0);
+    }
+
+    /// In gravity points may not be lifted by more energy than the breakage has set free: the highest ones are left out.
+    #[test]
+    fn points_are_not_lifted_for_nothing() {
+        let settings = Settings { gravity: [0.0, 0.0, -10.0], ..settings() };
+        let open = || {
+            let mut c = Continuum::new(settings.clone(), vec![Law::Elastic(Elastic::of_young(1e6, 0.3))], Points::default())
+                .expect("allowed");
+            c.keep_transport_velocity();
+            c
+        };
+        let event = breakage([0.0; 3], 0.4, 8.0, [0.0; 3]);
+        let lift = |c: &Continuum| (0..c.points().len()).map(|i| 10.0 * c.points().velocity[i][3] * place(c, i)[2]).sum::<f64>();
+        let (all, rich, _) =
+            made(rule(2e-4), Breakage { stored_before: 100.0, ..event.clone() }, Grains::default(), Vec::new(), open());
+        let (few, poor, _) = made(rule(2e-4), event.clone(), Grains::default(), Vec::new(), open());
+        assert!(lift(&poor) <= 0.0 && few.points <= all.points, "{} {}", lift(&poor), lift(&rich));
+        // energy that the contacts keep is not free
+        let held = Breakage { stored_before: 100.0, stored_after: 100.0, ..event };
+        let (same, _, _) = made(rule(2e-4), held, Grains::default(), Vec::new(), open());
+        assert_eq!(same.points, few.points);
+    }
+
+    /// A point that has been pushed through a wall returns to the reserve with its mass and momentum; points of the scene stay.
+    #[test]
+    fn points_behind_a_wall_return_to_the_reserve() {
+        let event = breakage([0.0; 3], 0.4, 8.0, [0.3, -0.2, 0.1]);
+        let scene = point([0.7, 0.7, 0.7], [0.0; 3]);
+        let (mut fines, mut continuum, mut contacts) = made(rule(5e-4), event, Grains::default(), Vec::new(), continuum(&[scene]));
+        let (points, entered) = (fines.points, fines.entered);
+        let mass = continuum.points().velocity[1][3];
+        let behind = |p: [f64; 4]| p[0] > 0.05;
+        let gone = (1..continuum.points().len()).filter(|&i| behind(continuum.points().position[i])).count();
+        assert!(gone > 1);
+        fines.remove_points(behind, &mut continuum, &mut contacts);
+        assert_eq!((fines.points, continuum.points().len() as u64), (points - gone as u64, points + 1 - gone as u64));
+        near(fines.entered.mass, entered.mass - gone as f64 * mass);
+        near(fines.entered.mass + fines.reserve.mass, 8.0);
+        near(fines.reserve.momentum[0], 0.3 * fines.reserve.mass);
+        near(fines.reserve.kinetic, 0.5 * fines.reserve.mass * 0.14);
+        let left = continuum.points().len();
+        fines.remove_points(|_| false, &mut continuum, &mut contacts);
+        assert_eq!(continuum.points().len(), left);
+        // with inertia scaling the real mass counts, not the inertial one
+        let event = breakage([0.0; 3], 0.4, 8.0, [0.0; 3]);
+        let (mut fines, mut continuum, mut contacts) =
+            made(Rule { at_rest: true, ..rule(5e-4) }, event, Grains::default(), Vec::new(), continuum_without_points());
+        let real = fines.entered.mass;
+        for v in &mut continuum.points_mut().velocity {
+            *v = [1.0, 2.0, 3.0, 50.0];
+        }
+        fines.remove_points(|_| true, &mut continuum, &mut contacts);
+        near(fines.reserve.mass, 8.0);
+        assert!((fines.entered.mass / real).abs() < 1e-12 && fines.points == 0);
+        assert_eq!((fines.reserve.momentum, fines.reserve.kinetic), ([0.0; 3], 0.0));
+    }
+}

@@ -16,6 +16,8 @@ mod measure;
 mod mixture;
 mod reactions;
 mod search;
+#[cfg(test)]
+mod tests;
 
 pub use embedded::{Embedded, Embedding};
 pub use fines::{Account, FinesAsPoints, Rule};

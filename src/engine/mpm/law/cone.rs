@@ -108,6 +108,22 @@ mod tests {
         }
     }
 
+    /// At 30° the sine is a half: the constants of the table above as numbers.
+    #[test]
+    fn constants_are_those_of_their_sources() {
+        let (s, c) = (0.5, 0.75f64.sqrt());
+        let (root, t) = (3f64.sqrt(), s / c);
+        for (cone, alpha, k) in [
+            (Cone::Outer, 2.0 * s / (root * (3.0 - s)), 6.0 * c / (root * (3.0 - s))),
+            (Cone::Inner, 2.0 * s / (root * (3.0 + s)), 6.0 * c / (root * (3.0 + s))),
+            (Cone::PlaneStrain, t / (9.0 + 12.0 * t * t).sqrt(), 3.0 / (9.0 + 12.0 * t * t).sqrt()),
+        ] {
+            let at = cone.at(std::f64::consts::FRAC_PI_6);
+            assert!((at.alpha / alpha - 1.0).abs() < 1e-14 && (at.k / k - 1.0).abs() < 1e-14, "{cone:?}: {at:?}");
+        }
+        assert_eq!(CONES.map(Cone::name), ["outer", "inner", "plane_strain"]);
+    }
+
     #[test]
     fn without_friction_only_cohesion_is_left() {
         for (cone, k) in CONES.into_iter().zip([1.154_700_538, 1.154_700_538, 1.0]) {

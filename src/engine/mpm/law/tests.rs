@@ -1,7 +1,10 @@
 //! Properties of the laws over random states, increments and paths, from a fixed seed.
 
 use super::tensor::{contract, deviator, equivalent, j2, trace};
-use super::{Cone, DruckerPrager, Elastic, Evolution, InternalVariables, Law, Parameters, Sym, evolution::tests::LI};
+use super::{
+    Cone, ConstitutiveLaw, DruckerPrager, Elastic, Evolution, InternalVariables, Law, MohrCoulomb, Parameters, Sym,
+    evolution::tests::LI,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -338,4 +341,65 @@ fn a_wave_is_no_faster_than_its_elastic_part() {
     assert!((law.wave_speed(density) / expected - 1.0).abs() < 1e-14);
     assert!((law.young() / e - 1.0).abs() < 1e-14 && (law.poisson() - nu).abs() < 1e-14);
     assert!((law.shear_modulus() / (e / 2.24) - 1.0).abs() < 1e-14);
+}
+
+/// A cone fails where the pyramid of Mohr and Coulomb does on the edge that it touches, and the laws say so: the outer one in triaxial compression, the inner one
+/// in extension. The largest mean stress is that of the apex or of the cut-off, whichever is less.
+#[test]
+fn cones_and_pyramid_fail_together_on_their_edges() {
+    let (cell, phi, c) = (1e5, 35.0 * DEGREE, 5e3);
+    let parameters = |cone, tension| Parameters {
+        elastic: Elastic::of_young(4.6e6, 0.3),
+        cone,
+        friction: Evolution::Constant(phi),
+        cohesion: Evolution::Constant(c),
+        dilation: 0.1,
+        tension,
+    };
+    let close = |a: Option<f64>, b: f64| assert!(a.is_some_and(|a| (a / b - 1.0).abs() < 1e-12), "{a:?} {b}");
+    let ratio = (1.0 + phi.sin()) / (1.0 - phi.sin());
+    let compression = cell * ratio + 2.0 * c * ratio.sqrt() - cell;
+    let extension = cell - (cell - 2.0 * c * ratio.sqrt()) / ratio;
+    let (outer, inner) = (DruckerPrager::new(parameters(Cone::Outer, NONE)), DruckerPrager::new(parameters(Cone::Inner, NONE)));
+    let pyramid = MohrCoulomb::of(&parameters(Cone::Outer, NONE));
+    close(outer.q_compression(cell, 0.0), compression);
+    close(inner.q_extension(cell, 0.0), extension);
+    close(outer.peak_q(cell, true), compression);
+    close(inner.peak_q(cell, false), extension);
+    close(pyramid.q_compression(cell, 0.3), compression);
+    close(pyramid.q_extension(cell, 0.3), extension);
+    close(pyramid.peak_q(cell, true), compression);
+    close(pyramid.peak_q(cell, false), extension);
+    for law in [Law::DruckerPrager(outer.clone()), Law::MohrCoulomb(pyramid.clone())] {
+        close(law.q_compression(cell, 0.0), compression);
+        close(law.yield_line(0.0).map(|line| line.q_compression(cell)), compression);
+        assert_eq!(law.shear_strength(0.0), Some([phi, c]));
+    }
+    assert_eq!((ConstitutiveLaw::cone(&inner), ConstitutiveLaw::cone(&pyramid)), (Some(Cone::Inner), None));
+    // in tension the apex is at c cot φ
+    close(Some(outer.largest_i1(0.0)), 3.0 * c / phi.tan());
+    close(Some(DruckerPrager::new(parameters(Cone::Outer, 1e3)).largest_i1(0.0)), 3e3);
+    // cohesion that changes has no closed form of its peak
+    let changing =
+        Parameters { cohesion: Evolution::Linear { initial: 1e3, last: 0.0, strain: 0.1 }, ..parameters(Cone::Outer, NONE) };
+    assert_eq!(DruckerPrager::new(changing).peak_q(cell, true), None);
+}
+
+/// Elasticity never fails and says so.
+#[test]
+fn elasticity_has_no_strength() {
+    let law = Elastic::of_young(1e6, 0.3);
+    assert_eq!((law.cone(), law.shear_strength(0.1), law.yield_line(0.1)), (None, None, None));
+    assert_eq!((law.q_compression(1e5, 0.0), law.q_extension(1e5, 0.0), law.peak_q(1e5, true)), (None, None, None));
+    let named = Law::Elastic(law);
+    assert_eq!((named.word(), named.cone(), named.peak_q(1e5, true)), ("elastic", None, None));
+    for (found, expected) in [
+        (named.young(), 1e6),
+        (named.poisson(), 0.3),
+        (named.shear_modulus(), 1e6 / 2.6),
+        (named.bulk_modulus(), 1e6 / 1.2),
+        (named.wave_speed(1600.0), (1e6 * 0.7 / (1.3 * 0.4) / 1600.0f64).sqrt()),
+    ] {
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    }
 }
