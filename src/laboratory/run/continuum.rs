@@ -588,7 +588,8 @@ mod tests {
         assert!(told.to_string().contains("the state of the last record is kept"), "{told}");
         let lines = |file: &str| std::fs::read_to_string(out.path().join(file)).expect(file).lines().count();
         assert!(lines("history.csv") > 20 && lines(END) == 2 + rig.points.len());
-        let rest = resume(&model, rig, out.path(), Some(Backend::Cpu), true, Some(400)).expect_err("stopped");
+        let begun = take_up(&model, rig, out.path(), Some(Backend::Cpu)).expect("taken up");
+        let rest = go_on(&model, rig, begun, out.path(), true, Some(400)).expect_err("stopped");
         assert!(matches!(rest, Error::Interrupted { step: 400, .. }), "{rest}");
     }
 }

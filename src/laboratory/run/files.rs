@@ -135,6 +135,9 @@ pub fn claim(out: &Path, force: bool) -> Result<()> {
     std::fs::create_dir_all(out).map_err(Error::write(out))
 }
 
+/// Whether a run has given a file this name.
+type Known<'a> = &'a dyn Fn(&str) -> bool;
+
 /// What the run in the folder `out` may have written besides its scene.
 ///
 /// # Errors
@@ -152,7 +155,7 @@ fn written(out: &Path) -> Result<Vec<PathBuf>> {
     let figure = |name: &str| name == DRAWN || drawn.lines().any(|line| line == name);
     let any = |_: &str| true;
     let mut ours: Vec<PathBuf> = OURS.iter().map(|name| out.join(name)).collect();
-    let folders: [(&str, &dyn Fn(&str) -> bool); 3] = [(SNAPSHOTS, &snapshot), (FIGURES, &figure), (DRAWING, &any)];
+    let folders: [(&str, Known); 3] = [(SNAPSHOTS, &snapshot), (FIGURES, &figure), (DRAWING, &any)];
     for (folder, known) in folders {
         for entry in out.join(folder).read_dir().into_iter().flatten().flatten() {
             let name = entry.file_name();
