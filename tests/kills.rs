@@ -38,7 +38,7 @@ const KINDS: [Kind; 10] = [
         &["specimen.grains=250", "specimen.diameter_mm=3.3", "loading.max_stress_kPa=20", OFTEN],
     ),
     kind(
-        true,
+        false,
         "oedometer with figures",
         "run experiments/hard/oedometer.toml --continue",
         &["records.figures=true", "records.snapshots=true", "records.contacts=true", OFTEN],
