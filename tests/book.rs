@@ -456,7 +456,7 @@ fn with_rows(page: &str) -> String {
         let mut reader = csv::Reader::from_path(path.with_file_name(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
         let row = |cells: &csv::StringRecord| format!("| {} |\n", cells.iter().map(cell).collect::<Vec<_>>().join(" | "));
         let header: csv::StringRecord = reader.headers().expect("a header").iter().map(|name| name.replace('_', " ")).collect();
-        let _ = write!(made, "{}|{}\n", row(&header), "---|".repeat(header.len()));
+        let _ = writeln!(made, "{}|{}", row(&header), "---|".repeat(header.len()));
         reader.records().for_each(|record| made.push_str(&row(&record.expect("a row"))));
         let _ = write!(made, "\n<!-- end -->{after}");
     }

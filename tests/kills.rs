@@ -4,7 +4,11 @@
 
 #![cfg(unix)]
 
+#[path = "common/left.rs"]
+mod left;
+
 use assert_cmd::cargo::cargo_bin;
+use left::files;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
@@ -101,54 +105,6 @@ const ON_DEVICE: Kind = kind(
 
 /// Checkpoints every tenth of a second.
 const OFTEN: &str = "records.checkpoint_seconds=0.1";
-
-/// Entries of tables and summaries that say how long something took and on what.
-const OF_THE_MACHINE: [&str; 6] = ["second", "bytes_", "threads", "host", "simd", "version"];
-
-fn of_the_machine(name: &str) -> bool {
-    OF_THE_MACHINE.iter().any(|word| name.contains(word))
-}
-
-/// JSON without what depends on the machine.
-fn plain(value: &mut serde_json::Value) {
-    if let Some(object) = value.as_object_mut() {
-        object.retain(|key, _| !of_the_machine(key));
-        object.values_mut().for_each(plain);
-    }
-}
-
-/// All files below `dir` without clocks; logs of runs are left out.
-fn files(dir: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut open = vec![dir.to_path_buf()];
-    while let Some(folder) = open.pop() {
-        for entry in fs::read_dir(&folder).expect("a folder").flatten() {
-            let path = entry.path();
-            if path.is_dir() {
-                open.push(path);
-                continue;
-            }
-            let name = path.strip_prefix(dir).expect("inside").display().to_string();
-            let mut bytes = fs::read(&path).expect("a file");
-            if name.ends_with(".json") {
-                let mut value = serde_json::from_slice(&bytes).expect("JSON");
-                plain(&mut value);
-                bytes = value.to_string().into_bytes();
-            } else if ["sweep.csv", "runs.csv"].iter().any(|table| name.ends_with(table)) {
-                let mut reader = csv::Reader::from_reader(&bytes[..]);
-                let kept: Vec<bool> = reader.headers().expect("header").iter().map(|name| !of_the_machine(name)).collect();
-                let row = |row: csv::StringRecord| {
-                    row.iter().zip(&kept).filter(|(_, k)| **k).map(|(x, _)| x.to_string()).collect::<Vec<_>>()
-                };
-                bytes = format!("{:?}", reader.records().map(|r| row(r.expect("row"))).collect::<Vec<_>>()).into_bytes();
-            } else if name.ends_with(".log") {
-                continue;
-            }
-            found.insert(name, bytes);
-        }
-    }
-    found
-}
 
 fn start(kind: &Kind, out: &Path) -> std::process::Child {
     let mut command = Command::new(cargo_bin("comminute"));

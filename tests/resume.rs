@@ -1,24 +1,15 @@
 //! A run can be stopped at any moment and goes on with the same bytes; a run repeats itself from what it leaves.
 
+#[path = "common/left.rs"]
+mod left;
+
 use assert_cmd::cargo::cargo_bin;
+use left::files;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 use std::time::Duration;
-
-/// What may differ between two runs of the same: clocks and host.
-const CLOCK_AND_HOST: [&str; 9] = [
-    "wall_seconds",
-    "loading_seconds",
-    "particle_steps_per_second",
-    "figure_seconds",
-    "bytes_per_grain",
-    "threads",
-    "host",
-    "simd",
-    "version",
-];
 
 struct Finished {
     dir: PathBuf,
@@ -55,31 +46,6 @@ fn scene() -> PathBuf {
     std::fs::write(&own, text).expect("scene");
     std::fs::rename(&own, &path).expect("scene");
     path
-}
-
-fn files(dir: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut open = vec![dir.to_path_buf()];
-    while let Some(d) = open.pop() {
-        for entry in std::fs::read_dir(&d).expect("folder") {
-            let path = entry.expect("entry").path();
-            if path.is_dir() {
-                open.push(path);
-                continue;
-            }
-            let name = path.strip_prefix(dir).expect("inside").display().to_string();
-            let mut bytes = std::fs::read(&path).expect("file");
-            if name == "summary.json" {
-                let mut summary: serde_json::Value = serde_json::from_slice(&bytes).expect("summary");
-                for key in CLOCK_AND_HOST {
-                    summary.as_object_mut().expect("object").remove(key);
-                }
-                bytes = summary.to_string().into_bytes();
-            }
-            found.insert(name, bytes);
-        }
-    }
-    found
 }
 
 /// The run without any interruption, on one thread.

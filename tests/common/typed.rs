@@ -47,7 +47,8 @@ pub fn final_grains<const N: usize>(out: &Path, names: [&str; N]) -> Vec<[f64; N
     rows.iter().map(|row| at.map(|k| row[k].parse().expect("number"))).collect()
 }
 
-fn table(path: &Path) -> (StringRecord, Vec<StringRecord>) {
+/// Header and rows of a table.
+pub fn table(path: &Path) -> (StringRecord, Vec<StringRecord>) {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).expect("table");
     (reader.headers().expect("header").clone(), reader.records().map(|row| row.expect("row")).collect())
 }

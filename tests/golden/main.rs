@@ -4,12 +4,15 @@
 #[cfg(feature = "gpu")]
 #[path = "../../src/engine/gpu/tests/adapter.rs"]
 mod adapter;
+#[path = "../common/left.rs"]
+mod left;
 mod runs;
 
 #[cfg(feature = "gpu")]
 use comminute::gpu;
 
 use assert_cmd::cargo::cargo_bin;
+use left::OF_THE_MACHINE;
 use std::collections::BTreeMap;
 use std::fs;
 use std::hash::Hasher;
@@ -27,9 +30,6 @@ struct Run {
 
 const ADAPTER: &str = "llvmpipe (LLVM 15.0.6, 256 bits)";
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
-
-/// Entries of `summary.json` that say how long a run took and on what, not what came out.
-const OF_THE_MACHINE: [&str; 6] = ["second", "bytes_", "threads", "host", "simd", "version"];
 
 /// FNV-1a of bytes.
 fn hash(bytes: &[u8]) -> String {

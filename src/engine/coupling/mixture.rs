@@ -71,8 +71,7 @@ impl Cycle {
             if allowed.grains == f64::INFINITY || allowed.continuum == f64::INFINITY {
                 return Rates { grains: 1, continuum: 1 };
             }
-            // from steps that are not numbers one step follows, and the next look at the state ends the run
-            // a clamp would pass on what is no number
+            // from steps that are not numbers one step follows, and the next look at the state ends the run; a clamp would pass them on
             #[expect(clippy::manual_clamp)]
             let steps = |slow: f64, fast: f64| (allowed.nearly * slow / fast).ceil().max(1.0).min(MOST) as u32;
             if grains <= continuum {
