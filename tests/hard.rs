@@ -21,7 +21,9 @@ impl Run {
     fn new(scene: &str, sets: &[String]) -> Run {
         let dir = tempfile::tempdir().expect("folder");
         let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
-        let output = typed::run(&format!("hard/{scene}"), &dir.path().join("run"), &sets, &[]).output().expect("start");
+        let output = typed::run(&format!("hard/{scene}"), &dir.path().join("run"), &sets, &["--set", "records.figures=false"])
+            .output()
+            .expect("start");
         let code = output.status.code().unwrap_or_else(|| panic!("{scene}: ended by a signal"));
         Run { dir, code, message: String::from_utf8_lossy(&output.stderr).trim().to_string() }
     }

@@ -132,23 +132,24 @@ impl Canvas {
     }
 }
 
-/// Means of FINE x FINE blocks of an RGB image.
+/// Means of FINE x FINE blocks of an RGB image `w` blocks wide and `h` high.
 fn average(fine: &[u8], w: usize, h: usize) -> Vec<u8> {
+    const AREA: usize = FINE * FINE;
     let mut out = Vec::with_capacity(w * h * 3);
-    for y in 0..h {
+    for rows in fine.chunks_exact(3 * w * FINE * FINE) {
         for x in 0..w {
-            for k in 0..3 {
-                let mut sum = 0usize;
-                for dy in 0..FINE {
-                    for dx in 0..FINE {
-                        let at = (y * FINE + dy) * w * FINE + x * FINE + dx;
-                        sum += usize::from(fine[3 * at + k]);
-                    }
+            let mut sums = [AREA / 2; 3];
+            for row in rows.chunks_exact(3 * w * FINE) {
+                for pixel in row[3 * x * FINE..][..3 * FINE].chunks_exact(3) {
+                    sums[0] += usize::from(pixel[0]);
+                    sums[1] += usize::from(pixel[1]);
+                    sums[2] += usize::from(pixel[2]);
                 }
-                out.push(((sum + FINE * FINE / 2) / (FINE * FINE)) as u8);
             }
+            out.extend(sums.map(|sum| (sum / AREA) as u8));
         }
     }
+    debug_assert_eq!(out.len(), w * h * 3);
     out
 }
 

@@ -114,7 +114,18 @@ fn check(run: &Run) {
         command
             .arg("run")
             .arg(run.scene)
-            .args(["--quiet", "--threads", threads, "--simd", instructions, "--backend", run.backend, "--out"])
+            .args([
+                "--set",
+                "records.figures=false",
+                "--quiet",
+                "--threads",
+                threads,
+                "--simd",
+                instructions,
+                "--backend",
+                run.backend,
+                "--out",
+            ])
             .arg(&out);
         for set in run.sets {
             command.args(["--set", set]);
