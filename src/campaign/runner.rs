@@ -245,7 +245,8 @@ impl Crew {
             return Ok(None);
         }
         let reason = reason(status, &said);
-        let outside = !of_its_own && status.code() != Some(PANIC) || [CANNOT_WRITE, OF_MEMORY].iter().any(|words| reason.contains(words));
+        let outside =
+            !of_its_own && status.code() != Some(PANIC) || [CANNOT_WRITE, OF_MEMORY].iter().any(|words| reason.contains(words));
         Ok(Some(Outcome::Failed { reason, log: path, outside }))
     }
 }
