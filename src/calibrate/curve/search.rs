@@ -489,7 +489,7 @@ mod tests {
         let (parameters, curve, settings) = (stand_in::parameters(), target(), settings(26));
         let killed = Killed(AtomicUsize::new(0), Fake::new(usize::MAX));
         let mut search = Search::new(&parameters, &curve, vec![15], &settings, &killed, dir.path(), &|_| ()).expect("new");
-        let error = search.run().err().expect("the second batch was broken");
+        let error = search.run().expect_err("the second batch was broken");
         assert!(error.to_string().contains("run-020: was killed by SIGKILL\n1 of 5 runs failed"), "{error}");
         assert_eq!(error.exit_code(), 1);
         let log = |dir: &Path| std::fs::read_to_string(dir.join(log::FILE)).expect("log");
