@@ -1,5 +1,9 @@
 //! `comminute calibrate curve` as a user types it: a small scene, a curve that it made itself, runs that fail, kills in the middle.
 
+#[cfg(target_os = "linux")]
+#[path = "common/processes.rs"]
+mod processes;
+
 use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -123,21 +127,37 @@ fn a_killed_calibration_ends_like_one_that_was_not() {
         assert!(dir.join(format!("whole/figures/{name}.svg")).exists(), "{name}");
     }
 
-    // killed among the runs of the design, then among those of the search
+    // killed among the runs of the design, then among those of the search; meanwhile a second one is refused
     let log = dir.join("cut/evaluations.csv");
+    let args = with(&["--out", "cut", "--jobs", "1"]);
+    let start = || command(dir, &args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("started");
+    let begun = |n: usize| dir.join(format!("cut/runs/run-{n:03}")).exists();
     for until in [1, 17] {
-        let args = with(&["--out", "cut", "--jobs", "1"]);
-        let mut child = command(dir, &args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("started");
-        let begun = |n: usize| dir.join(format!("cut/runs/run-{n:03}")).exists();
+        let mut child = start();
         while !begun(until) {
             assert!(child.try_wait().expect("child").is_none(), "ended before it could be killed");
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
+        let second = call(dir, &args, 2);
+        assert!(said(&second).contains("cut: another process is running there"), "{}", said(&second));
         child.kill().expect("killed");
         child.wait().expect("child");
         assert!(rows(&log, "planned") > 0);
     }
-    call(dir, &with(&["--out", "cut", "--jobs", "1"]), 0);
+    // one of its runs is killed: that says nothing about the parameters, and the run is made again
+    #[cfg(target_os = "linux")]
+    {
+        let mut child = start();
+        processes::kill_run(&mut child, dir, "cut/runs/", || begun(18));
+        let output = child.wait_with_output().expect("ended");
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        assert!(said(&output).contains("was killed by SIGKILL (from outside"), "{}", said(&output));
+        assert!(!fs::read_to_string(&log).expect("log").contains("SIGKILL"));
+    }
+    let done = |run: &str| fs::metadata(dir.join("cut/runs").join(run).join("history.csv")).and_then(|m| m.modified()).ok();
+    let first: Vec<_> = (1..18).map(|n| done(&format!("run-{n:03}"))).collect();
+    call(dir, &args, 0);
+    assert!((1..18).map(|n| done(&format!("run-{n:03}"))).eq(first), "what is done is not done again");
     let (whole, cut) = (files(&dir.join("whole")), files(&dir.join("cut")));
     assert_eq!(whole.keys().collect::<Vec<_>>(), cut.keys().collect::<Vec<_>>());
     for (name, bytes) in &whole {

@@ -1,5 +1,11 @@
 //! Ensembles and sweeps from the command line: each run a process in its own folder, and nothing done twice.
 
+#[path = "common/left.rs"]
+mod left;
+#[cfg(target_os = "linux")]
+#[path = "common/processes.rs"]
+mod processes;
+
 use assert_cmd::cargo::cargo_bin;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -47,8 +53,19 @@ fn text(dir: &TempDir, file: &str) -> String {
 
 /// When each history was last written: a run that is done again changes it.
 fn written(dir: &TempDir, folders: &[&str]) -> Vec<SystemTime> {
-    let time = |f: &&str| fs::metadata(dir.path().join(f).join("history.csv")).and_then(|m| m.modified()).expect("history");
-    folders.iter().map(time).collect()
+    folders.iter().map(|f| changed(dir, &format!("{f}/history.csv")).expect("history")).collect()
+}
+
+/// When a file was last written; `None` where there is none. A run writes `scene.resolved.toml` when it begins, and never again.
+fn changed(dir: &TempDir, file: &str) -> Option<SystemTime> {
+    fs::metadata(dir.path().join(file)).and_then(|m| m.modified()).ok()
+}
+
+/// Runs that a campaign has made itself, from its closing lines.
+fn made(said: &str) -> usize {
+    let line = said.lines().find(|l| l.contains(" runs done")).unwrap_or_else(|| panic!("{said}"));
+    let numbers: Vec<usize> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
+    numbers[0] - numbers.get(2).unwrap_or(&0)
 }
 
 /// A column of a CSV file as numbers, empty cells left out.
@@ -266,9 +283,92 @@ fn a_campaign_that_was_stopped_or_killed_goes_on() {
     let mut child = under_way(&dir, &args);
     signal(&child, "KILL");
     child.wait().expect("child");
+    let begun = || (1..=4).map(|k| changed(&dir, &format!("e/seed-{k}/scene.resolved.toml"))).collect::<Vec<_>>();
+    let before = begun();
     call(&dir, &args, 0);
+    let again = begun().into_iter().zip(&before).filter(|(now, then)| then.is_some() && now != *then).count();
+    assert_eq!(again, 0, "no run that had begun is begun again: {before:?}");
     same_histories(&dir, "whole", "e", 1..=4);
     assert!(Path::new(&dir.path().join("e/mean.csv")).exists());
+}
+
+/// One run is killed as a system does that has no memory left: the others are made, and called again it alone goes on, from its checkpoint.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_killed_run_is_told_by_its_signal_and_goes_on() {
+    let dir = folder();
+    let args = ["ensemble", "scene.toml", "--seeds", "1..3", "--jobs", "2", "--out", "e"];
+    let mut child = command(&dir, &args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("started");
+    processes::kill_run(&mut child, dir.path(), "e/seed-2", || dir.path().join("e/seed-2/checkpoint.bin").exists());
+    let output = child.wait_with_output().expect("ended");
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(said(&output).contains("error: e/seed-2: was killed by SIGKILL (from outside"), "{}", said(&output));
+    assert!(said(&output).contains("error: 1 of 3 runs failed"), "{}", said(&output));
+    let others = written(&dir, &["e/seed-1", "e/seed-3"]);
+    let begun = changed(&dir, "e/seed-2/scene.resolved.toml");
+    let again = call(&dir, &args, 0);
+    assert!(said(&again).contains("3 of 3 runs done, 2 of them before"), "{}", said(&again));
+    assert_eq!(written(&dir, &["e/seed-1", "e/seed-3"]), others);
+    assert_eq!(changed(&dir, "e/seed-2/scene.resolved.toml"), begun, "it went on from its checkpoint");
+    call(&dir, &["run", "scene.toml", "--seed", "2", "--out", "whole/seed-2", "--quiet"], 0);
+    same_histories(&dir, "whole", "e", 2..=2);
+}
+
+/// Three sweeps that are started at the same moment into one folder share its runs, and leave what a single one does. (Whether figures do is
+/// asked with a plan, in tests/reproduce.rs.)
+#[cfg(unix)]
+#[test]
+fn campaigns_in_one_folder_share_its_runs() {
+    let dir = folder();
+    // too many points for common figures, which take longer than the runs
+    let grid = "material.strength.fixed_angle.m=2,2.5,3,3.5,4,4.5,5,6";
+    let args = ["sweep", "scene.toml", "--grid", grid, "--set", "loading.max_stress_kPa=8", "--jobs", "2", "--out", "s"];
+    call(&dir, &args, 0);
+    let single = left::files(&dir.path().join("s"));
+    for round in 0..2 {
+        fs::remove_dir_all(dir.path().join("s")).expect("removed");
+        let start = |_| command(&dir, &args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("started");
+        let children: Vec<Child> = (0..3).map(start).collect();
+        let mut runs = 0;
+        for child in children {
+            let output = child.wait_with_output().expect("ended");
+            assert_eq!(output.status.code(), Some(0), "round {round}: {}", said(&output));
+            runs += made(&said(&output));
+        }
+        assert_eq!(runs, 8, "round {round}: every run is made once");
+        left::assert_same(&single, &left::files(&dir.path().join("s")), "shared");
+        let log = |entry: &fs::DirEntry| entry.path().extension() == Some("log".as_ref());
+        assert!(!fs::read_dir(dir.path().join("s")).expect("folder").flatten().any(|entry| log(&entry)), "nothing was wrong");
+    }
+}
+
+/// Runs that fit into memory one by one, but not together, are made one after the other.
+#[cfg(unix)]
+#[test]
+fn no_more_runs_at_a_time_than_memory_has_room_for() {
+    use comminute::campaign::{Job, Options, run};
+    use std::os::unix::fs::PermissionsExt;
+    let dir = folder();
+    let Some(free) = comminute::machine::free_memory() else { return };
+    // writes down when it begins and ends
+    let program = dir.path().join("program");
+    fs::write(&program, "#!/bin/sh\ncd \"${0%/*}\"; echo begins >> times; sleep 0.1; echo ends >> times\n").expect("program");
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).expect("executable");
+    let times = |share: f64| {
+        let grains = (share * free as f64 / 2800.0) as u64;
+        let job = |k: u32| {
+            let sets = [format!("specimen.grains={grains}"), "crushing.enabled=false".into(), "records.figures=false".into()];
+            Job::new(dir.path().join("scene.toml"), dir.path().join(format!("{k}"))).with(&sets)
+        };
+        let jobs: Vec<Job> = (0..4).map(job).collect();
+        let _ = fs::remove_file(dir.path().join("times"));
+        let options = Options { parallel: 4, quiet: true, program: Some(program.clone()), ..Options::default() };
+        run(&jobs, &options).map(|_| text(&dir, "times"))
+    };
+    assert_eq!(times(0.6).expect("made"), "begins\nends\n".repeat(4));
+    // what does not fit at all is refused before anything is started
+    let refused = times(1.5).expect_err("too large").to_string();
+    assert!(refused.contains("of memory;") && !dir.path().join("times").exists(), "{refused}");
 }
 
 #[test]

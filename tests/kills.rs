@@ -34,7 +34,7 @@ const fn kind(quick: bool, name: &'static str, call: &'static str, sets: &'stati
     Kind { name, quick, call, sets }
 }
 
-const KINDS: [Kind; 10] = [
+const KINDS: [Kind; 13] = [
     kind(
         true,
         "preparation by path",
@@ -92,6 +92,21 @@ const KINDS: [Kind; 10] = [
         "sweep",
         "sweep experiments/hard/oedometer.toml --grid material.contact.friction=0.3,0.5 --seeds 1,2",
         &["specimen.void_ratio=0.8", "loading.max_stress_kPa=300", OFTEN],
+    ),
+    kind(
+        false,
+        "ensemble",
+        "ensemble experiments/hard/oedometer.toml --seeds 1,2,3",
+        &["specimen.void_ratio=0.8", "loading.max_stress_kPa=300", OFTEN],
+    ),
+    // a plan has its settings itself
+    kind(true, "reproduce", "reproduce tests/kills/plan.toml", &[]),
+    kind(
+        false,
+        "calibrate curve",
+        "calibrate curve tests/kills/curve.csv --scene experiments/hard/oedometer.toml --parameter material.contact.friction=0.2..0.6 \
+         --design 6 --budget 14 --batch 2 --check 1",
+        &["specimen.void_ratio=0.8", OFTEN],
     ),
 ];
 

@@ -1,5 +1,11 @@
 //! A plan from the command line: its runs, once, and the report with what was published beside.
 
+#[path = "common/left.rs"]
+mod left;
+#[cfg(target_os = "linux")]
+#[path = "common/processes.rs"]
+mod processes;
+
 use assert_cmd::cargo::cargo_bin;
 use std::fs;
 use std::process::{Command, Output, Stdio};
@@ -31,10 +37,15 @@ fn folder() -> TempDir {
     dir
 }
 
+fn command(dir: &TempDir, args: &[&str]) -> Command {
+    let mut command = Command::new(cargo_bin("comminute"));
+    command.current_dir(dir.path()).arg("reproduce").args(args).stdin(Stdio::null());
+    command
+}
+
 #[track_caller]
 fn call(dir: &TempDir, args: &[&str], code: i32) -> Output {
-    let mut command = Command::new(cargo_bin("comminute"));
-    let output = command.current_dir(dir.path()).arg("reproduce").args(args).stdin(Stdio::null()).output().expect("started");
+    let output = command(dir, args).output().expect("started");
     assert_eq!(output.status.code(), Some(code), "{args:?}\n{}", said(&output));
     output
 }
@@ -79,6 +90,36 @@ fn runs_are_done_once_and_stand_beside_what_was_published() {
     // the same again changes nothing but what it says
     call(&dir, &["plan.toml", "--out", "out", "--report", "again"], 0);
     assert_eq!(report, text(&dir, "again/README.md"));
+}
+
+/// One run is killed; then the same is called twice at the same moment, and both share what is left and leave one whole report.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_killed_run_is_all_that_is_left_to_two_that_go_on() {
+    let dir = folder();
+    let plan = text(&dir, "plan.toml");
+    // the second figure holds run times
+    fs::write(dir.path().join("plan.toml"), &plan[..plan.rfind("[[figure]]").expect("figures")]).expect("plan");
+    call(&dir, &["plan.toml", "--out", "whole"], 0);
+    let args = ["plan.toml", "--out", "out", "--jobs", "1"];
+    let start = || command(&dir, &args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("started");
+    let mut child = start();
+    processes::kill_run(&mut child, dir.path(), "out/crushes/seed-2", || true);
+    let output = child.wait_with_output().expect("ended");
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(said(&output).contains("error: out/crushes/seed-2: was killed by SIGKILL (from outside"), "{}", said(&output));
+    assert!(text(&dir, "out/report/runs.csv").lines().count() == 3, "the report holds what is done");
+
+    let begun = || ["crushes/seed-1", "twin/seed-1"].map(|run| fs::metadata(dir.path().join("out").join(run).join("history.csv")));
+    let times = || begun().map(|m| m.and_then(|m| m.modified()).expect("history"));
+    let before = times();
+    let both = [start(), start()].map(|child| child.wait_with_output().expect("ended"));
+    let made = both.iter().filter(|output| said(output).contains("3 of 3 runs done, 2 of them before")).count();
+    for output in &both {
+        assert!(output.status.success() && said(output).contains("3 of 3 runs done"), "{}", said(output));
+    }
+    assert_eq!((made, times()), (1, before), "only the killed run is made, by one of them");
+    left::assert_same(&left::files(&dir.path().join("whole")), &left::files(&dir.path().join("out")), "killed");
 }
 
 #[test]

@@ -113,7 +113,8 @@ impl Job {
         std::iter::once(shell_word(program)).chain(words).collect::<Vec<_>>().join(" ")
     }
 
-    /// File with the messages of a failed run, beside the folder of the run.
+    /// File with the messages of a failed run, beside the folder of the run. It is locked by the campaign and the process that work on
+    /// the run.
     pub fn log(&self) -> PathBuf {
         beside(&self.out, ".log")
     }

@@ -9,7 +9,9 @@
 
 pub mod bench;
 mod grid;
+mod hold;
 mod job;
+mod memory;
 pub mod point_test;
 mod progress;
 pub mod reproduce;
@@ -18,6 +20,7 @@ mod seeds;
 pub mod verify;
 
 pub use grid::{Point, points as grid_points, table as grid_table};
+pub use hold::Hold;
 pub use job::{Job, shell_word};
 pub use runner::{Options, Outcome, close, run};
 pub use seeds::{Vary, parse as parse_seeds};

@@ -28,14 +28,16 @@ pub struct Progress {
 /// A change in the state of one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
+    /// The run was finished before, by this campaign or another one.
     DoneBefore,
-    Started,
+    /// A process for the run begins, and has ended.
+    Starts,
+    Ends,
     /// Another process is working on the run.
     Waits,
     WaitsNoMore,
-    Ended {
-        well: bool,
-    },
+    Done,
+    Failed,
 }
 
 impl Progress {
@@ -57,22 +59,17 @@ impl Progress {
         let mut c = self.counts.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         match change {
             Change::DoneBefore => c.before += 1,
-            Change::Started => c.running += 1,
+            Change::Starts => c.running += 1,
+            Change::Ends => c.running -= 1,
             Change::Waits => c.waiting += 1,
             Change::WaitsNoMore => c.waiting -= 1,
-            Change::Ended { well } => {
-                c.running -= 1;
-                if well {
-                    c.done += 1;
-                } else {
-                    c.failed += 1;
-                }
-            }
+            Change::Done => c.done += 1,
+            Change::Failed => c.failed += 1,
         }
         let Some(bar) = &self.bar else { return };
         let line = self.line(&c);
         bar.set_position((c.before + c.done + c.failed) as u64);
-        if !self.terminal && matches!(change, Change::Ended { .. } | Change::Waits) {
+        if !self.terminal && matches!(change, Change::Done | Change::Failed | Change::Waits) {
             eprintln!("{line}");
         }
         bar.set_message(line);

@@ -1,10 +1,14 @@
 //! Works through a list of jobs, a limited number at a time, each as a process of its own.
 
 use super::Job;
+use super::hold;
+use super::memory::at_a_time;
 use super::progress::{Change, Progress};
-use laboratory::error::{Error, Result};
+use laboratory::error::{CANNOT_WRITE, Error, Result};
 use laboratory::interrupt::{listen, stop_asked};
-use laboratory::run::Found;
+use laboratory::machine::free_memory;
+use laboratory::run::{Found, look};
+use laboratory::scene::{self, OF_MEMORY};
 use serde_json::Value;
 use std::fs::File;
 use std::path::PathBuf;
@@ -33,7 +37,7 @@ pub enum Outcome {
     Done {
         /// Content of the run's `summary.json`.
         summary: Value,
-        /// Whether the run was finished before this call.
+        /// Whether the run was finished before this call, or by another process meanwhile.
         before: bool,
     },
     /// The run failed.
@@ -42,6 +46,9 @@ pub enum Outcome {
         reason: String,
         /// File with everything that the run wrote to standard error.
         log: PathBuf,
+        /// Whether the scene is not to blame: the process was killed or stopped, or the machine had no room for its files or for its
+        /// memory. The run goes on from its last checkpoint when it is run again.
+        outside: bool,
     },
     /// The campaign was stopped first; the job goes on when it is run again.
     Stopped,
@@ -64,20 +71,27 @@ const WAIT: Duration = Duration::from_millis(300);
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Runs what is left of `jobs`, and returns the outcome of each job, in their order. After Ctrl-C
-/// or SIGTERM the runs stop at a checkpoint.
+/// or SIGTERM the runs stop at a checkpoint. Fewer runs at a time than asked for are made where the memory that is free is not
+/// enough for the largest of them together.
 ///
 /// # Errors
-/// Only errors found before anything is started: a scene that is not valid, a folder with another
-/// run, two jobs with one folder.
+/// Only errors found before anything is started: a scene that is not valid, a run for which there is not enough memory even by
+/// itself, a folder with another run, two jobs with one folder.
 pub fn run(jobs: &[Job], options: &Options) -> Result<Vec<Outcome>> {
+    let free = free_memory();
+    let mut needs = Vec::new();
     for (i, job) in jobs.iter().enumerate() {
         if jobs[..i].iter().any(|other| other.out == job.out) {
             return Err(Error::input(job.out.display(), "", None, "is the folder of two runs"));
         }
-        match job.found()? {
+        let (scene, model) = job.load()?;
+        match look(&job.out, &scene, &model)? {
             Found::Other(what) if !options.force => return Err(Error::Other { path: job.out.clone(), what }),
+            Found::Finished(_) => continue,
             _ => {}
         }
+        scene::fits(&scene, &model, free)?;
+        needs.push(1e6 * scene::estimate(&model).memory_mb);
     }
     let program = match &options.program {
         Some(program) => program.clone(),
@@ -86,7 +100,10 @@ pub fn run(jobs: &[Job], options: &Options) -> Result<Vec<Outcome>> {
     listen();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let parallel = if options.parallel == 0 { cores } else { options.parallel };
-    let parallel = parallel.min(jobs.len()).max(1);
+    let (parallel, fewer) = at_a_time(&needs, parallel.min(jobs.len()).max(1), free);
+    if let (Some(why), false) = (fewer, options.quiet) {
+        eprintln!("warning: {why}");
+    }
     let crew = Crew {
         program,
         threads: (cores / parallel).max(1),
@@ -114,21 +131,21 @@ pub fn run(jobs: &[Job], options: &Options) -> Result<Vec<Outcome>> {
 /// Turns the outcomes of a campaign into its result: `Ok` if every job is done.
 ///
 /// # Errors
-/// [`Error::Stopped`] if the campaign was stopped before every job had ended, also where jobs
-/// failed; else [`Error::Campaign`] with each job that failed, and why.
+/// [`Error::Stopped`] if the campaign was stopped before every job had ended, else [`Error::Campaign`]; both with each job that
+/// failed, and why.
 pub fn close(jobs: &[Job], outcomes: &[Outcome]) -> Result<()> {
     let failed: Vec<(PathBuf, String)> = jobs
         .iter()
         .zip(outcomes)
         .filter_map(|(job, outcome)| match outcome {
-            Outcome::Failed { reason, log } => Some((job.out.clone(), format!("{reason} ({})", log.display()))),
+            Outcome::Failed { reason, log, .. } => Some((job.out.clone(), format!("{reason} ({})", log.display()))),
             _ => None,
         })
         .collect();
     let of = jobs.len();
     if outcomes.contains(&Outcome::Stopped) {
         let done = outcomes.iter().filter(|o| o.summary().is_some()).count();
-        return Err(Error::Stopped { done, of });
+        return Err(Error::Stopped { failed, done, of });
     }
     if failed.is_empty() { Ok(()) } else { Err(Error::Campaign { failed, of }) }
 }
@@ -142,48 +159,61 @@ struct Crew {
 }
 
 impl Crew {
-    /// Works on one job, whatever its folder holds: waits while another process works there, takes
-    /// a finished run as done, else runs the job.
+    /// Works on one job until it has an outcome; waits while another process works on it.
     fn work(&self, job: &Job) -> Outcome {
-        let failed = |e: &Error| Outcome::Failed { reason: e.to_string(), log: job.log() };
         let mut waits = false;
-        let found = loop {
+        let outcome = loop {
             if stop_asked() {
-                return Outcome::Stopped;
+                break Outcome::Stopped;
             }
-            match job.found() {
-                Ok(Found::Busy) => {
-                    if !waits {
-                        self.progress.update(Change::Waits);
-                    }
-                    waits = true;
-                    std::thread::sleep(WAIT);
-                }
-                found => break found,
+            match self.attempt(job) {
+                Ok(Some(outcome)) => break outcome,
+                Ok(None) if waits => {}
+                Ok(None) => self.progress.update(Change::Waits),
+                Err(e) => break Outcome::Failed { reason: e.to_string(), log: job.log(), outside: true },
             }
+            waits = true;
+            std::thread::sleep(WAIT);
         };
         if waits {
             self.progress.update(Change::WaitsNoMore);
         }
-        if let Ok(Found::Finished(summary)) = found {
-            self.progress.update(Change::DoneBefore);
-            return Outcome::Done { summary, before: true };
+        match outcome {
+            Outcome::Done { before: true, .. } => self.progress.update(Change::DoneBefore),
+            Outcome::Done { .. } => self.progress.update(Change::Done),
+            Outcome::Failed { .. } => self.progress.update(Change::Failed),
+            Outcome::Stopped => {}
         }
-        self.progress.update(Change::Started);
-        let outcome = self.child(job).unwrap_or_else(|e| failed(&e));
-        self.progress.update(Change::Ended { well: matches!(outcome, Outcome::Done { .. }) });
+        outcome
+    }
+
+    /// Takes a finished run as done, else runs the job; `None` while another process works on it.
+    fn attempt(&self, job: &Job) -> Result<Option<Outcome>> {
+        match job.found()? {
+            Found::Busy => return Ok(None),
+            Found::Finished(summary) => return Ok(Some(Outcome::Done { summary, before: true })),
+            _ => {}
+        }
+        let path = job.log();
+        let Some(log) = hold::log(&path)? else { return Ok(None) };
+        // once more, now that no other campaign can begin it
+        if let Found::Finished(summary) = job.found()? {
+            remove_empty(&log, &path)?;
+            return Ok(Some(Outcome::Done { summary, before: true }));
+        }
+        log.set_len(0).map_err(Error::write(&path))?;
+        self.progress.update(Change::Starts);
+        let outcome = self.child(job, &log);
+        self.progress.update(Change::Ends);
         outcome
     }
 
     /// Runs the job as a process, and reads what that process leaves in the folder and the log.
-    fn child(&self, job: &Job) -> Result<Outcome> {
-        let log = job.log();
-        if let Some(folder) = log.parent() {
-            std::fs::create_dir_all(folder).map_err(Error::write(folder))?;
-        }
-        let file = File::create(&log).map_err(Error::write(&log))?;
+    fn child(&self, job: &Job, log: &File) -> Result<Option<Outcome>> {
+        let path = job.log();
         let mut command = Command::new(&self.program);
-        command.args(job.args()).stdin(Stdio::null()).stdout(Stdio::null()).stderr(file);
+        command.args(job.args()).stdin(Stdio::null()).stdout(Stdio::null());
+        command.stderr(log.try_clone().map_err(Error::write(&path))?);
         command.env("COMMINUTE_SIMD", engine::math::real::name(engine::math::real::arch()));
         if job.threads.is_none() {
             command.args(["--threads", &self.threads.to_string()]);
@@ -192,23 +222,41 @@ impl Crew {
             command.arg("--force");
         }
         let mut child = command.spawn().map_err(Error::read(&self.program))?;
+        // the command has the log open as well
+        drop(command);
         let (status, stopped) = wait(&mut child).map_err(Error::read(&self.program))?;
-        let said = std::fs::read_to_string(&log).unwrap_or_default();
+        let said = std::fs::read_to_string(&path).unwrap_or_default();
+        let found = job.found()?;
         if status.success() {
-            if said.is_empty() {
-                std::fs::remove_file(&log).map_err(Error::write(&log))?;
-            }
-            return Ok(match job.found()? {
+            remove_empty(log, &path)?;
+            return Ok(Some(match found {
                 Found::Finished(summary) => Outcome::Done { summary, before: false },
-                _ => Outcome::Failed { reason: "ended without a summary".into(), log },
-            });
+                _ => Outcome::Failed { reason: "ended without a summary".into(), log: path, outside: true },
+            }));
         }
-        if stopped {
-            let _ = std::fs::remove_file(&log);
-            return Ok(Outcome::Stopped);
+        let of_its_own = matches!(status.code(), Some(1..=3));
+        if stopped && !of_its_own {
+            let _ = std::fs::remove_file(&path);
+            return Ok(Some(Outcome::Stopped));
         }
-        Ok(Outcome::Failed { reason: reason(status, &said), log })
+        // somebody else has begun the run just before
+        if let Found::Busy | Found::Finished(_) = found {
+            let _ = std::fs::remove_file(&path);
+            return Ok(None);
+        }
+        let reason = reason(status, &said);
+        let outside =
+            !of_its_own && status.code() != Some(PANIC) || [CANNOT_WRITE, OF_MEMORY].iter().any(|words| reason.contains(words));
+        Ok(Some(Outcome::Failed { reason, log: path, outside }))
     }
+}
+
+/// Exit code of a program in Rust that has found a fault of its own.
+const PANIC: i32 = 101;
+
+/// Removes the log of a run that had nothing to say.
+fn remove_empty(log: &File, path: &PathBuf) -> Result<()> {
+    if log.metadata().is_ok_and(|m| m.len() == 0) { std::fs::remove_file(path).map_err(Error::write(path)) } else { Ok(()) }
 }
 
 /// Waits for a process to end, and asks it to stop when this process is asked to. Returns the exit
@@ -244,11 +292,69 @@ fn ask_to_stop(child: &Child) {
 #[cfg(not(unix))]
 fn ask_to_stop(_: &Child) {}
 
-/// Why a process failed: its error messages, or its exit status with the last line that it wrote.
+/// Why a process failed: what ended it from outside, its error messages, or its exit status with the last line that it wrote.
 fn reason(status: ExitStatus, said: &str) -> String {
+    if let Some(signal) = killed(status) {
+        return format!("was killed by {signal}; called again, it goes on from its last checkpoint");
+    }
     let own: Vec<&str> = said.lines().filter_map(|line| line.strip_prefix("error: ")).collect();
     match own.as_slice() {
         [] => said.lines().last().map_or(status.to_string(), |line| format!("{status}: {line}")),
         lines => lines.join("; "),
+    }
+}
+
+/// The signal that ended a process, with who sends it.
+#[cfg(unix)]
+fn killed(status: ExitStatus) -> Option<String> {
+    use nix::sys::signal::Signal;
+    let number = std::os::unix::process::ExitStatusExt::signal(&status)?;
+    let signal = Signal::try_from(number).ok();
+    let name = signal.map_or(format!("signal {number}"), |signal| signal.as_str().into());
+    Some(match signal {
+        Some(Signal::SIGKILL) => format!("{name} (from outside, as by a system that has no memory left)"),
+        Some(Signal::SIGSEGV | Signal::SIGBUS | Signal::SIGILL | Signal::SIGFPE | Signal::SIGABRT) => {
+            format!("{name} (a fault of the program or the machine)")
+        }
+        _ => format!("{name} (from outside)"),
+    })
+}
+
+#[cfg(not(unix))]
+fn killed(_: ExitStatus) -> Option<String> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn failed(outside: bool) -> Outcome {
+        Outcome::Failed { reason: "step 3: it stood still".into(), log: "b.log".into(), outside }
+    }
+
+    #[test]
+    fn a_campaign_that_was_stopped_tells_what_had_failed_before() {
+        let jobs = ["a", "b", "c"].map(|name| Job::new("scene.toml", name));
+        let done = Outcome::Done { summary: Value::Null, before: false };
+        let stopped = close(&jobs, &[done.clone(), failed(false), Outcome::Stopped]).expect_err("stopped");
+        let says = "b: step 3: it stood still (b.log)\nstopped with 1 of 3 runs done and 1 failed; what is done is kept";
+        assert_eq!((stopped.to_string().as_str(), stopped.exit_code()), (says, 130));
+        let stopped = close(&jobs, &[done.clone(), Outcome::Stopped, Outcome::Stopped]).expect_err("stopped");
+        assert_eq!(stopped.to_string(), "stopped with 1 of 3 runs done; what is done is kept");
+        let ended = close(&jobs, &[done.clone(), failed(true), done.clone()]).expect_err("failed");
+        assert_eq!((ended.to_string().lines().last(), ended.exit_code()), (Some("1 of 3 runs failed"), 1));
+        assert!(close(&jobs, &[done.clone(), done.clone(), done]).is_ok());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_signal_is_told_in_words() {
+        use std::os::unix::process::ExitStatusExt;
+        let of = |raw| reason(ExitStatus::from_raw(raw), "warning: late\n");
+        assert!(of(9).starts_with("was killed by SIGKILL (from outside, as by a system that has no memory left)"), "{}", of(9));
+        assert!(of(11).contains("SIGSEGV (a fault of the program or the machine)"), "{}", of(11));
+        assert_eq!(of(4 << 8), "exit status: 4: warning: late");
+        assert_eq!(reason(ExitStatus::from_raw(1 << 8), "error: no\nerror: never\nadvice"), "no; never");
     }
 }

@@ -1,7 +1,7 @@
 //! `comminute ensemble SCENE`
 
 use super::campaign::{self, Options};
-use comminute::campaign::{Job, Vary, parse_seeds};
+use comminute::campaign::{Hold, Job, Vary, parse_seeds};
 use comminute::error::{Error, Result};
 use comminute::figure;
 use std::path::PathBuf;
@@ -62,6 +62,8 @@ pub fn call(args: &Args) -> Result<()> {
     let job = |seed: u64| Job::new(&args.scene, out.join(format!("seed-{seed}"))).with(&args.sets).seeded(args.vary.into(), seed);
     let mut jobs: Vec<Job> = seeds.into_iter().map(job).collect();
     let Some(outcomes) = args.options.run(&mut jobs)? else { return Ok(()) };
+    // tables and figures of two campaigns at once would be written into each other
+    let _alone = Hold::wait_for(&out)?;
     let done = campaign::done(&jobs, &outcomes);
     let mut files = Vec::new();
     if !done.is_empty() {

@@ -1,7 +1,7 @@
 //! `comminute reproduce PLAN`
 
 use super::campaign::Options;
-use comminute::campaign::Job;
+use comminute::campaign::{Hold, Job};
 use comminute::error::{Error, Result};
 use comminute::reproduce::{Plan, gather, write};
 use std::path::{Path, PathBuf};
@@ -52,6 +52,8 @@ pub fn call(args: &Args) -> Result<()> {
     }
     let Some(outcomes) = args.options.run(&mut jobs)? else { return Ok(()) };
     let report = args.report.clone().unwrap_or_else(|| out.join("report"));
+    // tables and figures of two campaigns at once would be written into each other
+    let _alone = Hold::wait_for(&report)?;
     let files = write(&plan, &gather(&plan, &out)?, &report)?;
     let shown: Vec<PathBuf> = files.into_iter().filter(|f| f.extension().is_none_or(|e| e != "svg" && e != "png")).collect();
     args.options.close(&jobs, &outcomes, &shown[..3.min(shown.len())])

@@ -1,7 +1,7 @@
 //! `comminute sweep SCENE`
 
 use super::campaign::{self, Options};
-use comminute::campaign::{Job, Outcome, Point, Vary, grid_points, grid_table, parse_seeds};
+use comminute::campaign::{Hold, Job, Outcome, Point, Vary, grid_points, grid_table, parse_seeds};
 use comminute::error::{Error, Result};
 use comminute::figure;
 use std::path::{Path, PathBuf};
@@ -77,6 +77,8 @@ pub fn call(args: &Args) -> Result<()> {
         rows.resize(jobs.len(), point);
     }
     let Some(outcomes) = args.options.run(&mut jobs)? else { return Ok(()) };
+    // tables and figures of two campaigns at once would be written into each other
+    let _alone = Hold::wait_for(&out)?;
     let mut files = vec![table(&out, &jobs, &rows, &outcomes)?];
     let done = campaign::done(&jobs, &outcomes);
     if points.len() <= DRAWN && !done.is_empty() {
@@ -125,7 +127,6 @@ fn table(out: &Path, jobs: &[Job], rows: &[&Point], outcomes: &[Outcome]) -> Res
         }
     }
     let path = out.join("sweep.csv");
-    std::fs::create_dir_all(out).map_err(Error::write(out))?;
     let failed = |e: csv::Error| Error::Write { path: path.clone(), source: e.into() };
     let mut file = csv::Writer::from_path(&path).map_err(failed)?;
     let header = ["folder", "status"].into_iter().chain(keys.iter().copied()).chain(RESULTS.map(|r| r.0)).chain(["reason"]);

@@ -13,6 +13,9 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// What the place of a value begins with that a caller has laid over the files ([`crate::scene::load`]); `key=value` follows.
 pub(crate) const OVERRIDE: &str = "override ";
 
+/// Words of every message about a file that could not be written: what failed for them says nothing about a scene.
+pub const CANNOT_WRITE: &str = "cannot write";
+
 /// Why nothing was started, or why a run ended.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -41,7 +44,7 @@ pub enum Error {
         source: io::Error,
     },
     /// A file could not be written.
-    #[error("{}: cannot write: {}", .path.display(), reason(.source))]
+    #[error("{}: {CANNOT_WRITE}: {}", .path.display(), reason(.source))]
     Write {
         /// The file or folder.
         path: PathBuf,
@@ -62,7 +65,7 @@ pub enum Error {
         /// The first difference of the two scenes.
         what: String,
     },
-    /// Another process is running in the folder.
+    /// Another process is running in the folder, or a campaign.
     #[error("{}: another process is running there", .path.display())]
     Busy {
         /// The folder.
@@ -78,8 +81,10 @@ pub enum Error {
     },
     /// A campaign was stopped from outside (Ctrl-C, SIGTERM). Finished runs and the checkpoints of the others are kept, and
     /// the same call made again does what is left.
-    #[error("stopped with {done} of {of} runs done; what is done is kept")]
+    #[error("{}stopped with {done} of {of} runs done{}; what is done is kept", failures(.failed), and_failed(.failed.len()))]
     Stopped {
+        /// Folder and reason of each run that had failed before.
+        failed: Vec<(PathBuf, String)>,
         /// Runs that are finished.
         done: usize,
         /// Runs of the campaign.
@@ -233,6 +238,10 @@ fn input_line(place: &str, key: &str, value: Option<&str>, message: &str) -> Str
 
 fn failures(failed: &[(PathBuf, String)]) -> String {
     failed.iter().map(|(out, reason)| format!("{}: {reason}\n", out.display())).collect()
+}
+
+fn and_failed(count: usize) -> String {
+    if count == 0 { String::new() } else { format!(" and {count} failed") }
 }
 
 fn lines(errors: &[Error]) -> String {

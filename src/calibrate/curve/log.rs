@@ -81,11 +81,16 @@ pub fn write(dir: &Path, parameters: &[Parameter], all: &[Evaluation], misfit: i
     replace(&path, &bytes)
 }
 
-/// Writes a file whole or not at all, so that an interrupt leaves the old content.
-pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
+/// Where a file is written before it takes the place of the one at `path`.
+pub fn aside(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(".tmp");
-    let temporary = path.with_file_name(name);
+    path.with_file_name(name)
+}
+
+/// Writes a file whole or not at all, so that an interrupt leaves the old content.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
+    let temporary = aside(path);
     std::fs::write(&temporary, bytes).map_err(Error::write(&temporary))?;
     std::fs::rename(&temporary, path).map_err(Error::write(path))
 }

@@ -14,7 +14,6 @@
 //!
 //! Optimisers (Bayesian optimisation of a misfit, CMA-ES) would find the best parameters, without
 //! their uncertainty, in as many runs.
-//! uncertainty for as many runs.
 
 pub(crate) mod design;
 pub(crate) mod emulator;
@@ -109,7 +108,8 @@ const DRAWS: usize = 4000;
 ///
 /// # Errors
 /// An invalid scene, parameter or data file (found before the first run), a folder that holds
-/// another calibration, too many runs that fail, or [`Error::Stopped`] after an interrupt.
+/// another calibration or in which one is at work, too many runs that fail, runs that were killed, or [`Error::Stopped`] after an
+/// interrupt.
 pub fn calibrate(request: &Request, tell: &dyn Fn(&str)) -> Result<Outcome> {
     let scene = scene::load(&request.scene, &request.sets)?;
     let model = scene::model(&scene)?;
@@ -131,6 +131,10 @@ pub fn calibrate(request: &Request, tell: &dyn Fn(&str)) -> Result<Outcome> {
     for note in &target.notes {
         tell(note);
     }
+    if request.out.is_file() {
+        return Err(Error::input(request.out.display(), "", None, "is a file; --out needs a folder"));
+    }
+    let _alone = campaign::Hold::take(&request.out)?;
     setup(request, &scene::resolved(&scene::load(&request.scene, &sets)?), &parameters, &target, &settings)?;
     let curve = target.measured(settings.specimens);
     let simulator = simulator::Runs {
@@ -276,13 +280,10 @@ fn settings(request: &Request, parameters: usize) -> Result<Settings> {
 /// Name of the file that says which calibration a folder holds.
 const SETUP: &str = "setup.json";
 
-/// Checks that the folder holds this calibration or none, and writes [`SETUP`] into it. With
+/// Checks that the folder, which is there, holds this calibration or none, and writes [`SETUP`] into it. With
 /// `force`, log, trace and runs of another calibration are deleted.
 fn setup(request: &Request, resolved: &str, parameters: &[Parameter], target: &Target, settings: &Settings) -> Result<()> {
     let out = &request.out;
-    if out.is_file() {
-        return Err(Error::input(out.display(), "", None, "is a file; --out needs a folder"));
-    }
     let setup = serde_json::json!({
         "scene": format!("{:016x}", laboratory::record::specimen::checksum(resolved)),
         "parameters": parameters.iter().map(|p| format!("{p:?}")).collect::<Vec<_>>(),
@@ -307,6 +308,10 @@ fn setup(request: &Request, resolved: &str, parameters: &[Parameter], target: &T
                 return Err(Error::Other { path: out.clone(), what });
             }
             let runs = out.join("runs");
+            for run in runs.read_dir().into_iter().flatten().flatten() {
+                // one that has outlived its campaign
+                drop(laboratory::run::lock(&run.path())?);
+            }
             for old in [out.join(log::FILE), out.join("convergence.csv")] {
                 if old.exists() {
                     std::fs::remove_file(&old).map_err(Error::write(&old))?;
@@ -317,14 +322,15 @@ fn setup(request: &Request, resolved: &str, parameters: &[Parameter], target: &T
             }
         }
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-            let occupied = out.read_dir().is_ok_and(|entries| entries.flatten().any(|e| e.file_name() != "runs"));
+            // a call that was killed here leaves a setup that is not yet whole
+            let own = ["runs".into(), log::aside(&path).file_name().unwrap_or_default().to_owned()];
+            let occupied = out.read_dir().is_ok_and(|entries| entries.flatten().any(|e| !own.contains(&e.file_name())));
             if occupied && !request.force {
                 return Err(Error::Exists { path: out.clone() });
             }
         }
         Err(source) => return Err(Error::Read { path, source }),
     }
-    std::fs::create_dir_all(out).map_err(Error::write(out))?;
     let text = serde_json::to_string_pretty(&setup).unwrap_or_default() + "\n";
     log::replace(&path, text.as_bytes())
 }

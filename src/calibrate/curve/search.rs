@@ -106,8 +106,8 @@ impl<'a> Search<'a> {
     /// every candidate for a run lies nearest to a run that failed.
     ///
     /// # Errors
-    /// [`Error::Stopped`] after an interrupt; [`Error::Campaign`] if so many runs failed that too
-    /// few are left for an emulator; [`Error::Input`] if the curves of the runs do not differ.
+    /// [`Error::Stopped`] after an interrupt; [`Error::Campaign`] if runs were killed or the machine had no room for them, or if so many
+    /// failed that too few are left for an emulator; [`Error::Input`] if the curves of the runs do not differ.
     pub fn run(&mut self) -> Result<Emulator> {
         let s = self.settings;
         if self.evaluations.is_empty() {
@@ -204,7 +204,8 @@ impl<'a> Search<'a> {
     /// finished. The emulator is never fitted to these runs.
     ///
     /// # Errors
-    /// [`Error::Stopped`] after an interrupt; files that cannot be written.
+    /// [`Error::Stopped`] after an interrupt; [`Error::Campaign`] if runs were killed or the machine had no room for them; files that
+    /// cannot be written.
     pub fn check(&mut self, u: &[f64]) -> Result<Vec<Vec<f64>>> {
         let values: Vec<f64> = self.parameters.iter().zip(u).map(|(p, u)| p.rounded(*u)).collect();
         let first = 10_000 * self.settings.seed + 9_000;
@@ -221,9 +222,7 @@ impl<'a> Search<'a> {
             return Ok(Vec::new());
         }
         let ran = self.simulator.run(&checks.iter().collect::<Vec<_>>())?;
-        if ran.contains(&Ran::Stopped) {
-            return Err(self.stopped());
-        }
+        self.unbroken(&checks, &ran)?;
         let mut curves = Vec::new();
         for (e, ran) in checks.iter_mut().zip(ran) {
             match ran {
@@ -232,7 +231,7 @@ impl<'a> Search<'a> {
                     curves.push(outputs);
                 }
                 Ran::Failed(reason) => e.status = Status::Failed(reason),
-                Ran::Stopped => {}
+                Ran::Broken(_) | Ran::Stopped => {}
             }
         }
         self.save(&checks)?;
@@ -260,23 +259,35 @@ impl<'a> Search<'a> {
         (self.tell)(&format!("runs {} to {} of {}", open[0] + 1, open[open.len() - 1] + 1, self.settings.budget));
         let wanted: Vec<&Evaluation> = open.iter().map(|&i| &self.evaluations[i]).collect();
         let ran = self.simulator.run(&wanted)?;
-        let mut stopped = false;
-        for (i, ran) in open.into_iter().zip(ran) {
+        let wanted: Vec<Evaluation> = wanted.into_iter().cloned().collect();
+        for (i, ran) in open.into_iter().zip(ran.clone()) {
             match ran {
                 Ran::Done(outputs) => {
                     self.evaluations[i].status = Status::Done;
                     self.outputs[i] = Some(outputs);
                 }
                 Ran::Failed(reason) => self.evaluations[i].status = Status::Failed(reason),
-                Ran::Stopped => stopped = true,
+                Ran::Broken(_) | Ran::Stopped => {}
             }
         }
         self.save(&[])?;
-        if stopped { Err(self.stopped()) } else { Ok(()) }
+        self.unbroken(&wanted, &ran)
     }
 
-    fn stopped(&self) -> Error {
-        Error::Stopped { done: self.done().count() + self.failed(), of: self.settings.budget }
+    /// Ends the calibration where runs were interrupted or broken: these stay planned, and a later call goes on with them.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] after an interrupt, else [`Error::Campaign`]; both with each run that was broken, and why.
+    fn unbroken(&self, wanted: &[Evaluation], ran: &[Ran]) -> Result<()> {
+        let broken = |(e, ran): (&Evaluation, &Ran)| match ran {
+            Ran::Broken(reason) => Some((self.dir.join(e.folder()), reason.clone())),
+            _ => None,
+        };
+        let failed: Vec<(PathBuf, String)> = wanted.iter().zip(ran).filter_map(broken).collect();
+        if ran.contains(&Ran::Stopped) {
+            return Err(Error::Stopped { failed, done: self.done().count() + self.failed(), of: self.settings.budget });
+        }
+        if failed.is_empty() { Ok(()) } else { Err(Error::Campaign { failed, of: wanted.len() }) }
     }
 
     fn save(&self, checks: &[Evaluation]) -> Result<()> {
@@ -458,6 +469,33 @@ mod tests {
         // a larger budget adds runs to those already made
         search_with(whole.path(), &Fake::new(usize::MAX), 30).expect("found");
         assert_eq!(log(whole.path()).lines().count(), 1 + 30 + 4);
+    }
+
+    /// A run that was killed says nothing about its parameters: it is no failure in the log, and is made again.
+    #[test]
+    fn a_run_that_was_killed_is_made_again() {
+        struct Killed(AtomicUsize, Fake);
+        impl Simulator for Killed {
+            fn run(&self, wanted: &[&Evaluation]) -> Result<Vec<Ran>> {
+                let mut ran = self.1.run(wanted)?;
+                if self.0.fetch_add(1, Ordering::Relaxed) == 1 {
+                    ran[1] = Ran::Broken("was killed by SIGKILL".into());
+                }
+                Ok(ran)
+            }
+        }
+        let [whole, dir] = [(); 2].map(|()| tempfile::tempdir().expect("folder"));
+        let once = search_with(whole.path(), &Fake::new(usize::MAX), 26).expect("found");
+        let (parameters, curve, settings) = (stand_in::parameters(), target(), settings(26));
+        let killed = Killed(AtomicUsize::new(0), Fake::new(usize::MAX));
+        let mut search = Search::new(&parameters, &curve, vec![15], &settings, &killed, dir.path(), &|_| ()).expect("new");
+        let error = search.run().expect_err("the second batch was broken");
+        assert!(error.to_string().contains("run-020: was killed by SIGKILL\n1 of 5 runs failed"), "{error}");
+        assert_eq!(error.exit_code(), 1);
+        let log = |dir: &Path| std::fs::read_to_string(dir.join(log::FILE)).expect("log");
+        assert!(log(dir.path()).contains("runs/run-020,planned") && !log(dir.path()).contains("SIGKILL"));
+        assert_eq!(search_with(dir.path(), &Fake::new(usize::MAX), 26).expect("found"), once);
+        assert!(log(dir.path()) == log(whole.path()));
     }
 
     #[test]

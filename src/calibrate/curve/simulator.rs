@@ -13,7 +13,11 @@ use std::path::PathBuf;
 pub enum Ran {
     /// A value for each point of the target.
     Done(Vec<f64>),
+    /// Failed at these parameters, and would again.
     Failed(String),
+    /// Ended by something that has nothing to do with the parameters, such as a signal or a full disk; the evaluation continues when it is
+    /// asked for again.
+    Broken(String),
     /// Interrupted; the evaluation continues when it is asked for again.
     Stopped,
 }
@@ -21,7 +25,7 @@ pub enum Ran {
 /// Gives curves for parameters and seeds.
 pub trait Simulator: Sync {
     /// Evaluates all of `wanted`. The same evaluation always has the same outcome, unless it is
-    /// interrupted.
+    /// interrupted or broken.
     ///
     /// # Errors
     /// Errors that concern the calibration as a whole. An evaluation that fails is [`Ran::Failed`].
@@ -67,6 +71,7 @@ impl Simulator for Runs<'_> {
             .zip(outcomes)
             .map(|(job, outcome)| match outcome {
                 Outcome::Stopped => Ran::Stopped,
+                Outcome::Failed { reason, log, outside: true } => Ran::Broken(format!("{reason} ({})", log.display())),
                 Outcome::Failed { reason, .. } => Ran::Failed(reason),
                 Outcome::Done { .. } => outputs::of_run(&job.out, self.target).map_or_else(Ran::Failed, Ran::Done),
             })

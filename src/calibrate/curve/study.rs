@@ -74,6 +74,7 @@ pub fn recover(plan: &Plan, tell: &dyn Fn(&str)) -> Result<Vec<Recovered>> {
     let rows = campaign::grid_table(&plan.truths)?;
     let truths = rows.iter().map(|row| truths_of(row, &parameters, &plan.truths)).collect::<Result<Vec<_>>>()?;
     let target = template(plan)?;
+    let _alone = campaign::Hold::take(&plan.out)?;
     let files = make_targets(plan, &rows, &target)?;
     let settings = Settings::usual(parameters.len());
     let design = r.design.unwrap_or(settings.design) + settings.centre;

@@ -9,6 +9,9 @@ use crate::model::{Model, Rig, Subject};
 use engine::mpm::Dimension;
 use std::f64::consts::FRAC_PI_2;
 
+/// Words of the refusal of a run for which there is not enough memory now: what was refused with them says nothing about a scene.
+pub const OF_MEMORY: &str = "of memory;";
+
 /// The program itself with its threads, bytes; measured 11 to 14 MB.
 const PROGRAM: f64 = 14e6;
 /// Drawing the figures at the end, with a view of the specimen, bytes; measured 60 to 110 MB with two threads.
@@ -92,7 +95,7 @@ pub fn fits(scene: &Scene, model: &Model, free: Option<u64>) -> Result<()> {
         }
         _ => format!(": {} of them fit", many((share * (counts[0] + counts[1]) as f64) as usize)),
     };
-    let message = format!("makes {what} that need {} of memory; {} are free{advice}", size(needed), size(free));
+    let message = format!("makes {what} that need {} {OF_MEMORY} {} are free{advice}", size(needed), size(free));
     view.refuse(key, message);
     Error::all(view.into_errors())
 }

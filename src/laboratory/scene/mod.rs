@@ -43,7 +43,7 @@ pub use estimate::{Estimate, SpecimenEstimate, estimate};
 pub use files::{bounded_columns, read_bytes, read_text};
 pub use keys::{KEYS, LIST_TABLES, reference as key_reference};
 pub use layers::shown;
-pub use memory::fits;
+pub use memory::{OF_MEMORY, fits};
 pub use output::{Output, crowded, enough_disk, lacking};
 pub use provenance::{Assumption, Decision, assumptions, decisions};
 pub use reach::{Reach, doubt, is_given_its_specimen, measured_reach, reach, sure_reach, within_reach};
