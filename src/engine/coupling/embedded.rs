@@ -385,10 +385,8 @@ mod tests {
             state.grains.vel[0][..3].copy_from_slice(&[of_grain, 0.0, 0.0]);
             state.grains.pos[0][2] = 0.2;
             let p = embedded.continuum.points_mut();
-            (
-                p.position[0][..3].copy_from_slice(&[0.12 + gap, 0.0, 0.2]),
-                p.position[1][..3].copy_from_slice(&[0.1, 0.1, 0.02 + gap]),
-            );
+            p.position[0][..3].copy_from_slice(&[0.12 + gap, 0.0, 0.2]);
+            p.position[1][..3].copy_from_slice(&[0.1, 0.1, 0.02 + gap]);
             p.transport_velocity[0] = [-of_point, 0.0, 0.0];
             let body = if of_wall > 0.0 { Body::Wall(0) } else { Body::Grain(0) };
             for step in 0..9 {
