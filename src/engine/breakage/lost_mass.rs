@@ -118,12 +118,12 @@ mod tests {
         for alpha in [0.0, 1.5, 2.6, 3.0, 3.4] {
             let fines = Fines { alpha, ..FIG_2 };
             let (low, high): (f64, f64) = (0.13e-3, 0.7e-3);
-            let steps = 20_000;
+            let steps = 2000;
             let h = (high / low).ln() / f64::from(steps);
             let at = |k: f64| 0.7 - 0.2 * fines.rise(low * (k * h).exp());
             let sum: f64 = (0..steps).map(|k| 0.5 * h * (at(f64::from(k)) + at(f64::from(k) + 1.0))).sum();
             let area = fines.area((0.7, -0.2), [fines.rise(low), fines.rise(high)]);
-            assert!((area / sum - 1.0).abs() < 1e-6, "{alpha}: {area} {sum}");
+            assert!((area / sum - 1.0).abs() < 1e-5, "{alpha}: {area} {sum}");
         }
     }
 
@@ -158,12 +158,12 @@ mod tests {
         for alpha in [2.6, 3.0, 1.0] {
             let fines = Fines { alpha, ..FIG_2 };
             for size in [0.03e-3_f64, 0.1e-3, 0.2e-3, 0.6e-3] {
-                let steps = 200_000;
+                let steps = 5000;
                 let step = (0.5e-3 / size).ln() / f64::from(steps);
                 let sum: f64 = (0..steps).map(|i| 1.0 - fines.finer(size * ((f64::from(i) + 0.5) * step).exp(), 0.5e-3)).sum();
                 let expected = (sum * step).max(0.0);
                 let found = fines.mean_log_above(size, 0.5e-3);
-                assert!((found - expected).abs() < 1e-9, "{alpha} {size}: {found} {expected}");
+                assert!((found - expected).abs() < 1e-6, "{alpha} {size}: {found} {expected}");
             }
         }
     }

@@ -112,9 +112,9 @@ mod tests {
         StrengthModel { sigma_lim0: 300e6, d0: 2e-3, m: 2.0, distribution: Distribution::Normal, var, truncation, min_ratio: 0.0 }
     }
 
-    /// Mean and coefficient of variation of 10^6 strengths over the mean strength of their size, and the share of zeros.
+    /// Mean and coefficient of variation of 10^5 strengths over the mean strength of their size, and the share of zeros.
     fn statistics(model: StrengthModel) -> (f64, f64, f64) {
-        let n = 1_000_000;
+        let n = 100_000;
         let d = 5e-3;
         let scale = model.sigma_lim0 * size_factor(d, model.d0, model.m);
         let (mut sum, mut squares, mut zeros) = (0.0, 0.0, 0.0);
@@ -131,8 +131,8 @@ mod tests {
     }
 
     #[test]
-    fn a_million_strengths_have_the_moments_of_the_truncated_normal() {
-        // Standard error of a mean is below 0.001, of a spread below 0.0006.
+    fn strengths_have_the_moments_of_the_truncated_normal() {
+        // Standard error of a mean is below 0.003, of a spread below 0.002.
         for (var, truncation, mean, spread, zeros) in [
             (1.0, Truncation::Redraw, 1.288, 0.616, 0.0),
             (0.48, Truncation::Redraw, 1.022, 0.446, 0.0),
@@ -140,10 +140,21 @@ mod tests {
             (1.0, Truncation::Symmetric, 1.0, 0.5396, 0.0),
         ] {
             let found = statistics(model(var, truncation));
-            assert!((found.0 - mean).abs() < 0.0035, "{found:?}");
-            assert!((found.1 - spread).abs() < 0.002, "{found:?}");
-            assert!((found.2 - zeros).abs() < 0.002, "{found:?}");
+            assert!((found.0 - mean).abs() < 0.011, "{found:?}");
+            assert!((found.1 - spread).abs() < 0.006, "{found:?}");
+            assert!((found.2 - zeros).abs() < 0.006, "{found:?}");
         }
+    }
+
+    /// Both ends of a symmetric truncation are as far from the mean, and are reached by no draw.
+    #[test]
+    fn a_symmetric_truncation_has_the_mean_in_its_middle() {
+        let law = StrengthModel { min_ratio: 0.7, ..model(1.0, Truncation::Symmetric) };
+        assert!((law.max_ratio() - 1.3).abs() < 1e-15);
+        assert_eq!(model(1.0, Truncation::Redraw).max_ratio(), f64::INFINITY);
+        let ratios: Vec<f64> = (0..400).map(|i| law.ratio(3, lineage_root(i))).collect();
+        assert!(ratios.iter().all(|r| (0.7..=1.3).contains(r)));
+        assert!(ratios.iter().any(|r| *r > 1.25) && ratios.iter().any(|r| *r < 0.75));
     }
 
     /// Mean 1, the variation of the closed form, and 1/e of the draws above the scale.
@@ -157,9 +168,9 @@ mod tests {
                 ..model(1.0, Truncation::Redraw)
             };
             let (mean, spread, _) = statistics(law);
-            assert!((mean - 1.0).abs() < 0.0035 && (spread - law.var).abs() < 0.003, "{m}: {mean} {spread}");
-            let stronger = (0..100_000).filter(|&i| law.ratio(7, lineage_root(i)) > law.weibull_scale()).count();
-            assert!((stronger as f64 / 1e5 - (-1.0f64).exp()).abs() < 0.006, "{m}: {stronger}");
+            assert!((mean - 1.0).abs() < 0.009 && (spread - law.var).abs() < 0.009, "{m}: {mean} {spread}");
+            let stronger = (0..20_000).filter(|&i| law.ratio(7, lineage_root(i)) > law.weibull_scale()).count();
+            assert!((stronger as f64 / 2e4 - (-1.0f64).exp()).abs() < 0.014, "{m}: {stronger}");
         }
         // Rayleigh's distribution: √(4/π − 1)
         assert!((weibull_variation(2.0) - (4.0 / std::f64::consts::PI - 1.0).sqrt()).abs() < 1e-12);

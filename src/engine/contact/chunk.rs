@@ -174,3 +174,47 @@ fn split(part: Chunk<'_>, task: usize, body: &(impl Fn(Chunk<'_>) + Sync)) {
     let (left, right) = part.halves(n.div_ceil(task).div_ceil(2) * task);
     rayon::join(|| split(left, task, body), || split(right, task, body));
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::pairs::Kept;
+    use super::*;
+    use std::sync::Mutex;
+
+    /// Sizes of the parts of a sweep over `n` slots by `threads` threads; each part marks its slots.
+    fn parts(n: u32, threads: usize, slots: Slots<'_>) -> (Vec<usize>, Vec<f64>) {
+        let mut pairs = Pairs::new(Kept { load: true, ..Kept::default() });
+        for k in 0..n {
+            pairs.add(k, k + 1);
+        }
+        let sizes = Mutex::new(Vec::new());
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            for_each_chunk(&mut pairs, slots, 16, |part| {
+                sizes.lock().expect("no panic").push(part.ends.len());
+                for ((touch, load), [i, _]) in part.touch.iter_mut().zip(part.load).zip(part.ends) {
+                    touch.overlap += 1.0 + f64::from(*i);
+                    *load += touch.overlap;
+                }
+            });
+        });
+        assert!(pairs.touch.iter().zip(&*pairs.load).all(|(touch, load)| touch.overlap == *load));
+        (sizes.into_inner().expect("no panic"), pairs.load.to_vec())
+    }
+
+    /// Every slot is computed once, in parts of at most a task where there are more than one and a half tasks and two threads, otherwise in one part.
+    #[test]
+    fn a_sweep_is_cut_into_tasks() {
+        for (n, threads, whole) in [(1, 2, true), (24, 2, true), (25, 2, false), (100, 2, false), (100, 1, true)] {
+            let (sizes, marks) = parts(n, threads, Slots::All);
+            assert_eq!(marks, (1..=n).map(f64::from).collect::<Vec<_>>());
+            assert_eq!(sizes.len() == 1, whole, "{n} {threads}");
+            assert!(whole || sizes.iter().all(|size| *size <= 16) && sizes.len() == n.div_ceil(16) as usize, "{sizes:?}");
+        }
+    }
+
+    #[test]
+    fn listed_slots_are_computed_alone() {
+        assert_eq!(parts(5, 2, Slots::These(&[3, 1])), (vec![1, 1], vec![0.0, 2.0, 0.0, 4.0, 0.0]));
+    }
+}

@@ -516,3 +516,46 @@ fn a_law_of_the_program_is_its_own() {
     let _: PairTable = custom.pairs(&m, &[], None);
     assert_eq!(custom.between(&m[0], &m[1]), ContactLaw::Hertz.between(&m[0], &m[1]));
 }
+
+/// Contacts from outside are taken only if their ends are grains in their order, none stands twice, all numbers are finite, and free places are free.
+#[test]
+fn contacts_from_outside_are_checked() {
+    let ids = [5, 7, 9];
+    let mut right = Pairs::new(ALL);
+    for (i, j) in [(0, 1), (1, 2), (0, 2)] {
+        right.add(i, j);
+    }
+    right.remove(1);
+    assert_eq!(right.check(&ids, 3, true, ALL), Ok(()));
+    assert!(right.check(&ids, 3, true, Kept::default()).is_err() && right.check(&ids, 2, true, ALL).is_err());
+    let wrong: [&dyn Fn(&mut Pairs); 16] = [
+        &|p| p.ends[0] = [1, 0],
+        &|p| p.ends[0] = [1, 1],
+        &|p| p.ends[0] = [3, 1],
+        &|p| p.ends[0] = [0, 3],
+        &|p| p.ends[0] = [0, 2],
+        &|p| p.ends[0] = [FREE; 2],
+        &|p| p.ends[0] = [FREE, 1],
+        &|p| p.ends[0] = [0, FREE],
+        &|p| p.ends[1] = [1, 2],
+        &|p| p.touch[1].overlap = 1.0,
+        &|p| p.touch[0].normal[1] = f64::NAN,
+        &|p| p.work[2][1] = f64::NAN,
+        &|p| p.rolling[0][2] = f64::INFINITY,
+        &|p| p.spring[0][0] = f64::NAN,
+        &|p| p.load[2] = f64::NAN,
+        &|p| p.largest[0] = f64::INFINITY,
+    ];
+    for (k, change) in wrong.into_iter().enumerate() {
+        let mut pairs = right.clone();
+        change(&mut pairs);
+        assert!(pairs.check(&ids, 3, true, ALL).is_err(), "number {k}");
+    }
+    // the second ends of pairs with walls are walls, in any order
+    let mut on_walls = Pairs::new(Kept::default());
+    for (i, k) in [(2, 0), (0, 1)] {
+        on_walls.add(i, k);
+    }
+    assert_eq!(on_walls.check(&ids, 2, false, Kept::default()), Ok(()));
+    assert!(on_walls.check(&ids, 1, false, Kept::default()).is_err());
+}

@@ -327,6 +327,8 @@ mod tests {
     #[test]
     fn points_press_on_walls() {
         let (physics, mut state, mut work, mut embedded) = scene(1e-5);
+        let dt = 0.5;
+        state.dt = dt;
         let pair = physics.contact.law.on_wall(&physics.materials[0], 0.3);
         let force = |overlap: f64| pair.normal_stiffness * (0.02 * overlap).sqrt() * overlap;
         embedded.compute_forces(&physics, &mut state, &mut work);
@@ -335,8 +337,8 @@ mod tests {
         close(embedded.pressed(0), first);
         close(state.walls[0].reaction, first);
         close(state.walls[0].stiffness, 1.5 * pair.normal_stiffness * (0.02f64 * 1e-3).sqrt());
-        close(state.walls[0].work, 0.5 * first * 1e-5);
-        close(embedded.work, 0.5 * first * 1e-5);
+        close(state.walls[0].work, 0.5 * first * 1e-5 * dt);
+        close(embedded.work, 0.5 * first * 1e-5 * dt);
         // the wall moves up by a hundredth of a millimetre
         state.walls[0].advance(1.0);
         state.walls[0].reaction = 7.0;
@@ -345,19 +347,57 @@ mod tests {
         close(state.walls[0].reaction, 7.0 + second);
         close(embedded.pressed(0), second);
         // ½ (F_old + F_new) of the way since, on top of the first half
-        close(embedded.work, (0.5 * first + 0.5 * (first + second)) * 1e-5);
+        close(embedded.work, (0.5 * first + 0.5 * (first + second)) * 1e-5 * dt);
         // half a step of the grain's power on the points is ahead of it
         let touch = embedded.point_contacts.on_grains().next().expect("a contact").3;
         let [x, y, z] = touch.force();
         let torque = scaled(cross(touch.normal, touch.tangential), 0.1 - 0.5 * touch.overlap);
         let power = -dot([x, y, z], [0.01, 0.0, 0.0]) - dot(torque, [0.0, 0.02, 0.0]);
-        close(state.ledger.points, embedded.work + 0.5 * power);
+        close(state.ledger.points, embedded.work + 0.5 * dt * power);
         assert!((power / (embedded.work + 1e-30)).abs() > 1e-3);
         // none where there are no points
         embedded.continuum.points_mut().remove(&[true, true]);
         embedded.compute_forces(&physics, &mut state, &mut work);
         assert_eq!((embedded.pressed(0), embedded.point_contacts.candidates.len()), (0.0, 0));
         assert_eq!(state.ledger.points, embedded.work);
+    }
+
+    /// The work of grains on points in a step is half a step at the power before, and half a step at the power after the grain has moved.
+    #[test]
+    fn work_on_points_is_that_of_both_half_steps() {
+        let (physics, mut state, mut work, mut embedded) = scene(0.0);
+        state.dt = 0.5;
+        embedded.compute_forces(&physics, &mut state, &mut work);
+        let before = embedded.power(&state);
+        embedded.advance(&physics, &mut state, &mut work).expect("a step");
+        let after = embedded.power(&state);
+        assert!(before != 0.0 && after != before);
+        assert!((embedded.work / (0.25 * (before + after)) - 1.0).abs() < 1e-12, "{} {before} {after}", embedded.work);
+        assert_eq!(embedded.continuum.steps(), 1);
+    }
+
+    /// A grain and a point that come towards each other, or a wall and a point, touch as soon as they meet.
+    #[test]
+    fn what_moves_meets_the_points_in_its_way() {
+        for (of_grain, of_point, of_wall) in [(4e-3, 0.0, 0.0), (0.0, 4e-3, 0.0), (2e-3, 2e-3, 0.0), (0.0, 0.0, 4e-3)] {
+            let (physics, mut state, mut work, mut embedded) = scene(of_wall);
+            let gap = 0.03;
+            state.grains.vel[0][..3].copy_from_slice(&[of_grain, 0.0, 0.0]);
+            state.grains.pos[0][2] = 0.2;
+            let p = embedded.continuum.points_mut();
+            p.position[0][..3].copy_from_slice(&[0.12 + gap, 0.0, 0.2]);
+            p.position[1][..3].copy_from_slice(&[0.1, 0.1, 0.02 + gap]);
+            p.transport_velocity[0] = [-of_point, 0.0, 0.0];
+            let body = if of_wall > 0.0 { Body::Wall(0) } else { Body::Grain(0) };
+            for step in 0..9 {
+                embedded.compute_forces(&physics, &mut state, &mut work);
+                let touches = embedded.point_contacts.touching().any(|c| c.body == body);
+                assert_eq!(touches, 4e-3 * f64::from(step) > gap, "{of_grain} {of_point} {of_wall}: {step}");
+                state.grains.pos[0][0] += of_grain;
+                embedded.continuum.points_mut().position[0][0] -= of_point;
+                state.walls[0].advance(1.0);
+            }
+        }
     }
 
     /// Counts the energy that a contact gains while sliding releases the overlap that its point was born with.

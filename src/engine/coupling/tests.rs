@@ -13,6 +13,8 @@ use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::mpm::law::{Elastic, Law};
 use crate::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
 use crate::point_contacts::PointContactTable;
+use crate::rigid::{Block, Blocks};
+use crate::shape::{Cuboid, Shape};
 
 /// Radius of the grain and ghost radius of points, m.
 const R: f64 = 0.1;
@@ -159,6 +161,7 @@ fn points_around_a_grain_have_the_force_of_hertz() {
         assert_eq!((contact.point, contact.body), (k as u32, Body::Grain(0)));
         if overlap(k) <= 0.0 {
             assert_eq!((contact.touch, contact.stiffness), (ContactForce::default(), [0.0; 2]));
+            assert_eq!((contact.energy(0.4), contact.inertia_stiffness()), (0.0, 0.0));
             continue;
         }
         let [force, k_n, k_t] = hertz(&pair, overlap(k));
@@ -169,6 +172,8 @@ fn points_around_a_grain_have_the_force_of_hertz() {
         close(contact.stiffness[0], k_n);
         close(contact.stiffness[1], k_t);
         close(contact.inertia_stiffness(), (2.0 * k_n).max(7.0 * k_t));
+        // where the tangential stiffness is small, the normal one counts
+        close(PointContact { stiffness: [k_n, 0.1 * k_n], ..*contact }.inertia_stiffness(), 2.0 * k_n);
         assert!((0..3).all(|a| (contact.force()[a] + force * n[a]).abs() < 1e-9 * force));
         sum = less(sum, scaled(n, force));
         energy += 0.4 * force * overlap(k);
@@ -495,6 +500,160 @@ fn a_grain_and_a_point_of_its_mass_change_velocities() {
         assert!((deepest / depth - 1.0).abs() < 2e-3, "{deepest} {depth}");
         assert!((touched as f64 * time / (2.9432 * depth / speed) - 1.0).abs() < 1e-2, "{touched}");
     }
+}
+
+/// The side that makes one step in a cycle is carried on meanwhile with its velocity: at the last of three steps of the other side by two thirds of the cycle.
+#[test]
+fn the_slower_side_is_carried_on_through_the_cycle() {
+    let (overlap, speed, time) = (1e-5, 1.0, 3e-6);
+    for rates in [Rates { grains: 1, continuum: 3 }, Rates { grains: 3, continuum: 1 }] {
+        let physics = physics(ContactLaw::Hertz);
+        // the slower side moves towards the other one
+        let (of_grain, of_point) = if rates.grains == 1 { (speed, 0.0) } else { (0.0, -speed) };
+        let grains = grain([0.0; 3], [of_grain, 0.0, 0.0], [0.0; 3], &physics);
+        let hit = point(beside([0.0; 3], [1.0, 0.0, 0.0], overlap), [of_point, 0.0, 0.0]);
+        let mut m = Meeting::new(physics, grains, Vec::new(), continuum(&[hit]));
+        m.cycle(Some(Cycle { time, rates }));
+        let found = m.mixture.point_contacts.candidates[0].touch.overlap - overlap;
+        assert!((found / (speed * time * 2.0 / 3.0) - 1.0).abs() < 0.01, "{rates:?}: {found:e}");
+    }
+}
+
+/// Contacts are found in time whatever moves: a grain, a point, both towards each other, or a wall.
+#[test]
+fn whatever_moves_meets_what_is_in_its_way() {
+    let dt = 1e-3;
+    for (of_grain, of_point, of_wall) in [(5.0, 0.0, 0.0), (0.0, 5.0, 0.0), (2.5, 2.5, 0.0), (0.0, 0.0, 5.0)] {
+        let physics = physics(ContactLaw::Hertz);
+        // gaps wider than the widest skin, to the grain and to the wall
+        let gap = 0.052;
+        let grains = grain([0.0, 0.0, 0.5], [of_grain, 0.0, 0.0], [0.0; 3], &physics);
+        let hit = point([R + A + gap, 0.0, 0.5], [0.0; 3]);
+        let pushed = point([0.6, 0.6, A + gap], [0.0; 3]);
+        let mut m = Meeting::new(physics, grains, vec![floor(of_wall)], continuum(&[hit, pushed]));
+        m.mixture.last = dt;
+        m.continuum.points_mut().transport_velocity[0] = [-of_point, 0.0, 0.0];
+        let body = if of_wall > 0.0 { Body::Wall(0) } else { Body::Grain(0) };
+        for step in 0..12 {
+            m.cycle(None);
+            let touches = m.mixture.point_contacts.touching().any(|c| c.body == body);
+            assert_eq!(touches, 5.0 * dt * f64::from(step) > gap, "{of_grain} {of_point} {of_wall}: {step}");
+            m.mixture.grains.grains.pos[0][0] += of_grain * dt;
+            m.continuum.points_mut().position[0][0] -= of_point * dt;
+            m.mixture.grains.walls[0].advance(dt);
+        }
+    }
+}
+
+/// A box of half the density of a grain that flies beside a point.
+fn flying_box() -> Blocks {
+    let mut body = Block::new(Shape::Box(Cuboid { half: [0.05; 3] }), 1250.0, 0);
+    (body.centre, body.velocity) = ([-0.5, 0.0, 0.5], [0.2, -0.1, 0.3]);
+    Blocks::new(vec![body])
+}
+
+/// A grain and a box, each of which touches a point; a floor would touch the grain.
+fn grain_and_box(walls: Vec<Wall>) -> Meeting {
+    let physics = physics(ContactLaw::Hertz);
+    let grains = grain([0.0, 0.0, R - 1e-4], [0.1, 0.0, 0.0], [0.0, 3.0, 0.0], &physics);
+    let points = [point(beside([0.0, 0.0, R - 1e-4], oblique(), 1e-4), [0.0; 3]), point([-0.45 + A - 1e-4, 0.0, 0.5], [0.0; 3])];
+    let mut m = Meeting::new(physics, grains, walls, continuum(&points));
+    m.mixture.blocks = Some(Box::new(flying_box()));
+    m
+}
+
+/// Rigid bodies take part: their forces on points are equal and opposite whatever the steps of either side, and sums over a mixture hold theirs.
+#[test]
+fn rigid_bodies_are_part_of_a_mixture() {
+    let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+    for rates in [Rates { grains: 1, continuum: 1 }, Rates { grains: 1, continuum: 3 }, Rates { grains: 3, continuum: 1 }] {
+        let mut m = grain_and_box(Vec::new());
+        let (mass, before) = m.mixture.mass_and_momentum(&m.continuum);
+        let box_mass = 1250.0 * 0.1f64.powi(3);
+        near(mass, 2500.0 * (sphere_volume(R) + 2.0 * sphere_volume(A)) + box_mass);
+        near(before[2], box_mass * 0.3);
+        let start = m.continuum.points().velocity[1];
+        // velocities of grains and bodies begin half a step back
+        m.cycle(Some(Cycle { time: 3e-6, rates }));
+        let before = m.mixture.mass_and_momentum(&m.continuum).1;
+        for _ in 0..3 {
+            m.cycle(Some(Cycle { time: 3e-6, rates }));
+        }
+        assert!(m.continuum.points().velocity[1][0] > start[0], "the box has pushed its point");
+        let after = m.mixture.mass_and_momentum(&m.continuum).1;
+        assert!((0..3).all(|a| (after[a] - before[a]).abs() < 1e-13 * mass), "{rates:?}: {before:?} {after:?}");
+    }
+    let mut m = grain_and_box(vec![floor(0.0)]);
+    m.cycle(None);
+    let gravity = [0.0, 0.0, -10.0];
+    let (whole, bounds) = (m.mixture.energies(gravity), m.mixture.bounds(&m.continuum, &[], false).1);
+    let n = m.continuum.points().len();
+    let mut blocks = m.mixture.blocks.take().expect("bodies");
+    let theirs = blocks.energies(gravity, 0.4);
+    let rest = m.mixture.energies(gravity);
+    for k in 0..3 {
+        assert!(theirs[k] > 0.0 && rest[k] > 0.0);
+        near(whole[k], theirs[k] + rest[k]);
+    }
+    // the largest sum of any point, and of any grain or body
+    let of_bodies = blocks.rates(&m.mixture.grains.grains, n);
+    let of_grains = m.mixture.point_contacts.rates(&m.mixture.grains.grains, &mut [Vec::new(), Vec::new()], n);
+    assert!(of_bodies.points > 0.0 && of_bodies.grains > 0.0 && of_grains.points > 0.0 && of_grains.grains > 0.0);
+    near(bounds, of_bodies.points + of_bodies.grains + of_grains.points + of_grains.grains);
+}
+
+/// A state from outside is taken only if it is one of the scene: bodies, fines, law and steps.
+#[test]
+fn a_mixture_of_another_scene_is_refused() {
+    let rule = Rule { release_strain: 0.1, law: 0, porosity: 0.4, solid: 1e-5, density: 2500.0, at_rest: false };
+    let mut m = grain_and_box(vec![floor(0.0)]);
+    m.mixture.fines = Some(Box::new(FinesAsPoints::new(rule)));
+    let (made, room) = (m.mixture.clone(), m.continuum.clone());
+    m.cycle(Some(Cycle { time: 1e-6, rates: Rates { grains: 1, continuum: 1 } }));
+    let taken = |change: &dyn Fn(&mut Mixture)| {
+        let mut from_outside = m.mixture.clone();
+        change(&mut from_outside);
+        from_outside.check(&m.continuum, &m.physics, (&made, &room), 1)
+    };
+    assert_eq!(taken(&|_| {}), Ok(()));
+    assert_eq!(taken(&|m| m.cycle.rates = Rates { grains: 1000, continuum: 1 }), Ok(()));
+    let wrong: [&dyn Fn(&mut Mixture); 18] = [
+        &|m| m.blocks = None,
+        &|m| m.blocks = Some(Box::new(Blocks::new(Vec::new()))),
+        &|m| m.fines = None,
+        &|m| m.fines = Some(Box::new(FinesAsPoints::new(Rule { law: 1, ..rule }))),
+        &|m| m.fines.as_mut().unwrap().reserve.momentum[1] = f64::NAN,
+        &|m| m.fines.as_mut().unwrap().entered.kinetic = f64::INFINITY,
+        &|m| m.fines.as_mut().unwrap().released = f64::NAN,
+        &|m| m.fines.as_mut().unwrap().points = 3,
+        &|m| m.energy_factor = 0.5,
+        &|m| m.cycle.rates = Rates { grains: 1001, continuum: 1 },
+        &|m| m.cycle.rates = Rates { grains: 2, continuum: 2 },
+        &|m| m.cycle.rates = Rates { grains: 0, continuum: 1 },
+        &|m| m.cycle.time = -1.0,
+        &|m| m.bound_ratio = 1.5,
+        &|m| m.point_contacts.candidates = [m.point_contacts.candidates[0]; 2].into(),
+        &|m| m.point_contacts.candidates[0].body = Body::Grain(1),
+        &|m| m.point_contacts.candidates[0].reference = -1.0,
+        &|m| m.point_contacts.candidates[0].radius = 0.0,
+    ];
+    for (k, change) in wrong.into_iter().enumerate() {
+        assert!(taken(change).is_err(), "number {k}");
+    }
+    // where the scene has neither
+    let without = |mixture: &Mixture| {
+        let mut plain = mixture.clone();
+        (plain.blocks, plain.fines) = (None, None);
+        plain
+    };
+    let plain = without(&made);
+    for (bodies, fines) in [(true, false), (false, true)] {
+        let mut from_outside = m.mixture.clone();
+        from_outside.blocks = from_outside.blocks.filter(|_| bodies);
+        from_outside.fines = from_outside.fines.filter(|_| fines);
+        assert!(from_outside.check(&m.continuum, &m.physics, (&plain, &room), 1).is_err());
+    }
+    assert_eq!(without(&m.mixture).check(&m.continuum, &m.physics, (&plain, &room), 1), Ok(()));
 }
 
 /// Measures a mixture at an instant: a grain between a floor, another grain and a point.

@@ -114,3 +114,16 @@ pub fn viscous_coefficient(restitution: f64) -> f64 {
     let beta = -l / (std::f64::consts::PI.powi(2) + l * l).sqrt();
     2.0 * (5.0f64 / 6.0).sqrt() * beta
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At critical damping the share of the speed that is left is e⁻², and nearly the same just below and above it.
+    #[test]
+    fn restitution_is_smooth_at_critical_damping() {
+        for (zeta, within) in [(1.0, 1e-15), (1.0 - 1e-7, 1e-6), (1.0 + 1e-7, 1e-6)] {
+            assert!((restitution_without_tension(zeta) - (-2.0f64).exp()).abs() < within, "{zeta}");
+        }
+    }
+}

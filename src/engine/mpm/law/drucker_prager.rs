@@ -355,6 +355,20 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
+    /// The bracket of the iteration is the plastic strain of a return that removes all shear, with the volume of dilation or of the cut-off, and hardly more.
+    #[test]
+    fn the_largest_increment_removes_all_shear() {
+        for law in &laws() {
+            let (g, k) = (law.elastic.shear, law.elastic.bulk);
+            for (i1, j) in [(-1e5, 3e4), (2e4, 3e4), (5e6, 10.0)] {
+                let (shear, volume) = (j / g, f64::max(law.volume_return * (j / g), i1) / (3.0 * k));
+                let plastic = (shear * shear / 3.0 + 2.0 / 9.0 * volume * volume).sqrt();
+                let found = law.largest_increment(i1, j);
+                assert!(found > plastic && found < plastic * (1.0 + 1e-6), "{found} {plastic}");
+            }
+        }
+    }
+
     /// Newton's method alone does for nearly all small increments, never over a jump, and gives what the guarded iteration gives.
     #[test]
     fn small_increments_need_no_iteration() {

@@ -245,6 +245,33 @@ mod tests {
     }
 
     proptest! {
+        /// With ψ = φ the return is the nearest admissible stress in the norm of the elastic energy: towards no other one does the plastic strain do more work.
+        #[test]
+        fn associated_returns_are_nearest(
+            e in prop::array::uniform6(-0.02..0.02f64), p in 0.0..2e5f64, phi in 1.0..50.0f64, c in 0.0..3e4f64,
+            others in prop::collection::vec(prop::array::uniform3(-4e5..1e5f64), 12),
+        ) {
+            let law = soil(phi, phi, c);
+            let before = principal(law.elastic().update([-p, -p, -p, 0.0, 0.0, 0.0], e)).0;
+            prop_assume!(law.yield_function(before[0], before[2]) > 0.0);
+            let after = law.returned(before);
+            let size = before.iter().chain(&after).map(|x| x.abs()).sum::<f64>();
+            prop_assert!(after[0] >= after[1] - 1e-12 * size && after[1] >= after[2] - 1e-12 * size, "{after:?}");
+            let Elastic { bulk, shear } = law.elastic();
+            let gone: [f64; 3] = std::array::from_fn(|k| before[k] - after[k]);
+            let mean = (gone[0] + gone[1] + gone[2]) / 3.0;
+            let plastic = gone.map(|g| (g - mean) / (2.0 * shear) + mean / (3.0 * bulk));
+            let strain = plastic.iter().map(|x| x.abs()).sum::<f64>();
+            for mut other in others {
+                other.sort_by(|a, b| b.total_cmp(a));
+                if law.yield_function(other[0], other[2]) > 0.0 {
+                    other = law.returned(other);
+                }
+                let work: f64 = (0..3).map(|k| plastic[k] * (other[k] - after[k])).sum();
+                prop_assert!(work <= 1e-9 * (size + 1e6) * strain, "{before:?} {after:?} {other:?}: {work}");
+            }
+        }
+
         /// From anywhere the return ends on the surface, dissipates, keeps its directions and does not move again.
         #[test]
         fn returns_end_on_the_surface(
@@ -264,6 +291,7 @@ mod tests {
                 let Elastic { bulk, shear } = law.elastic();
                 let strain: Sym = std::array::from_fn(|k| if k < 3 { (gone[k] - mean) / (2.0 * shear) + mean / (3.0 * bulk) } else { gone[k] / (2.0 * shear) });
                 prop_assert!(tensor::contract(&stress, &strain) >= -1e-9 * size * tensor::equivalent(&strain));
+                prop_assert!((internal.plastic / tensor::equivalent(&strain) - 1.0).abs() < 1e-6, "{} {strain:?}", internal.plastic);
                 let again = law.update(stress, [0.0; 6], internal);
                 let moved: Sym = std::array::from_fn(|k| again.0[k] - stress[k]);
                 prop_assert!(moved.iter().all(|m| m.abs() <= 1e-9 * size), "{moved:?}");
