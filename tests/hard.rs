@@ -266,7 +266,11 @@ cases! {
     };
     breakage_in_a_corner: "corner", [], broken;
     breakage_against_a_platen: "platen", ["steps=10000"] => [], broken;
-    breakage_against_a_wall: "thrown", [], broken;
+    breakage_against_a_wall: "thrown", [], |run| {
+        let found = broken(run);
+        assert_eq!(typed::summary(&run.path())["warnings"], serde_json::json!([]), "walls that do no work are no measure");
+        found
+    };
     no_room_between_walls: "empty_box", ["wall=[{kind='plane',point_m=[0.0,0.0,0.0],normal=[0.0,0.0,1.0]},{kind='plane',point_m=[0.0,0.0,0.0007],normal=[0.0,0.0,-1.0]}]"], |run| told(run, 2, &["overlaps a wall by 0.600", "records.largest_overlap_at_start"]);
     a_box_without_grains: "empty_box", ["grain=[]"], |run| told(run, 2, &["is missing", "[[grain]]"]);
     servo_that_touches_nothing: "empty_box", ["grain=[{position_m=[0.0,0.0,0.5],radius_m=0.0005}]", "wall=[{kind='plane',point_m=[0.0,0.0,0.0],normal=[0.0,0.0,1.0],stress_kPa=100.0,area_m2=1e-6}]"], |run| {
