@@ -129,8 +129,7 @@ fn a_mirrored_mixture_has_the_mirrored_motion() {
 #[test]
 fn a_mixture_turned_by_a_quarter_has_the_turned_motion() {
     for (what, mixed) in mixtures() {
-        let [block, _] = mixed.block.clone().without_edges_of_friction();
-        let (mixed, turn) = (Mixed { block, ..mixed }, Change::quarter(1));
+        let turn = Change::quarter(1);
         compare(&what, &mixed.changed(&turn).run(CYCLES), &mixed.run(CYCLES), &turn, ROUNDING);
     }
 }

@@ -1,4 +1,4 @@
-// The walls at the sides of the domain, in one workgroup with a barrier after each wall. Twin (f64): mpm/walls.rs, where the method is documented.
+// The walls at the sides of the domain, in one workgroup with a barrier after each wall. Twins (f64): mpm/walls.rs and mpm/walls/friction.rs, where the method is documented.
 
 const WALL_THREADS: u32 = 256u;
 
@@ -49,88 +49,265 @@ fn unit(axis: u32) -> vec3<f32> {
     return select(vec3<f32>(0.0), vec3<f32>(1.0), vec3<u32>(0u, 1u, 2u) == vec3<u32>(axis));
 }
 
-struct Folded {
-    touches: bool,
-    given: vec3<f32>,
+fn rubs(side: u32) -> bool {
+    return params.walls[side].x == 3u;
 }
 
-// Adds what the node behind the wall has to the node in front of it, mirrored, and applies the condition of the wall to the node on it; for a wall with friction only if
-// the wall presses on the material, or where `held` says that it touches. Returns whether the wall touches, and the impulse that it gives.
-fn fold(side: u32, t: u32, held: bool) -> Folded {
-    let axis = side / 2u;
-    let across = unit(axis);
-    let sign_of = select(1.0, -1.0, side % 2u == 1u);
-    let kind = params.walls[side].x;
-    let behind = node_index(wall_node(side, t, 0));
-    let on = node_index(wall_node(side, t, 1));
-    let before = node_index(wall_node(side, t, 2));
+fn holds(side: u32) -> bool {
+    return params.walls[side].x == 1u || params.walls[side].x == 2u;
+}
+
+fn sign_of(side: u32) -> f32 {
+    return select(1.0, -1.0, side % 2u == 1u);
+}
+
+// Which components keep their sign in the mirror image across a wall, as 1 and -1.
+fn parity(side: u32) -> vec3<f32> {
+    return select(vec3<f32>(1.0) - 2.0 * unit(side / 2u), vec3<f32>(-1.0), params.walls[side].x == 2u);
+}
+
+// The impulse that a wall must give so that nothing passes.
+fn needed(side: u32, t: u32) -> vec3<f32> {
+    let I = CHANGE * params.nodes;
+    return -(nodes[I + node_index(wall_node(side, t, 1))].xyz + 2.0 * nodes[I + node_index(wall_node(side, t, 0))].xyz);
+}
+
+// Adds what the node behind the wall has to the node in front of it, mirrored.
+fn mirror(side: u32, t: u32) {
     let P = SPEED * params.nodes;
     let I = CHANGE * params.nodes;
+    let behind = node_index(wall_node(side, t, 0));
+    let before = node_index(wall_node(side, t, 2));
     let p_behind = nodes[P + behind];
-    let i_behind = nodes[I + behind].xyz;
-    let p_on = nodes[P + on];
-    let i_on = nodes[I + on].xyz;
-    let needed = -(i_on + 2.0 * i_behind);
-    let pushes = sign_of * dot(across, needed - (p_on.xyz + 2.0 * p_behind.xyz)) > 0.0;
-    if kind == 3u && !(pushes || held) {
-        return Folded(false, vec3<f32>(0.0));
-    }
-    let mirror = select(vec3<f32>(1.0) - 2.0 * across, vec3<f32>(-1.0), kind == 2u);
-    nodes[P + before] += vec4<f32>(mirror * p_behind.xyz, p_behind.w);
-    nodes[I + before] += vec4<f32>(mirror * i_behind, 0.0);
+    nodes[P + before] += vec4<f32>(parity(side) * p_behind.xyz, p_behind.w);
+    nodes[I + before] += vec4<f32>(parity(side) * nodes[I + behind].xyz, 0.0);
     nodes[P + behind] = vec4<f32>(0.0);
     nodes[I + behind] = vec4<f32>(vec3<f32>(0.0), nodes[I + behind].w);
-    if kind == 2u {
-        nodes[P + on] = vec4<f32>(0.0, 0.0, 0.0, p_on.w);
-        nodes[I + on] = vec4<f32>(vec3<f32>(0.0), nodes[I + on].w);
-        return Folded(true, needed);
+}
+
+// Folds a wall that holds the material, and returns the impulse that it gives.
+fn hold(side: u32, t: u32) -> vec3<f32> {
+    let P = SPEED * params.nodes;
+    let I = CHANGE * params.nodes;
+    let on = node_index(wall_node(side, t, 1));
+    let given = needed(side, t);
+    mirror(side, t);
+    let stays = max(parity(side), vec3<f32>(0.0));
+    nodes[P + on] = vec4<f32>(nodes[P + on].xyz * stays, nodes[P + on].w);
+    nodes[I + on] = vec4<f32>(nodes[I + on].xyz * stays, nodes[I + on].w);
+    return given * (vec3<f32>(1.0) - stays);
+}
+
+// The impulse with which a wall with friction has to push at its `t`-th node.
+fn push(side: u32, t: u32) -> f32 {
+    let P = SPEED * params.nodes;
+    let axis = side / 2u;
+    let p = nodes[P + node_index(wall_node(side, t, 1))][axis] + 2.0 * nodes[P + node_index(wall_node(side, t, 0))][axis];
+    return sign_of(side) * (needed(side, t)[axis] - p);
+}
+
+// Number of a node on the plane of a wall across `axis`, as `wall_node` counts.
+fn number_on(axis: u32, at: vec3<i32>) -> u32 {
+    let b = (axis + 1u) % 3u;
+    return u32(at[b] + node_size()[b] * at[(axis + 2u) % 3u]);
+}
+
+// Place along `axis` of what a place behind a wall with friction is the image of; any other place is itself.
+fn in_front(axis: u32, x: i32) -> i32 {
+    let last = node_size()[axis] - 1;
+    if x == 0 && rubs(2u * axis) {
+        return 2;
     }
-    let tangent = vec3<f32>(1.0) - across;
-    let p = p_on.xyz * tangent;
-    var i = i_on * tangent;
-    var given = across * needed;
-    let friction = bitcast<f32>(params.walls[side].y);
-    if kind == 3u && friction > 0.0 {
-        let limit = friction * max(sign_of * dot(across, needed), 0.0);
-        let along = p + i;
-        let size = sqrt(dot(along, along));
-        let kept = select(0.0, 1.0 - limit / max(size, 1e-37), size > limit);
-        given += along * kept - along;
-        i = along * kept - p;
+    return select(x, last - 2, x == last && rubs(2u * axis + 1u));
+}
+
+// Whether a wall with friction has to push at its `t`-th node: decided for the node and its images in other walls with friction together.
+fn pushes(side: u32, t: u32) -> bool {
+    let axis = side / 2u;
+    let b = (axis + 1u) % 3u;
+    let c = (axis + 2u) % 3u;
+    let n = node_size();
+    var at = wall_node(side, t, 1);
+    at[b] = in_front(b, at[b]);
+    at[c] = in_front(c, at[c]);
+    // the places behind walls whose image is this one, and itself
+    let bs = vec3<i32>(at[b], 0, n[b] - 1);
+    let cs = vec3<i32>(at[c], 0, n[c] - 1);
+    var sum = 0.0;
+    for (var j = 0; j < 3; j++) {
+        for (var k = 0; k < 3; k++) {
+            if (j == 0 || (bs[j] != at[b] && in_front(b, bs[j]) == at[b])) && (k == 0 || (cs[k] != at[c] && in_front(c, cs[k]) == at[c])) {
+                var other = at;
+                other[b] = bs[j];
+                other[c] = cs[k];
+                sum += push(side, number_on(axis, other));
+            }
+        }
     }
-    nodes[P + on] = vec4<f32>(p, p_on.w);
-    nodes[I + on] = vec4<f32>(i, nodes[I + on].w);
-    return Folded(true, given);
+    return sum > 0.0;
+}
+
+// What walls with friction do to a node on the plane of one of them.
+struct Rubbing {
+    // across each axis: impulse of the wall that presses, and the largest impulse of its friction
+    given: vec3<f32>,
+    limits: vec3<f32>,
+    // momentum along the walls without friction, the part that friction leaves, the same without the impulse
+    along: vec3<f32>,
+    kept: f32,
+    p: vec3<f32>,
+}
+
+// Whether the wall with friction on this side is at a node, and touches it.
+fn presses(side: u32, at: vec3<i32>) -> bool {
+    let axis = side / 2u;
+    return rubs(side) && at[axis] == select(1, node_size()[axis] - 2, side % 2u == 1u) && (touching[plane_first(side) + number_on(axis, at)] & 1u) != 0u;
+}
+
+// The first side whose friction acts on a node; 6: none does.
+fn first_to_rub(at: vec3<i32>) -> u32 {
+    for (var side = 0u; side < 6u; side++) {
+        if presses(side, at) && bitcast<f32>(params.walls[side].y) > 0.0 {
+            return side;
+        }
+    }
+    return 6u;
+}
+
+fn rubbing(at: vec3<i32>) -> Rubbing {
+    let node = node_index(at);
+    let i = nodes[CHANGE * params.nodes + node].xyz;
+    var found = Rubbing(vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), 1.0, vec3<f32>(0.0));
+    var free = vec3<f32>(1.0);
+    for (var side = 0u; side < 6u; side++) {
+        if presses(side, at) {
+            let axis = side / 2u;
+            found.given[axis] = -i[axis];
+            found.limits[axis] = bitcast<f32>(params.walls[side].y) * max(-i[axis] * sign_of(side), 0.0);
+            free[axis] = 0.0;
+        }
+    }
+    found.p = nodes[SPEED * params.nodes + node].xyz * free;
+    found.along = found.p + i * free;
+    let size = sqrt(dot(found.along, found.along));
+    let limit = found.limits.x + found.limits.y + found.limits.z;
+    found.kept = select(0.0, 1.0 - limit / max(size, 1e-37), size > limit);
+    return found;
+}
+
+// The impulse of a wall with friction at its `t`-th node, where it touches: its own push and its share of the friction.
+fn given(side: u32, t: u32) -> vec3<f32> {
+    let node = rubbing(wall_node(side, t, 1));
+    let own = node.limits[side / 2u];
+    let share = select(0.0, own / max(node.limits.x + node.limits.y + node.limits.z, 1e-37), own > 0.0);
+    return unit(side / 2u) * node.given + share * (node.along * node.kept - node.along);
+}
+
+// Adds up the impulse of a wall over the threads.
+fn add_up(thread: u32, side: u32, sum: vec3<f32>, moving: bool) {
+    partial[thread] = sum;
+    workgroupBarrier();
+    storageBarrier();
+    for (var half = WALL_THREADS / 2u; half > 0u; half /= 2u) {
+        if thread < half {
+            partial[thread] += partial[thread + half];
+        }
+        workgroupBarrier();
+    }
+    if thread == 0u && moving {
+        status.reaction[side] = vec4<f32>(partial[0] / batch.dt, 0.0);
+    }
+    workgroupBarrier();
+}
+
+// Folds the walls with friction, all together (mpm/walls/friction.rs).
+fn rub(thread: u32, moving: bool) {
+    for (var side = 0u; side < 6u; side++) {
+        if rubs(side) {
+            let first = plane_first(side);
+            for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+                // where the wall touched at the last acceleration it still does
+                let held = !moving && (touching[first + t] & 2u) != 0u;
+                touching[first + t] = select(0u, select(1u, 3u, moving), held || pushes(side, t));
+            }
+        }
+    }
+    storageBarrier();
+    // what the walls give across stays at the nodes on their planes, for another wall may fold it onto its image
+    for (var side = 0u; side < 6u; side++) {
+        if !rubs(side) {
+            continue;
+        }
+        let axis = side / 2u;
+        for (var t = thread; t < plane_size(axis); t += WALL_THREADS) {
+            if (touching[plane_first(side) + t] & 1u) != 0u {
+                let across = needed(side, t)[axis];
+                let on = node_index(wall_node(side, t, 1));
+                nodes[SPEED * params.nodes + on][axis] = 0.0;
+                nodes[CHANGE * params.nodes + on][axis] = -across;
+            }
+        }
+        storageBarrier();
+    }
+    for (var side = 0u; side < 6u; side++) {
+        if !rubs(side) {
+            continue;
+        }
+        for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+            if (touching[plane_first(side) + t] & 1u) != 0u {
+                mirror(side, t);
+            }
+        }
+        storageBarrier();
+    }
+    for (var side = 0u; side < 6u; side++) {
+        if !rubs(side) {
+            continue;
+        }
+        var sum = vec3<f32>(0.0);
+        for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+            if (touching[plane_first(side) + t] & 1u) != 0u {
+                sum += given(side, t);
+            }
+        }
+        add_up(thread, side, sum, moving);
+    }
+    // of several walls with friction that touch a node the first one rubs it
+    for (var side = 0u; side < 6u; side++) {
+        if !rubs(side) {
+            continue;
+        }
+        for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+            let at = wall_node(side, t, 1);
+            if first_to_rub(at) == side {
+                let node = rubbing(at);
+                let k = CHANGE * params.nodes + node_index(at);
+                nodes[k] = vec4<f32>(node.along * node.kept - node.p, nodes[k].w);
+            }
+        }
+    }
+    storageBarrier();
 }
 
 // Applies all walls; `moving`: to forces and velocities of a step, not to the velocities after projection alone.
 fn all_walls(thread: u32, moving: bool) {
     let P = SPEED * params.nodes;
     let I = CHANGE * params.nodes;
+    var any = false;
     for (var side = 0u; side < 6u; side++) {
-        if params.walls[side].x == 0u {
+        any |= rubs(side);
+        if !holds(side) {
             continue;
         }
         var sum = vec3<f32>(0.0);
-        let first = plane_first(side);
         for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
-            let folded = fold(side, t, !moving && (touching[first + t] & 2u) != 0u);
-            touching[first + t] = select(0u, select(1u, 3u, moving), folded.touches);
-            sum += folded.given;
+            sum += hold(side, t);
+            touching[plane_first(side) + t] = select(1u, 3u, moving);
         }
-        partial[thread] = sum;
-        workgroupBarrier();
-        storageBarrier();
-        for (var half = WALL_THREADS / 2u; half > 0u; half /= 2u) {
-            if thread < half {
-                partial[thread] += partial[thread + half];
-            }
-            workgroupBarrier();
-        }
-        if thread == 0u && moving {
-            status.reaction[side] = vec4<f32>(partial[0] / batch.dt, 0.0);
-        }
-        workgroupBarrier();
+        add_up(thread, side, sum, moving);
+    }
+    if any {
+        rub(thread, moving);
     }
     // velocities
     for (var side = 0u; side < 6u; side++) {
@@ -160,7 +337,7 @@ fn all_walls(thread: u32, moving: bool) {
             continue;
         }
         let first = plane_first(side);
-        let stays = select(vec4<f32>(vec3<f32>(1.0) - unit(side / 2u), 0.0), vec4<f32>(0.0), params.walls[side].x == 2u);
+        let stays = vec4<f32>(max(parity(side), vec3<f32>(0.0)), 0.0);
         for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
             if (touching[first + t] & 1u) != 0u {
                 let k = node_index(wall_node(side, t, 1));
@@ -170,19 +347,20 @@ fn all_walls(thread: u32, moving: bool) {
         }
         storageBarrier();
     }
-    for (var r = 0u; r < 6u; r++) {
-        let side = 5u - r;
-        if params.walls[side].x == 0u {
+    // against the order of folding: what lies behind two walls is the image of an image
+    for (var r = 0u; r < 12u; r++) {
+        let side = 5u - r % 6u;
+        if (r < 6u && !rubs(side)) || (r >= 6u && !holds(side)) {
             continue;
         }
         let first = plane_first(side);
-        let mirror = select(vec4<f32>(vec3<f32>(1.0) - 2.0 * unit(side / 2u), 0.0), vec4<f32>(-1.0, -1.0, -1.0, 0.0), params.walls[side].x == 2u);
+        let mirrored = parity(side);
         for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
             if (touching[first + t] & 1u) != 0u {
                 let behind = node_index(wall_node(side, t, 0));
                 let before = node_index(wall_node(side, t, 2));
-                nodes[P + behind] = nodes[P + before] * mirror;
-                nodes[I + behind] = vec4<f32>(nodes[I + before].xyz * mirror.xyz, nodes[I + behind].w);
+                nodes[P + behind] = vec4<f32>(nodes[P + before].xyz * mirrored, 0.0);
+                nodes[I + behind] = vec4<f32>(nodes[I + before].xyz * mirrored, nodes[I + behind].w);
             }
         }
         storageBarrier();

@@ -45,6 +45,13 @@ pub fn block_corner(key: u64) -> [i32; 3] {
     [key & mask, (key >> BITS) & mask, key >> (2 * BITS)].map(|b| (b as i32) * EDGE as i32 - BIAS)
 }
 
+/// Coordinates of the cell with this key.
+pub fn cell_at<const D: usize>(key: u64) -> [i32; 3] {
+    let (e, local) = (EDGE as i32, (key % cells(D) as u64) as i32);
+    let [x, y, z] = block_corner(key >> (2 * D));
+    [x + local % e, y + local / e % e, if D == 3 { z + local / (e * e) } else { 0 }]
+}
+
 /// Key of the block `by` blocks further along each axis.
 fn shifted(key: u64, by: [i64; 3]) -> u64 {
     (key as i64 + by[0] + (by[1] << BITS) + (by[2] << (2 * BITS))) as u64

@@ -7,6 +7,11 @@
 //! For a plane of symmetry the normal component is mirrored with the opposite sign, the tangential ones with the same sign. For a rough wall all
 //! components change sign. A wall with friction is a plane of symmetry while it has to push, and it reduces the tangential momentum of its nodes by at
 //! most μ times the normal impulse; while it would have to pull, it does nothing.
+//!
+//! On an edge the result does not depend on which axis is called x: walls that hold are folded first, and their folds commute; those with friction
+//! follow all together (`friction.rs`).
+
+mod friction;
 
 use super::blocks::{CellBlocks, NONE, block_corner, cell_key, cells};
 use serde::{Deserialize, Serialize};
@@ -50,6 +55,22 @@ struct WallPlane {
     pressed: Vec<bool>,
     /// `keys` and `pressed` before the blocks of nodes changed.
     before: (Vec<u64>, Vec<bool>),
+    /// Of each row, for a wall with friction: with which impulse it has to push, then which one it has given, N s.
+    push: Vec<f64>,
+    /// Of rows that lie behind another wall with friction: the row, and its image in front.
+    images: Vec<[u32; 2]>,
+}
+
+impl WallPlane {
+    fn rubs(&self) -> bool {
+        matches!(self.wall, GridWall::Friction { .. })
+    }
+
+    /// 1 or −1: what the mirror image of a component along axis `a` has for a sign.
+    #[inline(always)]
+    fn parity(&self, a: usize) -> f64 {
+        if a == self.axis || self.wall == GridWall::Stick { -1.0 } else { 1.0 }
+    }
 }
 
 /// The nodes near walls, and buffers for their values.
@@ -117,6 +138,7 @@ impl Walls {
             }
             face.contact.clear();
             face.contact.resize(face.triples.len(), false);
+            face.find_images::<D>(walls, size);
         }
         self.momentum.resize(self.nodes.len(), [0.0; 4]);
         self.impulse.resize(self.nodes.len(), [0.0; 4]);
@@ -155,15 +177,18 @@ impl Walls {
         reaction
     }
 
-    /// Folds momentum and impulse at one wall after the other, divides by the mass, and mirrors velocities back to the nodes behind the walls. `held`: walls
-    /// that acted at the last acceleration act in any case.
+    /// Folds momentum and impulse at the walls, divides by the mass, and mirrors velocities back to the nodes behind the walls. `held`: walls that acted at
+    /// the last acceleration act in any case.
     fn fold(&mut self, reaction: &mut [[f64; 3]; 6], held: bool) {
         let (p, i) = (&mut self.momentum, &mut self.impulse);
-        for (face, reaction) in self.faces.iter_mut().zip(reaction) {
-            for ((triple, contact), pressed) in face.triples.iter().zip(&mut face.contact).zip(&face.pressed) {
-                let wall = (face.axis, face.sign, face.wall);
-                *contact = fold_one(wall, held && *pressed, *triple, p, i, reaction);
+        for (face, reaction) in self.faces.iter_mut().zip(&mut *reaction).filter(|(face, _)| !face.rubs()) {
+            for triple in &face.triples {
+                face.hold(*triple, p, i, reaction);
             }
+            face.contact.fill(true);
+        }
+        if self.faces.iter().any(WallPlane::rubs) {
+            friction::rub(&mut self.faces, p, i, reaction, held);
         }
         for (p, i) in p.iter_mut().zip(i.iter_mut()) {
             let m = p[3];
@@ -179,12 +204,14 @@ impl Walls {
                 }
             }
         }
-        for face in self.faces.iter().rev() {
+        // against the order of folding: what lies behind two walls is the image of an image
+        let rubs = |face: &&WallPlane| face.rubs();
+        let backwards = self.faces.iter().rev();
+        for face in backwards.clone().filter(rubs).chain(backwards.filter(|face| !rubs(face))) {
             for (&[behind, _, before], _) in face.triples.iter().zip(&face.contact).filter(|(_, contact)| **contact) {
                 if behind != NONE && before != NONE {
                     for a in 0..3 {
-                        let odd = a == face.axis || face.wall == GridWall::Stick;
-                        let mirrored = |x: f64| if odd { 0.0 - x } else { x };
+                        let mirrored = |x: f64| if face.parity(a) < 0.0 { 0.0 - x } else { x };
                         p[behind as usize][a] = mirrored(p[before as usize][a]);
                         i[behind as usize][a] = mirrored(i[before as usize][a]);
                     }
@@ -195,63 +222,45 @@ impl Walls {
 
     /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
-        let faces: usize = self.faces.iter().map(|f| 36 * f.triples.capacity()).sum();
+        let faces: usize =
+            self.faces.iter().map(|f| 36 * f.triples.capacity() + 8 * (f.push.capacity() + f.images.capacity())).sum();
         faces + 4 * (self.nodes.capacity() + self.place.capacity()) + 32 * (self.momentum.capacity() + self.impulse.capacity())
     }
 }
 
-/// Folds three nodes in a row across a wall, if the wall acts: always for walls that hold the material, for friction if it has to push or `held` is true.
-/// Adds the impulse of the wall to `reaction`; returns whether the wall acts.
-#[inline(always)]
-fn fold_one(
-    (axis, sign, wall): (usize, f64, GridWall),
-    held: bool,
-    [behind, on, before]: Triple,
-    p: &mut [[f64; 4]],
-    i: &mut [[f64; 4]],
-    reaction: &mut [f64; 3],
-) -> bool {
-    let on = on as usize;
-    let (p_behind, i_behind) = if behind == NONE { ([0.0; 4], [0.0; 4]) } else { (p[behind as usize], i[behind as usize]) };
-    // impulse that the wall must give so that nothing passes: minus the sum over the node on the plane and, twice with its image, the node behind
-    let needed = |a: usize| 0.0 - (i[on][a] + 2.0 * i_behind[a]);
-    let pushes = sign * (needed(axis) - (p[on][axis] + 2.0 * p_behind[axis])) > 0.0;
-    if let GridWall::Friction { .. } = wall
-        && !(pushes || held)
-    {
-        return false;
+impl WallPlane {
+    /// Folds three nodes in a row across a wall that holds the material. Adds the impulse of the wall to `reaction`.
+    #[inline(always)]
+    fn hold(&self, triple: Triple, p: &mut [[f64; 4]], i: &mut [[f64; 4]], reaction: &mut [f64; 3]) {
+        let on = triple[1] as usize;
+        let given = needed(triple, i);
+        self.mirror(triple, p, i);
+        for a in (0..3).filter(|&a| self.parity(a) < 0.0) {
+            reaction[a] += given[a];
+            (p[on][a], i[on][a]) = (0.0, 0.0);
+        }
     }
-    let given: [f64; 3] = std::array::from_fn(needed);
-    reaction[axis] += given[axis];
-    if behind != NONE && before != NONE {
+
+    /// Adds what the node behind the wall has, mirrored, to the node in front of it.
+    #[inline(always)]
+    fn mirror(&self, [behind, _, before]: Triple, p: &mut [[f64; 4]], i: &mut [[f64; 4]]) {
+        if behind == NONE || before == NONE {
+            return;
+        }
+        let (p_behind, i_behind) = (p[behind as usize], i[behind as usize]);
         let before = before as usize;
         for a in 0..3 {
-            let s = if a == axis || wall == GridWall::Stick { -1.0 } else { 1.0 };
-            p[before][a] += s * p_behind[a];
-            i[before][a] += s * i_behind[a];
+            p[before][a] += self.parity(a) * p_behind[a];
+            i[before][a] += self.parity(a) * i_behind[a];
         }
         p[before][3] += p_behind[3];
         (p[behind as usize], i[behind as usize]) = ([0.0; 4], [0.0; 4]);
     }
-    (p[on][axis], i[on][axis]) = (0.0, 0.0);
-    match wall {
-        GridWall::Stick => {
-            for a in (0..3).filter(|&a| a != axis) {
-                reaction[a] += given[a];
-                (p[on][a], i[on][a]) = (0.0, 0.0);
-            }
-        }
-        GridWall::Friction { friction } if friction > 0.0 => {
-            let limit = friction * (sign * given[axis]).max(0.0);
-            let along: [f64; 3] = std::array::from_fn(|a| p[on][a] + i[on][a]);
-            let size = (along[0] * along[0] + along[1] * along[1] + along[2] * along[2]).sqrt();
-            let kept = if size > limit { 1.0 - limit / size } else { 0.0 };
-            for a in (0..3).filter(|&a| a != axis) {
-                reaction[a] += along[a] * kept - along[a];
-                i[on][a] = along[a] * kept - p[on][a];
-            }
-        }
-        _ => {}
-    }
-    true
+}
+
+/// Impulse that a wall must give so that nothing passes: minus the sum over the node on the plane and, twice with its image, the node behind.
+#[inline(always)]
+fn needed([behind, on, _]: Triple, i: &[[f64; 4]]) -> [f64; 3] {
+    let i_behind = if behind == NONE { [0.0; 4] } else { i[behind as usize] };
+    std::array::from_fn(|a| 0.0 - (i[on as usize][a] + 2.0 * i_behind[a]))
 }

@@ -90,7 +90,9 @@ fn summary(model: &Model, progress: &Progress, work: &Workspace) -> Value {
     if model.physics.crush.is_some() {
         put("breakages", recorder.broken.summary());
     }
-    let growth = state.ledger.growth / state.walls.iter().map(|w| w.work).sum::<f64>().abs().max(f64::MIN_POSITIVE);
+    let of_walls = state.walls.iter().map(|w| w.work).sum::<f64>().abs();
+    // walls that do no work have no share: a grain that is thrown at one breaks by its own energy
+    let growth = if of_walls > 0.0 { state.ledger.growth / of_walls } else { 0.0 };
     if model.records.energy && model.physics.crush.as_ref().is_some_and(|crush| crush.keeps_mass) {
         put("growth_over_wall_work", json!(growth));
     }
