@@ -48,7 +48,7 @@ fn save(path: &Path, g: &Grains, materials: &[Material], walls: Option<CylinderS
     }
     let _ = writeln!(text, "# hash = {:016x}", checksum(&(text.clone() + &rows)));
     text += &rows;
-    std::fs::write(path, text).map_err(Error::write(path))
+    table::write(path, text).map_err(Error::write(path))
 }
 
 /// A text as a field of a CSV row: in quotes where it holds a comma, a quote or a line break.

@@ -185,7 +185,7 @@ fn prepared(model: &Model, rig: &MpmTest, mut begun: Begun, out: &Path, quiet: b
 /// # Errors
 /// Those of [`begin`]; a folder without a checkpoint, or one that cannot be used; a table that lacks rows.
 pub fn take_up(model: &Model, rig: &MpmTest, out: &Path, backend: Option<Backend>) -> Result<Begun> {
-    let mut progress: Progress = super::taken_up(out, |progress: &Progress| progress.check(model, rig))?;
+    let mut progress: Progress = super::taken_up(out, |progress: &Progress| progress.check(model, rig, out))?;
     progress.history.reopen(out, files::HISTORY)?;
     progress.blocks.reopen(out, blocks::TRACKS)?;
     progress.crushed.reopen(out)?;
@@ -248,8 +248,8 @@ impl Progress {
         self.grown.as_ref().zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth))
     }
 
-    /// Checks a progress that was read from a file: whether a run of `rig` can have written it.
-    fn check(&self, model: &Model, rig: &MpmTest) -> Checked {
+    /// Checks a progress that was read from a file: whether a run of `rig` in the folder `out` can have written it.
+    fn check(&self, model: &Model, rig: &MpmTest, out: &Path) -> Checked {
         match (&self.growing, &self.grown, &rig.growth) {
             (Some(growing), None, Some(growth)) => growing.check(model, rig, growth)?,
             (None, Some(grown), Some(_)) => grown.check()?,
@@ -258,7 +258,9 @@ impl Progress {
         }
         let own = self.own(model, rig);
         self.state.check(model, own.as_ref().unwrap_or(rig))?;
-        self.crushed.check(model, &self.state)?;
+        self.crushed.check(model, &self.state, out)?;
+        self.history.check(out, files::HISTORY)?;
+        self.blocks.check(out, blocks::TRACKS)?;
         self.used.check()?;
         check::not_negative("seconds", [self.seconds, self.user_seconds])
     }
@@ -352,7 +354,7 @@ fn instant(
         return Ok(());
     }
     let dir = out.join(files::SNAPSHOTS);
-    std::fs::create_dir_all(&dir).map_err(Error::write(&dir))?;
+    table::folder(&dir).map_err(Error::write(&dir))?;
     let step = state.continuum.steps();
     let touching = state.mixture.as_ref().map_or(Vec::new(), |m| contacts::of_mixture(m, &state.continuum));
     if let Some(mixture) = state.mixture.as_ref().filter(|_| model.records.contacts) {
@@ -362,16 +364,16 @@ fn instant(
     if !model.records.snapshots {
         return Ok(());
     }
-    let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
+    let failed = || vtk::VtkError::at(step);
     records::write_snapshot(&out.join(files::snapshot_name("step_", step)), facts, &state.continuum)?;
     snapshots.push((state.time, step));
-    vtk::write_collection(&out.join(files::COLLECTION), &files::listed(snapshots, "step_")).map_err(failed)?;
+    vtk::write_collection(&out.join(files::COLLECTION), &files::listed(snapshots, "step_")).map_err(failed())?;
     if let Some(mixture) = &state.mixture {
         let grains = &mixture.grains.grains;
         let stresses = contacts::mean_stresses(grains, &touching);
         let descent = |id| crushed.descent(model, grains, id);
         records::write_grains(&dir.join(format!("grains_{step:08}.vtp")), facts, step, grains, &stresses, descent)?;
-        vtk::write_collection(&out.join(files::GRAINS), &files::listed(snapshots, "grains_")).map_err(failed)?;
+        vtk::write_collection(&out.join(files::GRAINS), &files::listed(snapshots, "grains_")).map_err(failed())?;
     }
     if let Some(theirs) = state.blocks() {
         blocks::write_surfaces(&dir.join(format!("blocks_{step:08}.vtp")), facts, step, theirs)?;

@@ -169,8 +169,8 @@ struct Progress {
 }
 
 impl Progress {
-    /// Checks a progress that was read from a file: whether a run of `model` can have written it.
-    fn check(&self, model: &Model) -> Checked {
+    /// Checks a progress that was read from a file: whether a run of `model` in the folder `out` can have written it.
+    fn check(&self, model: &Model, out: &Path) -> Checked {
         let Progress { activity, state, files, steps, preparation_steps, grains_initial, range, grain_steps: _, seconds, .. } =
             self;
         check::counters("steps", &[*steps, *preparation_steps])?;
@@ -188,7 +188,7 @@ impl Progress {
             (Activity::Assembly, Rig::Assembly(rig)) => state.check(&model.physics, &assembly::start(model, rig)),
             _ => Err("it is of another kind of run".into()),
         }?;
-        files.check(model, state, *grains_initial)
+        files.check(model, state, *grains_initial, out)
     }
 }
 
@@ -305,7 +305,7 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
         let go_on = || continuum::go_on(&model, rig, begun, dir, options.quiet, options.stop_after);
         return released(in_pool(options.threads, go_on), dir, lock);
     }
-    let mut progress: Progress = taken_up(dir, |progress: &Progress| progress.check(&model))?;
+    let mut progress: Progress = taken_up(dir, |progress: &Progress| progress.check(&model, dir))?;
     progress.files.reopen(dir)?;
     let outcome = in_pool(options.threads, || Runner::new(&model, dir, progress, options.quiet)?.run_to_end(options.stop_after));
     released(outcome, dir, lock)
