@@ -301,3 +301,41 @@ fn a_free_scene_does_not_depend_on_its_lists() {
     };
     assert!(history("0.2") == history("0.5"), "history.csv differs");
 }
+
+/// A step ten times as long as the largest stable one, forced upon points, and upon points and a grain: what comes of it is noticed.
+#[test]
+fn a_forced_step_of_points_ends_the_run() {
+    for (scene, dt) in [("../mpm/column_collapse_2d", "1e-3"), ("../mixture/ball_impact", "4.6e-5")] {
+        let dt = format!("stepping.dt_s={dt}");
+        let sets = |more: &[&str]| -> Vec<String> { more.iter().map(|s| s.to_string()).chain([dt.clone()]).collect() };
+        told(&Run::new(scene, &sets(&["records.snapshots=false"])), 2, &["stepping.dt_s", "compression wave"]);
+        let run = Run::new(scene, &sets(&["records.snapshots=false", "stepping.above_bound=true"]));
+        assert_eq!(run.code, 3, "{scene}: {}", run.message);
+    }
+}
+
+/// Steps so short that a run would never end stop it at once, with who causes them.
+#[test]
+fn a_run_does_not_creep() {
+    for (scene, more) in [
+        ("../free/box_settling", "steps=100000"),
+        ("../mpm/column_collapse_2d", "records.snapshots=false"),
+        ("../mixture/rocks_drop", "records.snapshots=false"),
+    ] {
+        let run = Run::new(scene, &["stepping.safety=1e-15", more].map(String::from));
+        told(&run, 3, &["records.stop_at_step", "the run would never end", "stepping.safety"]);
+    }
+}
+
+/// Many steps of the points in a cycle let the transfer damp them: `check` says so, and only then.
+#[test]
+fn many_steps_in_a_cycle_are_doubted() {
+    let said = |steps: &str| {
+        let scene = Path::new(ROOT).join("experiments/mixture/triaxial_small.toml");
+        let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("comminute"));
+        let output = command.arg("check").arg(scene).args(["--set", steps]).output().expect("starts");
+        String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned()
+    };
+    assert!(!said("stepping.continuum_steps=1").contains("viscous"));
+    assert!(said("stepping.continuum_steps=10").contains("makes the points viscous"));
+}

@@ -228,6 +228,14 @@ pub fn write_points(path: &Path, rig: &MpmTest, points: &Points, start: Option<&
             1e3 * ((x - p[0]).powi(2) + (y - p[1]).powi(2) + (z - p[2]).powi(2)).sqrt()
         });
         let (p, q) = invariants(&s);
+        if !([x, y, z, volume, u, v, w, p, q].iter().all(|x| x.is_finite())) {
+            let what = format!(
+                "{}: place, volume, velocity or stress of point {} is not finite; nothing was written",
+                path.display(),
+                points.id[i]
+            );
+            return Err(Error::Unstable { step: 0, what, grain: None });
+        }
         let row = [x, y, z, volume, points.memory[i].plastic, 1e-3 * p, 1e-3 * q, u, v, w, moved].map(number).join(",");
         let _ = writeln!(text, "{},{row}", points.id[i]);
     }

@@ -48,6 +48,9 @@ struct Progress {
     seconds: f64,
     /// CPU time of the process in user mode, s.
     user_seconds: f64,
+    /// [`watch::first_step_of_points`].
+    #[serde(skip)]
+    first_step: f64,
 }
 
 /// A run that is set up and has not written any file.
@@ -65,8 +68,9 @@ pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
     let engine = used.engine(chosen, &mut state, model, rig)?;
     let (history, blocks) = (Table::new(files::HISTORY), Table::new(blocks::TRACKS));
     let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
-    let (growing, grown, [seconds, user_seconds]) = (None, None, [0.0; 2]);
-    let progress = Progress { state, growing, grown, used, recorder, history, blocks, crushed, snapshots, seconds, user_seconds };
+    let (growing, grown, [seconds, user_seconds, first_step]) = (None, None, [0.0; 3]);
+    let progress =
+        Progress { state, growing, grown, used, recorder, history, blocks, crushed, snapshots, seconds, user_seconds, first_step };
     Ok(Begun { progress, engine })
 }
 
@@ -211,6 +215,7 @@ pub fn go_on(model: &Model, rig: &MpmTest, begun: Begun, out: &Path, quiet: bool
 fn make_test(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let Begun { mut progress, mut engine } = begun;
     progress.crushed.open(model, rig);
+    progress.first_step = watch::first_step_of_points(model, rig);
     let mut beside = Beside::new(model, out, quiet, stop_after, &progress);
     let before = progress.grown.as_ref().map_or(0, |g| g.steps);
     let mut grains = progress.grains();
@@ -228,7 +233,8 @@ fn make_test(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool
                 // keep the records, and the points as they are now; those of a lost device are the points of the last record
                 let _ = engine.read_back(&mut progress.state, model);
                 progress.sync(out)?;
-                leave(model, rig, &progress.state, out)?;
+                // a state that cannot be written is not: what ended the run is told
+                let _ = leave(model, rig, &progress.state, out);
                 return Err(e);
             }
         }
@@ -267,8 +273,9 @@ impl Progress {
 
     /// One [`State::advance`], with the records that are due. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, out: &Path) -> Result<bool> {
-        let Progress { state, recorder, history, blocks, crushed, snapshots, .. } = self;
+        let Progress { state, recorder, history, blocks, crushed, snapshots, first_step, .. } = self;
         let advanced = state.advance(model, rig, engine, |state, engine| {
+            watch::slow_points(model, state, *first_step)?;
             let due = recorder.due(rig, state);
             if due.row {
                 engine.read_back(state, model)?;
@@ -293,6 +300,7 @@ impl Progress {
         let steps = state.continuum.steps();
         if done || steps.is_multiple_of(LOOK) {
             self.watch(model)?;
+            watch::kinetic_of_points(rig, &self.state)?;
         }
         Ok(done)
     }
@@ -497,6 +505,10 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
         put("grain_steps", json!(mixture.cycle.rates.grains));
         put("continuum_steps", json!(mixture.cycle.rates.continuum));
         put("outside_of_the_method", json!(crate::model::validity::warnings(&model.physics, rig)));
+    }
+    let of_points = state.mixture.as_ref().map_or(1.0, |m| f64::from(m.cycle.rates.continuum));
+    if let Some(doubt) = crate::model::validity::viscous(rig, state.dt / of_points) {
+        put("viscous", json!(doubt));
     }
     put("void_ratio_final", json!(r.void_ratio));
     put("largest_plastic_strain", json!(r.plastic));

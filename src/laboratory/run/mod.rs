@@ -382,6 +382,8 @@ struct Runner<'a> {
     bar: Bar,
     started: Instant,
     last_checkpoint: Instant,
+    /// [`watch::first_step_of_grains`].
+    first_step: f64,
 }
 
 impl<'a> Runner<'a> {
@@ -390,7 +392,16 @@ impl<'a> Runner<'a> {
         progress.files.open(out, model, specimen)?;
         let work = fresh_work(model, &mut progress.state);
         let now = Instant::now();
-        Ok(Runner { model, out, progress, work, bar: Bar::new(quiet), started: now, last_checkpoint: now })
+        Ok(Runner {
+            model,
+            out,
+            progress,
+            work,
+            bar: Bar::new(quiet),
+            started: now,
+            last_checkpoint: now,
+            first_step: watch::first_step_of_grains(model),
+        })
     }
 
     fn run_to_end(mut self, stop_after: Option<u64>) -> Result<Outcome> {
@@ -443,7 +454,7 @@ impl<'a> Runner<'a> {
 
     /// One step of the present stage. True when the run is done.
     fn advance(&mut self) -> Result<bool> {
-        let Runner { model, out, progress, work, .. } = self;
+        let Runner { model, out, progress, work, first_step, .. } = self;
         let Progress { activity, state, files, .. } = progress;
         progress.steps += 1;
         match (activity, &model.rig) {
@@ -472,6 +483,7 @@ impl<'a> Runner<'a> {
                 let last = assembly::done(rig, state);
                 assembly::advance(model, state, work, |state, work| {
                     watch::step(model, rig, state, work)?;
+                    watch::slow_grains(model, state, work, *first_step)?;
                     files.observe_assembly(out, model, rig, state, work, last)
                 })?;
                 files.breakages(out, &work.breakages, state, None)?;
