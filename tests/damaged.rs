@@ -461,6 +461,27 @@ fn forged(kind: &Kind, how: &str, dir: &Path, rng: &mut ChaCha8Rng) -> (Outcome,
     outcome(output(&mut comminute("resume", dir, &["--stop-after", &stop])))
 }
 
+/// A checkpoint that states a length of a table which falls into a row is passed over: the table stays as it is.
+#[test]
+fn a_table_is_not_cut_inside_of_a_row() {
+    let kind = &KINDS[6];
+    let dir = folder().join("row");
+    copy(&kind.base().stopped, &dir);
+    let bytes = kind.checkpoint();
+    let (line, mut content) = opened(&bytes);
+    let table = fs::read(dir.join("history.csv")).expect("a table");
+    let (whole, shorter) = (varint(table.len() as u64), varint(table.len() as u64 - 1));
+    let places = content.windows(whole.len()).filter(|w| *w == whole).count();
+    assert!(whole.len() == shorter.len() && places == 1, "{places} places hold {} bytes", table.len());
+    let at = content.windows(whole.len()).position(|w| w == whole).expect("the length");
+    content[at..at + whole.len()].copy_from_slice(&shorter);
+    fs::write(dir.join("checkpoint.bin"), closed(line, &content, &dir)).expect("forged");
+    let stop = (kind.stops[0] + 1).to_string();
+    let (outcome, said) = outcome(output(&mut comminute("resume", &dir, &["--stop-after", &stop])));
+    assert_eq!(outcome, Outcome::Recovered, "{said}");
+    assert!(said.contains("history.csv would be cut inside of a row"), "{said}");
+}
+
 /// Numbers of outcomes by kind of run and way of damage.
 type Counts = BTreeMap<(usize, &'static str, &'static str), BTreeMap<Outcome, u64>>;
 

@@ -188,3 +188,49 @@ fn check_makes_nothing_of_what_it_estimates() {
         assert!(said(&output).contains(says), "{scene} {sets}: {}", said(&output));
     }
 }
+
+/// Links that stand in a run's folder under the names of files which are still to be written lead to no other place: each is refused by its name, and once
+/// it is gone the run goes on.
+#[test]
+#[cfg(unix)]
+fn no_file_is_written_through_a_link() {
+    let dir = tempfile::tempdir().expect("folder");
+    let (whole, out, victim) = (dir.path().join("whole"), dir.path().join("run"), dir.path().join("victim"));
+    let more = ["--set", "records.contacts=true", "--set", "steps=600"].map(String::from);
+    assert!(call(&[&arguments(&whole)[..], &more].concat()).status.success());
+    let first = [&arguments(&out)[..], &more, &["--stop-after".to_string(), "300".into()]].concat();
+    assert_eq!(call(&first).status.code(), Some(130));
+    let of = |folder: &Path| -> Vec<String> {
+        let names = folder.read_dir().expect("folder").map(|e| e.expect("entry").file_name().into_string().expect("a name"));
+        names.collect()
+    };
+    let already = of(&out.join("snapshots"));
+    let snapshots = of(&whole.join("snapshots")).into_iter().filter(|name| !already.contains(name));
+    let mut names: Vec<String> = snapshots.map(|name| format!("snapshots/{name}")).collect();
+    assert!(names.len() >= 3, "contacts, grains and walls: {names:?}");
+    names.push("grains_final.csv".into());
+    let resume = ["resume".into(), out.display().to_string(), "--quiet".into()];
+    std::fs::write(&victim, "of somebody else").expect("written");
+    for name in names {
+        let link = out.join(&name);
+        // a call that was refused later may have written it
+        let _ = std::fs::remove_file(&link);
+        std::os::unix::fs::symlink(&victim, &link).expect("link");
+        let refused = call(&resume);
+        let told = said(&refused);
+        assert_eq!(refused.status.code(), Some(1), "{name}: {told}");
+        assert!(told.contains(&name) && told.contains("symbolic link"), "{name}: {told}");
+        assert_eq!(std::fs::read_to_string(&victim).expect("kept"), "of somebody else");
+        std::fs::remove_file(&link).expect("removed");
+    }
+    // nor through a folder
+    let (elsewhere, snapshots) = (dir.path().join("elsewhere"), out.join("snapshots"));
+    std::fs::rename(&snapshots, &elsewhere).expect("moved");
+    std::os::unix::fs::symlink(&elsewhere, &snapshots).expect("link");
+    assert!(said(&call(&resume)).contains("symbolic link"));
+    std::fs::remove_file(&snapshots).expect("removed");
+    std::fs::rename(&elsewhere, &snapshots).expect("back");
+    let resumed = call(&resume);
+    assert!(resumed.status.success(), "{}", said(&resumed));
+    assert!(records(&out) == records(&whole));
+}

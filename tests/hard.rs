@@ -91,6 +91,21 @@ struct Case {
     check: fn(&Run) -> String,
 }
 
+/// Asserts that no table of a run, finished or broken, holds a number that is not finite. Cells that have no value are empty. (Snapshots check themselves as they are
+/// written, and JSON has no such numbers.)
+#[track_caller]
+fn finite(run: &Path) {
+    let folders = [run.to_path_buf(), run.join("snapshots")];
+    let files = folders.iter().flat_map(|folder| folder.read_dir().into_iter().flatten().flatten()).map(|entry| entry.path());
+    for path in files.filter(|path| path.extension().is_some_and(|ending| ending == "csv")) {
+        let text = std::fs::read_to_string(&path).expect("a table");
+        for (k, line) in text.lines().enumerate().filter(|(_, line)| !line.starts_with('#')) {
+            let wrong = line.split(',').find(|cell| cell.parse::<f64>().is_ok_and(|x| !x.is_finite()));
+            assert_eq!(wrong, None, "{}, line {}", path.display(), k + 1);
+        }
+    }
+}
+
 /// Replaces the words for `n` cycles of unloading and reloading, and for the points of a spinning bar, `4 n` across, by the lists that they stand for.
 fn set(text: &str) -> Vec<String> {
     let number = |n: &str| n.parse::<usize>().expect("number");
@@ -125,10 +140,7 @@ fn check(case: &Case, long: bool) -> [String; 4] {
         code => panic!("{}: exit {code}", case.name),
     };
     // nothing that a run leaves may be nonsense
-    if run.path().join("history.csv").exists() {
-        let text = std::fs::read_to_string(run.path().join("history.csv")).expect("a table");
-        assert!(!text.contains("inf"), "{}: an infinite number in history.csv", case.name);
-    }
+    finite(&run.path());
     [case.name.replace('_', " "), format!("{}.toml", case.scene), outcome.into(), found]
 }
 
@@ -390,4 +402,46 @@ fn a_free_scene_does_not_depend_on_its_lists() {
         std::fs::read(run.path().join("history.csv")).expect("a table")
     };
     assert!(history("0.2") == history("0.5"), "history.csv differs");
+}
+
+/// A step ten times as long as the largest stable one, forced upon points, and upon points and a grain: what comes of it is noticed.
+#[test]
+fn a_forced_step_of_points_ends_the_run() {
+    for (scene, dt) in [("../mpm/column_collapse_2d", "1e-3"), ("../mixture/ball_impact", "4.6e-5")] {
+        let dt = format!("stepping.dt_s={dt}");
+        let sets = |more: &[&str]| -> Vec<String> { more.iter().map(|s| s.to_string()).chain([dt.clone()]).collect() };
+        told(&Run::new(scene, &sets(&["records.snapshots=false"])), 2, &["stepping.dt_s", "compression wave"]);
+        let run = Run::new(scene, &sets(&["records.snapshots=false", "stepping.above_bound=true"]));
+        assert_eq!(run.code, 3, "{scene}: {}", run.message);
+        finite(&run.path());
+    }
+    // some two times too long: nothing flies away, but there is energy that nobody gave
+    let run = Run::new("../mixture/ball_impact", &["stepping.dt_s=1.2e-5", "stepping.above_bound=true"].map(String::from));
+    told(&run, 3, &["kinetic energy of points and grains", "ever given", "fastest point"]);
+}
+
+/// Steps so short that a run would never end stop it at once, with who causes them.
+#[test]
+fn a_run_does_not_creep() {
+    for (scene, more) in [
+        ("../free/box_settling", "steps=100000"),
+        ("../mpm/column_collapse_2d", "records.snapshots=false"),
+        ("../mixture/rocks_drop", "records.snapshots=false"),
+    ] {
+        let run = Run::new(scene, &["stepping.safety=1e-15", more].map(String::from));
+        told(&run, 3, &["records.stop_at_step", "the run would never end", "stepping.safety"]);
+    }
+}
+
+/// Many steps of the points in a cycle let the transfer damp them: `check` says so, and only then.
+#[test]
+fn many_steps_in_a_cycle_are_doubted() {
+    let said = |steps: &str| {
+        let scene = Path::new(ROOT).join("experiments/mixture/triaxial_small.toml");
+        let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("comminute"));
+        let output = command.arg("check").arg(scene).args(["--set", steps]).output().expect("starts");
+        String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned()
+    };
+    assert!(!said("stepping.continuum_steps=1").contains("viscous"));
+    assert!(said("stepping.continuum_steps=10").contains("makes the points viscous"));
 }

@@ -294,6 +294,8 @@ pub struct Records {
     pub stop_without_voids: bool,
     /// Overlap of two grains over the radius of the smaller, -, at which the run ends.
     pub stop_at_overlap: f64,
+    /// Time step over the stable one at the start, -, below which the run ends.
+    pub stop_at_step: f64,
     /// Whether the energy ledger is kept.
     pub energy: bool,
     /// Whether ParaView snapshots are written with every gradation.

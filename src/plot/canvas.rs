@@ -68,7 +68,7 @@ impl Canvas {
     /// Writes `dir/name.svg` and `dir/name.png`.
     pub fn write(&self, dir: &Path, name: &str) -> Result<[std::path::PathBuf; 2]> {
         let svg = dir.join(format!("{name}.svg"));
-        std::fs::write(&svg, self.svg(&svg)?).map_err(|e| FigureError::io(&svg, e))?;
+        table::write(&svg, self.svg(&svg)?).map_err(|e| FigureError::io(&svg, e))?;
         let png = dir.join(format!("{name}.png"));
         self.png(&png)?;
         Ok([svg, png])
@@ -122,7 +122,7 @@ impl Canvas {
             }
         }
         let coarse = average(&fine, w, h);
-        let file = std::fs::File::create(path).map_err(|e| FigureError::draw(path, e))?;
+        let file = table::create(path).map_err(|e| FigureError::draw(path, e))?;
         let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), w as u32, h as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder

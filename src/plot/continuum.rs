@@ -259,10 +259,10 @@ pub fn draw_points(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
         key: Key::Field { name: what.into(), lo: 0.0, hi },
     };
     let (canvas, csv) = picture(run, &views, &tones, hi, 0.5 * spacing);
-    std::fs::create_dir_all(out).map_err(|e| FigureError::io(out, e))?;
+    table::folder(out).map_err(|e| FigureError::io(out, e))?;
     let mut files = canvas.write(out, "points")?.to_vec();
     let path = out.join("points.csv");
-    std::fs::write(&path, format!("view,x_m,height_m,{column}\n{csv}")).map_err(|e| FigureError::io(&path, e))?;
+    table::write(&path, format!("view,x_m,height_m,{column}\n{csv}")).map_err(|e| FigureError::io(&path, e))?;
     files.push(path);
     Ok(files)
 }

@@ -183,10 +183,10 @@ pub fn draw(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
         return Ok(Vec::new());
     }
     let (canvas, csv) = picture(run, &instants);
-    std::fs::create_dir_all(out).map_err(|e| FigureError::io(out, e))?;
+    table::folder(out).map_err(|e| FigureError::io(out, e))?;
     let mut files = canvas.write(out, "force_chains")?.to_vec();
     let path = out.join("force_chains.csv");
-    std::fs::write(&path, csv).map_err(|e| FigureError::io(&path, e))?;
+    table::write(&path, csv).map_err(|e| FigureError::io(&path, e))?;
     files.push(path);
     Ok(files)
 }

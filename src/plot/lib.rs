@@ -64,10 +64,10 @@ pub fn draw_run(dir: &Path) -> Result<Vec<PathBuf>> {
         std::fs::remove_dir_all(&drawing).map_err(|e| FigureError::io(&drawing, e))?;
     }
     let fresh = draw_records(dir, &drawing)?;
-    std::fs::create_dir_all(&out).map_err(|e| FigureError::io(&out, e))?;
+    ::table::folder(&out).map_err(|e| FigureError::io(&out, e))?;
     let names: Vec<_> = fresh.iter().filter_map(|path| path.file_name()).collect();
     let lines: String = names.iter().map(|name| format!("{}\n", name.display())).collect();
-    std::fs::write(out.join(DRAWN), lines).map_err(|e| FigureError::io(&out, e))?;
+    ::table::write(out.join(DRAWN), lines).map_err(|e| FigureError::io(&out, e))?;
     let files: Vec<PathBuf> = names.iter().map(|name| out.join(name)).collect();
     for (from, to) in fresh.iter().zip(&files) {
         std::fs::rename(from, to).map_err(|e| FigureError::io(to, e))?;

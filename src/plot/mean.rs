@@ -46,9 +46,9 @@ pub fn write(dirs: &[PathBuf], out: &Path) -> Result<Option<PathBuf>> {
             text.push('\n');
         }
     }
-    std::fs::create_dir_all(out).map_err(|e| FigureError::io(out, e))?;
+    table::folder(out).map_err(|e| FigureError::io(out, e))?;
     let path = out.join("mean.csv");
-    std::fs::write(&path, text).map_err(|e| FigureError::io(&path, e))?;
+    table::write(&path, text).map_err(|e| FigureError::io(&path, e))?;
     Ok(Some(path))
 }
 

@@ -104,10 +104,10 @@ impl Plot {
         let Some(canvas) = self.canvas() else {
             return Ok(Vec::new());
         };
-        std::fs::create_dir_all(dir).map_err(|e| FigureError::io(dir, e))?;
+        table::folder(dir).map_err(|e| FigureError::io(dir, e))?;
         let mut out = canvas.write(dir, &self.name)?.to_vec();
         let csv = dir.join(format!("{}.csv", self.name));
-        std::fs::write(&csv, self.csv()).map_err(|e| FigureError::io(&csv, e))?;
+        table::write(&csv, self.csv()).map_err(|e| FigureError::io(&csv, e))?;
         out.push(csv);
         Ok(out)
     }

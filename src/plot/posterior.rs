@@ -143,7 +143,7 @@ pub fn draw_convergence(inputs: &[Input], runs: &[f64], quantiles: &[Vec<[f64; 3
             rows += &format!("{},{n},{low},{middle},{high}\n", super::plot::quoted(&input.name));
         }
     }
-    std::fs::create_dir_all(out).map_err(|e| FigureError::io(out, e))?;
+    table::folder(out).map_err(|e| FigureError::io(out, e))?;
     let mut files = canvas.write(out, "convergence")?.to_vec();
     files.push(table(out, "convergence", &rows)?);
     Ok(files)
@@ -220,7 +220,7 @@ pub fn draw_corner(inputs: &[Input], draws: &[Vec<f64>], out: &Path) -> Result<V
             }
         }
     }
-    std::fs::create_dir_all(out).map_err(|e| FigureError::io(out, e))?;
+    table::folder(out).map_err(|e| FigureError::io(out, e))?;
     let mut files = canvas.write(out, "corner")?.to_vec();
     let header: Vec<&str> = inputs.iter().map(|p| p.name.as_str()).collect();
     let rows = draws.iter().map(|v| v.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n");
@@ -230,7 +230,7 @@ pub fn draw_corner(inputs: &[Input], draws: &[Vec<f64>], out: &Path) -> Result<V
 
 fn table(out: &Path, name: &str, text: &str) -> Result<PathBuf> {
     let path = out.join(format!("{name}.csv"));
-    std::fs::write(&path, text).map_err(|e| FigureError::io(&path, e))?;
+    table::write(&path, text).map_err(|e| FigureError::io(&path, e))?;
     Ok(path)
 }
 
@@ -373,7 +373,7 @@ pub fn draw_sensitivity(names: &[String], first: &[f64], total: &[f64], out: &Pa
         at += 130.0 + room(label, 42.0);
     }
     canvas.line(&[(left, top), (left, bottom)], GREY, 3.0, &[]);
-    std::fs::create_dir_all(out).map_err(|e| FigureError::io(out, e))?;
+    table::folder(out).map_err(|e| FigureError::io(out, e))?;
     let mut files = canvas.write(out, "sensitivity")?.to_vec();
     let rows = names.iter().zip(first).zip(total).map(|((n, a), b)| format!("{},{a},{b}\n", super::plot::quoted(n)));
     files.push(table(out, "sensitivity", &format!("name,alone,with_others\n{}", rows.collect::<String>()))?);

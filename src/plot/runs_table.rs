@@ -67,7 +67,7 @@ pub fn write(dirs: &[PathBuf], out: &Path) -> Result<Option<PathBuf>> {
     let mut body = line("run", &|k| COLUMNS[k].0.to_string());
     rows.iter().for_each(|(name, row)| body += &line(name, &|k| row[k].clone()));
     let path = out.join("runs.csv");
-    std::fs::write(&path, body).map_err(|e| FigureError::io(&path, e))?;
+    table::write(&path, body).map_err(|e| FigureError::io(&path, e))?;
     Ok(Some(path))
 }
 

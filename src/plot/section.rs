@@ -144,10 +144,10 @@ pub fn draw(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
         key: Key::Field { name: what.into(), lo: 0.0, hi },
     };
     let (canvas, csv) = picture(run, &cuts, &tones, (y, hi))?;
-    std::fs::create_dir_all(out).map_err(|e| FigureError::io(out, e))?;
+    table::folder(out).map_err(|e| FigureError::io(out, e))?;
     let mut files = canvas.write(out, "section")?.to_vec();
     let path = out.join("section.csv");
-    std::fs::write(&path, format!("panel,body,x_m,z_m,edge_or_radius_m,{column}\n{csv}")).map_err(|e| FigureError::io(&path, e))?;
+    table::write(&path, format!("panel,body,x_m,z_m,edge_or_radius_m,{column}\n{csv}")).map_err(|e| FigureError::io(&path, e))?;
     files.push(path);
     Ok(files)
 }

@@ -169,10 +169,10 @@ pub fn draw(run: &Run, colouring: &Colouring, out: &Path) -> Result<Vec<PathBuf>
     };
     let tones = Tones::of(&specimens, colouring);
     let (canvas, csv) = picture(run, &specimens, &tones)?;
-    std::fs::create_dir_all(out).map_err(|e| FigureError::io(out, e))?;
+    table::folder(out).map_err(|e| FigureError::io(out, e))?;
     let mut files = canvas.write(out, &name)?.to_vec();
     let path = out.join(format!("{name}.csv"));
-    std::fs::write(&path, csv).map_err(|e| FigureError::io(&path, e))?;
+    table::write(&path, csv).map_err(|e| FigureError::io(&path, e))?;
     files.push(path);
     Ok(files)
 }

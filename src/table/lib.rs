@@ -6,7 +6,7 @@ pub mod old_names;
 
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// A table could not be written.
@@ -144,6 +144,24 @@ impl Table {
         Ok(())
     }
 
+    /// Checks the length of a table from a checkpoint, whose file is `name` in `dir`: the file is cut back to it, so that a row must end there. A
+    /// file that is too short or cannot be read is left to [`Table::reopen`].
+    ///
+    /// # Errors
+    /// A length that falls into a row, in words.
+    pub fn check(&self, dir: &Path, name: &str) -> Result<(), String> {
+        let before = || {
+            let mut file = File::open(dir.join(name)).ok()?;
+            file.seek(SeekFrom::Start(self.length.checked_sub(1)?)).ok()?;
+            let mut byte = [0];
+            file.read_exact(&mut byte).ok().map(|()| byte)
+        };
+        match before() {
+            Some(byte) if byte != *b"\n" => Err(format!("{name} would be cut inside of a row, after {} bytes", self.length)),
+            _ => Ok(()),
+        }
+    }
+
     /// Opens the file in `dir`, and cuts it back to the known length.
     fn writer(&mut self, dir: &Path) -> Result<&mut (PathBuf, BufWriter<File>), WriteError> {
         if self.open.is_none() {
@@ -154,7 +172,7 @@ impl Table {
             let file = options.open(&path).map_err(WriteError::of(&path))?;
             file.set_len(self.length).map_err(WriteError::of(&path))?;
             let mut writer = BufWriter::new(file);
-            std::io::Seek::seek(&mut writer, std::io::SeekFrom::End(0)).map_err(WriteError::of(&path))?;
+            writer.seek(SeekFrom::End(0)).map_err(WriteError::of(&path))?;
             self.open = Some((path, writer));
         }
         Ok(self.open.as_mut().expect("just opened"))
@@ -214,6 +232,32 @@ pub fn no_link(path: &Path) -> std::io::Result<()> {
     }
 }
 
+/// Makes the empty file `path`, or empties it. Every file of a run that is not a [`Table`] is made here.
+///
+/// # Errors
+/// A symbolic link, which is not followed; a file that cannot be written.
+pub fn create(path: &Path) -> std::io::Result<File> {
+    no_link(path)?;
+    File::create(path)
+}
+
+/// Writes the file `path` as [`create`] makes it.
+///
+/// # Errors
+/// Those of [`create`].
+pub fn write(path: impl AsRef<Path>, text: impl AsRef<[u8]>) -> std::io::Result<()> {
+    create(path.as_ref())?.write_all(text.as_ref())
+}
+
+/// Makes the folder `path` where it is missing.
+///
+/// # Errors
+/// A symbolic link, which is not followed; a folder that cannot be made.
+pub fn folder(path: &Path) -> std::io::Result<()> {
+    no_link(path)?;
+    std::fs::create_dir_all(path)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -248,6 +292,11 @@ mod tests {
         table.flush(dir.path()).expect("flush");
         drop(table);
         let mut again: Table = postcard::from_bytes(&saved).expect("load");
+        again.check(dir.path(), "t.csv").expect("the end of a row");
+        again.length -= 1;
+        let told = again.check(dir.path(), "t.csv").expect_err("inside of a row");
+        assert!(told.contains("t.csv would be cut inside of a row"), "{told}");
+        again.length += 1;
         again.reopen(dir.path(), "t.csv").expect("whole");
         again.push(dir.path(), &row(3)).expect("row");
         again.flush(dir.path()).expect("flush");

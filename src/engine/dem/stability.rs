@@ -172,11 +172,20 @@ pub fn refresh(physics: &Physics, state: &mut State, work: &mut Workspace) {
 /// Largest stable step, s, of grains with their real masses if all contacts were `margin` times as stiff as they are: min_i 2/ω_i with the bound above,
 /// infinite without contacts.
 pub fn largest_step(physics: &Physics, state: &State, work: &Workspace, margin: f64) -> f64 {
-    let of = |i: usize| {
-        let k = stiffness(i, physics, state, &work.neighbours, &work.table);
-        if k > 0.0 { 2.0 * (state.grains.mass[i] / ((1.0 + state.damping) * k * margin)).sqrt() } else { f64::INFINITY }
-    };
+    let of = |i: usize| own_step(i, physics, state, work, margin);
     (0..state.grains.len()).into_par_iter().with_min_len(256).map(of).reduce(|| f64::INFINITY, f64::min)
+}
+
+/// Largest stable step, s, of grain `i` as in [`largest_step`].
+fn own_step(i: usize, physics: &Physics, state: &State, work: &Workspace, margin: f64) -> f64 {
+    let k = stiffness(i, physics, state, &work.neighbours, &work.table);
+    if k > 0.0 { 2.0 * (state.grains.mass[i] / ((1.0 + state.damping) * k * margin)).sqrt() } else { f64::INFINITY }
+}
+
+/// The grain whose contacts allow the shortest step; `None` without grains.
+pub fn slowest(physics: &Physics, state: &State, work: &Workspace) -> Option<usize> {
+    let of = |i: &usize| own_step(*i, physics, state, work, 1.0);
+    (0..state.grains.len()).min_by(|i, j| of(i).total_cmp(&of(j)))
 }
 
 /// Gives new inertial masses to the grains that need them. The ledger is updated in the order of identities, so that its sum has the same bits whatever

@@ -30,6 +30,8 @@ pub struct MpmTest {
     /// How the specimen is grown before the test. The grown points and grains then replace `points` and `coarse`, which only
     /// serve to size the grid and to estimate the run. `None`: the test starts from `points` and `coarse`.
     pub growth: Option<Growth>,
+    /// Whether a fixed time step may be above the largest stable one.
+    pub above_bound: bool,
     /// Rows of the history over the test, besides the first.
     pub rows: u32,
     /// Snapshots over the test, besides the first.

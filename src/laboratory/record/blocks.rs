@@ -1,8 +1,8 @@
 //! Records of rigid bodies that are no spheres: `blocks.csv` has a row for each body at every row of the history; snapshots have
 //! their surfaces.
 
-use super::vtk::{self, Fact, Field};
-use crate::error::{Error, Result};
+use super::vtk::{self, Fact, Field, VtkError};
+use crate::error::Result;
 use engine::math::vector::{dot, plus};
 use engine::rigid::Blocks;
 use std::path::Path;
@@ -64,5 +64,5 @@ pub fn write_surfaces(path: &Path, facts: &[Fact], step: u64, blocks: &Blocks) -
     }
     let field = |((name, components), values)| Field { name, components, values };
     let fields: Vec<Field> = names.into_iter().zip(values).map(field).collect();
-    vtk::write_surfaces(path, facts, &corners, &triangles, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+    vtk::write_surfaces(path, facts, &corners, &triangles, &fields).map_err(VtkError::at(step))
 }

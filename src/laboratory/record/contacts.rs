@@ -136,5 +136,5 @@ pub fn write(path: &Path, facts: &[Fact], grains: &Grains, walls: &[String], con
         let numbers = vectors.into_iter().flatten().chain([c.touch.overlap]).map(number).collect::<Vec<String>>().join(",");
         let _ = writeln!(text, "{},{kind},{name},{numbers}", grains.id[c.grain]);
     }
-    std::fs::write(path, text).map_err(Error::write(path))
+    table::write(path, text).map_err(Error::write(path))
 }

@@ -2,7 +2,7 @@
 //! snapshots. Compression is positive.
 
 use super::gradations::At;
-use super::vtk::{self, Fact, Field};
+use super::vtk::{self, Fact, Field, VtkError};
 use crate::error::{Error, Result};
 use crate::model::continuum::{Drainage, MpmTest, Test};
 use crate::rig::continuum::{GrainMeasures, Moment, Phase, State};
@@ -228,10 +228,18 @@ pub fn write_points(path: &Path, rig: &MpmTest, points: &Points, start: Option<&
             1e3 * ((x - p[0]).powi(2) + (y - p[1]).powi(2) + (z - p[2]).powi(2)).sqrt()
         });
         let (p, q) = invariants(&s);
+        if !([x, y, z, volume, u, v, w, p, q].iter().all(|x| x.is_finite())) {
+            let what = format!(
+                "{}: place, volume, velocity or stress of point {} is not finite; nothing was written",
+                path.display(),
+                points.id[i]
+            );
+            return Err(Error::Unstable { step: 0, what, grain: None });
+        }
         let row = [x, y, z, volume, points.memory[i].plastic, 1e-3 * p, 1e-3 * q, u, v, w, moved].map(number).join(",");
         let _ = writeln!(text, "{},{row}", points.id[i]);
     }
-    std::fs::write(path, text).map_err(Error::write(path))
+    table::write(path, text).map_err(Error::write(path))
 }
 
 /// Mean pressure and √(3 J2), Pa.
@@ -298,7 +306,7 @@ fn write_fields(path: &Path, facts: &[Fact], step: u64, order: &[u32], position:
     let places: Vec<[f64; 3]> = indices().map(|i| [position[i][0], position[i][1], position[i][2]]).collect();
     let field = |&(name, components, of): &Of| Field { name, components, values: indices().flat_map(of).collect() };
     let fields: Vec<Field> = fields.iter().map(field).collect();
-    vtk::write_points(path, facts, &places, &fields).map_err(|e| Error::Failed { step, what: e.to_string() })
+    vtk::write_points(path, facts, &places, &fields).map_err(VtkError::at(step))
 }
 
 /// Columns of the grains in a continuum.

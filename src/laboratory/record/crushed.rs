@@ -54,11 +54,13 @@ impl Default for Crushed {
 }
 
 impl Crushed {
-    /// Checks what a checkpoint says of breakages against its state.
+    /// Checks what a checkpoint says of breakages against its state, and its tables against the files in `out`.
     ///
     /// # Errors
     /// What is wrong, in words.
-    pub fn check(&self, model: &Model, state: &State) -> Checked {
+    pub fn check(&self, model: &Model, state: &State, out: &Path) -> Checked {
+        self.gsd.check(out, GSD)?;
+        self.breakage.check(out, BREAKAGE)?;
         let Some(mixture) = &state.mixture else { return lengths("breakages", 0, [self.broken.len()]) };
         let events = mixture.grains.crush_events as usize;
         lengths("breakages", events, [self.broken.len()])?;

@@ -29,6 +29,12 @@ pub fn write_final(path: &Path, state: &State, model: &Model, walls: Option<Cyli
 }
 
 fn save(path: &Path, g: &Grains, materials: &[Material], walls: Option<CylinderSpace>, moving: bool) -> Result<()> {
+    let whole =
+        |i: &u32| g.pos[*i as usize].iter().chain(&g.vel[*i as usize][..3]).chain(&g.spin[*i as usize][..3]).all(|x| x.is_finite());
+    if let Some(i) = g.by_id().iter().find(|i| !whole(i)) {
+        let what = format!("{}: place, radius or velocity of a grain is not finite; nothing was written", path.display());
+        return Err(Error::Unstable { step: 0, what, grain: Some(u64::from(g.id[*i as usize])) });
+    }
     let mut rows = String::from("x_m,y_m,z_m,r_m,generation,material");
     rows += if moving { ",vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s\n" } else { "\n" };
     for &i in &g.by_id() {
@@ -48,7 +54,7 @@ fn save(path: &Path, g: &Grains, materials: &[Material], walls: Option<CylinderS
     }
     let _ = writeln!(text, "# hash = {:016x}", checksum(&(text.clone() + &rows)));
     text += &rows;
-    std::fs::write(path, text).map_err(Error::write(path))
+    table::write(path, text).map_err(Error::write(path))
 }
 
 /// A text as a field of a CSV row: in quotes where it holds a comma, a quote or a line break.

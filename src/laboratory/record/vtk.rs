@@ -1,14 +1,13 @@
 //! Snapshots for ParaView: one `.vtp` file for each instant (VTK XML PolyData, one vertex for each grain or point, arrays
 //! appended as raw little-endian binary, stress and strain of the instant as field data), and one `.pvd` file that lists them.
 
+use crate::error::Error;
 use std::fmt::Write as _;
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
-use thiserror::Error;
+use std::path::{Path, PathBuf};
 
 /// Why a snapshot could not be written.
-#[derive(Debug, Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum VtkError {
     /// An array has a wrong number of values.
     #[error("{path}: snapshot array {array} has {have} values, {want} expected")]
@@ -22,14 +21,43 @@ pub enum VtkError {
         /// Number that the bodies of the snapshot need.
         want: usize,
     },
-    /// The file cannot be written.
-    #[error("{path}: {source}")]
-    Io {
+    /// A number is not finite.
+    #[error("{path}: {array} of entry {entry} is not finite; nothing was written")]
+    NotFinite {
         /// The file.
         path: String,
+        /// Name of the array.
+        array: &'static str,
+        /// Number of the body in the file, from 0.
+        entry: usize,
+    },
+    /// The file cannot be written.
+    #[error("{}: cannot write: {source}", .path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
         /// The system's reason.
         source: io::Error,
     },
+}
+
+impl VtkError {
+    /// The error of a run that met this one while it wrote a snapshot at step `step`.
+    pub fn at(step: u64) -> impl Fn(VtkError) -> Error {
+        move |error| match error {
+            VtkError::Io { path, source } => Error::Write { path, source },
+            VtkError::NotFinite { .. } => Error::Unstable { step, what: error.to_string(), grain: None },
+            VtkError::Length { .. } => Error::Failed { step, what: error.to_string() },
+        }
+    }
+}
+
+/// Checks that all numbers of an array are finite; `components`: numbers for each entry.
+fn finite(path: &Path, array: &'static str, components: usize, values: &[f64]) -> Result<(), VtkError> {
+    match values.iter().position(|x| !x.is_finite()) {
+        None => Ok(()),
+        Some(at) => Err(VtkError::NotFinite { path: path.display().to_string(), array, entry: at / components }),
+    }
 }
 
 /// A number that is noted in a snapshot: its name, which ends in the unit, and its value. Values that are not finite are left
@@ -85,7 +113,12 @@ impl SnapshotData {
                 return Err(VtkError::Length { path, array, have, want });
             }
         }
-        Ok(())
+        // a grain that cannot break has an infinite strength
+        finite(path, "Points", 3, self.position.as_flattened())?;
+        finite(path, "velocity", 3, self.velocity.as_flattened())?;
+        finite(path, "radius", 1, &self.radius)?;
+        finite(path, "force", 1, &self.force)?;
+        finite(path, "mean_stress_Pa", 1, &self.mean_stress)
     }
 }
 
@@ -111,10 +144,14 @@ pub struct Field {
     pub values: Vec<f64>,
 }
 
-/// Checks that every field has its numbers for each of `n` points.
+/// Checks that every field has its numbers, finite ones, for each of `n` points.
 fn check_fields(path: &Path, fields: &[Field], n: usize) -> Result<(), VtkError> {
     match fields.iter().find(|field| field.values.len() != n * field.components) {
-        None => Ok(()),
+        // a grain that cannot break has an infinite strength
+        None => fields
+            .iter()
+            .filter(|field| field.name != "strength_Pa")
+            .try_for_each(|field| finite(path, field.name, field.components, &field.values)),
         Some(field) => {
             let (path, array) = (path.display().to_string(), field.name);
             Err(VtkError::Length { path, array, have: field.values.len(), want: n * field.components })
@@ -129,6 +166,7 @@ fn check_fields(path: &Path, fields: &[Field], n: usize) -> Result<(), VtkError>
 pub fn write_points(path: &Path, facts: &[Fact], position: &[[f64; 3]], fields: &[Field]) -> Result<(), VtkError> {
     let n = position.len();
     check_fields(path, fields, n)?;
+    finite(path, "Points", 3, position.as_flattened())?;
     let mut arrays = Arrays::default();
     let mut xml = head(facts, n, n, 0) + "<PointData>\n";
     for field in fields {
@@ -152,6 +190,7 @@ pub fn write_surfaces(
 ) -> Result<(), VtkError> {
     let n = triangles.len();
     check_fields(path, fields, n)?;
+    finite(path, "Points", 3, corners.as_flattened())?;
     let mut arrays = Arrays::default();
     let mut xml = head(facts, corners.len(), 0, n) + "<CellData>\n";
     for field in fields {
@@ -181,7 +220,7 @@ pub fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Result<(), 
         let _ = writeln!(xml, "<DataSet timestep=\"{value}\" group=\"\" part=\"0\" file=\"{}\"/>", escape(name));
     }
     xml.push_str("</Collection>\n</VTKFile>\n");
-    std::fs::write(path, xml).map_err(|source| VtkError::Io { path: path.display().to_string(), source })
+    table::write(path, xml).map_err(|source| VtkError::Io { path: path.into(), source })
 }
 
 /// The binary arrays of a file, in the order of their offsets.
@@ -218,7 +257,7 @@ impl Arrays {
 
     fn write(&self, path: &Path, xml: &str) -> Result<(), VtkError> {
         let write = || -> io::Result<()> {
-            let mut out = BufWriter::new(File::create(path)?);
+            let mut out = BufWriter::new(table::create(path)?);
             out.write_all(xml.as_bytes())?;
             for blob in &self.blobs {
                 out.write_all(&(blob.len() as u64).to_le_bytes())?;
@@ -227,7 +266,7 @@ impl Arrays {
             out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?;
             out.flush()
         };
-        write().map_err(|source| VtkError::Io { path: path.display().to_string(), source })
+        write().map_err(|source| VtkError::Io { path: path.into(), source })
     }
 }
 

@@ -48,6 +48,9 @@ struct Progress {
     seconds: f64,
     /// CPU time of the process in user mode, s.
     user_seconds: f64,
+    /// [`watch::first_step_of_points`].
+    #[serde(skip)]
+    first_step: f64,
 }
 
 /// A run that is set up and has not written any file.
@@ -65,8 +68,9 @@ pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
     let engine = used.engine(chosen, &mut state, model, rig)?;
     let (history, blocks) = (Table::new(files::HISTORY), Table::new(blocks::TRACKS));
     let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
-    let (growing, grown, [seconds, user_seconds]) = (None, None, [0.0; 2]);
-    let progress = Progress { state, growing, grown, used, recorder, history, blocks, crushed, snapshots, seconds, user_seconds };
+    let (growing, grown, [seconds, user_seconds, first_step]) = (None, None, [0.0; 3]);
+    let progress =
+        Progress { state, growing, grown, used, recorder, history, blocks, crushed, snapshots, seconds, user_seconds, first_step };
     Ok(Begun { progress, engine })
 }
 
@@ -185,7 +189,7 @@ fn prepared(model: &Model, rig: &MpmTest, mut begun: Begun, out: &Path, quiet: b
 /// # Errors
 /// Those of [`begin`]; a folder without a checkpoint, or one that cannot be used; a table that lacks rows.
 pub fn take_up(model: &Model, rig: &MpmTest, out: &Path, backend: Option<Backend>) -> Result<Begun> {
-    let mut progress: Progress = super::taken_up(out, |progress: &Progress| progress.check(model, rig))?;
+    let mut progress: Progress = super::taken_up(out, |progress: &Progress| progress.check(model, rig, out))?;
     progress.history.reopen(out, files::HISTORY)?;
     progress.blocks.reopen(out, blocks::TRACKS)?;
     progress.crushed.reopen(out)?;
@@ -211,6 +215,7 @@ pub fn go_on(model: &Model, rig: &MpmTest, begun: Begun, out: &Path, quiet: bool
 fn make_test(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
     let Begun { mut progress, mut engine } = begun;
     progress.crushed.open(model, rig);
+    progress.first_step = watch::first_step_of_points(model, rig);
     let mut beside = Beside::new(model, out, quiet, stop_after, &progress);
     let before = progress.grown.as_ref().map_or(0, |g| g.steps);
     let mut grains = progress.grains();
@@ -228,7 +233,8 @@ fn make_test(model: &Model, rig: &MpmTest, out: &Path, begun: Begun, quiet: bool
                 // keep the records, and the points as they are now; those of a lost device are the points of the last record
                 let _ = engine.read_back(&mut progress.state, model);
                 progress.sync(out)?;
-                leave(model, rig, &progress.state, out)?;
+                // a state that cannot be written is not: what ended the run is told
+                let _ = leave(model, rig, &progress.state, out);
                 return Err(e);
             }
         }
@@ -248,8 +254,8 @@ impl Progress {
         self.grown.as_ref().zip(rig.growth.as_ref()).map(|(grown, growth)| grown.rig(model, rig, growth))
     }
 
-    /// Checks a progress that was read from a file: whether a run of `rig` can have written it.
-    fn check(&self, model: &Model, rig: &MpmTest) -> Checked {
+    /// Checks a progress that was read from a file: whether a run of `rig` in the folder `out` can have written it.
+    fn check(&self, model: &Model, rig: &MpmTest, out: &Path) -> Checked {
         match (&self.growing, &self.grown, &rig.growth) {
             (Some(growing), None, Some(growth)) => growing.check(model, rig, growth)?,
             (None, Some(grown), Some(_)) => grown.check()?,
@@ -258,15 +264,18 @@ impl Progress {
         }
         let own = self.own(model, rig);
         self.state.check(model, own.as_ref().unwrap_or(rig))?;
-        self.crushed.check(model, &self.state)?;
+        self.crushed.check(model, &self.state, out)?;
+        self.history.check(out, files::HISTORY)?;
+        self.blocks.check(out, blocks::TRACKS)?;
         self.used.check()?;
         check::not_negative("seconds", [self.seconds, self.user_seconds])
     }
 
     /// One [`State::advance`], with the records that are due. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, out: &Path) -> Result<bool> {
-        let Progress { state, recorder, history, blocks, crushed, snapshots, .. } = self;
+        let Progress { state, recorder, history, blocks, crushed, snapshots, first_step, .. } = self;
         let advanced = state.advance(model, rig, engine, |state, engine| {
+            watch::slow_points(model, state, *first_step)?;
             let due = recorder.due(rig, state);
             if due.row {
                 engine.read_back(state, model)?;
@@ -291,6 +300,7 @@ impl Progress {
         let steps = state.continuum.steps();
         if done || steps.is_multiple_of(LOOK) {
             self.watch(model)?;
+            watch::kinetic_of_points(rig, &self.state)?;
         }
         Ok(done)
     }
@@ -352,7 +362,7 @@ fn instant(
         return Ok(());
     }
     let dir = out.join(files::SNAPSHOTS);
-    std::fs::create_dir_all(&dir).map_err(Error::write(&dir))?;
+    table::folder(&dir).map_err(Error::write(&dir))?;
     let step = state.continuum.steps();
     let touching = state.mixture.as_ref().map_or(Vec::new(), |m| contacts::of_mixture(m, &state.continuum));
     if let Some(mixture) = state.mixture.as_ref().filter(|_| model.records.contacts) {
@@ -362,16 +372,16 @@ fn instant(
     if !model.records.snapshots {
         return Ok(());
     }
-    let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
+    let failed = || vtk::VtkError::at(step);
     records::write_snapshot(&out.join(files::snapshot_name("step_", step)), facts, &state.continuum)?;
     snapshots.push((state.time, step));
-    vtk::write_collection(&out.join(files::COLLECTION), &files::listed(snapshots, "step_")).map_err(failed)?;
+    vtk::write_collection(&out.join(files::COLLECTION), &files::listed(snapshots, "step_")).map_err(failed())?;
     if let Some(mixture) = &state.mixture {
         let grains = &mixture.grains.grains;
         let stresses = contacts::mean_stresses(grains, &touching);
         let descent = |id| crushed.descent(model, grains, id);
         records::write_grains(&dir.join(format!("grains_{step:08}.vtp")), facts, step, grains, &stresses, descent)?;
-        vtk::write_collection(&out.join(files::GRAINS), &files::listed(snapshots, "grains_")).map_err(failed)?;
+        vtk::write_collection(&out.join(files::GRAINS), &files::listed(snapshots, "grains_")).map_err(failed())?;
     }
     if let Some(theirs) = state.blocks() {
         blocks::write_surfaces(&dir.join(format!("blocks_{step:08}.vtp")), facts, step, theirs)?;
@@ -495,6 +505,10 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
         put("grain_steps", json!(mixture.cycle.rates.grains));
         put("continuum_steps", json!(mixture.cycle.rates.continuum));
         put("outside_of_the_method", json!(crate::model::validity::warnings(&model.physics, rig)));
+    }
+    let of_points = state.mixture.as_ref().map_or(1.0, |m| f64::from(m.cycle.rates.continuum));
+    if let Some(doubt) = crate::model::validity::viscous(rig, state.dt / of_points) {
+        put("viscous", json!(doubt));
     }
     put("void_ratio_final", json!(r.void_ratio));
     put("largest_plastic_strain", json!(r.plastic));

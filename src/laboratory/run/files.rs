@@ -96,7 +96,7 @@ pub fn release(out: &Path, why: &Error) {
     let why: String = why.to_string().lines().map(|line| format!("# {line}\n")).collect();
     let head = "# This run failed before its test began:\n";
     let tail = "# The scene with every default follows; the next run in this folder removes this file.\n\n";
-    if std::fs::write(out.join(FAILED), format!("{head}{why}{tail}{scene}")).is_ok() {
+    if table::write(out.join(FAILED), format!("{head}{why}{tail}{scene}")).is_ok() {
         // where a file cannot be removed, the folder stays occupied
         let _ = std::fs::remove_file(resolved);
         let _ = checkpoint::remove(out);
@@ -213,11 +213,13 @@ impl Files {
         Ok(self.tracks.reopen(out, TRACKS)?)
     }
 
-    /// Checks what a checkpoint says of the records against its state; `grains`: number of grains at the start.
+    /// Checks what a checkpoint says of the records against its state and the tables in `out`; `grains`: number of grains at the start.
     ///
     /// # Errors
     /// What is wrong, in words.
-    pub fn check(&self, model: &Model, state: &State, grains: usize) -> Checked {
+    pub fn check(&self, model: &Model, state: &State, grains: usize, out: &Path) -> Checked {
+        let tables = [(&self.history, HISTORY), (&self.gsd, GSD), (&self.breakage, BREAKAGE), (&self.tracks, TRACKS)];
+        tables.into_iter().try_for_each(|(table, name)| table.check(out, name))?;
         self.ancestors.check(model, state, grains)?;
         self.recorder.check(state)
     }
@@ -270,8 +272,8 @@ impl Files {
                     &facts,
                     fines,
                 )?;
-                let failed = |e: vtk::VtkError| Error::Failed { step: state.step, what: e.to_string() };
-                vtk::write_collection(&out.join(FINES), &listed(&self.snapshots, "fines_")).map_err(failed)?;
+                let failed = || vtk::VtkError::at(state.step);
+                vtk::write_collection(&out.join(FINES), &listed(&self.snapshots, "fines_")).map_err(failed())?;
             }
         }
         if model.records.energy && !self.recorder.energy_error.is_finite() {
@@ -337,7 +339,7 @@ impl Files {
             return Ok(());
         }
         let dir = out.join(SNAPSHOTS);
-        std::fs::create_dir_all(&dir).map_err(Error::write(&dir))?;
+        table::folder(&dir).map_err(Error::write(&dir))?;
         let touching = contacts::of_grains(state);
         if model.records.contacts {
             let names = contacts::names(&state.walls, model.rig.specimen().is_some());
@@ -381,10 +383,10 @@ impl Files {
             mother,
             ancestor,
         };
-        let failed = |e: vtk::VtkError| Error::Failed { step: state.step, what: e.to_string() };
-        vtk::write_snapshot(&out.join(&name), facts, &data).map_err(failed)?;
+        let failed = || vtk::VtkError::at(state.step);
+        vtk::write_snapshot(&out.join(&name), facts, &data).map_err(failed())?;
         self.snapshots.push((at, state.step));
-        vtk::write_collection(&out.join(COLLECTION), &listed(&self.snapshots, "step_")).map_err(failed)?;
+        vtk::write_collection(&out.join(COLLECTION), &listed(&self.snapshots, "step_")).map_err(failed())?;
         let loaded: Vec<walls::Loaded> = state.walls.iter().map(|w| (w.shape, w.reaction)).collect();
         write_walls(out, state.step, g.pos.iter().copied(), &loaded, facts, &self.snapshots)
     }
@@ -414,10 +416,10 @@ pub fn write_walls(
     if loaded.is_empty() {
         return Ok(());
     }
-    let failed = |e: vtk::VtkError| Error::Failed { step, what: e.to_string() };
+    let failed = || vtk::VtkError::at(step);
     let path = out.join(snapshot_name("walls_", step));
-    walls::write(&path, facts, loaded, walls::space(bodies, loaded)).map_err(failed)?;
-    vtk::write_collection(&out.join(WALLS), &listed(snapshots, "walls_")).map_err(failed)
+    walls::write(&path, facts, loaded, walls::space(bodies, loaded)).map_err(failed())?;
+    vtk::write_collection(&out.join(WALLS), &listed(snapshots, "walls_")).map_err(failed())
 }
 
 /// A snapshot: its place on ParaView's time axis (number from 0, or time, s, of a free scene), and its step. Its files follow from
@@ -459,8 +461,7 @@ pub fn save_summary(out: &Path, summary: &serde_json::Value) -> Result<()> {
     let (path, temporary) = (out.join(SUMMARY), out.join(SUMMARY_TEMPORARY));
     let text = serde_json::to_string_pretty(summary).unwrap_or_default() + "\n";
     let write = || {
-        table::no_link(&temporary)?;
-        std::fs::write(&temporary, text)?;
+        table::write(&temporary, text)?;
         std::fs::rename(&temporary, &path)
     };
     write().map_err(Error::write(&path))

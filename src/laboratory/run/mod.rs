@@ -169,8 +169,8 @@ struct Progress {
 }
 
 impl Progress {
-    /// Checks a progress that was read from a file: whether a run of `model` can have written it.
-    fn check(&self, model: &Model) -> Checked {
+    /// Checks a progress that was read from a file: whether a run of `model` in the folder `out` can have written it.
+    fn check(&self, model: &Model, out: &Path) -> Checked {
         let Progress { activity, state, files, steps, preparation_steps, grains_initial, range, grain_steps: _, seconds, .. } =
             self;
         check::counters("steps", &[*steps, *preparation_steps])?;
@@ -188,7 +188,7 @@ impl Progress {
             (Activity::Assembly, Rig::Assembly(rig)) => state.check(&model.physics, &assembly::start(model, rig)),
             _ => Err("it is of another kind of run".into()),
         }?;
-        files.check(model, state, *grains_initial)
+        files.check(model, state, *grains_initial, out)
     }
 }
 
@@ -305,7 +305,7 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
         let go_on = || continuum::go_on(&model, rig, begun, dir, options.quiet, options.stop_after);
         return released(in_pool(options.threads, go_on), dir, lock);
     }
-    let mut progress: Progress = taken_up(dir, |progress: &Progress| progress.check(&model))?;
+    let mut progress: Progress = taken_up(dir, |progress: &Progress| progress.check(&model, dir))?;
     progress.files.reopen(dir)?;
     let outcome = in_pool(options.threads, || Runner::new(&model, dir, progress, options.quiet)?.run_to_end(options.stop_after));
     released(outcome, dir, lock)
@@ -382,6 +382,8 @@ struct Runner<'a> {
     bar: Bar,
     started: Instant,
     last_checkpoint: Instant,
+    /// [`watch::first_step_of_grains`].
+    first_step: f64,
 }
 
 impl<'a> Runner<'a> {
@@ -390,7 +392,16 @@ impl<'a> Runner<'a> {
         progress.files.open(out, model, specimen)?;
         let work = fresh_work(model, &mut progress.state);
         let now = Instant::now();
-        Ok(Runner { model, out, progress, work, bar: Bar::new(quiet), started: now, last_checkpoint: now })
+        Ok(Runner {
+            model,
+            out,
+            progress,
+            work,
+            bar: Bar::new(quiet),
+            started: now,
+            last_checkpoint: now,
+            first_step: watch::first_step_of_grains(model),
+        })
     }
 
     fn run_to_end(mut self, stop_after: Option<u64>) -> Result<Outcome> {
@@ -443,7 +454,7 @@ impl<'a> Runner<'a> {
 
     /// One step of the present stage. True when the run is done.
     fn advance(&mut self) -> Result<bool> {
-        let Runner { model, out, progress, work, .. } = self;
+        let Runner { model, out, progress, work, first_step, .. } = self;
         let Progress { activity, state, files, .. } = progress;
         progress.steps += 1;
         match (activity, &model.rig) {
@@ -472,6 +483,7 @@ impl<'a> Runner<'a> {
                 let last = assembly::done(rig, state);
                 assembly::advance(model, state, work, |state, work| {
                     watch::step(model, rig, state, work)?;
+                    watch::slow_grains(model, state, work, *first_step)?;
                     files.observe_assembly(out, model, rig, state, work, last)
                 })?;
                 files.breakages(out, &work.breakages, state, None)?;

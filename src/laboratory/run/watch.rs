@@ -2,10 +2,11 @@
 
 use crate::error::{Error, Result};
 use crate::model::continuum::MpmTest;
-use crate::model::{Assembly, Model};
+use crate::model::{Assembly, Model, Rig};
 use crate::record::continuum::Recorder;
 use crate::record::cylinder::AtEnd;
 use crate::rig::continuum;
+use crate::scene::wave_step;
 use engine::dem::{State, Workspace, stability};
 use engine::math::vector::dot;
 
@@ -74,6 +75,106 @@ pub fn voids(model: &Model, step: u64, row: &AtEnd) -> Result<()> {
         row.void_ratio_star, row.axial_strain
     );
     Err(Error::Impossible { step, what })
+}
+
+/// Compares the kinetic energy of a free scene of points, with grains or without, with all energy that it was ever given.
+///
+/// # Errors
+/// [`Error::Unstable`] when the kinetic energy is larger.
+pub fn kinetic_of_points(rig: &MpmTest, state: &continuum::State) -> Result<()> {
+    let Some([now, possible, scale]) = state.kinetic(rig).filter(|_| rig.specimen().is_none()) else { return Ok(()) };
+    if now <= possible + ABOVE * scale {
+        return Ok(());
+    }
+    let points = state.continuum.points();
+    let speed = |i: &usize| points.velocity[*i][..3].iter().map(|v| v * v).sum::<f64>();
+    let fastest = (0..points.len()).max_by(|i, j| speed(i).total_cmp(&speed(j)));
+    let fastest =
+        fastest.map_or(String::new(), |i| format!(". The fastest point is {} with {:.3e} m/s", points.id[i], speed(&i).sqrt()));
+    let what = format!(
+        "the kinetic energy of points and grains, {now:.3e} J, is larger than all energy that they were ever given, {possible:.3e} J: the time integration has become \
+         unstable; try a smaller stepping.dt_s (or \"auto\"), stepping.safety = 0.4, in this order{fastest}"
+    );
+    Err(Error::Unstable { step: state.continuum.steps(), what, grain: None })
+}
+
+/// Largest stable step of the grains of a free scene before any of them touch, s: what later steps are compared with ([`slow_grains`]). 0 where steps do
+/// not change.
+pub fn first_step_of_grains(model: &Model) -> f64 {
+    match &model.rig {
+        Rig::Assembly(rig) if !model.physics.stepping.inertia_scaling => {
+            stability::rayleigh_of(&model.physics, rig.grains.iter().map(|g| (2.0 * g.radius, g.material)))
+        }
+        _ => 0.0,
+    }
+}
+
+/// Largest stable step of points and grains at the start, s: what later steps are compared with ([`slow_points`]).
+pub fn first_step_of_points(model: &Model, rig: &MpmTest) -> f64 {
+    let grains = rig.coarse.iter().flat_map(|c| &c.grains).map(|g| (2.0 * g.radius, g.material));
+    let grains = if rig.coarse.as_ref().is_some_and(|c| !c.grains.is_empty()) {
+        stability::rayleigh_of(&model.physics, grains)
+    } else {
+        f64::INFINITY
+    };
+    let step = wave_step(rig).min(grains);
+    if step.is_finite() { step } else { 0.0 }
+}
+
+/// What is said of a step that is too short; `cause`: who causes it and what helps.
+fn creeps(model: &Model, dt: f64, first: f64, cause: &str) -> String {
+    format!(
+        "the time step is {dt:.3e} s, below records.stop_at_step = {:e} of that at the start, {first:.3e} s, and the run would never end: {cause}",
+        model.records.stop_at_step
+    )
+}
+
+/// Compares the time step of a free scene of grains with that at the start ([`first_step_of_grains`]).
+///
+/// # Errors
+/// [`Error::Unstable`] where it is below the share `records.stop_at_step`; it names the grain whose contacts allow the shortest step.
+pub fn slow_grains(model: &Model, state: &State, work: &Workspace, first: f64) -> Result<()> {
+    if state.dt >= model.records.stop_at_step * first {
+        return Ok(());
+    }
+    let grain = stability::slowest(&model.physics, state, work);
+    let size = grain.map_or(String::new(), |i| {
+        format!(" The shortest step is that of a grain of diameter {:.3e} m", 2.0 * state.grains.radius(i))
+    });
+    let cause = format!(
+        "contacts have become too stiff or grains too small (deep overlaps, tiny daughters), or stepping.safety or stepping.dt_s is too small.{size}"
+    );
+    let what = creeps(model, state.dt, first, &cause);
+    Err(Error::Unstable { step: state.step, what, grain: grain.map(|i| u64::from(state.grains.id[i])) })
+}
+
+/// Compares the time step of a continuum or mixture with that at the start ([`first_step_of_points`]).
+///
+/// # Errors
+/// [`Error::Unstable`] where it is below the share `records.stop_at_step`; it names the point whose waves and motion allow the shortest step, or says
+/// that contacts are the cause.
+pub fn slow_points(model: &Model, state: &continuum::State, first: f64) -> Result<()> {
+    if state.dt >= model.records.stop_at_step * first {
+        return Ok(());
+    }
+    let (c, points) = (&state.continuum, state.continuum.points());
+    let speed = |i: &usize| {
+        let [u, v, w, _] = points.velocity[*i];
+        c.laws()[usize::from(points.law[*i])].wave_speed(points.density(*i)) + (u * u + v * v + w * w).sqrt()
+    };
+    let fastest = (0..points.len()).max_by(|i, j| speed(i).total_cmp(&speed(j)));
+    let cause = match fastest.filter(|i| c.settings().cell / speed(i) < 10.0 * model.records.stop_at_step * first) {
+        Some(i) => format!(
+            "point {} of density {:.3e} kg/m3 moves at {:.3e} m/s; use less strain, a stiffer law or a larger grid",
+            points.id[i],
+            points.density(i),
+            points.velocity[i][..3].iter().map(|v| v * v).sum::<f64>().sqrt()
+        ),
+        None => {
+            "contacts of grains, points and platens have become too stiff, or stepping.safety or stepping.dt_s is too small".into()
+        }
+    };
+    Err(Error::Unstable { step: c.steps(), what: creeps(model, state.dt, first, &cause), grain: None })
 }
 
 /// Steps between two comparisons of a fixed time step with the largest stable one: fewer than an impact lasts.

@@ -102,6 +102,8 @@ pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
     {
         warnings.push(format!("test.strain_per_wave = {}: quasi-static loading keeps below {FAST}", s.strain_per_wave));
     }
+    let rates = rig.coarse.as_ref().and_then(|c| c.rates);
+    warnings.extend(crate::model::validity::viscous(rig, dt / rates.map_or(1.0, |r| f64::from(r.continuum))));
     if model.physics.stepping.dt.is_some_and(|dt| dt > bound) {
         warnings.push(format!("stepping.dt_s is above what {why} allows, {bound:.3e} s: the run will be refused or stop"));
     }

@@ -670,11 +670,11 @@ const OWN: &[Key] = &[
         "quasi-static: inertia so that every grain has the same stable step; time counts steps",
     ),
     states("stepping.dt_s", NumberOr(POSITIVE, "auto"), Is("\"auto\""), "time step"),
-    assembly(
+    free(
         "stepping.above_bound",
         Flag,
         Is("false"),
-        "whether stepping.dt_s may be above the largest stable step of the contacts: the run then stops itself only where energy comes from nothing",
+        "whether stepping.dt_s may be above the largest stable step: the run then stops itself only where energy comes from nothing",
     ),
     mixture(
         "stepping.grain_steps",
@@ -739,6 +739,12 @@ const OWN: &[Key] = &[
         IndicesOr("typical"),
         Is("\"typical\""),
         "grains (from 0) whose force-displacement curves are written, or the one of median strength of each diameter (four of a gradation)",
+    ),
+    states(
+        "records.stop_at_step",
+        Number(RATIO),
+        Is("1e-6"),
+        "share of the stable step at the start below which a time step stops the run (exit code 3, records kept), which would never end; 0: never",
     ),
     both(
         "records.stop_at_overlap",

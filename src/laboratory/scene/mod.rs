@@ -38,6 +38,7 @@ mod write;
 pub use calibrate::{Calibrated, Prior};
 pub use continuum::{ContinuumMaterial, continuum};
 pub use continuum_estimate::Points;
+pub(crate) use continuum_estimate::wave_step;
 pub use crushing_estimate::CrushingStress;
 pub use estimate::{Estimate, SpecimenEstimate, estimate};
 pub use files::{bounded_columns, read_bytes, read_text};

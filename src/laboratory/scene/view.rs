@@ -266,6 +266,7 @@ impl<'a> View<'a> {
             end_below_least: self.flag("records.end_below_least_void_ratio"),
             stop_without_voids: self.flag("records.stop_without_voids"),
             stop_at_overlap: self.number("records.stop_at_overlap").unwrap_or(f64::INFINITY),
+            stop_at_step: self.number("records.stop_at_step").unwrap_or(0.0),
             energy: self.flag("records.energy"),
             snapshots: self.flag("records.snapshots"),
             contacts: self.flag("records.contacts"),

@@ -242,7 +242,9 @@ impl State {
         }
         mixture.cycle = match model.physics.stepping.dt {
             None => cycle,
-            Some(time) if safety * time <= cycle.time => Cycle { time, rates: rates.unwrap_or(Rates { grains: 1, continuum: 1 }) },
+            Some(time) if rig.above_bound || safety * time <= cycle.time => {
+                Cycle { time, rates: rates.unwrap_or(Rates { grains: 1, continuum: 1 }) }
+            }
             Some(time) => {
                 let what = format!(
                     "stepping.dt_s = {time:e} is above what waves and contacts allow, {:.4e} s: use a smaller one, or \"auto\"",

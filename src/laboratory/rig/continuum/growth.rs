@@ -155,7 +155,7 @@ impl Growing {
     /// One step. True when the specimen is at rest under its stress.
     ///
     /// # Errors
-    /// [`Error::Failed`]: the specimen does not come to rest within `growth.max_steps`.
+    /// [`Error::Stalled`]: the specimen does not come to rest within `growth.max_steps`.
     pub fn advance(&mut self, physics: &Physics, rig: &MpmTest, growth: &Growth, work: &mut Workspace) -> Result<bool> {
         let (stage, state) = (self.stage, &mut self.state);
         if stage == Stage::Growth {
@@ -212,7 +212,7 @@ impl Growing {
             growth.max_steps,
             sides.join(", ")
         );
-        Error::Failed { step: self.steps, what }
+        Error::Stalled { step: self.steps, what }
     }
 
     /// The grown specimen.

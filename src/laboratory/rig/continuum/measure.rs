@@ -280,6 +280,31 @@ impl State {
         }
     }
 
+    /// Kinetic energy of points and grains, the largest that it can be, and the sum of the magnitudes from which that follows, J. It can be all energy that
+    /// points and grains had at the start (motion and elastic energy) and were given since by gravity, walls, loading plates and released overlaps.
+    /// `None` before the first step.
+    pub(crate) fn kinetic(&self, rig: &MpmTest) -> Option<[f64; 3]> {
+        let [kinetic, potential, stored] = self.energy?;
+        let (totals, coarse) = (self.continuum.totals(), self.of_grains(rig));
+        let points = &rig.points;
+        let elastic: f64 = (0..points.len())
+            .map(|i| {
+                let (e, s) = (rig.laws[usize::from(points.law[i])].elastic(), &points.stress[i]);
+                let p = (s[0] + s[1] + s[2]) / 3.0;
+                let shear: f64 =
+                    s[..3].iter().map(|x| (x - p) * (x - p)).sum::<f64>() + 2.0 * s[3..].iter().map(|x| x * x).sum::<f64>();
+                points.position[i][3] * (p * p / (2.0 * e.bulk) + shear / (4.0 * e.shear))
+            })
+            .sum();
+        let walls = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work);
+        let ledger = self.mixture.iter().map(|m| &m.grains.ledger).flat_map(|l| [l.growth, l.inertia, l.release]);
+        let released = self.mixture.iter().filter_map(|m| m.fines.as_ref()).map(|f| f.released);
+        let given = self.plates.iter().map(|p| p.work).chain(walls).chain(ledger).chain(released).map(|w| w.max(0.0)).sum::<f64>();
+        let fallen = potential - totals.potential - coarse[1];
+        let own = kinetic + stored.max(0.0) + elastic + given;
+        Some([totals.kinetic + coarse[0], own + fallen, own + fallen.abs()])
+    }
+
     /// Largest horizontal distance from the axis of the first body, and largest height above the grid's floor, m.
     pub fn reach(&self, rig: &MpmTest) -> [f64; 2] {
         let (d, axis, lower) = (dimensions(rig), rig.axis, rig.settings.lower);

@@ -43,7 +43,7 @@ impl Preparation {
     /// One step. True when the specimen is ready: at rest at its porosity and isotropic stress.
     ///
     /// # Errors
-    /// [`Error::Failed`]: the porosity cannot be reached, or the specimen does not come to rest.
+    /// [`Error::Stalled`]: the porosity cannot be reached, or the specimen does not come to rest.
     pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         match self {
             Preparation::Stated(stated) => stated.advance(model, rig, state, work),

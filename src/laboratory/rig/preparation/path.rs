@@ -275,7 +275,7 @@ impl Path {
     /// One step. True when the specimen is ready.
     ///
     /// # Errors
-    /// [`Error::Failed`]: the porosity cannot be reached, or the specimen does not come to rest.
+    /// [`Error::Stalled`]: the porosity cannot be reached, or the specimen does not come to rest.
     pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         let own = self.model.take().unwrap_or_else(|| Box::new(quasi_static(model)));
         let ready = self.advance_stage(&own, rig, state, work);
@@ -529,7 +529,7 @@ impl Path {
         };
         let n = porosity(state);
         let what = format!("preparation ({}) {what}: porosity {n:.4} (void ratio {:.4}){target}", self.stage.name(), n / (1.0 - n));
-        Error::Failed { step: self.steps, what }
+        Error::Stalled { step: self.steps, what }
     }
 }
 

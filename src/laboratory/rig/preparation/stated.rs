@@ -137,7 +137,7 @@ impl Stated {
     /// One step. True when the specimen is ready.
     ///
     /// # Errors
-    /// [`Error::Failed`]: the porosity cannot be reached, or the specimen does not come to rest.
+    /// [`Error::Stalled`]: the porosity cannot be reached, or the specimen does not come to rest.
     pub fn advance(&mut self, model: &Model, rig: &Specimen, state: &mut State, work: &mut Workspace) -> Result<bool, Error> {
         if self.stage == Stage::Growth {
             growth::grow(&model.physics, &self.radii, self.stage_steps, rig.preparation.growth_steps, state, work);
@@ -305,7 +305,7 @@ impl Stated {
     }
 
     fn failure(&self, rig: &Specimen, state: &State, what: &str) -> Error {
-        Error::Failed {
+        Error::Stalled {
             step: self.steps,
             what: format!(
                 "preparation ({}) {what}: porosity {:.4}, target {:.4} (specimen.porosity)",
