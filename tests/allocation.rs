@@ -1,5 +1,7 @@
 //! The step loop asks for no memory once it is warm: a quiet assembly, between and across looks at the stable step.
 
+#![allow(unsafe_code)] // the allocator that counts
+
 mod common;
 
 use comminute::mpm::Transfer;

@@ -10,6 +10,8 @@
 //!
 //! `COMMINUTE_FUZZ_SEED` begins with another seed. An input that fails is kept in tests/fuzz, which is part of the corpus from then on.
 
+#![allow(unsafe_code)] // the allocator that counts
+
 use comminute::calibrate::{curve::target, grains};
 use comminute::campaign::{grid_points, grid_table, parse_seeds};
 use comminute::error::Result;
