@@ -108,6 +108,67 @@ fn a_full_device_is_told() {
     assert!(told.contains("standard output: cannot write: No space left on device"), "{told}");
 }
 
+/// A small disk of its own, in memory; it is taken away when this is dropped.
+#[cfg(target_os = "linux")]
+struct Disk(tempfile::TempDir);
+
+#[cfg(target_os = "linux")]
+impl Disk {
+    /// `None`, said loudly, where this user may not mount.
+    fn mounted(megabytes: u32) -> Option<Disk> {
+        let dir = tempfile::tempdir().expect("folder");
+        let size = format!("size={megabytes}m");
+        let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", &size, "tmpfs"]).arg(dir.path()).output();
+        if mounted.is_ok_and(|output| output.status.success()) {
+            return Some(Disk(dir));
+        }
+        eprintln!("SKIPPED: a full disk, as this user may not mount one");
+        None
+    }
+
+    /// Fills the disk with a file until `left` bytes are free.
+    fn fill(&self, left: u64) -> PathBuf {
+        let filler = self.0.path().join("filler");
+        let mut file = std::fs::File::create(&filler).expect("a file");
+        while std::io::Write::write_all(&mut file, &[0; 1 << 16]).is_ok() {}
+        let length = file.metadata().expect("a file").len();
+        file.set_len(length - left).expect("shorter");
+        filler
+    }
+}
+
+#[cfg(target_os = "linux")]
+impl Drop for Disk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg(self.0.path()).status();
+    }
+}
+
+/// Others fill the disk while a run is on it: the run ends with that reason, what it has recorded stays, and it goes on to the same bytes once there is room.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_disk_that_is_full_is_told_and_the_run_goes_on_when_there_is_room() {
+    let Some(disk) = Disk::mounted(24) else { return };
+    let dir = tempfile::tempdir().expect("folder");
+    let (whole, out) = (dir.path().join("whole"), disk.0.path().join("run"));
+    assert!(call(&arguments(&whole)).status.success());
+    let mut first = arguments(&out);
+    first.extend(["--stop-after".into(), "1000".into()]);
+    let stopped = call(&first);
+    assert_eq!(stopped.status.code(), Some(130), "{}", said(&stopped));
+    let recorded = std::fs::read(out.join("tracks.csv")).expect("tracks");
+    let filler = disk.fill(1 << 20);
+    let resume = ["resume".into(), out.display().to_string(), "--quiet".into()];
+    let full = call(&resume);
+    assert_eq!(full.status.code(), Some(1), "{}", said(&full));
+    assert!(said(&full).contains("cannot write: No space left on device"), "{}", said(&full));
+    assert!(std::fs::read(out.join("tracks.csv")).expect("tracks").starts_with(&recorded), "what was recorded stays");
+    std::fs::remove_file(filler).expect("removed");
+    let resumed = call(&resume);
+    assert!(resumed.status.success(), "{}", said(&resumed));
+    assert!(records(&out) == records(&whole), "the same bytes as on a disk with room");
+}
+
 /// The folder is taken away while the run goes on.
 #[test]
 #[cfg(unix)]

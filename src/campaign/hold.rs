@@ -1,6 +1,8 @@
 //! Locks that keep campaigns in one folder out of each other's way.
 
 use laboratory::error::{Error, Result};
+#[cfg(unix)]
+use laboratory::run::is_at;
 use std::fs::{File, TryLockError};
 use std::path::Path;
 
@@ -58,14 +60,7 @@ pub fn log(path: &Path) -> Result<Option<File>> {
 /// removed its own. Where files cannot be locked nothing is.
 #[cfg(unix)]
 fn alone(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
-        return false;
-    }
-    match (file.metadata(), path.metadata()) {
-        (Ok(ours), Ok(there)) => (ours.dev(), ours.ino()) == (there.dev(), there.ino()),
-        _ => false,
-    }
+    !matches!(file.try_lock(), Err(TryLockError::WouldBlock)) && is_at(file, path)
 }
 
 /// Locks nothing: a lock of this system keeps the process of the run from writing as well.

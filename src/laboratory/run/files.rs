@@ -110,8 +110,9 @@ pub fn release(out: &Path, why: &Error) {
 /// [`Error::Busy`] while another process runs there; [`Error::Exists`] for a folder with a run, without `force`; with `force`, a folder with files that never held a run, or snapshots
 /// or figures that no run has written, nothing being removed then; a folder or file that cannot be changed.
 pub fn claim(out: &Path, force: bool) -> Result<()> {
-    let _busy = lock(out)?;
+    // in this order: a run that another process begins after the first line is never taken for an old one
     let occupied = occupied(out);
+    let _busy = lock(out)?;
     if occupied && !force {
         return Err(Error::Exists { path: out.into() });
     }
@@ -123,16 +124,20 @@ pub fn claim(out: &Path, force: bool) -> Result<()> {
         for folder in [SNAPSHOTS, FIGURES, DRAWING].map(|name| out.join(name)).iter().filter(|folder| folder.is_dir()) {
             std::fs::remove_dir(folder).map_err(Error::write(folder))?;
         }
+        remove(&out.join(crate::scene::RESOLVED))?;
     }
-    for name in [FAILED, crate::scene::RESOLVED] {
-        match std::fs::remove_file(out.join(name)) {
-            Err(e) if !matches!(e.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory) => {
-                return Err(Error::write(out.join(name))(e));
-            }
-            _ => {}
-        }
-    }
+    remove(&out.join(FAILED))?;
     std::fs::create_dir_all(out).map_err(Error::write(out))
+}
+
+/// Removes a file, if it is there.
+fn remove(path: &Path) -> Result<()> {
+    match std::fs::remove_file(path) {
+        Err(e) if !matches!(e.kind(), std::io::ErrorKind::NotFound | std::io::ErrorKind::NotADirectory) => {
+            Err(Error::write(path)(e))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Whether a run has given a file this name.

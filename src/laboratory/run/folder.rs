@@ -107,16 +107,34 @@ pub struct Lock {
 /// without locks nothing is locked.
 ///
 /// # Errors
-/// [`Error::Busy`] when another process runs there.
+/// [`Error::Busy`] when another process runs there, or has removed the file to begin a run.
 pub fn lock(out: &Path) -> Result<Lock> {
-    let Ok(file) = File::options().read(true).write(true).open(out.join(RESOLVED)) else {
+    let path = out.join(RESOLVED);
+    let Ok(file) = File::options().read(true).write(true).open(&path) else {
         return Ok(Lock { _file: None });
     };
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(Error::Busy { path: out.into() }),
         Err(TryLockError::Error(_)) => Ok(Lock { _file: None }),
-        Ok(()) => Ok(Lock { _file: Some(file) }),
+        Ok(()) if is_at(&file, &path) => Ok(Lock { _file: Some(file) }),
+        Ok(()) => Err(Error::Busy { path: out.into() }),
     }
+}
+
+/// Whether an open file is the one at `path`: not where that was removed, or made anew, since the file was opened.
+#[cfg(unix)]
+pub fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    match (file.metadata(), path.metadata()) {
+        (Ok(ours), Ok(there)) => (ours.dev(), ours.ino()) == (there.dev(), there.ino()),
+        _ => false,
+    }
+}
+
+/// Nothing is known here; files that are open cannot be removed on this system.
+#[cfg(not(unix))]
+pub fn is_at(_: &File, _: &Path) -> bool {
+    true
 }
 
 /// Makes the scene file of a new run in the folder `out`, with the text `resolved`, and locks it: of two processes that begin a run in one
@@ -161,5 +179,20 @@ mod tests {
         assert!(matches!(lock(dir.path()), Err(Error::Busy { .. })));
         drop(first);
         assert!(lock(dir.path()).is_ok());
+    }
+
+    /// What was opened before another process removed it says nothing about the run that this process then began.
+    #[cfg(unix)]
+    #[test]
+    fn a_lock_on_a_file_that_is_gone_is_none() {
+        let dir = tempfile::tempdir().expect("folder");
+        let path = dir.path().join(RESOLVED);
+        std::fs::write(&path, "").expect("scene");
+        let old = File::open(&path).expect("opened");
+        assert!(is_at(&old, &path));
+        std::fs::remove_file(&path).expect("removed");
+        assert!(!is_at(&old, &path));
+        let _other = begin(dir.path(), "kind = 1").expect("free");
+        assert!(!is_at(&old, &path));
     }
 }

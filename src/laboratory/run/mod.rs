@@ -26,7 +26,7 @@ use engine::dem::{State, Workspace};
 use engine::grains::Grains;
 use files::Files;
 pub use files::{DRAWING, DRAWN, FIGURES, occupied};
-pub use folder::{Found, Lock, lock, look};
+pub use folder::{Found, Lock, is_at, lock, look};
 use progress_bar::Bar;
 pub use progress_bar::human;
 use serde::{Deserialize, Serialize};
