@@ -4,6 +4,13 @@
 
 mod common;
 
+#[cfg(feature = "gpu")]
+#[path = "../src/engine/gpu/tests/adapter.rs"]
+mod adapter;
+
+#[cfg(feature = "gpu")]
+use comminute::gpu;
+
 use assert_cmd::cargo::cargo_bin;
 use common::ROOT;
 use rand::seq::IndexedRandom;
@@ -27,6 +34,8 @@ struct Kind {
     sets: &'static [&'static str],
     /// Steps after which it is stopped.
     stops: [u64; 2],
+    /// What computes its steps.
+    backend: &'static str,
 }
 
 const KINDS: &[Kind] = &[
@@ -44,6 +53,7 @@ const KINDS: &[Kind] = &[
             "records.at_kPa=[]",
         ],
         stops: [400, 500],
+        backend: "cpu",
     },
     Kind {
         name: "preparation on the way",
@@ -58,6 +68,7 @@ const KINDS: &[Kind] = &[
             "records.at_kPa=[]",
         ],
         stops: [12_000, 24_000],
+        backend: "cpu",
     },
     Kind {
         name: "oedometer with crushing",
@@ -77,6 +88,7 @@ const KINDS: &[Kind] = &[
             "crushing.lost_mass=grow",
         ],
         stops: [4761 + 15_000, 4761 + 19_640],
+        backend: "cpu",
     },
     Kind {
         name: "fines as points in an oedometer",
@@ -89,6 +101,7 @@ const KINDS: &[Kind] = &[
             "loading.stages_kPa=[]",
         ],
         stops: [32_000, 34_000],
+        backend: "cpu",
     },
     Kind {
         name: "triaxial test",
@@ -104,6 +117,7 @@ const KINDS: &[Kind] = &[
             "specimen.porosity=0.42",
         ],
         stops: [28_000, 28_500],
+        backend: "cpu",
     },
     Kind {
         name: "isotropic compression",
@@ -118,32 +132,51 @@ const KINDS: &[Kind] = &[
             "records.at_kPa=[]",
         ],
         stops: [31_018 + 10_000, 31_018 + 15_000],
+        backend: "cpu",
     },
-    Kind { name: "free scene", scene: "tests/golden/two_materials.toml", sets: &[], stops: [2000, 3000] },
+    Kind { name: "free scene", scene: "tests/golden/two_materials.toml", sets: &[], stops: [2000, 3000], backend: "cpu" },
     Kind {
         name: "continuum",
         scene: "experiments/mpm/triaxial_fine_small.toml",
         sets: &["test.axial_strain=0.001"],
         stops: [100, 200],
+        backend: "cpu",
     },
     Kind {
         name: "continuum with APIC",
         scene: "experiments/mpm/column_collapse_2d.toml",
         sets: &["duration_s=0.05", "grid.cell_mm=10", "grid.pic=0", "grid.transfer=apic"],
         stops: [200, 300],
+        backend: "cpu",
     },
-    Kind { name: "mixture with rigid bodies", scene: "tests/golden/blocks.toml", sets: &["duration_s=0.003"], stops: [150, 160] },
+    Kind {
+        name: "mixture with rigid bodies",
+        scene: "tests/golden/blocks.toml",
+        sets: &["duration_s=0.003"],
+        stops: [150, 160],
+        backend: "cpu",
+    },
     Kind {
         name: "mixture with fines",
         scene: "base = \"ROOT/experiments/mixture/coke_in_fines.toml\"\n[[body]]\nshape = \"box\"\nmaterial = \"fines\"\nmin_mm = [0.0, 0.0, 0.0]\nmax_mm = [18.0, 18.0, 12.0]\nporosity = 0.42\nstress_kPa = 50.0\n",
         sets: &["growth.steps=400", "growth.fines_diameter_mm=[1.9, 2.1]", "test.axial_strain=0.08", "records.rows=40"],
         stops: [12_500, 12_700],
+        backend: "cpu",
     },
     Kind {
         name: "growing continuum",
         scene: "experiments/mixture/twin_points.toml",
         sets: &["growth.fines_diameter_mm=[5.4, 5.6]", "growth.friction=0.1", "test.axial_strain=0.0005"],
         stops: [1000, 1500],
+        backend: "cpu",
+    },
+    // the last, so that it is left out where there is no device
+    Kind {
+        name: "continuum on a graphics device",
+        scene: "experiments/mpm/triaxial_fine_small.toml",
+        sets: &["test.axial_strain=0.001"],
+        stops: [100, 200],
+        backend: "gpu",
     },
 ];
 
@@ -245,8 +278,8 @@ impl Kind {
             }
             sets.extend(self.sets.iter().flat_map(|set| ["--set", *set]));
             let run = |out: &Path, more: &[&str], code: i32| {
-                let out = ["--out", out.to_str().expect("a path")];
-                let done = output(&mut comminute("run", &scene, &[&sets, &out[..], more].concat())).expect("no hang");
+                let own = ["--backend", self.backend, "--out", out.to_str().expect("a path")];
+                let done = output(&mut comminute("run", &scene, &[&sets, &own[..], more].concat())).expect("no hang");
                 assert_eq!(done.status.code(), Some(code), "{}: {}", self.name, String::from_utf8_lossy(&done.stderr));
             };
             run(&base.whole, &[], 0);
@@ -263,9 +296,9 @@ impl Kind {
         fs::read(self.base().stopped.join("checkpoint.bin")).expect("a checkpoint")
     }
 
-    /// A kind by chance, another one than this.
+    /// A kind by chance, another one than this, that needs no device.
     fn other(&self, rng: &mut ChaCha8Rng) -> &'static Kind {
-        let others: Vec<&Kind> = KINDS.iter().filter(|kind| kind.name != self.name).collect();
+        let others: Vec<&Kind> = KINDS.iter().filter(|kind| kind.name != self.name && kind.backend == "cpu").collect();
         others.choose(rng).expect("others")
     }
 }
@@ -539,6 +572,14 @@ kinds! {
     growing_continuum = 11;
 }
 
+#[cfg(feature = "gpu")]
+#[test]
+fn continuum_on_a_graphics_device() {
+    if adapter::adapter("damaged checkpoints of a graphics device") {
+        some(12);
+    }
+}
+
 /// Value of an environment variable, or else `usual`.
 fn setting(name: &str, usual: u64) -> u64 {
     std::env::var(name).ok().map_or(usual, |text| text.parse().expect(name))
@@ -551,7 +592,12 @@ fn setting(name: &str, usual: u64) -> u64 {
 fn ten_thousand_checkpoints() {
     let (number, seed, only) =
         (setting("COMMINUTE_DAMAGED", 70), setting("COMMINUTE_DAMAGED_SEED", 1000), setting("COMMINUTE_DAMAGED_KIND", u64::MAX));
-    let kinds: Vec<&Kind> = KINDS.iter().filter(|kind| only == u64::MAX || only == kind.number() as u64).collect();
+    #[cfg(feature = "gpu")]
+    let device = adapter::adapter("damaged checkpoints of a graphics device");
+    #[cfg(not(feature = "gpu"))]
+    let device = false;
+    let wanted = |kind: &&Kind| (only == u64::MAX || only == kind.number() as u64) && (device || kind.backend == "cpu");
+    let kinds: Vec<&Kind> = KINDS.iter().filter(wanted).collect();
     let mut counts = Counts::new();
     let mut wrong = Vec::new();
     for kind in kinds {

@@ -81,7 +81,11 @@ fn bases_and_files_without_an_end_are_refused() {
     let first = folder.path().join("0.toml").display().to_string();
     comminute(&["check", &first]).code(2).stderr(contains("32.toml: is at the end of a chain of more than 32 files"));
     #[cfg(unix)]
-    comminute(&["check", "/dev/zero"]).code(2).stderr(contains("/dev/zero: must be at most 64 MiB long"));
+    {
+        comminute(&["check", "/dev/zero"]).code(2).stderr(contains("/dev/zero: must be at most 64 MiB long"));
+        let specimen = ["check", COKE, "--set", "specimen.file=/dev/zero"];
+        comminute(&specimen).code(2).stderr(contains("/dev/zero: must be at most 512 MiB long"));
+    }
 }
 
 #[test]

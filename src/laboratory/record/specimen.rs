@@ -4,6 +4,7 @@
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::rig::cylinder::space;
+use crate::scene::read_text_up_to;
 use engine::boundary::CylinderSpace;
 use engine::dem::State;
 use engine::grains::Grains;
@@ -86,13 +87,16 @@ pub fn checksum(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
 }
 
+/// Longest file of a specimen, bytes: some five million grains.
+const LONGEST: u64 = 512 << 20;
+
 /// Reads a prepared specimen: the grains, and the cylinder around them. Grains get the material of the scene with the name in the
 /// file.
 ///
 /// # Errors
 /// A file that is not a specimen, was edited after it was written, or names a material that the scene does not have.
 pub fn read(path: &Path, materials: &[Material]) -> Result<(Grains, CylinderSpace)> {
-    let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
+    let text = read_text_up_to(path, LONGEST)?;
     let wrong = |key: &str, value: Option<String>, message: &str| Error::input(path.display(), key, value, message);
     let note = |key: &str| -> Result<f64> {
         let start = format!("# {key} = ");

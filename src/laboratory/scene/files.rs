@@ -163,7 +163,15 @@ fn wrong(path: &Path, key: &str, value: &Value, message: &str) -> Error {
 /// # Errors
 /// `path` is a folder, does not exist, cannot be read, is longer than 64 MiB or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
-    String::from_utf8(read_bytes(path)?).map_err(|e| {
+    read_text_up_to(path, LONGEST)
+}
+
+/// Reads a text file in UTF-8 that may have `longest` bytes, for tables with a row for each grain.
+///
+/// # Errors
+/// As [`read_text`], with that length.
+pub fn read_text_up_to(path: &Path, longest: u64) -> Result<String> {
+    String::from_utf8(read_up_to(path, longest)?).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
         Error::input(path.display(), "", None, format!("is not UTF-8 text (byte {at})"))
     })
@@ -186,6 +194,10 @@ pub fn bounded_columns(path: &Path, columns: usize) -> Result<()> {
 /// # Errors
 /// `path` is a folder, does not exist, cannot be read or is longer than 64 MiB.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    read_up_to(path, LONGEST)
+}
+
+fn read_up_to(path: &Path, longest: u64) -> Result<Vec<u8>> {
     if path.is_dir() {
         return Err(Error::input(path.display(), "", None, "is a folder, not a file"));
     }
@@ -194,9 +206,9 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     }
     let mut bytes = Vec::new();
     // a device or a pipe does not say how long it is
-    fs::File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_end(&mut bytes)).map_err(Error::read(path))?;
-    if bytes.len() as u64 > LONGEST {
-        return Err(Error::input(path.display(), "", None, format!("must be at most {} MiB long", LONGEST >> 20)));
+    fs::File::open(path).and_then(|file| file.take(longest + 1).read_to_end(&mut bytes)).map_err(Error::read(path))?;
+    if bytes.len() as u64 > longest {
+        return Err(Error::input(path.display(), "", None, format!("must be at most {} MiB long", longest >> 20)));
     }
     Ok(bytes)
 }

@@ -41,7 +41,7 @@ pub use continuum_estimate::Points;
 pub(crate) use continuum_estimate::wave_step;
 pub use crushing_estimate::CrushingStress;
 pub use estimate::{Estimate, SpecimenEstimate, estimate};
-pub use files::{bounded_columns, read_bytes, read_text};
+pub use files::{bounded_columns, read_bytes, read_text, read_text_up_to};
 pub use keys::{KEYS, LIST_TABLES, reference as key_reference};
 pub use layers::shown;
 pub use memory::{OF_MEMORY, fits};
