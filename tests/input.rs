@@ -83,7 +83,8 @@ fn bases_and_files_without_an_end_are_refused() {
     #[cfg(unix)]
     {
         comminute(&["check", "/dev/zero"]).code(2).stderr(contains("/dev/zero: must be at most 64 MiB long"));
-        let specimen = ["check", COKE, "--set", "specimen.file=/dev/zero"];
+        let out = folder.path().join("run").display().to_string();
+        let specimen = ["run", COKE, "--set", "specimen.file=/dev/zero", "--quiet", "--out", &out];
         comminute(&specimen).code(2).stderr(contains("/dev/zero: must be at most 512 MiB long"));
     }
 }
