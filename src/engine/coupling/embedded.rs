@@ -279,6 +279,7 @@ mod tests {
     use super::super::tests::{floor, grain, physics, point};
     use super::*;
     use crate::contact::ContactLaw;
+    use crate::grains::Grains;
     use crate::mpm::law::Elastic;
 
     const DAMPING: f64 = 0.25;
@@ -302,6 +303,19 @@ mod tests {
         let across = (0.119f64 * 0.119 - (0.1 - height).powi(2)).max(0.0).sqrt();
         embedded.continuum.insert(&[point([across, 0.0, height], [0.0; 3]), point([0.1, 0.1, 0.25], [0.0; 3])]);
         (physics, state, work, embedded)
+    }
+
+    /// Points of the scene itself are accepted, those of a scene with a stiffer law are not.
+    #[test]
+    fn points_of_another_scene_are_refused() {
+        let physics = physics(ContactLaw::Hertz);
+        // bottom, top and side
+        let state = State::new(&physics, Grains::default(), [(); 3].map(|()| floor(0.0)).to_vec(), false);
+        let embedded =
+            Embedded::new(&physics, &embedding(), CylinderSpace { bottom: 0.0, height: 0.3, radius: 0.12 }).expect("a grid");
+        assert_eq!(embedded.check(&physics, &embedding(), &state), Ok(()));
+        let stiffer = Embedding { law: Law::Elastic(Elastic::of_young(2e6, 0.3)), ..embedding() };
+        assert!(embedded.check(&physics, &stiffer, &state).is_err());
     }
 
     /// The grid reaches three cells beyond the specimen, and a point of a full cell is an eighth of its solids.

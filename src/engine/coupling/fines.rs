@@ -535,6 +535,33 @@ mod tests {
         }
     }
 
+    /// The first position is the one with the most room; the others follow with less and less, and keep away from those before.
+    #[test]
+    fn the_position_with_the_most_room_is_taken_first() {
+        let grains = grain([0.1, 0.0, 0.1], [0.0; 3], [0.0; 3], &physics(ContactLaw::Hertz));
+        let continuum = continuum_without_points();
+        let radii = [grains.radius(0)];
+        let around = Around {
+            centre: [0.1, 0.0, 0.15],
+            radius: 0.2,
+            grains: &grains,
+            radii: &radii,
+            grains_near: vec![0],
+            walls: &[],
+            continuum: &continuum,
+        };
+        let ghost = 0.02;
+        let places = around.spread(77, ghost, 12);
+        assert_eq!(places.len(), 12);
+        let room = |k: usize| {
+            let apart = |q: &[f64; 3]| 0.5 * dot(less(places[k], *q), less(places[k], *q)).sqrt();
+            places[..k].iter().map(apart).fold(around.clearance(places[k]), f64::min)
+        };
+        for k in 1..places.len() {
+            assert!(room(k) <= room(k - 1) && room(k) > LEAST_ROOM * ghost, "{} of {}", room(k), room(k - 1));
+        }
+    }
+
     /// Points that are there already have taken their room.
     #[test]
     fn room_is_what_other_points_leave() {
