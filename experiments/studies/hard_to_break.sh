@@ -9,4 +9,5 @@ cargo test --release --locked --test kills -- --ignored
 COMMINUTE_FUZZ_SECONDS=${COMMINUTE_FUZZ_SECONDS:-600} cargo test --release --locked --test fuzz -- --ignored
 cargo build --release --locked
 experiments/studies/memory.sh
+experiments/studies/bad_inputs.sh
 COMMINUTE_BOOK=write cargo test --release --locked --test book
