@@ -232,7 +232,7 @@ fn write(path: &Path, kinds: &[&Kind], counts: &Counts) {
 }
 
 #[test]
-#[ignore = "an hour: writes docs/validation/hard_to_break/kills.csv; kills that the table holds are not made again"]
+#[ignore = "an hour: writes docs/validation/hard_to_break/kills.csv; kills that the table holds are not made again: remove it to begin anew"]
 fn a_thousand_kills() {
     let wanted: usize = std::env::var("COMMINUTE_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(1000);
     let folder = tempfile::tempdir().expect("folder");

@@ -1,8 +1,6 @@
 //! Reading of CSV files: one header line, commas, comments of the form `# key = value`.
 
 use super::error::{FigureError, Result};
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// A CSV file with its cells as text; numbers are read by column name.
@@ -21,12 +19,8 @@ impl Table {
     /// Reads a file of at most 1 GiB. An incomplete last line is left out: a run may have been stopped while writing
     /// it.
     pub fn read(path: &Path) -> Result<Self> {
-        let mut bytes = Vec::new();
-        // a device or a pipe does not say how long it is
-        File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_end(&mut bytes)).map_err(|e| FigureError::io(path, e))?;
-        if bytes.len() as u64 > LONGEST {
-            return Err(FigureError::io(path, format!("must be at most {} MiB long", LONGEST >> 20)));
-        }
+        let too_long = || FigureError::io(path, format!("must be at most {} MiB long", LONGEST >> 20));
+        let bytes = ::table::read_up_to(path, LONGEST).map_err(|e| FigureError::io(path, e))?.ok_or_else(too_long)?;
         let text = String::from_utf8_lossy(&bytes);
         let text = text.trim_start_matches('\u{feff}');
         let comments = text

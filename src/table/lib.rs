@@ -232,6 +232,16 @@ pub fn no_link(path: &Path) -> std::io::Result<()> {
     }
 }
 
+/// Reads the file `path`; `None` where it is longer than `longest` bytes: a device or a pipe does not say how long it is, and would be read until memory is full.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn read_up_to(path: &Path, longest: u64) -> std::io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(longest + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= longest).then_some(bytes))
+}
+
 /// Makes the empty file `path`, or empties it. Every file of a run that is not a [`Table`] is made here.
 ///
 /// # Errors

@@ -43,7 +43,7 @@ pub enum VtkError {
 
 impl VtkError {
     /// The error of a run that met this one while it wrote a snapshot at step `step`.
-    pub fn at(step: u64) -> impl Fn(VtkError) -> Error {
+    pub fn at(step: u64) -> impl Fn(VtkError) -> Error + Copy {
         move |error| match error {
             VtkError::Io { path, source } => Error::Write { path, source },
             VtkError::NotFinite { .. } => Error::Unstable { step, what: error.to_string(), grain: None },

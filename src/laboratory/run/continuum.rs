@@ -372,16 +372,16 @@ fn instant(
     if !model.records.snapshots {
         return Ok(());
     }
-    let failed = || vtk::VtkError::at(step);
+    let failed = vtk::VtkError::at(step);
     records::write_snapshot(&out.join(files::snapshot_name("step_", step)), facts, &state.continuum)?;
     snapshots.push((state.time, step));
-    vtk::write_collection(&out.join(files::COLLECTION), &files::listed(snapshots, "step_")).map_err(failed())?;
+    vtk::write_collection(&out.join(files::COLLECTION), &files::listed(snapshots, "step_")).map_err(failed)?;
     if let Some(mixture) = &state.mixture {
         let grains = &mixture.grains.grains;
         let stresses = contacts::mean_stresses(grains, &touching);
         let descent = |id| crushed.descent(model, grains, id);
         records::write_grains(&dir.join(format!("grains_{step:08}.vtp")), facts, step, grains, &stresses, descent)?;
-        vtk::write_collection(&out.join(files::GRAINS), &files::listed(snapshots, "grains_")).map_err(failed())?;
+        vtk::write_collection(&out.join(files::GRAINS), &files::listed(snapshots, "grains_")).map_err(failed)?;
     }
     if let Some(theirs) = state.blocks() {
         blocks::write_surfaces(&dir.join(format!("blocks_{step:08}.vtp")), facts, step, theirs)?;

@@ -277,8 +277,8 @@ impl Files {
                     &facts,
                     fines,
                 )?;
-                let failed = || vtk::VtkError::at(state.step);
-                vtk::write_collection(&out.join(FINES), &listed(&self.snapshots, "fines_")).map_err(failed())?;
+                let failed = vtk::VtkError::at(state.step);
+                vtk::write_collection(&out.join(FINES), &listed(&self.snapshots, "fines_")).map_err(failed)?;
             }
         }
         if model.records.energy && !self.recorder.energy_error.is_finite() {
@@ -388,10 +388,10 @@ impl Files {
             mother,
             ancestor,
         };
-        let failed = || vtk::VtkError::at(state.step);
-        vtk::write_snapshot(&out.join(&name), facts, &data).map_err(failed())?;
+        let failed = vtk::VtkError::at(state.step);
+        vtk::write_snapshot(&out.join(&name), facts, &data).map_err(failed)?;
         self.snapshots.push((at, state.step));
-        vtk::write_collection(&out.join(COLLECTION), &listed(&self.snapshots, "step_")).map_err(failed())?;
+        vtk::write_collection(&out.join(COLLECTION), &listed(&self.snapshots, "step_")).map_err(failed)?;
         let loaded: Vec<walls::Loaded> = state.walls.iter().map(|w| (w.shape, w.reaction)).collect();
         write_walls(out, state.step, g.pos.iter().copied(), &loaded, facts, &self.snapshots)
     }
@@ -421,10 +421,10 @@ pub fn write_walls(
     if loaded.is_empty() {
         return Ok(());
     }
-    let failed = || vtk::VtkError::at(step);
+    let failed = vtk::VtkError::at(step);
     let path = out.join(snapshot_name("walls_", step));
-    walls::write(&path, facts, loaded, walls::space(bodies, loaded)).map_err(failed())?;
-    vtk::write_collection(&out.join(WALLS), &listed(snapshots, "walls_")).map_err(failed())
+    walls::write(&path, facts, loaded, walls::space(bodies, loaded)).map_err(failed)?;
+    vtk::write_collection(&out.join(WALLS), &listed(snapshots, "walls_")).map_err(failed)
 }
 
 /// A snapshot: its place on ParaView's time axis (number from 0, or time, s, of a free scene), and its step. Its files follow from

@@ -5,7 +5,6 @@ use super::sources::spread_sources;
 use super::suggest::nearest;
 use crate::error::{Error, Result};
 use std::fs;
-use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 use toml::{Table, Value};
 
@@ -204,13 +203,8 @@ fn read_up_to(path: &Path, longest: u64) -> Result<Vec<u8>> {
     if !path.exists() {
         return Err(Error::input(path.display(), "", None, missing(path)));
     }
-    let mut bytes = Vec::new();
-    // a device or a pipe does not say how long it is
-    fs::File::open(path).and_then(|file| file.take(longest + 1).read_to_end(&mut bytes)).map_err(Error::read(path))?;
-    if bytes.len() as u64 > longest {
-        return Err(Error::input(path.display(), "", None, format!("must be at most {} MiB long", longest >> 20)));
-    }
-    Ok(bytes)
+    let too_long = || Error::input(path.display(), "", None, format!("must be at most {} MiB long", longest >> 20));
+    table::read_up_to(path, longest).map_err(Error::read(path))?.ok_or_else(too_long)
 }
 
 /// The table of a text in TOML of a bounded size.
