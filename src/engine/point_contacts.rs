@@ -6,6 +6,8 @@ use crate::check::{self, Checked};
 use crate::contact::ContactLaw;
 use crate::contact::pair::{Pair, PairTable};
 use crate::material::Material;
+use crate::math::vector::{dot, less, scaled};
+use crate::mpm::Continuum;
 use serde::{Deserialize, Serialize};
 
 /// Smallest and largest skin of a candidate list, in cells of the grid. The list holds pairs whose gap is below the skin; it stays valid until two
@@ -63,6 +65,47 @@ impl Age {
     }
 }
 
+/// The face of a point's ghost on which a body presses: where the force acts on the material, and what the contact's overlap is measured from.
+///
+/// At the first touch it lies on the line from the point to the body, a ghost radius from the point (Li et al. 2023, eq. 22). From then on it moves with
+/// the nodes, as the face under a loading plate does ([`crate::mpm::loading_plate`]): material between the face and the centre of the point may be
+/// pressed together. With the force at the centre everything within a spline's reach of the centre, up to 1.5 cells from it, moves with the body, and
+/// grains act as if they were wider by more than a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GhostFace {
+    /// Unit normal from the body to the point.
+    pub normal: [f64; 3],
+    /// Distance of the face from the centre of the point, less the ghost radius, m.
+    pub beyond: f64,
+    /// Velocity of the face, m/s.
+    pub velocity: [f64; 3],
+}
+
+impl GhostFace {
+    /// The face of a point at the first touch.
+    pub fn at_first_touch(normal: [f64; 3], transport_velocity: [f64; 3]) -> GhostFace {
+        GhostFace { normal, beyond: 0.0, velocity: transport_velocity }
+    }
+
+    /// From the centre of the point to where the force acts, m: the middle of the overlap, as for the grain (Li et al. 2023, eq. 27), but no further than
+    /// half a cell. `radius`: ghost radius, m.
+    pub fn offset(&self, radius: f64, overlap: f64, cell: f64) -> [f64; 3] {
+        scaled(self.normal, -(radius + self.beyond - 0.5 * overlap).clamp(0.0, 0.5 * cell))
+    }
+
+    /// Moves the face with the nodes by a step of the continuum of `dt` seconds, which has just been made. `point`: index of the point.
+    pub fn follow(&mut self, continuum: &Continuum, point: usize, [radius, overlap]: [f64; 2], dt: f64) {
+        let offset = self.offset(radius, overlap, continuum.settings().cell);
+        self.velocity = continuum.velocity_beside(point, offset);
+        self.beyond += dt * dot(less(continuum.points().transport_velocity[point], self.velocity), self.normal);
+    }
+
+    /// All its numbers.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+        self.normal.into_iter().chain(self.velocity).chain([self.beyond])
+    }
+}
+
 /// Largest sums of contact stiffness over mass, 1/s², each as if the other end of every contact stood still: what contacts of points ask of
 /// the time step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -89,12 +132,13 @@ impl ContactRates {
 
     /// What contacts add at most to the square of a frequency, 1/s². `plates`: largest rate of the loading plates, 1/s².
     ///
-    /// `bound_ratio`: the bound at the nodes over [`Self::isolated_bound`], 1 or less, for tests in which contacts need only be stable. `None`: contacts
-    /// are to be resolved as in an impact; points then count as isolated, and the best ε, `grains` / `points`, makes both ends equal.
-    pub fn frequency2(&self, plates: f64, bound_ratio: Option<f64>) -> f64 {
-        match bound_ratio {
-            Some(ratio) => (ratio * self.isolated_bound(plates)).max(Self::END_SHARES[1] * self.grains),
-            None => self.points + self.grains + plates,
+    /// `bound_ratio`: the bound at the nodes over [`Self::isolated_bound`]. `slow`: contacts need only be stable. Otherwise they are to be resolved as in an
+    /// impact; points then count as isolated at least, and the best ε, `grains` / `points`, makes both ends equal.
+    pub fn frequency2(&self, plates: f64, bound_ratio: f64, slow: bool) -> f64 {
+        if slow {
+            (bound_ratio * self.isolated_bound(plates)).max(Self::END_SHARES[1] * self.grains)
+        } else {
+            bound_ratio.max(1.0) * self.points + self.grains + plates
         }
     }
 }

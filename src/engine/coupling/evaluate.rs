@@ -11,15 +11,15 @@ use crate::contact::pairs::ContactForce;
 use crate::contact::registry::with_law;
 use crate::grains::Grains;
 use crate::math::real::{Lanes, MOST_LANES, arch};
-use crate::math::vector::{dot, less, scaled};
+use crate::math::vector::{dot, less, plus, scaled};
 use crate::mpm::Continuum;
-use crate::point_contacts::PointContactTable;
+use crate::point_contacts::{GhostFace, PointContactTable};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 
 /// Candidates of one parallel task.
-const TASK: usize = 512;
+pub(super) const TASK: usize = 512;
 
 /// Grains, walls and points from which contact forces are computed. Where one side is between two of its steps, its positions are extrapolated in
 /// time with its present velocities.
@@ -111,6 +111,15 @@ impl<L: Law> PointContactSweep<'_, L> {
     fn geometry(&mut self, at: usize, spot: &Spot) -> Option<ContactGeometry> {
         let contact = &mut self.part[at];
         let mut geometry = self.scene.contact_geometry::<L>(contact, spot);
+        let of_ghost = geometry.overlap;
+        if let Some(face) = &mut contact.face {
+            // the nodes move the face, not the point
+            face.normal = geometry.normal;
+            geometry.overlap += face.beyond;
+            geometry.motion.centres = plus(geometry.motion.centres, less(spot.transport_velocity, face.velocity));
+        } else if of_ghost > 0.0 {
+            contact.face = Some(GhostFace::at_first_touch(geometry.normal, spot.transport_velocity));
+        }
         if contact.reference > 0.0 {
             // the overlap without force never exceeds the present overlap
             contact.reference = contact.reference.min(geometry.overlap.max(0.0));
@@ -122,6 +131,9 @@ impl<L: Law> PointContactSweep<'_, L> {
         if contact.touch.overlap > 0.0 {
             contact.stiffness = [0.0; 2];
             contact.keep(force::apart::<false>(|| geometry.motion, self.rules.dt, &contact.history::<L>()));
+        }
+        if of_ghost <= 0.0 {
+            contact.face = None;
         }
         None
     }

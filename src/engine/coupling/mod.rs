@@ -2,10 +2,13 @@
 //!
 //! The ghost has the volume of the point's solids, (1 − n) V = 4/3 π r³ (eq. 22); its radius r stays while the point's volume changes. The contact
 //! follows the contact law of the run, with friction and history (eqs 18–21, 23, 24). The grain gets a force and a torque (eqs 25–27), the point the
-//! opposite force, which goes to the nodes by the point's shape functions (eqs 28, 29). Only points near a surface are looked at.
+//! opposite force (eq. 28). Only points near a surface are looked at.
 //!
-//! Ghosts do not rotate. The velocity of a point in a contact is the one that moved it in its last step ([`crate::mpm::Points::transport_velocity`]).
-//! With FLIP that differs from the velocity stored at the point, and only the former moves the contact point.
+//! Li et al. spread that force from the centre of the point by its shape functions (eq. 29). Here it acts on the face of the ghost, where the grain is, and the
+//! overlap is measured from there ([`crate::point_contacts::GhostFace`]): what moves with a grain is then what touches it.
+//!
+//! Ghosts do not rotate. The velocity of a point in a contact is that of the nodes at its face, in the first step of a contact the one that moved the point in
+//! its last step ([`crate::mpm::Points::transport_velocity`]). With FLIP these differ from the velocity stored at the point, which does not move the contact.
 
 mod embedded;
 mod evaluate;
@@ -28,7 +31,7 @@ use crate::check::{self, Checked, below, ensure};
 use crate::contact::pairs::ContactForce;
 use crate::grains::Grains;
 use crate::mpm::Continuum;
-use crate::point_contacts::Age;
+use crate::point_contacts::{Age, GhostFace};
 use serde::{Deserialize, Serialize};
 
 /// The grain or wall of a point contact. Grains are ordered before walls.
@@ -63,6 +66,8 @@ pub struct PointContact {
     stiffness: [f64; 2],
     /// Overlap that bears no force, m: the overlap with which a point from a breakage was born. Infinite until forces are first computed, then that overlap.
     reference: f64,
+    /// Where the body presses on the point; `None` until they first touch, and again once they have parted.
+    face: Option<GhostFace>,
 }
 
 /// All contacts and candidates of contacts between points and grains or walls: what a restart needs of them.
@@ -125,6 +130,7 @@ impl PointContacts {
             check::numbers("forces on points", c.touch.first().iter().chain(&c.touch.second()).chain(&c.spring))?;
             check::not_negative("stiffnesses at points", c.stiffness)?;
             check::positive("points in contact", [c.radius, c.mass])?;
+            check::numbers("faces of points", &c.face.map_or(Vec::new(), |face| face.numbers().collect()))?;
             check::all("overlaps of points", [c.reference], "not from 0 on", |x| x >= 0.0)?;
         }
         Ok(())

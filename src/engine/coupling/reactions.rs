@@ -1,12 +1,13 @@
 //! Adds the forces of point contacts to grains and points; energy of the contacts and their bound on the time step.
 
-use super::evaluate::PointContactScene;
+use super::evaluate::{PointContactScene, TASK};
 use super::{Body, PointContact, PointContacts};
 use crate::contact::pairs::ContactForce;
 use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, scaled};
 use crate::mpm::Continuum;
 use crate::point_contacts::ContactRates;
+use rayon::prelude::*;
 
 impl PointContact {
     /// Elastic energy of the contact, J: `energy_factor` times normal force times overlap, and the energy of the tangential spring.
@@ -29,8 +30,19 @@ impl PointContact {
 }
 
 impl PointContacts {
+    /// Moves the faces of the points with the nodes, after a step of the continuum of `dt` seconds. In parallel over contacts.
+    pub(super) fn follow_faces(&mut self, continuum: &Continuum, dt: f64) {
+        let of_points = |c: &mut PointContact| {
+            let (place, own) = (c.place[1] as usize, [c.radius, c.touch.overlap]);
+            if let Some(face) = &mut c.face {
+                face.follow(continuum, place, own, dt);
+            }
+        };
+        self.candidates.par_iter_mut().with_min_len(TASK).for_each(of_points);
+    }
+
     /// Adds `of_grains` times force and torque of each contact to `external_forces` (force, N, and torque, N m, by index of the grain), and `of_points`
-    /// times the opposite force, with `stiff` times the larger tangent stiffness, to the points of the continuum. Contacts are taken in the order of
+    /// times the opposite force, with `stiff` times the larger tangent stiffness, to the faces of the points. Contacts are taken in the order of
     /// the list.
     pub(super) fn apply_reactions(
         &self,
@@ -41,10 +53,13 @@ impl PointContacts {
         [of_points, stiff]: [f64; 2],
     ) {
         external_forces.resize(grains.len(), [[0.0; 4]; 2]);
+        let cell = continuum.settings().cell;
         for contact in self.touching() {
             let ([body, point], force) = (contact.place.map(|p| p as usize), contact.touch.force());
             let [k_n, k_t] = contact.stiffness;
-            continuum.add_external_force(point, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
+            let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
+            let offset = contact.face.map_or([0.0; 3], |face| face.offset(contact.radius, contact.touch.overlap, cell));
+            continuum.add_force_beside(point, push, stiffness, offset);
             if let Body::Grain(_) = contact.body {
                 let torque = torque(&contact.touch, grains.radius(body));
                 for a in 0..3 {
@@ -65,7 +80,8 @@ impl PointContacts {
                 Body::Grain(_) => [0, 1, 2].map(|a| scene.grains.vel[body][a]),
                 Body::Wall(_) => scaled(contact.touch.normal, scene.walls[body].speed),
             };
-            let past = less(of_body, scene.continuum.points().transport_velocity[point]);
+            let of_point = contact.face.map_or(scene.continuum.points().transport_velocity[point], |face| face.velocity);
+            let past = less(of_body, of_point);
             let slid = dot(past, past).sqrt() * scene.dt / (2.0 * contact.radius);
             let released = contact.reference * (slid / strain).min(1.0);
             contact.reference -= released;

@@ -24,12 +24,14 @@ impl PointContacts {
         self.candidates.clear();
     }
 
-    /// Makes the list of candidates anew: all points whose ghost is nearer to a surface than the largest ghost radius plus `skin`, m. Contacts keep their
+    /// Makes the list of candidates anew: all points that are nearer to a surface than the largest distance of a face plus `skin`, m. Contacts keep their
     /// history.
     fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
-        let reach = ghost_radius(dimension, most) + skin;
+        // a face may lie further from its point than the ghost radius
+        let beyond = self.candidates.iter().filter_map(|g| g.face).map(|face| face.beyond).fold(0.0, f64::max);
+        let reach = ghost_radius(dimension, most) + beyond + skin;
         let mut found: Vec<PointContact> = Vec::new();
         let mut add = |body: Body, place: u32, i: usize| {
             let radius = ghost_radius(dimension, points.solid(i));
@@ -46,6 +48,7 @@ impl PointContacts {
                 spring: none,
                 stiffness: [0.0; 2],
                 reference: 0.0,
+                face: None,
             });
         };
         for (g, p) in grains.pos.iter().enumerate() {
@@ -67,9 +70,9 @@ impl PointContacts {
             }
         }
         found.sort_unstable_by_key(|g| (g.body, g.point));
-        let known = self.candidates.iter().filter(|g| g.touch.overlap > 0.0 || g.reference > 0.0);
+        let known = self.candidates.iter().filter(|g| g.face.is_some() || g.reference > 0.0);
         let keep = |old: &PointContact, new: &mut PointContact| {
-            (new.touch, new.spring, new.reference) = (old.touch, old.spring, old.reference);
+            (new.touch, new.spring, new.reference, new.face) = (old.touch, old.spring, old.reference, old.face);
         };
         remember(known, &mut found, |g| (g.body, g.point), keep);
         if let Some(born) = &mut self.newborn {
@@ -83,7 +86,7 @@ impl PointContacts {
     }
 
     /// Brings the indices of grains and points up to date, whose arrays may have been sorted. Candidates of grains that have broken are removed.
-    fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
+    pub(super) fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
         let points = continuum.points();
         let [by_grain, by_point] = &mut self.index;
         let (mut grain_moved, mut point_moved) = (false, false);

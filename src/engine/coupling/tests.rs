@@ -135,6 +135,32 @@ fn beside(centre: [f64; 3], n: [f64; 3], overlap: f64) -> [f64; 3] {
     plus(centre, scaled(n, R + A - overlap))
 }
 
+/// A contact acts on a grain and on the face of a point at the same place: forces and moments about any place add up to nothing. The overlap is the distance of
+/// the face behind the grain's surface.
+#[test]
+fn both_ends_of_a_contact_are_pressed_at_one_place() {
+    let physics = physics(ContactLaw::Hertz);
+    let (centre, n) = ([0.31, -0.2, 0.13], oblique());
+    let at = beside(centre, n, 2e-3);
+    let grains = grain(centre, [0.5, 0.2, -0.3], [3.0, -4.0, 2.0], &physics);
+    let mut scene = Scene::new(physics, grains, Vec::new(), continuum(&[point(at, [0.0; 3])]));
+    scene.evaluate(1e-4, [0.0; 2]);
+    for beyond in [0.0, 5e-4, -8e-4] {
+        scene.contacts.candidates[0].face.as_mut().expect("they touch").beyond = beyond;
+        scene.evaluate(1e-4, [0.0; 2]);
+        let Scene { grains, continuum, contacts, .. } = &mut scene;
+        let contact = contacts.candidates[0];
+        near(contact.touch.overlap, 2e-3 + beyond);
+        let mut applied = Vec::new();
+        contacts.apply_reactions(grains, &mut applied, 1.0, continuum, [1.0, 0.0]);
+        let [force, torque] = applied[0].map(|v| [v[0], v[1], v[2]]);
+        assert!(dot(torque, torque) > 0.0);
+        let face = contact.face.expect("they touch").offset(contact.radius, contact.touch.overlap, 0.125);
+        let on_point = cross(plus(at, face), scaled(force, -1.0));
+        near3(plus(cross(centre, force), torque), scaled(on_point, -1.0));
+    }
+}
+
 /// Presses many points around a grain, one by one as deep as the next: each has Hertz's force, whether it is computed alone or with others side by side.
 #[test]
 fn points_around_a_grain_have_the_force_of_hertz() {
@@ -315,7 +341,7 @@ fn an_overlap_from_birth_bears_no_force() {
     // slides by a tenth of the release strain times the ghost's diameter
     let strain = 0.5;
     let speed = 0.1 * strain * 2.0 * A / 1e-6;
-    scene.continuum.points_mut().transport_velocity[1] = [speed, 0.0, 0.0];
+    scene.contacts.candidates[1].face.as_mut().expect("they touch").velocity = [speed, 0.0, 0.0];
     let Scene { physics, grains, walls, continuum, table, contacts } = &mut scene;
     let view =
         PointContactScene { grains, walls, continuum, table, unloading: physics.contact.unloading, dt: 1e-6, ahead: [0.0; 2] };
@@ -324,7 +350,7 @@ fn an_overlap_from_birth_bears_no_force() {
     near(gained, pressed.normal_force * 0.1 * overlap);
     assert_eq!(of(&scene, 0).reference, 0.0);
     // apart and back: nothing is left of it
-    scene.continuum.points_mut().transport_velocity[1] = [0.0; 3];
+    scene.contacts.candidates[1].face.as_mut().expect("they touch").velocity = [0.0; 3];
     place(&mut scene, -1e-4);
     assert_eq!((of(&scene, 1).reference, of(&scene, 1).touch), (0.0, ContactForce::default()));
     place(&mut scene, overlap);
@@ -617,7 +643,7 @@ fn a_mixture_of_another_scene_is_refused() {
     };
     assert_eq!(taken(&|_| {}), Ok(()));
     assert_eq!(taken(&|m| m.cycle.rates = Rates { grains: 1000, continuum: 1 }), Ok(()));
-    let wrong: [&dyn Fn(&mut Mixture); 18] = [
+    let wrong: [&dyn Fn(&mut Mixture); 19] = [
         &|m| m.blocks = None,
         &|m| m.blocks = Some(Box::new(Blocks::new(Vec::new()))),
         &|m| m.fines = None,
@@ -631,11 +657,12 @@ fn a_mixture_of_another_scene_is_refused() {
         &|m| m.cycle.rates = Rates { grains: 2, continuum: 2 },
         &|m| m.cycle.rates = Rates { grains: 0, continuum: 1 },
         &|m| m.cycle.time = -1.0,
-        &|m| m.bound_ratio = 1.5,
+        &|m| m.bound_ratio = -1.0,
         &|m| m.point_contacts.candidates = [m.point_contacts.candidates[0]; 2].into(),
         &|m| m.point_contacts.candidates[0].body = Body::Grain(1),
         &|m| m.point_contacts.candidates[0].reference = -1.0,
         &|m| m.point_contacts.candidates[0].radius = 0.0,
+        &|m| m.point_contacts.candidates[0].face = Some(GhostFace::at_first_touch([1.0, 0.0, 0.0], [0.0, f64::NAN, 0.0])),
     ];
     for (k, change) in wrong.into_iter().enumerate() {
         assert!(taken(change).is_err(), "number {k}");

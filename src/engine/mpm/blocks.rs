@@ -107,6 +107,11 @@ impl CellBlocks {
         self.keys.len()
     }
 
+    /// Number of the block with this key; `None` if it has no points.
+    pub fn find(&self, key: u64) -> Option<usize> {
+        self.keys.binary_search(&key).ok()
+    }
+
     /// Indices of the points of block `b` in `d` dimensions.
     pub fn points(&self, b: usize, d: usize) -> std::ops::Range<usize> {
         self.starts[b * cells(d)] as usize..self.starts[(b + 1) * cells(d)] as usize

@@ -115,6 +115,12 @@ fn collect<const D: usize>(behind: &[u32; 8], tiles: &[[f64; 4]], out: &mut [[f6
     }
 }
 
+/// Index of the node with these coordinates in a block's tile. `ahead`: blocks of nodes that the tile covers.
+pub fn node_in_tile<const D: usize>(ahead: &[u32; 8], [x, y, z]: [usize; 3]) -> usize {
+    let block = ahead[x / EDGE + 2 * (y / EDGE) + 4 * (z / EDGE)];
+    block as usize * cells(D) + x % EDGE + EDGE * (y % EDGE + EDGE * (z % EDGE))
+}
+
 /// Copies the values at the nodes of a block's tile to `out`. `ahead`: blocks of nodes that the tile covers.
 #[inline(always)]
 pub fn load<const D: usize>(ahead: &[u32; 8], nodes: &[[f64; 4]], out: &mut [[f64; 4]]) {

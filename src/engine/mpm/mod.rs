@@ -229,6 +229,21 @@ impl Continuum {
         }
     }
 
+    /// As [`Self::add_external_force`], for a force that acts `offset` metres beside the centre of the point, at most half a cell along each axis. It
+    /// goes to the nodes by linear weights ([`Self::velocity_beside`] takes the same), so force and moment arrive whole.
+    pub fn add_force_beside(&mut self, i: usize, [x, y, z]: [f64; 3], stiffness: f64, offset: [f64; 3]) {
+        self.work.external_forces.add_beside(i, self.points.len(), [x, y, z, stiffness], offset);
+    }
+
+    /// Velocity of the nodes, m/s, `offset` metres beside the centre of point `i`, by linear weights. To be called between a step and the next change of
+    /// the points from outside.
+    pub fn velocity_beside(&self, i: usize, offset: [f64; 3]) -> [f64; 3] {
+        match self.settings.dimension {
+            Dimension::PlaneStrain => step::velocity_beside::<2>(self, i, offset),
+            Dimension::Space => step::velocity_beside::<3>(self, i, offset),
+        }
+    }
+
     /// As [`Self::add_external_force`], for a force of magnitude `force` along `normal` (into the material) that acts on a face of the point instead of its
     /// centre: each component acts on the face across its own axis. The face is followed with the material from then on ([`Points::faces`]), until
     /// [`Self::release_face`] is called.

@@ -6,7 +6,7 @@ use super::external_forces::{ExternalForces, PointForce};
 use super::grid::load;
 use super::law::{ConstitutiveLaw, InternalVariables, Law, Sym, with_law};
 use super::points::Face;
-use super::spline::{ShapeFunction, Weights};
+use super::spline::{ShapeFunction, Weights, hats};
 use super::stress::{increments, rotate_jaumann, work};
 use super::transfer::{gather, gradient, spread, spread_affine, spread_stress};
 #[cfg(target_arch = "x86_64")]
@@ -363,6 +363,18 @@ impl<F: Four, S: ShapeFunction> CellMap<F, S> {
         (t, self.shape.weights(self.token, t, self.inverse_cell))
     }
 
+    /// Linear weights `offset` metres beside a point. `t`: distance of the point from its first node, in cells.
+    #[inline(always)]
+    fn beside<const D: usize>(&self, t: [f64; 4], offset: [f64; 3]) -> Weights {
+        let mut w = Weights { value: [[0.0; 4]; 3], slope: [[0.0; 4]; 3] };
+        for a in 0..D {
+            for (node, value) in w.value.iter_mut().zip(hats(t[a] + offset[a] * self.inverse_cell)) {
+                node[a] = value;
+            }
+        }
+        w
+    }
+
     /// Weights of a face of a point: those of the point, `w`, along the other axes, and along `axis` those for a traction on the face `beside` metres from
     /// the point ([`ShapeFunction::at_edge`]). `t`: distance of the point from its first node, in cells.
     #[inline(always)]
@@ -485,10 +497,14 @@ fn external_forces<F: Four, const D: usize, S: ShapeFunction>(
     part: &mut BlockSlices<'_>,
     p: At<F::Token>,
 ) {
-    let Some(&PointForce { force, beside }) = pass.external_forces.of(p.whole) else { return };
+    let Some(point @ &PointForce { force, beside, .. }) = pass.external_forces.of(p.whole) else { return };
     let (t, w) = place.weights(part.position[p.i], p.cell);
     if force != [0.0; 4] {
         spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, force));
+    }
+    for one in pass.external_forces.offset_forces(point) {
+        let w = place.beside::<D>(t.xyzw(), one.offset);
+        spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, one.force));
     }
     for a in (0..D).filter(|&a| beside[a] != 0.0) {
         let mut along = [0.0; 4];
@@ -545,6 +561,15 @@ fn advance<F: Four, const D: usize, S: ShapeFunction>(
         let [x, y, z, _] = field.xyzw();
         part.transport_velocity[p.i] = [x, y, z];
         sums.contact_frequency = sums.contact_frequency.max(gain.xyzw()[3]);
+        if !pass.external_forces.is_empty()
+            && let Some(point) = pass.external_forces.of(p.whole)
+        {
+            for one in pass.external_forces.offset_forces(point) {
+                let w = place.beside::<D>(t.xyzw(), one.offset);
+                let there = gather::<F, D>(p.token, change, p.at, &w).xyzw()[3];
+                sums.contact_frequency = sums.contact_frequency.max(there);
+            }
+        }
     }
     let there = (place.in_cells(moved) - place.reach).xyzw();
     let mut stays = true;

@@ -85,7 +85,7 @@ impl ShapeFunction for BSpline {
 
 /// Linear hat functions of the three nodes at `t` cells from the first; `t` is limited to the range of the nodes.
 #[inline(always)]
-fn hats(t: f64) -> [f64; 3] {
+pub fn hats(t: f64) -> [f64; 3] {
     let t = t.clamp(0.0, 2.0);
     [0.0, 1.0, 2.0].map(|node: f64| (1.0 - (t - node).abs()).max(0.0))
 }

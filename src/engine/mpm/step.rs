@@ -5,12 +5,12 @@
 //! So a step needs two loops over points that gather from nodes and two that spread to nodes. If there is no grid (first step, restart, points changed
 //! from outside), it is made from the points by the same sums, with the same bits.
 
-use super::blocks::{CellBlocks, STAYS, cell_key, tile};
+use super::blocks::{CellBlocks, STAYS, block_corner, cell_key, tile};
 use super::external_forces::ExternalForces;
-use super::grid::NodeGrid;
+use super::grid::{NodeGrid, node_in_tile};
 use super::pass::{BlockSlices, Fault, Pass, cell_of, run, stage};
 use super::points::Points;
-use super::spline::{BSpline, Gimp, ShapeFunction};
+use super::spline::{BSpline, Gimp, ShapeFunction, hats};
 use super::{Continuum, Dimension, Settings, ShapeFunctions, Transfer};
 use crate::error::{Error, Result};
 use pulp::Arch;
@@ -111,6 +111,37 @@ pub fn step(c: &mut Continuum, dt: f64) -> Result<()> {
     }
 }
 
+/// See [`Continuum::velocity_beside`].
+pub fn velocity_beside<const D: usize>(c: &Continuum, i: usize, offset: [f64; 3]) -> [f64; 3] {
+    let (Settings { lower, cell, shape, .. }, blocks) = (&c.settings, &c.work.blocks);
+    let (inverse_cell, p) = (1.0 / cell, &c.points.position[i]);
+    let reach = match shape {
+        ShapeFunctions::BSpline => BSpline.reach(),
+        ShapeFunctions::Gimp { half_width } => Gimp(*half_width).reach(),
+    };
+    let first = cell_of::<D>(p, *lower, inverse_cell, reach);
+    let Some(block) = blocks.find(cell_key::<D>(first) >> (2 * D)) else { return [0.0; 3] };
+    let corner = block_corner(blocks.keys[block]);
+    let weights: [[f64; 3]; 3] = std::array::from_fn(|a| {
+        if a < D { hats((p[a] - lower[a] + offset[a]) * inverse_cell - f64::from(first[a])) } else { [1.0, 0.0, 0.0] }
+    });
+    let mut sum = [0.0; 3];
+    for (k, z) in weights[2].iter().enumerate().filter(|(_, w)| **w > 0.0) {
+        for (j, y) in weights[1].iter().enumerate().filter(|(_, w)| **w > 0.0) {
+            for (i, x) in weights[0].iter().enumerate().filter(|(_, w)| **w > 0.0) {
+                let at = [i, j, k].map(|n| n as i32);
+                let in_tile: [usize; 3] = std::array::from_fn(|a| if a < D { (first[a] + at[a] - corner[a]) as usize } else { 0 });
+                let v = c.work.grid.velocity[node_in_tile::<D>(&blocks.ahead[block], in_tile)];
+                let weight = x * y * z;
+                for a in 0..3 {
+                    sum[a] += weight * v[a];
+                }
+            }
+        }
+    }
+    sum
+}
+
 /// The stages of a step in `D` dimensions.
 fn stages<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64) -> Result<()> {
     c.step += 1;
@@ -124,13 +155,13 @@ fn stages<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64
     // eq. 29: forces on points from contacts
     if !c.work.external_forces.is_empty() {
         pass::<{ stage::EXTERNAL }, D, S>(c, shape, dt);
-        c.work.external_forces.clear();
     }
     // eq. 28: velocities of the nodes, walls
     let GridWorkspace { grid, blocks, .. } = &mut c.work;
     c.wall_force = grid.accelerate::<D>(blocks, &c.settings, dt);
     // eqs 30, 33: velocities and positions of the points
     pass::<{ stage::MOVE }, D, S>(c, shape, dt);
+    c.work.external_forces.clear();
     c.work.contact_frequency = c.work.block_frequency.iter().fold(0.0, |most, frequency| frequency.max(most));
     check_faults(c)?;
     resort::<D>(c);
@@ -232,4 +263,128 @@ fn check_faults(c: &mut Continuum) -> Result<()> {
         Fault::Inverted => "is turned inside out (volume not positive): use a smaller time step, a finer grid, or a stiffer law",
     };
     Err(Error::Unstable { step: c.step, what: format!("point {id} {what}"), grain: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::vector::cross;
+    use crate::mpm::blocks::cell_at;
+    use crate::mpm::law::{Elastic, Law};
+    use crate::mpm::{GridWall, Point};
+
+    /// A block of 14 × 14 × 14 points, two along a cell's edge of 0.1 m, with these velocities at their positions.
+    fn block(velocity: impl Fn([f64; 3]) -> [f64; 3]) -> Continuum {
+        let settings = Settings {
+            dimension: Dimension::Space,
+            cell: 0.1,
+            lower: [-0.2; 3],
+            cells: [12; 3],
+            walls: [GridWall::Open; 6],
+            gravity: [0.0; 3],
+            shape: ShapeFunctions::BSpline,
+            transfer: Transfer::Blend { pic: 0.0 },
+            damping: 0.0,
+        };
+        let mut points = Points::default();
+        for k in 0..14 * 14 * 14 {
+            let position = [k % 14, k / 14 % 14, k / 196].map(|n: i32| 0.025 + 0.05 * f64::from(n));
+            points.add(&Point {
+                position,
+                velocity: velocity(position),
+                mass: 0.2,
+                volume: 1.25e-4,
+                stress: [0.0; 6],
+                porosity: 0.0,
+                law: 0,
+            });
+        }
+        let mut c = Continuum::new(settings, vec![Law::Elastic(Elastic::of_young(1e6, 0.3))], points).expect("allowed");
+        c.keep_transport_velocity();
+        c
+    }
+
+    /// A force beside a point gives the nodes its impulse and its moment about the origin.
+    #[test]
+    fn a_force_beside_a_point_arrives_with_its_moment() {
+        let mut c = block(|_| [0.0; 3]);
+        let (force, dt) = ([3.0, -2.0, 0.7], 1e-5);
+        let offsets = [[0.0, 0.02, -0.03], [-0.05, 0.05, 0.01], [0.013, 0.0, 0.0]];
+        let (mut impulse, mut moment) = ([0.0; 3], [0.0; 3]);
+        for (i, offset) in [7, 7, 200].into_iter().zip(offsets) {
+            c.add_force_beside(i, force, 1e5, offset);
+            let at = std::array::from_fn(|a| c.points.position[i][a] + offset[a]);
+            for (sum, part) in [(&mut impulse, force), (&mut moment, cross(at, force))] {
+                (0..3).for_each(|a| sum[a] += dt * part[a]);
+            }
+        }
+        // the nodes just before the points move: momentum of the points alone is that of a later time
+        let settings = c.settings.clone();
+        sort::<3, _>(&mut c, BSpline);
+        pass::<{ stage::PROJECT }, 3, _>(&mut c, BSpline, dt);
+        c.work.grid.project::<3>(&c.work.blocks);
+        pass::<{ stage::FORCES }, 3, _>(&mut c, BSpline, dt);
+        pass::<{ stage::EXTERNAL }, 3, _>(&mut c, BSpline, dt);
+        let GridWorkspace { grid, blocks, .. } = &mut c.work;
+        grid.accelerate::<3>(blocks, &settings, dt);
+        let (mut given, mut turned) = ([0.0; 3], [0.0; 3]);
+        for (n, (p, dv)) in grid.momentum.iter().zip(&grid.change).enumerate() {
+            let node = cell_at::<3>((blocks.node_keys[n / 64] << 6) | (n % 64) as u64);
+            let at: [f64; 3] = std::array::from_fn(|a| settings.lower[a] + settings.cell * f64::from(node[a]));
+            let own = [dv[0] * p[3], dv[1] * p[3], dv[2] * p[3]];
+            let turn = cross(at, own);
+            for a in 0..3 {
+                given[a] += own[a];
+                turned[a] += turn[a];
+            }
+        }
+        for a in 0..3 {
+            assert!((given[a] - impulse[a]).abs() < 1e-17, "{given:?} {impulse:?}");
+            assert!((turned[a] - moment[a]).abs() < 1e-14, "{turned:?} {moment:?}");
+        }
+        assert!(moment.iter().all(|m| m.abs() > 1e-7));
+    }
+
+    /// In a field that is linear in space the velocity beside a point is that of the field there.
+    #[test]
+    fn velocities_beside_points_are_those_of_the_field() {
+        let field = |[x, y, z]: [f64; 3]| [0.1 + 0.3 * y - 0.2 * z, 0.4 * x - 0.1, 0.2 * x + 0.5 * z];
+        let mut c = block(field);
+        c.step(1e-9).expect("a small step");
+        let inner: Vec<usize> =
+            (0..c.points.len()).filter(|&i| c.points.position[i][..3].iter().all(|x| (0.32..0.38).contains(x))).collect();
+        assert_eq!(inner.len(), 8);
+        for i in inner {
+            for offset in [[0.0; 3], [0.02, -0.01, 0.017], [-0.03, 0.0, 0.0]] {
+                let at = std::array::from_fn(|a| c.points.position[i][a] + offset[a]);
+                let (found, expected) = (c.velocity_beside(i, offset), field(at));
+                assert!((0..3).all(|a| (found[a] - expected[a]).abs() < 1e-7), "{found:?} {expected:?}");
+            }
+        }
+    }
+
+    /// The stiffness of a force beside a point bounds the square of the frequency where it acts: Σ N² k/m over the nodes, by the weights there.
+    #[test]
+    fn a_stiffness_beside_a_point_is_bounded_where_it_acts() {
+        let settings = block(|_| [0.0; 3]).settings;
+        let mut points = Points::default();
+        // in the middle of a cell: its spline is 1/2, 1/2 along each axis; 0.025 m beside it the linear weights are 3/4, 1/4
+        points.add(&Point {
+            position: [0.15; 3],
+            velocity: [0.0; 3],
+            mass: 2.0,
+            volume: 1e-3,
+            stress: [0.0; 6],
+            porosity: 0.0,
+            law: 0,
+        });
+        let mut c = Continuum::new(settings, vec![Law::Elastic(Elastic::of_young(1e6, 0.3))], points).expect("allowed");
+        c.keep_transport_velocity();
+        c.add_force_beside(0, [1.0, 0.0, 0.0], 1e5, [-0.025, 0.0, 0.0]);
+        c.step(1e-9).expect("a small step");
+        // along y and z the spline is 1/8, 3/4, 1/8 or 1/2, 1/2 where the linear weights are those of the point itself
+        let along = |spline: &[f64], hat: &[f64]| spline.iter().zip(hat).map(|(n, h)| h * h / n).sum::<f64>();
+        let expected = 1e5 / 2.0 * along(&[0.5, 0.5], &[0.75, 0.25]) * along(&[0.5, 0.5], &[0.5, 0.5]).powi(2);
+        assert!((c.contact_frequency_bound() / expected - 1.0).abs() < 1e-9, "{} {expected}", c.contact_frequency_bound());
+    }
 }

@@ -11,7 +11,7 @@ use crate::contact::{ContactLaw, TangentialUnloading};
 use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::mpm::Continuum;
-use crate::point_contacts::{ContactRates, PointContactTable};
+use crate::point_contacts::{ContactRates, GhostFace, PointContactTable};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -55,19 +55,33 @@ pub struct BlockContact {
     stiffness: [f64; 2],
     /// Inverse mass of the other side, 1/kg; 0 for a wall.
     inverse_mass: f64,
+    /// Where the body presses on a point; `None` until they first touch, and again once they have parted.
+    pub(super) face: Option<GhostFace>,
 }
 
 impl BlockContact {
     /// A candidate without a force and without history.
     pub(super) fn new(block: u32, other: Other, place: u32, radius: f64) -> BlockContact {
         let (touch, none) = (ContactForce::default(), [0.0; 3]);
-        BlockContact { block, other, place, radius, touch, spring: none, arm: none, stiffness: [0.0; 2], inverse_mass: 0.0 }
+        BlockContact {
+            block,
+            other,
+            place,
+            radius,
+            touch,
+            spring: none,
+            arm: none,
+            stiffness: [0.0; 2],
+            inverse_mass: 0.0,
+            face: None,
+        }
     }
 
     /// All its numbers.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
         let single = [self.radius, self.inverse_mass];
-        let vectors = self.spring.into_iter().chain(self.arm).chain(self.stiffness).chain(single);
+        let face = self.face.iter().flat_map(GhostFace::numbers);
+        let vectors = self.spring.into_iter().chain(self.arm).chain(self.stiffness).chain(single).chain(face);
         self.touch.first().into_iter().chain(self.touch.second()).chain(vectors)
     }
 
@@ -105,6 +119,15 @@ pub struct BlockScene<'a> {
     pub ahead: [f64; 2],
 }
 
+impl BlockScene<'_> {
+    /// Position of point `i`, m, extrapolated in time.
+    fn point_at(&self, i: usize) -> [f64; 3] {
+        let points = self.continuum.points();
+        let [x, y, z, _] = points.position[i];
+        plus([x, y, z], scaled(points.transport_velocity[i], self.ahead[1]))
+    }
+}
+
 impl Blocks {
     /// Computes the forces of this instant: of contacts with points (`points`), or of all others. In parallel over contacts; each task writes only its own.
     pub fn evaluate(&mut self, scene: &BlockScene<'_>, points: bool) {
@@ -121,17 +144,29 @@ impl Blocks {
         });
     }
 
+    /// Moves the faces of points with the nodes, after a step of the continuum of `dt` seconds.
+    pub fn follow_faces(&mut self, grains: &Grains, continuum: &Continuum, dt: f64) {
+        self.locate(grains, continuum);
+        for c in &mut self.candidates {
+            if let Some(face) = &mut c.face {
+                face.follow(continuum, c.place as usize, [c.radius, c.touch.overlap], dt);
+            }
+        }
+    }
+
     /// Contacts that touch, in the order of the list.
     pub fn touching(&self) -> impl Iterator<Item = &BlockContact> {
         self.candidates.iter().filter(|c| c.touch.overlap > 0.0)
     }
 
     /// Adds `of_blocks` times the force of each contact with a point to its body, and `of_points` times the opposite force, with `stiff` times the larger
-    /// tangent stiffness, to the point.
+    /// tangent stiffness, to the face of the point.
     pub fn apply_point_reactions(&mut self, of_blocks: f64, continuum: &mut Continuum, [of_points, stiff]: [f64; 2]) {
+        let cell = continuum.settings().cell;
         for c in self.candidates.iter().filter(|c| c.is_of_point() && c.touch.overlap > 0.0) {
             let (force, [k_n, k_t]) = (c.touch.force(), c.stiffness);
-            continuum.add_external_force(c.place as usize, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
+            let offset = c.face.map_or([0.0; 3], |face| face.offset(c.radius, c.touch.overlap, cell));
+            continuum.add_force_beside(c.place as usize, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t), offset);
             add_force_and_torque(&mut self.applied[c.block as usize], c, of_blocks);
         }
     }
@@ -272,8 +307,9 @@ fn across<'a>(scene: &BlockScene<'a>, body: &PosedBlock<'_>, c: &BlockContact) -
     Some(match c.other {
         Other::Point(_) => {
             let points = scene.continuum.points();
-            let ([x, y, z, _], velocity) = (points.position[i], points.transport_velocity[i]);
-            let (normal, overlap, at) = body.meets(plus([x, y, z], scaled(velocity, scene.ahead[1])), c.radius)?;
+            let (centre, transport) = (scene.point_at(i), points.transport_velocity[i]);
+            let (beyond, velocity) = c.face.map_or((0.0, transport), |face| (face.beyond, face.velocity));
+            let (normal, overlap, at) = body.meets(centre, c.radius + beyond)?;
             let pair = scene.point_table.of_grain(points.law[i], body.block.material);
             let inverse_mass = 1.0 / points.velocity[i][3];
             Across { normal, overlap, r_eff: c.radius, at, velocity, spin: [0.0; 3], inverse_mass, pair }
@@ -320,8 +356,17 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, body: &PosedBlock<'_>, c
         if c.touch.overlap > 0.0 {
             (c.touch, c.spring, c.stiffness) = (ContactForce::default(), [0.0; 3], [0.0; 2]);
         }
+        if c.face.is_some() && body.meets(scene.point_at(c.place as usize), c.radius).is_none() {
+            c.face = None;
+        }
         return;
     };
+    if c.is_of_point() {
+        match &mut c.face {
+            Some(face) => face.normal = o.normal,
+            face => *face = Some(GhostFace::at_first_touch(o.normal, o.velocity)),
+        }
+    }
     let arm = less(o.at, body.pose.centre);
     let here = plus(body.block.velocity, cross(body.spin, arm));
     // with walls the spin of the body alone counts, as for grains on walls

@@ -46,7 +46,9 @@ impl Blocks {
     fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
-        let widest = ghost_radius(dimension, most) + skin;
+        // a face may lie further from its point than the ghost radius
+        let beyond = self.candidates.iter().filter_map(|c| c.face).map(|face| face.beyond).fold(0.0, f64::max);
+        let widest = ghost_radius(dimension, most) + beyond + skin;
         let mut found: Vec<BlockContact> = Vec::new();
         for (k, block) in self.blocks.iter().enumerate() {
             let (solid, pose, block_index) = (block.solid(), block.pose(0.0), k as u32);
@@ -58,7 +60,7 @@ impl Blocks {
             let corners = [-far, far].map(|by| std::array::from_fn(|a| pose.centre[a] + by));
             continuum.visit(corners, |i| {
                 let radius = ghost_radius(dimension, points.solid(i));
-                if within(&points.position[i], radius + skin) {
+                if within(&points.position[i], radius + beyond + skin) {
                     found.push(BlockContact::new(block_index, Other::Point(points.id[i]), i as u32, radius));
                 }
             });
@@ -75,12 +77,13 @@ impl Blocks {
         }
         let key = |c: &BlockContact| (c.block, c.other);
         found.sort_unstable_by_key(key);
-        remember(self.touching(), &mut found, key, |old, new| (new.touch, new.spring) = (old.touch, old.spring));
+        let known = self.candidates.iter().filter(|c| c.touch.overlap > 0.0 || c.face.is_some());
+        remember(known, &mut found, key, |old, new| (new.touch, new.spring, new.face) = (old.touch, old.spring, old.face));
         self.candidates = found;
     }
 
     /// Brings the indices of grains and points up to date, whose arrays may have been sorted.
-    fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
+    pub(super) fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
         let (points, place) = (continuum.points(), |c: &BlockContact| c.place as usize);
         let [of_grains, of_points] = &mut self.index;
         let grain_at = |c: &BlockContact| matches!(c.other, Other::Grain(id) if grains.id.get(place(c)) != Some(&id));
