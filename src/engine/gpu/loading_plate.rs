@@ -1,5 +1,6 @@
 //! Loading plates on the device: their state to the device and back, and what the device refuses. The shader is `loading_plates.wgsl`.
 
+use super::bounds::PLATES;
 use super::device::refused;
 use super::exact::{place, placed, split};
 use super::layout::LoadingPlate32;
@@ -47,8 +48,8 @@ pub fn take(plate: &mut LoadingPlate, p: &LoadingPlate32, settings: &Settings) {
 /// Refusals of loading plates that the device cannot have.
 pub fn wrong(plates: &[LoadingPlate], settings: &Settings, points: &Points) -> Vec<Error> {
     let mut errors = Vec::new();
-    if plates.len() > 6 {
-        errors.push(refused("platens", plates.len(), "at most six on the GPU"));
+    if plates.len() > PLATES {
+        errors.push(refused("platens", plates.len(), format!("at most {PLATES} on the GPU")));
     }
     for p in plates {
         let along = p.normal.iter().filter(|n| **n != 0.0).count() == 1 && p.normal[p.axis()].abs() == 1.0;

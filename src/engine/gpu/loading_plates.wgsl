@@ -40,15 +40,15 @@ struct BatchState {
     dt: f32,
     count: u32,
     // sums of the normal forces of the sides of the domain on the material, N
-    sides: array<vec2<f32>, 6>,
-    plates: array<LoadingPlate, 6>,
+    sides: array<vec2<f32>, BORDERS>,
+    plates: array<LoadingPlate, PLATES>,
     // for each point the force of the loading plates, N, and its stiffness, N/m; then for each workgroup of points the sums for each loading plate
     parts: array<vec4<f32>>,
 }
 
 @group(0) @binding(9) var<storage, read_write> batch: BatchState;
 
-var<workgroup> partial_sums: array<vec4<f32>, 256>;
+var<workgroup> partial_sums: array<vec4<f32>, WIDE>;
 
 fn cube_root(x: f32) -> f32 {
     let y = exp2(log2(x) * 0.33333333);
@@ -67,7 +67,7 @@ fn summed(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
 }
 
 // Forces of the loading plates on each point; for each workgroup and plate the sums of normal force, stiffness and elastic energy, and the largest stiffness over mass.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn plate_forces(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -128,14 +128,14 @@ fn plate_forces(
         }
         partial_sums[thread] = own;
         workgroupBarrier();
-        for (var half = 32u; half > 0u; half /= 2u) {
+        for (var half = GROUP / 2u; half > 0u; half /= 2u) {
             if thread < half {
                 partial_sums[thread] = summed(partial_sums[thread], partial_sums[thread + half]);
             }
             workgroupBarrier();
         }
         if thread == 0u {
-            batch.parts[params.points + (group.x + group.y * groups.x) * 6u + k] = partial_sums[0];
+            batch.parts[params.points + (group.x + group.y * groups.x) * PLATES + k] = partial_sums[0];
         }
         workgroupBarrier();
     }
@@ -149,18 +149,18 @@ fn plate_forces(
 }
 
 // Reactions of the loading plates and of the sides of the domain at the end of a step, the work of the plates, and the sums of the batch.
-@compute @workgroup_size(256)
+@compute @workgroup_size(WIDE)
 fn sum_plate_loads(@builtin(local_invocation_index) thread: u32) {
     let sound = status.stop == 0u && atomicLoad(&status.fault) == NO_FAULT;
     let count = params.point_groups.x * params.point_groups.y;
     for (var k = 0u; k < params.plates; k++) {
         var own = vec4<f32>(0.0);
-        for (var g = thread; g < count; g += 256u) {
-            own = summed(own, batch.parts[params.points + g * 6u + k]);
+        for (var g = thread; g < count; g += WIDE) {
+            own = summed(own, batch.parts[params.points + g * PLATES + k]);
         }
         partial_sums[thread] = own;
         workgroupBarrier();
-        for (var half = 128u; half > 0u; half /= 2u) {
+        for (var half = WIDE / 2u; half > 0u; half /= 2u) {
             if thread < half {
                 partial_sums[thread] = summed(partial_sums[thread], partial_sums[thread + half]);
             }
@@ -178,7 +178,7 @@ fn sum_plate_loads(@builtin(local_invocation_index) thread: u32) {
         status.stop = 1u;
         return;
     }
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         let force = status.reaction[side][side / 2u];
         batch.sides[side] = grown(batch.sides[side], select(force, -force, side % 2u == 1u));
     }

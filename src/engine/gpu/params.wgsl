@@ -21,7 +21,7 @@ struct Params {
     // numbers of cells and nodes
     cells: u32,
     nodes: u32,
-    // number of groups of 256 cells in the prefix sum
+    // number of groups of WIDE cells in the prefix sum
     blocks: u32,
     // largest number of points in a cell
     crowd: u32,
@@ -36,8 +36,8 @@ struct Params {
     extents: vec3<f32>,
     follows: f32,
     // the sides x low, x high, y low, …: kind (0 open, 1 symmetry, 2 stick, 3 friction), bits of the coefficient of friction
-    walls: array<vec4<u32>, 6>,
-    drives: array<PlateDrive, 6>,
+    walls: array<vec4<u32>, BORDERS>,
+    drives: array<PlateDrive, PLATES>,
 }
 
 // How a loading plate moves: at a speed, m/s (kind 0), or towards a stress, Pa (kind 1). Speed and stress go from `value` with `slope`, per second, to `end`. The other

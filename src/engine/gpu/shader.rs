@@ -1,7 +1,10 @@
-//! The sources of the shaders, put together from their files.
+//! The sources of the shaders, put together from their files and the numbers of `bounds.rs`.
+
+use super::bounds::bounds_wgsl;
 
 /// Source for a continuum without grains.
 pub const STEP: &str = concat!(
+    bounds_wgsl!(),
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
     include_str!("law.wgsl"),
@@ -15,6 +18,7 @@ pub const STEP: &str = concat!(
 
 /// Source for a continuum with grains.
 pub const MIXTURE: &str = concat!(
+    bounds_wgsl!(),
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
     include_str!("law.wgsl"),
@@ -37,10 +41,16 @@ pub mod tests {
     use wgpu::naga;
 
     /// Source for tests of the laws alone.
-    pub const LAW_TEST: &str =
-        concat!(include_str!("params.wgsl"), include_str!("exact.wgsl"), include_str!("law.wgsl"), include_str!("law_test.wgsl"));
+    pub const LAW_TEST: &str = concat!(
+        bounds_wgsl!(),
+        include_str!("params.wgsl"),
+        include_str!("exact.wgsl"),
+            include_str!("law.wgsl"),
+        include_str!("law_test.wgsl")
+    );
 
-    fn parsed(source: &str) -> naga::Module {
+    /// The module of a source.
+    pub fn parsed(source: &str) -> naga::Module {
         naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
     }
 
@@ -214,7 +224,8 @@ pub mod tests {
     /// Constants have the same values in Rust and WGSL.
     #[test]
     fn constants_are_those_of_the_processor() {
-        use crate::gpu::grains::layout::{NONE, PARTNERS, PLACES, SIDES, SLOTS, WALLS};
+        use crate::gpu::bounds::{BORDERS, GROUP, PARTNERS, PLACES, PLATES, SIDES, SLOTS, WIDE};
+        use crate::gpu::grains::layout::{NONE, WALLS};
         use crate::point_contacts::ContactRates;
         use naga::{Expression, Literal};
         let module = parsed(MIXTURE);
@@ -226,8 +237,18 @@ pub mod tests {
         for (name, value) in [("OF_POINT", ContactRates::END_SHARES[0]), ("OF_GRAIN", ContactRates::END_SHARES[1])] {
             assert_eq!(literal(name), Literal::F32(value as f32), "{name}");
         }
-        let whole = [PARTNERS, SIDES, SLOTS, PLACES, WALLS as usize, NONE as usize];
-        for (name, value) in ["PARTNERS", "SIDES", "SLOTS", "PLACES", "WALLS", "NONE"].iter().zip(whole) {
+        for (name, value) in [
+            ("GROUP", GROUP),
+            ("WIDE", WIDE),
+            ("BORDERS", BORDERS),
+            ("PLATES", PLATES),
+            ("PARTNERS", PARTNERS),
+            ("SIDES", SIDES),
+            ("SLOTS", SLOTS),
+            ("PLACES", PLACES),
+            ("WALLS", WALLS as usize),
+            ("NONE", NONE as usize),
+        ] {
             assert_eq!(literal(name), Literal::U32(value as u32), "{name}");
         }
     }
