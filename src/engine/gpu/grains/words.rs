@@ -6,7 +6,7 @@ use crate::boundary::WallShape;
 use crate::contact::pairs::ContactForce;
 use crate::coupling::Body;
 use crate::coupling::exchange::ExchangedContact;
-use crate::gpu::bounds::{PARTNERS, PLACES, SLOTS};
+use crate::gpu::bounds::{PARTNERS, PLACES};
 use crate::gpu::exact::{place, placed, split};
 use crate::grains::Grains;
 use crate::mpm::Settings;
@@ -177,6 +177,7 @@ pub fn to_wall(settings: &Settings, side: &Side, before: f64, wall: &mut Wall) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gpu::bounds::SLOTS;
 
     fn contact_of(x: f64) -> ExchangedContact {
         let spring = [0.3 * x, -1.7 * x, 1e-7 * x];
