@@ -102,7 +102,7 @@ impl DeviceContinuum {
         takes(cpu.laws())?;
         sizes(cpu.settings(), cpu.points(), plates, coarse)?;
         let device = Device::open(coarse.is_some())?;
-        let passes = Passes::new(&device, coarse.is_some());
+        let passes = Passes::new(&device, coarse.is_some(), cpu.laws());
         DeviceContinuum::load(device, passes, cpu, plates, drifts, coarse, saved)
     }
 

@@ -199,6 +199,10 @@ pub struct Law32 {
     pub settled: f32,
     pub last_alpha: f32,
     pub last_kappa: f32,
+    pub sin_friction: f32,
+    pub sin_dilation: f32,
+    pub strength: f32,
+    pub apex: f32,
     pub unused_a: f32,
     pub unused_b: f32,
     pub friction: Evolution32,
@@ -210,7 +214,24 @@ impl From<&Law> for Law32 {
     fn from(law: &Law) -> Law32 {
         let elastic = law.elastic();
         let moduli = Law32 { bulk: elastic.bulk as f32, shear: elastic.shear as f32, ..Law32::default() };
-        let Law::DruckerPrager(law) = law else { return moduli };
+        let law = match law {
+            Law::Elastic(_) => return moduli,
+            Law::DruckerPrager(law) => law,
+            Law::MohrCoulomb(law) => {
+                let ([sin_friction, sin_dilation], inside) = (law.sines().map(|s| s as f32), law.inscribed());
+                return Law32 {
+                    kind: 2,
+                    cut: HUGE as f32,
+                    last_alpha: inside.alpha as f32,
+                    last_kappa: inside.kappa as f32,
+                    sin_friction,
+                    sin_dilation,
+                    strength: law.strength() as f32,
+                    apex: law.apex().min(HUGE) as f32,
+                    ..moduli
+                };
+            }
+        };
         let p = law.parameters();
         let alpha_psi = p.cone.at(p.dilation).alpha;
         let last = law.strength(f64::INFINITY);

@@ -67,8 +67,8 @@ struct Evolution {
     decay: f32,
 }
 
-// A constitutive law: kind 0 linear elasticity, 1 Drucker-Prager. The other fields are those of DruckerPrager in mpm/law/drucker_prager.rs, with bulk and shear modulus,
-// Pa; from the plastic strain `settled` on the yield surface is `last_alpha`, `last_kappa`.
+// A constitutive law: kind 0 linear elasticity, 1 Drucker-Prager, 2 Mohr-Coulomb. The other fields are those of DruckerPrager in mpm/law/drucker_prager.rs, with bulk and shear modulus,
+// Pa; from the plastic strain `settled` on the yield surface is `last_alpha`, `last_kappa`. For Mohr-Coulomb that is the cone inside its pyramid, in which nothing yields.
 struct Law {
     kind: u32,
     // 0 outer, 1 inner, 2 plane strain (mpm/law/cone.rs)
@@ -81,6 +81,11 @@ struct Law {
     settled: f32,
     last_alpha: f32,
     last_kappa: f32,
+    // of Mohr-Coulomb: sines of the friction and the dilation angle; 2 c cos φ, Pa; mean stress at the apex, Pa
+    sin_friction: f32,
+    sin_dilation: f32,
+    strength: f32,
+    apex: f32,
     unused_a: f32,
     unused_b: f32,
     friction: Evolution,

@@ -3,6 +3,7 @@
 use super::buffers::{Buffers, Groups};
 use super::device::Device;
 use super::{grains, shader};
+use crate::mpm::law::Law;
 
 /// Entry points for points and nodes; they share one layout of bindings.
 const NAMES: [&str; 18] = [
@@ -63,9 +64,10 @@ struct BindGroups {
 }
 
 impl Passes {
-    /// Compiles the pipelines, with or without those for grains.
-    pub fn new(device: &Device, with_grains: bool) -> Passes {
-        let source = if with_grains { shader::MIXTURE } else { shader::STEP };
+    /// Compiles the pipelines for these laws, with or without those for grains.
+    pub fn new(device: &Device, with_grains: bool, laws: &[Law]) -> Passes {
+        let mohr_coulomb = laws.iter().any(|law| matches!(law, Law::MohrCoulomb(_)));
+        let source = shader::with_mohr_coulomb(if with_grains { shader::MIXTURE } else { shader::STEP }, mohr_coulomb);
         let device = &device.device;
         let entry = |binding: u32, ty: wgpu::BufferBindingType| wgpu::BindGroupLayoutEntry {
             binding,

@@ -2,11 +2,17 @@
 
 use super::bounds::bounds_wgsl;
 
+/// A source with or without the code for Mohr and Coulomb's law, for which runs without it shall not pay: software adapters go through both branches of a condition.
+pub fn with_mohr_coulomb(source: &str, on: bool) -> String {
+    format!("const MOHR_COULOMB: bool = {on};\n{source}")
+}
+
 /// Source for a continuum without grains.
 pub const STEP: &str = concat!(
     bounds_wgsl!(),
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
+    include_str!("mohr_coulomb.wgsl"),
     include_str!("law.wgsl"),
     include_str!("grains/without_grains.wgsl"),
     include_str!("nodes.wgsl"),
@@ -21,6 +27,7 @@ pub const MIXTURE: &str = concat!(
     bounds_wgsl!(),
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
+    include_str!("mohr_coulomb.wgsl"),
     include_str!("law.wgsl"),
     include_str!("grains/contact.wgsl"),
     include_str!("nodes.wgsl"),
@@ -45,13 +52,15 @@ pub mod tests {
         bounds_wgsl!(),
         include_str!("params.wgsl"),
         include_str!("exact.wgsl"),
-            include_str!("law.wgsl"),
+        include_str!("mohr_coulomb.wgsl"),
+        include_str!("law.wgsl"),
         include_str!("law_test.wgsl")
     );
 
-    /// The module of a source.
+    /// The module of a source, with the code for every law.
     pub fn parsed(source: &str) -> naga::Module {
-        naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
+        let source = with_mohr_coulomb(source, true);
+        naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)))
     }
 
     /// Every source is valid WGSL.
@@ -153,6 +162,10 @@ pub mod tests {
             settled,
             last_alpha,
             last_kappa,
+            sin_friction,
+            sin_dilation,
+            strength,
+            apex,
             unused_a,
             unused_b,
             friction,
