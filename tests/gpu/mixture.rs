@@ -21,7 +21,7 @@ fn copy(from: &Path, to: &Path) {
 }
 
 /// A scene on both backends from the state after `stop` steps of the processor, so that both begin to load at the same instant.
-fn both(folder: &Path, scene: &str, sets: &[&str], stop: &str) -> [PathBuf; 2] {
+pub fn both(folder: &Path, scene: &str, sets: &[&str], stop: &str) -> [PathBuf; 2] {
     let outs = ["cpu", "gpu"].map(|name| folder.join(name));
     run(scene, &outs[0], &[&PLAIN[..], sets].concat(), &["--stop-after", stop]).assert().code(130);
     copy(&outs[0], &outs[1]);

@@ -102,7 +102,7 @@ impl DeviceContinuum {
         takes(cpu.laws())?;
         sizes(cpu.settings(), cpu.points(), plates, coarse)?;
         let device = Device::open(coarse.is_some())?;
-        let passes = Passes::new(&device, coarse.is_some(), cpu.laws());
+        let passes = Passes::new(&device, coarse.is_some(), cpu.laws(), plates);
         DeviceContinuum::load(device, passes, cpu, plates, drifts, coarse, saved)
     }
 
@@ -141,8 +141,9 @@ impl DeviceContinuum {
         params.extents = [1.0; 3];
         let mut state = state::to_device(&settings, cpu.points(), !plates.is_empty());
         let mut batch = BatchState::default();
+        let round = plates.iter().any(|p| p.radius.is_some());
         for ((there, plate), drift) in batch.plates.iter_mut().zip(plates).zip(drifts) {
-            *there = loading_plate::to_device(plate, *drift, &settings);
+            *there = loading_plate::to_device(plate, *drift, round, &settings);
         }
         let mut before = (cpu.steps(), cpu.stress_work());
         if let Some(saved) = saved {

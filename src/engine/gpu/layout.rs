@@ -87,10 +87,15 @@ pub struct LoadingPlate32 {
     pub drift: f32,
     pub overlap: f32,
     pub way: f32,
-    pub unused: f32,
+    pub face: f32,
     pub ways: [f32; 2],
     pub overlaps: [f32; 2],
     pub reactions: [f32; 2],
+    pub centre_cell: [i32; 2],
+    pub centre_units: [i32; 2],
+    pub centre_rest: [f32; 2],
+    pub shell: u32,
+    pub split: u32,
 }
 
 /// State of a batch: the first part of the buffer `batch`, before the forces on points.

@@ -13,7 +13,7 @@
 //! ```
 //!
 //! It has three-dimensional grids with quadratic B-splines, the MUSL scheme, the blend of FLIP and PIC, walls, gravity, local damping, the laws `elastic`,
-//! `drucker_prager` and `mohr_coulomb`, up to six loading plates that move at a speed or hold a stress, and grains with their contacts. What it lacks (plane strain, GIMP, the affine
+//! `drucker_prager` and `mohr_coulomb`, up to six loading plates (planes and shells) that move at a speed or hold a stress, and grains with their contacts. What it lacks (plane strain, GIMP, the affine
 //! transfer, other laws) is refused with the key of the scene file.
 //!
 //! The shaders are the files `*.wgsl`, which `shader.rs` puts together. Each of them names its twin: Rust code that computes the same, in f32 in this folder or in

@@ -2,9 +2,21 @@
 
 use super::bounds::bounds_wgsl;
 
-/// A source with or without the code for Mohr and Coulomb's law, for which runs without it shall not pay: software adapters go through both branches of a condition.
-pub fn with_mohr_coulomb(source: &str, on: bool) -> String {
-    format!("const MOHR_COULOMB: bool = {on};\n{source}")
+/// Parts of the shaders for which runs without them shall not pay: software adapters go through both branches of a condition.
+#[derive(Clone, Copy)]
+pub struct Uses {
+    /// Mohr and Coulomb's law.
+    pub mohr_coulomb: bool,
+    /// Loading plates that are shells.
+    pub shells: bool,
+}
+
+impl Uses {
+    /// A source with these parts.
+    pub fn of(self, source: &str) -> String {
+        let Uses { mohr_coulomb, shells } = self;
+        format!("const MOHR_COULOMB: bool = {mohr_coulomb};\nconst SHELLS: bool = {shells};\n{source}")
+    }
 }
 
 /// Source for a continuum without grains.
@@ -57,9 +69,12 @@ pub mod tests {
         include_str!("law_test.wgsl")
     );
 
-    /// The module of a source, with the code for every law.
+    /// All parts.
+    pub const ALL: Uses = Uses { mohr_coulomb: true, shells: true };
+
+    /// The module of a source with all parts.
     pub fn parsed(source: &str) -> naga::Module {
-        let source = with_mohr_coulomb(source, true);
+        let source = ALL.of(source);
         naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)))
     }
 
@@ -136,10 +151,15 @@ pub mod tests {
             drift,
             overlap,
             way,
-            unused,
+            face,
             ways,
             overlaps,
-            reactions
+            reactions,
+            centre_cell,
+            centre_units,
+            centre_rest,
+            shell,
+            split
         );
         // the last field of the struct in WGSL is an array of any length
         let (mut fields, size) = offsets(&module, "BatchState");

@@ -5,7 +5,7 @@ use crate::gpu::device::Device;
 use crate::gpu::exact;
 use crate::gpu::law::stress_step;
 use crate::gpu::layout::{Law32, Params};
-use crate::gpu::shader::{tests::LAW_TEST, with_mohr_coulomb};
+use crate::gpu::shader::tests::{ALL, LAW_TEST};
 use crate::math::eigen::principal;
 use crate::mpm::law::{InternalVariables, Law, Sym};
 use bytemuck::{Pod, Zeroable};
@@ -220,7 +220,7 @@ fn laws_on_the_device_follow_their_twin() {
     let d = &device.device;
     let module = d.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
-        source: wgpu::ShaderSource::Wgsl(with_mohr_coulomb(LAW_TEST, true).into()),
+        source: wgpu::ShaderSource::Wgsl(ALL.of(LAW_TEST).into()),
     });
     let pipeline = d.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,
