@@ -8,6 +8,7 @@ use super::layout::{BatchState, CROWD, Law32, Params, Status, groups};
 use super::loading_plate::{self, both};
 use super::memory::BufferSizes;
 use super::passes::Passes;
+use super::rounds;
 use super::state;
 use super::support::{sizes, takes};
 use crate::coupling::Mixture;
@@ -135,6 +136,7 @@ impl DeviceContinuum {
         takes(cpu.laws())?;
         let (sizes, _) = sizes(&settings, cpu.points(), plates, coarse)?;
         sizes.check(&device.device.limits())?;
+        Error::all(if device.adapter.software { rounds::too_many(&settings, cpu.points(), coarse) } else { Vec::new() })?;
         let lightest = cpu.points().velocity.iter().map(|v| v[3]).fold(f64::INFINITY, f64::min);
         let mut params = Params::of(&settings, cpu.points().len(), lightest);
         params.plates = plates.len() as u32;

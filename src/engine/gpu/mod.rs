@@ -33,6 +33,7 @@ mod memory;
 #[cfg(test)]
 mod mohr_coulomb;
 mod passes;
+mod rounds;
 mod shader;
 mod state;
 mod support;

@@ -32,7 +32,7 @@ use wgpu::BufferUsages as Usage;
 use words::ContactWords;
 
 /// Width of the skin, cells: by how much further than contacts the lists of candidates reach.
-const SKIN: f64 = 0.25;
+pub const SKIN: f64 = 0.25;
 /// Lengths in overlaps are below this many quanta ([`support::split`]), so that their squares can be summed exactly in 32-bit integers.
 const WHOLE: f64 = 1000.0;
 
