@@ -24,7 +24,7 @@ mod walls;
 pub use check::with_plates;
 pub use loading_plate::LoadingPlate;
 pub use measure::Totals;
-pub use plate_drive::{PlateDrive, Ramp, area};
+pub use plate_drive::{PlateDrive, Ramp, area, face_share};
 pub use points::{Face, Point, Points};
 pub use spline::{BSpline, Gimp, ShapeFunction, ShapeFunctions};
 pub use stress::rotate_jaumann;

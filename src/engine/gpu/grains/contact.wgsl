@@ -94,9 +94,9 @@ struct Mix {
     largest_bound: atomic<u32>,
     // 1 where contacts of points need only be stable, not resolved in time (coupling/mixture.rs)
     slow: u32,
-    sides: array<Side, 8>,
+    sides: array<Side, SIDES>,
     // sums of the walls' reactions over the steps of the batch, N
-    reactions: array<vec2<f32>, 8>,
+    reactions: array<vec2<f32>, SIDES>,
 }
 
 @group(1) @binding(0) var<uniform> coupling: Coupling;
@@ -120,10 +120,8 @@ const GRAINS: bool = true;
 const NONE: u32 = 0xffffffffu;
 // bodies from here on are walls
 const WALLS: u32 = 0x40000000u;
-const PARTNERS: u32 = 32u;
-const SIDES: u32 = 8u;
-const SLOTS: u32 = 40u;
-const PLACES: u32 = 16u;
+// contacts of a grain: with other grains, then with walls
+const SLOTS: u32 = PARTNERS + SIDES;
 
 // Planes of `grains` entries each.
 const G_UNITS: u32 = 0u; // offsets x, y, z in units; material

@@ -49,7 +49,7 @@ fn move_in_row(old: u32, to: u32, r: u32) {
 
 // Makes the list of candidates of each point anew, in the order of bodies. Contacts in touch keep their history: they are first moved to the front of the row, then,
 // from the last one on, to their new places.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn point_candidates(one: Thread) {
     let i = linear(one);
     if i >= params.points || status.stop != 0u {
@@ -153,7 +153,7 @@ fn point_candidates(one: Thread) {
 }
 
 // Force of each contact of a point, and their sum on the point.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn point_contact_forces(one: Thread) {
     let r = linear(one);
     if r >= min(atomicLoad(&mix_.rows), coupling.rows) || status.stop != 0u {

@@ -102,6 +102,26 @@ impl ConstitutiveLaw for MohrCoulomb {
 }
 
 impl MohrCoulomb {
+    /// Sines of the friction and of the dilation angle.
+    pub fn sines(&self) -> [f64; 2] {
+        [self.sin_friction, self.sin_dilation]
+    }
+
+    /// 2 c cos φ, Pa.
+    pub fn strength(&self) -> f64 {
+        self.strength
+    }
+
+    /// Mean stress at the apex of the pyramid, c cot φ, Pa; infinite without friction.
+    pub fn apex(&self) -> f64 {
+        if self.sin_friction > 0.0 { self.strength / (2.0 * self.sin_friction) } else { f64::INFINITY }
+    }
+
+    /// The cone inside the pyramid that touches all of its planes.
+    pub fn inscribed(&self) -> YieldParameters {
+        self.inscribed
+    }
+
     /// The yield function, Pa, of the largest and the smallest principal stress, Pa; negative inside of the pyramid.
     fn yield_function(&self, largest: f64, smallest: f64) -> f64 {
         (largest - smallest) + (largest + smallest) * self.sin_friction - self.strength
@@ -165,7 +185,7 @@ impl MohrCoulomb {
         } else {
             [trial[0] + largest * a + other * b, trial[1] + other * a + largest * b, trial[2] + smallest * (a + b)]
         };
-        let apex = if s > 0.0 { self.strength / (2.0 * s) } else { f64::INFINITY };
+        let apex = self.apex();
         let mean = (edge[0] + edge[1] + edge[2]) * (1.0 / 3.0);
         // on an edge the largest stress is above the smallest one only where their mean is below the apex
         if mean <= apex { edge } else { [apex; 3] }

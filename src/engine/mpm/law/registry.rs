@@ -100,7 +100,7 @@ constitutive_laws! { ($)
     /// Drucker–Prager with a tension cut-off, hardening and softening.
     DruckerPrager = "drucker_prager", "elastic up to a cone of failure, which may harden and soften", gpu: Ok(1);
     /// Mohr–Coulomb with an exact return.
-    MohrCoulomb = "mohr_coulomb", "elastic up to the pyramid of Mohr-Coulomb with constant friction, cohesion and dilation", gpu: Err("use drucker_prager");
+    MohrCoulomb = "mohr_coulomb", "elastic up to the pyramid of Mohr-Coulomb with constant friction, cohesion and dilation", gpu: Ok(2);
 }
 
 impl Law {

@@ -163,7 +163,7 @@ impl State {
     #[cfg(feature = "gpu")]
     pub(super) fn add(&mut self, rig: &MpmTest, batch: &::engine::gpu::Means, mut extents: [f64; 3]) {
         for (plate, [way, overlap, _]) in self.plates.iter().zip(&batch.plates) {
-            extents[plate.axis()] += overlap - way;
+            super::specimen::widen(&mut extents, plate, overlap - way);
         }
         // the last walls of the grains are the loading plates
         let first = batch.grains.len().saturating_sub(batch.plates.len());
