@@ -330,12 +330,11 @@ mod tests {
             decay: 40.0,
         };
         let parameters = Parameters {
-            elastic: Elastic::of_young(8e6, 0.2),
             cone: Cone::Outer,
             friction,
             cohesion: Evolution::Constant(0.0),
             dilation: 0.15,
-            tension: f64::INFINITY,
+            ..Parameters::of_elastic(Elastic::of_young(8e6, 0.2))
         };
         let law = DruckerPrager::new(parameters);
         let cell = 5e4;

@@ -182,12 +182,11 @@ mod tests {
 
     fn soil(phi: f64, psi: f64, cohesion: f64) -> MohrCoulomb {
         MohrCoulomb::of(&Parameters {
-            elastic: Elastic::of_young(20e6, 0.25),
             cone: Cone::Outer,
             friction: Evolution::Constant(phi * DEGREE),
             cohesion: Evolution::Constant(cohesion),
             dilation: psi * DEGREE,
-            tension: f64::INFINITY,
+            ..Parameters::of_elastic(Elastic::of_young(20e6, 0.25))
         })
     }
 
