@@ -122,7 +122,7 @@ constitutive_laws! { ($)
     /// Drucker–Prager with a tension cut-off, hardening and softening.
     DruckerPrager = "drucker_prager", "elastic up to a cone of failure, which may harden and soften", gpu: Ok(1);
     /// Mohr–Coulomb with an exact return.
-    MohrCoulomb = "mohr_coulomb", "elastic up to the pyramid of Mohr-Coulomb with constant friction, cohesion and dilation", gpu: Err("use drucker_prager");
+    MohrCoulomb = "mohr_coulomb", "elastic up to the pyramid of Mohr-Coulomb, which may harden and soften", gpu: Err("use drucker_prager");
     /// Modified Cam-clay.
     CamClay = "cam_clay", "Modified Cam-clay: stiffness that goes with the pressure, and an ellipse that plastic compression makes larger", gpu: Err("use drucker_prager");
 }
