@@ -126,7 +126,9 @@ const ROUNDING: Within = Within::Share(1e-11);
 fn laws_yield_on_the_path() {
     for law in laws() {
         let plastic = walk(&law, &Change::NOTHING).1;
-        assert!((plastic > 0.02) == (law.word() != "elastic"), "{}: {plastic}", law.word());
+        // what falls again where the soil is pulled apart is smaller
+        let least = if law.plastic_falls() { 0.005 } else { 0.02 };
+        assert!((plastic.abs() > least) == (law.word() != "elastic"), "{}: {plastic}", law.word());
     }
 }
 
