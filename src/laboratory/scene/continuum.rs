@@ -357,6 +357,67 @@ mod tests {
         assert_eq!((first.law, first.resolved), (second.law, second.resolved));
     }
 
+    const CLAY: &str = "law = \"cam_clay\"\nnu = 0.3\nlambda = 0.16\nkappa = 0.06\nfriction_angle_deg = 23.0\nvirgin_specific_volume = 2.8\npreconsolidation_kPa = 200.0\n";
+
+    #[test]
+    fn clay_is_read_with_its_virgin_line_at_the_preconsolidation_pressure() {
+        let Law::CamClay(law) = read(CLAY, &[]).expect("a law").law else { panic!("the law") };
+        let parameters: Parameters = law.into();
+        let clay = parameters.clay;
+        assert_eq!(
+            (clay.virgin_slope, clay.swelling_slope, clay.preconsolidation, clay.shear),
+            (0.16, 0.06, 2e5, Shear::Poisson(0.3))
+        );
+        assert!((clay.virgin_volume - (2.8 - 0.16 * 200f64.ln())).abs() < 1e-12);
+        let modulus = CLAY.replace("nu = 0.3", "G_MPa = 5.0");
+        let Law::CamClay(law) = read(&modulus, &[]).expect("a law").law else { panic!("the law") };
+        assert_eq!(Parameters::from(law).clay.shear, Shear::Modulus(5e6));
+        // a key of clay takes Young's modulus away
+        let elastic = "law = \"elastic\"\nE_MPa = 4.6\nnu = 0.12\n";
+        let sets: Vec<String> =
+            CLAY.lines().filter(|l| !l.starts_with("nu")).map(|l| format!("continuum.{}", l.replace(' ', ""))).collect();
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        assert!(matches!(read(elastic, &sets).expect("a law").law, Law::CamClay(_)));
+        // and the file with defaults gives the same law
+        let dir = tempfile::tempdir().expect("folder");
+        let first = read(CLAY, &[]).expect("a law");
+        std::fs::write(dir.path().join("again.toml"), &first.resolved).expect("written");
+        assert_eq!(continuum(&dir.path().join("again.toml"), &[]).expect("a law").law, first.law);
+    }
+
+    #[test]
+    fn dilation_ends_only_where_friction_falls() {
+        let soft = format!("{SOIL}[continuum.friction_evolution]\nlaw = \"linear\"\nlast_deg = 20.0\nplastic_strain = 0.1\n");
+        // above the smallest friction angle, not above the largest
+        let Law::DruckerPrager(law) =
+            read(&soft, &["continuum.dilation=mobilised", "continuum.dilation_angle_deg=25"]).expect("a law").law
+        else {
+            panic!("the law")
+        };
+        assert_eq!(law.parameters().dilation_rule, Dilation::Mobilised);
+        for (text, sets, says) in [
+            (
+                &*soft,
+                &["continuum.dilation=mobilised", "continuum.dilation_angle_deg=31"][..],
+                "must not be larger than the largest friction angle, 30",
+            ),
+            (&soft, &["continuum.dilation_angle_deg=25"], "must not be larger than the smallest friction angle, 20"),
+            (SOIL, &["continuum.dilation=mobilised"], "needs friction that falls to a final value"),
+            (SOIL, &["continuum.dilation=rowe"], "must be \"constant\" or \"mobilised\""),
+            (CLAY, &["continuum.dilation=mobilised"], "continuum.dilation=mobilised: has no meaning with law = \"cam_clay\""),
+            (CLAY, &["continuum.kappa=0.2"], "must be below lambda, 0.16"),
+            (CLAY, &["continuum.G_MPa=5"], "must have nu or G_MPa, one of them"),
+            (CLAY, &["continuum.virgin_specific_volume=1.5"], "leaves no pores at the preconsolidation pressure"),
+            (CLAY, &["continuum.friction_angle_deg=0"], "the ellipse has no height without friction"),
+            (&CLAY.replace("lambda = 0.16\n", ""), &[], "continuum.lambda: is missing"),
+            (&format!("{CLAY}E_MPa = 3.0\n"), &[], "continuum.E_MPa = 3: has no meaning"),
+            (SOIL, &["continuum.lambda=0.1"], "has no meaning with law = \"drucker_prager\""),
+        ] {
+            let message = refusal(text, sets);
+            assert!(message.contains(says), "{says}: {message}");
+        }
+    }
+
     #[test]
     fn mistakes_are_named_before_any_work() {
         let without = |line: &str| SOIL.lines().filter(|l| !l.starts_with(line)).collect::<Vec<_>>().join("\n");
