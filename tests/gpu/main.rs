@@ -61,12 +61,11 @@ fn soil() -> Law {
         decay: 50.0,
     };
     Law::DruckerPrager(DruckerPrager::new(Parameters {
-        elastic: Elastic::of_young(4.6e6, 0.12),
         cone: Cone::Outer,
         friction,
         cohesion: Evolution::Constant(0.0),
         dilation: 0.0,
-        tension: f64::INFINITY,
+        ..Parameters::of_elastic(Elastic::of_young(4.6e6, 0.12))
     }))
 }
 

@@ -124,7 +124,10 @@ pub fn of_state(c: &Continuum, made: &Continuum, added: u64) -> Checked {
     check::numbers("stresses of points", p.stress.as_flattened())?;
     check::positive("volumes of points", p.position.iter().map(|p| p[3]).chain(p.initial_volume.iter().copied()))?;
     check::positive("masses of points", p.velocity.iter().map(|v| v[3]))?;
-    check::not_negative("plastic strains of points", p.memory.iter().map(|m| m.plastic))?;
+    check::numbers("plastic strains of points", p.memory.iter().map(|m| m.plastic))?;
+    let falls = |law: u8| c.laws.get(usize::from(law)).is_some_and(Law::plastic_falls);
+    let accumulated = p.memory.iter().zip(&p.law).filter(|(_, law)| !falls(**law));
+    check::not_negative("plastic strains of points", accumulated.map(|(m, _)| m.plastic))?;
     check::numbers("velocity gradients of points", p.affine.as_flattened().as_flattened())?;
     check::numbers("velocities of points", p.transport_velocity.as_flattened())?;
     check::numbers("faces of points", p.faces.as_flattened().as_flattened())?;
@@ -139,7 +142,8 @@ pub fn stable_step(c: &Continuum, safety: f64) -> f64 {
     let fastest = (0..points.len())
         .map(|i| {
             let [u, v, w, _] = points.velocity[i];
-            c.laws[points.law[i] as usize].wave_speed(points.density(i)) + (u * u + v * v + w * w).sqrt()
+            c.laws[points.law[i] as usize].wave_speed_at(points.density(i), &points.stress[i], points.memory[i])
+                + (u * u + v * v + w * w).sqrt()
         })
         .fold(0.0, f64::max);
     safety * c.settings.cell / fastest

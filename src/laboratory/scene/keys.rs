@@ -120,6 +120,7 @@ pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate", "body", "block"
 pub const RIVALS: &[(&str, &str)] = &[
     ("G_GPa", "E_GPa"),
     ("G_MPa", "E_MPa"),
+    ("E_MPa", "kappa"),
     ("friction_angle_deg", "friction_angle_rad"),
     ("dilation_angle_deg", "dilation_angle_rad"),
     ("last_deg", "last_rad"),
@@ -876,9 +877,19 @@ const OWN: &[Key] = &[
         "smallest size of the lost mass (eq. 12), unscaled, below every daughter",
     ),
     every("material.continuum.law", Choice(Law::WORDS), Required, ""), // `assembled` writes the help text
-    every("material.continuum.G_MPa", Number(POSITIVE), Absent, "shear modulus of the continuum; or `E_MPa`"),
-    every("material.continuum.E_MPa", Number(POSITIVE), Absent, "Young's modulus of the continuum; or `G_MPa`"),
-    every("material.continuum.nu", Number(Range::between(-1.0, 0.5)), Required, "Poisson ratio of the continuum"),
+    every(
+        "material.continuum.G_MPa",
+        Number(POSITIVE),
+        Absent,
+        "shear modulus of the continuum; or `E_MPa`; cam_clay: one that stays, or `nu`",
+    ),
+    every("material.continuum.E_MPa", Number(POSITIVE), Absent, "Young's modulus of the continuum; or `G_MPa`; not of cam_clay"),
+    every(
+        "material.continuum.nu",
+        Number(Range::between(-1.0, 0.5)),
+        Absent,
+        "Poisson ratio of the continuum; cam_clay has this or `G_MPa`, other laws always have it",
+    ),
     every(
         "material.continuum.cone",
         Choice(&["outer", "inner", "plane_strain"]),
@@ -889,25 +900,31 @@ const OWN: &[Key] = &[
         "material.continuum.friction_angle_deg",
         Number(DEGREES),
         Absent,
-        "drucker_prager, mohr_coulomb: friction angle (before any plastic strain, if it changes); or `friction_angle_rad`",
+        "drucker_prager, mohr_coulomb: friction angle (before any plastic strain, if it changes); cam_clay: that of the critical state in triaxial compression; or `friction_angle_rad`",
     ),
     every(
         "material.continuum.friction_angle_rad",
         Number(RADIANS),
         Absent,
-        "drucker_prager, mohr_coulomb: friction angle; or `friction_angle_deg`",
+        "drucker_prager, mohr_coulomb, cam_clay: friction angle; or `friction_angle_deg`",
     ),
     every(
         "material.continuum.dilation_angle_deg",
         Number(DEGREES),
         Absent,
-        "drucker_prager, mohr_coulomb: dilation angle, at most the smallest friction angle; or `dilation_angle_rad`",
+        "drucker_prager, mohr_coulomb: dilation angle, at most the smallest friction angle (with `dilation = \"mobilised\"` that at the largest friction angle, and at most that one); or `dilation_angle_rad`",
     ),
     every(
         "material.continuum.dilation_angle_rad",
         Number(RADIANS),
         Absent,
         "drucker_prager, mohr_coulomb: dilation angle; or `dilation_angle_deg`",
+    ),
+    every(
+        "material.continuum.dilation",
+        Choice(&["constant", "mobilised"]),
+        Absent,
+        "drucker_prager, mohr_coulomb: whether the dilation angle stays (constant, also where not written), or falls with the friction angle and is 0 at its final value, so that dilation ends at the critical state (mobilised)",
     ),
     every(
         "material.continuum.cohesion_kPa",
@@ -920,6 +937,30 @@ const OWN: &[Key] = &[
         Number(NOT_NEGATIVE),
         Absent,
         "drucker_prager: largest mean tension; the cone's apex if not written or beyond it",
+    ),
+    every(
+        "material.continuum.lambda",
+        Number(POSITIVE),
+        Absent,
+        "cam_clay: slope of the virgin line of isotropic compression, specific volume over ln of the mean stress",
+    ),
+    every(
+        "material.continuum.kappa",
+        Number(POSITIVE),
+        Absent,
+        "cam_clay: slope of unloading and reloading, specific volume over ln of the mean stress; below `lambda`",
+    ),
+    every(
+        "material.continuum.virgin_specific_volume",
+        Number(POSITIVE),
+        Absent,
+        "cam_clay: specific volume 1 + e on the virgin line at 1 kPa, often called N",
+    ),
+    every(
+        "material.continuum.preconsolidation_kPa",
+        Number(POSITIVE),
+        Absent,
+        "cam_clay: largest isotropic pressure that is elastic at the start; the overconsolidation ratio is this over the mean stress at the start",
     ),
     every(
         "material.continuum.friction_evolution.law",

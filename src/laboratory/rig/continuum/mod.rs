@@ -133,7 +133,7 @@ impl State {
         state.continuum.clear_external_forces();
         state.extents = state.extents_now(rig);
         if let Some(specimen) = rig.specimen() {
-            let speed = rig.laws[usize::from(specimen.law)].wave_speed(specimen.density);
+            let speed = (rig.laws[usize::from(specimen.law)].under(specimen.stress).oedometric() / specimen.density).sqrt();
             state.wave = specimen.size[dimensions(rig) - 1] / speed;
             state.rate = specimen.strain_per_wave / state.wave;
         }

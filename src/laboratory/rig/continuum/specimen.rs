@@ -193,7 +193,7 @@ impl State {
     /// A specimen that does not come to rest at the cell pressure.
     pub(super) fn shear(&mut self, rig: &MpmTest, s: &MpmSpecimen, cell: f64, drainage: Drainage) -> Result<()> {
         let (d, extents) = (dimensions(rig), self.extents_now(rig));
-        let modulus = rig.laws[usize::from(s.law)].elastic().oedometric();
+        let modulus = rig.laws[usize::from(s.law)].under(s.stress).oedometric();
         let rise = (cell - s.stress).abs() / (modulus * self.rate);
         let target = match self.phase {
             Phase::Settle if self.phase_time < rise => {
