@@ -24,6 +24,7 @@ pub const MIXTURE: &str = concat!(
     include_str!("walls.wgsl"),
     include_str!("points.wgsl"),
     include_str!("order.wgsl"),
+    include_str!("grains/faces.wgsl"),
     include_str!("grains/point_contacts.wgsl"),
     include_str!("grains/bodies.wgsl")
 );
@@ -206,6 +207,8 @@ pub mod tests {
             isolated_bound,
             largest_bound,
             slow,
+            furthest,
+            unused,
             sides,
             reactions
         );
@@ -214,7 +217,8 @@ pub mod tests {
     /// Constants have the same values in Rust and WGSL.
     #[test]
     fn constants_are_those_of_the_processor() {
-        use crate::gpu::grains::layout::{NONE, PARTNERS, PLACES, SIDES, SLOTS, WALLS};
+        use crate::gpu::grains::FURTHEST;
+        use crate::gpu::grains::layout::{NO_FACE, NONE, PARTNERS, PLACES, POINT_CONTACT, SIDES, SLOTS, WALLS};
         use crate::point_contacts::ContactRates;
         use naga::{Expression, Literal};
         let module = parsed(MIXTURE);
@@ -223,11 +227,16 @@ pub mod tests {
             let Expression::Literal(literal) = module.global_expressions[constant.init] else { panic!("{name} is a number") };
             literal
         };
-        for (name, value) in [("OF_POINT", ContactRates::END_SHARES[0]), ("OF_GRAIN", ContactRates::END_SHARES[1])] {
+        for (name, value) in [
+            ("OF_POINT", ContactRates::END_SHARES[0]),
+            ("OF_GRAIN", ContactRates::END_SHARES[1]),
+            ("FURTHEST", FURTHEST.into()),
+            ("NO_FACE", NO_FACE.into()),
+        ] {
             assert_eq!(literal(name), Literal::F32(value as f32), "{name}");
         }
-        let whole = [PARTNERS, SIDES, SLOTS, PLACES, WALLS as usize, NONE as usize];
-        for (name, value) in ["PARTNERS", "SIDES", "SLOTS", "PLACES", "WALLS", "NONE"].iter().zip(whole) {
+        let whole = [PARTNERS, SIDES, SLOTS, PLACES, POINT_CONTACT, WALLS as usize, NONE as usize];
+        for (name, value) in ["PARTNERS", "SIDES", "SLOTS", "PLACES", "ROW_PLANES", "WALLS", "NONE"].iter().zip(whole) {
             assert_eq!(literal(name), Literal::U32(value as u32), "{name}");
         }
     }
