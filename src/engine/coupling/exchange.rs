@@ -8,9 +8,9 @@ use crate::contact::sweep::r_eff;
 use crate::dem::physics::Physics;
 use crate::mpm::loading_plate::ghost_radius;
 use crate::mpm::{Continuum, Dimension};
-use crate::point_contacts::PointContactTable;
+use crate::point_contacts::{GhostFace, PointContactTable};
 
-/// A contact that touches.
+/// A contact that touches, or that has a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExchangedContact {
     /// Its two ends. Between grains: their numbers in the order of identities, the lower first. On a wall: number of the grain, index of the wall. Of a
@@ -22,9 +22,11 @@ pub struct ExchangedContact {
     pub spring: [f64; 3],
     /// Normal tangent stiffness, N/m.
     pub stiffness: f64,
+    /// Of a point: the face on which the body presses.
+    pub face: Option<GhostFace>,
 }
 
-/// All contacts of a mixture that touch.
+/// All contacts of a mixture that touch, and those of points that have a face still.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExchangedContacts {
     /// Contacts between grains.
@@ -41,7 +43,7 @@ fn ratio(law: ContactLaw, pair: &Pair) -> f64 {
 }
 
 impl Mixture {
-    /// All contacts that touch, with the forces that were computed last. `table`: parameters of contacts between grains and with walls.
+    /// All contacts that touch or have a face, with the forces that were computed last. `table`: parameters of contacts between grains and with walls.
     pub fn contacts(&self, physics: &Physics, table: &PairTable) -> ExchangedContacts {
         let (g, viscous) = (&self.grains.grains, physics.contact.law.is_viscous());
         let mut place = vec![0; g.len()];
@@ -53,7 +55,7 @@ impl Mixture {
             let contact = |s: usize| {
                 let (touch, (r_eff, pair)) = (pairs.touch[s], of_pair(pairs.ends[s].map(|i| i as usize)));
                 let stiffness = physics.contact.law.elastic(touch.overlap, touch.overlap, r_eff, &pair).k_n;
-                ExchangedContact { ends: ends(pairs.ends[s]), touch, spring: pairs.spring(s), stiffness }
+                ExchangedContact { ends: ends(pairs.ends[s]), touch, spring: pairs.spring(s), stiffness, face: None }
             };
             (0..pairs.slots()).filter(touching).map(contact).collect()
         };
@@ -64,14 +66,21 @@ impl Mixture {
                 wall => wall,
             };
             let spring = if viscous { contact.spring } else { contact.touch.tangential };
-            (body, ExchangedContact { ends: contact.place, touch: contact.touch, spring, stiffness: contact.stiffness[0] })
+            let (touch, stiffness) = (contact.touch, contact.stiffness[0]);
+            (body, ExchangedContact { ends: contact.place, touch, spring, stiffness, face: contact.face })
         };
         ExchangedContacts {
             grains: of(&self.grains.pairs, &|ends| ends.map(|i| place[i as usize]), &of_grains),
             walls: of(&self.grains.wall_pairs, &|[i, k]| [place[i as usize], k], &|[i, k]| {
                 (g.radius(i), *table.wall(k, g.material[i]))
             }),
-            points: self.point_contacts.touching().map(of_point).collect(),
+            points: self
+                .point_contacts
+                .candidates
+                .iter()
+                .filter(|c| c.touch.overlap > 0.0 || c.face.is_some())
+                .map(of_point)
+                .collect(),
         }
     }
 
@@ -137,7 +146,7 @@ impl Mixture {
                 spring: if physics.contact.law.is_viscous() { c.spring } else { [0.0; 3] },
                 stiffness: [c.stiffness, c.stiffness * ratio(physics.contact.law, pair)],
                 reference: 0.0,
-                face: None,
+                face: c.face,
             }
         };
         let mut candidates: Vec<PointContact> = contacts.points.iter().map(of_point).collect();

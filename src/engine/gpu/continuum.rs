@@ -365,8 +365,9 @@ impl DeviceContinuum {
     pub fn apply_point_forces(&self, cpu: &mut mpm::Continuum) -> Result<()> {
         let Some(bodies) = &self.bodies else { return Ok(()) };
         let point = self.places(cpu);
-        for ((force, stiffness), i) in bodies.point_forces(&self.device, self.steps_done())?.into_iter().zip(point) {
-            cpu.add_external_force(i as usize, force, stiffness);
+        for push in bodies.pushes(&self.device, self.steps_done())? {
+            let i = point[push.ends[0] as usize] as usize;
+            cpu.add_force_beside(i, push.force, push.stiffness, push.place.map(|x| self.settings.cell * x));
         }
         Ok(())
     }

@@ -220,7 +220,8 @@ impl From<&Law> for Law32 {
         let elastic = law.elastic();
         let moduli = Law32 { bulk: elastic.bulk as f32, shear: elastic.shear as f32, ..Law32::default() };
         let law = match law {
-            Law::Elastic(_) => return moduli,
+            // shaders do not have Cam-clay
+            Law::Elastic(_) | Law::CamClay(_) => return moduli,
             Law::DruckerPrager(law) => law,
             Law::MohrCoulomb(law) => {
                 let ([sin_friction, sin_dilation], inside) = (law.sines().map(|s| s as f32), law.inscribed());

@@ -131,7 +131,7 @@ impl Passes {
             device.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
         };
         let of_grains = |g: &grains::GrainBuffers| {
-            let all = [&g.coupling, &g.tables, &g.grains, &g.slots, &g.rows, &g.mix, &g.lists, &g.point_forces];
+            let all = [&g.coupling, &g.tables, &g.grains, &g.slots, &g.rows, &g.mix, &g.lists, &g.transport];
             (group(&self.layouts[2], &all), group(&self.layouts[1], &[&g.searches]), g.searches.clone())
         };
         self.bound = Some(BindGroups {

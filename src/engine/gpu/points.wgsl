@@ -46,7 +46,7 @@ fn advance(one: Thread) {
         return;
     }
     if GRAINS {
-        keep_transport_velocity(i, field, gain_and_rate.w);
+        keep_transport_velocity(i, o, base, field, gain_and_rate.w);
     }
     let rest = number(REST, i);
     let there = moved(bitcast<vec3<i32>>(place.xyz), rest.xyz, d);
@@ -146,6 +146,9 @@ fn strain(one: Thread) {
             }
             follow(i, way * scale);
         }
+    }
+    if GRAINS {
+        follow_faces(i, o, base);
     }
     dx *= scale;
     dy *= scale;

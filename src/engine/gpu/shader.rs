@@ -47,6 +47,7 @@ pub const MIXTURE: &str = concat!(
     include_str!("walls.wgsl"),
     include_str!("points.wgsl"),
     include_str!("order.wgsl"),
+    include_str!("grains/faces.wgsl"),
     include_str!("grains/point_contacts.wgsl"),
     include_str!("grains/bodies.wgsl")
 );
@@ -249,6 +250,8 @@ pub mod tests {
             isolated_bound,
             largest_bound,
             slow,
+            furthest,
+            unused,
             sides,
             reactions
         );
@@ -258,7 +261,8 @@ pub mod tests {
     #[test]
     fn constants_are_those_of_the_processor() {
         use crate::gpu::bounds::{BORDERS, GROUP, PARTNERS, PLACES, PLATES, SIDES, SLOTS, WIDE};
-        use crate::gpu::grains::layout::{NONE, WALLS};
+        use crate::gpu::grains::FURTHEST;
+        use crate::gpu::grains::layout::{NO_FACE, NONE, POINT_CONTACT, WALLS};
         use crate::point_contacts::ContactRates;
         use naga::{Expression, Literal};
         let module = parsed(MIXTURE);
@@ -267,7 +271,12 @@ pub mod tests {
             let Expression::Literal(literal) = module.global_expressions[constant.init] else { panic!("{name} is a number") };
             literal
         };
-        for (name, value) in [("OF_POINT", ContactRates::END_SHARES[0]), ("OF_GRAIN", ContactRates::END_SHARES[1])] {
+        for (name, value) in [
+            ("OF_POINT", ContactRates::END_SHARES[0]),
+            ("OF_GRAIN", ContactRates::END_SHARES[1]),
+            ("FURTHEST", FURTHEST.into()),
+            ("NO_FACE", NO_FACE.into()),
+        ] {
             assert_eq!(literal(name), Literal::F32(value as f32), "{name}");
         }
         for (name, value) in [
@@ -279,6 +288,7 @@ pub mod tests {
             ("SIDES", SIDES),
             ("SLOTS", SLOTS),
             ("PLACES", PLACES),
+            ("ROW_PLANES", POINT_CONTACT),
             ("WALLS", WALLS as usize),
             ("NONE", NONE as usize),
         ] {

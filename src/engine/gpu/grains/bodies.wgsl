@@ -3,15 +3,12 @@
 
 // The functions of the continuum's passes that depend on grains; without_grains.wgsl has those for continua without grains.
 
-// External force of contacts on a point, N, mean over the steps of the grains, and its stiffness, N/m.
-fn force_of_grains(i: u32) -> vec4<f32> {
-    return vec4<f32>(bitcast<vec3<f32>>(point_forces[i].xyz) / f32(coupling.rates), bitcast<f32>(point_forces[params.points + i].w));
-}
-
-// Keeps the transport velocity of a point, m/s, and the largest stiffness over mass of the nodes around it, 1/s².
-fn keep_transport_velocity(i: u32, v: vec3<f32>, stiffness_rate: f32) {
-    point_forces[params.points + i] = vec4<u32>(bitcast<vec3<u32>>(v), 0u);
-    let most = bitcast<u32>(stiffness_rate);
+// Keeps the transport velocity of a point, m/s, and the largest stiffness over mass, 1/s², there and where forces act beside it. `stiffness_rate`: that at the point;
+// `o`: offset of the point; `base`: its first node.
+fn keep_transport_velocity(i: u32, o: vec3<f32>, base: vec3<i32>, v: vec3<f32>, stiffness_rate: f32) {
+    let r = transport[i].w;
+    transport[i] = vec4<u32>(bitcast<vec3<u32>>(v), r);
+    let most = bitcast<u32>(max(stiffness_rate, rate_beside(r, o, base)));
     if most > atomicLoad(&mix_.largest_bound) {
         atomicMax(&mix_.largest_bound, most);
     }
@@ -42,7 +39,7 @@ fn longest_step(dt: f32, rate: f32) -> f32 {
     if params.safety <= 0.0 {
         return dt;
     }
-    var contacts = bitcast<f32>(atomicLoad(&mix_.point_rate)) + mix_.grain_rate_points + rate;
+    var contacts = max(mix_.bound_ratio, 1.0) * bitcast<f32>(atomicLoad(&mix_.point_rate)) + mix_.grain_rate_points + rate;
     if mix_.slow != 0u {
         contacts = max(mix_.bound_ratio * mix_.isolated_bound, OF_GRAIN * mix_.grain_rate_points);
     }
@@ -194,7 +191,7 @@ fn advance_time() -> u32 {
         let most = bitcast<f32>(atomicExchange(&mix_.largest_bound, 0u));
         mix_.bound_ratio = 1.0;
         if mix_.isolated_bound > 0.0 {
-            mix_.bound_ratio = min(most / mix_.isolated_bound, 1.0);
+            mix_.bound_ratio = most / mix_.isolated_bound;
         }
     }
     var fastest = bitcast<f32>(atomicExchange(&mix_.fastest_grain, 0u));
@@ -424,7 +421,7 @@ fn grain_forces(
     }
     // the cells with points that can touch the grain
     let around = grain_cells(g) + 0.5;
-    let far = vec3<f32>(radius * params.inverse_cell + coupling.reach + coupling.skin);
+    let far = vec3<f32>(radius * params.inverse_cell + coupling.reach + bitcast<f32>(atomicLoad(&mix_.furthest)) + coupling.skin);
     let n = cell_size();
     let low = clamp(vec3<i32>(floor(around - far)) + 1, vec3<i32>(0), n - 1);
     let high = clamp(vec3<i32>(floor(around + far)) + 1, vec3<i32>(-1), n - 1);
@@ -438,7 +435,7 @@ fn grain_forces(
             let end = starts[cell + 1u];
             for (var p = starts[cell]; p < end; p++) {
                 let i = order[p];
-                let r = point_forces[i].w;
+                let r = transport[i].w;
                 if r == NONE {
                     continue;
                 }
@@ -536,7 +533,8 @@ fn step_bound(@builtin(local_invocation_index) thread: u32) {
     mix_.grain_rate = (1.0 + coupling.damping) * MARGIN * bounds.x;
     mix_.grain_rate_points = bounds.y;
     let over = coupling.crushing != 0u && atomicLoad(&mix_.broken) != NONE;
-    if over || atomicLoad(&mix_.lost) != NONE || atomicLoad(&mix_.crowded) != NONE || atomicLoad(&status.fault) != NO_FAULT {
+    let beyond = bitcast<f32>(atomicLoad(&mix_.furthest)) > FURTHEST;
+    if over || beyond || atomicLoad(&mix_.lost) != NONE || atomicLoad(&mix_.crowded) != NONE || atomicLoad(&status.fault) != NO_FAULT {
         status.stop = 1u;
     }
     mix_.contacts_known = 0u;

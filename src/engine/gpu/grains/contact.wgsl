@@ -94,6 +94,9 @@ struct Mix {
     largest_bound: atomic<u32>,
     // 1 where contacts of points need only be stable, not resolved in time (coupling/mixture.rs)
     slow: u32,
+    // bits of the furthest that a face has been beyond the ghost of its point, cells (C_FACE)
+    furthest: atomic<u32>,
+    unused: u32,
     sides: array<Side, SIDES>,
     // sums of the walls' reactions over the steps of the batch, N
     reactions: array<vec2<f32>, SIDES>,
@@ -111,9 +114,8 @@ struct Mix {
 @group(1) @binding(5) var<storage, read_write> mix_: Mix;
 // the grid for the search: index of the first grain of each grid cell; the next free index; grains by grid cell
 @group(1) @binding(6) var<storage, read_write> lists: array<atomic<u32>>;
-// for each point the force of its contacts, N, summed over the steps of the grains, and its row or NONE; then its transport velocity, m/s, and the stiffness of that
-// force, N/m
-@group(1) @binding(7) var<storage, read_write> point_forces: array<vec4<u32>>;
+// for each point its transport velocity, m/s, and its row or NONE
+@group(1) @binding(7) var<storage, read_write> transport: array<vec4<u32>>;
 
 const GRAINS: bool = true;
 
@@ -137,8 +139,16 @@ const G_TORQUE: u32 = 8u; // torque, N m; sum of stiffness over mass of contacts
 // Planes of a contact.
 const C_SPRING: u32 = 0u; // force of the tangential spring, N; body in contact
 const C_NORMAL: u32 = 1u; // normal; normal force, N
-const C_TANGENT: u32 = 2u; // tangential force, N; overlap, m
+const C_TANGENT: u32 = 2u; // tangential force, N; overlap, m; of a point apart from the body 0 where it has a face still, and NO_FACE where it has none
 const C_LOW: u32 = 3u; // low part of the spring; normal stiffness, N/m
+// of points only (faces.wgsl)
+const C_FACE: u32 = 4u; // velocity of the face, m/s; distance of the face from the point less the ghost radius, cells
+const C_PUSH: u32 = 5u; // force on the point, N, summed over the steps of the grains in this step of the continuum; its stiffness, N/m
+const C_PLACE: u32 = 6u; // where that force acts, cells from the point; low part of the distance in C_FACE
+// number of planes of a contact of a point
+const ROW_PLANES: u32 = 7u;
+
+const NO_FACE: f32 = -1.0;
 
 fn grain_word(plane: u32, g: u32) -> vec4<u32> {
     return grains[plane * coupling.grains + g];
@@ -162,7 +172,7 @@ fn row_at(plane: u32, s: u32, r: u32) -> u32 {
 
 // Index in `rows` of the point of row r.
 fn owner_at(r: u32) -> u32 {
-    return 4u * PLACES * coupling.rows + r;
+    return ROW_PLANES * PLACES * coupling.rows + r;
 }
 
 // A vector in quanta of 2^-split cells: whole numbers and rests.

@@ -6,8 +6,12 @@ use bytemuck::{Pod, Zeroable};
 
 /// Number of planes of a contact: arrays with four words of 32 bits for each contact.
 pub const CONTACT: usize = 4;
+/// Number of planes of a contact of a point.
+pub const POINT_CONTACT: usize = 7;
 /// Number of planes of a grain.
 pub const GRAIN: usize = 9;
+/// In place of the overlap of a contact of a point: it has no face.
+pub const NO_FACE: f32 = -1.0;
 /// In place of an index: none.
 pub const NONE: u32 = u32::MAX;
 /// Bodies in contact are named by one number: grains by their index, walls by this plus their index.
@@ -83,6 +87,8 @@ pub struct Mix {
     pub isolated_bound: f32,
     pub largest_bound: u32,
     pub slow: u32,
+    pub furthest: u32,
+    pub unused: u32,
     pub sides: [Side; SIDES],
     pub reactions: [[f32; 2]; SIDES],
 }

@@ -4,6 +4,8 @@
 //! one for each wall. Every contact keeps its tangential spring. Rows and slots list all candidates closer than a margin, the skin; the device makes the lists anew
 //! before anything can have crossed the skin.
 //!
+//! A contact of a point also has a face ([`crate::point_contacts::GhostFace`]), which moves with the nodes; its force acts there (`faces.wgsl`).
+//!
 //! Results do not depend on the order in which threads run: sums of floating-point numbers are never made with atomic additions. A contact between two grains is
 //! computed twice, by each of them, from the same numbers in the same order; and a grain sums up its contacts with points itself, over the cells around it.
 
@@ -29,10 +31,12 @@ use crate::mpm::{Continuum as Cpu, LoadingPlate};
 use crate::point_contacts::{ContactRates, PointContactTable};
 use serde::{Deserialize, Serialize};
 use wgpu::BufferUsages as Usage;
-use words::ContactWords;
+use words::{ContactWords, PointContactWords};
 
 /// Width of the skin, cells: by how much further than contacts the lists of candidates reach.
 pub const SKIN: f64 = 0.25;
+/// How far the face of a point may be beyond its ghost, cells. A face between them acts at most half a cell from its point.
+pub const FURTHEST: f32 = 1.0;
 /// Lengths in overlaps are below this many quanta ([`support::split`]), so that their squares can be summed exactly in 32-bit integers.
 const WHOLE: f64 = 1000.0;
 
@@ -56,7 +60,7 @@ pub struct GrainBuffers {
     pub rows: wgpu::Buffer,
     pub mix: wgpu::Buffer,
     pub lists: wgpu::Buffer,
-    pub point_forces: wgpu::Buffer,
+    pub transport: wgpu::Buffer,
     pub searches: wgpu::Buffer,
 }
 
@@ -90,7 +94,7 @@ pub struct SavedGrains {
 struct Words {
     grains: Vec<[u32; 4]>,
     slots: Vec<ContactWords>,
-    rows: Vec<ContactWords>,
+    rows: Vec<PointContactWords>,
     transport: Vec<[u32; 4]>,
 }
 
@@ -106,11 +110,11 @@ impl Words {
             .flat_map(|c| [words::contact_words(c.ends[0], c.ends[1], c), words::contact_words(c.ends[1], c.ends[0], c)]);
         let on_walls = walls.iter().map(|c| words::contact_words(c.ends[0], words::body(Body::Wall(c.ends[1])), c));
         let mut slots: Vec<ContactWords> = twice.chain(on_walls).collect();
-        let mut rows: Vec<ContactWords> =
-            points.iter().map(|(body, c)| words::contact_words(c.ends[1], words::body(*body), c)).collect();
-        for kept in [&mut slots, &mut rows] {
-            kept.sort_unstable_by_key(|words| (words[0], words[4]));
-        }
+        let cell = cpu.settings().cell;
+        let mut rows: Vec<PointContactWords> =
+            points.iter().map(|(body, c)| words::point_contact_words(c.ends[1], words::body(*body), c, cell)).collect();
+        slots.sort_unstable_by_key(|words| (words[0], words[4]));
+        rows.sort_unstable_by_key(|words| (words[0], words[4]));
         let bits = |v: [f64; 3]| {
             let [x, y, z] = v.map(|x| (x as f32).to_bits());
             [x, y, z, 0]
@@ -121,10 +125,10 @@ impl Words {
 
     fn of_saved(saved: &SavedGrains, grains: usize, points: usize) -> Result<Words> {
         let fours = |words: &[u32]| words.chunks_exact(4).map(|w| [w[0], w[1], w[2], w[3]]).collect::<Vec<_>>();
-        let kept = |words: &[u32], owners: usize| {
-            let (all, rest) = words.as_chunks::<{ size_of::<ContactWords>() / 4 }>();
-            (rest.is_empty() && all.iter().all(|w| (w[0] as usize) < owners)).then(|| all.to_vec())
-        };
+        fn kept<const WORDS: usize>(words: &[u32], owners: usize) -> Option<Vec<[u32; WORDS]>> {
+            let (all, rest) = words.as_chunks();
+            (rest.is_empty() && all.iter().all(|w: &[u32; WORDS]| (w[0] as usize) < owners)).then(|| all.to_vec())
+        }
         let own = (fours(&saved.grains), kept(&saved.slots, grains), kept(&saved.rows, points), fours(&saved.transport));
         match own {
             (g, Some(slots), Some(rows), transport) if g.len() == layout::GRAIN * grains && transport.len() == points => {
@@ -235,25 +239,29 @@ impl Bodies {
         }
         // a row for each point with contacts
         let mut owners: Vec<[u32; 4]> = Vec::new();
-        let mut point_forces = vec![[0, 0, 0, NONE]; points.len()];
+        let mut transport = own.transport;
+        for words in &mut transport {
+            words[3] = NONE;
+        }
         let mut in_rows = own.rows;
         for words in &mut in_rows {
             let point = words[0];
             if owners.last().is_none_or(|last| last[0] != point) {
-                point_forces[point as usize][3] = owners.len() as u32;
+                transport[point as usize][3] = owners.len() as u32;
                 owners.push([point, 0, 0, 0]);
             }
             words[0] = owners.len() as u32 - 1;
         }
         (mix.rows, mix.crowded, mix.broken, mix.lost) = (owners.len() as u32, NONE, NONE, NONE);
+        let furthest = in_rows.iter().map(words::beyond).fold(f32::from_bits(mix.furthest), f32::max);
+        mix.furthest = furthest.to_bits();
         (mix.search, mix.contacts_known, mix.sub, mix.ahead) = (1, 1, 0, 0.0);
-        let full = |kept, room, of| {
-            most_of(kept, room)
-                .map(|many| refused(of, many, format!("is above {room}, for which the GPU has room: use the processor")))
+        let full = |most: Option<usize>, room, of| {
+            most.map(|many| refused(of, many, format!("is above {room}, for which the GPU has room: use the processor")))
         };
         let on_grains: Vec<ContactWords> = own.slots.iter().filter(|words| words[4] < layout::WALLS).copied().collect();
-        if let Some(error) = full(&in_rows, PLACES, "contacts of a point with grains and walls")
-            .or_else(|| full(&on_grains, PARTNERS, "contacts of a grain with grains"))
+        if let Some(error) = full(most_of(&in_rows, PLACES), PLACES, "contacts of a point with grains and walls")
+            .or_else(|| full(most_of(&on_grains, PARTNERS), PARTNERS, "contacts of a grain with grains"))
         {
             return Err(error);
         }
@@ -262,7 +270,6 @@ impl Bodies {
         row_words.extend(owners);
         let mut slot_words = words::spread(&own.slots, n, SLOTS, words::slot);
         slot_words.resize(layout::CONTACT * SLOTS * n.max(1), [0; 4]);
-        point_forces.extend(own.transport);
         let storage = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST;
         let mut grain_words = own.grains;
         grain_words.resize(layout::GRAIN * n.max(1), [0; 4]);
@@ -275,7 +282,7 @@ impl Bodies {
             rows: device.buffer("rows", bytemuck::cast_slice(&row_words), storage),
             mix: device.buffer("mix", bytemuck::bytes_of(&mix), storage),
             lists: device.empty("lists", sizes.lists, Usage::STORAGE),
-            point_forces: device.buffer("point_forces", bytemuck::cast_slice(&point_forces), storage),
+            transport: device.buffer("transport", bytemuck::cast_slice(&transport), storage),
             searches: device.empty("searches", 24, Usage::STORAGE | Usage::INDIRECT),
         })?;
         Ok(Bodies { buffers, coupling, mix, sizes, points: points.len(), work, safety: physics.stepping.safety })
@@ -339,6 +346,13 @@ impl Bodies {
                 format!("a grain has more than {} grains close to it, for which the GPU has no room: use the processor", PARTNERS);
             return Err(Error::Device(Box::new(unstable(self.mix.crowded, what)?)));
         }
+        let furthest = f32::from_bits(self.mix.furthest);
+        if furthest > FURTHEST {
+            let what = format!(
+                "the face of a point is {furthest:.2} cells beyond its ghost, and the GPU looks for grains up to {FURTHEST} there: use smaller cells, or the processor"
+            );
+            return Err(Error::Device(Box::new(Error::Unstable { step, what, grain: None })));
+        }
         Ok(())
     }
 
@@ -348,7 +362,7 @@ impl Bodies {
             (&b.grains, s.grains),
             (&b.slots, s.slots),
             (&b.rows, s.rows),
-            (&b.point_forces, s.point_forces),
+            (&b.transport, s.transport),
             (&b.mix, size_of::<Mix>() as u64),
         ];
         let bytes = device.read(&parts, step)?;
@@ -359,23 +373,37 @@ impl Bodies {
             own
         };
         let fours = |bytes: &[u8]| bytemuck::pod_collect_to_vec::<u8, [u32; 4]>(bytes);
-        let [grains, slots, rows, point_forces] = [s.grains, s.slots, s.rows, s.point_forces].map(|size| fours(next(size)));
+        let [grains, slots, rows, mut transport] = [s.grains, s.slots, s.rows, s.transport].map(|size| fours(next(size)));
         let mix: Mix = bytemuck::pod_read_unaligned(next(size_of::<Mix>() as u64));
         let n = self.coupling.grains as usize;
-        let (room, used) = (self.coupling.rows as usize, mix.rows.min(self.coupling.rows) as usize);
-        let mut of_points = words::collect(&rows, room, PLACES, used);
+        // threads took rows in no order
+        for words in &mut transport {
+            words[3] = 0;
+        }
+        let words = Words {
+            grains: grains[..layout::GRAIN * n].to_vec(),
+            slots: words::collect(&slots, [n, SLOTS, n], words::touches),
+            rows: self.contacts_of_points(&rows, mix.rows, words::has_face),
+            transport,
+        };
+        Ok((words, mix))
+    }
+
+    /// The contacts of points that are to be kept, by point, then by body, of the words of all rows, `used` of which are in use.
+    fn contacts_of_points(
+        &self,
+        rows: &[[u32; 4]],
+        used: u32,
+        keeps: impl Fn(&PointContactWords) -> bool,
+    ) -> Vec<PointContactWords> {
+        let room = self.coupling.rows as usize;
+        let mut of_points = words::collect(rows, [room, PLACES, used.min(self.coupling.rows) as usize], keeps);
         for words in &mut of_points {
-            words[0] = rows[layout::CONTACT * PLACES * room + words[0] as usize][0];
+            words[0] = rows[layout::POINT_CONTACT * PLACES * room + words[0] as usize][0];
         }
         // rows are in the order in which threads took them
         of_points.sort_unstable_by_key(|words| (words[0], words[4]));
-        let words = Words {
-            grains: grains[..layout::GRAIN * n].to_vec(),
-            slots: words::collect(&slots, n, SLOTS, n),
-            rows: of_points,
-            transport: point_forces[self.points..].to_vec(),
-        };
-        Ok((words, mix))
+        of_points
     }
 
     /// Copies the state as the device holds it.
@@ -438,7 +466,7 @@ impl Bodies {
             }
         }
         for words in &words.rows {
-            let mut contact = words::contact(words, viscous);
+            let mut contact = words::point_contact(words, viscous, settings.cell);
             let body = words[4];
             contact.ends = [body, point[words[0] as usize]];
             let body = if body >= layout::WALLS { Body::Wall(body - layout::WALLS) } else { Body::Grain(body) };
@@ -450,18 +478,18 @@ impl Bodies {
         Ok(())
     }
 
-    /// External force of contacts on each point, N, the sum over the steps of the grains so far divided by their number in a full step of the continuum, and its
-    /// stiffness, N/m.
+    /// What contacts have pressed on points so far in the step of the continuum that has begun, by point, then by body; the forces are divided by the number of steps
+    /// of the grains in a full step.
     ///
     /// # Errors
     /// The device is lost.
-    pub fn point_forces(&self, device: &Device, step: u64) -> Result<Vec<([f64; 3], f64)>> {
-        let bytes = device.read(&[(&self.buffers.point_forces, 32 * self.points as u64)], step)?;
-        let words: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+    pub fn pushes(&self, device: &Device, step: u64) -> Result<Vec<words::Push>> {
+        let bytes = device.read(&[(&self.buffers.rows, self.sizes.rows)], step)?;
+        let rows: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         let share = 1.0 / f64::from(self.coupling.rates);
-        let number = |bits: u32| f64::from(f32::from_bits(bits));
-        let (forces, transport) = words.split_at(self.points);
-        Ok(forces.iter().zip(transport).map(|(f, c)| ([0, 1, 2].map(|a| share * number(f[a])), number(c[3]))).collect())
+        let pressed = |words: &PointContactWords| words::push(words).force != [0.0; 3];
+        let kept = self.contacts_of_points(&rows, self.mix.rows, pressed);
+        Ok(kept.iter().map(|words| words::push(words).times(share)).collect())
     }
 
     /// Writes the state of the walls alone into a mixture.
@@ -473,6 +501,6 @@ impl Bodies {
 }
 
 /// The largest number of contacts of one owner, where it is above `room`.
-fn most_of(kept: &[ContactWords], room: usize) -> Option<usize> {
+fn most_of<const WORDS: usize>(kept: &[[u32; WORDS]], room: usize) -> Option<usize> {
     kept.chunk_by(|a, b| a[0] == b[0]).map(<[_]>::len).max().filter(|many| *many > room)
 }

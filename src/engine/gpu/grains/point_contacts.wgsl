@@ -42,12 +42,35 @@ fn grid_start(grid_cell: u32) -> u32 {
 
 // Moves a contact to another place in its row.
 fn move_in_row(old: u32, to: u32, r: u32) {
-    for (var plane = 0u; plane < 4u; plane++) {
+    for (var plane = 0u; plane < ROW_PLANES; plane++) {
         rows[row_at(plane, to, r)] = rows[row_at(plane, old, r)];
     }
 }
 
-// Makes the list of candidates of each point anew, in the order of bodies. Contacts in touch keep their history: they are first moved to the front of the row, then,
+// Whether a contact must be kept: it has a face, or has pressed on the point in this step of the continuum.
+fn is_kept(s: u32, r: u32) -> bool {
+    let pressed = mix_.sub != 0u && any(bitcast<vec3<f32>>(rows[row_at(C_PUSH, s, r)].xyz) != vec3<f32>(0.0));
+    return bitcast<f32>(rows[row_at(C_TANGENT, s, r)].w) > NO_FACE || pressed;
+}
+
+// By how much the faces of a point reach beyond its ghost at most, cells.
+fn beyond_ghost(r: u32) -> f32 {
+    var most = 0.0;
+    if r == NONE {
+        return most;
+    }
+    for (var s = 0u; s < PLACES; s++) {
+        if rows[row_at(C_SPRING, s, r)].w == NONE {
+            break;
+        }
+        if is_kept(s, r) {
+            most = max(most, bitcast<f32>(rows[row_at(C_FACE, s, r)].w));
+        }
+    }
+    return most;
+}
+
+// Makes the list of candidates of each point anew, in the order of bodies. Contacts with a face keep their history: they are first moved to the front of the row, then,
 // from the last one on, to their new places.
 @compute @workgroup_size(GROUP)
 fn point_candidates(one: Thread) {
@@ -56,7 +79,8 @@ fn point_candidates(one: Thread) {
         return;
     }
     let at = point_cells(i);
-    let radius = f32(bitcast<i32>(word(ENERGY, i).w)) / UNITS;
+    var r = transport[i].w;
+    let radius = f32(bitcast<i32>(word(ENERGY, i).w)) / UNITS + beyond_ghost(r);
     var found: array<u32, PLACES>;
     var n = 0u;
     var count = 0u;
@@ -102,7 +126,6 @@ fn point_candidates(one: Thread) {
         report_fault(SURROUNDED, i);
         return;
     }
-    var r = point_forces[i].w;
     if r == NONE {
         if n == 0u {
             return;
@@ -112,7 +135,7 @@ fn point_candidates(one: Thread) {
             report_fault(NO_ROOM, i);
             return;
         }
-        point_forces[i] = vec4<u32>(0u, 0u, 0u, r);
+        transport[i].w = r;
         rows[owner_at(r)] = vec4<u32>(i, 0u, 0u, 0u);
         for (var s = 0u; s < PLACES; s++) {
             rows[row_at(C_SPRING, s, r)] = vec4<u32>(0u, 0u, 0u, NONE);
@@ -123,7 +146,7 @@ fn point_candidates(one: Thread) {
         if rows[row_at(C_SPRING, s, r)].w == NONE {
             break;
         }
-        if bitcast<f32>(rows[row_at(C_TANGENT, s, r)].w) > 0.0 {
+        if is_kept(s, r) {
             if kept != s {
                 move_in_row(s, kept, r);
             }
@@ -142,9 +165,10 @@ fn point_candidates(one: Thread) {
             }
         } else {
             rows[row_at(C_SPRING, to, r)] = vec4<u32>(0u, 0u, 0u, found[to]);
-            for (var plane = 1u; plane < 4u; plane++) {
+            for (var plane = 1u; plane < ROW_PLANES; plane++) {
                 rows[row_at(plane, to, r)] = vec4<u32>(0u);
             }
+            rows[row_at(C_TANGENT, to, r)].w = bitcast<u32>(NO_FACE);
         }
     }
     for (var s = n; s < PLACES; s++) {
@@ -152,7 +176,7 @@ fn point_candidates(one: Thread) {
     }
 }
 
-// Force of each contact of a point, and their sum on the point.
+// Force of each contact of a point, and where it acts on the point.
 @compute @workgroup_size(GROUP)
 fn point_contact_forces(one: Thread) {
     let r = linear(one);
@@ -161,15 +185,14 @@ fn point_contact_forces(one: Thread) {
     }
     let i = rows[owner_at(r)].x;
     let place = word(PLACE, i);
-    let transport = bitcast<vec3<f32>>(point_forces[params.points + i].xyz);
-    let there = moved(bitcast<vec3<i32>>(place.xyz), number(REST, i).xyz, transport * (mix_.ahead * params.inverse_cell));
+    let own_velocity = bitcast<vec3<f32>>(transport[i].xyz);
+    let there = moved(bitcast<vec3<i32>>(place.xyz), number(REST, i).xyz, own_velocity * (mix_.ahead * params.inverse_cell));
     let cell = cell_place(place.w) - 1 + there.shift;
     let radius = ghost_radius(i);
     let metres = (f32(radius.whole.x) + radius.part.x) * coupling.quantum;
     let mass = number(VELOCITY, i).w;
     let law = word(VELOCITY_LOW, i).w;
     let dt = batch.dt / f32(coupling.rates);
-    var sum = vec3<f32>(0.0);
     var rate = 0.0;
     for (var s = 0u; s < PLACES; s++) {
         let head = rows[row_at(C_SPRING, s, r)];
@@ -185,6 +208,8 @@ fn point_contact_forces(one: Thread) {
         } else {
             pair = pair_at(coupling.tables.x + 2u * (law * coupling.materials + (grain_word(G_UNITS, body).w)));
         }
+        let before = bitcast<vec4<f32>>(rows[row_at(C_PLACE, s, r)]);
+        var face = bitcast<vec4<f32>>(rows[row_at(C_FACE, s, r)]);
         if mix_.contacts_known != 0u {
             let normal = bitcast<vec4<f32>>(rows[row_at(C_NORMAL, s, r)]);
             let tangent = bitcast<vec4<f32>>(rows[row_at(C_TANGENT, s, r)]);
@@ -201,11 +226,20 @@ fn point_contact_forces(one: Thread) {
             var motion: RelativeMotion;
             var r_eff = metres;
             var m_eff = mass;
+            // once pressed, the ghost moves with the face of the point, not with the point
+            let followed = bitcast<f32>(rows[row_at(C_TANGENT, s, r)].w) > NO_FACE;
+            if !followed {
+                face = vec4<f32>(own_velocity, 0.0);
+            }
+            let further = face.w * f32(1u << coupling.split);
+            let quanta = floor(further + 0.5);
+            let whole = radius.whole.x + i32(quanta);
+            let part = radius.part.x + ((further - quanta) + select(0.0, before.w, followed) * f32(1u << coupling.split));
             if on_wall {
                 let side = mix_.sides[body - WALLS];
-                m = on_side(side, cell, there.units, there.rest, radius.whole.x, radius.part.x);
+                m = on_side(side, cell, there.units, there.rest, whole, part);
                 m.normal = -m.normal;
-                motion = RelativeMotion(m.normal * side_speed(side) - transport, vec3<f32>(0.0), vec3<f32>(0.0));
+                motion = RelativeMotion(m.normal * side_speed(side) - face.xyz, vec3<f32>(0.0), vec3<f32>(0.0));
             } else {
                 let own = grain_word(G_CELL, body);
                 let rest = grain_number(G_REST, body);
@@ -213,35 +247,37 @@ fn point_contact_forces(one: Thread) {
                 m = ContactGeometry(0.0, vec3<f32>(0.0));
                 if all(abs(apart) < vec3<i32>(coupling.far)) {
                     let d = length_of(apart, there.units - bitcast<vec3<i32>>(grain_word(G_UNITS, body).xyz), there.rest - rest.xyz);
-                    m = spheres_geometry(d, bitcast<i32>(own.w) + radius.whole.x, rest.w + radius.part.x);
+                    m = spheres_geometry(d, bitcast<i32>(own.w) + whole, rest.w + part);
                 }
                 let low_v = grain_number(G_VELOCITY_LOW, body);
                 let v = grain_number(G_VELOCITY, body);
                 let spin = grain_number(G_SPIN, body).xyz;
-                motion = RelativeMotion((v.xyz - transport) + low_v.xyz, spin * low_v.w, 0.5 * spin);
+                motion = RelativeMotion((v.xyz - face.xyz) + low_v.xyz, spin * low_v.w, 0.5 * spin);
                 r_eff = low_v.w * metres / (low_v.w + metres);
                 m_eff = v.w * mass / (v.w + mass);
             }
             c = no_contact();
             if m.overlap > 0.0 {
                 c = contact_force(m, r_eff, m_eff, motion, pair, dt, spring, low);
+            } else if followed && m.overlap - face.w * params.cell > 0.0 {
+                c.normal = m.normal;
+            } else {
+                c.overlap = NO_FACE;
+            }
+            if c.overlap > NO_FACE {
+                rows[row_at(C_FACE, s, r)] = bitcast<vec4<u32>>(face);
+                if !followed {
+                    rows[row_at(C_PLACE, s, r)].w = 0u;
+                }
             }
             rows[row_at(C_SPRING, s, r)] = vec4<u32>(bitcast<vec3<u32>>(c.spring), body);
             rows[row_at(C_NORMAL, s, r)] = bitcast<vec4<u32>>(vec4<f32>(c.normal, c.force));
             rows[row_at(C_TANGENT, s, r)] = bitcast<vec4<u32>>(vec4<f32>(c.tangent, c.overlap));
             rows[row_at(C_LOW, s, r)] = bitcast<vec4<u32>>(vec4<f32>(c.low, c.stiffness));
         }
-        // the force on the body; the point gets the opposite
-        sum += c.tangent - c.normal * c.force;
-        rate += c.stiffness * max(1.0, stiffness_ratio(pair)) / mass;
+        let stiffness = c.stiffness * max(1.0, stiffness_ratio(pair));
+        rate += stiffness / mass;
+        press(s, r, c, face_place(c.normal, c.overlap, metres, face.w), OF_POINT * stiffness);
     }
     atomicMax(&mix_.point_rate, bitcast<u32>(rate));
-    var push = -sum;
-    if mix_.sub != 0u {
-        push += bitcast<vec3<f32>>(point_forces[i].xyz);
-    } else {
-        // the stiffness at the start of the step of the continuum
-        point_forces[params.points + i].w = bitcast<u32>(OF_POINT * mass * rate);
-    }
-    point_forces[i] = vec4<u32>(bitcast<vec3<u32>>(push), r);
 }

@@ -1,7 +1,7 @@
 //! Which grains the graphics device can compute, and the memory that they need; answered without opening the device.
 
-use super::layout::{CONTACT, GRAIN, Mix};
-use super::{CoarseGrains, SKIN, WHOLE};
+use super::layout::{CONTACT, GRAIN, Mix, POINT_CONTACT};
+use super::{CoarseGrains, FURTHEST, SKIN, WHOLE};
 use crate::boundary::WallShape;
 use crate::breakage::Birth;
 use crate::contact::TangentialUnloading;
@@ -22,7 +22,7 @@ pub struct GrainBufferSizes {
     pub grains: u64,
     pub slots: u64,
     pub rows: u64,
-    pub point_forces: u64,
+    pub transport: u64,
     pub lists: u64,
     /// Number of rows: of points close to grains or walls that there is room for.
     pub room: usize,
@@ -53,11 +53,12 @@ fn largest(g: &Grains) -> f64 {
     g.pos.iter().map(|p| p[3]).fold(0.0, f64::max)
 }
 
-/// The grid for the search: its cells are so large that two bodies in touch, or within the skin, lie in the same cell or in neighbouring ones.
+/// The grid for the search: its cells are so large that two bodies in touch, at the face of a point that is [`FURTHEST`] beyond its ghost too, or within the skin, lie
+/// in the same cell or in neighbouring ones.
 pub fn grid(settings: &Settings, points: &Points, g: &Grains) -> GrainGrid {
     let largest_ghost = (0..points.len()).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
     let radius = largest(g);
-    let reach = (radius + radius.max(largest_ghost)) / settings.cell + 1.01 * SKIN;
+    let reach = (radius + radius.max(largest_ghost + f64::from(FURTHEST) * settings.cell)) / settings.cell + 1.01 * SKIN;
     let wide = settings.cells.map(|n| f64::from(n) + 2.0);
     let size = wide.iter().fold(reach, |size, wide| size.max(wide / MOST_CELLS));
     GrainGrid { along: wide.map(|wide| (wide / size).ceil().max(1.0) as i32), size }
@@ -71,8 +72,8 @@ impl GrainBufferSizes {
         GrainBufferSizes {
             grains: 16 * GRAIN as u64 * n,
             slots: 16 * (CONTACT * SLOTS) as u64 * n,
-            rows: 16 * (CONTACT * PLACES + 1) as u64 * room as u64,
-            point_forces: 32 * points.len() as u64,
+            rows: 16 * (POINT_CONTACT * PLACES + 1) as u64 * room as u64,
+            transport: 16 * points.len() as u64,
             lists: 4 * (2 * grid_cells + 1 + n),
             room,
         }
@@ -80,7 +81,7 @@ impl GrainBufferSizes {
 
     /// Size of all buffers, bytes.
     pub fn sum(&self) -> u64 {
-        self.grains + self.slots + self.rows + self.point_forces + self.lists + size_of::<Mix>() as u64
+        self.grains + self.slots + self.rows + self.transport + self.lists + size_of::<Mix>() as u64
     }
 
     /// Compares the sizes with the limits of the device.

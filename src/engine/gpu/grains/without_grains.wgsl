@@ -2,11 +2,13 @@
 
 const GRAINS: bool = false;
 
-fn force_of_grains(i: u32) -> vec4<f32> {
+fn force_of_grains(i: u32, d: vec3<i32>, o: vec3<f32>) -> vec4<f32> {
     return vec4<f32>(0.0);
 }
 
-fn keep_transport_velocity(i: u32, v: vec3<f32>, stiffness_rate: f32) {}
+fn keep_transport_velocity(i: u32, o: vec3<f32>, base: vec3<i32>, v: vec3<f32>, stiffness_rate: f32) {}
+
+fn follow_faces(i: u32, o: vec3<f32>, base: vec3<i32>) {}
 
 fn plate_load_of_grains(k: u32) -> vec2<f32> {
     return vec2<f32>(0.0);

@@ -1,6 +1,6 @@
 //! Grains, contacts and walls as the device holds them, in words of 32 bits, and back.
 
-use super::layout::{CONTACT, GRAIN, NONE, Side, WALLS};
+use super::layout::{CONTACT, GRAIN, NO_FACE, NONE, POINT_CONTACT, Side, WALLS};
 use crate::boundary::Wall;
 use crate::boundary::WallShape;
 use crate::contact::pairs::ContactForce;
@@ -10,6 +10,7 @@ use crate::gpu::bounds::{PARTNERS, PLACES};
 use crate::gpu::exact::{place, placed, split};
 use crate::grains::Grains;
 use crate::mpm::Settings;
+use crate::point_contacts::GhostFace;
 
 const BITS: fn(f32) -> u32 = f32::to_bits;
 
@@ -18,6 +19,36 @@ const HUGE: f64 = 1e38;
 
 /// A contact: its owner (a grain, or a point) and its four planes of four words each, the fourth of which is the body that the owner touches.
 pub type ContactWords = [u32; 1 + 4 * CONTACT];
+
+/// A contact of a point: the same, and three further planes.
+pub type PointContactWords = [u32; 1 + 4 * POINT_CONTACT];
+
+// Where the words of a contact's planes begin that hold its normal, overlap (last), face, and place of the force.
+const NORMAL: usize = 5;
+const TANGENT: usize = 9;
+const FACE: usize = 17;
+const PUSH: usize = 21;
+const PLACE: usize = 25;
+
+/// What a contact has pressed on a point so far in a step of the continuum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Push {
+    /// Point and body, by their numbers on the device.
+    pub ends: [u32; 2],
+    /// Sum over the steps of the grains of the force on the point, N.
+    pub force: [f64; 3],
+    /// Its stiffness, N/m.
+    pub stiffness: f64,
+    /// Where it acts, cells from the centre of the point.
+    pub place: [f64; 3],
+}
+
+impl Push {
+    /// With `share` times the force.
+    pub fn times(self, share: f64) -> Push {
+        Push { force: self.force.map(|f| share * f), ..self }
+    }
+}
 
 /// The planes of all grains, in the order of their identities; radii are also given in quanta of 2^-`parts` cells.
 pub fn grains(settings: &Settings, g: &Grains, parts: u32) -> Vec<[u32; 4]> {
@@ -76,7 +107,7 @@ pub fn contact_words(owner: u32, body: u32, c: &ExchangedContact) -> ContactWord
     let (n, t) = (c.touch.normal.map(|x| BITS(x as f32)), c.touch.tangential.map(|x| BITS(x as f32)));
     let [high, low] = [0, 1].map(|k| spring.map(|s| BITS(s[k])));
     let last = [body, BITS(c.touch.normal_force as f32), BITS(c.touch.overlap as f32), BITS(c.stiffness as f32)];
-    let mut words = [owner; 1 + 4 * CONTACT];
+    let mut words: ContactWords = [owner; 1 + 4 * CONTACT];
     for (plane, (three, last)) in [high, n, t, low].into_iter().zip(last).enumerate() {
         words[1 + 4 * plane..4 + 4 * plane].copy_from_slice(&three);
         words[4 + 4 * plane] = last;
@@ -93,13 +124,58 @@ pub fn contact(words: &ContactWords, viscous: bool) -> ExchangedContact {
     // without dashpots the tangential force is that of the spring, which is known more accurately
     let tangential = if viscous { three(2) } else { spring };
     let touch = ContactForce { tangential, normal_force: number(7), normal: three(1), overlap: number(11) };
-    ExchangedContact { ends: [0; 2], touch, spring, stiffness: number(15) }
+    ExchangedContact { ends: [0; 2], touch, spring, stiffness: number(15), face: None }
+}
+
+/// The words of a contact of the point `point`; `cell`: edge of a cell, m.
+pub fn point_contact_words(point: u32, body: u32, c: &ExchangedContact, cell: f64) -> PointContactWords {
+    let mut words = [0; 1 + 4 * POINT_CONTACT];
+    let own = contact_words(point, body, c);
+    words[..own.len()].copy_from_slice(&own);
+    let Some(face) = &c.face else {
+        words[TANGENT + 3] = BITS(NO_FACE);
+        return words;
+    };
+    let beyond = split(face.beyond / cell);
+    words[NORMAL..NORMAL + 3].copy_from_slice(&face.normal.map(|x| BITS(x as f32)));
+    words[FACE..FACE + 3].copy_from_slice(&face.velocity.map(|x| BITS(x as f32)));
+    (words[FACE + 3], words[PLACE + 3]) = (BITS(beyond[0]), BITS(beyond[1]));
+    words
+}
+
+/// Three numbers from `at` on.
+fn three(words: &[u32], at: usize) -> [f64; 3] {
+    [0, 1, 2].map(|a| f64::from(f32::from_bits(words[at + a])))
+}
+
+/// The contact of a point of some words, without its ends.
+pub fn point_contact(words: &PointContactWords, viscous: bool, cell: f64) -> ExchangedContact {
+    let own: &ContactWords = words.first_chunk().expect("it begins as any contact");
+    let number = |k: usize| f64::from(f32::from_bits(words[k]));
+    let (beyond, velocity) = (cell * (number(FACE + 3) + number(PLACE + 3)), three(words, FACE));
+    let face = GhostFace { normal: three(words, NORMAL), beyond, velocity };
+    let of_touch = contact(own, viscous);
+    let apart = of_touch.touch.overlap <= 0.0;
+    let touch = if apart { ContactForce::default() } else { of_touch.touch };
+    ExchangedContact { touch, face: (of_touch.touch.overlap >= 0.0).then_some(face), ..of_touch }
+}
+
+/// What a contact of a point has pressed on it; its ends without the point.
+pub fn push(words: &PointContactWords) -> Push {
+    let stiffness = f32::from_bits(words[PUSH + 3]).into();
+    Push { ends: [words[0], words[4]], force: three(words, PUSH), stiffness, place: three(words, PLACE) }
 }
 
 /// The planes of all contacts of `owners` owners with room for `room` contacts each, as the buffers `slots` and `rows` have them: by plane, then by place, then by
 /// owner. `place` gives the place of a contact from the number of places its owner has used.
-pub fn spread(kept: &[ContactWords], owners: usize, room: usize, place: impl Fn(&ContactWords, usize) -> usize) -> Vec<[u32; 4]> {
-    let mut all = vec![[0; 4]; CONTACT * room * owners];
+pub fn spread<const WORDS: usize>(
+    kept: &[[u32; WORDS]],
+    owners: usize,
+    room: usize,
+    place: impl Fn(&[u32; WORDS], usize) -> usize,
+) -> Vec<[u32; 4]> {
+    let planes = const { (WORDS - 1) / 4 };
+    let mut all = vec![[0; 4]; planes * room * owners];
     for entry in &mut all[..room * owners] {
         entry[3] = NONE;
     }
@@ -110,29 +186,51 @@ pub fn spread(kept: &[ContactWords], owners: usize, room: usize, place: impl Fn(
         if words[4] < WALLS || room == PLACES {
             filled[owner] += 1;
         }
-        for plane in 0..CONTACT {
+        for plane in 0..planes {
             all[(plane * room + s) * owners + owner].copy_from_slice(&words[1 + 4 * plane..5 + 4 * plane]);
         }
     }
     all
 }
 
-/// The contacts in touch of the first `used` owners, in the order of owners, then of places; the inverse of [`spread`].
-pub fn collect(all: &[[u32; 4]], owners: usize, room: usize, used: usize) -> Vec<ContactWords> {
+/// The contacts of the first `used` owners that are to be kept, in the order of owners, then of places; the inverse of [`spread`].
+pub fn collect<const WORDS: usize>(
+    all: &[[u32; 4]],
+    [owners, room, used]: [usize; 3],
+    keeps: impl Fn(&[u32; WORDS]) -> bool,
+) -> Vec<[u32; WORDS]> {
+    let planes = const { (WORDS - 1) / 4 };
     let mut kept = Vec::new();
     for owner in 0..used {
         for s in 0..room {
             let entry = |plane: usize| all[(plane * room + s) * owners + owner];
             // the slots of walls that a grain has never touched have no body
-            if entry(0)[3] == NONE || f32::from_bits(entry(2)[3]) <= 0.0 {
+            if entry(0)[3] == NONE {
                 continue;
             }
-            let mut words = [owner as u32; 1 + 4 * CONTACT];
-            (0..CONTACT).for_each(|plane| words[1 + 4 * plane..5 + 4 * plane].copy_from_slice(&entry(plane)));
-            kept.push(words);
+            let mut words = [owner as u32; WORDS];
+            (0..planes).for_each(|plane| words[1 + 4 * plane..5 + 4 * plane].copy_from_slice(&entry(plane)));
+            if keeps(&words) {
+                kept.push(words);
+            }
         }
     }
     kept
+}
+
+/// Whether a contact touches.
+pub fn touches(words: &ContactWords) -> bool {
+    f32::from_bits(words[TANGENT + 3]) > 0.0
+}
+
+/// Whether a contact of a point has a face.
+pub fn has_face(words: &PointContactWords) -> bool {
+    f32::from_bits(words[TANGENT + 3]) > NO_FACE
+}
+
+/// By how much the face of a contact of a point is beyond its ghost, cells.
+pub fn beyond(words: &PointContactWords) -> f32 {
+    f32::from_bits(words[FACE + 3])
 }
 
 /// The slot of a contact of a grain: for a wall the one that belongs to it, otherwise the next free one.
@@ -182,7 +280,7 @@ mod tests {
     fn contact_of(x: f64) -> ExchangedContact {
         let spring = [0.3 * x, -1.7 * x, 1e-7 * x];
         let touch = ContactForce { tangential: spring, normal_force: 2.5 * x, normal: [0.0, 0.6, -0.8], overlap: 1e-6 * x };
-        ExchangedContact { ends: [0; 2], touch, spring, stiffness: 1e5 * x }
+        ExchangedContact { ends: [0; 2], touch, spring, stiffness: 1e5 * x, face: None }
     }
 
     /// What goes there comes back: contacts within f32, springs within two of them, each at its owner and place.
@@ -197,7 +295,7 @@ mod tests {
         let all = spread(&given, 3, SLOTS, slot);
         let places: Vec<usize> = (0..SLOTS).filter(|s| all[s * 3][3] != NONE).collect();
         assert_eq!(places, [0, 1, PARTNERS + 3]);
-        assert_eq!(collect(&all, 3, SLOTS, 3), given);
+        assert_eq!(collect(&all, [3, SLOTS, 3], touches), given);
         for (words, x) in given.iter().zip([1.0, 2.0, 3.0, 1.0]) {
             let (there, here) = (contact(words, false), contact_of(x));
             for a in 0..3 {
@@ -208,5 +306,28 @@ mod tests {
             assert!((there.stiffness / here.stiffness - 1.0).abs() < 1e-7);
             assert_eq!(there.touch.tangential, there.spring);
         }
+    }
+
+    /// Contacts of points come back with their faces, those that have a face and do not touch too; others are dropped.
+    #[test]
+    fn contacts_of_points_come_back_with_their_faces() {
+        let (cell, n) = (0.005, [0.0, 0.6, -0.8]);
+        let face = |beyond| Some(GhostFace { normal: n, beyond, velocity: [0.25, -3.0, 1e-3] });
+        let given = [
+            ExchangedContact { face: face(1.2345678e-3), ..contact_of(1.0) },
+            ExchangedContact { face: face(-4.321e-4), ..ExchangedContact::default() },
+            ExchangedContact::default(),
+        ];
+        let words: Vec<PointContactWords> = (0..).zip(&given).map(|(k, c)| point_contact_words(0, k, c, cell)).collect();
+        let back = collect(&spread(&words, 1, PLACES, |_, next| next), [1, PLACES, 1], has_face);
+        assert_eq!(back, words[..2]);
+        for (words, given) in back.iter().zip(&given) {
+            let there = point_contact(words, false, cell);
+            let (own, of) = (there.face.expect("a face"), given.face.expect("a face"));
+            assert!((own.beyond - of.beyond).abs() < 1e-13 * of.beyond.abs(), "{own:?}");
+            assert!((0..3).all(|a| (own.normal[a] - n[a]).abs() < 1e-7 && (own.velocity[a] - of.velocity[a]).abs() < 1e-9));
+            assert!((there.touch.overlap - given.touch.overlap).abs() < 1e-13);
+        }
+        assert_eq!(point_contact(&back[1], false, cell).touch, ContactForce::default());
     }
 }

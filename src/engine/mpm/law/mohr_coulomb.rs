@@ -271,6 +271,11 @@ impl MohrCoulomb {
 }
 
 impl Pyramid {
+    /// Mean stress at the apex, c cot φ, Pa; infinite without friction.
+    fn apex(&self) -> f64 {
+        if self.sin_friction > 0.0 { self.strength / (2.0 * self.sin_friction) } else { f64::INFINITY }
+    }
+
     /// Axial less radial stress, Pa, at failure in triaxial compression at a cell pressure, Pa: σ1 (1 − sin φ) = σ3 (1 + sin φ) + 2 c cos φ.
     fn q_compression(&self, cell: f64) -> f64 {
         (cell * (1.0 + self.sin_friction) + self.strength) / (1.0 - self.sin_friction) - cell

@@ -1,0 +1,111 @@
+// Faces of points: where grains and walls press on the points. Each contact has one; it moves with the nodes, and the force of the contact acts there. Twins (f64):
+// GhostFace in point_contacts.rs, coupling/evaluate.rs, coupling/reactions.rs, velocity_beside in mpm/step.rs.
+
+// How far a face may be beyond the ghost of its point, cells; the grid for the search is made for it. Past it the run ends with an error.
+const FURTHEST: f32 = 1.0;
+
+// Where the force of a contact acts, cells from the centre of the point: GhostFace::offset. `normal`: from the body to the point; `radius`: ghost radius, m; `beyond`:
+// distance of the face beyond the ghost, cells.
+fn face_place(normal: vec3<f32>, overlap: f32, radius: f32, beyond: f32) -> vec3<f32> {
+    return normal * -clamp((radius - 0.5 * max(overlap, 0.0)) * params.inverse_cell + beyond, 0.0, 0.5);
+}
+
+// Adds the force of the contact `s` of row `r` to what presses on its point in this step of the continuum. `place`: where it acts now. Forces of several steps of the grains act
+// at one place: the mean of theirs, weighted with the normal forces. The stiffness is that at the start of the step.
+fn press(s: u32, r: u32, c: Contact, place: vec3<f32>, stiffness: f32) {
+    let push = c.normal * c.force - c.tangent;
+    var sum = vec4<f32>(push, stiffness);
+    var at = place;
+    if mix_.sub != 0u {
+        let earlier = bitcast<vec4<f32>>(rows[row_at(C_PUSH, s, r)]);
+        let place_before = bitcast<vec3<f32>>(rows[row_at(C_PLACE, s, r)].xyz);
+        sum = vec4<f32>(earlier.xyz + push, earlier.w);
+        let share = clamp(abs(c.force) / max(abs(dot(sum.xyz, c.normal)), 1e-37), 0.0, 1.0);
+        at = place_before + (place - place_before) * share;
+    }
+    rows[row_at(C_PUSH, s, r)] = bitcast<vec4<u32>>(sum);
+    rows[row_at(C_PLACE, s, r)] = vec4<u32>(bitcast<vec3<u32>>(at), rows[row_at(C_PLACE, s, r)].w);
+}
+
+// Linear weights of the node `d` (0, 1, 2 along each axis) at `at` cells from the middle node.
+fn hats(d: vec3<i32>, at: vec3<f32>) -> vec3<f32> {
+    return max(1.0 - abs(clamp(at, vec3<f32>(-1.0), vec3<f32>(1.0)) - vec3<f32>(d - 1)), vec3<f32>(0.0));
+}
+
+// A plane of the nodes at `at` cells from the middle node of a point, by linear weights. `base`: first node of the point.
+fn gathered(plane: u32, base: vec3<i32>, at: vec3<f32>) -> vec4<f32> {
+    let first = select(vec3<i32>(1), vec3<i32>(0), at < vec3<f32>(0.0));
+    var sum = vec4<f32>(0.0);
+    for (var k = 0; k < 8; k++) {
+        let d = first + vec3<i32>(k & 1, (k >> 1u) & 1, k >> 2u);
+        let w = hats(d, at);
+        sum += nodes[plane * params.nodes + node_index(base + d)] * (w.x * w.y * w.z);
+    }
+    return sum;
+}
+
+// What contacts press on the node `d` of a point with the offset `o`: force, N, mean over the steps of the grains, and its stiffness, N/m.
+fn force_of_grains(i: u32, d: vec3<i32>, o: vec3<f32>) -> vec4<f32> {
+    let r = transport[i].w;
+    var sum = vec4<f32>(0.0);
+    if r == NONE {
+        return sum;
+    }
+    for (var s = 0u; s < PLACES; s++) {
+        if rows[row_at(C_SPRING, s, r)].w == NONE {
+            break;
+        }
+        let push = bitcast<vec4<f32>>(rows[row_at(C_PUSH, s, r)]);
+        if any(push != vec4<f32>(0.0)) {
+            let w = hats(d, o + bitcast<vec3<f32>>(rows[row_at(C_PLACE, s, r)].xyz));
+            sum += push * (w.x * w.y * w.z);
+        }
+    }
+    return vec4<f32>(sum.xyz / f32(coupling.rates), sum.w);
+}
+
+// Largest stiffness over mass, 1/s², where contacts press on the point of row `r`.
+fn rate_beside(r: u32, o: vec3<f32>, base: vec3<i32>) -> f32 {
+    var most = 0.0;
+    if r == NONE {
+        return most;
+    }
+    for (var s = 0u; s < PLACES; s++) {
+        if rows[row_at(C_SPRING, s, r)].w == NONE {
+            break;
+        }
+        if any(bitcast<vec4<f32>>(rows[row_at(C_PUSH, s, r)]) != vec4<f32>(0.0)) {
+            most = max(most, gathered(CHANGE, base, o + bitcast<vec3<f32>>(rows[row_at(C_PLACE, s, r)].xyz)).w);
+        }
+    }
+    return most;
+}
+
+// Moves the faces of a point with the nodes, at the end of a step of the continuum.
+fn follow_faces(i: u32, o: vec3<f32>, base: vec3<i32>) {
+    let r = transport[i].w;
+    if r == NONE {
+        return;
+    }
+    let radius = f32(bitcast<i32>(word(ENERGY, i).w)) * (params.cell / UNITS);
+    for (var s = 0u; s < PLACES; s++) {
+        if rows[row_at(C_SPRING, s, r)].w == NONE {
+            break;
+        }
+        let overlap = bitcast<f32>(rows[row_at(C_TANGENT, s, r)].w);
+        if overlap <= NO_FACE {
+            continue;
+        }
+        let normal = bitcast<vec3<f32>>(rows[row_at(C_NORMAL, s, r)].xyz);
+        let beyond = vec2<f32>(bitcast<f32>(rows[row_at(C_FACE, s, r)].w), bitcast<f32>(rows[row_at(C_PLACE, s, r)].w));
+        let v = gathered(SPEED, base, o + face_place(normal, overlap, radius, beyond.x)).xyz;
+        let way = batch.dt * params.inverse_cell * dot(bitcast<vec3<f32>>(transport[i].xyz) - v, normal);
+        let next = grown(beyond, way);
+        rows[row_at(C_FACE, s, r)] = bitcast<vec4<u32>>(vec4<f32>(v, next.x));
+        rows[row_at(C_PLACE, s, r)].w = bitcast<u32>(next.y);
+        let most = bitcast<u32>(max(next.x, 0.0));
+        if most > atomicLoad(&mix_.furthest) {
+            atomicMax(&mix_.furthest, most);
+        }
+    }
+}
