@@ -139,11 +139,18 @@ pub fn of_state(c: &Continuum, made: &Continuum, added: u64) -> Checked {
 /// See [`Continuum::stable_step`].
 pub fn stable_step(c: &Continuum, safety: f64) -> f64 {
     let points = &c.points;
+    // stresses are read only where a law needs them
+    let stiffens = c.laws.iter().any(Law::stiffens);
     let fastest = (0..points.len())
         .map(|i| {
             let [u, v, w, _] = points.velocity[i];
-            c.laws[points.law[i] as usize].wave_speed_at(points.density(i), &points.stress[i], points.memory[i])
-                + (u * u + v * v + w * w).sqrt()
+            let law = &c.laws[points.law[i] as usize];
+            let wave = if stiffens {
+                law.wave_speed_at(points.density(i), &points.stress[i], points.memory[i])
+            } else {
+                law.wave_speed(points.density(i))
+            };
+            wave + (u * u + v * v + w * w).sqrt()
         })
         .fold(0.0, f64::max);
     safety * c.settings.cell / fastest

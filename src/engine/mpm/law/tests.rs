@@ -479,3 +479,19 @@ fn elasticity_has_no_strength() {
         assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
     }
 }
+
+/// What shaders do not have is refused with what to use instead; laws whose moduli stay have them at every stress.
+#[test]
+fn graphics_devices_refuse_what_they_lack_and_moduli_stay() {
+    let ends = Law::DruckerPrager(mobilised(&smooth(Cone::Outer), 25.0));
+    assert_eq!(ends.on_gpu(), Err("use dilation = \"constant\""));
+    assert!(Law::DruckerPrager(smooth(Cone::Outer)).on_gpu().is_ok());
+    let softens = MohrCoulomb::of(smooth(Cone::Outer).parameters());
+    assert!(Law::MohrCoulomb(softens.clone()).on_gpu().is_err_and(|instead| instead.contains("that stay")));
+    let stress = [-5e4, -7e4, -6e4, 1e3, 0.0, 0.0];
+    for law in [ends, Law::MohrCoulomb(softens)] {
+        assert!(!law.stiffens() && !law.plastic_falls());
+        assert_eq!((law.stiffness(&stress, InternalVariables { plastic: 0.1 }), law.under(1e6)), (law.elastic(), law.elastic()));
+        assert_eq!(law.wave_speed_at(1600.0, &stress, InternalVariables::default()), law.wave_speed(1600.0));
+    }
+}
