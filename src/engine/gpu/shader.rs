@@ -218,7 +218,7 @@ pub mod tests {
     #[test]
     fn constants_are_those_of_the_processor() {
         use crate::gpu::grains::FURTHEST;
-        use crate::gpu::grains::layout::{NO_FACE, NONE, PARTNERS, PLACES, POINT_CONTACT, SIDES, SLOTS, WALLS};
+        use crate::gpu::grains::layout::{NO_FACE, NODES, NONE, PARTNERS, PLACES, POINT_CONTACT, SIDES, SLOTS, WALLS};
         use crate::point_contacts::ContactRates;
         use naga::{Expression, Literal};
         let module = parsed(MIXTURE);
@@ -235,8 +235,8 @@ pub mod tests {
         ] {
             assert_eq!(literal(name), Literal::F32(value as f32), "{name}");
         }
-        let whole = [PARTNERS, SIDES, SLOTS, PLACES, POINT_CONTACT, WALLS as usize, NONE as usize];
-        for (name, value) in ["PARTNERS", "SIDES", "SLOTS", "PLACES", "ROW_PLANES", "WALLS", "NONE"].iter().zip(whole) {
+        let whole = [PARTNERS, SIDES, SLOTS, PLACES, POINT_CONTACT, NODES, WALLS as usize, NONE as usize];
+        for (name, value) in ["PARTNERS", "SIDES", "SLOTS", "PLACES", "ROW_PLANES", "NODES", "WALLS", "NONE"].iter().zip(whole) {
             assert_eq!(literal(name), Literal::U32(value as u32), "{name}");
         }
     }

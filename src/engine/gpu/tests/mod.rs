@@ -1,6 +1,7 @@
 //! Parity of the graphics path with f64: rungs 2 (`law.rs`) and 3 (`step.rs`).
 
 mod adapter;
+mod faces;
 mod law;
 mod step;
 
