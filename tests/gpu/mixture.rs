@@ -37,7 +37,7 @@ const CHAINS: &str = "../tests/gpu/chains";
 
 /// The smallest version of Li's binary mixture, whose loading begins within so many steps.
 const TWIN: &str = "../tests/gpu/mixture";
-const LOADED: &str = "300";
+const LOADED: &str = "500";
 
 /// Rung 4 of a mixture between platens under servo: four grains among a thousand points. Without local damping, which goes by the sign of
 /// velocities and makes rounding visible (q 3e-4 then). Measured: q 6e-6 of the largest, volumetric strain 2e-6, what contacts of grains and points bear of q 1e-6, stress of all contacts

@@ -246,7 +246,7 @@ impl Mixture {
     }
 
     /// Continues a cycle of which a device has made `done` steps of the grains. The points already have the forces of their contacts up to and with the
-    /// present instant.
+    /// present instant, but for the stiffness.
     ///
     /// # Errors
     /// As [`Self::make_cycle`].
@@ -254,7 +254,7 @@ impl Mixture {
     pub fn finish_cycle(&mut self, parts: &mut Parts<'_>, done: u32) -> Result<()> {
         let Cycle { time, rates } = self.cycle;
         let dt = time / f64::from(rates.grains);
-        self.apply_reactions(parts, 1.0, [0.0; 2]);
+        self.apply_reactions(parts, 1.0, [0.0, ContactRates::END_SHARES[0]]);
         self.move_grains(parts, dt);
         self.end(parts, time - dt * f64::from(done + 1), rates.grains - done - 1)
     }

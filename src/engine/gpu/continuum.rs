@@ -366,8 +366,13 @@ impl DeviceContinuum {
         let Some(bodies) = &self.bodies else { return Ok(()) };
         let point = self.places(cpu);
         for push in bodies.pushes(&self.device, self.steps_done())? {
-            let i = point[push.ends[0] as usize] as usize;
-            cpu.add_force_beside(i, push.force, push.stiffness, push.place.map(|x| self.settings.cell * x));
+            let (i, Settings { lower, cell, .. }) = (point[push.point as usize] as usize, &self.settings);
+            let at = cpu.points().position[i];
+            let beside = |a: usize| {
+                let middle = ((at[a] - lower[a]) / cell + 0.5).floor();
+                lower[a] + cell * (middle - 1.0 + push.node[a] as f64) - at[a]
+            };
+            cpu.add_force_beside(i, push.force, 0.0, [0, 1, 2].map(beside));
         }
         Ok(())
     }

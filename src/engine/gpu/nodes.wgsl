@@ -271,7 +271,7 @@ fn accelerate(one: Thread) {
                     }
                 }
                 if GRAINS {
-                    pressed += force_of_grains(i, d, o);
+                    pressed += force_of_grains(i, d);
                 }
             }
         }

@@ -262,7 +262,7 @@ pub mod tests {
     fn constants_are_those_of_the_processor() {
         use crate::gpu::bounds::{BORDERS, GROUP, PARTNERS, PLACES, PLATES, SIDES, SLOTS, WIDE};
         use crate::gpu::grains::FURTHEST;
-        use crate::gpu::grains::layout::{NO_FACE, NONE, POINT_CONTACT, WALLS};
+        use crate::gpu::grains::layout::{NO_FACE, NODES, NONE, POINT_CONTACT, WALLS};
         use crate::point_contacts::ContactRates;
         use naga::{Expression, Literal};
         let module = parsed(MIXTURE);
@@ -289,6 +289,7 @@ pub mod tests {
             ("SLOTS", SLOTS),
             ("PLACES", PLACES),
             ("ROW_PLANES", POINT_CONTACT),
+            ("NODES", NODES),
             ("WALLS", WALLS as usize),
             ("NONE", NONE as usize),
         ] {

@@ -229,7 +229,7 @@ impl Continuum {
         }
     }
 
-    /// As [`Self::add_external_force`], for a force that acts `offset` metres beside the centre of the point, at most half a cell along each axis. It
+    /// As [`Self::add_external_force`], for a force that acts `offset` metres beside the centre of the point, within the nodes that the point reaches. It
     /// goes to the nodes by linear weights ([`Self::velocity_beside`] takes the same), so force and moment arrive whole.
     pub fn add_force_beside(&mut self, i: usize, [x, y, z]: [f64; 3], stiffness: f64, offset: [f64; 3]) {
         self.work.external_forces.add_beside(i, self.points.len(), [x, y, z, stiffness], offset);

@@ -564,7 +564,8 @@ fn advance<F: Four, const D: usize, S: ShapeFunction>(
         if !pass.external_forces.is_empty()
             && let Some(point) = pass.external_forces.of(p.whole)
         {
-            for one in pass.external_forces.offset_forces(point) {
+            // those at the start of the step of the continuum have a stiffness
+            for one in pass.external_forces.offset_forces(point).filter(|one| one.force[3] > 0.0) {
                 let w = place.beside::<D>(t.xyzw(), one.offset);
                 let there = gather::<F, D>(p.token, change, p.at, &w).xyzw()[3];
                 sums.contact_frequency = sums.contact_frequency.max(there);

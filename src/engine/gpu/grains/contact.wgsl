@@ -109,7 +109,8 @@ struct Mix {
 @group(1) @binding(2) var<storage, read_write> grains: array<vec4<u32>>;
 // planes of the contacts of each grain: `PARTNERS` slots for grains in the order of their indices, `SIDES` slots for walls
 @group(1) @binding(3) var<storage, read_write> slots: array<vec4<u32>>;
-// planes of the contacts of each point close to grains or walls, in the order of bodies; then the point of each row
+// planes of the contacts of each point close to grains or walls, in the order of bodies; then what they press on each node of the point, N and N/m, summed over the steps of
+// the grains in this step of the continuum; then for each row the point, and 1 where anything has pressed on it in this step
 @group(1) @binding(4) var<storage, read_write> rows: array<vec4<u32>>;
 @group(1) @binding(5) var<storage, read_write> mix_: Mix;
 // the grid for the search: index of the first grain of each grid cell; the next free index; grains by grid cell
@@ -143,12 +144,13 @@ const C_TANGENT: u32 = 2u; // tangential force, N; overlap, m; of a point apart 
 const C_LOW: u32 = 3u; // low part of the spring; normal stiffness, N/m
 // of points only (faces.wgsl)
 const C_FACE: u32 = 4u; // velocity of the face, m/s; distance of the face from the point less the ghost radius, cells
-const C_PUSH: u32 = 5u; // force on the point, N, summed over the steps of the grains in this step of the continuum; its stiffness, N/m
-const C_PLACE: u32 = 6u; // where that force acts, cells from the point; low part of the distance in C_FACE
-// number of planes of a contact of a point
-const ROW_PLANES: u32 = 7u;
+const C_PLACE: u32 = 5u; // where the force acts at the start of this step of the continuum, cells from the point, or NO_PLACE; low part of the distance in C_FACE
+// number of planes of a contact of a point; number of nodes that a point reaches
+const ROW_PLANES: u32 = 6u;
+const NODES: u32 = 27u;
 
 const NO_FACE: f32 = -1.0;
+const NO_PLACE: f32 = 2.0;
 
 fn grain_word(plane: u32, g: u32) -> vec4<u32> {
     return grains[plane * coupling.grains + g];
@@ -170,9 +172,14 @@ fn row_at(plane: u32, s: u32, r: u32) -> u32 {
     return (plane * PLACES + s) * coupling.rows + r;
 }
 
+// Index in `rows` of what presses on the node k of the point of row r.
+fn node_at(k: u32, r: u32) -> u32 {
+    return (ROW_PLANES * PLACES + k) * coupling.rows + r;
+}
+
 // Index in `rows` of the point of row r.
 fn owner_at(r: u32) -> u32 {
-    return ROW_PLANES * PLACES * coupling.rows + r;
+    return node_at(NODES, r);
 }
 
 // A vector in quanta of 2^-split cells: whole numbers and rests.

@@ -10,23 +10,6 @@ fn face_place(normal: vec3<f32>, overlap: f32, radius: f32, beyond: f32) -> vec3
     return normal * -clamp((radius - 0.5 * max(overlap, 0.0)) * params.inverse_cell + beyond, 0.0, 0.5);
 }
 
-// Adds the force of the contact `s` of row `r` to what presses on its point in this step of the continuum. `place`: where it acts now. Forces of several steps of the grains act
-// at one place: the mean of theirs, weighted with the normal forces. The stiffness is that at the start of the step.
-fn press(s: u32, r: u32, c: Contact, place: vec3<f32>, stiffness: f32) {
-    let push = c.normal * c.force - c.tangent;
-    var sum = vec4<f32>(push, stiffness);
-    var at = place;
-    if mix_.sub != 0u {
-        let earlier = bitcast<vec4<f32>>(rows[row_at(C_PUSH, s, r)]);
-        let place_before = bitcast<vec3<f32>>(rows[row_at(C_PLACE, s, r)].xyz);
-        sum = vec4<f32>(earlier.xyz + push, earlier.w);
-        let share = clamp(abs(c.force) / max(abs(dot(sum.xyz, c.normal)), 1e-37), 0.0, 1.0);
-        at = place_before + (place - place_before) * share;
-    }
-    rows[row_at(C_PUSH, s, r)] = bitcast<vec4<u32>>(sum);
-    rows[row_at(C_PLACE, s, r)] = vec4<u32>(bitcast<vec3<u32>>(at), rows[row_at(C_PLACE, s, r)].w);
-}
-
 // Linear weights of the node `d` (0, 1, 2 along each axis) at `at` cells from the middle node.
 fn hats(d: vec3<i32>, at: vec3<f32>) -> vec3<f32> {
     return max(1.0 - abs(clamp(at, vec3<f32>(-1.0), vec3<f32>(1.0)) - vec3<f32>(d - 1)), vec3<f32>(0.0));
@@ -44,23 +27,32 @@ fn gathered(plane: u32, base: vec3<i32>, at: vec3<f32>) -> vec4<f32> {
     return sum;
 }
 
-// What contacts press on the node `d` of a point with the offset `o`: force, N, mean over the steps of the grains, and its stiffness, N/m.
-fn force_of_grains(i: u32, d: vec3<i32>, o: vec3<f32>) -> vec4<f32> {
+// Nothing has pressed on the point of row `r` so far in this step of the continuum.
+fn clear_pushes(r: u32) {
+    for (var k = 0u; k < NODES; k++) {
+        rows[node_at(k, r)] = vec4<u32>(0u);
+    }
+}
+
+// Adds a force on the point of row `r`, N, with its stiffness, N/m, to the nodes around `at`, cells from the middle node. Points keep their places while grains make
+// several steps in one of the continuum, so each step's force arrives where it acts.
+fn press(r: u32, at: vec3<f32>, push: vec4<f32>) {
+    let first = select(vec3<i32>(1), vec3<i32>(0), at < vec3<f32>(0.0));
+    for (var k = 0; k < 8; k++) {
+        let d = first + vec3<i32>(k & 1, (k >> 1u) & 1, k >> 2u);
+        let w = hats(d, at);
+        let there = node_at(u32(d.x + 3 * (d.y + 3 * d.z)), r);
+        rows[there] = bitcast<vec4<u32>>(bitcast<vec4<f32>>(rows[there]) + push * (w.x * w.y * w.z));
+    }
+}
+
+// What contacts press on the node `d` of a point: force, N, mean over the steps of the grains, and its stiffness, N/m.
+fn force_of_grains(i: u32, d: vec3<i32>) -> vec4<f32> {
     let r = transport[i].w;
-    var sum = vec4<f32>(0.0);
-    if r == NONE {
-        return sum;
+    if r == NONE || rows[owner_at(r)].y == 0u {
+        return vec4<f32>(0.0);
     }
-    for (var s = 0u; s < PLACES; s++) {
-        if rows[row_at(C_SPRING, s, r)].w == NONE {
-            break;
-        }
-        let push = bitcast<vec4<f32>>(rows[row_at(C_PUSH, s, r)]);
-        if any(push != vec4<f32>(0.0)) {
-            let w = hats(d, o + bitcast<vec3<f32>>(rows[row_at(C_PLACE, s, r)].xyz));
-            sum += push * (w.x * w.y * w.z);
-        }
-    }
+    let sum = bitcast<vec4<f32>>(rows[node_at(u32(d.x + 3 * (d.y + 3 * d.z)), r)]);
     return vec4<f32>(sum.xyz / f32(coupling.rates), sum.w);
 }
 
@@ -74,8 +66,9 @@ fn rate_beside(r: u32, o: vec3<f32>, base: vec3<i32>) -> f32 {
         if rows[row_at(C_SPRING, s, r)].w == NONE {
             break;
         }
-        if any(bitcast<vec4<f32>>(rows[row_at(C_PUSH, s, r)]) != vec4<f32>(0.0)) {
-            most = max(most, gathered(CHANGE, base, o + bitcast<vec3<f32>>(rows[row_at(C_PLACE, s, r)].xyz)).w);
+        let place = bitcast<vec3<f32>>(rows[row_at(C_PLACE, s, r)].xyz);
+        if place.x < NO_PLACE {
+            most = max(most, gathered(CHANGE, base, o + place).w);
         }
     }
     return most;

@@ -7,7 +7,9 @@ use bytemuck::{Pod, Zeroable};
 /// Number of planes of a contact: arrays with four words of 32 bits for each contact.
 pub const CONTACT: usize = 4;
 /// Number of planes of a contact of a point.
-pub const POINT_CONTACT: usize = 7;
+pub const POINT_CONTACT: usize = 6;
+/// Number of nodes that a point reaches.
+pub const NODES: usize = 27;
 /// Number of planes of a grain.
 pub const GRAIN: usize = 9;
 /// In place of the overlap of a contact of a point: it has no face.

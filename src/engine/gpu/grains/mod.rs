@@ -267,6 +267,7 @@ impl Bodies {
         }
         let mut row_words = words::spread(&in_rows, rows, PLACES, |_, next| next);
         owners.resize(rows, [0; 4]);
+        row_words.resize(row_words.len() + layout::NODES * rows, [0; 4]);
         row_words.extend(owners);
         let mut slot_words = words::spread(&own.slots, n, SLOTS, words::slot);
         slot_words.resize(layout::CONTACT * SLOTS * n.max(1), [0; 4]);
@@ -399,7 +400,7 @@ impl Bodies {
         let room = self.coupling.rows as usize;
         let mut of_points = words::collect(rows, [room, PLACES, used.min(self.coupling.rows) as usize], keeps);
         for words in &mut of_points {
-            words[0] = rows[layout::POINT_CONTACT * PLACES * room + words[0] as usize][0];
+            words[0] = rows[(layout::POINT_CONTACT * PLACES + layout::NODES) * room + words[0] as usize][0];
         }
         // rows are in the order in which threads took them
         of_points.sort_unstable_by_key(|words| (words[0], words[4]));
@@ -478,18 +479,23 @@ impl Bodies {
         Ok(())
     }
 
-    /// What contacts have pressed on points so far in the step of the continuum that has begun, by point, then by body; the forces are divided by the number of steps
-    /// of the grains in a full step.
+    /// What contacts have pressed on the nodes of points so far in the step of the continuum that has begun, by point, then by node; the forces are divided by the
+    /// number of steps of the grains in a full step.
     ///
     /// # Errors
     /// The device is lost.
     pub fn pushes(&self, device: &Device, step: u64) -> Result<Vec<words::Push>> {
         let bytes = device.read(&[(&self.buffers.rows, self.sizes.rows)], step)?;
         let rows: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        let used = self.mix.rows.min(self.coupling.rows) as usize;
+        let mut all = words::pushes(&rows, self.coupling.rows as usize, used);
+        // rows are in the order in which threads took them
+        all.sort_by_key(|push| push.point);
         let share = 1.0 / f64::from(self.coupling.rates);
-        let pressed = |words: &PointContactWords| words::push(words).force != [0.0; 3];
-        let kept = self.contacts_of_points(&rows, self.mix.rows, pressed);
-        Ok(kept.iter().map(|words| words::push(words).times(share)).collect())
+        for push in &mut all {
+            push.force = push.force.map(|f| share * f);
+        }
+        Ok(all)
     }
 
     /// Writes the state of the walls alone into a mixture.

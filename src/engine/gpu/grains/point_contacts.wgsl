@@ -47,9 +47,9 @@ fn move_in_row(old: u32, to: u32, r: u32) {
     }
 }
 
-// Whether a contact must be kept: it has a face, or has pressed on the point in this step of the continuum.
+// Whether a contact must be kept: it has a face, or its stiffness counts in this step of the continuum.
 fn is_kept(s: u32, r: u32) -> bool {
-    let pressed = mix_.sub != 0u && any(bitcast<vec3<f32>>(rows[row_at(C_PUSH, s, r)].xyz) != vec3<f32>(0.0));
+    let pressed = mix_.sub != 0u && bitcast<f32>(rows[row_at(C_PLACE, s, r)].x) < NO_PLACE;
     return bitcast<f32>(rows[row_at(C_TANGENT, s, r)].w) > NO_FACE || pressed;
 }
 
@@ -169,6 +169,7 @@ fn point_candidates(one: Thread) {
                 rows[row_at(plane, to, r)] = vec4<u32>(0u);
             }
             rows[row_at(C_TANGENT, to, r)].w = bitcast<u32>(NO_FACE);
+            rows[row_at(C_PLACE, to, r)].x = bitcast<u32>(NO_PLACE);
         }
     }
     for (var s = n; s < PLACES; s++) {
@@ -184,6 +185,7 @@ fn point_contact_forces(one: Thread) {
         return;
     }
     let i = rows[owner_at(r)].x;
+    var pressed = select(rows[owner_at(r)].y, 0u, mix_.sub == 0u);
     let place = word(PLACE, i);
     let own_velocity = bitcast<vec3<f32>>(transport[i].xyz);
     let there = moved(bitcast<vec3<i32>>(place.xyz), number(REST, i).xyz, own_velocity * (mix_.ahead * params.inverse_cell));
@@ -208,7 +210,7 @@ fn point_contact_forces(one: Thread) {
         } else {
             pair = pair_at(coupling.tables.x + 2u * (law * coupling.materials + (grain_word(G_UNITS, body).w)));
         }
-        let before = bitcast<vec4<f32>>(rows[row_at(C_PLACE, s, r)]);
+        var place_of_force = bitcast<vec4<f32>>(rows[row_at(C_PLACE, s, r)]);
         var face = bitcast<vec4<f32>>(rows[row_at(C_FACE, s, r)]);
         if mix_.contacts_known != 0u {
             let normal = bitcast<vec4<f32>>(rows[row_at(C_NORMAL, s, r)]);
@@ -230,11 +232,12 @@ fn point_contact_forces(one: Thread) {
             let followed = bitcast<f32>(rows[row_at(C_TANGENT, s, r)].w) > NO_FACE;
             if !followed {
                 face = vec4<f32>(own_velocity, 0.0);
+                place_of_force.w = 0.0;
             }
             let further = face.w * f32(1u << coupling.split);
             let quanta = floor(further + 0.5);
             let whole = radius.whole.x + i32(quanta);
-            let part = radius.part.x + ((further - quanta) + select(0.0, before.w, followed) * f32(1u << coupling.split));
+            let part = radius.part.x + ((further - quanta) + place_of_force.w * f32(1u << coupling.split));
             if on_wall {
                 let side = mix_.sides[body - WALLS];
                 m = on_side(side, cell, there.units, there.rest, whole, part);
@@ -266,9 +269,6 @@ fn point_contact_forces(one: Thread) {
             }
             if c.overlap > NO_FACE {
                 rows[row_at(C_FACE, s, r)] = bitcast<vec4<u32>>(face);
-                if !followed {
-                    rows[row_at(C_PLACE, s, r)].w = 0u;
-                }
             }
             rows[row_at(C_SPRING, s, r)] = vec4<u32>(bitcast<vec3<u32>>(c.spring), body);
             rows[row_at(C_NORMAL, s, r)] = bitcast<vec4<u32>>(vec4<f32>(c.normal, c.force));
@@ -277,7 +277,24 @@ fn point_contact_forces(one: Thread) {
         }
         let stiffness = c.stiffness * max(1.0, stiffness_ratio(pair));
         rate += stiffness / mass;
-        press(s, r, c, face_place(c.normal, c.overlap, metres, face.w), OF_POINT * stiffness);
+        // the stiffness is that at the start of the step of the continuum
+        let starts_step = mix_.sub == 0u;
+        if starts_step {
+            place_of_force.x = NO_PLACE;
+        }
+        if c.overlap > 0.0 {
+            if pressed == 0u {
+                clear_pushes(r);
+                pressed = 1u;
+            }
+            let beside = face_place(c.normal, c.overlap, metres, face.w);
+            press(r, offset(place) + beside, vec4<f32>(c.normal * c.force - c.tangent, select(0.0, OF_POINT * stiffness, starts_step)));
+            if starts_step {
+                place_of_force = vec4<f32>(beside, place_of_force.w);
+            }
+        }
+        rows[row_at(C_PLACE, s, r)] = bitcast<vec4<u32>>(place_of_force);
     }
+    rows[owner_at(r)].y = pressed;
     atomicMax(&mix_.point_rate, bitcast<u32>(rate));
 }

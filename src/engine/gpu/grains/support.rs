@@ -1,6 +1,6 @@
 //! Which grains the graphics device can compute, and the memory that they need; answered without opening the device.
 
-use super::layout::{CONTACT, GRAIN, Mix, POINT_CONTACT};
+use super::layout::{CONTACT, GRAIN, Mix, NODES, POINT_CONTACT};
 use super::{CoarseGrains, FURTHEST, SKIN, WHOLE};
 use crate::boundary::WallShape;
 use crate::breakage::Birth;
@@ -72,7 +72,7 @@ impl GrainBufferSizes {
         GrainBufferSizes {
             grains: 16 * GRAIN as u64 * n,
             slots: 16 * (CONTACT * SLOTS) as u64 * n,
-            rows: 16 * (POINT_CONTACT * PLACES + 1) as u64 * room as u64,
+            rows: 16 * (POINT_CONTACT * PLACES + NODES + 1) as u64 * room as u64,
             transport: 16 * points.len() as u64,
             lists: 4 * (2 * grid_cells + 1 + n),
             room,

@@ -2,7 +2,7 @@
 
 const GRAINS: bool = false;
 
-fn force_of_grains(i: u32, d: vec3<i32>, o: vec3<f32>) -> vec4<f32> {
+fn force_of_grains(i: u32, d: vec3<i32>) -> vec4<f32> {
     return vec4<f32>(0.0);
 }
 

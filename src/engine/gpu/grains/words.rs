@@ -1,6 +1,6 @@
 //! Grains, contacts and walls as the device holds them, in words of 32 bits, and back.
 
-use super::layout::{CONTACT, GRAIN, NO_FACE, NONE, POINT_CONTACT, Side, WALLS};
+use super::layout::{CONTACT, GRAIN, NO_FACE, NODES, NONE, POINT_CONTACT, Side, WALLS};
 use crate::boundary::Wall;
 use crate::boundary::WallShape;
 use crate::contact::pairs::ContactForce;
@@ -27,27 +27,34 @@ pub type PointContactWords = [u32; 1 + 4 * POINT_CONTACT];
 const NORMAL: usize = 5;
 const TANGENT: usize = 9;
 const FACE: usize = 17;
-const PUSH: usize = 21;
-const PLACE: usize = 25;
+const PLACE: usize = 21;
 
-/// What a contact has pressed on a point so far in a step of the continuum.
+/// What contacts have pressed on a node of a point so far in a step of the continuum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Push {
-    /// Point and body, by their numbers on the device.
-    pub ends: [u32; 2],
-    /// Sum over the steps of the grains of the force on the point, N.
+    /// Point, by its number on the device.
+    pub point: u32,
+    /// The node along each axis: the first, middle or last (0, 1, 2) of those that the point reaches.
+    pub node: [usize; 3],
+    /// Sum of the forces over the steps of the grains, N.
     pub force: [f64; 3],
-    /// Its stiffness, N/m.
-    pub stiffness: f64,
-    /// Where it acts, cells from the centre of the point.
-    pub place: [f64; 3],
 }
 
-impl Push {
-    /// With `share` times the force.
-    pub fn times(self, share: f64) -> Push {
-        Push { force: self.force.map(|f| share * f), ..self }
-    }
+/// The forces on the nodes of the points in the first `used` rows, of the words of all `room` rows; by row, then by node.
+pub fn pushes(rows: &[[u32; 4]], room: usize, used: usize) -> Vec<Push> {
+    let nodes = POINT_CONTACT * PLACES;
+    let owner = |r: usize| rows[(nodes + NODES) * room + r];
+    let push = |r: usize, k: usize| Push {
+        point: owner(r)[0],
+        node: [k % 3, k / 3 % 3, k / 9],
+        force: three(&rows[(nodes + k) * room + r], 0),
+    };
+    (0..used)
+        .filter(|r| owner(*r)[1] != 0)
+        .flat_map(|r| (0..NODES).map(move |k| (r, k)))
+        .map(|(r, k)| push(r, k))
+        .filter(|p| p.force != [0.0; 3])
+        .collect()
 }
 
 /// The planes of all grains, in the order of their identities; radii are also given in quanta of 2^-`parts` cells.
@@ -158,12 +165,6 @@ pub fn point_contact(words: &PointContactWords, viscous: bool, cell: f64) -> Exc
     let apart = of_touch.touch.overlap <= 0.0;
     let touch = if apart { ContactForce::default() } else { of_touch.touch };
     ExchangedContact { touch, face: (of_touch.touch.overlap >= 0.0).then_some(face), ..of_touch }
-}
-
-/// What a contact of a point has pressed on it; its ends without the point.
-pub fn push(words: &PointContactWords) -> Push {
-    let stiffness = f32::from_bits(words[PUSH + 3]).into();
-    Push { ends: [words[0], words[4]], force: three(words, PUSH), stiffness, place: three(words, PLACE) }
 }
 
 /// The planes of all contacts of `owners` owners with room for `room` contacts each, as the buffers `slots` and `rows` have them: by plane, then by place, then by

@@ -2,6 +2,7 @@
 
 mod adapter;
 mod bounds;
+mod faces;
 mod law;
 mod step;
 

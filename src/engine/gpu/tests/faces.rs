@@ -1,0 +1,161 @@
+//! Faces of points on which a grain presses, against f64.
+
+use super::adapter;
+use crate::contact::ContactLaw;
+use crate::coupling::exchange::{ExchangedContact, ExchangedContacts};
+use crate::coupling::{Cycle, Mixture, Parts, Rates};
+use crate::dem::physics::Physics;
+use crate::dem::{State, Workspace};
+use crate::gpu::continuum::DeviceContinuum;
+use crate::gpu::grains::CoarseGrains;
+use crate::grains::Grains;
+use crate::material::Material;
+use crate::mpm::law::{Elastic, Law};
+use crate::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
+use crate::point_contacts::PointContactTable;
+
+/// Edge of a cell, m; steps of the grain in a step of the continuum, s.
+const CELL: f64 = 0.1;
+const DT: f64 = 1e-4;
+const RATES: Rates = Rates { grains: 3, continuum: 1 };
+
+/// A grain that comes down askew on a block of points.
+struct Impact {
+    physics: Physics,
+    table: PointContactTable,
+    work: Workspace,
+    continuum: Continuum,
+    mixture: Mixture,
+}
+
+impl Impact {
+    fn new() -> Impact {
+        let material = Material {
+            name: "glass".into(),
+            density: 2500.0,
+            internal_porosity: 0.0,
+            young: 1e8,
+            poisson: 0.2,
+            friction: 0.4,
+            contact: [0.6, 0.0, 0.0, 0.0],
+            rolling_friction: 0.0,
+        };
+        let physics = Physics::of(vec![material], ContactLaw::Hertz);
+        let settings = Settings {
+            dimension: Dimension::Space,
+            cell: CELL,
+            lower: [0.0; 3],
+            cells: [10; 3],
+            walls: [GridWall::Open; 6],
+            gravity: [0.0; 3],
+            shape: ShapeFunctions::BSpline,
+            transfer: Transfer::Blend { pic: 0.03 },
+            damping: 0.0,
+        };
+        let mut points = Points::default();
+        for k in 0..8 * 8 * 6 {
+            let position = [k % 8, k / 8 % 8, k / 64].map(|n: i32| 0.325 + 0.05 * f64::from(n));
+            points.add(&Point {
+                position,
+                velocity: [0.0; 3],
+                mass: 0.25,
+                volume: 1.25e-4,
+                stress: [0.0; 6],
+                porosity: 0.4,
+                law: 0,
+            });
+        }
+        let mut continuum = Continuum::new(settings, vec![Law::Elastic(Elastic::of_young(1e6, 0.3))], points).expect("allowed");
+        let mut grains = Grains::default();
+        grains.add([0.503, 0.497, 0.747], 0.15, 0, &physics.materials);
+        grains.vel[0][..3].copy_from_slice(&[0.1, 0.05, -0.5]);
+        grains.spin[0][1] = 2.0;
+        let mut state = State::new(&physics, grains, Vec::new(), false);
+        let work = Workspace::new(&physics, &mut state);
+        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &[]);
+        let mixture = Mixture::new(&physics, state, &mut continuum, None);
+        Impact { physics, table, work, continuum, mixture }
+    }
+
+    /// Makes `n` cycles on the processor; the forces at the end are known.
+    fn cycles(&mut self, n: u32) {
+        let Impact { physics, table, work, continuum, mixture } = self;
+        let mut parts = Parts { physics, table, work, continuum, plates: &mut [] };
+        mixture.compute_forces(&mut parts).expect("forces");
+        for _ in 0..n {
+            let time = DT * f64::from(RATES.grains);
+            mixture.make_cycle(&mut parts, Cycle { time, rates: RATES }).expect("a cycle");
+            mixture.compute_forces(&mut parts).expect("forces");
+        }
+    }
+
+    fn coarse(&self) -> CoarseGrains<'_> {
+        CoarseGrains { physics: &self.physics, mixture: &self.mixture, table: &self.table }
+    }
+
+    /// Takes the state from the device.
+    fn take(&mut self, gpu: &DeviceContinuum) {
+        gpu.read_back(&mut self.continuum).expect("points");
+        gpu.read_grains((&self.physics, &self.table), &mut self.mixture, &mut self.continuum).expect("grains");
+    }
+
+    /// Contacts of points with a face, by point.
+    fn contacts(&self) -> Vec<ExchangedContact> {
+        let ExchangedContacts { points, .. } = self.mixture.contacts(&self.physics, &self.work.table);
+        let id = |c: &ExchangedContact| self.continuum.points().id[c.ends[1] as usize];
+        let mut all: Vec<ExchangedContact> = points.into_iter().map(|(_, c)| ExchangedContact { ends: [0, id(&c)], ..c }).collect();
+        all.sort_unstable_by_key(|c| c.ends);
+        all
+    }
+}
+
+fn steps(gpu: &mut DeviceContinuum, n: u64) {
+    gpu.rates(RATES.grains);
+    gpu.steps(n, DT * f64::from(RATES.grains)).expect("steps");
+}
+
+/// A grain presses on a block with three steps to one of the points: faces move as on the processor, contacts that are apart and have a face stay known, and a
+/// device that goes on from a saved state leaves the same bits. Measured: MEASURED.
+#[test]
+fn faces_move_as_on_the_processor() {
+    if !adapter("faces_move_as_on_the_processor") {
+        return;
+    }
+    const STEPS: u32 = 60;
+    let mut here = Impact::new();
+    here.cycles(5);
+    let begin = |of: &Impact, saved| DeviceContinuum::begin(&of.continuum, &[], &[], Some(&of.coarse()), saved).expect("device");
+    let mut there = Impact { work: Workspace::new(&here.physics, &mut here.mixture.grains.clone()), ..Impact::new() };
+    (there.continuum, there.mixture) = (here.continuum.clone(), here.mixture.clone());
+    here.cycles(STEPS);
+    let mut gpu = begin(&there, None);
+    steps(&mut gpu, u64::from(STEPS) / 2);
+    let saved = gpu.save().expect("state");
+    let mut other = begin(&there, Some(&saved));
+    for gpu in [&mut gpu, &mut other] {
+        steps(gpu, u64::from(STEPS) / 2);
+    }
+    there.take(&other);
+    let resumed = (there.contacts(), there.continuum.points().position.clone());
+    there.take(&gpu);
+    assert_eq!((there.contacts(), there.continuum.points().position.clone()), resumed);
+
+    let (exact, found) = (here.contacts(), there.contacts());
+    let face = |c: &ExchangedContact| c.face.expect("a contact of a point has one");
+    let moved = exact.iter().map(|c| face(c).beyond.abs()).fold(0.0, f64::max) / CELL;
+    let apart = exact.iter().filter(|c| c.touch.overlap == 0.0).count();
+    assert!(exact.len() > 5 && moved > 0.01, "{} contacts, faces have moved by {moved} cells", exact.len());
+    assert_eq!(exact.iter().map(|c| c.ends[1]).collect::<Vec<_>>(), found.iter().map(|c| c.ends[1]).collect::<Vec<_>>());
+    let largest = |of: &dyn Fn(&ExchangedContact, &ExchangedContact) -> f64| {
+        exact.iter().zip(&found).map(|(e, f)| of(e, f)).fold(0.0, f64::max)
+    };
+    let of_beyond = largest(&|e, f| (face(e).beyond - face(f).beyond).abs()) / CELL;
+    let of_velocity = largest(&|e, f| (0..3).map(|a| (face(e).velocity[a] - face(f).velocity[a]).abs()).fold(0.0, f64::max));
+    let strongest = exact.iter().map(|c| c.touch.normal_force).fold(0.0, f64::max);
+    let of_force = largest(&|e, f| (e.touch.normal_force - f.touch.normal_force).abs()) / strongest;
+    println!(
+        "faces: {} contacts, {apart} of them apart, moved by up to {moved:e} cells; off by {of_beyond:e} cells, velocity {of_velocity:e} m/s, force {of_force:e}",
+        exact.len()
+    );
+    assert!(of_beyond < 1e-6 && of_velocity < 1e-5 && of_force < 1e-4);
+}
