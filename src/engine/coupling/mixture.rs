@@ -6,7 +6,7 @@
 //! the cycle of the forces that the faster side gets step by step. So impulses are equal and opposite, and momentum is conserved to rounding for any
 //! κ. With κ = 1 both sides get the forces of one instant.
 
-use super::{FinesAsPoints, PointContacts, Rule};
+use super::{FinesAsPoints, PointContacts, Rule, account};
 use crate::check::{self, Checked, ensure};
 use crate::coupling::evaluate::PointContactScene;
 use crate::dem;
@@ -163,6 +163,11 @@ impl Mixture {
         }
     }
 
+    /// Opens the energy account of the points' contacts with sums of zero.
+    pub fn keep_account(&mut self, continuum: &Continuum) {
+        self.point_contacts.keep_account(&self.grains.grains, continuum);
+    }
+
     /// Checks a mixture that comes from outside with its `continuum`. `made` are both as the same run made them; points touch `walls` walls of the grains.
     ///
     /// # Errors
@@ -278,10 +283,14 @@ impl Mixture {
         self.cycles += 1;
         self.step_continuum(parts, time * (1.0 / f64::from(rates.continuum)))?;
         if let Some(fines) = &mut self.fines {
+            let before = self.point_contacts.account.as_ref().map(|_| account::of_points(parts.continuum));
             fines.insert_points(&self.grains, parts.continuum, &mut self.point_contacts);
             let plates = &*parts.plates;
             let through = |p| plates.iter().any(|plate| plate.height(p).0 < 0.0);
             fines.remove_points(through, parts.continuum, &mut self.point_contacts);
+            if let (Some(before), Some(account)) = (before, &mut self.point_contacts.account) {
+                account.add_inserted(before, account::of_points(parts.continuum));
+            }
         }
         Ok(())
     }
@@ -359,6 +368,9 @@ impl Mixture {
         }
         let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
         let way = dt * (point + grain.max(wall)) + self.grains.aftermath.fastest_growth();
+        if let Some(account) = &mut self.point_contacts.account {
+            account.note_gone(&self.point_contacts.candidates, grains, continuum);
+        }
         self.point_contacts.update(grains, walls, continuum, way);
         let scene = PointContactScene { grains, walls, continuum, table, unloading: parts.physics.contact.unloading, dt, ahead };
         self.point_contacts.evaluate(&scene);

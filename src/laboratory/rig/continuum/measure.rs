@@ -289,11 +289,7 @@ impl State {
         let points = &rig.points;
         let elastic: f64 = (0..points.len())
             .map(|i| {
-                let (e, s) = (rig.laws[usize::from(points.law[i])].elastic(), &points.stress[i]);
-                let p = (s[0] + s[1] + s[2]) / 3.0;
-                let shear: f64 =
-                    s[..3].iter().map(|x| (x - p) * (x - p)).sum::<f64>() + 2.0 * s[3..].iter().map(|x| x * x).sum::<f64>();
-                points.position[i][3] * (p * p / (2.0 * e.bulk) + shear / (4.0 * e.shear))
+                points.position[i][3] * rig.laws[usize::from(points.law[i])].elastic().energy(&points.stress[i])
             })
             .sum();
         let walls = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work);
