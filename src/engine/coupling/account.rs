@@ -1,8 +1,10 @@
 //! The energy account of the contacts of points with grains and walls, and of what grains and points give each other, each term by a sum of its own.
 //!
 //! The path work of a contact, −½ (F_old + F_new)·Δu of both ends, is elastic energy, slip and what dashpots take, as in a contact of two grains
-//! ([`crate::dem::ledger`]). The part of it that the points get, ½ (F_old + F_new)·Δu with the motion of the points alone, is summed as well: the nodes get
-//! the work of the same forces on their mean velocity instead ([`crate::mpm::account`]), and the difference is a term of the account, the *contact lag*.
+//! ([`crate::dem::ledger`]). What the bodies get instead is summed beside it: grains the work of the contacts' forces on the mean of their velocities before
+//! and after a step, which is the change of their kinetic energy; points that on the mean velocity of the nodes ([`crate::mpm::account`]). The difference
+//! is a term of the account, the *contact lag*: the nodes' velocities are projected anew in every step, and where one side makes several steps in a
+//! cycle, the other side's motion is extrapolated meanwhile, and it gets the mean of the forces.
 
 use super::{Body, Mixture, PointContact};
 use crate::check::{self, Checked};
@@ -10,7 +12,8 @@ use crate::dem::State;
 use crate::dem::observables::{pair_from, tangential_energy};
 use crate::dem::physics::Physics;
 use crate::grains::Grains;
-use crate::math::vector::{dot, plus};
+use crate::contact::pairs::ContactForce;
+use crate::math::vector::{cross, dot, scaled};
 use crate::mpm::Continuum;
 use crate::point_contacts::{NOWHERE, by_id};
 use serde::{Deserialize, Serialize};
@@ -28,8 +31,11 @@ pub struct ContactAccount {
     pub made: f64,
     /// Elastic energy of contacts whose grain broke or whose point was removed.
     pub removed: f64,
-    /// Work of the contacts on the points, on the points' path.
-    pub on_points: f64,
+    /// Work of the points on grains, on the mean of the grains' velocities before and after each step.
+    pub on_grains: f64,
+    /// Work of the grains' contacts and gravity on half the difference of two steps of unequal length: a change of the step shifts the instants of velocities
+    /// against those of forces.
+    pub step_change: f64,
     /// Kinetic, potential and elastic energy of points that were added and removed.
     pub inserted: [f64; 3],
     /// Identities that the next grain and point had when forces were last computed.
@@ -38,6 +44,9 @@ pub struct ContactAccount {
     alive: [usize; 2],
     /// Works and elastic energy of each candidate when forces were last computed.
     each: Vec<OfContact>,
+    /// Buffer: forces and torques on grains.
+    #[serde(skip)]
+    forces: Vec<[[f64; 4]; 2]>,
 }
 
 /// Works of a contact in a step, and its elastic energy after it, J.
@@ -47,8 +56,6 @@ pub(super) struct OfContact {
     pub slip: f64,
     pub viscous: f64,
     pub stored: f64,
-    /// Force on the body before the step, N.
-    pub before: [f64; 3],
 }
 
 impl OfContact {
@@ -76,8 +83,8 @@ impl ContactAccount {
     /// # Errors
     /// The one that is not.
     pub(super) fn check(&self) -> Checked {
-        let ContactAccount { path, slip, viscous, made, removed, on_points, inserted, .. } = self;
-        check::numbers("energies of point contacts", [path, slip, viscous, made, removed, on_points].into_iter().chain(inserted))
+        let ContactAccount { path, slip, viscous, made, removed, on_grains, step_change, inserted, .. } = self;
+        check::numbers("energies of point contacts", [path, slip, viscous, made, removed, on_grains, step_change].into_iter().chain(inserted))
     }
 
     /// Counts the elastic energy of contacts that are no more because their grain or point is gone. To be called before the list of candidates is made anew.
@@ -95,20 +102,16 @@ impl ContactAccount {
         self.removed += candidates.iter().zip(&self.each).filter(|(c, _)| gone(c)).map(|(_, of)| of.stored).sum::<f64>();
     }
 
-    /// Entries for the works of all candidates, with their forces before this step.
-    pub(super) fn begin(&mut self, candidates: &[PointContact]) -> &mut [OfContact] {
+    /// Zeros for the works of `count` candidates.
+    pub(super) fn begin(&mut self, count: usize) -> &mut [OfContact] {
         self.each.clear();
-        self.each.extend(candidates.iter().map(|c| OfContact { before: c.touch.force(), ..OfContact::default() }));
+        self.each.resize(count, OfContact::default());
         &mut self.each
     }
 
-    /// Adds the works of all candidates over the step of `dt` seconds, in the order of the list.
-    pub(super) fn end(&mut self, candidates: &[PointContact], grains: &Grains, continuum: &Continuum, dt: f64) {
-        let velocities = &continuum.points().transport_velocity;
-        for (c, of) in candidates.iter().zip(&self.each) {
-            let forces = plus(of.before, c.touch.force());
-            // forces are those on the body
-            self.on_points -= 0.5 * dt * dot(forces, velocities[c.place[1] as usize]);
+    /// Adds the works of all candidates in the order of the list.
+    pub(super) fn end(&mut self, candidates: &[PointContact], grains: &Grains, continuum: &Continuum) {
+        for of in &self.each {
             self.path += of.path;
             self.slip += of.slip;
             self.viscous += of.viscous;
@@ -124,6 +127,22 @@ impl ContactAccount {
         (self.known, self.alive) = ([grains.next_id, points.next_id], [grains.len(), points.len()]);
     }
 
+    /// Notes the forces, N, and torques, N m, on grains by index, and adds their work over half a step of `dt` seconds at the present velocities.
+    pub(super) fn before_grains(&mut self, forces: &[[[f64; 4]; 2]], grains: &Grains, dt: f64) {
+        self.forces.clear();
+        self.forces.extend_from_slice(forces);
+        self.add_half_step(grains, dt);
+    }
+
+    /// Adds the work of the forces noted over half a step of `dt` seconds at the present velocities.
+    pub(super) fn add_half_step(&mut self, grains: &Grains, dt: f64) {
+        let of = |(i, [f, t]): (usize, &[[f64; 4]; 2])| {
+            let ([u, v, w, _], [a, b, c, _]) = (grains.vel[i], grains.spin[i]);
+            dot([f[0], f[1], f[2]], [u, v, w]) + dot([t[0], t[1], t[2]], [a, b, c])
+        };
+        self.on_grains += 0.5 * dt * self.forces.iter().enumerate().map(of).sum::<f64>();
+    }
+
     /// Adds what points that were added or removed between two instants have brought or taken: the differences of kinetic, potential and elastic
     /// energy of all points.
     pub(super) fn add_inserted(&mut self, before: [f64; 3], after: [f64; 3]) {
@@ -134,7 +153,7 @@ impl ContactAccount {
 
     /// Memory in use, bytes.
     pub(super) fn bytes(&self) -> usize {
-        size_of::<OfContact>() * self.each.capacity()
+        size_of::<OfContact>() * self.each.capacity() + 64 * self.forces.capacity()
     }
 }
 
@@ -157,6 +176,8 @@ pub struct GrainWorks {
     pub damping: f64,
     /// Elastic energy of the contacts.
     pub stored: f64,
+    /// Kinetic energy of the grains by their own contacts and gravity in the half step from the velocities' instant to this one.
+    pub half_step: f64,
 }
 
 impl Mixture {
@@ -185,6 +206,39 @@ impl Mixture {
             }
         }
         let [path, slip, viscous, damping] = sums;
-        GrainWorks { path, slip, viscous, damping, stored }
+        GrainWorks { path, slip, viscous, damping, stored, half_step: 0.5 * self.last * self.power_on_grains(physics.gravity) }
+    }
+
+    /// Power of the grains' own contacts and of gravity on the grains, W, at their present velocities, summed in the order of identities.
+    pub(super) fn power_on_grains(&self, gravity: [f64; 3]) -> f64 {
+        let State { grains, pairs, wall_pairs, .. } = &self.grains;
+        let id = |i: u32| grains.id[i as usize];
+        let mut power = 0.0;
+        for (pool, wall) in [(pairs, false), (wall_pairs, true)] {
+            for slot in pool.touching(|[i, j]| if wall { [j, id(i)] } else { [id(i), id(j)] }) {
+                power += self.power(pool.ends[slot], &pool.touch[slot], wall);
+            }
+        }
+        for i in grains.by_id().into_iter().map(|i| i as usize) {
+            let [u, v, w, _] = grains.vel[i];
+            power += grains.mass[i] * dot(gravity, [u, v, w]);
+        }
+        power
+    }
+
+    /// Power of a contact of grains, or of a grain with a wall, on the grains, W, at their present velocities.
+    fn power(&self, [i, j]: [u32; 2], touch: &ContactForce, wall: bool) -> f64 {
+        let grains = &self.grains.grains;
+        let torque = |arm: f64| scaled(cross(touch.normal, touch.tangential), arm);
+        let of = |i: u32, force: [f64; 3], short: f64| {
+            let i = i as usize;
+            let ([u, v, w, _], [a, b, c, _]) = (grains.vel[i], grains.spin[i]);
+            dot(force, [u, v, w]) + dot(torque(grains.radius(i) - short), [a, b, c])
+        };
+        let force = touch.force();
+        if wall {
+            return of(i, force, touch.overlap);
+        }
+        of(i, force, 0.5 * touch.overlap) + of(j, scaled(force, -1.0), 0.5 * touch.overlap)
     }
 }

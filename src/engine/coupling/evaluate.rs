@@ -48,13 +48,13 @@ impl PointContacts {
                 });
             });
         };
-        let works = account.begin(candidates);
+        let works = account.begin(candidates.len());
         with_law!(scene.table.law, L => {
             candidates.par_chunks_mut(TASK).zip(works.par_chunks_mut(TASK)).for_each(|(part, work)| {
                 rules.arch.dispatch(PointContactSweep::<L, true> { scene, rules: &rules, part, work, law: PhantomData });
             });
         });
-        account.end(candidates, scene.grains, scene.continuum, scene.dt);
+        account.end(candidates, scene.grains, scene.continuum);
     }
 }
 

@@ -204,7 +204,9 @@ impl Mixture {
     pub fn compute_forces(&mut self, parts: &mut Parts<'_>) -> Result<()> {
         dem::compute_forces(parts.physics, &mut self.grains, parts.work);
         self.note_bound();
-        self.find(parts, self.last, [0.0; 2])?;
+        // contacts of points were last computed before the last step of the faster side
+        let since = self.last / f64::from(self.cycle.rates.continuum);
+        self.find(parts, since, [0.0; 2])?;
         self.evaluate_bodies(parts);
         Ok(())
     }
@@ -297,13 +299,27 @@ impl Mixture {
 
     /// One step of the grains and rigid bodies with the forces added so far.
     fn move_grains(&mut self, parts: &mut Parts<'_>, dt: f64) {
+        if self.point_contacts.account.is_some() && dt != self.last && !self.grains.fresh {
+            let power = self.power_on_grains(parts.physics.gravity);
+            if let Some(account) = &mut self.point_contacts.account {
+                account.step_change += 0.5 * (self.last - dt) * power;
+            }
+        }
         (self.grains.dt, self.last) = (dt, dt);
         if let Some(blocks) = &mut self.blocks {
             let State { grains, walls, fresh, .. } = &mut self.grains;
             blocks.apply_grain_and_wall_reactions(grains, &mut parts.work.external_forces, walls, dt);
             blocks.advance(parts.physics, *fresh, dt);
         }
-        dem::integrate(parts.physics, &mut self.grains, parts.work);
+        let kick = if self.grains.fresh { 0.5 * dt } else { dt };
+        if let Some(account) = &mut self.point_contacts.account {
+            account.before_grains(&parts.work.external_forces, &self.grains.grains, kick);
+        }
+        dem::move_grains(parts.physics, &mut self.grains, parts.work);
+        if let Some(account) = &mut self.point_contacts.account {
+            account.add_half_step(&self.grains.grains, kick);
+        }
+        dem::breakage(parts.physics, &mut self.grains, parts.work);
         self.breakages.extend_from_slice(&parts.work.breakages);
         if let Some(fines) = &mut self.fines {
             fines.queue(&parts.work.breakages);

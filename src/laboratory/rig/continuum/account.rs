@@ -56,11 +56,12 @@ pub const TERMS: [(&str, f64); TERM_COUNT] = [
     ("strain_lag_J", -1.0),
     ("gravity_lag_J", -1.0),
     ("contact_lag_J", -1.0),
+    ("step_change_J", -1.0),
     ("nonconservative_J", -1.0),
 ];
 
 /// Number of terms.
-const TERM_COUNT: usize = 25;
+const TERM_COUNT: usize = 26;
 
 /// The account at an instant.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,7 +108,7 @@ impl State {
         let works = self.mixture.as_ref().map_or(GrainWorks::default(), |m| m.grain_works(&model.physics));
         let points = self.mixture.as_ref().and_then(|m| m.point_contacts.account()).map_or(0.0, |a| a.stored());
         let now = Opened {
-            kinetic: totals.kinetic + kinetic,
+            kinetic: totals.kinetic + kinetic + works.half_step,
             potential: totals.potential + potential,
             elastic: self.continuum.elastic_energy(),
             contacts: [works.stored, points, self.plates.iter().map(|p| p.stored).sum()],
@@ -135,7 +136,7 @@ impl State {
         let [in_grains, in_points, in_plates]: [f64; 3] = std::array::from_fn(|k| now.contacts[k] - start.contacts[k]);
         let held = ledger.release + ledger.growth + ledger.inertia;
         // elastic contacts of loading plates pass on what they do not store
-        let contact_lag = on_points - in_plates + contacts.on_points - points.external;
+        let contact_lag = on_points - in_plates - contacts.path - contacts.on_grains - points.external;
         let of_grains = works.path + ledger.growth - (in_grains + ledger.removed - ledger.made) - works.slip - works.viscous;
         let of_points = contacts.path + released - (in_points + contacts.removed - contacts.made) - contacts.slip - contacts.viscous;
         let terms = [
@@ -163,6 +164,7 @@ impl State {
             points.strain_lag,
             points.gravity_lag,
             contact_lag,
+            contacts.step_change,
             of_grains + of_points,
         ];
         let scale = terms[..5].iter().map(|x| x.abs()).sum::<f64>() + start.kinetic;
