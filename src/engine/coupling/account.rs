@@ -8,11 +8,11 @@
 
 use super::{Body, Mixture, PointContact};
 use crate::check::{self, Checked};
+use crate::contact::pairs::ContactForce;
 use crate::dem::State;
 use crate::dem::observables::{pair_from, tangential_energy};
 use crate::dem::physics::Physics;
 use crate::grains::Grains;
-use crate::contact::pairs::ContactForce;
 use crate::math::vector::{cross, dot, scaled};
 use crate::mpm::Continuum;
 use crate::point_contacts::{NOWHERE, by_id};
@@ -84,7 +84,10 @@ impl ContactAccount {
     /// The one that is not.
     pub(super) fn check(&self) -> Checked {
         let ContactAccount { path, slip, viscous, made, removed, on_grains, step_change, inserted, .. } = self;
-        check::numbers("energies of point contacts", [path, slip, viscous, made, removed, on_grains, step_change].into_iter().chain(inserted))
+        check::numbers(
+            "energies of point contacts",
+            [path, slip, viscous, made, removed, on_grains, step_change].into_iter().chain(inserted),
+        )
     }
 
     /// Counts the elastic energy of contacts that are no more because their grain or point is gone. To be called before the list of candidates is made anew.

@@ -34,11 +34,11 @@ pub struct EnergyAccount {
     pub gravity_lag: f64,
     /// Work of external forces (loading plates, grains, walls of grains) on the nodes' mean velocity: what the continuum has got from them.
     pub external: f64,
-    /// Kinetic energy of points less that of the nodes with their velocities projected.
+    /// Kinetic energy of points less that of the nodes with their momenta projected, p²/(2m), before walls act.
     pub to_nodes: f64,
     /// Kinetic energy of the accelerated nodes less that of the points with their new velocities.
     pub to_points: f64,
-    /// Kinetic energy that nodes lose when walls of the grid stop them.
+    /// Kinetic energy that projected nodes lose when walls of the grid stop them.
     pub wall_impact: f64,
     /// Work of the nodes against the friction of walls of the grid.
     pub wall_friction: f64,
@@ -80,19 +80,9 @@ impl EnergyAccount {
     }
 }
 
-/// Kinetic energy of masses with velocities, ½ Σ m v², J; the mass is the fourth number of `masses`.
-fn kinetic(masses: &[[f64; 4]], velocities: impl Fn(usize) -> [f64; 3]) -> f64 {
-    let of = |(k, p): (usize, &[f64; 4])| {
-        let [u, v, w] = velocities(k);
-        0.5 * p[3] * (u * u + v * v + w * w)
-    };
-    masses.iter().enumerate().map(of).sum()
-}
-
 /// Kinetic energy of all points, J, summed in their order in memory, which is that of cells and identities.
 pub(super) fn kinetic_of_points(c: &Continuum) -> f64 {
-    let velocity = &c.points.velocity;
-    kinetic(velocity, |i| [velocity[i][0], velocity[i][1], velocity[i][2]])
+    c.points.velocity.iter().map(|[u, v, w, m]| 0.5 * m * (u * u + v * v + w * w)).sum()
 }
 
 /// The sums of a step over nodes.
@@ -107,12 +97,12 @@ pub(super) struct NodeAccount<'a> {
 }
 
 impl NodeAccount<'_> {
-    /// Takes the kinetic energy of the projected velocities, and notes what walls will change. `momentum`: with the mass as the fourth number; `change`:
-    /// change of velocity by forces and gravity; `walled`: nodes near walls.
-    pub fn before_walls(&mut self, momentum: &[[f64; 4]], velocity: &[[f64; 4]], change: &[[f64; 4]], walled: &[u32]) {
-        let nodes = kinetic(momentum, |k| [velocity[k][0], velocity[k][1], velocity[k][2]]);
-        let of = |&k: &u32| (momentum[k as usize][3], velocity[k as usize]);
-        let near: f64 = walled.iter().map(of).map(|(m, [u, v, w, _])| 0.5 * m * (u * u + v * v + w * w)).sum();
+    /// Takes the kinetic energy of the projected momenta, before walls act, and notes what walls will change. `momentum`: with the mass as the fourth
+    /// number; `change`: change of velocity by forces and gravity; `walled`: nodes near walls.
+    pub fn before_walls(&mut self, momentum: &[[f64; 4]], change: &[[f64; 4]], walled: &[u32]) {
+        let of = |[x, y, z, m]: [f64; 4]| if m > 0.0 { 0.5 * (x * x + y * y + z * z) / m } else { 0.0 };
+        let nodes: f64 = momentum.iter().map(|p| of(*p)).sum();
+        let near: f64 = walled.iter().map(|&k| of(momentum[k as usize])).sum();
         self.sums.to_nodes += self.sums.kinetic.unwrap_or(nodes) - nodes;
         self.sums.wall_impact += near;
         self.free.clear();

@@ -75,7 +75,7 @@ impl NodeGrid {
             }
         });
         if let Some(account) = &mut account {
-            account.before_walls(&self.momentum, &self.velocity, &self.change, self.walls.nodes());
+            account.before_walls(&self.momentum, &self.change, self.walls.nodes());
         }
         let impulses = self.walls.accelerate(&self.momentum, &mut self.velocity, &mut self.change);
         if let Some(account) = account {

@@ -71,8 +71,21 @@ pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
     let (history, blocks, account) = (Table::new(files::HISTORY), Table::new(blocks::TRACKS), Table::new(account::ACCOUNT));
     let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
     let (growing, grown, [seconds, user_seconds, first_step]) = (None, None, [0.0; 3]);
-    let progress =
-        Progress { state, growing, grown, used, recorder, history, blocks, account, crushed, snapshots, seconds, user_seconds, first_step };
+    let progress = Progress {
+        state,
+        growing,
+        grown,
+        used,
+        recorder,
+        history,
+        blocks,
+        account,
+        crushed,
+        snapshots,
+        seconds,
+        user_seconds,
+        first_step,
+    };
     Ok(Begun { progress, engine })
 }
 

@@ -138,7 +138,8 @@ impl State {
         // elastic contacts of loading plates pass on what they do not store
         let contact_lag = on_points - in_plates - contacts.path - contacts.on_grains - points.external;
         let of_grains = works.path + ledger.growth - (in_grains + ledger.removed - ledger.made) - works.slip - works.viscous;
-        let of_points = contacts.path + released - (in_points + contacts.removed - contacts.made) - contacts.slip - contacts.viscous;
+        let of_points =
+            contacts.path + released - (in_points + contacts.removed - contacts.made) - contacts.slip - contacts.viscous;
         let terms = [
             on_points + on_grains,
             start.potential - now.potential,

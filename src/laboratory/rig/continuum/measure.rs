@@ -288,9 +288,7 @@ impl State {
         let (totals, coarse) = (self.continuum.totals(), self.of_grains(rig));
         let points = &rig.points;
         let elastic: f64 = (0..points.len())
-            .map(|i| {
-                points.position[i][3] * rig.laws[usize::from(points.law[i])].elastic().energy(&points.stress[i])
-            })
+            .map(|i| points.position[i][3] * rig.laws[usize::from(points.law[i])].elastic().energy(&points.stress[i]))
             .sum();
         let walls = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work);
         let ledger = self.mixture.iter().map(|m| &m.grains.ledger).flat_map(|l| [l.growth, l.inertia, l.release]);

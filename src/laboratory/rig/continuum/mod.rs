@@ -10,12 +10,12 @@ mod growth;
 mod measure;
 mod specimen;
 
+pub(crate) use account::{EnergyAccount, TERMS};
 #[cfg(feature = "gpu")]
 pub(crate) use device::Device;
 pub use engine::Engine;
 pub use grains::Coupled;
 pub(crate) use growth::{Growing, Grown, growing};
-pub(crate) use account::{EnergyAccount, TERMS};
 pub(crate) use measure::{GrainMeasures, Moment};
 
 use crate::error::{Error, Result};
