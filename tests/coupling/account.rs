@@ -31,7 +31,8 @@ fn closes(scene: &str, sets: &[&str], of: &[&str]) {
     println!("{scene}: open by {open:.1e}");
     assert!(open.abs() < BOUND, "{scene}: open by {open:.1e}: {terms:?}");
     let told = number(&summary(out.path()), "account_error");
-    assert!((told - open).abs() < 1e-9, "{told} {open}");
+    // tables have nine digits
+    assert!((told - open).abs() < 1e-7, "{told} {open}");
     for name in of {
         let (_, term) = terms.iter().find(|(of, _)| of == name).unwrap_or_else(|| panic!("{name}"));
         let without = open - term / scale;

@@ -5,7 +5,8 @@
 //!
 //! ```text
 //! K_points(new) − K_points(old) = −transfer − W_internal + W_external + W_gravity − wall impact − wall friction − damping
-//! transfer      = [K_points(old) − K_nodes(projected)] + [K_nodes(accelerated) − K_points(new)]
+//! transfer      = [K_points(old) − Σ p²/(2m) of the projected nodes] + [K_nodes(v⁺) − K_points(new)]
+//! wall impact   = Σ p²/(2m) − K_nodes(v⁻), with the velocities v⁻ that walls leave
 //! W_internal    = Σ V σ : ∇v̄ Δt at the points, in their places at the start of the step
 //! W_external    = Σ F · v̄ Δt at the points and their faces
 //! W_gravity     = −ΔP − gravity lag
