@@ -230,7 +230,6 @@ impl Embedded {
         if !self.continuum.points().is_empty() {
             self.raise_point_inertia(physics, state.dt);
             self.continuum.step(state.dt)?;
-            self.point_contacts.locate(&state.grains, &self.continuum);
             self.point_contacts.follow_faces(&self.continuum, state.dt);
         }
         self.fines.queue(&work.breakages);

@@ -37,6 +37,7 @@ impl PointContact {
 impl PointContacts {
     /// Moves the faces of the points with the nodes, after a step of the continuum of `dt` seconds. In parallel over contacts.
     pub(super) fn follow_faces(&mut self, continuum: &Continuum, dt: f64) {
+        self.locate_points(continuum);
         let of_points = |c: &mut PointContact| {
             let (place, own) = (c.place[1] as usize, [c.radius, c.touch.overlap]);
             if let Some(face) = &mut c.face {

@@ -99,6 +99,8 @@ fn of_points(settings: &Settings, laws: &[Law], points: &Points) -> Result<()> {
 /// See [`Continuum::check`].
 pub fn of_state(c: &Continuum, made: &Continuum, added: u64) -> Checked {
     ensure(c.settings == made.settings && c.laws == made.laws, || "grid or laws of the points are not those of the scene".into())?;
+    ensure(c.account.is_some() == made.account.is_some(), || "the energy account is kept otherwise than in the scene".into())?;
+    c.account.as_ref().map_or(Ok(()), |account| account.check())?;
     ensure(c.keeps_transport_velocity == made.keeps_transport_velocity, || {
         "points keep other velocities than the scene asks for".into()
     })?;

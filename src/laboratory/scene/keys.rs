@@ -760,6 +760,12 @@ const OWN: &[Key] = &[
         "largest overlap of two listed grains, or of one and a wall, over the radius of the smaller: a scene with a deeper one is refused",
     ),
     both("records.energy", Flag, Is("true"), "whether the energy ledger is kept"),
+    continuum(
+        "records.account",
+        Flag,
+        Is("false"),
+        "whether the energy account of points, nodes and grains is kept and written to account.csv: each term by a sum of its own (on the processor, without rigid bodies)",
+    ),
     continuum("records.rows", Integer { low: 1, high: 100_000 }, Is("200"), "rows of history over the run"),
     continuum("records.frames", Integer { low: 1, high: 10_000 }, Is("5"), "snapshots over the run, besides the first"),
     states("records.snapshots", Flag, Is("true"), "whether ParaView snapshots are written"),

@@ -99,11 +99,8 @@ pub trait ConstitutiveLaw: Sized {
     }
 
     /// Elastic energy per volume, J/m³, stored at a stress, Pa, and internal variables.
-    fn elastic_energy(&self, s: &Sym, _internal: InternalVariables) -> f64 {
-        let e = self.elastic();
-        let p = (s[0] + s[1] + s[2]) / 3.0;
-        let shear: f64 = s[..3].iter().map(|x| (x - p) * (x - p)).sum::<f64>() + 2.0 * s[3..].iter().map(|x| x * x).sum::<f64>();
-        p * p / (2.0 * e.bulk) + shear / (4.0 * e.shear)
+    fn elastic_energy(&self, stress: &Sym, _internal: InternalVariables) -> f64 {
+        self.elastic().energy(stress)
     }
 
     /// What to do on a graphics device instead, for parameters with which shaders do not have the law; `None` where they have it, or where they have it with none.

@@ -197,6 +197,10 @@ impl State {
             let message = "cylinders with grains are not available on the GPU: use the processor";
             return Err(Error::input("gpu", "body[0].shape", Some("cylinder".into()), message).on_device());
         }
+        if model.records.account {
+            let message = "the energy account is not kept on the GPU: use the processor";
+            return Err(Error::input("gpu", "records.account", Some("true".into()), message).on_device());
+        }
         gpu::takes(&rig.laws)?;
         let Some(mixture) = self.mixture.as_deref() else { return Ok(what(&rig.settings, &rig.points, &self.plates, None)?) };
         if rig.growth.is_some() {
