@@ -40,8 +40,8 @@ const TWIN: &str = "../tests/gpu/mixture";
 const LOADED: &str = "500";
 
 /// Rung 4 of a mixture between platens under servo: four grains among a thousand points. Without local damping, which goes by the sign of
-/// velocities and makes rounding visible (q 3e-4 then). Measured: q 6e-6 of the largest, volumetric strain 2e-6, what contacts of grains and points bear of q 1e-6, stress of all contacts
-/// 2e-7, kinetic energy of the grains 2e-5.
+/// velocities and makes rounding visible (q 3e-4 then). Measured: q 8e-6 of the largest, volumetric strain 2e-6, what contacts of grains and points bear of q 9e-7, stress of all contacts
+/// 2e-7, kinetic energy of the grains 4e-5.
 #[test]
 fn a_triaxial_test_of_a_mixture_is_that_of_the_cpu() {
     if !adapter("a_triaxial_test_of_a_mixture_is_that_of_the_cpu") {
@@ -82,8 +82,8 @@ fn a_mixture_resumes_to_the_byte() {
     assert!(columns(&whole, ["grain_steps"]).last().is_some_and(|[k]| *k >= 1.0));
 }
 
-/// A ball hits a ball of points: what one gives the other has, with a step of the continuum for one and for four of the grain. Measured: momentum 3e-8, speed of the
-/// ball 1e-8 of that of the impact.
+/// A ball hits a ball of points: what one gives the other has, with a step of the continuum for one and for four of the grain. Measured: momentum 2e-8, speed of the
+/// ball 3e-8 of that of the impact.
 #[test]
 fn a_ball_gives_its_momentum_to_points() {
     if !adapter("a_ball_gives_its_momentum_to_points") {
@@ -113,7 +113,7 @@ fn a_ball_gives_its_momentum_to_points() {
     }
 }
 
-/// A block of points slides on a wall, with friction and a viscous law. Measured: front 5e-9, kinetic energy 6e-7, energy of the contacts 5e-8 of the largest.
+/// A block of points slides on a wall, with friction and a viscous law. Measured: front 5e-9, kinetic energy 4e-7, energy of the contacts 3e-8 of the largest.
 #[test]
 fn a_block_slides_on_a_wall_as_on_the_cpu() {
     if !adapter("a_block_slides_on_a_wall_as_on_the_cpu") {
@@ -157,8 +157,8 @@ fn pile() -> String {
     head + &bodies_text(&(0..1728).map(grain).collect::<Vec<_>>(), &walls)
 }
 
-/// As many grains as a real mixture has, each with six neighbours: lists, shelves and a workgroup for each of them. Measured: kinetic energy of the grains 2e-8, of the points
-/// 3e-8, energy of all contacts 2e-9 of themselves.
+/// As many grains as a real mixture has, each with six neighbours: lists, shelves and a workgroup for each of them. Measured: kinetic energy of the grains 1e-7, of the points
+/// 2e-8, energy of all contacts 8e-9 of themselves.
 #[test]
 fn a_pile_of_grains_moves_as_on_the_cpu() {
     if !adapter("a_pile_of_grains_moves_as_on_the_cpu") {
@@ -254,14 +254,15 @@ fn a_point_may_have_sixteen_bodies_around_it() {
 }
 
 /// Grains break on the way, one after the other: the processor does those steps, the daughters go to the device, and the run goes on; as on the processor, and the same bytes
-/// when it is stopped between them. Measured, with other rows: they are at 0.8726, 0.9516 and 0.8733, 0.9524 % strain, 1567 and 1567, 1775 and 1784 kPa there.
+/// when it is stopped on the way. Rows are short, so that a row's mean before a breakage does not depend on where in a row the chain lets go. Measured: they are at 0.82711,
+/// 0.92063 and 0.82755, 0.92086 % strain, with 1922 and 1925, 1811 and 1809 kPa in the rows before.
 #[test]
 fn grains_break_on_the_way() {
     if !adapter("grains_break_on_the_way") {
         return;
     }
     let folder = tempfile::tempdir().expect("folder");
-    let sets = [&PLAIN[..], &["test.axial_strain=0.0097", "records.rows=48"]].concat();
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0097", "records.rows=1000"]].concat();
     let outs = ["cpu", "gpu"].map(|backend| {
         let out = folder.path().join(backend);
         run(CHAINS, &out, &sets, &["--backend", backend]).assert().success();
@@ -274,11 +275,11 @@ fn grains_break_on_the_way() {
     assert!((last[0][2] / last[1][2] - 1.0).abs() < 1e-9);
     for event in [1.0, 2.0] {
         let [first, other] = rows.each_ref().map(|rows| rows.iter().position(|r| r[0] == event).expect("a breakage"));
-        let (here, there) = (rows[0][first], rows[1][other]);
+        let (here, there) = (rows[0][first - 1], rows[1][other - 1]);
         println!("breakage {event}: {:?} and {:?} kPa and strain", &here[3..], &there[3..]);
-        assert!((here[4] - there[4]).abs() < 2.5e-4 && (here[3] / there[3] - 1.0).abs() < 0.05);
+        assert!((here[4] - there[4]).abs() < 5e-5 && (here[3] / there[3] - 1.0).abs() < 0.01);
         // a chain of four lets go
-        let after = rows[1][other..].iter().take(2).map(|r| r[3]).fold(f64::INFINITY, f64::min);
+        let after = rows[1][other..].iter().take(5).map(|r| r[3]).fold(f64::INFINITY, f64::min);
         assert!(after < 0.95 * rows[1][other - 1][3], "{after} kPa after {:?}", rows[1][other - 1]);
     }
     let steps = number(&summary(&outs[1]), "steps") as u64;

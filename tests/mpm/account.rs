@@ -6,12 +6,11 @@ use comminute::mpm::{Continuum, Dimension, GridWall, ShapeFunctions, Transfer};
 
 fn sand() -> Vec<Law> {
     vec![Law::DruckerPrager(DruckerPrager::new(Parameters {
-        elastic: Elastic::of_young(1e6, 0.3),
         cone: Cone::Outer,
         friction: Evolution::Constant(0.4),
         cohesion: Evolution::Constant(200.0),
         dilation: 0.1,
-        tension: f64::INFINITY,
+        ..Parameters::of_elastic(Elastic::of_young(1e6, 0.3))
     }))]
 }
 

@@ -135,7 +135,7 @@ impl PointContacts {
             check::numbers("forces on points", c.touch.first().iter().chain(&c.touch.second()).chain(&c.spring))?;
             check::not_negative("stiffnesses at points", c.stiffness)?;
             check::positive("points in contact", [c.radius, c.mass])?;
-            check::numbers("faces of points", &c.face.map_or(Vec::new(), |face| face.numbers().collect()))?;
+            check::numbers("faces of points", c.face.iter().flat_map(GhostFace::numbers))?;
             check::all("overlaps of points", [c.reference], "not from 0 on", |x| x >= 0.0)?;
         }
         Ok(())
