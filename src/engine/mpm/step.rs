@@ -375,7 +375,7 @@ mod tests {
         pass::<{ stage::FORCES }, 3, _>(&mut c, BSpline, dt);
         pass::<{ stage::EXTERNAL }, 3, _>(&mut c, BSpline, dt);
         let GridWorkspace { grid, blocks, .. } = &mut c.work;
-        grid.accelerate::<3>(blocks, &settings, dt);
+        grid.accelerate::<3>(blocks, &settings, dt, None);
         let (mut given, mut turned) = ([0.0; 3], [0.0; 3]);
         for (n, (p, dv)) in grid.momentum.iter().zip(&grid.change).enumerate() {
             let node = cell_at::<3>((blocks.node_keys[n / 64] << 6) | (n % 64) as u64);

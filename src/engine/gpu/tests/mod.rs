@@ -9,7 +9,7 @@ mod step;
 pub use adapter::adapter;
 
 use crate::gpu;
-use crate::mpm::law::{Cone, Elastic, Evolution, Law, Parameters};
+use crate::mpm::law::{Elastic, Evolution, Law, Parameters};
 
 /// Place of the law that jumps at its peak.
 const JUMPS: usize = 12;
@@ -26,12 +26,10 @@ fn laws() -> Vec<Law> {
 fn pyramids() -> Vec<Law> {
     let pyramid = |(phi, psi, cohesion, nu): (f64, f64, f64, f64)| {
         let parameters = Parameters {
-            elastic: Elastic::of_young(2e7, nu),
-            cone: Cone::Outer,
             friction: Evolution::Constant(phi.to_radians()),
             cohesion: Evolution::Constant(cohesion),
             dilation: psi.to_radians(),
-            tension: f64::INFINITY,
+            ..Parameters::of_elastic(Elastic::of_young(2e7, nu))
         };
         Law::named("mohr_coulomb", &parameters).expect("a law")
     };
