@@ -15,9 +15,14 @@
 //!   best.
 //! - ψ: slope of the plastic volumetric strain against the plastic axial strain, between half and
 //!   twice the axial strain of the peak.
-//! - ψ: from the slope of the plastic volumetric strain against the plastic axial one between the yield and twice the strain of the peak.
+//! - ψ where dilation ends with softening (`dilation = "mobilised"`): the angle at the peak with which
+//!   the law's plastic volumetric strain, from where φ passes its residual value on, is nearest to the
+//!   tests'; the residual angle is that of the critical state. How far the volumes of either rule are
+//!   from the tests' is reported.
 
 use super::columns::Columns;
+use engine::mpm::law::dilatancy::Dilatancy;
+use engine::mpm::law::{Cone, Dilation, Elastic, Evolution as Strength, Parameters};
 use laboratory::error::{Error, Result};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -64,8 +69,15 @@ pub struct Fines {
     pub peak_deg: f64,
     /// Residual friction angle, degrees.
     pub residual_deg: f64,
-    /// Dilation angle, degrees.
+    /// Dilation angle that stays, degrees.
     pub dilation_deg: f64,
+    /// Dilation angle at the peak, degrees, where dilation ends with softening.
+    pub mobilised_dilation_deg: f64,
+    /// Root mean square difference between plastic volumetric strains of the law and of the tests, from where the friction angle passes its residual value on, -: with dilation
+    /// that stays.
+    pub volume_misfit: f64,
+    /// The same with dilation that ends with softening.
+    pub mobilised_volume_misfit: f64,
     /// Axial strain at the peak, compression positive.
     pub peak_axial_strain: f64,
     /// Accumulated plastic strain at the peak.
@@ -209,6 +221,47 @@ fn evolution(points: &[(f64, f64)], top: f64, peak: f64, last: f64) -> Option<Ev
     Some(Evolution { peak_plastic: top, cubic, decay, misfit })
 }
 
+/// Square root of the mean square difference between the plastic volumetric strains of tests (rows of [`Test::plastic`]) and those of a law whose potential has the slope
+/// `slope` at a plastic strain, from where that strength is above its final value on.
+fn volume_misfit(tests: &[Vec<[f64; 4]>], strength: &Strength, slope: impl Fn(f64) -> f64) -> f64 {
+    const PARTS: u32 = 8;
+    let (mut square, mut count) = (0.0, 0.0);
+    for rows in tests {
+        let from = rows.iter().position(|r| strength.at(r[2]).0 > strength.last()).unwrap_or(rows.len());
+        let mut volume = 0.0;
+        for w in rows[from..].windows(2) {
+            let part = (w[1][2] - w[0][2]) / f64::from(PARTS);
+            for k in 0..PARTS {
+                let alpha = slope(w[0][2] + (f64::from(k) + 0.5) * part);
+                volume -= 3.0 * alpha / (1.0 / 3.0 + 2.0 * alpha * alpha).sqrt() * part;
+            }
+            square += (volume - (w[1][1] - rows[from][1])).powi(2);
+            count += 1.0;
+        }
+    }
+    (square / f64::max(count, 1.0)).sqrt()
+}
+
+/// The dilation angle at the peak, rad, with which dilation that ends with softening is nearest to the tests, and the misfit of volume.
+fn mobilised(tests: &[Vec<[f64; 4]>], strength: &Strength) -> [f64; 2] {
+    const TRIED: u32 = 1000;
+    let most = strength.range().1;
+    let parameters = Parameters {
+        friction: *strength,
+        dilation: most,
+        dilation_rule: Dilation::Mobilised,
+        ..Parameters::of_elastic(Elastic { bulk: 1.0, shear: 1.0 })
+    };
+    let Some(full) = Dilatancy::of(&parameters, Cone::Outer) else { return [0.0, f64::NAN] };
+    let per_full = 1.0 / Cone::Outer.at(most).alpha;
+    let tried = (0..=TRIED).map(|k| {
+        let psi = most * f64::from(k) / f64::from(TRIED);
+        let share = Cone::Outer.at(psi).alpha * per_full;
+        [psi, volume_misfit(tests, strength, |e| share * full.at(Cone::Outer.at(strength.at(e).0).alpha).0)]
+    });
+    tried.min_by(|a, b| a[1].total_cmp(&b[1])).unwrap_or([0.0, f64::NAN])
+}
+
 /// Reads the tests in the folders of these runs and fits the law.
 ///
 /// # Errors
@@ -249,13 +302,20 @@ pub fn calibrate(folders: &[PathBuf]) -> Result<Fines> {
     let ratio = mean(peaks.iter().zip(&rows).map(window)).max(0.0);
     let alpha = ratio / (3f64.sqrt() * (3.0 + ratio));
     let sine = 3.0 * 3f64.sqrt() * alpha / (2.0 + 3f64.sqrt() * alpha);
+    let dilation = sine.asin().min(last).min(cubic[3]);
+    let strength = Strength::CubicExponential { initial: cubic[3], cubic, peak_strain: peak_plastic, peak, residual: last, decay };
+    let [mobilised_dilation, mobilised_volume_misfit] = mobilised(&rows, &strength);
+    let stays = Cone::Outer.at(dilation).alpha;
     Ok(Fines {
         tests: folders.to_vec(),
         young_mpa: 1e-6 * elastic[0],
         nu: elastic[1],
         peak_deg: peak.to_degrees(),
         residual_deg: last.to_degrees(),
-        dilation_deg: sine.asin().min(last).min(cubic[3]).to_degrees(),
+        dilation_deg: dilation.to_degrees(),
+        mobilised_dilation_deg: mobilised_dilation.to_degrees(),
+        volume_misfit: volume_misfit(&rows, &strength, |_| stays),
+        mobilised_volume_misfit,
         peak_axial_strain: mean(tests.iter().map(|t| t.axial[t.peak()])),
         peak_plastic_strain: peak_plastic,
         cubic_rad: cubic,
@@ -267,8 +327,8 @@ pub fn calibrate(folders: &[PathBuf]) -> Result<Fines> {
 
 impl Fines {
     /// Text of a material file with the tables of the law. `base`: path of the grains' material, as
-    /// written into the file.
-    pub fn material(&self, base: Option<&str>) -> String {
+    /// written into the file; `dilation`: whether dilation stays or ends with softening.
+    pub fn material(&self, base: Option<&str>, dilation: Dilation) -> String {
         let mut text = String::from("# The continuum of fine grains, calibrated from drained triaxial tests of grains alone.\n");
         if let Some(base) = base {
             let _ = writeln!(text, "base = {}", toml::Value::String(base.into()));
@@ -277,10 +337,14 @@ impl Fines {
         let cubic = self.cubic_rad.map(digits).join(", ");
         // `friction_angle_deg` is the angle at first yield, the cubic at zero plastic strain
         let first = digits(self.cubic_rad[3].to_degrees());
-        let [young, nu, residual, psi] = [self.young_mpa, self.nu, self.residual_deg, self.dilation_deg].map(digits);
+        let (psi, rule) = match dilation {
+            Dilation::Constant => (self.dilation_deg, ""),
+            Dilation::Mobilised => (self.mobilised_dilation_deg, "dilation = \"mobilised\"\n"),
+        };
+        let [young, nu, residual, psi] = [self.young_mpa, self.nu, self.residual_deg, psi].map(digits);
         let _ = write!(
             text,
-            "\n[continuum]\nlaw = \"drucker_prager\"\nE_MPa = {young}\nnu = {nu}\ncone = \"outer\"\nfriction_angle_deg = {first}\ndilation_angle_deg = {psi}\ncohesion_kPa = 0.0\n\
+            "\n[continuum]\nlaw = \"drucker_prager\"\nE_MPa = {young}\nnu = {nu}\ncone = \"outer\"\nfriction_angle_deg = {first}\ndilation_angle_deg = {psi}\n{rule}cohesion_kPa = 0.0\n\
              source = \"calibrated from triaxial tests of the grains\"\n\n[continuum.friction_evolution]\nlaw = \"cubic_exponential\"\ncubic_rad = [{cubic}]\n\
              peak_plastic_strain = {}\npeak_deg = {}\nresidual_deg = {residual}\ndecay = {}\nsource = \"calibrated from triaxial tests of the grains; form of Li et al. 2023, eq. 43\"\n",
             digits(self.peak_plastic_strain),
@@ -291,11 +355,11 @@ impl Fines {
     }
 
     /// Writes the material, the report (JSON) and the angles (CSV) into the folder `out` and
-    /// returns the files.
+    /// returns the files; arguments as in [`Fines::material`].
     ///
     /// # Errors
     /// A folder that cannot be written.
-    pub fn write(&self, out: &Path, base: Option<&str>) -> Result<Vec<PathBuf>> {
+    pub fn write(&self, out: &Path, base: Option<&str>, dilation: Dilation) -> Result<Vec<PathBuf>> {
         let mut angles = String::from("test,plastic_strain,friction_angle_deg\n");
         for (k, rows) in self.angles.iter().enumerate() {
             for (e, angle) in rows {
@@ -303,7 +367,7 @@ impl Fines {
             }
         }
         let json = serde_json::to_string_pretty(self).unwrap_or_default() + "\n";
-        let files = [(FILE, self.material(base)), (REPORT, json), ("friction_angle.csv", angles)];
+        let files = [(FILE, self.material(base, dilation)), (REPORT, json), ("friction_angle.csv", angles)];
         let write = |(name, text): (&str, String)| {
             let path = out.join(name);
             std::fs::write(&path, text).map_err(Error::write(&path)).map(|()| path)
@@ -315,12 +379,28 @@ impl Fines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use engine::mpm::law::{Cone, DruckerPrager, Elastic, Evolution, InternalVariables, Parameters};
+    use engine::mpm::law::{DruckerPrager, Evolution, InternalVariables};
 
     /// A test computed with the law, whose lateral strain keeps the cell pressure constant, gives
-    /// the parameters of the law back.
+    /// the parameters of the law back; so does one with dilation that ends with softening, and each rule is nearer to the volume of its own.
     #[test]
     fn a_test_of_the_law_gives_its_parameters_back() {
+        let found = calibrated(0.15, Dilation::Constant);
+        near(&found, found.dilation_deg, 0.15f64.to_degrees(), 0.03);
+        assert!(found.volume_misfit < 0.3 * found.mobilised_volume_misfit, "{found:?}");
+        let found = calibrated(0.25, Dilation::Mobilised);
+        near(&found, found.mobilised_dilation_deg, 0.25f64.to_degrees(), 0.05);
+        assert!(found.mobilised_volume_misfit < 0.1 * found.volume_misfit, "{found:?}");
+        assert!(found.material(None, Dilation::Mobilised).contains("dilation = \"mobilised\"\n"));
+        assert!(!found.material(None, Dilation::Constant).contains("mobilised"));
+    }
+
+    #[track_caller]
+    fn near(found: &Fines, a: f64, b: f64, by: f64) {
+        assert!((a / b - 1.0).abs() < by, "{a} {b}: {found:?}");
+    }
+
+    fn calibrated(dilation: f64, dilation_rule: Dilation) -> Fines {
         let friction = Evolution::CubicExponential {
             initial: 0.3,
             cubic: [0.0, -300.0, 14.0, 0.3],
@@ -330,12 +410,12 @@ mod tests {
             decay: 40.0,
         };
         let parameters = Parameters {
-            elastic: Elastic::of_young(8e6, 0.2),
             cone: Cone::Outer,
             friction,
             cohesion: Evolution::Constant(0.0),
-            dilation: 0.15,
-            tension: f64::INFINITY,
+            dilation,
+            dilation_rule,
+            ..Parameters::of_elastic(Elastic::of_young(8e6, 0.2))
         };
         let law = DruckerPrager::new(parameters);
         let cell = 5e4;
@@ -365,14 +445,14 @@ mod tests {
         let folder = tempfile::tempdir().expect("folder");
         std::fs::write(folder.path().join("history.csv"), text).expect("written");
         let found = calibrate(&[folder.path().into()]).expect("a calibration");
-        let near = |a: f64, b: f64, by: f64| assert!((a / b - 1.0).abs() < by, "{a} {b}: {found:?}");
+        let near = |a: f64, b: f64, by: f64| near(&found, a, b, by);
         near(found.young_mpa, 8.0, 0.02);
         near(found.nu, 0.2, 0.05);
         near(found.peak_deg, 0.46f64.to_degrees(), 0.02);
         near(found.residual_deg, 0.33f64.to_degrees(), 0.02);
-        near(found.dilation_deg, 0.15f64.to_degrees(), 0.03);
         near(found.peak_plastic_strain, 0.02, 0.1);
         near(found.decay, 40.0, 0.1);
         assert!(found.misfit_deg < 0.4, "{found:?}");
+        found
     }
 }

@@ -4,6 +4,7 @@
 #![deny(missing_docs)]
 
 mod columns;
+pub mod compression;
 pub mod curve;
 pub mod fines;
 pub mod grains;

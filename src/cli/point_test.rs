@@ -13,7 +13,9 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "triaxial       drained, at constant cell pressure; a negative strain is extension\n\
         oedometer      axial strain without lateral strain\n\
-        simple_shear   shear strain without any other, so at constant volume\n\n\
+        simple_shear   shear strain without any other, so at constant volume\n\
+        isotropic      the same strain along every axis\n\
+        undrained      axial strain at constant volume; stresses are effective\n\n\
         Examples, from the repository root:\n  comminute point-test materials/li2023_fines.toml --confining-kPa 50,100,150\n  \
         comminute point-test materials/li2023_fines.toml --path oedometer --strain 0.02 --set continuum.nu=0.3 --out runs/oedometer")]
 pub struct Args {
@@ -65,6 +67,8 @@ enum Way {
     Oedometer,
     #[value(name = "simple_shear", alias = "simple-shear")]
     SimpleShear,
+    Isotropic,
+    Undrained,
 }
 
 pub fn call(args: &Args) -> Result<()> {
@@ -73,6 +77,8 @@ pub fn call(args: &Args) -> Result<()> {
             Way::Triaxial => Path::Triaxial,
             Way::Oedometer => Path::Oedometer,
             Way::SimpleShear => Path::SimpleShear,
+            Way::Isotropic => Path::Isotropic,
+            Way::Undrained => Path::Undrained,
         },
         confining: args.confining_kpa.iter().map(|p| 1e3 * p).collect(),
         strain: args.strain,

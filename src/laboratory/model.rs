@@ -298,6 +298,8 @@ pub struct Records {
     pub stop_at_step: f64,
     /// Whether the energy ledger is kept.
     pub energy: bool,
+    /// Whether the energy account of a continuum or mixture is kept.
+    pub account: bool,
     /// Whether ParaView snapshots are written with every gradation.
     pub snapshots: bool,
     /// Whether the contacts of grains are written with every gradation.

@@ -4,6 +4,7 @@
 
 #![deny(missing_docs)]
 
+mod account;
 mod assembly;
 mod axis;
 mod balls;
@@ -155,6 +156,7 @@ fn plots(input: &Input) -> Result<Vec<Plot>> {
     plots.extend(assembly::plots(input)?);
     plots.extend(grain_crushing::plots(input)?);
     plots.extend(continuum::plots(input)?);
+    plots.extend(account::plot(input)?);
     Ok(plots)
 }
 

@@ -1,5 +1,6 @@
 //! Grains and a continuum that touch: momentum, mass and energy, rates, and bits. Each test states its error.
 
+mod account;
 mod blocks;
 #[path = "../common/mod.rs"]
 mod common;

@@ -78,3 +78,24 @@ fn threads_and_scratch_change_no_bit() {
     });
     assert!(state(&reference) == state(&other));
 }
+
+/// A ball that comes down with a motion along the surface, too slow to slide: the tangential spring of the contact takes the way, whatever the number of steps in
+/// which it is gone. At the start of a cycle that is the way of one step of the points, not of the whole cycle.
+#[test]
+fn a_tangential_spring_takes_the_way_once() {
+    let force = |continuum: u32| {
+        let mut m = impact(None);
+        m.mixture.grains.grains.vel[0][0] = 0.1;
+        // as many steps of the points, the last of which ends at the same instant
+        m.go(1e-6 * f64::from(continuum), Rates { grains: 1, continuum }, u64::from(800 / continuum));
+        let contact = m.mixture.point_contacts.candidates[0];
+        let [x, _, _] = contact.touch.tangential;
+        assert!(
+            x.abs() > 1.0 && x.abs() < 0.5 * STUFF.friction * contact.touch.normal_force,
+            "it touches, and sticks: {contact:?}"
+        );
+        x
+    };
+    let (one, eight) = (force(1), force(8));
+    assert!((eight / one - 1.0).abs() < 0.03, "{eight} N instead of {one} N");
+}

@@ -61,12 +61,11 @@ fn soil() -> Law {
         decay: 50.0,
     };
     Law::DruckerPrager(DruckerPrager::new(Parameters {
-        elastic: Elastic::of_young(4.6e6, 0.12),
         cone: Cone::Outer,
         friction,
         cohesion: Evolution::Constant(0.0),
         dilation: 0.0,
-        tension: f64::INFINITY,
+        ..Parameters::of_elastic(Elastic::of_young(4.6e6, 0.12))
     }))
 }
 
@@ -296,6 +295,26 @@ fn a_grid_that_does_not_fit_is_refused_with_its_size() {
     let cpu = Continuum::new(s, vec![soil()], points).unwrap();
     let told = gpu::DeviceContinuum::new(&cpu).err().expect("refused").to_string();
     assert!(told.contains("memory of the grid") && told.contains("MiB") && told.contains("use a smaller domain"), "{told}");
+}
+
+/// A software adapter would end the loops over a floor of 700 × 700 cells before its far corner, silently.
+#[test]
+fn a_floor_too_wide_for_a_software_adapter_is_refused() {
+    if !adapter("a_floor_too_wide_for_a_software_adapter_is_refused") {
+        return;
+    }
+    let mut s = settings(0.1, [700, 700, 2]);
+    s.walls = [GridWall::Open; 6];
+    s.walls[4] = GridWall::Friction { friction: 0.3 };
+    let points = lattice(&s, [2, 2, 1], 1000.0, |_| [0.0; 3]);
+    let cpu = Continuum::new(s, vec![soil()], points).unwrap();
+    let told = gpu::DeviceContinuum::new(&cpu).err().map(|e| e.to_string());
+    match gpu::available().expect("an adapter").software {
+        true => {
+            assert!(told.as_deref().is_some_and(|t| t.contains("sides of the grid") && t.contains("smaller domain")), "{told:?}")
+        }
+        false => assert_eq!(told, None),
+    }
 }
 
 /// The same words as on the CPU, with the same step and point.

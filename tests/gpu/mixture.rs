@@ -1,7 +1,7 @@
 //! Grains in a continuum on the device, as a user types them: against the processor within bands, momentum, breakage, bits after a stop, and what is refused.
 
 use crate::adapter::adapter;
-use crate::common::typed::{columns, comminute, final_grains, number, run, same_files, summary};
+use crate::common::typed::{columns, comminute, final_grains, number, numbers, run, same_files, summary};
 use crate::common::{Ball, Plane, ROOT, bodies_text};
 use crate::run::apart;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ fn copy(from: &Path, to: &Path) {
 }
 
 /// A scene on both backends from the state after `stop` steps of the processor, so that both begin to load at the same instant.
-fn both(folder: &Path, scene: &str, sets: &[&str], stop: &str) -> [PathBuf; 2] {
+pub fn both(folder: &Path, scene: &str, sets: &[&str], stop: &str) -> [PathBuf; 2] {
     let outs = ["cpu", "gpu"].map(|name| folder.join(name));
     run(scene, &outs[0], &[&PLAIN[..], sets].concat(), &["--stop-after", stop]).assert().code(130);
     copy(&outs[0], &outs[1]);
@@ -179,6 +179,78 @@ fn a_pile_of_grains_moves_as_on_the_cpu() {
     assert!(last[0][3] > 4.0 && last[0][4] > 50.0 && last[0][5] == 1728.0);
     assert_eq!(last[0][3..], last[1][3..]);
     assert!((0..3).all(|k| (last[1][k] / last[0][k] - 1.0).abs() < 1e-6));
+}
+
+/// One point with so many bodies around it, each `near` m from its ghost or, below 0, in it: a wall, and grains in a spiral over the sphere in front of it.
+fn surrounded(bodies: usize, near: f64) -> String {
+    let head = format!(
+        "kind = \"mixture\"\ndescription = \"one point among grains\"\nsteps = 4\nrecords.rows = 100\n\
+         [materials]\nfines = \"{ROOT}/materials/li2023_fines.toml\"\ncoarse = \"{ROOT}/materials/li2023_coarse.toml\"\n\
+         [[body]]\nshape = \"box\"\nmaterial = \"fines\"\nmin_mm = [20.0, 20.0, 20.0]\nmax_mm = [22.5, 22.5, 22.5]\nporosity = 0.365\n\
+         [grid]\ncell_mm = 5.0\nmin_mm = [0.0, 0.0, 0.0]\nmax_mm = [45.0, 45.0, 45.0]\n"
+    );
+    let (centre, radius) = (0.02125, 0.0005);
+    let ghost = (0.635 * 2.5e-3_f64.powi(3) * 0.75 / std::f64::consts::PI).cbrt();
+    let wall = Plane { point: [centre - ghost - near, 0.0, 0.0], normal: [1.0, 0.0, 0.0], ..Plane::default() };
+    let count = bodies - 1;
+    let grain = |k: usize| {
+        // each at another depth, so that no two forces are the same
+        let away = ghost + radius + near * (1.0 + 0.05 * k as f64);
+        let x = 1.0 - 1.4 * (k as f64 + 0.5) / count as f64;
+        let (turn, across) = (2.399_963 * k as f64, (1.0 - x * x).sqrt());
+        let at = [centre + away * x, centre + away * across * turn.cos(), centre + away * across * turn.sin()];
+        Ball { at, radius, material: Some("coarse"), ..Ball::default() }
+    };
+    head + &bodies_text(&(0..count).map(grain).collect::<Vec<_>>(), &[wall])
+}
+
+/// A run of a scene from text on a backend.
+fn run_text(folder: &Path, name: &str, text: &str, backend: &str) -> (assert_cmd::assert::Assert, PathBuf) {
+    let (scene, out) = (folder.join(format!("{name}.toml")), folder.join(format!("{name}_{backend}")));
+    std::fs::write(&scene, text).expect("scene");
+    let mut command = comminute("run");
+    command.arg(&scene).arg("--out").arg(&out).args(["--threads", "1", "--quiet", "--backend", backend]);
+    (command.args(PLAIN.iter().flat_map(|set| ["--set", set])).assert(), out)
+}
+
+/// Up to sixteen bodies at one point give each other the forces of the processor; measured on every body: 7e-7 of the largest velocity. Of seventeen the run says so,
+/// whether they touch at the start or are only near.
+#[test]
+fn a_point_may_have_sixteen_bodies_around_it() {
+    if !adapter("a_point_may_have_sixteen_bodies_around_it") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    for bodies in [8, 9, 12, 16] {
+        let outs = ["cpu", "gpu"].map(|backend| {
+            let (told, out) = run_text(folder.path(), &format!("touch{bodies}"), &surrounded(bodies, -5e-6), backend);
+            told.success();
+            out
+        });
+        let velocities = outs.each_ref().map(|out| {
+            let names = ["vx_m_s", "vy_m_s", "vz_m_s"];
+            [final_grains(out, names), numbers(&out.join("points_final.csv"), names)].concat()
+        });
+        let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let slowest = velocities[0].iter().map(size).fold(f64::INFINITY, f64::min);
+        let largest = velocities[0].iter().map(size).fold(0.0, f64::max);
+        let off = velocities[0].iter().zip(&velocities[1]).map(|(a, b)| size(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]]));
+        let off = off.fold(0.0, f64::max) / largest;
+        let touch = outs.each_ref().map(|out| columns(out, ["point_contacts"])[0][0]);
+        println!("{bodies} bodies: velocities {off:e} of {largest:e} m/s, the slowest {slowest:e} m/s; {touch:?} contacts");
+        assert_eq!(velocities[0].len(), bodies, "all grains and the point");
+        assert_eq!(touch, [bodies as f64; 2]);
+        assert!(slowest > 1e-3 * largest && off < 1e-5, "{bodies} bodies: {off:e}");
+    }
+    for (name, near, says) in [
+        ("in", -5e-6, "contacts of a point with grains and walls = 17: is above 16, for which the GPU has room: use the processor"),
+        ("near", 1e-4, "point 0 has more than 16 grains and walls close to it, for which the GPU has no room"),
+    ] {
+        let text = surrounded(17, near);
+        run_text(folder.path(), name, &text, "cpu").0.success();
+        let (told, _) = run_text(folder.path(), name, &text, "gpu");
+        told.failure().stderr(predicates::str::contains(says));
+    }
 }
 
 /// Grains break on the way, one after the other: the processor does those steps, the daughters go to the device, and the run goes on; as on the processor, and the same bytes

@@ -133,7 +133,9 @@ impl Block {
 
     fn run_in(&self, order: &[usize], steps: u64) -> Outcome {
         let mut continuum = self.continuum(order);
-        let dt = continuum.stable_step(0.4);
+        // a law that stiffens as it is pressed is soft at the start
+        let density = self.points[0].mass / self.points[0].volume;
+        let dt = continuum.stable_step(0.4).min(0.4 * self.settings.cell / self.law.wave_speed(density));
         let mut walls = vec![[0.0; 3]; 6];
         for _ in 0..steps {
             continuum.step(dt).unwrap_or_else(|e| panic!("{e}"));
@@ -220,7 +222,7 @@ fn blocks_press_and_yield() {
     for (what, block) in blocks() {
         let end = block.run(STEPS);
         assert!(end.walls[0][0] > 0.0 && end.walls[2][1] > 0.0, "{what}: {:?}", end.walls);
-        let yielded = end.plastic.iter().filter(|p| p[0] > 1e-4).count();
+        let yielded = end.plastic.iter().filter(|p| p[0].abs() > 1e-4).count();
         assert!((yielded > 20) == (block.law.word() != "elastic"), "{what}: {yielded}");
     }
 }

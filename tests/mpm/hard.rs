@@ -6,12 +6,11 @@ use comminute::mpm::{Dimension, LoadingPlate, Transfer, loading_plate};
 
 fn sand(friction: f64) -> Vec<Law> {
     vec![Law::DruckerPrager(DruckerPrager::new(Parameters {
-        elastic: Elastic::of_young(1e6, 0.3),
         cone: Cone::Outer,
         friction: Evolution::Constant(friction),
         cohesion: Evolution::Constant(if friction > 0.0 { 0.0 } else { 10.0 }),
         dilation: 0.0,
-        tension: f64::INFINITY,
+        ..Parameters::of_elastic(Elastic::of_young(1e6, 0.3))
     }))]
 }
 

@@ -1,5 +1,6 @@
 //! The material point method against closed forms and exact symmetries; each test states its error.
 
+mod account;
 mod bits;
 mod common;
 mod elastic;

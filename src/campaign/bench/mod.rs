@@ -184,6 +184,7 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
             end_below_least: false,
             stop_without_voids: false,
             stop_at_overlap: 2.0,
+            account: false,
             stop_at_step: 0.0,
             energy: false,
             snapshots: false,

@@ -115,6 +115,8 @@ fn test(law: &Law, settings: &Settings, confining: f64) -> Result<Test> {
         point = match path {
             Path::Triaxial => lateral.step(&point, -part, step)?,
             Path::Oedometer => point.strained(law, [0.0, 0.0, -part, 0.0, 0.0, 0.0]),
+            Path::Isotropic => point.strained(law, [-part, -part, -part, 0.0, 0.0, 0.0]),
+            Path::Undrained => point.strained(law, [0.5 * part, 0.5 * part, -part, 0.0, 0.0, 0.0]),
             Path::SimpleShear => {
                 // du_x/dz = part: half of it is strain, half of it turns the material
                 let turned = Point { stress: rotate_jaumann(point.stress, [0.0, 0.0, -0.5 * part]), ..point };

@@ -1,6 +1,6 @@
 //! A constitutive law driven along laboratory paths at a single point, without a grid: drained
-//! triaxial compression or extension at constant cell pressure, oedometer, and simple shear at
-//! constant volume. Compression is positive in everything recorded.
+//! triaxial compression or extension at constant cell pressure, undrained at constant volume,
+//! oedometer, isotropic compression, and simple shear at constant volume. Compression is positive in everything recorded.
 
 mod drive;
 mod report;
@@ -20,6 +20,10 @@ pub enum Path {
     Oedometer,
     /// Shear strain without any other: constant volume.
     SimpleShear,
+    /// The same strain along every axis.
+    Isotropic,
+    /// Axial strain at constant volume, lateral strains equal: an undrained triaxial test, in effective stresses.
+    Undrained,
 }
 
 impl Path {
@@ -29,6 +33,8 @@ impl Path {
             Path::Triaxial => "triaxial",
             Path::Oedometer => "oedometer",
             Path::SimpleShear => "simple_shear",
+            Path::Isotropic => "isotropic",
+            Path::Undrained => "undrained",
         }
     }
 }

@@ -140,6 +140,7 @@ fn one(law: &Law, settings: &Settings, test: &Test) -> Value {
             let first = test.rows[1];
             out["initial_modulus_MPa"] = json!(1e-6 * (first.axial - test.confining) / first.axial_strain);
         }
+        Way::Isotropic | Way::Undrained => {}
         Way::SimpleShear => {
             let largest = test.rows.iter().map(|r| r.shear.abs()).fold(0.0, f64::max);
             out["largest_tau_kPa"] = json!(1e-3 * largest);

@@ -10,12 +10,11 @@ const NU: f64 = 0.3;
 
 fn soil(cone: Cone, phi: f64, cohesion: f64, psi: f64) -> Law {
     Law::DruckerPrager(DruckerPrager::new(Parameters {
-        elastic: Elastic::of_young(E, NU),
         cone,
         friction: Evolution::Constant(phi * DEGREE),
         cohesion: Evolution::Constant(cohesion),
         dilation: psi * DEGREE,
-        tension: f64::INFINITY,
+        ..Parameters::of_elastic(Elastic::of_young(E, NU))
     }))
 }
 
@@ -139,6 +138,87 @@ fn simple_shear_begins_with_g_and_ends_on_the_surface() {
     assert!((last.q / surface - 1.0).abs() < 1e-9);
     let back = run(&law, Path::SimpleShear, 100e3, -0.1, 1000).rows[1000];
     assert!((back.shear + last.shear).abs() < 1e-6 && (back.q - last.q).abs() < 1e-6);
+}
+
+fn material(name: &str, sets: &[&str]) -> Law {
+    let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../materials")).join(name);
+    let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+    scene::continuum(&path, &sets).unwrap_or_else(|e| panic!("{e}")).law
+}
+
+/// Modified Cam-clay through the paths of the laboratory: slopes of its lines, undrained end, critical state, k₀.
+#[test]
+fn cam_clay_has_its_lines_and_ends_at_the_critical_state() {
+    let (lambda, kappa, p_c) = (0.161, 0.062, 200e3);
+    let sine = (22.75 * DEGREE).sin();
+    let m = 6.0 * sine / (3.0 - sine);
+    let n = 2.8276;
+    let clay = material("london_clay.toml", &[]);
+    let v_c = n - lambda * f64::ln(200.0);
+    // isotropic compression over the preconsolidation pressure and back; the strains of rows are sums of increments, so that v = v0 Π (1 − dε)
+    let start = 50e3;
+    let rows = run(&clay, Path::Isotropic, start, 0.08, 4000).rows;
+    let mut v = v_c + kappa * (p_c / start).ln();
+    for w in rows.windows(2) {
+        v *= 1.0 - (w[1].volumetric_strain - w[0].volumetric_strain);
+        let p = w[1].p;
+        let line = if p < p_c { v_c - kappa * (p / p_c).ln() } else { n - lambda * (1e-3 * p).ln() };
+        assert!((v - line).abs() < 1e-9, "{v} for {line} at {p}");
+    }
+    assert!(rows[4000].p > 3.0 * p_c, "{}", rows[4000].p);
+    // undrained, from normally consolidated to dry
+    for ratio in [1.0, 2.5, 8.0] {
+        let rows = run(&clay, Path::Undrained, p_c / ratio, 0.6, 3000).rows;
+        let last = rows[3000];
+        let end = p_c / ratio * f64::powf(ratio / 2.0, 1.0 - kappa / lambda);
+        assert!((last.p / end - 1.0).abs() < 1e-6 && (last.q / (m * end) - 1.0).abs() < 1e-6, "{ratio}: {} for {end}", last.p);
+        assert!(last.volumetric_strain.abs() < 1e-12);
+    }
+    // drained: q = M p, then volume stays
+    for ratio in [1.0, 5.0] {
+        let cell = p_c / ratio;
+        let rows = run(&clay, Path::Triaxial, cell, 1.0, 4000).rows;
+        let last = rows[4000];
+        assert!((last.q / last.p - m).abs() < 2e-3 * m, "{ratio}: {}", last.q / last.p);
+        let late = (rows[3900].volumetric_strain - last.volumetric_strain).abs();
+        assert!(late < 1e-3 * last.volumetric_strain.abs().max(0.01), "{ratio}: {late}");
+        assert!((last.volumetric_strain > 0.0) == (ratio < 2.0), "wet soil contracts, dry soil dilates");
+    }
+    // one-dimensional compression: the k0 of Modified Cam-clay
+    let (big_lambda, nu) = (1.0 - kappa / lambda, 0.3);
+    let rest = |eta: f64| {
+        eta * (1.0 + nu) * (1.0 - big_lambda) / (3.0 * (1.0 - 2.0 * nu)) + 3.0 * eta * big_lambda / (m * m - eta * eta) - 1.0
+    };
+    let (mut low, mut high) = (0.0, m);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if rest(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    let last = run(&clay, Path::Oedometer, p_c, 0.4, 20_000).rows[20_000];
+    let k0 = (3.0 - low) / (3.0 + 2.0 * low);
+    assert!((last.lateral / last.axial - k0).abs() < 2e-3, "{} for {k0}", last.lateral / last.axial);
+}
+
+/// Dilation that ends: in drained compression of Li's fines volume grows at the stated angle at the peak, and at the residual strength it stays, where the law of the paper goes on.
+#[test]
+fn mobilised_dilation_ends_at_the_residual_strength() {
+    let late = |sets: &[&str]| {
+        let rows = run(&material("li2023_fines.toml", sets), Path::Triaxial, 50e3, 0.5, 5000).rows;
+        assert!((rows[5000].stress_ratio.expect("pressure") / 1.9368 - 1.0).abs() < 1e-3);
+        let rate = |a: usize, b: usize| {
+            (rows[a].volumetric_strain - rows[b].volumetric_strain) / (rows[b].axial_strain - rows[a].axial_strain)
+        };
+        // the last steps before the peak, whose elastic strain hardly changes
+        let peak = rows.iter().position(|r| r.plastic_strain > 0.0219).expect("a peak");
+        (rate(peak - 5, peak - 1), rate(4000, 5000))
+    };
+    let psi = 3f64.sqrt() * Cone::Outer.at(16.0 * DEGREE).alpha;
+    let stated = 3.0 * psi / (1.0 - psi);
+    let (_, constant) = late(&[]);
+    let (most, mobilised) = late(&["continuum.dilation=mobilised"]);
+    assert!((constant / stated - 1.0).abs() < 0.01, "{constant} {stated}");
+    assert!(mobilised.abs() < 1e-4 * stated, "{mobilised}");
+    assert!((most / stated - 1.0).abs() < 0.1, "{most} {stated}");
 }
 
 #[test]

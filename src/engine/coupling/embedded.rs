@@ -230,7 +230,6 @@ impl Embedded {
         if !self.continuum.points().is_empty() {
             self.raise_point_inertia(physics, state.dt);
             self.continuum.step(state.dt)?;
-            self.point_contacts.locate(&state.grains, &self.continuum);
             self.point_contacts.follow_faces(&self.continuum, state.dt);
         }
         self.fines.queue(&work.breakages);
@@ -260,7 +259,14 @@ impl Embedded {
         let (cell, damping, safety) = (continuum.settings().cell, continuum.settings().damping, physics.stepping.safety);
         // local damping acts as if contacts were stiffer by 1 + α, as for grains
         let step = (1.0 + damping) * dt * dt / (safety * safety);
-        let of = |(p, k): (&[f64; 4], &f64)| step * (*modulus * p[3] / (cell * cell) + 0.5 * k);
+        // of a law whose stiffness depends on the stress, the stiffest point's
+        let stiffest = continuum.laws().iter().find(|law| law.stiffens()).map_or(0.0, |law| {
+            let points = continuum.points();
+            let of = |k: usize| law.stiffness(&points.stress[k], points.memory[k]).oedometric();
+            (0..points.len()).map(of).fold(0.0, f64::max)
+        });
+        let modulus = modulus.max(stiffest);
+        let of = |(p, k): (&[f64; 4], &f64)| step * (modulus * p[3] / (cell * cell) + 0.5 * k);
         let points = continuum.points();
         let needed = points.position.iter().zip(contact_stiffness.iter()).map(of);
         if !needed.zip(&points.velocity).any(|(needed, v)| v[3] < needed) {

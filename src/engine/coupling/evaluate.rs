@@ -1,6 +1,7 @@
 //! Forces of all point contacts: first the geometry of each candidate, then the contact law for as many touching ones at once as the processor's
 //! registers hold numbers (lanes).
 
+use super::account::OfContact;
 use super::{Body, PointContact, PointContacts};
 use crate::boundary::Wall;
 use crate::contact::TangentialUnloading;
@@ -9,6 +10,7 @@ use crate::contact::law::Law;
 use crate::contact::pair::{Pair, PairTable};
 use crate::contact::pairs::ContactForce;
 use crate::contact::registry::with_law;
+use crate::dem::observables::tangential_energy;
 use crate::grains::Grains;
 use crate::math::real::{Lanes, MOST_LANES, arch};
 use crate::math::vector::{dot, less, plus, scaled};
@@ -38,19 +40,31 @@ impl PointContacts {
     /// Computes the force of every candidate at this instant. In parallel over candidates; each task writes only its own.
     pub(super) fn evaluate(&mut self, scene: &PointContactScene<'_>) {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, task: TASK, arch: arch() };
+        let PointContacts { candidates, account, .. } = self;
+        let Some(account) = account else {
+            return with_law!(scene.table.law, L => {
+                candidates.par_chunks_mut(TASK).for_each(|part| {
+                    rules.arch.dispatch(PointContactSweep::<L, false> { scene, rules: &rules, part, work: &mut [], law: PhantomData });
+                });
+            });
+        };
+        let works = account.begin(candidates.len());
         with_law!(scene.table.law, L => {
-            self.candidates.par_chunks_mut(TASK).for_each(|part| {
-                rules.arch.dispatch(PointContactSweep::<L> { scene, rules: &rules, part, law: PhantomData });
+            candidates.par_chunks_mut(TASK).zip(works.par_chunks_mut(TASK)).for_each(|(part, work)| {
+                rules.arch.dispatch(PointContactSweep::<L, true> { scene, rules: &rules, part, work, law: PhantomData });
             });
         });
+        account.end(candidates, scene.grains, scene.continuum);
     }
 }
 
 /// The computation for a part of the candidates.
-struct PointContactSweep<'a, L> {
+struct PointContactSweep<'a, L, const LEDGER: bool> {
     scene: &'a PointContactScene<'a>,
     rules: &'a Rules,
     part: &'a mut [PointContact],
+    /// Works and elastic energy of each candidate, with the energy account.
+    work: &'a mut [OfContact],
     law: PhantomData<L>,
 }
 
@@ -71,7 +85,7 @@ struct Found {
     geometry: ContactGeometry,
 }
 
-impl<L: Law> WithSimd for PointContactSweep<'_, L> {
+impl<L: Law, const LEDGER: bool> WithSimd for PointContactSweep<'_, L, LEDGER> {
     type Output = ();
 
     /// Collects touching contacts until they fill the lanes, then applies the law to them at once; a rest is done one at a time.
@@ -105,7 +119,7 @@ impl<L: Law> WithSimd for PointContactSweep<'_, L> {
     }
 }
 
-impl<L: Law> PointContactSweep<'_, L> {
+impl<L: Law, const LEDGER: bool> PointContactSweep<'_, L, LEDGER> {
     /// Geometry of candidate `at` if it touches. A contact that has ceased to touch gets a zero force.
     #[inline(always)]
     fn geometry(&mut self, at: usize, spot: &Spot) -> Option<ContactGeometry> {
@@ -130,7 +144,11 @@ impl<L: Law> PointContactSweep<'_, L> {
         }
         if contact.touch.overlap > 0.0 {
             contact.stiffness = [0.0; 2];
-            contact.keep(force::apart::<false>(|| geometry.motion, self.rules.dt, &contact.history::<L>()));
+            let ended = force::apart::<LEDGER>(|| geometry.motion, self.rules.dt, &contact.history::<L>());
+            contact.keep(ended);
+            if LEDGER {
+                self.work[at].set(ended.work, 0.0);
+            }
         }
         if of_ghost <= 0.0 {
             contact.face = None;
@@ -143,10 +161,14 @@ impl<L: Law> PointContactSweep<'_, L> {
     fn scalar(&mut self, &Found { at, geometry }: &Found) {
         let contact = &mut self.part[at];
         let pair = self.scene.pair(contact);
-        let new = force::touching::<f64, L, false, true>(&geometry, pair, self.rules, &contact.history::<L>());
+        let new = force::touching::<f64, L, LEDGER, true>(&geometry, pair, self.rules, &contact.history::<L>());
         let e = L::elastic(geometry.overlap, geometry.overlap, geometry.r_eff, pair);
         contact.stiffness = [e.k_n, e.k_t];
         contact.keep(new);
+        if LEDGER {
+            let spring = new.spring.unwrap_or(new.touch.tangential);
+            self.work[at].set(new.work, e.energy + tangential_energy(spring, e.k_t));
+        }
     }
 
     /// Forces of several contacts, one in each lane.
@@ -174,7 +196,7 @@ impl<L: Law> PointContactSweep<'_, L> {
             None
         };
         let old = ContactHistory { touch, spring, rolling: None, load: None, largest: None, work: None };
-        let new = force::touching::<Lanes<S>, L, false, true>(&geometry, &pair, self.rules, &old);
+        let new = force::touching::<Lanes<S>, L, LEDGER, true>(&geometry, &pair, self.rules, &old);
         let ContactForce { tangential: [x, y, z], normal_force, normal: [nx, ny, nz], overlap } = new.touch;
         Lanes::rows(simd, [x, y, z, normal_force], |k, row| part[at(k)].touch.set_first(row));
         Lanes::rows(simd, [nx, ny, nz, overlap], |k, row| part[at(k)].touch.set_second(row));
@@ -182,6 +204,13 @@ impl<L: Law> PointContactSweep<'_, L> {
             Lanes::rows(simd, [x, y, z, x], |k, [x, y, z, _]| part[at(k)].spring = [x, y, z]);
         }
         let e = L::elastic(geometry.overlap, geometry.overlap, geometry.r_eff, &pair);
+        if let Some([path, slip, viscous]) = new.work {
+            let spring = new.spring.unwrap_or(new.touch.tangential);
+            let stored = e.energy + dot(spring, spring) * 0.5 / e.k_t;
+            Lanes::rows(simd, [path, slip, viscous, stored], |k, [path, slip, viscous, stored]| {
+                self.work[at(k)].set(Some([path, slip, viscous]), stored);
+            });
+        }
         Lanes::rows(simd, [e.k_n, e.k_t, e.k_n, e.k_t], |k, [k_n, k_t, ..]| part[at(k)].stiffness = [k_n, k_t]);
     }
 }

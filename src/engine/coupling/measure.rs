@@ -74,7 +74,8 @@ impl Mixture {
         }
         for contact in self.point_contacts.touching().filter(|contact| matches!(contact.body, Body::Grain(_))) {
             let [p, q] = [g.pos[contact.place[0] as usize], points.position[contact.place[1] as usize]];
-            add(&mut shares.interface, contact.force(), std::array::from_fn(|a| q[a] - p[a]));
+            let offset = contact.offset(continuum.settings().cell);
+            add(&mut shares.interface, contact.force(), std::array::from_fn(|a| q[a] + offset[a] - p[a]));
         }
         shares
     }

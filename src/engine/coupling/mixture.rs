@@ -6,7 +6,7 @@
 //! the cycle of the forces that the faster side gets step by step. So impulses are equal and opposite, and momentum is conserved to rounding for any
 //! κ. With κ = 1 both sides get the forces of one instant.
 
-use super::{FinesAsPoints, PointContacts, Rule};
+use super::{FinesAsPoints, PointContacts, Rule, account};
 use crate::check::{self, Checked, ensure};
 use crate::coupling::evaluate::PointContactScene;
 use crate::dem;
@@ -164,6 +164,11 @@ impl Mixture {
         }
     }
 
+    /// Opens the energy account of the points' contacts with sums of zero.
+    pub fn keep_account(&mut self, continuum: &Continuum) {
+        self.point_contacts.keep_account(&self.grains.grains, continuum);
+    }
+
     /// Checks a mixture that comes from outside with its `continuum`. `made` are both as the same run made them; points touch `walls` walls of the grains.
     ///
     /// # Errors
@@ -200,7 +205,9 @@ impl Mixture {
     pub fn compute_forces(&mut self, parts: &mut Parts<'_>) -> Result<()> {
         dem::compute_forces(parts.physics, &mut self.grains, parts.work);
         self.note_bound();
-        self.find(parts, self.last, [0.0; 2])?;
+        // contacts of points were last computed before the last step of the faster side
+        let since = self.last / f64::from(self.cycle.rates.continuum);
+        self.find(parts, since, [0.0; 2])?;
         self.evaluate_bodies(parts);
         Ok(())
     }
@@ -279,23 +286,41 @@ impl Mixture {
         self.cycles += 1;
         self.step_continuum(parts, time * (1.0 / f64::from(rates.continuum)))?;
         if let Some(fines) = &mut self.fines {
+            let before = self.point_contacts.account.as_ref().map(|_| account::of_points(parts.continuum));
             fines.insert_points(&self.grains, parts.continuum, &mut self.point_contacts);
             let plates = &*parts.plates;
             let through = |p| plates.iter().any(|plate| plate.height(p).0 < 0.0);
             fines.remove_points(through, parts.continuum, &mut self.point_contacts);
+            if let (Some(before), Some(account)) = (before, &mut self.point_contacts.account) {
+                account.add_inserted(before, account::of_points(parts.continuum));
+            }
         }
         Ok(())
     }
 
     /// One step of the grains and rigid bodies with the forces added so far.
     fn move_grains(&mut self, parts: &mut Parts<'_>, dt: f64) {
+        if self.point_contacts.account.is_some() && dt != self.last && !self.grains.fresh {
+            let power = self.power_on_grains(parts.physics.gravity);
+            if let Some(account) = &mut self.point_contacts.account {
+                account.step_change += 0.5 * (self.last - dt) * power;
+            }
+        }
         (self.grains.dt, self.last) = (dt, dt);
         if let Some(blocks) = &mut self.blocks {
             let State { grains, walls, fresh, .. } = &mut self.grains;
             blocks.apply_grain_and_wall_reactions(grains, &mut parts.work.external_forces, walls, dt);
             blocks.advance(parts.physics, *fresh, dt);
         }
-        dem::integrate(parts.physics, &mut self.grains, parts.work);
+        let kick = if self.grains.fresh { 0.5 * dt } else { dt };
+        if let Some(account) = &mut self.point_contacts.account {
+            account.before_grains(&parts.work.external_forces, &self.grains.grains, kick);
+        }
+        dem::move_grains(parts.physics, &mut self.grains, parts.work);
+        if let Some(account) = &mut self.point_contacts.account {
+            account.add_half_step(&self.grains.grains, kick);
+        }
+        dem::breakage(parts.physics, &mut self.grains, parts.work);
         self.breakages.extend_from_slice(&parts.work.breakages);
         if let Some(fines) = &mut self.fines {
             fines.queue(&parts.work.breakages);
@@ -305,7 +330,6 @@ impl Mixture {
     /// One step of the continuum and of the loading plates.
     fn step_continuum(&mut self, parts: &mut Parts<'_>, dt: f64) -> Result<()> {
         parts.continuum.step(dt)?;
-        self.point_contacts.locate(&self.grains.grains, parts.continuum);
         self.point_contacts.follow_faces(parts.continuum, dt);
         if let Some(blocks) = &mut self.blocks {
             blocks.follow_faces(&self.grains.grains, parts.continuum, dt);
@@ -365,6 +389,9 @@ impl Mixture {
         }
         let wall = walls.iter().map(|w| w.speed.abs()).fold(0.0, f64::max);
         let way = dt * (point + grain.max(wall)) + self.grains.aftermath.fastest_growth();
+        if let Some(account) = &mut self.point_contacts.account {
+            account.note_gone(&self.point_contacts.candidates, grains, continuum);
+        }
         self.point_contacts.update(grains, walls, continuum, way);
         let scene = PointContactScene { grains, walls, continuum, table, unloading: parts.physics.contact.unloading, dt, ahead };
         self.point_contacts.evaluate(&scene);

@@ -10,6 +10,7 @@
 //! Ghosts do not rotate. The velocity of a point in a contact is that of the nodes at its face, in the first step of a contact the one that moved the point in
 //! its last step ([`crate::mpm::Points::transport_velocity`]). With FLIP these differ from the velocity stored at the point, which does not move the contact.
 
+mod account;
 mod embedded;
 mod evaluate;
 #[cfg(feature = "gpu")]
@@ -22,6 +23,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
+pub use account::{ContactAccount, GrainWorks};
 pub use embedded::{Embedded, Embedding};
 pub use fines::{Account, FinesAsPoints, Rule};
 pub use measure::{Shares, Touching};
@@ -79,6 +81,8 @@ pub struct PointContacts {
     age: Age,
     /// Points that come from breakages, if there are some.
     newborn: Option<Newborn>,
+    /// The energy account, if one is kept.
+    account: Option<Box<ContactAccount>>,
     /// Buffers: index by identity, of grains and of points.
     #[serde(skip)]
     index: [Vec<u32>; 2],
@@ -114,6 +118,7 @@ impl PointContacts {
     fn check(&self, grains: &Grains, walls: usize, continuum: &Continuum) -> Checked {
         let points = continuum.points();
         self.age.check()?;
+        self.account.as_ref().map_or(Ok(()), |account| account.check())?;
         let sorted = self.candidates.windows(2).all(|w| (w[0].body, w[0].point) < (w[1].body, w[1].point));
         ensure(sorted, || "contacts of points are not in their order".into())?;
         let mut ids = points.id.clone();
@@ -130,10 +135,20 @@ impl PointContacts {
             check::numbers("forces on points", c.touch.first().iter().chain(&c.touch.second()).chain(&c.spring))?;
             check::not_negative("stiffnesses at points", c.stiffness)?;
             check::positive("points in contact", [c.radius, c.mass])?;
-            check::numbers("faces of points", &c.face.map_or(Vec::new(), |face| face.numbers().collect()))?;
+            check::numbers("faces of points", c.face.iter().flat_map(GhostFace::numbers))?;
             check::all("overlaps of points", [c.reference], "not from 0 on", |x| x >= 0.0)?;
         }
         Ok(())
+    }
+
+    /// Opens the energy account with sums of zero.
+    fn keep_account(&mut self, grains: &Grains, continuum: &Continuum) {
+        self.account = Some(Box::new(ContactAccount::new(grains, continuum)));
+    }
+
+    /// The energy account, if one is kept.
+    pub fn account(&self) -> Option<&ContactAccount> {
+        self.account.as_deref()
     }
 
     /// Makes a new search due.
@@ -143,6 +158,8 @@ impl PointContacts {
 
     /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
-        self.candidates.capacity() * size_of::<PointContact>() + self.index.iter().map(|i| 4 * i.capacity()).sum::<usize>()
+        self.account.as_ref().map_or(0, |account| account.bytes())
+            + self.candidates.capacity() * size_of::<PointContact>()
+            + self.index.iter().map(|i| 4 * i.capacity()).sum::<usize>()
     }
 }

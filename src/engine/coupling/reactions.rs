@@ -23,6 +23,11 @@ impl PointContact {
         (2.0 * k_n).max(7.0 * k_t)
     }
 
+    /// From the centre of the point to where the force acts on it, m ([`crate::point_contacts::GhostFace::offset`]); `cell`: edge of a cell, m.
+    pub(super) fn offset(&self, cell: f64) -> [f64; 3] {
+        self.face.map_or([0.0; 3], |face| face.offset(self.radius, self.touch.overlap, cell))
+    }
+
     /// Force of the point on the grain or wall, N.
     pub fn force(&self) -> [f64; 3] {
         self.touch.force()
@@ -32,6 +37,7 @@ impl PointContact {
 impl PointContacts {
     /// Moves the faces of the points with the nodes, after a step of the continuum of `dt` seconds. In parallel over contacts.
     pub(super) fn follow_faces(&mut self, continuum: &Continuum, dt: f64) {
+        self.locate_points(continuum);
         let of_points = |c: &mut PointContact| {
             let (place, own) = (c.place[1] as usize, [c.radius, c.touch.overlap]);
             if let Some(face) = &mut c.face {
@@ -58,8 +64,7 @@ impl PointContacts {
             let ([body, point], force) = (contact.place.map(|p| p as usize), contact.touch.force());
             let [k_n, k_t] = contact.stiffness;
             let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
-            let offset = contact.face.map_or([0.0; 3], |face| face.offset(contact.radius, contact.touch.overlap, cell));
-            continuum.add_force_beside(point, push, stiffness, offset);
+            continuum.add_force_beside(point, push, stiffness, contact.offset(cell));
             if let Body::Grain(_) = contact.body {
                 let torque = torque(&contact.touch, grains.radius(body));
                 for a in 0..3 {

@@ -86,15 +86,11 @@ impl PointContacts {
     }
 
     /// Brings the indices of grains and points up to date, whose arrays may have been sorted. Candidates of grains that have broken are removed.
-    pub(super) fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
-        let points = continuum.points();
-        let [by_grain, by_point] = &mut self.index;
-        let (mut grain_moved, mut point_moved) = (false, false);
-        for g in &self.candidates {
-            grain_moved |= matches!(g.body, Body::Grain(id) if grains.id.get(g.place[0] as usize) != Some(&id));
-            point_moved |= points.id.get(g.place[1] as usize) != Some(&g.point);
-        }
-        if grain_moved {
+    fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
+        self.locate_points(continuum);
+        let [by_grain, _] = &mut self.index;
+        let moved = |g: &PointContact| matches!(g.body, Body::Grain(id) if grains.id.get(g.place[0] as usize) != Some(&id));
+        if self.candidates.iter().any(moved) {
             by_id(by_grain, &grains.id, grains.next_id);
             for g in &mut self.candidates {
                 if let Body::Grain(id) = g.body {
@@ -104,7 +100,13 @@ impl PointContacts {
             // grains that have broken; their daughters are found by the next search
             self.candidates.retain(|g| g.place[0] != NOWHERE);
         }
-        if point_moved {
+    }
+
+    /// Brings the indices of points up to date.
+    pub(super) fn locate_points(&mut self, continuum: &Continuum) {
+        let points = continuum.points();
+        let [_, by_point] = &mut self.index;
+        if self.candidates.iter().any(|g| points.id.get(g.place[1] as usize) != Some(&g.point)) {
             by_id(by_point, &points.id, points.next_id);
             for g in &mut self.candidates {
                 g.place[1] = by_point[g.point as usize];

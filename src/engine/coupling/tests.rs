@@ -155,8 +155,7 @@ fn both_ends_of_a_contact_are_pressed_at_one_place() {
         contacts.apply_reactions(grains, &mut applied, 1.0, continuum, [1.0, 0.0]);
         let [force, torque] = applied[0].map(|v| [v[0], v[1], v[2]]);
         assert!(dot(torque, torque) > 0.0);
-        let face = contact.face.expect("they touch").offset(contact.radius, contact.touch.overlap, 0.125);
-        let on_point = cross(plus(at, face), scaled(force, -1.0));
+        let on_point = cross(plus(at, contact.offset(0.125)), scaled(force, -1.0));
         near3(plus(cross(centre, force), torque), scaled(on_point, -1.0));
     }
 }

@@ -1,12 +1,14 @@
 //! A continuum on the graphics device, which computes steps in batches; the processor reads the state only between batches.
 
+use super::bounds::{GROUP, PLACES};
 use super::buffers::{Buffers, GrainGroups, Groups};
 use super::device::{Adapter, Device, refused};
 use super::grains::{self, Bodies, CoarseGrains};
-use super::layout::{BatchState, Law32, Params, Status, groups};
+use super::layout::{BatchState, CROWD, Law32, Params, Status, groups};
 use super::loading_plate::{self, both};
 use super::memory::BufferSizes;
 use super::passes::Passes;
+use super::rounds;
 use super::state;
 use super::support::{sizes, takes};
 use crate::coupling::Mixture;
@@ -101,7 +103,7 @@ impl DeviceContinuum {
         takes(cpu.laws())?;
         sizes(cpu.settings(), cpu.points(), plates, coarse)?;
         let device = Device::open(coarse.is_some())?;
-        let passes = Passes::new(&device, coarse.is_some());
+        let passes = Passes::new(&device, coarse.is_some(), cpu.laws(), plates);
         DeviceContinuum::load(device, passes, cpu, plates, drifts, coarse, saved)
     }
 
@@ -134,14 +136,16 @@ impl DeviceContinuum {
         takes(cpu.laws())?;
         let (sizes, _) = sizes(&settings, cpu.points(), plates, coarse)?;
         sizes.check(&device.device.limits())?;
+        Error::all(if device.adapter.software { rounds::too_many(&settings, cpu.points(), coarse) } else { Vec::new() })?;
         let lightest = cpu.points().velocity.iter().map(|v| v[3]).fold(f64::INFINITY, f64::min);
         let mut params = Params::of(&settings, cpu.points().len(), lightest);
         params.plates = plates.len() as u32;
         params.extents = [1.0; 3];
         let mut state = state::to_device(&settings, cpu.points(), !plates.is_empty());
         let mut batch = BatchState::default();
+        let round = plates.iter().any(|p| p.radius.is_some());
         for ((there, plate), drift) in batch.plates.iter_mut().zip(plates).zip(drifts) {
-            *there = loading_plate::to_device(plate, *drift, &settings);
+            *there = loading_plate::to_device(plate, *drift, round, &settings);
         }
         let mut before = (cpu.steps(), cpu.stress_work());
         if let Some(saved) = saved {
@@ -438,7 +442,7 @@ impl DeviceContinuum {
                 grains: self.bodies.as_ref().map(|b| GrainGroups {
                     rows: groups(b.coupling.rows),
                     grains: groups(b.coupling.grains),
-                    each: groups(64 * b.coupling.grains),
+                    each: groups(GROUP as u32 * b.coupling.grains),
                     rates: b.coupling.rates,
                 }),
             };
@@ -476,7 +480,10 @@ impl DeviceContinuum {
         let (id, fault) = (fault / 8, fault % 8);
         let crowded = format!(
             "has more than {} grains and walls close to it, for which the GPU has no room: use smaller cells, or continue on the processor",
-            grains::PLACES
+            PLACES
+        );
+        let sort = format!(
+            "lies in a cell with more than {CROWD} points, which the GPU cannot sort: use larger spacings, or the processor"
         );
         let what = match fault {
             0 => "has no finite position, velocity or stress: use a smaller time step and look at the law's parameters",
@@ -487,7 +494,7 @@ impl DeviceContinuum {
             5 => return Err(mpm::loading_plate::passed(self.steps_done(), id)),
             6 => &crowded,
             7 => "has come close to a grain, as more points have than the GPU has room for: continue on the processor",
-            _ => "lies in a cell with more than 256 points, which the GPU cannot sort: use larger spacings, or the processor",
+            _ => &sort,
         };
         let error = Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None };
         // from 6 on the run could go on on the processor: the device has no room

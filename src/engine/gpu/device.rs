@@ -1,5 +1,6 @@
 //! The graphics adapter: its choice, its set-up, buffers, and errors that it reports.
 
+use super::bounds::WIDE;
 use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::util::DeviceExt;
@@ -90,7 +91,7 @@ impl Device {
         let limits = adapter.limits();
         for (what, has, needs) in [
             ("storage buffers per stage", limits.max_storage_buffers_per_shader_stage, if with_grains { 17 } else { 10 }),
-            ("threads per workgroup", limits.max_compute_invocations_per_workgroup, 256),
+            ("threads per workgroup", limits.max_compute_invocations_per_workgroup, WIDE as u32),
         ] {
             if has < needs {
                 return Err(refused("adapter", name, format!("has {has} {what}, {needs} are needed: use the processor")));

@@ -4,6 +4,7 @@
 //! rounding error of its size in each step, which is larger than the increment of a small step.
 
 use super::layout::{Evolution32, Law32};
+use super::mohr_coulomb::mohr_coulomb;
 
 /// Components in the order of `mpm::law::Sym`.
 pub type Sym32 = [f32; 6];
@@ -42,6 +43,12 @@ pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (
     if inside(law, strength, i1, j) {
         return (elastic, 0.0);
     }
+    // the deviator from differences of normal stresses, so that a large pressure does not spoil its digits
+    let deviator = [(d[0] - d[2]) * 0.333_333_33, (d[1] - d[0]) * 0.333_333_33, (d[2] - d[1]) * 0.333_333_33];
+    if law.kind == 2 {
+        let [a, b, c] = deviator;
+        return mohr_coulomb(law, elastic, &[a, b, c, trial[3], trial[4], trial[5]], i1 * 0.333_333_33);
+    }
     let (end, plastic) = if plastic >= law.settled {
         let end = returned(law, strength, i1, j);
         (end, increment_of(law, end))
@@ -50,8 +57,6 @@ pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (
     };
     let share = if j > 0.0 { end.dj / j } else { 0.0 };
     let mean = end.di1 * 0.333_333_33;
-    // the deviator from differences of normal stresses, so that a large pressure does not spoil its digits
-    let deviator = [(d[0] - d[2]) * 0.333_333_33, (d[1] - d[0]) * 0.333_333_33, (d[2] - d[1]) * 0.333_333_33];
     let stress = std::array::from_fn(|k| elastic[k] + if k < 3 { deviator[k] * share + mean } else { trial[k] * share });
     (stress, plastic)
 }

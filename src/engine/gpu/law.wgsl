@@ -224,6 +224,13 @@ fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     if inside(id, now.yield_parameters, i1, j) {
         return Step(elastic, 0.0);
     }
+    // the deviator from differences of normal stresses, so that a large pressure does not spoil its digits
+    let deviator = (d - d.zxy) * 0.33333333;
+    if MOHR_COULOMB {
+        if laws[id].kind == 2u {
+            return mohr_coulomb(id, elastic, Sym(deviator, shear), i1 * 0.33333333);
+        }
+    }
     var end = Hardened(Returned(0.0, 0.0, false), 0.0);
     if plastic >= laws[id].settled {
         let there = returned(id, now.yield_parameters, i1, j);
@@ -235,8 +242,6 @@ fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     if j > 0.0 {
         share = end.end.dj / j;
     }
-    // the deviator from differences of normal stresses, so that a large pressure does not spoil its digits
-    let deviator = (d - d.zxy) * 0.33333333;
     let mean = end.end.di1 * 0.33333333;
     return Step(Sym(elastic.normal + (deviator * share + vec3<f32>(mean)), elastic.shear + shear * share), end.plastic);
 }

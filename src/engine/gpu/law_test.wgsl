@@ -14,7 +14,7 @@ struct Case {
 @group(0) @binding(2) var<storage, read> cases: array<Case>;
 @group(0) @binding(3) var<storage, read_write> results: array<vec4<f32>>;
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn run(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
     if i >= params.points {

@@ -1,12 +1,16 @@
 //! Structs that the shaders read and write, with the same fields at the same offsets. What the fields are is said with the structs of the same names in
 //! `params.wgsl`, `loading_plates.wgsl` and `nodes.wgsl`; a test compares the offsets.
 
+use super::bounds::{BORDERS, GROUP, PLATES, WIDE};
 use crate::mpm::law::{Cone, Evolution, Law};
 use crate::mpm::{GridWall, PlateDrive, Ramp, Settings, Transfer};
 use bytemuck::{Pod, Zeroable};
 
 /// In place of infinity, which shaders need not have.
 const HUGE: f64 = 1e30;
+
+/// Largest number of points in a cell: the sort of more would exceed the number of iterations that software adapters allow in a loop.
+pub const CROWD: u32 = 256;
 
 /// What stays the same during one batch of steps.
 #[repr(C)]
@@ -32,8 +36,8 @@ pub struct Params {
     pub safety: f32,
     pub extents: [f32; 3],
     pub follows: f32,
-    pub walls: [[u32; 4]; 6],
-    pub drives: [PlateDrive32; 6],
+    pub walls: [[u32; 4]; BORDERS],
+    pub drives: [PlateDrive32; PLATES],
 }
 
 /// How a loading plate moves.
@@ -83,10 +87,15 @@ pub struct LoadingPlate32 {
     pub drift: f32,
     pub overlap: f32,
     pub way: f32,
-    pub unused: f32,
+    pub face: f32,
     pub ways: [f32; 2],
     pub overlaps: [f32; 2],
     pub reactions: [f32; 2],
+    pub centre_cell: [i32; 2],
+    pub centre_units: [i32; 2],
+    pub centre_rest: [f32; 2],
+    pub shell: u32,
+    pub split: u32,
 }
 
 /// State of a batch: the first part of the buffer `batch`, before the forces on points.
@@ -96,8 +105,8 @@ pub struct BatchState {
     pub time: [f32; 2],
     pub dt: f32,
     pub count: u32,
-    pub sides: [[f32; 2]; 6],
-    pub plates: [LoadingPlate32; 6],
+    pub sides: [[f32; 2]; BORDERS],
+    pub plates: [LoadingPlate32; PLATES],
 }
 
 impl Params {
@@ -117,9 +126,8 @@ impl Params {
             mass_floor: (1e-12 * lightest) as f32,
             cells,
             nodes,
-            blocks: cells.div_ceil(256),
-            // the sort of more points in a cell would exceed the number of iterations that software adapters allow in a loop
-            crowd: 256,
+            blocks: cells.div_ceil(WIDE as u32),
+            crowd: CROWD,
             point_groups: groups(points as u32),
             cell_groups: groups(cells + 1),
             walls: settings.walls.map(wall),
@@ -128,10 +136,10 @@ impl Params {
     }
 }
 
-/// Numbers of workgroups of 64 threads along x and y for at least so many threads.
+/// Numbers of workgroups of [`GROUP`] threads along x and y for at least so many threads.
 pub fn groups(threads: u32) -> [u32; 2] {
     const MOST: u32 = 32_768;
-    let all = threads.div_ceil(64).max(1);
+    let all = threads.div_ceil(GROUP as u32).max(1);
     let y = all.div_ceil(MOST);
     [all.div_ceil(y), y]
 }
@@ -196,6 +204,10 @@ pub struct Law32 {
     pub settled: f32,
     pub last_alpha: f32,
     pub last_kappa: f32,
+    pub sin_friction: f32,
+    pub sin_dilation: f32,
+    pub strength: f32,
+    pub apex: f32,
     pub unused_a: f32,
     pub unused_b: f32,
     pub friction: Evolution32,
@@ -207,7 +219,25 @@ impl From<&Law> for Law32 {
     fn from(law: &Law) -> Law32 {
         let elastic = law.elastic();
         let moduli = Law32 { bulk: elastic.bulk as f32, shear: elastic.shear as f32, ..Law32::default() };
-        let Law::DruckerPrager(law) = law else { return moduli };
+        let law = match law {
+            // shaders do not have Cam-clay
+            Law::Elastic(_) | Law::CamClay(_) => return moduli,
+            Law::DruckerPrager(law) => law,
+            Law::MohrCoulomb(law) => {
+                let ([sin_friction, sin_dilation], inside) = (law.sines().map(|s| s as f32), law.inscribed());
+                return Law32 {
+                    kind: 2,
+                    cut: HUGE as f32,
+                    last_alpha: inside.alpha as f32,
+                    last_kappa: inside.kappa as f32,
+                    sin_friction,
+                    sin_dilation,
+                    strength: law.strength() as f32,
+                    apex: law.apex().min(HUGE) as f32,
+                    ..moduli
+                };
+            }
+        };
         let p = law.parameters();
         let alpha_psi = p.cone.at(p.dilation).alpha;
         let last = law.strength(f64::INFINITY);
@@ -242,11 +272,11 @@ pub struct Status {
     pub stop: u32,
     pub fastest: u32,
     pub unused: [u32; 3],
-    pub reaction: [[f32; 4]; 6],
+    pub reaction: [[f32; 4]; BORDERS],
 }
 
 impl Default for Status {
     fn default() -> Status {
-        Status { fault: u32::MAX, crossed: 0, steps: 0, stop: 0, fastest: 0, unused: [0; 3], reaction: [[0.0; 4]; 6] }
+        Status { fault: u32::MAX, crossed: 0, steps: 0, stop: 0, fastest: 0, unused: [0; 3], reaction: [[0.0; 4]; BORDERS] }
     }
 }

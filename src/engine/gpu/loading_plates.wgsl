@@ -1,11 +1,12 @@
-// Loading plates: rigid planes across an axis that press on the ghosts of points (Li et al. 2023, eqs 18, 20, 22), with tractions on the points' faces.
+// Loading plates: rigid planes across an axis, and upright shells, that press on the ghosts of points (Li et al. 2023, eqs 18, 20, 22), with tractions on the points' faces.
 // Twins (f64): mpm/loading_plate.rs, mpm/plate_drive.rs, where the method is documented.
 
 struct LoadingPlate {
+    // of a shell 0
     axis: u32,
-    // component of the normal along the axis, 1 or -1; the normal points to the material
+    // component of the normal along the axis, 1 or -1; the normal points to the material. Of a shell -1
     normal: f32,
-    // coordinate along the axis, as for points
+    // coordinate along the axis, as for points; of a shell its radius in the same form
     cell: i32,
     units: i32,
     rest: f32,
@@ -25,11 +26,19 @@ struct LoadingPlate {
     drift: f32,
     overlap: f32,
     way: f32,
-    unused: f32,
+    // area of the face over the product of the extents across the axis
+    face: f32,
     // sums of way, overlap and reaction over the steps of the batch
     ways: vec2<f32>,
     overlaps: vec2<f32>,
     reactions: vec2<f32>,
+    // of a shell: x and y of its axis, as for points
+    centre_cell: vec2<i32>,
+    centre_units: vec2<i32>,
+    centre_rest: vec2<f32>,
+    // 1: a shell; its distances are computed in quanta of 2^-split cells
+    shell: u32,
+    split: u32,
 }
 
 // State of a batch. Pairs are compensated sums.
@@ -40,15 +49,15 @@ struct BatchState {
     dt: f32,
     count: u32,
     // sums of the normal forces of the sides of the domain on the material, N
-    sides: array<vec2<f32>, 6>,
-    plates: array<LoadingPlate, 6>,
+    sides: array<vec2<f32>, BORDERS>,
+    plates: array<LoadingPlate, PLATES>,
     // for each point the force of the loading plates, N, and its stiffness, N/m; then for each workgroup of points the sums for each loading plate
     parts: array<vec4<f32>>,
 }
 
 @group(0) @binding(9) var<storage, read_write> batch: BatchState;
 
-var<workgroup> partial_sums: array<vec4<f32>, 256>;
+var<workgroup> partial_sums: array<vec4<f32>, WIDE>;
 
 fn cube_root(x: f32) -> f32 {
     let y = exp2(log2(x) * 0.33333333);
@@ -66,8 +75,85 @@ fn summed(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
     return vec4<f32>(a.xyz + b.xyz, max(a.w, b.w));
 }
 
+// How a plate and a point touch: overlap with the ghost, m, which keeps its distance from a followed face, and with a ghost about the point; normal into the
+// material at that ghost, and at the point; whether a face is followed.
+struct Touch {
+    overlap: f32,
+    of_point: f32,
+    normal: vec3<f32>,
+    at_point: vec3<f32>,
+    followed: bool,
+}
+
+// Of a plane. In whole units as far as possible: the overlap is a small difference of coordinates.
+fn touch_of_plane(plate: LoadingPlate, i: u32, arm: vec3<f32>, arm_low: vec3<f32>) -> Touch {
+    let place = word(PLACE, i);
+    let axis = plate.axis;
+    let normal = i32(plate.normal);
+    let cells = normal * (cell_place(place.w)[axis] - 1 - plate.cell);
+    let units = normal * (bitcast<vec3<i32>>(place.xyz)[axis] - plate.units);
+    let deep = f32(bitcast<i32>(word(ENERGY, i).w) - cells * WIDTH - units) - plate.normal * (number(REST, i)[axis] - plate.rest);
+    // two cells away or more the plate is out of reach, or the point is far behind it
+    let of_point = select(select(deep * (params.cell / UNITS), 2.0 * params.cell, cells < -1), 0.0, cells > 1);
+    // once pressed, the ghost moves with the face of the point, not with the point
+    let followed = arm[axis] * plate.normal < 0.0;
+    var further = 0.0;
+    if followed {
+        further = (abs(arm[axis]) - half_edge(i)) - plate.normal * arm_low[axis];
+    }
+    let across = select(vec3<f32>(0.0), vec3<f32>(plate.normal), vec3<u32>(0u, 1u, 2u) == vec3<u32>(axis));
+    return Touch(of_point + further * params.cell, of_point, across, across, followed);
+}
+
+// A coordinate in quanta of 2^-split cells: a whole number of them, and the rest.
+fn quanta(cells: i32, units: i32, rest: f32, split: u32) -> vec2<f32> {
+    let bits = 30u - split;
+    let near = (units + (1i << (bits - 1u))) >> bits;
+    return vec2<f32>(f32((cells << split) + near), (f32(units - (near << bits)) + rest) / f32(1u << bits));
+}
+
+// Of a shell: ρ − (R − r) with the distance ρ of the ghost from the axis, the shell's radius R and the ghost's r, as a difference of squares, which is computed in whole
+// numbers as far as possible. Both numbers are below 2^14 quanta.
+fn overlap_with_shell(x: vec2<f32>, y: vec2<f32>, inner: vec2<f32>, by: vec2<f32>) -> f32 {
+    let part = vec2<f32>(x.y, y.y) + by;
+    let whole = vec3<i32>(vec3<f32>(x.x, y.x, inner.x));
+    let first = whole.x * whole.x + whole.y * whole.y - whole.z * whole.z;
+    let second = 2.0 * (x.x * part.x + y.x * part.y - inner.x * inner.y);
+    let third = dot(part, part) - inner.y * inner.y;
+    return (f32(first) + (second + third)) / (length(vec2<f32>(x.x, y.x) + part) + (inner.x + inner.y));
+}
+
+fn touch_of_shell(plate: LoadingPlate, i: u32, arm: vec3<f32>, arm_low: vec3<f32>) -> Touch {
+    let place = word(PLACE, i);
+    let radius = bitcast<i32>(word(ENERGY, i).w);
+    let cells = cell_place(place.w).xy - 1 - plate.centre_cell;
+    let most = i32(16384u >> plate.split);
+    if any(abs(cells) >= vec2<i32>(most)) {
+        return Touch(2.0 * params.cell, 2.0 * params.cell, vec3<f32>(0.0), vec3<f32>(0.0), false);
+    }
+    let units = bitcast<vec3<i32>>(place.xyz).xy - plate.centre_units;
+    let rest = number(REST, i).xy - plate.centre_rest;
+    let x = quanta(cells.x, units.x, rest.x, plate.split);
+    let y = quanta(cells.y, units.y, rest.y, plate.split);
+    let inner = quanta(plate.cell + 1, plate.units - radius, plate.rest, plate.split);
+    let quantum = params.cell / f32(1u << plate.split);
+    let at = vec2<f32>(x.x + x.y, y.x + y.y);
+    let away = length(at);
+    let normal = -at / max(away, 1e-37);
+    let of_point = overlap_with_shell(x, y, inner, vec2<f32>(0.0)) * quantum;
+    // once pressed, the ghost moves with the faces of the point, not with the point
+    let pressed = arm.xy * normal < vec2<f32>(0.0);
+    if !any(pressed) {
+        return Touch(of_point, of_point, vec3<f32>(normal, 0.0), vec3<f32>(normal, 0.0), false);
+    }
+    let by = select(vec2<f32>(0.0), (arm.xy + normal * half_edge(i)) + arm_low.xy, pressed) * f32(1u << plate.split);
+    let there = at + by;
+    let ghost = -there / max(length(there), 1e-37);
+    return Touch(overlap_with_shell(x, y, inner, by) * quantum, of_point, vec3<f32>(ghost, 0.0), vec3<f32>(normal, 0.0), true);
+}
+
 // Forces of the loading plates on each point; for each workgroup and plate the sums of normal force, stiffness and elastic energy, and the largest stiffness over mass.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn plate_forces(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -87,55 +173,50 @@ fn plate_forces(
     for (var k = 0u; k < params.plates; k++) {
         var own = vec4<f32>(0.0);
         if i < params.points {
-            let place = word(PLACE, i);
             let plate = batch.plates[k];
-            let axis = plate.axis;
-            // in whole units as far as possible: the overlap is a small difference of coordinates
-            let normal = i32(plate.normal);
-            let cells = normal * (cell_place(place.w)[axis] - 1 - plate.cell);
-            let units = normal * (bitcast<vec3<i32>>(place.xyz)[axis] - plate.units);
-            let radius_units = bitcast<i32>(word(ENERGY, i).w);
-            let deep = f32(radius_units - cells * WIDTH - units) - plate.normal * (number(REST, i)[axis] - plate.rest);
-            let scale = params.cell / UNITS;
-            let radius = f32(radius_units) * scale;
-            // two cells away or more the plate is out of reach, or the point is far behind it
-            let of_point = select(select(deep * scale, 2.0 * params.cell, cells < -1), 0.0, cells > 1);
-            // once pressed, the ghost moves with the face of the point, not with the point
-            let followed = arm[axis] * plate.normal < 0.0;
-            var further = 0.0;
-            if followed {
-                further = (abs(arm[axis]) - half_edge(i)) - plate.normal * arm_low[axis];
+            var m: Touch;
+            if SHELLS {
+                if plate.shell == 0u {
+                    m = touch_of_plane(plate, i, arm.xyz, arm_low.xyz);
+                } else {
+                    m = touch_of_shell(plate, i, arm.xyz, arm_low.xyz);
+                }
+            } else {
+                m = touch_of_plane(plate, i, arm.xyz, arm_low.xyz);
             }
-            let overlap = of_point + further * params.cell;
-            if overlap > radius {
+            let radius = f32(bitcast<i32>(word(ENERGY, i).w)) * (params.cell / UNITS);
+            if m.overlap > radius {
                 atomicMin(&status.fault, 8u * word(ENERGY, i).z + PASSED);
-            } else if overlap > 0.0 {
-                let tangent = 2.0 * plate.modulus * sqrt(radius * overlap);
-                let f = 0.66666667 * tangent * overlap;
-                own = vec4<f32>(f, tangent, 0.4 * f * overlap, tangent / number(VELOCITY, i).w);
+            } else if m.overlap > 0.0 {
+                let tangent = 2.0 * plate.modulus * sqrt(radius * m.overlap);
+                let f = 0.66666667 * tangent * m.overlap;
+                own = vec4<f32>(f, tangent, 0.4 * f * m.overlap, tangent / number(VELOCITY, i).w);
                 stiffness += tangent;
-                force[axis] += plate.normal * f;
-                if !followed {
-                    arm[axis] = -plate.normal * half_edge(i);
-                    arm_low[axis] = 0.0;
+                force += m.normal * f;
+                // a face is followed from the first touch on
+                let fresh = (m.normal != vec3<f32>(0.0)) & (arm.xyz == vec3<f32>(0.0));
+                if any(fresh) {
+                    arm = select(arm, vec4<f32>(-m.normal * half_edge(i), 0.0), vec4<bool>(fresh, false));
+                    arm_low = select(arm_low, vec4<f32>(0.0), vec4<bool>(fresh, false));
                     changed = true;
                 }
-            } else if followed && of_point <= 0.0 {
-                arm[axis] = 0.0;
-                arm_low[axis] = 0.0;
+            } else if m.followed && m.of_point <= 0.0 {
+                let let_go = arm.xyz * m.at_point < vec3<f32>(0.0);
+                arm = select(arm, vec4<f32>(0.0), vec4<bool>(let_go, false));
+                arm_low = select(arm_low, vec4<f32>(0.0), vec4<bool>(let_go, false));
                 changed = true;
             }
         }
         partial_sums[thread] = own;
         workgroupBarrier();
-        for (var half = 32u; half > 0u; half /= 2u) {
+        for (var half = GROUP / 2u; half > 0u; half /= 2u) {
             if thread < half {
                 partial_sums[thread] = summed(partial_sums[thread], partial_sums[thread + half]);
             }
             workgroupBarrier();
         }
         if thread == 0u {
-            batch.parts[params.points + (group.x + group.y * groups.x) * 6u + k] = partial_sums[0];
+            batch.parts[params.points + (group.x + group.y * groups.x) * PLATES + k] = partial_sums[0];
         }
         workgroupBarrier();
     }
@@ -149,18 +230,18 @@ fn plate_forces(
 }
 
 // Reactions of the loading plates and of the sides of the domain at the end of a step, the work of the plates, and the sums of the batch.
-@compute @workgroup_size(256)
+@compute @workgroup_size(WIDE)
 fn sum_plate_loads(@builtin(local_invocation_index) thread: u32) {
     let sound = status.stop == 0u && atomicLoad(&status.fault) == NO_FAULT;
     let count = params.point_groups.x * params.point_groups.y;
     for (var k = 0u; k < params.plates; k++) {
         var own = vec4<f32>(0.0);
-        for (var g = thread; g < count; g += 256u) {
-            own = summed(own, batch.parts[params.points + g * 6u + k]);
+        for (var g = thread; g < count; g += WIDE) {
+            own = summed(own, batch.parts[params.points + g * PLATES + k]);
         }
         partial_sums[thread] = own;
         workgroupBarrier();
-        for (var half = 128u; half > 0u; half /= 2u) {
+        for (var half = WIDE / 2u; half > 0u; half /= 2u) {
             if thread < half {
                 partial_sums[thread] = summed(partial_sums[thread], partial_sums[thread + half]);
             }
@@ -178,7 +259,7 @@ fn sum_plate_loads(@builtin(local_invocation_index) thread: u32) {
         status.stop = 1u;
         return;
     }
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         let force = status.reaction[side][side / 2u];
         batch.sides[side] = grown(batch.sides[side], select(force, -force, side % 2u == 1u));
     }
@@ -234,7 +315,12 @@ fn drive() {
     for (var k = 0u; k < params.plates; k++) {
         let p = batch.plates[k];
         rate = max(rate, p.rate);
-        extents[p.axis] += params.follows * (p.overlap - p.way);
+        let wider = params.follows * (p.overlap - p.way);
+        if p.shell == 0u {
+            extents[p.axis] += wider;
+        } else {
+            extents += vec3<f32>(2.0 * wider, 2.0 * wider, 0.0);
+        }
     }
     let dt = longest_step(params.dt, rate);
     batch.dt = dt;
@@ -245,7 +331,7 @@ fn drive() {
         p.speed = value;
         if d.kind == 1u {
             let others = select(extents, vec3<f32>(1.0), vec3<u32>(0u, 1u, 2u) == vec3<u32>(p.axis));
-            let force = value * (others.x * others.y * others.z);
+            let force = value * (others.x * others.y * others.z * p.face);
             let limit = d.reach * extents[p.axis];
             // as servo_speed in boundary.rs
             var servo = limit;

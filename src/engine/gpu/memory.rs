@@ -1,5 +1,6 @@
 //! Sizes of the buffers that a continuum needs on the device, known before anything is allocated.
 
+use super::bounds::{PLATES, WIDE};
 use super::device::refused;
 use super::layout::{BatchState, groups};
 use super::state::planes;
@@ -29,12 +30,14 @@ impl BufferSizes {
         BufferSizes {
             state: 16 * planes(plates) as u64 * points,
             nodes: 48 * nodes,
-            starts: 4 * (cells + 1 + cells.div_ceil(256)),
+            starts: 4 * (cells + 1 + cells.div_ceil(WIDE as u64)),
             counts: 4 * cells,
             order: 4 * points,
             touching: 8 * sides,
             // the state, the force on each point, and sums over workgroups of points
-            batch: size_of::<BatchState>() as u64 + 16 + if plates { 16 * points + 96 * (u64::from(x) * u64::from(y)) } else { 0 },
+            batch: size_of::<BatchState>() as u64
+                + 16
+                + if plates { 16 * points + 16 * PLATES as u64 * (u64::from(x) * u64::from(y)) } else { 0 },
         }
     }
 
@@ -50,7 +53,7 @@ impl BufferSizes {
     pub fn check(&self, limits: &wgpu::Limits) -> Result<()> {
         let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
         // the workgroups of the prefix sum must fit along one axis; the grid is limited so that indices fit into 32 bits
-        let cells = 65_535 * 256 * 4;
+        let cells = 65_535 * WIDE as u64 * 4;
         for (what, bytes, most, advice) in [
             ("memory of the points", self.state, most, "use fewer points"),
             ("memory of the grid", self.nodes, most.min(48 << 30), "use a smaller domain or larger cells"),

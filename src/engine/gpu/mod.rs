@@ -12,13 +12,14 @@
 //! # }
 //! ```
 //!
-//! It has three-dimensional grids with quadratic B-splines, the MUSL scheme, the blend of FLIP and PIC, walls, gravity, local damping, the laws `elastic` and
-//! `drucker_prager`, up to six loading plates that move at a speed or hold a stress, and grains with their contacts. What it lacks (plane strain, GIMP, the affine
+//! It has three-dimensional grids with quadratic B-splines, the MUSL scheme, the blend of FLIP and PIC, walls, gravity, local damping, the laws `elastic`,
+//! `drucker_prager` and `mohr_coulomb`, up to six loading plates (planes and shells) that move at a speed or hold a stress, and grains with their contacts. What it lacks (plane strain, GIMP, the affine
 //! transfer, other laws) is refused with the key of the scene file.
 //!
 //! The shaders are the files `*.wgsl`, which `shader.rs` puts together. Each of them names its twin: Rust code that computes the same, in f32 in this folder or in
 //! f64 in `mpm`, `coupling`, `contact` and `dem`, against which tests compare it.
 
+mod bounds;
 mod buffers;
 mod continuum;
 mod device;
@@ -29,7 +30,10 @@ mod law;
 mod layout;
 mod loading_plate;
 mod memory;
+#[cfg(test)]
+mod mohr_coulomb;
 mod passes;
+mod rounds;
 mod shader;
 mod state;
 mod support;

@@ -31,7 +31,7 @@ struct Status {
     // bits of the largest sum of wave speed and speed of a point, m/s
     fastest: atomic<u32>,
     // force of each side of the domain on the material, N
-    reaction: array<vec4<f32>, 6>,
+    reaction: array<vec4<f32>, BORDERS>,
 }
 
 // Faults of points.
@@ -68,7 +68,7 @@ fn put(plane: u32, i: u32, value: vec4<f32>) {
     state[plane * params.points + i] = bitcast<vec4<u32>>(value);
 }
 
-// A thread in workgroups of 64.
+// A thread in workgroups of GROUP.
 struct Thread {
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -76,7 +76,7 @@ struct Thread {
 
 // Number of the thread.
 fn linear(one: Thread) -> u32 {
-    return one.id.x + one.id.y * one.groups.x * 64u;
+    return one.id.x + one.id.y * one.groups.x * GROUP;
 }
 
 // Numbers of cells and nodes along each axis. A cell here is that of the B-spline, about a node, so there is one more than cells of the domain; nodes go one cell
@@ -179,7 +179,7 @@ fn node_place(k: u32) -> vec3<i32> {
 }
 
 // Mass, momentum and velocity (Li et al. 2023, eqs 36, 37).
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn project(one: Thread) {
     let k = linear(one);
     if k >= params.nodes {
@@ -224,7 +224,7 @@ fn damped_velocity(k: u32, v: vec3<f32>, change_and_rate: vec4<f32>) {
 }
 
 // Forces on the nodes: internal ones −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of loading plates and grains (eq. 29), gravity; and the new velocity (eq. 28).
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn accelerate(one: Thread) {
     let k = linear(one);
     if k >= params.nodes {

@@ -25,7 +25,7 @@ fn plan() {
 }
 
 // Sets the counts to zero.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn clear(one: Thread) {
     let c = linear(one);
     if c < params.cells {
@@ -34,7 +34,7 @@ fn clear(one: Thread) {
 }
 
 // Counts the points of each cell.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn count(one: Thread) {
     let i = linear(one);
     if i < params.points {
@@ -42,13 +42,13 @@ fn count(one: Thread) {
     }
 }
 
-var<workgroup> shared_sums: array<u32, 256>;
+var<workgroup> shared_sums: array<u32, WIDE>;
 
 // The sum of the values `own` of the threads before this one.
 fn before(thread: u32, own: u32) -> u32 {
     shared_sums[thread] = own;
     workgroupBarrier();
-    for (var reach = 1u; reach < 256u; reach *= 2u) {
+    for (var reach = 1u; reach < WIDE; reach *= 2u) {
         var more = 0u;
         if thread >= reach {
             more = shared_sums[thread - reach];
@@ -60,10 +60,10 @@ fn before(thread: u32, own: u32) -> u32 {
     return shared_sums[thread] - own;
 }
 
-// Prefix sum of the counts within each group of 256 cells, and the sum of the group.
-@compute @workgroup_size(256)
+// Prefix sum of the counts within each group of WIDE cells, and the sum of the group.
+@compute @workgroup_size(WIDE)
 fn scan_cells(@builtin(workgroup_id) block: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let c = block.x * 256u + thread;
+    let c = block.x * WIDE + thread;
     var own = 0u;
     if c < params.cells {
         own = atomicLoad(&counts[c]);
@@ -72,15 +72,15 @@ fn scan_cells(@builtin(workgroup_id) block: vec3<u32>, @builtin(local_invocation
     if c < params.cells {
         starts[c] = first;
     }
-    if thread == 255u {
+    if thread == WIDE - 1u {
         starts[params.cells + 1u + block.x] = first + own;
     }
 }
 
 // Prefix sum of the sums of groups.
-@compute @workgroup_size(256)
+@compute @workgroup_size(WIDE)
 fn scan_blocks(@builtin(local_invocation_index) thread: u32) {
-    let share = (params.blocks + 255u) / 256u;
+    let share = (params.blocks + WIDE - 1u) / WIDE;
     let begin = params.cells + 1u + min(thread * share, params.blocks);
     let to = params.cells + 1u + min((thread + 1u) * share, params.blocks);
     var own = 0u;
@@ -96,11 +96,11 @@ fn scan_blocks(@builtin(local_invocation_index) thread: u32) {
 }
 
 // The sum of both: the first index of each cell.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn scan_add(one: Thread) {
     let c = linear(one);
     if c < params.cells {
-        let first = starts[c] + starts[params.cells + 1u + c / 256u];
+        let first = starts[c] + starts[params.cells + 1u + c / WIDE];
         starts[c] = first;
         atomicStore(&counts[c], first);
     } else if c == params.cells {
@@ -109,7 +109,7 @@ fn scan_add(one: Thread) {
 }
 
 // Writes each point to its cell, in any order.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn scatter(one: Thread) {
     let i = linear(one);
     if i < params.points {
@@ -118,7 +118,7 @@ fn scatter(one: Thread) {
 }
 
 // Sorts the points of each cell by identity (insertion sort), so that the order depends on the state alone, not on the order in which threads ran.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn sort(one: Thread) {
     let c = linear(one);
     if c >= params.cells {

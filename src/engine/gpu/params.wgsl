@@ -21,7 +21,7 @@ struct Params {
     // numbers of cells and nodes
     cells: u32,
     nodes: u32,
-    // number of groups of 256 cells in the prefix sum
+    // number of groups of WIDE cells in the prefix sum
     blocks: u32,
     // largest number of points in a cell
     crowd: u32,
@@ -36,8 +36,8 @@ struct Params {
     extents: vec3<f32>,
     follows: f32,
     // the sides x low, x high, y low, …: kind (0 open, 1 symmetry, 2 stick, 3 friction), bits of the coefficient of friction
-    walls: array<vec4<u32>, 6>,
-    drives: array<PlateDrive, 6>,
+    walls: array<vec4<u32>, BORDERS>,
+    drives: array<PlateDrive, PLATES>,
 }
 
 // How a loading plate moves: at a speed, m/s (kind 0), or towards a stress, Pa (kind 1). Speed and stress go from `value` with `slope`, per second, to `end`. The other
@@ -67,8 +67,8 @@ struct Evolution {
     decay: f32,
 }
 
-// A constitutive law: kind 0 linear elasticity, 1 Drucker-Prager. The other fields are those of DruckerPrager in mpm/law/drucker_prager.rs, with bulk and shear modulus,
-// Pa; from the plastic strain `settled` on the yield surface is `last_alpha`, `last_kappa`.
+// A constitutive law: kind 0 linear elasticity, 1 Drucker-Prager, 2 Mohr-Coulomb. The other fields are those of DruckerPrager in mpm/law/drucker_prager.rs, with bulk and shear modulus,
+// Pa; from the plastic strain `settled` on the yield surface is `last_alpha`, `last_kappa`. For Mohr-Coulomb that is the cone inside its pyramid, in which nothing yields.
 struct Law {
     kind: u32,
     // 0 outer, 1 inner, 2 plane strain (mpm/law/cone.rs)
@@ -81,6 +81,11 @@ struct Law {
     settled: f32,
     last_alpha: f32,
     last_kappa: f32,
+    // of Mohr-Coulomb: sines of the friction and the dilation angle; 2 c cos φ, Pa; mean stress at the apex, Pa
+    sin_friction: f32,
+    sin_dilation: f32,
+    strength: f32,
+    apex: f32,
     unused_a: f32,
     unused_b: f32,
     friction: Evolution,

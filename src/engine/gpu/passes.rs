@@ -2,7 +2,10 @@
 
 use super::buffers::{Buffers, Groups};
 use super::device::Device;
+use super::shader::Uses;
 use super::{grains, shader};
+use crate::mpm::LoadingPlate;
+use crate::mpm::law::Law;
 
 /// Entry points for points and nodes; they share one layout of bindings.
 const NAMES: [&str; 18] = [
@@ -63,9 +66,13 @@ struct BindGroups {
 }
 
 impl Passes {
-    /// Compiles the pipelines, with or without those for grains.
-    pub fn new(device: &Device, with_grains: bool) -> Passes {
-        let source = if with_grains { shader::MIXTURE } else { shader::STEP };
+    /// Compiles the pipelines for these laws and loading plates, with or without those for grains.
+    pub fn new(device: &Device, with_grains: bool, laws: &[Law], plates: &[LoadingPlate]) -> Passes {
+        let uses = Uses {
+            mohr_coulomb: laws.iter().any(|law| matches!(law, Law::MohrCoulomb(_))),
+            shells: plates.iter().any(|plate| plate.radius.is_some()),
+        };
+        let source = uses.of(if with_grains { shader::MIXTURE } else { shader::STEP });
         let device = &device.device;
         let entry = |binding: u32, ty: wgpu::BufferBindingType| wgpu::BindGroupLayoutEntry {
             binding,

@@ -6,7 +6,7 @@ fn report_fault(fault: u32, i: u32) {
 }
 
 // Velocity (Li et al. 2023, eq. 30) and position (eq. 33).
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn advance(one: Thread) {
     let i = linear(one);
     if i >= params.points || status.stop != 0u {
@@ -105,7 +105,7 @@ fn product(a: Sym, b: Sym) -> f32 {
 }
 
 // Strain and spin increments, volume, stress.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn strain(one: Thread) {
     let i = linear(one);
     if i >= params.points || status.stop != 0u {
@@ -207,7 +207,7 @@ fn finish() {
 }
 
 // The largest sum of wave speed and speed of a point, for the bound on the time step (mpm/check.rs). Positive numbers are in the order of their bits.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn survey(one: Thread) {
     let i = linear(one);
     if i >= params.points {

@@ -1,9 +1,30 @@
-//! The sources of the shaders, put together from their files.
+//! The sources of the shaders, put together from their files and the numbers of `bounds.rs`.
+
+use super::bounds::bounds_wgsl;
+
+/// Parts of the shaders for which runs without them shall not pay: software adapters go through both branches of a condition.
+#[derive(Clone, Copy)]
+pub struct Uses {
+    /// Mohr and Coulomb's law.
+    pub mohr_coulomb: bool,
+    /// Loading plates that are shells.
+    pub shells: bool,
+}
+
+impl Uses {
+    /// A source with these parts.
+    pub fn of(self, source: &str) -> String {
+        let Uses { mohr_coulomb, shells } = self;
+        format!("const MOHR_COULOMB: bool = {mohr_coulomb};\nconst SHELLS: bool = {shells};\n{source}")
+    }
+}
 
 /// Source for a continuum without grains.
 pub const STEP: &str = concat!(
+    bounds_wgsl!(),
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
+    include_str!("mohr_coulomb.wgsl"),
     include_str!("law.wgsl"),
     include_str!("grains/without_grains.wgsl"),
     include_str!("nodes.wgsl"),
@@ -15,8 +36,10 @@ pub const STEP: &str = concat!(
 
 /// Source for a continuum with grains.
 pub const MIXTURE: &str = concat!(
+    bounds_wgsl!(),
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
+    include_str!("mohr_coulomb.wgsl"),
     include_str!("law.wgsl"),
     include_str!("grains/contact.wgsl"),
     include_str!("nodes.wgsl"),
@@ -38,11 +61,22 @@ pub mod tests {
     use wgpu::naga;
 
     /// Source for tests of the laws alone.
-    pub const LAW_TEST: &str =
-        concat!(include_str!("params.wgsl"), include_str!("exact.wgsl"), include_str!("law.wgsl"), include_str!("law_test.wgsl"));
+    pub const LAW_TEST: &str = concat!(
+        bounds_wgsl!(),
+        include_str!("params.wgsl"),
+        include_str!("exact.wgsl"),
+        include_str!("mohr_coulomb.wgsl"),
+        include_str!("law.wgsl"),
+        include_str!("law_test.wgsl")
+    );
 
-    fn parsed(source: &str) -> naga::Module {
-        naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
+    /// All parts.
+    pub const ALL: Uses = Uses { mohr_coulomb: true, shells: true };
+
+    /// The module of a source with all parts.
+    pub fn parsed(source: &str) -> naga::Module {
+        let source = ALL.of(source);
+        naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)))
     }
 
     /// Every source is valid WGSL.
@@ -118,10 +152,15 @@ pub mod tests {
             drift,
             overlap,
             way,
-            unused,
+            face,
             ways,
             overlaps,
-            reactions
+            reactions,
+            centre_cell,
+            centre_units,
+            centre_rest,
+            shell,
+            split
         );
         // the last field of the struct in WGSL is an array of any length
         let (mut fields, size) = offsets(&module, "BatchState");
@@ -144,6 +183,10 @@ pub mod tests {
             settled,
             last_alpha,
             last_kappa,
+            sin_friction,
+            sin_dilation,
+            strength,
+            apex,
             unused_a,
             unused_b,
             friction,
@@ -217,8 +260,9 @@ pub mod tests {
     /// Constants have the same values in Rust and WGSL.
     #[test]
     fn constants_are_those_of_the_processor() {
+        use crate::gpu::bounds::{BORDERS, GROUP, PARTNERS, PLACES, PLATES, SIDES, SLOTS, WIDE};
         use crate::gpu::grains::FURTHEST;
-        use crate::gpu::grains::layout::{NO_FACE, NODES, NONE, PARTNERS, PLACES, POINT_CONTACT, SIDES, SLOTS, WALLS};
+        use crate::gpu::grains::layout::{NO_FACE, NODES, NONE, POINT_CONTACT, WALLS};
         use crate::point_contacts::ContactRates;
         use naga::{Expression, Literal};
         let module = parsed(MIXTURE);
@@ -235,8 +279,20 @@ pub mod tests {
         ] {
             assert_eq!(literal(name), Literal::F32(value as f32), "{name}");
         }
-        let whole = [PARTNERS, SIDES, SLOTS, PLACES, POINT_CONTACT, NODES, WALLS as usize, NONE as usize];
-        for (name, value) in ["PARTNERS", "SIDES", "SLOTS", "PLACES", "ROW_PLANES", "NODES", "WALLS", "NONE"].iter().zip(whole) {
+        for (name, value) in [
+            ("GROUP", GROUP),
+            ("WIDE", WIDE),
+            ("BORDERS", BORDERS),
+            ("PLATES", PLATES),
+            ("PARTNERS", PARTNERS),
+            ("SIDES", SIDES),
+            ("SLOTS", SLOTS),
+            ("PLACES", PLACES),
+            ("ROW_PLANES", POINT_CONTACT),
+            ("NODES", NODES),
+            ("WALLS", WALLS as usize),
+            ("NONE", NONE as usize),
+        ] {
             assert_eq!(literal(name), Literal::U32(value as u32), "{name}");
         }
     }

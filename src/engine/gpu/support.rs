@@ -4,6 +4,7 @@ use super::device::{Adapter, adapter, refused};
 use super::grains::{self, CoarseGrains};
 use super::loading_plate;
 use super::memory::BufferSizes;
+use super::rounds;
 use crate::error::{Error, Result};
 use crate::mpm::law::Law;
 use crate::mpm::{Dimension, LoadingPlate, Points, Settings, ShapeFunctions, Transfer};
@@ -19,10 +20,12 @@ pub fn needs(settings: &Settings, points: &Points, plates: &[LoadingPlate], coar
 /// The adapter, where the continuum fits into its memory.
 ///
 /// # Errors
-/// The device lacks something that the continuum has; there is no adapter; its memory is too small.
+/// The device lacks something that the continuum has; there is no adapter; its memory is too small; a loop would be too long for a software adapter.
 pub fn fits(settings: &Settings, points: &Points, plates: &[LoadingPlate], coarse: Option<&CoarseGrains<'_>>) -> Result<Adapter> {
     let (sizes, grains) = sizes(settings, points, plates, coarse)?;
-    holding(&sizes, grains.as_ref())
+    let adapter = holding(&sizes, grains.as_ref())?;
+    Error::all(if adapter.software { rounds::too_many(settings, points, coarse) } else { Vec::new() })?;
+    Ok(adapter)
 }
 
 /// Sizes of the buffers, those of points and nodes and those of grains.

@@ -1,8 +1,6 @@
 // The walls at the sides of the domain, in one workgroup with a barrier after each wall. Twins (f64): mpm/walls.rs and mpm/walls/friction.rs, where the method is documented.
 
-const WALL_THREADS: u32 = 256u;
-
-var<workgroup> partial: array<vec3<f32>, 256>;
+var<workgroup> partial: array<vec3<f32>, WIDE>;
 
 // Number of nodes in the plane of a wall across `axis`.
 fn plane_size(axis: u32) -> u32 {
@@ -164,14 +162,14 @@ fn presses(side: u32, at: vec3<i32>) -> bool {
     return rubs(side) && at[axis] == select(1, node_size()[axis] - 2, side % 2u == 1u) && (touching[plane_first(side) + number_on(axis, at)] & 1u) != 0u;
 }
 
-// The first side whose friction acts on a node; 6: none does.
+// The first side whose friction acts on a node; BORDERS: none does.
 fn first_to_rub(at: vec3<i32>) -> u32 {
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         if presses(side, at) && bitcast<f32>(params.walls[side].y) > 0.0 {
             return side;
         }
     }
-    return 6u;
+    return BORDERS;
 }
 
 fn rubbing(at: vec3<i32>) -> Rubbing {
@@ -179,7 +177,7 @@ fn rubbing(at: vec3<i32>) -> Rubbing {
     let i = nodes[CHANGE * params.nodes + node].xyz;
     var found = Rubbing(vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), 1.0, vec3<f32>(0.0));
     var free = vec3<f32>(1.0);
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         if presses(side, at) {
             let axis = side / 2u;
             found.given[axis] = -i[axis];
@@ -208,7 +206,7 @@ fn add_up(thread: u32, side: u32, sum: vec3<f32>, moving: bool) {
     partial[thread] = sum;
     workgroupBarrier();
     storageBarrier();
-    for (var half = WALL_THREADS / 2u; half > 0u; half /= 2u) {
+    for (var half = WIDE / 2u; half > 0u; half /= 2u) {
         if thread < half {
             partial[thread] += partial[thread + half];
         }
@@ -222,10 +220,10 @@ fn add_up(thread: u32, side: u32, sum: vec3<f32>, moving: bool) {
 
 // Folds the walls with friction, all together (mpm/walls/friction.rs).
 fn rub(thread: u32, moving: bool) {
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         if rubs(side) {
             let first = plane_first(side);
-            for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+            for (var t = thread; t < plane_size(side / 2u); t += WIDE) {
                 // where the wall touched at the last acceleration it still does
                 let held = !moving && (touching[first + t] & 2u) != 0u;
                 touching[first + t] = select(0u, select(1u, 3u, moving), held || pushes(side, t));
@@ -234,12 +232,12 @@ fn rub(thread: u32, moving: bool) {
     }
     storageBarrier();
     // what the walls give across stays at the nodes on their planes, for another wall may fold it onto its image
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         if !rubs(side) {
             continue;
         }
         let axis = side / 2u;
-        for (var t = thread; t < plane_size(axis); t += WALL_THREADS) {
+        for (var t = thread; t < plane_size(axis); t += WIDE) {
             if (touching[plane_first(side) + t] & 1u) != 0u {
                 let across = needed(side, t)[axis];
                 let on = node_index(wall_node(side, t, 1));
@@ -249,23 +247,23 @@ fn rub(thread: u32, moving: bool) {
         }
         storageBarrier();
     }
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         if !rubs(side) {
             continue;
         }
-        for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+        for (var t = thread; t < plane_size(side / 2u); t += WIDE) {
             if (touching[plane_first(side) + t] & 1u) != 0u {
                 mirror(side, t);
             }
         }
         storageBarrier();
     }
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         if !rubs(side) {
             continue;
         }
         var sum = vec3<f32>(0.0);
-        for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+        for (var t = thread; t < plane_size(side / 2u); t += WIDE) {
             if (touching[plane_first(side) + t] & 1u) != 0u {
                 sum += given(side, t);
             }
@@ -273,11 +271,11 @@ fn rub(thread: u32, moving: bool) {
         add_up(thread, side, sum, moving);
     }
     // of several walls with friction that touch a node the first one rubs it
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         if !rubs(side) {
             continue;
         }
-        for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+        for (var t = thread; t < plane_size(side / 2u); t += WIDE) {
             let at = wall_node(side, t, 1);
             if first_to_rub(at) == side {
                 let node = rubbing(at);
@@ -294,13 +292,13 @@ fn all_walls(thread: u32, moving: bool) {
     let P = SPEED * params.nodes;
     let I = CHANGE * params.nodes;
     var any = false;
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         any |= rubs(side);
         if !holds(side) {
             continue;
         }
         var sum = vec3<f32>(0.0);
-        for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+        for (var t = thread; t < plane_size(side / 2u); t += WIDE) {
             sum += hold(side, t);
             touching[plane_first(side) + t] = select(1u, 3u, moving);
         }
@@ -310,11 +308,11 @@ fn all_walls(thread: u32, moving: bool) {
         rub(thread, moving);
     }
     // velocities
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         if params.walls[side].x == 0u {
             continue;
         }
-        for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+        for (var t = thread; t < plane_size(side / 2u); t += WIDE) {
             for (var layer = 0; layer < 3; layer++) {
                 let at = wall_node(side, t, layer);
                 if owned(side, at) {
@@ -332,13 +330,13 @@ fn all_walls(thread: u32, moving: bool) {
     }
     storageBarrier();
     // again, as in a domain one cell wide the opposite wall has added to this plane since
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         if params.walls[side].x == 0u {
             continue;
         }
         let first = plane_first(side);
         let stays = vec4<f32>(max(parity(side), vec3<f32>(0.0)), 0.0);
-        for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+        for (var t = thread; t < plane_size(side / 2u); t += WIDE) {
             if (touching[first + t] & 1u) != 0u {
                 let k = node_index(wall_node(side, t, 1));
                 nodes[P + k] *= stays;
@@ -348,14 +346,14 @@ fn all_walls(thread: u32, moving: bool) {
         storageBarrier();
     }
     // against the order of folding: what lies behind two walls is the image of an image
-    for (var r = 0u; r < 12u; r++) {
-        let side = 5u - r % 6u;
-        if (r < 6u && !rubs(side)) || (r >= 6u && !holds(side)) {
+    for (var r = 0u; r < 2u * BORDERS; r++) {
+        let side = BORDERS - 1u - r % BORDERS;
+        if (r < BORDERS && !rubs(side)) || (r >= BORDERS && !holds(side)) {
             continue;
         }
         let first = plane_first(side);
         let mirrored = parity(side);
-        for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+        for (var t = thread; t < plane_size(side / 2u); t += WIDE) {
             if (touching[first + t] & 1u) != 0u {
                 let behind = node_index(wall_node(side, t, 0));
                 let before = node_index(wall_node(side, t, 2));
@@ -368,11 +366,11 @@ fn all_walls(thread: u32, moving: bool) {
     if !moving {
         return;
     }
-    for (var side = 0u; side < 6u; side++) {
+    for (var side = 0u; side < BORDERS; side++) {
         if params.walls[side].x == 0u {
             continue;
         }
-        for (var t = thread; t < plane_size(side / 2u); t += WALL_THREADS) {
+        for (var t = thread; t < plane_size(side / 2u); t += WIDE) {
             for (var layer = 0; layer < 3; layer++) {
                 let at = wall_node(side, t, layer);
                 if owned(side, at) {
@@ -384,12 +382,12 @@ fn all_walls(thread: u32, moving: bool) {
     }
 }
 
-@compute @workgroup_size(256)
+@compute @workgroup_size(WIDE)
 fn walls_project(@builtin(local_invocation_index) thread: u32) {
     all_walls(thread, false);
 }
 
-@compute @workgroup_size(256)
+@compute @workgroup_size(WIDE)
 fn walls_accelerate(@builtin(local_invocation_index) thread: u32) {
     all_walls(thread, true);
 }

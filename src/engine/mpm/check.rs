@@ -99,6 +99,8 @@ fn of_points(settings: &Settings, laws: &[Law], points: &Points) -> Result<()> {
 /// See [`Continuum::check`].
 pub fn of_state(c: &Continuum, made: &Continuum, added: u64) -> Checked {
     ensure(c.settings == made.settings && c.laws == made.laws, || "grid or laws of the points are not those of the scene".into())?;
+    ensure(c.account.is_some() == made.account.is_some(), || "the energy account is kept otherwise than in the scene".into())?;
+    c.account.as_ref().map_or(Ok(()), |account| account.check())?;
     ensure(c.keeps_transport_velocity == made.keeps_transport_velocity, || {
         "points keep other velocities than the scene asks for".into()
     })?;
@@ -124,7 +126,10 @@ pub fn of_state(c: &Continuum, made: &Continuum, added: u64) -> Checked {
     check::numbers("stresses of points", p.stress.as_flattened())?;
     check::positive("volumes of points", p.position.iter().map(|p| p[3]).chain(p.initial_volume.iter().copied()))?;
     check::positive("masses of points", p.velocity.iter().map(|v| v[3]))?;
-    check::not_negative("plastic strains of points", p.memory.iter().map(|m| m.plastic))?;
+    check::numbers("plastic strains of points", p.memory.iter().map(|m| m.plastic))?;
+    let falls = |law: u8| c.laws.get(usize::from(law)).is_some_and(Law::plastic_falls);
+    let accumulated = p.memory.iter().zip(&p.law).filter(|(_, law)| !falls(**law));
+    check::not_negative("plastic strains of points", accumulated.map(|(m, _)| m.plastic))?;
     check::numbers("velocity gradients of points", p.affine.as_flattened().as_flattened())?;
     check::numbers("velocities of points", p.transport_velocity.as_flattened())?;
     check::numbers("faces of points", p.faces.as_flattened().as_flattened())?;
@@ -136,10 +141,18 @@ pub fn of_state(c: &Continuum, made: &Continuum, added: u64) -> Checked {
 /// See [`Continuum::stable_step`].
 pub fn stable_step(c: &Continuum, safety: f64) -> f64 {
     let points = &c.points;
+    // stresses are read only where a law needs them
+    let stiffens = c.laws.iter().any(Law::stiffens);
     let fastest = (0..points.len())
         .map(|i| {
             let [u, v, w, _] = points.velocity[i];
-            c.laws[points.law[i] as usize].wave_speed(points.density(i)) + (u * u + v * v + w * w).sqrt()
+            let law = &c.laws[points.law[i] as usize];
+            let wave = if stiffens {
+                law.wave_speed_at(points.density(i), &points.stress[i], points.memory[i])
+            } else {
+                law.wave_speed(points.density(i))
+            };
+            wave + (u * u + v * v + w * w).sqrt()
         })
         .fold(0.0, f64::max);
     safety * c.settings.cell / fastest

@@ -4,6 +4,7 @@
 //! so are never −0: an empty tile changes no bit.
 
 use super::Settings;
+use super::account::NodeAccount;
 use super::blocks::{CellBlocks, EDGE, NONE, TILE, cells, tile};
 use super::walls::Walls;
 use rayon::prelude::*;
@@ -53,7 +54,13 @@ impl NodeGrid {
 
     /// Accelerates the nodes, v ← v + Δt f/m, with the tiles' forces, gravity and local damping (Li et al. 2023, eq. 28), and with the effect of walls. Returns the
     /// force of each wall on the material, N.
-    pub fn accelerate<const D: usize>(&mut self, blocks: &CellBlocks, settings: &Settings, dt: f64) -> [[f64; 3]; 6] {
+    pub fn accelerate<const D: usize>(
+        &mut self,
+        blocks: &CellBlocks,
+        settings: &Settings,
+        dt: f64,
+        mut account: Option<&mut NodeAccount<'_>>,
+    ) -> [[f64; 3]; 6] {
         let tiles = &self.tiles;
         let (g, damping) = (settings.gravity, settings.damping);
         let arrays = self.momentum.par_chunks_exact(cells(D)).zip(self.change.par_chunks_exact_mut(cells(D)));
@@ -67,16 +74,18 @@ impl NodeGrid {
                 *f = [(f[0] + m * g[0]) * over, (f[1] + m * g[1]) * over, (f[2] + m * g[2]) * over, f[3] / mass];
             }
         });
+        if let Some(account) = &mut account {
+            account.before_walls(&self.momentum, &self.change, self.walls.nodes());
+        }
         let impulses = self.walls.accelerate(&self.momentum, &mut self.velocity, &mut self.change);
+        if let Some(account) = account {
+            account.after_walls(&self.momentum, &self.velocity, &self.change, self.walls.nodes(), settings, dt);
+        }
         let arrays = self.velocity.par_chunks_exact_mut(cells(D)).zip(self.change.par_chunks_exact_mut(cells(D)));
         arrays.with_min_len(2 * TASK).for_each(|(velocity, change)| {
             for (v, dv) in velocity.iter_mut().zip(change) {
                 for a in 0..3 {
-                    // local damping −α |f| sign(v) of the force that walls have left; a node that friction has stopped stays at rest
-                    if damping > 0.0 && v[a] != 0.0 && v[a] + dv[a] != 0.0 {
-                        let size = damping * dv[a].abs();
-                        dv[a] += if v[a] > 0.0 { 0.0 - size } else { size };
-                    }
+                    dv[a] = damped(v[a], dv[a], damping);
                     v[a] += dv[a];
                 }
             }
@@ -88,6 +97,18 @@ impl NodeGrid {
     pub fn bytes(&self) -> usize {
         let vectors = self.tiles.capacity() + self.momentum.capacity() + self.velocity.capacity() + self.change.capacity();
         32 * vectors + self.walls.bytes()
+    }
+}
+
+/// Change of a component of a node's velocity, m/s, with local damping −α |f| sign(v) of the force that walls have left; a node that friction has stopped
+/// stays at rest. `v`: velocity before the step, `dv`: its change without damping.
+#[inline(always)]
+pub fn damped(v: f64, dv: f64, damping: f64) -> f64 {
+    if damping > 0.0 && v != 0.0 && v + dv != 0.0 {
+        let size = damping * dv.abs();
+        dv + if v > 0.0 { 0.0 - size } else { size }
+    } else {
+        dv
     }
 }
 

@@ -1,6 +1,7 @@
 //! Mass, momentum and energy of all points, summed in the order of identities.
 
-use super::Continuum;
+use super::law::Law;
+use super::{Continuum, Points};
 
 /// Sums over points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,6 +18,15 @@ pub struct Totals {
     pub kinetic: f64,
     /// Potential energy in gravity, −Σ m g·x, J.
     pub potential: f64,
+}
+
+/// Elastic energy of the stresses of all points, J, summed in the order of identities.
+pub(super) fn elastic_energy(laws: &[Law], points: &Points) -> f64 {
+    let of = |i: u32| {
+        let i = i as usize;
+        points.position[i][3] * laws[usize::from(points.law[i])].elastic_energy(&points.stress[i], points.memory[i])
+    };
+    points.by_id().into_iter().map(of).sum()
 }
 
 /// Sums over all points.

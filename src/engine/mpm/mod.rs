@@ -5,6 +5,7 @@
 //!
 //! Papers: Li et al. 2023 (Comput. Geotech. 160), Jiang et al. 2020 (IJNME), Zhang et al. (SPH of binary mixtures).
 
+pub mod account;
 mod blocks;
 mod check;
 mod external_forces;
@@ -21,10 +22,11 @@ mod stress;
 mod transfer;
 mod walls;
 
+pub use account::EnergyAccount;
 pub use check::with_plates;
 pub use loading_plate::LoadingPlate;
 pub use measure::Totals;
-pub use plate_drive::{PlateDrive, Ramp, area};
+pub use plate_drive::{PlateDrive, Ramp, area, face_share};
 pub use points::{Face, Point, Points};
 pub use spline::{BSpline, Gimp, ShapeFunction, ShapeFunctions};
 pub use stress::rotate_jaumann;
@@ -103,6 +105,8 @@ pub struct Continuum {
     stress_work: f64,
     /// Force of each wall on the material in the last step, N.
     wall_force: [[f64; 3]; 6],
+    /// The energy account, if one is kept.
+    account: Option<Box<EnergyAccount>>,
     /// Grid, buffers, and external forces for the next step.
     #[serde(skip)]
     work: step::GridWorkspace,
@@ -129,6 +133,7 @@ impl Continuum {
             step: 0,
             stress_work: 0.0,
             wall_force: [[0.0; 3]; 6],
+            account: None,
             work,
         })
     }
@@ -159,13 +164,17 @@ impl Continuum {
     /// The points, to be changed. The next step makes the grid anew from them.
     pub fn points_mut(&mut self) -> &mut Points {
         self.work.forget();
+        self.reopen();
         &mut self.points
     }
 
     /// Adds points between two steps; returns the identity of the first of them.
     pub fn insert(&mut self, new: &[Point]) -> u32 {
-        let Continuum { points, work, settings, keeps_transport_velocity, .. } = self;
+        let Continuum { points, work, settings, keeps_transport_velocity, account, .. } = self;
         work.forget();
+        if let Some(account) = account {
+            account.kinetic = None;
+        }
         let first = points.next_id;
         for point in new {
             points.add(point);
@@ -210,6 +219,28 @@ impl Continuum {
         if transport_velocity.is_empty() {
             transport_velocity.extend(velocity.iter().map(|v| [v[0], v[1], v[2]]));
         }
+    }
+
+    /// Opens the energy account with sums of zero; from now on steps add to it.
+    pub fn keep_account(&mut self) {
+        self.account = Some(Box::default());
+    }
+
+    /// The energy account, if one is kept.
+    pub fn account(&self) -> Option<&EnergyAccount> {
+        self.account.as_deref()
+    }
+
+    /// Tells the energy account that points were changed from outside: their kinetic energy is summed anew.
+    fn reopen(&mut self) {
+        if let Some(account) = &mut self.account {
+            account.kinetic = None;
+        }
+    }
+
+    /// Elastic energy of the stresses of all points, J, summed in the order of identities.
+    pub fn elastic_energy(&self) -> f64 {
+        measure::elastic_energy(&self.laws, &self.points)
     }
 
     /// Calls `visit` with the index of every point in the box between two corners (lower, upper), m, and of some points around it.

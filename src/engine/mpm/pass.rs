@@ -1,10 +1,11 @@
 //! Loops over all points (*passes*), block by block. A block writes only its own points and its own tile of nodes, so blocks can be done in any order and on
 //! any thread. In a block, points are taken cell by cell and in the order of identities in a cell, so sums depend on the state alone.
 
+use super::account::OfBlock;
 use super::blocks::{BIAS, CellBlocks, EDGE, STAYS, TILE, block_corner, cell_key, cells, tile};
-use super::external_forces::{ExternalForces, PointForce};
+use super::external_forces::{ExternalForces, OffsetForce, PointForce};
 use super::grid::load;
-use super::law::{ConstitutiveLaw, InternalVariables, Law, Sym, with_law};
+use super::law::{ConstitutiveLaw, Elastic, InternalVariables, Law, Sym, with_law};
 use super::points::Face;
 use super::spline::{ShapeFunction, Weights, hats};
 use super::stress::{increments, rotate_jaumann, work};
@@ -30,6 +31,10 @@ pub mod stage {
     pub const EXTERNAL: u8 = 3;
     /// New velocities and positions of the points from the nodes.
     pub const MOVE: u8 = 4;
+    /// Work of internal and external forces on the nodes' mean velocity, for the energy account.
+    pub const WORK: u8 = 5;
+    /// As [`STRESS`], with plastic work for the energy account.
+    pub const COUNTED_STRESS: u8 = 6;
 }
 
 /// Why a point is lost. Of several points the one with the lowest identity is reported.
@@ -124,6 +129,8 @@ pub struct BlockSlices<'a> {
     /// Of each block: largest value over its points of the sum that bounds [`super::Continuum::contact_frequency_bound`], 1/s²; 0 unless transport
     /// velocities are kept.
     pub contact_frequency: &'a mut [f64],
+    /// Of each block: sums of the energy account; empty unless it is kept.
+    pub account: &'a mut [OfBlock],
 }
 
 impl<'a> BlockSlices<'a> {
@@ -141,6 +148,7 @@ impl<'a> BlockSlices<'a> {
         let (l0, l1) = self.left.split_at_mut(blocks);
         let (w0, w1) = self.work.split_at_mut(blocks);
         let (f0, f1) = self.contact_frequency.split_at_mut(blocks);
+        let (b0, b1) = self.account.split_at_mut(if self.account.is_empty() { 0 } else { blocks });
         let left = BlockSlices {
             first: self.first,
             count: blocks,
@@ -156,6 +164,7 @@ impl<'a> BlockSlices<'a> {
             left: l0,
             work: w0,
             contact_frequency: f0,
+            account: b0,
         };
         let right = BlockSlices {
             first: self.first + blocks,
@@ -172,6 +181,7 @@ impl<'a> BlockSlices<'a> {
             left: l1,
             work: w1,
             contact_frequency: f1,
+            account: b1,
         };
         (left, right)
     }
@@ -181,6 +191,9 @@ impl<'a> BlockSlices<'a> {
 trait LawOfPoint: Sync {
     /// [`ConstitutiveLaw::update`] of the point with this index.
     fn update(&self, point: usize, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables);
+
+    /// [`ConstitutiveLaw::elastic`] of the point with this index.
+    fn elastic(&self, point: usize) -> Elastic;
 }
 
 /// One law for all points, of its own type: the loop is compiled for it alone. With the code of every law in one loop an elastic step took 15 % longer.
@@ -190,6 +203,10 @@ impl<L: ConstitutiveLaw + Sync> LawOfPoint for OneLaw<'_, L> {
     #[inline(always)]
     fn update(&self, _: usize, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
         self.0.update(stress, dstrain, internal)
+    }
+
+    fn elastic(&self, _: usize) -> Elastic {
+        self.0.elastic()
     }
 }
 
@@ -201,11 +218,15 @@ impl LawOfPoint for SeveralLaws<'_> {
     fn update(&self, point: usize, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
         self.0[self.1[point] as usize].update(stress, dstrain, internal)
     }
+
+    fn elastic(&self, point: usize) -> Elastic {
+        self.0[self.1[point] as usize].elastic()
+    }
 }
 
 /// Runs the pass `STAGE` over the blocks of `part`, in parallel.
 pub fn run<const STAGE: u8, const D: usize, S: ShapeFunction>(pass: &Pass<'_, S>, part: BlockSlices<'_>) {
-    if const { STAGE == stage::STRESS }
+    if const { matches!(STAGE, stage::STRESS | stage::COUNTED_STRESS) }
         && let [law] = pass.laws
     {
         return with_law!(law, own => parallel::<STAGE, D, S, _>(pass, &OneLaw(own), part));
@@ -262,22 +283,28 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: ShapeFunction, L: LawOfPoin
         let starts = &pass.blocks.starts[b * cells(D)..=(b + 1) * cells(D)];
         if starts[0] == starts[cells(D)] {
             // a block without points any more
-            if matches!(STAGE, stage::PROJECT | stage::STRESS | stage::FORCES) {
+            if matches!(STAGE, stage::PROJECT | stage::STRESS | stage::COUNTED_STRESS | stage::FORCES) {
                 part.tiles[k * tile(D)..][..tile(D)].fill([0.0; 4]);
             }
             (part.left[k], part.work[k], part.contact_frequency[k]) = (0, 0.0, 0.0);
             continue;
         }
-        if matches!(STAGE, stage::STRESS | stage::MOVE) {
+        if matches!(STAGE, stage::STRESS | stage::COUNTED_STRESS | stage::MOVE | stage::WORK) {
             load::<D>(&pass.blocks.ahead[b], pass.velocity, &mut velocity);
         }
-        if STAGE == stage::MOVE {
+        if matches!(STAGE, stage::MOVE | stage::WORK) {
             load::<D>(&pass.blocks.ahead[b], pass.change, &mut change);
         }
-        if matches!(STAGE, stage::PROJECT | stage::STRESS | stage::FORCES) {
+        if STAGE == stage::WORK {
+            // the mean velocity of the step
+            for (v, dv) in velocity.iter_mut().zip(&change) {
+                *v = std::array::from_fn(|a| v[a] - 0.5 * dv[a]);
+            }
+        }
+        if matches!(STAGE, stage::PROJECT | stage::STRESS | stage::COUNTED_STRESS | stage::FORCES) {
             part.tiles[k * tile(D)..][..tile(D)].fill([0.0; 4]);
         }
-        let mut sums = BlockSums { left: 0, work: 0.0, contact_frequency: 0.0 };
+        let mut sums = BlockSums { left: 0, work: 0.0, contact_frequency: 0.0, account: [0.0; 5] };
         for c in 0..cells(D) {
             let [x, y, z] = [c % EDGE, c / EDGE % EDGE, c / (EDGE * EDGE)];
             let cell = [corner[0] + x as i32, corner[1] + y as i32, if D == 3 { corner[2] + z as i32 } else { 0 }];
@@ -286,7 +313,9 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: ShapeFunction, L: LawOfPoin
                 let point = At { token, i, whole: first_point + i, at, cell, k };
                 match STAGE {
                     stage::PROJECT => project::<F, D, S>(pass, &place, &mut part, point),
-                    stage::STRESS => strain::<F, D, S, L>(pass, law, &place, &mut part, point, &velocity, &mut sums),
+                    stage::STRESS => strain::<F, D, S, L, false>(pass, law, &place, &mut part, point, &velocity, &mut sums),
+                    stage::COUNTED_STRESS => strain::<F, D, S, L, true>(pass, law, &place, &mut part, point, &velocity, &mut sums),
+                    stage::WORK => works::<F, D, S>(pass, &place, &part, point, &velocity, &mut sums),
                     stage::FORCES => forces::<F, D, S>(pass, &place, &mut part, point),
                     stage::EXTERNAL => external_forces::<F, D, S>(pass, &place, &mut part, point),
                     _ => advance::<F, D, S>(pass, &place, &mut part, point, [&velocity, &change], &mut sums),
@@ -295,6 +324,11 @@ fn some<F: Four, const STAGE: u8, const D: usize, S: ShapeFunction, L: LawOfPoin
         }
         match STAGE {
             stage::STRESS => part.work[k] = sums.work,
+            stage::COUNTED_STRESS => {
+                part.work[k] = sums.work;
+                part.account[k] = [0.0, 0.0, sums.work, sums.account[3], sums.account[4]];
+            }
+            stage::WORK => part.account[k] = sums.account,
             stage::MOVE => (part.left[k], part.contact_frequency[k]) = (sums.left, sums.contact_frequency),
             _ => {}
         }
@@ -306,6 +340,7 @@ struct BlockSums {
     left: u32,
     work: f64,
     contact_frequency: f64,
+    account: OfBlock,
 }
 
 /// One point of a pass.
@@ -442,7 +477,7 @@ fn pull<F: Four>(token: F::Token, volume: f64, s: &Sym) -> [F; 3] {
 
 /// Strain and spin of a point, its new stress and volume, the places of its faces, and its internal force on the tile.
 #[inline(always)]
-fn strain<F: Four, const D: usize, S: ShapeFunction, L: LawOfPoint>(
+fn strain<F: Four, const D: usize, S: ShapeFunction, L: LawOfPoint, const COUNTED: bool>(
     pass: &Pass<'_, S>,
     law: &L,
     place: &CellMap<F, S>,
@@ -464,6 +499,11 @@ fn strain<F: Four, const D: usize, S: ShapeFunction, L: LawOfPoint>(
     let (stress, memory) = law.update(p.whole, before, strain, part.memory[p.i]);
     // the mean of both stresses, and of both volumes
     sums.work += 0.25 * (volume + grown) * (work(before, strain) + work(stress, strain));
+    if COUNTED {
+        let elastic = law.elastic(p.whole);
+        sums.account[3] += 0.5 * (volume + grown) * elastic.plastic_work(&before, strain, &stress);
+        sums.account[4] -= 0.5 * (grown - volume) * (elastic.energy(&part.stress[p.i]) + elastic.energy(&stress));
+    }
     part.position[p.i][3] = grown;
     part.stress[p.i] = stress;
     part.memory[p.i] = memory;
@@ -514,6 +554,39 @@ fn external_forces<F: Four, const D: usize, S: ShapeFunction>(
         let w = place.at_face(t.xyzw(), &w, a, part.faces[p.i][0][a]);
         spread::<F, D>(p.token, own::<D>(part, p.k), p.at, &w, F::of(p.token, along));
     }
+}
+
+/// Adds the work of the stress of a point, and of the external force on it and its faces, on the nodes' mean velocity `mean`. The weights are those with which
+/// the forces were spread.
+#[inline(always)]
+fn works<F: Four, const D: usize, S: ShapeFunction>(
+    pass: &Pass<'_, S>,
+    place: &CellMap<F, S>,
+    part: &BlockSlices<'_>,
+    p: At<F::Token>,
+    mean: &[[f64; 4]],
+    sums: &mut BlockSums,
+) {
+    let (t, w) = place.weights(part.position[p.i], p.cell);
+    let [x, y, z] = gradient::<F, D>(p.token, mean, p.at, &w);
+    let (strain, _) = increments([x.xyzw(), y.xyzw(), z.xyzw()]);
+    sums.account[0] += part.position[p.i][3] * work(part.stress[p.i], strain) * pass.dt;
+    if pass.external_forces.is_empty() {
+        return;
+    }
+    let Some(point @ &PointForce { force, beside, .. }) = pass.external_forces.of(p.whole) else { return };
+    let v = gather::<F, D>(p.token, mean, p.at, &w).xyzw();
+    let mut power = force[0] * v[0] + force[1] * v[1] + force[2] * v[2];
+    for OffsetForce { force, offset, .. } in pass.external_forces.offset_forces(point) {
+        let w = place.beside::<D>(t.xyzw(), *offset);
+        let v = gather::<F, D>(p.token, mean, p.at, &w).xyzw();
+        power += force[0] * v[0] + force[1] * v[1] + force[2] * v[2];
+    }
+    for a in (0..D).filter(|&a| beside[a] != 0.0) {
+        let w = place.at_face(t.xyzw(), &w, a, part.faces[p.i][0][a]);
+        power += beside[a] * gather::<F, D>(p.token, mean, p.at, &w).xyzw()[a];
+    }
+    sums.account[1] += power * pass.dt;
 }
 
 /// New velocity and position of a point.

@@ -2,6 +2,7 @@
 
 use super::LoadingPlate;
 use crate::boundary::{limited, servo_speed};
+use std::f64::consts::{FRAC_PI_4, PI};
 
 /// A value that changes in proportion to time until it reaches its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +71,16 @@ impl PlateDrive {
 /// Area of a box with these extents, m, across an axis: product of the other extents, m² (a third extent of 1 gives m²/m in plane strain).
 pub fn area(extents: [f64; 3], axis: usize) -> f64 {
     (0..3).filter(|&a| a != axis).map(|a| extents[a]).product()
+}
+
+/// Area of a specimen's face across an axis over that of the box around it ([`area`]); `round`: the specimen is an upright cylinder. Across the lateral axes of
+/// a cylinder it is that of the whole shell, whose force is the sum of all radial forces.
+pub fn face_share(round: bool, axis: usize) -> f64 {
+    match (round, axis) {
+        (false, _) => 1.0,
+        (true, 2) => FRAC_PI_4,
+        (true, _) => PI,
+    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! So a step needs two loops over points that gather from nodes and two that spread to nodes. If there is no grid (first step, restart, points changed
 //! from outside), it is made from the points by the same sums, with the same bits.
 
+use super::account::{NodeAccount, OfBlock, kinetic_of_points};
 use super::blocks::{CellBlocks, STAYS, block_corner, cell_key, tile};
 use super::external_forces::ExternalForces;
 use super::grid::{NodeGrid, node_in_tile};
@@ -33,6 +34,10 @@ pub struct GridWorkspace {
     block_work: Vec<f64>,
     /// Of each block: largest value of the bound below.
     block_frequency: Vec<f64>,
+    /// Of each block: sums of the energy account in this step; empty unless it is kept.
+    block_account: Vec<OfBlock>,
+    /// Buffer of the energy account.
+    free: Vec<[f64; 4]>,
     /// As [`Continuum::contact_frequency_bound`], 1/s².
     pub contact_frequency: f64,
     /// First fault of a point in this step ([`Fault`]).
@@ -90,6 +95,8 @@ impl GridWorkspace {
             + self.grid.bytes()
             + 8 * (self.target.capacity() + self.block_work.capacity() + self.block_frequency.capacity())
             + 4 * self.left.capacity()
+            + size_of::<OfBlock>() * self.block_account.capacity()
+            + 32 * self.free.capacity()
             + self.external_forces.bytes()
     }
 }
@@ -152,13 +159,19 @@ fn stages<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64
         c.work.grid.project::<D>(&c.work.blocks);
         pass::<{ stage::FORCES }, D, S>(c, shape, dt);
     }
+    let counted = begin_account(c);
     // eq. 29: forces on points from contacts
     if !c.work.external_forces.is_empty() {
         pass::<{ stage::EXTERNAL }, D, S>(c, shape, dt);
     }
     // eq. 28: velocities of the nodes, walls
-    let GridWorkspace { grid, blocks, .. } = &mut c.work;
-    c.wall_force = grid.accelerate::<D>(blocks, &c.settings, dt);
+    let GridWorkspace { grid, blocks, free, .. } = &mut c.work;
+    let mut account = c.account.as_mut().map(|sums| NodeAccount { sums, free });
+    c.wall_force = grid.accelerate::<D>(blocks, &c.settings, dt, account.as_mut());
+    if counted {
+        pass::<{ stage::WORK }, D, S>(c, shape, dt);
+        add_sums(c);
+    }
     // eqs 30, 33: velocities and positions of the points
     pass::<{ stage::MOVE }, D, S>(c, shape, dt);
     c.work.external_forces.clear();
@@ -169,11 +182,46 @@ fn stages<const D: usize, S: ShapeFunction>(c: &mut Continuum, shape: S, dt: f64
     pass::<{ stage::PROJECT }, D, S>(c, shape, dt);
     c.work.grid.project::<D>(&c.work.blocks);
     // strain, spin, stress, and the internal forces of the next step
-    pass::<{ stage::STRESS }, D, S>(c, shape, dt);
+    if counted {
+        let kinetic = kinetic_of_points(c);
+        if let Some(account) = &mut c.account {
+            account.to_points -= kinetic;
+            account.kinetic = Some(kinetic);
+        }
+        // points may have gone to other blocks
+        add_sums(c);
+        pass::<{ stage::COUNTED_STRESS }, D, S>(c, shape, dt);
+        add_sums(c);
+    } else {
+        pass::<{ stage::STRESS }, D, S>(c, shape, dt);
+    }
     c.stress_work += c.work.block_work.iter().sum::<f64>();
     check_faults(c)?;
     c.work.ready = true;
     Ok(())
+}
+
+/// Prepares the sums of the energy account, if it is kept: whether it is.
+fn begin_account(c: &mut Continuum) -> bool {
+    let kinetic = match &c.account {
+        None => return false,
+        Some(account) => account.kinetic.unwrap_or_else(|| kinetic_of_points(c)),
+    };
+    if let Some(account) = &mut c.account {
+        account.kinetic = Some(kinetic);
+    }
+    add_sums(c);
+    true
+}
+
+/// Adds the blocks' sums to the energy account, and makes room for those of the present blocks.
+fn add_sums(c: &mut Continuum) {
+    let Continuum { account, work, .. } = c;
+    if let Some(account) = account {
+        account.add(&work.block_account);
+    }
+    work.block_account.clear();
+    work.block_account.resize(work.blocks.len(), OfBlock::default());
 }
 
 /// Runs one loop over all points.
@@ -214,6 +262,7 @@ fn pass<const STAGE: u8, const D: usize, S: ShapeFunction>(c: &mut Continuum, sh
         left: &mut work.left,
         work: &mut work.block_work,
         contact_frequency: &mut work.block_frequency,
+        account: &mut work.block_account,
     };
     run::<STAGE, D, S>(&pass, part);
 }
@@ -326,7 +375,7 @@ mod tests {
         pass::<{ stage::FORCES }, 3, _>(&mut c, BSpline, dt);
         pass::<{ stage::EXTERNAL }, 3, _>(&mut c, BSpline, dt);
         let GridWorkspace { grid, blocks, .. } = &mut c.work;
-        grid.accelerate::<3>(blocks, &settings, dt);
+        grid.accelerate::<3>(blocks, &settings, dt, None);
         let (mut given, mut turned) = ([0.0; 3], [0.0; 3]);
         for (n, (p, dv)) in grid.momentum.iter().zip(&grid.change).enumerate() {
             let node = cell_at::<3>((blocks.node_keys[n / 64] << 6) | (n % 64) as u64);

@@ -144,6 +144,11 @@ impl Walls {
         self.impulse.resize(self.nodes.len(), [0.0; 4]);
     }
 
+    /// The nodes near walls, as indices of the grid's nodes.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
     /// Writes the velocities of the nodes near walls, from the momentum of the nodes. A wall with friction that acted in [`Self::accelerate`] of this step
     /// still acts: where material rests, momentum alone would decide by rounding.
     pub fn project(&mut self, momentum: &[[f64; 4]], velocity: &mut [[f64; 4]]) {

@@ -41,6 +41,8 @@ pub struct Recorder {
     residual: [f64; 2],
     /// Largest difference of opposite sides, and largest kinetic energy over stress work, of the rows that count.
     pub worst: [f64; 2],
+    /// Error of the energy account in the last row; `None`: the run keeps none.
+    pub account_error: Option<f64>,
     /// Dissipated share of all energy given, in the last row.
     pub dissipated: f64,
     /// Difference of opposite sides in the last row, -.

@@ -1,6 +1,7 @@
 //! The records of a run: rows of tables, gradations, breakages, snapshots for ParaView, specimen files and checkpoints. The
 //! engine knows nothing of them.
 
+pub(crate) mod account;
 pub(crate) mod ancestors;
 pub(crate) mod assembly;
 pub(crate) mod blocks;

@@ -15,7 +15,7 @@ use crate::record::continuum::{END, GRAINS_START, Recorder, START};
 use crate::record::crushed::Crushed;
 use crate::record::vtk::{self, Fact};
 use crate::record::walls::Loaded;
-use crate::record::{blocks, checkpoint, contacts, specimen};
+use crate::record::{account, blocks, checkpoint, contacts, specimen};
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
 use engine::boundary::WallShape;
 use engine::check::{self, Checked};
@@ -40,6 +40,8 @@ struct Progress {
     history: Table,
     /// Tracks of rigid bodies; a run without rigid bodies has no such file.
     blocks: Table,
+    /// Rows of the energy account; a run that keeps none has no such file.
+    account: Table,
     /// Tables of breakages and gradations.
     crushed: Crushed,
     /// Time, s, and step of each snapshot.
@@ -66,11 +68,24 @@ pub struct Begun {
 pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
     let (mut state, mut used) = (State::start(model, rig)?, Used::default());
     let engine = used.engine(chosen, &mut state, model, rig)?;
-    let (history, blocks) = (Table::new(files::HISTORY), Table::new(blocks::TRACKS));
+    let (history, blocks, account) = (Table::new(files::HISTORY), Table::new(blocks::TRACKS), Table::new(account::ACCOUNT));
     let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
     let (growing, grown, [seconds, user_seconds, first_step]) = (None, None, [0.0; 3]);
-    let progress =
-        Progress { state, growing, grown, used, recorder, history, blocks, crushed, snapshots, seconds, user_seconds, first_step };
+    let progress = Progress {
+        state,
+        growing,
+        grown,
+        used,
+        recorder,
+        history,
+        blocks,
+        account,
+        crushed,
+        snapshots,
+        seconds,
+        user_seconds,
+        first_step,
+    };
     Ok(Begun { progress, engine })
 }
 
@@ -192,6 +207,7 @@ pub fn take_up(model: &Model, rig: &MpmTest, out: &Path, backend: Option<Backend
     let mut progress: Progress = super::taken_up(out, |progress: &Progress| progress.check(model, rig, out))?;
     progress.history.reopen(out, files::HISTORY)?;
     progress.blocks.reopen(out, blocks::TRACKS)?;
+    progress.account.reopen(out, account::ACCOUNT)?;
     progress.crushed.reopen(out)?;
     let same = if progress.used.gpu() { Backend::Gpu } else { Backend::Cpu };
     let chosen = choose(backend.unwrap_or(same), model)?;
@@ -267,13 +283,14 @@ impl Progress {
         self.crushed.check(model, &self.state, out)?;
         self.history.check(out, files::HISTORY)?;
         self.blocks.check(out, blocks::TRACKS)?;
+        self.account.check(out, account::ACCOUNT)?;
         self.used.check()?;
         check::not_negative("seconds", [self.seconds, self.user_seconds])
     }
 
     /// One [`State::advance`], with the records that are due. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, out: &Path) -> Result<bool> {
-        let Progress { state, recorder, history, blocks, crushed, snapshots, first_step, .. } = self;
+        let Progress { state, recorder, history, blocks, account, crushed, snapshots, first_step, .. } = self;
         let advanced = state.advance(model, rig, engine, |state, engine| {
             watch::slow_points(model, state, *first_step)?;
             let due = recorder.due(rig, state);
@@ -282,6 +299,11 @@ impl Progress {
                 let mut row = recorder.row(rig, state);
                 row.extend(crushed.columns(model, state)?);
                 history.push(out, &row)?;
+                if let Some(now) = state.account(model, rig) {
+                    let strain = rig.specimen().map(|_| recorder.at(rig, state).axial_strain);
+                    account.push(out, &account::row(&now, state.continuum.steps(), state.time, strain))?;
+                    recorder.account_error = Some(now.error());
+                }
                 watch::continuum(rig, state, recorder)?;
                 if let Some(theirs) = state.blocks() {
                     blocks::rows(theirs, state.continuum.steps(), state.time).try_for_each(|row| blocks.push(out, &row))?;
@@ -318,6 +340,7 @@ impl Progress {
 
     fn sync(&mut self, out: &Path) -> Result<()> {
         self.blocks.sync(out)?;
+        self.account.sync(out)?;
         self.crushed.sync(out)?;
         Ok(self.history.sync(out)?)
     }
@@ -514,6 +537,9 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
     put("largest_plastic_strain", json!(r.plastic));
     // share of the energy given by platens, gravity and motion that damping, transfer and wall friction took; errors included
     put("dissipated_share", json!(r.dissipated));
+    if let Some(error) = r.account_error {
+        put("account_error", json!(error));
+    }
     put("wall_seconds", json!(progress.seconds));
     put("user_seconds", json!(progress.user_seconds));
     put("point_steps_per_second", json!(steps as f64 * points as f64 / progress.seconds.max(1e-9)));

@@ -46,7 +46,7 @@ pub const FINES: &str = "fines.pvd";
 /// The only file of a run that failed before its test began: the reason, and the scene. The next run may use such a folder.
 pub const FAILED: &str = "failed.scene.toml";
 /// The files that a run leaves, besides its scene, snapshots and figures. Overwriting a run removes these and nothing else.
-const OURS: [&str; 24] = [
+const OURS: [&str; 25] = [
     FAILED,
     SPECIMEN,
     SUMMARY,
@@ -68,6 +68,7 @@ const OURS: [&str; 24] = [
     crate::record::continuum::START,
     crate::record::continuum::END,
     crate::record::blocks::TRACKS,
+    crate::record::account::ACCOUNT,
     checkpoint::FILE,
     checkpoint::PREVIOUS,
     checkpoint::TEMPORARY,

@@ -163,7 +163,8 @@ pub fn slow_points(model: &Model, state: &continuum::State, first: f64) -> Resul
     let (c, points) = (&state.continuum, state.continuum.points());
     let speed = |i: &usize| {
         let [u, v, w, _] = points.velocity[*i];
-        c.laws()[usize::from(points.law[*i])].wave_speed(points.density(*i)) + (u * u + v * v + w * w).sqrt()
+        c.laws()[usize::from(points.law[*i])].wave_speed_at(points.density(*i), &points.stress[*i], points.memory[*i])
+            + (u * u + v * v + w * w).sqrt()
     };
     let fastest = (0..points.len()).max_by(|i, j| speed(i).total_cmp(&speed(j)));
     let cause = match fastest.filter(|i| c.settings().cell / speed(i) < 10.0 * model.records.stop_at_step * first) {

@@ -6,7 +6,8 @@ use super::provenance::{Assumption, assumed_in};
 use super::view::View;
 use super::{files, overrides, validate, write};
 use crate::error::{Error, Result};
-use engine::mpm::law::{Cone, Elastic, Evolution, Law, Parameters};
+use engine::math::portable::ln;
+use engine::mpm::law::{Clay, Cone, Dilation, Elastic, Evolution, Law, Parameters, Shear, dilatancy};
 use std::path::Path;
 use toml::Value;
 
@@ -58,8 +59,16 @@ impl View<'_> {
             return None;
         }
         let key = |name: &str| format!("{at}.{name}");
+        let word = self.text(&key("law"));
+        let reads = Law::keys(word)?;
+        for (name, stem) in PLASTIC {
+            self.check(reads.contains(&stem) || !self.has(&key(name)), &key(name), format!("has no meaning with law = \"{word}\""));
+        }
+        if reads.contains(&"lambda") {
+            return Law::named(word, &self.clay(&at)?);
+        }
         let moduli = (self.number(&key("G_MPa")), self.number(&key("E_MPa")));
-        let nu = self.si(&key("nu"));
+        let nu = self.needed(&key("nu"), "the Poisson ratio")?;
         let elastic = match moduli {
             (Some(g), None) => Elastic::of_shear(g, nu),
             (None, Some(e)) => Elastic::of_young(e, nu),
@@ -68,16 +77,8 @@ impl View<'_> {
                 return None;
             }
         };
-        let word = self.text(&key("law"));
-        let reads = Law::keys(word)?;
-        for (name, stem) in PLASTIC {
-            self.check(reads.contains(&stem) || !self.has(&key(name)), &key(name), format!("has no meaning with law = \"{word}\""));
-        }
         if reads.is_empty() {
-            let (none, zero) = (Evolution::Constant(0.0), 0.0);
-            let parameters =
-                Parameters { elastic, cone: Cone::Outer, friction: none, cohesion: none, dilation: zero, tension: f64::INFINITY };
-            return Law::named(word, &parameters);
+            return Law::named(word, &Parameters::of_elastic(elastic));
         }
         let cone = match self.text(&key("cone")) {
             _ if !reads.contains(&"cone") => Cone::Outer,
@@ -101,13 +102,79 @@ impl View<'_> {
         let friction = self.evolution(&key("friction_evolution"), friction?, ["_deg", "_rad"]);
         let cohesion = self.evolution(&key("cohesion_evolution"), cohesion?, ["_kPa", ""]);
         let (friction, cohesion, dilation) = (friction?, cohesion?, dilation?);
-        let ok = self.agree(&at, &friction, &cohesion, dilation);
+        let dilation_rule = if self.text(&key("dilation")) == "mobilised" { Dilation::Mobilised } else { Dilation::Constant };
+        let ok = self.agree(&at, &friction, &cohesion, (dilation, dilation_rule));
         let tension = self.number(&key("tension_kPa")).unwrap_or(f64::INFINITY);
-        if ok { Law::named(word, &Parameters { elastic, cone, friction, cohesion, dilation, tension }) } else { None }
+        if ok {
+            {
+                let base = Parameters::of_elastic(elastic);
+                Law::named(word, &Parameters { cone, friction, cohesion, dilation, dilation_rule, tension, ..base })
+            }
+        } else {
+            None
+        }
+    }
+
+    /// The number at a key that this law needs; `what` it is.
+    fn needed(&self, key: &str, what: &str) -> Option<f64> {
+        let value = self.number(key);
+        if value.is_none() {
+            self.refuse(key, format!("is missing: {what}"));
+        }
+        value
+    }
+
+    /// The parameters of Modified Cam-clay. Its virgin line is given at 1 kPa, the law has it at the preconsolidation pressure.
+    fn clay(&self, at: &str) -> Option<Parameters> {
+        let key = |name: &str| format!("{at}.{name}");
+        self.check(
+            !self.has(&key("E_MPa")),
+            &key("E_MPa"),
+            "has no meaning with law = \"cam_clay\": its stiffness goes with the pressure, by kappa and nu or G_MPa",
+        );
+        let shear = match (self.number(&key("G_MPa")), self.number(&key("nu"))) {
+            (Some(g), None) => Some(Shear::Modulus(g)),
+            (None, Some(nu)) => Some(Shear::Poisson(nu)),
+            _ => {
+                self.refuse(
+                    at,
+                    "must have nu or G_MPa, one of them, with law = \"cam_clay\": a Poisson ratio or a shear modulus that stays",
+                );
+                None
+            }
+        };
+        let friction = self.angle(at, "friction_angle");
+        let lambda = self.needed(&key("lambda"), "slope of the virgin line in (ln p, v)");
+        let kappa = self.needed(&key("kappa"), "slope of swelling lines in (ln p, v)");
+        let at_1_kpa = self.needed(&key("virgin_specific_volume"), "specific volume 1 + e on the virgin line at 1 kPa");
+        let preconsolidation =
+            self.needed(&key("preconsolidation_kPa"), "the largest isotropic pressure that is elastic at the start");
+        let (shear, friction, lambda, kappa) = (shear?, friction?, lambda?, kappa?);
+        let (at_1_kpa, preconsolidation) = (at_1_kpa?, preconsolidation?);
+        let virgin_volume = at_1_kpa - lambda * ln(1e-3 * preconsolidation);
+        let mut ok = true;
+        let mut check = |good: bool, name: &str, message: String| {
+            ok &= good;
+            self.check(good, &key(name), message);
+        };
+        check(kappa < lambda, "kappa", format!("must be below lambda, {lambda}"));
+        check(friction > 0.0, "friction_angle_deg", "must be > 0: the ellipse has no height without friction".into());
+        check(
+            virgin_volume > 1.0,
+            "virgin_specific_volume",
+            format!(
+                "leaves no pores at the preconsolidation pressure: the specific volume there is {virgin_volume:.4}; write more than {:.4}",
+                1.0 + lambda * ln(1e-3 * preconsolidation)
+            ),
+        );
+        let clay = Clay { virgin_slope: lambda, swelling_slope: kappa, preconsolidation, virgin_volume, shear };
+        // the law has moduli of its own
+        let elastic = Elastic { bulk: 0.0, shear: 0.0 };
+        ok.then(|| Parameters { friction: Evolution::Constant(friction), clay, ..Parameters::of_elastic(elastic) })
     }
 
     /// Ranges that no single key shows.
-    fn agree(&self, at: &str, friction: &Evolution, cohesion: &Evolution, dilation: f64) -> bool {
+    fn agree(&self, at: &str, friction: &Evolution, cohesion: &Evolution, (dilation, rule): (f64, Dilation)) -> bool {
         const DEGREE: f64 = std::f64::consts::PI / 180.0;
         let ((least, most), (weakest, strongest)) = (friction.range(), cohesion.range());
         let key = |name: &str| format!("{at}.{name}");
@@ -132,10 +199,19 @@ impl View<'_> {
             cubic("cohesion_evolution", "cubic_kPa"),
             format!("gives cohesions down to {:.4} kPa; they must not be negative", 1e-3 * weakest),
         );
+        let (largest, which) = if rule == Dilation::Mobilised { (most, "largest") } else { (least, "smallest") };
         check(
-            dilation <= least.max(0.0) * (1.0 + 1e-12),
+            dilation <= largest.max(0.0) * (1.0 + 1e-12),
             in_use(["dilation_angle_deg", "dilation_angle_rad"]),
-            format!("must not be larger than the smallest friction angle, {:.4} degrees: flow would create energy", least / DEGREE),
+            format!(
+                "must not be larger than the {which} friction angle, {:.4} degrees: flow would create energy",
+                largest / DEGREE
+            ),
+        );
+        check(
+            rule == Dilation::Constant || dilatancy::softens(friction),
+            key("dilation"),
+            "needs friction that falls to a final value: write continuum.friction_evolution whose last value is not its largest, or dilation = \"constant\"".into(),
         );
         check(
             most > 0.0 || strongest > 0.0,
@@ -213,16 +289,21 @@ impl View<'_> {
 }
 
 /// Keys of plasticity, with and without their units.
-const PLASTIC: [(&str, &str); 9] = [
+const PLASTIC: [(&str, &str); 14] = [
     ("cone", "cone"),
     ("friction_angle_deg", "friction_angle"),
     ("friction_angle_rad", "friction_angle"),
     ("dilation_angle_deg", "dilation_angle"),
     ("dilation_angle_rad", "dilation_angle"),
+    ("dilation", "dilation"),
     ("cohesion_kPa", "cohesion"),
     ("tension_kPa", "tension"),
     ("friction_evolution", "friction_evolution"),
     ("cohesion_evolution", "cohesion_evolution"),
+    ("lambda", "lambda"),
+    ("kappa", "kappa"),
+    ("virgin_specific_volume", "virgin_specific_volume"),
+    ("preconsolidation_kPa", "preconsolidation"),
 ];
 /// Keys of the two kinds of evolution, without their units.
 const LINEAR: &[&str] = &["last", "plastic_strain"];
@@ -274,6 +355,67 @@ mod tests {
         std::fs::write(&path, &first.resolved).expect("written");
         let second = continuum(&path, &[]).expect("a law");
         assert_eq!((first.law, first.resolved), (second.law, second.resolved));
+    }
+
+    const CLAY: &str = "law = \"cam_clay\"\nnu = 0.3\nlambda = 0.16\nkappa = 0.06\nfriction_angle_deg = 23.0\nvirgin_specific_volume = 2.8\npreconsolidation_kPa = 200.0\n";
+
+    #[test]
+    fn clay_is_read_with_its_virgin_line_at_the_preconsolidation_pressure() {
+        let Law::CamClay(law) = read(CLAY, &[]).expect("a law").law else { panic!("the law") };
+        let parameters: Parameters = law.into();
+        let clay = parameters.clay;
+        assert_eq!(
+            (clay.virgin_slope, clay.swelling_slope, clay.preconsolidation, clay.shear),
+            (0.16, 0.06, 2e5, Shear::Poisson(0.3))
+        );
+        assert!((clay.virgin_volume - (2.8 - 0.16 * 200f64.ln())).abs() < 1e-12);
+        let modulus = CLAY.replace("nu = 0.3", "G_MPa = 5.0");
+        let Law::CamClay(law) = read(&modulus, &[]).expect("a law").law else { panic!("the law") };
+        assert_eq!(Parameters::from(law).clay.shear, Shear::Modulus(5e6));
+        // a key of clay takes Young's modulus away
+        let elastic = "law = \"elastic\"\nE_MPa = 4.6\nnu = 0.12\n";
+        let sets: Vec<String> =
+            CLAY.lines().filter(|l| !l.starts_with("nu")).map(|l| format!("continuum.{}", l.replace(' ', ""))).collect();
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        assert!(matches!(read(elastic, &sets).expect("a law").law, Law::CamClay(_)));
+        // and the file with defaults gives the same law
+        let dir = tempfile::tempdir().expect("folder");
+        let first = read(CLAY, &[]).expect("a law");
+        std::fs::write(dir.path().join("again.toml"), &first.resolved).expect("written");
+        assert_eq!(continuum(&dir.path().join("again.toml"), &[]).expect("a law").law, first.law);
+    }
+
+    #[test]
+    fn dilation_ends_only_where_friction_falls() {
+        let soft = format!("{SOIL}[continuum.friction_evolution]\nlaw = \"linear\"\nlast_deg = 20.0\nplastic_strain = 0.1\n");
+        // above the smallest friction angle, not above the largest
+        let Law::DruckerPrager(law) =
+            read(&soft, &["continuum.dilation=mobilised", "continuum.dilation_angle_deg=25"]).expect("a law").law
+        else {
+            panic!("the law")
+        };
+        assert_eq!(law.parameters().dilation_rule, Dilation::Mobilised);
+        for (text, sets, says) in [
+            (
+                &*soft,
+                &["continuum.dilation=mobilised", "continuum.dilation_angle_deg=31"][..],
+                "must not be larger than the largest friction angle, 30",
+            ),
+            (&soft, &["continuum.dilation_angle_deg=25"], "must not be larger than the smallest friction angle, 20"),
+            (SOIL, &["continuum.dilation=mobilised"], "needs friction that falls to a final value"),
+            (SOIL, &["continuum.dilation=rowe"], "must be \"constant\" or \"mobilised\""),
+            (CLAY, &["continuum.dilation=mobilised"], "continuum.dilation=mobilised: has no meaning with law = \"cam_clay\""),
+            (CLAY, &["continuum.kappa=0.2"], "must be below lambda, 0.16"),
+            (CLAY, &["continuum.G_MPa=5"], "must have nu or G_MPa, one of them"),
+            (CLAY, &["continuum.virgin_specific_volume=1.5"], "leaves no pores at the preconsolidation pressure"),
+            (CLAY, &["continuum.friction_angle_deg=0"], "the ellipse has no height without friction"),
+            (&CLAY.replace("lambda = 0.16\n", ""), &[], "continuum.lambda: is missing"),
+            (&format!("{CLAY}E_MPa = 3.0\n"), &[], "continuum.E_MPa = 3: has no meaning"),
+            (SOIL, &["continuum.lambda=0.1"], "has no meaning with law = \"drucker_prager\""),
+        ] {
+            let message = refusal(text, sets);
+            assert!(message.contains(says), "{says}: {message}");
+        }
     }
 
     #[test]

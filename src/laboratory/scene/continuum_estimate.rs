@@ -92,7 +92,7 @@ pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
         Test::Free { duration: Some(t), .. } => (t / dt).ceil(),
         Test::Free { steps, .. } => steps.unwrap_or(0) as f64,
         Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => {
-            let wave = s.size[d - 1] / law.wave_speed(density);
+            let wave = s.size[d - 1] / (law.under(s.stress).oedometric() / density).sqrt();
             (s.axial_strain / s.strain_per_wave * wave / dt).ceil()
         }
     };
@@ -207,7 +207,10 @@ fn growing(rig: &MpmTest) -> f64 {
 /// Time of a compression wave through a cell, s, the speed of the points added to that of the wave: the largest step at the
 /// start.
 pub fn wave_step(rig: &MpmTest) -> f64 {
-    let speed = |i: usize| rig.laws[usize::from(rig.points.law[i])].wave_speed(rig.points.density(i)) + speed(rig, i);
+    let speed = |i: usize| {
+        let p = &rig.points;
+        rig.laws[usize::from(p.law[i])].wave_speed_at(p.density(i), &p.stress[i], p.memory[i]) + speed(rig, i)
+    };
     rig.settings.cell / (0..rig.points.len()).map(speed).fold(0.0, f64::max)
 }
 
@@ -240,6 +243,6 @@ fn largest_stress(rig: &MpmTest, s: &MpmSpecimen, law: &Law) -> f64 {
     match (&rig.test, law.yield_line(0.0)) {
         (Test::Triaxial { cell_pressure, .. }, Some(_)) => 3.0 * cell_pressure,
         (Test::Triaxial { cell_pressure, .. }, None) => cell_pressure + law.young() * s.axial_strain,
-        _ => s.stress + law.elastic().oedometric() * s.axial_strain,
+        _ => s.stress + law.under(s.stress).oedometric() * s.axial_strain,
     }
 }

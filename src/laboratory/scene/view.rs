@@ -268,6 +268,7 @@ impl<'a> View<'a> {
             stop_at_overlap: self.number("records.stop_at_overlap").unwrap_or(f64::INFINITY),
             stop_at_step: self.number("records.stop_at_step").unwrap_or(0.0),
             energy: self.flag("records.energy"),
+            account: self.flag("records.account"),
             snapshots: self.flag("records.snapshots"),
             contacts: self.flag("records.contacts"),
             figures: self.flag("records.figures"),

@@ -76,7 +76,7 @@ fn damped(f: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
 }
 
 // Moves the grains by one of their steps: velocities, spins, positions.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn move_grains(one: Thread) {
     let g = linear(one);
     if g >= coupling.grains || status.stop != 0u {
@@ -124,7 +124,7 @@ var<workgroup> wanted: u32;
 const TRUST: f32 = 0.5;
 
 // After each step of the grains: advances time and walls and, where a body may have come closer than the skin allows, sorts the grains into the grid.
-@compute @workgroup_size(256)
+@compute @workgroup_size(WIDE)
 fn build_grid(@builtin(local_invocation_index) thread: u32) {
     if thread == 0u {
         wanted = 0u;
@@ -134,7 +134,7 @@ fn build_grid(@builtin(local_invocation_index) thread: u32) {
         searches[0] = wanted * params.point_groups.x;
         searches[1] = params.point_groups.y;
         searches[2] = 1u;
-        searches[3] = wanted * ((coupling.grains + 63u) / 64u);
+        searches[3] = wanted * ((coupling.grains + GROUP - 1u) / GROUP);
         searches[4] = 1u;
         searches[5] = 1u;
     }
@@ -142,15 +142,15 @@ fn build_grid(@builtin(local_invocation_index) thread: u32) {
         return;
     }
     let counts_at = coupling.grid_cells + 1u;
-    for (var c = thread; c < coupling.grid_cells; c += 256u) {
+    for (var c = thread; c < coupling.grid_cells; c += WIDE) {
         atomicStore(&lists[counts_at + c], 0u);
     }
     storageBarrier();
-    for (var g = thread; g < coupling.grains; g += 256u) {
+    for (var g = thread; g < coupling.grains; g += WIDE) {
         atomicAdd(&lists[counts_at + grid_index(grid_cell_of(grain_cells(g)))], 1u);
     }
     storageBarrier();
-    let share = (coupling.grid_cells + 255u) / 256u;
+    let share = (coupling.grid_cells + WIDE - 1u) / WIDE;
     let begin = min(thread * share, coupling.grid_cells);
     let end = min((thread + 1u) * share, coupling.grid_cells);
     var own = 0u;
@@ -168,7 +168,7 @@ fn build_grid(@builtin(local_invocation_index) thread: u32) {
         atomicStore(&lists[coupling.grid_cells], coupling.grains);
     }
     storageBarrier();
-    for (var g = thread; g < coupling.grains; g += 256u) {
+    for (var g = thread; g < coupling.grains; g += WIDE) {
         let at = atomicAdd(&lists[counts_at + grid_index(grid_cell_of(grain_cells(g)))], 1u);
         atomicStore(&lists[2u * coupling.grid_cells + 1u + at], g);
     }
@@ -222,7 +222,7 @@ fn move_slot(old: u32, to: u32, g: u32) {
 }
 
 // Makes the list of candidates of each grain anew, as point_candidates does for points.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn grain_candidates(one: Thread) {
     let g = linear(one);
     if g >= coupling.grains || status.stop != 0u {
@@ -345,14 +345,14 @@ fn evaluated(g: u32, s: u32, body: u32, pair: Pair, spring: vec3<f32>, low: vec3
 }
 
 // Sums of the threads of a workgroup over contacts with points; force and torque of each contact with a grain or wall.
-var<workgroup> forces: array<vec4<f32>, 64>;
-var<workgroup> torques: array<vec4<f32>, 64>;
-var<workgroup> slot_forces: array<vec4<f32>, 40>;
-var<workgroup> slot_torques: array<vec4<f32>, 40>;
+var<workgroup> forces: array<vec4<f32>, GROUP>;
+var<workgroup> torques: array<vec4<f32>, GROUP>;
+var<workgroup> slot_forces: array<vec4<f32>, SLOTS>;
+var<workgroup> slot_torques: array<vec4<f32>, SLOTS>;
 
 // Force and torque on each grain, in one workgroup for each grain: one thread for each contact with grains and walls; then all threads over the points in the cells
 // around the grain.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn grain_forces(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -429,7 +429,7 @@ fn grain_forces(
     var force = vec4<f32>(0.0);
     var torque = vec4<f32>(0.0);
     if goes {
-        for (var c = i32(thread); c < wide.x * wide.y * wide.z; c += 64) {
+        for (var c = i32(thread); c < wide.x * wide.y * wide.z; c += i32(GROUP)) {
             let at = low + vec3<i32>(c % wide.x, (c / wide.x) % wide.y, c / (wide.x * wide.y));
             let cell = u32(at.x + n.x * (at.y + n.y * at.z));
             let end = starts[cell + 1u];
@@ -461,7 +461,7 @@ fn grain_forces(
     forces[thread] = force;
     torques[thread] = torque;
     workgroupBarrier();
-    for (var half = 32u; half > 0u; half /= 2u) {
+    for (var half = GROUP / 2u; half > 0u; half /= 2u) {
         if thread < half {
             forces[thread] += forces[thread + half];
             torques[thread] += torques[thread + half];
@@ -492,15 +492,15 @@ fn grain_forces(
 const MARGIN: f32 = 1.2;
 
 // Reactions of the walls, bounds on the time step, and whether the batch must end.
-@compute @workgroup_size(256)
+@compute @workgroup_size(WIDE)
 fn step_bound(@builtin(local_invocation_index) thread: u32) {
     var most = vec2<f32>(0.0);
-    for (var g = thread; g < coupling.grains; g += 256u) {
+    for (var g = thread; g < coupling.grains; g += WIDE) {
         most = max(most, vec2<f32>(grain_number(G_FORCE, g).w, grain_number(G_TORQUE, g).w));
     }
     partial_sums[thread] = vec4<f32>(most, 0.0, 0.0);
     workgroupBarrier();
-    for (var half = 128u; half > 0u; half /= 2u) {
+    for (var half = WIDE / 2u; half > 0u; half /= 2u) {
         if thread < half {
             partial_sums[thread] = max(partial_sums[thread], partial_sums[thread + half]);
         }
@@ -510,13 +510,13 @@ fn step_bound(@builtin(local_invocation_index) thread: u32) {
     workgroupBarrier();
     for (var k = 0u; k < coupling.walls; k++) {
         var own = vec4<f32>(0.0);
-        for (var g = thread; g < coupling.grains; g += 256u) {
+        for (var g = thread; g < coupling.grains; g += WIDE) {
             let s = PARTNERS + k;
             own += vec4<f32>(bitcast<f32>(slots[slot_at(C_NORMAL, s, g)].w), bitcast<f32>(slots[slot_at(C_LOW, s, g)].w), 0.0, 0.0);
         }
         partial_sums[thread] = own;
         workgroupBarrier();
-        for (var half = 128u; half > 0u; half /= 2u) {
+        for (var half = WIDE / 2u; half > 0u; half /= 2u) {
             if thread < half {
                 partial_sums[thread] += partial_sums[thread + half];
             }

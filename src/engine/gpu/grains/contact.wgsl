@@ -97,9 +97,9 @@ struct Mix {
     // bits of the furthest that a face has been beyond the ghost of its point, cells (C_FACE)
     furthest: atomic<u32>,
     unused: u32,
-    sides: array<Side, 8>,
+    sides: array<Side, SIDES>,
     // sums of the walls' reactions over the steps of the batch, N
-    reactions: array<vec2<f32>, 8>,
+    reactions: array<vec2<f32>, SIDES>,
 }
 
 @group(1) @binding(0) var<uniform> coupling: Coupling;
@@ -123,10 +123,8 @@ const GRAINS: bool = true;
 const NONE: u32 = 0xffffffffu;
 // bodies from here on are walls
 const WALLS: u32 = 0x40000000u;
-const PARTNERS: u32 = 32u;
-const SIDES: u32 = 8u;
-const SLOTS: u32 = 40u;
-const PLACES: u32 = 16u;
+// contacts of a grain: with other grains, then with walls
+const SLOTS: u32 = PARTNERS + SIDES;
 
 // Planes of `grains` entries each.
 const G_UNITS: u32 = 0u; // offsets x, y, z in units; material

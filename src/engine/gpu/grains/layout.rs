@@ -1,16 +1,9 @@
 //! Structs that the shaders of grains read and write, with the same fields at the same offsets. What the fields are is said with the structs of the same names in
 //! `contact.wgsl`; a test compares the offsets.
 
+use crate::gpu::bounds::SIDES;
 use bytemuck::{Pod, Zeroable};
 
-/// Largest number of contacts of a grain with other grains.
-pub const PARTNERS: usize = 32;
-/// Largest number of walls.
-pub const SIDES: usize = 8;
-/// Number of slots for the contacts of a grain.
-pub const SLOTS: usize = PARTNERS + SIDES;
-/// Largest number of contacts of a point with grains and walls.
-pub const PLACES: usize = 16;
 /// Number of planes of a contact: arrays with four words of 32 bits for each contact.
 pub const CONTACT: usize = 4;
 /// Number of planes of a contact of a point.

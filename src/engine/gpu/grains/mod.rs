@@ -1,6 +1,6 @@
 //! Grains in a continuum on the device: their contacts with each other, with walls and with points, and their motion. The f64 twins are in `coupling`.
 //!
-//! A point close to a grain or a wall has a row, which has room for [`PLACES`] contacts. A grain has slots for [`PARTNERS`](layout::PARTNERS) contacts with grains and
+//! A point close to a grain or a wall has a row, which has room for [`PLACES`] contacts. A grain has slots for [`PARTNERS`] contacts with grains and
 //! one for each wall. Every contact keeps its tangential spring. Rows and slots list all candidates closer than a margin, the skin; the device makes the lists anew
 //! before anything can have crossed the skin.
 //!
@@ -15,9 +15,10 @@ mod words;
 
 #[cfg(test)]
 pub use layout::Side;
-pub use layout::{Coupling, Mix, NONE, PLACES};
+pub use layout::{Coupling, Mix, NONE};
 pub use support::{GrainBufferSizes, sizes};
 
+use super::bounds::{PARTNERS, PLACES, SIDES, SLOTS};
 use super::device::{Device, refused};
 use super::loading_plate::both;
 use crate::contact::pair::Pair;
@@ -28,13 +29,12 @@ use crate::dem::stability::rayleigh;
 use crate::error::{Error, Result};
 use crate::mpm::{Continuum as Cpu, LoadingPlate};
 use crate::point_contacts::{ContactRates, PointContactTable};
-use layout::{SIDES, SLOTS};
 use serde::{Deserialize, Serialize};
 use wgpu::BufferUsages as Usage;
 use words::{ContactWords, PointContactWords};
 
 /// Width of the skin, cells: by how much further than contacts the lists of candidates reach.
-const SKIN: f64 = 0.25;
+pub const SKIN: f64 = 0.25;
 /// How far the face of a point may be beyond its ghost, cells. A face between them acts at most half a cell from its point.
 pub const FURTHEST: f32 = 1.0;
 /// Lengths in overlaps are below this many quanta ([`support::split`]), so that their squares can be summed exactly in 32-bit integers.
@@ -256,12 +256,14 @@ impl Bodies {
         let furthest = in_rows.iter().map(words::beyond).fold(f32::from_bits(mix.furthest), f32::max);
         mix.furthest = furthest.to_bits();
         (mix.search, mix.contacts_known, mix.sub, mix.ahead) = (1, 1, 0, 0.0);
-        if let Some((owner, many)) = most_of(&in_rows, PLACES).or_else(|| most_of(&own.slots, SLOTS)) {
-            return Err(refused(
-                "contacts",
-                many,
-                format!("at one point or grain (index {owner}) are more than the GPU has room for: use the processor"),
-            ));
+        let full = |most: Option<usize>, room, of| {
+            most.map(|many| refused(of, many, format!("is above {room}, for which the GPU has room: use the processor")))
+        };
+        let on_grains: Vec<ContactWords> = own.slots.iter().filter(|words| words[4] < layout::WALLS).copied().collect();
+        if let Some(error) = full(most_of(&in_rows, PLACES), PLACES, "contacts of a point with grains and walls")
+            .or_else(|| full(most_of(&on_grains, PARTNERS), PARTNERS, "contacts of a grain with grains"))
+        {
+            return Err(error);
         }
         let mut row_words = words::spread(&in_rows, rows, PLACES, |_, next| next);
         owners.resize(rows, [0; 4]);
@@ -341,10 +343,8 @@ impl Bodies {
             return Err(unstable(self.mix.lost, what)?);
         }
         if self.mix.crowded != NONE {
-            let what = format!(
-                "a grain has more than {} grains close to it, for which the GPU has no room: use the processor",
-                layout::PARTNERS
-            );
+            let what =
+                format!("a grain has more than {} grains close to it, for which the GPU has no room: use the processor", PARTNERS);
             return Err(Error::Device(Box::new(unstable(self.mix.crowded, what)?)));
         }
         let furthest = f32::from_bits(self.mix.furthest);
@@ -506,7 +506,7 @@ impl Bodies {
     }
 }
 
-/// An owner of more than `room` contacts, and their number.
-fn most_of<const WORDS: usize>(kept: &[[u32; WORDS]], room: usize) -> Option<(u32, usize)> {
-    kept.chunk_by(|a, b| a[0] == b[0]).find(|c| c.len() > room).map(|c| (c[0][0], c.len()))
+/// The largest number of contacts of one owner, where it is above `room`.
+fn most_of<const WORDS: usize>(kept: &[[u32; WORDS]], room: usize) -> Option<usize> {
+    kept.chunk_by(|a, b| a[0] == b[0]).map(<[_]>::len).max().filter(|many| *many > room)
 }

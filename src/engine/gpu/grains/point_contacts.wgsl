@@ -72,7 +72,7 @@ fn beyond_ghost(r: u32) -> f32 {
 
 // Makes the list of candidates of each point anew, in the order of bodies. Contacts with a face keep their history: they are first moved to the front of the row, then,
 // from the last one on, to their new places.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn point_candidates(one: Thread) {
     let i = linear(one);
     if i >= params.points || status.stop != 0u {
@@ -178,7 +178,7 @@ fn point_candidates(one: Thread) {
 }
 
 // Force of each contact of a point, and where it acts on the point.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn point_contact_forces(one: Thread) {
     let r = linear(one);
     if r >= min(atomicLoad(&mix_.rows), coupling.rows) || status.stop != 0u {

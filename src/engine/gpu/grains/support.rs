@@ -1,11 +1,12 @@
 //! Which grains the graphics device can compute, and the memory that they need; answered without opening the device.
 
-use super::layout::{CONTACT, GRAIN, Mix, NODES, PLACES, POINT_CONTACT, SIDES, SLOTS};
+use super::layout::{CONTACT, GRAIN, Mix, NODES, POINT_CONTACT};
 use super::{CoarseGrains, FURTHEST, SKIN, WHOLE};
 use crate::boundary::WallShape;
 use crate::breakage::Birth;
 use crate::contact::TangentialUnloading;
 use crate::error::{Error, Result};
+use crate::gpu::bounds::{PLACES, SIDES, SLOTS};
 use crate::gpu::device::refused;
 use crate::gpu::state::ghost_radius;
 use crate::grains::Grains;

@@ -1,11 +1,12 @@
 //! Grains, contacts and walls as the device holds them, in words of 32 bits, and back.
 
-use super::layout::{CONTACT, GRAIN, NO_FACE, NODES, NONE, PLACES, POINT_CONTACT, SLOTS, Side, WALLS};
+use super::layout::{CONTACT, GRAIN, NO_FACE, NODES, NONE, POINT_CONTACT, Side, WALLS};
 use crate::boundary::Wall;
 use crate::boundary::WallShape;
 use crate::contact::pairs::ContactForce;
 use crate::coupling::Body;
 use crate::coupling::exchange::ExchangedContact;
+use crate::gpu::bounds::{PARTNERS, PLACES};
 use crate::gpu::exact::{place, placed, split};
 use crate::grains::Grains;
 use crate::mpm::Settings;
@@ -235,7 +236,7 @@ pub fn beyond(words: &PointContactWords) -> f32 {
 
 /// The slot of a contact of a grain: for a wall the one that belongs to it, otherwise the next free one.
 pub fn slot(words: &ContactWords, next: usize) -> usize {
-    if words[4] >= WALLS { SLOTS - super::layout::SIDES + (words[4] - WALLS) as usize } else { next }
+    if words[4] >= WALLS { PARTNERS + (words[4] - WALLS) as usize } else { next }
 }
 
 /// State of a wall on the device; `plate`: index of the loading plate that it moves with, or [`NONE`].
@@ -275,7 +276,7 @@ pub fn to_wall(settings: &Settings, side: &Side, before: f64, wall: &mut Wall) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::grains::layout::PARTNERS;
+    use crate::gpu::bounds::SLOTS;
 
     fn contact_of(x: f64) -> ExchangedContact {
         let spring = [0.3 * x, -1.7 * x, 1e-7 * x];

@@ -264,6 +264,85 @@ fn platens_press_on_points() {
     assert!(in_sums < 2e-6 && in_force < 2e-6 && in_speed < 1e-5);
 }
 
+/// Rung 3: a shell and a plane on points in rings, pressed and let go again over 200 steps, against the same law of motion and the same contacts in f64. The shell's axis and
+/// radius lie anywhere in the grid.
+#[test]
+fn a_shell_presses_as_in_f64() {
+    if !adapter("a_shell_presses_as_in_f64") {
+        return;
+    }
+    let mut s = settings([9, 9, 5]);
+    (s.gravity, s.damping) = ([0.0; 3], 0.0);
+    s.walls[4] = GridWall::Symmetry;
+    let (axis, spacing) = ([0.147, 0.652], 0.05);
+    let mut points = Points::default();
+    for layer in 0..6 {
+        for ring in 0..4 {
+            let count = 3 * (2 * ring + 1);
+            // rings of one area
+            let away = spacing * (f64::from(ring) + 0.5);
+            for k in 0..count {
+                let turn = (f64::from(k) + 0.3 * f64::from(ring)) / f64::from(count) * std::f64::consts::TAU;
+                let position = [axis[0] + away * turn.cos(), axis[1] + away * turn.sin(), spacing * (f64::from(layer) + 0.5)];
+                let volume = std::f64::consts::FRAC_PI_3 * spacing.powi(3);
+                let stress = [-2e4, -2e4, -2e4, 0.0, 0.0, 0.0];
+                points.add(&Point { position, velocity: [0.0; 3], mass: 2000.0 * volume, volume, stress, porosity: 0.4, law: 11 });
+            }
+        }
+    }
+    let mut cpu = mpm::Continuum::new(s.clone(), laws(), points).expect("allowed");
+    let modulus = 2e8;
+    let ghost = ghost_radius(cpu.points(), 0);
+    let depth = mpm::loading_plate::overlap(Dimension::Space, modulus, ghost, 2e4 * spacing * spacing);
+    let out = ghost - 0.5 * spacing - depth;
+    let mut plates = vec![
+        LoadingPlate::shell(&cpu, [axis[0], axis[1], 0.0], 4.0 * spacing + out, modulus),
+        plate(&cpu, 2, false, 6.0 * spacing + out, modulus),
+    ];
+    let extents = [8.0 * spacing, 8.0 * spacing, 6.0 * spacing];
+    let dt = 0.3 * cpu.stable_step(1.0);
+    let side = PlateDrive::Stress { target: Ramp::constant(2e4), gain: 0.3, reach: 1.0, memory: 20.0 * dt };
+    // outwards in the last batch, until nothing touches
+    let top = |batch: i32| PlateDrive::Speed(Ramp::constant([0.2, 0.2, 0.2, -2.0][batch as usize]));
+    let mut gpu = DeviceContinuum::with_plates(&cpu, &plates).expect("device");
+    gpu.material(extents, false);
+    let mut drifts = [0.0; 2];
+    let (mut in_reaction, mut pressed): (f64, u32) = (0.0, 0);
+    for batch in 0..4 {
+        let drives = [if batch < 3 { side } else { top(3) }, top(batch)];
+        for (k, drive) in drives.iter().enumerate() {
+            gpu.drive(k, *drive).expect("a platen");
+        }
+        gpu.steps(50, dt).expect("steps");
+        for _ in 0..50 {
+            loading_plate::press(&mut plates, &mut cpu).expect("pressed");
+            for ((p, drift), drive) in plates.iter_mut().zip(&mut drifts).zip(drives) {
+                let share = mpm::face_share(true, p.axis());
+                p.speed = drive.speed(0.0, p, [extents[p.axis()], share * area(extents, p.axis())], dt, drift);
+                p.advance(dt);
+            }
+            cpu.step(dt).expect("step");
+        }
+        // what the plates feel at the end
+        loading_plate::press(&mut plates, &mut cpu).expect("pressed");
+        cpu.clear_external_forces();
+        for (there, here) in gpu.plates().iter().zip(&plates) {
+            in_reaction = in_reaction.max((there.reaction - here.reaction).abs() / 2e4 / (extents[0] * extents[2]));
+            let place = |p: &LoadingPlate| p.radius.unwrap_or(p.point[2]);
+            assert!((place(there) - place(here)).abs() < 1e-8, "{} {}", place(there), place(here));
+            pressed += u32::from(here.reaction > 100.0);
+        }
+    }
+    let mut back = cpu.clone();
+    gpu.read_back(&mut back).expect("read");
+    let [v, x, s, p, w] = apart(&cpu, &back);
+    println!(
+        "rung 3, shell, 200 steps: reactions {in_reaction:e}, velocity {v:e} m/s, place {x:e} cells, stress {s:e} Pa, plastic strain {p:e}, volume {w:e}"
+    );
+    assert_eq!((pressed, plates[0].reaction, gpu.plates()[0].reaction), (6, 0.0, 0.0), "they press, and let go");
+    assert!(in_reaction < 1e-5 && v < 1e-5 && x < 1e-6 && s < 1.0 && p < 1e-6 && w < 1e-6);
+}
+
 /// Rung 3 over 200 steps: a column of soil between a floor and a loading plate that takes up its speed, and side loading plates that hold a stress, against the same law of motion
 /// and the same contacts in f64.
 #[test]

@@ -2,37 +2,22 @@
 //!
 //! - alpha, k - from the [`Cone`] and the friction angle phi, -; c - cohesion, Pa. Both may change with the accumulated plastic strain ([`Evolution`])
 //! - sigma_t - largest mean tension, Pa; the apex of the cone, k c / (3 alpha), is a limit as well
-//! - psi - dilation angle, rad
+//! - psi - dilation angle, rad; it stays, or falls with phi to 0 at the final phi ([`super::dilatancy`])
 //!
 //! The plastic potential is J + alpha_psi I1 on the cone. At the cut-off plastic strain is volumetric, and at the corner between cone and cut-off it is a sum of
 //! both; the apex is the corner with J = 0.
 //!
 //! The return is implicit: the new stress lies on the surface of the new plastic strain. In (I1, J) it has a closed form if the surface does not change; if it
-//! does ([`Surface`]), one equation in the plastic strain is solved.
+//! does ([`Surface`]), one equation in the plastic strain is solved. A dilation angle that falls is that of the new plastic strain as well, so that no step, however large,
+//! dilates more than its end allows; over many steps the plastic volume strain is the integral over the plastic strain with an error of first order in the step.
 //!
-//! Holds for 0 <= psi <= phi: dissipation is then not negative. Material that has been pulled apart carries load as soon as it is compressed again: the gap is not
+//! Holds for 0 <= psi <= phi (where psi falls with phi: at the largest phi): dissipation is then not negative. Material that has been pulled apart carries load as soon as it is compressed again: the gap is not
 //! remembered.
 
+use super::dilatancy::Dilatancy;
 use super::surface::{Surface, SurfaceDefinition, SurfacePoint, YieldParameters};
-use super::{Cone, ConstitutiveLaw, Elastic, Evolution, InternalVariables, Sym, tensor};
+use super::{Cone, ConstitutiveLaw, Elastic, Evolution, InternalVariables, Parameters, Sym, tensor};
 use serde::{Deserialize, Serialize};
-
-/// The parameters of a constitutive law; a law reads those of its keys ([`ConstitutiveLaw::KEYS`]).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Parameters {
-    /// Elastic moduli.
-    pub elastic: Elastic,
-    /// Where the cone of failure touches the Mohr-Coulomb pyramid.
-    pub cone: Cone,
-    /// Friction angle, rad.
-    pub friction: Evolution,
-    /// Cohesion, Pa.
-    pub cohesion: Evolution,
-    /// Dilation angle, rad.
-    pub dilation: f64,
-    /// Largest mean tension, Pa; infinite: only the apex limits it.
-    pub tension: f64,
-}
 
 /// The law of Drucker and Prager, with constants that follow from its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,10 +28,10 @@ pub struct DruckerPrager {
     floor: YieldParameters,
     /// Largest I1, Pa, of such stresses.
     floor_cut: f64,
-    /// 9 K alpha_psi, Pa: by how much I1 falls per plastic multiplier.
-    volume_return: f64,
-    /// Accumulated plastic strain per plastic multiplier on the cone, sqrt(1/3 + 2 alpha_psi²), -.
-    per_multiplier: f64,
+    /// Flow on the cone with the stated dilation angle.
+    flow: Flow,
+    /// How the dilation angle falls; `None` where it stays.
+    dilatancy: Option<Dilatancy>,
     /// 3 sigma_t, Pa.
     cut: f64,
     surface: Surface,
@@ -66,8 +51,16 @@ impl From<DruckerPrager> for Parameters {
 }
 
 impl ConstitutiveLaw for DruckerPrager {
-    const KEYS: &'static [&'static str] =
-        &["cone", "friction_angle", "dilation_angle", "cohesion", "tension", "friction_evolution", "cohesion_evolution"];
+    const KEYS: &'static [&'static str] = &[
+        "cone",
+        "friction_angle",
+        "dilation_angle",
+        "dilation",
+        "cohesion",
+        "tension",
+        "friction_evolution",
+        "cohesion_evolution",
+    ];
 
     fn of(parameters: &Parameters) -> DruckerPrager {
         DruckerPrager::new(*parameters)
@@ -80,6 +73,10 @@ impl ConstitutiveLaw for DruckerPrager {
 
     fn elastic(&self) -> Elastic {
         self.elastic
+    }
+
+    fn not_on_gpu(&self) -> Option<&'static str> {
+        self.dilatancy.map(|_| "use dilation = \"constant\"")
     }
 
     fn cone(&self) -> Option<Cone> {
@@ -111,6 +108,22 @@ impl ConstitutiveLaw for DruckerPrager {
     }
 }
 
+/// Plastic flow on the cone, per plastic multiplier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Flow {
+    /// 9 K alpha_psi, Pa: by how much I1 falls.
+    volume_return: f64,
+    /// Accumulated plastic strain, sqrt(1/3 + 2 alpha_psi²), -.
+    per_multiplier: f64,
+}
+
+impl Flow {
+    #[inline]
+    fn new(bulk: f64, alpha_psi: f64) -> Flow {
+        Flow { volume_return: 9.0 * bulk * alpha_psi, per_multiplier: (1.0 / 3.0 + 2.0 * (alpha_psi * alpha_psi)).sqrt() }
+    }
+}
+
 /// The stress after the return to the yield surface: its invariants, Pa, and whether it lies on the cone (not at the cut-off or the apex).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Returned {
@@ -120,9 +133,9 @@ struct Returned {
 }
 
 impl DruckerPrager {
-    /// The law with these parameters. Angles must be in 0..pi/2, and the dilation angle not above any value of the friction angle.
+    /// The law with these parameters. Angles must be in 0..pi/2, and the dilation angle not above any value of the friction angle; one that falls, not above the largest.
     pub fn new(parameters: Parameters) -> DruckerPrager {
-        let Parameters { elastic, cone, friction, cohesion, dilation, tension } = parameters;
+        let Parameters { elastic, cone, friction, cohesion, dilation, tension, .. } = parameters;
         let alpha_psi = cone.at(dilation).alpha;
         let (least, most) = friction.range();
         let least_cohesion = cohesion.range().0;
@@ -133,8 +146,8 @@ impl DruckerPrager {
             // k falls with the angle, so its smallest value is that of the largest angle
             floor: YieldParameters { alpha: cone.at(least).alpha, kappa: cone.at(most).k * least_cohesion },
             floor_cut: 0.0,
-            volume_return: 9.0 * elastic.bulk * alpha_psi,
-            per_multiplier: (1.0 / 3.0 + 2.0 * (alpha_psi * alpha_psi)).sqrt(),
+            flow: Flow::new(elastic.bulk, alpha_psi),
+            dilatancy: Dilatancy::of(&parameters, cone),
             cut: 3.0 * tension,
             surface,
             parameters,
@@ -154,6 +167,21 @@ impl DruckerPrager {
     /// The parameters that the law was made from.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
+    }
+
+    /// Slope alpha_psi of the plastic potential, -, at an accumulated plastic strain.
+    pub fn potential_slope(&self, plastic: f64) -> f64 {
+        let Some(dilatancy) = self.dilatancy else { return self.parameters.cone.at(self.parameters.dilation).alpha };
+        dilatancy.at(self.strength(plastic).alpha).0
+    }
+
+    /// Flow at a slope of the cone.
+    #[inline]
+    fn flow_at(&self, alpha: f64) -> Flow {
+        match &self.dilatancy {
+            None => self.flow,
+            Some(dilatancy) => Flow::new(self.elastic.bulk, dilatancy.at(alpha).0),
+        }
     }
 
     /// The yield surface at an accumulated plastic strain.
@@ -225,19 +253,32 @@ impl DruckerPrager {
         let mut at = point;
         for _ in 0..ROUNDS {
             let YieldParameters { alpha, kappa } = at.value();
-            let end = i1 - self.volume_return * multiplier;
+            let Flow { volume_return, per_multiplier } = self.flow_at(alpha);
+            if self.dilatancy.is_some() {
+                // the unknown is the plastic strain
+                multiplier = increment / per_multiplier;
+            }
+            let end = i1 - volume_return * multiplier;
             let excess = (j - self.elastic.shear * multiplier) + alpha * end - kappa;
             if excess.abs() <= *enough.get_or_insert(1e-11 * excess + 4.0 * f64::EPSILON * j) {
                 let within = end <= self.cut && alpha * end < kappa;
                 return within.then_some((Returned { i1: end, j: kappa - alpha * end, on_cone: true }, before + increment));
             }
             let slope = at.slope();
-            let tangent = self.elastic.shear + self.volume_return * alpha - self.per_multiplier * (end * slope.alpha - slope.kappa);
+            let mut tangent = self.elastic.shear + volume_return * alpha - per_multiplier * (end * slope.alpha - slope.kappa);
+            if let Some(dilatancy) = &self.dilatancy {
+                // the flow changes with the plastic strain: alpha_psi by `change`, the accumulated strain per multiplier by 2 alpha_psi change / per_multiplier
+                let (alpha_psi, per_alpha) = dilatancy.at(alpha);
+                let change = per_alpha * slope.alpha;
+                let stiffness = self.elastic.shear + volume_return * alpha;
+                let fewer = stiffness * (2.0 * alpha_psi * change / per_multiplier);
+                tangent += multiplier * (9.0 * self.elastic.bulk * alpha * change * per_multiplier - fewer);
+            }
             if tangent <= 0.0 {
                 return None;
             }
             multiplier += excess / tangent;
-            increment = self.per_multiplier * multiplier;
+            increment = per_multiplier * multiplier;
             at = point.advanced_by(increment)?;
         }
         None
@@ -269,8 +310,9 @@ impl DruckerPrager {
         } else if j <= self.corner(strength, cut) {
             return Returned { i1: cut, j, on_cone: false };
         }
-        let multiplier = excess / (self.elastic.shear + self.volume_return * alpha);
-        let end = i1 - self.volume_return * multiplier;
+        let Flow { volume_return, .. } = self.flow_at(alpha);
+        let multiplier = excess / (self.elastic.shear + volume_return * alpha);
+        let end = i1 - volume_return * multiplier;
         if end > cut {
             return Returned { i1: cut, j: self.corner(strength, cut), on_cone: false };
         }
@@ -318,8 +360,9 @@ impl DruckerPrager {
                 high = at;
             }
             let tangent = if end.on_cone {
-                let stiffness = self.elastic.shear + self.volume_return * strength.alpha;
-                1.0 - self.per_multiplier * (end.i1 * slope.alpha - slope.kappa) / stiffness
+                let Flow { volume_return, per_multiplier } = self.flow_at(strength.alpha);
+                let stiffness = self.elastic.shear + volume_return * strength.alpha;
+                1.0 - per_multiplier * (end.i1 * slope.alpha - slope.kappa) / stiffness
             } else {
                 1.0
             };
@@ -335,15 +378,16 @@ impl DruckerPrager {
 
     /// The stress after plastic flow on the cone by `increment`, if it lies inside of `strength`, the surface beyond a jump; otherwise the return to that surface.
     fn at_jump(&self, i1: f64, j: f64, increment: f64, strength: YieldParameters) -> Returned {
-        let multiplier = increment / self.per_multiplier;
-        let end = Returned { i1: i1 - self.volume_return * multiplier, j: j - self.elastic.shear * multiplier, on_cone: true };
+        let Flow { volume_return, per_multiplier } = self.flow_at(strength.alpha);
+        let multiplier = increment / per_multiplier;
+        let end = Returned { i1: i1 - volume_return * multiplier, j: j - self.elastic.shear * multiplier, on_cone: true };
         if end.j >= 0.0 && self.inside(strength, end.i1, end.j) { end } else { self.returned(strength, i1, j) }
     }
 
     /// An upper bound of the increment of any return: that of a return that removes all of J, and of I1 the more of what cone and cut-off may remove.
     fn largest_increment(&self, i1: f64, j: f64) -> f64 {
         let multiplier = j / self.elastic.shear;
-        let volume = (self.volume_return * multiplier).max(i1) / (3.0 * self.elastic.bulk);
+        let volume = (self.flow.volume_return * multiplier).max(i1) / (3.0 * self.elastic.bulk);
         let most = ((multiplier * multiplier) * (1.0 / 3.0) + (volume * volume) * (2.0 / 9.0)).sqrt();
         most * 1.000_000_1 + f64::MIN_POSITIVE
     }
@@ -361,7 +405,7 @@ mod tests {
         for law in &laws() {
             let (g, k) = (law.elastic.shear, law.elastic.bulk);
             for (i1, j) in [(-1e5, 3e4), (2e4, 3e4), (5e6, 10.0)] {
-                let (shear, volume) = (j / g, f64::max(law.volume_return * (j / g), i1) / (3.0 * k));
+                let (shear, volume) = (j / g, f64::max(law.flow.volume_return * (j / g), i1) / (3.0 * k));
                 let plastic = (shear * shear / 3.0 + 2.0 / 9.0 * volume * volume).sqrt();
                 let found = law.largest_increment(i1, j);
                 assert!(found > plastic && found < plastic * (1.0 + 1e-6), "{found} {plastic}");

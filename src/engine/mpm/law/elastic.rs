@@ -1,5 +1,6 @@
 //! Linear isotropic elasticity: dsigma = K tr(de) I + 2 G dev(de), with the bulk modulus K and the shear modulus G, Pa. Strain increments de must be small.
 
+use super::super::stress::work;
 use super::{ConstitutiveLaw, InternalVariables, Parameters, Sym};
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +37,27 @@ impl Elastic {
     /// Oedometric modulus K + 4/3 G, Pa: that of compression without lateral strain.
     pub fn oedometric(&self) -> f64 {
         self.bulk + 4.0 / 3.0 * self.shear
+    }
+
+    /// Elastic energy per volume of a stress, J/m³: p²/(2K) + s:s/(4G), with the mean stress p and the deviator s.
+    pub fn energy(&self, stress: &Sym) -> f64 {
+        let p = (stress[0] + stress[1] + stress[2]) / 3.0;
+        let shear: f64 =
+            stress[..3].iter().map(|x| (x - p) * (x - p)).sum::<f64>() + 2.0 * stress[3..].iter().map(|x| x * x).sum::<f64>();
+        p * p / (2.0 * self.bulk) + shear / (4.0 * self.shear)
+    }
+
+    /// Plastic work per volume of a step, J/m³: the mean of the stress `before` (rotated) and `after` times the plastic strain, which is the strain of the
+    /// stress that the law has taken away from the elastic trial, C⁻¹ (σ_trial − σ).
+    pub fn plastic_work(&self, before: &Sym, strain: Sym, after: &Sym) -> f64 {
+        let trial = self.update(*before, strain);
+        let taken: Sym = std::array::from_fn(|k| trial[k] - after[k]);
+        let p = (taken[0] + taken[1] + taken[2]) / 3.0;
+        let volume = p / (3.0 * self.bulk);
+        let over = 1.0 / (2.0 * self.shear);
+        let plastic: Sym = std::array::from_fn(|k| if k < 3 { volume + (taken[k] - p) * over } else { taken[k] * over });
+        let mean: Sym = std::array::from_fn(|k| 0.5 * (before[k] + after[k]));
+        work(mean, plastic)
     }
 
     /// Stress, Pa, after a strain increment.

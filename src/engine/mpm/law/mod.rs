@@ -5,22 +5,27 @@
 
 use serde::{Deserialize, Serialize};
 
+mod cam_clay;
 mod cone;
+pub mod dilatancy;
 mod drucker_prager;
 mod elastic;
 mod evolution;
 mod mohr_coulomb;
+mod parameters;
 mod registry;
 mod surface;
 pub mod tensor;
 #[cfg(test)]
 pub mod tests;
 
+pub use cam_clay::CamClay;
 pub use cone::Cone;
-pub use drucker_prager::{DruckerPrager, Parameters};
+pub use drucker_prager::DruckerPrager;
 pub use elastic::Elastic;
 pub use evolution::Evolution;
 pub use mohr_coulomb::MohrCoulomb;
+pub use parameters::{Clay, Dilation, Parameters, Shear};
 pub use registry::Law;
 pub(crate) use registry::with_law;
 pub use surface::YieldParameters;
@@ -32,7 +37,8 @@ pub type Sym = [f64; 6];
 /// The internal variables of a material point: what a law keeps from step to step besides the stress.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InternalVariables {
-    /// Accumulated plastic strain, -: the integral of sqrt(2/3 de_p:de_p), with volumetric and deviatoric plastic strain increments de_p.
+    /// Accumulated plastic strain, -: the integral of sqrt(2/3 de_p:de_p), with volumetric and deviatoric plastic strain increments de_p. In Modified Cam-clay, whose
+    /// hardening follows volume alone: the plastic compression of volume, which falls where the soil dilates ([`ConstitutiveLaw::PLASTIC_FALLS`]).
     pub plastic: f64,
 }
 
@@ -43,15 +49,11 @@ pub struct InternalVariables {
 /// drained triaxial test. It fails at three times the cell pressure, (1 + sin φ)/(1 − sin φ).
 ///
 /// ```
-/// use comminute_engine::mpm::law::{Cone, Elastic, Evolution, InternalVariables, Law, MohrCoulomb, Parameters};
+/// use comminute_engine::mpm::law::{Elastic, Evolution, InternalVariables, Law, MohrCoulomb, Parameters};
 ///
 /// let law = Law::MohrCoulomb(MohrCoulomb::from(Parameters {
-///     elastic: Elastic::of_young(20e6, 0.3), // Pa, -
-///     cone: Cone::Outer,                     // of Drucker-Prager's law only
 ///     friction: Evolution::Constant(30_f64.to_radians()),
-///     cohesion: Evolution::Constant(0.0),
-///     dilation: 0.0,
-///     tension: f64::INFINITY,
+///     ..Parameters::of_elastic(Elastic::of_young(20e6, 0.3)) // Pa, -
 /// }));
 /// let cell = -100e3; // tension is positive
 /// let (mut stress, mut internal) = ([cell, cell, cell, 0.0, 0.0, 0.0], InternalVariables::default());
@@ -75,6 +77,12 @@ pub trait ConstitutiveLaw: Sized {
     /// required.
     const KEYS: &'static [&'static str];
 
+    /// Whether [`InternalVariables::plastic`] may fall and be negative: it is then no accumulated strain.
+    const PLASTIC_FALLS: bool = false;
+
+    /// Whether the elastic moduli depend on the stress ([`ConstitutiveLaw::stiffness`]).
+    const STIFFENS: bool = false;
+
     /// The law with these parameters; it reads those of its keys.
     fn of(parameters: &Parameters) -> Self;
 
@@ -82,8 +90,23 @@ pub trait ConstitutiveLaw: Sized {
     /// ([`crate::mpm::rotate_jaumann`]).
     fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables);
 
-    /// The elastic part of the law.
+    /// The elastic part of the law; where it depends on the stress, at a stress of the law's own that its documentation names.
     fn elastic(&self) -> Elastic;
+
+    /// Elastic moduli at a stress, Pa, and internal variables: no tangent of the law there is stiffer.
+    fn stiffness(&self, _stress: &Sym, _internal: InternalVariables) -> Elastic {
+        self.elastic()
+    }
+
+    /// Elastic energy per volume, J/m³, stored at a stress, Pa, and internal variables.
+    fn elastic_energy(&self, stress: &Sym, _internal: InternalVariables) -> f64 {
+        self.elastic().energy(stress)
+    }
+
+    /// What to do on a graphics device instead, for parameters with which shaders do not have the law; `None` where they have it, or where they have it with none.
+    fn not_on_gpu(&self) -> Option<&'static str> {
+        None
+    }
 
     /// Where the cone of failure touches the Mohr-Coulomb pyramid; `None` for laws without a cone.
     fn cone(&self) -> Option<Cone> {

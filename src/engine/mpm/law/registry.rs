@@ -1,7 +1,9 @@
 //! The list of constitutive laws. To add one, write a type that implements [`ConstitutiveLaw`] in a file of this folder, and a line in the list below; from that
 //! line follow the word in material files, the checks of its keys, and the calls.
 
-use super::{Cone, ConstitutiveLaw, DruckerPrager, Elastic, InternalVariables, MohrCoulomb, Parameters, Sym, YieldParameters};
+use super::{
+    CamClay, Cone, ConstitutiveLaw, DruckerPrager, Elastic, InternalVariables, MohrCoulomb, Parameters, Sym, YieldParameters,
+};
 use serde::{Deserialize, Serialize};
 
 /// Writes the enumeration [`Law`] with its functions from the list of laws, and the macro `with_law!`, which runs `$body` with the name `$own` standing for a
@@ -43,7 +45,7 @@ macro_rules! constitutive_laws {
 
             /// Number of the law in shaders; or, for a law that shaders do not have, which to use instead on a graphics device.
             pub fn on_gpu(&self) -> Result<u32, &'static str> {
-                match self { $(Law::$law(_) => $gpu,)* }
+                match self { $(Law::$law(law) => ConstitutiveLaw::not_on_gpu(law).map_or($gpu, Err),)* }
             }
 
             /// [`ConstitutiveLaw::update`]
@@ -55,6 +57,26 @@ macro_rules! constitutive_laws {
             /// [`ConstitutiveLaw::elastic`]
             pub fn elastic(&self) -> Elastic {
                 match self { $(Law::$law(law) => ConstitutiveLaw::elastic(law),)* }
+            }
+
+            /// [`ConstitutiveLaw::stiffness`]
+            pub fn stiffness(&self, stress: &Sym, internal: InternalVariables) -> Elastic {
+                match self { $(Law::$law(law) => ConstitutiveLaw::stiffness(law, stress, internal),)* }
+            }
+
+            /// [`ConstitutiveLaw::elastic_energy`]
+            pub fn elastic_energy(&self, stress: &Sym, internal: InternalVariables) -> f64 {
+                match self { $(Law::$law(law) => ConstitutiveLaw::elastic_energy(law, stress, internal),)* }
+            }
+
+            /// [`ConstitutiveLaw::PLASTIC_FALLS`]
+            pub fn plastic_falls(&self) -> bool {
+                match self { $(Law::$law(_) => <$law as ConstitutiveLaw>::PLASTIC_FALLS,)* }
+            }
+
+            /// [`ConstitutiveLaw::STIFFENS`]
+            pub fn stiffens(&self) -> bool {
+                match self { $(Law::$law(_) => <$law as ConstitutiveLaw>::STIFFENS,)* }
             }
 
             /// [`ConstitutiveLaw::cone`]
@@ -100,7 +122,9 @@ constitutive_laws! { ($)
     /// Drucker–Prager with a tension cut-off, hardening and softening.
     DruckerPrager = "drucker_prager", "elastic up to a cone of failure, which may harden and soften", gpu: Ok(1);
     /// Mohr–Coulomb with an exact return.
-    MohrCoulomb = "mohr_coulomb", "elastic up to the pyramid of Mohr-Coulomb with constant friction, cohesion and dilation", gpu: Err("use drucker_prager");
+    MohrCoulomb = "mohr_coulomb", "elastic up to the pyramid of Mohr-Coulomb, which may harden and soften", gpu: Ok(2);
+    /// Modified Cam-clay.
+    CamClay = "cam_clay", "Modified Cam-clay: stiffness that goes with the pressure, and an ellipse that plastic compression makes larger", gpu: Err("use drucker_prager");
 }
 
 impl Law {
@@ -124,7 +148,17 @@ impl Law {
         self.elastic().poisson()
     }
 
-    /// Speed of compression waves, m/s, in a material of this density, kg/m³. Plastic flow makes it smaller, never larger.
+    /// Elastic moduli under an isotropic pressure, Pa, before any plastic strain.
+    pub fn under(&self, pressure: f64) -> Elastic {
+        self.stiffness(&[-pressure, -pressure, -pressure, 0.0, 0.0, 0.0], InternalVariables::default())
+    }
+
+    /// Speed of compression waves, m/s, in a material of this density, kg/m³, at this stress, Pa, and these internal variables.
+    pub fn wave_speed_at(&self, density: f64, stress: &Sym, internal: InternalVariables) -> f64 {
+        (self.stiffness(stress, internal).oedometric() / density).sqrt()
+    }
+
+    /// Speed of compression waves, m/s, in a material of this density, kg/m³, with the moduli of [`Law::elastic`]. Plastic flow makes it smaller, never larger.
     pub fn wave_speed(&self, density: f64) -> f64 {
         (self.elastic().oedometric() / density).sqrt()
     }

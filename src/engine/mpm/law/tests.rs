@@ -2,7 +2,7 @@
 
 use super::tensor::{contract, deviator, equivalent, j2, trace};
 use super::{
-    Cone, ConstitutiveLaw, DruckerPrager, Elastic, Evolution, InternalVariables, Law, MohrCoulomb, Parameters, Sym,
+    Cone, ConstitutiveLaw, Dilation, DruckerPrager, Elastic, Evolution, InternalVariables, Law, MohrCoulomb, Parameters, Sym,
     evolution::tests::LI,
 };
 use rand::{RngExt, SeedableRng};
@@ -22,7 +22,8 @@ const NONE: f64 = f64::INFINITY;
 
 fn law(cone: Cone, friction: Evolution, cohesion: Evolution, dilation_deg: f64, tension: f64, nu: f64) -> DruckerPrager {
     let elastic = Elastic::of_young(4.6e6, nu);
-    DruckerPrager::new(Parameters { elastic, cone, friction, cohesion, dilation: dilation_deg * DEGREE, tension })
+    let dilation = dilation_deg * DEGREE;
+    DruckerPrager::new(Parameters { cone, friction, cohesion, dilation, tension, ..Parameters::of_elastic(elastic) })
 }
 
 fn degrees(angle: f64) -> Evolution {
@@ -42,8 +43,22 @@ fn smooth(cone: Cone) -> DruckerPrager {
     law(cone, friction, Evolution::Linear { initial: 8e3, last: 2e3, strain: 0.05 }, 10.0, 1e3, 0.3)
 }
 
+/// The same with another dilation that ends with the softening: larger than the smallest friction angle, smaller than the largest.
+fn mobilised(law: &DruckerPrager, dilation_deg: f64) -> DruckerPrager {
+    let dilation = dilation_deg * DEGREE;
+    DruckerPrager::new(Parameters { dilation, dilation_rule: Dilation::Mobilised, ..*law.parameters() })
+}
+
 fn li() -> DruckerPrager {
     law(Cone::Outer, LI, Evolution::Constant(0.0), 16.0, NONE, 0.12)
+}
+
+/// Every law of [`laws`], and laws with dilation that ends, which shaders do not have.
+fn all_laws() -> Vec<DruckerPrager> {
+    let mut all = laws();
+    all.extend([Cone::Outer, Cone::Inner, Cone::PlaneStrain].map(|cone| mobilised(&smooth(cone), 25.0)));
+    all.extend([mobilised(&li(), 24.0), mobilised(&smooth(Cone::Outer), 0.0)]);
+    all
 }
 
 /// Every kind of surface, flow and evolution; the first one jumps at its peak. The shader is compared with f64 for the same.
@@ -100,7 +115,7 @@ fn size(stress: &Sym) -> f64 {
 fn no_step_ends_outside_and_none_gains_plastic_work() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut yielded = 0;
-    for law in laws() {
+    for law in all_laws() {
         for _ in 0..4000 {
             let (stress, internal, dstrain) = random(&law, &mut rng);
             let (after, then) = law.update(stress, dstrain, internal);
@@ -132,7 +147,7 @@ fn no_step_ends_outside_and_none_gains_plastic_work() {
 fn a_yielding_step_ends_on_the_surface() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     // without jumps
-    for law in laws().into_iter().skip(1) {
+    for law in all_laws().into_iter().skip(1).filter(|law| law.parameters().friction != LI) {
         for _ in 0..2000 {
             let (stress, internal, dstrain) = random(&law, &mut rng);
             let trial = law.elastic().update(stress, dstrain);
@@ -183,8 +198,8 @@ fn a_reflection_turns_nothing_else() {
 /// The rate equations by forward steps: multiplier = trial excess / (G + 9 K alpha alpha_psi + H), flow and surface of the
 /// beginning of the step. Written in tensors, for states on the cone.
 fn forward(law: &DruckerPrager, mut stress: Sym, mut plastic: f64, dstrain: &Sym) -> (Sym, f64) {
-    let Parameters { elastic, cone, dilation, .. } = *law.parameters();
-    let alpha_psi = cone.at(dilation).alpha;
+    let Parameters { elastic, .. } = *law.parameters();
+    let alpha_psi = law.potential_slope(plastic);
     let trial = elastic.update(stress, *dstrain);
     let (surface, further) = (law.strength(plastic), law.strength(plastic + 1e-7));
     let (j, i1) = (j2(&trial).sqrt(), trace(&trial));
@@ -229,7 +244,8 @@ fn distance(law: &DruckerPrager, steps: usize, seed: u64) -> f64 {
 fn coarse_steps_follow_a_fine_integration_of_the_rates() {
     let laws = laws();
     // the last three are the smooth ones
-    for law in [3, 5, 7, laws.len() - 3, laws.len() - 2, laws.len() - 1].map(|k| &laws[k]) {
+    let ending = [mobilised(&smooth(Cone::Outer), 25.0), mobilised(&smooth(Cone::PlaneStrain), 12.0)];
+    for law in [3, 5, 7, laws.len() - 3, laws.len() - 2, laws.len() - 1].map(|k| &laws[k]).into_iter().chain(&ending) {
         let (ten, forty, many) = (distance(law, 10, 5), distance(law, 40, 5), distance(law, 640, 5));
         assert!(ten < 0.05 && forty < 0.015 && many < 1e-3, "{law:?}: {ten:e} {forty:e} {many:e}");
         assert!(forty < 0.4 * ten && many < 0.15 * forty, "first order: {ten:e} {forty:e} {many:e}");
@@ -343,18 +359,78 @@ fn a_wave_is_no_faster_than_its_elastic_part() {
     assert!((law.shear_modulus() / (e / 2.24) - 1.0).abs() < 1e-14);
 }
 
+/// Dilation that ends. In shear past the peak to the critical state the plastic volume strain is the integral of 3 alpha_psi over the multiplier, by Simpson's rule, with an error
+/// of first order in the step; at the critical state volume stays. A law whose dilation stays goes on growing.
+#[test]
+fn volume_ends_with_the_softening() {
+    for (cone, psi) in [(Cone::Outer, 25.0), (Cone::Inner, 25.0), (Cone::PlaneStrain, 12.0)] {
+        let law = mobilised(&smooth(cone), psi);
+        // shear in one plane under a stress that the pressure of the other two axes can follow
+        let shear = |law: &DruckerPrager, last: f64, steps: u32| {
+            let (mut stress, mut internal) = ([-5e5, -5e5, -5e5, 0.0, 0.0, 0.0], InternalVariables::default());
+            let mut volume = 0.0;
+            let mut count = 0;
+            while internal.plastic < last {
+                let dstrain = [0.0, 0.0, 0.0, last / f64::from(steps), 0.0, 0.0];
+                let after = law.update(stress, dstrain, internal);
+                volume += trace(&plastic_strain(&law.elastic(), &stress, &after.0, &dstrain));
+                // the pressure that dilation makes is let go, so that the cone stays in reach
+                let relief = (trace(&stress) - trace(&after.0)) / (9.0 * law.elastic().bulk);
+                let relieved = law.update(after.0, [relief, relief, relief, 0.0, 0.0, 0.0], after.1);
+                volume += trace(&plastic_strain(&law.elastic(), &after.0, &relieved.0, &[relief, relief, relief, 0.0, 0.0, 0.0]));
+                (stress, internal) = relieved;
+                count += 1;
+                assert!(count < 4 * steps);
+            }
+            (volume, internal.plastic)
+        };
+        let integral = |last: f64| {
+            let rate = |e: f64| {
+                let slope = law.potential_slope(e);
+                3.0 * slope / (1.0 / 3.0 + 2.0 * slope * slope).sqrt()
+            };
+            // the parts end at the kinks of both evolutions
+            let ends = [0.0, 0.04, 0.05, last];
+            let part = |w: &[f64]| {
+                const N: u32 = 2000;
+                let h = (w[1] - w[0]) / f64::from(N);
+                let at = |k: u32| rate((w[0] + h * f64::from(k)).clamp(w[0].next_up(), w[1].next_down()));
+                let sum: f64 = (1..N).map(|k| at(k) * if k % 2 == 1 { 4.0 } else { 2.0 }).sum();
+                (sum + at(0) + at(N)) * h / 3.0
+            };
+            ends.windows(2).map(part).sum::<f64>()
+        };
+        let error = |steps: u32| {
+            let (volume, last) = shear(&law, 0.3, steps);
+            (volume / integral(last) - 1.0).abs()
+        };
+        let (coarse, fine) = (error(300), error(3000));
+        assert!(coarse < 0.03 && fine < 0.003 && fine < 0.2 * coarse, "{cone:?}: {coarse:e} {fine:e}");
+        // at the critical state
+        let settled = InternalVariables { plastic: law.parameters().friction.settled() };
+        let stress = [-1e5, -1e5, -1e5, 0.0, 0.0, 0.0];
+        let dstrain = [0.0, 0.0, 0.0, 0.05, 0.0, 0.0];
+        let (after, then) = law.update(stress, dstrain, settled);
+        assert!(then.plastic > settled.plastic + 0.01);
+        assert!((trace(&after) / trace(&stress) - 1.0).abs() < 1e-14, "{cone:?}: {after:?}");
+        let constant =
+            DruckerPrager::new(Parameters { dilation: 12.0 * DEGREE, dilation_rule: Dilation::Constant, ..*law.parameters() });
+        assert!(trace(&constant.update(stress, dstrain, settled).0) / trace(&stress) > 1.3);
+    }
+}
+
 /// A cone fails where the pyramid of Mohr and Coulomb does on the edge that it touches, and the laws say so: the outer one in triaxial compression, the inner one
 /// in extension. The largest mean stress is that of the apex or of the cut-off, whichever is less.
 #[test]
 fn cones_and_pyramid_fail_together_on_their_edges() {
     let (cell, phi, c) = (1e5, 35.0 * DEGREE, 5e3);
     let parameters = |cone, tension| Parameters {
-        elastic: Elastic::of_young(4.6e6, 0.3),
         cone,
         friction: Evolution::Constant(phi),
         cohesion: Evolution::Constant(c),
         dilation: 0.1,
         tension,
+        ..Parameters::of_elastic(Elastic::of_young(4.6e6, 0.3))
     };
     let close = |a: Option<f64>, b: f64| assert!(a.is_some_and(|a| (a / b - 1.0).abs() < 1e-12), "{a:?} {b}");
     let ratio = (1.0 + phi.sin()) / (1.0 - phi.sin());
@@ -401,5 +477,21 @@ fn elasticity_has_no_strength() {
         (named.wave_speed(1600.0), (1e6 * 0.7 / (1.3 * 0.4) / 1600.0f64).sqrt()),
     ] {
         assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+/// What shaders do not have is refused with what to use instead; laws whose moduli stay have them at every stress.
+#[test]
+fn graphics_devices_refuse_what_they_lack_and_moduli_stay() {
+    let ends = Law::DruckerPrager(mobilised(&smooth(Cone::Outer), 25.0));
+    assert_eq!(ends.on_gpu(), Err("use dilation = \"constant\""));
+    assert!(Law::DruckerPrager(smooth(Cone::Outer)).on_gpu().is_ok());
+    let softens = MohrCoulomb::of(smooth(Cone::Outer).parameters());
+    assert!(Law::MohrCoulomb(softens.clone()).on_gpu().is_err_and(|instead| instead.contains("that stay")));
+    let stress = [-5e4, -7e4, -6e4, 1e3, 0.0, 0.0];
+    for law in [ends, Law::MohrCoulomb(softens)] {
+        assert!(!law.stiffens() && !law.plastic_falls());
+        assert_eq!((law.stiffness(&stress, InternalVariables { plastic: 0.1 }), law.under(1e6)), (law.elastic(), law.elastic()));
+        assert_eq!(law.wave_speed_at(1600.0, &stress, InternalVariables::default()), law.wave_speed(1600.0));
     }
 }

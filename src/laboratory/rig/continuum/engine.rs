@@ -40,11 +40,13 @@ impl Engine {
             Engine::Cpu => {
                 state.press()?;
                 state.collect(rig);
+                state.note_start(model, rig);
             }
             Engine::Mixture(coupled) => {
                 state.press()?;
                 coupled.compute_forces(state, model)?;
                 state.collect(rig);
+                state.note_start(model, rig);
             }
             // a graphics device does both at the end of each step
             #[cfg(feature = "gpu")]

@@ -163,7 +163,7 @@ impl State {
     #[cfg(feature = "gpu")]
     pub(super) fn add(&mut self, rig: &MpmTest, batch: &::engine::gpu::Means, mut extents: [f64; 3]) {
         for (plate, [way, overlap, _]) in self.plates.iter().zip(&batch.plates) {
-            extents[plate.axis()] += overlap - way;
+            super::specimen::widen(&mut extents, plate, overlap - way);
         }
         // the last walls of the grains are the loading plates
         let first = batch.grains.len().saturating_sub(batch.plates.len());
@@ -289,11 +289,8 @@ impl State {
         let points = &rig.points;
         let elastic: f64 = (0..points.len())
             .map(|i| {
-                let (e, s) = (rig.laws[usize::from(points.law[i])].elastic(), &points.stress[i]);
-                let p = (s[0] + s[1] + s[2]) / 3.0;
-                let shear: f64 =
-                    s[..3].iter().map(|x| (x - p) * (x - p)).sum::<f64>() + 2.0 * s[3..].iter().map(|x| x * x).sum::<f64>();
-                points.position[i][3] * (p * p / (2.0 * e.bulk) + shear / (4.0 * e.shear))
+                let law = &rig.laws[usize::from(points.law[i])];
+                points.position[i][3] * law.elastic_energy(&points.stress[i], points.memory[i])
             })
             .sum();
         let walls = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work);

@@ -1,6 +1,7 @@
 //! Tests of a continuum of material points, with grains in it or without: free motion between the walls of the grid, an
 //! oedometer, or triaxial compression between loading plates.
 
+mod account;
 #[cfg(feature = "gpu")]
 mod device;
 mod engine;
@@ -9,6 +10,7 @@ mod growth;
 mod measure;
 mod specimen;
 
+pub(crate) use account::{EnergyAccount, TERMS};
 #[cfg(feature = "gpu")]
 pub(crate) use device::Device;
 pub use engine::Engine;
@@ -88,6 +90,8 @@ pub struct State {
     pub broken: Vec<Broken>,
     /// Kinetic energy, potential energy, and elastic energy of the contacts of loading plates and grains, at the start, J.
     energy: Option<[f64; 3]>,
+    /// Energies at the start of the energy account, if one is kept.
+    opened: Option<account::Opened>,
     means: measure::Means,
 }
 
@@ -123,17 +127,21 @@ impl State {
             drift: Vec::new(),
             broken: Vec::new(),
             energy: None,
+            opened: None,
             means: measure::Means::default(),
         };
         state.drift = vec![0.0; state.plates.len()];
         if let Some(coarse) = &rig.coarse {
             state.mixture = Some(Box::new(grains::mixture(model, rig, coarse, &mut state.continuum, &state.plates)));
         }
+        if model.records.account {
+            state.open_account(rig)?;
+        }
         state.press()?;
         state.continuum.clear_external_forces();
         state.extents = state.extents_now(rig);
         if let Some(specimen) = rig.specimen() {
-            let speed = rig.laws[usize::from(specimen.law)].wave_speed(specimen.density);
+            let speed = (rig.laws[usize::from(specimen.law)].under(specimen.stress).oedometric() / specimen.density).sqrt();
             state.wave = specimen.size[dimensions(rig) - 1] / speed;
             state.rate = specimen.strain_per_wave / state.wave;
         }
@@ -167,6 +175,7 @@ impl State {
             check::positive("extents", self.extents_now(rig))?;
         }
         check::numbers("energies", self.energy.iter().flatten())?;
+        self.opened.as_ref().map_or(Ok(()), account::Opened::check)?;
         self.means.check()
     }
 

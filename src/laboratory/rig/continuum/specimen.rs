@@ -4,8 +4,7 @@ use super::{MpmTest, Phase, State, dimensions};
 use crate::error::{Error, Result};
 use crate::model::continuum::{Drainage, MpmSpecimen, Test};
 use ::engine::mpm::loading_plate::{LoadingPlate, ghost_radius, overlap};
-use ::engine::mpm::{Continuum, Dimension, PlateDrive, Ramp, area};
-use std::f64::consts::{FRAC_PI_4, PI};
+use ::engine::mpm::{Continuum, Dimension, PlateDrive, Ramp, area, face_share};
 
 /// Largest lateral strain rate of loading plates under servo over the axial strain rate. A wave time below is the time of a
 /// compression wave through the height of the specimen.
@@ -36,6 +35,15 @@ fn radius(rig: &MpmTest, s: &MpmSpecimen) -> f64 {
 /// Mean overlap δ of a loading plate's contacts, m, from their force F and their elastic energy 2/5 F δ (Hertz).
 fn mean_overlap(p: &LoadingPlate) -> f64 {
     if p.reaction > 0.0 { p.stored / (0.4 * p.reaction) } else { 0.0 }
+}
+
+/// Adds to the extents of the material what they grow by where a loading plate stands `by`, m, further out: of a shell both widths grow by twice as much.
+#[cfg(feature = "gpu")]
+pub(super) fn widen(extents: &mut [f64; 3], plate: &LoadingPlate, by: f64) {
+    match plate.radius {
+        None => extents[plate.axis()] += by,
+        Some(_) => extents[..2].iter_mut().for_each(|width| *width += 2.0 * by),
+    }
 }
 
 /// The loading plates of a test at the start, pressed in so far that their contacts balance the stress of the points.
@@ -78,12 +86,7 @@ fn at_side(rig: &MpmTest, k: usize) -> Option<usize> {
 /// Area of the specimen's face normal to `axis`, m² (m in plane strain). For the lateral axes of a cylinder this is the whole
 /// area of the shell, for its force is the sum of all radial forces.
 pub(super) fn face(rig: &MpmTest, extents: [f64; 3], axis: usize) -> f64 {
-    let square = area(extents, axis);
-    match rig.specimen() {
-        Some(s) if s.round && axis == 2 => FRAC_PI_4 * square,
-        Some(s) if s.round => PI * square,
-        _ => square,
-    }
+    face_share(rig.specimen().is_some_and(|s| s.round), axis) * area(extents, axis)
 }
 
 impl State {
@@ -115,7 +118,7 @@ impl State {
     pub(super) fn material(&self, rig: &MpmTest) -> [f64; 3] {
         let mut extents = self.extents_now(rig);
         for plate in &self.plates {
-            extents[plate.axis()] -= mean_overlap(plate);
+            widen(&mut extents, plate, -mean_overlap(plate));
         }
         extents
     }
@@ -190,7 +193,7 @@ impl State {
     /// A specimen that does not come to rest at the cell pressure.
     pub(super) fn shear(&mut self, rig: &MpmTest, s: &MpmSpecimen, cell: f64, drainage: Drainage) -> Result<()> {
         let (d, extents) = (dimensions(rig), self.extents_now(rig));
-        let modulus = rig.laws[usize::from(s.law)].elastic().oedometric();
+        let modulus = rig.laws[usize::from(s.law)].under(s.stress).oedometric();
         let rise = (cell - s.stress).abs() / (modulus * self.rate);
         let target = match self.phase {
             Phase::Settle if self.phase_time < rise => {

@@ -1,0 +1,38 @@
+//! Numbers that bound arrays and loops both in Rust and in the shaders, written once: `bounds_wgsl!()` is their WGSL, with which every source begins.
+
+macro_rules! bounds {
+    ($($(#[$doc:meta])* $name:ident = $value:literal;)*) => {
+        $($(#[$doc])* pub const $name: usize = $value;)*
+
+        /// The same constants in WGSL, as a literal that `concat!` takes.
+        macro_rules! bounds_wgsl {
+            () => {
+                concat!($("const ", stringify!($name), ": u32 = ", $value, "u;\n"),*)
+            };
+        }
+        pub(super) use bounds_wgsl;
+    };
+}
+
+bounds! {
+    /// Threads in a workgroup of passes with one thread per point, node or cell, and one workgroup per grain.
+    GROUP = 64;
+    /// Threads in a workgroup of passes that have one workgroup alone, and of the prefix sum.
+    WIDE = 256;
+    /// Sides of the domain.
+    BORDERS = 6;
+    /// Largest number of loading plates.
+    PLATES = 6;
+    /// Largest number of contacts of a grain with other grains.
+    PARTNERS = 32;
+    /// Largest number of walls of the grains.
+    SIDES = 8;
+    /// Largest number of contacts of a point with grains and walls.
+    PLACES = 16;
+}
+
+/// Number of slots for the contacts of a grain: for other grains, then one for each wall.
+pub const SLOTS: usize = PARTNERS + SIDES;
+
+// one thread of a grain's workgroup for each of its slots
+const _: () = assert!(SLOTS <= GROUP);

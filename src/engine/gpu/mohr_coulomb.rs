@@ -1,0 +1,102 @@
+//! The return of Mohr and Coulomb's law in f32, for tests. Twin of `mohr_coulomb.wgsl`; the method is that of `mpm::law::mohr_coulomb`, with what f32 asks for:
+//! principal values of the deviator, so that a large pressure does not spoil their digits; changes of stress instead of new stresses; and differences of multipliers
+//! at an edge from the gap between the two principal stresses that it closes, not from two numbers of nearly the same size.
+
+use super::law::Sym32;
+use super::layout::Law32;
+
+/// A symmetric tensor on its way to its principal axes: entries on and off the diagonal (xx, yy, zz and xy, yz, zx) in the axes.
+struct Turned {
+    on: [f32; 3],
+    off: [f32; 3],
+    axes: [[f32; 3]; 3],
+}
+
+/// Rotations of the first two of the axes, then the next two, and so on (Jacobi's method).
+const ROTATIONS: usize = 18;
+
+/// Turns the first two axes so that the entry between them vanishes.
+fn rotated(a: &Turned) -> Turned {
+    let ([x, y, z], [xy, yz, zx], [u, v, w]) = (a.on, a.off, a.axes);
+    let half = (y - x) / (2.0 * xy);
+    let root = (half * half + 1.0).sqrt();
+    let tangent = if half < 0.0 { -1.0 / (root - half) } else { 1.0 / (root + half) };
+    let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
+    let sine = tangent * cosine;
+    let by = tangent * xy;
+    Turned {
+        on: [x - by, y + by, z],
+        off: [0.0, sine * zx + cosine * yz, cosine * zx - sine * yz],
+        axes: [std::array::from_fn(|k| cosine * u[k] - sine * v[k]), std::array::from_fn(|k| sine * u[k] + cosine * v[k]), w],
+    }
+}
+
+/// Principal values, the largest first, and axes. Entries of 10⁻⁹ of the tensor's size off the diagonal count as nothing.
+fn principal(deviator: &Sym32) -> Turned {
+    let [x, y, z, xy, yz, zx] = *deviator;
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut a = Turned { on: [x, y, z], off: [xy, yz, zx], axes };
+    let nothing = 1e-9 * (x.abs() + y.abs() + z.abs() + xy.abs() + yz.abs() + zx.abs());
+    for _ in 0..ROTATIONS {
+        if a.off[0].abs() > nothing {
+            a = rotated(&a);
+        }
+        a.on.rotate_left(1);
+        a.off.rotate_left(1);
+        a.axes.rotate_left(1);
+    }
+    for k in [0, 1, 0] {
+        if a.on[k] < a.on[k + 1] {
+            a.on.swap(k, k + 1);
+            a.axes.swap(k, k + 1);
+        }
+    }
+    a
+}
+
+/// Changes of the principal stresses, Pa, in the return of a trial stress by which the yield function is `excess` > 0. `s`: principal values of its deviator, Pa;
+/// `mean`: its mean stress, Pa.
+fn correction(law: &Law32, [a, b, c]: [f32; 3], mean: f32, excess: f32) -> [f32; 3] {
+    let (sine, flow, g) = (law.sin_friction, law.sin_dilation, law.shear);
+    let swell = 2.0 * law.bulk * flow;
+    let largest = -(2.0 * g * (1.0 + flow * 0.333_333_33) + swell);
+    let other = 1.333_333_4 * g * flow - swell;
+    let smallest = 2.0 * g * (1.0 - flow * 0.333_333_33) - swell;
+    let own = 4.0 * g * (1.0 + sine * flow * 0.333_333_33) + 2.0 * swell * sine;
+    let (upper, lower) = (a - b, b - c);
+    let m = excess / own;
+    if upper >= 2.0 * g * (1.0 + flow) * m && lower >= 2.0 * g * (1.0 - flow) * m {
+        return [largest * m, other * m, smallest * m];
+    }
+    let extension = upper - lower - flow * (a - c) > 0.0;
+    let (sign, gap) = if extension { (1.0, lower) } else { (-1.0, upper) };
+    let across = 2.0 * g * (1.0 + sign * (sine + flow) - sine * flow * 0.333_333_33) + 2.0 * swell * sine;
+    // sum of the multipliers of both planes; their difference is what closes the gap
+    let sum = (2.0 * excess - gap * (1.0 - sign * sine)) / (own + across);
+    if mean - swell * sum > law.apex {
+        return [a, b, c].map(|s| (law.apex - mean) - s);
+    }
+    if extension {
+        let both = (other + smallest) * sum;
+        return [largest * sum, 0.5 * (both - gap), 0.5 * (both + gap)];
+    }
+    let both = (largest + other) * sum;
+    [0.5 * (both - gap), 0.5 * (both + gap), smallest * sum]
+}
+
+/// Increments of stress, Pa, and plastic strain. `elastic`: increment of the trial stress, Pa; `deviator`, `mean`: of the trial stress, Pa.
+pub fn mohr_coulomb(law: &Law32, elastic: Sym32, deviator: &Sym32, mean: f32) -> (Sym32, f32) {
+    let Turned { on: [a, b, c], axes: [u, v, w], .. } = principal(deviator);
+    let excess = (a - c) + ((a + c) + 2.0 * mean) * law.sin_friction - law.strength;
+    if excess <= 0.0 {
+        return (elastic, 0.0);
+    }
+    let by = correction(law, [a, b, c], mean, excess);
+    let middle = (by[0] + by[1] + by[2]) * 0.333_333_33;
+    let [x, y, z] = by.map(|d| (d - middle) / (2.0 * law.shear) + middle / (3.0 * law.bulk));
+    let stress = std::array::from_fn(|k| {
+        let (i, j) = if k < 3 { (k, k) } else { (k - 3, (k - 2) % 3) };
+        elastic[k] + (by[0] * (u[i] * u[j]) + by[1] * (v[i] * v[j]) + by[2] * (w[i] * w[j]))
+    });
+    (stress, (0.666_666_7 * (x * x + y * y + z * z)).sqrt())
+}
