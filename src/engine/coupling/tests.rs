@@ -705,7 +705,8 @@ fn measures_are_sums_over_contacts() {
     close(shares.skeleton[1], grain * (2.0 * R - 2e-3) / volume);
     // both grains stand on the floor
     close(shares.skeleton[2], 2.0 * floor * (R - 1e-3) / volume);
-    close(shares.interface[0], point * (R + A - 1.5e-3) / volume);
+    // to where the force acts, the middle of the overlap
+    close(shares.interface[0], point * (R - 0.5 * 1.5e-3) / volume);
     close(shares.total(0), shares.matrix[0] + shares.skeleton[0] + shares.interface[0]);
     let half = shares.midway(Shares::default());
     close(

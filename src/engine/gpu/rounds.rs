@@ -5,7 +5,7 @@
 
 use super::bounds::{GROUP, WIDE};
 use super::device::refused;
-use super::grains::{CoarseGrains, SKIN};
+use super::grains::{CoarseGrains, FURTHEST, SKIN};
 use super::state::ghost_radius;
 use crate::error::Error;
 use crate::mpm::{GridWall, Points, Settings};
@@ -39,7 +39,7 @@ fn of_walls(settings: &Settings) -> f64 {
 fn of_grains(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> f64 {
     let largest = coarse.mixture.grains.grains.pos.iter().map(|p| p[3]).fold(0.0, f64::max);
     let ghost = (0..points.len()).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
-    let wide = 2.0 * ((largest + ghost) / settings.cell + SKIN) + 2.0;
+    let wide = 2.0 * ((largest + ghost) / settings.cell + f64::from(FURTHEST) + SKIN) + 2.0;
     AROUND * settings.cells.iter().map(|n| wide.min(f64::from(*n) + 1.0)).product::<f64>() / GROUP as f64
 }
 

@@ -10,16 +10,17 @@ use crate::gpu::continuum::DeviceContinuum;
 use crate::gpu::grains::CoarseGrains;
 use crate::grains::Grains;
 use crate::material::Material;
+use crate::math::vector::{dot, less};
 use crate::mpm::law::{Elastic, Law};
 use crate::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
 use crate::point_contacts::PointContactTable;
 
-/// Edge of a cell, m; steps of the grain in a step of the continuum, s.
+/// Edge of a cell, m; step of the grain, s; steps in a step of the continuum.
 const CELL: f64 = 0.1;
 const DT: f64 = 1e-4;
 const RATES: Rates = Rates { grains: 3, continuum: 1 };
 
-/// A grain that comes down askew on a block of points.
+/// A grain that moves askew in a block of points.
 struct Impact {
     physics: Physics,
     table: PointContactTable,
@@ -34,7 +35,7 @@ impl Impact {
             name: "glass".into(),
             density: 2500.0,
             internal_porosity: 0.0,
-            young: 1e8,
+            young: 2e6,
             poisson: 0.2,
             friction: 0.4,
             contact: [0.6, 0.0, 0.0, 0.0],
@@ -53,8 +54,14 @@ impl Impact {
             damping: 0.0,
         };
         let mut points = Points::default();
-        for k in 0..8 * 8 * 6 {
-            let position = [k % 8, k / 8 % 8, k / 64].map(|n: i32| 0.325 + 0.05 * f64::from(n));
+        let (centre, radius) = ([0.503, 0.497, 0.455], 0.15);
+        for k in 0..10 * 10 * 8 {
+            let position = [k % 10, k / 10 % 10, k / 100].map(|n: i32| 0.275 + 0.05 * f64::from(n));
+            // ghosts have a radius of 26 mm
+            let away = less(position, centre);
+            if dot(away, away).sqrt() < radius + 0.022 {
+                continue;
+            }
             points.add(&Point {
                 position,
                 velocity: [0.0; 3],
@@ -67,8 +74,8 @@ impl Impact {
         }
         let mut continuum = Continuum::new(settings, vec![Law::Elastic(Elastic::of_young(1e6, 0.3))], points).expect("allowed");
         let mut grains = Grains::default();
-        grains.add([0.503, 0.497, 0.747], 0.15, 0, &physics.materials);
-        grains.vel[0][..3].copy_from_slice(&[0.1, 0.05, -0.5]);
+        grains.add(centre, radius, 0, &physics.materials);
+        grains.vel[0][..3].copy_from_slice(&[0.4, 0.2, -2.0]);
         grains.spin[0][1] = 2.0;
         let mut state = State::new(&physics, grains, Vec::new(), false);
         let work = Workspace::new(&physics, &mut state);
@@ -114,14 +121,15 @@ fn steps(gpu: &mut DeviceContinuum, n: u64) {
     gpu.steps(n, DT * f64::from(RATES.grains)).expect("steps");
 }
 
-/// A grain presses on a block with three steps to one of the points: faces move as on the processor, contacts that are apart and have a face stay known, and a
-/// device that goes on from a saved state leaves the same bits. Measured: MEASURED.
+/// A grain moves in a block with three steps to one of the points: faces move as on the processor, contacts that are apart and have a face stay known, and a
+/// device that goes on from a saved state leaves the same bits. Measured: 24 contacts, 2 of them apart, faces that have moved by up to
+/// 0.019 cells; off by 6e-9 cells, velocities by 2e-7 m/s, forces by 2e-7 of the largest.
 #[test]
 fn faces_move_as_on_the_processor() {
     if !adapter("faces_move_as_on_the_processor") {
         return;
     }
-    const STEPS: u32 = 60;
+    const STEPS: u32 = 110;
     let mut here = Impact::new();
     here.cycles(5);
     let begin = |of: &Impact, saved| DeviceContinuum::begin(&of.continuum, &[], &[], Some(&of.coarse()), saved).expect("device");
@@ -144,7 +152,8 @@ fn faces_move_as_on_the_processor() {
     let face = |c: &ExchangedContact| c.face.expect("a contact of a point has one");
     let moved = exact.iter().map(|c| face(c).beyond.abs()).fold(0.0, f64::max) / CELL;
     let apart = exact.iter().filter(|c| c.touch.overlap == 0.0).count();
-    assert!(exact.len() > 5 && moved > 0.01, "{} contacts, faces have moved by {moved} cells", exact.len());
+    println!("faces: {} contacts, {apart} of them apart, moved by up to {moved:e} cells", exact.len());
+    assert!(exact.len() > 15 && apart > 0 && moved > 0.01);
     assert_eq!(exact.iter().map(|c| c.ends[1]).collect::<Vec<_>>(), found.iter().map(|c| c.ends[1]).collect::<Vec<_>>());
     let largest = |of: &dyn Fn(&ExchangedContact, &ExchangedContact) -> f64| {
         exact.iter().zip(&found).map(|(e, f)| of(e, f)).fold(0.0, f64::max)
@@ -153,9 +162,6 @@ fn faces_move_as_on_the_processor() {
     let of_velocity = largest(&|e, f| (0..3).map(|a| (face(e).velocity[a] - face(f).velocity[a]).abs()).fold(0.0, f64::max));
     let strongest = exact.iter().map(|c| c.touch.normal_force).fold(0.0, f64::max);
     let of_force = largest(&|e, f| (e.touch.normal_force - f.touch.normal_force).abs()) / strongest;
-    println!(
-        "faces: {} contacts, {apart} of them apart, moved by up to {moved:e} cells; off by {of_beyond:e} cells, velocity {of_velocity:e} m/s, force {of_force:e}",
-        exact.len()
-    );
-    assert!(of_beyond < 1e-6 && of_velocity < 1e-5 && of_force < 1e-4);
+    println!("off by {of_beyond:e} cells, velocity {of_velocity:e} m/s, force {of_force:e} of the largest");
+    assert!(of_beyond < 1e-7 && of_velocity < 3e-6 && of_force < 3e-6);
 }

@@ -1,4 +1,4 @@
-//! Parity of the graphics path with f64: rungs 2 (`law.rs`) and 3 (`step.rs`).
+//! Parity of the graphics path with f64: rungs 2 (`law.rs`) and 3 (`step.rs`, `faces.rs`).
 
 mod adapter;
 mod bounds;
