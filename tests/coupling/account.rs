@@ -67,7 +67,7 @@ fn a_triaxial_test_closes() {
         "strain_lag_J",
         "contact_lag_J",
     ];
-    closes("mixture/triaxial_small", &["test.axial_strain=0.006"], &of);
+    closes("mixture/triaxial_small", &["test.axial_strain=0.012"], &of);
 }
 
 /// A grain breaks in the middle of points.
