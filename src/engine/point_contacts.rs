@@ -148,6 +148,9 @@ impl ContactRates {
 pub struct PointContactTable {
     /// Contact law of all point contacts.
     pub law: ContactLaw,
+    /// Whether contacts act on the faces of points ([`GhostFace`]), for slow tests; else on their centres (Li et al. 2023, eq. 29), for impacts: a ball that hits a
+    /// ball of points of ten cells goes back with 4 % less of its speed when few faces bear it, with the centres 1 %.
+    pub faces: bool,
     /// Pair of each constitutive law (outer) with each material of grains (inner).
     grains: Vec<Vec<Pair>>,
     /// Pair of each wall (outer) with each constitutive law (inner); empty where points do not touch the grains' walls.
@@ -162,7 +165,18 @@ impl PointContactTable {
         let of_law = |m: &u8| materials.iter().map(|other| law.between(other, material(m))).collect();
         let on_wall =
             |w: &Wall| fines.iter().map(|m| PairTable::on_wall(law.table().coefficients, material(m), w, materials)).collect();
-        PointContactTable { law, grains: fines.iter().map(of_law).collect(), walls: walls.iter().map(on_wall).collect() }
+        PointContactTable {
+            law,
+            faces: false,
+            grains: fines.iter().map(of_law).collect(),
+            walls: walls.iter().map(on_wall).collect(),
+        }
+    }
+
+    /// The same table for contacts that act on the faces of points, or on their centres.
+    #[must_use]
+    pub fn with_faces(self, faces: bool) -> PointContactTable {
+        PointContactTable { faces, ..self }
     }
 
     /// Number of walls that points touch.

@@ -230,7 +230,6 @@ impl Embedded {
         if !self.continuum.points().is_empty() {
             self.raise_point_inertia(physics, state.dt);
             self.continuum.step(state.dt)?;
-            self.point_contacts.follow_faces(&self.continuum, state.dt);
         }
         self.fines.queue(&work.breakages);
         self.fines.insert_points(state, &mut self.continuum, &mut self.point_contacts);
@@ -434,9 +433,7 @@ mod tests {
         state.walls[0].speed = 1e-4;
         state.walls[0].advance(1.0);
         state.walls[0].speed = 0.0;
-        for contact in embedded.point_contacts.candidates.iter_mut().filter(|contact| contact.point == 0) {
-            contact.face.as_mut().expect("they touch").velocity = [1e-4, 0.0, 0.0];
-        }
+        embedded.continuum.points_mut().transport_velocity[0] = [1e-4, 0.0, 0.0];
         embedded.compute_forces(&physics, &mut state, &mut work);
         let pair = physics.contact.law.on_wall(&physics.materials[0], 0.3);
         let force = pair.normal_stiffness * (0.02f64 * 1e-4).sqrt() * 1e-4;

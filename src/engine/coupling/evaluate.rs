@@ -131,7 +131,7 @@ impl<L: Law, const LEDGER: bool> PointContactSweep<'_, L, LEDGER> {
             face.normal = geometry.normal;
             geometry.overlap += face.beyond;
             geometry.motion.centres = plus(geometry.motion.centres, less(spot.transport_velocity, face.velocity));
-        } else if of_ghost > 0.0 {
+        } else if self.scene.table.faces && of_ghost > 0.0 {
             contact.face = Some(GhostFace::at_first_touch(geometry.normal, spot.transport_velocity));
         }
         if contact.reference > 0.0 {

@@ -146,7 +146,7 @@ impl Mixture {
                 spring: if physics.contact.law.is_viscous() { c.spring } else { [0.0; 3] },
                 stiffness: [c.stiffness, c.stiffness * ratio(physics.contact.law, pair)],
                 reference: 0.0,
-                face: c.face,
+                face: c.face.filter(|_| table.faces),
             }
         };
         let mut candidates: Vec<PointContact> = contacts.points.iter().map(of_point).collect();

@@ -48,7 +48,8 @@ impl PointContacts {
     }
 
     /// Adds `of_grains` times force and torque of each contact to `external_forces` (force, N, and torque, N m, by index of the grain), and `of_points`
-    /// times the opposite force, with `stiff` times the larger tangent stiffness, to the faces of the points. Contacts are taken in the order of
+    /// times the opposite force, with `stiff` times the larger tangent stiffness, to the faces of the points, or to
+    /// their centres. Contacts are taken in the order of
     /// the list.
     pub(super) fn apply_reactions(
         &self,
@@ -64,7 +65,11 @@ impl PointContacts {
             let ([body, point], force) = (contact.place.map(|p| p as usize), contact.touch.force());
             let [k_n, k_t] = contact.stiffness;
             let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
-            continuum.add_force_beside(point, push, stiffness, contact.offset(cell));
+            if contact.face.is_some() {
+                continuum.add_force_beside(point, push, stiffness, contact.offset(cell));
+            } else {
+                continuum.add_external_force(point, push, stiffness);
+            }
             if let Body::Grain(_) = contact.body {
                 let torque = torque(&contact.touch, grains.radius(body));
                 for a in 0..3 {

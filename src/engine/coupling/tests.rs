@@ -92,7 +92,7 @@ struct Scene {
 
 impl Scene {
     fn new(physics: Physics, grains: Grains, walls: Vec<Wall>, continuum: Continuum) -> Scene {
-        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &walls);
+        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &walls).with_faces(true);
         let mut contacts = PointContacts::default();
         contacts.update(&grains, &walls, &continuum, 1e-6);
         Scene { physics, grains, walls, continuum, table, contacts }
@@ -468,7 +468,7 @@ impl Meeting {
         let mut continuum = continuum;
         let mut state = State::new(&physics, grains, walls, false);
         let work = Workspace::new(&physics, &mut state);
-        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &state.walls);
+        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &state.walls).with_faces(true);
         let mixture = Mixture::new(&physics, state, &mut continuum, None);
         Meeting { physics, table, work, continuum, mixture }
     }

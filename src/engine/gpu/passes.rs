@@ -66,11 +66,12 @@ struct BindGroups {
 }
 
 impl Passes {
-    /// Compiles the pipelines for these laws and loading plates, with or without those for grains.
-    pub fn new(device: &Device, with_grains: bool, laws: &[Law], plates: &[LoadingPlate]) -> Passes {
+    /// Compiles the pipelines for these laws and loading plates, with or without those for grains. `faces`: contacts of grains act on the faces of points.
+    pub fn new(device: &Device, [with_grains, faces]: [bool; 2], laws: &[Law], plates: &[LoadingPlate]) -> Passes {
         let uses = Uses {
             mohr_coulomb: laws.iter().any(|law| matches!(law, Law::MohrCoulomb(_))),
             shells: plates.iter().any(|plate| plate.radius.is_some()),
+            faces,
         };
         let source = uses.of(if with_grains { shader::MIXTURE } else { shader::STEP });
         let device = &device.device;

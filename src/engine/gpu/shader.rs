@@ -9,13 +9,17 @@ pub struct Uses {
     pub mohr_coulomb: bool,
     /// Loading plates that are shells.
     pub shells: bool,
+    /// Contacts of grains that act on the faces of points.
+    pub faces: bool,
 }
 
 impl Uses {
     /// A source with these parts.
     pub fn of(self, source: &str) -> String {
-        let Uses { mohr_coulomb, shells } = self;
-        format!("const MOHR_COULOMB: bool = {mohr_coulomb};\nconst SHELLS: bool = {shells};\n{source}")
+        let Uses { mohr_coulomb, shells, faces } = self;
+        format!(
+            "const MOHR_COULOMB: bool = {mohr_coulomb};\nconst SHELLS: bool = {shells};\nconst FACES: bool = {faces};\n{source}"
+        )
     }
 }
 
@@ -71,7 +75,7 @@ pub mod tests {
     );
 
     /// All parts.
-    pub const ALL: Uses = Uses { mohr_coulomb: true, shells: true };
+    pub const ALL: Uses = Uses { mohr_coulomb: true, shells: true, faces: true };
 
     /// The module of a source with all parts.
     pub fn parsed(source: &str) -> naga::Module {

@@ -165,8 +165,14 @@ impl Blocks {
         let cell = continuum.settings().cell;
         for c in self.candidates.iter().filter(|c| c.is_of_point() && c.touch.overlap > 0.0) {
             let (force, [k_n, k_t]) = (c.touch.force(), c.stiffness);
-            let offset = c.face.map_or([0.0; 3], |face| face.offset(c.radius, c.touch.overlap, cell));
-            continuum.add_force_beside(c.place as usize, force.map(|f| -(of_points * f)), stiff * k_n.max(k_t), offset);
+            let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
+            match c.face {
+                Some(face) => {
+                    let offset = face.offset(c.radius, c.touch.overlap, cell);
+                    continuum.add_force_beside(c.place as usize, push, stiffness, offset);
+                }
+                None => continuum.add_external_force(c.place as usize, push, stiffness),
+            }
             add_force_and_torque(&mut self.applied[c.block as usize], c, of_blocks);
         }
     }
@@ -361,7 +367,7 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, body: &PosedBlock<'_>, c
         }
         return;
     };
-    if c.is_of_point() {
+    if scene.point_table.faces && c.is_of_point() {
         match &mut c.face {
             Some(face) => face.normal = o.normal,
             face => *face = Some(GhostFace::at_first_touch(o.normal, o.velocity)),

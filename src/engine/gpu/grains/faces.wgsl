@@ -46,6 +46,16 @@ fn press(r: u32, at: vec3<f32>, push: vec4<f32>) {
     }
 }
 
+// As press, for a force at the centre of a point, by its spline. `o`: offset of the point from the middle node.
+fn press_centre(r: u32, o: vec3<f32>, push: vec4<f32>) {
+    for (var k = 0; k < 27; k++) {
+        let d = vec3<i32>(k % 3, (k / 3) % 3, k / 9);
+        let w = value(d, o);
+        let there = node_at(u32(k), r);
+        rows[there] = bitcast<vec4<u32>>(bitcast<vec4<f32>>(rows[there]) + push * (w.x * w.y * w.z));
+    }
+}
+
 // What contacts press on the node `d` of a point: force, N, mean over the steps of the grains, and its stiffness, N/m.
 fn force_of_grains(i: u32, d: vec3<i32>) -> vec4<f32> {
     let r = transport[i].w;
@@ -77,7 +87,7 @@ fn rate_beside(r: u32, o: vec3<f32>, base: vec3<i32>) -> f32 {
 // Moves the faces of a point with the nodes, at the end of a step of the continuum.
 fn follow_faces(i: u32, o: vec3<f32>, base: vec3<i32>) {
     let r = transport[i].w;
-    if r == NONE {
+    if !FACES || r == NONE {
         return;
     }
     let radius = f32(bitcast<i32>(word(ENERGY, i).w)) * (params.cell / UNITS);

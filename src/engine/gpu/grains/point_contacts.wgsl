@@ -229,7 +229,7 @@ fn point_contact_forces(one: Thread) {
             var r_eff = metres;
             var m_eff = mass;
             // once pressed, the ghost moves with the face of the point, not with the point
-            let followed = bitcast<f32>(rows[row_at(C_TANGENT, s, r)].w) > NO_FACE;
+            let followed = FACES && bitcast<f32>(rows[row_at(C_TANGENT, s, r)].w) > NO_FACE;
             if !followed {
                 face = vec4<f32>(own_velocity, 0.0);
                 place_of_force.w = 0.0;
@@ -287,10 +287,15 @@ fn point_contact_forces(one: Thread) {
                 clear_pushes(r);
                 pressed = 1u;
             }
-            let beside = face_place(c.normal, c.overlap, metres, face.w);
-            press(r, offset(place) + beside, vec4<f32>(c.normal * c.force - c.tangent, select(0.0, OF_POINT * stiffness, starts_step)));
-            if starts_step {
-                place_of_force = vec4<f32>(beside, place_of_force.w);
+            let push = vec4<f32>(c.normal * c.force - c.tangent, select(0.0, OF_POINT * stiffness, starts_step));
+            if FACES {
+                let beside = face_place(c.normal, c.overlap, metres, face.w);
+                press(r, offset(place) + beside, push);
+                if starts_step {
+                    place_of_force = vec4<f32>(beside, place_of_force.w);
+                }
+            } else {
+                press_centre(r, offset(place), push);
             }
         }
         rows[row_at(C_PLACE, s, r)] = bitcast<vec4<u32>>(place_of_force);

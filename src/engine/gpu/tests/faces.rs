@@ -79,7 +79,7 @@ impl Impact {
         grains.spin[0][1] = 2.0;
         let mut state = State::new(&physics, grains, Vec::new(), false);
         let work = Workspace::new(&physics, &mut state);
-        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &[]);
+        let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &[]).with_faces(true);
         let mixture = Mixture::new(&physics, state, &mut continuum, None);
         Impact { physics, table, work, continuum, mixture }
     }
