@@ -133,12 +133,12 @@ impl ContactRates {
     /// What contacts add at most to the square of a frequency, 1/s². `plates`: largest rate of the loading plates, 1/s².
     ///
     /// `bound_ratio`: the bound at the nodes over [`Self::isolated_bound`]. `slow`: contacts need only be stable. Otherwise they are to be resolved as in an
-    /// impact; points then count as isolated at least, and the best ε, `grains` / `points`, makes both ends equal.
+    /// impact; points then count as isolated, and the best ε, `grains` / `points`, makes both ends equal.
     pub fn frequency2(&self, plates: f64, bound_ratio: f64, slow: bool) -> f64 {
         if slow {
             (bound_ratio * self.isolated_bound(plates)).max(Self::END_SHARES[1] * self.grains)
         } else {
-            bound_ratio.max(1.0) * self.points + self.grains + plates
+            self.points + self.grains + plates
         }
     }
 }

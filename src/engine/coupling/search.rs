@@ -70,7 +70,7 @@ impl PointContacts {
             }
         }
         found.sort_unstable_by_key(|g| (g.body, g.point));
-        let known = self.candidates.iter().filter(|g| g.face.is_some() || g.reference > 0.0);
+        let known = self.candidates.iter().filter(|g| g.touch.overlap > 0.0 || g.face.is_some() || g.reference > 0.0);
         let keep = |old: &PointContact, new: &mut PointContact| {
             (new.touch, new.spring, new.reference, new.face) = (old.touch, old.spring, old.reference, old.face);
         };

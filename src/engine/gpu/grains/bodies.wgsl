@@ -39,7 +39,7 @@ fn longest_step(dt: f32, rate: f32) -> f32 {
     if params.safety <= 0.0 {
         return dt;
     }
-    var contacts = max(mix_.bound_ratio, 1.0) * bitcast<f32>(atomicLoad(&mix_.point_rate)) + mix_.grain_rate_points + rate;
+    var contacts = bitcast<f32>(atomicLoad(&mix_.point_rate)) + mix_.grain_rate_points + rate;
     if mix_.slow != 0u {
         contacts = max(mix_.bound_ratio * mix_.isolated_bound, OF_GRAIN * mix_.grain_rate_points);
     }

@@ -140,7 +140,10 @@ pub fn point_contact_words(point: u32, body: u32, c: &ExchangedContact, cell: f6
     let own = contact_words(point, body, c);
     words[..own.len()].copy_from_slice(&own);
     let Some(face) = &c.face else {
-        words[TANGENT + 3] = BITS(NO_FACE);
+        // contacts at centres have no faces, but their overlaps
+        if c.touch.overlap <= 0.0 {
+            words[TANGENT + 3] = BITS(NO_FACE);
+        }
         return words;
     };
     let beyond = split(face.beyond / cell);
