@@ -4,11 +4,12 @@
 //! follows the contact law of the run, with friction and history (eqs 18–21, 23, 24). The grain gets a force and a torque (eqs 25–27), the point the
 //! opposite force (eq. 28). Only points near a surface are looked at.
 //!
-//! Li et al. spread that force from the centre of the point by its shape functions (eq. 29). Here it acts on the face of the ghost, where the grain is, and the
-//! overlap is measured from there ([`crate::point_contacts::GhostFace`]): what moves with a grain is then what touches it.
+//! Li et al. spread that force from the centre of the point by its shape functions (eq. 29), and so do free scenes. In tests with loading plates it acts on the
+//! face of the ghost, where the grain is, and the overlap is measured from there ([`crate::point_contacts::GhostFace`]): what moves with a grain is then what
+//! touches it.
 //!
-//! Ghosts do not rotate. The velocity of a point in a contact is that of the nodes at its face, in the first step of a contact the one that moved the point in
-//! its last step ([`crate::mpm::Points::transport_velocity`]). With FLIP these differ from the velocity stored at the point, which does not move the contact.
+//! Ghosts do not rotate. The velocity of a point in a contact is the one that moved it in its last step ([`crate::mpm::Points::transport_velocity`]), or that of
+//! the nodes at its face. With FLIP both differ from the velocity stored at the point, which does not move the contact.
 
 mod account;
 mod embedded;
