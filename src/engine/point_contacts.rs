@@ -100,6 +100,24 @@ impl GhostFace {
         self.beyond += dt * dot(less(continuum.points().transport_velocity[point], self.velocity), self.normal);
     }
 
+    /// Pushes point `point` for the next step, at the face, or at its centre where there is none. `touch`: ghost radius and overlap, m.
+    pub fn push(
+        face: Option<GhostFace>,
+        touch: [f64; 2],
+        continuum: &mut Continuum,
+        point: usize,
+        force: [f64; 3],
+        stiffness: f64,
+    ) {
+        match face {
+            Some(face) => {
+                let offset = face.offset(touch[0], touch[1], continuum.settings().cell);
+                continuum.add_force_beside(point, force, stiffness, offset);
+            }
+            None => continuum.add_external_force(point, force, stiffness),
+        }
+    }
+
     /// All its numbers.
     pub fn numbers(&self) -> impl Iterator<Item = f64> {
         self.normal.into_iter().chain(self.velocity).chain([self.beyond])
@@ -132,13 +150,12 @@ impl ContactRates {
 
     /// What contacts add at most to the square of a frequency, 1/s². `plates`: largest rate of the loading plates, 1/s².
     ///
-    /// `bound_ratio`: the bound at the nodes over [`Self::isolated_bound`]. `slow`: contacts need only be stable. Otherwise they are to be resolved as in an
-    /// impact; points then count as isolated, and the best ε, `grains` / `points`, makes both ends equal.
-    pub fn frequency2(&self, plates: f64, bound_ratio: f64, slow: bool) -> f64 {
-        if slow {
-            (bound_ratio * self.isolated_bound(plates)).max(Self::END_SHARES[1] * self.grains)
-        } else {
-            self.points + self.grains + plates
+    /// `bound_ratio`: the bound at the nodes over [`Self::isolated_bound`], for tests in which contacts need only be stable. `None`: contacts are to be resolved
+    /// as in an impact; points then count as isolated, and the best ε, `grains` / `points`, makes both ends equal.
+    pub fn frequency2(&self, plates: f64, bound_ratio: Option<f64>) -> f64 {
+        match bound_ratio {
+            Some(ratio) => (ratio * self.isolated_bound(plates)).max(Self::END_SHARES[1] * self.grains),
+            None => self.points + self.grains + plates,
         }
     }
 }

@@ -226,8 +226,8 @@ impl Mixture {
             rates = ContactRates { points: rates.points + theirs.points, grains: rates.grains + theirs.grains };
         }
         let plates = plates.iter().map(|p| p.rate).fold(0.0, f64::max);
-        self.isolated_bound = Some(rates.isolated_bound(plates));
-        (own, rates.frequency2(plates, self.bound_ratio, slow))
+        self.isolated_bound = slow.then(|| rates.isolated_bound(plates));
+        (own, rates.frequency2(plates, slow.then_some(self.bound_ratio)))
     }
 
     /// Makes one cycle. Before it, [`Self::compute_forces`] and [`loading_plate::press`] must have computed the forces of this instant. Walls and loading

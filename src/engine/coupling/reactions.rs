@@ -6,7 +6,7 @@ use crate::contact::pairs::ContactForce;
 use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, scaled};
 use crate::mpm::Continuum;
-use crate::point_contacts::ContactRates;
+use crate::point_contacts::{ContactRates, GhostFace};
 use rayon::prelude::*;
 
 impl PointContact {
@@ -60,16 +60,11 @@ impl PointContacts {
         [of_points, stiff]: [f64; 2],
     ) {
         external_forces.resize(grains.len(), [[0.0; 4]; 2]);
-        let cell = continuum.settings().cell;
         for contact in self.touching() {
             let ([body, point], force) = (contact.place.map(|p| p as usize), contact.touch.force());
             let [k_n, k_t] = contact.stiffness;
             let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
-            if contact.face.is_some() {
-                continuum.add_force_beside(point, push, stiffness, contact.offset(cell));
-            } else {
-                continuum.add_external_force(point, push, stiffness);
-            }
+            GhostFace::push(contact.face, [contact.radius, contact.touch.overlap], continuum, point, push, stiffness);
             if let Body::Grain(_) = contact.body {
                 let torque = torque(&contact.touch, grains.radius(body));
                 for a in 0..3 {

@@ -162,17 +162,10 @@ impl Blocks {
     /// Adds `of_blocks` times the force of each contact with a point to its body, and `of_points` times the opposite force, with `stiff` times the larger
     /// tangent stiffness, to the face of the point.
     pub fn apply_point_reactions(&mut self, of_blocks: f64, continuum: &mut Continuum, [of_points, stiff]: [f64; 2]) {
-        let cell = continuum.settings().cell;
         for c in self.candidates.iter().filter(|c| c.is_of_point() && c.touch.overlap > 0.0) {
             let (force, [k_n, k_t]) = (c.touch.force(), c.stiffness);
             let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
-            match c.face {
-                Some(face) => {
-                    let offset = face.offset(c.radius, c.touch.overlap, cell);
-                    continuum.add_force_beside(c.place as usize, push, stiffness, offset);
-                }
-                None => continuum.add_external_force(c.place as usize, push, stiffness),
-            }
+            GhostFace::push(c.face, [c.radius, c.touch.overlap], continuum, c.place as usize, push, stiffness);
             add_force_and_torque(&mut self.applied[c.block as usize], c, of_blocks);
         }
     }

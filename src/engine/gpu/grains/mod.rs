@@ -319,7 +319,7 @@ impl Bodies {
     pub fn bounds(&self, plates: &[LoadingPlate]) -> (f64, f64) {
         let rates = ContactRates { points: f32::from_bits(self.mix.point_rate).into(), grains: self.mix.grain_rate_points.into() };
         let plates = plates.iter().map(|p| p.rate).fold(0.0, f64::max);
-        let contacts = rates.frequency2(plates, self.mix.bound_ratio.into(), self.mix.slow != 0);
+        let contacts = rates.frequency2(plates, (self.mix.slow != 0).then_some(self.mix.bound_ratio.into()));
         if self.coupling.grains == 0 {
             return (f64::INFINITY, contacts);
         }
