@@ -85,6 +85,7 @@ fn main() {
         poisson: 0.2,
         friction: 0.3,
         rolling_friction: 0.0,
+        interface_friction: None,
         contact: [0.1, 0.0, 0.0, 0.0],
     };
     let mass = 0.5 * material.density * 4.0 / 3.0 * PI * RADIUS.powi(3);

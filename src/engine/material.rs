@@ -21,6 +21,9 @@ pub struct Material {
     pub contact: Values,
     /// Coefficient of rolling friction µ_r: the rolling moment of a contact is at most µ_r R* F_n; 0: none.
     pub rolling_friction: f64,
+    /// Coefficient of friction of this material as a continuum on grains and rigid bodies; `None`: that between its grains. The points of a continuum have no
+    /// spin, so all of their contacts slide where grains would roll: what grains pass on along a large body is a third of their own coefficient.
+    pub interface_friction: Option<f64>,
 }
 
 /// Effective modulus E' of a contact, Pa: 1/E' = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ (Ciantia et al. 2015, eq. 11). Each body is given by its Young's

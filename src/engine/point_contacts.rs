@@ -160,7 +160,8 @@ impl ContactRates {
     }
 }
 
-/// Contact parameters between material points and grains or walls. A point touches as a grain of the fines that it stands for.
+/// Contact parameters between material points and grains or walls. A point touches as a grain of the fines that it stands for; its friction on grains and rigid
+/// bodies is that of its material as a continuum, where that is given ([`Material::interface_friction`]).
 #[derive(Clone, Debug)]
 pub struct PointContactTable {
     /// Contact law of all point contacts.
@@ -179,7 +180,11 @@ impl PointContactTable {
     /// walls of the grains that points touch as well.
     pub fn new(law: ContactLaw, fines: &[u8], materials: &[Material], walls: &[Wall]) -> PointContactTable {
         let material = |m: &u8| &materials[usize::from(*m)];
-        let of_law = |m: &u8| materials.iter().map(|other| law.between(other, material(m))).collect();
+        let on_grain = |other: &Material, own: &Material| {
+            let pair = law.between(other, own);
+            Pair { friction: own.interface_friction.unwrap_or(pair.friction), ..pair }
+        };
+        let of_law = |m: &u8| materials.iter().map(|other| on_grain(other, material(m))).collect();
         let on_wall =
             |w: &Wall| fines.iter().map(|m| PairTable::on_wall(law.table().coefficients, material(m), w, materials)).collect();
         PointContactTable {

@@ -60,6 +60,7 @@ pub fn materials(law: ContactLaw, young: f64) -> Vec<Material> {
         friction,
         contact: values(law.table().parameters, young),
         rolling_friction,
+        interface_friction: None,
     };
     vec![of("hard", 2500.0, young, 0.2, 0.4, 0.05), of("soft", 1100.0, 0.4 * young, 0.35, 0.7, 0.1)]
 }

@@ -161,6 +161,7 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
         poisson: 0.12,
         friction: 0.35,
         rolling_friction: 0.0,
+        interface_friction: None,
         contact: if law.is_hertzian() { [RESTITUTION, 0.0, 0.0, 0.0] } else { [0.8e9, 0.25, 0.0, 0.0] },
     };
     Model {

@@ -227,6 +227,7 @@ mod tests {
             poisson: 0.2,
             friction: 0.3,
             rolling_friction: 0.0,
+            interface_friction: None,
             contact: std::array::from_fn(|k| match law.table().parameters.get(k).map(|p| p.key) {
                 Some("linear.K_eff_MPa") => 1e9,
                 Some("contact.yield_pressure_MPa") => 2e9,

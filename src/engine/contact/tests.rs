@@ -23,6 +23,7 @@ fn materials(law: ContactLaw) -> Vec<Material> {
         poisson,
         friction,
         rolling_friction,
+        interface_friction: None,
         contact: std::array::from_fn(|k| match law.table().parameters.get(k).map(|p| p.key) {
             Some("linear.K_eff_MPa") => 0.01 * young,
             Some("linear.alpha_s") => 0.4,

@@ -30,6 +30,7 @@ pub(super) fn material(restitution: f64) -> Material {
         friction: 0.4,
         contact: [restitution, 0.0, 0.0, 0.0],
         rolling_friction: 0.0,
+        interface_friction: None,
     }
 }
 

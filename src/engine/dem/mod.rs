@@ -255,6 +255,7 @@ const STABILITY_INTERVAL: u64 = 32;
 ///     friction: 0.4,
 ///     contact: [0.0; 4], // Hertz's law asks for nothing more
 ///     rolling_friction: 0.0,
+///     interface_friction: None,
 /// };
 /// let physics = Physics::of(vec![quartz], ContactLaw::Hertz);
 /// let mut grains = Grains::default();
@@ -610,6 +611,7 @@ mod tests {
             friction: 0.5,
             contact: [0.0; 4],
             rolling_friction: 0.0,
+            interface_friction: None,
         };
         let physics = Physics { gravity: [0.0, 0.0, -9.81], ..Physics::of(vec![stuff], ContactLaw::Hertz) };
         let mut grains = Grains::default();

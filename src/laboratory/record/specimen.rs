@@ -171,6 +171,7 @@ mod tests {
             poisson: 0.2,
             friction: 0.3,
             rolling_friction: 0.0,
+            interface_friction: None,
             contact: Default::default(),
         };
         let materials = [material("sand, \"fine\"\nwashed"), material("glass")];

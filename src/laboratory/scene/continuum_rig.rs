@@ -363,6 +363,7 @@ fn plain(name: &str, density: f64) -> Material {
         poisson: 0.0,
         friction: 0.0,
         rolling_friction: 0.0,
+        interface_friction: None,
         contact: Default::default(),
     }
 }

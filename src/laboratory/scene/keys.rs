@@ -933,6 +933,12 @@ const OWN: &[Key] = &[
         "drucker_prager, mohr_coulomb: whether the dilation angle stays (constant, also where not written), or falls with the friction angle and is 0 at its final value, so that dilation ends at the critical state (mobilised)",
     ),
     every(
+        "material.continuum.interface_friction",
+        Number(Range::closed(0.0, 10.0)),
+        Absent,
+        "coefficient of friction of the continuum on grains and rigid bodies in it; where not written, that of its grains (contact.friction), which never roll then",
+    ),
+    every(
         "material.continuum.cohesion_kPa",
         Number(NOT_NEGATIVE),
         Absent,

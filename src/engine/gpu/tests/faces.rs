@@ -40,6 +40,7 @@ impl Impact {
             friction: 0.4,
             contact: [0.6, 0.0, 0.0, 0.0],
             rolling_friction: 0.0,
+            interface_friction: None,
         };
         let physics = Physics::of(vec![material], ContactLaw::Hertz);
         let settings = Settings {
