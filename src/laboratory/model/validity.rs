@@ -75,7 +75,7 @@ pub fn viscous(rig: &MpmTest, dt: f64) -> Option<String> {
         return None;
     };
     let height = specimen.size[if rig.settings.dimension == Dimension::Space { 2 } else { 1 }];
-    let (c, h) = (rig.laws[usize::from(specimen.law)].wave_speed(specimen.density), rig.settings.cell);
+    let (c, h) = (rig.laws[usize::from(specimen.law)].wave_speed(rig.points_inertia * specimen.density), rig.settings.cell);
     let ratio = std::f64::consts::PI * pic * h * h / (8.0 * dt * c * height);
     (ratio > VISCOUS).then(|| {
         format!(
