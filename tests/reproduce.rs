@@ -238,8 +238,7 @@ fn the_plan_of_the_mixtures_holds_their_tables() {
     assert_eq!(plan.runs.iter().filter(|run| run.id.contains("fan")).count(), 9);
     for run in &plan.runs {
         let [job] = &plan.jobs(run, std::path::Path::new("out")).expect("jobs")[..] else { panic!("one seed") };
-        let scene = comminute::scene::load(&job.scene, &job.sets).unwrap_or_else(|e| panic!("{}: {e}", run.id));
-        let outline = comminute::scene::outline(&scene).unwrap_or_else(|e| panic!("{}: {e}", run.id));
+        let (_, outline) = job.load().unwrap_or_else(|e| panic!("{}: {e}", run.id));
         let comminute::model::Rig::Continuum(rig) = &outline.rig else { panic!("{} has no points", run.id) };
         let published = run.published_test.expect("published");
         if let (0.0, Some(points)) = (published.coarse_percent, published.points) {

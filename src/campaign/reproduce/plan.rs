@@ -46,7 +46,7 @@ pub struct Run {
     pub id: String,
     /// Scene file, relative to the folder of the plan.
     pub scene: PathBuf,
-    /// Seeds, written as on a command line: `1..5`.
+    /// Seeds, written as on a command line: `1..5`; `none` for a scene that draws nothing, a continuum without grains.
     #[serde(default = "one")]
     pub seeds: String,
     /// `key=value` laid over the scene.
@@ -253,7 +253,7 @@ impl Plan {
             if self.runs[..i].iter().any(|other| other.id == run.id) {
                 errors.push(wrong("id", &run.id, "stands there twice"));
             }
-            errors.extend(parse_seeds(&run.seeds).err());
+            errors.extend(run.numbers().err());
         }
         errors.extend(self.check_tests(path));
         for figure in &self.figures {
@@ -303,17 +303,24 @@ impl Plan {
         self.runs.iter().find(|run| run.id == id)
     }
 
-    /// The jobs of a run, one for each seed, in `out/ID/seed-N`.
+    /// The jobs of a run, one for each seed, in `out/ID/seed-N`; without seeds one in `out/ID/run`.
     ///
     /// # Errors
     /// Text in `seeds` that is no list of seeds.
     pub fn jobs(&self, run: &Run, out: &Path) -> Result<Vec<Job>> {
-        let seeds = parse_seeds(&run.seeds)?;
-        let job = |seed| {
-            let folder = out.join(&run.id).join(format!("seed-{seed}"));
-            Job::new(self.folder.join(&run.scene), folder).with(&run.set).seeded(Vary::Both, seed)
-        };
-        Ok(seeds.into_iter().map(job).collect())
+        let seeds = run.numbers()?;
+        let job = |name: &str| Job::new(self.folder.join(&run.scene), out.join(&run.id).join(name)).with(&run.set);
+        if seeds.is_empty() {
+            return Ok(vec![job("run")]);
+        }
+        Ok(seeds.into_iter().map(|seed| job(&format!("seed-{seed}")).seeded(Vary::Both, seed)).collect())
+    }
+}
+
+impl Run {
+    /// The seeds; none for a scene that draws nothing.
+    fn numbers(&self) -> Result<Vec<u64>> {
+        if self.seeds == "none" { Ok(Vec::new()) } else { parse_seeds(&self.seeds) }
     }
 }
 
@@ -359,6 +366,9 @@ mod tests {
         let folders: Vec<String> = jobs.iter().map(|j| j.out.display().to_string()).collect();
         assert_eq!(folders, ["out/a/seed-1", "out/a/seed-2", "out/a/seed-3"]);
         assert!(jobs[0].scene.ends_with("a.toml") && jobs[0].scene.is_absolute());
+        let plan = read(&format!("{HEAD}{RUN}").replace("1..3", "none")).expect("plan");
+        let [job] = &plan.jobs(&plan.runs[0], Path::new("out")).expect("jobs")[..] else { panic!("one") };
+        assert!(job.seed_packing.is_none() && job.out.ends_with("a/run"));
     }
 
     #[test]

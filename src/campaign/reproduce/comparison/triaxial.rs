@@ -64,7 +64,7 @@ impl Shown {
         Some(Shown { peak, residual: late.iter().sum::<f64>() / late.len() as f64, volume })
     }
 
-    /// The measure over that of the same name in the table.
+    /// Value of a measure; run times stand in the summary, not here.
     fn measure(&self, of: Measure) -> Option<f64> {
         match of {
             Measure::Peak => Some(self.peak[0]),
