@@ -74,6 +74,25 @@ fn heavier_points_keep_mass_porosity_and_strain_rate() {
     same_files(&heavy, &parts);
 }
 
+/// Growth does not know of the inertia: the same specimen, real masses, and points that make other steps.
+#[test]
+fn heavier_points_grow_as_others() {
+    let folder = tempfile::tempdir().expect("folder");
+    let few = ["growth.fines_diameter_mm=[3.4, 3.6]", "growth.friction=0.1", "test.axial_strain=0.001"];
+    let [real, heavy] = ["1", "4"].map(|inertia| {
+        let (out, inertia) = (folder.path().join(inertia), format!("stepping.points_inertia={inertia}"));
+        run("mixture/twin_points", &out, &[&FEW[1..], &few, &[inertia.as_str()]].concat(), &[]).assert().success();
+        out
+    });
+    let start = |out: &Path| std::fs::read(out.join("points_start.csv")).expect("points");
+    assert!(start(&real) == start(&heavy), "the specimens differ");
+    let [a, b] = [&real, &heavy].map(|out| summary(out));
+    assert_eq!(a["growth_steps"], b["growth_steps"]);
+    assert_ne!(a["steps"], b["steps"], "the test is the same");
+    let share = |s| number(s, "coarse_mass_fraction");
+    assert!((share(&a) / share(&b) - 1.0).abs() < 1e-12 && (share(&a) - 0.2).abs() < 0.02, "{a} {b}");
+}
+
 /// What cannot leave inertia out is refused with key, value and what is allowed.
 #[test]
 fn other_inertia_is_refused_where_motion_is_the_result() {

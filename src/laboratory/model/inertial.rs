@@ -42,11 +42,11 @@ pub fn size_of_points(rig: &MpmTest) -> Option<f64> {
 /// Inertial numbers at the strain rate `rate`, 1/s, and the mean stress `pressure`, Pa, before the test has begun. `None` in a free scene, without points and
 /// without stress.
 pub fn at_the_start(model: &Model, rig: &MpmTest, rate: f64, pressure: f64) -> Option<InertialNumbers> {
-    rig.specimen().filter(|_| pressure > 0.0)?;
+    let [points, _] = rig.counts();
+    rig.specimen().filter(|_| pressure > 0.0 && points > 0)?;
     let density = |material: u8| model.physics.materials[usize::from(material)].density;
     let of = |f: Fraction, factor: f64| f.mean_diameter() * (factor * density(f.material)).sqrt();
     let (points, coarse) = match &rig.growth {
-        Some(growth) if !growth.as_points => return None,
         Some(growth) => (of(growth.fines, rig.points_inertia), growth.coarse.map(|c| of(c, 1.0))),
         None => {
             let grains = rig.coarse.iter().flat_map(|c| &c.grains);
