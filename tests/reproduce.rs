@@ -153,6 +153,100 @@ fn the_plan_of_the_paper_holds_every_row_of_its_table() {
     assert_eq!(Some(minutes), plan.published_minutes);
 }
 
+/// A plan of three tiny triaxial tests: fines alone and with coarse grains, and one of another name.
+fn triaxial() -> TempDir {
+    let dir = tempfile::tempdir().expect("folder");
+    let scene = format!(
+        "base = \"{ROOT}/tests/gpu/mixture.toml\"\nname = \"mixed\"\n[materials]\nfines = \"{ROOT}/materials/li2023_fines.toml\"\n\
+         coarse = \"{ROOT}/materials/li2023_coarse.toml\"\n[test]\naxial_strain = 0.001\nstrain_per_wave = 1e-3\n\
+         [records]\nrows = 10\nfigures = false\nsnapshots = false\n"
+    );
+    fs::write(dir.path().join("mixed.toml"), scene).expect("scene");
+    let plan = "title = \"A paper\"\nsource = \"A journal.\"\ncompare = \"triaxial\"\n\
+        [[statement]]\npaper = \"More grains | more strength\"\nof = \"peak\"\nexpect = \"rises\"\nruns = [\"1:5-00\", \"1:5-20\"]\n\
+        [[statement]]\npaper = \"Table of times\"\nof = \"wall_time\"\nruns = [\"1:5-00\", \"1:5-20\"]\n\
+        [[statement]]\npaper = \"Others too\"\nof = \"residual\"\nexpect = \"equal\"\nruns = [\"1:5-20\", \"1:10-20\"]\n\
+        [[run]]\nid = \"1:5-00\"\nscene = \"mixed.toml\"\nset = [\"coarse.mass_fraction=0.0\"]\n\
+        published_test = { coarse_percent = 0, points = 64000, seconds = 34951, simulated_s = 6.4 }\n\
+        [[run]]\nid = \"1:5-20\"\nscene = \"mixed.toml\"\npublished_test = { coarse_percent = 20, points = 53884, grains = 114 }\n\
+        [[run]]\nid = \"1:10-20\"\nscene = \"mixed.toml\"\n\
+        [[figure]]\nname = \"fig22\"\ntitle = \"Fig. 22\"\npaper = \"Lines.\"\nhere = \"Lines.\"\n\
+        [figure.draw]\nof = \"curves\"\nshow = [\"stress_ratio\"]\nruns = [\"1:5-00\", \"1:5-20\"]\n";
+    fs::write(dir.path().join("plan.toml"), plan).expect("plan");
+    dir
+}
+
+/// Triaxial tests have a table of their own; a text without wildcards selects the runs whose names contain it.
+#[test]
+fn triaxial_tests_stand_beside_what_the_paper_says() {
+    let dir = triaxial();
+    call(&dir, &["plan.toml", "--only", "1:5", "--out", "out"], 0);
+    assert!(!dir.path().join("out/1:10-20").exists(), "not asked for");
+    let rows: Vec<Vec<String>> =
+        text(&dir, "out/report/comparison.csv").lines().map(|l| l.split(',').map(String::from).collect()).collect();
+    let cell = |row: usize, name: &str| rows[row][rows[0].iter().position(|h| h == name).expect("column")].as_str();
+    let number = |row: usize, name: &str| cell(row, name).parse::<f64>().expect("number");
+    assert_eq!((rows.len(), cell(1, "run"), cell(2, "run"), cell(3, "seeds")), (4, "1:5-00", "1:5-20", "0"));
+    assert_eq!((cell(1, "points_mean"), cell(1, "points_paper"), cell(3, "peak_stress_ratio_mean")), ("1000", "64000", ""));
+    // as the history has it
+    let history = text(&dir, "out/1:5-20/seed-1/history.csv");
+    let stages = history.lines().skip(1).map(|l| l.split(',').nth(2) == Some("load"));
+    let loaded = |name: &str| -> Vec<f64> {
+        column(&history, name).into_iter().zip(stages.clone()).filter(|(_, load)| *load).map(|(x, _)| x).collect()
+    };
+    let ratios = loaded("principal_ratio");
+    let peak = ratios.iter().copied().fold(0.0, f64::max);
+    assert!((number(2, "peak_stress_ratio_mean") / peak - 1.0).abs() < 1e-8);
+    // the whole test is the last percent of its strain
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    assert!((number(2, "residual_stress_ratio_mean") / mean - 1.0).abs() < 1e-8);
+    assert_eq!(number(2, "volumetric_strain_end_mean"), *loaded("volumetric_strain").last().expect("rows"));
+    let simulated = number(1, "simulated_s_mean");
+    assert!((number(1, "minutes_paper_for_this_time") / (34951.0 / 60.0 * simulated / 6.4) - 1.0).abs() < 1e-8);
+
+    let report = text(&dir, "out/report/README.md");
+    assert!(report.contains("| More grains \\| more strength | 1:5-00 ") && report.contains(", 1:5-20 "), "{report}");
+    assert!(report.contains("min (paper 583 min, ") && report.contains("min for as much simulated time)"), "{report}");
+    assert!(report.contains("not enough runs are done") && report.contains("<img src=\"fig22/stress_ratio.svg\""), "{report}");
+    assert_eq!(text(&dir, "out/report/runs.csv").lines().count(), 3);
+}
+
+#[test]
+fn what_is_said_of_triaxial_tests_needs_its_comparison() {
+    let dir = triaxial();
+    let plan = text(&dir, "plan.toml");
+    let refused = |from: &str, to: &str, says: &[&str]| {
+        fs::write(dir.path().join("plan.toml"), plan.replacen(from, to, 1)).expect("plan");
+        let told = said(&call(&dir, &["plan.toml"], 2));
+        assert!(says.iter().all(|text| told.contains(text)), "{told}");
+    };
+    refused(
+        "compare = \"triaxial\"\n",
+        "",
+        &["run.published_test = 1:5-00: needs compare = \"triaxial\"", "statement = Table of times"],
+    );
+    refused("\"1:5-20\"]", "\"1:5-30\"]", &["statement[0].runs = 1:5-30: is no run of the plan"]);
+    refused("of = \"peak\"", "of = \"height\"", &["unknown variant `height`, expected one of `peak`"]);
+    refused("compare = \"triaxial\"", "compare = \"shear\"", &["unknown variant `shear`, expected `crushing` or `triaxial`"]);
+}
+
+/// The plan of Li et al. 2023 names valid scenes, and its points are as many as Tables 2 and 4 have where the specimens are lattices.
+#[test]
+fn the_plan_of_the_mixtures_holds_their_tables() {
+    let plan = comminute::reproduce::Plan::read(&format!("{ROOT}/experiments/li2023.toml")).expect("plan");
+    assert_eq!(plan.runs.iter().filter(|run| run.id.contains("1:5")).count(), 4);
+    assert_eq!(plan.runs.iter().filter(|run| run.id.contains("fan")).count(), 9);
+    for run in &plan.runs {
+        let [job] = &plan.jobs(run, std::path::Path::new("out")).expect("jobs")[..] else { panic!("one seed") };
+        let (_, outline) = job.load().unwrap_or_else(|e| panic!("{}: {e}", run.id));
+        let comminute::model::Rig::Continuum(rig) = &outline.rig else { panic!("{} has no points", run.id) };
+        let published = run.published_test.expect("published");
+        if let (0.0, Some(points)) = (published.coarse_percent, published.points) {
+            assert_eq!(rig.counts()[0] as f64, points, "{}", run.id);
+        }
+    }
+}
+
 /// Eqs (13)–(15): with every length multiplied by N, the specimen's too, nothing but lengths changes. So what differs between two scales in one
 /// oedometer is how many grains stand between its walls.
 #[test]

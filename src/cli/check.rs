@@ -205,6 +205,11 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
     if let Some(dt) = e.time_step {
         writeln!(text, "  time step       {dt:.3e} s (estimate): {}", e.time_step_limit)?;
     }
+    if let Some([points, coarse]) = c.inertial_numbers {
+        let both = [(points, "points"), (coarse, "coarse grains")];
+        let both: Vec<String> = both.iter().filter_map(|(i, of)| i.map(|i| format!("{i:.1e} of the {of}"))).collect();
+        writeln!(text, "  inertial number {} at the start; quasi-static loading keeps below 0.001", both.join(", "))?;
+    }
     writeln!(text, "  time            {} on one thread (estimate)", comminute::run::human(e.seconds))?;
     writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
     writeln!(text, "  files           {}", files(&e.output))?;

@@ -12,13 +12,13 @@ use std::path::{Path, PathBuf};
 /// runs of the plan that are done.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples, from the repository root:\n  comminute reproduce ciantia2015 --only 'petroleum_coke-*-2'\n  comminute reproduce ciantia2015 --jobs 2"
+    after_help = "Examples, from the repository root:\n  comminute reproduce ciantia2015 --only 'petroleum_coke-*-2'\n  comminute reproduce ciantia2015 --jobs 2\n  comminute reproduce li2023 --only '1:5'"
 )]
 pub struct Args {
     /// Plan: a TOML file, or the name of one in experiments/
     plan: String,
 
-    /// Run only the entries whose names match, as in 'silica-*'; may be given several times
+    /// Run only the entries whose names match, as in 'silica-*', or contain a text, as in '1:5'; may be given several times
     #[arg(long, value_name = "GLOB")]
     only: Vec<String>,
 
@@ -38,7 +38,8 @@ pub fn call(args: &Args) -> Result<()> {
     let plan = Plan::read(&args.plan)?;
     let name = Path::new(&args.plan).file_stem().map_or_else(|| args.plan.clone(), |s| s.to_string_lossy().into_owned());
     let out = args.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
-    let patterns = patterns(&args.only)?;
+    let ids: Vec<&str> = plan.runs.iter().map(|run| run.id.as_str()).collect();
+    let patterns = patterns(&args.only, &ids)?;
     let mut jobs: Vec<Job> = Vec::new();
     for run in &plan.runs {
         if patterns.is_empty() || patterns.iter().any(|p| p.matches(&run.id)) {
@@ -59,9 +60,13 @@ pub fn call(args: &Args) -> Result<()> {
     args.options.close(&jobs, &outcomes, &shown[..3.min(shown.len())])
 }
 
-fn patterns(only: &[String]) -> Result<Vec<glob::Pattern>> {
+/// What selects entries of a plan. A text without wildcards that is no entry's name selects all entries whose names contain it.
+fn patterns(only: &[String], ids: &[&str]) -> Result<Vec<glob::Pattern>> {
     let pattern = |text: &String| {
-        glob::Pattern::new(text).map_err(|e| Error::input("--only", "", Some(text.clone()), format!("is no pattern: {}", e.msg)))
+        let part = !text.contains(['*', '?', '[']) && !ids.contains(&text.as_str());
+        let pattern = if part { format!("*{text}*") } else { text.clone() };
+        glob::Pattern::new(&pattern)
+            .map_err(|e| Error::input("--only", "", Some(text.clone()), format!("is no pattern: {}", e.msg)))
     };
     only.iter().map(pattern).collect()
 }

@@ -2,6 +2,7 @@
 //! from a [`crate::scene::Scene`]; it refuses values that are not finite or do not agree, so a run need not check them again.
 
 pub mod continuum;
+pub mod inertial;
 pub mod validity;
 
 use crate::error::{Error, Result};

@@ -1,6 +1,7 @@
 //! Specimens that grow before their test, and how large a point is.
 
 use crate::common::typed::{columns, comminute, number, run, same_files, summary};
+use predicates::prelude::{PredicateBooleanExt, predicate::str::contains};
 use std::path::Path;
 
 /// A fifth of the fines of the small twin.
@@ -115,6 +116,14 @@ fn check_counts_grains_that_have_yet_to_grow() {
     assert!(doubts(&small).contains("times as large as the ghosts"), "{small}");
     let wide = check(&["coarse.diameter_mm=[12.0, 12.1]"]);
     assert!(!doubts(&wide).contains("times as large as the ghosts"), "{wide}");
+}
+
+/// The share of coarse grains that `check` judges is that of the scene, though it makes but a part of half a million points and none of the rest.
+#[test]
+fn check_weighs_points_that_it_does_not_make() {
+    let check = |scene: &str| comminute("check").arg(format!("experiments/mixture/{scene}.toml")).assert().success();
+    check("triaxial_20_ratio_10").stderr(contains("of the mass are coarse grains").not());
+    check("triaxial_40_50kPa").stderr(contains("warning: 40 % of the mass are coarse grains"));
 }
 
 /// One number says how many grains a point stands for: 1:8 of 1 mm grains at porosity 0.365 are 40 points along 75 mm (Li et al. 2023, Table 4).

@@ -8,6 +8,7 @@ mod fines;
 mod growth;
 mod hard;
 mod impact;
+mod inertia;
 #[path = "../mpm/common.rs"]
 mod points;
 mod rates;

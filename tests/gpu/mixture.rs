@@ -62,6 +62,20 @@ fn a_triaxial_test_of_a_mixture_is_that_of_the_cpu() {
     assert!(q < 5e-5 && volume < 2e-5 && interface < 1e-5 && contacts < 2e-6 && kinetic < 2e-4);
 }
 
+/// Points with four times their inertia are those of the CPU. Measured: q 9e-6 of the largest.
+#[test]
+fn heavier_points_are_those_of_the_cpu() {
+    if !adapter("heavier_points_are_those_of_the_cpu") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    let sets = ["stepping.points_inertia=4", "test.axial_strain=0.0008", "records.rows=5000", "damping.local=0.0"];
+    let outs = both(folder.path(), TWIN, &[&sets[..], &["stepping.grain_steps=1"]].concat(), "1000");
+    let q = apart(&outs, "time_s", "q_kPa");
+    println!("mixture, heavier points: q {q:e}");
+    assert!(q < 5e-5, "{q}");
+}
+
 /// A stopped run leaves the same bytes, with rates that it finds by itself, on any number of threads.
 #[test]
 fn a_mixture_resumes_to_the_byte() {

@@ -1,14 +1,14 @@
 //! Reproduction of a paper: its runs are made again, and the results stand beside the published
 //! numbers in tables, in figures with the axes of the paper, and in a report.
 
-mod compare;
+mod comparison;
 mod figures;
 mod plan;
 mod report;
 mod results;
 
-pub use compare::Row;
-pub use plan::{Plan, Run};
+pub use comparison::{Compare, Comparison, Row};
+pub use plan::{Plan, PublishedTest, Run, Statement};
 pub use results::{Done, gather};
 
 use laboratory::error::{Error, Result};
@@ -21,13 +21,12 @@ use std::path::{Path, PathBuf};
 /// Files that cannot be read or written.
 pub fn write(plan: &Plan, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(dir).map_err(Error::write(dir))?;
-    let rows = compare::rows(done);
-    let mut files = vec![compare::write(&rows, &dir.join("comparison.csv"))?, compare::write_runs(done, &dir.join("runs.csv"))?];
+    let mut files = plan.compare.comparison().tables(plan, done, dir)?;
     let mut drawn = Vec::new();
     for figure in &plan.figures {
         drawn.push(figures::draw(figure, done, &dir.join(&figure.name))?);
     }
-    files.push(report::write(plan, done, &rows, &drawn, dir)?);
+    files.push(report::write(plan, done, &drawn, dir)?);
     files.extend(drawn.into_iter().flatten());
     Ok(files)
 }

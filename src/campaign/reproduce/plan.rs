@@ -1,6 +1,7 @@
 //! The plan of a reproduction: a TOML file that names runs, the numbers published of these runs,
 //! and figures.
 
+use super::comparison::Compare;
 use crate::{Job, Vary, parse_seeds};
 use laboratory::error::{Error, Result};
 use serde::Deserialize;
@@ -20,6 +21,12 @@ pub struct Plan {
     /// Remarks that stand under the table.
     #[serde(default)]
     pub notes: Vec<String>,
+    /// What the runs are compared by.
+    #[serde(default)]
+    pub compare: Compare,
+    /// What the paper says of triaxial tests, each beside what the runs show.
+    #[serde(default, rename = "statement")]
+    pub statements: Vec<Statement>,
     /// The runs.
     #[serde(default, rename = "run")]
     pub runs: Vec<Run>,
@@ -39,7 +46,7 @@ pub struct Run {
     pub id: String,
     /// Scene file, relative to the folder of the plan.
     pub scene: PathBuf,
-    /// Seeds, written as on a command line: `1..5`.
+    /// Seeds, written as on a command line: `1..5`; `none` for a scene that draws nothing, a continuum without grains.
     #[serde(default = "one")]
     pub seeds: String,
     /// `key=value` laid over the scene.
@@ -48,6 +55,66 @@ pub struct Run {
     /// Published numbers of the run.
     #[serde(default)]
     pub published: Vec<Published>,
+    /// Published numbers of a triaxial test.
+    pub published_test: Option<PublishedTest>,
+}
+
+/// What is published of a triaxial test.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedTest {
+    /// Share of coarse grains in the mass, %.
+    pub coarse_percent: f64,
+    /// Material points.
+    pub points: Option<f64>,
+    /// Coarse grains.
+    pub grains: Option<f64>,
+    /// Run time, s.
+    pub seconds: Option<f64>,
+    /// Time that the run simulates, s.
+    pub simulated_s: Option<f64>,
+}
+
+/// What the paper says of several triaxial tests.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Statement {
+    /// What the paper says.
+    pub paper: String,
+    /// The measure of which it speaks.
+    pub of: Measure,
+    /// How the measure goes along the runs, by the paper.
+    pub expect: Option<Order>,
+    /// Names of runs of the plan, in the order of the statement.
+    pub runs: Vec<String>,
+}
+
+/// A measure of a triaxial test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// Largest σ₁/σ₃.
+    Peak,
+    /// Axial strain at it.
+    PeakStrain,
+    /// Mean σ₁/σ₃ over the last percent of axial strain.
+    Residual,
+    /// Volumetric strain at the end, compression positive.
+    VolumetricStrain,
+    /// Run time.
+    WallTime,
+}
+
+/// How a measure goes along runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Order {
+    /// Each is larger than the one before.
+    Rises,
+    /// Each is smaller than the one before.
+    Falls,
+    /// All are the same.
+    Equal,
 }
 
 /// A row of a published table.
@@ -186,8 +253,9 @@ impl Plan {
             if self.runs[..i].iter().any(|other| other.id == run.id) {
                 errors.push(wrong("id", &run.id, "stands there twice"));
             }
-            errors.extend(parse_seeds(&run.seeds).err());
+            errors.extend(run.numbers().err());
         }
+        errors.extend(self.check_tests(path));
         for figure in &self.figures {
             let wrong = |value: &str, message: &str| {
                 Error::input(path.display(), format!("figure {}", figure.name), Some(value.to_string()), message)
@@ -210,22 +278,49 @@ impl Plan {
         Error::all(errors)
     }
 
+    /// Mistakes in what is said of triaxial tests.
+    fn check_tests(&self, path: &Path) -> Vec<Error> {
+        let wrong = |key: &str, value: &str, message: &str| Error::input(path.display(), key, Some(value.to_string()), message);
+        let mut errors = Vec::new();
+        for (i, statement) in self.statements.iter().enumerate() {
+            let key = format!("statement[{i}].runs");
+            let unknown = statement.runs.iter().filter(|id| self.run(id).is_none());
+            errors.extend(unknown.map(|id| wrong(&key, id, "is no run of the plan")));
+        }
+        let tests = self.runs.iter().filter(|run| run.published_test.is_some()).map(|run| ("run.published_test", &*run.id));
+        let statements = self.statements.iter().map(|s| ("statement", &*s.paper));
+        if self.compare != Compare::Triaxial {
+            errors.extend(tests.chain(statements).map(|(key, of)| wrong(key, of, "needs compare = \"triaxial\"")));
+        } else {
+            let counted = self.runs.iter().filter(|run| !run.published.is_empty());
+            errors.extend(counted.map(|run| wrong("run.published", &run.id, "needs compare = \"crushing\"")));
+        }
+        errors
+    }
+
     /// The run named `id`.
     pub fn run(&self, id: &str) -> Option<&Run> {
         self.runs.iter().find(|run| run.id == id)
     }
 
-    /// The jobs of a run, one for each seed, in `out/ID/seed-N`.
+    /// The jobs of a run, one for each seed, in `out/ID/seed-N`; without seeds one in `out/ID/run`.
     ///
     /// # Errors
     /// Text in `seeds` that is no list of seeds.
     pub fn jobs(&self, run: &Run, out: &Path) -> Result<Vec<Job>> {
-        let seeds = parse_seeds(&run.seeds)?;
-        let job = |seed| {
-            let folder = out.join(&run.id).join(format!("seed-{seed}"));
-            Job::new(self.folder.join(&run.scene), folder).with(&run.set).seeded(Vary::Both, seed)
-        };
-        Ok(seeds.into_iter().map(job).collect())
+        let seeds = run.numbers()?;
+        let job = |name: &str| Job::new(self.folder.join(&run.scene), out.join(&run.id).join(name)).with(&run.set);
+        if seeds.is_empty() {
+            return Ok(vec![job("run")]);
+        }
+        Ok(seeds.into_iter().map(|seed| job(&format!("seed-{seed}")).seeded(Vary::Both, seed)).collect())
+    }
+}
+
+impl Run {
+    /// The seeds; none for a scene that draws nothing.
+    fn numbers(&self) -> Result<Vec<u64>> {
+        if self.seeds == "none" { Ok(Vec::new()) } else { parse_seeds(&self.seeds) }
     }
 }
 
@@ -271,6 +366,9 @@ mod tests {
         let folders: Vec<String> = jobs.iter().map(|j| j.out.display().to_string()).collect();
         assert_eq!(folders, ["out/a/seed-1", "out/a/seed-2", "out/a/seed-3"]);
         assert!(jobs[0].scene.ends_with("a.toml") && jobs[0].scene.is_absolute());
+        let plan = read(&format!("{HEAD}{RUN}").replace("1..3", "none")).expect("plan");
+        let [job] = &plan.jobs(&plan.runs[0], Path::new("out")).expect("jobs")[..] else { panic!("one") };
+        assert!(job.seed_packing.is_none() && job.out.ends_with("a/run"));
     }
 
     #[test]

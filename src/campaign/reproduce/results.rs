@@ -1,6 +1,6 @@
 //! Results of the runs of a plan, read from the folders of the runs.
 
-use super::plan::{Plan, Published, Run};
+use super::plan::{Plan, Published, PublishedTest, Run};
 use laboratory::error::{Error, Result};
 use laboratory::run::Found;
 use serde_json::Value;
@@ -14,6 +14,8 @@ pub struct Done {
     pub id: String,
     /// The published numbers.
     pub published: Vec<Published>,
+    /// The published numbers of a triaxial test.
+    pub published_test: Option<PublishedTest>,
     /// The finished runs, one for each seed.
     pub seeds: Vec<Seed>,
 }
@@ -72,7 +74,7 @@ fn done(plan: &Plan, run: &Run, out: &Path) -> Result<Done> {
             seeds.push(Seed { folder: job.out, summary, counts });
         }
     }
-    Ok(Done { id: run.id.clone(), published: run.published.clone(), seeds })
+    Ok(Done { id: run.id.clone(), published: run.published.clone(), published_test: run.published_test, seeds })
 }
 
 /// Points (stress, events) of first loading from a history; none if the history lacks a column.

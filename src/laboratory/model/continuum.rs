@@ -30,6 +30,9 @@ pub struct MpmTest {
     /// How the specimen is grown before the test. The grown points and grains then replace `points` and `coarse`, which only
     /// serve to size the grid and to estimate the run. `None`: the test starts from `points` and `coarse`.
     pub growth: Option<Growth>,
+    /// Inertia of the points over that of their mass, 1 or more; 1 in a free scene. In a quasi-static test stresses hardly depend on inertia, and heavier points
+    /// allow longer steps. [`Self::points`] have their real mass.
+    pub points_inertia: f64,
     /// Whether a fixed time step may be above the largest stable one.
     pub above_bound: bool,
     /// Rows of the history over the test, besides the first.
@@ -165,7 +168,7 @@ pub struct MpmSpecimen {
     pub modulus: f64,
     /// Axial strain at the end, compression positive.
     pub axial_strain: f64,
-    /// Axial strain in the time that a compression wave takes through the height of the specimen: sets the speed of the test.
+    /// Axial strain in the time that a compression wave takes through the height of the specimen, by its real density: sets the speed of the test.
     pub strain_per_wave: f64,
     /// Share of the difference between force and target that a platen under servo removes in one step.
     pub gain: f64,
@@ -200,6 +203,18 @@ impl MpmTest {
     /// The specimen; `None` in a free scene.
     pub fn specimen(&self) -> Option<&MpmSpecimen> {
         self.test.specimen()
+    }
+
+    /// The points at the start with the inertia that they move with.
+    pub fn moving_points(&self) -> Points {
+        let mut points = self.points.clone();
+        points.velocity.iter_mut().for_each(|v| v[3] *= self.points_inertia);
+        points
+    }
+
+    /// Real mass, kg, of grains and points together, whose inertia is `inertia`, kg; `of_points` is that of the points.
+    pub fn real_mass(&self, inertia: f64, of_points: f64) -> f64 {
+        inertia - of_points * (1.0 - 1.0 / self.points_inertia)
     }
 
     /// Whether this is a quasi-static test of points between platens; see [`engine::dem::physics::Stepping::slow`].

@@ -49,8 +49,11 @@ fn sizes(physics: &Physics, rig: &MpmTest) -> Option<Sizes> {
     let count = rig.points.len();
     let ghosts = (0..count).map(|i| 2.0 * ghost_radius(Dimension::Space, rig.points.solid(i)));
     let (sum, largest) = ghosts.fold((0.0, 0.0_f64), |(sum, most), d| (sum + d, most.max(d)));
+    // an outline leaves out some of both, by numbers of their own
+    let [more_points, more_grains] = rig.left_out.map(|n| n as f64);
     let mass: f64 = grains.iter().map(|g| density(g.material) * sphere_volume(g.radius)).sum();
-    let fine: f64 = rig.points.velocity.iter().map(|v| v[3]).sum();
+    let mass = mass * (1.0 + more_grains / grains.len().max(1) as f64);
+    let fine = rig.points.velocity.iter().map(|v| v[3]).sum::<f64>() * (1.0 + more_points / count as f64);
     Some(Sizes {
         mean: 2.0 * radii.iter().sum::<f64>() / radii.len() as f64,
         least: 2.0 * radii.iter().copied().fold(f64::INFINITY, f64::min),
@@ -75,7 +78,7 @@ pub fn viscous(rig: &MpmTest, dt: f64) -> Option<String> {
         return None;
     };
     let height = specimen.size[if rig.settings.dimension == Dimension::Space { 2 } else { 1 }];
-    let (c, h) = (rig.laws[usize::from(specimen.law)].wave_speed(specimen.density), rig.settings.cell);
+    let (c, h) = (rig.laws[usize::from(specimen.law)].wave_speed(rig.points_inertia * specimen.density), rig.settings.cell);
     let ratio = std::f64::consts::PI * pic * h * h / (8.0 * dt * c * height);
     (ratio > VISCOUS).then(|| {
         format!(

@@ -5,6 +5,7 @@ use super::gradations::At;
 use super::vtk::{self, Fact, Field, VtkError};
 use crate::error::{Error, Result};
 use crate::model::continuum::{Drainage, MpmTest, Test};
+use crate::model::inertial;
 use crate::rig::continuum::{GrainMeasures, Moment, Phase, State};
 use engine::grains::Grains;
 use engine::mpm::{Continuum, Dimension, Points};
@@ -41,6 +42,8 @@ pub struct Recorder {
     residual: [f64; 2],
     /// Largest difference of opposite sides, and largest kinetic energy over stress work, of the rows that count.
     pub worst: [f64; 2],
+    /// Largest inertial numbers of points and of coarse grains of the rows that count; kept where points have another inertia than that of their mass.
+    pub inertial: [f64; 2],
     /// Error of the energy account in the last row; `None`: the run keeps none.
     pub account_error: Option<f64>,
     /// Dissipated share of all energy given, in the last row.
@@ -167,7 +170,24 @@ impl Recorder {
             }
         }
         self.remember(rig, state.phase, &m);
+        if rig.points_inertia != 1.0 && self.under_way(rig, state.phase) {
+            self.note_inertia(rig, state, m.p(rig.settings.dimension == Dimension::PlaneStrain));
+        }
         row
+    }
+
+    /// Keeps the largest inertial numbers; `p` is the mean stress, Pa.
+    fn note_inertia(&mut self, rig: &MpmTest, state: &State, p: f64) {
+        let coarse = state.mixture.as_ref().and_then(|m| {
+            let g = &m.grains.grains;
+            let grains = g.by_id().into_iter().map(|i| i as usize).map(|i| [2.0 * g.radius(i), g.mass[i]]);
+            let blocks = m.blocks.iter().flat_map(|b| &b.blocks).map(|b| [2.0 * b.radius, b.mass]);
+            inertial::size(grains.chain(blocks))
+        });
+        for (most, size) in self.inertial.iter_mut().zip([inertial::size_of_points(rig), coarse]) {
+            let now = state.strain_rate(rig) * size.unwrap_or(0.0) / p.sqrt();
+            *most = if now.is_finite() { most.max(now) } else { *most };
+        }
     }
 
     /// The instant of the last row, for a gradation.

@@ -498,11 +498,19 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
         }
     }
     if rig.specimen().is_some() {
-        put("quasi_static", json!({"largest_platen_difference": r.worst[0], "largest_kinetic_over_stress_work": r.worst[1]}));
+        let mut held = json!({"largest_platen_difference": r.worst[0], "largest_kinetic_over_stress_work": r.worst[1]});
+        if rig.points_inertia != 1.0 {
+            let [points, coarse] = r.inertial;
+            held["largest_inertial_number"] = json!(points.max(coarse));
+            held["largest_inertial_number_of_points"] = json!(points);
+            put("points_inertia", json!(rig.points_inertia));
+        }
+        put("quasi_static", held);
     }
     if let Some(mixture) = &state.mixture {
         let (coarse, _) = mixture.grains.grains.mass_and_volume();
-        let (mass, _) = mixture.mass_and_momentum(&state.continuum);
+        let (inertia, _) = mixture.mass_and_momentum(&state.continuum);
+        let mass = rig.real_mass(inertia, state.continuum.totals().mass);
         put("seed", json!({ "packing": model.seeds.packing, "strength": model.seeds.strength }));
         put("grains", json!(mixture.grains.grains.len()));
         put("coarse_mass_fraction", json!(coarse / mass));

@@ -1,11 +1,12 @@
 //! Estimates size, time step and duration of a run of a continuum or mixture before it is started.
 
 use super::duration::{GRAIN_AMONG_POINTS, POINT, START, growth};
-use super::estimate::{Estimate, share};
+use super::estimate::{Estimate, inertial_warning, share};
 use super::memory;
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::continuum::{Fraction, Growth, MpmSpecimen, MpmTest, Test};
+use crate::model::inertial::{self, InertialNumbers};
 use crate::rig::continuum::{State, contact_rate};
 use engine::dem::physics::Physics;
 use engine::dem::physics::Stepping;
@@ -49,6 +50,8 @@ pub struct Points {
     /// Rigid bodies that are no spheres, each described in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub blocks: Vec<String>,
+    /// Inertial numbers of points and of coarse grains at the start of a test, with the inertia used.
+    pub inertial_numbers: Option<[Option<f64>; 2]>,
     /// Memory on a graphics device, MB; `None` where no device can compute the scene.
     pub device_mb: Option<f64>,
     /// Why no graphics device can compute the scene.
@@ -71,14 +74,14 @@ fn device_bytes(_: &Model, _: &MpmTest) -> Result<u64> {
 pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
     let d = if rig.settings.dimension == Dimension::Space { 3 } else { 2 };
     let [points, grains] = rig.counts();
-    let density = rig.points.density(0);
     let law = &rig.laws[usize::from(rig.points.law[0])];
     let waves = wave_step(rig);
     let (bound, why) = match rig.specimen() {
         None => (waves, "a compression wave through a cell"),
         Some(s) if points == 0 => (fines_step(model, rig, largest_stress(rig, s, law)), "contacts of the smallest grains"),
         Some(s) => {
-            let rate = contact_rate(rig.settings.dimension, s, rig.points.velocity[0][3], largest_stress(rig, s, law));
+            let inertia = rig.points_inertia * rig.points.velocity[0][3];
+            let rate = contact_rate(rig.settings.dimension, s, inertia, largest_stress(rig, s, law));
             let why = if rate > 4.0 / (waves * waves) { "the platens' contacts" } else { "a compression wave through a cell" };
             (with_plates(waves, rate, rig.settings.transfer), why)
         }
@@ -91,16 +94,16 @@ pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
     let steps = match &rig.test {
         Test::Free { duration: Some(t), .. } => (t / dt).ceil(),
         Test::Free { steps, .. } => steps.unwrap_or(0) as f64,
-        Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => {
-            let wave = s.size[d - 1] / (law.under(s.stress).oedometric() / density).sqrt();
-            (s.axial_strain / s.strain_per_wave * wave / dt).ceil()
-        }
+        Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => (s.axial_strain / rate(rig, s) / dt).ceil(),
     };
     let mut warnings = crate::model::validity::warnings(&model.physics, rig);
-    if let Some(s) = rig.specimen()
-        && s.strain_per_wave > FAST
-    {
-        warnings.push(format!("test.strain_per_wave = {}: quasi-static loading keeps below {FAST}", s.strain_per_wave));
+    if let Some(s) = rig.specimen() {
+        too_fast(rig, s, &mut warnings);
+    }
+    let inertial = rig.specimen().and_then(|s| inertial::at_the_start(model, rig, rate(rig, s), s.stress));
+    if let Some(InertialNumbers { points, coarse }) = inertial {
+        inertial_warning("inertial number of the points", points, &mut warnings);
+        inertial_warning("inertial number of the coarse grains", coarse.unwrap_or(0.0), &mut warnings);
     }
     let rates = rig.coarse.as_ref().and_then(|c| c.rates);
     warnings.extend(crate::model::validity::viscous(rig, dt / rates.map_or(1.0, |r| f64::from(r.continuum))));
@@ -133,6 +136,7 @@ pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
             cells: rig.settings.cells,
             points_per_cell: rig.per_edge.pow(d as u32),
             blocks: rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.in_words(&model.physics)).collect(),
+            inertial_numbers: inertial.map(|i| [Some(i.points), i.coarse]),
             device_mb: device.as_ref().ok().map(|bytes| 1e-6 * *bytes as f64),
             device_lacks: device.err().map(|e| e.to_string().replace('\n', "; ")),
         }),
@@ -141,6 +145,26 @@ pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
         time_step_limit: if model.physics.stepping.dt.is_some() { "stepping.dt_s".into() } else { why.into() },
         steps,
         warnings,
+    }
+}
+
+/// Axial strain rate, 1/s.
+fn rate(rig: &MpmTest, s: &MpmSpecimen) -> f64 {
+    let (d, law) = (if rig.settings.dimension == Dimension::Space { 3 } else { 2 }, &rig.laws[usize::from(rig.points.law[0])]);
+    s.strain_per_wave / (s.size[d - 1] / (law.under(s.stress).oedometric() / rig.points.density(0)).sqrt())
+}
+
+/// Warns of a test that strains too much in the time of a wave, which takes longer with more inertia.
+fn too_fast(rig: &MpmTest, s: &MpmSpecimen, warnings: &mut Vec<String>) {
+    let (per_wave, slower) = (s.strain_per_wave, rig.points_inertia.sqrt());
+    if slower == 1.0 && per_wave > FAST {
+        warnings.push(format!("test.strain_per_wave = {per_wave}: quasi-static loading keeps below {FAST}"));
+    } else if per_wave * slower > FAST {
+        warnings.push(format!(
+            "test.strain_per_wave = {per_wave}: with stepping.points_inertia = {} a wave takes {slower:.1} times as long, and the strain in that time is {:.1e}; quasi-static loading keeps below {FAST}",
+            rig.points_inertia,
+            per_wave * slower
+        ));
     }
 }
 
@@ -209,7 +233,7 @@ fn growing(rig: &MpmTest) -> f64 {
 pub fn wave_step(rig: &MpmTest) -> f64 {
     let speed = |i: usize| {
         let p = &rig.points;
-        rig.laws[usize::from(p.law[i])].wave_speed_at(p.density(i), &p.stress[i], p.memory[i]) + speed(rig, i)
+        rig.laws[usize::from(p.law[i])].wave_speed_at(rig.points_inertia * p.density(i), &p.stress[i], p.memory[i]) + speed(rig, i)
     };
     rig.settings.cell / (0..rig.points.len()).map(speed).fold(0.0, f64::max)
 }
@@ -228,8 +252,8 @@ fn coupled_bound(model: &Model, rig: &MpmTest) -> Option<f64> {
     let s =
         MpmSpecimen { modulus: effective_modulus((fine.young, fine.poisson), (grain.young, grain.poisson)), ..specimen.clone() };
     let stress = largest_stress(rig, specimen, &rig.laws[usize::from(specimen.law)]);
-    let mass = rig.points.velocity.first()?[3];
-    let rate = contact_rate(rig.settings.dimension, &s, mass, stress);
+    let inertia = rig.points_inertia * rig.points.velocity.first()?[3];
+    let rate = contact_rate(rig.settings.dimension, &s, inertia, stress);
     (rate > 0.0).then(|| (2.0 / rate).sqrt())
 }
 

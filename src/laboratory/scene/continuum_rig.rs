@@ -62,6 +62,7 @@ impl View<'_> {
         let per = self.whole("grid.points_per_edge")? as u32;
         let dimension = if self.flag("grid.plane_strain") { Dimension::PlaneStrain } else { Dimension::Space };
         self.meaningless(rig, dimension);
+        self.inertia_is_left_out(rig);
         let settings = match rig {
             "free" => self.settings(dimension, self.asked_grid(dimension)?),
             _ => self.settings(dimension, self.own_grid(dimension, rig)?),
@@ -80,6 +81,7 @@ impl View<'_> {
             test,
             coarse: None,
             growth: None,
+            points_inertia: self.si("stepping.points_inertia"),
             above_bound: self.flag("stepping.above_bound"),
             rows: self.whole("records.rows")? as u32,
             frames: self.whole("records.frames")? as u32,
@@ -118,6 +120,25 @@ impl View<'_> {
         self.check(!affine_gimp, "grid.transfer", "must be \"flip_pic\" with grid.shape_functions = \"gimp\"");
         let level = dimension == Dimension::Space || self.gravity()[2] == 0.0;
         self.check(level, "gravity_m_s2", "must lie in the plane, its third entry 0, in plane strain");
+    }
+
+    /// Refuses another inertia of the points than that of their mass where results would depend on it.
+    fn inertia_is_left_out(&self, rig: &str) {
+        let key = "stepping.points_inertia";
+        if self.si(key) == 1.0 {
+            return;
+        }
+        self.check(
+            rig != "free",
+            key,
+            "must be 1, the real inertia, with test.rig = \"free\": only in a quasi-static test between platens (\"oedometer\", \"triaxial\") does the result not depend on it",
+        );
+        self.check(
+            self.text("crushing.lost_mass") != "points",
+            key,
+            "must be 1 with crushing.lost_mass = \"points\": such points take over mass and motion of grains",
+        );
+        self.check(self.text("growth.fines") != "grains", key, "must be 1 with growth.fines = \"grains\": there are no points");
     }
 
     fn settings(&self, dimension: Dimension, (lower, cells, walls): Grid) -> Option<Settings> {

@@ -313,7 +313,8 @@ pub(super) fn rearrangement(model: &Model, specimen: &model::Specimen, p: f64) -
     }
 }
 
-fn inertial_warning(key: &str, value: f64, warnings: &mut Vec<String>) {
+/// Warns of an inertial number beyond that of quasi-static loading (Li et al. 2023, eq. 42).
+pub(super) fn inertial_warning(key: &str, value: f64, warnings: &mut Vec<String>) {
     if value > 1e-3 {
         warnings.push(format!("{key} = {value}: quasi-static loading keeps below 0.001"));
     }

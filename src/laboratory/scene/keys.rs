@@ -392,7 +392,7 @@ const OWN: &[Key] = &[
         "test.strain_per_wave",
         Number(Range::above(0.0, 0.01)),
         Is("0.0001"),
-        "axial strain in the time that a compression wave takes through the specimen: how far from quasi-static",
+        "axial strain in the time that a compression wave takes through the specimen of real density: how far from quasi-static",
     ),
     continuum(
         "test.contact_modulus_MPa",
@@ -688,6 +688,12 @@ const OWN: &[Key] = &[
         Integer { low: 1, high: 1000 },
         Absent,
         "steps of the continuum per step of the grains; or `grain_steps`",
+    ),
+    continuum(
+        "stepping.points_inertia",
+        Number(Range::closed(1.0, 1e4)),
+        Is("1.0"),
+        "oedometer, triaxial: inertia of the points over that of their real mass; longer steps at the same strain rate, as long as the test stays quasi-static",
     ),
     both(
         "stepping.skin",

@@ -91,6 +91,7 @@ const SETTLED: &[(&str, &str)] = &[
     ("quasi-static, inertial number of the platen", "loading.max_inertial_number"),
     ("quasi-static, measured against target stress", "loading.max_lag"),
     ("inertia scaling", "stepping.inertia_scaling"),
+    ("inertia of the points over the real one", "stepping.points_inertia"),
     ("tangential force on unloading", "contact.unloading"),
     ("rotation of grains", "contact.rotation"),
     ("daughters of a broken grain", "crushing.pattern"),

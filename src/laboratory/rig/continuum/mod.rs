@@ -76,7 +76,7 @@ pub struct State {
     bound: f64,
     /// Extents of the specimen at the start of loading, m.
     pub extents: [f64; 3],
-    /// Time of a compression wave through the height of the specimen, s.
+    /// Time of a compression wave through the height of the specimen, s, with the inertia of the points.
     pub wave: f64,
     /// Axial strain rate, 1/s.
     rate: f64,
@@ -106,7 +106,7 @@ impl State {
     /// # Errors
     /// Points or a grid that the material point method does not allow; a fixed time step above its bound.
     pub fn start(model: &Model, rig: &MpmTest) -> Result<State> {
-        let continuum = Continuum::new(rig.settings.clone(), rig.laws.clone(), rig.points.clone())?;
+        let continuum = Continuum::new(rig.settings.clone(), rig.laws.clone(), rig.moving_points())?;
         if let Some(dt) = model.physics.stepping.dt.filter(|_| !rig.above_bound) {
             continuum.check_step(dt)?;
         }
@@ -142,8 +142,10 @@ impl State {
         state.extents = state.extents_now(rig);
         if let Some(specimen) = rig.specimen() {
             let speed = (rig.laws[usize::from(specimen.law)].under(specimen.stress).oedometric() / specimen.density).sqrt();
-            state.wave = specimen.size[dimensions(rig) - 1] / speed;
-            state.rate = specimen.strain_per_wave / state.wave;
+            let wave = specimen.size[dimensions(rig) - 1] / speed;
+            // a rate that does not change with the inertia; what has to wait for waves waits for the slower ones
+            state.rate = specimen.strain_per_wave / wave;
+            state.wave = wave * rig.points_inertia.sqrt();
         }
         Ok(state)
     }

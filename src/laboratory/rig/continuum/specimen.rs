@@ -166,6 +166,13 @@ impl State {
         if rig.specimen().is_none() { 0.0 } else { 1.0 - self.extents_now(rig)[axis] / self.extents[axis] }
     }
 
+    /// Strain rate, 1/s, that the axial loading plates give the present height.
+    pub fn strain_rate(&self, rig: &MpmTest) -> f64 {
+        let axis = dimensions(rig) - 1;
+        let whole = self.rate * self.extents[axis] / self.extents_now(rig)[axis];
+        if self.phase == Phase::Settle { 0.0 } else { whole * (self.phase_time / (RAMP * self.wave)).min(1.0) }
+    }
+
     /// Motion of an axial loading plate that takes the share `part` of the whole axial speed, which is strain rate times height.
     fn axial(&self, rig: &MpmTest, part: f64) -> PlateDrive {
         let (end, rise) = (self.rate * self.extents[dimensions(rig) - 1], RAMP * self.wave);
@@ -246,7 +253,7 @@ impl State {
     }
 }
 
-/// Stiffness of a contact between a loading plate and a point under `stress`, Pa, over the mass `mass` of the point, kg: the
+/// Stiffness of a contact between a loading plate and a point under `stress`, Pa, over the inertia `mass` of the point, kg: the
 /// square of an angular frequency, 1/s².
 pub fn contact_rate(dimension: Dimension, s: &MpmSpecimen, mass: f64, stress: f64) -> f64 {
     let d = if dimension == Dimension::Space { 3 } else { 2 };

@@ -1,7 +1,7 @@
 //! The published counts beside the counts of the runs.
 
-use super::plan::Published;
-use super::results::{Done, Spread};
+use crate::reproduce::plan::Published;
+use crate::reproduce::results::{Done, Spread};
 use laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};
 use table::number;
@@ -121,45 +121,6 @@ pub fn write(rows: &[Row], path: &Path) -> Result<PathBuf> {
             reached(|r| r.most),
         ])
         .map_err(failed)?;
-    }
-    file.flush().map_err(Error::write(path))?;
-    Ok(path.into())
-}
-
-/// Columns of `runs.csv`, and where their values stand in a summary.
-const RUNS: [(&str, &str); 16] = [
-    ("seed", "/seed/packing"),
-    ("scale", "/scale"),
-    ("height_mm", "/height_mm"),
-    ("max_stress_kPa", "/max_stress_kPa"),
-    ("grains_initial", "/grains_initial"),
-    ("crush_events", "/crush_events"),
-    ("grains_final", "/grains_final"),
-    ("void_ratio_final", "/void_ratio_final"),
-    ("porosity_final", "/porosity_final"),
-    ("k0_final", "/k0_final"),
-    ("mass_error", "/mass_error"),
-    ("energy_error", "/energy_error"),
-    ("largest_platen_difference", "/quasi_static/largest_platen_difference"),
-    ("largest_distance_from_target", "/quasi_static/largest_distance_from_target"),
-    ("largest_inertial_number", "/quasi_static/largest_inertial_number"),
-    ("wall_seconds", "/wall_seconds"),
-];
-
-/// Writes a line for every run.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_runs(done: &[Done], path: &Path) -> Result<PathBuf> {
-    let failed = |e: csv::Error| Error::Write { path: path.into(), source: e.into() };
-    let mut file = csv::Writer::from_path(path).map_err(failed)?;
-    file.write_record(std::iter::once("run").chain(RUNS.map(|c| c.0))).map_err(failed)?;
-    for d in done {
-        for seed in &d.seeds {
-            let cells =
-                RUNS.map(|(_, at)| seed.summary.pointer(at).and_then(serde_json::Value::as_f64).map_or(String::new(), number));
-            file.write_record(std::iter::once(d.id.clone()).chain(cells)).map_err(failed)?;
-        }
     }
     file.flush().map_err(Error::write(path))?;
     Ok(path.into())
