@@ -23,6 +23,15 @@ struct Returned {
     on_cone: bool,
 }
 
+/// Flow on the cone, as `drucker_prager::Flow`; besides the slope of the potential, and its change per change of the slope of the cone, both 0 where the dilation angle
+/// stays.
+struct Flow {
+    volume_return: f32,
+    per_multiplier: f32,
+    alpha: f32,
+    per_alpha: f32,
+}
+
 const NONE: Returned = Returned { di1: 0.0, dj: 0.0, on_cone: false };
 
 /// Increments of stress, Pa, and plastic strain for the strain increment `strain`; `before`, Pa: stress, already rotated with the material.
@@ -144,6 +153,21 @@ fn inside(law: &Law32, s: YieldParameters, i1: f32, j: f32) -> bool {
     j + s.alpha * i1 <= s.kappa && i1 <= cut_of(law, s)
 }
 
+/// Slope of the potential of dilation that ends, as `Dilatancy::at`.
+pub fn potential_slope(law: &Law32, alpha: f32) -> f32 {
+    law.dilation_factor * (alpha - law.critical).max(0.0)
+}
+
+fn flow_at(law: &Law32, alpha: f32) -> Flow {
+    if law.dilation_factor > 0.0 {
+        let slope = potential_slope(law, alpha);
+        let per_alpha = if alpha > law.critical { law.dilation_factor } else { 0.0 };
+        let per_multiplier = (0.333_333_33 + 2.0 * (slope * slope)).sqrt();
+        return Flow { volume_return: 9.0 * law.bulk * slope, per_multiplier, alpha: slope, per_alpha };
+    }
+    Flow { volume_return: law.volume_return, per_multiplier: law.per_multiplier, alpha: 0.0, per_alpha: 0.0 }
+}
+
 fn returned(law: &Law32, s: YieldParameters, i1: f32, j: f32) -> Returned {
     let cut = cut_of(law, s);
     let excess = j + s.alpha * i1 - s.kappa;
@@ -154,8 +178,9 @@ fn returned(law: &Law32, s: YieldParameters, i1: f32, j: f32) -> Returned {
     } else if j <= corner(s, cut) {
         return Returned { di1: cut - i1, ..NONE };
     }
-    let multiplier = excess / (law.shear + law.volume_return * s.alpha);
-    let di1 = -law.volume_return * multiplier;
+    let volume_return = flow_at(law, s.alpha).volume_return;
+    let multiplier = excess / (law.shear + volume_return * s.alpha);
+    let di1 = -volume_return * multiplier;
     if i1 + di1 > cut {
         return Returned { di1: cut - i1, dj: corner(s, cut) - j, on_cone: false };
     }
@@ -175,8 +200,9 @@ fn largest_increment(law: &Law32, i1: f32, j: f32) -> f32 {
 }
 
 fn at_jump(law: &Law32, i1: f32, j: f32, increment: f32, s: YieldParameters) -> Returned {
-    let multiplier = increment / law.per_multiplier;
-    let end = Returned { di1: -law.volume_return * multiplier, dj: -law.shear * multiplier, on_cone: true };
+    let Flow { volume_return, per_multiplier, .. } = flow_at(law, s.alpha);
+    let multiplier = increment / per_multiplier;
+    let end = Returned { di1: -volume_return * multiplier, dj: -law.shear * multiplier, on_cone: true };
     if j + end.dj >= 0.0 && inside(law, s, i1 + end.di1, j + end.dj) { end } else { returned(law, s, i1, j) }
 }
 
@@ -200,8 +226,13 @@ fn hardened(law: &Law32, i1: f32, j: f32, before: f32, first: (YieldParameters, 
             high = at;
         }
         let tangent = if end.on_cone {
-            let stiffness = law.shear + law.volume_return * strength.alpha;
-            1.0 - law.per_multiplier * ((i1 + end.di1) * slope.alpha - slope.kappa) / stiffness
+            let Flow { volume_return, per_multiplier, alpha, per_alpha } = flow_at(law, strength.alpha);
+            let stiffness = law.shear + volume_return * strength.alpha;
+            let change = per_alpha * slope.alpha;
+            let multiplier = increment / per_multiplier;
+            let stiffer = 9.0 * law.bulk * strength.alpha * per_multiplier / stiffness;
+            1.0 - per_multiplier * ((i1 + end.di1) * slope.alpha - slope.kappa) / stiffness
+                + multiplier * change * (stiffer - 2.0 * alpha / per_multiplier)
         } else {
             1.0
         };

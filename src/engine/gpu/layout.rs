@@ -2,7 +2,8 @@
 //! `params.wgsl`, `loading_plates.wgsl` and `nodes.wgsl`; a test compares the offsets.
 
 use super::bounds::{BORDERS, GROUP, PLATES, WIDE};
-use crate::mpm::law::{Cone, Evolution, Law};
+use crate::mpm::law::dilatancy::Dilatancy;
+use crate::mpm::law::{Cone, Dilation, Evolution, Law, Parameters};
 use crate::mpm::{GridWall, PlateDrive, Ramp, Settings, Transfer};
 use bytemuck::{Pod, Zeroable};
 
@@ -208,10 +209,15 @@ pub struct Law32 {
     pub sin_dilation: f32,
     pub strength: f32,
     pub apex: f32,
-    pub unused_a: f32,
-    pub unused_b: f32,
+    pub critical: f32,
+    pub dilation_factor: f32,
     pub friction: Evolution32,
     pub cohesion: Evolution32,
+}
+
+/// Of dilation that ends: slope of the cone at the critical state, and slope of the potential per slope above it; zeros where dilation stays.
+fn dilation(p: &Parameters, cone: Cone) -> [f32; 2] {
+    Dilatancy::of(p, cone).map_or([0.0; 2], |d| [d.critical, d.factor].map(|x| x as f32))
 }
 
 impl From<&Law> for Law32 {
@@ -239,7 +245,10 @@ impl From<&Law> for Law32 {
             }
         };
         let p = law.parameters();
-        let alpha_psi = p.cone.at(p.dilation).alpha;
+        let [critical, dilation_factor] = dilation(p, p.cone);
+        // dilation that ends but never begins is none
+        let none = p.dilation_rule == Dilation::Mobilised && dilation_factor == 0.0;
+        let alpha_psi = if none { 0.0 } else { p.cone.at(p.dilation).alpha };
         let last = law.strength(f64::INFINITY);
         Law32 {
             kind: 1,
@@ -254,6 +263,8 @@ impl From<&Law> for Law32 {
             settled: p.friction.settled().max(p.cohesion.settled()) as f32,
             last_alpha: last.alpha as f32,
             last_kappa: last.kappa as f32,
+            critical,
+            dilation_factor,
             friction: p.friction.into(),
             cohesion: p.cohesion.into(),
             ..moduli

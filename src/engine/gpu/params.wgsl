@@ -86,8 +86,10 @@ struct Law {
     sin_dilation: f32,
     strength: f32,
     apex: f32,
-    unused_a: f32,
-    unused_b: f32,
+    // of dilation that ends with softening (mpm/law/dilatancy.rs): slope of the cone at the critical state; slope of the potential per slope of the cone above it, 0 where
+    // dilation stays
+    critical: f32,
+    dilation_factor: f32,
     friction: Evolution,
     cohesion: Evolution,
 }

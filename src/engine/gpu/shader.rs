@@ -5,6 +5,8 @@ use super::bounds::bounds_wgsl;
 /// Parts of the shaders for which runs without them shall not pay: software adapters go through both branches of a condition.
 #[derive(Clone, Copy)]
 pub struct Uses {
+    /// Dilation that ends with softening.
+    pub mobilised: bool,
     /// Mohr and Coulomb's law.
     pub mohr_coulomb: bool,
     /// Loading plates that are shells.
@@ -16,10 +18,10 @@ pub struct Uses {
 impl Uses {
     /// A source with these parts.
     pub fn of(self, source: &str) -> String {
-        let Uses { mohr_coulomb, shells, faces } = self;
-        format!(
-            "const MOHR_COULOMB: bool = {mohr_coulomb};\nconst SHELLS: bool = {shells};\nconst FACES: bool = {faces};\n{source}"
-        )
+        let Uses { mobilised, mohr_coulomb, shells, faces } = self;
+        let switches = [("MOBILISED", mobilised), ("MOHR_COULOMB", mohr_coulomb), ("SHELLS", shells), ("FACES", faces)];
+        let switches: String = switches.iter().map(|(name, is)| format!("const {name}: bool = {is};\n")).collect();
+        switches + source
     }
 }
 
@@ -74,20 +76,25 @@ pub mod tests {
         include_str!("law_test.wgsl")
     );
 
-    /// All parts.
-    pub const ALL: Uses = Uses { mohr_coulomb: true, shells: true, faces: true };
+    /// All parts, and none.
+    pub const ALL: Uses = Uses { mobilised: true, mohr_coulomb: true, shells: true, faces: true };
+    const NONE: Uses = Uses { mobilised: false, mohr_coulomb: false, shells: false, faces: false };
 
     /// The module of a source with all parts.
     pub fn parsed(source: &str) -> naga::Module {
-        let source = ALL.of(source);
+        module(source, ALL)
+    }
+
+    fn module(source: &str, uses: Uses) -> naga::Module {
+        let source = uses.of(source);
         naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)))
     }
 
     /// Every source is valid WGSL.
     #[test]
     fn shaders_are_valid() {
-        for source in [STEP, MIXTURE, LAW_TEST] {
-            let module = parsed(source);
+        for (source, uses) in [STEP, MIXTURE, LAW_TEST].into_iter().flat_map(|source| [(source, ALL), (source, NONE)]) {
+            let module = module(source, uses);
             let mut validator =
                 naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
             validator.validate(&module).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)));
@@ -191,8 +198,8 @@ pub mod tests {
             sin_dilation,
             strength,
             apex,
-            unused_a,
-            unused_b,
+            critical,
+            dilation_factor,
             friction,
             cohesion
         );

@@ -155,7 +155,9 @@ fn laws_in_f32_follow_f64() {
         let grown = after.plastic - memory.plastic;
         yielded += u32::from(grown > 0.0);
         // where the strength jumps, rounding decides on which side a state lies
-        if case.law as usize == JUMPS && (memory.plastic == 0.0 || (memory.plastic..=after.plastic + 1e-6).contains(&0.022)) {
+        if JUMPS.contains(&(case.law as usize))
+            && (memory.plastic == 0.0 || (memory.plastic..=after.plastic + 1e-6).contains(&0.022))
+        {
             continue;
         }
         let scale = case.scale(law);
@@ -175,11 +177,11 @@ fn laws_in_f32_follow_f64() {
     println!("rung 2a: stress {in_stress:e}, plastic strain {in_plastic:e}, {yielded} yielded");
 }
 
-/// Rung 2a over many steps: 100 000 increments of 1e-7 in compensated sums, of a cone through its peak, where it hardens and softens, and of a pyramid without
+/// Rung 2a over many steps: 100 000 increments of 1e-7 in compensated sums, of a cone through its peak, where it hardens and softens, with dilation that stays and that ends, and of a pyramid without
 /// cohesion, on whose edge a triaxial cube is.
 #[test]
 fn small_steps_in_f32_follow_f64() {
-    for law in [laws().remove(9), pyramids().remove(0)] {
+    for law in [laws().remove(9), laws().remove(13), pyramids().remove(0)] {
         let law32 = Law32::from(&law);
         let start = [-5e4, -5e4, -5e4, 0.0, 0.0, 0.0];
         let (mut exact, mut sums, mut plastic) = ((start, InternalVariables::default()), start.map(exact::split), [0.0_f32; 2]);
@@ -259,7 +261,9 @@ fn laws_on_the_device_follow_their_twin() {
         );
         let there = [a, b, c, d, e, f];
         same += usize::from(there == stress && made == plastic);
-        if case.law as usize == JUMPS && (f64::from(case.plastic)..=f64::from(case.plastic + plastic) + 1e-6).contains(&0.022) {
+        if JUMPS.contains(&(case.law as usize))
+            && (f64::from(case.plastic)..=f64::from(case.plastic + plastic) + 1e-6).contains(&0.022)
+        {
             continue;
         }
         let apart: Sym = std::array::from_fn(|k| f64::from(there[k]) - f64::from(stress[k]));

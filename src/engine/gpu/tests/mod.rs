@@ -11,13 +11,14 @@ pub use adapter::adapter;
 use crate::gpu;
 use crate::mpm::law::{Elastic, Evolution, Law, Parameters};
 
-/// Place of the law that jumps at its peak.
-const JUMPS: usize = 12;
+/// Places of the laws that jump at their peak.
+const JUMPS: [usize; 2] = [12, 16];
 
 /// Every kind of surface, flow and evolution.
 fn laws() -> Vec<Law> {
-    let mut laws = crate::mpm::law::tests::laws();
-    laws.rotate_left(1);
+    let mut laws = crate::mpm::law::tests::all_laws();
+    // the first of them, which jumps, behind those whose dilation stays
+    laws[..JUMPS[0]].rotate_left(1);
     let cones = laws.into_iter().map(Law::DruckerPrager);
     std::iter::once(Law::Elastic(Elastic::of_young(4.6e6, 0.3))).chain(cones).chain(pyramids()).collect()
 }
