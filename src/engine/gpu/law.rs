@@ -3,6 +3,7 @@
 //! All results are increments: of the stress, and of the plastic strain. They are added up in compensated sums. A new stress computed as a whole would have the
 //! rounding error of its size in each step, which is larger than the increment of a small step.
 
+use super::cam_clay::cam_clay;
 use super::layout::{Evolution32, Law32};
 use super::mohr_coulomb::mohr_coulomb;
 
@@ -36,6 +37,9 @@ const NONE: Returned = Returned { di1: 0.0, dj: 0.0, on_cone: false };
 
 /// Increments of stress, Pa, and plastic strain for the strain increment `strain`; `before`, Pa: stress, already rotated with the material.
 pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (Sym32, f32) {
+    if law.kind == 3 {
+        return cam_clay(law, &before, &strain, plastic);
+    }
     let two_g = 2.0 * law.shear;
     let lame = law.bulk - two_g * 0.333_333_33;
     let volume = lame * (strain[0] + strain[1] + strain[2]);
@@ -48,15 +52,18 @@ pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (
     let d = [trial[0] - trial[1], trial[1] - trial[2], trial[2] - trial[0]];
     let across = trial[3] * trial[3] + trial[4] * trial[4] + trial[5] * trial[5];
     let j = ((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * 0.166_666_67 + across).sqrt();
-    let (strength, slope) = surface(law, plastic);
-    if inside(law, strength, i1, j) {
-        return (elastic, 0.0);
-    }
     // the deviator from differences of normal stresses, so that a large pressure does not spoil its digits
     let deviator = [(d[0] - d[2]) * 0.333_333_33, (d[1] - d[0]) * 0.333_333_33, (d[2] - d[1]) * 0.333_333_33];
     if law.kind == 2 {
+        if inside(law, YieldParameters { alpha: law.last_alpha, kappa: law.last_kappa }, i1, j) {
+            return (elastic, 0.0);
+        }
         let [a, b, c] = deviator;
-        return mohr_coulomb(law, elastic, &[a, b, c, trial[3], trial[4], trial[5]], i1 * 0.333_333_33);
+        return mohr_coulomb(law, elastic, &[a, b, c, trial[3], trial[4], trial[5]], i1 * 0.333_333_33, plastic);
+    }
+    let (strength, slope) = surface(law, plastic);
+    if inside(law, strength, i1, j) {
+        return (elastic, 0.0);
     }
     let (end, plastic) = if plastic >= law.settled {
         let end = returned(law, strength, i1, j);
@@ -71,11 +78,22 @@ pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (
 }
 
 /// Sine of an angle in −π/2..π/2 by its Taylor series: the sine of the device may have errors up to 2⁻¹¹.
-fn sine(angle: f32) -> f32 {
+pub fn sine(angle: f32) -> f32 {
     let q = angle * angle;
     let sum = ((((1.605_904_4e-10 * q - 2.505_210_8e-8) * q + 2.755_731_9e-6) * q - 1.984_127e-4) * q + 8.333_333e-3) * q
         - 1.666_666_7e-1;
     angle + angle * (q * sum)
+}
+
+/// exp(x) for |x| ≤ 80, as a power of 2 and a rest: power (1 + rest).
+pub fn exponential(x: f32) -> [f32; 2] {
+    // halvings
+    let n = (0.5 - x * std::f32::consts::LOG2_E).floor();
+    let r = (x + n * 0.693_145_75) + n * 1.428_606_8e-6;
+    let sum = (((((1.984_127e-4 * r + 1.388_888_9e-3) * r + 8.333_333e-3) * r + 4.166_666_7e-2) * r + 1.666_666_7e-1) * r + 0.5)
+        * r
+        + 1.0;
+    [f32::from_bits(((127 - n as i32) as u32) << 23), r * sum]
 }
 
 /// exp(−x) for x ≥ 0.
@@ -83,17 +101,12 @@ fn decay_of(x: f32) -> f32 {
     if x > 80.0 {
         return 0.0;
     }
-    let halvings = (x * std::f32::consts::LOG2_E + 0.5) as i32;
-    let n = halvings as f32;
-    let r = -((x - n * 0.693_145_75) - n * 1.428_606_8e-6);
-    let sum = (((((1.984_127e-4 * r + 1.388_888_9e-3) * r + 8.333_333e-3) * r + 4.166_666_7e-2) * r + 1.666_666_7e-1) * r + 0.5)
-        * r
-        + 1.0;
-    (1.0 + r * sum) * f32::from_bits(((127 - halvings) as u32) << 23)
+    let [power, rest] = exponential(-x);
+    (1.0 + rest) * power
 }
 
 /// The value and its derivative.
-fn evolution_at(e: &Evolution32, x: f32) -> (f32, f32) {
+pub fn evolution_at(e: &Evolution32, x: f32) -> (f32, f32) {
     match e.kind {
         0 => (e.last, 0.0),
         1 if x < e.strain => {

@@ -71,6 +71,8 @@ impl Passes {
         let uses = Uses {
             mobilised: laws.iter().any(|law| law.dilation_factor > 0.0),
             mohr_coulomb: laws.iter().any(|law| law.kind == 2),
+            changing_pyramids: laws.iter().any(|law| law.kind == 2 && law.settled > 0.0),
+            cam_clay: laws.iter().any(|law| law.kind == 3),
             shells: plates.iter().any(|plate| plate.radius.is_some()),
             faces,
         };

@@ -9,6 +9,10 @@ pub struct Uses {
     pub mobilised: bool,
     /// Mohr and Coulomb's law.
     pub mohr_coulomb: bool,
+    /// Pyramids of Mohr and Coulomb that harden or soften.
+    pub changing_pyramids: bool,
+    /// Modified Cam-clay.
+    pub cam_clay: bool,
     /// Loading plates that are shells.
     pub shells: bool,
     /// Contacts of grains that act on the faces of points.
@@ -18,8 +22,15 @@ pub struct Uses {
 impl Uses {
     /// A source with these parts.
     pub fn of(self, source: &str) -> String {
-        let Uses { mobilised, mohr_coulomb, shells, faces } = self;
-        let switches = [("MOBILISED", mobilised), ("MOHR_COULOMB", mohr_coulomb), ("SHELLS", shells), ("FACES", faces)];
+        let Uses { mobilised, mohr_coulomb, changing_pyramids, cam_clay, shells, faces } = self;
+        let switches = [
+            ("MOBILISED", mobilised),
+            ("MOHR_COULOMB", mohr_coulomb),
+            ("CHANGING_PYRAMIDS", changing_pyramids),
+            ("CAM_CLAY", cam_clay),
+            ("SHELLS", shells),
+            ("FACES", faces),
+        ];
         let switches: String = switches.iter().map(|(name, is)| format!("const {name}: bool = {is};\n")).collect();
         switches + source
     }
@@ -31,6 +42,7 @@ pub const STEP: &str = concat!(
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
     include_str!("mohr_coulomb.wgsl"),
+    include_str!("cam_clay.wgsl"),
     include_str!("law.wgsl"),
     include_str!("grains/without_grains.wgsl"),
     include_str!("nodes.wgsl"),
@@ -46,6 +58,7 @@ pub const MIXTURE: &str = concat!(
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
     include_str!("mohr_coulomb.wgsl"),
+    include_str!("cam_clay.wgsl"),
     include_str!("law.wgsl"),
     include_str!("grains/contact.wgsl"),
     include_str!("nodes.wgsl"),
@@ -62,7 +75,7 @@ pub const MIXTURE: &str = concat!(
 pub mod tests {
     use super::*;
     use crate::gpu::grains::{Coupling, Mix, Side};
-    use crate::gpu::layout::{BatchState, Evolution32, Law32, LoadingPlate32, Params, PlateDrive32, Status};
+    use crate::gpu::layout::{BatchState, Clay32, Evolution32, Law32, LoadingPlate32, Params, PlateDrive32, Status};
     use std::mem::{offset_of, size_of};
     use wgpu::naga;
 
@@ -72,13 +85,16 @@ pub mod tests {
         include_str!("params.wgsl"),
         include_str!("exact.wgsl"),
         include_str!("mohr_coulomb.wgsl"),
+        include_str!("cam_clay.wgsl"),
         include_str!("law.wgsl"),
         include_str!("law_test.wgsl")
     );
 
     /// All parts, and none.
-    pub const ALL: Uses = Uses { mobilised: true, mohr_coulomb: true, shells: true, faces: true };
-    const NONE: Uses = Uses { mobilised: false, mohr_coulomb: false, shells: false, faces: false };
+    pub const ALL: Uses =
+        Uses { mobilised: true, mohr_coulomb: true, changing_pyramids: true, cam_clay: true, shells: true, faces: true };
+    const NONE: Uses =
+        Uses { mobilised: false, mohr_coulomb: false, changing_pyramids: false, cam_clay: false, shells: false, faces: false };
 
     /// The module of a source with all parts.
     pub fn parsed(source: &str) -> naga::Module {
@@ -201,8 +217,10 @@ pub mod tests {
             critical,
             dilation_factor,
             friction,
-            cohesion
+            cohesion,
+            clay
         );
+        same!(Clay32, "Clay", slope, swelling_slope, ratio, per_plastic, preconsolidation, virgin_volume, shear_ratio, unused);
         same!(Status, "Status", fault, crossed, steps, stop, fastest, reaction);
         let module = parsed(MIXTURE);
         macro_rules! same {

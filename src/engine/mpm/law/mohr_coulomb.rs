@@ -114,11 +114,6 @@ impl ConstitutiveLaw for MohrCoulomb {
         self.plastic_correction(trial, internal)
     }
 
-    fn not_on_gpu(&self) -> Option<&'static str> {
-        let changes = self.surface.settled() > 0.0 || self.dilatancy.is_some();
-        changes.then_some("use drucker_prager, or a friction angle, a cohesion and a dilation angle that stay")
-    }
-
     fn shear_strength(&self, plastic: f64) -> Option<[f64; 2]> {
         Some([self.parameters.friction.at(plastic).0, self.parameters.cohesion.at(plastic).0])
     }
@@ -160,9 +155,14 @@ impl MohrCoulomb {
         self.last.apex()
     }
 
-    /// The cone inside the pyramid, which touches all planes of one that stays.
-    pub fn inscribed(&self) -> YieldParameters {
-        self.inscribed
+    /// A cone inside the pyramid at every plastic strain, which touches all planes of one that stays, and the largest I1, Pa, up to which stresses inside of it are elastic.
+    pub fn inscribed(&self) -> (YieldParameters, f64) {
+        (self.inscribed, self.inscribed_cut)
+    }
+
+    /// The parameters that the law was made from.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
     }
 
     /// The pyramid at an accumulated plastic strain.
