@@ -1,0 +1,95 @@
+//! Rung 4 of the laws that follow their plastic strain: cubes between platens on both backends, a row for each step, without local damping.
+
+use crate::adapter::adapter;
+use crate::common::typed::columns;
+use crate::run::{apart, both};
+
+/// The oedometer's scene as a cube of 64 points that deform evenly.
+const CUBE: [&str; 6] = [
+    "body[0].max_mm=[40.0, 40.0, 40.0]",
+    "grid.cell_mm=20.0",
+    "material.continuum.nu=0.25",
+    "damping.local=0.0",
+    "records.rows=5000",
+    "test.strain_per_wave=0.0003",
+];
+
+/// Triaxial compression at 50 kPa through a peak at 38° to the end of the softening, with dilation that ends.
+const SOFTENING: [&str; 9] = [
+    "test.rig=triaxial",
+    "test.cell_pressure_kPa=50.0",
+    "test.axial_strain=0.08",
+    "material.continuum.dilation=mobilised",
+    "material.continuum.dilation_angle_deg=12.0",
+    "material.continuum.cohesion_kPa=0.0",
+    "material.continuum.friction_angle_deg=30.0",
+    "material.continuum.friction_evolution.law=cubic_exponential",
+    "material.continuum.friction_evolution.decay=60.0",
+];
+
+/// Its friction angle: 30° at first yield, 38° at a plastic strain of 2 %, 31° in the end.
+const EVOLUTION: [&str; 4] = [
+    "material.continuum.friction_evolution.cubic_rad=[0.0, -349.0659, 13.962634, 0.5235988]",
+    "material.continuum.friction_evolution.peak_plastic_strain=0.02",
+    "material.continuum.friction_evolution.peak_deg=38.0",
+    "material.continuum.friction_evolution.residual_deg=31.0",
+];
+
+const CLAY: [&str; 6] = [
+    "material.continuum.law=cam_clay",
+    "material.continuum.lambda=0.1",
+    "material.continuum.kappa=0.02",
+    "material.continuum.friction_angle_deg=30.0",
+    "material.continuum.virgin_specific_volume=2.2",
+    "material.continuum.preconsolidation_kPa=200.0",
+];
+
+/// Largest distances of the device's rows from the processor's curves of these columns over the axial strain, as shares of the largest values; and the processor's rows.
+fn distances<const N: usize>(name: &str, sets: &[&str], names: [&str; N]) -> ([f64; N], Vec<[f64; N]>) {
+    let folder = tempfile::tempdir().expect("folder");
+    let outs = both(folder.path(), "oedometer", &[&CUBE[..], sets].concat());
+    let found = names.map(|column| apart(&outs, "axial_strain", column));
+    println!("rung 4, {name}: {names:?} {found:?}");
+    (found, columns(&outs[0], names))
+}
+
+/// Cones and pyramids that harden and soften, with dilation that ends. Measured: q of its largest …, volumetric strain ….
+#[test]
+fn dilation_ends_with_softening_as_on_the_cpu() {
+    if !adapter("dilation_ends_with_softening_as_on_the_cpu") {
+        return;
+    }
+    for (law, cone) in [("drucker_prager", &["material.continuum.cone=outer"][..]), ("mohr_coulomb", &[])] {
+        let word = format!("material.continuum.law={law}");
+        let sets = [&SOFTENING[..], &EVOLUTION, &[word.as_str()], cone].concat();
+        let ([q, volume], rows) = distances(law, &sets, ["q_kPa", "volumetric_strain"]);
+        assert!(q < 1e-4 && volume < 3e-5);
+        let peak = rows.iter().map(|[q, _]| *q).fold(0.0, f64::max);
+        let [end, grown] = rows[rows.len() - 1];
+        let most = rows.iter().map(|[_, v]| -*v).fold(0.0, f64::max);
+        assert!(
+            end < 0.8 * peak && grown < 0.0 && most + grown < 0.1 * most,
+            "it has softened: {end} of {peak}, volume {grown} of {most}"
+        );
+    }
+}
+
+/// Modified Cam-clay in an oedometer from below its preconsolidation pressure, in drained and undrained triaxial compression from the virgin line, and where it dilates.
+#[test]
+fn clays_are_those_of_the_cpu() {
+    if !adapter("clays_are_those_of_the_cpu") {
+        return;
+    }
+    let of = |name: &str, own: &[&str]| {
+        let sets = [&CLAY[..], own, &["test.axial_strain=0.05"]].concat();
+        distances(name, &sets, if own[0] == "test.rig=triaxial" { ["q_kPa", "p_kPa"] } else { ["sigma_v_kPa", "sigma_h_kPa"] })
+    };
+    let oedometer = of("clay, oedometer", &["body[0].stress_kPa=50.0"]);
+    let triaxial = |name: &str, cell: &str, drainage: &str| of(name, &["test.rig=triaxial", cell, drainage]);
+    let drained = triaxial("clay, drained", "test.cell_pressure_kPa=200.0", "test.drainage=drained");
+    let undrained = triaxial("clay, undrained", "test.cell_pressure_kPa=200.0", "test.drainage=constant_volume");
+    let dry = triaxial("clay, dry", "test.cell_pressure_kPa=30.0", "test.drainage=drained");
+    for ([a, b], _) in [oedometer, drained, undrained, dry] {
+        assert!(a < 1e-4 && b < 1e-4, "{a:e} {b:e}");
+    }
+}
