@@ -7,6 +7,7 @@
 mod adapter;
 #[path = "../common/mod.rs"]
 mod common;
+mod laws;
 mod mixture;
 mod run;
 

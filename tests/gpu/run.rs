@@ -10,7 +10,7 @@ use std::path::Path;
 const PLAIN: [&str; 2] = ["records.figures=false", "records.snapshots=false"];
 
 /// A scene on the processor and on the device, in folders of these names.
-fn both(folder: &Path, scene: &str, sets: &[&str]) -> [std::path::PathBuf; 2] {
+pub fn both(folder: &Path, scene: &str, sets: &[&str]) -> [std::path::PathBuf; 2] {
     ["cpu", "gpu"].map(|backend| {
         let out = folder.join(backend);
         run(scene, &out, &[&PLAIN[..], sets].concat(), &["--backend", backend]).assert().success();

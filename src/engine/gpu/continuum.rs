@@ -103,7 +103,8 @@ impl DeviceContinuum {
         takes(cpu.laws())?;
         sizes(cpu.settings(), cpu.points(), plates, coarse)?;
         let device = Device::open(coarse.is_some())?;
-        let passes = Passes::new(&device, [coarse.is_some(), coarse.is_some_and(|c| c.table.faces)], cpu.laws(), plates);
+        let laws: Vec<Law32> = cpu.laws().iter().map(Law32::from).collect();
+        let passes = Passes::new(&device, [coarse.is_some(), coarse.is_some_and(|c| c.table.faces)], &laws, plates);
         DeviceContinuum::load(device, passes, cpu, plates, drifts, coarse, saved)
     }
 

@@ -3,6 +3,7 @@
 //! All results are increments: of the stress, and of the plastic strain. They are added up in compensated sums. A new stress computed as a whole would have the
 //! rounding error of its size in each step, which is larger than the increment of a small step.
 
+use super::cam_clay::cam_clay;
 use super::layout::{Evolution32, Law32};
 use super::mohr_coulomb::mohr_coulomb;
 
@@ -23,10 +24,22 @@ struct Returned {
     on_cone: bool,
 }
 
+/// Flow on the cone, as `drucker_prager::Flow`; besides the slope of the potential, and its change per change of the slope of the cone, both 0 where the dilation angle
+/// stays.
+struct Flow {
+    volume_return: f32,
+    per_multiplier: f32,
+    alpha: f32,
+    per_alpha: f32,
+}
+
 const NONE: Returned = Returned { di1: 0.0, dj: 0.0, on_cone: false };
 
 /// Increments of stress, Pa, and plastic strain for the strain increment `strain`; `before`, Pa: stress, already rotated with the material.
 pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (Sym32, f32) {
+    if law.kind == 3 {
+        return cam_clay(law, &before, &strain, plastic);
+    }
     let two_g = 2.0 * law.shear;
     let lame = law.bulk - two_g * 0.333_333_33;
     let volume = lame * (strain[0] + strain[1] + strain[2]);
@@ -39,15 +52,18 @@ pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (
     let d = [trial[0] - trial[1], trial[1] - trial[2], trial[2] - trial[0]];
     let across = trial[3] * trial[3] + trial[4] * trial[4] + trial[5] * trial[5];
     let j = ((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * 0.166_666_67 + across).sqrt();
-    let (strength, slope) = surface(law, plastic);
-    if inside(law, strength, i1, j) {
-        return (elastic, 0.0);
-    }
     // the deviator from differences of normal stresses, so that a large pressure does not spoil its digits
     let deviator = [(d[0] - d[2]) * 0.333_333_33, (d[1] - d[0]) * 0.333_333_33, (d[2] - d[1]) * 0.333_333_33];
     if law.kind == 2 {
+        if inside(law, YieldParameters { alpha: law.last_alpha, kappa: law.last_kappa }, i1, j) {
+            return (elastic, 0.0);
+        }
         let [a, b, c] = deviator;
-        return mohr_coulomb(law, elastic, &[a, b, c, trial[3], trial[4], trial[5]], i1 * 0.333_333_33);
+        return mohr_coulomb(law, elastic, &[a, b, c, trial[3], trial[4], trial[5]], i1 * 0.333_333_33, plastic);
+    }
+    let (strength, slope) = surface(law, plastic);
+    if inside(law, strength, i1, j) {
+        return (elastic, 0.0);
     }
     let (end, plastic) = if plastic >= law.settled {
         let end = returned(law, strength, i1, j);
@@ -62,11 +78,22 @@ pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (
 }
 
 /// Sine of an angle in −π/2..π/2 by its Taylor series: the sine of the device may have errors up to 2⁻¹¹.
-fn sine(angle: f32) -> f32 {
+pub fn sine(angle: f32) -> f32 {
     let q = angle * angle;
     let sum = ((((1.605_904_4e-10 * q - 2.505_210_8e-8) * q + 2.755_731_9e-6) * q - 1.984_127e-4) * q + 8.333_333e-3) * q
         - 1.666_666_7e-1;
     angle + angle * (q * sum)
+}
+
+/// exp(x) for |x| ≤ 80, as a power of 2 and a rest: power (1 + rest).
+pub fn exponential(x: f32) -> [f32; 2] {
+    // halvings
+    let n = (0.5 - x * std::f32::consts::LOG2_E).floor();
+    let r = (x + n * 0.693_145_75) + n * 1.428_606_8e-6;
+    let sum = (((((1.984_127e-4 * r + 1.388_888_9e-3) * r + 8.333_333e-3) * r + 4.166_666_7e-2) * r + 1.666_666_7e-1) * r + 0.5)
+        * r
+        + 1.0;
+    [f32::from_bits(((127 - n as i32) as u32) << 23), r * sum]
 }
 
 /// exp(−x) for x ≥ 0.
@@ -74,17 +101,12 @@ fn decay_of(x: f32) -> f32 {
     if x > 80.0 {
         return 0.0;
     }
-    let halvings = (x * std::f32::consts::LOG2_E + 0.5) as i32;
-    let n = halvings as f32;
-    let r = -((x - n * 0.693_145_75) - n * 1.428_606_8e-6);
-    let sum = (((((1.984_127e-4 * r + 1.388_888_9e-3) * r + 8.333_333e-3) * r + 4.166_666_7e-2) * r + 1.666_666_7e-1) * r + 0.5)
-        * r
-        + 1.0;
-    (1.0 + r * sum) * f32::from_bits(((127 - halvings) as u32) << 23)
+    let [power, rest] = exponential(-x);
+    (1.0 + rest) * power
 }
 
 /// The value and its derivative.
-fn evolution_at(e: &Evolution32, x: f32) -> (f32, f32) {
+pub fn evolution_at(e: &Evolution32, x: f32) -> (f32, f32) {
     match e.kind {
         0 => (e.last, 0.0),
         1 if x < e.strain => {
@@ -144,6 +166,21 @@ fn inside(law: &Law32, s: YieldParameters, i1: f32, j: f32) -> bool {
     j + s.alpha * i1 <= s.kappa && i1 <= cut_of(law, s)
 }
 
+/// Slope of the potential of dilation that ends, as `Dilatancy::at`.
+pub fn potential_slope(law: &Law32, alpha: f32) -> f32 {
+    law.dilation_factor * (alpha - law.critical).max(0.0)
+}
+
+fn flow_at(law: &Law32, alpha: f32) -> Flow {
+    if law.dilation_factor > 0.0 {
+        let slope = potential_slope(law, alpha);
+        let per_alpha = if alpha > law.critical { law.dilation_factor } else { 0.0 };
+        let per_multiplier = (0.333_333_33 + 2.0 * (slope * slope)).sqrt();
+        return Flow { volume_return: 9.0 * law.bulk * slope, per_multiplier, alpha: slope, per_alpha };
+    }
+    Flow { volume_return: law.volume_return, per_multiplier: law.per_multiplier, alpha: 0.0, per_alpha: 0.0 }
+}
+
 fn returned(law: &Law32, s: YieldParameters, i1: f32, j: f32) -> Returned {
     let cut = cut_of(law, s);
     let excess = j + s.alpha * i1 - s.kappa;
@@ -154,8 +191,9 @@ fn returned(law: &Law32, s: YieldParameters, i1: f32, j: f32) -> Returned {
     } else if j <= corner(s, cut) {
         return Returned { di1: cut - i1, ..NONE };
     }
-    let multiplier = excess / (law.shear + law.volume_return * s.alpha);
-    let di1 = -law.volume_return * multiplier;
+    let volume_return = flow_at(law, s.alpha).volume_return;
+    let multiplier = excess / (law.shear + volume_return * s.alpha);
+    let di1 = -volume_return * multiplier;
     if i1 + di1 > cut {
         return Returned { di1: cut - i1, dj: corner(s, cut) - j, on_cone: false };
     }
@@ -175,8 +213,9 @@ fn largest_increment(law: &Law32, i1: f32, j: f32) -> f32 {
 }
 
 fn at_jump(law: &Law32, i1: f32, j: f32, increment: f32, s: YieldParameters) -> Returned {
-    let multiplier = increment / law.per_multiplier;
-    let end = Returned { di1: -law.volume_return * multiplier, dj: -law.shear * multiplier, on_cone: true };
+    let Flow { volume_return, per_multiplier, .. } = flow_at(law, s.alpha);
+    let multiplier = increment / per_multiplier;
+    let end = Returned { di1: -volume_return * multiplier, dj: -law.shear * multiplier, on_cone: true };
     if j + end.dj >= 0.0 && inside(law, s, i1 + end.di1, j + end.dj) { end } else { returned(law, s, i1, j) }
 }
 
@@ -200,8 +239,13 @@ fn hardened(law: &Law32, i1: f32, j: f32, before: f32, first: (YieldParameters, 
             high = at;
         }
         let tangent = if end.on_cone {
-            let stiffness = law.shear + law.volume_return * strength.alpha;
-            1.0 - law.per_multiplier * ((i1 + end.di1) * slope.alpha - slope.kappa) / stiffness
+            let Flow { volume_return, per_multiplier, alpha, per_alpha } = flow_at(law, strength.alpha);
+            let stiffness = law.shear + volume_return * strength.alpha;
+            let change = per_alpha * slope.alpha;
+            let multiplier = increment / per_multiplier;
+            let stiffer = 9.0 * law.bulk * strength.alpha * per_multiplier / stiffness;
+            1.0 - per_multiplier * ((i1 + end.di1) * slope.alpha - slope.kappa) / stiffness
+                + multiplier * change * (stiffer - 2.0 * alpha / per_multiplier)
         } else {
             1.0
         };

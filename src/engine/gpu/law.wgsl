@@ -26,6 +26,12 @@ struct Value {
     slope: f32,
 }
 
+// power (1 + rest), the power one of 2
+struct Exponential {
+    power: f32,
+    rest: f32,
+}
+
 struct Returned {
     di1: f32,
     dj: f32,
@@ -37,21 +43,36 @@ struct Hardened {
     plastic: f32,
 }
 
+struct Flow {
+    volume_return: f32,
+    per_multiplier: f32,
+    alpha: f32,
+    per_alpha: f32,
+}
+
+fn product(a: Sym, b: Sym) -> f32 {
+    return dot(a.normal, b.normal) + 2.0 * dot(a.shear, b.shear);
+}
+
 fn sine(angle: f32) -> f32 {
     let q = angle * angle;
     let sum = ((((1.6059044e-10 * q - 2.5052108e-8) * q + 2.7557319e-6) * q - 1.9841270e-4) * q + 8.3333333e-3) * q - 1.6666667e-1;
     return angle + angle * (q * sum);
 }
 
+fn exponential(x: f32) -> Exponential {
+    let n = floor(0.5 - x * 1.4426950);
+    let r = (x + n * 0.693145752) + n * 1.42860677e-6;
+    let sum = (((((1.9841270e-4 * r + 1.3888889e-3) * r + 8.3333333e-3) * r + 4.1666667e-2) * r + 1.6666667e-1) * r + 0.5) * r + 1.0;
+    return Exponential(bitcast<f32>((127 - i32(n)) << 23u), r * sum);
+}
+
 fn decay_of(x: f32) -> f32 {
     if x > 80.0 {
         return 0.0;
     }
-    let halvings = i32(x * 1.4426950 + 0.5);
-    let n = f32(halvings);
-    let r = -((x - n * 0.693145752) - n * 1.42860677e-6);
-    let sum = (((((1.9841270e-4 * r + 1.3888889e-3) * r + 8.3333333e-3) * r + 4.1666667e-2) * r + 1.6666667e-1) * r + 0.5) * r + 1.0;
-    return (1.0 + r * sum) * bitcast<f32>((127 - halvings) << 23u);
+    let e = exponential(-x);
+    return (1.0 + e.rest) * e.power;
 }
 
 fn evolution_at(e: Evolution, x: f32) -> Value {
@@ -131,6 +152,21 @@ fn inside(id: u32, s: YieldParameters, i1: f32, j: f32) -> bool {
     return j + s.alpha * i1 <= s.kappa && i1 <= cut_of(id, s);
 }
 
+fn potential_slope(id: u32, alpha: f32) -> f32 {
+    return laws[id].dilation_factor * max(alpha - laws[id].critical, 0.0);
+}
+
+fn flow_at(id: u32, alpha: f32) -> Flow {
+    if MOBILISED {
+        if laws[id].dilation_factor > 0.0 {
+            let slope = potential_slope(id, alpha);
+            let per_alpha = select(0.0, laws[id].dilation_factor, alpha > laws[id].critical);
+            return Flow(9.0 * laws[id].bulk * slope, sqrt(0.33333333 + 2.0 * (slope * slope)), slope, per_alpha);
+        }
+    }
+    return Flow(laws[id].volume_return, laws[id].per_multiplier, 0.0, 0.0);
+}
+
 fn returned(id: u32, s: YieldParameters, i1: f32, j: f32) -> Returned {
     let cut = cut_of(id, s);
     let excess = j + s.alpha * i1 - s.kappa;
@@ -141,8 +177,9 @@ fn returned(id: u32, s: YieldParameters, i1: f32, j: f32) -> Returned {
     } else if j <= corner(s, cut) {
         return Returned(cut - i1, 0.0, false);
     }
-    let multiplier = excess / (laws[id].shear + laws[id].volume_return * s.alpha);
-    let di1 = -laws[id].volume_return * multiplier;
+    let volume_return = flow_at(id, s.alpha).volume_return;
+    let multiplier = excess / (laws[id].shear + volume_return * s.alpha);
+    let di1 = -volume_return * multiplier;
     if i1 + di1 > cut {
         return Returned(cut - i1, corner(s, cut) - j, false);
     }
@@ -162,8 +199,9 @@ fn largest_increment(id: u32, i1: f32, j: f32) -> f32 {
 }
 
 fn at_jump(id: u32, i1: f32, j: f32, increment: f32, s: YieldParameters) -> Returned {
-    let multiplier = increment / laws[id].per_multiplier;
-    let end = Returned(-laws[id].volume_return * multiplier, -laws[id].shear * multiplier, true);
+    let flow = flow_at(id, s.alpha);
+    let multiplier = increment / flow.per_multiplier;
+    let end = Returned(-flow.volume_return * multiplier, -laws[id].shear * multiplier, true);
     if j + end.dj >= 0.0 && inside(id, s, i1 + end.di1, j + end.dj) {
         return end;
     }
@@ -190,8 +228,16 @@ fn hardened(id: u32, i1: f32, j: f32, before: f32, first: Surface) -> Hardened {
         }
         var tangent = 1.0;
         if end.on_cone {
-            let stiffness = laws[id].shear + laws[id].volume_return * now.yield_parameters.alpha;
-            tangent = 1.0 - laws[id].per_multiplier * ((i1 + end.di1) * now.slope.alpha - now.slope.kappa) / stiffness;
+            let alpha = now.yield_parameters.alpha;
+            let flow = flow_at(id, alpha);
+            let stiffness = laws[id].shear + flow.volume_return * alpha;
+            tangent = 1.0 - flow.per_multiplier * ((i1 + end.di1) * now.slope.alpha - now.slope.kappa) / stiffness;
+            if MOBILISED {
+                let change = flow.per_alpha * now.slope.alpha;
+                let multiplier = increment / flow.per_multiplier;
+                let stiffer = 9.0 * laws[id].bulk * alpha * flow.per_multiplier / stiffness;
+                tangent += multiplier * change * (stiffer - 2.0 * flow.alpha / flow.per_multiplier);
+            }
         }
         let next = at - rest / tangent;
         if round < 10 && next > low && next < high {
@@ -208,6 +254,11 @@ fn hardened(id: u32, i1: f32, j: f32, before: f32, first: Surface) -> Hardened {
 }
 
 fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
+    if CAM_CLAY {
+        if laws[id].kind == 3u {
+            return cam_clay(id, before, strain, plastic);
+        }
+    }
     let two_g = 2.0 * laws[id].shear;
     let lame = laws[id].bulk - two_g * 0.33333333;
     let volume = lame * (strain.normal.x + strain.normal.y + strain.normal.z);
@@ -220,16 +271,19 @@ fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     let i1 = normal.x + normal.y + normal.z;
     let d = normal - normal.yzx;
     let j = sqrt((d.x * d.x + d.y * d.y + d.z * d.z) * 0.16666667 + (shear.x * shear.x + shear.y * shear.y + shear.z * shear.z));
-    let now = surface(id, plastic);
-    if inside(id, now.yield_parameters, i1, j) {
-        return Step(elastic, 0.0);
-    }
     // the deviator from differences of normal stresses, so that a large pressure does not spoil its digits
     let deviator = (d - d.zxy) * 0.33333333;
     if MOHR_COULOMB {
         if laws[id].kind == 2u {
-            return mohr_coulomb(id, elastic, Sym(deviator, shear), i1 * 0.33333333);
+            if inside(id, YieldParameters(laws[id].last_alpha, laws[id].last_kappa), i1, j) {
+                return Step(elastic, 0.0);
+            }
+            return mohr_coulomb(id, elastic, Sym(deviator, shear), i1 * 0.33333333, plastic);
         }
+    }
+    let now = surface(id, plastic);
+    if inside(id, now.yield_parameters, i1, j) {
+        return Step(elastic, 0.0);
     }
     var end = Hardened(Returned(0.0, 0.0, false), 0.0);
     if plastic >= laws[id].settled {

@@ -2,12 +2,13 @@
 //! `params.wgsl`, `loading_plates.wgsl` and `nodes.wgsl`; a test compares the offsets.
 
 use super::bounds::{BORDERS, GROUP, PLATES, WIDE};
-use crate::mpm::law::{Cone, Evolution, Law};
+use crate::mpm::law::dilatancy::Dilatancy;
+use crate::mpm::law::{CamClay, Cone, Dilation, Evolution, Law, Parameters};
 use crate::mpm::{GridWall, PlateDrive, Ramp, Settings, Transfer};
 use bytemuck::{Pod, Zeroable};
 
 /// In place of infinity, which shaders need not have.
-const HUGE: f64 = 1e30;
+pub const HUGE: f64 = 1e30;
 
 /// Largest number of points in a cell: the sort of more would exceed the number of iterations that software adapters allow in a loop.
 pub const CROWD: u32 = 256;
@@ -190,6 +191,36 @@ impl From<Evolution> for Evolution32 {
     }
 }
 
+/// Constants of Modified Cam-clay; names as in `mpm::law::cam_clay`. `shear_ratio` is 0 where the shear modulus stays.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Clay32 {
+    pub slope: f32,
+    pub swelling_slope: f32,
+    pub ratio: f32,
+    pub per_plastic: f32,
+    pub preconsolidation: f32,
+    pub virgin_volume: f32,
+    pub shear_ratio: f32,
+    pub unused: f32,
+}
+
+impl From<&CamClay> for Clay32 {
+    fn from(law: &CamClay) -> Clay32 {
+        let clay = law.clay();
+        Clay32 {
+            slope: law.critical_slope() as f32,
+            swelling_slope: clay.swelling_slope as f32,
+            ratio: law.ratio() as f32,
+            per_plastic: law.per_plastic() as f32,
+            preconsolidation: clay.preconsolidation as f32,
+            virgin_volume: clay.virgin_volume as f32,
+            shear_ratio: law.shear_ratio().unwrap_or(0.0) as f32,
+            unused: 0.0,
+        }
+    }
+}
+
 /// A law's parameters; names as in `mpm::law`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -208,10 +239,16 @@ pub struct Law32 {
     pub sin_dilation: f32,
     pub strength: f32,
     pub apex: f32,
-    pub unused_a: f32,
-    pub unused_b: f32,
+    pub critical: f32,
+    pub dilation_factor: f32,
     pub friction: Evolution32,
     pub cohesion: Evolution32,
+    pub clay: Clay32,
+}
+
+/// Of dilation that ends: slope of the cone at the critical state, and slope of the potential per slope above it; zeros where dilation stays.
+fn dilation(p: &Parameters, cone: Cone) -> [f32; 2] {
+    Dilatancy::of(p, cone).map_or([0.0; 2], |d| [d.critical, d.factor].map(|x| x as f32))
 }
 
 impl From<&Law> for Law32 {
@@ -220,16 +257,23 @@ impl From<&Law> for Law32 {
         let elastic = law.elastic();
         let moduli = Law32 { bulk: elastic.bulk as f32, shear: elastic.shear as f32, ..Law32::default() };
         let law = match law {
-            // shaders do not have Cam-clay
-            Law::Elastic(_) | Law::CamClay(_) => return moduli,
+            Law::Elastic(_) => return moduli,
+            Law::CamClay(law) => return Law32 { kind: 3, clay: law.into(), ..moduli },
             Law::DruckerPrager(law) => law,
             Law::MohrCoulomb(law) => {
-                let ([sin_friction, sin_dilation], inside) = (law.sines().map(|s| s as f32), law.inscribed());
+                let ([sin_friction, sin_dilation], (inside, cut)) = (law.sines().map(|s| s as f32), law.inscribed());
+                let p = law.parameters();
+                let [critical, dilation_factor] = dilation(p, Cone::Outer);
                 return Law32 {
                     kind: 2,
-                    cut: HUGE as f32,
+                    cut: cut.min(HUGE) as f32,
+                    settled: p.friction.settled().max(p.cohesion.settled()) as f32,
                     last_alpha: inside.alpha as f32,
                     last_kappa: inside.kappa as f32,
+                    critical,
+                    dilation_factor,
+                    friction: p.friction.into(),
+                    cohesion: p.cohesion.into(),
                     sin_friction,
                     sin_dilation,
                     strength: law.strength() as f32,
@@ -239,7 +283,10 @@ impl From<&Law> for Law32 {
             }
         };
         let p = law.parameters();
-        let alpha_psi = p.cone.at(p.dilation).alpha;
+        let [critical, dilation_factor] = dilation(p, p.cone);
+        // dilation that ends but never begins is none
+        let none = p.dilation_rule == Dilation::Mobilised && dilation_factor == 0.0;
+        let alpha_psi = if none { 0.0 } else { p.cone.at(p.dilation).alpha };
         let last = law.strength(f64::INFINITY);
         Law32 {
             kind: 1,
@@ -254,6 +301,8 @@ impl From<&Law> for Law32 {
             settled: p.friction.settled().max(p.cohesion.settled()) as f32,
             last_alpha: last.alpha as f32,
             last_kappa: last.kappa as f32,
+            critical,
+            dilation_factor,
             friction: p.friction.into(),
             cohesion: p.cohesion.into(),
             ..moduli

@@ -13,14 +13,16 @@
 //! ```
 //!
 //! It has three-dimensional grids with quadratic B-splines, the MUSL scheme, the blend of FLIP and PIC, walls, gravity, local damping, the laws `elastic`,
-//! `drucker_prager` and `mohr_coulomb`, up to six loading plates (planes and shells) that move at a speed or hold a stress, and grains with their contacts. What it lacks (plane strain, GIMP, the affine
-//! transfer, other laws) is refused with the key of the scene file.
+//! `drucker_prager`, `mohr_coulomb` and `cam_clay`, up to six loading plates (planes and shells) that move at a speed or hold a stress, and grains with their contacts. What it lacks (plane strain, GIMP, the affine
+//! transfer) is refused with the key of the scene file.
 //!
 //! The shaders are the files `*.wgsl`, which `shader.rs` puts together. Each of them names its twin: Rust code that computes the same, in f32 in this folder or in
 //! f64 in `mpm`, `coupling`, `contact` and `dem`, against which tests compare it.
 
 mod bounds;
 mod buffers;
+#[cfg(test)]
+mod cam_clay;
 mod continuum;
 mod device;
 mod exact;

@@ -51,9 +51,48 @@ fn principal(deviator: Sym) -> Turned {
     return a;
 }
 
-fn correction(id: u32, s: vec3<f32>, mean: f32, excess: f32) -> vec3<f32> {
-    let sine = laws[id].sin_friction;
-    let flow = laws[id].sin_dilation;
+// In place of infinity, as in layout.rs.
+const HUGE: f32 = 1e30;
+
+// Sines of the friction and the dilation angle; 2 c cos φ, Pa; mean stress at the apex, Pa.
+struct Pyramid {
+    sin_friction: f32,
+    sin_dilation: f32,
+    strength: f32,
+    apex: f32,
+}
+
+// Changes of the principal stresses in a return, Pa, and its plastic strain.
+struct PyramidReturn {
+    by: vec3<f32>,
+    plastic: f32,
+}
+
+fn pyramid_at(id: u32, plastic: f32) -> Pyramid {
+    if CHANGING_PYRAMIDS {
+        if plastic < laws[id].settled {
+            let sine_now = sine(evolution_at(laws[id].friction, plastic).value);
+            let strength = 2.0 * evolution_at(laws[id].cohesion, plastic).value * sqrt(max(1.0 - sine_now * sine_now, 0.0));
+            var flow = laws[id].sin_dilation;
+            if MOBILISED {
+                if laws[id].dilation_factor > 0.0 {
+                    let rise = 1.7320508 * potential_slope(id, 1.1547005 * sine_now / (3.0 - sine_now));
+                    flow = 3.0 * rise / (2.0 + rise);
+                }
+            }
+            var apex = HUGE;
+            if sine_now > 0.0 {
+                apex = min(strength / (2.0 * sine_now), HUGE);
+            }
+            return Pyramid(sine_now, flow, strength, apex);
+        }
+    }
+    return Pyramid(laws[id].sin_friction, laws[id].sin_dilation, laws[id].strength, laws[id].apex);
+}
+
+fn correction(id: u32, pyramid: Pyramid, s: vec3<f32>, mean: f32, excess: f32) -> vec3<f32> {
+    let sine = pyramid.sin_friction;
+    let flow = pyramid.sin_dilation;
     let g = laws[id].shear;
     let swell = 2.0 * laws[id].bulk * flow;
     let largest = -(2.0 * g * (1.0 + flow * 0.33333333) + swell);
@@ -71,8 +110,8 @@ fn correction(id: u32, s: vec3<f32>, mean: f32, excess: f32) -> vec3<f32> {
     let gap = select(upper, lower, extension);
     let across = 2.0 * g * (1.0 + sign * (sine + flow) - sine * flow * 0.33333333) + 2.0 * swell * sine;
     let sum = (2.0 * excess - gap * (1.0 - sign * sine)) / (own + across);
-    if mean - swell * sum > laws[id].apex {
-        return vec3<f32>(laws[id].apex - mean) - s;
+    if mean - swell * sum > pyramid.apex {
+        return vec3<f32>(pyramid.apex - mean) - s;
     }
     if extension {
         let both = (other + smallest) * sum;
@@ -82,21 +121,82 @@ fn correction(id: u32, s: vec3<f32>, mean: f32, excess: f32) -> vec3<f32> {
     return vec3<f32>(0.5 * (both - gap), 0.5 * (both + gap), smallest * sum);
 }
 
-fn mohr_coulomb(id: u32, elastic: Sym, deviator: Sym, mean: f32) -> Step {
-    let a = principal(deviator);
-    let s = a.on;
-    let excess = (s.x - s.z) + ((s.x + s.z) + 2.0 * mean) * laws[id].sin_friction - laws[id].strength;
+fn return_to(id: u32, pyramid: Pyramid, s: vec3<f32>, mean: f32) -> PyramidReturn {
+    let excess = (s.x - s.z) + ((s.x + s.z) + 2.0 * mean) * pyramid.sin_friction - pyramid.strength;
     if excess <= 0.0 {
-        return Step(elastic, 0.0);
+        return PyramidReturn(vec3<f32>(0.0), 0.0);
     }
-    let by = correction(id, s, mean, excess);
+    let by = correction(id, pyramid, s, mean, excess);
     let middle = (by.x + by.y + by.z) * 0.33333333;
     let plastic = (by - middle) / (2.0 * laws[id].shear) + vec3<f32>(middle / (3.0 * laws[id].bulk));
+    return PyramidReturn(by, sqrt(0.66666667 * (plastic.x * plastic.x + plastic.y * plastic.y + plastic.z * plastic.z)));
+}
+
+fn hardened_pyramid(id: u32, s: vec3<f32>, mean: f32, before: f32, first: f32) -> PyramidReturn {
+    let noise = 2e-7 * ((s.x - s.z) + abs(mean)) / laws[id].shear;
+    var low = 0.0;
+    var low_rest = -first;
+    var high = first;
+    var found = return_to(id, pyramid_at(id, before + high), s, mean);
+    for (var round = 0; round < 40; round++) {
+        if high >= found.plastic {
+            break;
+        }
+        low = high;
+        low_rest = high - found.plastic;
+        high *= 2.0;
+        found = return_to(id, pyramid_at(id, before + high), s, mean);
+    }
+    var high_rest = high - found.plastic;
+    if high_rest <= 1e-6 * found.plastic + noise {
+        return found;
+    }
+    var stayed = 0;
+    for (var round = 1; round <= 60; round++) {
+        let share = select(low_rest / (low_rest - high_rest), 0.5, round % 8 == 0);
+        let middle = low + share * (high - low);
+        if middle <= low || middle >= high {
+            break;
+        }
+        let there = return_to(id, pyramid_at(id, before + middle), s, mean);
+        let rest = middle - there.plastic;
+        if abs(rest) <= 1e-6 * there.plastic + noise {
+            return there;
+        }
+        if rest < 0.0 {
+            low = middle;
+            low_rest = rest;
+            if stayed == 1 {
+                high_rest *= 0.5;
+            }
+            stayed = 1;
+        } else {
+            high = middle;
+            high_rest = rest;
+            found = there;
+            if stayed == -1 {
+                low_rest *= 0.5;
+            }
+            stayed = -1;
+        }
+    }
+    return PyramidReturn(found.by, high);
+}
+
+fn mohr_coulomb(id: u32, elastic: Sym, deviator: Sym, mean: f32, plastic: f32) -> Step {
+    let a = principal(deviator);
+    var end = return_to(id, pyramid_at(id, plastic), a.on, mean);
+    if CHANGING_PYRAMIDS {
+        if plastic < laws[id].settled && end.plastic > 0.0 {
+            end = hardened_pyramid(id, a.on, mean, plastic, end.plastic);
+        }
+    }
+    let by = end.by;
     return Step(
         Sym(
             elastic.normal + (by.x * (a.u * a.u) + by.y * (a.v * a.v) + by.z * (a.w * a.w)),
             elastic.shear + (by.x * (a.u * a.u.yzx) + by.y * (a.v * a.v.yzx) + by.z * (a.w * a.w.yzx)),
         ),
-        sqrt(0.66666667 * (plastic.x * plastic.x + plastic.y * plastic.y + plastic.z * plastic.z)),
+        end.plastic,
     );
 }

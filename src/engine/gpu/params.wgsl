@@ -67,8 +67,22 @@ struct Evolution {
     decay: f32,
 }
 
-// A constitutive law: kind 0 linear elasticity, 1 Drucker-Prager, 2 Mohr-Coulomb. The other fields are those of DruckerPrager in mpm/law/drucker_prager.rs, with bulk and shear modulus,
-// Pa; from the plastic strain `settled` on the yield surface is `last_alpha`, `last_kappa`. For Mohr-Coulomb that is the cone inside its pyramid, in which nothing yields.
+// Constants of Modified Cam-clay, names as in mpm/law/cam_clay.rs: M, -; κ, -; (λ − κ)/κ, -; ln(p_c/p_c0) per plastic compression, -; p_c0, Pa; v_c0, -; G/K, - (0 where G
+// stays).
+struct Clay {
+    slope: f32,
+    swelling_slope: f32,
+    ratio: f32,
+    per_plastic: f32,
+    preconsolidation: f32,
+    virgin_volume: f32,
+    shear_ratio: f32,
+    unused: f32,
+}
+
+// A constitutive law: kind 0 linear elasticity, 1 Drucker-Prager, 2 Mohr-Coulomb, 3 Modified Cam-clay. The other fields are those of DruckerPrager in mpm/law/drucker_prager.rs, with bulk and shear modulus,
+// Pa; from the plastic strain `settled` on the yield surface is `last_alpha`, `last_kappa`. For Mohr-Coulomb that is a cone
+// inside its pyramid at every plastic strain, in which nothing yields up to I1 = `cut`.
 struct Law {
     kind: u32,
     // 0 outer, 1 inner, 2 plane strain (mpm/law/cone.rs)
@@ -81,15 +95,18 @@ struct Law {
     settled: f32,
     last_alpha: f32,
     last_kappa: f32,
-    // of Mohr-Coulomb: sines of the friction and the dilation angle; 2 c cos φ, Pa; mean stress at the apex, Pa
+    // of Mohr-Coulomb, from the plastic strain `settled` on: sines of the friction and the dilation angle; 2 c cos φ, Pa; mean stress at the apex, Pa
     sin_friction: f32,
     sin_dilation: f32,
     strength: f32,
     apex: f32,
-    unused_a: f32,
-    unused_b: f32,
+    // of dilation that ends with softening (mpm/law/dilatancy.rs): slope of the cone at the critical state; slope of the potential per slope of the cone above it, 0 where
+    // dilation stays
+    critical: f32,
+    dilation_factor: f32,
     friction: Evolution,
     cohesion: Evolution,
+    clay: Clay,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;

@@ -2,10 +2,10 @@
 
 use super::buffers::{Buffers, Groups};
 use super::device::Device;
+use super::layout::Law32;
 use super::shader::Uses;
 use super::{grains, shader};
 use crate::mpm::LoadingPlate;
-use crate::mpm::law::Law;
 
 /// Entry points for points and nodes; they share one layout of bindings.
 const NAMES: [&str; 18] = [
@@ -67,9 +67,12 @@ struct BindGroups {
 
 impl Passes {
     /// Compiles the pipelines for these laws and loading plates, with or without those for grains. `faces`: contacts of grains act on the faces of points.
-    pub fn new(device: &Device, [with_grains, faces]: [bool; 2], laws: &[Law], plates: &[LoadingPlate]) -> Passes {
+    pub fn new(device: &Device, [with_grains, faces]: [bool; 2], laws: &[Law32], plates: &[LoadingPlate]) -> Passes {
         let uses = Uses {
-            mohr_coulomb: laws.iter().any(|law| matches!(law, Law::MohrCoulomb(_))),
+            mobilised: laws.iter().any(|law| law.dilation_factor > 0.0),
+            mohr_coulomb: laws.iter().any(|law| law.kind == 2),
+            changing_pyramids: laws.iter().any(|law| law.kind == 2 && law.settled > 0.0),
+            cam_clay: laws.iter().any(|law| law.kind == 3),
             shells: plates.iter().any(|plate| plate.radius.is_some()),
             faces,
         };

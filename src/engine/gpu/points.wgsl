@@ -100,10 +100,6 @@ fn spin_rate(a: Sym, w: vec3<f32>) -> Sym {
     );
 }
 
-fn product(a: Sym, b: Sym) -> f32 {
-    return dot(a.normal, b.normal) + 2.0 * dot(a.shear, b.shear);
-}
-
 // Strain and spin increments, volume, stress.
 @compute @workgroup_size(GROUP)
 fn strain(one: Thread) {
@@ -214,7 +210,13 @@ fn survey(one: Thread) {
         return;
     }
     let law = word(VELOCITY_LOW, i).w;
-    let modulus = laws[law].bulk + 1.3333334 * laws[law].shear;
+    var modulus = laws[law].bulk + 1.3333334 * laws[law].shear;
+    if CAM_CLAY {
+        if laws[law].kind == 3u {
+            let moduli = clay_moduli_at(law, number(NORMAL, i).xyz, number(SHEAR, i).w);
+            modulus = moduli.bulk + 1.3333334 * moduli.shear;
+        }
+    }
     let v = number(VELOCITY, i);
     let volume = number(REST, i).w * (1.0 + number(NORMAL, i).w);
     atomicMax(&status.fastest, bitcast<u32>(sqrt(modulus * volume / v.w) + length(v.xyz)));

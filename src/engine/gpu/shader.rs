@@ -5,8 +5,14 @@ use super::bounds::bounds_wgsl;
 /// Parts of the shaders for which runs without them shall not pay: software adapters go through both branches of a condition.
 #[derive(Clone, Copy)]
 pub struct Uses {
+    /// Dilation that ends with softening.
+    pub mobilised: bool,
     /// Mohr and Coulomb's law.
     pub mohr_coulomb: bool,
+    /// Pyramids of Mohr and Coulomb that harden or soften.
+    pub changing_pyramids: bool,
+    /// Modified Cam-clay.
+    pub cam_clay: bool,
     /// Loading plates that are shells.
     pub shells: bool,
     /// Contacts of grains that act on the faces of points.
@@ -16,10 +22,17 @@ pub struct Uses {
 impl Uses {
     /// A source with these parts.
     pub fn of(self, source: &str) -> String {
-        let Uses { mohr_coulomb, shells, faces } = self;
-        format!(
-            "const MOHR_COULOMB: bool = {mohr_coulomb};\nconst SHELLS: bool = {shells};\nconst FACES: bool = {faces};\n{source}"
-        )
+        let Uses { mobilised, mohr_coulomb, changing_pyramids, cam_clay, shells, faces } = self;
+        let switches = [
+            ("MOBILISED", mobilised),
+            ("MOHR_COULOMB", mohr_coulomb),
+            ("CHANGING_PYRAMIDS", changing_pyramids),
+            ("CAM_CLAY", cam_clay),
+            ("SHELLS", shells),
+            ("FACES", faces),
+        ];
+        let switches: String = switches.iter().map(|(name, is)| format!("const {name}: bool = {is};\n")).collect();
+        switches + source
     }
 }
 
@@ -29,6 +42,7 @@ pub const STEP: &str = concat!(
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
     include_str!("mohr_coulomb.wgsl"),
+    include_str!("cam_clay.wgsl"),
     include_str!("law.wgsl"),
     include_str!("grains/without_grains.wgsl"),
     include_str!("nodes.wgsl"),
@@ -44,6 +58,7 @@ pub const MIXTURE: &str = concat!(
     include_str!("params.wgsl"),
     include_str!("exact.wgsl"),
     include_str!("mohr_coulomb.wgsl"),
+    include_str!("cam_clay.wgsl"),
     include_str!("law.wgsl"),
     include_str!("grains/contact.wgsl"),
     include_str!("nodes.wgsl"),
@@ -60,7 +75,7 @@ pub const MIXTURE: &str = concat!(
 pub mod tests {
     use super::*;
     use crate::gpu::grains::{Coupling, Mix, Side};
-    use crate::gpu::layout::{BatchState, Evolution32, Law32, LoadingPlate32, Params, PlateDrive32, Status};
+    use crate::gpu::layout::{BatchState, Clay32, Evolution32, Law32, LoadingPlate32, Params, PlateDrive32, Status};
     use std::mem::{offset_of, size_of};
     use wgpu::naga;
 
@@ -70,24 +85,32 @@ pub mod tests {
         include_str!("params.wgsl"),
         include_str!("exact.wgsl"),
         include_str!("mohr_coulomb.wgsl"),
+        include_str!("cam_clay.wgsl"),
         include_str!("law.wgsl"),
         include_str!("law_test.wgsl")
     );
 
-    /// All parts.
-    pub const ALL: Uses = Uses { mohr_coulomb: true, shells: true, faces: true };
+    /// All parts, and none.
+    pub const ALL: Uses =
+        Uses { mobilised: true, mohr_coulomb: true, changing_pyramids: true, cam_clay: true, shells: true, faces: true };
+    const NONE: Uses =
+        Uses { mobilised: false, mohr_coulomb: false, changing_pyramids: false, cam_clay: false, shells: false, faces: false };
 
     /// The module of a source with all parts.
     pub fn parsed(source: &str) -> naga::Module {
-        let source = ALL.of(source);
+        module(source, ALL)
+    }
+
+    fn module(source: &str, uses: Uses) -> naga::Module {
+        let source = uses.of(source);
         naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)))
     }
 
     /// Every source is valid WGSL.
     #[test]
     fn shaders_are_valid() {
-        for source in [STEP, MIXTURE, LAW_TEST] {
-            let module = parsed(source);
+        for (source, uses) in [STEP, MIXTURE, LAW_TEST].into_iter().flat_map(|source| [(source, ALL), (source, NONE)]) {
+            let module = module(source, uses);
             let mut validator =
                 naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
             validator.validate(&module).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)));
@@ -191,11 +214,13 @@ pub mod tests {
             sin_dilation,
             strength,
             apex,
-            unused_a,
-            unused_b,
+            critical,
+            dilation_factor,
             friction,
-            cohesion
+            cohesion,
+            clay
         );
+        same!(Clay32, "Clay", slope, swelling_slope, ratio, per_plastic, preconsolidation, virgin_volume, shear_ratio, unused);
         same!(Status, "Status", fault, crossed, steps, stop, fastest, reaction);
         let module = parsed(MIXTURE);
         macro_rules! same {

@@ -167,6 +167,26 @@ impl CamClay {
         self.slope
     }
 
+    /// Compression lines and elasticity.
+    pub fn clay(&self) -> &Clay {
+        &self.clay
+    }
+
+    /// (λ − κ)/κ, -.
+    pub fn ratio(&self) -> f64 {
+        self.ratio
+    }
+
+    /// Growth of ln(p_c) per plastic compression, -.
+    pub fn per_plastic(&self) -> f64 {
+        self.per_plastic
+    }
+
+    /// G/K, -; `None` where G is constant.
+    pub fn shear_ratio(&self) -> Option<f64> {
+        (!self.shear_ratio.is_nan()).then_some(self.shear_ratio)
+    }
+
     /// Preconsolidation pressure, Pa, at the internal variable `plastic`.
     pub fn preconsolidation(&self, plastic: f64) -> f64 {
         self.clay.preconsolidation * exp((plastic * self.per_plastic).clamp(-MOST, MOST))

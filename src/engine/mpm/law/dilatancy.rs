@@ -21,9 +21,9 @@ use super::{Cone, Dilation, Evolution, Parameters};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dilatancy {
     /// Slope of the cone at the critical state, -.
-    critical: f64,
+    pub(crate) critical: f64,
     /// alpha_psi,peak / (alpha_peak - alpha_cs), -.
-    factor: f64,
+    pub(crate) factor: f64,
 }
 
 impl Dilatancy {

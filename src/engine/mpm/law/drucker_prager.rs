@@ -75,10 +75,6 @@ impl ConstitutiveLaw for DruckerPrager {
         self.elastic
     }
 
-    fn not_on_gpu(&self) -> Option<&'static str> {
-        self.dilatancy.map(|_| "use dilation = \"constant\"")
-    }
-
     fn cone(&self) -> Option<Cone> {
         Some(self.parameters.cone)
     }

@@ -103,11 +103,6 @@ pub trait ConstitutiveLaw: Sized {
         self.elastic().energy(stress)
     }
 
-    /// What to do on a graphics device instead, for parameters with which shaders do not have the law; `None` where they have it, or where they have it with none.
-    fn not_on_gpu(&self) -> Option<&'static str> {
-        None
-    }
-
     /// Where the cone of failure touches the Mohr-Coulomb pyramid; `None` for laws without a cone.
     fn cone(&self) -> Option<Cone> {
         None
