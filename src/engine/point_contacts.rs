@@ -247,6 +247,26 @@ pub fn by_id(index: &mut Vec<u32>, ids: &[u32], next: u32) {
 mod tests {
     use super::*;
 
+    /// The friction of a continuum on grains replaces that of its grains; nothing else changes.
+    #[test]
+    fn a_continuum_has_a_friction_of_its_own_on_grains() {
+        let of = |friction, interface_friction| Material {
+            name: "any".into(),
+            density: 2650.0,
+            internal_porosity: 0.0,
+            young: 1e9,
+            poisson: 0.2,
+            friction,
+            contact: [0.0; 4],
+            rolling_friction: 0.0,
+            interface_friction,
+        };
+        let table = |own| PointContactTable::new(ContactLaw::Hertz, &[1], &[of(0.5, None), of(0.35, own)], &[]);
+        let (grains, continuum) = (table(None), table(Some(0.1)));
+        assert_eq!([grains.of_grain(0, 0).friction, continuum.of_grain(0, 0).friction], [0.35, 0.1]);
+        assert_eq!(grains.of_grain(0, 0).normal_stiffness, continuum.of_grain(0, 0).normal_stiffness);
+    }
+
     #[test]
     fn a_list_is_used_no_longer_than_it_is_good() {
         let (mut age, cell, mut gone, mut skin, mut searches) = (Age::default(), 0.1, 0.0, 0.0, 0);
