@@ -21,12 +21,12 @@ use std::path::{Path, PathBuf};
 /// Files that cannot be read or written.
 pub fn write(plan: &Plan, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(dir).map_err(Error::write(dir))?;
-    let mut files = plan.compare.comparison().tables(plan, done, dir)?;
+    let (mut files, compared) = plan.compare.comparison().compare(plan, done, dir)?;
     let mut drawn = Vec::new();
     for figure in &plan.figures {
         drawn.push(figures::draw(figure, done, &dir.join(&figure.name))?);
     }
-    files.push(report::write(plan, done, &drawn, dir)?);
+    files.push(report::write(plan, &compared, &drawn, dir)?);
     files.extend(drawn.into_iter().flatten());
     Ok(files)
 }

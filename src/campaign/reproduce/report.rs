@@ -1,18 +1,17 @@
 //! The report: tables and figures; beside each figure, what the paper says and what the runs show.
 
 use super::plan::Plan;
-use super::results::Done;
 use laboratory::error::{Error, Result};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Writes `README.md`, the file that hosts of repositories show for a folder, and returns its path.
+/// Writes `README.md`, the file that hosts of repositories show for a folder, and returns its path. `compared`: the part that the comparison of the runs gives.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(plan: &Plan, done: &[Done], drawn: &[Vec<PathBuf>], dir: &Path) -> Result<PathBuf> {
+pub fn write(plan: &Plan, compared: &str, drawn: &[Vec<PathBuf>], dir: &Path) -> Result<PathBuf> {
     let mut text = format!("# {}\n\n{}\n\n", plan.title, plan.source);
-    text += &plan.compare.comparison().report(plan, done)?;
+    text += compared;
     for note in &plan.notes {
         let _ = writeln!(text, "- {note}");
     }

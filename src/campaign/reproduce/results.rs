@@ -79,20 +79,32 @@ fn done(plan: &Plan, run: &Run, out: &Path) -> Result<Done> {
 
 /// Points (stress, events) of first loading from a history; none if the history lacks a column.
 fn counts(path: &Path) -> Result<Vec<(f64, f64)>> {
+    let mut out: Vec<(f64, f64)> = Vec::new();
+    for [sigma, n] in loading(path, ["sigma_v_kPa", "crush_events"])? {
+        if out.last().is_none_or(|last| sigma > last.0) {
+            out.push((sigma, n));
+        }
+    }
+    Ok(out)
+}
+
+/// The numbers in the columns `names` of a history, in its rows of loading in which all of them are numbers; none if the history lacks a column.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn loading<const N: usize>(path: &Path, names: [&str; N]) -> Result<Vec<[f64; N]>> {
     let wrong = |e: csv::Error| Error::Read { path: path.into(), source: e.into() };
     let mut reader = csv::Reader::from_path(path).map_err(wrong)?;
     let headers = reader.headers().map_err(wrong)?.clone();
     let at = |name: &str| headers.iter().position(|h| h == name);
-    let (Some(stage), Some(stress), Some(events)) = (at("stage"), at("sigma_v_kPa"), at("crush_events")) else {
-        return Ok(Vec::new());
-    };
-    let mut out: Vec<(f64, f64)> = Vec::new();
+    let places: Vec<usize> = names.into_iter().filter_map(at).collect();
+    let (Some(stage), Ok(places)) = (at("stage"), <[usize; N]>::try_from(places)) else { return Ok(Vec::new()) };
+    let mut out = Vec::new();
     for row in reader.records() {
         let row = row.map_err(wrong)?;
-        let number = |i: usize| row.get(i).and_then(|cell| cell.parse::<f64>().ok());
-        let (Some(sigma), Some(n)) = (number(stress), number(events)) else { continue };
-        if row.get(stage) == Some("load") && out.last().is_none_or(|last| sigma > last.0) {
-            out.push((sigma, n));
+        let numbers = places.map(|k| row.get(k).and_then(|cell| cell.parse::<f64>().ok()));
+        if row.get(stage) == Some("load") && numbers.iter().all(Option::is_some) {
+            out.push(numbers.map(Option::unwrap_or_default));
         }
     }
     Ok(out)

@@ -13,14 +13,10 @@ use std::path::{Path, PathBuf};
 pub struct Crushing;
 
 impl Comparison for Crushing {
-    fn tables(&self, _: &Plan, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> {
+    fn compare(&self, plan: &Plan, done: &[Done], dir: &Path) -> Result<(Vec<PathBuf>, String)> {
         let rows = counts::rows(done);
-        Ok(vec![counts::write(&rows, &dir.join("comparison.csv"))?, runs::write(done, &RUNS, &dir.join("runs.csv"))?])
-    }
-
-    fn report(&self, plan: &Plan, done: &[Done]) -> Result<String> {
-        let rows = counts::rows(done);
-        Ok(table(&rows) + &reached(&rows) + &times(plan, done))
+        let tables = vec![counts::write(&rows, &dir.join("comparison.csv"))?, runs::write(done, &RUNS, &dir.join("runs.csv"))?];
+        Ok((tables, table(&rows) + &reached(&rows) + &times(plan, done)))
     }
 }
 

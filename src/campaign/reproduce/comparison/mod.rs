@@ -15,17 +15,12 @@ use std::path::{Path, PathBuf};
 
 /// A way to compare runs with what was published of them.
 pub trait Comparison {
-    /// Writes the tables of all runs, `comparison.csv` first, into `dir`.
+    /// Writes the tables of all runs, `comparison.csv` first, into `dir`, and gives them with the part of the report between the source of the paper and the
+    /// remarks.
     ///
     /// # Errors
     /// Records that cannot be read and files that cannot be written.
-    fn tables(&self, plan: &Plan, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>>;
-
-    /// The part of the report between the source of the paper and the remarks.
-    ///
-    /// # Errors
-    /// Records that cannot be read.
-    fn report(&self, plan: &Plan, done: &[Done]) -> Result<String>;
+    fn compare(&self, plan: &Plan, done: &[Done], dir: &Path) -> Result<(Vec<PathBuf>, String)>;
 }
 
 /// The ways there are.

@@ -3,7 +3,7 @@
 use super::{Comparison, runs};
 use crate::reproduce::plan::{Measure, Order, Plan, Statement};
 use crate::reproduce::report::cell;
-use crate::reproduce::results::{Done, Seed, Spread};
+use crate::reproduce::results::{Done, Seed, Spread, loading};
 use laboratory::error::{Error, Result};
 use plot::significant;
 use std::fmt::Write;
@@ -33,14 +33,10 @@ const RUNS: [(&str, &str); 12] = [
 pub struct Triaxial;
 
 impl Comparison for Triaxial {
-    fn tables(&self, _: &Plan, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> {
+    fn compare(&self, plan: &Plan, done: &[Done], dir: &Path) -> Result<(Vec<PathBuf>, String)> {
         let tests = all(done)?;
-        Ok(vec![write(&tests, &dir.join("comparison.csv"))?, runs::write(done, &RUNS, &dir.join("runs.csv"))?])
-    }
-
-    fn report(&self, plan: &Plan, done: &[Done]) -> Result<String> {
-        let tests = all(done)?;
-        Ok(overview(&tests) + &statements(&plan.statements, &tests))
+        let tables = vec![write(&tests, &dir.join("comparison.csv"))?, runs::write(done, &RUNS, &dir.join("runs.csv"))?];
+        Ok((tables, overview(&tests) + &statements(&plan.statements, &tests)))
     }
 }
 
@@ -110,22 +106,8 @@ fn all(done: &[Done]) -> Result<Vec<Test<'_>>> {
 
 /// What a run shows; `None` if it is no triaxial test.
 fn shown(seed: &Seed) -> Result<Option<Shown>> {
-    let path = seed.folder.join("history.csv");
-    let wrong = |e: csv::Error| Error::Read { path: path.clone(), source: e.into() };
-    let mut reader = csv::Reader::from_path(&path).map_err(wrong)?;
-    let headers = reader.headers().map_err(wrong)?.clone();
-    let at = |name: &str| headers.iter().position(|h| h == name);
-    let places = ["axial_strain", "volumetric_strain", "principal_ratio"].map(at);
-    let (Some(stage), [Some(axial), Some(volume), Some(ratio)]) = (at("stage"), places) else { return Ok(None) };
-    let mut rows = Vec::new();
-    for row in reader.records() {
-        let row = row.map_err(wrong)?;
-        let number = |k: usize| row.get(k).and_then(|cell| cell.parse::<f64>().ok());
-        if let (Some("load"), Some(a), Some(v), Some(r)) = (row.get(stage), number(axial), number(volume), number(ratio)) {
-            rows.push([a, v, r]);
-        }
-    }
-    Ok(Shown::of(&rows))
+    let columns = ["axial_strain", "volumetric_strain", "principal_ratio"];
+    Ok(Shown::of(&loading(&seed.folder.join("history.csv"), columns)?))
 }
 
 /// Writes a line for every entry of the plan.
