@@ -14,16 +14,22 @@ run() { # NAME SCENE ARGS…
 }
 
 for seed in 1 2 3; do
-    run "fines_$seed" twin_grains --set coarse.mass_fraction=0 --seed "$seed"
+    # further than the mixtures: between coarse grains fines are sheared more than the specimen
+    run "fines_$seed" twin_grains --set coarse.mass_fraction=0 --seed "$seed" --set test.axial_strain=0.25 --set records.rows=500
+done
+contacts=(--set records.contacts=true --set records.frames=12 --set records.snapshots=true)
+for seed in 1 2 3 4 5; do
+    run "grains_$seed" twin_grains --seed "$seed" "${contacts[@]}"
+done
+for seed in 1 2 3; do
+    run "grains40_$seed" twin_grains --set coarse.mass_fraction=0.4 --seed "$seed" "${contacts[@]}"
 done
 # materials/twin_fines.toml is this law
-"$bin" calibrate fines "$runs"/fines_{1,2,3} --base li2023_fines.toml --out "$runs/law" --force
+"$bin" calibrate fines "$runs"/fines_{1,2,3} --interface "$runs"/grains_{1,2,3,4,5} "$runs"/grains40_{1,2,3} --dilation mobilised --base li2023_fines.toml --out "$runs/law" --force
 for seed in 1 2 3 4 5; do
-    run "grains_$seed" twin_grains --seed "$seed"
     run "points_$seed" twin_points --seed "$seed"
 done
 for seed in 1 2 3; do
-    run "grains40_$seed" twin_grains --set coarse.mass_fraction=0.4 --seed "$seed"
     run "points_fines_$seed" twin_points --set coarse.mass_fraction=0 --seed "$seed"
     run "points40_$seed" twin_points --set coarse.mass_fraction=0.4 --seed "$seed"
 done

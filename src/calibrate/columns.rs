@@ -11,6 +11,8 @@ pub struct Columns {
     pub headers: Vec<String>,
     /// Number of the line in the file, and cells, of each row.
     pub rows: Vec<(u64, Vec<String>)>,
+    /// Numbers of the comments `# name = number` before the header.
+    notes: Vec<(String, f64)>,
 }
 
 impl Columns {
@@ -48,7 +50,16 @@ impl Columns {
         if rows.is_empty() {
             return Err(wrong(String::new(), "holds no rows".into()));
         }
-        Ok(Columns { path: path.to_path_buf(), headers, rows })
+        let note = |line: &str| {
+            line.strip_prefix('#')?.split_once('=').and_then(|(name, n)| Some((name.trim().into(), n.trim().parse().ok()?)))
+        };
+        let notes = text.lines().take_while(|line| line.starts_with('#')).filter_map(note).collect();
+        Ok(Columns { path: path.to_path_buf(), headers, rows, notes })
+    }
+
+    /// The number of a comment `# name = number` before the header.
+    pub fn note(&self, name: &str) -> Option<f64> {
+        self.notes.iter().find(|(n, _)| n == name).map(|n| n.1)
     }
 
     pub fn has(&self, name: &str) -> bool {

@@ -21,6 +21,7 @@
 //!   from the tests' is reported.
 
 use super::columns::Columns;
+use super::interface::Interface;
 use engine::mpm::law::dilatancy::Dilatancy;
 use engine::mpm::law::{Cone, Dilation, Elastic, Evolution as Strength, Parameters};
 use laboratory::error::{Error, Result};
@@ -36,8 +37,8 @@ pub const REPORT: &str = "calibration.json";
 
 /// Share of q at the peak below which a test is taken as elastic.
 const ELASTIC: f64 = 1.0 / 3.0;
-/// Number of equal steps of axial strain over which plastic strain is accumulated.
-const STEPS: usize = 60;
+/// Largest axial strain of the equal steps over which plastic strain is accumulated.
+const STEP: f64 = 0.002;
 /// Share of the axial strain, at the end of a test, over which the residual angle is averaged.
 const RESIDUAL: f64 = 0.1;
 /// Remaining share of the softening down to which points are used for the fit of the decay.
@@ -161,10 +162,11 @@ impl Test {
     fn plastic(&self, [young, nu]: [f64; 2]) -> Vec<[f64; 4]> {
         let angles: Vec<f64> = (0..self.axial.len()).map(|i| self.angle(i)).collect();
         let end = self.axial[self.axial.len() - 1];
+        let steps = (end / STEP).round().max(1.0) as usize;
         let q0 = self.sigma_1[0] - self.sigma_3[0];
         let mut rows: Vec<[f64; 4]> = vec![[0.0, 0.0, 0.0, angles[0]]];
-        for k in 1..=STEPS {
-            let strain = end * k as f64 / STEPS as f64;
+        for k in 1..=steps {
+            let strain = end * k as f64 / steps as f64;
             let q = self.at(&self.sigma_1, strain) - self.at(&self.sigma_3, strain) - q0;
             let axial = strain - q / young;
             let volumetric = self.at(&self.volumetric, strain) - (1.0 - 2.0 * nu) * q / young;
@@ -327,8 +329,9 @@ pub fn calibrate(folders: &[PathBuf]) -> Result<Fines> {
 
 impl Fines {
     /// Text of a material file with the tables of the law. `base`: path of the grains' material, as
-    /// written into the file; `dilation`: whether dilation stays or ends with softening.
-    pub fn material(&self, base: Option<&str>, dilation: Dilation) -> String {
+    /// written into the file; `dilation`: whether dilation stays or ends with softening;
+    /// `interface`: friction along coarse grains, where it was measured.
+    pub fn material(&self, base: Option<&str>, dilation: Dilation, interface: Option<&Interface>) -> String {
         let mut text = String::from("# The continuum of fine grains, calibrated from drained triaxial tests of grains alone.\n");
         if let Some(base) = base {
             let _ = writeln!(text, "base = {}", toml::Value::String(base.into()));
@@ -341,11 +344,13 @@ impl Fines {
             Dilation::Constant => (self.dilation_deg, ""),
             Dilation::Mobilised => (self.mobilised_dilation_deg, "dilation = \"mobilised\"\n"),
         };
+        let friction = interface.map_or(String::new(), |i| format!("interface_friction = {}\n", digits(i.friction)));
+        let with = if interface.is_some() { ", interface_friction from contacts in a mixture of grains" } else { "" };
         let [young, nu, residual, psi] = [self.young_mpa, self.nu, self.residual_deg, psi].map(digits);
         let _ = write!(
             text,
-            "\n[continuum]\nlaw = \"drucker_prager\"\nE_MPa = {young}\nnu = {nu}\ncone = \"outer\"\nfriction_angle_deg = {first}\ndilation_angle_deg = {psi}\n{rule}cohesion_kPa = 0.0\n\
-             source = \"calibrated from triaxial tests of the grains\"\n\n[continuum.friction_evolution]\nlaw = \"cubic_exponential\"\ncubic_rad = [{cubic}]\n\
+            "\n[continuum]\nlaw = \"drucker_prager\"\nE_MPa = {young}\nnu = {nu}\ncone = \"outer\"\nfriction_angle_deg = {first}\ndilation_angle_deg = {psi}\n{rule}cohesion_kPa = 0.0\n{friction}\
+             source = \"calibrated from triaxial tests of the grains{with}\"\n\n[continuum.friction_evolution]\nlaw = \"cubic_exponential\"\ncubic_rad = [{cubic}]\n\
              peak_plastic_strain = {}\npeak_deg = {}\nresidual_deg = {residual}\ndecay = {}\nsource = \"calibrated from triaxial tests of the grains; form of Li et al. 2023, eq. 43\"\n",
             digits(self.peak_plastic_strain),
             digits(self.peak_deg),
@@ -359,15 +364,15 @@ impl Fines {
     ///
     /// # Errors
     /// A folder that cannot be written.
-    pub fn write(&self, out: &Path, base: Option<&str>, dilation: Dilation) -> Result<Vec<PathBuf>> {
+    pub fn write(&self, out: &Path, base: Option<&str>, dilation: Dilation, interface: Option<&Interface>) -> Result<Vec<PathBuf>> {
         let mut angles = String::from("test,plastic_strain,friction_angle_deg\n");
         for (k, rows) in self.angles.iter().enumerate() {
             for (e, angle) in rows {
                 let _ = writeln!(angles, "{k},{},{}", number(*e), number(*angle));
             }
         }
-        let json = serde_json::to_string_pretty(self).unwrap_or_default() + "\n";
-        let files = [(FILE, self.material(base, dilation)), (REPORT, json), ("friction_angle.csv", angles)];
+        let json = crate::json_text(self);
+        let files = [(FILE, self.material(base, dilation, interface)), (REPORT, json), ("friction_angle.csv", angles)];
         let write = |(name, text): (&str, String)| {
             let path = out.join(name);
             std::fs::write(&path, text).map_err(Error::write(&path)).map(|()| path)
@@ -391,8 +396,8 @@ mod tests {
         let found = calibrated(0.25, Dilation::Mobilised);
         near(&found, found.mobilised_dilation_deg, 0.25f64.to_degrees(), 0.05);
         assert!(found.mobilised_volume_misfit < 0.1 * found.volume_misfit, "{found:?}");
-        assert!(found.material(None, Dilation::Mobilised).contains("dilation = \"mobilised\"\n"));
-        assert!(!found.material(None, Dilation::Constant).contains("mobilised"));
+        assert!(found.material(None, Dilation::Mobilised, None).contains("dilation = \"mobilised\"\n"));
+        assert!(!found.material(None, Dilation::Constant, None).contains("mobilised"));
     }
 
     #[track_caller]

@@ -4,6 +4,8 @@ use super::list_files;
 use comminute::calibrate::compression::compression;
 use comminute::calibrate::fines::{FILE, calibrate};
 use comminute::calibrate::grains::report;
+use comminute::calibrate::interface::interface;
+use comminute::calibrate::json_text;
 use comminute::error::{Error, Result};
 use comminute::mpm::law::Dilation;
 use std::path::PathBuf;
@@ -18,7 +20,8 @@ use std::path::PathBuf;
 #[command(
     after_help = "Example, from the repository root:\n  comminute run experiments/mixture/twin_grains.toml --set coarse.mass_fraction=0 --out runs/fines\n  \
         comminute calibrate fines runs/fines --base ../../materials/li2023_fines.toml --out runs/fines_law\n  \
-        comminute calibrate fines runs/fines --dilation mobilised --compression runs/isotropic --out runs/fines_law"
+        comminute calibrate fines runs/fines --dilation mobilised --compression runs/isotropic --out runs/fines_law\n  \
+        comminute calibrate fines runs/fines --interface runs/mixture --out runs/fines_law"
 )]
 pub struct Args {
     /// Folders of triaxial runs with several seeds or cell pressures
@@ -36,6 +39,11 @@ pub struct Args {
     /// Folder of an isotropic compression or an oedometer of the same grains, with loading and unloading
     #[arg(long, value_name = "RUN")]
     compression: Option<PathBuf>,
+
+    /// Folders of triaxial tests of a mixture of these grains with coarse ones, run with
+    /// records.contacts=true: interface_friction of material.toml is the friction along the coarse grains
+    #[arg(long, value_name = "RUN", num_args = 1..)]
+    interface: Vec<PathBuf>,
 
     /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "runs/calibrate-fines")]
@@ -59,20 +67,25 @@ enum Rule {
 pub fn call(args: &Args) -> Result<()> {
     let found = calibrate(&args.runs)?;
     let lines = args.compression.as_deref().map(compression).transpose()?;
+    let along = if args.interface.is_empty() { None } else { Some(interface(&args.interface)?) };
     let dilation = match args.dilation {
         Rule::Constant => Dilation::Constant,
         Rule::Mobilised => Dilation::Mobilised,
     };
     report::claim(&args.out, args.force)?;
-    let mut files = found.write(&args.out, args.base.as_deref(), dilation)?;
+    let mut files = found.write(&args.out, args.base.as_deref(), dilation, along.as_ref())?;
+    let mut more = Vec::new();
     if let Some(lines) = &lines {
-        let json = serde_json::to_string_pretty(lines).unwrap_or_default() + "\n";
-        let material = lines.material(args.base.as_deref(), found.residual_deg, found.nu);
-        for (name, text) in [("cam_clay.toml", material), ("compression.json", json)] {
-            let path = args.out.join(name);
-            std::fs::write(&path, text).map_err(Error::write(&path))?;
-            files.push(path);
-        }
+        more.push(("cam_clay.toml", lines.material(args.base.as_deref(), found.residual_deg, found.nu)));
+        more.push(("compression.json", json_text(lines)));
+    }
+    if let Some(along) = &along {
+        more.push(("interface.json", json_text(along)));
+    }
+    for (name, text) in more {
+        let path = args.out.join(name);
+        std::fs::write(&path, text).map_err(Error::write(&path))?;
+        files.push(path);
     }
     if !args.quiet {
         let line = |name: &str, value: String| eprintln!("  {name:<24}{value}");
@@ -89,6 +102,10 @@ pub fn call(args: &Args) -> Result<()> {
         if let Some(lines) = &lines {
             line("lambda, kappa", format!("{:.4}, {:.4}", lines.lambda, lines.kappa));
             line("v at 1 kPa, p_c (kPa)", format!("{:.4}, {:.1}", lines.virgin_specific_volume, lines.preconsolidation_kpa));
+        }
+        if let Some(along) = &along {
+            let spread = along.spread.map_or(String::new(), |s| format!(" +- {s:.3} between tests"));
+            line("friction along coarse", format!("{:.3}{spread}", along.friction));
         }
         line("misfit (deg)", format!("{:.2}", found.misfit_deg));
         eprintln!("in a scene: materials.fines = \"path/to/{FILE}\"");

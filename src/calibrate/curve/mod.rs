@@ -331,7 +331,7 @@ fn setup(request: &Request, resolved: &str, parameters: &[Parameter], target: &T
         }
         Err(source) => return Err(Error::Read { path, source }),
     }
-    let text = serde_json::to_string_pretty(&setup).unwrap_or_default() + "\n";
+    let text = crate::json_text(&setup);
     log::replace(&path, text.as_bytes())
 }
 

@@ -36,7 +36,7 @@ const CORNER: usize = 2000;
 /// Files that cannot be written.
 pub fn write(out: &Path, parts: &Parts<'_>) -> Result<Outcome> {
     let json = json(parts);
-    let text = serde_json::to_string_pretty(&json).unwrap_or_default() + "\n";
+    let text = crate::json_text(&json);
     let mut files = Vec::new();
     let table = table(parts);
     let warnings = warnings(parts);
