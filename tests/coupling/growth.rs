@@ -123,7 +123,7 @@ fn check_counts_grains_that_have_yet_to_grow() {
 fn check_weighs_points_that_it_does_not_make() {
     let check = |scene: &str| comminute("check").arg(format!("experiments/mixture/{scene}.toml")).assert().success();
     check("triaxial_20_ratio_10").stderr(contains("of the mass are coarse grains").not());
-    check("triaxial_40_50kPa").stderr(contains("warning: 40 % of the mass are coarse grains"));
+    check("triaxial_60_ratio_10").stderr(contains("warning: 60 % of the mass are coarse grains"));
 }
 
 /// One number says how many grains a point stands for: 1:8 of 1 mm grains at porosity 0.365 are 40 points along 75 mm (Li et al. 2023, Table 4).

@@ -229,10 +229,14 @@ fn a_mixture_outside_of_the_range_is_doubted() {
     check("twin_points", "seed.packing=1").success().stderr(contains("times as large as the ghosts").not());
     check("twin_points", "coarse.mass_fraction=1.0").success().stderr(contains("warning").not());
     // too many of them, and too near each other for points to be between
-    check("triaxial_40_50kPa", "seed.packing=1").success().stderr(contains("above 30 %"));
+    let many = "of the mass are coarse grains";
+    check("triaxial_60_50kPa", "seed.packing=1").success().stderr(contains(many));
+    check("triaxial_40_50kPa", "seed.packing=1").success().stderr(contains(many).not());
+    let rolling = "fine grains roll along coarse ones";
     check("triaxial_20_50kPa", "seed.packing=1")
         .success()
-        .stderr(contains("no points are between them").and(contains("above 30 %").not()));
+        .stderr(contains("no points are between them").and(contains(many).not()).and(contains(rolling).not()));
+    check("triaxial_20_50kPa", "materials.fines=../../materials/li2023_fines.toml").success().stderr(contains(rolling));
 }
 
 /// A grain that would be through the points before it sees them ends the run.
