@@ -439,7 +439,7 @@ fn many_steps_in_a_cycle_are_doubted() {
     let said = |steps: &str| {
         let scene = Path::new(ROOT).join("experiments/mixture/triaxial_small.toml");
         let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("comminute"));
-        let output = command.arg("check").arg(scene).args(["--set", steps]).output().expect("starts");
+        let output = command.arg("check").arg(scene).args(["--set", "grid.pic=0.05", "--set", steps]).output().expect("starts");
         String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned()
     };
     assert!(!said("stepping.continuum_steps=1").contains("viscous"));

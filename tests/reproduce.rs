@@ -234,7 +234,7 @@ fn what_is_said_of_triaxial_tests_needs_its_comparison() {
 #[test]
 fn the_plan_of_the_mixtures_holds_their_tables() {
     let plan = comminute::reproduce::Plan::read(&format!("{ROOT}/experiments/li2023.toml")).expect("plan");
-    assert_eq!(plan.runs.iter().filter(|run| run.id.contains("1:5")).count(), 4);
+    assert_eq!(plan.runs.iter().filter(|run| run.id.contains("1:5")).count(), 6);
     assert_eq!(plan.runs.iter().filter(|run| run.id.contains("fan")).count(), 9);
     for run in &plan.runs {
         let [job] = &plan.jobs(run, std::path::Path::new("out")).expect("jobs")[..] else { panic!("one seed") };

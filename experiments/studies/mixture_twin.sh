@@ -33,13 +33,9 @@ for seed in 1 2 3; do
     run "points_fines_$seed" twin_points --set coarse.mass_fraction=0 --seed "$seed"
     run "points40_$seed" twin_points --set coarse.mass_fraction=0.4 --seed "$seed"
 done
-for cell in 2.5 1.875; do
-    run "points_1_cells_$cell" twin_points --set grid.cell_mm=$cell
-done
 for cell in 3.75 2.5 1.875; do
     run "cells_$cell" twin_cells --set grid.cell_mm=$cell
 done
-run cells_1.25 twin_cells --set grid.cell_mm=1.25 --set test.axial_strain=0.02
 for share in 0.5 0.6 0.7 0.8 0.9 1.0; do
     run "coke_${share}_true" coke_in_fines --set coarse.mass_fraction=$share
     run "coke_${share}_false" coke_in_fines --set coarse.mass_fraction=$share --set crushing.enabled=false --set crushing.lost_mass=leave
@@ -59,7 +55,6 @@ run rate_4e-4 triaxial_20_50kPa --set test.strain_per_wave=4e-4 --set test.servo
 
 of() { for name in "$@"; do echo "$runs/$name"; done; }
 "$bin" plot $(of fines_{1,2,3} points_fines_{1,2,3}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_00
-"$bin" plot $(of grains_1 grains_2 points_1 points_2 points_1_cells_2.5 points_1_cells_1.875) --show stress_ratio,volumetric_strain --out figures/mixture/twin_20
 "$bin" plot $(of grains_{1,2,3,4,5} points_{1,2,3,4,5}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_20_seeds
 "$bin" plot $(of grains40_{1,2,3} points40_{1,2,3}) --show stress_ratio,volumetric_strain --out figures/mixture/twin_40
 "$bin" plot $(of full_40) --show stress_bearers --out figures/mixture/full_40
@@ -67,7 +62,7 @@ of() { for name in "$@"; do echo "$runs/$name"; done; }
 "$bin" plot $(of reduction_8 half_rate third_rate rate_2e-4 rate_4e-4) --show stress_ratio --out figures/mixture/rate
 "$bin" plot $(of reduction_8) --show stress_bearers --out figures/mixture/reduction
 "$bin" plot $(of reduction_8 reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction
-"$bin" plot $(of cells_3.75 cells_2.5 cells_1.875 cells_1.25) --show stress_ratio --out figures/mixture/twin_cells
+"$bin" plot $(of cells_3.75 cells_2.5 cells_1.875) --show stress_ratio --out figures/mixture/twin_cells
 "$bin" plot $(of small_reduction_1 small_reduction_8 small_reduction_64) --show stress_ratio,volumetric_strain --out figures/mixture/reduction_small
 "$bin" plot $(of coke_{0.5,0.6,0.7,0.8,0.9,1.0}_true) --show axial_strain --out figures/mixture/coke_crushing
 "$bin" plot $(of coke_{0.5,0.6,0.7,0.8,0.9,1.0}_false) --show axial_strain --out figures/mixture/coke_whole

@@ -236,7 +236,7 @@ fn a_mixture_outside_of_the_range_is_doubted() {
     check("triaxial_20_50kPa", "seed.packing=1")
         .success()
         .stderr(contains("no points are between them").and(contains(many).not()).and(contains(rolling).not()));
-    check("triaxial_20_50kPa", "materials.fines=../../materials/li2023_fines.toml").success().stderr(contains(rolling));
+    check("triaxial_20_50kPa", "materials.fines=materials/li2023_fines.toml").success().stderr(contains(rolling));
 }
 
 /// A grain that would be through the points before it sees them ends the run.
