@@ -182,3 +182,41 @@ fn the_study_writes_its_tables() {
     assert_eq!(fs::read_to_string(folder.path().join("repeats.csv")).expect("table").lines().count(), 13);
     comminute(&args).code(2).stderr(contains("--force"));
 }
+
+/// `calibrate fines --interface`: the friction of contacts along a coarse grain goes into a material that a scene takes; a run without tables of contacts is
+/// refused with the key that writes them.
+#[test]
+fn friction_along_coarse_grains_goes_into_the_law_of_the_fines() {
+    let folder = folder();
+    let run = folder.path().join("run");
+    fs::create_dir_all(run.join("snapshots")).expect("folder");
+    let rows = (0..=200).map(|k| {
+        let strain = 6e-4 * f64::from(k);
+        // hardens to 2 % of strain, then softens, and dilates
+        let ratio = if strain < 0.02 {
+            1.0 + 1.4 * (1.0 - (1.0 - strain / 0.02).powi(3))
+        } else {
+            2.0 + 0.4 * (-40.0 * (strain - 0.02)).exp()
+        };
+        format!("load,{strain},{},{},50\n", -0.25 * (strain - 0.005).max(0.0), 50.0 * ratio)
+    });
+    let history: String = rows.collect();
+    let write = |name: &str, text: &str| fs::write(run.join(name), text).expect("written");
+    write("history.csv", &format!("stage,axial_strain,volumetric_strain,sigma_1_kPa,sigma_3_kPa\n{history}"));
+    write("grains_start.csv", "x_m,y_m,z_m,r_m,generation,material\n0,0,0,0.01,0,coarse\n0.01,0,0.01,0.001,0,fine\n");
+    let (out, run) = (text(&folder.path().join("out")), text(&run));
+    let base = text(&Path::new(env!("CARGO_MANIFEST_DIR")).join("materials/li2023_fines.toml"));
+    let args = ["calibrate", "fines", &run, "--interface", &run, "--base", &base, "--out", &out];
+    comminute(&args).code(2).stderr(contains("records.contacts=true"));
+
+    // at 45 degrees from the axis, where sin 2θ is 1: 0.3 of a normal force of √2
+    let contacts = "# axial_strain = 0.05\na,kind_b,b,normal_x_N,normal_y_N,normal_z_N,tangential_x_N,tangential_y_N,tangential_z_N\n0,grain,1,-1,0,-1,0.3,0,-0.3\n";
+    fs::write(Path::new(&run).join("snapshots/contacts_1.csv"), contacts).expect("written");
+    comminute(&args).success().stderr(contains("friction along coarse"));
+    let material = text(&folder.path().join("out/material.toml"));
+    assert!(fs::read_to_string(&material).expect("a material").contains("interface_friction = 0.3\n"));
+    let fines = format!("materials.fines={material}");
+    comminute(&["check", "experiments/mixture/twin_points.toml", "--set", &fines])
+        .success()
+        .stderr(contains("fine grains roll").not());
+}
