@@ -228,6 +228,10 @@ fn a_mixture_outside_of_the_range_is_doubted() {
     // 1:5, as the paper has it; and grains alone
     check("twin_points", "seed.packing=1").success().stderr(contains("times as large as the ghosts").not());
     check("twin_points", "coarse.mass_fraction=1.0").success().stderr(contains("warning").not());
+    // cells that hold too few points
+    let few = "the soil comes apart";
+    check("twin_points", "grid.cell_mm=2.5").success().stderr(contains("holds 2.4 points").and(contains(few)));
+    check("twin_points", "seed.packing=1").success().stderr(contains(few).not());
     // too many of them, and too near each other for points to be between
     let many = "of the mass are coarse grains";
     check("triaxial_60_50kPa", "seed.packing=1").success().stderr(contains(many));

@@ -15,6 +15,10 @@ const RATIO: f64 = 4.9;
 const CONTENT: f64 = 0.41;
 /// Largest ratio of a cell's edge to the diameter of the smallest grain.
 const CELL: f64 = 0.5;
+/// Least number of points in a cell that is full of soil whose porosity is [`POROSITY`]. With 2.4 of them (`experiments/mixture/twin_points.toml`, `grid.cell_mm = 2.5`) neighbours lose each other as
+/// the soil shears: it does not dilate, and its strength has no peak.
+const POINTS: f64 = 4.0;
+const POROSITY: f64 = 0.37;
 /// Largest share of grains that have a neighbour at a gap smaller than the diameter of a point's contact sphere.
 const CROWDED: f64 = 0.25;
 
@@ -103,6 +107,16 @@ pub fn warnings(physics: &Physics, rig: &MpmTest) -> Vec<String> {
             "grid.cell_mm = {:.4} is more than half of the smallest grain, {:.4} mm: the material around it moves as one",
             1e3 * rig.settings.cell,
             1e3 * least
+        ));
+    }
+    // the edge of a cell that holds one point of the mean size
+    let edge = (sphere_volume(0.5 * ghost) / (1.0 - POROSITY)).cbrt();
+    let held = (rig.settings.cell / edge).powi(3);
+    if rig.specimen().is_some() && held < POINTS {
+        doubts.push(format!(
+            "grid.cell_mm = {:.4} holds {held:.1} points; below {POINTS} the soil comes apart as it shears: 8 points take {:.4} mm",
+            1e3 * rig.settings.cell,
+            2e3 * edge
         ));
     }
     if rig.specimen().is_some() && content > CONTENT {
