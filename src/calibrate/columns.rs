@@ -66,6 +66,25 @@ impl Columns {
         self.headers.iter().any(|h| h == name)
     }
 
+    /// Refuses a file without a column that `whose` has.
+    ///
+    /// # Errors
+    /// The column is missing.
+    pub fn require(&self, name: &str, whose: &str) -> Result<()> {
+        let missing = || Error::input(self.path.display(), name, None, format!("is missing: {whose} has it"));
+        self.has(name).then_some(()).ok_or_else(missing)
+    }
+
+    /// A column that `whose` has, as a finite number in every row.
+    ///
+    /// # Errors
+    /// A column that is missing; a cell that is empty or no finite number.
+    pub fn complete(&self, name: &str, whose: &str) -> Result<Vec<f64>> {
+        self.require(name, whose)?;
+        let value = |(row, value): (usize, Option<f64>)| value.ok_or_else(|| self.wrong_value(row, name, "must be a number"));
+        self.numbers(name, 1.0)?.into_iter().enumerate().map(value).collect()
+    }
+
     /// An error about this file.
     pub fn wrong(&self, message: impl Into<String>) -> Error {
         Error::input(self.path.display(), "", None, message)

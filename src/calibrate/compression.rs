@@ -6,7 +6,7 @@
 //! - p_c: where the swelling line through the first row of loading meets the virgin line.
 
 use super::columns::Columns;
-use laboratory::error::{Error, Result};
+use laboratory::error::Result;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -60,22 +60,10 @@ fn line(points: &[[f64; 2]]) -> [f64; 3] {
 /// A folder without such a test; too few rows of loading or unloading; slopes that are no compression, or with κ not below λ.
 pub fn compression(folder: &Path) -> Result<Compression> {
     let table = Columns::read(&folder.join("history.csv"))?;
-    for name in ["stage", "p_kPa", "void_ratio"] {
-        if !table.has(name) {
-            return Err(Error::input(
-                table.path.display(),
-                name,
-                None,
-                "is missing: an oedometer or an isotropic compression of grains has it",
-            ));
-        }
-    }
+    let whose = "an oedometer or an isotropic compression of grains";
+    table.require("stage", whose)?;
     let stages: Vec<String> = table.texts("stage").iter().map(|stage| stage.to_string()).collect();
-    let column = |name: &str| -> Result<Vec<f64>> {
-        let value = |(row, value): (usize, Option<f64>)| value.ok_or_else(|| table.wrong_value(row, name, "must be a number"));
-        table.numbers(name, 1.0)?.into_iter().enumerate().map(value).collect()
-    };
-    let (p, e) = (column("p_kPa")?, column("void_ratio")?);
+    let (p, e) = (table.complete("p_kPa", whose)?, table.complete("void_ratio", whose)?);
     // the first rows of one stage after another, up to where another one begins
     let part = |stage: &str| -> Vec<[f64; 2]> {
         let from = stages.iter().position(|s| s == stage).unwrap_or(stages.len());

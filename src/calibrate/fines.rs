@@ -37,7 +37,7 @@ pub const REPORT: &str = "calibration.json";
 
 /// Share of q at the peak below which a test is taken as elastic.
 const ELASTIC: f64 = 1.0 / 3.0;
-/// Largest axial strain of the equal steps over which plastic strain is accumulated.
+/// Axial strain, about, of each of the equal steps over which plastic strain is accumulated.
 const STEP: f64 = 0.002;
 /// Share of the axial strain, at the end of a test, over which the residual angle is averaged.
 const RESIDUAL: f64 = 0.1;
@@ -99,9 +99,7 @@ fn read(folder: &Path) -> Result<Test> {
     let table = Columns::read(&folder.join("history.csv"))?;
     let settling: Vec<bool> = table.texts("stage").iter().map(|stage| *stage == "settle").collect();
     let column = |(name, factor): (&str, f64)| -> Result<Vec<f64>> {
-        if !table.has(name) {
-            return Err(Error::input(table.path.display(), name, None, "is missing: a drained triaxial test of grains has it"));
-        }
+        table.require(name, "a drained triaxial test of grains")?;
         let value = |(row, value): (usize, Option<f64>)| value.ok_or_else(|| table.wrong_value(row, name, "must be a number"));
         table.numbers(name, factor)?.into_iter().enumerate().filter(|(row, _)| !settling[*row]).map(value).collect()
     };

@@ -7,6 +7,7 @@
 //! 0.9 to 1.0 of it (experiments/mixture/twin_points.toml).
 
 use super::columns::Columns;
+use engine::math::vector::dot;
 use laboratory::error::{Error, Result};
 use serde::Serialize;
 use std::collections::HashMap;
@@ -82,12 +83,14 @@ fn test(folder: &Path) -> Result<Vec<Instant>> {
 /// Material of each grain, as a number, with the larger grains' material above the smaller ones'.
 fn sizes(folder: &Path) -> Result<Vec<usize>> {
     let table = Columns::read(&folder.join("grains_start.csv"))?;
-    let radii = table.numbers("r_m", 1.0)?;
+    let whose = "a mixture";
+    let radii = table.complete("r_m", whose)?;
+    table.require("material", whose)?;
     let names = table.texts("material");
     let mut largest: HashMap<&str, f64> = HashMap::new();
     for (name, r) in names.iter().zip(&radii) {
         let most = largest.entry(name).or_default();
-        *most = most.max(r.unwrap_or(0.0));
+        *most = most.max(*r);
     }
     let mut order: Vec<(&str, f64)> = largest.into_iter().collect();
     order.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -98,13 +101,16 @@ fn sizes(folder: &Path) -> Result<Vec<usize>> {
 fn instant(path: &Path, sizes: &[usize]) -> Result<Option<Instant>> {
     let table = Columns::read(path)?;
     let Some(axial_strain) = table.note("axial_strain").filter(|strain| *strain > 0.0) else { return Ok(None) };
-    let column = |name: &str| -> Result<Vec<f64>> { Ok(table.numbers(name, 1.0)?.into_iter().map(|x| x.unwrap_or(0.0)).collect()) };
+    let whose = "a table of contacts";
     let vectors = |names: [&str; 3]| -> Result<Vec<[f64; 3]>> {
-        let [x, y, z] = [column(names[0])?, column(names[1])?, column(names[2])?];
+        let [x, y, z] = [table.complete(names[0], whose)?, table.complete(names[1], whose)?, table.complete(names[2], whose)?];
         Ok((0..x.len()).map(|i| [x[i], y[i], z[i]]).collect())
     };
     let normal = vectors(["normal_x_N", "normal_y_N", "normal_z_N"])?;
     let tangential = vectors(["tangential_x_N", "tangential_y_N", "tangential_z_N"])?;
+    for name in ["a", "kind_b", "b"] {
+        table.require(name, whose)?;
+    }
     let (a, kinds, b) = (table.texts("a"), table.texts("kind_b"), table.texts("b"));
     let size = |id: &str| id.parse().ok().and_then(|id: usize| sizes.get(id)).copied();
     let (mut sums, mut contacts) = ([0.0; 2], 0);
@@ -119,7 +125,7 @@ fn instant(path: &Path, sizes: &[usize]) -> Result<Option<Instant>> {
             },
             _ => continue,
         };
-        let force = normal[i].iter().map(|f| f * f).sum::<f64>().sqrt();
+        let force = dot(normal[i], normal[i]).sqrt();
         if force == 0.0 {
             continue;
         }
@@ -128,8 +134,7 @@ fn instant(path: &Path, sizes: &[usize]) -> Result<Option<Instant>> {
         let [x, y, z] = normal[i].map(|f| -sign * f / force);
         let square = x * x + y * y;
         let meridian = [x * z, y * z, -square];
-        let along: f64 = (0..3).map(|k| sign * tangential[i][k] * meridian[k]).sum();
-        sums[0] += 2.0 * z * along;
+        sums[0] += 2.0 * z * sign * dot(tangential[i], meridian);
         sums[1] += force * 4.0 * square * z * z;
     }
     Ok((sums[1] > 0.0).then(|| Instant { axial_strain, friction: sums[0] / sums[1], contacts, sums }))
@@ -176,6 +181,9 @@ mod tests {
         let found = interface(&[folder.path().into(), folder.path().into()]).expect("friction");
         assert!((found.friction - 0.2).abs() < 1e-12, "{found:?}");
         assert_eq!((found.tests[0].1.len(), found.tests[0].1[0].contacts, found.spread), (1, 12, Some(0.0)));
+        write("snapshots/contacts_1.csv", &text.replace("normal_y_N", "normal"));
+        let message = interface(&[folder.path().into()]).expect_err("a column is missing").to_string();
+        assert!(message.contains("normal_y_N"), "{message}");
         write("snapshots/contacts_1.csv", &text.replace("0.02", "0"));
         let message = interface(&[folder.path().into()]).expect_err("no table under load").to_string();
         assert!(message.contains("records.contacts=true"), "{message}");

@@ -18,6 +18,7 @@ const CELL: f64 = 0.5;
 /// Least number of points in a cell that is full of soil whose porosity is [`POROSITY`]. With 2.4 of them (`experiments/mixture/twin_points.toml`, `grid.cell_mm = 2.5`) neighbours lose each other as
 /// the soil shears: it does not dilate, and its strength has no peak.
 const POINTS: f64 = 4.0;
+/// Porosity of dense soil, as of the specimens of Li et al. 2023.
 const POROSITY: f64 = 0.37;
 /// Largest share of grains that have a neighbour at a gap smaller than the diameter of a point's contact sphere.
 const CROWDED: f64 = 0.25;
@@ -139,8 +140,8 @@ pub fn warnings(physics: &Physics, rig: &MpmTest) -> Vec<String> {
         doubts
             .push(format!("{crowded} of {count} grains have a neighbour nearer than a ghost is wide: no points are between them"));
     }
-    let of_points = rig.coarse.iter().flat_map(|c| &c.point_materials).map(|m| &physics.materials[usize::from(*m)]);
-    if let (Some(_), Some(soil)) = (rig.specimen(), of_points.into_iter().find(|m| m.interface_friction.is_none())) {
+    let mut of_points = rig.coarse.iter().flat_map(|c| &c.point_materials).map(|m| &physics.materials[usize::from(*m)]);
+    if let (Some(_), Some(soil)) = (rig.specimen(), of_points.find(|m| m.interface_friction.is_none())) {
         doubts.push(format!(
             "points have their grains' friction on coarse grains, {}: fine grains roll along coarse ones and pass on less (a third of it in figures/mixture); \
              give continuum.interface_friction, which comminute calibrate fines --interface measures",
