@@ -22,8 +22,8 @@
 //! The internal variable `plastic` is the plastic compression of volume over the volume at v_c0, (λ − κ)/v_c0 ln(p_c/p_c0): p_c follows from it. It is negative after
 //! dilation.
 //!
-//! Dissipation is Δ p p_c, so never negative. The mean pressure stays above a thousandth of p_c0 ([`CamClay::floor`]): what is pulled further apart keeps that pressure, and its
-//! gap is not remembered. v is not below 1.
+//! Dissipation is Δ p p_c, so never negative. The mean pressure stays above a thousandth of p_c0 ([`CamClay::floor`]): what is pulled further apart has that pressure before
+//! the return, and its gap is not remembered. v is not below 1.
 
 use super::{Clay, Cone, ConstitutiveLaw, Elastic, InternalVariables, Parameters, Shear, Sym, YieldParameters, tensor};
 use crate::math::portable::{exp, ln, sin};
