@@ -198,11 +198,11 @@ fn friction_along_coarse_grains_goes_into_the_law_of_the_fines() {
         } else {
             2.0 + 0.4 * (-40.0 * (strain - 0.02)).exp()
         };
-        format!("load,{strain},{},{},50\n", -0.25 * (strain - 0.005).max(0.0), 50.0 * ratio)
+        format!("load,{strain},{},{},50,0.6\n", -0.25 * (strain - 0.005).max(0.0), 50.0 * ratio)
     });
     let history: String = rows.collect();
     let write = |name: &str, text: &str| fs::write(run.join(name), text).expect("written");
-    write("history.csv", &format!("stage,axial_strain,volumetric_strain,sigma_1_kPa,sigma_3_kPa\n{history}"));
+    write("history.csv", &format!("stage,axial_strain,volumetric_strain,sigma_1_kPa,sigma_3_kPa,void_ratio\n{history}"));
     write("grains_start.csv", "x_m,y_m,z_m,r_m,generation,material\n0,0,0,0.01,0,coarse\n0.01,0,0.01,0.001,0,fine\n");
     let (out, run) = (text(&folder.path().join("out")), text(&run));
     let base = text(&Path::new(env!("CARGO_MANIFEST_DIR")).join("materials/li2023_fines.toml"));

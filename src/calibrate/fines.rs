@@ -22,6 +22,7 @@
 
 use super::columns::Columns;
 use super::interface::Interface;
+use engine::material::InterfaceFriction;
 use engine::mpm::law::dilatancy::Dilatancy;
 use engine::mpm::law::{Cone, Dilation, Elastic, Evolution as Strength, Parameters};
 use laboratory::error::{Error, Result};
@@ -49,7 +50,7 @@ const PLACES: u32 = 200;
 const ROWS: usize = 30;
 
 /// Curves of a test: axial and volumetric strain (compression positive), σ1 and σ3, Pa.
-struct Test {
+pub(super) struct Test {
     axial: Vec<f64>,
     volumetric: Vec<f64>,
     sigma_1: Vec<f64>,
@@ -95,24 +96,6 @@ pub struct Fines {
     pub angles: Vec<Vec<(f64, f64)>>,
 }
 
-fn read(folder: &Path) -> Result<Test> {
-    let table = Columns::read(&folder.join("history.csv"))?;
-    let settling: Vec<bool> = table.texts("stage").iter().map(|stage| *stage == "settle").collect();
-    let column = |(name, factor): (&str, f64)| -> Result<Vec<f64>> {
-        table.require(name, "a drained triaxial test of grains")?;
-        let value = |(row, value): (usize, Option<f64>)| value.ok_or_else(|| table.wrong_value(row, name, "must be a number"));
-        table.numbers(name, factor)?.into_iter().enumerate().filter(|(row, _)| !settling[*row]).map(value).collect()
-    };
-    let names = [("axial_strain", 1.0), ("volumetric_strain", 1.0), ("sigma_1_kPa", 1e3), ("sigma_3_kPa", 1e3)];
-    let [axial, volumetric, sigma_1, sigma_3] = names.map(column);
-    let (axial, volumetric, sigma_1, sigma_3) = (axial?, volumetric?, sigma_1?, sigma_3?);
-    if axial.len() < ROWS || sigma_3.iter().any(|s| *s <= 0.0) {
-        let message = format!("must have at least {ROWS} rows of shear with sigma_3 > 0; it has {}", axial.len());
-        return Err(table.wrong(message));
-    }
-    Ok(Test { axial, volumetric, sigma_1, sigma_3 })
-}
-
 /// Slope of a line through (x, y), by least squares with an intercept.
 fn slope(points: &[(f64, f64)]) -> f64 {
     let n = points.len() as f64;
@@ -126,6 +109,28 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
 }
 
 impl Test {
+    /// Reads `history.csv` in the folder of a run, the rows after settling.
+    ///
+    /// # Errors
+    /// A table without these columns, or with too few rows.
+    pub(super) fn read(folder: &Path) -> Result<Test> {
+        let table = Columns::read(&folder.join("history.csv"))?;
+        let settling: Vec<bool> = table.texts("stage").iter().map(|stage| *stage == "settle").collect();
+        let column = |(name, factor): (&str, f64)| -> Result<Vec<f64>> {
+            table.require(name, "a drained triaxial test of grains")?;
+            let value = |(row, value): (usize, Option<f64>)| value.ok_or_else(|| table.wrong_value(row, name, "must be a number"));
+            table.numbers(name, factor)?.into_iter().enumerate().filter(|(row, _)| !settling[*row]).map(value).collect()
+        };
+        let names = [("axial_strain", 1.0), ("volumetric_strain", 1.0), ("sigma_1_kPa", 1e3), ("sigma_3_kPa", 1e3)];
+        let [axial, volumetric, sigma_1, sigma_3] = names.map(column);
+        let (axial, volumetric, sigma_1, sigma_3) = (axial?, volumetric?, sigma_1?, sigma_3?);
+        if axial.len() < ROWS || sigma_3.iter().any(|s| *s <= 0.0) {
+            let message = format!("must have at least {ROWS} rows of shear with sigma_3 > 0; it has {}", axial.len());
+            return Err(table.wrong(message));
+        }
+        Ok(Test { axial, volumetric, sigma_1, sigma_3 })
+    }
+
     fn angle(&self, i: usize) -> f64 {
         let (a, b) = (self.sigma_1[i], self.sigma_3[i]);
         ((a - b) / (a + b)).asin()
@@ -157,7 +162,7 @@ impl Test {
 
     /// Plastic axial, plastic volumetric and accumulated plastic strain, and friction angle, rad,
     /// at equal steps of axial strain.
-    fn plastic(&self, [young, nu]: [f64; 2]) -> Vec<[f64; 4]> {
+    pub(super) fn plastic(&self, [young, nu]: [f64; 2]) -> Vec<[f64; 4]> {
         let angles: Vec<f64> = (0..self.axial.len()).map(|i| self.angle(i)).collect();
         let end = self.axial[self.axial.len() - 1];
         let steps = (end / STEP).round().max(1.0) as usize;
@@ -174,6 +179,13 @@ impl Test {
             rows.push([axial, volumetric, sum + step, self.at(&angles, strain)]);
         }
         rows
+    }
+
+    /// Accumulated plastic strain of `rows` ([`Test::plastic`]) at an axial strain, interpolated linearly.
+    pub(super) fn plastic_strain_at(&self, rows: &[[f64; 4]], axial: f64) -> f64 {
+        let place = axial / self.axial[self.axial.len() - 1] * (rows.len() - 1) as f64;
+        let k = (place.max(0.0) as usize).min(rows.len() - 2);
+        rows[k][2] + (place - k as f64).clamp(0.0, 1.0) * (rows[k + 1][2] - rows[k][2])
     }
 }
 
@@ -268,7 +280,7 @@ fn mobilised(tests: &[Vec<[f64; 4]>], strength: &Strength) -> [f64; 2] {
 /// A folder without a drained triaxial test; a test without a peak; tests to which eq. 43 cannot be
 /// fitted.
 pub fn calibrate(folders: &[PathBuf]) -> Result<Fines> {
-    let tests: Vec<Test> = folders.iter().map(|f| read(f)).collect::<Result<_>>()?;
+    let tests: Vec<Test> = folders.iter().map(|f| Test::read(f)).collect::<Result<_>>()?;
     let elastic: Vec<[f64; 2]> = tests.iter().map(Test::elastic).collect();
     let of = |k: usize| mean(elastic.iter().map(|e| e[k]));
     let elastic = [of(0), of(1)];
@@ -342,7 +354,15 @@ impl Fines {
             Dilation::Constant => (self.dilation_deg, ""),
             Dilation::Mobilised => (self.mobilised_dilation_deg, "dilation = \"mobilised\"\n"),
         };
-        let friction = interface.map_or(String::new(), |i| format!("interface_friction = {}\n", digits(i.friction)));
+        let friction = interface.map_or(String::new(), |i| match i.falling {
+            Some(InterfaceFriction { initial, residual, decay }) => format!(
+                "interface_friction = {}\ninterface_friction_residual = {}\ninterface_friction_decay = {}\n",
+                digits(initial),
+                digits(residual),
+                digits(decay)
+            ),
+            None => format!("interface_friction = {}\n", digits(i.friction)),
+        });
         let with = if interface.is_some() { ", interface_friction from contacts in a mixture of grains" } else { "" };
         let [young, nu, residual, psi] = [self.young_mpa, self.nu, self.residual_deg, psi].map(digits);
         let _ = write!(

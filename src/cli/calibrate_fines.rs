@@ -41,7 +41,8 @@ pub struct Args {
     compression: Option<PathBuf>,
 
     /// Folders of triaxial tests of a mixture of these grains with coarse ones, run with
-    /// records.contacts=true: interface_friction of material.toml is the friction along the coarse grains
+    /// records.contacts=true: interface_friction of material.toml is the friction along the coarse grains,
+    /// which falls with plastic strain where it does in these tests
     #[arg(long, value_name = "RUN", num_args = 1..)]
     interface: Vec<PathBuf>,
 
@@ -67,7 +68,8 @@ enum Rule {
 pub fn call(args: &Args) -> Result<()> {
     let found = calibrate(&args.runs)?;
     let lines = args.compression.as_deref().map(compression).transpose()?;
-    let along = if args.interface.is_empty() { None } else { Some(interface(&args.interface)?) };
+    let elastic = [1e6 * found.young_mpa, found.nu];
+    let along = if args.interface.is_empty() { None } else { Some(interface(&args.interface, elastic)?) };
     let dilation = match args.dilation {
         Rule::Constant => Dilation::Constant,
         Rule::Mobilised => Dilation::Mobilised,
@@ -105,7 +107,13 @@ pub fn call(args: &Args) -> Result<()> {
         }
         if let Some(along) = &along {
             let spread = along.spread.map_or(String::new(), |s| format!(" +- {s:.3} between tests"));
-            line("friction along coarse", format!("{:.3}{spread}", along.friction));
+            line("friction along coarse", format!("{:.3}{spread}, misfit {:.3}", along.friction, along.misfit));
+            if let (Some(falling), Some(misfit)) = (along.falling, along.falling_misfit) {
+                line(
+                    "the same, falling",
+                    format!("{:.3} to {:.3}, H {:.1}, misfit {misfit:.3}", falling.initial, falling.residual, falling.decay),
+                );
+            }
         }
         line("misfit (deg)", format!("{:.2}", found.misfit_deg));
         eprintln!("in a scene: materials.fines = \"path/to/{FILE}\"");

@@ -5,7 +5,7 @@ use crate::boundary::Wall;
 use crate::check::{self, Checked};
 use crate::contact::ContactLaw;
 use crate::contact::pair::{Pair, PairTable};
-use crate::material::Material;
+use crate::material::{InterfaceFriction, Material};
 use crate::math::vector::{dot, less, scaled};
 use crate::mpm::Continuum;
 use serde::{Deserialize, Serialize};
@@ -171,6 +171,8 @@ pub struct PointContactTable {
     pub faces: bool,
     /// Pair of each constitutive law (outer) with each material of grains (inner).
     grains: Vec<Vec<Pair>>,
+    /// Friction on grains and rigid bodies of each constitutive law that changes with plastic strain; empty where none does.
+    softening: Vec<Option<InterfaceFriction>>,
     /// Pair of each wall (outer) with each constitutive law (inner); empty where points do not touch the grains' walls.
     walls: Vec<Vec<Pair>>,
 }
@@ -182,15 +184,18 @@ impl PointContactTable {
         let material = |m: &u8| &materials[usize::from(*m)];
         let on_grain = |other: &Material, own: &Material| {
             let pair = law.between(other, own);
-            Pair { friction: own.interface_friction.unwrap_or(pair.friction), ..pair }
+            Pair { friction: own.interface_friction.map_or(pair.friction, |own| own.initial), ..pair }
         };
         let of_law = |m: &u8| materials.iter().map(|other| on_grain(other, material(m))).collect();
         let on_wall =
             |w: &Wall| fines.iter().map(|m| PairTable::on_wall(law.table().coefficients, material(m), w, materials)).collect();
+        let softens = |m: &u8| material(m).interface_friction.filter(|friction| friction.decay > 0.0);
+        let softening: Vec<Option<InterfaceFriction>> = fines.iter().map(softens).collect();
         PointContactTable {
             law,
             faces: false,
             grains: fines.iter().map(of_law).collect(),
+            softening: if softening.iter().any(Option::is_some) { softening } else { Vec::new() },
             walls: walls.iter().map(on_wall).collect(),
         }
     }
@@ -206,9 +211,27 @@ impl PointContactTable {
         self.walls.len()
     }
 
-    /// Parameters of the contact of a point of constitutive law `law` with a grain of material `material`.
+    /// Whether the friction of any constitutive law on grains and rigid bodies changes with plastic strain.
+    #[inline(always)]
+    pub fn softens(&self) -> bool {
+        !self.softening.is_empty()
+    }
+
+    /// Friction of constitutive law `law` on grains and rigid bodies, where it changes with plastic strain.
+    #[inline(always)]
+    pub fn softening(&self, law: u8) -> Option<InterfaceFriction> {
+        self.softening.get(usize::from(law)).copied().flatten()
+    }
+
+    /// Parameters of the contact of a point of constitutive law `law` with a grain of material `material`, before any plastic strain.
     pub fn of_grain(&self, law: u8, material: u8) -> &Pair {
         &self.grains[usize::from(law)][usize::from(material)]
+    }
+
+    /// As [`Self::of_grain`], with the friction at a plastic strain of the point.
+    pub fn at_plastic_strain(&self, law: u8, material: u8, plastic: f64) -> Pair {
+        let pair = *self.of_grain(law, material);
+        Pair { friction: self.softening(law).map_or(pair.friction, |softening| softening.at(plastic)), ..pair }
     }
 
     /// Parameters of the contact of a point of constitutive law `law` with wall `wall`.
@@ -262,9 +285,15 @@ mod tests {
             interface_friction,
         };
         let table = |own| PointContactTable::new(ContactLaw::Hertz, &[1], &[of(0.5, None), of(0.35, own)], &[]);
-        let (grains, continuum) = (table(None), table(Some(0.1)));
+        let (grains, continuum) = (table(None), table(Some(InterfaceFriction::constant(0.1))));
         assert_eq!([grains.of_grain(0, 0).friction, continuum.of_grain(0, 0).friction], [0.35, 0.1]);
         assert_eq!(grains.of_grain(0, 0).normal_stiffness, continuum.of_grain(0, 0).normal_stiffness);
+        let falling = table(Some(InterfaceFriction { initial: 0.2, residual: 0.08, decay: 20.0 }));
+        assert_eq!([grains.softens(), continuum.softens(), falling.softens()], [false, false, true]);
+        let at = |table: &PointContactTable, e| table.at_plastic_strain(0, 0, e);
+        assert_eq!([0.0, 0.05].map(|e| at(&continuum, e)), [*continuum.of_grain(0, 0); 2]);
+        assert_eq!(at(&falling, 0.0), Pair { friction: 0.2, ..*grains.of_grain(0, 0) });
+        assert!((at(&falling, 0.05).friction - (0.08 + 0.12 * (-1f64).exp())).abs() < 1e-15);
     }
 
     #[test]

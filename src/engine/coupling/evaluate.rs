@@ -160,9 +160,9 @@ impl<L: Law, const LEDGER: bool> PointContactSweep<'_, L, LEDGER> {
     #[inline(always)]
     fn scalar(&mut self, &Found { at, geometry }: &Found) {
         let contact = &mut self.part[at];
-        let pair = self.scene.pair(contact);
-        let new = force::touching::<f64, L, LEDGER, true>(&geometry, pair, self.rules, &contact.history::<L>());
-        let e = L::elastic(geometry.overlap, geometry.overlap, geometry.r_eff, pair);
+        let pair = Pair { friction: self.scene.friction(contact), ..*self.scene.pair(contact) };
+        let new = force::touching::<f64, L, LEDGER, true>(&geometry, &pair, self.rules, &contact.history::<L>());
+        let e = L::elastic(geometry.overlap, geometry.overlap, geometry.r_eff, &pair);
         contact.stiffness = [e.k_n, e.k_t];
         contact.keep(new);
         if LEDGER {
@@ -185,7 +185,10 @@ impl<L: Law, const LEDGER: bool> PointContactSweep<'_, L, LEDGER> {
         let (turning, mean_spin) = ([tx, ty, tz], [wx, wy, wz]);
         let motion = RelativeMotion { centres: [vx, vy, vz], turning, mean_spin, spin_difference: mean_spin };
         let geometry = ContactGeometry { normal: [nx, ny, nz], overlap, r_eff, m_eff, motion };
-        let pair = PairTable::lanes(simd, |k| scene.pair(&part[at(k)]));
+        let mut pair = PairTable::lanes(simd, |k| scene.pair(&part[at(k)]));
+        if scene.table.softens() {
+            [pair.friction, ..] = Lanes::columns(simd, |k| with([scene.friction(&part[at(k)]); 3], 0.0));
+        }
         let [x, y, z, normal_force] = Lanes::columns(simd, |k| part[at(k)].touch.first());
         let [ox, oy, oz, before] = Lanes::columns(simd, |k| part[at(k)].touch.second());
         let touch = ContactForce { tangential: [x, y, z], normal_force, normal: [ox, oy, oz], overlap: before };
@@ -256,7 +259,16 @@ impl PointContactScene<'_> {
         }
     }
 
-    /// Parameters of the contact.
+    /// Coefficient of friction of the contact, at the plastic strain that its point has now.
+    #[inline(always)]
+    fn friction(&self, contact: &PointContact) -> f64 {
+        match (contact.body, self.table.softening(contact.law)) {
+            (Body::Grain(_), Some(softening)) => softening.at(self.continuum.points().memory[contact.place[1] as usize].plastic),
+            _ => self.pair(contact).friction,
+        }
+    }
+
+    /// Parameters of the contact, with the friction before any plastic strain.
     #[inline(always)]
     fn pair(&self, contact: &PointContact) -> &Pair {
         match contact.body {

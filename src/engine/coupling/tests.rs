@@ -8,7 +8,7 @@ use crate::contact::{ContactLaw, TangentialUnloading};
 use crate::dem::physics::Physics;
 use crate::dem::{State, Workspace};
 use crate::grains::{Grains, sphere_volume};
-use crate::material::Material;
+use crate::material::{InterfaceFriction, Material};
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::mpm::law::{Elastic, Law};
 use crate::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
@@ -59,9 +59,15 @@ pub(super) fn settings() -> Settings {
 }
 
 pub(super) fn continuum(points: &[Point]) -> Continuum {
+    sheared_continuum(points, |_| 0.0)
+}
+
+/// Points that have these plastic strains.
+fn sheared_continuum(points: &[Point], plastic: impl Fn(usize) -> f64) -> Continuum {
     let mut all = Points::default();
-    for p in points {
+    for (k, p) in points.iter().enumerate() {
         all.add(p);
+        all.memory[k].plastic = plastic(k);
     }
     let mut continuum = Continuum::new(settings(), vec![Law::Elastic(Elastic::of_young(1e6, 0.3))], all).expect("allowed");
     continuum.keep_transport_velocity();
@@ -226,6 +232,29 @@ fn points_around_a_grain_have_the_force_of_hertz() {
     scene.continuum.step(1e-6).expect("a step");
     let given = less(scene.continuum.totals().momentum, before);
     assert!((0..3).all(|a| (given[a] + 0.5e-6 * sum[a]).abs() < 1e-6 * dot(sum, sum).sqrt() * 1e-6), "{given:?} {sum:?}");
+}
+
+/// Points that slide around a grain that spins: each passes on the friction at its own plastic strain, whether it is computed alone or with others side by side.
+#[test]
+fn friction_falls_with_the_plastic_strain_of_each_point() {
+    let falling = InterfaceFriction { initial: 0.3, residual: 0.1, decay: 20.0 };
+    let material = Material { interface_friction: Some(falling), ..material(0.6) };
+    let physics = Physics::of(vec![material], ContactLaw::Hertz);
+    let around = |k: usize| {
+        let (s, c) = (0.3 * k as f64).sin_cos();
+        point(beside([0.0; 3], [c, s, 0.0], 1e-3), [0.0; 3])
+    };
+    let points: Vec<Point> = (0..19).map(around).collect();
+    let strain = |k: usize| 0.01 * k as f64;
+    let grains = grain([0.0; 3], [0.0; 3], [0.0, 0.0, 500.0], &physics);
+    let mut scene = Scene::new(physics, grains, Vec::new(), sheared_continuum(&points, strain));
+    scene.evaluate(1e-4, [0.0; 2]);
+    assert_eq!(scene.contacts.touching().count(), 19);
+    for (k, contact) in scene.contacts.candidates.iter().enumerate() {
+        let tangential = dot(contact.touch.tangential, contact.touch.tangential).sqrt();
+        let expected = 0.1 + 0.2 * (-20.0 * strain(k)).exp();
+        assert!((tangential / contact.touch.normal_force / expected - 1.0).abs() < 1e-12, "{k}: {tangential} {expected}");
+    }
 }
 
 /// Slides the contact of a grain that moves and spins: the spring takes k_t times the slip at the middle of the overlap, and friction limits it; the torque

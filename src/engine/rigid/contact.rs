@@ -262,7 +262,7 @@ struct PosedBlock<'a> {
 }
 
 /// The other side of a contact that touches, as the contact law needs it.
-struct Across<'a> {
+struct Across {
     /// Unit normal out of the body.
     normal: [f64; 3],
     /// Overlap, m.
@@ -277,7 +277,7 @@ struct Across<'a> {
     spin: [f64; 3],
     /// Inverse mass of the other side, 1/kg.
     inverse_mass: f64,
-    pair: &'a Pair,
+    pair: Pair,
 }
 
 impl PosedBlock<'_> {
@@ -301,7 +301,7 @@ impl PosedBlock<'_> {
 }
 
 /// The other side of contact `c`, if they touch.
-fn across<'a>(scene: &BlockScene<'a>, body: &PosedBlock<'_>, c: &BlockContact) -> Option<Across<'a>> {
+fn across(scene: &BlockScene<'_>, body: &PosedBlock<'_>, c: &BlockContact) -> Option<Across> {
     let i = c.place as usize;
     Some(match c.other {
         Other::Point(_) => {
@@ -309,7 +309,7 @@ fn across<'a>(scene: &BlockScene<'a>, body: &PosedBlock<'_>, c: &BlockContact) -
             let (centre, transport) = (scene.point_at(i), points.transport_velocity[i]);
             let (beyond, velocity) = c.face.map_or((0.0, transport), |face| (face.beyond, face.velocity));
             let (normal, overlap, at) = body.meets(centre, c.radius + beyond)?;
-            let pair = scene.point_table.of_grain(points.law[i], body.block.material);
+            let pair = scene.point_table.at_plastic_strain(points.law[i], body.block.material, points.memory[i].plastic);
             let inverse_mass = 1.0 / points.velocity[i][3];
             Across { normal, overlap, r_eff: c.radius, at, velocity, spin: [0.0; 3], inverse_mass, pair }
         }
@@ -319,7 +319,7 @@ fn across<'a>(scene: &BlockScene<'a>, body: &PosedBlock<'_>, c: &BlockContact) -
             let (normal, overlap, at) = body.meets([x, y, z], radius)?;
             let spin = [p, q, r];
             let velocity = plus([u, v, w], cross(spin, less(at, [x, y, z])));
-            let pair = scene.table.grains(body.block.material, g.material[i]);
+            let pair = *scene.table.grains(body.block.material, g.material[i]);
             Across { normal, overlap, r_eff: radius, at, velocity, spin, inverse_mass, pair }
         }
         Other::Wall { wall: k, spot } => {
@@ -331,7 +331,7 @@ fn across<'a>(scene: &BlockScene<'a>, body: &PosedBlock<'_>, c: &BlockContact) -
             // the wall moves against `towards`
             let velocity = scaled(towards, -wall.speed);
             let at = less(spot, scaled(towards, -gap));
-            let pair = scene.table.wall(k, body.block.material);
+            let pair = *scene.table.wall(k, body.block.material);
             let r_eff = body.block.radius;
             Across { normal: towards, overlap: -gap, r_eff, at, velocity, spin: [0.0; 3], inverse_mass: 0.0, pair }
         }
@@ -376,8 +376,8 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, body: &PosedBlock<'_>, c
     let motion = RelativeMotion { centres: less(here, o.velocity), turning, mean_spin, spin_difference: less(body.spin, o.spin) };
     let m_eff = if L::VISCOUS { 1.0 / (body.inverse_mass(arm, o.normal) + o.inverse_mass) } else { 0.0 };
     let geometry = ContactGeometry { normal: o.normal, overlap: o.overlap, r_eff: o.r_eff, m_eff, motion };
-    let new = force::touching::<f64, L, false, true>(&geometry, o.pair, rules, &old);
-    let e = L::elastic(o.overlap, o.overlap, o.r_eff, o.pair);
+    let new = force::touching::<f64, L, false, true>(&geometry, &o.pair, rules, &old);
+    let e = L::elastic(o.overlap, o.overlap, o.r_eff, &o.pair);
     (c.touch, c.spring) = (new.touch, new.spring.unwrap_or_default());
     (c.arm, c.stiffness, c.inverse_mass) = (arm, [e.k_n, e.k_t], o.inverse_mass);
 }

@@ -6,6 +6,7 @@ use super::provenance::{Assumption, assumed_in};
 use super::view::View;
 use super::{files, overrides, validate, write};
 use crate::error::{Error, Result};
+use engine::material::InterfaceFriction;
 use engine::math::portable::ln;
 use engine::mpm::law::{Clay, Cone, Dilation, Elastic, Evolution, Law, Parameters, Shear, dilatancy};
 use std::path::Path;
@@ -43,6 +44,7 @@ pub fn continuum(path: &Path, sets: &[String]) -> Result<ContinuumMaterial> {
     let view = View::of(&layer);
     let named = Named { name: view.text("material.name").into(), at: "material".into() };
     let law = view.continuum(&named);
+    view.interface_friction("material.continuum");
     Error::all(view.into_errors())?;
     let law = law.ok_or_else(|| Error::input(path.display(), "continuum", None, "is not a complete law"))?;
     let table = layer.table.get("material").and_then(Value::as_table).cloned().unwrap_or_default();
@@ -113,6 +115,22 @@ impl View<'_> {
         } else {
             None
         }
+    }
+
+    /// Friction of a material as a continuum, whose table is `at`, on grains and rigid bodies; what does not agree is noted.
+    pub fn interface_friction(&self, at: &str) -> Option<InterfaceFriction> {
+        let keys = ["", "_residual", "_decay"].map(|part| format!("{at}.interface_friction{part}"));
+        let [initial, residual, decay] = [0, 1, 2].map(|k| self.number(&keys[k]));
+        if residual.is_none() && decay.is_none() {
+            return initial.map(InterfaceFriction::constant);
+        }
+        let word = self.text(&format!("{at}.law"));
+        let accumulates = Law::keys(word).is_some_and(|keys| keys.contains(&"dilation_angle"));
+        let own = if residual.is_some() { &keys[1] } else { &keys[2] };
+        self.check(accumulates, own, format!("has no meaning with law = \"{word}\": it accumulates no plastic shear strain"));
+        let [initial, residual, decay] =
+            [(initial, 0), (residual, 1), (decay, 2)].map(|(value, k)| value.or_else(|| self.needed(&keys[k], "friction that falls with plastic strain is given by interface_friction, interface_friction_residual and interface_friction_decay")));
+        Some(InterfaceFriction { initial: initial?, residual: residual?, decay: decay? })
     }
 
     /// The number at a key that this law needs; `what` it is.
@@ -386,7 +404,7 @@ mod tests {
     }
 
     #[test]
-    fn dilation_ends_only_where_friction_falls() {
+    fn plastic_keys_go_only_with_the_laws_that_use_them() {
         let soft = format!("{SOIL}[continuum.friction_evolution]\nlaw = \"linear\"\nlast_deg = 20.0\nplastic_strain = 0.1\n");
         // above the smallest friction angle, not above the largest
         let Law::DruckerPrager(law) =
@@ -406,6 +424,25 @@ mod tests {
             (SOIL, &["continuum.dilation=rowe"], "must be \"constant\" or \"mobilised\""),
             (CLAY, &["continuum.dilation=mobilised"], "continuum.dilation=mobilised: has no meaning with law = \"cam_clay\""),
             (CLAY, &["continuum.kappa=0.2"], "must be below lambda, 0.16"),
+            (
+                CLAY,
+                &[
+                    "continuum.interface_friction=0.2",
+                    "continuum.interface_friction_residual=0.1",
+                    "continuum.interface_friction_decay=9",
+                ],
+                "accumulates no plastic shear strain",
+            ),
+            (
+                SOIL,
+                &["continuum.interface_friction=0.2", "continuum.interface_friction_decay=9"],
+                "continuum.interface_friction_residual: is missing",
+            ),
+            (
+                SOIL,
+                &["continuum.interface_friction_residual=0.2", "continuum.interface_friction_decay=9"],
+                "continuum.interface_friction: is missing",
+            ),
             (CLAY, &["continuum.G_MPa=5"], "must have nu or G_MPa, one of them"),
             (CLAY, &["continuum.virgin_specific_volume=1.5"], "leaves no pores at the preconsolidation pressure"),
             (CLAY, &["continuum.friction_angle_deg=0"], "the ellipse has no height without friction"),

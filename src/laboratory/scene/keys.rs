@@ -942,7 +942,19 @@ const OWN: &[Key] = &[
         "material.continuum.interface_friction",
         Number(Range::closed(0.0, 10.0)),
         Absent,
-        "coefficient of friction of the continuum on grains and rigid bodies in it; where not written, that of its grains (contact.friction), which never roll then",
+        "coefficient of friction of the continuum on grains and rigid bodies in it, before any plastic strain; where not written, that of its grains (contact.friction), which never roll then",
+    ),
+    every(
+        "material.continuum.interface_friction_residual",
+        Number(Range::closed(0.0, 10.0)),
+        Absent,
+        "drucker_prager, mohr_coulomb: coefficient of friction on grains and rigid bodies towards which interface_friction goes; where not written, it stays",
+    ),
+    every(
+        "material.continuum.interface_friction_decay",
+        Number(POSITIVE),
+        Absent,
+        "with interface_friction_residual: rate H of exp(-H plastic strain) with which the difference to it falls",
     ),
     every(
         "material.continuum.cohesion_kPa",

@@ -97,7 +97,7 @@ impl View<'_> {
             poisson,
             friction: friction?,
             rolling_friction: self.si(&of.key("contact.rolling_friction")),
-            interface_friction: self.number(&of.key("continuum.interface_friction")),
+            interface_friction: self.interface_friction(&of.key("continuum")),
             contact,
         })
     }

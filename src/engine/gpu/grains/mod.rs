@@ -180,15 +180,16 @@ impl Bodies {
         let laws = cpu.laws().len();
         let point_walls = table.touched_walls();
         let mut all: Vec<[f32; 4]> = Vec::new();
-        let mut put = |p: &Pair| {
+        let mut put = |p: &Pair, [residual, decay]: [f64; 2]| {
             all.push([p.normal_stiffness, p.tangential_stiffness, p.friction, p.viscous].map(|x| x as f32));
-            all.push([p.e_eff as f32, 0.0, 0.0, 0.0]);
+            all.push([p.e_eff, residual, decay, 0.0].map(|x| x as f32));
         };
         let of = |n: usize| (0..n).map(|k| k as u8);
-        of(materials).for_each(|a| of(materials).for_each(|b| put(pairs.grains(a, b))));
-        of(laws).for_each(|law| of(materials).for_each(|m| put(table.of_grain(law, m))));
-        (0..state.walls.len()).for_each(|k| of(materials).for_each(|m| put(pairs.wall(k, m))));
-        (0..point_walls).for_each(|k| of(laws).for_each(|law| put(table.of_wall(law, k))));
+        of(materials).for_each(|a| of(materials).for_each(|b| put(pairs.grains(a, b), [0.0; 2])));
+        let softening = |law| table.softening(law).map_or([0.0; 2], |s| [s.residual, s.decay]);
+        of(laws).for_each(|law| of(materials).for_each(|m| put(table.of_grain(law, m), softening(law))));
+        (0..state.walls.len()).for_each(|k| of(materials).for_each(|m| put(pairs.wall(k, m), [0.0; 2])));
+        (0..point_walls).for_each(|k| of(laws).for_each(|law| put(table.of_wall(law, k), [0.0; 2])));
         let first = [materials * materials, laws * materials, state.walls.len() * materials];
         let starts = [first[0], first[0] + first[1], first[0] + first[1] + first[2], 0].map(|k| 2 * k as u32);
         let most = (0..points.len()).map(|i| super::state::ghost_radius(points, i)).fold(0.0, f64::max);

@@ -177,6 +177,17 @@ fn point_candidates(one: Thread) {
     }
 }
 
+// Parameters of a contact of a point with a grain, with the friction at the plastic strain that the point has now.
+fn softened(at: u32, i: u32) -> Pair {
+    var pair = pair_at(at);
+    let softening = tables[at + 1u];
+    if softening.z > 0.0 {
+        let plastic = number(SHEAR, i).w + number(SHEAR_LOW, i).w;
+        pair.friction = softening.y + (pair.friction - softening.y) * decay_of(softening.z * plastic);
+    }
+    return pair;
+}
+
 // Force of each contact of a point, and where it acts on the point.
 @compute @workgroup_size(GROUP)
 fn point_contact_forces(one: Thread) {
@@ -208,7 +219,7 @@ fn point_contact_forces(one: Thread) {
         if on_wall {
             pair = pair_at(coupling.tables.z + 2u * ((body - WALLS) * coupling.laws + law));
         } else {
-            pair = pair_at(coupling.tables.x + 2u * (law * coupling.materials + (grain_word(G_UNITS, body).w)));
+            pair = softened(coupling.tables.x + 2u * (law * coupling.materials + (grain_word(G_UNITS, body).w)), i);
         }
         var place_of_force = bitcast<vec4<f32>>(rows[row_at(C_PLACE, s, r)]);
         var face = bitcast<vec4<f32>>(rows[row_at(C_FACE, s, r)]);

@@ -9,7 +9,7 @@ use crate::dem::{State, Workspace};
 use crate::gpu::continuum::DeviceContinuum;
 use crate::gpu::grains::CoarseGrains;
 use crate::grains::Grains;
-use crate::material::Material;
+use crate::material::{InterfaceFriction, Material};
 use crate::math::vector::{dot, less};
 use crate::mpm::law::{Elastic, Law};
 use crate::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
@@ -40,7 +40,8 @@ impl Impact {
             friction: 0.4,
             contact: [0.6, 0.0, 0.0, 0.0],
             rolling_friction: 0.0,
-            interface_friction: None,
+            // falls with the plastic strain that the points have from the start
+            interface_friction: Some(InterfaceFriction { initial: 0.5, residual: 0.1, decay: 20.0 }),
         };
         let physics = Physics::of(vec![material], ContactLaw::Hertz);
         let settings = Settings {
@@ -72,6 +73,7 @@ impl Impact {
                 porosity: 0.4,
                 law: 0,
             });
+            points.memory.last_mut().expect("a point").plastic = 0.02 * f64::from(k % 7);
         }
         let mut continuum = Continuum::new(settings, vec![Law::Elastic(Elastic::of_young(1e6, 0.3))], points).expect("allowed");
         let mut grains = Grains::default();
@@ -163,6 +165,18 @@ fn faces_move_as_on_the_processor() {
     let of_velocity = largest(&|e, f| (0..3).map(|a| (face(e).velocity[a] - face(f).velocity[a]).abs()).fold(0.0, f64::max));
     let strongest = exact.iter().map(|c| c.touch.normal_force).fold(0.0, f64::max);
     let of_force = largest(&|e, f| (e.touch.normal_force - f.touch.normal_force).abs()) / strongest;
-    println!("off by {of_beyond:e} cells, velocity {of_velocity:e} m/s, force {of_force:e} of the largest");
-    assert!(of_beyond < 1e-7 && of_velocity < 3e-6 && of_force < 3e-6);
+    let of_friction =
+        largest(&|e, f| (0..3).map(|a| (e.touch.tangential[a] - f.touch.tangential[a]).abs()).fold(0.0, f64::max)) / strongest;
+    println!(
+        "off by {of_beyond:e} cells, velocity {of_velocity:e} m/s, force {of_force:e} of the largest, tangential {of_friction:e}"
+    );
+    assert!(of_beyond < 1e-7 && of_velocity < 3e-6 && of_force < 3e-6 && of_friction < 3e-6);
+    // friction of points of different plastic strain, on both sides, differs
+    let sliding: Vec<f64> = exact
+        .iter()
+        .filter(|c| c.touch.normal_force > 0.0)
+        .map(|c| c.touch.tangential.iter().map(|x| x * x).sum::<f64>().sqrt() / c.touch.normal_force)
+        .collect();
+    let least = sliding.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(sliding.iter().any(|mu| *mu > 0.3) && least < 0.2, "{sliding:?}");
 }
