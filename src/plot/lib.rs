@@ -128,6 +128,11 @@ pub fn read_column(path: &Path, column: &str) -> Result<Vec<f64>> {
     table::Table::read(path)?.numbers(column)
 }
 
+/// Draws the section through the mixture of a run at its start and end into `out`; nothing without both points and grains.
+pub fn draw_section(dir: &Path, out: &Path) -> Result<Vec<PathBuf>> {
+    section::draw(&Run::read(dir)?, out)
+}
+
 /// Draws the view of a run's specimen with grains coloured by `colouring` into `out`.
 pub fn draw_specimen(dir: &Path, colouring: &Colouring, out: &Path) -> Result<Vec<PathBuf>> {
     let files = specimen::draw(&Run::read(dir)?, colouring, out)?;

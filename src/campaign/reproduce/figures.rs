@@ -18,20 +18,23 @@ pub fn draw(figure: &Figure, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> 
         let of = |id: &String| done.iter().find(|d| d.id == *id).map(Done::folders).unwrap_or_default();
         ids.iter().flat_map(of).collect()
     };
+    // a folder for each entry of the plan, drawn from its first seed
+    let of_each = |ids: &[String], draw: &dyn Fn(&Path, &Path) -> plot::Result<Vec<PathBuf>>| -> Result<Vec<PathBuf>> {
+        let mut files = Vec::new();
+        for id in ids {
+            if let Some(first) = folders(std::slice::from_ref(id)).first() {
+                files.extend(draw(first, &dir.join(id))?);
+            }
+        }
+        Ok(files)
+    };
     match &figure.draw {
         Content::Curves { show, runs } => {
             let folders = folders(runs);
             if folders.is_empty() { Ok(Vec::new()) } else { Ok(plot::chosen(&folders, &[], show, dir)?) }
         }
-        Content::Specimen { runs } => {
-            let mut files = Vec::new();
-            for id in runs {
-                if let Some(first) = folders(std::slice::from_ref(id)).first() {
-                    files.extend(plot::draw_specimen(first, &Colouring::Generation, &dir.join(id))?);
-                }
-            }
-            Ok(files)
-        }
+        Content::Specimen { runs } => of_each(runs, &|run, out| plot::draw_specimen(run, &Colouring::Generation, out)),
+        Content::Section { runs } => of_each(runs, &plot::draw_section),
         Content::Cost { runs } => cost(runs, done, dir),
         Content::LimitForce { diameter_mm, m, sets } => Ok(limit_force(*diameter_mm, m, sets).draw(dir)?),
     }

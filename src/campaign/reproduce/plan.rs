@@ -101,6 +101,8 @@ pub enum Measure {
     Residual,
     /// Volumetric strain at the end, compression positive.
     VolumetricStrain,
+    /// Mean plastic strain of the points next to coarse grains over that of all points, at the end.
+    PlasticStrainAroundGrains,
     /// Run time.
     WallTime,
 }
@@ -164,6 +166,11 @@ pub enum Content {
     },
     /// Views of the specimens of runs before and after the test.
     Specimen {
+        /// Names of runs of the plan.
+        runs: Vec<String>,
+    },
+    /// Sections through mixtures before and after the test, coloured by plastic strain.
+    Section {
         /// Names of runs of the plan.
         runs: Vec<String>,
     },
@@ -264,7 +271,7 @@ impl Plan {
                 errors.push(wrong(&figure.name, "must be the name of a folder"));
             }
             match &figure.draw {
-                Content::Curves { runs, .. } | Content::Specimen { runs } | Content::Cost { runs } => {
+                Content::Curves { runs, .. } | Content::Specimen { runs } | Content::Section { runs } | Content::Cost { runs } => {
                     let unknown = runs.iter().filter(|id| self.run(id).is_none());
                     errors.extend(unknown.map(|id| wrong(id, "is no run of the plan")));
                 }

@@ -2,6 +2,7 @@
 
 mod counts;
 mod crushing;
+mod plastic_zone;
 mod runs;
 mod triaxial;
 

@@ -1,5 +1,6 @@
 //! Triaxial tests: peak, end, volume and run time, and what the paper says of them.
 
+use super::plastic_zone::around_grains;
 use super::{Comparison, runs};
 use crate::reproduce::plan::{Measure, Order, Plan, Statement};
 use crate::reproduce::report::cell;
@@ -49,15 +50,17 @@ struct Shown {
     residual: f64,
     /// Volumetric strain at the end.
     volume: f64,
+    /// Plastic strain next to coarse grains over that of all points.
+    around: Option<f64>,
 }
 
 impl Shown {
-    /// From the rows (axial strain, volumetric strain, σ₁/σ₃) of loading; `None` without rows.
-    fn of(rows: &[[f64; 3]]) -> Option<Shown> {
+    /// From the rows (axial strain, volumetric strain, σ₁/σ₃) of loading, and the plastic strain around grains; `None` without rows.
+    fn of(rows: &[[f64; 3]], around: Option<f64>) -> Option<Shown> {
         let [end, volume, _] = *rows.last()?;
         let peak = rows.iter().fold([f64::NEG_INFINITY, 0.0], |most, r| if r[2] > most[0] { [r[2], r[0]] } else { most });
         let late: Vec<f64> = rows.iter().filter(|r| r[0] >= end - RESIDUAL * (1.0 + 1e-9)).map(|r| r[2]).collect();
-        Some(Shown { peak, residual: late.iter().sum::<f64>() / late.len() as f64, volume })
+        Some(Shown { peak, residual: late.iter().sum::<f64>() / late.len() as f64, volume, around })
     }
 
     /// Value of a measure; run times stand in the summary, not here.
@@ -67,6 +70,7 @@ impl Shown {
             Measure::PeakStrain => Some(self.peak[1]),
             Measure::Residual => Some(self.residual),
             Measure::VolumetricStrain => Some(self.volume),
+            Measure::PlasticStrainAroundGrains => self.around,
             Measure::WallTime => None,
         }
     }
@@ -107,7 +111,7 @@ fn all(done: &[Done]) -> Result<Vec<Test<'_>>> {
 /// What a run shows; `None` if it is no triaxial test.
 fn shown(seed: &Seed) -> Result<Option<Shown>> {
     let columns = ["axial_strain", "volumetric_strain", "principal_ratio"];
-    Ok(Shown::of(&loading(&seed.folder.join("history.csv"), columns)?))
+    Ok(Shown::of(&loading(&seed.folder.join("history.csv"), columns)?, around_grains(&seed.folder)?))
 }
 
 /// Writes a line for every entry of the plan.
@@ -153,6 +157,7 @@ fn write(tests: &[Test<'_>], path: &Path) -> Result<PathBuf> {
 fn text(of: Measure, s: Option<Spread>) -> String {
     let one = |x: f64| match of {
         Measure::Peak | Measure::Residual => format!("{x:.3}"),
+        Measure::PlasticStrainAroundGrains => format!("{x:.2}"),
         Measure::PeakStrain | Measure::VolumetricStrain => format!("{:.2} %", 100.0 * x),
         Measure::WallTime => format!("{} min", significant(x, 3)),
     };
@@ -249,9 +254,9 @@ mod tests {
 
     #[test]
     fn a_test_shows_its_peak_its_end_and_its_volume() {
-        assert_eq!(Shown::of(&[]), None);
+        assert_eq!(Shown::of(&[], None), None);
         let rows = [[0.0, 0.0, 1.0], [0.02, 0.001, 3.0], [0.09, -0.02, 2.2], [0.095, -0.03, 2.1], [0.1, -0.04, 1.9]];
-        let shown = Shown::of(&rows).expect("rows");
+        let shown = Shown::of(&rows, Some(1.2)).expect("rows");
         assert_eq!((shown.peak, shown.volume), ([3.0, 0.02], -0.04));
         assert!((shown.residual - (2.2 + 2.1 + 1.9) / 3.0).abs() < 1e-12, "the last percent: {shown:?}");
     }
