@@ -228,10 +228,11 @@ fn a_mixture_outside_of_the_range_is_doubted() {
     // 1:5, as the paper has it; and grains alone
     check("twin_points", "seed.packing=1").success().stderr(contains("times as large as the ghosts").not());
     check("twin_points", "coarse.mass_fraction=1.0").success().stderr(contains("warning").not());
-    // cells that hold too few points
-    let few = "the soil comes apart";
-    check("twin_points", "grid.cell_mm=2.5").success().stderr(contains("holds 2.4 points").and(contains(few)));
-    check("twin_points", "seed.packing=1").success().stderr(contains(few).not());
+    // cells that hold too few points, and cells wider than a grain, are refused with what would do
+    let few = contains("grid.cell_mm").and(contains("must be at least 2.98")).and(contains("with 2.4 the soil comes apart"));
+    check("twin_points", "grid.cell_mm=2.5").code(2).stderr(few);
+    let wide = contains("grid.cell_mm").and(contains("must be at most 3.5").and(contains("better 1.75")));
+    check("twin_points", "coarse.diameter_mm=[3.5, 3.6]").code(2).stderr(wide);
     // too many of them, and too near each other for points to be between
     let many = "of the mass are coarse grains";
     check("triaxial_60_50kPa", "seed.packing=1").success().stderr(contains(many));

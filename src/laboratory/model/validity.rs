@@ -1,10 +1,11 @@
-//! Warnings for a mixture in which the fine grains cannot be replaced by a continuum. Li et al. 2023 (sections 4 and 6) had good
+//! Refusals of, and warnings for, a mixture in which the fine grains cannot be replaced by a continuum. Li et al. 2023 (sections 4 and 6) had good
 //! results at a size ratio of 1:5 and up to 40 % of coarse grains; so far mixtures were compared with the same tests with fine
 //! grains instead of points (figures/mixture).
 
 use crate::model::continuum::MpmTest;
 use engine::dem::physics::Physics;
 use engine::grains::sphere_volume;
+use engine::material::Material;
 use engine::mpm::loading_plate::ghost_radius;
 use engine::mpm::{Dimension, Transfer};
 
@@ -13,9 +14,9 @@ use engine::mpm::{Dimension, Transfer};
 const RATIO: f64 = 4.9;
 /// Largest share of coarse grains in the mass: 40 %, and some room for the scatter of a drawn gradation.
 const CONTENT: f64 = 0.41;
-/// Largest ratio of a cell's edge to the diameter of the smallest grain.
+/// Largest ratio of a cell's edge to the diameter of the smallest grain; a cell wider than the grain is refused.
 const CELL: f64 = 0.5;
-/// Least number of points in a cell that is full of soil whose porosity is [`POROSITY`]. With 2.4 of them (`experiments/mixture/twin_points.toml`, `grid.cell_mm = 2.5`) neighbours lose each other as
+/// Least number of points, below which cells are refused, in a cell that is full of soil whose porosity is [`POROSITY`]. With 2.4 of them (`experiments/mixture/twin_points.toml`, `grid.cell_mm = 2.5`) neighbours lose each other as
 /// the soil shears: it does not dilate, and its strength has no peak.
 const POINTS: f64 = 4.0;
 /// Porosity of dense soil, as of the specimens of Li et al. 2023.
@@ -36,8 +37,8 @@ struct Sizes {
 }
 
 /// Sizes of the present grains and points, or of those that will grow; `None` where grains or points are missing.
-fn sizes(physics: &Physics, rig: &MpmTest) -> Option<Sizes> {
-    let density = |material: u8| physics.materials[usize::from(material)].density;
+fn sizes(materials: &[Material], rig: &MpmTest) -> Option<Sizes> {
+    let density = |material: u8| materials[usize::from(material)].density;
     let grains = &rig.coarse.as_ref()?.grains;
     if let (Some(growth), true) = (&rig.growth, grains.is_empty()) {
         let coarse = growth.coarse.filter(|_| growth.as_points && growth.fines.count() > 0)?;
@@ -93,9 +94,39 @@ pub fn viscous(rig: &MpmTest, dt: f64) -> Option<String> {
     })
 }
 
+impl Sizes {
+    /// Edge of a cell, m, that holds eight points, two along each edge.
+    fn full_cell(&self) -> f64 {
+        2.0 * (sphere_volume(0.5 * self.ghosts[0]) / (1.0 - POROSITY)).cbrt()
+    }
+}
+
+/// Why the cells of a test of a mixture are refused, with what would do; `None`: they are not. Where grains break (`crushing`) their daughters are smaller than any cell
+/// sooner or later, so that small grains are only warned of.
+pub fn refusal(materials: &[Material], rig: &MpmTest, crushing: bool) -> Option<String> {
+    let sizes = sizes(materials, rig).filter(|_| rig.specimen().is_some())?;
+    let (cell, full) = (rig.settings.cell, sizes.full_cell());
+    let held = 8.0 * (cell / full).powi(3);
+    if held < POINTS {
+        return Some(format!(
+            "must be at least {:.4}, where a cell holds {POINTS} points, better {:.4}, where it holds 8: with {held:.1} the soil comes apart as it shears",
+            1e3 * full * (POINTS / 8.0).cbrt(),
+            1e3 * full
+        ));
+    }
+    (cell > sizes.least && !crushing).then(|| {
+        format!(
+            "must be at most {:.4}, the diameter of the smallest grain, better {:.4}, half of it: all soil around such a grain moves as one",
+            1e3 * sizes.least,
+            1e3 * CELL * sizes.least
+        )
+    })
+}
+
 /// One warning for each limit that the mixture exceeds; they stand in `summary.json` (`outside_of_the_method`).
 pub fn warnings(physics: &Physics, rig: &MpmTest) -> Vec<String> {
-    let Some(Sizes { mean, least, ghosts: [ghost, widest], content }) = sizes(physics, rig) else { return Vec::new() };
+    let Some(sizes) = sizes(&physics.materials, rig) else { return Vec::new() };
+    let Sizes { mean, least, ghosts: [ghost, widest], content } = sizes;
     let mut doubts = Vec::new();
     if mean < RATIO * ghost {
         doubts.push(format!(
@@ -108,16 +139,6 @@ pub fn warnings(physics: &Physics, rig: &MpmTest) -> Vec<String> {
             "grid.cell_mm = {:.4} is more than half of the smallest grain, {:.4} mm: the material around it moves as one",
             1e3 * rig.settings.cell,
             1e3 * least
-        ));
-    }
-    // the edge of a cell that holds one point of the mean size
-    let edge = (sphere_volume(0.5 * ghost) / (1.0 - POROSITY)).cbrt();
-    let held = (rig.settings.cell / edge).powi(3);
-    if rig.specimen().is_some() && held < POINTS {
-        doubts.push(format!(
-            "grid.cell_mm = {:.4} holds {held:.1} points; below {POINTS} the soil comes apart as it shears: 8 points take {:.4} mm",
-            1e3 * rig.settings.cell,
-            2e3 * edge
         ));
     }
     if rig.specimen().is_some() && content > CONTENT {
@@ -143,7 +164,7 @@ pub fn warnings(physics: &Physics, rig: &MpmTest) -> Vec<String> {
     let mut of_points = rig.coarse.iter().flat_map(|c| &c.point_materials).map(|m| &physics.materials[usize::from(*m)]);
     if let (Some(_), Some(soil)) = (rig.specimen(), of_points.find(|m| m.interface_friction.is_none())) {
         doubts.push(format!(
-            "points have their grains' friction on coarse grains, {}: fine grains roll along coarse ones and pass on less (a third of it in figures/mixture); \
+            "points have their grains' friction on coarse grains, {:.3}: fine grains roll along coarse ones and pass on less (a third of it in figures/mixture); \
              give continuum.interface_friction, which comminute calibrate fines --interface measures",
             soil.friction
         ));

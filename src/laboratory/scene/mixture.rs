@@ -4,6 +4,7 @@ use super::material::Named;
 use super::view::View;
 use crate::model::GrainSpec;
 use crate::model::continuum::{CoarseGrains, Fraction, MpmSpecimen, MpmTest};
+use crate::model::validity::refusal;
 use crate::packing::dispersed;
 use engine::coupling::{Rates, Rule};
 use engine::grains::sphere_volume;
@@ -84,6 +85,9 @@ impl View<'_> {
         self.blocks_have_room(&rig, &coarse);
         self.grains_have_room(&rig, &coarse.grains);
         rig.coarse = Some(coarse);
+        if let Some(why) = refusal(materials, &rig, self.flag("crushing.enabled")) {
+            self.refuse("grid.cell_mm", why);
+        }
         Some(rig)
     }
 
