@@ -10,9 +10,11 @@ declare -A figures=(
     [impact_refined]="loss_cells loss_points"
     [crater]="depth ratio"
     [crater_outer]="depth"
+    [crater_mohr_coulomb]="depth ratio"
+    [collapse_mohr_coulomb]="run_out"
     [rates]="saving"
 )
-for case in impact_refined crater crater_outer crater_numerics rates; do
+for case in impact_refined crater crater_outer crater_mohr_coulomb crater_numerics collapse_mohr_coulomb rates; do
     "$program" verify --only $case --levels ${levels[$case]:-8} --continue --out "$out/$case"
     mkdir -p figures/mixture/$case
     cp "$out/$case"/verification.{csv,md} figures/mixture/$case

@@ -37,6 +37,15 @@ pub const PLANE: Case = Case {
     run: in_plane,
     graphs: Some(|rows| graphs(&PLANE, rows, &[("Lube et al. 2005", channel), ("Lajeunesse et al. 2005", beads)])),
 };
+/// The columns of [`SPACE`] with a surface that has corners, as the tests of Lube et al. have no cone.
+pub const MOHR_COULOMB: Case = Case {
+    name: "collapse_mohr_coulomb",
+    about: "A quarter of a granular column collapses on a rough floor (as collapse, with the surface of Mohr-Coulomb; scene collapse_mohr_coulomb)",
+    ways: &["FLIP, a = 0.6", "FLIP, a = 1", "FLIP, a = 2"],
+    run: |task| collapse(task, "collapse_mohr_coulomb", false, [height(task)], lube),
+    graphs: Some(|rows| graphs(&MOHR_COULOMB, rows, &[("Lube et al. 2004", lube)])),
+    ..SPACE
+};
 const ASPECTS: [f64; 3] = [0.6, 1.0, 2.0];
 /// Duration of a run for each aspect ratio, s; all points are at rest then.
 const DURATION: [f64; 3] = [0.5, 0.6, 0.8];
@@ -65,8 +74,12 @@ fn beads(a: f64) -> f64 {
 
 fn in_space(task: &Task) -> Result<Found> {
     let cone = if task.way < 3 { "outer" } else { "plane_strain" };
-    let height = format!("body[0].height_mm={:?}", START * ASPECTS[task.way % 3]);
-    collapse(task, "collapse", task.way >= 6, [height, format!("material.continuum.cone={cone:?}")], lube)
+    collapse(task, "collapse", task.way >= 6, [height(task), format!("material.continuum.cone={cone:?}")], lube)
+}
+
+/// The height of a column in space.
+fn height(task: &Task) -> String {
+    format!("body[0].height_mm={:?}", START * ASPECTS[task.way % 3])
 }
 
 fn in_plane(task: &Task) -> Result<Found> {
@@ -74,7 +87,7 @@ fn in_plane(task: &Task) -> Result<Found> {
     collapse(task, "collapse_2d", task.way >= 3, [corner, "grid.plane_strain=true".into()], channel)
 }
 
-fn collapse(task: &Task, name: &str, affine: bool, own: [String; 2], law: fn(f64) -> f64) -> Result<Found> {
+fn collapse(task: &Task, name: &str, affine: bool, own: impl IntoIterator<Item = String>, law: fn(f64) -> f64) -> Result<Found> {
     let cell = 2.0 * START / f64::from(task.cells);
     let mut sets = vec![format!("grid.cell_mm={cell:?}"), format!("duration_s={:?}", DURATION[task.way % 3])];
     if affine {

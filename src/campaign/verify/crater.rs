@@ -10,6 +10,8 @@ const ABOUT: &str =
 const EXACT: &str =
     "D = 0.14/μ √(ρ_ball/ρ_sand) (2R)^(2/3) (h + D)^(1/3) (eq. 62; Uehara et al. 2003, Ambroso et al. 2005, experiments)";
 const ACROSS: &str = "cells along the ball's radius";
+/// Scene of the cases with a cone.
+const SCENE: &str = "../mixture/crater";
 /// The ways: three heights of fall for each combination of ball and sand.
 const DROPS: &[&str] = &[
     "R 12.5 mm, μ 0.3, h 50 mm",
@@ -35,15 +37,24 @@ pub const CASE: Case = Case {
     resolutions: &[2, 3, 4],
     ways: DROPS,
     quantities: &["depth"],
-    run: |task| fall(task, &drop(task.way), &[]),
+    run: |task| fall(task, SCENE, &drop(task.way), &[]),
     graphs: Some(|rows| graphs("crater", "plane-strain cone", rows)),
 };
 pub const OUTER: Case = Case {
     name: "crater_outer",
     about: "A ball falls into dry sand (as crater, with the outer cone)",
     resolutions: &[2],
-    run: |task| fall(task, &drop(task.way), &["materials.sand.continuum.cone=\"outer\"".into()]),
+    run: |task| fall(task, SCENE, &drop(task.way), &["materials.sand.continuum.cone=\"outer\"".into()]),
     graphs: Some(|rows| graphs("crater_outer", "outer cone", rows)),
+    ..CASE
+};
+/// The case with the surface of Mohr–Coulomb, between both cones.
+pub const MOHR_COULOMB: Case = Case {
+    name: "crater_mohr_coulomb",
+    about: "A ball falls into dry sand (as crater, with the surface of Mohr-Coulomb; scene crater_mohr_coulomb)",
+    resolutions: &[2, 3],
+    run: |task| fall(task, "../mixture/crater_mohr_coulomb", &drop(task.way), &[]),
+    graphs: Some(|rows| graphs("crater_mohr_coulomb", "Mohr–Coulomb", rows)),
     ..CASE
 };
 /// The case that shows how the depth of one drop depends on the method, the ball's friction and the
@@ -63,7 +74,7 @@ pub const NUMERICS: Case = Case {
             _ => &[],
         };
         let own: Vec<String> = own.iter().map(|s| (*s).into()).collect();
-        fall(task, &drop(8), &own)
+        fall(task, SCENE, &drop(8), &own)
     },
     graphs: None,
     ..CASE
@@ -128,10 +139,10 @@ impl Drop {
 }
 
 /// Runs the case: error of the depth against eq. 62, depth, m, and last speed over the first.
-fn fall(task: &Task, drop: &Drop, own: &[String]) -> Result<Found> {
+fn fall(task: &Task, name: &str, drop: &Drop, own: &[String]) -> Result<Found> {
     let mut sets = drop.sets(task.cells);
     sets.extend_from_slice(own);
-    let run = scene::run(task, "../mixture/crater", &sets)?;
+    let run = scene::run(task, name, &sets)?;
     let (points, steps) = run.size()?;
     let depth = -1e-3 * run.ends("lowest_grain_mm")?[1];
     let moving = (run.ends("coarse_kinetic_J")?[1] / run.ends("coarse_kinetic_J")?[0]).sqrt();

@@ -125,7 +125,8 @@ pub const CASES: [Case; 15] = [
 ];
 
 /// Cases that take longer, and are run when they are named.
-pub const STUDIES: [Case; 5] = [impact::REFINED, crater::CASE, crater::OUTER, crater::NUMERICS, rates::CASE];
+pub const STUDIES: [Case; 7] =
+    [impact::REFINED, crater::CASE, crater::OUTER, crater::MOHR_COULOMB, crater::NUMERICS, collapse::MOHR_COULOMB, rates::CASE];
 
 static USUAL: [Case; CASES.len()] = CASES;
 static LONG: [Case; STUDIES.len()] = STUDIES;
