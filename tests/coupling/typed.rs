@@ -244,6 +244,22 @@ fn a_mixture_outside_of_the_range_is_doubted() {
     check("triaxial_20_50kPa", "materials.fines=materials/li2023_fines.toml").success().stderr(contains(rolling));
 }
 
+/// Forces act on faces or centres of points as the kind of scene has it, and as the scene says.
+#[test]
+fn the_place_of_forces_on_points_can_be_chosen() {
+    let folder = tempfile::tempdir().expect("folder");
+    let end = |name: &str, set: Option<&str>| {
+        let out = folder.path().join(name);
+        let sets: Vec<&str> = ["records.rows=2"].into_iter().chain(set).chain(QUIET).collect();
+        run("mixture/ball_impact_point", &out, &sets, &[]).assert().success();
+        std::fs::read_to_string(out.join("points_final.csv")).expect("points")
+    };
+    let [usual, centre, face] =
+        [end("usual", None), end("centre", Some("contact.on_points=centre")), end("face", Some("contact.on_points=face"))];
+    assert!(usual == centre && usual != face);
+    check("ball_impact", "contact.on_points=edge").code(2).stderr(contains("\"face\" or \"centre\""));
+}
+
 /// A grain that would be through the points before it sees them ends the run.
 #[test]
 fn a_grain_too_fast_for_its_step_is_told() {

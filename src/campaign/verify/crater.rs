@@ -62,8 +62,17 @@ pub const MOHR_COULOMB: Case = Case {
 pub const NUMERICS: Case = Case {
     name: "crater_numerics",
     about: "A ball of 20 mm falls from 200 mm into dry sand with μ 0.3 (as crater)",
-    resolutions: &[2],
-    ways: &["0.1 % PIC", "no PIC", "1 % PIC", "APIC", "0.1 % PIC, smooth ball", "0.1 % PIC, sand of 20 MPa"],
+    resolutions: &[2, 3],
+    ways: &[
+        "0.1 % PIC",
+        "no PIC",
+        "1 % PIC",
+        "APIC",
+        "0.1 % PIC, smooth ball",
+        "0.1 % PIC, sand of 20 MPa",
+        "no PIC, forces at faces",
+        "no PIC, forces at faces, smooth ball",
+    ],
     run: |task| {
         let own: &[&str] = match task.way {
             1 => &["grid.pic=0.0"],
@@ -71,6 +80,8 @@ pub const NUMERICS: Case = Case {
             3 => &["grid.pic=0.0", "grid.transfer=\"apic\""],
             4 => &["materials.ball.contact.friction=0.0"],
             5 => &["materials.sand.continuum.E_MPa=20.0", "materials.sand.elastic.E_GPa=0.02"],
+            6 => &["grid.pic=0.0", "contact.on_points=\"face\""],
+            7 => &["grid.pic=0.0", "contact.on_points=\"face\"", "materials.sand.continuum.interface_friction=0.0"],
             _ => &[],
         };
         let own: Vec<String> = own.iter().map(|s| (*s).into()).collect();

@@ -56,6 +56,8 @@ pub struct CoarseGrains {
     pub rates: Option<Rates>,
     /// How the mass that breakages lose becomes points; `None`: it does not.
     pub fines: Option<Rule>,
+    /// Whether contacts act on the faces of points, else on their centres ([`engine::point_contacts::PointContactTable::faces`]).
+    pub faces: bool,
 }
 
 /// A specimen grown by volume expansion (Li et al. 2023, section 4.1).

@@ -498,6 +498,12 @@ const OWN: &[Key] = &[
         Absent,
         "tangential force while the normal force falls. keep: unchanged, as in the paper; rescale: reduced in proportion to the tangential stiffness, which creates no energy. If not written: rescale where grains break, else keep",
     ),
+    mixture(
+        "contact.on_points",
+        Choice(&["face", "centre"]),
+        Absent,
+        "where forces of contacts with grains and rigid bodies act on a point: face, where the grain is; centre (Li et al. 2023, eq. 29). If not written: face in a test between platens, centre in a free scene",
+    ),
     both("contact.rotation", Choice(&["free", "fixed"]), Is("\"free\""), "whether grains turn; fixed, they stand for angular ones"),
     cylinder("walls.friction.bottom", Number(FRICTION), Is("0.0"), "friction coefficient of the lower platen"),
     cylinder("walls.friction.top", Number(FRICTION), Is("0.0"), "friction coefficient of the upper platen"),

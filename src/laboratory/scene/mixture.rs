@@ -81,7 +81,12 @@ impl View<'_> {
         rig.growth = growth;
         rig.left_out[1] = unplaced;
         let fines = self.fines_as_points(materials, &rig, &grains)?;
-        let coarse = CoarseGrains { grains, blocks, walls, point_materials, rates, fines };
+        let faces = match self.text("contact.on_points") {
+            "face" => true,
+            "centre" => false,
+            _ => test,
+        };
+        let coarse = CoarseGrains { grains, blocks, walls, point_materials, rates, fines, faces };
         self.blocks_have_room(&rig, &coarse);
         self.grains_have_room(&rig, &coarse.grains);
         rig.coarse = Some(coarse);

@@ -71,7 +71,7 @@ fn point_table(model: &Model, rig: &MpmTest, mixture: &Mixture) -> PointContactT
     // in a test the loading plates and the walls of the grid act on the points themselves
     let walls: &[Wall] = if rig.specimen().is_some() { &[] } else { &mixture.grains.walls };
     PointContactTable::new(model.physics.contact.law, point_materials, &model.physics.materials, walls)
-        .with_faces(rig.specimen().is_some())
+        .with_faces(rig.coarse.as_ref().is_some_and(|c| c.faces))
 }
 
 /// Working memory and contact parameters of a mixture on the CPU. It can be made anew from the state between any two cycles.
