@@ -4,9 +4,10 @@ use crate::common::typed::{columns, comminute, number, run, same_files, summary}
 use predicates::prelude::{PredicateBooleanExt, predicate::str::contains};
 use std::path::Path;
 
-/// A fifth of the fines of the small twin.
-const SMALL: [&str; 6] = [
+/// A fifth of the fines of the small twin, in cells that hold seven of them.
+const SMALL: [&str; 7] = [
     "growth.fines_diameter_mm=[3.4, 3.6]",
+    "grid.cell_mm=6.25",
     "growth.friction=0.1",
     "test.axial_strain=0.002",
     "records.rows=20",
@@ -84,7 +85,7 @@ fn grains_alone_are_sheared_at_constant_volume() {
 fn fines_from_crushing_enter_a_grown_specimen() {
     let folder = tempfile::tempdir().expect("folder");
     let out = folder.path().join("out");
-    let own = ["growth.fines_diameter_mm=[2.9, 3.1]", "test.axial_strain=0.06", "records.rows=20"];
+    let own = ["growth.fines_diameter_mm=[2.9, 3.1]", "grid.cell_mm=5.0", "test.axial_strain=0.06", "records.rows=20"];
     let sets = [&own[..], &["records.figures=false", "records.snapshots=false"]].concat();
     run("mixture/coke_in_fines", &out, &sets, &[]).assert().success();
     let rows = columns(&out, ["crush_events", "fines_points", "reserve_mass_kg", "total_mass_kg"]);
@@ -107,7 +108,7 @@ fn check_counts_grains_that_have_yet_to_grow() {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         serde_json::from_slice::<serde_json::Value>(&output.stdout).expect("json")["estimate"].clone()
     };
-    let (small, out) = (check(&SMALL[..2]), folder.path().join("out"));
+    let (small, out) = (check(&SMALL[..3]), folder.path().join("out"));
     run("mixture/twin_points", &out, &[&SMALL[..], &["test.axial_strain=1e-5"]].concat(), &[]).assert().success();
     let points = small["continuum"]["points"].as_f64().expect("points");
     assert!((points / rows_of(&out.join("points_start.csv")) as f64 - 1.0).abs() < 0.02, "{small}");

@@ -78,7 +78,7 @@ fn heavier_points_keep_mass_porosity_and_strain_rate() {
 #[test]
 fn heavier_points_grow_as_others() {
     let folder = tempfile::tempdir().expect("folder");
-    let few = ["growth.fines_diameter_mm=[3.4, 3.6]", "growth.friction=0.1", "test.axial_strain=0.001"];
+    let few = ["growth.fines_diameter_mm=[3.4, 3.6]", "grid.cell_mm=6.25", "growth.friction=0.1", "test.axial_strain=0.001"];
     let [real, heavy] = ["1", "4"].map(|inertia| {
         let (out, inertia) = (folder.path().join(inertia), format!("stepping.points_inertia={inertia}"));
         run("mixture/twin_points", &out, &[&FEW[1..], &few, &[inertia.as_str()]].concat(), &[]).assert().success();
