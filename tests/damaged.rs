@@ -166,7 +166,7 @@ const KINDS: &[Kind] = &[
     Kind {
         name: "growing continuum",
         scene: "experiments/mixture/twin_points.toml",
-        sets: &["growth.fines_diameter_mm=[5.4, 5.6]", "growth.friction=0.1", "test.axial_strain=0.0005"],
+        sets: &["growth.fines_diameter_mm=[5.4, 5.6]", "grid.cell_mm=9.375", "growth.friction=0.1", "test.axial_strain=0.0005"],
         stops: [1000, 1500],
         backend: "cpu",
     },
