@@ -1,10 +1,10 @@
 //! A continuum on the graphics device, which computes steps in batches; the processor reads the state only between batches.
 
-use super::bounds::{GROUP, PLACES};
+use super::bounds::{CROWD, GROUP, PLACES};
 use super::buffers::{Buffers, GrainGroups, Groups};
 use super::device::{Adapter, Device, refused};
 use super::grains::{self, Bodies, CoarseGrains};
-use super::layout::{BatchState, CROWD, Law32, Params, Status, groups};
+use super::layout::{BatchState, Law32, Params, Status, groups};
 use super::loading_plate::{self, both};
 use super::memory::BufferSizes;
 use super::passes::Passes;
@@ -424,10 +424,11 @@ impl DeviceContinuum {
         Ok(())
     }
 
-    /// Sets the extents of the material along each axis, m, from which loading plates that hold a stress compute their areas in the next batch. `follows`: along the
-    /// axis of a loading plate its overlap is added and its displacement since the batch began subtracted. Before the first call extents are 1 m, and fixed.
-    pub fn material(&mut self, extents: [f64; 3], follows: bool) {
-        (self.params.extents, self.params.follows) = (extents.map(|x| x as f32), f32::from(follows));
+    /// Sets the extents of the material along each axis, m, from which loading plates that hold a stress compute their areas in the next batch. `plates`: along the
+    /// axis of a loading plate its displacement since the batch began is subtracted, and its overlap added. Before the first call extents are 1 m, and fixed.
+    pub fn material(&mut self, extents: [f64; 3], plates: [bool; 2]) {
+        self.params.extents = extents.map(|x| x as f32);
+        [self.params.follows, self.params.overlaps] = plates.map(f32::from);
     }
 
     /// Records commands and submits them to the device.

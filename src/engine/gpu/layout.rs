@@ -10,9 +10,6 @@ use bytemuck::{Pod, Zeroable};
 /// In place of infinity, which shaders need not have.
 pub const HUGE: f64 = 1e30;
 
-/// Largest number of points in a cell: the sort of more would exceed the number of iterations that software adapters allow in a loop.
-pub const CROWD: u32 = 256;
-
 /// What stays the same during one batch of steps.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -30,7 +27,7 @@ pub struct Params {
     pub cells: u32,
     pub nodes: u32,
     pub blocks: u32,
-    pub crowd: u32,
+    pub overlaps: f32,
     pub point_groups: [u32; 2],
     pub cell_groups: [u32; 2],
     pub plates: u32,
@@ -128,7 +125,7 @@ impl Params {
             cells,
             nodes,
             blocks: cells.div_ceil(WIDE as u32),
-            crowd: CROWD,
+            overlaps: 0.0,
             point_groups: groups(points as u32),
             cell_groups: groups(cells + 1),
             walls: settings.walls.map(wall),

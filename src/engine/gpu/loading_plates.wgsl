@@ -315,7 +315,7 @@ fn drive() {
     for (var k = 0u; k < params.plates; k++) {
         let p = batch.plates[k];
         rate = max(rate, p.rate);
-        let wider = params.follows * (p.overlap - p.way);
+        let wider = params.overlaps * p.overlap - params.follows * p.way;
         if p.shell == 0u {
             extents[p.axis] += wider;
         } else {

@@ -126,7 +126,7 @@ fn sort(one: Thread) {
     }
     let first = starts[c];
     let end = starts[c + 1u];
-    if end - first > params.crowd {
+    if end - first > CROWD {
         atomicMin(&status.fault, 8u * word(ENERGY, order[first]).z + CROWDED);
         return;
     }

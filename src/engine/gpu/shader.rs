@@ -149,7 +149,7 @@ pub mod tests {
             cells,
             nodes,
             blocks,
-            crowd,
+            overlaps,
             point_groups,
             cell_groups,
             plates,
