@@ -21,13 +21,15 @@ struct Params {
     // numbers of cells and nodes
     cells: u32,
     nodes: u32,
-    // number of groups of WIDE cells in the prefix sum
-    blocks: u32,
+    // cells of a thread where the points are put in order
+    share: u32,
     // share of the overlap of a loading plate that belongs to the extents of the material: 1 or 0
     overlaps: f32,
-    // number of workgroups along x and y for one thread per point, per cell
+    // number of workgroups along x and y for one thread per point
     point_groups: vec2<u32>,
-    cell_groups: vec2<u32>,
+    // number of steps of the batch
+    steps: u32,
+    unused: u32,
     // number of loading plates
     plates: u32,
     // time step over the stable step for waves and contacts; 0: every step is `dt`
