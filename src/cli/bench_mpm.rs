@@ -73,9 +73,18 @@ fn device(args: &Args) -> Result<Value> {
         if !args.blocks.quiet {
             let (speed, bytes) = (1e-6 * row.median(), row.bytes_per_point);
             eprintln!("{:>9} gpu  {speed:>16.2} {:>13} {:>8} {bytes:>7.0}  {}", row.points, "", "", row.adapter);
+            let seconds = row.points as f64 / row.median();
+            let [mb, mflop] = [row.step.bytes, row.step.flops].map(|n| 1e-6 * n as f64);
+            eprintln!(
+                "          a step: {:.2} ms, {} dispatches, {mb:.1} MB moved ({:.2} GB/s), {mflop:.1} Mflop ({:.2} Gflop/s)",
+                1e3 * seconds,
+                row.step.dispatches,
+                1e-3 * mb / seconds,
+                1e-3 * mflop / seconds
+            );
         }
         rows.push(json!({ "adapter": row.adapter, "points": row.points, "point_steps_per_second": row.median(),
-            "blocks": row.blocks, "bytes_per_point": row.bytes_per_point }));
+            "blocks": row.blocks, "bytes_per_point": row.bytes_per_point, "step": row.step }));
     }
     Ok(rows.into())
 }

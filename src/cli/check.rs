@@ -213,9 +213,16 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
     writeln!(text, "  time            {} on one thread (estimate)", comminute::run::human(e.seconds))?;
     writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
     writeln!(text, "  files           {}", files(&e.output))?;
-    match (c.device_mb, &c.device_lacks) {
-        (Some(mb), _) => writeln!(text, "  graphics device {:.0} MB (estimate), with --backend gpu", mb.ceil())?,
-        (None, why) => writeln!(text, "  graphics device no: {}", why.as_deref().unwrap_or("unknown"))?,
+    match (c.device_mb, c.device_step) {
+        (Some(mb), Some(s)) => writeln!(
+            text,
+            "  graphics device {:.0} MB (estimate), with --backend gpu; a step: {} dispatches, {:.1} MB moved, {:.1} Mflop",
+            mb.ceil(),
+            s.dispatches,
+            s.mb,
+            s.mflop
+        )?,
+        _ => writeln!(text, "  graphics device no: {}", c.device_lacks.as_deref().unwrap_or("unknown"))?,
     }
     writeln!(text, "  folder          {}", scene.default_out().display())
 }

@@ -169,7 +169,7 @@ fn a_platen_presses_a_block_to_its_stress() {
     let force = 1e5 * 0.2 * 0.2;
     let plate = LoadingPlate::new(&c, [0.1, 0.1, 0.475 + radius], [0.0, 0.0, -1.0], 2e8);
     let mut device = gpu::DeviceContinuum::with_plates(&c, &[plate]).unwrap();
-    device.material([0.2, 0.2, 0.5], false);
+    device.material([0.2, 0.2, 0.5], [false; 2]);
     device.drive(0, PlateDrive::Stress { target: Ramp::constant(1e5), gain: 0.1, reach: 1.0, memory: f64::INFINITY }).unwrap();
     let dt = 0.3 * c.stable_step(1.0);
     device.steps(1500, dt).unwrap();

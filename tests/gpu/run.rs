@@ -250,8 +250,27 @@ fn check_says_what_the_device_would_need_or_lacks() {
         command.arg(format!("experiments/mpm/{scene}.toml"));
         command.assert().success()
     };
-    told("triaxial_fine_small").stderr(contains("graphics device").and(contains("MB (estimate)")));
+    told("triaxial_fine_small")
+        .stderr(contains("graphics device").and(contains("MB (estimate)")).and(contains("a step: 9 dispatches")));
     told("column_collapse_2d").stderr(contains("graphics device").and(contains("grid.plane_strain = true: is not available")));
+}
+
+/// The count of a step's work is that of `check`, and goes with the points.
+#[test]
+fn bench_says_what_a_step_takes() {
+    if !adapter("bench_says_what_a_step_takes") {
+        return;
+    }
+    let mut command = comminute("bench");
+    command.args("mpm --points 512,4096 --threads 1 --steps 2 --warm-up 1 --repeats 1 --gpu --json --quiet".split(' '));
+    let told = command.assert().success();
+    let told: serde_json::Value = serde_json::from_slice(&told.get_output().stdout).expect("JSON");
+    let [small, large] = [0, 1].map(|k| &told["gpu"][k]["step"]);
+    assert_eq!([&small["dispatches"], &large["dispatches"]], [10, 10]);
+    for count in ["bytes", "flops"] {
+        let ratio = number(large, count) / number(small, count);
+        assert!((2.0..8.1).contains(&ratio), "{count}: {ratio}");
+    }
 }
 
 /// Without a driver `gpu` is an error and `auto` the processor, with the reason.

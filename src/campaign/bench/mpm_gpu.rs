@@ -18,6 +18,8 @@ pub struct GpuSpeed {
     pub blocks: Vec<f64>,
     /// Memory on the device for each point with its share of the grid, bytes.
     pub bytes_per_point: f64,
+    /// What one step takes.
+    pub step: gpu::StepWork,
 }
 
 impl GpuSpeed {
@@ -43,5 +45,6 @@ pub fn mpm_gpu_speed(points: usize, [warm_up, steps]: [u64; 2], repeats: usize) 
         blocks.push(count as f64 * steps as f64 / since.elapsed().as_secs_f64());
     }
     let adapter = gpu::available().map_or_else(String::new, |a| a.name);
-    Ok(GpuSpeed { adapter, points: count, blocks, bytes_per_point: device.bytes() as f64 / count as f64 })
+    let (bytes_per_point, step) = (device.bytes() as f64 / count as f64, device.step_work());
+    Ok(GpuSpeed { adapter, points: count, blocks, bytes_per_point, step })
 }

@@ -23,6 +23,8 @@ bounds! {
     BORDERS = 6;
     /// Largest number of loading plates.
     PLATES = 6;
+    /// Largest number of points in a cell: the sort of more would exceed the number of iterations that software adapters allow in a loop.
+    CROWD = 256;
     /// Largest number of contacts of a grain with other grains.
     PARTNERS = 32;
     /// Largest number of walls of the grains.

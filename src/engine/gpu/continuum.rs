@@ -1,16 +1,18 @@
 //! A continuum on the graphics device, which computes steps in batches; the processor reads the state only between batches.
 
-use super::bounds::{GROUP, PLACES};
-use super::buffers::{Buffers, GrainGroups, Groups};
+use super::bounds::{CROWD, PLACES};
+use super::buffers::Buffers;
 use super::device::{Adapter, Device, refused};
 use super::grains::{self, Bodies, CoarseGrains};
-use super::layout::{BatchState, CROWD, Law32, Params, Status, groups};
+use super::layout::{BatchState, Law32, Params, Status};
 use super::loading_plate::{self, both};
 use super::memory::BufferSizes;
 use super::passes::Passes;
+use super::plan::{Dispatch, Extent, GrainExtent};
 use super::rounds;
 use super::state;
 use super::support::{sizes, takes};
+use super::work::StepWork;
 use crate::coupling::Mixture;
 use crate::dem::physics::Physics;
 use crate::error::{Error, Result};
@@ -164,6 +166,7 @@ impl DeviceContinuum {
             before.1 = f64::from_bits(saved.work);
         }
         let by_id = state::by_id(&state, cpu.points().len());
+        let counts = state::counts(&state, cpu.points().len(), params.cells);
         let laws: Vec<Law32> = cpu.laws().iter().map(Law32::from).collect();
         let status = Status { crossed: 1, ..Status::default() };
         let storage = Usage::STORAGE | Usage::COPY_SRC;
@@ -173,12 +176,11 @@ impl DeviceContinuum {
             state: device.buffer("state", bytemuck::cast_slice(&state), storage),
             nodes: device.empty("nodes", sizes.nodes, storage),
             starts: device.empty("starts", sizes.starts, storage),
-            counts: device.empty("counts", sizes.counts, storage),
+            counts: device.buffer("counts", bytemuck::cast_slice(&counts), storage),
             order: device.empty("order", sizes.order, storage),
             status: device.buffer("status", bytemuck::bytes_of(&status), storage | Usage::COPY_DST),
             touching: device.empty("touching", sizes.touching, storage),
             batch: device.empty("batch", sizes.batch, storage | Usage::COPY_DST),
-            dispatches: device.empty("dispatches", 48, Usage::STORAGE | Usage::INDIRECT),
         })?;
         device.queue.write_buffer(&buffers.batch, 0, bytemuck::bytes_of(&batch));
         let of_grains = saved.and_then(|saved| saved.grains.as_ref());
@@ -201,7 +203,7 @@ impl DeviceContinuum {
             drives,
             bodies,
         };
-        gpu.submit(|passes, pass, sizes| passes.prepare(pass, sizes));
+        gpu.submit(&gpu.extent().prepare(), 1);
         gpu.read_results()?;
         Ok(gpu)
     }
@@ -221,6 +223,7 @@ impl DeviceContinuum {
     /// As [`Self::steps`].
     pub fn batch(&mut self, n: u64, dt: f64, safety: f64) -> Result<()> {
         (self.params.dt, self.params.safety) = (dt as f32, safety as f32);
+        self.params.steps = u32::try_from(n).unwrap_or(u32::MAX);
         for (there, drive) in self.params.drives.iter_mut().zip(&self.drives) {
             *there = (*drive).into();
         }
@@ -235,17 +238,20 @@ impl DeviceContinuum {
         if let Some(bodies) = &self.bodies {
             bodies.prepare(queue);
         }
+        let extent = self.extent();
+        let step = extent.step();
+        self.submit(&extent.begin(), 1);
         let mut flying = VecDeque::new();
         let mut left = n;
         while left > 0 {
             let now = left.min((BATCH / self.bodies.as_ref().map_or(1, |b| u64::from(b.coupling.rates))).max(1));
             left -= now;
-            flying.push_back(self.submit(|passes, pass, sizes| (0..now).for_each(|_| passes.step(pass, sizes))));
+            flying.push_back(self.submit(&step, now));
             if flying.len() > AHEAD {
                 self.device.wait(flying.pop_front(), self.steps_done())?;
             }
         }
-        self.submit(|passes, pass, sizes| passes.survey(pass, sizes));
+        self.submit(&extent.survey(), 1);
         self.read_results()
     }
 
@@ -297,6 +303,11 @@ impl DeviceContinuum {
     /// Memory on the device, bytes.
     pub fn bytes(&self) -> u64 {
         self.sizes.sum() + self.bodies.as_ref().map_or(0, Bodies::bytes)
+    }
+
+    /// What one step takes.
+    pub fn step_work(&self) -> StepWork {
+        StepWork::of(&self.extent(), self.bodies.as_ref().map_or(0, |b| b.mix.rows))
     }
 
     /// The adapter in use.
@@ -424,36 +435,27 @@ impl DeviceContinuum {
         Ok(())
     }
 
-    /// Sets the extents of the material along each axis, m, from which loading plates that hold a stress compute their areas in the next batch. `follows`: along the
-    /// axis of a loading plate its overlap is added and its displacement since the batch began subtracted. Before the first call extents are 1 m, and fixed.
-    pub fn material(&mut self, extents: [f64; 3], follows: bool) {
-        (self.params.extents, self.params.follows) = (extents.map(|x| x as f32), f32::from(follows));
+    /// Sets the extents of the material along each axis, m, from which loading plates that hold a stress compute their areas in the next batch. `plates`: along the
+    /// axis of a loading plate its displacement since the batch began is subtracted, and its overlap added. Before the first call extents are 1 m, and fixed.
+    pub fn material(&mut self, extents: [f64; 3], plates: [bool; 2]) {
+        self.params.extents = extents.map(|x| x as f32);
+        [self.params.follows, self.params.overlaps] = plates.map(f32::from);
     }
 
-    /// Records commands and submits them to the device.
-    fn submit(&self, encode: impl FnOnce(&Passes, &mut wgpu::ComputePass<'_>, &Groups)) -> wgpu::SubmissionIndex {
+    /// Numbers of what the passes go through.
+    fn extent(&self) -> Extent {
+        let Params { points, size, walls, .. } = self.params;
+        let grains =
+            self.bodies.as_ref().map(|b| GrainExtent { grains: b.coupling.grains, rows: b.coupling.rows, rates: b.coupling.rates });
+        let size = size.map(|n| n as u32);
+        Extent { points, size, walls: walls.map(|wall| wall[0] != 0), plates: self.plates.len() as u32, grains }
+    }
+
+    /// Submits `times` times these dispatches to the device.
+    fn submit(&self, dispatches: &[Dispatch], times: u64) -> wgpu::SubmissionIndex {
         let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            let groups = Groups {
-                points: self.params.point_groups,
-                nodes: groups(self.params.nodes),
-                walls: self.walls(),
-                plates: !self.plates.is_empty(),
-                grains: self.bodies.as_ref().map(|b| GrainGroups {
-                    rows: groups(b.coupling.rows),
-                    grains: groups(b.coupling.grains),
-                    each: groups(GROUP as u32 * b.coupling.grains),
-                    rates: b.coupling.rates,
-                }),
-            };
-            encode(&self.passes, &mut pass, &groups);
-        }
+        self.passes.encode(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), dispatches, times);
         self.device.queue.submit([encoder.finish()])
-    }
-
-    fn walls(&self) -> bool {
-        self.params.walls.iter().any(|wall| wall[0] != 0)
     }
 
     /// Waits for the device and reads the results of the batch: status, loading plates, and grains. A fault of a point becomes an error.

@@ -10,9 +10,6 @@ use bytemuck::{Pod, Zeroable};
 /// In place of infinity, which shaders need not have.
 pub const HUGE: f64 = 1e30;
 
-/// Largest number of points in a cell: the sort of more would exceed the number of iterations that software adapters allow in a loop.
-pub const CROWD: u32 = 256;
-
 /// What stays the same during one batch of steps.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -29,10 +26,11 @@ pub struct Params {
     pub zero: u32,
     pub cells: u32,
     pub nodes: u32,
-    pub blocks: u32,
-    pub crowd: u32,
+    pub share: u32,
+    pub overlaps: f32,
     pub point_groups: [u32; 2],
-    pub cell_groups: [u32; 2],
+    pub steps: u32,
+    pub unused: u32,
     pub plates: u32,
     pub safety: f32,
     pub extents: [f32; 3],
@@ -127,14 +125,22 @@ impl Params {
             mass_floor: (1e-12 * lightest) as f32,
             cells,
             nodes,
-            blocks: cells.div_ceil(WIDE as u32),
-            crowd: CROWD,
+            share: share(cells),
             point_groups: groups(points as u32),
-            cell_groups: groups(cells + 1),
             walls: settings.walls.map(wall),
             ..Params::default()
         }
     }
+}
+
+/// Cells of a thread of `find_starts`, whose workgroups have [`WIDE`] threads each: at most 1024 workgroups, each of which adds up the points of all before it.
+pub fn share(cells: u32) -> u32 {
+    cells.div_ceil(1024 * WIDE as u32)
+}
+
+/// Number of groups of cells with a common sum, and of workgroups of `find_starts`.
+pub fn cell_groups(cells: u32) -> u32 {
+    cells.div_ceil(share(cells) * WIDE as u32)
 }
 
 /// Numbers of workgroups of [`GROUP`] threads along x and y for at least so many threads.

@@ -152,15 +152,13 @@ fn touch_of_shell(plate: LoadingPlate, i: u32, arm: vec3<f32>, arm_low: vec3<f32
     return Touch(overlap_with_shell(x, y, inner, by) * quantum, of_point, vec3<f32>(ghost, 0.0), vec3<f32>(normal, 0.0), true);
 }
 
+// 1 where a point of the workgroup touches a loading plate
+var<workgroup> touched: u32;
+
 // Forces of the loading plates on each point; for each workgroup and plate the sums of normal force, stiffness and elastic energy, and the largest stiffness over mass.
 @compute @workgroup_size(GROUP)
-fn plate_forces(
-    @builtin(global_invocation_id) id: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let i = linear(Thread(id, groups));
+fn plate_forces(one: Thread, @builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = linear(one);
     var force = vec3<f32>(0.0);
     var arm = vec4<f32>(0.0);
     var arm_low = vec4<f32>(0.0);
@@ -207,18 +205,10 @@ fn plate_forces(
                 changed = true;
             }
         }
-        partial_sums[thread] = own;
-        workgroupBarrier();
-        for (var half = GROUP / 2u; half > 0u; half /= 2u) {
-            if thread < half {
-                partial_sums[thread] = summed(partial_sums[thread], partial_sums[thread + half]);
-            }
-            workgroupBarrier();
-        }
+        let total = total_of_group(thread, own);
         if thread == 0u {
-            batch.parts[params.points + (group.x + group.y * groups.x) * PLATES + k] = partial_sums[0];
+            batch.parts[params.points + (group.x + group.y * one.groups.x) * PLATES + k] = total;
         }
-        workgroupBarrier();
     }
     if i < params.points {
         batch.parts[i] = vec4<f32>(force, stiffness);
@@ -229,10 +219,31 @@ fn plate_forces(
     }
 }
 
-// Reactions of the loading plates and of the sides of the domain at the end of a step, the work of the plates, and the sums of the batch.
-@compute @workgroup_size(WIDE)
-fn sum_plate_loads(@builtin(local_invocation_index) thread: u32) {
-    let sound = status.stop == 0u && atomicLoad(&status.fault) == NO_FAULT;
+// Sums of a workgroup of GROUP threads. Most workgroups have no point at a loading plate: all their numbers are zero.
+fn total_of_group(thread: u32, own: vec4<f32>) -> vec4<f32> {
+    if thread == 0u {
+        touched = 0u;
+    }
+    workgroupBarrier();
+    if own.x > 0.0 {
+        touched = 1u;
+    }
+    if workgroupUniformLoad(&touched) == 0u {
+        return vec4<f32>(0.0);
+    }
+    partial_sums[thread] = own;
+    workgroupBarrier();
+    for (var half = GROUP / 2u; half > 0u; half /= 2u) {
+        if thread < half {
+            partial_sums[thread] = summed(partial_sums[thread], partial_sums[thread + half]);
+        }
+        workgroupBarrier();
+    }
+    return partial_sums[0];
+}
+
+// Reactions of the loading plates at the end of a step, and their work.
+fn sum_plate_loads(thread: u32, sound: bool) {
     let count = params.point_groups.x * params.point_groups.y;
     for (var k = 0u; k < params.plates; k++) {
         var own = vec4<f32>(0.0);
@@ -252,13 +263,21 @@ fn sum_plate_loads(@builtin(local_invocation_index) thread: u32) {
         }
         workgroupBarrier();
     }
-    if thread != 0u {
-        return;
-    }
-    if !sound {
+}
+
+// What loading plates bear before the first step.
+@compute @workgroup_size(WIDE)
+fn plate_loads(@builtin(local_invocation_index) thread: u32) {
+    let sound = status.stop == 0u && atomicLoad(&status.fault) == NO_FAULT;
+    workgroupBarrier();
+    sum_plate_loads(thread, sound);
+    if thread == 0u && !sound {
         status.stop = 1u;
-        return;
     }
+}
+
+// Adds the forces of the sides of the domain to the sums of the batch, and counts the step.
+fn count_step() {
     for (var side = 0u; side < BORDERS; side++) {
         let force = status.reaction[side][side / 2u];
         batch.sides[side] = grown(batch.sides[side], select(force, -force, side % 2u == 1u));
@@ -304,10 +323,15 @@ fn with_contacts(dt: f32, contacts: f32) -> f32 {
     return twice / sqrt(own * own + contacts);
 }
 
-// Begins a step: its length, and the displacements of the loading plates in it.
+// Begins the first step of a batch.
 @compute @workgroup_size(1)
 fn drive() {
-    if status.stop != 0u {
+    drive_plates();
+}
+
+// Begins a step, if the batch has another one: its length, and the displacements of the loading plates in it.
+fn drive_plates() {
+    if status.stop != 0u || batch.count >= params.steps {
         return;
     }
     var rate = 0.0;
@@ -315,7 +339,7 @@ fn drive() {
     for (var k = 0u; k < params.plates; k++) {
         let p = batch.plates[k];
         rate = max(rate, p.rate);
-        let wider = params.follows * (p.overlap - p.way);
+        let wider = params.overlaps * p.overlap - params.follows * p.way;
         if p.shell == 0u {
             extents[p.axis] += wider;
         } else {

@@ -1,8 +1,8 @@
 //! Sizes of the buffers that a continuum needs on the device, known before anything is allocated.
 
-use super::bounds::{PLATES, WIDE};
+use super::bounds::PLATES;
 use super::device::refused;
-use super::layout::{BatchState, groups};
+use super::layout::{BatchState, cell_groups, groups};
 use super::state::planes;
 use crate::error::Result;
 use crate::mpm::Settings;
@@ -30,8 +30,8 @@ impl BufferSizes {
         BufferSizes {
             state: 16 * planes(plates) as u64 * points,
             nodes: 48 * nodes,
-            starts: 4 * (cells + 1 + cells.div_ceil(WIDE as u64)),
-            counts: 4 * cells,
+            starts: 4 * (cells + 1),
+            counts: 4 * (cells + u64::from(cell_groups(u32::try_from(cells).unwrap_or(u32::MAX)))),
             order: 4 * points,
             touching: 8 * sides,
             // the state, the force on each point, and sums over workgroups of points
@@ -52,13 +52,12 @@ impl BufferSizes {
     /// A buffer is larger than the device allows; the message has its size and the limit.
     pub fn check(&self, limits: &wgpu::Limits) -> Result<()> {
         let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
-        // the workgroups of the prefix sum must fit along one axis; the grid is limited so that indices fit into 32 bits
-        let cells = 65_535 * WIDE as u64 * 4;
+        // the grid is limited so that indices fit into 32 bits
         for (what, bytes, most, advice) in [
             ("memory of the points", self.state, most, "use fewer points"),
             ("memory of the grid", self.nodes, most.min(48 << 30), "use a smaller domain or larger cells"),
             ("memory of the platens", self.batch, most, "use fewer points"),
-            ("memory of the cells", self.counts, most.min(cells), "use a smaller domain or larger cells"),
+            ("memory of the cells", self.counts, most, "use a smaller domain or larger cells"),
         ] {
             if bytes > most {
                 let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / 1_048_576.0);

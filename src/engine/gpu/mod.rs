@@ -35,14 +35,17 @@ mod memory;
 #[cfg(test)]
 mod mohr_coulomb;
 mod passes;
+mod plan;
 mod rounds;
 mod shader;
 mod state;
 mod support;
 #[cfg(test)]
 pub mod tests;
+mod work;
 
 pub use continuum::{DeviceContinuum, Means, Saved};
 pub use device::{Adapter, available};
 pub use grains::CoarseGrains;
-pub use support::{fits, needs, takes};
+pub use support::{Needs, fits, needs, takes};
+pub use work::StepWork;

@@ -46,9 +46,9 @@ const NO_FAULT: u32 = 0xffffffffu;
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> nodes: array<vec4<f32>>;
-// for each cell the index in `order` of its first point; the number of points; sums over groups of cells
+// for each cell the index in `order` of its first point; the number of points
 @group(0) @binding(4) var<storage, read_write> starts: array<u32>;
-// number of points of each cell; while points are sorted, the next free index in `order`
+// number of points of each cell, then of each group of cells; while points are sorted, for each cell the next free index in `order`
 @group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
 // points by cell, in a cell by identity
 @group(0) @binding(6) var<storage, read_write> order: array<u32>;
@@ -178,12 +178,18 @@ fn node_place(k: u32) -> vec3<i32> {
     return vec3<i32>(i % n.x, (i / n.x) % n.y, i / (n.x * n.y));
 }
 
-// Mass, momentum and velocity (Li et al. 2023, eqs 36, 37).
+// Mass, momentum and velocity (Li et al. 2023, eqs 36, 37). The points are in order again, and a point with a fault stops what follows.
 @compute @workgroup_size(GROUP)
 fn project(one: Thread) {
     let k = linear(one);
     if k >= params.nodes {
         return;
+    }
+    if k == 0u {
+        atomicStore(&status.crossed, 0u);
+        if atomicLoad(&status.fault) != NO_FAULT {
+            status.stop = 1u;
+        }
     }
     let at = node_place(k);
     var sum = vec4<f32>(0.0);
@@ -223,13 +229,19 @@ fn damped_velocity(k: u32, v: vec3<f32>, change_and_rate: vec4<f32>) {
     nodes[CHANGE * params.nodes + k] = vec4<f32>(change, change_and_rate.w);
 }
 
-// Forces on the nodes: internal ones −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of loading plates and grains (eq. 29), gravity; and the new velocity (eq. 28).
+// Forces on the nodes, and the motion of the grains, which goes by forces known as well.
 @compute @workgroup_size(GROUP)
 fn accelerate(one: Thread) {
     let k = linear(one);
-    if k >= params.nodes {
-        return;
+    if k < params.nodes {
+        accelerate_node(k);
+    } else {
+        move_grain(k - params.nodes);
     }
+}
+
+// Forces on the nodes: internal ones −Σ V σ ∇N (Li et al. 2023, eqs 8, 12), those of loading plates and grains (eq. 29), gravity; and the new velocity (eq. 28).
+fn accelerate_node(k: u32) {
     let momentum = nodes[MOMENTUM * params.nodes + k];
     let m = momentum.w;
     let at = node_place(k);

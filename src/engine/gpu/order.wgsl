@@ -1,48 +1,25 @@
-// Sorts the points by cell and, in a cell, by identity: counts them, sums the counts up, writes the points to their cells, sorts each cell. Runs only after a step in
-// which a point has left its cell.
+// Keeps the points in the order of cells and, in a cell, of identities. `advance` keeps the number of points of each cell and of each group of cells; after a step in which a
+// point has left its cell, `find_starts` sums them up, `scatter` writes the points to their cells and `sort` sorts each cell. In other steps these passes do nothing.
 
-@group(1) @binding(0) var<storage, read_write> dispatches: array<u32>;
-
-// Writes the sizes of the dispatches that follow, zero where no point has left its cell: by cells, by groups of the prefix sum, one, by points.
-@compute @workgroup_size(1)
-fn plan() {
-    if atomicLoad(&status.fault) != NO_FAULT {
-        status.stop = 1u;
-    }
-    let needed = select(0u, 1u, atomicExchange(&status.crossed, 0u) > 0u && status.stop == 0u);
-    dispatches[0] = needed * params.cell_groups.x;
-    dispatches[1] = params.cell_groups.y;
-    dispatches[2] = 1u;
-    dispatches[3] = needed * params.blocks;
-    dispatches[4] = 1u;
-    dispatches[5] = 1u;
-    dispatches[6] = needed;
-    dispatches[7] = 1u;
-    dispatches[8] = 1u;
-    dispatches[9] = needed * params.point_groups.x;
-    dispatches[10] = params.point_groups.y;
-    dispatches[11] = 1u;
-}
-
-// Sets the counts to zero.
-@compute @workgroup_size(GROUP)
-fn clear(one: Thread) {
-    let c = linear(one);
-    if c < params.cells {
-        atomicStore(&counts[c], 0u);
+// Moves a point from one cell to another.
+fn change_cell(old: u32, to: u32) {
+    atomicAdd(&status.crossed, 1u);
+    atomicSub(&counts[old], 1u);
+    atomicAdd(&counts[to], 1u);
+    let groups = vec2<u32>(old, to) / (WIDE * params.share);
+    if groups.x != groups.y {
+        atomicSub(&counts[params.cells + groups.x], 1u);
+        atomicAdd(&counts[params.cells + groups.y], 1u);
     }
 }
 
-// Counts the points of each cell.
-@compute @workgroup_size(GROUP)
-fn count(one: Thread) {
-    let i = linear(one);
-    if i < params.points {
-        atomicAdd(&counts[word(PLACE, i).w], 1u);
-    }
+// Whether a point has left its cell in this step.
+fn is_disordered() -> bool {
+    return atomicLoad(&status.crossed) > 0u;
 }
 
 var<workgroup> shared_sums: array<u32, WIDE>;
+var<workgroup> disordered: u32;
 
 // The sum of the values `own` of the threads before this one.
 fn before(thread: u32, own: u32) -> u32 {
@@ -60,51 +37,44 @@ fn before(thread: u32, own: u32) -> u32 {
     return shared_sums[thread] - own;
 }
 
-// Prefix sum of the counts within each group of WIDE cells, and the sum of the group.
+// The index of the first point of each cell, in a workgroup for each group of cells: the points of the groups before it, and those of the cells before a cell in its group. Each
+// thread has `share` cells.
 @compute @workgroup_size(WIDE)
-fn scan_cells(@builtin(workgroup_id) block: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let c = block.x * WIDE + thread;
+fn find_starts(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    if thread == 0u {
+        disordered = u32(is_disordered());
+    }
+    if workgroupUniformLoad(&disordered) == 0u {
+        return;
+    }
+    var others = 0u;
+    for (var g = thread; g < group.x; g += WIDE) {
+        others += atomicLoad(&counts[params.cells + g]);
+    }
+    shared_sums[thread] = others;
+    workgroupBarrier();
+    for (var half = WIDE / 2u; half > 0u; half /= 2u) {
+        if thread < half {
+            shared_sums[thread] += shared_sums[thread + half];
+        }
+        workgroupBarrier();
+    }
+    let base = shared_sums[0];
+    workgroupBarrier();
+    let begin = min((group.x * WIDE + thread) * params.share, params.cells);
+    let end = min(begin + params.share, params.cells);
     var own = 0u;
-    if c < params.cells {
-        own = atomicLoad(&counts[c]);
+    for (var c = begin; c < end; c++) {
+        own += atomicLoad(&counts[c]);
     }
-    let first = before(thread, own);
-    if c < params.cells {
+    var first = base + before(thread, own);
+    for (var c = begin; c < end; c++) {
         starts[c] = first;
+        // the next free index, for `scatter`
+        first += atomicExchange(&counts[c], first);
     }
-    if thread == WIDE - 1u {
-        starts[params.cells + 1u + block.x] = first + own;
-    }
-}
-
-// Prefix sum of the sums of groups.
-@compute @workgroup_size(WIDE)
-fn scan_blocks(@builtin(local_invocation_index) thread: u32) {
-    let share = (params.blocks + WIDE - 1u) / WIDE;
-    let begin = params.cells + 1u + min(thread * share, params.blocks);
-    let to = params.cells + 1u + min((thread + 1u) * share, params.blocks);
-    var own = 0u;
-    for (var b = begin; b < to; b++) {
-        own += starts[b];
-    }
-    var sum = before(thread, own);
-    for (var b = begin; b < to; b++) {
-        let here = starts[b];
-        starts[b] = sum;
-        sum += here;
-    }
-}
-
-// The sum of both: the first index of each cell.
-@compute @workgroup_size(GROUP)
-fn scan_add(one: Thread) {
-    let c = linear(one);
-    if c < params.cells {
-        let first = starts[c] + starts[params.cells + 1u + c / WIDE];
-        starts[c] = first;
-        atomicStore(&counts[c], first);
-    } else if c == params.cells {
-        starts[c] = params.points;
+    if thread == 0u {
+        starts[params.cells] = params.points;
     }
 }
 
@@ -112,7 +82,7 @@ fn scan_add(one: Thread) {
 @compute @workgroup_size(GROUP)
 fn scatter(one: Thread) {
     let i = linear(one);
-    if i < params.points {
+    if i < params.points && is_disordered() {
         order[atomicAdd(&counts[word(PLACE, i).w], 1u)] = i;
     }
 }
@@ -121,12 +91,13 @@ fn scatter(one: Thread) {
 @compute @workgroup_size(GROUP)
 fn sort(one: Thread) {
     let c = linear(one);
-    if c >= params.cells {
+    if c >= params.cells || !is_disordered() {
         return;
     }
     let first = starts[c];
     let end = starts[c + 1u];
-    if end - first > params.crowd {
+    atomicStore(&counts[c], end - first);
+    if end - first > CROWD {
         atomicMin(&status.fault, 8u * word(ENERGY, order[first]).z + CROWDED);
         return;
     }

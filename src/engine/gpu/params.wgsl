@@ -21,18 +21,20 @@ struct Params {
     // numbers of cells and nodes
     cells: u32,
     nodes: u32,
-    // number of groups of WIDE cells in the prefix sum
-    blocks: u32,
-    // largest number of points in a cell
-    crowd: u32,
-    // number of workgroups along x and y for one thread per point, per cell
+    // cells of a thread where the points are put in order
+    share: u32,
+    // share of the overlap of a loading plate that belongs to the extents of the material: 1 or 0
+    overlaps: f32,
+    // number of workgroups along x and y for one thread per point
     point_groups: vec2<u32>,
-    cell_groups: vec2<u32>,
+    // number of steps of the batch
+    steps: u32,
+    unused: u32,
     // number of loading plates
     plates: u32,
     // time step over the stable step for waves and contacts; 0: every step is `dt`
     safety: f32,
-    // extents of the material along each axis at the start of the batch, without overlaps, m; 1 where they follow the loading plates, 0 where they are fixed
+    // extents of the material along each axis at the start of the batch, without overlaps, m; share of the displacement of a loading plate by which they shrink: 1 or 0
     extents: vec3<f32>,
     follows: f32,
     // the sides x low, x high, y low, …: kind (0 open, 1 symmetry, 2 stick, 3 friction), bits of the coefficient of friction

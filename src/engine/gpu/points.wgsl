@@ -69,7 +69,7 @@ fn advance(one: Thread) {
             return;
         }
         cell = u32(to.x + n.x * (to.y + n.y * to.z));
-        atomicAdd(&status.crossed, 1u);
+        change_cell(place.w, cell);
     }
     state[PLACE * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(there.units), cell);
 }
@@ -189,17 +189,29 @@ fn strain(one: Thread) {
     state[ENERGY * params.points + i] = vec4<u32>(bitcast<vec2<u32>>(sum), energy.zw);
 }
 
-// Ends a step: counts it if no point has a fault, and stops the batch otherwise.
-@compute @workgroup_size(1)
-fn finish() {
-    if status.stop == 0u {
-        if atomicLoad(&status.fault) == NO_FAULT {
+// Ends a step: sums up what loading plates bear, counts the step if no point has a fault, and stops the batch otherwise; then what grains or the next step begin with. A
+// loading plate has passed through a point at the places of a step that counts.
+@compute @workgroup_size(WIDE)
+fn finish(@builtin(local_invocation_index) thread: u32) {
+    let fault = atomicLoad(&status.fault);
+    let sound = status.stop == 0u && fault == NO_FAULT;
+    let counts_step = sound || (status.stop == 0u && fault % 8u == PASSED);
+    workgroupBarrier();
+    if params.plates > 0u {
+        sum_plate_loads(thread, sound);
+    }
+    if thread == 0u {
+        if counts_step {
             status.steps += 1u;
             batch.time = grown(batch.time, batch.dt);
+        }
+        if sound {
+            count_step();
         } else {
             status.stop = 1u;
         }
     }
+    end_step(thread);
 }
 
 // The largest sum of wave speed and speed of a point, for the bound on the time step (mpm/check.rs). Positive numbers are in the order of their bits.

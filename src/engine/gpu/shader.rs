@@ -101,6 +101,11 @@ pub mod tests {
         module(source, ALL)
     }
 
+    /// The module of a source without parts that not all runs have.
+    pub fn plain(source: &str) -> naga::Module {
+        module(source, NONE)
+    }
+
     fn module(source: &str, uses: Uses) -> naga::Module {
         let source = uses.of(source);
         naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)))
@@ -148,10 +153,11 @@ pub mod tests {
             zero,
             cells,
             nodes,
-            blocks,
-            crowd,
+            share,
+            overlaps,
             point_groups,
-            cell_groups,
+            steps,
+            unused,
             plates,
             safety,
             extents,
@@ -280,7 +286,7 @@ pub mod tests {
             largest_bound,
             slow,
             furthest,
-            unused,
+            wanted,
             sides,
             reactions
         );

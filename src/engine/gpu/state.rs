@@ -1,6 +1,8 @@
 //! The state of the points as the device holds it, and back. The device has it in planes: arrays with four words of 32 bits for each point.
 
+use super::bounds::WIDE;
 use super::exact::{UNITS, place, placed, split};
+use super::layout::{cell_groups, share};
 use crate::mpm::{Face, Points, Settings};
 
 /// Number of planes; what they hold, in which order, is said in `nodes.wgsl`.
@@ -65,6 +67,16 @@ pub fn by_id(planes: &[[u32; 4]], points: usize) -> Vec<(u32, u32)> {
     let mut all: Vec<(u32, u32)> = of_ids.iter().map(|word| word[2]).zip(0..).collect();
     all.sort_unstable();
     all
+}
+
+/// Numbers of points of each cell, then of each group of cells, as `order.wgsl` keeps them.
+pub fn counts(planes: &[[u32; 4]], points: usize, cells: u32) -> Vec<u32> {
+    let mut counts = vec![0; (cells + cell_groups(cells)) as usize];
+    for [.., cell] in &planes[..points] {
+        counts[*cell as usize] += 1;
+        counts[(cells + cell / (share(cells) * WIDE as u32)) as usize] += 1;
+    }
+    counts
 }
 
 /// Writes the state of the point with the index `i` on the device into the point `to` of `points`; returns its stress work since the state was copied to the

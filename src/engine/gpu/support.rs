@@ -4,17 +4,46 @@ use super::device::{Adapter, adapter, refused};
 use super::grains::{self, CoarseGrains};
 use super::loading_plate;
 use super::memory::BufferSizes;
+use super::plan::{Extent, GrainExtent};
 use super::rounds;
+use super::work::StepWork;
 use crate::error::{Error, Result};
 use crate::mpm::law::Law;
-use crate::mpm::{Dimension, LoadingPlate, Points, Settings, ShapeFunctions, Transfer};
+use crate::mpm::{Dimension, GridWall, LoadingPlate, Points, Settings, ShapeFunctions, Transfer};
 
-/// Memory that a continuum needs on the device, bytes; with grains an estimate.
+/// What a continuum needs on the device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Needs {
+    /// Memory, bytes.
+    pub bytes: u64,
+    /// What one step takes, with one step of the grains.
+    pub step: StepWork,
+}
+
+/// What a continuum needs on the device if it has `counts` points and grains, of which those given are some; with grains an estimate.
 ///
 /// # Errors
 /// The device lacks something that the continuum has.
-pub fn needs(settings: &Settings, points: &Points, plates: &[LoadingPlate], coarse: Option<&CoarseGrains<'_>>) -> Result<u64> {
-    sizes(settings, points, plates, coarse).map(|(sizes, grains)| sizes.sum() + grains.map_or(0, |g| g.sum()))
+pub fn needs(
+    settings: &Settings,
+    points: &Points,
+    plates: &[LoadingPlate],
+    coarse: Option<&CoarseGrains<'_>>,
+    counts: [usize; 2],
+) -> Result<Needs> {
+    let (_, grains) = sizes(settings, points, plates, coarse)?;
+    let [points_there, grains_there] = counts.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+    let of_points = BufferSizes::of(settings, points_there.into(), !plates.is_empty());
+    let of_grains = grains.map(|sizes| GrainExtent { grains: grains_there, rows: sizes.room as u32, rates: 1 });
+    let extent = Extent {
+        points: points_there,
+        size: settings.cells,
+        walls: settings.walls.map(|wall| wall != GridWall::Open),
+        plates: plates.len() as u32,
+        grains: of_grains,
+    };
+    let near = coarse.map_or(0, |coarse| grains::near_points(settings, points, coarse));
+    Ok(Needs { bytes: of_points.sum() + grains.map_or(0, |g| g.sum()), step: StepWork::of(&extent, near as u32) })
 }
 
 /// The adapter, where the continuum fits into its memory.

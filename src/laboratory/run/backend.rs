@@ -125,23 +125,26 @@ impl Used {
         self.names.last().is_some_and(|name| name == "gpu")
     }
 
-    /// Sets up the engine that makes the steps on the chosen backend. A graphics device takes over its own state from the
-    /// checkpoint, so that a resumed run has the same bits.
-    ///
-    /// # Errors
-    /// A graphics device that cannot be opened, has too little memory, or whose saved state is damaged.
-    pub fn engine(&mut self, chosen: Chosen, state: &mut State, model: &Model, rig: &MpmTest) -> Result<Engine> {
+    /// Notes the chosen backend as the last one that the run uses. Called before [`Self::engine`]; a specimen that grows on the
+    /// CPU first can be taken up between the two.
+    pub fn note(&mut self, chosen: Chosen) {
         let name = chosen.name();
-        let saved = self.saved.take().filter(|_| chosen.gpu && self.gpu());
+        // only the device that made it goes on with its own state
+        self.saved = self.saved.take().filter(|_| chosen.gpu && self.gpu());
         if self.names.last().is_none_or(|last| last != name) {
             self.names.push(name.into());
         }
         self.why = chosen.why;
-        match &mut state.mixture {
-            _ if chosen.gpu => self.device(saved, state, model, rig),
-            Some(_) => Ok(Engine::of_grains(state, model, rig)),
-            None => Ok(Engine::Cpu),
-        }
+    }
+
+    /// Sets up the engine that makes the steps on the last backend. A graphics device takes over its own state from the
+    /// checkpoint, so that a resumed run has the same bits.
+    ///
+    /// # Errors
+    /// A graphics device that cannot be opened, has too little memory, or whose saved state is damaged.
+    pub fn engine(&mut self, state: &mut State, model: &Model, rig: &MpmTest) -> Result<Engine> {
+        let saved = self.saved.take();
+        if self.gpu() { self.device(saved, state, model, rig) } else { Ok(Engine::of_grains(state, model, rig)) }
     }
 
     #[cfg(feature = "gpu")]

@@ -58,6 +58,7 @@ struct Progress {
 /// A run that is set up and has not written any file.
 pub struct Begun {
     progress: Progress,
+    /// What makes the steps of the test; while the specimen grows, which no engine does, [`Engine::Cpu`] stands for it.
     engine: Engine,
 }
 
@@ -66,8 +67,10 @@ pub struct Begun {
 /// # Errors
 /// A grid, step or grain that the method does not allow; a graphics device that cannot compute the scene.
 pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
-    let (mut state, mut used) = (State::start(model, rig)?, Used::default());
-    let engine = used.engine(chosen, &mut state, model, rig)?;
+    let mut used = Used::default();
+    used.note(chosen);
+    let mut state = State::start(model, rig)?;
+    let engine = if rig.growth.is_some() { Engine::Cpu } else { used.engine(&mut state, model, rig)? };
     let (history, blocks, account) = (Table::new(files::HISTORY), Table::new(blocks::TRACKS), Table::new(account::ACCOUNT));
     let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
     let (growing, grown, [seconds, user_seconds, first_step]) = (None, None, [0.0; 3]);
@@ -155,7 +158,7 @@ fn grow(
     let own = grown.rig(model, rig, growth);
     progress.grown = Some(grown);
     progress.state = State::start(model, &own)?;
-    *engine = Engine::of_grains(&mut progress.state, model, &own);
+    *engine = progress.used.engine(&mut progress.state, model, &own)?;
     Ok(Some(own))
 }
 
@@ -211,8 +214,12 @@ pub fn take_up(model: &Model, rig: &MpmTest, out: &Path, backend: Option<Backend
     progress.crushed.reopen(out)?;
     let same = if progress.used.gpu() { Backend::Gpu } else { Backend::Cpu };
     let chosen = choose(backend.unwrap_or(same), model)?;
+    progress.used.note(chosen);
+    if progress.growing.is_some() {
+        return Ok(Begun { progress, engine: Engine::Cpu });
+    }
     let own = progress.own(model, rig);
-    let engine = progress.used.engine(chosen, &mut progress.state, model, own.as_ref().unwrap_or(rig))?;
+    let engine = progress.used.engine(&mut progress.state, model, own.as_ref().unwrap_or(rig))?;
     Ok(Begun { progress, engine })
 }
 

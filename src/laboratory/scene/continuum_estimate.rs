@@ -17,9 +17,6 @@ use engine::mpm::{Dimension, with_plates};
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Memory of a point on a graphics device, bytes.
-#[cfg(feature = "gpu")]
-const BYTES_ON_DEVICE: usize = 200;
 /// Steps of the whole preparation of a grown specimen over those in which radii grow; measured 1.7 to 3.4.
 const PRESSED: f64 = 2.5;
 /// The bound of the time step where points and grains touch.
@@ -54,19 +51,36 @@ pub struct Points {
     pub inertial_numbers: Option<[Option<f64>; 2]>,
     /// Memory on a graphics device, MB; `None` where no device can compute the scene.
     pub device_mb: Option<f64>,
+    /// What a step takes there.
+    pub device_step: Option<DeviceStep>,
     /// Why no graphics device can compute the scene.
     pub device_lacks: Option<String>,
 }
 
-/// Memory on a graphics device, bytes.
+/// What one step takes on a graphics device, with one step of the grains (`engine::gpu::StepWork` says how it is counted).
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct DeviceStep {
+    /// Dispatches, each of which waits for the one before it.
+    pub dispatches: u64,
+    /// Read and written, MB.
+    pub mb: f64,
+    /// Operations with floating-point numbers, in millions.
+    pub mflop: f64,
+}
+
+/// Memory on a graphics device, MB, and what a step takes there.
 #[cfg(feature = "gpu")]
-fn device_bytes(model: &Model, rig: &MpmTest) -> Result<u64> {
-    let made = State::start(model, rig)?.on_device(model, rig, engine::gpu::needs)?;
-    Ok(made + (BYTES_ON_DEVICE * rig.left_out[0]) as u64)
+fn on_device(model: &Model, rig: &MpmTest) -> Result<(f64, DeviceStep)> {
+    let needs = State::start(model, rig)?.on_device(model, rig, |settings, points, plates, coarse| {
+        engine::gpu::needs(settings, points, plates, coarse, rig.counts())
+    })?;
+    let engine::gpu::Needs { bytes, step } = needs;
+    let [memory, mb, mflop] = [bytes, step.bytes, step.flops].map(|n| 1e-6 * n as f64);
+    Ok((memory, DeviceStep { dispatches: step.dispatches, mb, mflop }))
 }
 
 #[cfg(not(feature = "gpu"))]
-fn device_bytes(_: &Model, _: &MpmTest) -> Result<u64> {
+fn on_device(_: &Model, _: &MpmTest) -> Result<(f64, DeviceStep)> {
     Err(crate::error::Error::input("gpu", "", None, "this program was built without the feature gpu"))
 }
 
@@ -114,7 +128,7 @@ pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
     let broken = broken(model, rig);
     let cycle = (points as f64 + broken.points) * POINT + (grains as f64 + broken.grains) * GRAIN_AMONG_POINTS;
     let seconds = START + growing(rig) + steps * touching * broken.steps * cycle;
-    let device = model.spheres_only().and_then(|()| device_bytes(model, rig));
+    let device = model.spheres_only().and_then(|()| on_device(model, rig));
     Estimate {
         grains,
         grains_final: 0.0,
@@ -137,7 +151,8 @@ pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
             points_per_cell: rig.per_edge.pow(d as u32),
             blocks: rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.in_words(&model.physics)).collect(),
             inertial_numbers: inertial.map(|i| [Some(i.points), i.coarse]),
-            device_mb: device.as_ref().ok().map(|bytes| 1e-6 * *bytes as f64),
+            device_mb: device.as_ref().ok().map(|(mb, _)| *mb),
+            device_step: device.as_ref().ok().map(|(_, step)| *step),
             device_lacks: device.err().map(|e| e.to_string().replace('\n', "; ")),
         }),
         crushing_stress: None,

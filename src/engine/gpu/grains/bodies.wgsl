@@ -75,10 +75,14 @@ fn damped(f: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     return f - coupling.damping * abs(f) * sign(v);
 }
 
-// Moves the grains by one of their steps: velocities, spins, positions.
+// Moves the grains between two of their steps in a step of the continuum; the last of these is in `accelerate`.
 @compute @workgroup_size(GROUP)
 fn move_grains(one: Thread) {
-    let g = linear(one);
+    move_grain(linear(one));
+}
+
+// Moves a grain by one of its steps: velocity, spin, position.
+fn move_grain(g: u32) {
     if g >= coupling.grains || status.stop != 0u {
         return;
     }
@@ -115,28 +119,25 @@ fn move_grains(one: Thread) {
     atomicMax(&mix_.fastest_grain, bitcast<u32>(speed));
 }
 
-// Sizes of the dispatches of the passes that make lists of candidates.
-@group(2) @binding(0) var<storage, read_write> searches: array<u32>;
-
 var<workgroup> wanted: u32;
 
 // Share of the skin that may be used up before lists are made anew. Not all of it, as the positions of points ahead of their time are estimates.
 const TRUST: f32 = 0.5;
 
-// After each step of the grains: advances time and walls and, where a body may have come closer than the skin allows, sorts the grains into the grid.
+// Between two steps of the grains in a step of the continuum, and before the first one.
 @compute @workgroup_size(WIDE)
 fn build_grid(@builtin(local_invocation_index) thread: u32) {
+    end_step(thread);
+}
+
+// After each step of the grains: advances time and walls and, where a body may have come closer than the skin allows, sorts the grains into the grid.
+fn end_step(thread: u32) {
     if thread == 0u {
         wanted = 0u;
         if status.stop == 0u {
             wanted = advance_time();
         }
-        searches[0] = wanted * params.point_groups.x;
-        searches[1] = params.point_groups.y;
-        searches[2] = 1u;
-        searches[3] = wanted * ((coupling.grains + GROUP - 1u) / GROUP);
-        searches[4] = 1u;
-        searches[5] = 1u;
+        mix_.wanted = wanted;
     }
     if workgroupUniformLoad(&wanted) == 0u {
         return;
@@ -221,13 +222,22 @@ fn move_slot(old: u32, to: u32, g: u32) {
     }
 }
 
-// Makes the list of candidates of each grain anew, as point_candidates does for points.
+// Makes the lists of candidates of all points and grains anew, where they are wanted.
 @compute @workgroup_size(GROUP)
-fn grain_candidates(one: Thread) {
-    let g = linear(one);
-    if g >= coupling.grains || status.stop != 0u {
+fn candidates(one: Thread) {
+    let i = linear(one);
+    if mix_.wanted == 0u || status.stop != 0u {
         return;
     }
+    if i < params.points {
+        point_candidates(i);
+    } else if i - params.points < coupling.grains {
+        grain_candidates(i - params.points);
+    }
+}
+
+// Makes the list of candidates of a grain anew, as point_candidates does for a point.
+fn grain_candidates(g: u32) {
     let at = grain_cells(g);
     let radius = grain_number(G_VELOCITY_LOW, g).w * params.inverse_cell;
     var found: array<u32, PARTNERS>;
@@ -491,7 +501,7 @@ fn grain_forces(
 // Factor on the stiffness of contacts, which grows until the bound is computed again (dem/stability.rs).
 const MARGIN: f32 = 1.2;
 
-// Reactions of the walls, bounds on the time step, and whether the batch must end.
+// Reactions of the walls, bounds on the time step, whether the batch must end, and the beginning of the next step of the continuum.
 @compute @workgroup_size(WIDE)
 fn step_bound(@builtin(local_invocation_index) thread: u32) {
     var most = vec2<f32>(0.0);
@@ -538,6 +548,10 @@ fn step_bound(@builtin(local_invocation_index) thread: u32) {
         status.stop = 1u;
     }
     mix_.contacts_known = 0u;
+    // the last step of the grains in one of the continuum
+    if mix_.sub == 0u {
+        drive_plates();
+    }
 }
 
 // Stores the sums over the contacts of the wall `k`, and adds to its work.

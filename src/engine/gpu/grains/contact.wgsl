@@ -96,7 +96,8 @@ struct Mix {
     slow: u32,
     // bits of the furthest that a face has been beyond the ghost of its point, cells (C_FACE)
     furthest: atomic<u32>,
-    unused: u32,
+    // 1 where lists of candidates are made anew after this step of the grains
+    wanted: u32,
     sides: array<Side, SIDES>,
     // sums of the walls' reactions over the steps of the batch, N
     reactions: array<vec2<f32>, SIDES>,

@@ -90,7 +90,7 @@ pub struct Mix {
     pub largest_bound: u32,
     pub slow: u32,
     pub furthest: u32,
-    pub unused: u32,
+    pub wanted: u32,
     pub sides: [Side; SIDES],
     pub reactions: [[f32; 2]; SIDES],
 }

@@ -16,7 +16,7 @@ mod words;
 #[cfg(test)]
 pub use layout::Side;
 pub use layout::{Coupling, Mix, NONE};
-pub use support::{GrainBufferSizes, sizes};
+pub use support::{GrainBufferSizes, near_points, sizes};
 
 use super::bounds::{PARTNERS, PLACES, SIDES, SLOTS};
 use super::device::{Device, refused};
@@ -61,7 +61,6 @@ pub struct GrainBuffers {
     pub mix: wgpu::Buffer,
     pub lists: wgpu::Buffer,
     pub transport: wgpu::Buffer,
-    pub searches: wgpu::Buffer,
 }
 
 /// The grains on the device.
@@ -285,7 +284,6 @@ impl Bodies {
             mix: device.buffer("mix", bytemuck::bytes_of(&mix), storage),
             lists: device.empty("lists", sizes.lists, Usage::STORAGE),
             transport: device.buffer("transport", bytemuck::cast_slice(&transport), storage),
-            searches: device.empty("searches", 24, Usage::STORAGE | Usage::INDIRECT),
         })?;
         Ok(Bodies { buffers, coupling, mix, sizes, points: points.len(), work, safety: physics.stepping.safety })
     }

@@ -70,14 +70,9 @@ fn beyond_ghost(r: u32) -> f32 {
     return most;
 }
 
-// Makes the list of candidates of each point anew, in the order of bodies. Contacts with a face keep their history: they are first moved to the front of the row, then,
+// Makes the list of candidates of a point anew, in the order of bodies. Contacts with a face keep their history: they are first moved to the front of the row, then,
 // from the last one on, to their new places.
-@compute @workgroup_size(GROUP)
-fn point_candidates(one: Thread) {
-    let i = linear(one);
-    if i >= params.points || status.stop != 0u {
-        return;
-    }
+fn point_candidates(i: u32) {
     let at = point_cells(i);
     var r = transport[i].w;
     let radius = f32(bitcast<i32>(word(ENERGY, i).w)) / UNITS + beyond_ghost(r);

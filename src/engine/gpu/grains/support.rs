@@ -106,17 +106,24 @@ impl GrainBufferSizes {
 /// The device lacks something that the grains have.
 pub fn sizes(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> Result<GrainBufferSizes> {
     Error::all(lacking(settings, points, coarse))?;
-    let g = &coarse.mixture.grains.grains;
-    let (count, volume) = (points.len(), points.initial_volume.iter().sum::<f64>());
+    let near = near_points(settings, points, coarse);
+    Ok(GrainBufferSizes::of(settings, points, &coarse.mixture.grains.grains, room(near, points.len())))
+}
+
+/// Estimate of the number of points close to grains or walls: those of the shells around the grains where points lie evenly.
+pub fn near_points(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> usize {
+    let count = points.len();
+    if coarse.table.touched_walls() > 0 {
+        return count;
+    }
+    let volume = points.initial_volume.iter().sum::<f64>();
     let largest_ghost = (0..count).map(|i| ghost_radius(points, i)).fold(0.0, f64::max);
     let shell = |p: &[f64; 4]| {
         let outer = p[3] + largest_ghost + SKIN * settings.cell;
         4.0 / 3.0 * PI * (outer * outer * outer - p[3] * p[3] * p[3])
     };
-    let around: f64 = g.pos.iter().map(shell).sum();
-    let near_points =
-        if coarse.table.touched_walls() > 0 { count } else { (around / volume * count as f64).min(count as f64) as usize };
-    Ok(GrainBufferSizes::of(settings, points, g, room(near_points, count)))
+    let around: f64 = coarse.mixture.grains.grains.pos.iter().map(shell).sum();
+    (around / volume * count as f64).min(count as f64) as usize
 }
 
 /// Refusals of what the device lacks.

@@ -14,6 +14,15 @@ fn plate_load_of_grains(k: u32) -> vec2<f32> {
     return vec2<f32>(0.0);
 }
 
+fn move_grain(g: u32) {}
+
+// After the end of a step.
+fn end_step(thread: u32) {
+    if thread == 0u && params.plates > 0u {
+        drive_plates();
+    }
+}
+
 fn longest_step(dt: f32, rate: f32) -> f32 {
     if params.safety > 0.0 {
         return with_contacts(dt, rate);

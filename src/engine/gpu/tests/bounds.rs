@@ -428,7 +428,7 @@ fn an_array_that_is_too_short_is_found() {
             "partial_sums",
         ),
         ("sides: array<Side, SIDES>", "sides: array<Side, 7>", "advance_time", "sides"),
-        ("plates: array<LoadingPlate, PLATES>", "plates: array<LoadingPlate, 5>", "drive", "plates"),
+        ("plates: array<LoadingPlate, PLATES>", "plates: array<LoadingPlate, 5>", "drive_plates", "plates"),
     ] {
         assert!(MIXTURE.contains(of), "{of}");
         let found = follow(&MIXTURE.replace(of, instead));

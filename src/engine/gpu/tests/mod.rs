@@ -1,10 +1,11 @@
-//! Parity of the graphics path with f64: rungs 2 (`law.rs`) and 3 (`step.rs`, `faces.rs`).
+//! Parity of the graphics path with f64: rungs 2 (`law.rs`) and 3 (`step.rs`, `faces.rs`); indices (`bounds.rs`) and operations (`work.rs`) of the shaders.
 
 mod adapter;
 mod bounds;
 mod faces;
 mod law;
 mod step;
+mod work;
 
 pub use adapter::adapter;
 

@@ -227,7 +227,7 @@ fn platens_press_on_points() {
     let drives: Vec<PlateDrive> =
         (0..6).map(|k| if k > 3 { stress } else { PlateDrive::Speed(Ramp::constant(0.1 * k as f64)) }).collect();
     let mut gpu = DeviceContinuum::begin(&cpu, &plates, &[drift; 6], None, None).expect("device");
-    gpu.material(extents, false);
+    gpu.material(extents, [false; 2]);
     drives.iter().enumerate().for_each(|(k, drive)| gpu.drive(k, *drive).expect("a platen"));
     let before = gpu.plates().to_vec();
     let dt = 1e-12;
@@ -305,7 +305,7 @@ fn a_shell_presses_as_in_f64() {
     // outwards in the last batch, until nothing touches
     let top = |batch: i32| PlateDrive::Speed(Ramp::constant([0.2, 0.2, 0.2, -2.0][batch as usize]));
     let mut gpu = DeviceContinuum::with_plates(&cpu, &plates).expect("device");
-    gpu.material(extents, false);
+    gpu.material(extents, [false; 2]);
     let mut drifts = [0.0; 2];
     let (mut in_reaction, mut pressed): (f64, u32) = (0.0, 0);
     for batch in 0..4 {
@@ -378,7 +378,7 @@ fn a_pressed_column_follows_f64() {
     let side = PlateDrive::Stress { target: Ramp::constant(2e4), gain: 0.3, reach: 1.0, memory: 20.0 * dt };
     let top = |time: f64| Ramp { value: 0.2 * (time / rise).min(1.0), slope: 0.2 / rise, end: 0.2 };
     let mut gpu = DeviceContinuum::with_plates(&cpu, &plates).expect("device");
-    gpu.material(extents, false);
+    gpu.material(extents, [false; 2]);
     let mut drifts = [0.0; 5];
     for batch in 0..4 {
         // the ramp of the whole batch there, of each step here

@@ -1,6 +1,7 @@
 //! A test on a graphics device. The state is copied to the device once. After each batch of steps the forces on loading plates
 //! and walls are copied back; points and grains only when a record or checkpoint needs them.
 
+use super::specimen::has_overlaps;
 use super::{Coupled, MpmTest, State};
 use crate::error::Result;
 use crate::model::Model;
@@ -83,7 +84,7 @@ impl Device {
             self.gpu.drive(k, *drive)?;
         }
         let extents = state.material(rig);
-        self.gpu.material(extents, true);
+        self.gpu.material(extents, [true, has_overlaps(rig)]);
         let (dt, safety) = match model.physics.stepping.dt {
             Some(dt) => (dt, 0.0),
             None => (model.physics.stepping.safety * state.bound, model.physics.stepping.safety),

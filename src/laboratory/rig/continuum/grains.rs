@@ -204,14 +204,9 @@ impl State {
         }
         gpu::takes(&rig.laws)?;
         let Some(mixture) = self.mixture.as_deref() else { return Ok(what(&rig.settings, &rig.points, &self.plates, None)?) };
-        if rig.growth.is_some() {
-            return Err(Error::input(
-                "gpu",
-                "growth.fines_diameter_mm",
-                None,
-                "specimens that grow are not available on the GPU: use the processor",
-            )
-            .on_device());
+        if rig.growth.is_some_and(|growth| !growth.as_points) {
+            let message = "grains alone are not available on the GPU: use points, or the processor";
+            return Err(Error::input("gpu", "growth.fines", Some("grains".into()), message).on_device());
         }
         if let Some(Rates { continuum: steps @ 2.., .. }) = rig.coarse.as_ref().and_then(|c| c.rates) {
             let message = "must be 1 on the GPU: leave the key out, or use the processor";

@@ -163,6 +163,7 @@ impl State {
     #[cfg(feature = "gpu")]
     pub(super) fn add(&mut self, rig: &MpmTest, batch: &::engine::gpu::Means, mut extents: [f64; 3]) {
         for (plate, [way, overlap, _]) in self.plates.iter().zip(&batch.plates) {
+            let overlap = if super::specimen::has_overlaps(rig) { *overlap } else { 0.0 };
             super::specimen::widen(&mut extents, plate, overlap - way);
         }
         // the last walls of the grains are the loading plates

@@ -37,6 +37,12 @@ fn mean_overlap(p: &LoadingPlate) -> f64 {
     if p.reaction > 0.0 { p.stored / (0.4 * p.reaction) } else { 0.0 }
 }
 
+/// Whether the extents of the material are without the overlaps of the loading plates: points that do not stand on a lattice are in touch at the faces themselves.
+#[cfg(feature = "gpu")]
+pub(super) fn has_overlaps(rig: &MpmTest) -> bool {
+    rig.specimen().is_some_and(|s| s.lattice)
+}
+
 /// Adds to the extents of the material what they grow by where a loading plate stands `by`, m, further out: of a shell both widths grow by twice as much.
 #[cfg(feature = "gpu")]
 pub(super) fn widen(extents: &mut [f64; 3], plate: &LoadingPlate, by: f64) {
@@ -117,7 +123,7 @@ impl State {
     #[cfg(feature = "gpu")]
     pub(super) fn material(&self, rig: &MpmTest) -> [f64; 3] {
         let mut extents = self.extents_now(rig);
-        for plate in &self.plates {
+        for plate in self.plates.iter().filter(|_| has_overlaps(rig)) {
             widen(&mut extents, plate, -mean_overlap(plate));
         }
         extents

@@ -1,0 +1,133 @@
+//! How much a step on the device moves and computes, so that a reader can tell what a device should reach: bytes over its bandwidth, flops over its rate, or dispatches
+//! times what each costs (some microseconds), whichever is the longest.
+//!
+//! One count for all: the dispatches are those of `plan.rs`. Each pass reads and writes what it needs of a buffer once, as if a cache held what several of its threads
+//! read; buffers are those of the whole domain, and a point leaves its cell in every step. Operations are the additions, multiplications, divisions and roots of the
+//! shaders' f32, with the elastic law; whole numbers, comparisons and returns to a yield surface are not counted. Each point near a grain has one contact, and lists of candidates
+//! are not made.
+
+use super::bounds::{BORDERS, GROUP, SLOTS};
+use super::grains::layout::{CONTACT, GRAIN, NODES, POINT_CONTACT};
+use super::plan::Extent;
+use serde::Serialize;
+use std::ops::Add;
+
+/// What one step takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct StepWork {
+    /// Number of dispatches, each of which waits for the one before it.
+    pub dispatches: u64,
+    /// Bytes read and written.
+    pub bytes: u64,
+    /// Operations with floating-point numbers.
+    pub flops: u64,
+}
+
+impl Add for StepWork {
+    type Output = StepWork;
+
+    fn add(self, other: StepWork) -> StepWork {
+        StepWork {
+            dispatches: self.dispatches + other.dispatches,
+            bytes: self.bytes + other.bytes,
+            flops: self.flops + other.flops,
+        }
+    }
+}
+
+impl StepWork {
+    /// Of one step, with `near` points near grains.
+    pub fn of(extent: &Extent, near: u32) -> StepWork {
+        extent.step().iter().map(|d| of_pass(d.pass, extent, near.into())).fold(StepWork::default(), Add::add)
+    }
+}
+
+/// Bytes of an entry of four words, and of a word.
+const PLANE: u64 = 16;
+const WORD: u64 = 4;
+
+/// Operations where a node gathers one of its points: `project`, `accelerate_node`. What it does once is left out.
+pub const PROJECT: u64 = 40;
+pub const ACCELERATE: u64 = 65;
+/// Operations of the elastic law.
+pub const ELASTIC: u64 = 15;
+/// Operations of a point: `advance`, `strain`, with all of its nodes.
+pub const ADVANCE: u64 = 546;
+pub const STRAIN: u64 = 789 + ELASTIC;
+/// Estimates: operations at a node on a wall, in three layers; with which a point finds how far it is from a loading plate; of a contact, with what it presses on nodes; of
+/// a grain's motion.
+const WALL: u64 = 40;
+const TOUCH: u64 = 10;
+const CONTACT_FORCE: u64 = 100 + 8 * NODES as u64;
+const MOVE: u64 = 100;
+
+fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
+    let [points, cells, nodes] = [e.points, e.cells(), e.nodes()].map(u64::from);
+    let (plates, pairs) = (u64::from(e.plates), NODES as u64 * points);
+    let (pressed, coupled) = (u64::from(plates > 0), u64::from(e.grains.is_some()));
+    let of_groups = plates * points.div_ceil(GROUP as u64) * PLANE;
+    let grains = e.grains.map_or(0, |g| u64::from(g.grains));
+    let on_walls: u64 = (0..BORDERS).filter(|k| e.walls[*k]).map(|k| nodes / (u64::from(e.size[k / 2]) + 3)).sum();
+    let [bytes, flops] = match pass {
+        // place, velocity, order; starts; momentum, speed, change
+        "project" => [points * (2 * PLANE + WORD) + cells * WORD + nodes * 3 * PLANE, pairs * PROJECT],
+        // place, rest, stress, order, forces of plates, row; starts; momentum, speed twice, change; grains
+        "accelerate" => [
+            points * ((4 + pressed + coupled) * PLANE + WORD)
+                + cells * WORD
+                + nodes * 4 * PLANE
+                + grains * 2 * GRAIN as u64 * PLANE,
+            pairs * ACCELERATE + grains * MOVE,
+        ],
+        // speed and change of three layers, twice; whether the wall touches
+        "walls_project" | "walls_accelerate" => [on_walls * (12 * PLANE + 2 * WORD), on_walls * WALL],
+        // place, rest, velocity and its low part, twice; transport; speed and change
+        "advance" => [points * (8 + 2 * pressed + 2 * coupled) * PLANE + nodes * 2 * PLANE, points * ADVANCE],
+        // counts twice; starts
+        "find_starts" => [cells * 3 * WORD, 0],
+        // place, order; counts twice
+        "scatter" => [points * (PLANE + WORD) + cells * 2 * WORD, 0],
+        // identity, order twice; starts, counts
+        "sort" => [points * (PLANE + 2 * WORD) + cells * 2 * WORD, 0],
+        // place, rest, law, four of stress, work; five of them again; two of faces, twice; speed
+        "strain" => [points * (13 + 4 * pressed) * PLANE + nodes * PLANE, points * STRAIN],
+        // place, rest, faces, radius; force; sums of workgroups
+        "plate_forces" => [points * 6 * PLANE + of_groups, points * plates * TOUCH],
+        // sums of workgroups
+        "finish" => [of_groups, 0],
+        "move_grains" => [grains * 2 * GRAIN as u64 * PLANE, grains * MOVE],
+        // point, contact twice, what it presses on nodes twice
+        "point_contact_forces" => [near * (5 + 2 * (POINT_CONTACT + NODES) as u64) * PLANE, near * CONTACT_FORCE],
+        // slots, half of which are contacts, and contacts with points
+        "grain_forces" => [
+            (grains * (CONTACT * SLOTS) as u64 + near * CONTACT as u64) * PLANE,
+            (grains * SLOTS as u64 / 2 + near) * CONTACT_FORCE,
+        ],
+        "build_grid" | "candidates" | "step_bound" => [0, 0],
+        _ => unreachable!("{pass} is a pass of a step"),
+    };
+    StepWork { dispatches: 1, bytes, flops }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::plan::GrainExtent;
+
+    /// The count goes with the points, the grid and the steps of the grains; a point reads and writes its own state at least twice in a step.
+    #[test]
+    fn work_goes_with_what_there_is() {
+        let bare = Extent { points: 1000, size: [6; 3], walls: [false; 6], plates: 0, grains: None };
+        let one = StepWork::of(&bare, 0);
+        assert_eq!(one.dispatches, bare.step().len() as u64);
+        let twice = StepWork::of(&Extent { points: 2000, ..bare }, 0);
+        let [of_points, flops] = [twice.bytes - one.bytes, twice.flops - one.flops];
+        assert!(of_points > 2 * 1000 * 9 * PLANE && one.bytes > of_points);
+        assert_eq!(flops, one.flops);
+        let [nodes, cells] = [bare.nodes(), bare.cells()].map(u64::from);
+        assert_eq!(one.bytes - of_points, nodes * 10 * PLANE + cells * 9 * WORD);
+        let with = |rates| StepWork::of(&Extent { grains: Some(GrainExtent { grains: 5, rows: 100, rates }), ..bare }, 50);
+        let more = [with(2), with(3), with(4)].map(|w| w.flops);
+        assert!(with(1).flops > one.flops && more[1] - more[0] == more[2] - more[1] && more[0] < more[1]);
+    }
+}
