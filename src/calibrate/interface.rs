@@ -12,6 +12,7 @@
 
 use super::columns::Columns;
 use super::fines::Test;
+use engine::grains::sphere_volume;
 use engine::material::InterfaceFriction;
 use engine::math::vector::dot;
 use laboratory::error::{Error, Result};
@@ -127,8 +128,8 @@ fn test(folder: &Path, elastic: [f64; 2]) -> Result<Vec<Instant>> {
     };
     let mut paths: Vec<PathBuf> = entries.filter_map(|e| e.ok().map(|e| e.path())).filter(is_table).collect();
     paths.sort();
-    let sizes = sizes(folder)?;
-    let tables = paths.iter().map(|path| instant(path, &sizes)).collect::<Result<Vec<_>>>()?;
+    let grains = grains(folder)?;
+    let tables = paths.iter().map(|path| instant(path, &grains.sizes)).collect::<Result<Vec<_>>>()?;
     let mut instants: Vec<Instant> = tables.into_iter().flatten().collect();
     if instants.is_empty() {
         return Err(missing(
@@ -137,7 +138,7 @@ fn test(folder: &Path, elastic: [f64; 2]) -> Result<Vec<Instant>> {
     }
     let history = Test::read(folder)?;
     let rows = history.plastic(elastic);
-    let fines = fines_share(folder, &sizes, instants.iter().any(|i| i.of_points))?;
+    let fines = fines_share(folder, &grains, instants.iter().any(|i| i.of_points))?;
     for i in &mut instants {
         i.plastic_strain = history.plastic_strain_at(&rows, i.axial_strain) / fines;
     }
@@ -145,24 +146,28 @@ fn test(folder: &Path, elastic: [f64; 2]) -> Result<Vec<Instant>> {
 }
 
 /// Share of the specimen's volume that is not coarse grains, at the start: from the grains and the void ratio, or where the fines are points
-/// (`of_points`), from these. `sizes`: as [`sizes`].
-fn fines_share(folder: &Path, sizes: &[usize], of_points: bool) -> Result<f64> {
-    let radii = Columns::read(&folder.join("grains_start.csv"))?.complete("r_m", "a mixture")?;
-    let volume = |r: &f64| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3);
+/// (`of_points`), from these.
+fn fines_share(folder: &Path, Grains { radii, sizes }: &Grains, of_points: bool) -> Result<f64> {
+    let all: f64 = radii.iter().copied().map(sphere_volume).sum();
     if of_points {
         let points = Columns::read(&folder.join("points_start.csv"))?.complete("volume_m3", "a mixture")?;
-        let [coarse, fines] = [radii.iter().map(volume).sum::<f64>(), points.iter().sum()];
-        return Ok(fines / (coarse + fines));
+        let fines: f64 = points.iter().sum();
+        return Ok(fines / (all + fines));
     }
     let history = Columns::read(&folder.join("history.csv"))?;
     let void_ratio = history.complete("void_ratio", "a triaxial test of grains")?[0];
     let most = sizes.iter().max();
-    let coarse: f64 = radii.iter().zip(sizes).filter(|(_, size)| Some(*size) == most).map(|(r, _)| volume(r)).sum();
-    Ok(1.0 - coarse / (radii.iter().map(volume).sum::<f64>() * (1.0 + void_ratio)))
+    let coarse: f64 = radii.iter().zip(sizes).filter(|(_, size)| Some(*size) == most).map(|(r, _)| sphere_volume(*r)).sum();
+    Ok(1.0 - coarse / (all * (1.0 + void_ratio)))
 }
 
-/// Material of each grain, as a number, with the larger grains' material above the smaller ones'.
-fn sizes(folder: &Path) -> Result<Vec<usize>> {
+/// The grains at the start of a test: their radii, m, and the material of each as a number, with the larger grains' material above the smaller ones'.
+struct Grains {
+    radii: Vec<f64>,
+    sizes: Vec<usize>,
+}
+
+fn grains(folder: &Path) -> Result<Grains> {
     let table = Columns::read(&folder.join("grains_start.csv"))?;
     let whose = "a mixture";
     let radii = table.complete("r_m", whose)?;
@@ -175,7 +180,8 @@ fn sizes(folder: &Path) -> Result<Vec<usize>> {
     }
     let mut order: Vec<(&str, f64)> = largest.into_iter().collect();
     order.sort_by(|a, b| a.1.total_cmp(&b.1));
-    Ok(names.iter().map(|name| order.iter().position(|o| o.0 == *name).unwrap_or(0)).collect())
+    let sizes = names.iter().map(|name| order.iter().position(|o| o.0 == *name).unwrap_or(0)).collect();
+    Ok(Grains { radii, sizes })
 }
 
 /// Sums over one table; `None` before loading, or without such contacts.
