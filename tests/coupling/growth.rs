@@ -85,7 +85,7 @@ fn grains_alone_are_sheared_at_constant_volume() {
 fn fines_from_crushing_enter_a_grown_specimen() {
     let folder = tempfile::tempdir().expect("folder");
     let out = folder.path().join("out");
-    let own = ["growth.fines_diameter_mm=[2.9, 3.1]", "grid.cell_mm=5.0", "test.axial_strain=0.06", "records.rows=20"];
+    let own = ["growth.fines_diameter_mm=[2.9, 3.1]", "grid.cell_mm=6.0", "test.axial_strain=0.06", "records.rows=20"];
     let sets = [&own[..], &["records.figures=false", "records.snapshots=false"]].concat();
     run("mixture/coke_in_fines", &out, &sets, &[]).assert().success();
     let rows = columns(&out, ["crush_events", "fines_points", "reserve_mass_kg", "total_mass_kg"]);
