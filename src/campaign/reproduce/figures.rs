@@ -23,7 +23,8 @@ pub fn draw(figure: &Figure, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> 
         let mut files = Vec::new();
         for id in ids {
             if let Some(first) = folders(std::slice::from_ref(id)).first() {
-                files.extend(draw(first, &dir.join(id))?);
+                // no file system of Windows takes a colon in a name
+                files.extend(draw(first, &dir.join(id.replace(':', "_")))?);
             }
         }
         Ok(files)
