@@ -208,7 +208,7 @@ fn graphs(name: &str, cone: &str, rows: &[Row]) -> Vec<Graph> {
     let mut title = vec!["a ball falls into dry sand".into(), cone.into()];
     if let Some(fit) = exponents(&cases) {
         let [r, h, mu] = fit.map(|x| significant(x, 2).replace('-', "−"));
-        title.push(format!("{finest} cells: D ∝ R^{{{r}}} H^{{{h}}} μ^{{{mu}}}"));
+        title.push(format!("{finest} cells: D ~ R^{{{r}}} H^{{{h}}} μ^{{{mu}}}"));
     }
     let symbols = ["circles", "squares", "triangles"].into_iter().zip(&resolutions).map(|(symbol, n)| format!("{symbol} {n}"));
     let explained = format!("{} cells along the radius", symbols.collect::<Vec<_>>().join(", "));
