@@ -203,6 +203,28 @@ mod tests {
         assert_eq!(plain(""), vec![]);
     }
 
+    /// PNG files show a box where the typeface lacks a sign that a reader of the SVG still sees.
+    #[test]
+    fn the_typeface_has_every_sign_of_the_committed_figures() {
+        let font = TYPEFACE.as_ref().expect("a typeface");
+        let mut folders = vec![std::path::PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../figures"))];
+        let mut seen = 0;
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(&folder).expect("a folder") {
+                let path = entry.expect("an entry").path();
+                if path.is_dir() {
+                    folders.push(path);
+                } else if path.extension().is_some_and(|e| e == "svg") {
+                    seen += 1;
+                    let text = std::fs::read_to_string(&path).expect("text");
+                    let missing: Vec<char> = text.chars().filter(|c| !c.is_ascii() && font.glyph_id(*c).0 == 0).collect();
+                    assert!(missing.is_empty(), "{}: {missing:?}", path.display());
+                }
+            }
+        }
+        assert!(seen > 50, "{seen} figures");
+    }
+
     #[test]
     fn width_scales_and_scripts_are_narrower() {
         let w = width("porosity", 10.0);
