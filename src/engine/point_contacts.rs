@@ -228,10 +228,16 @@ impl PointContactTable {
         &self.grains[usize::from(law)][usize::from(material)]
     }
 
+    /// Coefficient of friction of a contact whose parameters before any plastic strain are `pair`; `plastic`: looks up the plastic strain of the point, where it counts.
+    #[inline(always)]
+    pub fn friction(&self, law: u8, pair: &Pair, plastic: impl FnOnce() -> f64) -> f64 {
+        self.softening(law).map_or(pair.friction, |softening| softening.at(plastic()))
+    }
+
     /// As [`Self::of_grain`], with the friction at a plastic strain of the point.
     pub fn at_plastic_strain(&self, law: u8, material: u8, plastic: f64) -> Pair {
         let pair = *self.of_grain(law, material);
-        Pair { friction: self.softening(law).map_or(pair.friction, |softening| softening.at(plastic)), ..pair }
+        Pair { friction: self.friction(law, &pair, || plastic), ..pair }
     }
 
     /// Parameters of the contact of a point of constitutive law `law` with wall `wall`.

@@ -125,7 +125,18 @@ fn input(dirs: &[PathBuf], data: &[PathBuf]) -> Result<Input> {
 
 /// A column of numbers of a table that a run has left; empty cells are NaN.
 pub fn read_column(path: &Path, column: &str) -> Result<Vec<f64>> {
-    table::Table::read(path)?.numbers(column)
+    let [column] = read_columns(path, [column])?;
+    Ok(column)
+}
+
+/// Columns of numbers of a table that a run has left, which is read once; empty cells are NaN.
+pub fn read_columns<const N: usize>(path: &Path, columns: [&str; N]) -> Result<[Vec<f64>; N]> {
+    let table = table::Table::read(path)?;
+    let mut found: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
+    for (values, column) in found.iter_mut().zip(columns) {
+        *values = table.numbers(column)?;
+    }
+    Ok(found)
 }
 
 /// Draws the section through the mixture of a run at its start and end into `out`; nothing without both points and grains.

@@ -262,9 +262,11 @@ impl PointContactScene<'_> {
     /// Coefficient of friction of the contact, at the plastic strain that its point has now.
     #[inline(always)]
     fn friction(&self, contact: &PointContact) -> f64 {
-        match (contact.body, self.table.softening(contact.law)) {
-            (Body::Grain(_), Some(softening)) => softening.at(self.continuum.points().memory[contact.place[1] as usize].plastic),
-            _ => self.pair(contact).friction,
+        let pair = self.pair(contact);
+        let plastic = || self.continuum.points().memory[contact.place[1] as usize].plastic;
+        match contact.body {
+            Body::Grain(_) => self.table.friction(contact.law, pair, plastic),
+            Body::Wall(_) => pair.friction,
         }
     }
 

@@ -33,7 +33,7 @@ pub fn available() -> Option<Adapter> {
 pub(super) fn adapter() -> Result<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::PRIMARY;
-    // the same without layers and checks in all builds
+    // no validation layers, in builds with and without debug information alike
     descriptor.flags = wgpu::InstanceFlags::empty();
     descriptor.memory_budget_thresholds = wgpu::MemoryBudgetThresholds { for_resource_creation: Some(95), for_device_loss: None };
     let instance = wgpu::Instance::new(descriptor);

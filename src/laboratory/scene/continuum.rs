@@ -128,8 +128,8 @@ impl View<'_> {
         let accumulates = Law::keys(word).is_some_and(|keys| keys.contains(&"dilation_angle"));
         let own = if residual.is_some() { &keys[1] } else { &keys[2] };
         self.check(accumulates, own, format!("has no meaning with law = \"{word}\": it accumulates no plastic shear strain"));
-        let [initial, residual, decay] =
-            [(initial, 0), (residual, 1), (decay, 2)].map(|(value, k)| value.or_else(|| self.needed(&keys[k], "friction that falls with plastic strain is given by interface_friction, interface_friction_residual and interface_friction_decay")));
+        let all = "friction that falls with plastic strain is given by interface_friction, interface_friction_residual and interface_friction_decay";
+        let [initial, residual, decay] = [0, 1, 2].map(|k| self.needed(&keys[k], all));
         Some(InterfaceFriction { initial: initial?, residual: residual?, decay: decay? })
     }
 

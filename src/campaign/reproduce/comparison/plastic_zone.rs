@@ -15,14 +15,10 @@ pub fn around_grains(folder: &Path) -> Result<Option<f64>> {
     if !points.exists() || !grains.exists() {
         return Ok(None);
     }
-    let columns = |path: &Path, last: &str| -> Result<Vec<[f64; 4]>> {
-        let read = |name: &str| plot::read_column(path, name);
-        let (x, y, z, w) = (read("x_m")?, read("y_m")?, read("z_m")?, read(last)?);
-        Ok((0..x.len()).map(|i| [x[i], y[i], z[i], w[i]]).collect())
-    };
-    let strained = columns(&points, "plastic_strain")?;
-    let edges = plot::read_column(&points, "volume_m3")?;
-    Ok(concentration(&strained, &edges, &columns(&grains, "r_m")?))
+    let rows = |[x, y, z, w]: [Vec<f64>; 4]| (0..x.len()).map(|i| [x[i], y[i], z[i], w[i]]).collect::<Vec<_>>();
+    let [x, y, z, strain, volumes] = plot::read_columns(&points, ["x_m", "y_m", "z_m", "plastic_strain", "volume_m3"])?;
+    let grains = plot::read_columns(&grains, ["x_m", "y_m", "z_m", "r_m"])?;
+    Ok(concentration(&rows([x, y, z, strain]), &volumes, &rows(grains)))
 }
 
 /// As [`around_grains`]; `points`: place, m, and plastic strain; `volumes`: theirs, m³; `grains`: centre and radius, m.

@@ -35,7 +35,8 @@ pub struct Triaxial;
 
 impl Comparison for Triaxial {
     fn compare(&self, plan: &Plan, done: &[Done], dir: &Path) -> Result<(Vec<PathBuf>, String)> {
-        let tests = all(done)?;
+        let around = plan.statements.iter().any(|s| s.of == Measure::PlasticStrainAroundGrains);
+        let tests = all(done, around)?;
         let tables = vec![write(&tests, &dir.join("comparison.csv"))?, runs::write(done, &RUNS, &dir.join("runs.csv"))?];
         Ok((tables, overview(&tests) + &statements(&plan.statements, &tests)))
     }
@@ -99,19 +100,20 @@ impl Test<'_> {
     }
 }
 
-/// All entries of the plan.
-fn all(done: &[Done]) -> Result<Vec<Test<'_>>> {
-    fn test(done: &Done) -> Result<Test<'_>> {
-        let shown = done.seeds.iter().map(shown).collect::<Result<Vec<_>>>()?;
+/// All entries of the plan; `around`: with the plastic strain around coarse grains, for which tables of all points are read.
+fn all(done: &[Done], around: bool) -> Result<Vec<Test<'_>>> {
+    fn test(done: &Done, around: bool) -> Result<Test<'_>> {
+        let shown = done.seeds.iter().map(|seed| shown(seed, around)).collect::<Result<Vec<_>>>()?;
         Ok(Test { done, shown: shown.into_iter().flatten().collect() })
     }
-    done.iter().map(test).collect()
+    done.iter().map(|done| test(done, around)).collect()
 }
 
-/// What a run shows; `None` if it is no triaxial test.
-fn shown(seed: &Seed) -> Result<Option<Shown>> {
+/// What a run shows; `None` if it is no triaxial test. `around`: as in [`all`].
+fn shown(seed: &Seed, around: bool) -> Result<Option<Shown>> {
     let columns = ["axial_strain", "volumetric_strain", "principal_ratio"];
-    Ok(Shown::of(&loading(&seed.folder.join("history.csv"), columns)?, around_grains(&seed.folder)?))
+    let around = if around { around_grains(&seed.folder)? } else { None };
+    Ok(Shown::of(&loading(&seed.folder.join("history.csv"), columns)?, around))
 }
 
 /// Writes a line for every entry of the plan.
