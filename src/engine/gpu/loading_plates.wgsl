@@ -231,9 +231,14 @@ fn total_of_group(thread: u32, own: vec4<f32>) -> vec4<f32> {
     if workgroupUniformLoad(&touched) == 0u {
         return vec4<f32>(0.0);
     }
+    return total(thread, own, GROUP);
+}
+
+// Sums of a workgroup of so many threads.
+fn total(thread: u32, own: vec4<f32>, threads: u32) -> vec4<f32> {
     partial_sums[thread] = own;
     workgroupBarrier();
-    for (var half = GROUP / 2u; half > 0u; half /= 2u) {
+    for (var half = threads / 2u; half > 0u; half /= 2u) {
         if thread < half {
             partial_sums[thread] = summed(partial_sums[thread], partial_sums[thread + half]);
         }
@@ -250,16 +255,9 @@ fn sum_plate_loads(thread: u32, sound: bool) {
         for (var g = thread; g < count; g += WIDE) {
             own = summed(own, batch.parts[params.points + g * PLATES + k]);
         }
-        partial_sums[thread] = own;
-        workgroupBarrier();
-        for (var half = WIDE / 2u; half > 0u; half /= 2u) {
-            if thread < half {
-                partial_sums[thread] = summed(partial_sums[thread], partial_sums[thread + half]);
-            }
-            workgroupBarrier();
-        }
+        let load = total(thread, own, WIDE);
         if thread == 0u && sound {
-            store_plate_load(k, partial_sums[0]);
+            store_plate_load(k, load);
         }
         workgroupBarrier();
     }
