@@ -31,6 +31,14 @@ bounds! {
     SIDES = 8;
     /// Largest number of contacts of a point with grains and walls.
     PLACES = 16;
+    /// Cells of a block of the grid, and its nodes: 4 × 4 × 2.
+    BLOCK = 32;
+    /// Nodes that the points of a block reach: 6 × 6 × 4.
+    TILE = 144;
+    /// Columns of a block along z, of two cells each.
+    COLUMNS = 16;
+    /// Nodes above the columns of a block, each column with its own nine in each of four layers.
+    PARTS = 576;
 }
 
 /// Number of slots for the contacts of a grain: for other grains, then one for each wall.
@@ -38,3 +46,5 @@ pub const SLOTS: usize = PARTNERS + SIDES;
 
 // one thread of a grain's workgroup for each of its slots
 const _: () = assert!(SLOTS <= GROUP);
+// a thread for each layer of each column
+const _: () = assert!(4 * COLUMNS == GROUP && 2 * COLUMNS == BLOCK && PARTS == 36 * COLUMNS);

@@ -8,7 +8,7 @@ pub(super) struct Buffers {
     pub nodes: wgpu::Buffer,
     pub starts: wgpu::Buffer,
     pub counts: wgpu::Buffer,
-    pub order: wgpu::Buffer,
+    pub blocks: wgpu::Buffer,
     pub status: wgpu::Buffer,
     pub touching: wgpu::Buffer,
     pub batch: wgpu::Buffer,

@@ -1,5 +1,6 @@
 //! A continuum on the graphics device, which computes steps in batches; the processor reads the state only between batches.
 
+use super::blocks::Blocks;
 use super::bounds::{CROWD, PLACES};
 use super::buffers::Buffers;
 use super::device::{Adapter, Device, refused};
@@ -137,13 +138,8 @@ impl DeviceContinuum {
     ) -> Result<DeviceContinuum> {
         let settings = cpu.settings().clone();
         takes(cpu.laws())?;
-        let (sizes, _) = sizes(&settings, cpu.points(), plates, coarse)?;
-        sizes.check(&device.device.limits())?;
+        sizes(&settings, cpu.points(), plates, coarse)?;
         Error::all(if device.adapter.software { rounds::too_many(&settings, cpu.points(), coarse) } else { Vec::new() })?;
-        let lightest = cpu.points().velocity.iter().map(|v| v[3]).fold(f64::INFINITY, f64::min);
-        let mut params = Params::of(&settings, cpu.points().len(), lightest);
-        params.plates = plates.len() as u32;
-        params.extents = [1.0; 3];
         let mut state = state::to_device(&settings, cpu.points(), !plates.is_empty());
         let mut batch = BatchState::default();
         let round = plates.iter().any(|p| p.radius.is_some());
@@ -166,9 +162,16 @@ impl DeviceContinuum {
             before.1 = f64::from_bits(saved.work);
         }
         let by_id = state::by_id(&state, cpu.points().len());
-        let counts = state::counts(&state, cpu.points().len(), params.cells);
+        let cells = || state[..cpu.points().len()].iter().map(|[.., cell]| *cell);
+        let blocks = Blocks::of(&settings, cells());
+        let sizes = BufferSizes::of(&settings, &blocks, cpu.points().len() as u64, !plates.is_empty());
+        sizes.check(&device.device.limits())?;
+        let lightest = cpu.points().velocity.iter().map(|v| v[3]).fold(f64::INFINITY, f64::min);
+        let mut params = Params::of(&settings, &blocks, cpu.points().len(), lightest);
+        params.plates = plates.len() as u32;
+        params.extents = [1.0; 3];
         let laws: Vec<Law32> = cpu.laws().iter().map(Law32::from).collect();
-        let status = Status { crossed: 1, ..Status::default() };
+        let status = Status { crossed: 1, slots: blocks.used, ..Status::default() };
         let storage = Usage::STORAGE | Usage::COPY_SRC;
         let buffers = device.allocate(sizes.sum(), || Buffers {
             params: device.buffer("params", bytemuck::bytes_of(&params), Usage::UNIFORM | Usage::COPY_DST),
@@ -176,8 +179,8 @@ impl DeviceContinuum {
             state: device.buffer("state", bytemuck::cast_slice(&state), storage),
             nodes: device.empty("nodes", sizes.nodes, storage),
             starts: device.empty("starts", sizes.starts, storage),
-            counts: device.buffer("counts", bytemuck::cast_slice(&counts), storage),
-            order: device.empty("order", sizes.order, storage),
+            counts: device.buffer("counts", bytemuck::cast_slice(&blocks.counts(&settings, cells())), storage),
+            blocks: device.buffer("blocks", bytemuck::cast_slice(&blocks.words()), storage),
             status: device.buffer("status", bytemuck::bytes_of(&status), storage | Usage::COPY_DST),
             touching: device.empty("touching", sizes.touching, storage),
             batch: device.empty("batch", sizes.batch, storage | Usage::COPY_DST),
@@ -208,7 +211,7 @@ impl DeviceContinuum {
         Ok(gpu)
     }
 
-    /// Computes `n` steps of `dt`, s.
+    /// Computes `n` steps of `dt`, s; fewer where [`Self::crowded`] says so afterwards, or [`Self::broken`].
     ///
     /// # Errors
     /// A point that has become unstable, with its step, as on the processor; a device that is lost or out of memory. The state on the device is then of no use.
@@ -414,9 +417,11 @@ impl DeviceContinuum {
         self.bodies.as_ref().is_some_and(Bodies::broken)
     }
 
-    /// Whether so many points are close to grains now that [`Self::reload`] should be called, which makes more room.
+    /// Whether so many points are close to grains now, or so many blocks of the grid have come to points, that [`Self::reload`] should be called, which makes more room.
     pub fn crowded(&self) -> bool {
-        self.bodies.as_ref().is_some_and(Bodies::crowded)
+        let Params { slots, block_count, .. } = self.params;
+        let few_slots = self.status.slots > slots - slots / 5 && slots <= block_count;
+        few_slots || self.bodies.as_ref().is_some_and(Bodies::crowded)
     }
 
     /// Smallest h/(c + |v|) over the points after the last batch, s, as [`mpm::Continuum::stable_step`].
@@ -444,11 +449,12 @@ impl DeviceContinuum {
 
     /// Numbers of what the passes go through.
     fn extent(&self) -> Extent {
-        let Params { points, size, walls, .. } = self.params;
+        let Params { points, slots, size, walls, .. } = self.params;
         let grains =
             self.bodies.as_ref().map(|b| GrainExtent { grains: b.coupling.grains, rows: b.coupling.rows, rates: b.coupling.rates });
         let size = size.map(|n| n as u32);
-        Extent { points, size, walls: walls.map(|wall| wall[0] != 0), plates: self.plates.len() as u32, grains }
+        let blocks = [self.status.slots, slots];
+        Extent { points, blocks, size, walls: walls.map(|wall| wall[0] != 0), plates: self.plates.len() as u32, grains }
     }
 
     /// Submits `times` times these dispatches to the device.
@@ -496,7 +502,9 @@ impl DeviceContinuum {
             // found after the step was counted
             5 => return Err(mpm::loading_plate::passed(self.steps_done(), id)),
             6 => &crowded,
-            7 => "has come close to a grain, as more points have than the GPU has room for: continue on the processor",
+            7 => {
+                "has come close to a grain, or far from where it was, as more points have than the GPU has room for: continue on the processor"
+            }
             _ => &sort,
         };
         let error = Error::Unstable { step: self.steps_done() + 1, what: format!("point {id} {what}"), grain: None };
@@ -509,9 +517,24 @@ impl DeviceContinuum {
         self.device.device.destroy();
     }
 
-    /// The arrays of the nodes: momentum and mass, velocity, and change of velocity.
+    /// The nodes of the domain: momentum and mass, velocity, and change of velocity. Some of the points must lie in their cells since the state was copied to the device.
     #[cfg(test)]
-    pub(super) fn nodes(&self) -> Vec<[f32; 4]> {
-        bytemuck::pod_collect_to_vec(&self.device.read(&[(&self.buffers.nodes, self.sizes.nodes)], 0).expect("nodes"))
+    pub(super) fn nodes(&self) -> [Vec<[f32; 4]>; 3] {
+        let bytes = self
+            .device
+            .read(&[(&self.buffers.nodes, self.sizes.nodes), (&self.buffers.blocks, self.sizes.blocks)], 0)
+            .expect("nodes");
+        let (nodes, table) = bytes.split_at(self.sizes.nodes as usize);
+        let (nodes, table): (Vec<[f32; 4]>, Vec<u32>) = (bytemuck::pod_collect_to_vec(nodes), bytemuck::pod_collect_to_vec(table));
+        let [x, y, z] = self.settings.cells.map(|n| n + 3);
+        [0, 1, 2].map(|plane| {
+            (0..x * y * z)
+                .map(|k| {
+                    nodes[(plane * self.params.cells
+                        + super::blocks::index(&self.settings, &table, [k % x, k / x % y, k / (x * y)]))
+                        as usize]
+                })
+                .collect()
+        })
     }
 }

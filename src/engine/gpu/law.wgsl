@@ -263,7 +263,7 @@ fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     let lame = laws[id].bulk - two_g * 0.33333333;
     let volume = lame * (strain.normal.x + strain.normal.y + strain.normal.z);
     let elastic = Sym(vec3<f32>(volume) + two_g * strain.normal, two_g * strain.shear);
-    if laws[id].kind == 0u {
+    if !YIELDS || laws[id].kind == 0u {
         return Step(elastic, 0.0);
     }
     let normal = before.normal + elastic.normal;

@@ -1,7 +1,8 @@
 //! Structs that the shaders read and write, with the same fields at the same offsets. What the fields are is said with the structs of the same names in
 //! `params.wgsl`, `loading_plates.wgsl` and `nodes.wgsl`; a test compares the offsets.
 
-use super::bounds::{BORDERS, GROUP, PLATES, WIDE};
+use super::blocks::Blocks;
+use super::bounds::{BLOCK, BORDERS, GROUP, PLATES, WIDE};
 use crate::mpm::law::dilatancy::Dilatancy;
 use crate::mpm::law::{CamClay, Cone, Dilation, Evolution, Law, Parameters};
 use crate::mpm::{GridWall, PlateDrive, Ramp, Settings, Transfer};
@@ -25,8 +26,8 @@ pub struct Params {
     pub mass_floor: f32,
     pub zero: u32,
     pub cells: u32,
-    pub nodes: u32,
     pub share: u32,
+    pub cell_groups: u32,
     pub overlaps: f32,
     pub point_groups: [u32; 2],
     pub steps: u32,
@@ -35,6 +36,12 @@ pub struct Params {
     pub safety: f32,
     pub extents: [f32; 3],
     pub follows: f32,
+    pub blocks: [i32; 3],
+    pub block_count: u32,
+    pub slots: u32,
+    pub unused_a: u32,
+    pub unused_b: u32,
+    pub unused_c: u32,
     pub walls: [[u32; 4]; BORDERS],
     pub drives: [PlateDrive32; PLATES],
 }
@@ -110,10 +117,9 @@ pub struct BatchState {
 
 impl Params {
     /// Everything but the time step and the drives. `lightest`: mass of the lightest point, kg. Sizes must have been checked before.
-    pub fn of(settings: &Settings, points: usize, lightest: f64) -> Params {
+    pub fn of(settings: &Settings, blocks: &Blocks, points: usize, lightest: f64) -> Params {
         let size = settings.cells.map(|n| n as i32);
-        let product = |more: u32| settings.cells.iter().map(|n| n + more).product::<u32>();
-        let (cells, nodes) = (product(1), product(3));
+        let cells = BLOCK as u32 * blocks.slots;
         Params {
             size,
             points: points as u32,
@@ -124,8 +130,11 @@ impl Params {
             damping: settings.damping as f32,
             mass_floor: (1e-12 * lightest) as f32,
             cells,
-            nodes,
             share: share(cells),
+            cell_groups: cell_groups(cells),
+            blocks: blocks.along.map(|n| n as i32),
+            block_count: blocks.count(),
+            slots: blocks.slots,
             point_groups: groups(points as u32),
             walls: settings.walls.map(wall),
             ..Params::default()
@@ -145,10 +154,14 @@ pub fn cell_groups(cells: u32) -> u32 {
 
 /// Numbers of workgroups of [`GROUP`] threads along x and y for at least so many threads.
 pub fn groups(threads: u32) -> [u32; 2] {
+    rows(threads.div_ceil(GROUP as u32).max(1))
+}
+
+/// Numbers along x and y of at least so many workgroups.
+pub fn rows(workgroups: u32) -> [u32; 2] {
     const MOST: u32 = 32_768;
-    let all = threads.div_ceil(GROUP as u32).max(1);
-    let y = all.div_ceil(MOST);
-    [all.div_ceil(y), y]
+    let y = workgroups.div_ceil(MOST).max(1);
+    [workgroups.div_ceil(y), y]
 }
 
 fn wall(wall: GridWall) -> [u32; 4] {
@@ -326,12 +339,22 @@ pub struct Status {
     pub steps: u32,
     pub stop: u32,
     pub fastest: u32,
-    pub unused: [u32; 3],
+    pub slots: u32,
+    pub unused: [u32; 2],
     pub reaction: [[f32; 4]; BORDERS],
 }
 
 impl Default for Status {
     fn default() -> Status {
-        Status { fault: u32::MAX, crossed: 0, steps: 0, stop: 0, fastest: 0, unused: [0; 3], reaction: [[0.0; 4]; BORDERS] }
+        Status {
+            fault: u32::MAX,
+            crossed: 0,
+            steps: 0,
+            stop: 0,
+            fastest: 0,
+            slots: 0,
+            unused: [0; 2],
+            reaction: [[0.0; 4]; BORDERS],
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Sizes of the buffers that a continuum needs on the device, known before anything is allocated.
 
-use super::bounds::PLATES;
+use super::blocks::Blocks;
+use super::bounds::{BLOCK, PLATES, TILE};
 use super::device::refused;
 use super::layout::{BatchState, cell_groups, groups};
 use super::state::planes;
@@ -14,25 +15,26 @@ pub struct BufferSizes {
     pub nodes: u64,
     pub starts: u64,
     pub counts: u64,
-    pub order: u64,
+    pub blocks: u64,
     pub touching: u64,
     pub batch: u64,
 }
 
 impl BufferSizes {
-    /// For `points` material points, with or without loading plates; the grid covers the whole domain.
-    pub fn of(settings: &Settings, points: u64, plates: bool) -> BufferSizes {
-        let n = settings.cells.map(u128::from);
-        let all = |more: u128| n.iter().map(|n| n + more).product::<u128>().min(1 << 40) as u64;
-        let (cells, nodes) = (all(1), all(3));
+    /// For `points` material points, with or without loading plates; the grid has as many blocks as there are slots.
+    pub fn of(settings: &Settings, blocks: &Blocks, points: u64, plates: bool) -> BufferSizes {
+        let nodes = settings.cells.map(|n| u64::from(n) + 3);
+        let sides = nodes[1] * nodes[2] + nodes[2] * nodes[0] + nodes[0] * nodes[1];
         let [x, y] = groups(u32::try_from(points).unwrap_or(u32::MAX));
-        let sides: u64 = n.map(|n| nodes / (n as u64 + 3)).iter().sum();
+        let (slots, table) = (u64::from(blocks.slots), u64::from(blocks.count()));
+        let cells = BLOCK as u64 * slots;
         BufferSizes {
             state: 16 * planes(plates) as u64 * points,
-            nodes: 48 * nodes,
-            starts: 4 * (cells + 1),
-            counts: 4 * (cells + u64::from(cell_groups(u32::try_from(cells).unwrap_or(u32::MAX)))),
-            order: 4 * points,
+            // three planes of the nodes, and the tiles
+            nodes: 16 * (3 * cells + TILE as u64 * slots),
+            starts: 4 * (cells + 1 + points),
+            counts: 4 * (cells + u64::from(cell_groups(cells as u32)) + table),
+            blocks: 4 * (table + slots),
             touching: 8 * sides,
             // the state, the force on each point, and sums over workgroups of points
             batch: size_of::<BatchState>() as u64
@@ -43,7 +45,7 @@ impl BufferSizes {
 
     /// Size of all buffers, bytes.
     pub fn sum(&self) -> u64 {
-        self.state + self.nodes + self.starts + self.counts + self.order + self.touching + self.batch
+        self.state + self.nodes + self.starts + self.counts + self.blocks + self.touching + self.batch
     }
 
     /// Compares the sizes with the limits of the device.
@@ -52,10 +54,9 @@ impl BufferSizes {
     /// A buffer is larger than the device allows; the message has its size and the limit.
     pub fn check(&self, limits: &wgpu::Limits) -> Result<()> {
         let most = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
-        // the grid is limited so that indices fit into 32 bits
         for (what, bytes, most, advice) in [
             ("memory of the points", self.state, most, "use fewer points"),
-            ("memory of the grid", self.nodes, most.min(48 << 30), "use a smaller domain or larger cells"),
+            ("memory of the grid", self.nodes, most, "use larger cells"),
             ("memory of the platens", self.batch, most, "use fewer points"),
             ("memory of the cells", self.counts, most, "use a smaller domain or larger cells"),
         ] {

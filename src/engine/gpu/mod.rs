@@ -19,6 +19,7 @@
 //! The shaders are the files `*.wgsl`, which `shader.rs` puts together. Each of them names its twin: Rust code that computes the same, in f32 in this folder or in
 //! f64 in `mpm`, `coupling`, `contact` and `dem`, against which tests compare it.
 
+mod blocks;
 mod bounds;
 mod buffers;
 #[cfg(test)]

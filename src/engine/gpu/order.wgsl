@@ -1,7 +1,7 @@
-// Keeps the points in the order of cells and, in a cell, of identities. `advance` keeps the number of points of each cell and of each group of cells; after a step in which a
-// point has left its cell, `find_starts` sums them up, `scatter` writes the points to their cells and `sort` sorts each cell. In other steps these passes do nothing.
+// Keeps the points in the order of cells, by their slots, and, in a cell, of identities. `advance` keeps the number of points of each cell and of each group of cells; after a
+// step in which a point has left its cell, `find_starts` sums them up, `scatter` writes the points to their cells and `sort` sorts each cell. In other steps they do nothing.
 
-// Moves a point from one cell to another.
+// Moves a point from one cell to another, by their indices.
 fn change_cell(old: u32, to: u32) {
     atomicAdd(&status.crossed, 1u);
     atomicSub(&counts[old], 1u);
@@ -83,32 +83,31 @@ fn find_starts(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 fn scatter(one: Thread) {
     let i = linear(one);
     if i < params.points && is_disordered() {
-        order[atomicAdd(&counts[word(PLACE, i).w], 1u)] = i;
+        starts[params.cells + 1u + atomicAdd(&counts[cell_index(cell_place(word(PLACE, i).w))], 1u)] = i;
     }
 }
 
-// Sorts the points of each cell by identity (insertion sort), so that the order depends on the state alone, not on the order in which threads ran.
-@compute @workgroup_size(GROUP)
-fn sort(one: Thread) {
-    let c = linear(one);
-    if c >= params.cells || !is_disordered() {
+// Sorts the points of a cell by identity (insertion sort), so that the order depends on the state alone, not on the order in which threads ran.
+fn sort(cell: u32) {
+    if !is_disordered() {
         return;
     }
-    let first = starts[c];
-    let end = starts[c + 1u];
-    atomicStore(&counts[c], end - first);
+    let first = starts[cell];
+    let end = starts[cell + 1u];
+    atomicStore(&counts[cell], end - first);
     if end - first > CROWD {
-        atomicMin(&status.fault, 8u * word(ENERGY, order[first]).z + CROWDED);
+        atomicMin(&status.fault, 8u * word(ENERGY, nth(first)).z + CROWDED);
         return;
     }
+    let order = params.cells + 1u;
     for (var k = first + 1u; k < end; k++) {
-        let i = order[k];
+        let i = nth(k);
         let own = word(ENERGY, i).z;
         var at = k;
-        while at > first && word(ENERGY, order[at - 1u]).z > own {
-            order[at] = order[at - 1u];
+        while at > first && word(ENERGY, nth(at - 1u)).z > own {
+            starts[order + at] = nth(at - 1u);
             at -= 1u;
         }
-        order[at] = i;
+        starts[order + at] = i;
     }
 }

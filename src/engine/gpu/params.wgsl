@@ -18,11 +18,11 @@ struct Params {
     mass_floor: f32,
     // always 0, which the compiler does not know: see keep() in exact.wgsl
     zero: u32,
-    // numbers of cells and nodes
+    // number of cells, and of nodes, that there is memory for: BLOCK for each slot
     cells: u32,
-    nodes: u32,
-    // cells of a thread where the points are put in order
+    // cells of a thread where the points are put in order, and number of the groups of cells of a workgroup there
     share: u32,
+    cell_groups: u32,
     // share of the overlap of a loading plate that belongs to the extents of the material: 1 or 0
     overlaps: f32,
     // number of workgroups along x and y for one thread per point
@@ -37,6 +37,13 @@ struct Params {
     // extents of the material along each axis at the start of the batch, without overlaps, m; share of the displacement of a loading plate by which they shrink: 1 or 0
     extents: vec3<f32>,
     follows: f32,
+    // blocks along each axis, and their number; number of slots
+    blocks: vec3<i32>,
+    block_count: u32,
+    slots: u32,
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
     // the sides x low, x high, y low, …: kind (0 open, 1 symmetry, 2 stick, 3 friction), bits of the coefficient of friction
     walls: array<vec4<u32>, BORDERS>,
     drives: array<PlateDrive, PLATES>,

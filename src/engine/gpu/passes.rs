@@ -9,11 +9,13 @@ use super::{grains, shader};
 use crate::mpm::LoadingPlate;
 
 /// Entry points of all continua.
-const NAMES: [&str; 14] = [
+const NAMES: [&str; 15] = [
     "plate_forces",
     "plate_loads",
     "drive",
     "survey",
+    "deposit",
+    "press_nodes",
     "project",
     "accelerate",
     "walls_project",
@@ -21,7 +23,6 @@ const NAMES: [&str; 14] = [
     "advance",
     "find_starts",
     "scatter",
-    "sort",
     "strain",
     "finish",
 ];
@@ -47,6 +48,9 @@ impl Passes {
             mohr_coulomb: laws.iter().any(|law| law.kind == 2),
             changing_pyramids: laws.iter().any(|law| law.kind == 2 && law.settled > 0.0),
             cam_clay: laws.iter().any(|law| law.kind == 3),
+            yields: laws.iter().any(|law| law.kind != 0),
+            one_law: laws.len() == 1,
+            pressed: !plates.is_empty(),
             shells: plates.iter().any(|plate| plate.radius.is_some()),
             faces,
         };
@@ -92,7 +96,7 @@ impl Passes {
 
     /// Binds them to buffers.
     pub fn bind(mut self, device: &Device, b: &Buffers, grains: Option<&grains::GrainBuffers>) -> Passes {
-        let buffers = [&b.params, &b.laws, &b.state, &b.nodes, &b.starts, &b.counts, &b.order, &b.status, &b.touching, &b.batch];
+        let buffers = [&b.params, &b.laws, &b.state, &b.nodes, &b.starts, &b.counts, &b.blocks, &b.status, &b.touching, &b.batch];
         let group = |layout, buffers: &[&wgpu::Buffer]| {
             let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
                 .zip(buffers)

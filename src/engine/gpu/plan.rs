@@ -1,7 +1,8 @@
 //! Which passes a step has, in which order, and of how many workgroups: what `passes.rs` encodes and `work.rs` counts.
 
-use super::bounds::GROUP;
-use super::layout::{cell_groups, groups};
+use super::bounds::{BLOCK, GROUP};
+use super::layout::{cell_groups, groups, rows};
+use super::shader::LANES;
 
 /// One dispatch: the entry point of the shaders, and its numbers of workgroups along x and y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +15,8 @@ pub struct Dispatch {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
     pub points: u32,
+    /// Blocks of the grid: slots in use, and all.
+    pub blocks: [u32; 2],
     /// Cells of the domain along each axis.
     pub size: [u32; 3],
     /// Sides of the domain that have a wall.
@@ -41,20 +44,19 @@ fn threads(pass: &'static str, threads: u32) -> Dispatch {
 }
 
 impl Extent {
-    /// Number of cells about nodes.
-    pub fn cells(&self) -> u32 {
-        self.count(1)
+    /// Number of cells, and of nodes, that there is memory for.
+    fn cells(&self) -> u32 {
+        (BLOCK as u32).saturating_mul(self.blocks[1])
     }
 
-    /// Number of nodes.
-    pub fn nodes(&self) -> u32 {
-        self.count(3)
+    /// A pass with a workgroup for each block.
+    fn blocks(&self, pass: &'static str) -> Dispatch {
+        Dispatch { pass, groups: rows(self.blocks[1]) }
     }
 
-    /// Product of the cells along each axis and so many `more`; no device has a grid whose nodes do not fit into 32 bits.
-    fn count(&self, more: u32) -> u32 {
-        let all = self.size.iter().map(|n| u128::from(*n) + u128::from(more)).product::<u128>();
-        u32::try_from(all).unwrap_or(u32::MAX)
+    /// A pass with the threads for the points, a share of those of a cell for each.
+    fn shares(&self, pass: &'static str) -> Dispatch {
+        threads(pass, LANES.saturating_mul(self.cells()))
     }
 
     /// What must be computed before the first step: order of the points, velocities of the nodes, forces on loading plates and grains.
@@ -86,11 +88,12 @@ impl Extent {
                 all.extend(self.grain_forces(grains));
             }
         }
+        all.push(self.blocks("press_nodes"));
         all.extend(self.of_nodes("accelerate", "walls_accelerate", self.grains.map_or(0, |g| g.grains)));
-        all.push(threads("advance", self.points));
+        all.push(self.shares("advance"));
         all.extend(self.order());
         all.extend(self.of_nodes("project", "walls_project", 0));
-        all.push(threads("strain", self.points));
+        all.push(self.shares("strain"));
         if self.plates > 0 {
             all.push(threads("plate_forces", self.points));
         }
@@ -106,15 +109,15 @@ impl Extent {
         vec![threads("survey", self.points)]
     }
 
-    /// Puts the points in the order of cells, if one of them has moved to another cell.
+    /// Puts the points in the order of cells, if one of them has moved to another cell, and gives their mass and momentum to the nodes.
     fn order(&self) -> Vec<Dispatch> {
         let starts = Dispatch { pass: "find_starts", groups: [cell_groups(self.cells()), 1] };
-        vec![starts, threads("scatter", self.points), threads("sort", self.cells())]
+        vec![starts, threads("scatter", self.points), self.blocks("deposit")]
     }
 
     /// A pass over the nodes with so many `more` threads, and that over the walls.
     fn of_nodes(&self, pass: &'static str, walls: &'static str, more: u32) -> Vec<Dispatch> {
-        let mut all = vec![threads(pass, self.nodes().saturating_add(more))];
+        let mut all = vec![threads(pass, self.cells().saturating_add(more))];
         if self.walls.contains(&true) {
             all.push(alone(walls));
         }
@@ -136,15 +139,15 @@ impl Extent {
 mod tests {
     use super::*;
 
-    /// Ten dispatches between the walls of a grid and nine between loading plates, with grains four more, and six for each further step of the grains.
+    /// Eleven dispatches between the walls of a grid and ten between loading plates, with grains four more, and six for each further step of the grains.
     #[test]
     fn a_step_has_few_dispatches() {
         let count = |walls, plates, rates: Option<u32>| {
             let grains = rates.map(|rates| GrainExtent { grains: 10, rows: 200, rates });
-            Extent { points: 1000, size: [6; 3], walls: [walls; 6], plates, grains }.step().len()
+            Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [walls; 6], plates, grains }.step().len()
         };
-        assert_eq!([count(true, 0, None), count(false, 6, None), count(true, 1, None)], [10, 9, 11]);
-        assert_eq!([1, 2, 5].map(|rates| count(true, 0, Some(rates))), [14, 20, 38]);
-        assert_eq!(count(false, 6, Some(1)), 13);
+        assert_eq!([count(true, 0, None), count(false, 6, None), count(true, 1, None)], [11, 10, 12]);
+        assert_eq!([1, 2, 5].map(|rates| count(true, 0, Some(rates))), [15, 21, 39]);
+        assert_eq!(count(false, 6, Some(1)), 14);
     }
 }

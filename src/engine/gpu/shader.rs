@@ -2,6 +2,9 @@
 
 use super::bounds::bounds_wgsl;
 
+/// Threads among which the points of a cell are shared.
+pub const LANES: u32 = 1;
+
 /// Parts of the shaders for which runs without them shall not pay: software adapters go through both branches of a condition.
 #[derive(Clone, Copy)]
 pub struct Uses {
@@ -13,6 +16,12 @@ pub struct Uses {
     pub changing_pyramids: bool,
     /// Modified Cam-clay.
     pub cam_clay: bool,
+    /// A law other than elasticity.
+    pub yields: bool,
+    /// One law for all points.
+    pub one_law: bool,
+    /// Loading plates.
+    pub pressed: bool,
     /// Loading plates that are shells.
     pub shells: bool,
     /// Contacts of grains that act on the faces of points.
@@ -22,17 +31,20 @@ pub struct Uses {
 impl Uses {
     /// A source with these parts.
     pub fn of(self, source: &str) -> String {
-        let Uses { mobilised, mohr_coulomb, changing_pyramids, cam_clay, shells, faces } = self;
+        let Uses { mobilised, mohr_coulomb, changing_pyramids, cam_clay, yields, one_law, pressed, shells, faces } = self;
         let switches = [
             ("MOBILISED", mobilised),
             ("MOHR_COULOMB", mohr_coulomb),
             ("CHANGING_PYRAMIDS", changing_pyramids),
             ("CAM_CLAY", cam_clay),
+            ("YIELDS", yields),
+            ("ONE_LAW", one_law),
+            ("PRESSED", pressed),
             ("SHELLS", shells),
             ("FACES", faces),
         ];
         let switches: String = switches.iter().map(|(name, is)| format!("const {name}: bool = {is};\n")).collect();
-        switches + source
+        switches + &format!("const LANES: u32 = {LANES}u;\n") + source
     }
 }
 
@@ -45,7 +57,9 @@ pub const STEP: &str = concat!(
     include_str!("cam_clay.wgsl"),
     include_str!("law.wgsl"),
     include_str!("grains/without_grains.wgsl"),
+    include_str!("blocks.wgsl"),
     include_str!("nodes.wgsl"),
+    include_str!("tiles.wgsl"),
     include_str!("loading_plates.wgsl"),
     include_str!("walls.wgsl"),
     include_str!("points.wgsl"),
@@ -61,7 +75,9 @@ pub const MIXTURE: &str = concat!(
     include_str!("cam_clay.wgsl"),
     include_str!("law.wgsl"),
     include_str!("grains/contact.wgsl"),
+    include_str!("blocks.wgsl"),
     include_str!("nodes.wgsl"),
+    include_str!("tiles.wgsl"),
     include_str!("loading_plates.wgsl"),
     include_str!("walls.wgsl"),
     include_str!("points.wgsl"),
@@ -91,10 +107,28 @@ pub mod tests {
     );
 
     /// All parts, and none.
-    pub const ALL: Uses =
-        Uses { mobilised: true, mohr_coulomb: true, changing_pyramids: true, cam_clay: true, shells: true, faces: true };
-    const NONE: Uses =
-        Uses { mobilised: false, mohr_coulomb: false, changing_pyramids: false, cam_clay: false, shells: false, faces: false };
+    pub const ALL: Uses = Uses {
+        mobilised: true,
+        mohr_coulomb: true,
+        changing_pyramids: true,
+        cam_clay: true,
+        yields: true,
+        one_law: false,
+        pressed: true,
+        shells: true,
+        faces: true,
+    };
+    const NONE: Uses = Uses {
+        mobilised: false,
+        mohr_coulomb: false,
+        changing_pyramids: false,
+        cam_clay: false,
+        yields: false,
+        one_law: true,
+        pressed: false,
+        shells: false,
+        faces: false,
+    };
 
     /// The module of a source with all parts.
     pub fn parsed(source: &str) -> naga::Module {
@@ -152,8 +186,8 @@ pub mod tests {
             mass_floor,
             zero,
             cells,
-            nodes,
             share,
+            cell_groups,
             overlaps,
             point_groups,
             steps,
@@ -162,6 +196,12 @@ pub mod tests {
             safety,
             extents,
             follows,
+            blocks,
+            block_count,
+            slots,
+            unused_a,
+            unused_b,
+            unused_c,
             walls,
             drives
         );
@@ -227,7 +267,7 @@ pub mod tests {
             clay
         );
         same!(Clay32, "Clay", slope, swelling_slope, ratio, per_plastic, preconsolidation, virgin_volume, shear_ratio, unused);
-        same!(Status, "Status", fault, crossed, steps, stop, fastest, reaction);
+        same!(Status, "Status", fault, crossed, steps, stop, fastest, slots, reaction);
         let module = parsed(MIXTURE);
         macro_rules! same {
             ($type:ty, $name:literal, $($field:ident),+) => {
@@ -295,7 +335,7 @@ pub mod tests {
     /// Constants have the same values in Rust and WGSL.
     #[test]
     fn constants_are_those_of_the_processor() {
-        use crate::gpu::bounds::{BORDERS, GROUP, PARTNERS, PLACES, PLATES, SIDES, SLOTS, WIDE};
+        use crate::gpu::bounds::{BLOCK, BORDERS, COLUMNS, GROUP, PARTNERS, PARTS, PLACES, PLATES, SIDES, SLOTS, WIDE};
         use crate::gpu::grains::FURTHEST;
         use crate::gpu::grains::layout::{NO_FACE, NODES, NONE, POINT_CONTACT, WALLS};
         use crate::point_contacts::ContactRates;
@@ -315,7 +355,10 @@ pub mod tests {
             assert_eq!(literal(name), Literal::F32(value as f32), "{name}");
         }
         for (name, value) in [
+            ("BLOCK", BLOCK),
+            ("COLUMNS", COLUMNS),
             ("GROUP", GROUP),
+            ("PARTS", PARTS),
             ("WIDE", WIDE),
             ("BORDERS", BORDERS),
             ("PLATES", PLATES),

@@ -1,8 +1,6 @@
 //! The state of the points as the device holds it, and back. The device has it in planes: arrays with four words of 32 bits for each point.
 
-use super::bounds::WIDE;
 use super::exact::{UNITS, place, placed, split};
-use super::layout::{cell_groups, share};
 use crate::mpm::{Face, Points, Settings};
 
 /// Number of planes; what they hold, in which order, is said in `nodes.wgsl`.
@@ -21,16 +19,22 @@ pub fn ghost_radius(points: &Points, i: usize) -> f64 {
     (solid * (0.75 / std::f64::consts::PI)).cbrt()
 }
 
+/// Number in the domain of the cell at a position, and cell, units and rest along each axis.
+pub fn cell_of(settings: &Settings, position: &[f64; 4]) -> (u32, [(i32, i32, f32); 3]) {
+    let wide = settings.cells.map(|n| n as i32 + 1);
+    let at: [(i32, i32, f32); 3] = std::array::from_fn(|a| place((position[a] - settings.lower[a]) / settings.cell));
+    let [x, y, z] = at.map(|at| at.0 + 1);
+    ((x + wide[0] * (y + wide[1] * z)) as u32, at)
+}
+
 /// The planes of the points, one after the other. Points must lie within the domain.
 pub fn to_device(settings: &Settings, points: &Points, plates: bool) -> Vec<[u32; 4]> {
     let n = points.len();
     let mut planes = vec![[0_u32; 4]; planes(plates) * n];
     let bits = f32::to_bits;
-    let wide = settings.cells.map(|n| n as i32 + 1);
     for i in 0..n {
         let p = &points.position[i];
-        let [x, y, z]: [(i32, i32, f32); 3] = std::array::from_fn(|a| place((p[a] - settings.lower[a]) / settings.cell));
-        let cell = (x.0 + 1) + wide[0] * ((y.0 + 1) + wide[1] * (z.0 + 1));
+        let (cell, [x, y, z]) = cell_of(settings, p);
         let v = points.velocity[i].map(split);
         let s = points.stress[i].map(split);
         let growth = split(p[3] / points.initial_volume[i] - 1.0);
@@ -38,7 +42,7 @@ pub fn to_device(settings: &Settings, points: &Points, plates: bool) -> Vec<[u32
         let radius = (ghost_radius(points, i) / settings.cell * f64::from(UNITS)) as i32;
         let part = |s: &[[f32; 2]], last: [f32; 2], k: usize| [bits(s[0][k]), bits(s[1][k]), bits(s[2][k]), bits(last[k])];
         let words = [
-            [x.1 as u32, y.1 as u32, z.1 as u32, cell as u32],
+            [x.1 as u32, y.1 as u32, z.1 as u32, cell],
             [bits(x.2), bits(y.2), bits(z.2), bits(points.initial_volume[i] as f32)],
             part(&v, v[3], 0),
             [bits(v[0][1]), bits(v[1][1]), bits(v[2][1]), u32::from(points.law[i])],
@@ -69,14 +73,10 @@ pub fn by_id(planes: &[[u32; 4]], points: usize) -> Vec<(u32, u32)> {
     all
 }
 
-/// Numbers of points of each cell, then of each group of cells, as `order.wgsl` keeps them.
-pub fn counts(planes: &[[u32; 4]], points: usize, cells: u32) -> Vec<u32> {
-    let mut counts = vec![0; (cells + cell_groups(cells)) as usize];
-    for [.., cell] in &planes[..points] {
-        counts[*cell as usize] += 1;
-        counts[(cells + cell / (share(cells) * WIDE as u32)) as usize] += 1;
-    }
-    counts
+/// Place of the cell with this number in the domain, as `blocks.wgsl` has it.
+pub fn cell_place(settings: &Settings, cell: u32) -> [u32; 3] {
+    let wide = settings.cells.map(|n| n + 1);
+    [cell % wide[0], cell / wide[0] % wide[1], cell / (wide[0] * wide[1])]
 }
 
 /// Writes the state of the point with the index `i` on the device into the point `to` of `points`; returns its stress work since the state was copied to the
@@ -86,10 +86,7 @@ pub fn to_point(settings: &Settings, planes: &[[u32; 4]], i: usize, points: &mut
     let word = |plane: usize| planes[plane * n + i];
     let number = |plane: usize, k: usize| f32::from_bits(word(plane)[k]);
     let both = |high: usize, low: usize, k: usize| f64::from(number(high, k)) + f64::from(number(low, k));
-    let wide = settings.cells.map(|n| n + 1);
-    let cell = word(0)[3];
-    let cell = [cell % wide[0], cell / wide[0] % wide[1], cell / (wide[0] * wide[1])];
-    for (a, cell) in cell.into_iter().enumerate() {
+    for (a, cell) in cell_place(settings, word(0)[3]).into_iter().enumerate() {
         let x = placed(cell as i32 - 1, word(0)[a] as i32, number(1, a));
         points.position[to][a] = settings.lower[a] + settings.cell * x;
         points.velocity[to][a] = both(2, 3, a);

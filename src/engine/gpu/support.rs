@@ -1,11 +1,13 @@
 //! Which continua the graphics device can compute, and whether one fits into its memory; answered without opening the device.
 
+use super::blocks::{Blocks, too_wide};
 use super::device::{Adapter, adapter, refused};
 use super::grains::{self, CoarseGrains};
 use super::loading_plate;
 use super::memory::BufferSizes;
 use super::plan::{Extent, GrainExtent};
 use super::rounds;
+use super::state::cell_of;
 use super::work::StepWork;
 use crate::error::{Error, Result};
 use crate::mpm::law::Law;
@@ -33,10 +35,12 @@ pub fn needs(
 ) -> Result<Needs> {
     let (_, grains) = sizes(settings, points, plates, coarse)?;
     let [points_there, grains_there] = counts.map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-    let of_points = BufferSizes::of(settings, points_there.into(), !plates.is_empty());
+    let blocks = blocks(settings, points).for_more(f64::from(points_there) / points.len() as f64);
+    let of_points = BufferSizes::of(settings, &blocks, points_there.into(), !plates.is_empty());
     let of_grains = grains.map(|sizes| GrainExtent { grains: grains_there, rows: sizes.room as u32, rates: 1 });
     let extent = Extent {
         points: points_there,
+        blocks: [blocks.used, blocks.slots],
         size: settings.cells,
         walls: settings.walls.map(|wall| wall != GridWall::Open),
         plates: plates.len() as u32,
@@ -71,7 +75,12 @@ pub fn sizes(
     errors.extend(loading_plate::wrong(plates, settings, points));
     Error::all(errors)?;
     let grains = coarse.map(|coarse| grains::sizes(settings, points, coarse)).transpose()?;
-    Ok((BufferSizes::of(settings, points.len() as u64, !plates.is_empty()), grains))
+    Ok((BufferSizes::of(settings, &blocks(settings, points), points.len() as u64, !plates.is_empty()), grains))
+}
+
+/// Blocks of the grid for these points.
+fn blocks(settings: &Settings, points: &Points) -> Blocks {
+    Blocks::of(settings, points.position.iter().map(|p| cell_of(settings, p).0))
 }
 
 /// Checks that shaders have these laws.
@@ -97,6 +106,14 @@ fn lacking(settings: &Settings, points: &Points) -> Vec<Error> {
     }
     if settings.transfer == Transfer::Affine {
         errors.push(refused("grid.transfer", "apic", "is not available on the GPU: use flip_pic, or the processor"));
+    }
+    if let Some(most) = too_wide(settings) {
+        let most = most.map(|n| n.to_string()).join(" x ");
+        errors.push(refused(
+            "cells of the domain",
+            settings.cells.map(|n| n.to_string()).join(" x "),
+            format!("are at most {most} on the GPU, and less than 2^31 in all: use larger cells, or the processor"),
+        ));
     }
     if points.is_empty() {
         errors.push(refused("points", 0, "must be at least one"));

@@ -66,14 +66,14 @@ fn parity(side: u32) -> vec3<f32> {
 
 // The impulse that a wall must give so that nothing passes.
 fn needed(side: u32, t: u32) -> vec3<f32> {
-    let I = CHANGE * params.nodes;
+    let I = CHANGE * params.cells;
     return -(nodes[I + node_index(wall_node(side, t, 1))].xyz + 2.0 * nodes[I + node_index(wall_node(side, t, 0))].xyz);
 }
 
 // Adds what the node behind the wall has to the node in front of it, mirrored.
 fn mirror(side: u32, t: u32) {
-    let P = SPEED * params.nodes;
-    let I = CHANGE * params.nodes;
+    let P = SPEED * params.cells;
+    let I = CHANGE * params.cells;
     let behind = node_index(wall_node(side, t, 0));
     let before = node_index(wall_node(side, t, 2));
     let p_behind = nodes[P + behind];
@@ -85,8 +85,8 @@ fn mirror(side: u32, t: u32) {
 
 // Folds a wall that holds the material, and returns the impulse that it gives.
 fn hold(side: u32, t: u32) -> vec3<f32> {
-    let P = SPEED * params.nodes;
-    let I = CHANGE * params.nodes;
+    let P = SPEED * params.cells;
+    let I = CHANGE * params.cells;
     let on = node_index(wall_node(side, t, 1));
     let given = needed(side, t);
     mirror(side, t);
@@ -98,7 +98,7 @@ fn hold(side: u32, t: u32) -> vec3<f32> {
 
 // The impulse with which a wall with friction has to push at its `t`-th node.
 fn push(side: u32, t: u32) -> f32 {
-    let P = SPEED * params.nodes;
+    let P = SPEED * params.cells;
     let axis = side / 2u;
     let p = nodes[P + node_index(wall_node(side, t, 1))][axis] + 2.0 * nodes[P + node_index(wall_node(side, t, 0))][axis];
     return sign_of(side) * (needed(side, t)[axis] - p);
@@ -174,7 +174,7 @@ fn first_to_rub(at: vec3<i32>) -> u32 {
 
 fn rubbing(at: vec3<i32>) -> Rubbing {
     let node = node_index(at);
-    let i = nodes[CHANGE * params.nodes + node].xyz;
+    let i = nodes[CHANGE * params.cells + node].xyz;
     var found = Rubbing(vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), 1.0, vec3<f32>(0.0));
     var free = vec3<f32>(1.0);
     for (var side = 0u; side < BORDERS; side++) {
@@ -185,7 +185,7 @@ fn rubbing(at: vec3<i32>) -> Rubbing {
             free[axis] = 0.0;
         }
     }
-    found.p = nodes[SPEED * params.nodes + node].xyz * free;
+    found.p = nodes[SPEED * params.cells + node].xyz * free;
     found.along = found.p + i * free;
     let size = sqrt(dot(found.along, found.along));
     let limit = found.limits.x + found.limits.y + found.limits.z;
@@ -241,8 +241,8 @@ fn rub(thread: u32, moving: bool) {
             if (touching[plane_first(side) + t] & 1u) != 0u {
                 let across = needed(side, t)[axis];
                 let on = node_index(wall_node(side, t, 1));
-                nodes[SPEED * params.nodes + on][axis] = 0.0;
-                nodes[CHANGE * params.nodes + on][axis] = -across;
+                nodes[SPEED * params.cells + on][axis] = 0.0;
+                nodes[CHANGE * params.cells + on][axis] = -across;
             }
         }
         storageBarrier();
@@ -279,7 +279,7 @@ fn rub(thread: u32, moving: bool) {
             let at = wall_node(side, t, 1);
             if first_to_rub(at) == side {
                 let node = rubbing(at);
-                let k = CHANGE * params.nodes + node_index(at);
+                let k = CHANGE * params.cells + node_index(at);
                 nodes[k] = vec4<f32>(node.along * node.kept - node.p, nodes[k].w);
             }
         }
@@ -289,8 +289,8 @@ fn rub(thread: u32, moving: bool) {
 
 // Applies all walls; `moving`: to forces and velocities of a step, not to the velocities after projection alone.
 fn all_walls(thread: u32, moving: bool) {
-    let P = SPEED * params.nodes;
-    let I = CHANGE * params.nodes;
+    let P = SPEED * params.cells;
+    let I = CHANGE * params.cells;
     var any = false;
     for (var side = 0u; side < BORDERS; side++) {
         any |= rubs(side);
@@ -357,8 +357,11 @@ fn all_walls(thread: u32, moving: bool) {
             if (touching[first + t] & 1u) != 0u {
                 let behind = node_index(wall_node(side, t, 0));
                 let before = node_index(wall_node(side, t, 2));
-                nodes[P + behind] = vec4<f32>(nodes[P + before].xyz * mirrored, 0.0);
-                nodes[I + behind] = vec4<f32>(nodes[I + before].xyz * mirrored, nodes[I + behind].w);
+                // no point reaches a node whose block has no slot
+                if behind >= BLOCK {
+                    nodes[P + behind] = vec4<f32>(nodes[P + before].xyz * mirrored, 0.0);
+                    nodes[I + behind] = vec4<f32>(nodes[I + before].xyz * mirrored, nodes[I + behind].w);
+                }
             }
         }
         storageBarrier();

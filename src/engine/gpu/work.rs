@@ -2,11 +2,11 @@
 //! times what each costs (some microseconds), whichever is the longest.
 //!
 //! One count for all: the dispatches are those of `plan.rs`. Each pass reads and writes what it needs of a buffer once, as if a cache held what several of its threads
-//! read; buffers are those of the whole domain, and a point leaves its cell in every step. Operations are the additions, multiplications, divisions and roots of the
+//! read; buffers are those of the blocks in use, and a point leaves its cell in every step. Operations are the additions, multiplications, divisions and roots of the
 //! shaders' f32, with the elastic law; whole numbers, comparisons and returns to a yield surface are not counted. Each point near a grain has one contact, and lists of candidates
 //! are not made.
 
-use super::bounds::{BORDERS, GROUP, SLOTS};
+use super::bounds::{BLOCK, BORDERS, GROUP, SLOTS, TILE};
 use super::grains::layout::{CONTACT, GRAIN, NODES, POINT_CONTACT};
 use super::plan::Extent;
 use serde::Serialize;
@@ -46,14 +46,16 @@ impl StepWork {
 const PLANE: u64 = 16;
 const WORD: u64 = 4;
 
-/// Operations where a node gathers one of its points: `project`, `accelerate_node`. What it does once is left out.
-pub const PROJECT: u64 = 40;
-pub const ACCELERATE: u64 = 65;
 /// Operations of the elastic law.
 pub const ELASTIC: u64 = 15;
-/// Operations of a point: `advance`, `strain`, with all of its nodes.
-pub const ADVANCE: u64 = 546;
-pub const STRAIN: u64 = 789 + ELASTIC;
+/// Operations of a point with all of its nodes: `deposit`, `press_nodes`, each with three threads for a point, `advance`, `strain`.
+pub const DEPOSIT: u64 = 360;
+pub const PRESS: u64 = 762;
+pub const ADVANCE: u64 = 498;
+pub const STRAIN: u64 = 723 + ELASTIC;
+/// Operations of a cell where its block sums up what it gives to 27 nodes; of a node that sums up eight tiles.
+const SUM_TILE: u64 = 4 * 27;
+const FROM_TILES: u64 = 4 * 8;
 /// Estimates: operations at a node on a wall, in three layers; with which a point finds how far it is from a loading plate; of a contact, with what it presses on nodes; of
 /// a grain's motion.
 const WALL: u64 = 40;
@@ -61,36 +63,40 @@ const TOUCH: u64 = 10;
 const CONTACT_FORCE: u64 = 100 + 8 * NODES as u64;
 const MOVE: u64 = 100;
 
+/// Nodes of the plane of a wall across an axis.
+fn plane(size: [u32; 3], axis: usize) -> u64 {
+    [1, 2].map(|k| u64::from(size[(axis + k) % 3]) + 3).iter().product()
+}
+
 fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
-    let [points, cells, nodes] = [e.points, e.cells(), e.nodes()].map(u64::from);
-    let (plates, pairs) = (u64::from(e.plates), NODES as u64 * points);
+    let [points, blocks] = [e.points, e.blocks[0]].map(u64::from);
+    let (cells, tiles) = (BLOCK as u64 * blocks, TILE as u64 * blocks * PLANE);
+    let plates = u64::from(e.plates);
     let (pressed, coupled) = (u64::from(plates > 0), u64::from(e.grains.is_some()));
     let of_groups = plates * points.div_ceil(GROUP as u64) * PLANE;
     let grains = e.grains.map_or(0, |g| u64::from(g.grains));
-    let on_walls: u64 = (0..BORDERS).filter(|k| e.walls[*k]).map(|k| nodes / (u64::from(e.size[k / 2]) + 3)).sum();
+    let on_walls: u64 = (0..BORDERS).filter(|k| e.walls[*k]).map(|k| plane(e.size, k / 2)).sum();
     let [bytes, flops] = match pass {
-        // place, velocity, order; starts; momentum, speed, change
-        "project" => [points * (2 * PLANE + WORD) + cells * WORD + nodes * 3 * PLANE, pairs * PROJECT],
-        // place, rest, stress, order, forces of plates, row; starts; momentum, speed twice, change; grains
-        "accelerate" => [
-            points * ((4 + pressed + coupled) * PLANE + WORD)
-                + cells * WORD
-                + nodes * 4 * PLANE
-                + grains * 2 * GRAIN as u64 * PLANE,
-            pairs * ACCELERATE + grains * MOVE,
-        ],
+        // place, velocity, order; identity, order twice; starts, counts; tiles
+        "deposit" => [points * (3 * PLANE + 3 * WORD) + cells * 3 * WORD + tiles, points * DEPOSIT + cells * SUM_TILE],
+        // place, rest, stress, order, forces of plates, row; starts; tiles
+        "press_nodes" => {
+            [points * ((4 + pressed + coupled) * PLANE + WORD) + cells * WORD + tiles, points * PRESS + cells * SUM_TILE]
+        }
+        // tiles; momentum, speed, change
+        "project" => [tiles + cells * 3 * PLANE, cells * FROM_TILES],
+        // tiles; momentum, speed twice, change; grains
+        "accelerate" => [tiles + cells * 4 * PLANE + grains * 2 * GRAIN as u64 * PLANE, cells * FROM_TILES + grains * MOVE],
         // speed and change of three layers, twice; whether the wall touches
         "walls_project" | "walls_accelerate" => [on_walls * (12 * PLANE + 2 * WORD), on_walls * WALL],
-        // place, rest, velocity and its low part, twice; transport; speed and change
-        "advance" => [points * (8 + 2 * pressed + 2 * coupled) * PLANE + nodes * 2 * PLANE, points * ADVANCE],
+        // place, rest, velocity and its low part, twice; transport; order; speed and change
+        "advance" => [points * ((8 + 2 * pressed + 2 * coupled) * PLANE + WORD) + cells * 2 * PLANE, points * ADVANCE],
         // counts twice; starts
         "find_starts" => [cells * 3 * WORD, 0],
         // place, order; counts twice
         "scatter" => [points * (PLANE + WORD) + cells * 2 * WORD, 0],
-        // identity, order twice; starts, counts
-        "sort" => [points * (PLANE + 2 * WORD) + cells * 2 * WORD, 0],
-        // place, rest, law, four of stress, work; five of them again; two of faces, twice; speed
-        "strain" => [points * (13 + 4 * pressed) * PLANE + nodes * PLANE, points * STRAIN],
+        // place, rest, law, four of stress, work; five of them again; two of faces, twice; order; speed
+        "strain" => [points * ((13 + 4 * pressed) * PLANE + WORD) + cells * PLANE, points * STRAIN],
         // place, rest, faces, radius; force; sums of workgroups
         "plate_forces" => [points * 6 * PLANE + of_groups, points * plates * TOUCH],
         // sums of workgroups
@@ -117,15 +123,14 @@ mod tests {
     /// The count goes with the points, the grid and the steps of the grains; a point reads and writes its own state at least twice in a step.
     #[test]
     fn work_goes_with_what_there_is() {
-        let bare = Extent { points: 1000, size: [6; 3], walls: [false; 6], plates: 0, grains: None };
+        let bare = Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [false; 6], plates: 0, grains: None };
         let one = StepWork::of(&bare, 0);
         assert_eq!(one.dispatches, bare.step().len() as u64);
         let twice = StepWork::of(&Extent { points: 2000, ..bare }, 0);
         let [of_points, flops] = [twice.bytes - one.bytes, twice.flops - one.flops];
         assert!(of_points > 2 * 1000 * 9 * PLANE && one.bytes > of_points);
-        assert_eq!(flops, one.flops);
-        let [nodes, cells] = [bare.nodes(), bare.cells()].map(u64::from);
-        assert_eq!(one.bytes - of_points, nodes * 10 * PLANE + cells * 9 * WORD);
+        assert!(0 < flops && flops < one.flops);
+        assert_eq!(one.bytes - of_points, 20 * (4 * TILE as u64 * PLANE + 32 * (10 * PLANE + 9 * WORD)));
         let with = |rates| StepWork::of(&Extent { grains: Some(GrainExtent { grains: 5, rows: 100, rates }), ..bare }, 50);
         let more = [with(2), with(3), with(4)].map(|w| w.flops);
         assert!(with(1).flops > one.flops && more[1] - more[0] == more[2] - more[1] && more[0] < more[1]);

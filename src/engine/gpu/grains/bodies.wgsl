@@ -441,10 +441,10 @@ fn grain_forces(
     if goes {
         for (var c = i32(thread); c < wide.x * wide.y * wide.z; c += i32(GROUP)) {
             let at = low + vec3<i32>(c % wide.x, (c / wide.x) % wide.y, c / (wide.x * wide.y));
-            let cell = u32(at.x + n.x * (at.y + n.y * at.z));
+            let cell = cell_index(at);
             let end = starts[cell + 1u];
             for (var p = starts[cell]; p < end; p++) {
-                let i = order[p];
+                let i = nth(p);
                 let r = transport[i].w;
                 if r == NONE {
                     continue;
@@ -544,7 +544,7 @@ fn step_bound(@builtin(local_invocation_index) thread: u32) {
     mix_.grain_rate_points = bounds.y;
     let over = coupling.crushing != 0u && atomicLoad(&mix_.broken) != NONE;
     let beyond = bitcast<f32>(atomicLoad(&mix_.furthest)) > FURTHEST;
-    if over || beyond || atomicLoad(&mix_.lost) != NONE || atomicLoad(&mix_.crowded) != NONE || atomicLoad(&status.fault) != NO_FAULT {
+    if over || beyond || atomicLoad(&mix_.lost) != NONE || atomicLoad(&mix_.crowded) != NONE || atomicLoad(&status.fault) != NO_FAULT || is_crowded() {
         status.stop = 1u;
     }
     mix_.contacts_known = 0u;

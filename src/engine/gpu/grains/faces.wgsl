@@ -22,7 +22,7 @@ fn gathered(plane: u32, base: vec3<i32>, at: vec3<f32>) -> vec4<f32> {
     for (var k = 0; k < 8; k++) {
         let d = first + vec3<i32>(k & 1, (k >> 1u) & 1, k >> 2u);
         let w = hats(d, at);
-        sum += nodes[plane * params.nodes + node_index(base + d)] * (w.x * w.y * w.z);
+        sum += nodes[plane * params.cells + node_index(base + d)] * (w.x * w.y * w.z);
     }
     return sum;
 }

@@ -3,7 +3,6 @@
 
 // Faults of points, besides those of nodes.wgsl: more candidates than PLACES; more points with candidates than rows.
 const SURROUNDED: u32 = 6u;
-const NO_ROOM: u32 = 7u;
 
 // Radius of the ghost of a point.
 fn ghost_radius(i: u32) -> Length {

@@ -18,8 +18,13 @@ fn move_grain(g: u32) {}
 
 // After the end of a step.
 fn end_step(thread: u32) {
-    if thread == 0u && params.plates > 0u {
-        drive_plates();
+    if thread == 0u {
+        if is_crowded() {
+            status.stop = 1u;
+        }
+        if params.plates > 0u {
+            drive_plates();
+        }
     }
 }
 

@@ -174,11 +174,11 @@ fn nodes_gather_what_the_points_have() {
     }
     let exact = nodes_of(&cpu, &[]);
     let mut gpu = DeviceContinuum::new(&cpu).expect("device");
-    let momentum = gpu.nodes()[..exact.len()].to_vec();
+    let momentum = gpu.nodes()[0].clone();
     // a step so short that the device still shows the forces of the state
     let dt = 1e-12;
     gpu.steps(1, dt).expect("step");
-    let change = gpu.nodes()[2 * exact.len()..].to_vec();
+    let change = gpu.nodes()[2].clone();
     let mass: f64 = exact.iter().map(|n| n.0[3]).fold(0.0, f64::max);
     let (mut in_mass, mut in_momentum, mut in_force): (f64, f64, f64) = (0.0, 0.0, 0.0);
     for ((exact, momentum), change) in exact.iter().zip(&momentum).zip(&change) {
@@ -232,7 +232,7 @@ fn platens_press_on_points() {
     let before = gpu.plates().to_vec();
     let dt = 1e-12;
     gpu.steps(1, dt).expect("step");
-    let change = gpu.nodes()[2 * exact.len()..].to_vec();
+    let change = gpu.nodes()[2].clone();
     let mass: f64 = exact.iter().map(|n| n.0[3]).fold(0.0, f64::max);
     let mut in_force: f64 = 0.0;
     for (exact, change) in exact.iter().zip(&change).filter(|(exact, _)| exact.0[3] > 1e-6 * mass) {
