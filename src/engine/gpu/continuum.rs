@@ -5,7 +5,7 @@ use super::bounds::{CROWD, PLACES};
 use super::buffers::Buffers;
 use super::device::{Adapter, Device, refused};
 use super::grains::{self, Bodies, CoarseGrains};
-use super::layout::{BatchState, Law32, Params, Status};
+use super::layout::{self, BatchState, Law32, Params, Status};
 use super::loading_plate::{self, both};
 use super::memory::BufferSizes;
 use super::passes::Passes;
@@ -21,10 +21,14 @@ use crate::mpm::{self, LoadingPlate, PlateDrive, Ramp, Settings};
 use crate::point_contacts::PointContactTable;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
+use std::time::Instant;
 use wgpu::BufferUsages as Usage;
 
-/// Number of steps in one submission to the device.
-const BATCH: u64 = 200;
+/// Steps of the grains, or of the continuum alone, in the first submission to the device, and at most in each.
+const FIRST: u64 = 16;
+const MOST: u64 = 1000;
+/// How long the device shall work on one submission, s: a driver of a display ends one that takes two seconds.
+const LONG: f64 = 0.2;
 /// Largest number of submissions that wait on the device.
 const AHEAD: usize = 2;
 
@@ -47,6 +51,8 @@ pub struct DeviceContinuum {
     plates: Vec<LoadingPlate>,
     drives: Vec<PlateDrive>,
     bodies: Option<Bodies>,
+    /// Steps in one submission, from the time that the last ones took.
+    at_once: u64,
 }
 
 /// The state as the device holds it, so that a run that is resumed from it continues with the same bits.
@@ -106,8 +112,29 @@ impl DeviceContinuum {
         takes(cpu.laws())?;
         sizes(cpu.settings(), cpu.points(), plates, coarse)?;
         let device = Device::open(coarse.is_some())?;
+        let lanes = device.adapter.lanes();
+        DeviceContinuum::open(device, lanes, cpu, plates, drifts, coarse, saved)
+    }
+
+    /// The same on a device, with the points of a cell shared among so many threads.
+    pub(super) fn open(
+        device: Device,
+        lanes: u32,
+        cpu: &mpm::Continuum,
+        plates: &[LoadingPlate],
+        drifts: &[f64],
+        coarse: Option<&CoarseGrains<'_>>,
+        saved: Option<&Saved>,
+    ) -> Result<DeviceContinuum> {
         let laws: Vec<Law32> = cpu.laws().iter().map(Law32::from).collect();
-        let passes = Passes::new(&device, [coarse.is_some(), coarse.is_some_and(|c| c.table.faces)], &laws, plates);
+        let passes = Passes::new(
+            &device,
+            [coarse.is_some(), coarse.is_some_and(|c| c.table.faces)],
+            &layout::wall_kinds(cpu.settings()),
+            &laws,
+            plates,
+            lanes,
+        );
         DeviceContinuum::load(device, passes, cpu, plates, drifts, coarse, saved)
     }
 
@@ -205,6 +232,7 @@ impl DeviceContinuum {
             plates,
             drives,
             bodies,
+            at_once: FIRST,
         };
         gpu.submit(&gpu.extent().prepare(), 1);
         gpu.read_results()?;
@@ -244,14 +272,20 @@ impl DeviceContinuum {
         let extent = self.extent();
         let step = extent.step();
         self.submit(&extent.begin(), 1);
+        let rates = self.bodies.as_ref().map_or(1, |b| u64::from(b.coupling.rates));
         let mut flying = VecDeque::new();
+        let mut since = Instant::now();
         let mut left = n;
         while left > 0 {
-            let now = left.min((BATCH / self.bodies.as_ref().map_or(1, |b| u64::from(b.coupling.rates))).max(1));
+            let now = left.min((self.at_once / rates).max(1));
             left -= now;
-            flying.push_back(self.submit(&step, now));
+            flying.push_back((self.submit(&step, now), now * rates));
             if flying.len() > AHEAD {
-                self.device.wait(flying.pop_front(), self.steps_done())?;
+                let (oldest, steps) = flying.pop_front().expect("one");
+                self.device.wait(Some(oldest), self.steps_done())?;
+                let each = since.elapsed().as_secs_f64() / steps as f64;
+                since = Instant::now();
+                self.at_once = ((LONG / each) as u64).clamp(1, 2 * self.at_once).min(MOST);
             }
         }
         self.submit(&extent.survey(), 1);
@@ -454,7 +488,15 @@ impl DeviceContinuum {
             self.bodies.as_ref().map(|b| GrainExtent { grains: b.coupling.grains, rows: b.coupling.rows, rates: b.coupling.rates });
         let size = size.map(|n| n as u32);
         let blocks = [self.status.slots, slots];
-        Extent { points, blocks, size, walls: walls.map(|wall| wall[0] != 0), plates: self.plates.len() as u32, grains }
+        Extent {
+            points,
+            blocks,
+            size,
+            walls: walls.map(|wall| wall[0]),
+            plates: self.plates.len() as u32,
+            lanes: self.passes.lanes,
+            grains,
+        }
     }
 
     /// Submits `times` times these dispatches to the device.

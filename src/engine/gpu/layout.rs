@@ -164,6 +164,11 @@ pub fn rows(workgroups: u32) -> [u32; 2] {
     [workgroups.div_ceil(y), y]
 }
 
+/// Kind of the wall on each side of the domain.
+pub fn wall_kinds(settings: &Settings) -> [u32; BORDERS] {
+    settings.walls.map(|side| wall(side)[0])
+}
+
 fn wall(wall: GridWall) -> [u32; 4] {
     match wall {
         GridWall::Open => [0; 4],

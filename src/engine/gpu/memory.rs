@@ -35,7 +35,8 @@ impl BufferSizes {
             starts: 4 * (cells + 1 + points),
             counts: 4 * (cells + u64::from(cell_groups(cells as u32)) + table),
             blocks: 4 * (table + slots),
-            touching: 8 * sides,
+            // three words for each node on a wall, on two sides
+            touching: 24 * sides,
             // the state, the force on each point, and sums over workgroups of points
             batch: size_of::<BatchState>() as u64
                 + 16
@@ -58,7 +59,7 @@ impl BufferSizes {
             ("memory of the points", self.state, most, "use fewer points"),
             ("memory of the grid", self.nodes, most, "use larger cells"),
             ("memory of the platens", self.batch, most, "use fewer points"),
-            ("memory of the cells", self.counts, most, "use a smaller domain or larger cells"),
+            ("memory of the cells", self.counts.max(self.starts), most, "use a smaller domain or larger cells"),
         ] {
             if bytes > most {
                 let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / 1_048_576.0);

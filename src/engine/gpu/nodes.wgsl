@@ -55,7 +55,8 @@ const NO_FAULT: u32 = 0xffffffffu;
 // number of points of each cell, then of each group of cells; while points are sorted, for each cell the next free number in the order; then the claims of the blocks
 @group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(7) var<storage, read_write> status: Status;
-// for each node in the plane of a wall, whether the wall touches the material there: bit 1 in the pass at hand, bit 2 in the last pass with forces
+// for each node in the plane of a wall, where walls have friction, whether the wall touches the material there: bit 1 in the pass at hand, bit 2 in the last pass with forces;
+// where all walls hold, the impulse that the wall gives there, N s
 @group(0) @binding(8) var<storage, read_write> touching: array<u32>;
 
 fn word(plane: u32, i: u32) -> vec4<u32> {
@@ -143,8 +144,9 @@ fn node_place(k: u32) -> vec3<i32> {
     return place_in(unpacked(packed_place(k / BLOCK)), k % BLOCK);
 }
 
+// Whether the slot has a block, and the node lies in the domain, beyond which the last blocks reach.
 fn exists(k: u32) -> bool {
-    return packed_place(k / BLOCK) != NOWHERE;
+    return packed_place(k / BLOCK) != NOWHERE && all(node_place(k) < node_size());
 }
 
 // What the tiles that reach a node have for it.
@@ -182,6 +184,10 @@ fn project(one: Thread) {
         sum = vec4<f32>(0.0);
     }
     nodes[MOMENTUM * params.cells + k] = sum;
+    if HELD_WALLS {
+        held_node(k, at, false);
+        return;
+    }
     if near_wall(at) {
         nodes[SPEED * params.cells + k] = sum;
         nodes[CHANGE * params.cells + k] = vec4<f32>(0.0);
@@ -214,6 +220,10 @@ fn accelerate(one: Thread) {
 
 // The force on a node and its new velocity (Li et al. 2023, eq. 28).
 fn accelerate_node(k: u32) {
+    if HELD_WALLS {
+        held_node(k, node_place(k), true);
+        return;
+    }
     let momentum = nodes[MOMENTUM * params.cells + k];
     let m = momentum.w;
     if m <= 0.0 {

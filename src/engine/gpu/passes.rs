@@ -1,9 +1,10 @@
 //! The compute pipelines, one for each entry point of the shaders; `plan.rs` has their order in a step.
 
+use super::bounds::BORDERS;
 use super::buffers::Buffers;
 use super::device::Device;
 use super::layout::Law32;
-use super::plan::Dispatch;
+use super::plan::{self, Dispatch};
 use super::shader::Uses;
 use super::{grains, shader};
 use crate::mpm::LoadingPlate;
@@ -38,11 +39,20 @@ pub struct Passes {
     layouts: [wgpu::BindGroupLayout; 2],
     /// Buffers bound for the shaders: of the state, then of grains where there are some.
     bound: Vec<wgpu::BindGroup>,
+    /// Threads among which the points of a cell are shared.
+    pub lanes: u32,
 }
 
 impl Passes {
-    /// Compiles the pipelines for these laws and loading plates, with or without those for grains. `faces`: contacts of grains act on the faces of points.
-    pub fn new(device: &Device, [with_grains, faces]: [bool; 2], laws: &[Law32], plates: &[LoadingPlate]) -> Passes {
+    /// Compiles the pipelines for these walls, laws and loading plates, with or without those for grains. `faces`: contacts of grains act on the faces of points.
+    pub fn new(
+        device: &Device,
+        [with_grains, faces]: [bool; 2],
+        walls: &[u32; BORDERS],
+        laws: &[Law32],
+        plates: &[LoadingPlate],
+        lanes: u32,
+    ) -> Passes {
         let uses = Uses {
             mobilised: laws.iter().any(|law| law.dilation_factor > 0.0),
             mohr_coulomb: laws.iter().any(|law| law.kind == 2),
@@ -50,9 +60,11 @@ impl Passes {
             cam_clay: laws.iter().any(|law| law.kind == 3),
             yields: laws.iter().any(|law| law.kind != 0),
             one_law: laws.len() == 1,
+            held_walls: plan::held(walls),
             pressed: !plates.is_empty(),
             shells: plates.iter().any(|plate| plate.radius.is_some()),
             faces,
+            lanes,
         };
         let source = uses.of(if with_grains { shader::MIXTURE } else { shader::STEP });
         let device = &device.device;
@@ -91,7 +103,7 @@ impl Passes {
             })
         };
         let pipelines = NAMES.iter().chain(if with_grains { &OF_GRAINS[..] } else { &[] }).map(pipeline).collect();
-        Passes { pipelines, layouts, bound: Vec::new() }
+        Passes { pipelines, layouts, bound: Vec::new(), lanes }
     }
 
     /// Binds them to buffers.

@@ -1,14 +1,21 @@
 //! Which passes a step has, in which order, and of how many workgroups: what `passes.rs` encodes and `work.rs` counts.
 
-use super::bounds::{BLOCK, GROUP};
+use super::bounds::{BLOCK, BORDERS, GROUP};
 use super::layout::{cell_groups, groups, rows};
-use super::shader::LANES;
 
 /// One dispatch: the entry point of the shaders, and its numbers of workgroups along x and y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dispatch {
     pub pass: &'static str,
     pub groups: [u32; 2],
+}
+
+/// Kind of a wall with friction in the parameters of the shaders, where 0 is none.
+const RUBS: u32 = 3;
+
+/// Whether there are walls, and all of them hold the material: the passes over the nodes see to these.
+pub fn held(walls: &[u32; BORDERS]) -> bool {
+    walls.iter().any(|kind| *kind != 0) && !walls.contains(&RUBS)
 }
 
 /// Numbers of what the passes go through.
@@ -19,9 +26,11 @@ pub struct Extent {
     pub blocks: [u32; 2],
     /// Cells of the domain along each axis.
     pub size: [u32; 3],
-    /// Sides of the domain that have a wall.
-    pub walls: [bool; 6],
+    /// Kind of the wall on each side of the domain; 0: none.
+    pub walls: [u32; 6],
     pub plates: u32,
+    /// Threads among which the points of a cell are shared.
+    pub lanes: u32,
     pub grains: Option<GrainExtent>,
 }
 
@@ -56,7 +65,7 @@ impl Extent {
 
     /// A pass with the threads for the points, a share of those of a cell for each.
     fn shares(&self, pass: &'static str) -> Dispatch {
-        threads(pass, LANES.saturating_mul(self.cells()))
+        threads(pass, self.lanes.saturating_mul(self.cells()))
     }
 
     /// What must be computed before the first step: order of the points, velocities of the nodes, forces on loading plates and grains.
@@ -115,10 +124,10 @@ impl Extent {
         vec![starts, threads("scatter", self.points), self.blocks("deposit")]
     }
 
-    /// A pass over the nodes with so many `more` threads, and that over the walls.
+    /// A pass over the nodes with so many `more` threads, and that over walls of which one has friction.
     fn of_nodes(&self, pass: &'static str, walls: &'static str, more: u32) -> Vec<Dispatch> {
         let mut all = vec![threads(pass, self.cells().saturating_add(more))];
-        if self.walls.contains(&true) {
+        if self.walls.contains(&RUBS) {
             all.push(alone(walls));
         }
         all
@@ -139,15 +148,16 @@ impl Extent {
 mod tests {
     use super::*;
 
-    /// Eleven dispatches between the walls of a grid and ten between loading plates, with grains four more, and six for each further step of the grains.
+    /// Nine dispatches between walls of a grid that hold, eleven if one has friction, and one more for loading plates; with grains four more, and six for each further step
+    /// of the grains.
     #[test]
     fn a_step_has_few_dispatches() {
-        let count = |walls, plates, rates: Option<u32>| {
+        let count = |wall, plates, rates: Option<u32>| {
             let grains = rates.map(|rates| GrainExtent { grains: 10, rows: 200, rates });
-            Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [walls; 6], plates, grains }.step().len()
+            Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [wall; 6], plates, lanes: 1, grains }.step().len()
         };
-        assert_eq!([count(true, 0, None), count(false, 6, None), count(true, 1, None)], [11, 10, 12]);
-        assert_eq!([1, 2, 5].map(|rates| count(true, 0, Some(rates))), [15, 21, 39]);
-        assert_eq!(count(false, 6, Some(1)), 14);
+        assert_eq!([count(1, 0, None), count(RUBS, 0, None), count(0, 6, None), count(2, 1, None)], [9, 11, 10, 10]);
+        assert_eq!([1, 2, 5].map(|rates| count(0, 0, Some(rates))), [13, 19, 37]);
+        assert_eq!(count(0, 6, Some(1)), 14);
     }
 }

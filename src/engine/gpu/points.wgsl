@@ -239,7 +239,10 @@ fn finish(@builtin(local_invocation_index) thread: u32) {
     let sound = status.stop == 0u && fault == NO_FAULT;
     let counts_step = sound || (status.stop == 0u && fault % 8u == PASSED);
     workgroupBarrier();
-    if params.plates > 0u {
+    if HELD_WALLS {
+        sum_held_walls(thread);
+    }
+    if PRESSED {
         sum_plate_loads(thread, sound);
     }
     if thread == 0u {

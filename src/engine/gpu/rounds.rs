@@ -6,6 +6,8 @@
 use super::bounds::{GROUP, WIDE};
 use super::device::refused;
 use super::grains::{CoarseGrains, FURTHEST, SKIN};
+use super::layout::wall_kinds;
+use super::plan::held;
 use super::state::ghost_radius;
 use crate::error::Error;
 use crate::mpm::{GridWall, Points, Settings};
@@ -13,8 +15,8 @@ use crate::mpm::{GridWall, Points, Settings};
 /// Rounds that a thread may make, with some to spare.
 const MOST: f64 = 60_000.0;
 
-/// Rounds for each node that a thread has of a wall that holds the material (`walls.wgsl`: folding, velocities of three layers, images), and of one with friction, where
-/// all walls are looked at for each of its nodes.
+/// Rounds for each node that a thread has of a wall that holds the material (beside one with friction, `walls.wgsl`: folding, velocities of three layers, images; else
+/// `held_walls.wgsl`: one sum), and of one with friction, where all walls are looked at for each of its nodes.
 const HOLDS: f64 = 42.0;
 const RUBS: f64 = 181.0;
 
@@ -24,9 +26,11 @@ const AROUND: f64 = 9.0;
 /// Rounds of the thread of `walls.wgsl` that has the most nodes, at most.
 fn of_walls(settings: &Settings) -> f64 {
     let nodes = settings.cells.map(|n| f64::from(n) + 3.0);
+    let held = held(&wall_kinds(settings));
     let of_side = |(side, wall): (usize, &GridWall)| {
         let each = match wall {
             GridWall::Open => 0.0,
+            GridWall::Symmetry | GridWall::Stick if held => 1.0,
             GridWall::Symmetry | GridWall::Stick => HOLDS,
             GridWall::Friction { .. } => RUBS,
         };

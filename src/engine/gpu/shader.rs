@@ -2,9 +2,6 @@
 
 use super::bounds::bounds_wgsl;
 
-/// Threads among which the points of a cell are shared.
-pub const LANES: u32 = 1;
-
 /// Parts of the shaders for which runs without them shall not pay: software adapters go through both branches of a condition.
 #[derive(Clone, Copy)]
 pub struct Uses {
@@ -20,18 +17,34 @@ pub struct Uses {
     pub yields: bool,
     /// One law for all points.
     pub one_law: bool,
+    /// Walls of the grid, none with friction.
+    pub held_walls: bool,
     /// Loading plates.
     pub pressed: bool,
     /// Loading plates that are shells.
     pub shells: bool,
     /// Contacts of grains that act on the faces of points.
     pub faces: bool,
+    /// Threads among which the points of a cell are shared; changes no bit of the results.
+    pub lanes: u32,
 }
 
 impl Uses {
     /// A source with these parts.
     pub fn of(self, source: &str) -> String {
-        let Uses { mobilised, mohr_coulomb, changing_pyramids, cam_clay, yields, one_law, pressed, shells, faces } = self;
+        let Uses {
+            mobilised,
+            mohr_coulomb,
+            changing_pyramids,
+            cam_clay,
+            yields,
+            one_law,
+            held_walls,
+            pressed,
+            shells,
+            faces,
+            lanes,
+        } = self;
         let switches = [
             ("MOBILISED", mobilised),
             ("MOHR_COULOMB", mohr_coulomb),
@@ -39,12 +52,13 @@ impl Uses {
             ("CAM_CLAY", cam_clay),
             ("YIELDS", yields),
             ("ONE_LAW", one_law),
+            ("HELD_WALLS", held_walls),
             ("PRESSED", pressed),
             ("SHELLS", shells),
             ("FACES", faces),
         ];
         let switches: String = switches.iter().map(|(name, is)| format!("const {name}: bool = {is};\n")).collect();
-        switches + &format!("const LANES: u32 = {LANES}u;\n") + source
+        switches + &format!("const LANES: u32 = {lanes}u;\n") + source
     }
 }
 
@@ -62,6 +76,7 @@ pub const STEP: &str = concat!(
     include_str!("tiles.wgsl"),
     include_str!("loading_plates.wgsl"),
     include_str!("walls.wgsl"),
+    include_str!("held_walls.wgsl"),
     include_str!("points.wgsl"),
     include_str!("order.wgsl")
 );
@@ -80,6 +95,7 @@ pub const MIXTURE: &str = concat!(
     include_str!("tiles.wgsl"),
     include_str!("loading_plates.wgsl"),
     include_str!("walls.wgsl"),
+    include_str!("held_walls.wgsl"),
     include_str!("points.wgsl"),
     include_str!("order.wgsl"),
     include_str!("grains/faces.wgsl"),
@@ -114,9 +130,11 @@ pub mod tests {
         cam_clay: true,
         yields: true,
         one_law: false,
+        held_walls: true,
         pressed: true,
         shells: true,
         faces: true,
+        lanes: 4,
     };
     const NONE: Uses = Uses {
         mobilised: false,
@@ -125,9 +143,11 @@ pub mod tests {
         cam_clay: false,
         yields: false,
         one_law: true,
+        held_walls: false,
         pressed: false,
         shells: false,
         faces: false,
+        lanes: 1,
     };
 
     /// The module of a source with all parts.

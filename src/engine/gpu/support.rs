@@ -3,6 +3,7 @@
 use super::blocks::{Blocks, too_wide};
 use super::device::{Adapter, adapter, refused};
 use super::grains::{self, CoarseGrains};
+use super::layout::wall_kinds;
 use super::loading_plate;
 use super::memory::BufferSizes;
 use super::plan::{Extent, GrainExtent};
@@ -11,7 +12,7 @@ use super::state::cell_of;
 use super::work::StepWork;
 use crate::error::{Error, Result};
 use crate::mpm::law::Law;
-use crate::mpm::{Dimension, GridWall, LoadingPlate, Points, Settings, ShapeFunctions, Transfer};
+use crate::mpm::{Dimension, LoadingPlate, Points, Settings, ShapeFunctions, Transfer};
 
 /// What a continuum needs on the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,8 +43,9 @@ pub fn needs(
         points: points_there,
         blocks: [blocks.used, blocks.slots],
         size: settings.cells,
-        walls: settings.walls.map(|wall| wall != GridWall::Open),
+        walls: wall_kinds(settings),
         plates: plates.len() as u32,
+        lanes: 1,
         grains: of_grains,
     };
     let near = coarse.map_or(0, |coarse| grains::near_points(settings, points, coarse));

@@ -8,7 +8,7 @@
 
 use super::bounds::{BLOCK, BORDERS, GROUP, SLOTS, TILE};
 use super::grains::layout::{CONTACT, GRAIN, NODES, POINT_CONTACT};
-use super::plan::Extent;
+use super::plan::{Extent, held};
 use serde::Serialize;
 use std::ops::Add;
 
@@ -75,7 +75,7 @@ fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
     let (pressed, coupled) = (u64::from(plates > 0), u64::from(e.grains.is_some()));
     let of_groups = plates * points.div_ceil(GROUP as u64) * PLANE;
     let grains = e.grains.map_or(0, |g| u64::from(g.grains));
-    let on_walls: u64 = (0..BORDERS).filter(|k| e.walls[*k]).map(|k| plane(e.size, k / 2)).sum();
+    let on_walls: u64 = (0..BORDERS).filter(|k| e.walls[*k] != 0).map(|k| plane(e.size, k / 2)).sum();
     let [bytes, flops] = match pass {
         // place, velocity, order; identity, order twice; starts, counts; tiles
         "deposit" => [points * (3 * PLANE + 3 * WORD) + cells * 3 * WORD + tiles, points * DEPOSIT + cells * SUM_TILE],
@@ -99,8 +99,8 @@ fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
         "strain" => [points * ((13 + 4 * pressed) * PLANE + WORD) + cells * PLANE, points * STRAIN],
         // place, rest, faces, radius; force; sums of workgroups
         "plate_forces" => [points * 6 * PLANE + of_groups, points * plates * TOUCH],
-        // sums of workgroups
-        "finish" => [of_groups, 0],
+        // sums of workgroups; impulses of walls, twice
+        "finish" => [of_groups + if held(&e.walls) { on_walls * 6 * WORD } else { 0 }, 0],
         "move_grains" => [grains * 2 * GRAIN as u64 * PLANE, grains * MOVE],
         // point, contact twice, what it presses on nodes twice
         "point_contact_forces" => [near * (5 + 2 * (POINT_CONTACT + NODES) as u64) * PLANE, near * CONTACT_FORCE],
@@ -123,7 +123,7 @@ mod tests {
     /// The count goes with the points, the grid and the steps of the grains; a point reads and writes its own state at least twice in a step.
     #[test]
     fn work_goes_with_what_there_is() {
-        let bare = Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [false; 6], plates: 0, grains: None };
+        let bare = Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [0; 6], plates: 0, lanes: 1, grains: None };
         let one = StepWork::of(&bare, 0);
         assert_eq!(one.dispatches, bare.step().len() as u64);
         let twice = StepWork::of(&Extent { points: 2000, ..bare }, 0);

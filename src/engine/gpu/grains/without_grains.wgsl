@@ -22,7 +22,7 @@ fn end_step(thread: u32) {
         if is_crowded() {
             status.stop = 1u;
         }
-        if params.plates > 0u {
+        if PRESSED {
             drive_plates();
         }
     }

@@ -2,6 +2,7 @@
 
 use super::{JUMPS, adapter, clays, laws};
 use crate::gpu::continuum::DeviceContinuum;
+use crate::gpu::device::Device;
 use crate::gpu::state::ghost_radius;
 use crate::mpm::law::{Elastic, Law};
 use crate::mpm::{
@@ -489,6 +490,70 @@ fn the_bound_of_clays_follows_their_stress() {
         let shear_stays = matches!(&law, Law::CamClay(law) if law.shear_ratio().is_none());
         assert!(bounds[1] < if shear_stays { 0.99 } else { 0.55 } * bounds[0] && bounds[2] < bounds[1]);
     }
+}
+
+/// Rung 3: sharing the points of a cell among more threads changes no bit.
+#[test]
+fn more_threads_for_a_cell_change_no_bit() {
+    if !adapter("more_threads_for_a_cell_change_no_bit") {
+        return;
+    }
+    let mut s = settings([6, 5, 7]);
+    s.walls = [GridWall::Symmetry; 6];
+    let laws: Vec<Law> = (0..).zip(laws()).filter(|(k, _)| !JUMPS.contains(k)).map(|(_, law)| law).collect();
+    let points = box_of_points(&s, &laws, 1200);
+    let cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
+    let states = [1, 3, 4].map(|lanes| {
+        let device = Device::open(false).expect("device");
+        let mut gpu = DeviceContinuum::open(device, lanes, &cpu, &[], &[], None, None).expect("device");
+        gpu.steps(5, 2e-4).expect("steps");
+        gpu.save().expect("state")
+    });
+    assert!(states[0] == states[1] && states[0] == states[2]);
+}
+
+/// Rung 3: memory goes with the blocks that have points in or beside them, and a domain of 512³ cells takes less than 100 MB. Two blocks of points fly apart through blocks that
+/// had no memory at the start, and go on where slots run short.
+#[test]
+fn a_wide_domain_has_memory_where_points_are() {
+    if !adapter("a_wide_domain_has_memory_where_points_are") {
+        return;
+    }
+    let mut s = settings([512; 3]);
+    (s.gravity, s.transfer) = ([0.0; 3], Transfer::Blend { pic: 0.0 });
+    let laws = vec![Law::Elastic(Elastic::of_young(1e-3, 0.0))];
+    let mut points = Points::default();
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    for k in 0..400 {
+        let side = if k % 2 == 0 { 1.0 } else { -1.0 };
+        let position = std::array::from_fn(|a| s.lower[a] + 25.6 + side * 2.0 + 0.1 * rng.random_range(0.0..3.0));
+        let velocity = [4.0 * side, 3.0 * side, 2.5 * side];
+        points.add(&Point { position, velocity, mass: 1.0, volume: 1e-3, stress: [0.0; 6], porosity: 0.0, law: 0 });
+    }
+    let mut cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
+    let start = cpu.points().clone();
+    let mut gpu = DeviceContinuum::new(&cpu).expect("device");
+    assert!(gpu.bytes() < 100_000_000, "{} bytes", gpu.bytes());
+    let (dt, n) = (1e-2, 400);
+    let mut reloads = 0;
+    while gpu.steps_done() < n {
+        gpu.steps(n - gpu.steps_done(), dt).expect("steps");
+        gpu.read_back(&mut cpu).expect("read");
+        if gpu.crowded() {
+            let saved = gpu.save().expect("state");
+            gpu.reload(&cpu, &[], &[], None, Some(&saved)).expect("more room");
+            reloads += 1;
+        }
+    }
+    let mut worst: f64 = 0.0;
+    for (i, j) in cpu.points().by_id().into_iter().zip(start.by_id()).map(|(i, j)| (i as usize, j as usize)) {
+        for a in 0..3 {
+            let passed = start.velocity[j][a] * dt * n as f64;
+            worst = worst.max((cpu.points().position[i][a] - start.position[j][a] - passed).abs() / 0.1);
+        }
+    }
+    println!("rung 3, a wide domain: {worst:e} cells, {reloads} times more room, {} bytes", gpu.bytes());
+    assert!(worst < 1e-4 && reloads > 0);
 }
 
 /// Rung 3, many cells crossed: the order of the points is right at every step.
