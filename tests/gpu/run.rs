@@ -238,7 +238,7 @@ fn what_the_device_lacks_is_refused_by_name_before_it_starts() {
         refused(
             "column_collapse_a055",
             &[wide],
-            &["gpu: cells of the domain = 10000 x 10000 x 10000: are at most 8189 x 8189 x 2045", "use larger cells"],
+            &["gpu: cells of the domain = 10000 x 10000 x 10000: are at most 2045 x 2045 x 1021", "use larger cells"],
         );
     }
 }

@@ -2,12 +2,12 @@
 
 use super::bounds::{BLOCK, WIDE};
 use super::layout::{cell_groups, share};
-use super::state::cell_place;
+use super::state::{cell_number, cell_place};
 use crate::mpm::Settings;
 
 /// Cells of a block along each axis.
 const ALONG: [u32; 3] = [4, 4, 2];
-/// Largest numbers of blocks along each axis: their places are kept in 11, 11 and 10 bits.
+/// Largest numbers of nodes along each axis: the places of cells are kept in 11, 11 and 10 bits.
 const MOST: [u32; 3] = [2048, 2048, 1024];
 /// Place of the block of a slot that has none.
 const NOWHERE: u32 = u32::MAX;
@@ -24,9 +24,8 @@ fn along(settings: &Settings) -> [u32; 3] {
 
 /// Largest numbers of cells along each axis where `settings` has more.
 pub fn too_wide(settings: &Settings) -> Option<[u32; 3]> {
-    let wide = (0..3).any(|a| settings.cells[a] > ALONG[a] * MOST[a] - 3);
-    let many = settings.cells.iter().map(|n| u64::from(*n) + 3).product::<u64>() > i32::MAX as u64;
-    (wide || many).then(|| std::array::from_fn(|a| ALONG[a] * MOST[a] - 3))
+    let most = MOST.map(|n| n - 3);
+    (0..3).any(|a| settings.cells[a] > most[a]).then_some(most)
 }
 
 /// The block of the cell or node at a place.
@@ -39,6 +38,11 @@ fn block_number(along: [u32; 3], at: [u32; 3]) -> u32 {
 pub fn index(settings: &Settings, table: &[u32], at: [u32; 3]) -> u32 {
     let [x, y, z]: [u32; 3] = std::array::from_fn(|a| at[a] % ALONG[a]);
     table[block_number(along(settings), at) as usize] * BLOCK as u32 + x + 4 * (y + 4 * z)
+}
+
+/// The greatest common divisor.
+fn common_divisor(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
 /// Which blocks have slots.
@@ -62,7 +66,7 @@ impl Blocks {
         let along = along(settings);
         let mut table = vec![0; along.iter().product::<u32>() as usize];
         let mut blocks = Blocks { along, slots: 0, used: 1, table: Vec::new(), occupied: Vec::new() };
-        let mut occupied: Vec<u32> = cells.map(|cell| block_number(along, cell_place(settings, cell))).collect();
+        let mut occupied: Vec<u32> = cells.map(|cell| block_number(along, cell_place(cell))).collect();
         occupied.sort_unstable();
         occupied.dedup();
         for block in &occupied {
@@ -80,7 +84,8 @@ impl Blocks {
             *slot = blocks.used;
             blocks.used += 1;
         }
-        blocks.slots = (blocks.used + blocks.used / 2 + SPARE).min(table.len() as u32 + 1);
+        // an even number, as many as all blocks could need at most
+        blocks.slots = (blocks.used + blocks.used / 2 + SPARE).min(table.len() as u32 + 1).next_multiple_of(2);
         (blocks.table, blocks.occupied) = (table, occupied);
         blocks
     }
@@ -90,6 +95,18 @@ impl Blocks {
         let grown = |slots: u32| (f64::from(slots) * times.max(1.0)).min(f64::from(self.count()) + 1.0) as u32;
         (self.used, self.slots) = (grown(self.used), grown(self.slots));
         self
+    }
+
+    /// Pairs of slots between those of neighbouring workgroups, so that a run of workgroups has its share of the slots in use: about the golden section of all pairs, and
+    /// without a common divisor with their number.
+    pub fn stride(&self) -> u32 {
+        let pairs = self.slots / 2;
+        // the product with a number of a pair fits into 32 bits
+        if !(3..=1 << 16).contains(&pairs) {
+            return 1;
+        }
+        let first = (0.618 * f64::from(pairs)) as u32;
+        (first..pairs).find(|stride| common_divisor(*stride, pairs) == 1).unwrap_or(1)
     }
 
     /// Number of blocks of the domain.
@@ -106,8 +123,7 @@ impl Blocks {
         let mut words = self.table.clone();
         words.resize(self.table.len() + self.slots as usize, NOWHERE);
         for (block, slot) in (0..).zip(&self.table).filter(|(_, slot)| **slot != 0) {
-            let [x, y, z] = self.place(block);
-            words[self.table.len() + *slot as usize] = x | y << 11 | z << 22;
+            words[self.table.len() + *slot as usize] = cell_number(self.place(block));
         }
         words
     }
@@ -118,7 +134,7 @@ impl Blocks {
         let groups = cell_groups(all);
         let mut counts = vec![0; (all + groups) as usize];
         for cell in cells {
-            let k = index(settings, &self.table, cell_place(settings, cell));
+            let k = index(settings, &self.table, cell_place(cell));
             counts[k as usize] += 1;
             counts[(all + k / (share(all) * WIDE as u32)) as usize] += 1;
         }

@@ -14,7 +14,7 @@ const NOWHERE: u32 = 0xffffffffu;
 const HELD: u32 = 1u;
 const RINGED: u32 = 2u;
 
-// for each block of the domain its slot; then for each slot the place of its block: x, y, z in 11, 11, 10 bits
+// for each block of the domain its slot; then for each slot the place of its block, packed as `cell_number` does
 @group(0) @binding(6) var<storage, read_write> blocks: array<u32>;
 
 // Numbers of cells and nodes along each axis.
@@ -26,11 +26,24 @@ fn node_size() -> vec3<i32> {
     return params.size + 3;
 }
 
-// Place of a cell from its number in the domain, which the state of points has.
+// Number of a cell in the state of points: its place along x, y, z in 11, 11, 10 bits.
+fn cell_number(at: vec3<i32>) -> u32 {
+    return u32(at.x | (at.y << 11u) | (at.z << 22u));
+}
+
 fn cell_place(cell: u32) -> vec3<i32> {
-    let n = cell_size();
-    let c = i32(cell);
-    return vec3<i32>(c % n.x, (c / n.x) % n.y, c / (n.x * n.y));
+    return vec3<i32>(vec3<u32>(cell & 2047u, (cell >> 11u) & 2047u, cell >> 22u));
+}
+
+// The pair of slots of the `n`-th of so many workgroups: a processor gives each of its threads a run of workgroups, which must not be all those with points.
+fn pair_of(n: u32) -> u32 {
+    return select(n, (n * params.stride) % params.pairs, n < params.pairs);
+}
+
+// Number of the thread among those for all nodes and what comes after them.
+fn node_thread(one: Thread) -> u32 {
+    let t = linear(one);
+    return pair_of(t / GROUP) * GROUP + t % GROUP;
 }
 
 fn block_number(block: vec3<i32>) -> u32 {
@@ -59,10 +72,6 @@ fn node_index(at: vec3<i32>) -> u32 {
 // Place of the block of a slot, or NOWHERE.
 fn packed_place(slot: u32) -> u32 {
     return blocks[params.block_count + slot];
-}
-
-fn unpacked(place: u32) -> vec3<i32> {
-    return vec3<i32>(vec3<u32>(place & 2047u, (place >> 11u) & 2047u, place >> 22u));
 }
 
 // Place of the cell or node with the number `k` in its block.
@@ -104,7 +113,7 @@ fn is_crowded() -> bool {
 
 // Gives slots to the blocks around one that points have come to, the `k`-th of 27 to each thread. Other threads read them in later passes only.
 fn ring(slot: u32, k: u32) {
-    let block = unpacked(packed_place(slot));
+    let block = cell_place(packed_place(slot));
     let claims = params.cells + params.cell_groups;
     let own = claims + block_number(block);
     if (atomicLoad(&counts[own]) & RINGED) != 0u {
@@ -123,11 +132,11 @@ fn ring(slot: u32, k: u32) {
             return;
         }
         blocks[number] = claimed;
-        blocks[params.block_count + claimed] = u32(there.x | (there.y << 11u) | (there.z << 22u));
+        blocks[params.block_count + claimed] = cell_number(there);
     }
 }
 
 // Keeps in mind that they have.
 fn ringed(slot: u32) {
-    atomicOr(&counts[params.cells + params.cell_groups + block_number(unpacked(packed_place(slot)))], RINGED);
+    atomicOr(&counts[params.cells + params.cell_groups + block_number(cell_place(packed_place(slot)))], RINGED);
 }

@@ -29,6 +29,8 @@ const FIRST: u64 = 16;
 const MOST: u64 = 1000;
 /// How long the device shall work on one submission, s: a driver of a display ends one that takes two seconds.
 const LONG: f64 = 0.2;
+/// Number of the layout of a saved state: another one cannot be read.
+const LAYOUT: u32 = 2;
 /// Largest number of submissions that wait on the device.
 const AHEAD: usize = 2;
 
@@ -58,6 +60,8 @@ pub struct DeviceContinuum {
 /// The state as the device holds it, so that a run that is resumed from it continues with the same bits.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Saved {
+    /// [`LAYOUT`]
+    layout: u32,
     state: Vec<u32>,
     plates: Vec<u32>,
     /// Stress work at the time the state was copied to the device, J, as the bits of an f64.
@@ -112,20 +116,6 @@ impl DeviceContinuum {
         takes(cpu.laws())?;
         sizes(cpu.settings(), cpu.points(), plates, coarse)?;
         let device = Device::open(coarse.is_some())?;
-        let lanes = device.adapter.lanes();
-        DeviceContinuum::open(device, lanes, cpu, plates, drifts, coarse, saved)
-    }
-
-    /// The same on a device, with the points of a cell shared among so many threads.
-    pub(super) fn open(
-        device: Device,
-        lanes: u32,
-        cpu: &mpm::Continuum,
-        plates: &[LoadingPlate],
-        drifts: &[f64],
-        coarse: Option<&CoarseGrains<'_>>,
-        saved: Option<&Saved>,
-    ) -> Result<DeviceContinuum> {
         let laws: Vec<Law32> = cpu.laws().iter().map(Law32::from).collect();
         let passes = Passes::new(
             &device,
@@ -133,7 +123,6 @@ impl DeviceContinuum {
             &layout::wall_kinds(cpu.settings()),
             &laws,
             plates,
-            lanes,
         );
         DeviceContinuum::load(device, passes, cpu, plates, drifts, coarse, saved)
     }
@@ -177,11 +166,14 @@ impl DeviceContinuum {
         if let Some(saved) = saved {
             let words: &[[u32; 4]] = bytemuck::try_cast_slice(&saved.state).unwrap_or(&[]);
             let own: &mut [u32] = bytemuck::cast_slice_mut(&mut batch.plates);
-            if words.len() != state.len() || saved.plates.len() != own.len() {
+            if saved.layout != LAYOUT || words.len() != state.len() || saved.plates.len() != own.len() {
                 return Err(refused(
                     "state",
                     saved.state.len(),
-                    format!("words: this is the saved state of other points than the {} given", cpu.points().len()),
+                    format!(
+                        "words: this is the saved state of other points than the {} given, or of another version",
+                        cpu.points().len()
+                    ),
                 ));
             }
             state.copy_from_slice(words);
@@ -196,6 +188,9 @@ impl DeviceContinuum {
         let lightest = cpu.points().velocity.iter().map(|v| v[3]).fold(f64::INFINITY, f64::min);
         let mut params = Params::of(&settings, &blocks, cpu.points().len(), lightest);
         params.plates = plates.len() as u32;
+        if device.adapter.software {
+            params.stride = blocks.stride();
+        }
         params.extents = [1.0; 3];
         let laws: Vec<Law32> = cpu.laws().iter().map(Law32::from).collect();
         let status = Status { crossed: 1, slots: blocks.used, ..Status::default() };
@@ -320,7 +315,13 @@ impl DeviceContinuum {
         let bytes = self.words()?;
         let plates: &[u32] = bytemuck::cast_slice(&self.batch.plates);
         let grains = self.bodies.as_ref().map(|b| b.save(&self.device, self.steps_done())).transpose()?;
-        Ok(Saved { state: bytemuck::pod_collect_to_vec(&bytes), plates: plates.to_vec(), work: self.before.1.to_bits(), grains })
+        Ok(Saved {
+            layout: LAYOUT,
+            state: bytemuck::pod_collect_to_vec(&bytes),
+            plates: plates.to_vec(),
+            work: self.before.1.to_bits(),
+            grains,
+        })
     }
 
     fn words(&self) -> Result<Vec<u8>> {
@@ -488,15 +489,7 @@ impl DeviceContinuum {
             self.bodies.as_ref().map(|b| GrainExtent { grains: b.coupling.grains, rows: b.coupling.rows, rates: b.coupling.rates });
         let size = size.map(|n| n as u32);
         let blocks = [self.status.slots, slots];
-        Extent {
-            points,
-            blocks,
-            size,
-            walls: walls.map(|wall| wall[0]),
-            plates: self.plates.len() as u32,
-            lanes: self.passes.lanes,
-            grains,
-        }
+        Extent { points, blocks, size, walls: walls.map(|wall| wall[0]), plates: self.plates.len() as u32, grains }
     }
 
     /// Submits `times` times these dispatches to the device.

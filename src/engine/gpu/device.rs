@@ -19,11 +19,6 @@ impl Adapter {
         let info = adapter.get_info();
         Adapter { name: format!("{} ({})", info.name, info.backend), software: info.device_type == wgpu::DeviceType::Cpu }
     }
-
-    /// Among how many threads it shares the points of a cell: hardware has more threads than cells, a processor reads nodes the less often the fewer there are.
-    pub(super) fn lanes(&self) -> u32 {
-        if self.software { 1 } else { 4 }
-    }
 }
 
 /// The adapter that [`super::DeviceContinuum::new`] would use; `None` where there is none.

@@ -39,9 +39,9 @@ pub struct Params {
     pub blocks: [i32; 3],
     pub block_count: u32,
     pub slots: u32,
-    pub unused_a: u32,
-    pub unused_b: u32,
-    pub unused_c: u32,
+    pub stride: u32,
+    pub pairs: u32,
+    pub unused_too: u32,
     pub walls: [[u32; 4]; BORDERS],
     pub drives: [PlateDrive32; PLATES],
 }
@@ -135,6 +135,8 @@ impl Params {
             blocks: blocks.along.map(|n| n as i32),
             block_count: blocks.count(),
             slots: blocks.slots,
+            stride: 1,
+            pairs: blocks.slots / 2,
             point_groups: groups(points as u32),
             walls: settings.walls.map(wall),
             ..Params::default()

@@ -141,7 +141,7 @@ fn near_wall(at: vec3<i32>) -> bool {
 
 // Place of a node in memory, for a slot that has a block.
 fn node_place(k: u32) -> vec3<i32> {
-    return place_in(unpacked(packed_place(k / BLOCK)), k % BLOCK);
+    return place_in(cell_place(packed_place(k / BLOCK)), k % BLOCK);
 }
 
 // Whether the slot has a block, and the node lies in the domain, beyond which the last blocks reach.
@@ -168,7 +168,7 @@ fn from_tiles(at: vec3<i32>) -> vec4<f32> {
 // Mass, momentum and velocity (Li et al. 2023, eqs 36, 37). The points are in order again, and a point with a fault stops what follows.
 @compute @workgroup_size(GROUP)
 fn project(one: Thread) {
-    let k = linear(one);
+    let k = node_thread(one);
     if k == 0u {
         atomicStore(&status.crossed, 0u);
         if atomicLoad(&status.fault) != NO_FAULT {
@@ -210,7 +210,7 @@ fn damped_velocity(k: u32, v: vec3<f32>, change_and_rate: vec4<f32>) {
 // Forces on the nodes, and the motion of the grains, which goes by forces known as well.
 @compute @workgroup_size(GROUP)
 fn accelerate(one: Thread) {
-    let k = linear(one);
+    let k = node_thread(one);
     if k >= params.cells {
         move_grain(k - params.cells);
     } else if exists(k) {

@@ -41,9 +41,10 @@ struct Params {
     blocks: vec3<i32>,
     block_count: u32,
     slots: u32,
-    unused_a: u32,
-    unused_b: u32,
-    unused_c: u32,
+    // by how many pairs of slots apart neighbouring workgroups work, and number of pairs
+    stride: u32,
+    pairs: u32,
+    unused_too: u32,
     // the sides x low, x high, y low, …: kind (0 open, 1 symmetry, 2 stick, 3 friction), bits of the coefficient of friction
     walls: array<vec4<u32>, BORDERS>,
     drives: array<PlateDrive, PLATES>,

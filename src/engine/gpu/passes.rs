@@ -39,8 +39,6 @@ pub struct Passes {
     layouts: [wgpu::BindGroupLayout; 2],
     /// Buffers bound for the shaders: of the state, then of grains where there are some.
     bound: Vec<wgpu::BindGroup>,
-    /// Threads among which the points of a cell are shared.
-    pub lanes: u32,
 }
 
 impl Passes {
@@ -51,7 +49,6 @@ impl Passes {
         walls: &[u32; BORDERS],
         laws: &[Law32],
         plates: &[LoadingPlate],
-        lanes: u32,
     ) -> Passes {
         let uses = Uses {
             mobilised: laws.iter().any(|law| law.dilation_factor > 0.0),
@@ -64,7 +61,6 @@ impl Passes {
             pressed: !plates.is_empty(),
             shells: plates.iter().any(|plate| plate.radius.is_some()),
             faces,
-            lanes,
         };
         let source = uses.of(if with_grains { shader::MIXTURE } else { shader::STEP });
         let device = &device.device;
@@ -103,7 +99,7 @@ impl Passes {
             })
         };
         let pipelines = NAMES.iter().chain(if with_grains { &OF_GRAINS[..] } else { &[] }).map(pipeline).collect();
-        Passes { pipelines, layouts, bound: Vec::new(), lanes }
+        Passes { pipelines, layouts, bound: Vec::new() }
     }
 
     /// Binds them to buffers.

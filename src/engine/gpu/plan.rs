@@ -29,8 +29,6 @@ pub struct Extent {
     /// Kind of the wall on each side of the domain; 0: none.
     pub walls: [u32; 6],
     pub plates: u32,
-    /// Threads among which the points of a cell are shared.
-    pub lanes: u32,
     pub grains: Option<GrainExtent>,
 }
 
@@ -61,11 +59,6 @@ impl Extent {
     /// A pass with a workgroup for each block.
     fn blocks(&self, pass: &'static str) -> Dispatch {
         Dispatch { pass, groups: rows(self.blocks[1]) }
-    }
-
-    /// A pass with the threads for the points, a share of those of a cell for each.
-    fn shares(&self, pass: &'static str) -> Dispatch {
-        threads(pass, self.lanes.saturating_mul(self.cells()))
     }
 
     /// What must be computed before the first step: order of the points, velocities of the nodes, forces on loading plates and grains.
@@ -99,10 +92,10 @@ impl Extent {
         }
         all.push(self.blocks("press_nodes"));
         all.extend(self.of_nodes("accelerate", "walls_accelerate", self.grains.map_or(0, |g| g.grains)));
-        all.push(self.shares("advance"));
+        all.push(threads("advance", self.points));
         all.extend(self.order());
         all.extend(self.of_nodes("project", "walls_project", 0));
-        all.push(self.shares("strain"));
+        all.push(threads("strain", self.points));
         if self.plates > 0 {
             all.push(threads("plate_forces", self.points));
         }
@@ -154,7 +147,7 @@ mod tests {
     fn a_step_has_few_dispatches() {
         let count = |wall, plates, rates: Option<u32>| {
             let grains = rates.map(|rates| GrainExtent { grains: 10, rows: 200, rates });
-            Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [wall; 6], plates, lanes: 1, grains }.step().len()
+            Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [wall; 6], plates, grains }.step().len()
         };
         assert_eq!([count(1, 0, None), count(RUBS, 0, None), count(0, 6, None), count(2, 1, None)], [9, 11, 10, 10]);
         assert_eq!([1, 2, 5].map(|rates| count(0, 0, Some(rates))), [13, 19, 37]);

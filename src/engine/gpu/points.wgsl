@@ -1,25 +1,8 @@
-// Velocity, position, strain and stress of the points from the velocities of the nodes: a thread for some points of a cell. Twins (f64): mpm/pass.rs, mpm/stress.rs, with which
+// Velocity, position, strain and stress of the points from the velocities of the nodes: one thread per point. Twins (f64): mpm/pass.rs, mpm/stress.rs, with which
 // gpu/tests/step.rs compares it.
 
 fn report_fault(fault: u32, i: u32) {
     atomicMin(&status.fault, 8u * word(ENERGY, i).z + fault);
-}
-
-// Points of one cell go by the same nodes, so a thread reads them once for its share of the points of a cell: LANES threads have one each.
-struct Share {
-    // index and place of the cell
-    cell: u32,
-    base: vec3<i32>,
-    // the points: numbers in the order of cells
-    first: u32,
-    end: u32,
-}
-
-fn share_of(one: Thread) -> Share {
-    let t = linear(one);
-    let cell = min(t / LANES, params.cells - 1u);
-    let end = select(starts[cell + 1u], 0u, t >= LANES * params.cells || status.stop != 0u);
-    return Share(cell, place_in(unpacked(packed_place(cell / BLOCK)), cell % BLOCK), starts[cell] + t % LANES, end);
 }
 
 // Velocities of three nodes along x.
@@ -37,78 +20,68 @@ fn changes(at: vec3<u32>) -> mat3x4<f32> {
 // Velocity (Li et al. 2023, eq. 30) and position (eq. 33).
 @compute @workgroup_size(GROUP)
 fn advance(one: Thread) {
-    let share = share_of(one);
-    if share.first >= share.end {
+    let i = linear(one);
+    if i >= params.points || status.stop != 0u {
         return;
     }
-    let cell = share.cell;
-    let base = share.base;
+    let place = word(PLACE, i);
+    let base = cell_place(place.w);
     let c = corners(base >> SHIFT);
-    var speed: array<mat3x3<f32>, 9>;
-    var change: array<mat3x4<f32>, 9>;
+    let o = offset(place);
+    let x = spline(o.x);
+    let y = spline(o.y);
+    let z = spline(o.z);
+    var field = vec3<f32>(0.0);
+    var gain_and_rate = vec4<f32>(0.0);
     for (var k = 0; k < 9; k++) {
         let at = three_nodes(c, base + vec3<i32>(0, k % 3, k / 3));
-        speed[k] = speeds(at);
-        change[k] = changes(at);
+        let weights = x * (y[k % 3] * z[k / 3]);
+        field += speeds(at) * weights;
+        gain_and_rate += changes(at) * weights;
     }
-    for (var p = share.first; p < share.end; p += LANES) {
-        let i = nth(p);
-        let place = word(PLACE, i);
-        let o = offset(place);
-        let x = spline(o.x);
-        let y = spline(o.y);
-        let z = spline(o.z);
-        var field = vec3<f32>(0.0);
-        var gain_and_rate = vec4<f32>(0.0);
-        for (var k = 0; k < 9; k++) {
-            let weights = x * (y[k % 3] * z[k / 3]);
-            field += speed[k] * weights;
-            gain_and_rate += change[k] * weights;
-        }
-        let gain = gain_and_rate.xyz;
-        let own = number(VELOCITY, i);
-        let low = number(VELOCITY_LOW, i);
-        // the new velocity (1 − α)(v + Σ N Δv) + α Σ N v of the blend, as an increment
-        let by = (1.0 - params.pic) * gain + params.pic * ((field - own.xyz) - low.xyz);
-        let next = add(vec4<f32>(own.xyz, 0.0), vec4<f32>(low.xyz, 0.0), vec4<f32>(by, 0.0));
-        let d = field * (batch.dt * params.inverse_cell);
-        let far = abs(d);
-        if not_finite(d.x) || not_finite(d.y) || not_finite(d.z) || not_finite(next.high.x) || not_finite(next.high.y) || not_finite(next.high.z) {
-            report_fault(NOT_FINITE, i);
-            continue;
-        }
-        if max(far.x, max(far.y, far.z)) >= 1.5 {
+    let gain = gain_and_rate.xyz;
+    let own = number(VELOCITY, i);
+    let low = number(VELOCITY_LOW, i);
+    // the new velocity (1 − α)(v + Σ N Δv) + α Σ N v of the blend, as an increment
+    let by = (1.0 - params.pic) * gain + params.pic * ((field - own.xyz) - low.xyz);
+    let next = add(vec4<f32>(own.xyz, 0.0), vec4<f32>(low.xyz, 0.0), vec4<f32>(by, 0.0));
+    let d = field * (batch.dt * params.inverse_cell);
+    let far = abs(d);
+    if not_finite(d.x) || not_finite(d.y) || not_finite(d.z) || not_finite(next.high.x) || not_finite(next.high.y) || not_finite(next.high.z) {
+        report_fault(NOT_FINITE, i);
+        return;
+    }
+    if max(far.x, max(far.y, far.z)) >= 1.5 {
+        report_fault(TOO_FAST, i);
+        return;
+    }
+    if GRAINS {
+        keep_transport_velocity(i, o, base, field, gain_and_rate.w);
+    }
+    let rest = number(REST, i);
+    let there = moved(bitcast<vec3<i32>>(place.xyz), rest.xyz, d);
+    put(VELOCITY, i, vec4<f32>(next.high.xyz, own.w));
+    state[VELOCITY_LOW * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(next.low.xyz), word(VELOCITY_LOW, i).w);
+    put(REST, i, vec4<f32>(there.rest, rest.w));
+    if PRESSED {
+        follow(i, -d);
+    }
+    var home = place.w;
+    if any(there.shift != vec3<i32>(0)) {
+        if any(there.units >= vec3<i32>(HALF)) || any(there.units < vec3<i32>(-HALF)) {
             report_fault(TOO_FAST, i);
-            continue;
+            return;
         }
-        if GRAINS {
-            keep_transport_velocity(i, o, base, field, gain_and_rate.w);
+        let to = base + there.shift;
+        let n = cell_size();
+        if any(to < vec3<i32>(0)) || any(to >= n) {
+            report_fault(OUTSIDE, i);
+            return;
         }
-        let rest = number(REST, i);
-        let there = moved(bitcast<vec3<i32>>(place.xyz), rest.xyz, d);
-        put(VELOCITY, i, vec4<f32>(next.high.xyz, own.w));
-        state[VELOCITY_LOW * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(next.low.xyz), word(VELOCITY_LOW, i).w);
-        put(REST, i, vec4<f32>(there.rest, rest.w));
-        if PRESSED {
-            follow(i, -d);
-        }
-        var home = word(PLACE, i).w;
-        if any(there.shift != vec3<i32>(0)) {
-            if any(there.units >= vec3<i32>(HALF)) || any(there.units < vec3<i32>(-HALF)) {
-                report_fault(TOO_FAST, i);
-                continue;
-            }
-            let to = base + there.shift;
-            let n = cell_size();
-            if any(to < vec3<i32>(0)) || any(to >= n) {
-                report_fault(OUTSIDE, i);
-                continue;
-            }
-            home = u32(to.x + n.x * (to.y + n.y * to.z));
-            change_cell(cell, cell_index(to));
-        }
-        state[PLACE * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(there.units), home);
+        home = cell_number(to);
+        change_cell(cell_index(base), cell_index(to));
     }
+    state[PLACE * params.points + i] = vec4<u32>(bitcast<vec3<u32>>(there.units), home);
 }
 
 // Moves the pressed faces of a point by `by` cells relative to the point.
@@ -140,95 +113,90 @@ fn spin_rate(a: Sym, w: vec3<f32>) -> Sym {
 // Strain and spin increments, volume, stress.
 @compute @workgroup_size(GROUP)
 fn strain(one: Thread) {
-    let share = share_of(one);
-    if share.first >= share.end {
+    let i = linear(one);
+    if i >= params.points || status.stop != 0u {
         return;
     }
-    let base = share.base;
+    let place = word(PLACE, i);
+    let base = cell_place(place.w);
     let c = corners(base >> SHIFT);
-    var speed: array<mat3x3<f32>, 9>;
+    let o = offset(place);
+    let x = spline(o.x);
+    let y = spline(o.y);
+    let z = spline(o.z);
+    let slope_x = spline_slope(o.x);
+    let slope_y = spline_slope(o.y);
+    let slope_z = spline_slope(o.z);
+    // columns of the velocity gradient: ∂v/∂x, ∂v/∂y, ∂v/∂z
+    var dx = vec3<f32>(0.0);
+    var dy = vec3<f32>(0.0);
+    var dz = vec3<f32>(0.0);
     for (var k = 0; k < 9; k++) {
-        speed[k] = speeds(three_nodes(c, base + vec3<i32>(0, k % 3, k / 3)));
+        let v = speeds(three_nodes(c, base + vec3<i32>(0, k % 3, k / 3)));
+        let along = v * x;
+        dx += (v * slope_x) * (y[k % 3] * z[k / 3]);
+        dy += along * (slope_y[k % 3] * z[k / 3]);
+        dz += along * (y[k % 3] * slope_z[k / 3]);
     }
-    for (var p = share.first; p < share.end; p += LANES) {
-        let i = nth(p);
-        let o = offset(word(PLACE, i));
-        let x = spline(o.x);
-        let y = spline(o.y);
-        let z = spline(o.z);
-        let slope_x = spline_slope(o.x);
-        let slope_y = spline_slope(o.y);
-        let slope_z = spline_slope(o.z);
-        // columns of the velocity gradient: ∂v/∂x, ∂v/∂y, ∂v/∂z
-        var dx = vec3<f32>(0.0);
-        var dy = vec3<f32>(0.0);
-        var dz = vec3<f32>(0.0);
-        for (var k = 0; k < 9; k++) {
-            let along = speed[k] * x;
-            dx += (speed[k] * slope_x) * (y[k % 3] * z[k / 3]);
-            dy += along * (slope_y[k % 3] * z[k / 3]);
-            dz += along * (y[k % 3] * slope_z[k / 3]);
-        }
-        let scale = batch.dt * params.inverse_cell;
-        if PRESSED {
-            let arm = number(ARM, i).xyz;
-            if any(arm != vec3<f32>(0.0)) {
-                var way = vec3<f32>(0.0);
-                for (var k = 0; k < 27; k++) {
-                    let d = vec3<i32>(k % 3, (k / 3) % 3, k / 9);
-                    let own = vec3<f32>(x[d.x], y[d.y], z[d.z]);
-                    let there = at_faces(d, o, arm, own);
-                    let at_node = vec3<f32>(there.x * own.y * own.z, own.x * there.y * own.z, own.x * own.y * there.z);
-                    way += nodes[SPEED * params.cells + node_index(base + d)].xyz * at_node;
-                }
-                follow(i, way * scale);
+    let scale = batch.dt * params.inverse_cell;
+    if PRESSED {
+        let arm = number(ARM, i).xyz;
+        if any(arm != vec3<f32>(0.0)) {
+            var way = vec3<f32>(0.0);
+            for (var k = 0; k < 27; k++) {
+                let d = vec3<i32>(k % 3, (k / 3) % 3, k / 9);
+                let own = vec3<f32>(x[d.x], y[d.y], z[d.z]);
+                let there = at_faces(d, o, arm, own);
+                let at_node = vec3<f32>(there.x * own.y * own.z, own.x * there.y * own.z, own.x * own.y * there.z);
+                way += nodes[SPEED * params.cells + node_index(base + d)].xyz * at_node;
             }
+            follow(i, way * scale);
         }
-        if GRAINS {
-            follow_faces(i, o, base);
-        }
-        dx *= scale;
-        dy *= scale;
-        dz *= scale;
-        let increment = Sym(vec3<f32>(dx.x, dy.y, dz.z), 0.5 * vec3<f32>(dx.y + dy.x, dy.z + dz.y, dz.x + dx.z));
-        let spin = 0.5 * vec3<f32>(dy.x - dx.y, dz.y - dy.z, dx.z - dz.x);
-
-        let normal = number(NORMAL, i);
-        let shear = number(SHEAR, i);
-        let normal_low = number(NORMAL_LOW, i);
-        let shear_low = number(SHEAR_LOW, i);
-        let law = law_of(i);
-        // rotation of the stress to second order, as in mpm/stress.rs
-        let first = spin_rate(Sym(normal.xyz, shear.xyz), spin);
-        let second = spin_rate(first, spin);
-        let turn = Sym(first.normal + 0.5 * second.normal, first.shear + 0.5 * second.shear);
-        let before = Sym(normal.xyz + (normal_low.xyz + turn.normal), shear.xyz + (shear_low.xyz + turn.shear));
-        let step = stress_step(law, before, increment, shear.w + shear_low.w);
-        let trace = increment.normal.x + increment.normal.y + increment.normal.z;
-        let growth = (1.0 + normal.w) * trace;
-        let a = add(normal, normal_low, vec4<f32>(turn.normal + step.stress.normal, growth));
-        let b = add(shear, shear_low, vec4<f32>(turn.shear + step.stress.shear, step.plastic));
-        if not_finite(a.high.x) || not_finite(a.high.y) || not_finite(a.high.z) || not_finite(b.high.x) || not_finite(b.high.y) || not_finite(b.high.z) {
-            report_fault(NOT_FINITE, i);
-            continue;
-        }
-        if !(1.0 + a.high.w > 0.0) {
-            report_fault(INVERTED, i);
-            continue;
-        }
-        put(NORMAL, i, a.high);
-        put(SHEAR, i, b.high);
-        put(NORMAL_LOW, i, a.low);
-        put(SHEAR_LOW, i, b.low);
-        // stress work, from the mean of the stresses and volumes before and after
-        let volume = bitcast<f32>(word(REST, i).w);
-        let mean = 0.5 * volume * ((1.0 + normal.w) + (1.0 + a.high.w));
-        let after = Sym(a.high.xyz, b.high.xyz);
-        let done = 0.5 * mean * (product(before, increment) + product(after, increment));
-        let energy = word(ENERGY, i);
-        let sum = grown(bitcast<vec2<f32>>(energy.xy), done);
-        state[ENERGY * params.points + i] = vec4<u32>(bitcast<vec2<u32>>(sum), energy.zw);
     }
+    if GRAINS {
+        follow_faces(i, o, base);
+    }
+    dx *= scale;
+    dy *= scale;
+    dz *= scale;
+    let increment = Sym(vec3<f32>(dx.x, dy.y, dz.z), 0.5 * vec3<f32>(dx.y + dy.x, dy.z + dz.y, dz.x + dx.z));
+    let spin = 0.5 * vec3<f32>(dy.x - dx.y, dz.y - dy.z, dx.z - dz.x);
+
+    let normal = number(NORMAL, i);
+    let shear = number(SHEAR, i);
+    let normal_low = number(NORMAL_LOW, i);
+    let shear_low = number(SHEAR_LOW, i);
+    let law = law_of(i);
+    // rotation of the stress to second order, as in mpm/stress.rs
+    let first = spin_rate(Sym(normal.xyz, shear.xyz), spin);
+    let second = spin_rate(first, spin);
+    let turn = Sym(first.normal + 0.5 * second.normal, first.shear + 0.5 * second.shear);
+    let before = Sym(normal.xyz + (normal_low.xyz + turn.normal), shear.xyz + (shear_low.xyz + turn.shear));
+    let step = stress_step(law, before, increment, shear.w + shear_low.w);
+    let trace = increment.normal.x + increment.normal.y + increment.normal.z;
+    let growth = (1.0 + normal.w) * trace;
+    let a = add(normal, normal_low, vec4<f32>(turn.normal + step.stress.normal, growth));
+    let b = add(shear, shear_low, vec4<f32>(turn.shear + step.stress.shear, step.plastic));
+    if not_finite(a.high.x) || not_finite(a.high.y) || not_finite(a.high.z) || not_finite(b.high.x) || not_finite(b.high.y) || not_finite(b.high.z) {
+        report_fault(NOT_FINITE, i);
+        return;
+    }
+    if !(1.0 + a.high.w > 0.0) {
+        report_fault(INVERTED, i);
+        return;
+    }
+    put(NORMAL, i, a.high);
+    put(SHEAR, i, b.high);
+    put(NORMAL_LOW, i, a.low);
+    put(SHEAR_LOW, i, b.low);
+    // stress work, from the mean of the stresses and volumes before and after
+    let volume = bitcast<f32>(word(REST, i).w);
+    let mean = 0.5 * volume * ((1.0 + normal.w) + (1.0 + a.high.w));
+    let after = Sym(a.high.xyz, b.high.xyz);
+    let done = 0.5 * mean * (product(before, increment) + product(after, increment));
+    let energy = word(ENERGY, i);
+    let sum = grown(bitcast<vec2<f32>>(energy.xy), done);
+    state[ENERGY * params.points + i] = vec4<u32>(bitcast<vec2<u32>>(sum), energy.zw);
 }
 
 // Ends a step: sums up what loading plates bear, counts the step if no point has a fault, and stops the batch otherwise; then what grains or the next step begin with. A

@@ -25,26 +25,13 @@ pub struct Uses {
     pub shells: bool,
     /// Contacts of grains that act on the faces of points.
     pub faces: bool,
-    /// Threads among which the points of a cell are shared; changes no bit of the results.
-    pub lanes: u32,
 }
 
 impl Uses {
     /// A source with these parts.
     pub fn of(self, source: &str) -> String {
-        let Uses {
-            mobilised,
-            mohr_coulomb,
-            changing_pyramids,
-            cam_clay,
-            yields,
-            one_law,
-            held_walls,
-            pressed,
-            shells,
-            faces,
-            lanes,
-        } = self;
+        let Uses { mobilised, mohr_coulomb, changing_pyramids, cam_clay, yields, one_law, held_walls, pressed, shells, faces } =
+            self;
         let switches = [
             ("MOBILISED", mobilised),
             ("MOHR_COULOMB", mohr_coulomb),
@@ -58,7 +45,7 @@ impl Uses {
             ("FACES", faces),
         ];
         let switches: String = switches.iter().map(|(name, is)| format!("const {name}: bool = {is};\n")).collect();
-        switches + &format!("const LANES: u32 = {lanes}u;\n") + source
+        switches + source
     }
 }
 
@@ -134,7 +121,6 @@ pub mod tests {
         pressed: true,
         shells: true,
         faces: true,
-        lanes: 4,
     };
     const NONE: Uses = Uses {
         mobilised: false,
@@ -147,7 +133,6 @@ pub mod tests {
         pressed: false,
         shells: false,
         faces: false,
-        lanes: 1,
     };
 
     /// The module of a source with all parts.
@@ -219,9 +204,9 @@ pub mod tests {
             blocks,
             block_count,
             slots,
-            unused_a,
-            unused_b,
-            unused_c,
+            stride,
+            pairs,
+            unused_too,
             walls,
             drives
         );

@@ -19,12 +19,20 @@ pub fn ghost_radius(points: &Points, i: usize) -> f64 {
     (solid * (0.75 / std::f64::consts::PI)).cbrt()
 }
 
-/// Number in the domain of the cell at a position, and cell, units and rest along each axis.
+/// Number of a cell, or of a block, by its place, as `blocks.wgsl` has it: x, y, z in 11, 11, 10 bits.
+pub fn cell_number([x, y, z]: [u32; 3]) -> u32 {
+    x | y << 11 | z << 22
+}
+
+/// Place of the cell with this number.
+pub fn cell_place(cell: u32) -> [u32; 3] {
+    [cell & 2047, cell >> 11 & 2047, cell >> 22]
+}
+
+/// Number of the cell at a position, and cell, units and rest along each axis.
 pub fn cell_of(settings: &Settings, position: &[f64; 4]) -> (u32, [(i32, i32, f32); 3]) {
-    let wide = settings.cells.map(|n| n as i32 + 1);
     let at: [(i32, i32, f32); 3] = std::array::from_fn(|a| place((position[a] - settings.lower[a]) / settings.cell));
-    let [x, y, z] = at.map(|at| at.0 + 1);
-    ((x + wide[0] * (y + wide[1] * z)) as u32, at)
+    (cell_number(at.map(|at| (at.0 + 1) as u32)), at)
 }
 
 /// The planes of the points, one after the other. Points must lie within the domain.
@@ -73,12 +81,6 @@ pub fn by_id(planes: &[[u32; 4]], points: usize) -> Vec<(u32, u32)> {
     all
 }
 
-/// Place of the cell with this number in the domain, as `blocks.wgsl` has it.
-pub fn cell_place(settings: &Settings, cell: u32) -> [u32; 3] {
-    let wide = settings.cells.map(|n| n + 1);
-    [cell % wide[0], cell / wide[0] % wide[1], cell / (wide[0] * wide[1])]
-}
-
 /// Writes the state of the point with the index `i` on the device into the point `to` of `points`; returns its stress work since the state was copied to the
 /// device, J. Mass, law and initial values of the point are not written.
 pub fn to_point(settings: &Settings, planes: &[[u32; 4]], i: usize, points: &mut Points, to: usize) -> f64 {
@@ -86,7 +88,7 @@ pub fn to_point(settings: &Settings, planes: &[[u32; 4]], i: usize, points: &mut
     let word = |plane: usize| planes[plane * n + i];
     let number = |plane: usize, k: usize| f32::from_bits(word(plane)[k]);
     let both = |high: usize, low: usize, k: usize| f64::from(number(high, k)) + f64::from(number(low, k));
-    for (a, cell) in cell_place(settings, word(0)[3]).into_iter().enumerate() {
+    for (a, cell) in cell_place(word(0)[3]).into_iter().enumerate() {
         let x = placed(cell as i32 - 1, word(0)[a] as i32, number(1, a));
         points.position[to][a] = settings.lower[a] + settings.cell * x;
         points.velocity[to][a] = both(2, 3, a);

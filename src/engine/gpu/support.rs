@@ -45,7 +45,6 @@ pub fn needs(
         size: settings.cells,
         walls: wall_kinds(settings),
         plates: plates.len() as u32,
-        lanes: 1,
         grains: of_grains,
     };
     let near = coarse.map_or(0, |coarse| grains::near_points(settings, points, coarse));
@@ -114,7 +113,7 @@ fn lacking(settings: &Settings, points: &Points) -> Vec<Error> {
         errors.push(refused(
             "cells of the domain",
             settings.cells.map(|n| n.to_string()).join(" x "),
-            format!("are at most {most} on the GPU, and less than 2^31 in all: use larger cells, or the processor"),
+            format!("are at most {most} on the GPU: use larger cells, or the processor"),
         ));
     }
     if points.is_empty() {

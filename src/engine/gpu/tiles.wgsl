@@ -35,7 +35,8 @@ fn spread(a: vec4<f32>, w: vec3<f32>) -> mat3x4<f32> {
 
 // The slot of a workgroup.
 fn slot_here(group: vec3<u32>, groups: vec3<u32>) -> u32 {
-    return group.x + group.y * groups.x;
+    let own = group.x + group.y * groups.x;
+    return 2u * pair_of(own / 2u) + own % 2u;
 }
 
 // The points of the lower or upper (`up` = 0, 1) cell of the column of a thread that give to its layer of nodes, as numbers in the order of cells; and which of the three

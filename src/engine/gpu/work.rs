@@ -89,14 +89,14 @@ fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
         "accelerate" => [tiles + cells * 4 * PLANE + grains * 2 * GRAIN as u64 * PLANE, cells * FROM_TILES + grains * MOVE],
         // speed and change of three layers, twice; whether the wall touches
         "walls_project" | "walls_accelerate" => [on_walls * (12 * PLANE + 2 * WORD), on_walls * WALL],
-        // place, rest, velocity and its low part, twice; transport; order; speed and change
-        "advance" => [points * ((8 + 2 * pressed + 2 * coupled) * PLANE + WORD) + cells * 2 * PLANE, points * ADVANCE],
+        // place, rest, velocity and its low part, twice; transport; speed and change
+        "advance" => [points * (8 + 2 * pressed + 2 * coupled) * PLANE + cells * 2 * PLANE, points * ADVANCE],
         // counts twice; starts
         "find_starts" => [cells * 3 * WORD, 0],
         // place, order; counts twice
         "scatter" => [points * (PLANE + WORD) + cells * 2 * WORD, 0],
-        // place, rest, law, four of stress, work; five of them again; two of faces, twice; order; speed
-        "strain" => [points * ((13 + 4 * pressed) * PLANE + WORD) + cells * PLANE, points * STRAIN],
+        // place, rest, law, four of stress, work; five of them again; two of faces, twice; speed
+        "strain" => [points * (13 + 4 * pressed) * PLANE + cells * PLANE, points * STRAIN],
         // place, rest, faces, radius; force; sums of workgroups
         "plate_forces" => [points * 6 * PLANE + of_groups, points * plates * TOUCH],
         // sums of workgroups; impulses of walls, twice
@@ -123,7 +123,7 @@ mod tests {
     /// The count goes with the points, the grid and the steps of the grains; a point reads and writes its own state at least twice in a step.
     #[test]
     fn work_goes_with_what_there_is() {
-        let bare = Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [0; 6], plates: 0, lanes: 1, grains: None };
+        let bare = Extent { points: 1000, blocks: [20, 30], size: [6; 3], walls: [0; 6], plates: 0, grains: None };
         let one = StepWork::of(&bare, 0);
         assert_eq!(one.dispatches, bare.step().len() as u64);
         let twice = StepWork::of(&Extent { points: 2000, ..bare }, 0);

@@ -2,7 +2,6 @@
 
 use super::{JUMPS, adapter, clays, laws};
 use crate::gpu::continuum::DeviceContinuum;
-use crate::gpu::device::Device;
 use crate::gpu::state::ghost_radius;
 use crate::mpm::law::{Elastic, Law};
 use crate::mpm::{
@@ -490,26 +489,6 @@ fn the_bound_of_clays_follows_their_stress() {
         let shear_stays = matches!(&law, Law::CamClay(law) if law.shear_ratio().is_none());
         assert!(bounds[1] < if shear_stays { 0.99 } else { 0.55 } * bounds[0] && bounds[2] < bounds[1]);
     }
-}
-
-/// Rung 3: sharing the points of a cell among more threads changes no bit.
-#[test]
-fn more_threads_for_a_cell_change_no_bit() {
-    if !adapter("more_threads_for_a_cell_change_no_bit") {
-        return;
-    }
-    let mut s = settings([6, 5, 7]);
-    s.walls = [GridWall::Symmetry; 6];
-    let laws: Vec<Law> = (0..).zip(laws()).filter(|(k, _)| !JUMPS.contains(k)).map(|(_, law)| law).collect();
-    let points = box_of_points(&s, &laws, 1200);
-    let cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
-    let states = [1, 3, 4].map(|lanes| {
-        let device = Device::open(false).expect("device");
-        let mut gpu = DeviceContinuum::open(device, lanes, &cpu, &[], &[], None, None).expect("device");
-        gpu.steps(5, 2e-4).expect("steps");
-        gpu.save().expect("state")
-    });
-    assert!(states[0] == states[1] && states[0] == states[2]);
 }
 
 /// Rung 3: memory goes with the blocks that have points in or beside them, and a domain of 512³ cells takes less than 100 MB. Two blocks of points fly apart through blocks that
