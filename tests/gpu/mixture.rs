@@ -358,3 +358,30 @@ fn what_the_device_lacks_of_grains_is_refused_by_name() {
         assert!(!out.exists());
     }
 }
+
+/// Rung 4 of a mixture in a shell that holds its width: a chain of grains across it, whose ends press on the shell, among a hundred points; a row for each step, of a
+/// fixed length, without local damping; and the same bytes after a stop. Measured, of the largest: axial stress 1.4e-5, lateral stress 2.1e-5, stress of all contacts 1e-6,
+/// kinetic energy of the grains 1.2e-7.
+#[test]
+fn grains_in_a_shell_are_those_of_the_cpu() {
+    if !adapter("grains_in_a_shell_are_those_of_the_cpu") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    let scene = "../tests/gpu/cylinder";
+    let sets = ["test.axial_strain=0.001", "records.rows=5000", "damping.local=0.0", "stepping.dt_s=4e-6"];
+    let outs = both(folder.path(), scene, &sets, "300");
+    let [axial, lateral, contacts, kinetic] =
+        ["sigma_v_kPa", "sigma_h_kPa", "sigma_zz_of_contacts_kPa", "coarse_kinetic_J"].map(|c| apart(&outs, "time_s", c));
+    println!("mixture in a shell: σv {axial:e}, σh {lateral:e}, contacts {contacts:e}, kinetic energy of grains {kinetic:e}");
+    let [[on_shell], [axial_strain]] = [["platen_contacts"], ["axial_strain"]].map(|c| *columns(&outs[1], c).last().expect("rows"));
+    assert!(on_shell >= 2.0 && axial_strain > 0.0009, "{on_shell} {axial_strain}");
+    assert!(axial < 6e-5 && lateral < 9e-5 && contacts < 5e-6 && kinetic < 1e-6);
+
+    let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
+    let sets = [&PLAIN[..], &["test.axial_strain=0.0005"]].concat();
+    run(scene, &whole, &sets, &["--backend", "gpu"]).assert().success();
+    run(scene, &parts, &sets, &["--backend", "gpu", "--stop-after", "151"]).assert().code(130);
+    resume(&parts, &[]).success();
+    same_files(&whole, &parts);
+}

@@ -14,6 +14,7 @@ use super::rounds;
 use super::state;
 use super::support::{sizes, takes};
 use super::work::StepWork;
+use crate::boundary::{Wall, WallShape};
 use crate::coupling::Mixture;
 use crate::dem::physics::Physics;
 use crate::error::{Error, Result};
@@ -116,10 +117,12 @@ impl DeviceContinuum {
         takes(cpu.laws())?;
         sizes(cpu.settings(), cpu.points(), plates, coarse)?;
         let device = Device::open(coarse.is_some())?;
+        let round = |wall: &Wall| matches!(wall.shape, WallShape::Cylinder { .. });
+        let shells = plates.iter().any(|p| p.radius.is_some()) || coarse.is_some_and(|c| c.mixture.grains.walls.iter().any(round));
         let laws: Vec<Law32> = cpu.laws().iter().map(Law32::from).collect();
         let passes = Passes::new(
             &device,
-            [coarse.is_some(), coarse.is_some_and(|c| c.table.faces)],
+            [coarse.is_some(), coarse.is_some_and(|c| c.table.faces), shells],
             &layout::wall_kinds(cpu.settings()),
             &laws,
             plates,

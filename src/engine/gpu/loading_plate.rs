@@ -16,6 +16,16 @@ pub fn both([high, low]: [f32; 2]) -> f64 {
 /// Distances from the axis of a shell are computed in quanta of 2^-split cells and are below this many.
 const WHOLE: f64 = 16_384.0;
 
+/// Distances from the axis of a shell of this radius, cells, are computed in quanta of 2^-split cells; this is the number split.
+pub fn shell_split(radius: f64) -> u32 {
+    (WHOLE / (radius + 3.0)).log2().floor().clamp(0.0, 12.0) as u32
+}
+
+/// Whether a shell of this radius, cells, is not too wide for them.
+pub fn is_shell(radius: f64) -> bool {
+    radius > 0.0 && radius < WHOLE - 3.0
+}
+
 /// State of a loading plate on the device; `drift`: its mean speed under servo control, m/s; `round`: whether the material is a cylinder in a shell.
 pub fn to_device(p: &LoadingPlate, drift: f64, round: bool, settings: &Settings) -> LoadingPlate32 {
     let axis = p.axis();
@@ -25,7 +35,7 @@ pub fn to_device(p: &LoadingPlate, drift: f64, round: bool, settings: &Settings)
         None => (own, p.normal[axis], at(axis)),
         Some(radius) => {
             let [x, y] = [at(0), at(1)];
-            let split = (WHOLE / (radius / settings.cell + 3.0)).log2().floor().clamp(0.0, 12.0) as u32;
+            let split = shell_split(radius / settings.cell);
             let (centre_cell, centre_units, centre_rest) = ([x.0, y.0], [x.1, y.1], [x.2, y.2]);
             (LoadingPlate32 { centre_cell, centre_units, centre_rest, shell: 1, split, ..own }, -1.0, place(radius / settings.cell))
         }
@@ -71,7 +81,7 @@ pub fn wrong(plates: &[LoadingPlate], settings: &Settings, points: &Points) -> V
         let along = p.normal.iter().filter(|n| **n != 0.0).count() == 1 && p.normal[p.axis()].abs() == 1.0;
         let stands = match p.radius {
             None => along,
-            Some(radius) => radius > 0.0 && radius < (WHOLE - 3.0) * settings.cell && p.point[1].is_finite(),
+            Some(radius) => is_shell(radius / settings.cell) && p.point[1].is_finite(),
         };
         if !(stands && p.point[p.axis()].is_finite() && p.modulus > 0.0 && p.modulus.is_finite()) {
             let what = format!("point {:?}, normal {:?}, radius {:?}, modulus {:?}", p.point, p.normal, p.radius, p.modulus);

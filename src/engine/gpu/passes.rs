@@ -42,10 +42,10 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// Compiles the pipelines for these walls, laws and loading plates, with or without those for grains. `faces`: contacts of grains act on the faces of points.
+    /// Compiles the pipelines for these walls, laws and loading plates, with or without those for grains. `faces`: contacts of grains act on the faces of points; `shells`: one of the plates or of the grains' walls is a shell.
     pub fn new(
         device: &Device,
-        [with_grains, faces]: [bool; 2],
+        [with_grains, faces, shells]: [bool; 3],
         walls: &[u32; BORDERS],
         laws: &[Law32],
         plates: &[LoadingPlate],
@@ -59,7 +59,7 @@ impl Passes {
             one_law: laws.len() == 1,
             held_walls: plan::held(walls),
             pressed: !plates.is_empty(),
-            shells: plates.iter().any(|plate| plate.radius.is_some()),
+            shells,
             faces,
         };
         let source = uses.of(if with_grains { shader::MIXTURE } else { shader::STEP });

@@ -21,7 +21,7 @@ pub struct Uses {
     pub held_walls: bool,
     /// Loading plates.
     pub pressed: bool,
-    /// Loading plates that are shells.
+    /// Loading plates or walls of grains that are shells.
     pub shells: bool,
     /// Contacts of grains that act on the faces of points.
     pub faces: bool,
@@ -306,7 +306,26 @@ pub mod tests {
             far,
             tables
         );
-        same!(Side, "Side", axis, normal, cell, units, rest, speed, plate, reaction, stiffness, unused, work);
+        same!(
+            Side,
+            "Side",
+            axis,
+            normal,
+            cell,
+            units,
+            rest,
+            speed,
+            plate,
+            reaction,
+            stiffness,
+            shell,
+            work,
+            centre_cell,
+            centre_units,
+            centre_rest,
+            split,
+            unused
+        );
         same!(
             Mix,
             "Mix",

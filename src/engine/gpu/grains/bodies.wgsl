@@ -59,6 +59,11 @@ fn side_speed(side: Side) -> f32 {
 
 // Geometry of a sphere on a wall; the normal points into the wall.
 fn on_side(side: Side, cell: vec3<i32>, units: vec3<i32>, rest: vec3<f32>, whole: i32, part: f32) -> ContactGeometry {
+    if SHELLS {
+        if side.shell != 0u {
+            return on_shell(side, cell.xy, units.xy, rest.xy, whole, part);
+        }
+    }
     let axis = side.axis;
     let normal = i32(side.normal);
     let across = unit(axis) * -side.normal;
@@ -68,6 +73,33 @@ fn on_side(side: Side, cell: vec3<i32>, units: vec3<i32>, rest: vec3<f32>, whole
     }
     let d = length_of(vec3<i32>(cells, 0, 0), vec3<i32>(normal * (units[axis] - side.units), 0, 0), vec3<f32>(side.normal * (rest[axis] - side.rest), 0.0, 0.0));
     return ContactGeometry((f32(whole - d.whole.x) + (part - d.part.x)) * coupling.quantum, across);
+}
+
+// Of a sphere in a shell, as touch_of_shell in loading_plates.wgsl.
+fn on_shell(side: Side, cell: vec2<i32>, units: vec2<i32>, rest: vec2<f32>, whole: i32, part: f32) -> ContactGeometry {
+    let cells = cell - side.centre_cell;
+    if any(abs(cells) >= vec2<i32>(i32(16384u >> side.split))) {
+        return ContactGeometry(0.0, vec3<f32>(0.0));
+    }
+    let between = units - side.centre_units;
+    let x = quanta(cells.x, between.x, rest.x - side.centre_rest.x, side.split);
+    let y = quanta(cells.y, between.y, rest.y - side.centre_rest.y, side.split);
+    // the shell's radius less that of the sphere, which is in quanta of its own
+    let bits = 30u - coupling.split;
+    let left = whole & ((1i << coupling.split) - 1);
+    let inner = quanta(side.cell + 1 - (whole >> coupling.split), side.units - (left << bits), side.rest - part * f32(1u << bits), side.split);
+    let at = vec2<f32>(x.x + x.y, y.x + y.y);
+    let overlap = overlap_with_shell(x, y, inner, vec2<f32>(0.0)) * (params.cell / f32(1u << side.split));
+    return ContactGeometry(overlap, vec3<f32>(at / max(length(at), 1e-37), 0.0));
+}
+
+// Height of a place over a wall, cells, for the search. `at`: coordinates in cells.
+fn height_over(side: Side, at: vec3<f32>) -> f32 {
+    let wall = f32(side.cell) + f32(side.units) / UNITS;
+    if side.shell != 0u {
+        return (wall + 1.0) - length(at.xy - (vec2<f32>(side.centre_cell) + vec2<f32>(side.centre_units) / UNITS));
+    }
+    return side.normal * (at[side.axis] - wall);
 }
 
 // Local damping −α |f| sign(v) of each component.

@@ -41,12 +41,12 @@ struct Coupling {
     tables: vec4<u32>,
 }
 
-// A plane wall of the grains across an axis.
+// A wall of the grains: a plane across an axis, or an upright shell.
 struct Side {
     axis: u32,
-    // component of the normal along the axis, 1 or -1; the normal points to the grains
+    // component of the normal along the axis, 1 or -1; the normal points to the grains. Of a shell -1
     normal: f32,
-    // coordinate along the axis, as for points
+    // coordinate along the axis, as for points; of a shell its radius in the same form
     cell: i32,
     units: i32,
     rest: f32,
@@ -57,9 +57,16 @@ struct Side {
     // sums over its contacts with grains: normal force, N; normal stiffness, N/m
     reaction: f32,
     stiffness: f32,
-    unused: f32,
+    // 1: a shell
+    shell: u32,
     // work of the wall on the grains, J
     work: vec2<f32>,
+    // of a shell: x and y of its axis, as for points; its distances are computed in quanta of 2^-split cells
+    centre_cell: vec2<i32>,
+    centre_units: vec2<i32>,
+    centre_rest: vec2<f32>,
+    split: u32,
+    unused: u32,
 }
 
 // State of the grains as a whole.

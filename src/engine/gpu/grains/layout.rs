@@ -61,8 +61,13 @@ pub struct Side {
     pub plate: u32,
     pub reaction: f32,
     pub stiffness: f32,
-    pub unused: f32,
+    pub shell: u32,
     pub work: [f32; 2],
+    pub centre_cell: [i32; 2],
+    pub centre_units: [i32; 2],
+    pub centre_rest: [f32; 2],
+    pub split: u32,
+    pub unused: u32,
 }
 
 /// State of the grains as a whole, which changes from step to step.

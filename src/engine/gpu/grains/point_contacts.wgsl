@@ -107,7 +107,7 @@ fn point_candidates(i: u32) {
     }
     for (var k = 0u; k < coupling.point_walls; k++) {
         let side = mix_.sides[k];
-        let height = side.normal * (at[side.axis] - (f32(side.cell) + f32(side.units) / UNITS));
+        let height = height_over(side, at);
         if height < radius + coupling.skin {
             count += 1u;
             if n < PLACES {

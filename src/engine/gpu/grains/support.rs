@@ -8,6 +8,7 @@ use crate::contact::TangentialUnloading;
 use crate::error::{Error, Result};
 use crate::gpu::bounds::{PLACES, SIDES, SLOTS};
 use crate::gpu::device::refused;
+use crate::gpu::loading_plate::is_shell;
 use crate::gpu::state::ghost_radius;
 use crate::grains::Grains;
 use crate::mpm::{Points, Settings};
@@ -160,7 +161,8 @@ fn lacking(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> V
         match wall.shape {
             WallShape::Plane { normal, .. } if normal.iter().filter(|n| n.abs() == 1.0).count() == 1 => {}
             WallShape::Plane { normal, .. } => lacks("wall.normal", format!("{normal:?}"), "use planes along the axes"),
-            WallShape::Cylinder { .. } => lacks("wall.kind", "cylinder".into(), "use planes along the axes"),
+            WallShape::Cylinder { radius, .. } if is_shell(radius / settings.cell) => {}
+            WallShape::Cylinder { radius, .. } => lacks("wall.radius", radius.to_string(), "use larger cells"),
         }
     }
     let g = &mixture.grains.grains;

@@ -8,6 +8,7 @@ use crate::coupling::Body;
 use crate::coupling::exchange::ExchangedContact;
 use crate::gpu::bounds::{PARTNERS, PLACES};
 use crate::gpu::exact::{place, placed, split};
+use crate::gpu::loading_plate::shell_split;
 use crate::grains::Grains;
 use crate::mpm::Settings;
 use crate::point_contacts::GhostFace;
@@ -244,12 +245,27 @@ pub fn slot(words: &ContactWords, next: usize) -> usize {
 
 /// State of a wall on the device; `plate`: index of the loading plate that it moves with, or [`NONE`].
 pub fn side(settings: &Settings, wall: &Wall, plate: u32) -> Side {
-    let WallShape::Plane { point, normal } = wall.shape else { return Side::default() };
-    let axis = axis(normal);
-    let (cell, units, rest) = place((point[axis] - settings.lower[axis]) / settings.cell);
+    let at = |axis: usize, x: f64| place((x - settings.lower[axis]) / settings.cell);
+    let (own, (cell, units, rest)) = match wall.shape {
+        WallShape::Plane { point, normal } => {
+            let axis = axis(normal);
+            (Side { axis: axis as u32, normal: normal[axis] as f32, ..Side::default() }, at(axis, point[axis]))
+        }
+        WallShape::Cylinder { centre, radius } => {
+            let [x, y] = [0, 1].map(|axis| at(axis, centre[axis]));
+            let own = Side {
+                normal: -1.0,
+                shell: 1,
+                split: shell_split(radius / settings.cell),
+                centre_cell: [x.0, y.0],
+                centre_units: [x.1, y.1],
+                centre_rest: [x.2, y.2],
+                ..Side::default()
+            };
+            (own, place(radius / settings.cell))
+        }
+    };
     Side {
-        axis: axis as u32,
-        normal: normal[axis] as f32,
         cell,
         units,
         rest,
@@ -257,7 +273,7 @@ pub fn side(settings: &Settings, wall: &Wall, plate: u32) -> Side {
         plate,
         reaction: wall.reaction as f32,
         stiffness: wall.stiffness as f32,
-        ..Side::default()
+        ..own
     }
 }
 
@@ -269,8 +285,10 @@ pub fn axis(normal: [f64; 3]) -> usize {
 /// Writes the state of a wall on the device into `wall`; its work is `before`, J, plus that on the device.
 pub fn to_wall(settings: &Settings, side: &Side, before: f64, wall: &mut Wall) {
     let axis = side.axis as usize;
-    if let WallShape::Plane { point, .. } = &mut wall.shape {
-        point[axis] = settings.lower[axis] + settings.cell * placed(side.cell, side.units, side.rest);
+    let at = settings.cell * placed(side.cell, side.units, side.rest);
+    match &mut wall.shape {
+        WallShape::Plane { point, .. } => point[axis] = settings.lower[axis] + at,
+        WallShape::Cylinder { radius, .. } => *radius = at,
     }
     (wall.speed, wall.reaction, wall.stiffness) = (side.speed.into(), side.reaction.into(), side.stiffness.into());
     wall.work = before + f64::from(side.work[0]) + f64::from(side.work[1]);

@@ -194,10 +194,6 @@ impl State {
         rig: &MpmTest,
         what: impl FnOnce(&Settings, &Points, &[LoadingPlate], Option<&gpu::CoarseGrains<'_>>) -> ::engine::error::Result<T>,
     ) -> Result<T> {
-        if self.mixture.is_some() && rig.specimen().is_some_and(|s| s.round) {
-            let message = "cylinders with grains are not available on the GPU: use the processor";
-            return Err(Error::input("gpu", "body[0].shape", Some("cylinder".into()), message).on_device());
-        }
         if model.records.account {
             let message = "the energy account is not kept on the GPU: use the processor";
             return Err(Error::input("gpu", "records.account", Some("true".into()), message).on_device());
