@@ -64,10 +64,18 @@ fn folded(at: vec3<i32>, below: u32, moving: bool) -> Content {
         var there = at;
         var sign = vec3<f32>(1.0);
         for (var axis = 0u; axis < 3u; axis++) {
+            // walls before this one have not held what it folds until all have folded
+            var held_from = 2u * axis;
             if image[axis] > 0u {
                 let side = min(side_of_image(axis, at, below, image[axis]), BORDERS - 1u);
                 there[axis] = behind_of(side);
                 sign *= parity(side);
+                held_from = select(side + 1u, held_from, below == BORDERS);
+            }
+            for (var side = held_from; side < 2u * axis + 2u; side++) {
+                if has_wall(side, below) && at[axis] == plane_of(side) {
+                    sign *= stays_at(side);
+                }
             }
         }
         let own = own_content(there, moving);
@@ -81,11 +89,8 @@ fn folded(at: vec3<i32>, below: u32, moving: bool) -> Content {
         image = vec3<u32>(select(image.x, 0u, y_next), select(image.y, 0u, z_next), image.z + u32(z_next));
     }
     for (var side = 0u; side < BORDERS; side++) {
-        if has_wall(side, below) {
-            let stays = select(vec3<f32>(1.0), stays_at(side), at[side / 2u] == plane_of(side));
-            let lies_behind = at[side / 2u] == behind_of(side);
-            sum.momentum *= select(vec4<f32>(stays, 1.0), vec4<f32>(0.0), lies_behind);
-            sum.impulse *= select(stays, vec3<f32>(0.0), lies_behind);
+        if has_wall(side, below) && at[side / 2u] == behind_of(side) {
+            return Content(vec4<f32>(0.0), vec3<f32>(0.0));
         }
     }
     return sum;
