@@ -99,13 +99,17 @@ fn offset(place: vec4<u32>) -> vec3<f32> {
     return vec3<f32>(bitcast<vec3<i32>>(place.xyz)) * (1.0 / UNITS);
 }
 
-// Quadratic B-splines (Li et al. 2023, eq. 10): along each axis the value for the first, middle or last (d = 0, 1, 2) of the three nodes that a point reaches. `o`:
-// offset of the point from the middle node, cells.
-fn value(d: vec3<i32>, o: vec3<f32>) -> vec3<f32> {
+// Quadratic B-splines (Li et al. 2023, eq. 10): along one axis the values for the first, middle and last of the three nodes that a point reaches. `o`: offset of the point
+// from the middle node, cells.
+fn spline(o: f32) -> vec3<f32> {
     let left = 0.5 - o;
     let right = 0.5 + o;
-    let outer = select(0.5 * right * right, 0.5 * left * left, d == vec3<i32>(0));
-    return select(outer, 0.75 - o * o, d == vec3<i32>(1));
+    return vec3<f32>(0.5 * left * left, 0.75 - o * o, 0.5 * right * right);
+}
+
+// Their derivatives, 1/cell.
+fn spline_slope(o: f32) -> vec3<f32> {
+    return vec3<f32>(o - 0.5, -2.0 * o, 0.5 + o);
 }
 
 // Weight of the node d along one axis for a traction on a face at the distance `arm`, cells, from the point: mpm/spline.rs, at_edge.

@@ -8,19 +8,6 @@ var<workgroup> given_by_columns: array<vec4<f32>, PARTS>;
 // 1 where the block has points
 var<workgroup> occupied: u32;
 
-// Quadratic B-splines (Li et al. 2023, eq. 10): along one axis the values for the first, middle and last of the three nodes that a point reaches. `o`: offset of the point
-// from the middle node, cells.
-fn spline(o: f32) -> vec3<f32> {
-    let left = 0.5 - o;
-    let right = 0.5 + o;
-    return vec3<f32>(0.5 * left * left, 0.75 - o * o, 0.5 * right * right);
-}
-
-// Their derivatives, 1/cell.
-fn spline_slope(o: f32) -> vec3<f32> {
-    return vec3<f32>(o - 0.5, -2.0 * o, 0.5 + o);
-}
-
 // What goes to the nodes of one layer: for each place along y a column for each place along x.
 struct Layer {
     y0: mat3x4<f32>,

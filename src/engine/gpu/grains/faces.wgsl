@@ -48,11 +48,13 @@ fn press(r: u32, at: vec3<f32>, push: vec4<f32>) {
 
 // As press, for a force at the centre of a point, by its spline. `o`: offset of the point from the middle node.
 fn press_centre(r: u32, o: vec3<f32>, push: vec4<f32>) {
+    let x = spline(o.x);
+    let y = spline(o.y);
+    let z = spline(o.z);
     for (var k = 0; k < 27; k++) {
-        let d = vec3<i32>(k % 3, (k / 3) % 3, k / 9);
-        let w = value(d, o);
         let there = node_at(u32(k), r);
-        rows[there] = bitcast<vec4<u32>>(bitcast<vec4<f32>>(rows[there]) + push * (w.x * w.y * w.z));
+        let w = x[k % 3] * y[(k / 3) % 3] * z[k / 9];
+        rows[there] = bitcast<vec4<u32>>(bitcast<vec4<f32>>(rows[there]) + push * w);
     }
 }
 
