@@ -11,8 +11,8 @@ const ALONG: [u32; 3] = [4, 4, 2];
 const MOST: [u32; 3] = [2048, 2048, 1024];
 /// Place of the block of a slot that has none.
 const NOWHERE: u32 = u32::MAX;
-/// Slots beyond half as many more than are in use at the start.
-const SPARE: u32 = 256;
+/// Slots beyond twice as many as are in use at the start.
+const SPARE: u32 = 1024;
 /// The claims of a block: it has a slot; the blocks around it have slots.
 const HELD: u32 = 1;
 const RINGED: u32 = 2;
@@ -61,7 +61,7 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Those with points in one of these cells, numbers in the domain, and those around them; and half as many more slots.
+    /// Those with points in one of these cells, numbers in the domain, and those around them; and more than twice as many slots.
     pub fn of(settings: &Settings, cells: impl Iterator<Item = u32>) -> Blocks {
         let along = along(settings);
         let mut table = vec![0; along.iter().product::<u32>() as usize];
@@ -85,7 +85,7 @@ impl Blocks {
             blocks.used += 1;
         }
         // an even number, as many as all blocks could need at most
-        blocks.slots = (blocks.used + blocks.used / 2 + SPARE).min(table.len() as u32 + 1).next_multiple_of(2);
+        blocks.slots = (2 * blocks.used + SPARE).min(table.len() as u32 + 1).next_multiple_of(2);
         (blocks.table, blocks.occupied) = (table, occupied);
         blocks
     }

@@ -105,12 +105,6 @@ fn three_nodes(c: Corners, at: vec3<i32>) -> vec3<u32> {
     return select(vec3<u32>(c.high[k]), vec3<u32>(c.low[k]), (x >> vec3<u32>(2u)) == vec3<i32>(c.block.x)) * BLOCK + along + vec3<u32>(x & vec3<i32>(3));
 }
 
-// Whether so few slots are left that the batch should end, and the state be copied to a device with more.
-fn is_crowded() -> bool {
-    let used = atomicLoad(&status.slots);
-    return used > params.slots - params.slots / 5u && params.slots <= params.block_count;
-}
-
 // Gives slots to the blocks around one that points have come to, the `k`-th of 27 to each thread. Other threads read them in later passes only.
 fn ring(slot: u32, k: u32) {
     let block = cell_place(packed_place(slot));

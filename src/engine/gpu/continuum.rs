@@ -61,7 +61,7 @@ pub struct DeviceContinuum {
 /// The state as the device holds it, so that a run that is resumed from it continues with the same bits.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Saved {
-    /// [`LAYOUT`]
+    /// Number of the layout, [`LAYOUT`].
     layout: u32,
     state: Vec<u32>,
     plates: Vec<u32>,
@@ -237,7 +237,7 @@ impl DeviceContinuum {
         Ok(gpu)
     }
 
-    /// Computes `n` steps of `dt`, s; fewer where [`Self::crowded`] says so afterwards, or [`Self::broken`].
+    /// Computes `n` steps of `dt`, s.
     ///
     /// # Errors
     /// A point that has become unstable, with its step, as on the processor; a device that is lost or out of memory. The state on the device is then of no use.
@@ -458,7 +458,8 @@ impl DeviceContinuum {
     /// Whether so many points are close to grains now, or so many blocks of the grid have come to points, that [`Self::reload`] should be called, which makes more room.
     pub fn crowded(&self) -> bool {
         let Params { slots, block_count, .. } = self.params;
-        let few_slots = self.status.slots > slots - slots / 5 && slots <= block_count;
+        // only between batches, whose ends may not depend on what memory there is
+        let few_slots = self.status.slots > slots / 4 * 3 && slots <= block_count;
         few_slots || self.bodies.as_ref().is_some_and(Bodies::crowded)
     }
 

@@ -18,13 +18,8 @@ fn move_grain(g: u32) {}
 
 // After the end of a step.
 fn end_step(thread: u32) {
-    if thread == 0u {
-        if is_crowded() {
-            status.stop = 1u;
-        }
-        if PRESSED {
-            drive_plates();
-        }
+    if thread == 0u && PRESSED {
+        drive_plates();
     }
 }
 
