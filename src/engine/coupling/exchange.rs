@@ -22,11 +22,13 @@ pub struct ExchangedContact {
     pub spring: [f64; 3],
     /// Normal tangent stiffness, N/m.
     pub stiffness: f64,
+    /// Of a point: the overlap that bears no force, m, finite.
+    pub reference: f64,
     /// Of a point: the face on which the body presses.
     pub face: Option<GhostFace>,
 }
 
-/// All contacts of a mixture that touch, and those of points that have a face still.
+/// All contacts of a mixture that touch, and those of points that have a face or an overlap without force still.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExchangedContacts {
     /// Contacts between grains.
@@ -43,7 +45,7 @@ fn ratio(law: ContactLaw, pair: &Pair) -> f64 {
 }
 
 impl Mixture {
-    /// All contacts that touch or have a face, with the forces that were computed last. `table`: parameters of contacts between grains and with walls.
+    /// All contacts that touch or have a face or an overlap without force, with the forces that were computed last. `table`: parameters of contacts between grains and with walls.
     pub fn contacts(&self, physics: &Physics, table: &PairTable) -> ExchangedContacts {
         let (g, viscous) = (&self.grains.grains, physics.contact.law.is_viscous());
         let mut place = vec![0; g.len()];
@@ -55,7 +57,8 @@ impl Mixture {
             let contact = |s: usize| {
                 let (touch, (r_eff, pair)) = (pairs.touch[s], of_pair(pairs.ends[s].map(|i| i as usize)));
                 let stiffness = physics.contact.law.elastic(touch.overlap, touch.overlap, r_eff, &pair).k_n;
-                ExchangedContact { ends: ends(pairs.ends[s]), touch, spring: pairs.spring(s), stiffness, face: None }
+                let (ends, spring) = (ends(pairs.ends[s]), pairs.spring(s));
+                ExchangedContact { ends, touch, spring, stiffness, reference: 0.0, face: None }
             };
             (0..pairs.slots()).filter(touching).map(contact).collect()
         };
@@ -66,8 +69,8 @@ impl Mixture {
                 wall => wall,
             };
             let spring = if viscous { contact.spring } else { contact.touch.tangential };
-            let (touch, stiffness) = (contact.touch, contact.stiffness[0]);
-            (body, ExchangedContact { ends: contact.place, touch, spring, stiffness, face: contact.face })
+            let PointContact { touch, reference, face, .. } = *contact;
+            (body, ExchangedContact { ends: contact.place, touch, spring, stiffness: contact.stiffness[0], reference, face })
         };
         ExchangedContacts {
             grains: of(&self.grains.pairs, &|ends| ends.map(|i| place[i as usize]), &of_grains),
@@ -78,7 +81,7 @@ impl Mixture {
                 .point_contacts
                 .candidates
                 .iter()
-                .filter(|c| c.touch.overlap > 0.0 || c.face.is_some())
+                .filter(|c| c.touch.overlap > 0.0 || c.face.is_some() || c.reference > 0.0)
                 .map(of_point)
                 .collect(),
         }
@@ -145,7 +148,7 @@ impl Mixture {
                 touch: c.touch,
                 spring: if physics.contact.law.is_viscous() { c.spring } else { [0.0; 3] },
                 stiffness: [c.stiffness, c.stiffness * ratio(physics.contact.law, pair)],
-                reference: 0.0,
+                reference: c.reference,
                 face: c.face.filter(|_| table.faces),
             }
         };

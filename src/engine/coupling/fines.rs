@@ -21,7 +21,7 @@ use crate::grains::Grains;
 use crate::math::random::lineage_uniform;
 use crate::math::vector::{dot, less};
 use crate::mpm::loading_plate::ghost_radius;
-use crate::mpm::{Continuum, Dimension, Point};
+use crate::mpm::{Continuum, Dimension, LoadingPlate, Point};
 use serde::{Deserialize, Serialize};
 
 /// How lost mass becomes points.
@@ -166,6 +166,16 @@ impl FinesAsPoints {
             let new: Vec<Point> = places.into_iter().map(point).collect();
             point_contacts.note_newborn(continuum.insert(&new), grains.next_id);
         }
+    }
+
+    /// Moves points from breakages that a grain has pushed through one of the loading plates back into the reserve.
+    pub(super) fn remove_points_behind(
+        &mut self,
+        plates: &[LoadingPlate],
+        continuum: &mut Continuum,
+        point_contacts: &mut PointContacts,
+    ) {
+        self.remove_points(|p| plates.iter().any(|plate| plate.height(p).0 < 0.0), continuum, point_contacts);
     }
 
     /// Moves points from breakages that a grain has pushed through a loading plate or wall back into the reserve. `through`: whether a position is behind one.

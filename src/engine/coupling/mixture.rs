@@ -288,14 +288,29 @@ impl Mixture {
         if let Some(fines) = &mut self.fines {
             let before = self.point_contacts.account.as_ref().map(|_| account::of_points(parts.continuum));
             fines.insert_points(&self.grains, parts.continuum, &mut self.point_contacts);
-            let plates = &*parts.plates;
-            let through = |p| plates.iter().any(|plate| plate.height(p).0 < 0.0);
-            fines.remove_points(through, parts.continuum, &mut self.point_contacts);
+            fines.remove_points_behind(parts.plates, parts.continuum, &mut self.point_contacts);
             if let (Some(before), Some(account)) = (before, &mut self.point_contacts.account) {
                 account.add_inserted(before, account::of_points(parts.continuum));
             }
         }
         Ok(())
+    }
+
+    /// Moves points from breakages that are behind one of the loading plates back into the reserve; contacts of the others keep their forces.
+    #[cfg(feature = "gpu")]
+    pub fn remove_fines_behind(&mut self, plates: &[LoadingPlate], continuum: &mut Continuum) {
+        if let Some(fines) = &mut self.fines {
+            fines.remove_points_behind(plates, continuum, &mut self.point_contacts);
+            self.point_contacts.locate_points(continuum);
+        }
+    }
+
+    /// As after breakages that have lost mass: it becomes points at the end of the next cycle.
+    #[cfg(all(test, feature = "gpu"))]
+    pub fn lose(&mut self, breakages: &[Breakage]) {
+        if let Some(fines) = &mut self.fines {
+            fines.queue(breakages);
+        }
     }
 
     /// One step of the grains and rigid bodies with the forces added so far.

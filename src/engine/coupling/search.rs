@@ -102,7 +102,7 @@ impl PointContacts {
         }
     }
 
-    /// Brings the indices of points up to date.
+    /// Brings the indices of points up to date. Candidates of points that have been taken out are removed.
     pub(super) fn locate_points(&mut self, continuum: &Continuum) {
         let points = continuum.points();
         let [_, by_point] = &mut self.index;
@@ -111,6 +111,7 @@ impl PointContacts {
             for g in &mut self.candidates {
                 g.place[1] = by_point[g.point as usize];
             }
+            self.candidates.retain(|g| g.place[1] != NOWHERE);
         }
     }
 }

@@ -29,8 +29,9 @@ bounds! {
     PARTNERS = 32;
     /// Largest number of walls of the grains.
     SIDES = 8;
-    /// Largest number of contacts of a point with grains and walls.
+    /// Largest number of contacts of a point with grains and walls; and where grains may break, whose daughters are many and small.
     PLACES = 16;
+    MANY_PLACES = 32;
     /// Cells of a block of the grid, and its nodes: 4 × 4 × 2.
     BLOCK = 32;
     /// Nodes that the points of a block reach: 6 × 6 × 4.

@@ -1,7 +1,7 @@
 //! A continuum on the graphics device, which computes steps in batches; the processor reads the state only between batches.
 
 use super::blocks::Blocks;
-use super::bounds::{CROWD, PLACES};
+use super::bounds::CROWD;
 use super::buffers::Buffers;
 use super::device::{Adapter, Device, refused};
 use super::grains::{self, Bodies, CoarseGrains};
@@ -31,7 +31,9 @@ const MOST: u64 = 1000;
 /// How long the device shall work on one submission, s: a driver of a display ends one that takes two seconds.
 const LONG: f64 = 0.2;
 /// Number of the layout of a saved state: another one cannot be read.
-const LAYOUT: u32 = 2;
+const LAYOUT: u32 = 3;
+/// Fault of a point that a loading plate has passed.
+const PASSED: u32 = 5;
 /// Largest number of submissions that wait on the device.
 const AHEAD: usize = 2;
 
@@ -54,6 +56,8 @@ pub struct DeviceContinuum {
     plates: Vec<LoadingPlate>,
     drives: Vec<PlateDrive>,
     bodies: Option<Bodies>,
+    /// Energy that contacts have gained in the last batch as their overlaps without force shrank, J.
+    released: f64,
     /// Steps in one submission, from the time that the last ones took.
     at_once: u64,
 }
@@ -62,7 +66,7 @@ pub struct DeviceContinuum {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Saved {
     /// Number of the layout, [`LAYOUT`].
-    layout: u32,
+    pub(super) layout: u32,
     state: Vec<u32>,
     plates: Vec<u32>,
     /// Stress work at the time the state was copied to the device, J, as the bits of an f64.
@@ -120,13 +124,7 @@ impl DeviceContinuum {
         let round = |wall: &Wall| matches!(wall.shape, WallShape::Cylinder { .. });
         let shells = plates.iter().any(|p| p.radius.is_some()) || coarse.is_some_and(|c| c.mixture.grains.walls.iter().any(round));
         let laws: Vec<Law32> = cpu.laws().iter().map(Law32::from).collect();
-        let passes = Passes::new(
-            &device,
-            [coarse.is_some(), coarse.is_some_and(|c| c.table.faces), shells],
-            &layout::wall_kinds(cpu.settings()),
-            &laws,
-            plates,
-        );
+        let passes = Passes::new(&device, coarse, shells, &layout::wall_kinds(cpu.settings()), &laws, plates);
         DeviceContinuum::load(device, passes, cpu, plates, drifts, coarse, saved)
     }
 
@@ -230,6 +228,7 @@ impl DeviceContinuum {
             plates,
             drives,
             bodies,
+            released: 0.0,
             at_once: FIRST,
         };
         gpu.submit(&gpu.extent().prepare(), 1);
@@ -287,7 +286,12 @@ impl DeviceContinuum {
             }
         }
         self.submit(&extent.survey(), 1);
-        self.read_results()
+        self.read_results()?;
+        self.released = match &self.bodies {
+            Some(bodies) => bodies.take_released(&self.device, self.steps_done())?,
+            None => 0.0,
+        };
+        Ok(())
     }
 
     /// Writes the state and the counters into `cpu`, which must have the same points (by identity). The device keeps its state; a run resumed from `cpu` differs from
@@ -450,6 +454,17 @@ impl DeviceContinuum {
         self.bodies.as_ref().map_or((f64::INFINITY, 0.0), |bodies| bodies.bounds(plates))
     }
 
+    /// Energy that contacts of points from breakages have gained in the last batch as their overlaps without force shrank, J.
+    pub fn released(&self) -> f64 {
+        self.released
+    }
+
+    /// Whether the last batch has ended early because a loading plate has passed a point, where points from breakages are taken out then. Further batches do nothing until
+    /// [`Self::reload`] has been called.
+    pub fn passed(&self) -> bool {
+        self.bodies.as_ref().is_some_and(|b| b.fines) && self.status.fault % 8 == PASSED && self.status.fault != u32::MAX
+    }
+
     /// Whether the last batch has ended early because a grain fails. Further batches do nothing until [`Self::reload`] has been called.
     pub fn broken(&self) -> bool {
         self.bodies.as_ref().is_some_and(Bodies::broken)
@@ -519,7 +534,7 @@ impl DeviceContinuum {
             loading_plate::take(plate, there, &self.settings);
         }
         let Status { fault, .. } = self.status;
-        if fault == u32::MAX {
+        if fault == u32::MAX || self.passed() {
             return match &self.bodies {
                 Some(bodies) => bodies.check_grains(self.steps_done(), &self.device),
                 None => Ok(()),
@@ -528,7 +543,7 @@ impl DeviceContinuum {
         let (id, fault) = (fault / 8, fault % 8);
         let crowded = format!(
             "has more than {} grains and walls close to it, for which the GPU has no room: use smaller cells, or continue on the processor",
-            PLACES
+            self.bodies.as_ref().map_or(0, |b| b.row.places)
         );
         let sort = format!(
             "lies in a cell with more than {CROWD} points, which the GPU cannot sort: use larger spacings, or the processor"
@@ -539,7 +554,7 @@ impl DeviceContinuum {
             2 => "has passed more than one cell in a step: use a smaller time step",
             3 => "is turned inside out (volume not positive): use a smaller time step, a finer grid, or a stiffer law",
             // found after the step was counted
-            5 => return Err(mpm::loading_plate::passed(self.steps_done(), id)),
+            PASSED => return Err(mpm::loading_plate::passed(self.steps_done(), id)),
             6 => &crowded,
             7 => {
                 "has come close to a grain, or far from where it was, as more points have than the GPU has room for: continue on the processor"

@@ -151,15 +151,21 @@ impl Device {
     /// # Errors
     /// The device is lost.
     pub fn read(&self, parts: &[(&wgpu::Buffer, u64)], step: u64) -> Result<Vec<u8>> {
-        let size = parts.iter().map(|(_, size)| size).sum();
+        let from_start: Vec<_> = parts.iter().map(|(buffer, size)| (*buffer, 0, *size)).collect();
+        self.read_parts(&from_start, step)
+    }
+
+    /// As [`Self::read`], each part from a byte of its buffer on: buffer, first byte, number of bytes.
+    fn read_parts(&self, parts: &[(&wgpu::Buffer, u64, u64)], step: u64) -> Result<Vec<u8>> {
+        let size = parts.iter().map(|(.., size)| size).sum();
         let lost =
             |what: &str| failed(step, format!("the graphics device cannot be read: {what}; the state of the last record is kept"));
         let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
         let staging = self.allocate(size, || self.empty("staging", size, usage))?;
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut at = 0;
-        for (buffer, size) in parts {
-            encoder.copy_buffer_to_buffer(buffer, 0, &staging, at, *size);
+        for (buffer, first, size) in parts {
+            encoder.copy_buffer_to_buffer(buffer, *first, &staging, at, *size);
             at += size;
         }
         self.queue.submit([encoder.finish()]);
@@ -176,6 +182,14 @@ impl Device {
         let bytes = staging.get_mapped_range(..).map_err(|e| lost(&e.to_string()))?.to_vec();
         self.healthy(step)?;
         Ok(bytes)
+    }
+
+    /// Waits for the device and copies `size` bytes of a buffer, from the byte `at` on.
+    ///
+    /// # Errors
+    /// The device is lost.
+    pub fn read_from(&self, buffer: &wgpu::Buffer, at: u64, size: u64, step: u64) -> Result<Vec<u8>> {
+        self.read_parts(&[(buffer, at, size)], step)
     }
 
     /// Waits for a submission, or, with `None`, for all of them.

@@ -152,6 +152,23 @@ fn touch_of_shell(plate: LoadingPlate, i: u32, arm: vec3<f32>, arm_low: vec3<f32
     return Touch(overlap_with_shell(x, y, inner, by) * quantum, of_point, vec3<f32>(ghost, 0.0), vec3<f32>(normal, 0.0), true);
 }
 
+// Whether a loading plate may touch a point, or has passed it: it is at most a cell away. A face is let go before its plate is further away.
+fn is_near_plates(i: u32) -> bool {
+    let at = cell_place(word(PLACE, i).w) - 1;
+    var near = false;
+    for (var k = 0u; k < params.plates; k++) {
+        if SHELLS && batch.plates[k].shell != 0u {
+            // corners of cells are less than two cells from the places in them and from the axis
+            let from_axis = vec2<f32>(at.xy - batch.plates[k].centre_cell);
+            near = near || length(from_axis) + 4.0 > f32(batch.plates[k].cell);
+        } else {
+            let axis = batch.plates[k].axis;
+            near = near || i32(batch.plates[k].normal) * (at[axis] - batch.plates[k].cell) <= 1;
+        }
+    }
+    return near;
+}
+
 // 1 where a point of the workgroup touches a loading plate
 var<workgroup> touched: u32;
 
@@ -163,14 +180,15 @@ fn plate_forces(one: Thread, @builtin(workgroup_id) group: vec3<u32>, @builtin(l
     var arm = vec4<f32>(0.0);
     var arm_low = vec4<f32>(0.0);
     var changed = false;
-    if i < params.points {
+    let near = i < params.points && is_near_plates(i);
+    if near {
         arm = number(ARM, i);
         arm_low = number(ARM_LOW, i);
     }
     var stiffness = 0.0;
     for (var k = 0u; k < params.plates; k++) {
         var own = vec4<f32>(0.0);
-        if i < params.points {
+        if near {
             let plate = batch.plates[k];
             var m: Touch;
             if SHELLS {

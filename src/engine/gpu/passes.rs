@@ -3,6 +3,7 @@
 use super::bounds::BORDERS;
 use super::buffers::Buffers;
 use super::device::Device;
+use super::grains::CoarseGrains;
 use super::layout::Law32;
 use super::plan::{self, Dispatch};
 use super::shader::Uses;
@@ -42,10 +43,11 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// Compiles the pipelines for these walls, laws and loading plates, with or without those for grains. `faces`: contacts of grains act on the faces of points; `shells`: one of the plates or of the grains' walls is a shell.
+    /// Compiles the pipelines for these walls, laws and loading plates, with or without those for grains. `shells`: one of the plates or of the grains' walls is a shell.
     pub fn new(
         device: &Device,
-        [with_grains, faces, shells]: [bool; 3],
+        grains: Option<&CoarseGrains<'_>>,
+        shells: bool,
         walls: &[u32; BORDERS],
         laws: &[Law32],
         plates: &[LoadingPlate],
@@ -60,9 +62,11 @@ impl Passes {
             held_walls: plan::held(walls),
             pressed: !plates.is_empty(),
             shells,
-            faces,
+            faces: grains.is_some_and(|g| g.table.faces),
+            crushing: grains.is_some_and(|g| g.physics.crush.is_some()),
+            fines: grains.is_some_and(|g| g.mixture.fines.is_some()),
         };
-        let source = uses.of(if with_grains { shader::MIXTURE } else { shader::STEP });
+        let source = uses.of(if grains.is_some() { shader::MIXTURE } else { shader::STEP });
         let device = &device.device;
         let entry = |binding: u32, ty: wgpu::BufferBindingType| wgpu::BindGroupLayoutEntry {
             binding,
@@ -81,7 +85,7 @@ impl Passes {
         let layouts = [layout("state", &entries), layout("grains", &of_grains)];
         let common = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("common"),
-            bind_group_layouts: &layouts.each_ref().map(Some)[..if with_grains { 2 } else { 1 }],
+            bind_group_layouts: &layouts.each_ref().map(Some)[..if grains.is_some() { 2 } else { 1 }],
             immediate_size: 0,
         });
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -98,7 +102,7 @@ impl Passes {
                 cache: None,
             })
         };
-        let pipelines = NAMES.iter().chain(if with_grains { &OF_GRAINS[..] } else { &[] }).map(pipeline).collect();
+        let pipelines = NAMES.iter().chain(if grains.is_some() { &OF_GRAINS[..] } else { &[] }).map(pipeline).collect();
         Passes { pipelines, layouts, bound: Vec::new() }
     }
 

@@ -204,8 +204,10 @@ fn strain(one: Thread) {
 @compute @workgroup_size(WIDE)
 fn finish(@builtin(local_invocation_index) thread: u32) {
     let fault = atomicLoad(&status.fault);
-    let sound = status.stop == 0u && fault == NO_FAULT;
-    let counts_step = sound || (status.stop == 0u && fault % 8u == PASSED);
+    let passed = status.stop == 0u && fault != NO_FAULT && fault % 8u == PASSED;
+    // points from breakages that have been pushed through a loading plate go back to the reserve
+    let sound = (status.stop == 0u && fault == NO_FAULT) || (FINES && passed);
+    let counts_step = sound || passed;
     workgroupBarrier();
     if HELD_WALLS {
         sum_held_walls(thread);

@@ -25,13 +25,29 @@ pub struct Uses {
     pub shells: bool,
     /// Contacts of grains that act on the faces of points.
     pub faces: bool,
+    /// Grains that may break, whose daughters are many around a point.
+    pub crushing: bool,
+    /// Points from breakages, whose contacts have overlaps without force.
+    pub fines: bool,
 }
 
 impl Uses {
     /// A source with these parts.
     pub fn of(self, source: &str) -> String {
-        let Uses { mobilised, mohr_coulomb, changing_pyramids, cam_clay, yields, one_law, held_walls, pressed, shells, faces } =
-            self;
+        let Uses {
+            mobilised,
+            mohr_coulomb,
+            changing_pyramids,
+            cam_clay,
+            yields,
+            one_law,
+            held_walls,
+            pressed,
+            shells,
+            faces,
+            crushing,
+            fines,
+        } = self;
         let switches = [
             ("MOBILISED", mobilised),
             ("MOHR_COULOMB", mohr_coulomb),
@@ -43,6 +59,8 @@ impl Uses {
             ("PRESSED", pressed),
             ("SHELLS", shells),
             ("FACES", faces),
+            ("CRUSHING", crushing),
+            ("FINES", fines),
         ];
         let switches: String = switches.iter().map(|(name, is)| format!("const {name}: bool = {is};\n")).collect();
         switches + source
@@ -121,6 +139,8 @@ pub mod tests {
         pressed: true,
         shells: true,
         faces: true,
+        crushing: true,
+        fines: true,
     };
     const NONE: Uses = Uses {
         mobilised: false,
@@ -133,6 +153,8 @@ pub mod tests {
         pressed: false,
         shells: false,
         faces: false,
+        crushing: false,
+        fines: false,
     };
 
     /// The module of a source with all parts.
@@ -359,17 +381,23 @@ pub mod tests {
     /// Constants have the same values in Rust and WGSL.
     #[test]
     fn constants_are_those_of_the_processor() {
-        use crate::gpu::bounds::{BLOCK, BORDERS, COLUMNS, GROUP, PARTNERS, PARTS, PLACES, PLATES, SIDES, SLOTS, WIDE};
+        use crate::gpu::bounds::{
+            BLOCK, BORDERS, COLUMNS, GROUP, MANY_PLACES, PARTNERS, PARTS, PLACES, PLATES, SIDES, SLOTS, WIDE,
+        };
         use crate::gpu::grains::FURTHEST;
-        use crate::gpu::grains::layout::{NO_FACE, NODES, NONE, POINT_CONTACT, WALLS};
+        use crate::gpu::grains::layout::{NO_FACE, NODES, NONE, POINT_CONTACT, WALLS, WITH_FINES};
         use crate::point_contacts::ContactRates;
         use naga::{Expression, Literal};
-        let module = parsed(MIXTURE);
-        let literal = |name: &str| {
+        let (module, least) = (parsed(MIXTURE), plain(MIXTURE));
+        let literal_of = |module: &naga::Module, name: &str| {
             let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).expect("a constant");
             let Expression::Literal(literal) = module.global_expressions[constant.init] else { panic!("{name} is a number") };
             literal
         };
+        let literal = |name: &str| literal_of(&module, name);
+        for (name, value) in [("ROW_PLANES", POINT_CONTACT), ("ROW_PLACES", PLACES)] {
+            assert_eq!(literal_of(&least, name), Literal::U32(value as u32), "{name}");
+        }
         for (name, value) in [
             ("OF_POINT", ContactRates::END_SHARES[0]),
             ("OF_GRAIN", ContactRates::END_SHARES[1]),
@@ -390,7 +418,8 @@ pub mod tests {
             ("SIDES", SIDES),
             ("SLOTS", SLOTS),
             ("PLACES", PLACES),
-            ("ROW_PLANES", POINT_CONTACT),
+            ("ROW_PLANES", WITH_FINES),
+            ("ROW_PLACES", MANY_PLACES),
             ("NODES", NODES),
             ("WALLS", WALLS as usize),
             ("NONE", NONE as usize),

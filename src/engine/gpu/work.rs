@@ -73,6 +73,8 @@ fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
     let (cells, tiles) = (BLOCK as u64 * blocks, TILE as u64 * blocks * PLANE);
     let plates = u64::from(e.plates);
     let (pressed, coupled) = (u64::from(plates > 0), u64::from(e.grains.is_some()));
+    // two cells deep, with two points along the edge of a cell
+    let at_plates = points.min(plates * (4.0 * (points as f64).powf(2.0 / 3.0)) as u64);
     let of_groups = plates * points.div_ceil(GROUP as u64) * PLANE;
     let grains = e.grains.map_or(0, |g| u64::from(g.grains));
     let on_walls: u64 = (0..BORDERS).filter(|k| e.walls[*k] != 0).map(|k| plane(e.size, k / 2)).sum();
@@ -97,8 +99,8 @@ fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
         "scatter" => [points * (PLANE + WORD) + cells * 2 * WORD, 0],
         // place, rest, law, four of stress, work; five of them again; two of faces, twice; speed
         "strain" => [points * (13 + 4 * pressed) * PLANE + cells * PLANE, points * STRAIN],
-        // place, rest, faces, radius; force; sums of workgroups
-        "plate_forces" => [points * 6 * PLANE + of_groups, points * plates * TOUCH],
+        // place; force; sums of workgroups; of points near a plate rest, faces, radius
+        "plate_forces" => [points * 2 * PLANE + of_groups + at_plates * 4 * PLANE, (points * plates + at_plates) * TOUCH],
         // sums of workgroups; impulses of walls, twice
         "finish" => [of_groups + if held(&e.walls) { on_walls * 6 * WORD } else { 0 }, 0],
         "move_grains" => [grains * 2 * GRAIN as u64 * PLANE, grains * MOVE],

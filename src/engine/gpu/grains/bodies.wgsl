@@ -481,7 +481,7 @@ fn grain_forces(
                 if r == NONE {
                     continue;
                 }
-                for (var s = 0u; s < PLACES; s++) {
+                for (var s = 0u; s < ROW_PLACES; s++) {
                     let body = rows[row_at(C_SPRING, s, r)].w;
                     if body > g {
                         break;

@@ -111,14 +111,16 @@ struct Mix {
 }
 
 @group(1) @binding(0) var<uniform> coupling: Coupling;
-// two entries for each pair of materials: normal and tangential stiffness, friction, viscous coefficient; then E' (contact/pair.rs)
+// two entries for each pair of materials: normal and tangential stiffness, friction, viscous coefficient; then E' (contact/pair.rs), of points friction in the end and its
+// rate (softened), and the way over the ghost's diameter on which an overlap without force falls to 1/e
 @group(1) @binding(1) var<storage, read> tables: array<vec4<f32>>;
 // planes of the grains
 @group(1) @binding(2) var<storage, read_write> grains: array<vec4<u32>>;
 // planes of the contacts of each grain: `PARTNERS` slots for grains in the order of their indices, `SIDES` slots for walls
 @group(1) @binding(3) var<storage, read_write> slots: array<vec4<u32>>;
 // planes of the contacts of each point close to grains or walls, in the order of bodies; then what they press on each node of the point, N and N/m, summed over the steps of
-// the grains in this step of the continuum; then for each row the point, and 1 where anything has pressed on it in this step
+// the grains in this step of the continuum; then for each row the point, 1 where anything has pressed on it in this step, and the energy, J, that its contacts have gained
+// in this batch as their overlaps without force shrank, as a sum of two
 @group(1) @binding(4) var<storage, read_write> rows: array<vec4<u32>>;
 @group(1) @binding(5) var<storage, read_write> mix_: Mix;
 // the grid for the search: index of the first grain of each grid cell; the next free index; grains by grid cell
@@ -153,8 +155,11 @@ const C_LOW: u32 = 3u; // low part of the spring; normal stiffness, N/m
 // of points only (faces.wgsl)
 const C_FACE: u32 = 4u; // velocity of the face, m/s; distance of the face from the point less the ghost radius, cells
 const C_PLACE: u32 = 5u; // where the force acts at the start of this step of the continuum, cells from the point, or NO_PLACE; low part of the distance in C_FACE
-// number of planes of a contact of a point; number of nodes that a point reaches
-const ROW_PLANES: u32 = 6u;
+// where points come from breakages (coupling/fines.rs)
+const C_REFERENCE: u32 = 6u; // overlap without force, m, as a sum of two
+// largest number of contacts of a point; number of planes of one; number of nodes that a point reaches
+const ROW_PLACES: u32 = PLACES + (MANY_PLACES - PLACES) * u32(CRUSHING);
+const ROW_PLANES: u32 = 6u + u32(FINES);
 const NODES: u32 = 27u;
 
 const NO_FACE: f32 = -1.0;
@@ -177,12 +182,12 @@ fn slot_at(plane: u32, s: u32, g: u32) -> u32 {
 }
 
 fn row_at(plane: u32, s: u32, r: u32) -> u32 {
-    return (plane * PLACES + s) * coupling.rows + r;
+    return (plane * ROW_PLACES + s) * coupling.rows + r;
 }
 
 // Index in `rows` of what presses on the node k of the point of row r.
 fn node_at(k: u32, r: u32) -> u32 {
-    return (ROW_PLANES * PLACES + k) * coupling.rows + r;
+    return (ROW_PLANES * ROW_PLACES + k) * coupling.rows + r;
 }
 
 // Index in `rows` of the point of row r.

@@ -74,7 +74,7 @@ fn rate_beside(r: u32, o: vec3<f32>, base: vec3<i32>) -> f32 {
     if r == NONE {
         return most;
     }
-    for (var s = 0u; s < PLACES; s++) {
+    for (var s = 0u; s < ROW_PLACES; s++) {
         if rows[row_at(C_SPRING, s, r)].w == NONE {
             break;
         }
@@ -93,7 +93,7 @@ fn follow_faces(i: u32, o: vec3<f32>, base: vec3<i32>) {
         return;
     }
     let radius = f32(bitcast<i32>(word(ENERGY, i).w)) * (params.cell / UNITS);
-    for (var s = 0u; s < PLACES; s++) {
+    for (var s = 0u; s < ROW_PLACES; s++) {
         if rows[row_at(C_SPRING, s, r)].w == NONE {
             break;
         }

@@ -1,13 +1,15 @@
 //! Structs that the shaders of grains read and write, with the same fields at the same offsets. What the fields are is said with the structs of the same names in
 //! `contact.wgsl`; a test compares the offsets.
 
-use crate::gpu::bounds::SIDES;
+use super::CoarseGrains;
+use crate::gpu::bounds::{MANY_PLACES, PLACES, SIDES};
 use bytemuck::{Pod, Zeroable};
 
 /// Number of planes of a contact: arrays with four words of 32 bits for each contact.
 pub const CONTACT: usize = 4;
-/// Number of planes of a contact of a point.
+/// Number of planes of a contact of a point, and where points come from breakages.
 pub const POINT_CONTACT: usize = 6;
+pub const WITH_FINES: usize = POINT_CONTACT + 1;
 /// Number of nodes that a point reaches.
 pub const NODES: usize = 27;
 /// Number of planes of a grain.
@@ -18,6 +20,23 @@ pub const NO_FACE: f32 = -1.0;
 pub const NONE: u32 = u32::MAX;
 /// Bodies in contact are named by one number: grains by their index, walls by this plus their index.
 pub const WALLS: u32 = 0x4000_0000;
+
+/// Shape of a row: room for so many contacts of a point, each of so many planes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RowShape {
+    pub planes: usize,
+    pub places: usize,
+}
+
+impl RowShape {
+    /// That of a scene, as the shaders have it.
+    pub fn of(coarse: &CoarseGrains<'_>) -> RowShape {
+        RowShape {
+            planes: if coarse.mixture.fines.is_some() { WITH_FINES } else { POINT_CONTACT },
+            places: if coarse.physics.crush.is_some() { MANY_PLACES } else { PLACES },
+        }
+    }
+}
 
 /// What stays the same during one batch of steps with grains.
 #[repr(C)]

@@ -1,6 +1,6 @@
 //! Grains in a continuum on the device: their contacts with each other, with walls and with points, and their motion. The f64 twins are in `coupling`.
 //!
-//! A point close to a grain or a wall has a row, which has room for [`PLACES`] contacts. A grain has slots for [`PARTNERS`] contacts with grains and
+//! A point close to a grain or a wall has a row, which has room for [`RowShape::places`] contacts. A grain has slots for [`PARTNERS`] contacts with grains and
 //! one for each wall. Every contact keeps its tangential spring. Rows and slots list all candidates closer than a margin, the skin; the device makes the lists anew
 //! before anything can have crossed the skin.
 //!
@@ -15,10 +15,10 @@ mod words;
 
 #[cfg(test)]
 pub use layout::Side;
-pub use layout::{Coupling, Mix, NONE};
+pub use layout::{Coupling, Mix, NONE, RowShape};
 pub use support::{GrainBufferSizes, near_points, sizes};
 
-use super::bounds::{PARTNERS, PLACES, SIDES, SLOTS};
+use super::bounds::{PARTNERS, SIDES, SLOTS};
 use super::device::{Device, refused};
 use super::loading_plate::both;
 use crate::contact::pair::Pair;
@@ -70,6 +70,10 @@ pub struct Bodies {
     /// State as a whole after the last batch.
     pub mix: Mix,
     sizes: GrainBufferSizes,
+    /// Shape of the rows of points.
+    pub row: RowShape,
+    /// Whether points come from breakages.
+    pub fines: bool,
     points: usize,
     /// Work of each wall at the time the state was copied to the device, J.
     work: Vec<f64>,
@@ -170,7 +174,8 @@ impl Bodies {
             all.dedup();
             all.len().max(saved.map_or(0, |saved| saved.rows_in_use as usize))
         };
-        let sizes = GrainBufferSizes::of(settings, points, &state.grains, support::room(near_points, points.len()));
+        let row = RowShape::of(coarse);
+        let sizes = GrainBufferSizes::of(settings, points, &state.grains, support::room(near_points, points.len()), row);
         sizes.check(&device.device.limits())?;
         let rows = sizes.room;
         let grid = support::grid(settings, points, &state.grains);
@@ -179,9 +184,10 @@ impl Bodies {
         let laws = cpu.laws().len();
         let point_walls = table.touched_walls();
         let mut all: Vec<[f32; 4]> = Vec::new();
+        let release = mixture.fines.as_ref().map_or(1.0, |fines| fines.rule.release_strain);
         let mut put = |p: &Pair, [residual, decay]: [f64; 2]| {
             all.push([p.normal_stiffness, p.tangential_stiffness, p.friction, p.viscous].map(|x| x as f32));
-            all.push([p.e_eff, residual, decay, 0.0].map(|x| x as f32));
+            all.push([p.e_eff, residual, decay, release].map(|x| x as f32));
         };
         let of = |n: usize| (0..n).map(|k| k as u8);
         of(materials).for_each(|a| of(materials).for_each(|b| put(pairs.grains(a, b), [0.0; 2])));
@@ -260,16 +266,16 @@ impl Bodies {
             most.map(|many| refused(of, many, format!("is above {room}, for which the GPU has room: use the processor")))
         };
         let on_grains: Vec<ContactWords> = own.slots.iter().filter(|words| words[4] < layout::WALLS).copied().collect();
-        if let Some(error) = full(most_of(&in_rows, PLACES), PLACES, "contacts of a point with grains and walls")
+        if let Some(error) = full(most_of(&in_rows, row.places), row.places, "contacts of a point with grains and walls")
             .or_else(|| full(most_of(&on_grains, PARTNERS), PARTNERS, "contacts of a grain with grains"))
         {
             return Err(error);
         }
-        let mut row_words = words::spread(&in_rows, rows, PLACES, |_, next| next);
+        let mut row_words = words::spread(&in_rows, [row.planes, row.places, rows], |_, next| next);
         owners.resize(rows, [0; 4]);
         row_words.resize(row_words.len() + layout::NODES * rows, [0; 4]);
         row_words.extend(owners);
-        let mut slot_words = words::spread(&own.slots, n, SLOTS, words::slot);
+        let mut slot_words = words::spread(&own.slots, [layout::CONTACT, SLOTS, n], words::slot);
         slot_words.resize(layout::CONTACT * SLOTS * n.max(1), [0; 4]);
         let storage = Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST;
         let mut grain_words = own.grains;
@@ -285,7 +291,8 @@ impl Bodies {
             lists: device.empty("lists", sizes.lists, Usage::STORAGE),
             transport: device.buffer("transport", bytemuck::cast_slice(&transport), storage),
         })?;
-        Ok(Bodies { buffers, coupling, mix, sizes, points: points.len(), work, safety: physics.stepping.safety })
+        let (points, safety, fines) = (points.len(), physics.stepping.safety, mixture.fines.is_some());
+        Ok(Bodies { buffers, coupling, mix, sizes, row, fines, points, work, safety })
     }
 
     /// Memory on the device, bytes.
@@ -382,8 +389,8 @@ impl Bodies {
         }
         let words = Words {
             grains: grains[..layout::GRAIN * n].to_vec(),
-            slots: words::collect(&slots, [n, SLOTS, n], words::touches),
-            rows: self.contacts_of_points(&rows, mix.rows, words::has_face),
+            slots: words::collect(&slots, [layout::CONTACT, SLOTS, n], n, words::touches),
+            rows: self.contacts_of_points(&rows, mix.rows, words::is_kept),
             transport,
         };
         Ok((words, mix))
@@ -397,9 +404,11 @@ impl Bodies {
         keeps: impl Fn(&PointContactWords) -> bool,
     ) -> Vec<PointContactWords> {
         let room = self.coupling.rows as usize;
-        let mut of_points = words::collect(rows, [room, PLACES, used.min(self.coupling.rows) as usize], keeps);
+        let mut of_points =
+            words::collect(rows, [self.row.planes, self.row.places, room], used.min(self.coupling.rows) as usize, keeps);
+        let owners = self.owners();
         for words in &mut of_points {
-            words[0] = rows[(layout::POINT_CONTACT * PLACES + layout::NODES) * room + words[0] as usize][0];
+            words[0] = rows[owners + words[0] as usize][0];
         }
         // rows are in the order in which threads took them
         of_points.sort_unstable_by_key(|words| (words[0], words[4]));
@@ -487,7 +496,7 @@ impl Bodies {
         let bytes = device.read(&[(&self.buffers.rows, self.sizes.rows)], step)?;
         let rows: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         let used = self.mix.rows.min(self.coupling.rows) as usize;
-        let mut all = words::pushes(&rows, self.coupling.rows as usize, used);
+        let mut all = words::pushes(&rows, self.owners(), self.coupling.rows as usize, used);
         // rows are in the order in which threads took them
         all.sort_by_key(|push| push.point);
         let share = 1.0 / f64::from(self.coupling.rates);
@@ -495,6 +504,40 @@ impl Bodies {
             push.force = push.force.map(|f| share * f);
         }
         Ok(all)
+    }
+
+    /// Index in the rows of the first one's owner: the point, whether anything has pressed on it, and the energy that its contacts have gained.
+    fn owners(&self) -> usize {
+        (self.row.planes * self.row.places + layout::NODES) * self.coupling.rows as usize
+    }
+
+    /// Energy that contacts of points have gained as their overlaps without force shrank, J, since the last call.
+    ///
+    /// # Errors
+    /// The device is lost.
+    pub fn take_released(&self, device: &Device, step: u64) -> Result<f64> {
+        if !self.fines {
+            return Ok(0.0);
+        }
+        let used = self.mix.rows.min(self.coupling.rows) as usize;
+        let (at, size) = (16 * self.owners() as u64, 16 * used as u64);
+        let bytes = device.read_from(&self.buffers.rows, at, size, step)?;
+        let mut owners: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        let mut gains: Vec<(u32, f64)> = owners
+            .iter()
+            .map(|[point, _, high, low]| (*point, both([*high, *low].map(f32::from_bits))))
+            .filter(|(_, x)| *x != 0.0)
+            .collect();
+        if gains.is_empty() {
+            return Ok(0.0);
+        }
+        for [_, _, high, low] in &mut owners {
+            (*high, *low) = (0, 0);
+        }
+        device.queue.write_buffer(&self.buffers.rows, at, bytemuck::cast_slice(&owners));
+        // rows are in the order in which threads took them
+        gains.sort_unstable_by_key(|(point, _)| *point);
+        Ok(gains.iter().map(|(_, x)| x).sum())
     }
 
     /// Writes the state of the walls alone into a mixture.

@@ -1,7 +1,7 @@
 // Contacts of material points with grains and walls (Li et al. 2023, section 2.3): one thread per point with candidates. Twins (f64): coupling/search.rs,
 // coupling/evaluate.rs.
 
-// Faults of points, besides those of nodes.wgsl: more candidates than PLACES; more points with candidates than rows.
+// Faults of points, besides those of nodes.wgsl: more candidates than ROW_PLACES; more points with candidates than rows.
 const SURROUNDED: u32 = 6u;
 
 // Radius of the ghost of a point.
@@ -46,8 +46,13 @@ fn move_in_row(old: u32, to: u32, r: u32) {
     }
 }
 
-// Whether a contact must be kept: it has a face, or its stiffness counts in this step of the continuum.
+// Whether a contact must be kept: it has a face or an overlap without force, or its stiffness counts in this step of the continuum.
 fn is_kept(s: u32, r: u32) -> bool {
+    if FINES {
+        if bitcast<f32>(rows[row_at(C_REFERENCE, s, r)].x) > 0.0 {
+            return true;
+        }
+    }
     let pressed = mix_.sub != 0u && bitcast<f32>(rows[row_at(C_PLACE, s, r)].x) < NO_PLACE;
     return bitcast<f32>(rows[row_at(C_TANGENT, s, r)].w) > NO_FACE || pressed;
 }
@@ -58,7 +63,7 @@ fn beyond_ghost(r: u32) -> f32 {
     if r == NONE {
         return most;
     }
-    for (var s = 0u; s < PLACES; s++) {
+    for (var s = 0u; s < ROW_PLACES; s++) {
         if rows[row_at(C_SPRING, s, r)].w == NONE {
             break;
         }
@@ -75,7 +80,7 @@ fn point_candidates(i: u32) {
     let at = point_cells(i);
     var r = transport[i].w;
     let radius = f32(bitcast<i32>(word(ENERGY, i).w)) / UNITS + beyond_ghost(r);
-    var found: array<u32, PLACES>;
+    var found: array<u32, ROW_PLACES>;
     var n = 0u;
     var count = 0u;
     let here = grid_cell_of(at);
@@ -94,7 +99,7 @@ fn point_candidates(i: u32) {
                 continue;
             }
             count += 1u;
-            if n < PLACES {
+            if n < ROW_PLACES {
                 var place = n;
                 while place > 0u && found[place - 1u] > g {
                     found[place] = found[place - 1u];
@@ -110,13 +115,13 @@ fn point_candidates(i: u32) {
         let height = height_over(side, at);
         if height < radius + coupling.skin {
             count += 1u;
-            if n < PLACES {
+            if n < ROW_PLACES {
                 found[n] = WALLS + k;
                 n += 1u;
             }
         }
     }
-    if count > PLACES {
+    if count > ROW_PLACES {
         report_fault(SURROUNDED, i);
         return;
     }
@@ -131,12 +136,12 @@ fn point_candidates(i: u32) {
         }
         transport[i].w = r;
         rows[owner_at(r)] = vec4<u32>(i, 0u, 0u, 0u);
-        for (var s = 0u; s < PLACES; s++) {
+        for (var s = 0u; s < ROW_PLACES; s++) {
             rows[row_at(C_SPRING, s, r)] = vec4<u32>(0u, 0u, 0u, NONE);
         }
     }
     var kept = 0u;
-    for (var s = 0u; s < PLACES; s++) {
+    for (var s = 0u; s < ROW_PLACES; s++) {
         if rows[row_at(C_SPRING, s, r)].w == NONE {
             break;
         }
@@ -166,7 +171,7 @@ fn point_candidates(i: u32) {
             rows[row_at(C_PLACE, to, r)].x = bitcast<u32>(NO_PLACE);
         }
     }
-    for (var s = n; s < PLACES; s++) {
+    for (var s = n; s < ROW_PLACES; s++) {
         rows[row_at(C_SPRING, s, r)].w = NONE;
     }
 }
@@ -180,6 +185,25 @@ fn softened(at: u32, i: u32) -> Pair {
         pair.friction = softening.y + (pair.friction - softening.y) * decay_of(softening.z * plastic);
     }
     return pair;
+}
+
+// The overlap without force of a contact at this overlap, m, which it never exceeds.
+fn reference_at(s: u32, r: u32, overlap: f32) -> vec2<f32> {
+    let reference = bitcast<vec2<f32>>(rows[row_at(C_REFERENCE, s, r)].xy);
+    if (overlap - reference.x) - reference.y > 0.0 {
+        return reference;
+    }
+    return vec2<f32>(max(overlap, 0.0), 0.0);
+}
+
+// Keeps the overlap without force of a contact with the force `force`, lowered by sliding over `way` ghost diameters, and the energy gained (coupling/reactions.rs).
+fn release(s: u32, r: u32, reference: vec2<f32>, way: f32, force: f32) {
+    let released = reference.x * min(way, 1.0);
+    rows[row_at(C_REFERENCE, s, r)] = vec4<u32>(bitcast<vec2<u32>>(grown(reference, -released)), 0u, 0u);
+    if released * force != 0.0 {
+        let energy = grown(bitcast<vec2<f32>>(rows[owner_at(r)].zw), released * force);
+        rows[owner_at(r)] = vec4<u32>(rows[owner_at(r)].xy, bitcast<vec2<u32>>(energy));
+    }
 }
 
 // Force of each contact of a point, and where it acts on the point.
@@ -201,7 +225,7 @@ fn point_contact_forces(one: Thread) {
     let law = word(VELOCITY_LOW, i).w;
     let dt = batch.dt / f32(coupling.rates);
     var rate = 0.0;
-    for (var s = 0u; s < PLACES; s++) {
+    for (var s = 0u; s < ROW_PLACES; s++) {
         let head = rows[row_at(C_SPRING, s, r)];
         let body = head.w;
         if body == NONE {
@@ -210,10 +234,13 @@ fn point_contact_forces(one: Thread) {
         var pair: Pair;
         var c: Contact;
         let on_wall = body >= WALLS;
+        var of_pair: u32;
         if on_wall {
-            pair = pair_at(coupling.tables.z + 2u * ((body - WALLS) * coupling.laws + law));
+            of_pair = coupling.tables.z + 2u * ((body - WALLS) * coupling.laws + law);
+            pair = pair_at(of_pair);
         } else {
-            pair = softened(coupling.tables.x + 2u * (law * coupling.materials + (grain_word(G_UNITS, body).w)), i);
+            of_pair = coupling.tables.x + 2u * (law * coupling.materials + (grain_word(G_UNITS, body).w));
+            pair = softened(of_pair, i);
         }
         var place_of_force = bitcast<vec4<f32>>(rows[row_at(C_PLACE, s, r)]);
         var face = bitcast<vec4<f32>>(rows[row_at(C_FACE, s, r)]);
@@ -264,10 +291,16 @@ fn point_contact_forces(one: Thread) {
                 r_eff = low_v.w * metres / (low_v.w + metres);
                 m_eff = v.w * mass / (v.w + mass);
             }
+            let of_ghost = m.overlap - face.w * params.cell;
+            var reference = vec2<f32>(0.0);
+            if FINES {
+                reference = reference_at(s, r, m.overlap);
+                m.overlap = (m.overlap - reference.x) - reference.y;
+            }
             c = no_contact();
             if m.overlap > 0.0 {
                 c = contact_force(m, r_eff, m_eff, motion, pair, dt, spring, low);
-            } else if followed && m.overlap - face.w * params.cell > 0.0 {
+            } else if FACES && of_ghost > 0.0 {
                 c.normal = m.normal;
             } else {
                 c.overlap = NO_FACE;
@@ -279,6 +312,9 @@ fn point_contact_forces(one: Thread) {
             rows[row_at(C_NORMAL, s, r)] = bitcast<vec4<u32>>(vec4<f32>(c.normal, c.force));
             rows[row_at(C_TANGENT, s, r)] = bitcast<vec4<u32>>(vec4<f32>(c.tangent, c.overlap));
             rows[row_at(C_LOW, s, r)] = bitcast<vec4<u32>>(vec4<f32>(c.low, c.stiffness));
+            if FINES {
+                release(s, r, reference, length(motion.centres) * dt / (2.0 * metres * tables[of_pair + 1u].w), c.force);
+            }
         }
         let stiffness = c.stiffness * max(1.0, stiffness_ratio(pair));
         rate += stiffness / mass;

@@ -1,12 +1,12 @@
 //! Which grains the graphics device can compute, and the memory that they need; answered without opening the device.
 
-use super::layout::{CONTACT, GRAIN, Mix, NODES, POINT_CONTACT};
+use super::layout::{CONTACT, GRAIN, Mix, NODES, RowShape};
 use super::{CoarseGrains, FURTHEST, SKIN, WHOLE};
 use crate::boundary::WallShape;
 use crate::breakage::Birth;
 use crate::contact::TangentialUnloading;
 use crate::error::{Error, Result};
-use crate::gpu::bounds::{PLACES, SIDES, SLOTS};
+use crate::gpu::bounds::{SIDES, SLOTS};
 use crate::gpu::device::refused;
 use crate::gpu::loading_plate::is_shell;
 use crate::gpu::state::ghost_radius;
@@ -66,14 +66,14 @@ pub fn grid(settings: &Settings, points: &Points, g: &Grains) -> GrainGrid {
 }
 
 impl GrainBufferSizes {
-    /// For these points and grains, with `room` rows.
-    pub fn of(settings: &Settings, points: &Points, g: &Grains, room: usize) -> GrainBufferSizes {
+    /// For these points and grains, with `room` rows of this shape.
+    pub fn of(settings: &Settings, points: &Points, g: &Grains, room: usize, row: RowShape) -> GrainBufferSizes {
         let n = g.len().max(1) as u64;
         let grid_cells: u64 = grid(settings, points, g).along.iter().map(|n| *n as u64).product();
         GrainBufferSizes {
             grains: 16 * GRAIN as u64 * n,
             slots: 16 * (CONTACT * SLOTS) as u64 * n,
-            rows: 16 * (POINT_CONTACT * PLACES + NODES + 1) as u64 * room as u64,
+            rows: 16 * (row.planes * row.places + NODES + 1) as u64 * room as u64,
             transport: 16 * points.len() as u64,
             lists: 4 * (2 * grid_cells + 1 + n),
             room,
@@ -108,7 +108,8 @@ impl GrainBufferSizes {
 pub fn sizes(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> Result<GrainBufferSizes> {
     Error::all(lacking(settings, points, coarse))?;
     let near = near_points(settings, points, coarse);
-    Ok(GrainBufferSizes::of(settings, points, &coarse.mixture.grains.grains, room(near, points.len())))
+    let room = room(near, points.len());
+    Ok(GrainBufferSizes::of(settings, points, &coarse.mixture.grains.grains, room, RowShape::of(coarse)))
 }
 
 /// Estimate of the number of points close to grains or walls: those of the shells around the grains where points lie evenly.
@@ -149,9 +150,6 @@ fn lacking(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> V
     }
     if physics.crush.as_ref().is_some_and(|c| c.birth != Birth::Overlapping) {
         lacks("crushing.birth", "gradual".into(), "use overlapping");
-    }
-    if mixture.fines.is_some() {
-        lacks("crushing.lost_mass", "points".into(), "use leave");
     }
     let walls = &mixture.grains.walls;
     if walls.len() > SIDES {

@@ -1,12 +1,12 @@
 //! Grains, contacts and walls as the device holds them, in words of 32 bits, and back.
 
-use super::layout::{CONTACT, GRAIN, NO_FACE, NODES, NONE, POINT_CONTACT, Side, WALLS};
+use super::layout::{CONTACT, GRAIN, NO_FACE, NODES, NONE, Side, WALLS, WITH_FINES};
 use crate::boundary::Wall;
 use crate::boundary::WallShape;
 use crate::contact::pairs::ContactForce;
 use crate::coupling::Body;
 use crate::coupling::exchange::ExchangedContact;
-use crate::gpu::bounds::{PARTNERS, PLACES};
+use crate::gpu::bounds::PARTNERS;
 use crate::gpu::exact::{place, placed, split};
 use crate::gpu::loading_plate::shell_split;
 use crate::grains::Grains;
@@ -21,14 +21,15 @@ const HUGE: f64 = 1e38;
 /// A contact: its owner (a grain, or a point) and its four planes of four words each, the fourth of which is the body that the owner touches.
 pub type ContactWords = [u32; 1 + 4 * CONTACT];
 
-/// A contact of a point: the same, and three further planes.
-pub type PointContactWords = [u32; 1 + 4 * POINT_CONTACT];
+/// A contact of a point: the same, and the further planes.
+pub type PointContactWords = [u32; 1 + 4 * WITH_FINES];
 
-// Where the words of a contact's planes begin that hold its normal, overlap (last), face, and place of the force.
+// Where the words of a contact's planes begin that hold its normal, overlap (last), face, place of the force, and overlap without force.
 const NORMAL: usize = 5;
 const TANGENT: usize = 9;
 const FACE: usize = 17;
 const PLACE: usize = 21;
+const REFERENCE: usize = 25;
 
 /// What contacts have pressed on a node of a point so far in a step of the continuum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,14 +42,13 @@ pub struct Push {
     pub force: [f64; 3],
 }
 
-/// The forces on the nodes of the points in the first `used` rows, of the words of all `room` rows; by row, then by node.
-pub fn pushes(rows: &[[u32; 4]], room: usize, used: usize) -> Vec<Push> {
-    let nodes = POINT_CONTACT * PLACES;
-    let owner = |r: usize| rows[(nodes + NODES) * room + r];
+/// The forces on the nodes of the points in the first `used` rows, of the words of all `room` rows, whose owners begin at `owners`; by row, then by node.
+pub fn pushes(rows: &[[u32; 4]], owners: usize, room: usize, used: usize) -> Vec<Push> {
+    let owner = |r: usize| rows[owners + r];
     let push = |r: usize, k: usize| Push {
         point: owner(r)[0],
         node: [k % 3, k / 3 % 3, k / 9],
-        force: three(&rows[(nodes + k) * room + r], 0),
+        force: three(&rows[owners - (NODES - k) * room + r], 0),
     };
     (0..used)
         .filter(|r| owner(*r)[1] != 0)
@@ -132,14 +132,15 @@ pub fn contact(words: &ContactWords, viscous: bool) -> ExchangedContact {
     // without dashpots the tangential force is that of the spring, which is known more accurately
     let tangential = if viscous { three(2) } else { spring };
     let touch = ContactForce { tangential, normal_force: number(7), normal: three(1), overlap: number(11) };
-    ExchangedContact { ends: [0; 2], touch, spring, stiffness: number(15), face: None }
+    ExchangedContact { ends: [0; 2], touch, spring, stiffness: number(15), reference: 0.0, face: None }
 }
 
 /// The words of a contact of the point `point`; `cell`: edge of a cell, m.
 pub fn point_contact_words(point: u32, body: u32, c: &ExchangedContact, cell: f64) -> PointContactWords {
-    let mut words = [0; 1 + 4 * POINT_CONTACT];
+    let mut words: PointContactWords = [0; _];
     let own = contact_words(point, body, c);
     words[..own.len()].copy_from_slice(&own);
+    words[REFERENCE..REFERENCE + 2].copy_from_slice(&split(c.reference).map(BITS));
     let Some(face) = &c.face else {
         // contacts at centres have no faces, but their overlaps
         if c.touch.overlap <= 0.0 {
@@ -168,18 +169,17 @@ pub fn point_contact(words: &PointContactWords, viscous: bool, cell: f64) -> Exc
     let of_touch = contact(own, viscous);
     let apart = of_touch.touch.overlap <= 0.0;
     let touch = if apart { ContactForce::default() } else { of_touch.touch };
-    ExchangedContact { touch, face: (of_touch.touch.overlap >= 0.0).then_some(face), ..of_touch }
+    let reference = number(REFERENCE) + number(REFERENCE + 1);
+    ExchangedContact { touch, reference, face: (of_touch.touch.overlap >= 0.0).then_some(face), ..of_touch }
 }
 
-/// The planes of all contacts of `owners` owners with room for `room` contacts each, as the buffers `slots` and `rows` have them: by plane, then by place, then by
-/// owner. `place` gives the place of a contact from the number of places its owner has used.
+/// The first `planes` planes of all contacts of `owners` owners with room for `room` contacts each, as the buffers `slots` and `rows` have them: by plane, then by place,
+/// then by owner. `place` gives the place of a contact from the number of places its owner has used.
 pub fn spread<const WORDS: usize>(
     kept: &[[u32; WORDS]],
-    owners: usize,
-    room: usize,
+    [planes, room, owners]: [usize; 3],
     place: impl Fn(&[u32; WORDS], usize) -> usize,
 ) -> Vec<[u32; 4]> {
-    let planes = const { (WORDS - 1) / 4 };
     let mut all = vec![[0; 4]; planes * room * owners];
     for entry in &mut all[..room * owners] {
         entry[3] = NONE;
@@ -187,8 +187,9 @@ pub fn spread<const WORDS: usize>(
     let mut filled = vec![0; owners];
     for words in kept {
         let owner = words[0] as usize;
-        let s = place(words, filled[owner]);
-        if words[4] < WALLS || room == PLACES {
+        let next = filled[owner];
+        let s = place(words, next);
+        if s == next {
             filled[owner] += 1;
         }
         for plane in 0..planes {
@@ -201,10 +202,10 @@ pub fn spread<const WORDS: usize>(
 /// The contacts of the first `used` owners that are to be kept, in the order of owners, then of places; the inverse of [`spread`].
 pub fn collect<const WORDS: usize>(
     all: &[[u32; 4]],
-    [owners, room, used]: [usize; 3],
+    [planes, room, owners]: [usize; 3],
+    used: usize,
     keeps: impl Fn(&[u32; WORDS]) -> bool,
 ) -> Vec<[u32; WORDS]> {
-    let planes = const { (WORDS - 1) / 4 };
     let mut kept = Vec::new();
     for owner in 0..used {
         for s in 0..room {
@@ -213,7 +214,8 @@ pub fn collect<const WORDS: usize>(
             if entry(0)[3] == NONE {
                 continue;
             }
-            let mut words = [owner as u32; WORDS];
+            let mut words = [0; WORDS];
+            words[0] = owner as u32;
             (0..planes).for_each(|plane| words[1 + 4 * plane..5 + 4 * plane].copy_from_slice(&entry(plane)));
             if keeps(&words) {
                 kept.push(words);
@@ -228,9 +230,9 @@ pub fn touches(words: &ContactWords) -> bool {
     f32::from_bits(words[TANGENT + 3]) > 0.0
 }
 
-/// Whether a contact of a point has a face.
-pub fn has_face(words: &PointContactWords) -> bool {
-    f32::from_bits(words[TANGENT + 3]) > NO_FACE
+/// Whether a contact of a point has a face or an overlap without force.
+pub fn is_kept(words: &PointContactWords) -> bool {
+    f32::from_bits(words[TANGENT + 3]) > NO_FACE || f32::from_bits(words[REFERENCE]) > 0.0
 }
 
 /// By how much the face of a contact of a point is beyond its ghost, cells.
@@ -297,12 +299,12 @@ pub fn to_wall(settings: &Settings, side: &Side, before: f64, wall: &mut Wall) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::bounds::SLOTS;
+    use crate::gpu::bounds::{PLACES, SLOTS};
 
     fn contact_of(x: f64) -> ExchangedContact {
         let spring = [0.3 * x, -1.7 * x, 1e-7 * x];
         let touch = ContactForce { tangential: spring, normal_force: 2.5 * x, normal: [0.0, 0.6, -0.8], overlap: 1e-6 * x };
-        ExchangedContact { ends: [0; 2], touch, spring, stiffness: 1e5 * x, face: None }
+        ExchangedContact { ends: [0; 2], touch, spring, stiffness: 1e5 * x, reference: 0.0, face: None }
     }
 
     /// What goes there comes back: contacts within f32, springs within two of them, each at its owner and place.
@@ -314,10 +316,10 @@ mod tests {
             contact_words(0, WALLS + 3, &contact_of(3.0)),
             contact_words(2, 0, &contact_of(1.0)),
         ];
-        let all = spread(&given, 3, SLOTS, slot);
+        let all = spread(&given, [CONTACT, SLOTS, 3], slot);
         let places: Vec<usize> = (0..SLOTS).filter(|s| all[s * 3][3] != NONE).collect();
         assert_eq!(places, [0, 1, PARTNERS + 3]);
-        assert_eq!(collect(&all, [3, SLOTS, 3], touches), given);
+        assert_eq!(collect(&all, [CONTACT, SLOTS, 3], 3, touches), given);
         for (words, x) in given.iter().zip([1.0, 2.0, 3.0, 1.0]) {
             let (there, here) = (contact(words, false), contact_of(x));
             for a in 0..3 {
@@ -330,7 +332,7 @@ mod tests {
         }
     }
 
-    /// Contacts of points come back with their faces, those that have a face and do not touch too; others are dropped.
+    /// Contacts of points come back with their faces and overlaps without force, those that have one of the two and do not touch too; others are dropped.
     #[test]
     fn contacts_of_points_come_back_with_their_faces() {
         let (cell, n) = (0.005, [0.0, 0.6, -0.8]);
@@ -338,12 +340,16 @@ mod tests {
         let given = [
             ExchangedContact { face: face(1.2345678e-3), ..contact_of(1.0) },
             ExchangedContact { face: face(-4.321e-4), ..ExchangedContact::default() },
+            ExchangedContact { reference: 3.21987654e-5, ..ExchangedContact::default() },
             ExchangedContact::default(),
         ];
         let words: Vec<PointContactWords> = (0..).zip(&given).map(|(k, c)| point_contact_words(0, k, c, cell)).collect();
-        let back = collect(&spread(&words, 1, PLACES, |_, next| next), [1, PLACES, 1], has_face);
-        assert_eq!(back, words[..2]);
-        for (words, given) in back.iter().zip(&given) {
+        let sizes = [WITH_FINES, PLACES, 1];
+        let back = collect(&spread(&words, sizes, |_, next| next), sizes, 1, is_kept);
+        assert_eq!(back, words[..3]);
+        let held = point_contact(&back[2], false, cell);
+        assert!((held.reference / given[2].reference - 1.0).abs() < 1e-13 && held.face.is_none() && held.touch.overlap == 0.0);
+        for (words, given) in back[..2].iter().zip(&given) {
             let there = point_contact(words, false, cell);
             let (own, of) = (there.face.expect("a face"), given.face.expect("a face"));
             assert!((own.beyond - of.beyond).abs() < 1e-13 * of.beyond.abs(), "{own:?}");

@@ -413,9 +413,9 @@ fn no_index_is_beyond_its_array() {
 #[test]
 fn an_array_that_is_too_short_is_found() {
     for (of, instead, function, array) in [
-        ("var found: array<u32, PLACES>", "var found: array<u32, 8>", "point_candidates", "found"),
-        ("var found: array<u32, PARTNERS>", "var found: array<u32, PLACES>", "grain_candidates", "found"),
-        ("if n < PLACES {", "if n <= PLACES {", "point_candidates", "found"),
+        ("var found: array<u32, ROW_PLACES>", "var found: array<u32, 8>", "point_candidates", "found"),
+        ("var found: array<u32, PARTNERS>", "var found: array<u32, 8>", "grain_candidates", "found"),
+        ("if n < ROW_PLACES {", "if n <= ROW_PLACES {", "point_candidates", "found"),
         ("slot_forces: array<vec4<f32>, SLOTS>", "slot_forces: array<vec4<f32>, PARTNERS>", "grain_forces", "slot_forces"),
         ("slot_torques: array<vec4<f32>, SLOTS>", "slot_torques: array<vec4<f32>, 39>", "grain_forces", "slot_torques"),
         ("forces: array<vec4<f32>, GROUP>", "forces: array<vec4<f32>, 32>", "grain_forces", "forces"),

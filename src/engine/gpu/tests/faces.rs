@@ -3,7 +3,7 @@
 use super::adapter;
 use crate::contact::ContactLaw;
 use crate::coupling::exchange::{ExchangedContact, ExchangedContacts};
-use crate::coupling::{Cycle, Mixture, Parts, Rates};
+use crate::coupling::{Cycle, Mixture, Parts, Rates, Rule};
 use crate::dem::physics::Physics;
 use crate::dem::{State, Workspace};
 use crate::gpu::continuum::DeviceContinuum;
@@ -12,25 +12,28 @@ use crate::grains::Grains;
 use crate::material::{InterfaceFriction, Material};
 use crate::math::vector::{dot, less};
 use crate::mpm::law::{Elastic, Law};
+use crate::mpm::loading_plate::{self, LoadingPlate};
 use crate::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
 use crate::point_contacts::PointContactTable;
 
 /// Edge of a cell, m; step of the grain, s; steps in a step of the continuum.
-const CELL: f64 = 0.1;
-const DT: f64 = 1e-4;
-const RATES: Rates = Rates { grains: 3, continuum: 1 };
+pub(super) const CELL: f64 = 0.1;
+pub(super) const DT: f64 = 1e-4;
+pub(super) const RATES: Rates = Rates { grains: 3, continuum: 1 };
 
 /// A grain that moves askew in a block of points.
-struct Impact {
-    physics: Physics,
-    table: PointContactTable,
-    work: Workspace,
-    continuum: Continuum,
-    mixture: Mixture,
+pub(super) struct Impact {
+    pub physics: Physics,
+    pub table: PointContactTable,
+    pub work: Workspace,
+    pub continuum: Continuum,
+    pub mixture: Mixture,
+    pub plates: Vec<LoadingPlate>,
 }
 
 impl Impact {
-    fn new() -> Impact {
+    /// `fines`: how lost mass becomes points.
+    pub fn new(fines: Option<Rule>) -> Impact {
         let material = Material {
             name: "glass".into(),
             density: 2500.0,
@@ -83,34 +86,40 @@ impl Impact {
         let mut state = State::new(&physics, grains, Vec::new(), false);
         let work = Workspace::new(&physics, &mut state);
         let table = PointContactTable::new(physics.contact.law, &[0], &physics.materials, &[]).with_faces(true);
-        let mixture = Mixture::new(&physics, state, &mut continuum, None);
-        Impact { physics, table, work, continuum, mixture }
+        let mixture = Mixture::new(&physics, state, &mut continuum, fines);
+        Impact { physics, table, work, continuum, mixture, plates: Vec::new() }
     }
 
-    /// Makes `n` cycles on the processor; the forces at the end are known.
-    fn cycles(&mut self, n: u32) {
-        let Impact { physics, table, work, continuum, mixture } = self;
-        let mut parts = Parts { physics, table, work, continuum, plates: &mut [] };
-        mixture.compute_forces(&mut parts).expect("forces");
+    /// Computes all forces on the processor.
+    pub fn forces(&mut self) {
+        let Impact { physics, table, work, continuum, mixture, plates } = self;
+        loading_plate::press(plates, continuum).expect("no platen has passed a point");
+        mixture.compute_forces(&mut Parts { physics, table, work, continuum, plates: &mut [] }).expect("forces");
+    }
+
+    /// Makes `n` cycles on the processor, from known forces to known forces.
+    pub fn cycles(&mut self, n: u32) {
         for _ in 0..n {
             let time = DT * f64::from(RATES.grains);
+            let Impact { physics, table, work, continuum, mixture, plates } = self;
+            let mut parts = Parts { physics, table, work, continuum, plates };
             mixture.make_cycle(&mut parts, Cycle { time, rates: RATES }).expect("a cycle");
-            mixture.compute_forces(&mut parts).expect("forces");
+            self.forces();
         }
     }
 
-    fn coarse(&self) -> CoarseGrains<'_> {
+    pub fn coarse(&self) -> CoarseGrains<'_> {
         CoarseGrains { physics: &self.physics, mixture: &self.mixture, table: &self.table }
     }
 
     /// Takes the state from the device.
-    fn take(&mut self, gpu: &DeviceContinuum) {
+    pub fn take(&mut self, gpu: &DeviceContinuum) {
         gpu.read_back(&mut self.continuum).expect("points");
         gpu.read_grains((&self.physics, &self.table), &mut self.mixture, &mut self.continuum).expect("grains");
     }
 
     /// Contacts of points with a face, by point.
-    fn contacts(&self) -> Vec<ExchangedContact> {
+    pub fn contacts(&self) -> Vec<ExchangedContact> {
         let ExchangedContacts { points, .. } = self.mixture.contacts(&self.physics, &self.work.table);
         let id = |c: &ExchangedContact| self.continuum.points().id[c.ends[1] as usize];
         let mut all: Vec<ExchangedContact> = points.into_iter().map(|(_, c)| ExchangedContact { ends: [0, id(&c)], ..c }).collect();
@@ -119,7 +128,7 @@ impl Impact {
     }
 }
 
-fn steps(gpu: &mut DeviceContinuum, n: u64) {
+pub(super) fn steps(gpu: &mut DeviceContinuum, n: u64) {
     gpu.rates(RATES.grains);
     gpu.steps(n, DT * f64::from(RATES.grains)).expect("steps");
 }
@@ -133,10 +142,11 @@ fn faces_move_as_on_the_processor() {
         return;
     }
     const STEPS: u32 = 110;
-    let mut here = Impact::new();
+    let mut here = Impact::new(None);
+    here.forces();
     here.cycles(5);
     let begin = |of: &Impact, saved| DeviceContinuum::begin(&of.continuum, &[], &[], Some(&of.coarse()), saved).expect("device");
-    let mut there = Impact { work: Workspace::new(&here.physics, &mut here.mixture.grains.clone()), ..Impact::new() };
+    let mut there = Impact { work: Workspace::new(&here.physics, &mut here.mixture.grains.clone()), ..Impact::new(None) };
     (there.continuum, there.mixture) = (here.continuum.clone(), here.mixture.clone());
     here.cycles(STEPS);
     let mut gpu = begin(&there, None);

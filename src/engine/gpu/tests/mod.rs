@@ -1,8 +1,9 @@
-//! Parity of the graphics path with f64: rungs 2 (`law.rs`) and 3 (`step.rs`, `faces.rs`); indices (`bounds.rs`) and operations (`work.rs`) of the shaders.
+//! Parity of the graphics path with f64: rungs 2 (`law.rs`) and 3 (`step.rs`, `faces.rs`, `fines.rs`); indices (`bounds.rs`) and operations (`work.rs`) of the shaders.
 
 mod adapter;
 mod bounds;
 mod faces;
+mod fines;
 mod law;
 mod step;
 mod work;

@@ -1,7 +1,7 @@
 //! Rung 3: nodes, loading plates and one step against f64.
 
 use super::{JUMPS, adapter, clays, laws};
-use crate::gpu::continuum::DeviceContinuum;
+use crate::gpu::continuum::{DeviceContinuum, Saved};
 use crate::gpu::state::ghost_radius;
 use crate::mpm::law::{Elastic, Law};
 use crate::mpm::{
@@ -156,6 +156,23 @@ fn a_state_comes_back() {
     let [v, x, s, p, w] = apart(&cpu, &back);
     println!("and back: velocity {v:e} m/s, place {x:e} cells, stress {s:e} Pa, plastic strain {p:e}, volume {w:e}");
     assert!(v < 1e-14 && x < 1e-13 && s < 1e-9 && p < 1e-14 && w < 1e-14);
+}
+
+/// The saved state of another version is refused.
+#[test]
+fn the_saved_state_of_another_version_is_refused() {
+    if !adapter("the_saved_state_of_another_version_is_refused") {
+        return;
+    }
+    let (s, laws) = (settings([6, 5, 7]), laws());
+    let points = box_of_points(&s, &laws, 100);
+    let cpu = mpm::Continuum::new(s, laws, points).expect("allowed");
+    let mut saved = DeviceContinuum::new(&cpu).expect("device").save().expect("saved");
+    let begin = |saved: &Saved| DeviceContinuum::begin(&cpu, &[], &[], None, Some(saved));
+    assert!(begin(&saved).is_ok());
+    saved.layout -= 1;
+    let told = begin(&saved).err().expect("refused").to_string();
+    assert!(told.contains("this is the saved state of other points than the 100 given, or of another version"), "{told}");
 }
 
 /// Rung 3, nodes: momentum and force within 2e-6 of the sums of the sizes of their parts.

@@ -24,7 +24,8 @@ impl Device {
     pub fn new(state: &mut State, model: &Model, rig: &MpmTest, saved: Option<&Saved>) -> Result<Device> {
         let mut coupled = state.mixture.as_deref_mut().map(|mixture| Coupled::new(model, rig, mixture));
         if saved.is_none() {
-            compute_forces(state, &mut coupled, model, rig)?;
+            compute_forces(state, &mut coupled, model)?;
+            state.collect(rig);
         }
         let coarse = coarse(state, coupled.as_ref(), model);
         let gpu = gpu::DeviceContinuum::begin(&state.continuum, &state.plates, &state.drift, coarse.as_ref(), saved)?;
@@ -99,6 +100,9 @@ impl Device {
             self.take(state, rig, steps, extents);
         }
         done?;
+        if self.gpu.passed() {
+            return self.remove_fines(state, model);
+        }
         if self.gpu.broken() {
             return self.break_grains(state, model, rig);
         }
@@ -123,6 +127,9 @@ impl Device {
         state.time += means.time;
         state.phase_time += means.time;
         if let Some(mixture) = &mut state.mixture {
+            if let Some(fines) = &mut mixture.fines {
+                fines.released += self.gpu.released();
+            }
             self.gpu.walls_of(c, mixture);
             for (plate, wall) in state.plates.iter_mut().rev().zip(mixture.grains.walls.iter().rev()) {
                 plate.others = [wall.reaction, wall.stiffness];
@@ -156,7 +163,25 @@ impl Device {
                 coupled.finish_cycle(state, model, rig, cycle, done)?;
             }
         }
-        compute_forces(state, &mut self.coupled, model, rig)?;
+        compute_forces(state, &mut self.coupled, model)?;
+        state.collect(rig);
+        self.reload(state, model)
+    }
+
+    /// Takes out points from breakages that a grain has pushed through a loading plate, and copies the state without them to the
+    /// device.
+    fn remove_fines(&mut self, state: &mut State, model: &Model) -> Result<()> {
+        self.read_back(state, model)?;
+        if let Some(mixture) = &mut state.mixture {
+            mixture.remove_fines_behind(&state.plates, &mut state.continuum);
+        }
+        state.press()?;
+        state.continuum.clear_external_forces();
+        self.reload(state, model)
+    }
+
+    /// Copies the state, whose forces are known, to the device.
+    fn reload(&mut self, state: &State, model: &Model) -> Result<()> {
         let coarse = coarse(state, self.coupled.as_ref(), model);
         Ok(self.gpu.reload(&state.continuum, &state.plates, &state.drift, coarse.as_ref(), None)?)
     }
@@ -165,14 +190,13 @@ impl Device {
 /// Most steps of the grains in one step of the continuum on a device.
 const MOST: u32 = 64;
 
-/// Computes the forces of all contacts on the CPU and adds the instant to the means, as the device does at the end of a step.
-fn compute_forces(state: &mut State, coupled: &mut Option<Coupled>, model: &Model, rig: &MpmTest) -> Result<()> {
+/// Computes the forces of all contacts on the CPU, as the device does at the end of a step.
+fn compute_forces(state: &mut State, coupled: &mut Option<Coupled>, model: &Model) -> Result<()> {
     state.press()?;
     if let Some(coupled) = coupled {
         coupled.compute_forces(state, model)?;
     }
     state.continuum.clear_external_forces();
-    state.collect(rig);
     Ok(())
 }
 
