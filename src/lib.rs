@@ -82,7 +82,7 @@
 //! | [`rigid`], [`shape`] | bodies that are no spheres |
 //! | `gpu` | material points and grains in them on a graphics device (feature `gpu`) |
 //! | [`calibrate`] | parameters from laboratory data |
-//! | [`campaign`], [`reproduce`] | many runs; a paper's runs beside what was published |
+//! | [`campaign`], [`reproduce`], [`study`] | many runs; a paper's runs beside what was published; what a choice costs |
 //! | [`verify`], [`mod@bench`], [`point_test`] | closed forms, speed, a law at one material point |
 //! | [`figure`], [`table`] | figures from records; tables |
 //!
@@ -91,7 +91,7 @@
 
 pub use calibrate;
 pub use campaign;
-pub use campaign::{bench, point_test, reproduce, verify};
+pub use campaign::{bench, point_test, reproduce, study, verify};
 #[cfg(feature = "gpu")]
 pub use engine::gpu;
 pub use engine::{

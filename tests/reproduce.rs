@@ -5,6 +5,8 @@ mod left;
 #[cfg(target_os = "linux")]
 #[path = "common/processes.rs"]
 mod processes;
+#[path = "common/scenes_small.rs"]
+mod scenes_small;
 
 use assert_cmd::cargo::cargo_bin;
 use std::fs;
@@ -16,14 +18,7 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 /// A plan of two small scenes, one crushable with two seeds and one not.
 fn folder() -> TempDir {
     let dir = tempfile::tempdir().expect("folder");
-    let scene = format!(
-        "base = \"{ROOT}/experiments/petroleum_coke/h-c-2.toml\"\nname = \"small\"\n[specimen]\nscale = 4.0\ngrains = 100\nporosity = 0.48\n\
-         [preparation]\ngrowth_friction = 0.4\ngrowth_steps = 1000\nporosity_tolerance = 0.05\nmax_steps = 30000\n\
-         [loading]\nmax_stress_kPa = 60.0\nprogramme = \"adaptive\"\nsettle_steps = 100\n\
-         [records]\nat_kPa = []\nfigures = false\nsnapshots = false\n\
-         [material]\nbase = \"{ROOT}/materials/petroleum_coke.toml\"\n[material.strength.fixed_angle]\nsigma_lim0_MPa = 30.0\n"
-    );
-    fs::write(dir.path().join("crushes.toml"), scene).expect("scene");
+    fs::write(dir.path().join("crushes.toml"), scenes_small::crushes(ROOT)).expect("scene");
     fs::write(dir.path().join("twin.toml"), "base = \"crushes.toml\"\nname = \"twin\"\n[crushing]\nenabled = false\n")
         .expect("scene");
     let plan = "title = \"A paper\"\nsource = \"A journal.\"\npublished_minutes = 120\nnotes = [\"A remark.\"]\n\

@@ -17,6 +17,7 @@ mod progress;
 pub mod reproduce;
 mod runner;
 mod seeds;
+pub mod study;
 pub mod verify;
 
 pub use grid::{Point, points as grid_points, table as grid_table};

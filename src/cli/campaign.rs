@@ -68,7 +68,9 @@ impl Options {
         for job in &mut *jobs {
             job.threads = threads.or(self.list.then_some(1));
             job.backend = self.backend.into();
-            job.specimen.clone_from(&self.specimen);
+            if self.specimen.is_some() {
+                job.specimen.clone_from(&self.specimen);
+            }
         }
         if self.list {
             super::print(&list(jobs, self.force)?)?;

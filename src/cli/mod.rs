@@ -20,6 +20,7 @@ mod point_test;
 mod reproduce;
 mod resume;
 mod run;
+mod study;
 mod sweep;
 mod verify;
 
@@ -66,6 +67,8 @@ pub enum Verb {
     Ensemble(ensemble::Args),
     /// Run a table of parameters, each in a process and a folder of its own
     Sweep(sweep::Args),
+    /// Measure what choices cost in accuracy and time, against a reference
+    Study(study::Args),
     /// Take a continuum law through a laboratory path at a single point
     PointTest(point_test::Args),
     /// Run a paper's runs again and compare
@@ -92,6 +95,7 @@ impl Verb {
             Verb::Resume(args) => resume::call(args),
             Verb::Ensemble(args) => ensemble::call(&args),
             Verb::Sweep(args) => sweep::call(&args),
+            Verb::Study(args) => study::call(&args),
             Verb::PointTest(args) => point_test::call(&args),
             Verb::Reproduce(args) => reproduce::call(&args),
             Verb::Verify(args) => verify::call(&args),

@@ -14,6 +14,7 @@ mod colour;
 mod continuum;
 mod curves;
 mod data;
+mod effects;
 mod energy;
 mod error;
 mod force_chains;
@@ -37,6 +38,7 @@ mod triaxial;
 
 pub use axis::significant;
 pub use calibration::{Drawn, Graph, Look, Quantity, Tone};
+pub use effects::{Bar, draw_effects};
 pub use error::{FigureError, Result};
 pub use mean::write as write_means;
 pub use point_test::{draw as draw_point_test, files as point_test_files};

@@ -9,7 +9,8 @@ mod results;
 
 pub use comparison::{Compare, Comparison, Row};
 pub use plan::{Plan, PublishedTest, Run, Statement};
-pub use results::{Done, gather};
+pub use report::cell;
+pub use results::{Done, gather, loading};
 
 use laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};

@@ -53,6 +53,8 @@ pub const SHEETS: &[Sheet] = &[
     Sheet { files: "survival.csv", of: "platen", columns: SURVIVAL },
     Sheet { files: "limit_force.csv", of: "platen", columns: LIMITS },
     Sheet { files: "sweep.csv", of: "comminute sweep, with a column for each key that is varied", columns: SWEEP },
+    Sheet { files: "study.csv", of: "comminute study", columns: STUDY },
+    Sheet { files: "effects.csv", of: "comminute study, of a factorial", columns: EFFECTS },
     Sheet {
         files: "mean.csv",
         of: "comminute ensemble, with _mean, _sd, _low and _high of every column of history.csv",
@@ -548,6 +550,39 @@ const SWEEP: &[Column] = &[
     column("steps", "-", "steps"),
     column("wall_seconds", "s", "time that the run took"),
     column("reason", "-", "why it failed"),
+];
+
+const STUDY: &[Column] = &[
+    column("setting", "-", "factor and level; the reference first"),
+    column("measure", "-", "what is compared"),
+    column("seeds", "-", "seeds of which both the setting and the reference are done"),
+    column(
+        "difference",
+        "-",
+        "mean over the seeds of the difference from the reference; of a curve the root of the mean square along it",
+    ),
+    column("half_width", "-", "half the interval of 95 % of that mean, by Student's t"),
+    column("tolerance", "-", "largest difference that is allowed"),
+    column("verdict", "-", "within, outside, or open where the interval goes across the tolerance"),
+    column(
+        "run_s",
+        "s",
+        "mean time of the test, without the preparation of grains: of the processor where a run tells it, else by the clock",
+    ),
+];
+
+const EFFECTS: &[Column] = &[
+    column("effect", "-", "factor and levels; two of them with a cross between for their interaction"),
+    column("measure", "-", "what is compared"),
+    column("seeds", "-", "seeds of which all runs are done"),
+    column(
+        "difference",
+        "-",
+        "mean over the seeds by which the measure changes; of an interaction by how much more than one by one",
+    ),
+    column("half_width", "-", "half the interval of 95 % of that mean, by Student's t"),
+    column("tolerance", "-", "largest difference that is allowed"),
+    column("verdict", "-", "within, outside, or open where the interval goes across the tolerance"),
 ];
 
 const MEAN: &[Column] = &[

@@ -1,0 +1,55 @@
+//! `comminute study PLAN`
+
+use super::campaign::Options;
+use comminute::campaign::{Hold, Job};
+use comminute::error::Result;
+use comminute::study::{Plan, write};
+use std::path::{Path, PathBuf};
+
+/// Measure what choices cost: other levels of factors against a reference, with several seeds
+///
+/// Runs that are done already are not made again; tables, figures and the report are made of all
+/// runs of the plan that are done.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example, from the repository root:\n  comminute study experiments/studies/time_step.toml --jobs 2\n  comminute study experiments/studies/time_step.toml --list | parallel -j 8"
+)]
+pub struct Args {
+    /// Plan of the study (TOML)
+    plan: PathBuf,
+
+    /// Folder of the runs; runs/ and the name of the plan if not given
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Folder of tables, figures and report; report/ in the folder of the runs if not given
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+
+    #[command(flatten)]
+    options: Options,
+}
+
+pub fn call(args: &Args) -> Result<()> {
+    let plan = Plan::read(&args.plan)?;
+    let name = args.plan.file_stem().map_or_else(|| "study".into(), |s| s.to_string_lossy().into_owned());
+    let out = args.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
+    let mut jobs: Vec<Job> = Vec::new();
+    for setting in plan.settings() {
+        jobs.extend(plan.jobs(&setting, &out)?);
+    }
+    // first those whose specimens others begin with
+    let (mut jobs, mut rest): (Vec<Job>, Vec<Job>) = jobs.into_iter().partition(|job| job.specimen.is_none());
+    let outcomes = args.options.run(&mut jobs)?;
+    rest.retain(|job| job.specimen.as_ref().is_some_and(|file| file.is_file()));
+    let others = if rest.is_empty() { Some(Vec::new()) } else { args.options.run(&mut rest)? };
+    let (Some(mut outcomes), Some(others)) = (outcomes, others) else { return Ok(()) };
+    jobs.extend(rest);
+    outcomes.extend(others);
+    let report = args.report.clone().unwrap_or_else(|| out.join("report"));
+    // tables and figures of two campaigns at once would be written into each other
+    let _alone = Hold::wait_for(&report)?;
+    let files = write(&plan, &out, &report)?;
+    let shown: Vec<PathBuf> = files.into_iter().filter(|f| f.extension().is_none_or(|e| e != "svg" && e != "png")).collect();
+    args.options.close(&jobs, &outcomes, &shown[..2.min(shown.len())])
+}
