@@ -224,7 +224,7 @@ fn is_known(path: &str) -> bool {
     ["base", "material"].contains(&path) || names.contains(&"source") || names.last() == Some(&"base") || of_materials || key(path)
 }
 
-/// A block marked `toml` is TOML and has the keys of scenes and materials only, unless it is marked `toml other`. A block marked `toml scene`
+/// A block marked `toml` is TOML and has the keys of scenes and materials only, unless it is marked `toml other`, or `toml study`, a plan of a study. A block marked `toml scene`
 /// is a scene that `comminute check` accepts: as a file in a folder beside `experiments/`, or one folder deeper where its paths begin with
 /// `../../`. A block marked `toml file=NAME` lies beside the scenes of its page under this name.
 #[test]
@@ -238,7 +238,14 @@ fn every_scene_is_accepted() {
                 Ok(table) => paths(&table.into(), "", &mut found),
                 Err(e) => wrong.push(format!("{}:{}: not TOML: {e}", page.name(), block.line)),
             }
-            let other = block.words.split(' ').any(|w| w == "other");
+            let marked = |word: &str| block.words.split(' ').any(|w| w == word);
+            if marked("study") {
+                let folder = tempfile::tempdir().expect("folder");
+                let path = folder.path().join("plan.toml");
+                fs::write(&path, &block.text).expect("plan");
+                wrong.extend(comminute::study::Plan::read(&path).err().map(|e| format!("{}:{}: {e}", page.name(), block.line)));
+            }
+            let other = marked("other") || marked("study");
             for path in found.iter().filter(|path| !other && !is_known(path)) {
                 wrong.push(format!("{}:{}: there is no key {path}", page.name(), block.line));
             }

@@ -59,6 +59,11 @@ impl Options {
         Ok(())
     }
 
+    /// Whether all runs begin with a specimen from the command line.
+    pub fn gives_specimen(&self) -> bool {
+        self.specimen.is_some()
+    }
+
     /// Lists or runs the jobs; `None` when they were listed.
     pub fn run(&self, jobs: &mut [Job]) -> Result<Option<Vec<Outcome>>> {
         for file in self.data.iter().chain(&self.specimen) {

@@ -2,7 +2,7 @@
 
 use super::campaign::Options;
 use comminute::campaign::{Hold, Job};
-use comminute::error::Result;
+use comminute::error::{Error, Result};
 use comminute::study::{Plan, write};
 use std::path::{Path, PathBuf};
 
@@ -32,6 +32,10 @@ pub struct Args {
 
 pub fn call(args: &Args) -> Result<()> {
     let plan = Plan::read(&args.plan)?;
+    if plan.same_specimens && args.options.gives_specimen() {
+        let message = "cannot stand beside same_specimens = true, by which each seed has a specimen of its own";
+        return Err(Error::input("--specimen", "", None, message));
+    }
     let name = args.plan.file_stem().map_or_else(|| "study".into(), |s| s.to_string_lossy().into_owned());
     let out = args.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
     let mut jobs: Vec<Job> = Vec::new();
