@@ -16,7 +16,7 @@ use comminute::calibrate::{curve::target, grains};
 use comminute::campaign::{grid_points, grid_table, parse_seeds};
 use comminute::error::Result;
 use comminute::material::Material;
-use comminute::{record, reproduce, scene};
+use comminute::{record, reproduce, scene, study};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -331,7 +331,10 @@ fn targets() -> Vec<Target> {
     };
     let kind = |all: Vec<(PathBuf, Vec<u8>)>, scenes: bool| -> Vec<(PathBuf, Vec<u8>)> {
         all.into_iter()
-            .filter(|(p, b)| p.starts_with(Path::new(ROOT).join("tests")) || text(b).contains("[[run]]") != scenes)
+            .filter(|(p, b)| {
+                let plans = ["[[run]]", "[[factor]]"].map(|part| text(b).contains(part));
+                p.starts_with(Path::new(ROOT).join("tests")) || if scenes { plans == [false; 2] } else { plans[0] }
+            })
             .collect()
     };
     let target = |name, short, corpus: Vec<(PathBuf, Vec<u8>)>, words: &[&'static str], read| {
@@ -365,6 +368,10 @@ fn targets() -> Vec<Target> {
         target("plan", 1500, kind(of("experiments", ".toml", "plan"), false), &keys, |f, _, bytes| {
             let plan = reproduce::Plan::read(&f.file("plan.toml", bytes).display().to_string())?;
             plan.runs.iter().try_for_each(|run| plan.jobs(run, Path::new("out")).map(|_| ()))
+        }),
+        target("study", 1000, of("experiments/studies", ".toml", "study"), &keys, |f, _, bytes| {
+            let plan = study::Plan::read(&f.file("study.toml", bytes))?;
+            plan.settings().iter().try_for_each(|setting| plan.jobs(setting, Path::new("out")).map(|_| ()))
         }),
         target("crushing", 1500, own("crushing"), &COLUMNS, |f, _, bytes| {
             grains::data::read(&f.file("crushing.csv", bytes)).map(|_| ())

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// runs of the plan that are done.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example, from the repository root:\n  comminute study experiments/studies/time_step.toml --jobs 2\n  comminute study experiments/studies/time_step.toml --list | parallel -j 8"
+    after_help = "Example, from the repository root:\n  comminute study experiments/studies/coke_numerics.toml --jobs 2\n  comminute study experiments/studies/coke_numerics.toml --list | parallel -j 8"
 )]
 pub struct Args {
     /// Plan of the study (TOML)

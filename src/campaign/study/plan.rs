@@ -113,7 +113,7 @@ pub struct Setting {
     pub levels: Vec<Option<usize>>,
     /// `key=value` laid over the scene.
     pub sets: Vec<String>,
-    /// Whether its runs begin with the specimens of the setting [`SCENE`].
+    /// Whether its runs begin with the specimens of the scene as it is.
     pub borrows: bool,
 }
 
@@ -128,8 +128,9 @@ fn reference() -> String {
     "reference".into()
 }
 
-/// Most settings of a study.
+/// Most settings and most runs of a study.
 const MOST: usize = 1000;
+const MOST_RUNS: usize = 20_000;
 
 impl Setting {
     /// The folder of its runs: its name without signs that folders should not have.
@@ -172,7 +173,6 @@ impl Plan {
         let wrong = |key: String, value: &str, message: &str| {
             Err(Error::input(path.display(), key, Some(value.to_string()), message.to_string()))
         };
-        self.numbers()?;
         if self.factors.is_empty() {
             return wrong("factor".into(), "none", "a study needs at least one [[factor]] with its levels");
         }
@@ -216,6 +216,10 @@ impl Plan {
         };
         if runs > MOST {
             return wrong("factor".into(), &runs.to_string(), &format!("gives more settings than {MOST}"));
+        }
+        let seeds = self.numbers()?.map_or(1, |seeds| seeds.len());
+        if runs * seeds > MOST_RUNS {
+            return wrong("seeds".into(), &self.seeds, &format!("gives more runs than {MOST_RUNS}"));
         }
         let settings = self.settings();
         let folders: Vec<String> = settings.iter().map(Setting::folder).collect();
@@ -369,6 +373,7 @@ mod tests {
             (format!("{HEAD}{TWO}").replace("values = [0.2, 0.4]", ""), "factor[0].key = step: needs either key and values"),
             (format!("design = \"full\"\n{HEAD}{TWO}").replace("[0.2, 0.4]", "[0.2]"), "at least two levels"),
             (format!("seeds = \"3..1\"\n{HEAD}{TWO}"), "counts down"),
+            (format!("seeds = \"1..10000\"\n{HEAD}{TWO}"), "seeds = 1..10000: gives more runs than 20000"),
             (format!("tolerance = {{ k0 = -1.0 }}\n{HEAD}{TWO}"), "tolerance.k0 = -1: must be above 0"),
             (format!("tolerance = {{ colour = 1.0 }}\n{HEAD}{TWO}"), "colour"),
             (format!("{HEAD}{TWO}product_of = [\"step\"]\n"), "needs design = \"fraction\""),
