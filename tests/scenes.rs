@@ -19,8 +19,8 @@ fn scenes() -> Vec<PathBuf> {
     }
     let mut found = Vec::new();
     walk(&Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments"), &mut found);
-    // what lies in no folder is a plan of many runs (tests/reproduce.rs)
-    found.retain(|path| path.parent().is_some_and(|folder| !folder.ends_with("experiments")));
+    // what lies in no folder, or among the studies, is a plan of many runs (tests/reproduce.rs, tests/study.rs)
+    found.retain(|path| path.parent().is_some_and(|folder| !folder.ends_with("experiments") && !folder.ends_with("studies")));
     found.sort();
     assert!(found.len() > 15);
     found
