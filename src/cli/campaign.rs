@@ -1,7 +1,7 @@
 //! Common parts of `ensemble`, `sweep` and `reproduce`: options, running or listing of jobs, and
 //! the closing lines.
 
-use comminute::campaign::{self, Job, Outcome, Vary};
+use comminute::campaign::{self, Hold, Job, Outcome, Vary};
 use comminute::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -46,6 +46,31 @@ pub struct Options {
     json: bool,
 }
 
+/// Folders of the verbs that read a plan.
+#[derive(Debug, clap::Args)]
+pub struct Folders {
+    /// Folder of the runs; runs/ and the name of the plan if not given
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Folder of tables, figures and report; report/ in the folder of the runs if not given
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+impl Folders {
+    /// The folder of the runs of the plan `name`, a file or a name.
+    pub fn runs(&self, name: &Path) -> PathBuf {
+        let stem = name.file_stem().unwrap_or(name.as_os_str());
+        self.out.clone().unwrap_or_else(|| Path::new("runs").join(stem))
+    }
+
+    /// The folder of the report of runs in `out`.
+    pub fn report(&self, out: &Path) -> PathBuf {
+        self.report.clone().unwrap_or_else(|| out.join("report"))
+    }
+}
+
 impl Options {
     /// Refuses seeds that vary specimens only, if all runs begin with the same specimen.
     ///
@@ -84,6 +109,22 @@ impl Options {
         let options =
             campaign::Options { parallel: self.jobs.map_or(0, usize::from), quiet: self.quiet, force: self.force, program: None };
         campaign::run(jobs, &options).map(Some)
+    }
+
+    /// Writes a report into the folder `report`, prints the first `shown` of its tables and pages, and ends as [`Self::close`].
+    pub fn close_with_report(
+        &self,
+        (jobs, outcomes): (&[Job], &[Outcome]),
+        report: &Path,
+        shown: usize,
+        write: impl FnOnce() -> Result<Vec<PathBuf>>,
+    ) -> Result<()> {
+        // tables and figures of two campaigns at once would be written into each other
+        let _alone = Hold::wait_for(report)?;
+        let mut files = write()?;
+        files.retain(|f| f.extension().is_none_or(|e| e != "svg" && e != "png"));
+        files.truncate(shown);
+        self.close(jobs, outcomes, &files)
     }
 
     /// Prints the results and the files, and returns an error if a run failed or was stopped.

@@ -1,10 +1,10 @@
 //! `comminute reproduce PLAN`
 
-use super::campaign::Options;
-use comminute::campaign::{Hold, Job};
+use super::campaign::{Folders, Options};
+use comminute::campaign::Job;
 use comminute::error::{Error, Result};
 use comminute::reproduce::{Plan, gather, write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Make the runs of a paper and compare their results with those published
 ///
@@ -22,13 +22,8 @@ pub struct Args {
     #[arg(long, value_name = "GLOB")]
     only: Vec<String>,
 
-    /// Folder of the runs; runs/ and the name of the plan if not given
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-
-    /// Folder of tables, figures and report; report/ in the folder of the runs if not given
-    #[arg(long, value_name = "DIR")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    folders: Folders,
 
     #[command(flatten)]
     options: Options,
@@ -36,8 +31,7 @@ pub struct Args {
 
 pub fn call(args: &Args) -> Result<()> {
     let plan = Plan::read(&args.plan)?;
-    let name = Path::new(&args.plan).file_stem().map_or_else(|| args.plan.clone(), |s| s.to_string_lossy().into_owned());
-    let out = args.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
+    let out = args.folders.runs(Path::new(&args.plan));
     let ids: Vec<&str> = plan.runs.iter().map(|run| run.id.as_str()).collect();
     let patterns = patterns(&args.only, &ids)?;
     let mut jobs: Vec<Job> = Vec::new();
@@ -52,12 +46,8 @@ pub fn call(args: &Args) -> Result<()> {
         return Err(Error::input("--only", "", Some(args.only.join(" ")), message));
     }
     let Some(outcomes) = args.options.run(&mut jobs)? else { return Ok(()) };
-    let report = args.report.clone().unwrap_or_else(|| out.join("report"));
-    // tables and figures of two campaigns at once would be written into each other
-    let _alone = Hold::wait_for(&report)?;
-    let files = write(&plan, &gather(&plan, &out)?, &report)?;
-    let shown: Vec<PathBuf> = files.into_iter().filter(|f| f.extension().is_none_or(|e| e != "svg" && e != "png")).collect();
-    args.options.close(&jobs, &outcomes, &shown[..3.min(shown.len())])
+    let report = args.folders.report(&out);
+    args.options.close_with_report((&jobs, &outcomes), &report, 3, || write(&plan, &gather(&plan, &out)?, &report))
 }
 
 /// What selects entries of a plan. A text without wildcards that is no entry's name selects all entries whose names contain it.

@@ -1,10 +1,10 @@
 //! `comminute study PLAN`
 
-use super::campaign::Options;
-use comminute::campaign::{Hold, Job};
+use super::campaign::{Folders, Options};
+use comminute::campaign::Job;
 use comminute::error::{Error, Result};
 use comminute::study::{Plan, write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Measure what choices cost: other levels of factors against a reference, with several seeds
 ///
@@ -18,13 +18,8 @@ pub struct Args {
     /// Plan of the study (TOML)
     plan: PathBuf,
 
-    /// Folder of the runs; runs/ and the name of the plan if not given
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-
-    /// Folder of tables, figures and report; report/ in the folder of the runs if not given
-    #[arg(long, value_name = "DIR")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    folders: Folders,
 
     #[command(flatten)]
     options: Options,
@@ -36,8 +31,7 @@ pub fn call(args: &Args) -> Result<()> {
         let message = "cannot stand beside same_specimens = true, by which each seed has a specimen of its own";
         return Err(Error::input("--specimen", "", None, message));
     }
-    let name = args.plan.file_stem().map_or_else(|| "study".into(), |s| s.to_string_lossy().into_owned());
-    let out = args.out.clone().unwrap_or_else(|| Path::new("runs").join(name));
+    let out = args.folders.runs(&args.plan);
     let mut jobs: Vec<Job> = Vec::new();
     for setting in plan.settings() {
         jobs.extend(plan.jobs(&setting, &out)?);
@@ -50,10 +44,6 @@ pub fn call(args: &Args) -> Result<()> {
     let (Some(mut outcomes), Some(others)) = (outcomes, others) else { return Ok(()) };
     jobs.extend(rest);
     outcomes.extend(others);
-    let report = args.report.clone().unwrap_or_else(|| out.join("report"));
-    // tables and figures of two campaigns at once would be written into each other
-    let _alone = Hold::wait_for(&report)?;
-    let files = write(&plan, &out, &report)?;
-    let shown: Vec<PathBuf> = files.into_iter().filter(|f| f.extension().is_none_or(|e| e != "svg" && e != "png")).collect();
-    args.options.close(&jobs, &outcomes, &shown[..2.min(shown.len())])
+    let report = args.folders.report(&out);
+    args.options.close_with_report((&jobs, &outcomes), &report, 2, || write(&plan, &out, &report))
 }

@@ -9,8 +9,9 @@ mod results;
 
 pub use comparison::{Compare, Comparison, Row};
 pub use plan::{Plan, PublishedTest, Run, Statement};
-pub use report::cell;
-pub use results::{Done, gather, loading};
+pub(crate) use report::cell;
+pub(crate) use results::rows;
+pub use results::{Done, gather};
 
 use laboratory::error::{Error, Result};
 use std::path::{Path, PathBuf};

@@ -93,6 +93,14 @@ fn counts(path: &Path) -> Result<Vec<(f64, f64)>> {
 /// # Errors
 /// A file that cannot be read.
 pub fn loading<const N: usize>(path: &Path, names: [&str; N]) -> Result<Vec<[f64; N]>> {
+    rows(path, |stage| stage == "load", names)
+}
+
+/// The same of the rows whose stage is to be kept.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn rows<const N: usize>(path: &Path, keeps: impl Fn(&str) -> bool, names: [&str; N]) -> Result<Vec<[f64; N]>> {
     let wrong = |e: csv::Error| Error::Read { path: path.into(), source: e.into() };
     let mut reader = csv::Reader::from_path(path).map_err(wrong)?;
     let headers = reader.headers().map_err(wrong)?.clone();
@@ -103,7 +111,7 @@ pub fn loading<const N: usize>(path: &Path, names: [&str; N]) -> Result<Vec<[f64
     for row in reader.records() {
         let row = row.map_err(wrong)?;
         let numbers = places.map(|k| row.get(k).and_then(|cell| cell.parse::<f64>().ok()));
-        if row.get(stage) == Some("load") && numbers.iter().all(Option::is_some) {
+        if row.get(stage).is_some_and(&keeps) && numbers.iter().all(Option::is_some) {
             out.push(numbers.map(Option::unwrap_or_default));
         }
     }

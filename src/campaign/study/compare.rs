@@ -3,6 +3,7 @@
 use super::Measure;
 use super::measure::RunData;
 use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::statistics::Statistics;
 
 /// Confidence of intervals.
 const CONFIDENCE: f64 = 0.95;
@@ -10,8 +11,6 @@ const CONFIDENCE: f64 = 0.95;
 /// One measure of all runs of a study: for each setting, the reference first, and each seed its components.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// The measure.
-    pub measure: Measure,
     runs: Vec<Vec<Option<Vec<f64>>>>,
     /// Whether seeds change the runs; without them a difference is exact.
     seeded: bool,
@@ -52,24 +51,15 @@ impl Verdict {
 
 impl Difference {
     /// From the difference of each seed, all of the same length; `None` without seeds.
-    pub(super) fn of(differences: &[Vec<f64>], seeded: bool) -> Option<Difference> {
+    fn of(differences: &[Vec<f64>], seeded: bool) -> Option<Difference> {
         let n = differences.len();
         let length = differences.first()?.len();
-        let mean = |k: usize| differences.iter().map(|d| d[k]).sum::<f64>() / n as f64;
-        let square = |x: f64| x * x;
-        // the square of the standard error of each component
-        let error = |k: usize| differences.iter().map(|d| square(d[k] - mean(k))).sum::<f64>() / ((n - 1) * n) as f64;
-        let over = |of: &dyn Fn(usize) -> f64| (0..length).map(of).sum::<f64>() / length as f64;
-        let size = if length == 1 { mean(0) } else { over(&|k| square(mean(k))).sqrt() };
-        let half_width = match n {
-            1 => {
-                if seeded {
-                    f64::NAN
-                } else {
-                    0.0
-                }
-            }
-            _ => quantile(n - 1) * over(&error).sqrt(),
+        let mean = |k: usize| component(differences, k).mean();
+        let size = if length == 1 { mean(0) } else { mean_over(length, |k| mean(k) * mean(k)).sqrt() };
+        let half_width = match (n, seeded) {
+            (1, true) => f64::NAN,
+            (1, false) => 0.0,
+            _ => quantile(n - 1) * (mean_over(length, |k| component(differences, k).variance()) / n as f64).sqrt(),
         };
         Some(Difference { mean: size, half_width, seeds: n })
     }
@@ -97,11 +87,11 @@ impl Sample {
     pub fn of(measure: Measure, runs: &[Vec<Option<RunData>>], seeded: bool) -> Option<Sample> {
         let runs = measure.of(runs);
         let has = runs.first()?.iter().any(Option::is_some);
-        has.then_some(Sample { measure, runs, seeded })
+        has.then_some(Sample { runs, seeded })
     }
 
     /// The components of the mean over `settings` for each seed that all of them have; `None` for other seeds.
-    pub(super) fn mean_of(&self, settings: &[usize]) -> Vec<Option<Vec<f64>>> {
+    fn mean_of(&self, settings: &[usize]) -> Vec<Option<Vec<f64>>> {
         let seeds = self.runs[0].len();
         let of_seed = |seed: usize| {
             let mut sum: Option<Vec<f64>> = None;
@@ -142,15 +132,20 @@ impl Sample {
 
     /// Standard deviation of the reference over its seeds; of a curve the root of the mean square along it. `None` with a single seed.
     pub fn deviation(&self) -> Option<f64> {
-        let values: Vec<&Vec<f64>> = self.runs[0].iter().flatten().collect();
-        let (n, length) = (values.len(), values.first()?.len());
-        if n < 2 {
-            return None;
-        }
-        let mean = |k: usize| values.iter().map(|v| v[k]).sum::<f64>() / n as f64;
-        let variance = |k: usize| values.iter().map(|v| (v[k] - mean(k)) * (v[k] - mean(k))).sum::<f64>() / (n - 1) as f64;
-        Some(((0..length).map(variance).sum::<f64>() / length as f64).sqrt())
+        let values: Vec<Vec<f64>> = self.runs[0].iter().flatten().cloned().collect();
+        let length = values.first()?.len();
+        (values.len() > 1).then(|| mean_over(length, |k| component(&values, k).variance()).sqrt())
     }
+}
+
+/// Component `k` of each.
+fn component(all: &[Vec<f64>], k: usize) -> impl Iterator<Item = f64> {
+    all.iter().map(move |one| one[k])
+}
+
+/// Mean of a number over so many components.
+fn mean_over(length: usize, of: impl Fn(usize) -> f64) -> f64 {
+    (0..length).map(of).mean()
 }
 
 #[cfg(test)]
@@ -158,7 +153,7 @@ mod tests {
     use super::*;
 
     fn sample(runs: Vec<Vec<Option<Vec<f64>>>>) -> Sample {
-        Sample { measure: Measure::K0, runs, seeded: true }
+        Sample { runs, seeded: true }
     }
 
     #[test]

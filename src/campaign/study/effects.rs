@@ -11,8 +11,6 @@ pub struct Effect {
     /// By how much the measure changes from the factor's first level to this one, on the mean over all levels of the other factors. Of an interaction: by how much
     /// more it changes than the two effects one by one.
     pub difference: Difference,
-    /// Whether two factors act together.
-    pub interaction: bool,
 }
 
 /// Indices of the settings of a factorial in which each of these factors has this level.
@@ -33,37 +31,30 @@ pub fn of(plan: &Plan, settings: &[Setting], sample: &Sample) -> Vec<Effect> {
     };
     let others = |f: usize| 1..plan.factors[f].levels.len();
     let mut effects = Vec::new();
-    let mut add = |name: String, terms: &[(f64, Vec<usize>)], interaction: bool| {
+    let mut add = |name: String, terms: &[(f64, Vec<usize>)]| {
         if let Some(difference) = sample.contrast(terms) {
-            effects.push(Effect { name, difference, interaction });
+            effects.push(Effect { name, difference });
         }
     };
-    for f in 0..plan.factors.len() {
-        for k in others(f) {
-            add(name(f, k), &[(1.0, at(settings, &[(f, k)])), (-1.0, at(settings, &[(f, 0)]))], false);
-        }
+    for (f, k) in (0..plan.factors.len()).flat_map(|f| others(f).map(move |k| (f, k))) {
+        add(name(f, k), &[(1.0, at(settings, &[(f, k)])), (-1.0, at(settings, &[(f, 0)]))]);
     }
+    let both = |[f, g]: [usize; 2], k: usize, l: usize| format!("{} × {}", name(f, k), name(g, l));
     let pairs: Vec<[usize; 2]> = (0..plan.factors.len()).flat_map(|f| (f + 1..plan.factors.len()).map(move |g| [f, g])).collect();
     for (n, &[f, g]) in pairs.iter().enumerate() {
-        let pair = |[f, g]: [usize; 2]| format!("{} × {}", name(f, 1), name(g, 1));
+        let mut also = Vec::new();
         if plan.design == Design::Fraction {
-            let same = |of: &[[usize; 2]]| -> Vec<[usize; 2]> {
-                of.iter().filter(|other| is_the_same(settings, &[&[f, g], &other[..]])).copied().collect()
-            };
+            let same = |pair: &&[usize; 2]| is_the_same(settings, &[&[f, g], &pair[..]]);
             let of_main = (0..plan.factors.len()).any(|h| h != f && h != g && is_the_same(settings, &[&[f, g], &[h]]));
-            if !of_main && same(&pairs[..n]).is_empty() {
-                let names: Vec<String> = std::iter::once([f, g]).chain(same(&pairs[n + 1..])).map(pair).collect();
-                let part = |sign: f64, k: usize, l: usize| (sign, at(settings, &[(f, k), (g, l)]));
-                add(names.join(" or "), &[part(1.0, 1, 1), part(-1.0, 1, 0), part(-1.0, 0, 1), part(1.0, 0, 0)], true);
+            if of_main || pairs[..n].iter().any(|pair| same(&pair)) {
+                continue;
             }
-            continue;
+            also.extend(pairs[n + 1..].iter().filter(same).map(|pair| both(*pair, 1, 1)));
         }
         for (k, l) in others(f).flat_map(|k| others(g).map(move |l| (k, l))) {
             let part = |sign: f64, k: usize, l: usize| (sign, at(settings, &[(f, k), (g, l)]));
-            let terms = [part(1.0, k, l), part(-1.0, k, 0), part(-1.0, 0, l), part(1.0, 0, 0)];
-            if terms.iter().all(|(_, settings)| !settings.is_empty()) {
-                add(format!("{} × {}", name(f, k), name(g, l)), &terms, true);
-            }
+            let names: Vec<String> = std::iter::once(both([f, g], k, l)).chain(also.iter().cloned()).collect();
+            add(names.join(" or "), &[part(1.0, k, l), part(-1.0, k, 0), part(-1.0, 0, l), part(1.0, 0, 0)]);
         }
     }
     effects

@@ -1,7 +1,7 @@
 //! What settings are judged by: numbers and curves that runs leave.
 
-use crate::reproduce::loading;
-use laboratory::error::{Error, Result};
+use crate::reproduce::rows;
+use laboratory::error::Result;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -64,12 +64,14 @@ impl RunData {
             }
             kept
         };
-        let mut test = loading(&history, ["axial_strain", "principal_ratio"])?;
-        if test.is_empty() && summary.get("cell_pressure_kPa").is_some_and(Value::is_number) {
-            test = loading(&history, ["axial_strain", "stress_ratio"])?;
+        // "load" of oedometers and continua, "shear" of triaxial tests of grains
+        let tested = |names| rows(&history, |stage| ["load", "shear"].contains(&stage), names);
+        let mut test = tested(["axial_strain", "principal_ratio"])?;
+        if test.is_empty() {
+            test = tested(["axial_strain", "stress_ratio"])?;
         }
         Ok(RunData {
-            compression: rising(loading(&history, ["sigma_v_kPa", "porosity"])?),
+            compression: rising(tested(["sigma_v_kPa", "porosity"])?),
             test: rising(test),
             gradation: last_gradation(&folder.join("gsd.csv"))?,
             summary,
@@ -88,26 +90,16 @@ impl RunData {
 }
 
 /// Sizes, mm, and shares that pass, of the last gradation of a file; none if there is no such file.
+///
+/// # Errors
+/// A file that cannot be read.
 fn last_gradation(path: &Path) -> Result<Vec<(f64, f64)>> {
     if !path.is_file() {
         return Ok(Vec::new());
     }
-    let wrong = |e: csv::Error| Error::Read { path: path.into(), source: e.into() };
-    let mut reader = csv::Reader::from_path(path).map_err(wrong)?;
-    let headers = reader.headers().map_err(wrong)?.clone();
-    let places = ["step", "diameter_mm", "passing_percent"].map(|name| headers.iter().position(|h| h == name));
-    let [Some(step), Some(size), Some(passing)] = places else { return Ok(Vec::new()) };
-    let mut last: (String, Vec<(f64, f64)>) = Default::default();
-    for row in reader.records() {
-        let row = row.map_err(wrong)?;
-        let number = |k: usize| row.get(k).and_then(|cell| cell.parse::<f64>().ok());
-        let (Some(own), Some(d), Some(p)) = (row.get(step), number(size), number(passing)) else { continue };
-        if own != last.0 {
-            last = (own.to_string(), Vec::new());
-        }
-        last.1.push((d, 0.01 * p));
-    }
-    Ok(last.1)
+    let all = rows(path, |_| true, ["step", "diameter_mm", "passing_percent"])?;
+    let last = all.last().map_or(f64::NAN, |row| row[0]);
+    Ok(all.into_iter().filter(|row| row[0] == last).map(|[_, size, percent]| (size, 0.01 * percent)).collect())
 }
 
 /// The value of a curve at `x`, linear between its points; its first and last value beyond them.
@@ -220,6 +212,18 @@ fn along(runs: &[Vec<Option<RunData>>], of: fn(&RunData) -> &Vec<(f64, f64)>, lo
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Rows of shearing count where grains are sheared, and the last gradation whatever its stage.
+    #[test]
+    fn a_triaxial_test_of_grains_has_its_curve_and_gradation() {
+        let dir = tempfile::tempdir().expect("folder");
+        let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).expect("written");
+        write("history.csv", "stage,axial_strain,stress_ratio\nsettle,0.0,0.5\nshear,0.01,0.8\nshear,0.02,1.1\n");
+        write("gsd.csv", "step,stage,diameter_mm,passing_percent\n0,settle,1,0\n0,settle,2,100\n9,shear,1,20\n9,shear,2,100\n");
+        let run = RunData::read(dir.path(), Value::Null).expect("read");
+        assert_eq!((run.test, run.gradation), (vec![(0.01, 0.8), (0.02, 1.1)], vec![(1.0, 0.2), (2.0, 1.0)]));
+        assert!(run.compression.is_empty());
+    }
 
     #[test]
     fn curves_are_compared_where_the_reference_has_them() {

@@ -69,9 +69,8 @@ pub fn write(plan: &Plan, out: &Path, dir: &Path) -> Result<Vec<PathBuf>> {
         files.push(path);
     }
     let mut drawn = Vec::new();
-    let seeded = plan.numbers()?.is_some();
     for of in &judged {
-        if let Some(graph) = graph(plan, &rows, of, seeded) {
+        if let Some(graph) = graph(plan, &rows, of) {
             drawn.extend(graph.draw(dir)?);
         }
         let shown = strongest(&of.effects);
@@ -160,7 +159,7 @@ fn strongest(effects: &[Effect]) -> Vec<&Effect> {
 }
 
 /// Error against time of one measure.
-fn graph(plan: &Plan, rows: &[Row], of: &Judged, seeded: bool) -> Option<Graph> {
+fn graph(plan: &Plan, rows: &[Row], of: &Judged) -> Option<Graph> {
     let reference = rows[0].seconds?;
     let point = |k: usize| Some((rows[k].seconds? / reference, of.differences[k]?.mean.abs().max(LEAST * of.tolerance)));
     let all: Vec<(f64, f64)> = (1..rows.len()).filter_map(point).collect();
@@ -179,7 +178,7 @@ fn graph(plan: &Plan, rows: &[Row], of: &Judged, seeded: bool) -> Option<Graph> 
     let mut series = vec![line("tolerance", 0, of.tolerance)];
     let mut widths: Vec<f64> = of.differences[1..].iter().flatten().map(|d| d.half_width).filter(|w| *w > 0.0).collect();
     widths.sort_by(f64::total_cmp);
-    if let Some(median) = widths.get(widths.len() / 2).filter(|_| seeded) {
+    if let Some(median) = widths.get(widths.len() / 2) {
         series.push(line("half an interval of 95 %", 1, *median));
     }
     let symbols = |label: Option<String>, n: usize, points: Vec<(f64, f64)>| Drawn {

@@ -376,32 +376,6 @@ mod tests {
         Rule { release_strain: 0.1, law: 0, porosity: 0.4, solid, density: DENSITY, at_rest: false }
     }
 
-    /// A breakage at `position` that lost this mass, kg, at this velocity, m/s.
-    fn breakage(position: [f64; 3], diameter: f64, lost_mass: f64, velocity: [f64; 3]) -> Breakage {
-        Breakage {
-            event: 1,
-            step: 1,
-            mother: 0,
-            generation: 0,
-            lineage: 77,
-            age: 1,
-            diameter,
-            force: 1.0,
-            limit_force: 1.0,
-            area: 1.0,
-            before: 1.0,
-            strength: 1.0,
-            axis: [0.0, 0.0, 1.0],
-            position,
-            lost_mass,
-            smallest: 0.1 * diameter,
-            lost_momentum: velocity.map(|v| lost_mass * v),
-            lost_kinetic: 0.5 * lost_mass * dot(velocity, velocity),
-            stored_before: 0.0,
-            stored_after: 0.0,
-        }
-    }
-
     /// What a breakage leaves: the account, the continuum with its points, and their contacts.
     fn made(
         rule: Rule,
@@ -446,7 +420,7 @@ mod tests {
         let solids = lost / DENSITY;
         let room = 0.6 * solids;
         for (solid, number) in [(room / 4.5, 32), (room / 2.5, 20), (room / 40.5, 41)] {
-            let event = breakage([0.05, 0.1, -0.1], 2.0 * radius, lost, velocity);
+            let event = Breakage::lost([0.05, 0.1, -0.1], 2.0 * radius, lost, velocity);
             let (fines, continuum, contacts) = made(rule(solid), event.clone(), Grains::default(), Vec::new(), continuum(&[]));
             let points = continuum.points();
             // some would be alone in their cells and are left out
@@ -492,7 +466,7 @@ mod tests {
     /// With inertia scaling points begin at rest, and nothing is said of the momentum.
     #[test]
     fn points_at_rest_have_no_momentum() {
-        let event = breakage([0.0; 3], 0.4, 8.0, [0.3, -0.2, 0.1]);
+        let event = Breakage::lost([0.0; 3], 0.4, 8.0, [0.3, -0.2, 0.1]);
         let (fines, continuum, _) =
             made(Rule { at_rest: true, ..rule(5e-4) }, event, Grains::default(), Vec::new(), continuum(&[]));
         assert!(!continuum.points().is_empty());
@@ -506,7 +480,7 @@ mod tests {
         let lost = 8.0;
         let room = 0.6 * lost / DENSITY;
         for (share, points) in [(7.9, true), (8.1, false)] {
-            let event = breakage([0.0; 3], 0.2, lost, [0.0; 3]);
+            let event = Breakage::lost([0.0; 3], 0.2, lost, [0.0; 3]);
             // one point alone in its cell would be dropped: there are others beside
             let others: Vec<Point> = (0..27)
                 .map(|k| point([f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9)].map(|x| 0.125 * x - 0.12), [0.0; 3]))
@@ -525,7 +499,7 @@ mod tests {
     fn points_find_room_between_grains_and_walls() {
         let at = [0.1, 0.0, 0.1];
         let grains = grain(at, [0.0; 3], [0.0; 3], &physics(ContactLaw::Hertz));
-        let event = breakage([0.1, 0.0, 0.15], 0.4, 8.0, [0.0; 3]);
+        let event = Breakage::lost([0.1, 0.0, 0.15], 0.4, 8.0, [0.0; 3]);
         let (fines, continuum, _) = made(rule(5e-4), event, grains.clone(), vec![floor(0.0)], continuum(&[]));
         assert!(fines.points > 5, "{}", fines.points);
         let ghost = ghost_radius(Dimension::Space, continuum.points().solid(0));
@@ -536,7 +510,7 @@ mod tests {
             assert!(dot(d, d).sqrt() - grains.radius(0) >= (1.0 - DEEPEST) * ghost && p[2] >= ghost, "{p:?}");
         }
         // at the edge of the grid: inside of it
-        let event = breakage([0.95, 0.0, -0.95], 0.4, 8.0, [0.0; 3]);
+        let event = Breakage::lost([0.95, 0.0, -0.95], 0.4, 8.0, [0.0; 3]);
         let (fines, continuum, _) = made(rule(5e-4), event, Grains::default(), Vec::new(), continuum_without_points());
         assert!(fines.points > 2);
         for i in 0..continuum.points().len() {
@@ -581,7 +555,7 @@ mod tests {
         let taken = 8.0 * others[0].volume;
         let all: Vec<Point> = others.into_iter().chain([far]).collect();
         near(volume_of_points(&continuum(&all), [0.0; 3], 0.2), taken);
-        let event = breakage([0.0; 3], 0.4, 8.0, [0.0; 3]);
+        let event = Breakage::lost([0.0; 3], 0.4, 8.0, [0.0; 3]);
         let (fines, _, _) = made(rule(5e-4), event, Grains::default(), Vec::new(), continuum(&all));
         let room = 0.6 * (8.0 / DENSITY - taken);
         // as many as 8 room/solid, at most 32
@@ -592,7 +566,7 @@ mod tests {
     /// A point alone in its cell would move with a node of hardly any mass: there are at least two in every cell.
     #[test]
     fn no_point_is_alone_in_its_cell() {
-        let event = breakage([0.02, 0.01, -0.03], 0.4, 8.0, [0.0; 3]);
+        let event = Breakage::lost([0.02, 0.01, -0.03], 0.4, 8.0, [0.0; 3]);
         // twelve points, in a sphere of 34 cells
         let (fines, continuum, _) = made(rule(0.6 * 8.0 / DENSITY / 1.5), event, Grains::default(), Vec::new(), continuum(&[]));
         let cell = |i: usize| place(&continuum, i).map(|x| ((x + 1.0) / 0.125).floor() as i32);
@@ -612,7 +586,7 @@ mod tests {
             c.keep_transport_velocity();
             c
         };
-        let event = breakage([0.0; 3], 0.4, 8.0, [0.0; 3]);
+        let event = Breakage::lost([0.0; 3], 0.4, 8.0, [0.0; 3]);
         let lift = |c: &Continuum| (0..c.points().len()).map(|i| 10.0 * c.points().velocity[i][3] * place(c, i)[2]).sum::<f64>();
         let (all, rich, _) =
             made(rule(2e-4), Breakage { stored_before: 100.0, ..event.clone() }, Grains::default(), Vec::new(), open());
@@ -627,7 +601,7 @@ mod tests {
     /// A point that has been pushed through a wall returns to the reserve with its mass and momentum; points of the scene stay.
     #[test]
     fn points_behind_a_wall_return_to_the_reserve() {
-        let event = breakage([0.0; 3], 0.4, 8.0, [0.3, -0.2, 0.1]);
+        let event = Breakage::lost([0.0; 3], 0.4, 8.0, [0.3, -0.2, 0.1]);
         let scene = point([0.7, 0.7, 0.7], [0.0; 3]);
         let (mut fines, mut continuum, mut contacts) = made(rule(5e-4), event, Grains::default(), Vec::new(), continuum(&[scene]));
         let (points, entered) = (fines.points, fines.entered);
@@ -645,7 +619,7 @@ mod tests {
         fines.remove_points(|_| false, &mut continuum, &mut contacts);
         assert_eq!(continuum.points().len(), left);
         // with inertia scaling the real mass counts, not the inertial one
-        let event = breakage([0.0; 3], 0.4, 8.0, [0.0; 3]);
+        let event = Breakage::lost([0.0; 3], 0.4, 8.0, [0.0; 3]);
         let (mut fines, mut continuum, mut contacts) =
             made(Rule { at_rest: true, ..rule(5e-4) }, event, Grains::default(), Vec::new(), continuum_without_points());
         let real = fines.entered.mass;

@@ -65,6 +65,33 @@ pub struct Breakage {
 }
 
 impl Breakage {
+    /// A breakage at `position`, m, of a grain of this diameter, m, that has lost so much mass, kg, at this velocity, m/s: for tests.
+    #[cfg(test)]
+    pub fn lost(position: [f64; 3], diameter: f64, lost_mass: f64, velocity: [f64; 3]) -> Breakage {
+        Breakage {
+            event: 1,
+            step: 1,
+            mother: 0,
+            generation: 0,
+            lineage: 77,
+            age: 1,
+            diameter,
+            force: 1.0,
+            limit_force: 1.0,
+            area: 1.0,
+            before: 1.0,
+            strength: 1.0,
+            axis: [0.0, 0.0, 1.0],
+            position,
+            lost_mass,
+            smallest: 0.1 * diameter,
+            lost_momentum: velocity.map(|v| lost_mass * v),
+            lost_kinetic: 0.5 * lost_mass * velocity.map(|v| v * v).iter().sum::<f64>(),
+            stored_before: 0.0,
+            stored_after: 0.0,
+        }
+    }
+
     /// Checks the numbers from which points are made ([`crate::coupling::FinesAsPoints`]).
     ///
     /// # Errors

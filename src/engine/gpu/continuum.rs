@@ -462,7 +462,7 @@ impl DeviceContinuum {
     /// Whether the last batch has ended early because a loading plate has passed a point, where points from breakages are taken out then. Further batches do nothing until
     /// [`Self::reload`] has been called.
     pub fn passed(&self) -> bool {
-        self.bodies.as_ref().is_some_and(|b| b.fines) && self.status.fault % 8 == PASSED && self.status.fault != u32::MAX
+        self.bodies.as_ref().is_some_and(|b| b.row.has_fines()) && self.status.fault % 8 == PASSED && self.status.fault != u32::MAX
     }
 
     /// Whether the last batch has ended early because a grain fails. Further batches do nothing until [`Self::reload`] has been called.

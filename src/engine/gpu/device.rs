@@ -156,7 +156,10 @@ impl Device {
     }
 
     /// As [`Self::read`], each part from a byte of its buffer on: buffer, first byte, number of bytes.
-    fn read_parts(&self, parts: &[(&wgpu::Buffer, u64, u64)], step: u64) -> Result<Vec<u8>> {
+    ///
+    /// # Errors
+    /// The device is lost.
+    pub fn read_parts(&self, parts: &[(&wgpu::Buffer, u64, u64)], step: u64) -> Result<Vec<u8>> {
         let size = parts.iter().map(|(.., size)| size).sum();
         let lost =
             |what: &str| failed(step, format!("the graphics device cannot be read: {what}; the state of the last record is kept"));
@@ -182,14 +185,6 @@ impl Device {
         let bytes = staging.get_mapped_range(..).map_err(|e| lost(&e.to_string()))?.to_vec();
         self.healthy(step)?;
         Ok(bytes)
-    }
-
-    /// Waits for the device and copies `size` bytes of a buffer, from the byte `at` on.
-    ///
-    /// # Errors
-    /// The device is lost.
-    pub fn read_from(&self, buffer: &wgpu::Buffer, at: u64, size: u64, step: u64) -> Result<Vec<u8>> {
-        self.read_parts(&[(buffer, at, size)], step)
     }
 
     /// Waits for a submission, or, with `None`, for all of them.

@@ -36,6 +36,11 @@ impl RowShape {
             places: if coarse.physics.crush.is_some() { MANY_PLACES } else { PLACES },
         }
     }
+
+    /// Whether points come from breakages.
+    pub fn has_fines(self) -> bool {
+        self.planes == WITH_FINES
+    }
 }
 
 /// What stays the same during one batch of steps with grains.

@@ -72,8 +72,6 @@ pub struct Bodies {
     sizes: GrainBufferSizes,
     /// Shape of the rows of points.
     pub row: RowShape,
-    /// Whether points come from breakages.
-    pub fines: bool,
     points: usize,
     /// Work of each wall at the time the state was copied to the device, J.
     work: Vec<f64>,
@@ -291,8 +289,8 @@ impl Bodies {
             lists: device.empty("lists", sizes.lists, Usage::STORAGE),
             transport: device.buffer("transport", bytemuck::cast_slice(&transport), storage),
         })?;
-        let (points, safety, fines) = (points.len(), physics.stepping.safety, mixture.fines.is_some());
-        Ok(Bodies { buffers, coupling, mix, sizes, row, fines, points, work, safety })
+        let (points, safety) = (points.len(), physics.stepping.safety);
+        Ok(Bodies { buffers, coupling, mix, sizes, row, points, work, safety })
     }
 
     /// Memory on the device, bytes.
@@ -516,12 +514,12 @@ impl Bodies {
     /// # Errors
     /// The device is lost.
     pub fn take_released(&self, device: &Device, step: u64) -> Result<f64> {
-        if !self.fines {
+        if !self.row.has_fines() {
             return Ok(0.0);
         }
         let used = self.mix.rows.min(self.coupling.rows) as usize;
         let (at, size) = (16 * self.owners() as u64, 16 * used as u64);
-        let bytes = device.read_from(&self.buffers.rows, at, size, step)?;
+        let bytes = device.read_parts(&[(&self.buffers.rows, at, size)], step)?;
         let mut owners: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
         let mut gains: Vec<(u32, f64)> = owners
             .iter()

@@ -7,37 +7,10 @@ use crate::coupling::exchange::ExchangedContact;
 use crate::dem::Workspace;
 use crate::dem::event::Breakage;
 use crate::gpu::continuum::DeviceContinuum;
-use crate::math::vector::dot;
 use crate::mpm::LoadingPlate;
 
 /// Points have 0.075 l of solids, grains a density of 2500 kg/m³.
 const RULE: Rule = Rule { release_strain: 0.2, law: 0, porosity: 0.4, solid: 7.5e-5, density: 2500.0, at_rest: false };
-
-/// A breakage at `position`, m, that has lost so much mass, kg, at `velocity`, m/s.
-fn breakage(position: [f64; 3], lost_mass: f64, velocity: [f64; 3]) -> Breakage {
-    Breakage {
-        event: 1,
-        step: 1,
-        mother: 7,
-        generation: 0,
-        lineage: 77,
-        age: 1,
-        diameter: 0.2,
-        force: 1.0,
-        limit_force: 1.0,
-        area: 1.0,
-        before: 1.0,
-        strength: 1.0,
-        axis: [0.0, 0.0, 1.0],
-        position,
-        lost_mass,
-        smallest: 0.02,
-        lost_momentum: velocity.map(|v| lost_mass * v),
-        lost_kinetic: 0.5 * lost_mass * dot(velocity, velocity),
-        stored_before: 1.0,
-        stored_after: 0.0,
-    }
-}
 
 /// Another one in the same state.
 fn twin(of: &Impact) -> Impact {
@@ -63,7 +36,7 @@ fn overlaps_without_force_shrink_as_on_the_processor() {
     }
     const STEPS: u32 = 20;
     let mut here = Impact::new(Some(RULE));
-    here.mixture.lose(&[Breakage { diameter: 0.36, ..breakage([0.503, 0.497, 0.455], 40.0, [0.0; 3]) }]);
+    here.mixture.lose(&[Breakage::lost([0.503, 0.497, 0.455], 0.36, 40.0, [0.0; 3])]);
     here.forces();
     here.cycles(3);
     let number = here.mixture.fines.as_ref().map_or(0, |f| f.points);
@@ -108,7 +81,7 @@ fn points_behind_a_platen_are_taken_out() {
     let mut here = Impact::new(Some(RULE));
     let top = LoadingPlate::new(&here.continuum, [0.5, 0.5, 0.8], [0.0, 0.0, -1.0], 1e2);
     here.plates.push(top);
-    here.mixture.lose(&[breakage([0.4, 0.5, 0.72], 1.0, [0.0, 0.0, 60.0])]);
+    here.mixture.lose(&[Breakage::lost([0.4, 0.5, 0.72], 0.2, 1.0, [0.0, 0.0, 60.0])]);
     here.forces();
     here.cycles(1);
     let number = |of: &Impact| of.mixture.fines.as_ref().map_or(0, |f| f.points);
