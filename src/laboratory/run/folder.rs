@@ -9,6 +9,7 @@ use serde_json::Value;
 use std::fs::{File, TryLockError};
 use std::io::Write;
 use std::path::Path;
+use std::time::Duration;
 
 /// What a folder holds of the run of a given scene ([`look`]).
 #[derive(Clone, Debug, PartialEq)]
@@ -48,9 +49,8 @@ pub fn look(out: &Path, scene: &Scene, model: &Model) -> Result<Found> {
     {
         return Ok(Found::Other(format!("it began with another specimen than {}", file.display())));
     }
-    if lock(out).is_err() {
-        return Ok(Found::Busy);
-    }
+    // shared: whoever looks at the same moment is no run
+    let Ok(_free) = attempt(out, File::try_lock_shared) else { return Ok(Found::Busy) };
     if checkpoint::exists(out) {
         return Ok(Found::Unfinished);
     }
@@ -104,16 +104,31 @@ pub struct Lock {
 }
 
 /// Locks the folder of a run, if it holds one. The lock is on `scene.resolved.toml` and makes no file of its own. On file systems
-/// without locks nothing is locked.
+/// without locks nothing is locked. Waits for who only looks.
 ///
 /// # Errors
 /// [`Error::Busy`] when another process runs there, or has removed the file to begin a run.
 pub fn lock(out: &Path) -> Result<Lock> {
+    for _ in 0..LOOKS {
+        if let Ok(lock) = attempt(out, File::try_lock) {
+            return Ok(lock);
+        }
+        std::thread::sleep(LOOK);
+    }
+    attempt(out, File::try_lock)
+}
+
+/// Time in which a process has looked at a folder, and how often it is waited for.
+const LOOK: Duration = Duration::from_millis(10);
+const LOOKS: usize = 50;
+
+/// Takes the lock that `kind` is, alone or shared.
+fn attempt(out: &Path, kind: fn(&File) -> std::result::Result<(), TryLockError>) -> Result<Lock> {
     let path = out.join(RESOLVED);
     let Ok(file) = File::options().read(true).write(true).open(&path) else {
         return Ok(Lock { _file: None });
     };
-    match file.try_lock() {
+    match kind(&file) {
         Err(TryLockError::WouldBlock) => Err(Error::Busy { path: out.into() }),
         Err(TryLockError::Error(_)) => Ok(Lock { _file: None }),
         Ok(()) if is_at(&file, &path) => Ok(Lock { _file: Some(file) }),
@@ -179,6 +194,24 @@ mod tests {
         assert!(matches!(lock(dir.path()), Err(Error::Busy { .. })));
         drop(first);
         assert!(lock(dir.path()).is_ok());
+    }
+
+    /// Of campaigns that look at one folder none takes another for the run, and the run waits for them.
+    #[test]
+    fn who_looks_is_no_run() {
+        let dir = tempfile::tempdir().expect("folder");
+        std::fs::write(dir.path().join(RESOLVED), "").expect("scene");
+        let looks = attempt(dir.path(), File::try_lock_shared).expect("free");
+        assert!(attempt(dir.path(), File::try_lock_shared).is_ok());
+        assert!(attempt(dir.path(), File::try_lock).is_err());
+        std::thread::scope(|scope| {
+            let run = scope.spawn(|| lock(dir.path()));
+            std::thread::sleep(3 * LOOK);
+            drop(looks);
+            assert!(run.join().expect("no panic").is_ok());
+        });
+        let _run = lock(dir.path()).expect("free");
+        assert!(attempt(dir.path(), File::try_lock_shared).is_err(), "a run is seen by who looks");
     }
 
     /// What was opened before another process removed it says nothing about the run that this process then began.
