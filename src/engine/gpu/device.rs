@@ -2,7 +2,7 @@
 
 use super::bounds::WIDE;
 use crate::error::{Error, Result};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wgpu::util::DeviceExt;
 
 /// A graphics adapter.
@@ -26,19 +26,28 @@ pub fn available() -> Option<Adapter> {
     adapter().ok().map(|adapter| Adapter::of(&adapter))
 }
 
+/// The entry to the graphics drivers, one for the whole process: some drivers do not stand being loaded and unloaded many times, nor by
+/// several threads at once (measured with NVIDIA's, version 580: no adapter any more after some twenty times, and crashes).
+fn instance() -> &'static wgpu::Instance {
+    static INSTANCE: OnceLock<wgpu::Instance> = OnceLock::new();
+    INSTANCE.get_or_init(|| {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = wgpu::Backends::PRIMARY;
+        // no validation layers, in builds with and without debug information alike
+        descriptor.flags = wgpu::InstanceFlags::empty();
+        descriptor.memory_budget_thresholds =
+            wgpu::MemoryBudgetThresholds { for_resource_creation: Some(95), for_device_loss: None };
+        wgpu::Instance::new(descriptor)
+    })
+}
+
 /// The adapter that suits best.
 ///
 /// # Errors
 /// There is none.
 pub(super) fn adapter() -> Result<wgpu::Adapter> {
-    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = wgpu::Backends::PRIMARY;
-    // no validation layers, in builds with and without debug information alike
-    descriptor.flags = wgpu::InstanceFlags::empty();
-    descriptor.memory_budget_thresholds = wgpu::MemoryBudgetThresholds { for_resource_creation: Some(95), for_device_loss: None };
-    let instance = wgpu::Instance::new(descriptor);
     let options = wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
-    pollster::block_on(instance.request_adapter(&options)).map_err(|_| {
+    pollster::block_on(instance().request_adapter(&options)).map_err(|_| {
         let message = "found no graphics adapter (Vulkan, Metal or Direct3D 12): install a driver (Debian's mesa-vulkan-drivers has one that \
                        computes on the processor) or use the processor";
         Error::Device(Box::new(Error::refused("gpu", "", None, message)))

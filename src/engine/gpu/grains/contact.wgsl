@@ -314,5 +314,14 @@ fn contact_force(m: ContactGeometry, r_eff: f32, m_eff: f32, motion: RelativeMot
             tangent *= limit / sqrt(both2);
         }
     }
-    return Contact(spring, low, n, force, tangent, m.overlap, e.y);
+    return rounded(Contact(spring, low, n, force, tangent, m.overlap, e.y));
+}
+
+// The contact itself, with the numbers as they are stored. A compiler may fuse a product with a sum that takes it (fma), and the product is then not rounded: without this
+// a step that computes a contact and one that reads it from memory could give forces that differ by rounding, and a resumed run other bits than one that was not stopped.
+fn rounded(c: Contact) -> Contact {
+    let spring = keep(vec4<f32>(c.spring, c.stiffness));
+    let normal = keep(vec4<f32>(c.normal, c.force));
+    let tangent = keep(vec4<f32>(c.tangent, c.overlap));
+    return Contact(spring.xyz, c.low, normal.xyz, normal.w, tangent.xyz, tangent.w, spring.w);
 }
