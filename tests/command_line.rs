@@ -46,6 +46,18 @@ fn check_says_what_the_run_would_be() {
         .stderr(contains("walls.friction.cylinder = 0"));
 }
 
+/// A level of accuracy sets numerical keys that the scene does not have, and says so; a wrong word, and a kind of scene that has no levels, are refused.
+#[test]
+fn check_says_what_a_level_of_accuracy_sets() {
+    let draft = ["check", COKE, "--accuracy", "draft"];
+    comminute(&draft).success().stderr(contains("accuracy = \"draft\": within").and(contains("loading.pace = 0.01  (five times")));
+    let own = [&draft[..], &["--set", "loading.pace=0.004"]].concat();
+    comminute(&own).success().stderr(contains("loading.pace = 0.01").not().and(contains("loading.max_lag = 0.05")));
+    comminute(&["check", COKE]).success().stderr(contains("accuracy").not());
+    refused(&["check", COKE, "--accuracy", "fast"], "accuracy = \"fast\"");
+    refused(&["check", "experiments/free/box_settling.toml", "--accuracy", "draft"], "accuracy");
+}
+
 #[test]
 fn check_warns_of_unloading_with_a_kept_tangential_force() {
     let stages = ["check", COKE, "--set", "loading.stages_kPa=[100.0, 4000.0]"];

@@ -90,6 +90,7 @@ fn as_json(scene: &Scene, model: &Model, estimate: &Estimate) -> String {
         "estimate": estimate,
         "assumed": scene::assumptions(scene),
         "decisions": scene::decisions(scene),
+        "accuracy": model.accuracy.map(|level| json!({ "level": level.word, "promise": level.promise, "sets": scene::set_by_accuracy(scene) })),
     });
     format!("{object:#}")
 }
@@ -102,6 +103,12 @@ fn as_text(scene: &Scene, model: &Model, estimate: &Estimate) -> String {
     if !assumed.is_empty() {
         text += "\nassumed values (no paper gives them):\n";
         for a in assumed {
+            let _ = writeln!(text, "  {} = {}  ({})", a.key, scene::shown(&a.value), a.source);
+        }
+    }
+    if let Some(level) = model.accuracy {
+        let _ = writeln!(text, "\naccuracy = \"{}\": {}; it sets", level.word, level.promise.in_words());
+        for a in scene::set_by_accuracy(scene) {
             let _ = writeln!(text, "  {} = {}  ({})", a.key, scene::shown(&a.value), a.source);
         }
     }

@@ -119,6 +119,10 @@ pub struct Overrides {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub sets: Vec<String>,
 
+    /// Numerical keys that the scene does not set: draft, standard or reference, as the key `accuracy`
+    #[arg(long, value_name = "LEVEL")]
+    pub accuracy: Option<String>,
+
     /// Seed of both random streams
     #[arg(long, value_name = "N", conflicts_with_all = ["seed_packing", "seed_strength"])]
     pub seed: Option<u64>,
@@ -159,6 +163,7 @@ impl Overrides {
         let mut sets = self.sets.clone();
         let packing = self.seed.or(self.seed_packing);
         let strength = self.seed.or(self.seed_strength);
+        sets.extend(self.accuracy.iter().map(|level| format!("accuracy={level}")));
         sets.extend(packing.map(|n| format!("seed.packing={n}")));
         sets.extend(strength.map(|n| format!("seed.strength={n}")));
         scene::load(path, &sets)

@@ -7,6 +7,7 @@ pub mod validity;
 
 use crate::error::{Error, Result};
 use crate::rig::preparation::range::Range;
+use crate::scene::Level;
 use engine::boundary::WallSpec;
 use engine::breakage::lost_mass::Fines;
 use engine::coupling::Embedding;
@@ -32,6 +33,8 @@ pub struct Model {
     pub rig: Rig,
     /// What is recorded, and when.
     pub records: Records,
+    /// The level of accuracy that the scene asks for.
+    pub accuracy: Option<&'static Level>,
 }
 
 impl Model {

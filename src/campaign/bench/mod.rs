@@ -193,6 +193,7 @@ pub fn model(case: Case, grains: usize, law: ContactLaw, skin: f64) -> Model {
             figures: false,
             checkpoint_seconds: f64::INFINITY,
         },
+        accuracy: None,
     }
 }
 

@@ -1,6 +1,7 @@
 //! How well a test has held its stress and remained quasi-static, over every step and not only at records.
 
 use crate::rig::cylinder::Stresses;
+use crate::scene::Level;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -68,6 +69,21 @@ impl Held {
         if self.waiting > self.longest {
             (self.longest, self.longest_at) = (self.waiting, now.target);
         }
+    }
+
+    /// Whether the platens' stresses have differed by no more than the level allows, in any step.
+    pub fn keeps(&self, level: &Level) -> bool {
+        self.platens <= level.promise.platen_difference
+    }
+
+    /// The entry `accuracy` of `summary.json`: what the level promises, and whether the platens have been as close to balance as that asks for.
+    pub fn against(&self, level: &Level) -> Value {
+        json!({
+            "level": level.word,
+            "promise": level.promise,
+            "largest_platen_difference": self.platens,
+            "kept": self.keeps(level),
+        })
     }
 
     /// The entry `held_every_step` of `summary.json`.

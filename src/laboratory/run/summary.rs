@@ -7,6 +7,7 @@ use crate::model::{Model, Rig};
 use crate::record::checkpoint;
 use crate::record::cylinder::{BelowLeast, Recorder};
 use crate::rig::preparation::range::void_ratio;
+use crate::scene::Level;
 use engine::breakage::lost_mass::excluded_grains;
 use engine::dem::Workspace;
 use serde_json::{Map, Value, json};
@@ -86,6 +87,9 @@ fn summary(model: &Model, progress: &Progress, work: &Workspace) -> Value {
     }
     if let (Activity::Testing(_), Some(_)) = (&progress.activity, model.rig.compression()) {
         put("held_every_step", recorder.held.summary());
+        if let Some(level) = model.accuracy {
+            put("accuracy", recorder.held.against(level));
+        }
     }
     if model.physics.crush.is_some() {
         put("breakages", recorder.broken.summary());
@@ -96,7 +100,7 @@ fn summary(model: &Model, progress: &Progress, work: &Workspace) -> Value {
     if model.records.energy && model.physics.crush.as_ref().is_some_and(|crush| crush.keeps_mass) {
         put("growth_over_wall_work", json!(growth));
     }
-    put("warnings", json!(warnings(recorder, growth)));
+    put("warnings", json!(warnings(recorder, growth, model.accuracy)));
     put("energy_rises", json!(state.ledger.rises));
     let lost: f64 = state.lost.iter().map(|l| l.0).sum();
     put("mass_lost_kg", json!(lost));
@@ -118,10 +122,16 @@ const DEEP: f64 = 0.5;
 /// Work of growing daughters over the work of the walls above which the summary warns.
 const GROWN: f64 = 0.25;
 
-/// Warnings for the reader of the results. `growth`: work of growing daughters over the work of the walls. The texts stand in
+/// Warnings for the reader of the results. `growth`: work of growing daughters over the work of the walls; `accuracy`: the level that the scene asks for. The texts stand in
 /// `summary.json`, whose bytes the golden runs compare.
-fn warnings(recorder: &Recorder, growth: f64) -> Vec<String> {
+fn warnings(recorder: &Recorder, growth: f64, accuracy: Option<&Level>) -> Vec<String> {
     let mut warnings = recorder.broken.warnings();
+    if let Some(level) = accuracy.filter(|level| !recorder.held.keeps(level)) {
+        warnings.push(format!(
+            "the stresses on the platens differed by more than the {} of their mean that accuracy = \"{}\" allows: load more slowly, or ask for more accuracy",
+            level.promise.platen_difference, level.word
+        ));
+    }
     if recorder.deepest > DEEP {
         warnings.push(format!(
             "the deepest contact overlapped by {:.2} of the smaller grain's radius: fragments below the comminution limit cannot break and are pressed into \

@@ -47,6 +47,7 @@ impl View<'_> {
             scale: 1.0,
             rig: Rig::Continuum(Box::new(rig)),
             records,
+            accuracy: None,
         })
     }
 

@@ -1,6 +1,7 @@
 //! The table of all keys of scenes and materials: for each key the allowed values, the default, the kinds of scenes that have the
 //! key, and its meaning. `comminute check --keys` prints it.
 
+use super::accuracy::WORDS;
 use super::schema::{Default, KIND_WORDS, Key, Of, Range, Shape};
 
 use engine::breakage::Criterion;
@@ -241,6 +242,12 @@ const OWN: &[Key] = &[
     ),
     every("name", Name, Absent, "name in legends and records; the file's own name if not written"),
     every("description", Text, Is("\"\""), "one line about the scene"),
+    oedometer(
+        "accuracy",
+        Choice(&WORDS),
+        Absent,
+        "sets the numerical keys that the scene does not set itself, never a physical one: draft, for a first look; standard; reference, to measure the others against. `check` says what it sets and why",
+    ),
     free("gravity_m_s2", VECTOR, Is("[0, 0, 0]"), "gravity"),
     free("duration_s", Number(POSITIVE), Absent, "time simulated; or `steps`"),
     free("steps", COUNT, Absent, "steps simulated; or `duration_s`"),

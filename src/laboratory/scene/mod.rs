@@ -1,6 +1,7 @@
 //! What the user wrote: scene and material files with overrides ([`load`]), and the one gate from there to a
 //! [`Model`] ([`model`]).
 
+mod accuracy;
 mod assembly;
 mod blocks;
 mod bodies;
@@ -35,6 +36,7 @@ mod validate;
 pub(crate) mod view;
 mod write;
 
+pub use accuracy::{Level, Promise, set_by_accuracy};
 pub use calibrate::{Calibrated, Prior};
 pub use continuum::{ContinuumMaterial, continuum};
 pub use continuum_estimate::Points;
@@ -133,6 +135,7 @@ fn complete(path: &Path, mut layer: Layer, sets: &[String]) -> Result<Scene> {
     if !layer.table.contains_key("name") {
         layer.table.insert("name".into(), Value::String(stem(path)));
     }
+    accuracy::fill(&mut layer);
     import::grains(&mut layer)?;
     point_cloud::points(&mut layer)?;
     validate::validate(&mut layer)?;

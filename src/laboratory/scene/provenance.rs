@@ -6,14 +6,14 @@ use super::view::View;
 use serde::Serialize;
 use toml::{Table, Value};
 
-/// A value whose source begins with "assumed".
+/// A value with its source: one that is assumed, or that a level of accuracy has set.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Assumption {
     /// Dotted key.
     pub key: String,
     /// Value in the unit of the key.
     pub value: Value,
-    /// Source as written; begins with "assumed".
+    /// Source as written.
     pub source: String,
 }
 
@@ -30,27 +30,34 @@ pub struct Decision {
 
 /// Every assumed value of a scene and its materials.
 pub fn assumptions(scene: &Scene) -> Vec<Assumption> {
-    let mut found = Vec::new();
-    collect(&scene.layer.table, "", &mut found);
-    found
+    sourced(scene, ASSUMED)
 }
 
 /// Every assumed value of the table at `at`.
 pub fn assumed_in(table: &Table, at: &str) -> Vec<Assumption> {
     let mut found = Vec::new();
-    collect(table, at, &mut found);
+    collect(table, at, ASSUMED, &mut found);
     found
 }
 
-fn collect(table: &Table, at: &str, found: &mut Vec<Assumption>) {
-    let assumed = |s: &str| s.trim_start().to_lowercase().starts_with("assumed");
+/// Every value of a scene and its materials whose source begins with these words, in small letters.
+pub fn sourced(scene: &Scene, words: &str) -> Vec<Assumption> {
+    let mut found = Vec::new();
+    collect(&scene.layer.table, "", words, &mut found);
+    found
+}
+
+/// How the source of a value begins that no paper gives.
+const ASSUMED: &str = "assumed";
+
+fn collect(table: &Table, at: &str, words: &str, found: &mut Vec<Assumption>) {
     for (name, value) in table {
         let key = join(at, name);
         if name == "source" {
             continue;
         }
         if let Value::Table(inner) = value {
-            collect(inner, &key, found);
+            collect(inner, &key, words, found);
             continue;
         }
         let source = match table.get("source") {
@@ -58,7 +65,7 @@ fn collect(table: &Table, at: &str, found: &mut Vec<Assumption>) {
             Some(Value::Table(by_key)) => by_key.get(name).and_then(Value::as_str).unwrap_or(""),
             _ => "",
         };
-        if assumed(source) {
+        if source.trim_start().to_lowercase().starts_with(words) {
             found.push(Assumption { key, value: value.clone(), source: source.into() });
         }
     }

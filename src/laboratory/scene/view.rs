@@ -1,5 +1,6 @@
 //! Reads the values of a validated scene, in SI units, and collects errors: values that are missing, or that contradict others.
 
+use super::accuracy::Level;
 use super::layers::{Layer, shown};
 use super::schema::unit;
 use super::validate::TOLD;
@@ -197,6 +198,7 @@ impl<'a> View<'a> {
             scale: self.scale(),
             rig,
             records: self.records()?,
+            accuracy: Level::of(self.text("accuracy")),
         })
     }
 
