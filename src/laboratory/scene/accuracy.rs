@@ -79,6 +79,7 @@ const LEVELS: [Level; 3] = [
         word: "reference",
         keys: &[
             ("stepping", "safety", "0.4", "half the usual step"),
+            ("preparation", "max_steps", "800000", "with half the step the specimen takes more of them to come to rest"),
             ("loading", "programme", "\"adaptive\"", "the stress rises while the specimen is in balance"),
             ("loading", "pace", "0.0005", "a quarter of the usual share of the stress in a step"),
             ("loading", "max_inertial_number", "0.0004", "half the usual speed of the platen"),
