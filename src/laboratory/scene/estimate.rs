@@ -78,6 +78,12 @@ pub fn estimate(model: &Model) -> Estimate {
     estimate
 }
 
+/// Time that the run of `model` is expected to take on one thread, s. `prepared`: it begins with a specimen that is made already.
+pub fn predicted_seconds(model: &Model, prepared: bool) -> f64 {
+    let estimate = without_strength(model);
+    estimate.seconds - if prepared { estimate.preparation_seconds } else { 0.0 }
+}
+
 /// The estimate without the crushing strength of single grains.
 fn without_strength(model: &Model) -> Estimate {
     let (smallest, largest) = extremes(&model.rig);
