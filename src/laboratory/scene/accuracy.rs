@@ -98,10 +98,8 @@ impl Level {
     }
 }
 
-/// The beginning of the source of a value that a level has set.
-fn source(word: &str) -> String {
-    format!("set by accuracy = \"{word}\": ")
-}
+/// How the source of a value begins that a level has set.
+const SET: &str = "set by accuracy";
 
 /// Sets the keys of the scene's level that it does not have itself. A word that is no level is refused later, with what is allowed.
 pub fn fill(layer: &mut Layer) {
@@ -116,7 +114,7 @@ pub fn fill(layer: &mut Layer) {
         let Some(values) = entry.as_table_mut().filter(|values| !values.contains_key(*key)) else { continue };
         values.insert((*key).into(), value.parse().expect("a value in TOML"));
         if let Value::Table(sources) = values.entry("source").or_insert_with(|| Value::Table(Table::new())) {
-            sources.insert((*key).into(), Value::String(source(level.word) + why));
+            sources.insert((*key).into(), Value::String(format!("{SET} = \"{}\": {why}", level.word)));
         }
         let place = format!("accuracy = \"{}\"", level.word);
         layer.note(&format!("{table}.{key}"), Origin { place, key: format!("{table}.{key}") });
@@ -125,8 +123,7 @@ pub fn fill(layer: &mut Layer) {
 
 /// What the level of a scene has set, with the reasons; empty for a scene without one.
 pub fn set_by_accuracy(scene: &Scene) -> Vec<Assumption> {
-    let prefix = "set by accuracy";
-    let mut found = sourced(scene, prefix);
+    let mut found = sourced(scene, SET);
     for value in &mut found {
         value.source = value.source.split_once(": ").map_or("", |(_, why)| why).to_string();
     }
