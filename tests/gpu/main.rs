@@ -5,6 +5,8 @@
 
 #[path = "../../src/engine/gpu/tests/adapter.rs"]
 mod adapter;
+#[path = "../../src/engine/gpu/tests/band.rs"]
+mod band;
 #[path = "../common/mod.rs"]
 mod common;
 mod laws;

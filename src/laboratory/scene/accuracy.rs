@@ -68,7 +68,7 @@ const LEVELS: [Level; 3] = [
             ("stepping", "safety", "0.8", "half the step gives the same curve"),
             ("loading", "programme", "\"adaptive\"", "0.6 of the steps of eq. 18, and nowhere seen to differ from it"),
             ("loading", "pace", "0.002", "the platens stay in balance"),
-            ("loading", "max_inertial_number", "0.0008", "twice as fast is not seen, more than twice is: more breakages"),
+            ("loading", "max_inertial_number", "0.0008", "0.002 and more give more breakages"),
             ("loading", "inertial_number", "0.0003", "well below 0.001, where loading is quasi-static"),
             ("loading", "max_lag", "0.015", "platens within 1.5 % of the target"),
             ("crushing", "interval", "1", "grains are judged in every step"),

@@ -1,6 +1,6 @@
 //! Rung 2: laws in f32 against f64, and their shader against f32.
 
-use super::{JUMPS, adapter, changing_pyramids, clays, laws, pyramids};
+use super::{JUMPS, adapter, band, changing_pyramids, clays, laws, pyramids};
 use crate::gpu::device::Device;
 use crate::gpu::exact;
 use crate::gpu::law::stress_step;
@@ -298,8 +298,10 @@ fn from_twin(law: &Law, law32: &Law32, case: &Case, [[a, b, c, made], [d, e, f, 
     Some([size(&apart) / scale, f64::from((made - plastic).abs()) * case.modulus(law) / scale])
 }
 
-/// Largest distance between device and twin, ulp of the trial. Graphics hardware may be 2.5 ulp off in a division (Vulkan); measured: 8.4 on an H100.
-const NEAR: f64 = 16.0;
+/// Largest distance between device and twin, ulp of the trial. Measured: 2.1 on software, 8.4 on an H100.
+fn near() -> f64 {
+    band(8.0, 16.0)
+}
 
 /// Rung 2b: the shader and its twin, within some units in the last place of the trial stress; compensated sums to the bit.
 #[test]
@@ -313,6 +315,7 @@ fn laws_on_the_device_follow_their_twin() {
     let cases = [cases(1000), at_pyramids(2000)].concat();
     let results = on_device(&device, LAW_TEST, &laws32, &cases);
     let mut worst = vec![[0.0_f64; 2]; laws.len()];
+    let near = near();
     for (case, rows) in cases.iter().zip(results.as_chunks::<2>().0) {
         assert_eq!(
             rows[1][3].to_bits(),
@@ -321,7 +324,7 @@ fn laws_on_the_device_follow_their_twin() {
         );
         let k = case.law as usize;
         let Some(found) = from_twin(&laws[k], &laws32[k], case, *rows) else { continue };
-        assert!(found.iter().all(|ulp| *ulp < NEAR), "{:?}: stress and plastic strain {found:?} ulp: {rows:?}", laws[k]);
+        assert!(found.iter().all(|ulp| *ulp < near), "{:?}: stress and plastic strain {found:?} ulp: {rows:?}", laws[k]);
         worst[k] = std::array::from_fn(|i| worst[k][i].max(found[i]));
     }
     println!("rung 2b, largest in stress and plastic strain of each law, ulp of the trial: {worst:.2?}");
@@ -336,6 +339,7 @@ fn a_wrong_word_in_a_law_is_found() {
     let device = Device::open(false).expect("device");
     let laws = laws();
     let laws32: Vec<Law32> = laws.iter().map(Law32::from).collect();
+    let near = near();
     let cases = [cases(200), at_pyramids(400)].concat();
     for (of, instead, word) in [
         ("dilation_factor * max(alpha - laws[id].critical, 0.0)", "dilation_factor * alpha", "drucker_prager"),
@@ -353,7 +357,7 @@ fn a_wrong_word_in_a_law_is_found() {
         let wrong = cases.iter().zip(results.as_chunks::<2>().0).any(|(case, rows)| {
             let k = case.law as usize;
             let found = from_twin(&laws[k], &laws32[k], case, *rows);
-            laws[k].word() == word && found.is_some_and(|ulp| !ulp.iter().all(|ulp| *ulp < NEAR))
+            laws[k].word() == word && found.is_some_and(|ulp| !ulp.iter().all(|ulp| *ulp < near))
         });
         assert!(wrong, "{instead}");
     }

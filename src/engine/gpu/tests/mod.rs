@@ -1,6 +1,7 @@
 //! Parity of the graphics path with f64: rungs 2 (`law.rs`) and 3 (`step.rs`, `faces.rs`, `fines.rs`); indices (`bounds.rs`) and operations (`work.rs`) of the shaders.
 
 mod adapter;
+mod band;
 mod bounds;
 mod faces;
 mod fines;
@@ -9,6 +10,7 @@ mod step;
 mod work;
 
 pub use adapter::adapter;
+pub use band::band;
 
 use crate::gpu;
 use crate::mpm::law::{Clay, Dilation, Elastic, Evolution, Law, Parameters, Shear};

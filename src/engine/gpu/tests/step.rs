@@ -1,6 +1,6 @@
 //! Rung 3: nodes, loading plates and one step against f64.
 
-use super::{JUMPS, adapter, clays, laws};
+use super::{JUMPS, adapter, band, clays, laws};
 use crate::gpu::continuum::{DeviceContinuum, Saved};
 use crate::gpu::state::ghost_radius;
 use crate::mpm::law::{Elastic, Law};
@@ -357,8 +357,8 @@ fn a_shell_presses_as_in_f64() {
         "rung 3, shell, 200 steps: reactions {in_reaction:e}, velocity {v:e} m/s, place {x:e} cells, stress {s:e} Pa, plastic strain {p:e}, volume {w:e}"
     );
     assert_eq!((pressed, plates[0].reaction, gpu.plates()[0].reaction), (6, 0.0, 0.0), "they press, and let go");
-    // an H100, with divisions and roots some ulp off: reactions 2.3e-5
-    assert!(in_reaction < 1e-4 && v < 1e-5 && x < 1e-6 && s < 1.0 && p < 1e-6 && w < 1e-6);
+    // reactions 2.3e-5 on an H100
+    assert!(in_reaction < band(1e-5, 1e-4) && v < 1e-5 && x < 1e-6 && s < 1.0 && p < 1e-6 && w < 1e-6);
 }
 
 /// Rung 3 over 200 steps: a column of soil between a floor and a loading plate that takes up its speed, and side loading plates that hold a stress, against the same law of motion
