@@ -402,7 +402,7 @@ impl Fines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use engine::mpm::law::{DruckerPrager, Evolution, InternalVariables};
+    use engine::mpm::law::{ConstitutiveLaw, DruckerPrager, Evolution, InternalVariables};
 
     /// A test computed with the law, whose lateral strain keeps the cell pressure constant, gives
     /// the parameters of the law back; so does one with dilation that ends with softening, and each rule is nearer to the volume of its own.

@@ -34,6 +34,7 @@ fn bits(c: &Continuum) -> Vec<u64> {
         let i = i as usize;
         bits.push(u64::from(p.id[i]));
         bits.extend(p.position[i].iter().chain(&p.velocity[i]).chain(&p.stress[i]).map(|x| x.to_bits()));
+        bits.extend([p.memory[i].plastic, p.memory[i].gap].map(f64::to_bits));
         bits.extend(p.affine.get(i).into_iter().flatten().flatten().map(|x| x.to_bits()));
     }
     bits

@@ -30,6 +30,10 @@ fn cohesionless_sand_is_pulled_apart_without_tension() {
             let most = c.points().stress.iter().map(|s| (s[0] + s[1] + s[2]) / 3.0).fold(f64::NEG_INFINITY, f64::max);
             assert!(most <= 1e-6, "mean tension of {most} Pa");
         }
+        // what flies apart leaves gaps: its volume stays that of the soil, and the stable step with it
+        let (points, gaps) = (c.points(), c.points().memory.iter().map(|m| m.gap));
+        let grown = (0..points.len()).map(|i| points.position[i][3] / points.initial_volume[i]).fold(0.0, f64::max);
+        assert!(gaps.fold(0.0, f64::max) > 0.3 && grown < 1.0 + 1e-3, "{grown}");
         let end = c.totals();
         assert!(end.kinetic <= start.kinetic * (1.0 + 1e-12), "{} of {}", end.kinetic, start.kinetic);
         assert!((0..3).all(|a| (end.momentum[a] - start.momentum[a]).abs() < 1e-12 * start.mass));

@@ -2,7 +2,7 @@
 //! its logarithm, and what the return takes from the deviator from the flow, where the surface gives it as a small difference. So rounding neither adds up in the
 //! volume, which ties the pressure to the preconsolidation pressure, nor in the flow; how far a stress is from the ellipse is rounding and does not add up.
 
-use super::law::{Sym32, exponential};
+use super::law::{Step, Sym32, exponential};
 use super::layout::Law32;
 use std::f32::consts::LN_2;
 
@@ -111,8 +111,8 @@ fn returned(law: &Law32, trial: &Trial) -> Returned {
     Returned { growth: x, less: -gone }
 }
 
-/// Increments of stress, Pa, and of the plastic compression; `before`: stress, Pa, already rotated with the material.
-pub fn cam_clay(law: &Law32, before: &Sym32, strain: &Sym32, plastic: f32) -> (Sym32, f32) {
+/// The increments of stress, plastic compression and gap; `before`: stress, Pa, already rotated with the material.
+pub fn cam_clay(law: &Law32, before: &Sym32, strain: &Sym32, plastic: f32) -> Step {
     let c = &law.clay;
     let mean = (before[0] + before[1] + before[2]) * -0.333_333_33;
     let p = mean.max(LEAST * c.preconsolidation);
@@ -120,7 +120,11 @@ pub fn cam_clay(law: &Law32, before: &Sym32, strain: &Sym32, plastic: f32) -> (S
     let v = volume(law, height, plastic);
     let trace = strain[0] + strain[1] + strain[2];
     // the elastic change of ln p, from that of the specific volume, which is not below 1
-    let rise = ((-v * trace).min(v - 1.0) / c.swelling_slope).clamp(-MOST, MOST).max(LN_LEAST - height);
+    let asked = ((-v * trace).min(v - 1.0) / c.swelling_slope).clamp(-MOST, MOST);
+    let least = LN_LEAST - height;
+    let rise = asked.max(least);
+    // what is pulled further apart opens
+    let followed = if asked < least { -least * c.swelling_slope / v } else { trace };
     let shear = shear_modulus(law, p, v);
     let elastic = deviator(strain).map(|e| 2.0 * shear * e);
     let own = deviator(before);
@@ -136,14 +140,14 @@ pub fn cam_clay(law: &Law32, before: &Sym32, strain: &Sym32, plastic: f32) -> (S
         let trial = Trial {
             critical: (height - hardening + LN_2) + rise,
             ratio,
-            elastic: c.slope * c.slope * (v + v * trace).max(1.0),
+            elastic: c.slope * c.slope * (v + v * followed).max(1.0),
             plastic: 6.0 * shear * c.swelling_slope * c.ratio / p_c,
         };
         end = returned(law, &trial);
     }
-    let pressure = p * less_one((rise - c.ratio * end.growth).max(LN_LEAST - height)) + (p - mean);
+    let pressure = p * less_one((rise - c.ratio * end.growth).max(least)) + (p - mean);
     let stress = std::array::from_fn(|k| elastic[k] + (deviator[k] * end.less - if k < 3 { pressure } else { 0.0 }));
-    (stress, end.growth / c.per_plastic)
+    Step { stress, plastic: end.growth / c.per_plastic, gap: trace - followed }
 }
 
 /// The deviator, from differences of normal components, so that a large mean does not spoil its digits.

@@ -126,7 +126,10 @@ fn cam_clay(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     let height = logarithm(p / c.preconsolidation);
     let v = clay_volume(id, height, plastic);
     let trace = strain.normal.x + strain.normal.y + strain.normal.z;
-    let rise = max(clamp(min(-v * trace, v - 1.0) / c.swelling_slope, -MOST, MOST), LN_LEAST - height);
+    let asked = clamp(min(-v * trace, v - 1.0) / c.swelling_slope, -MOST, MOST);
+    let least = LN_LEAST - height;
+    let rise = max(asked, least);
+    let followed = select(trace, -least * c.swelling_slope / v, asked < least);
     let shear = clay_moduli(id, p, v).shear;
     let d = before.normal - before.normal.yzx;
     let by = strain.normal - strain.normal.yzx;
@@ -141,11 +144,12 @@ fn cam_clay(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     if ratio * ratio > high * (1.0 - high) {
         let critical = (height - hardening + LN_2) + rise;
         let hard = 6.0 * shear * c.swelling_slope * c.ratio / p_c;
-        end = clay_returned(id, ClayTrial(critical, ratio, c.slope * c.slope * max(v + v * trace, 1.0), hard));
+        end = clay_returned(id, ClayTrial(critical, ratio, c.slope * c.slope * max(v + v * followed, 1.0), hard));
     }
-    let pressure = p * less_one(max(rise - c.ratio * end.growth, LN_LEAST - height)) + (p - mean);
+    let pressure = p * less_one(max(rise - c.ratio * end.growth, least)) + (p - mean);
     return Step(
         Sym(elastic.normal + (deviator.normal * end.less - vec3<f32>(pressure)), elastic.shear + deviator.shear * end.less),
         end.growth / c.per_plastic,
+        trace - followed,
     );
 }

@@ -1,6 +1,6 @@
 //! Stress increments of the laws in f32, for tests. Twin of `law.wgsl`; what the functions compute is said in `mpm::law`, which has the same names.
 //!
-//! All results are increments: of the stress, and of the plastic strain. They are added up in compensated sums. A new stress computed as a whole would have the
+//! All results are increments: of the stress, the plastic strain and the gap. They are added up in compensated sums. A new stress computed as a whole would have the
 //! rounding error of its size in each step, which is larger than the increment of a small step.
 
 use super::cam_clay::cam_clay;
@@ -35,8 +35,16 @@ struct Flow {
 
 const NONE: Returned = Returned { di1: 0.0, dj: 0.0, on_cone: false };
 
-/// Increments of stress, Pa, and plastic strain for the strain increment `strain`; `before`, Pa: stress, already rotated with the material.
-pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (Sym32, f32) {
+/// Increments of stress, Pa, of plastic strain, and of the gap by what the soil does not follow.
+pub struct Step {
+    pub stress: Sym32,
+    pub plastic: f32,
+    pub gap: f32,
+}
+
+/// The increments for the strain increment `strain` of soil without a gap, or with one that its tension opens further; `before`, Pa: stress, already rotated with the
+/// material.
+pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> Step {
     if law.kind == 3 {
         return cam_clay(law, &before, &strain, plastic);
     }
@@ -45,7 +53,7 @@ pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (
     let volume = lame * (strain[0] + strain[1] + strain[2]);
     let elastic: Sym32 = std::array::from_fn(|k| two_g * strain[k] + if k < 3 { volume } else { 0.0 });
     if law.kind == 0 {
-        return (elastic, 0.0);
+        return Step { stress: elastic, plastic: 0.0, gap: 0.0 };
     }
     let trial: Sym32 = std::array::from_fn(|k| before[k] + elastic[k]);
     let i1 = trial[0] + trial[1] + trial[2];
@@ -56,14 +64,14 @@ pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (
     let deviator = [(d[0] - d[2]) * 0.333_333_33, (d[1] - d[0]) * 0.333_333_33, (d[2] - d[1]) * 0.333_333_33];
     if law.kind == 2 {
         if inside(law, YieldParameters { alpha: law.last_alpha, kappa: law.last_kappa }, i1, j) {
-            return (elastic, 0.0);
+            return Step { stress: elastic, plastic: 0.0, gap: 0.0 };
         }
         let [a, b, c] = deviator;
         return mohr_coulomb(law, elastic, &[a, b, c, trial[3], trial[4], trial[5]], i1 * 0.333_333_33, plastic);
     }
     let (strength, slope) = surface(law, plastic);
     if inside(law, strength, i1, j) {
-        return (elastic, 0.0);
+        return Step { stress: elastic, plastic: 0.0, gap: 0.0 };
     }
     let (end, plastic) = if plastic >= law.settled {
         let end = returned(law, strength, i1, j);
@@ -74,7 +82,8 @@ pub fn stress_step(law: &Law32, before: Sym32, strain: Sym32, plastic: f32) -> (
     let share = if j > 0.0 { end.dj / j } else { 0.0 };
     let mean = end.di1 * 0.333_333_33;
     let stress = std::array::from_fn(|k| elastic[k] + if k < 3 { deviator[k] * share + mean } else { trial[k] * share });
-    (stress, plastic)
+    let gap = if end.on_cone { 0.0 } else { -end.di1 / (3.0 * law.bulk) };
+    Step { stress, plastic, gap }
 }
 
 /// Sine of an angle in −π/2..π/2 by its Taylor series: the sine of the device may have errors up to 2⁻¹¹.

@@ -9,6 +9,7 @@ struct Sym {
 struct Step {
     stress: Sym,
     plastic: f32,
+    gap: f32,
 }
 
 struct YieldParameters {
@@ -264,7 +265,7 @@ fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     let volume = lame * (strain.normal.x + strain.normal.y + strain.normal.z);
     let elastic = Sym(vec3<f32>(volume) + two_g * strain.normal, two_g * strain.shear);
     if !YIELDS || laws[id].kind == 0u {
-        return Step(elastic, 0.0);
+        return Step(elastic, 0.0, 0.0);
     }
     let normal = before.normal + elastic.normal;
     let shear = before.shear + elastic.shear;
@@ -276,14 +277,14 @@ fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     if MOHR_COULOMB {
         if laws[id].kind == 2u {
             if inside(id, YieldParameters(laws[id].last_alpha, laws[id].last_kappa), i1, j) {
-                return Step(elastic, 0.0);
+                return Step(elastic, 0.0, 0.0);
             }
             return mohr_coulomb(id, elastic, Sym(deviator, shear), i1 * 0.33333333, plastic);
         }
     }
     let now = surface(id, plastic);
     if inside(id, now.yield_parameters, i1, j) {
-        return Step(elastic, 0.0);
+        return Step(elastic, 0.0, 0.0);
     }
     var end = Hardened(Returned(0.0, 0.0, false), 0.0);
     if plastic >= laws[id].settled {
@@ -297,5 +298,6 @@ fn stress_step(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
         share = end.end.dj / j;
     }
     let mean = end.end.di1 * 0.33333333;
-    return Step(Sym(elastic.normal + (deviator * share + vec3<f32>(mean)), elastic.shear + shear * share), end.plastic);
+    let gap = select(-end.end.di1 / (3.0 * laws[id].bulk), 0.0, end.end.on_cone);
+    return Step(Sym(elastic.normal + (deviator * share + vec3<f32>(mean)), elastic.shear + shear * share), end.plastic, gap);
 }

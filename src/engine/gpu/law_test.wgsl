@@ -22,7 +22,8 @@ fn run(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let c = cases[i];
     let step = stress_step(c.law, Sym(c.normal, c.shear), Sym(c.strain_normal, c.strain_shear), c.plastic);
-    results[2u * i] = vec4<f32>(step.stress.normal, step.plastic);
+    results[3u * i] = vec4<f32>(step.stress.normal, step.plastic);
     let sum = add(vec4<f32>(c.normal, 0.0), vec4<f32>(0.0), vec4<f32>(c.strain_normal, 0.0));
-    results[2u * i + 1u] = vec4<f32>(step.stress.shear, sum.low.x);
+    results[3u * i + 1u] = vec4<f32>(step.stress.shear, sum.low.x);
+    results[3u * i + 2u] = vec4<f32>(step.gap, 0.0, 0.0, 0.0);
 }

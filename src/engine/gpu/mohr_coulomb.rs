@@ -2,7 +2,7 @@
 //! principal values of the deviator, so that a large pressure does not spoil their digits; changes of stress instead of new stresses; and differences of multipliers
 //! at an edge from the gap between the two principal stresses that it closes, not from two numbers of nearly the same size.
 
-use super::law::{Sym32, evolution_at, potential_slope, sine};
+use super::law::{Step, Sym32, evolution_at, potential_slope, sine};
 use super::layout::{HUGE, Law32};
 
 /// A symmetric tensor on its way to its principal axes: entries on and off the diagonal (xx, yy, zz and xy, yz, zx) in the axes.
@@ -62,10 +62,11 @@ struct Pyramid {
     apex: f32,
 }
 
-/// Changes of the principal stresses in a return, Pa, and its plastic strain.
+/// Changes of the principal stresses in a return, Pa, its plastic strain, and what opens at the apex.
 struct PyramidReturn {
     by: [f32; 3],
     plastic: f32,
+    gap: f32,
 }
 
 /// The pyramid at a plastic strain.
@@ -85,9 +86,9 @@ fn pyramid_at(law: &Law32, plastic: f32) -> Pyramid {
     Pyramid { sin_friction: law.sin_friction, sin_dilation: law.sin_dilation, strength: law.strength, apex: law.apex }
 }
 
-/// Changes of the principal stresses, Pa, in the return of a trial stress by which the yield function is `excess` > 0. `s`: principal values of its deviator, Pa;
+/// Changes of the principal stresses, Pa, and of the gap, in the return of a trial stress by which the yield function is `excess` > 0. `s`: principal values of its deviator, Pa;
 /// `mean`: its mean stress, Pa.
-fn correction(law: &Law32, pyramid: &Pyramid, [a, b, c]: [f32; 3], mean: f32, excess: f32) -> [f32; 3] {
+fn correction(law: &Law32, pyramid: &Pyramid, [a, b, c]: [f32; 3], mean: f32, excess: f32) -> ([f32; 3], f32) {
     let (sine, flow, g) = (pyramid.sin_friction, pyramid.sin_dilation, law.shear);
     let swell = 2.0 * law.bulk * flow;
     let largest = -(2.0 * g * (1.0 + flow * 0.333_333_33) + swell);
@@ -97,7 +98,7 @@ fn correction(law: &Law32, pyramid: &Pyramid, [a, b, c]: [f32; 3], mean: f32, ex
     let (upper, lower) = (a - b, b - c);
     let m = excess / own;
     if upper >= 2.0 * g * (1.0 + flow) * m && lower >= 2.0 * g * (1.0 - flow) * m {
-        return [largest * m, other * m, smallest * m];
+        return ([largest * m, other * m, smallest * m], 0.0);
     }
     let extension = upper - lower - flow * (a - c) > 0.0;
     let (sign, gap) = if extension { (1.0, lower) } else { (-1.0, upper) };
@@ -105,26 +106,26 @@ fn correction(law: &Law32, pyramid: &Pyramid, [a, b, c]: [f32; 3], mean: f32, ex
     // sum of the multipliers of both planes; their difference is what closes the gap
     let sum = (2.0 * excess - gap * (1.0 - sign * sine)) / (own + across);
     if mean - swell * sum > pyramid.apex {
-        return [a, b, c].map(|s| (pyramid.apex - mean) - s);
+        return ([a, b, c].map(|s| (pyramid.apex - mean) - s), (mean - pyramid.apex) / law.bulk);
     }
     if extension {
         let both = (other + smallest) * sum;
-        return [largest * sum, 0.5 * (both - gap), 0.5 * (both + gap)];
+        return ([largest * sum, 0.5 * (both - gap), 0.5 * (both + gap)], 0.0);
     }
     let both = (largest + other) * sum;
-    [0.5 * (both - gap), 0.5 * (both + gap), smallest * sum]
+    ([0.5 * (both - gap), 0.5 * (both + gap), smallest * sum], 0.0)
 }
 
 /// The return to a pyramid that stays; nothing for a trial stress inside of it.
 fn return_to(law: &Law32, pyramid: &Pyramid, [a, b, c]: [f32; 3], mean: f32) -> PyramidReturn {
     let excess = (a - c) + ((a + c) + 2.0 * mean) * pyramid.sin_friction - pyramid.strength;
     if excess <= 0.0 {
-        return PyramidReturn { by: [0.0; 3], plastic: 0.0 };
+        return PyramidReturn { by: [0.0; 3], plastic: 0.0, gap: 0.0 };
     }
-    let by = correction(law, pyramid, [a, b, c], mean, excess);
+    let (by, gap) = correction(law, pyramid, [a, b, c], mean, excess);
     let middle = (by[0] + by[1] + by[2]) * 0.333_333_33;
     let [x, y, z] = by.map(|d| (d - middle) / (2.0 * law.shear) + middle / (3.0 * law.bulk));
-    PyramidReturn { by, plastic: (0.666_666_7 * (x * x + y * y + z * z)).sqrt() }
+    PyramidReturn { by, plastic: (0.666_666_7 * (x * x + y * y + z * z)).sqrt(), gap }
 }
 
 /// As `MohrCoulomb::hardened`; the unknown is the increment of the plastic strain. `first`: the increment of the return to the pyramid at `before`.
@@ -168,11 +169,11 @@ fn hardened_pyramid(law: &Law32, s: [f32; 3], mean: f32, before: f32, first: f32
             stayed = -1;
         }
     }
-    PyramidReturn { by: found.by, plastic: high }
+    PyramidReturn { plastic: high, ..found }
 }
 
-/// Increments of stress, Pa, and plastic strain. `elastic`: increment of the trial stress, Pa; `deviator`, `mean`: of the trial stress, Pa.
-pub fn mohr_coulomb(law: &Law32, elastic: Sym32, deviator: &Sym32, mean: f32, plastic: f32) -> (Sym32, f32) {
+/// The increments of stress, plastic strain and gap. `elastic`: increment of the trial stress, Pa; `deviator`, `mean`: of the trial stress, Pa.
+pub fn mohr_coulomb(law: &Law32, elastic: Sym32, deviator: &Sym32, mean: f32, plastic: f32) -> Step {
     let Turned { on, axes: [u, v, w], .. } = principal(deviator);
     let mut end = return_to(law, &pyramid_at(law, plastic), on, mean);
     if plastic < law.settled && end.plastic > 0.0 {
@@ -183,5 +184,5 @@ pub fn mohr_coulomb(law: &Law32, elastic: Sym32, deviator: &Sym32, mean: f32, pl
         let (i, j) = if k < 3 { (k, k) } else { (k - 3, (k - 2) % 3) };
         elastic[k] + (by[0] * (u[i] * u[j]) + by[1] * (v[i] * v[j]) + by[2] * (w[i] * w[j]))
     });
-    (stress, end.plastic)
+    Step { stress, plastic: end.plastic, gap: end.gap }
 }

@@ -62,10 +62,11 @@ struct Pyramid {
     apex: f32,
 }
 
-// Changes of the principal stresses in a return, Pa, and its plastic strain.
+// Changes of the principal stresses in a return, Pa, its plastic strain, and what opens at the apex.
 struct PyramidReturn {
     by: vec3<f32>,
     plastic: f32,
+    gap: f32,
 }
 
 fn pyramid_at(id: u32, plastic: f32) -> Pyramid {
@@ -90,7 +91,7 @@ fn pyramid_at(id: u32, plastic: f32) -> Pyramid {
     return Pyramid(laws[id].sin_friction, laws[id].sin_dilation, laws[id].strength, laws[id].apex);
 }
 
-fn correction(id: u32, pyramid: Pyramid, s: vec3<f32>, mean: f32, excess: f32) -> vec3<f32> {
+fn correction(id: u32, pyramid: Pyramid, s: vec3<f32>, mean: f32, excess: f32) -> vec4<f32> {
     let sine = pyramid.sin_friction;
     let flow = pyramid.sin_dilation;
     let g = laws[id].shear;
@@ -103,7 +104,7 @@ fn correction(id: u32, pyramid: Pyramid, s: vec3<f32>, mean: f32, excess: f32) -
     let lower = s.y - s.z;
     let m = excess / own;
     if upper >= 2.0 * g * (1.0 + flow) * m && lower >= 2.0 * g * (1.0 - flow) * m {
-        return vec3<f32>(largest, other, smallest) * m;
+        return vec4<f32>(vec3<f32>(largest, other, smallest) * m, 0.0);
     }
     let extension = upper - lower - flow * (s.x - s.z) > 0.0;
     let sign = select(-1.0, 1.0, extension);
@@ -111,25 +112,26 @@ fn correction(id: u32, pyramid: Pyramid, s: vec3<f32>, mean: f32, excess: f32) -
     let across = 2.0 * g * (1.0 + sign * (sine + flow) - sine * flow * 0.33333333) + 2.0 * swell * sine;
     let sum = (2.0 * excess - gap * (1.0 - sign * sine)) / (own + across);
     if mean - swell * sum > pyramid.apex {
-        return vec3<f32>(pyramid.apex - mean) - s;
+        return vec4<f32>(vec3<f32>(pyramid.apex - mean) - s, (mean - pyramid.apex) / laws[id].bulk);
     }
     if extension {
         let both = (other + smallest) * sum;
-        return vec3<f32>(largest * sum, 0.5 * (both - gap), 0.5 * (both + gap));
+        return vec4<f32>(largest * sum, 0.5 * (both - gap), 0.5 * (both + gap), 0.0);
     }
     let both = (largest + other) * sum;
-    return vec3<f32>(0.5 * (both - gap), 0.5 * (both + gap), smallest * sum);
+    return vec4<f32>(0.5 * (both - gap), 0.5 * (both + gap), smallest * sum, 0.0);
 }
 
 fn return_to(id: u32, pyramid: Pyramid, s: vec3<f32>, mean: f32) -> PyramidReturn {
     let excess = (s.x - s.z) + ((s.x + s.z) + 2.0 * mean) * pyramid.sin_friction - pyramid.strength;
     if excess <= 0.0 {
-        return PyramidReturn(vec3<f32>(0.0), 0.0);
+        return PyramidReturn(vec3<f32>(0.0), 0.0, 0.0);
     }
-    let by = correction(id, pyramid, s, mean, excess);
+    let change = correction(id, pyramid, s, mean, excess);
+    let by = change.xyz;
     let middle = (by.x + by.y + by.z) * 0.33333333;
     let plastic = (by - middle) / (2.0 * laws[id].shear) + vec3<f32>(middle / (3.0 * laws[id].bulk));
-    return PyramidReturn(by, sqrt(0.66666667 * (plastic.x * plastic.x + plastic.y * plastic.y + plastic.z * plastic.z)));
+    return PyramidReturn(by, sqrt(0.66666667 * (plastic.x * plastic.x + plastic.y * plastic.y + plastic.z * plastic.z)), change.w);
 }
 
 fn hardened_pyramid(id: u32, s: vec3<f32>, mean: f32, before: f32, first: f32) -> PyramidReturn {
@@ -180,7 +182,7 @@ fn hardened_pyramid(id: u32, s: vec3<f32>, mean: f32, before: f32, first: f32) -
             stayed = -1;
         }
     }
-    return PyramidReturn(found.by, high);
+    return PyramidReturn(found.by, high, found.gap);
 }
 
 fn mohr_coulomb(id: u32, elastic: Sym, deviator: Sym, mean: f32, plastic: f32) -> Step {
@@ -198,5 +200,6 @@ fn mohr_coulomb(id: u32, elastic: Sym, deviator: Sym, mean: f32, plastic: f32) -
             elastic.shear + (by.x * (a.u * a.u.yzx) + by.y * (a.v * a.v.yzx) + by.z * (a.w * a.w.yzx)),
         ),
         end.plastic,
+        end.gap,
     );
 }

@@ -10,9 +10,10 @@ const SHEAR: u32 = 5u; // stress xy, yz, zx, Pa; accumulated plastic strain
 const NORMAL_LOW: u32 = 6u; // low parts of NORMAL
 const SHEAR_LOW: u32 = 7u; // low parts of SHEAR
 const ENERGY: u32 = 8u; // stress work, J, and its low part; identity; ghost radius, units (bits of i32)
+const GAP: u32 = 9u; // opening of the gap in soil that was pulled apart, and its low part; unused; unused
 // with loading plates only
-const ARM: u32 = 9u; // distance from the point to its pressed face along each axis, cells, with sign; 0 where no plate presses
-const ARM_LOW: u32 = 10u; // its low part
+const ARM: u32 = 10u; // distance from the point to its pressed face along each axis, cells, with sign; 0 where no plate presses
+const ARM_LOW: u32 = 11u; // its low part
 
 // Planes of the nodes, `cells` entries each, by their slots. Near walls SPEED and CHANGE hold momentum and mass, and impulse, until the walls have been applied.
 const MOMENTUM: u32 = 0u; // momentum, kg m/s; mass, kg

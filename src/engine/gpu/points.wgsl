@@ -110,6 +110,29 @@ fn spin_rate(a: Sym, w: vec3<f32>) -> Sym {
     );
 }
 
+// What soil with a gap makes of a strain increment: whether it still has its stress, its gap, and the share of the increment that it follows.
+struct Opened {
+    bonded: bool,
+    gap: vec2<f32>,
+    share: f32,
+}
+
+// Mean tension over bulk modulus up to which a stress is none.
+const NO_TENSION: f32 = 1e-7;
+
+// Twin: mpm/law/gap.rs.
+fn opened(law: u32, stress: Sym, growth: f32, gap: vec2<f32>) -> Opened {
+    let tension = stress.normal.x + stress.normal.y + stress.normal.z;
+    if gap.x <= 0.0 || (growth >= 0.0 && tension > 3.0 * NO_TENSION * laws[law].bulk) {
+        return Opened(true, gap, 1.0);
+    }
+    let next = grown(gap, growth);
+    if next.x > 0.0 {
+        return Opened(false, next, 0.0);
+    }
+    return Opened(false, vec2<f32>(0.0), next.x / growth);
+}
+
 // Strain and spin increments, volume, stress.
 @compute @workgroup_size(GROUP)
 fn strain(one: Thread) {
@@ -172,11 +195,26 @@ fn strain(one: Thread) {
     let second = spin_rate(first, spin);
     let turn = Sym(first.normal + 0.5 * second.normal, first.shear + 0.5 * second.shear);
     let before = Sym(normal.xyz + (normal_low.xyz + turn.normal), shear.xyz + (shear_low.xyz + turn.shear));
-    let step = stress_step(law, before, increment, shear.w + shear_low.w);
     let trace = increment.normal.x + increment.normal.y + increment.normal.z;
-    let growth = (1.0 + normal.w) * trace;
-    let a = add(normal, normal_low, vec4<f32>(turn.normal + step.stress.normal, growth));
-    let b = add(shear, shear_low, vec4<f32>(turn.shear + step.stress.shear, step.plastic));
+    let none = vec3<f32>(0.0);
+    var gap = vec2<f32>(0.0);
+    var now = Opened(true, gap, 1.0);
+    if YIELDS {
+        gap = number(GAP, i).xy;
+        now = opened(law, before, trace, gap);
+    }
+    let begin = Sym(select(none, before.normal, now.bonded), select(none, before.shear, now.bonded));
+    var step = Step(Sym(none, none), 0.0, 0.0);
+    if now.share > 0.0 {
+        step = stress_step(law, begin, Sym(increment.normal * now.share, increment.shear * now.share), shear.w + shear_low.w);
+    }
+    // a gap is no part of the volume of the soil
+    let growth = (1.0 + normal.w) * ((trace - (now.gap.x - gap.x)) - step.gap);
+    let bonded = vec4<bool>(vec3<bool>(now.bonded), true);
+    let turned = select(none, turn.normal, now.bonded);
+    let a = add(select(vec4<f32>(0.0), normal, bonded), select(vec4<f32>(0.0), normal_low, bonded), vec4<f32>(turned + step.stress.normal, growth));
+    let turned_shear = select(none, turn.shear, now.bonded);
+    let b = add(select(vec4<f32>(0.0), shear, bonded), select(vec4<f32>(0.0), shear_low, bonded), vec4<f32>(turned_shear + step.stress.shear, step.plastic));
     if not_finite(a.high.x) || not_finite(a.high.y) || not_finite(a.high.z) || not_finite(b.high.x) || not_finite(b.high.y) || not_finite(b.high.z) {
         report_fault(NOT_FINITE, i);
         return;
@@ -189,6 +227,11 @@ fn strain(one: Thread) {
     put(SHEAR, i, b.high);
     put(NORMAL_LOW, i, a.low);
     put(SHEAR_LOW, i, b.low);
+    if YIELDS {
+        if step.gap != 0.0 || gap.x > 0.0 {
+            put(GAP, i, vec4<f32>(grown(now.gap, step.gap), 0.0, 0.0));
+        }
+    }
     // stress work, from the mean of the stresses and volumes before and after
     let volume = bitcast<f32>(word(REST, i).w);
     let mean = 0.5 * volume * ((1.0 + normal.w) + (1.0 + a.high.w));

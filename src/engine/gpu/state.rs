@@ -1,10 +1,11 @@
 //! The state of the points as the device holds it, and back. The device has it in planes: arrays with four words of 32 bits for each point.
 
 use super::exact::{UNITS, place, placed, split};
+use crate::mpm::law::InternalVariables;
 use crate::mpm::{Face, Points, Settings};
 
 /// Number of planes; what they hold, in which order, is said in `nodes.wgsl`.
-const PLANES: usize = 9;
+const PLANES: usize = 10;
 /// Number of further planes for the faces of points, with loading plates only.
 const FACES: usize = 2;
 
@@ -46,7 +47,7 @@ pub fn to_device(settings: &Settings, points: &Points, plates: bool) -> Vec<[u32
         let v = points.velocity[i].map(split);
         let s = points.stress[i].map(split);
         let growth = split(p[3] / points.initial_volume[i] - 1.0);
-        let plastic = split(points.memory[i].plastic);
+        let [plastic, gap] = [points.memory[i].plastic, points.memory[i].gap].map(split);
         let radius = (ghost_radius(points, i) / settings.cell * f64::from(UNITS)) as i32;
         let part = |s: &[[f32; 2]], last: [f32; 2], k: usize| [bits(s[0][k]), bits(s[1][k]), bits(s[2][k]), bits(last[k])];
         let words = [
@@ -59,6 +60,7 @@ pub fn to_device(settings: &Settings, points: &Points, plates: bool) -> Vec<[u32
             part(&s[..3], growth, 1),
             part(&s[3..], plastic, 1),
             [0, 0, points.id[i], radius as u32],
+            [bits(gap[0]), bits(gap[1]), 0, 0],
         ];
         for (plane, word) in words.into_iter().enumerate() {
             planes[plane * n + i] = word;
@@ -96,7 +98,7 @@ pub fn to_point(settings: &Settings, planes: &[[u32; 4]], i: usize, points: &mut
         points.stress[to][3 + a] = both(5, 7, a);
     }
     points.position[to][3] = points.initial_volume[to] * (1.0 + both(4, 6, 3));
-    points.memory[to].plastic = both(5, 7, 3);
+    points.memory[to] = InternalVariables { plastic: both(5, 7, 3), gap: f64::from(number(9, 0)) + f64::from(number(9, 1)) };
     if planes.len() > PLANES * n {
         points.faces.resize(n, Face::default());
         for a in 0..3 {

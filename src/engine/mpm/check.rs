@@ -127,6 +127,7 @@ pub fn of_state(c: &Continuum, made: &Continuum, added: u64) -> Checked {
     check::positive("volumes of points", p.position.iter().map(|p| p[3]).chain(p.initial_volume.iter().copied()))?;
     check::positive("masses of points", p.velocity.iter().map(|v| v[3]))?;
     check::numbers("plastic strains of points", p.memory.iter().map(|m| m.plastic))?;
+    check::not_negative("gaps of points", p.memory.iter().map(|m| m.gap))?;
     let falls = |law: u8| c.laws.get(usize::from(law)).is_some_and(Law::plastic_falls);
     let accumulated = p.memory.iter().zip(&p.law).filter(|(_, law)| !falls(**law));
     check::not_negative("plastic strains of points", accumulated.map(|(m, _)| m.plastic))?;

@@ -490,13 +490,14 @@ fn strain<F: Four, const D: usize, S: ShapeFunction, L: LawOfPoint, const COUNTE
     let dt = F::all(p.token, pass.dt);
     let [x, y, z] = gradient::<F, D>(p.token, velocity, p.at, &w);
     let (strain, spin) = increments([(x * dt).xyzw(), (y * dt).xyzw(), (z * dt).xyzw()]);
+    let before = rotate_jaumann(part.stress[p.i], spin);
+    let (stress, memory) = law.update(p.whole, before, strain, part.memory[p.i]);
     let volume = part.position[p.i][3];
-    let grown = volume * (1.0 + (strain[0] + strain[1] + strain[2]));
+    // a gap is no part of the volume of the soil
+    let grown = volume * (1.0 + ((strain[0] + strain[1] + strain[2]) - (memory.gap - part.memory[p.i].gap)));
     if grown.is_nan() || grown <= 0.0 {
         Fault::Inverted.report(pass.faults, pass.id[p.whole]);
     }
-    let before = rotate_jaumann(part.stress[p.i], spin);
-    let (stress, memory) = law.update(p.whole, before, strain, part.memory[p.i]);
     // the mean of both stresses, and of both volumes
     sums.work += 0.25 * (volume + grown) * (work(before, strain) + work(stress, strain));
     if COUNTED {

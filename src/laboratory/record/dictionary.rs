@@ -208,7 +208,7 @@ const CONTINUUM_HISTORY: &[Column] = &[
     column("q_kPa", "kPa", "test: deviatoric stress"),
     column("p_kPa", "kPa", "test: mean stress"),
     column("platen_difference", "-", "test: largest difference of two opposite sides over their mean; small is quasi-static"),
-    column("void_ratio", "-", "pores over solids by the volumes of the points"),
+    column("void_ratio", "-", "pores over solids by the volumes of the points, gaps left out"),
     column("porosity", "-", "void_ratio / (1 + void_ratio)"),
     column(
         "plastic_strain_mean",
@@ -487,7 +487,7 @@ const POINTS: &[Column] = &[
     column("x_m", "m", "place"),
     column("y_m", "m", "the same"),
     column("z_m", "m", "the same"),
-    column("volume_m3", "m³", "volume it stands for, pores included (in plane strain per metre)"),
+    column("volume_m3", "m³", "volume it stands for, pores included, gaps left out (in plane strain per metre)"),
     column("plastic_strain", "-", "accumulated plastic strain; of cam_clay the plastic compression of volume"),
     column("p_kPa", "kPa", "mean stress, compression positive"),
     column("q_kPa", "kPa", "deviatoric stress, sqrt(3 J2)"),

@@ -1,10 +1,11 @@
-//! Parity of the graphics path with f64: rungs 2 (`law.rs`) and 3 (`step.rs`, `faces.rs`, `fines.rs`); indices (`bounds.rs`) and operations (`work.rs`) of the shaders.
+//! Parity of the graphics path with f64: rungs 2 (`law.rs`) and 3 (`step.rs`, `faces.rs`, `fines.rs`, `gap.rs`); indices (`bounds.rs`) and operations (`work.rs`) of the shaders.
 
 mod adapter;
 mod band;
 mod bounds;
 mod faces;
 mod fines;
+mod gap;
 mod law;
 mod step;
 mod work;

@@ -11,7 +11,7 @@ use crate::mpm::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-fn settings(cells: [u32; 3]) -> Settings {
+pub fn settings(cells: [u32; 3]) -> Settings {
     Settings {
         dimension: Dimension::Space,
         cell: 0.1,
@@ -119,8 +119,8 @@ fn nodes_of(c: &mpm::Continuum, plates: &[LoadingPlate]) -> Vec<([f64; 4], [f64;
     nodes
 }
 
-/// Largest distances of the points of two continua: velocity, m/s; place, cells; stress, Pa; plastic strain; volume, relative.
-fn apart(a: &mpm::Continuum, b: &mpm::Continuum) -> [f64; 5] {
+/// Largest distances of the points of two continua: velocity, m/s; place, cells; stress, Pa; plastic strain or gap; volume, relative.
+pub fn apart(a: &mpm::Continuum, b: &mpm::Continuum) -> [f64; 5] {
     let (p, q) = (a.points(), b.points());
     let mut most = [0.0_f64; 5];
     for (i, j) in p.by_id().into_iter().zip(q.by_id()).map(|(i, j)| (i as usize, j as usize)) {
@@ -132,7 +132,8 @@ fn apart(a: &mpm::Continuum, b: &mpm::Continuum) -> [f64; 5] {
         for k in 0..6 {
             most[2] = most[2].max((p.stress[i][k] - q.stress[j][k]).abs());
         }
-        most[3] = most[3].max((p.memory[i].plastic - q.memory[j].plastic).abs());
+        let (m, n) = (p.memory[i], q.memory[j]);
+        most[3] = most[3].max((m.plastic - n.plastic).abs()).max((m.gap - n.gap).abs());
         most[4] = most[4].max((p.position[i][3] / q.position[j][3] - 1.0).abs());
     }
     most

@@ -23,7 +23,7 @@
 //! dilation.
 //!
 //! Dissipation is Δ p p_c, so never negative. The mean pressure stays above a thousandth of p_c0 ([`CamClay::floor`]): what is pulled further apart has that pressure before
-//! the return, and its gap is not remembered. v is not below 1.
+//! the return, and a gap ([`super::gap`]). v is not below 1.
 
 use super::{Clay, Cone, ConstitutiveLaw, Elastic, InternalVariables, Parameters, Shear, Sym, YieldParameters, tensor};
 use crate::math::portable::{exp, ln, sin};
@@ -102,12 +102,18 @@ impl ConstitutiveLaw for CamClay {
     }
 
     #[inline]
-    fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
+    fn update_closed(&self, stress: Sym, dstrain: Sym, mut internal: InternalVariables) -> (Sym, InternalVariables) {
         let kappa = self.clay.swelling_slope;
         let before = self.pressure(&stress);
         let v = self.volume(before, internal.plastic);
-        let v_end = (v * (1.0 + tensor::trace(&dstrain))).max(1.0);
-        let p = (before * exp(((v - v_end) / kappa).clamp(-MOST, MOST))).max(self.floor());
+        let mut v_end = (v * (1.0 + tensor::trace(&dstrain))).max(1.0);
+        let mut p = before * exp(((v - v_end) / kappa).clamp(-MOST, MOST));
+        if p < self.floor() {
+            p = self.floor();
+            let followed = v + kappa * ln(before / p);
+            internal.gap += (v_end - followed) / v;
+            v_end = followed;
+        }
         let shear = self.moduli(before, v).shear;
         let (s, e) = (tensor::deviator(&stress), tensor::deviator(&dstrain));
         let deviator: Sym = std::array::from_fn(|k| s[k] + 2.0 * shear * e[k]);
@@ -223,7 +229,7 @@ impl CamClay {
     fn plastic_correction(&self, deviator: &Sym, trial: Trial, internal: InternalVariables) -> (Sym, InternalVariables) {
         let Returned { p, q, growth } = self.returned(trial);
         let share = if trial.q > 0.0 { q / trial.q } else { 0.0 };
-        (with_pressure(deviator, share, p), InternalVariables { plastic: internal.plastic + growth / self.per_plastic })
+        (with_pressure(deviator, share, p), InternalVariables { plastic: internal.plastic + growth / self.per_plastic, ..internal })
     }
 
     /// Return of a trial state to the ellipse.

@@ -11,8 +11,8 @@
 //! does ([`Surface`]), one equation in the plastic strain is solved. A dilation angle that falls is that of the new plastic strain as well, so that no step, however large,
 //! dilates more than its end allows; over many steps the plastic volume strain is the integral over the plastic strain with an error of first order in the step.
 //!
-//! Holds for 0 <= psi <= phi (where psi falls with phi: at the largest phi): dissipation is then not negative. Material that has been pulled apart carries load as soon as it is compressed again: the gap is not
-//! remembered.
+//! Holds for 0 <= psi <= phi (where psi falls with phi: at the largest phi): dissipation is then not negative. What material that is pulled apart does not follow is the opening of
+//! its gap ([`super::gap`]).
 
 use super::dilatancy::Dilatancy;
 use super::surface::{Surface, SurfaceDefinition, SurfacePoint, YieldParameters};
@@ -67,8 +67,15 @@ impl ConstitutiveLaw for DruckerPrager {
     }
 
     #[inline]
-    fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
-        DruckerPrager::update(self, stress, dstrain, internal)
+    fn update_closed(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
+        let trial = self.elastic.update(stress, dstrain);
+        let i1 = tensor::trace(&trial);
+        let j2 = tensor::j2(&trial);
+        let room = self.floor.kappa - self.floor.alpha * i1;
+        if i1 <= self.floor_cut && room >= 0.0 && j2 <= room * room {
+            return (trial, internal);
+        }
+        self.plastic_correction(trial, i1, j2.sqrt(), internal)
     }
 
     fn elastic(&self) -> Elastic {
@@ -198,20 +205,7 @@ impl DruckerPrager {
         cone.max(i1 - self.cut_of(strength))
     }
 
-    /// Stress, Pa, and internal variables after a strain increment.
-    #[inline]
-    pub fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
-        let trial = self.elastic.update(stress, dstrain);
-        let i1 = tensor::trace(&trial);
-        let j2 = tensor::j2(&trial);
-        let room = self.floor.kappa - self.floor.alpha * i1;
-        if i1 <= self.floor_cut && room >= 0.0 && j2 <= room * room {
-            return (trial, internal);
-        }
-        self.plastic_correction(trial, i1, j2.sqrt(), internal)
-    }
-
-    /// The same for a trial stress with the invariants `i1` and `j`, Pa, that may lie outside of the yield surface.
+    /// Stress, Pa, and internal variables for a trial stress with the invariants `i1` and `j`, Pa, that may lie outside of the yield surface.
     #[inline(never)]
     fn plastic_correction(&self, trial: Sym, i1: f64, j: f64, internal: InternalVariables) -> (Sym, InternalVariables) {
         let before = internal.plastic;
@@ -237,7 +231,8 @@ impl DruckerPrager {
             trial[4] * share,
             trial[5] * share,
         ];
-        (stress, InternalVariables { plastic })
+        let opened = if end.on_cone { 0.0 } else { (i1 - end.i1) / (3.0 * self.elastic.bulk) };
+        (stress, InternalVariables { plastic, gap: internal.gap + opened })
     }
 
     /// The return to the cone, and the new plastic strain, by Newton's method, for an increment so small that the surface changes smoothly over it

@@ -85,7 +85,7 @@ impl ConstitutiveLaw for Elastic {
     }
 
     #[inline]
-    fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
+    fn update_closed(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
         (Elastic::update(self, stress, dstrain), internal)
     }
 

@@ -11,6 +11,7 @@ pub mod dilatancy;
 mod drucker_prager;
 mod elastic;
 mod evolution;
+mod gap;
 mod mohr_coulomb;
 mod parameters;
 mod registry;
@@ -40,6 +41,8 @@ pub struct InternalVariables {
     /// Accumulated plastic strain, -: the integral of sqrt(2/3 de_p:de_p), with volumetric and deviatoric plastic strain increments de_p. In Modified Cam-clay, whose
     /// hardening follows volume alone: the plastic compression of volume, which falls where the soil dilates ([`ConstitutiveLaw::PLASTIC_FALLS`]).
     pub plastic: f64,
+    /// Opening of the gap in soil that was pulled apart: the volume strain since the soil no longer follows it ([`gap`]), -, not negative.
+    pub gap: f64,
 }
 
 /// A constitutive law.
@@ -88,7 +91,16 @@ pub trait ConstitutiveLaw: Sized {
 
     /// Stress, Pa, and internal variables after the strain increment `dstrain`. `stress`, Pa, is that before, already rotated with the material
     /// ([`crate::mpm::rotate_jaumann`]).
-    fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables);
+    #[inline]
+    fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
+        if internal.gap > 0.0 {
+            return gap::update_open(self, stress, dstrain, internal);
+        }
+        self.update_closed(stress, dstrain, internal)
+    }
+
+    /// The same for soil without a gap, or with one that its tension opens further: what the soil does not follow is added to the gap.
+    fn update_closed(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables);
 
     /// The elastic part of the law; where it depends on the stress, at a stress of the law's own that its documentation names.
     fn elastic(&self) -> Elastic;

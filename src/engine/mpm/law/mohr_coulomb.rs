@@ -104,7 +104,7 @@ impl ConstitutiveLaw for MohrCoulomb {
     }
 
     #[inline]
-    fn update(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
+    fn update_closed(&self, stress: Sym, dstrain: Sym, internal: InternalVariables) -> (Sym, InternalVariables) {
         let trial = self.parameters.elastic.update(stress, dstrain);
         let i1 = tensor::trace(&trial);
         let room = self.inscribed.kappa - self.inscribed.alpha * i1;
@@ -212,7 +212,10 @@ impl MohrCoulomb {
                 stress[k] += value * (d[i] * d[j]);
             }
         }
-        (stress, InternalVariables { plastic })
+        // all stresses are equal at the apex alone
+        let at_apex = after[0] == after[2];
+        let opened = if at_apex { (tensor::trace(&trial) - 3.0 * after[0]) / (3.0 * self.parameters.elastic.bulk) } else { 0.0 };
+        (stress, InternalVariables { plastic, gap: internal.gap + opened })
     }
 
     /// Return to a pyramid that changes with the plastic strain: principal stresses, Pa, and the new plastic strain e, which is `start` and the size of the return to the pyramid
@@ -379,7 +382,7 @@ mod tests {
         let law = changing(30.0, 0.5, 1e4, false);
         for k in 0..2000 {
             let (plastic, e) = (0.75 + 1e-4 * f64::from(k), -1e-4 * (1.0 + 1e-3 * f64::from(k)));
-            let before = InternalVariables { plastic };
+            let before = InternalVariables { plastic, gap: 0.0 };
             let start = [-5e4, -5e4, -5e4 - law.q_compression(5e4, plastic).expect("a strength"), 0.0, 0.0, 0.0];
             let (stress, after) = law.update(start, [0.0, 0.0, e, 0.0, 0.0, 0.0], before);
             let trial = law.elastic().update(start, [0.0, 0.0, e, 0.0, 0.0, 0.0]);
@@ -388,7 +391,7 @@ mod tests {
         }
         let parameters = Parameters { friction: LI, ..*law.parameters() };
         let jumps = MohrCoulomb::of(&Parameters { cohesion: Evolution::Constant(0.0), dilation: 0.1, ..parameters });
-        let before = InternalVariables { plastic: 0.022 - 1e-9 };
+        let before = InternalVariables { plastic: 0.022 - 1e-9, gap: 0.0 };
         let q = jumps.q_compression(5e4, before.plastic).expect("a strength");
         let start = [-5e4, -5e4, -5e4 - q, 0.0, 0.0, 0.0];
         let (stress, after) = jumps.update(start, [0.0, 0.0, -1e-6, 0.0, 0.0, 0.0], before);
@@ -531,7 +534,7 @@ mod tests {
                 kind => changing(phi, share, c, kind == 2),
             };
             let start = [-p, -p, -p, 0.0, 0.0, 0.0];
-            let before = InternalVariables { plastic: if kind == 0 { 0.0 } else { plastic } };
+            let before = InternalVariables { plastic: if kind == 0 { 0.0 } else { plastic }, gap: 0.0 };
             let (stress, internal) = law.update(start, e, before);
             let trial = law.elastic().update(start, e);
             let ([a, b, z], size) = (principal(stress).0, tensor::j2(&trial).sqrt() + tensor::trace(&trial).abs());

@@ -84,13 +84,14 @@ fn symmetric(rng: &mut ChaCha8Rng, size: f64) -> Sym {
     std::array::from_fn(|_| size * rng.random_range(-1.0..1.0))
 }
 
-/// A state that the law itself can reach: any strain from nothing, at any plastic strain.
+/// A state without a gap that the law itself can reach: any strain from nothing, at any plastic strain.
 fn admissible(law: &DruckerPrager, rng: &mut ChaCha8Rng) -> (Sym, InternalVariables) {
     let plastic = [0.0, rng.random_range(0.0..0.03), rng.random_range(0.0..2.0)][rng.random_range(0..3)];
     let mut strain = symmetric(rng, 0.02);
     let squeeze = 0.05 * rng.random_range(-1.0..0.2);
     (0..3).for_each(|i| strain[i] += squeeze);
-    law.update([0.0; 6], strain, InternalVariables { plastic })
+    let (stress, internal) = law.update([0.0; 6], strain, InternalVariables { plastic, gap: 0.0 });
+    (stress, InternalVariables { gap: 0.0, ..internal })
 }
 
 fn random(law: &DruckerPrager, rng: &mut ChaCha8Rng) -> (Sym, InternalVariables, Sym) {
@@ -190,7 +191,7 @@ fn turning_the_input_turns_the_output() {
 fn a_reflection_turns_nothing_else() {
     let mirror = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let (stress, dstrain) = ([-5e4, -4e4, -6e4, 3e3, 1e3, -2e3], [1e-3, 0.0, -3e-3, 1e-3, 2e-3, -1e-3]);
-    let internal = InternalVariables { plastic: 0.01 };
+    let internal = InternalVariables { plastic: 0.01, gap: 0.0 };
     let (a, _) = li().update(rotated(&stress, &mirror), rotated(&dstrain, &mirror), internal);
     assert_eq!(a, rotated(&li().update(stress, dstrain, internal).0, &mirror));
 }
@@ -224,7 +225,7 @@ fn distance(law: &DruckerPrager, steps: usize, seed: u64) -> f64 {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut worst: f64 = 0.0;
     for _ in 0..6 {
-        let start = ([-1e5, -1e5, -1e5, 0.0, 0.0, 0.0], InternalVariables { plastic: 0.001 });
+        let start = ([-1e5, -1e5, -1e5, 0.0, 0.0, 0.0], InternalVariables { plastic: 0.001, gap: 0.0 });
         let (mut coarse, mut fine) = (start, (start.0, start.1.plastic));
         for _ in 0..3 {
             let mut leg = deviator(&symmetric(&mut rng, 0.02));
@@ -263,7 +264,7 @@ fn eq_43_of_li_follows_a_fine_integration_past_its_jump() {
 fn the_jump_at_the_peak_is_crossed_without_a_gap() {
     // ever larger increments from just before the peak: stress and plastic strain follow without a jump of their own
     let law = li();
-    let start = InternalVariables { plastic: 0.0219 };
+    let start = InternalVariables { plastic: 0.0219, gap: 0.0 };
     let strength = law.strength(start.plastic);
     let q = strength.q_compression(5e4);
     let stress = [-5e4, -5e4, -5e4 - q, 0.0, 0.0, 0.0];
@@ -319,8 +320,9 @@ fn cohesionless_material_pulled_apart_has_no_stress() {
         assert!(size(&state.0) < 1e-6, "{state:?}");
         let still = law.update([0.0; 6], [0.0; 6], InternalVariables::default());
         assert_eq!(still, ([0.0; 6], InternalVariables::default()));
-        // and it carries again when it is pressed
-        let (stress, _) = law.update(state.0, [-1e-3, -1e-3, -1e-3, 0.0, 0.0, 0.0], state.1);
+        // and it carries again when it is pressed and its gap has closed
+        let closing = state.1.gap / 3.0 + 1e-3;
+        let (stress, _) = law.update(state.0, [-closing, -closing, -closing, 0.0, 0.0, 0.0], state.1);
         assert!((trace(&stress) + 9e-3 * law.elastic().bulk).abs() < 1e-6 * law.elastic().bulk);
     }
 }
@@ -344,8 +346,8 @@ fn the_settled_law_is_that_of_the_residual_state() {
     assert!((before.alpha - after.alpha).abs() < 1e-15 && before.kappa == after.kappa);
     let stress = [-5e4, -5e4, -5e4, 0.0, 0.0, 0.0];
     let dstrain = [0.01, 0.01, -0.03, 0.0, 0.0, 0.0];
-    let (a, _) = law.update(stress, dstrain, InternalVariables { plastic: 0.9 * settled });
-    let (b, _) = law.update(stress, dstrain, InternalVariables { plastic: 2.0 * settled });
+    let (a, _) = law.update(stress, dstrain, InternalVariables { plastic: 0.9 * settled, gap: 0.0 });
+    let (b, _) = law.update(stress, dstrain, InternalVariables { plastic: 2.0 * settled, gap: 0.0 });
     assert!((0..6).all(|i| (a[i] - b[i]).abs() < 1e-4), "{a:?} {b:?}");
 }
 
@@ -407,7 +409,7 @@ fn volume_ends_with_the_softening() {
         let (coarse, fine) = (error(300), error(3000));
         assert!(coarse < 0.03 && fine < 0.003 && fine < 0.2 * coarse, "{cone:?}: {coarse:e} {fine:e}");
         // at the critical state
-        let settled = InternalVariables { plastic: law.parameters().friction.settled() };
+        let settled = InternalVariables { plastic: law.parameters().friction.settled(), gap: 0.0 };
         let stress = [-1e5, -1e5, -1e5, 0.0, 0.0, 0.0];
         let dstrain = [0.0, 0.0, 0.0, 0.05, 0.0, 0.0];
         let (after, then) = law.update(stress, dstrain, settled);
@@ -488,7 +490,10 @@ fn moduli_stay() {
     let stress = [-5e4, -7e4, -6e4, 1e3, 0.0, 0.0];
     for law in [ends, Law::MohrCoulomb(softens)] {
         assert!(!law.stiffens() && !law.plastic_falls());
-        assert_eq!((law.stiffness(&stress, InternalVariables { plastic: 0.1 }), law.under(1e6)), (law.elastic(), law.elastic()));
+        assert_eq!(
+            (law.stiffness(&stress, InternalVariables { plastic: 0.1, gap: 0.0 }), law.under(1e6)),
+            (law.elastic(), law.elastic())
+        );
         assert_eq!(law.wave_speed_at(1600.0, &stress, InternalVariables::default()), law.wave_speed(1600.0));
     }
 }
