@@ -5,9 +5,14 @@ mod common;
 use assert_cmd::cargo::cargo_bin;
 
 use comminute::boundary::Drive;
+use comminute::breakage::Criterion;
+use comminute::breakage::criterion::HertzArea;
+use comminute::breakage::pattern::Azimuth;
+use comminute::breakage::strength::Truncation;
 use comminute::dem::State;
 use comminute::dem::event::Breakage;
-use comminute::math::random::lineage_child;
+use comminute::math::random::{lineage_child, lineage_root};
+use comminute::scene;
 use common::typed::array;
 use common::*;
 use std::f64::consts::PI;
@@ -616,4 +621,44 @@ fn rows_by_stress_go_on_while_a_specimen_is_reloaded() {
     for (found, asked) in gradations.iter().zip([100.0, 200.0, 500.0]) {
         assert!((found / asked - 1.0f64).abs() < 0.05, "{gradations:?}");
     }
+}
+
+/// What the paper leaves open are keys, and without them everything is as before: azimuth of the daughters, radius of Hertz's area, negative draws.
+#[test]
+fn open_choices_are_keys_that_are_off_by_default() {
+    let text = oedometer_text(120, 100.0, "crushing.enabled = true");
+    let crush = |sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+        let scene = scene::from_text(&text, ".", &sets)?;
+        scene::model(&scene).map(|model| model.physics.crush.expect("grains that break"))
+    };
+    let hertz = "crushing.criterion=hertz_area";
+    let plain = crush(&[hertz]).expect("a scene");
+    assert_eq!((plain.azimuth, plain.strength.truncation), (Azimuth::Random, Truncation::Redraw));
+    assert_eq!(plain.criterion, Criterion::HertzArea(HertzArea { own_radius: false }));
+
+    assert_eq!(crush(&["crushing.azimuth=fixed"]).expect("a scene").azimuth, Azimuth::Fixed);
+    let own = crush(&[hertz, "crushing.area_radius=own"]).expect("a scene");
+    assert_eq!(own.criterion, Criterion::HertzArea(HertzArea { own_radius: true }));
+    let refused = crush(&["crushing.area_radius=own"]).expect_err("no Hertzian area").to_string();
+    for word in ["crushing.area_radius", "own", "hertz_area"] {
+        assert!(refused.contains(word), "{refused}");
+    }
+    let refused = crush(&["crushing.azimuth=north"]).expect_err("no such azimuth").to_string();
+    for word in ["crushing.azimuth", "north", "random", "fixed"] {
+        assert!(refused.contains(word), "{refused}");
+    }
+
+    // var. = 1: draws above zero have the mean 1.288, by which they are divided, and absolute ones 1.167
+    let drawn = |how: &str| {
+        let strength = crush(&[&format!("material.strength.truncation={how}")]).expect("a scene").strength;
+        let mean = (0..20_000).map(|i| strength.draw(3, lineage_root(i), strength.d0)).sum::<f64>() / 2e4;
+        (strength.truncation, mean / strength.sigma_lim0)
+    };
+    let (kept, mean) = drawn("mean_preserving");
+    assert!(matches!(kept, Truncation::MeanPreserving { mean } if (mean - 1.2876).abs() < 1e-4), "{kept:?}");
+    near("mean of scaled strengths", mean, 1.0, 0.02);
+    let (absolute, mean) = drawn("absolute");
+    assert_eq!(absolute, Truncation::Absolute);
+    near("mean of absolute strengths", mean, 1.1666, 0.025);
 }

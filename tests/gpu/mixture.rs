@@ -374,6 +374,11 @@ fn what_the_device_lacks_of_grains_is_refused_by_name() {
     for (scene, sets, says) in [
         (TWIN, &["stepping.continuum_steps=2"][..], "gpu: stepping.continuum_steps = 2: must be 1 on the GPU"),
         (TWIN, &["contact.unloading=rescale"], "gpu: contact.unloading = rescale: is not available on the GPU"),
+        (
+            CHAINS,
+            &["crushing.criterion=hertz_area", "crushing.area_radius=own"],
+            "gpu: crushing.area_radius = own: is not available on the GPU: use pair",
+        ),
         (TWIN, &["grid.shape_functions=gimp"], "gpu: grid.shape_functions = gimp: is not available"),
         ("mixture/twin_grains", &[], "gpu: growth.fines = grains: grains alone are not available on the GPU"),
     ] {

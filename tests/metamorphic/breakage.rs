@@ -3,8 +3,9 @@
 use crate::change::{AREA, Change, ENERGY, FORCE, LENGTH, MASS, MOMENTUM, NONE, STRESS, VELOCITY, Within, same};
 use crate::grains::{Ball, Scene, materials};
 use comminute::boundary::{Drive, WallShape, WallSpec};
+use comminute::breakage::criterion::HertzArea;
 use comminute::breakage::lost_mass::{Fines, excluded_grains};
-use comminute::breakage::pattern::Pattern;
+use comminute::breakage::pattern::{Azimuth, Pattern};
 use comminute::breakage::strength::{Distribution, StrengthModel, Truncation};
 use comminute::breakage::{Birth, Criterion, CrushModel};
 use comminute::dem::event::{Breakage, arm_grain};
@@ -30,7 +31,9 @@ fn pressed(law: ContactLaw, criterion: Criterion, birth: Birth, keeps_mass: bool
         min_ratio: 0.2,
     };
     let pattern = Pattern::new(14).expect("a pattern");
-    physics.crush = Some(CrushModel { criterion, strength, seed: 11, pattern, d_limit: 0.9e-3, birth, keeps_mass, interval: 1 });
+    let azimuth = Azimuth::Random;
+    let crush = CrushModel { criterion, strength, seed: 11, pattern, azimuth, d_limit: 0.9e-3, birth, keeps_mass, interval: 1 };
+    physics.crush = Some(crush);
     let still = Ball { at: [0.0; 3], radius: 1e-3, velocity: [0.0; 3], spin: [0.0; 3], material: 0 };
     let balls = vec![
         Ball { at: [-2e-3, 0.0, 1.1e-3], radius: 1.1e-3, ..still },
@@ -176,6 +179,59 @@ fn the_order_of_grains_does_not_choose_the_one_that_breaks() {
         let there = press(&scene, &[3, 1, 4, 0, 2], Until::Broken);
         check(criterion.word(), &there, &here, &Change::NOTHING, ROUNDING);
     }
+}
+
+/// A fixed azimuth goes with the force alone: neither the seed of the draws nor the order of the grains turns the daughters, which a random one does.
+#[test]
+fn a_fixed_azimuth_goes_with_the_force_alone() {
+    let places = |azimuth: Azimuth, seed: u64, order: &[usize]| {
+        let criterion = Criterion::named("fixed_angle", &[0.35, 0.0, 0.0, 0.0]).expect("a criterion");
+        let mut scene = pressed(ContactLaw::Hertz, criterion, OVERLAPPING, false);
+        let crush = scene.physics.crush.as_mut().expect("grains that break");
+        (crush.azimuth, crush.seed, crush.strength.var) = (azimuth, seed, 0.0);
+        let (state, events) = press(&scene, order, Until::Broken);
+        let g = &state.grains;
+        let mut places: Vec<(u64, [f64; 3])> = (0..g.len())
+            .filter(|&i| g.generation[i] > 0)
+            .map(|i| (g.lineage[i], [g.pos[i][0], g.pos[i][1], g.pos[i][2]]))
+            .collect();
+        places.sort_by_key(|p| p.0);
+        (places.into_iter().map(|p| p.1).collect::<Vec<_>>(), events[0].axis)
+    };
+    let (fixed, axis) = places(Azimuth::Fixed, 11, &ORDER);
+    assert!(axis[0].abs() > 0.01 && axis[1].abs() > 0.01, "{axis:?}");
+    assert_eq!(places(Azimuth::Fixed, 12, &ORDER).0, fixed);
+    same("order", &places(Azimuth::Fixed, 11, &[3, 1, 4, 0, 2]).0, &fixed, ROUNDING);
+    let random = [11, 12].map(|seed| places(Azimuth::Random, seed, &ORDER).0);
+    assert!(random[0] != random[1] && random[0] != fixed);
+}
+
+/// A grain that is judged by its own radius breaks at a force that one of its contacts has then. The same scene with grains that do not break tells it.
+#[test]
+fn a_grain_breaks_by_its_own_radius_at_the_force_of_a_contact() {
+    let own = Criterion::HertzArea(HertzArea { own_radius: true });
+    let scene = |criterion: Criterion, strength: f64| {
+        let mut scene = pressed(ContactLaw::Hertz, criterion, OVERLAPPING, false);
+        scene.physics.crush.as_mut().expect("grains that break").strength.sigma_lim0 *= strength;
+        scene
+    };
+    let (_, events) = press(&scene(own, 1.0), &ORDER, Until::Broken);
+    let event = &events[0];
+    assert!((1.0..1.05).contains(&event.utilisation()), "{event:?}");
+    // forces of the step of the breakage are there when the next one begins
+    let (whole, none) = press(&scene(own, 100.0), &ORDER, Until::Steps(event.step + 1));
+    assert!(none.is_empty());
+    let k = whole.grains.id.iter().position(|id| *id == event.mother).expect("the grain");
+    let mut forces = Vec::new();
+    for (pairs, walls) in [(&whole.pairs, false), (&whole.wall_pairs, true)] {
+        for (ends, touch) in pairs.ends.iter().zip(&*pairs.touch) {
+            if ends[0] as usize == k || (!walls && ends[1] as usize == k) {
+                forces.push(touch.normal_force);
+            }
+        }
+    }
+    let largest = forces.iter().copied().fold(0.0, f64::max);
+    assert!((event.force / largest - 1.0).abs() < 1e-9, "{} N, contacts {forces:?}", event.force);
 }
 
 /// Changes units: every contact law breaks the same grains in the same steps, through daughters that break as well, and leaves the same numbers to the bit.

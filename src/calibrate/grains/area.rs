@@ -53,7 +53,12 @@ impl Area {
 
     /// The model of Hertz; `e_eff`: E' of eq. 11, Pa, if it is known.
     pub fn hertz(e_eff: Option<f64>) -> Area {
-        Area { model: Model::Hertz, law: Criterion::HertzArea(HertzArea), e_eff: e_eff.unwrap_or(1.0), known: e_eff.is_some() }
+        Area {
+            model: Model::Hertz,
+            law: Criterion::HertzArea(HertzArea::default()),
+            e_eff: e_eff.unwrap_or(1.0),
+            known: e_eff.is_some(),
+        }
     }
 
     /// Logarithm of the strength, Pa, of a grain of diameter `d`, m, that breaks at `force`, N: sigma = F / A_F(F).

@@ -27,7 +27,7 @@ use engine::boundary::Wall;
 use engine::breakage::Criterion;
 use engine::breakage::criterion::FixedAngle;
 use engine::breakage::lost_mass::Fines;
-use engine::breakage::pattern::Pattern;
+use engine::breakage::pattern::{Azimuth, Pattern};
 use engine::breakage::strength::{Distribution, StrengthModel, Truncation};
 use engine::breakage::{Birth, CrushModel};
 use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
@@ -217,6 +217,7 @@ pub fn breakable(model: &Model) -> Result<Model> {
         strength,
         seed: model.seeds.strength,
         pattern,
+        azimuth: Azimuth::Random,
         d_limit: 1e-3,
         birth: Birth::Overlapping,
         keeps_mass: false,

@@ -126,7 +126,9 @@ impl StrengthSet {
         let strength = 1e6 * self.sigma_lim0_MPa * size_factor(d, 1e-3 * self.d0_mm, m);
         match (self.theta0_rad, self.moduli()) {
             (Some(theta0), _) => FixedAngle { theta0 }.limit_force(strength, d, 0.5 * d, 1.0),
-            (None, Some([grain, platen])) => HertzArea.limit_force(strength, d, 0.5 * d, effective_modulus(grain, platen)),
+            (None, Some([grain, platen])) => {
+                HertzArea::default().limit_force(strength, d, 0.5 * d, effective_modulus(grain, platen))
+            }
             (None, None) => f64::NAN,
         }
     }

@@ -66,23 +66,50 @@ impl StrengthModel {
                 let below = self.integral(self.widest().0, low, 0);
                 (powers + below * whole_power(self.min_ratio, power)) / (admitted + below)
             }
+            Truncation::Absolute => {
+                let mirrored = |power| self.integral_mirrored(low, self.farthest(), power);
+                (powers + mirrored(power)) / (admitted + mirrored(0))
+            }
             Truncation::Redraw | Truncation::Symmetric => powers / admitted,
+            Truncation::MeanPreserving { .. } => powers / admitted / whole_power(self.divisor(), power),
         }
+    }
+
+    /// Mean of the ratios before truncation that are not below `least`; `least` itself where there are none.
+    pub(super) fn mean_above(&self, least: f64) -> f64 {
+        let (low, high) = self.widest();
+        let low = low.max(least);
+        let above = self.integral(low, high, 0);
+        if above > 0.0 { self.integral(low, high, 1) / above } else { least }
     }
 
     /// Ratio that the share `p` of all grains exceeds, by bisection.
     fn ratio_survived(&self, p: f64) -> f64 {
         let (low, high) = self.ends();
+        let above = |ratio: f64| match self.truncation {
+            Truncation::Absolute => self.integral(ratio, high, 0) + self.integral_mirrored(ratio, self.farthest(), 0),
+            _ => self.integral(ratio, high, 0),
+        };
         let all = match self.truncation {
             Truncation::Clamp => self.integral(self.widest().0, high, 0),
-            Truncation::Redraw | Truncation::Symmetric => self.integral(low, high, 0),
+            _ => above(low),
         };
         let (mut a, mut b) = (low, high);
         for _ in 0..60 {
             let middle = 0.5 * (a + b);
-            if self.integral(middle, high, 0) > p * all { a = middle } else { b = middle }
+            if above(middle) > p * all { a = middle } else { b = middle }
         }
-        0.5 * (a + b)
+        0.5 * (a + b) / self.divisor()
+    }
+
+    /// The smallest ratio of the distribution before truncation, mirrored at `min_ratio`.
+    fn farthest(&self) -> f64 {
+        2.0 * self.min_ratio - self.widest().0
+    }
+
+    /// As [`StrengthModel::integral`], of the density of the draws below `min_ratio`, mirrored there.
+    fn integral_mirrored(&self, low: f64, high: f64, power: u32) -> f64 {
+        self.simpson(low, high, |ratio| whole_power(ratio, power) * self.density(2.0 * self.min_ratio - ratio))
     }
 
     /// Smallest and largest ratio of the integration.
@@ -117,16 +144,18 @@ impl StrengthModel {
         }
     }
 
-    /// Integral of the ratio to a power times [`StrengthModel::density`] from `low` to `high`, by Simpson's rule.
+    /// Integral of the ratio to a power times [`StrengthModel::density`] from `low` to `high`.
     fn integral(&self, low: f64, high: f64, power: u32) -> f64 {
+        self.simpson(low, high, |ratio| whole_power(ratio, power) * self.density(ratio))
+    }
+
+    /// Integral of a function from `low` to `high`, by Simpson's rule; 0 where `low` is not below `high`.
+    fn simpson(&self, low: f64, high: f64, of: impl Fn(f64) -> f64) -> f64 {
         if high <= low {
             return 0.0;
         }
         let h = (high - low) / INTERVALS as f64;
-        let at = |i: usize| {
-            let ratio = low + i as f64 * h;
-            whole_power(ratio, power) * self.density(ratio)
-        };
+        let at = |i: usize| of(low + i as f64 * h);
         let inner: f64 = (1..INTERVALS).map(|i| at(i) * if i % 2 == 1 { 4.0 } else { 2.0 }).sum();
         (at(0) + inner + at(INTERVALS)) * h / 3.0
     }
@@ -149,13 +178,15 @@ mod tests {
     use crate::breakage::strength::weibull_variation;
 
     const E_EFF: f64 = 50e9;
+    /// Stands for the truncation whose mean is found for each distribution.
+    const KEPT: Truncation = Truncation::MeanPreserving { mean: 1.0 };
 
     fn angle() -> Criterion {
         Criterion::FixedAngle(FixedAngle { theta0: 0.35 })
     }
 
     fn hertz() -> Criterion {
-        Criterion::HertzArea(HertzArea)
+        Criterion::HertzArea(HertzArea::default())
     }
 
     fn law(var: f64, truncation: Truncation, min_ratio: f64) -> StrengthModel {
@@ -170,11 +201,18 @@ mod tests {
             (0.48, Truncation::Clamp, 0.3),
             (1.0, Truncation::Redraw, 0.0),
             (0.3, Truncation::Symmetric, 0.1),
+            (1.0, KEPT, 0.0),
+            (0.48, KEPT, 0.3),
+            (1.0, Truncation::Absolute, 0.0),
+            (0.48, Truncation::Absolute, 0.3),
             (0.0, Truncation::Redraw, 0.0),
         ] {
             let normal = law(var, truncation, min_ratio);
             let weibull = StrengthModel { distribution: Distribution::Weibull, var: weibull_variation(normal.m), ..normal };
             for mut law in [Some(normal), (var > 0.0).then_some(weibull)].into_iter().flatten() {
+                if truncation == KEPT {
+                    law = law.preserving_mean();
+                }
                 const SHARES: u32 = 2000;
                 let ratios: Vec<f64> = (0..SHARES).map(|i| law.ratio_of_share((f64::from(i) + 0.5) / f64::from(SHARES))).collect();
                 for area in [angle(), hertz()] {

@@ -1,6 +1,6 @@
 //! How grains break in a run.
 
-use super::pattern::Pattern;
+use super::pattern::{Azimuth, Pattern};
 use super::registry::Criterion;
 use super::strength::StrengthModel;
 
@@ -15,6 +15,8 @@ pub struct CrushModel {
     pub seed: u64,
     /// Into which daughters a grain breaks.
     pub pattern: Pattern,
+    /// How the pattern is turned about its axis.
+    pub azimuth: Azimuth,
     /// Comminution limit, m: only grains with a larger diameter break. Like all lengths of a run it is already multiplied by the scale N.
     pub d_limit: f64,
     /// How daughters enter the assembly.

@@ -116,6 +116,35 @@ impl Pattern {
     }
 }
 
+/// How a pattern is turned about its axis z'.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Azimuth {
+    /// By a random angle, keyed by the lineage of the grain.
+    Random,
+    /// As two rotations turn it from the axes of space to the force ([`turned_from_space`]).
+    Fixed,
+}
+
+/// The axes z' and x' of a pattern that is turned to the direction `axis`, a unit vector whose sense means nothing, from the axes of space: first about y, then
+/// about x, each by at most a quarter turn (Ciantia et al. 2015, Appendix: "two subsequent rotations; one with respect to the y' axis and the other with respect
+/// to the x' axis"). The rotations by β about y, sin β = n_x, and by α about x, tan α = −n_y/n_z, take (0, 0, 1) to n with n_z ≥ 0 and (1, 0, 0) to what is
+/// left of it at right angles to n. Where n is along x, only the first is made.
+pub fn turned_from_space(axis: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+    let [x, y, z] = axis;
+    // of the two senses the one that points up; without one, that along +y, then that along +x
+    let down = if z != 0.0 {
+        z < 0.0
+    } else if y != 0.0 {
+        y < 0.0
+    } else {
+        x < 0.0
+    };
+    let [x, y, z] = if down { [-x, -y, -z] } else { axis };
+    let cosine = (y * y + z * z).sqrt();
+    let side = if cosine > 0.0 { [cosine, -x * y / cosine, -x * z / cosine] } else { [0.0, 0.0, -x] };
+    ([x, y, z], side)
+}
+
 fn ball(x: f64, y: f64, z: f64, radius: f64) -> Ball {
     Ball { centre: [x, y, z], radius }
 }
@@ -383,6 +412,30 @@ mod tests {
         }
     }
 
+    /// The pattern is where the two rotations of the paper's appendix take it, whichever way along the force it is given.
+    #[test]
+    fn a_fixed_azimuth_is_that_of_two_rotations() {
+        // along z nothing is turned, along y by a quarter about x, along x by a quarter about y
+        assert_eq!(turned_from_space([0.0, 0.0, -1.0]), ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]));
+        assert_eq!(turned_from_space([0.0, -1.0, 0.0]), ([0.0, 1.0, 0.0], [1.0, 0.0, 0.0]));
+        assert_eq!(turned_from_space([1.0, 0.0, 0.0]), ([1.0, 0.0, 0.0], [0.0, 0.0, -1.0]));
+        assert_eq!(turned_from_space([-1.0, 0.0, 0.0]), ([1.0, 0.0, 0.0], [0.0, 0.0, -1.0]));
+        let pattern = pattern(14);
+        for (beta, alpha) in [(0.3_f64, 0.0_f64), (0.0, -0.7), (1.1, 0.4), (-0.9, -1.5), (1.56, 0.2)] {
+            let turned = |[x, y, z]: [f64; 3]| {
+                let (x, z) = (beta.cos() * x + beta.sin() * z, beta.cos() * z - beta.sin() * x);
+                [x, alpha.cos() * y - alpha.sin() * z, alpha.sin() * y + alpha.cos() * z]
+            };
+            let force = turned([0.0, 0.0, 1.0]);
+            for sense in [1.0, -1.0] {
+                let (axis, side) = turned_from_space(force.map(|f| sense * f));
+                for ((at, _), ball) in pattern.daughters([0.0; 3], 1.0, axis, side).zip(pattern.balls()) {
+                    assert!(distance(at, turned(ball.centre)) < 1e-13, "{beta} {alpha}");
+                }
+            }
+        }
+    }
+
     /// Rotation by a unit quaternion.
     fn rotate(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
         let [w, x, y, z] = q;
@@ -438,6 +491,16 @@ mod tests {
                 let height: f64 = (0..3).map(|k| (a[k] - centre[k]) * axis[k]).sum();
                 prop_assert!((height / radius - pattern.balls()[i].centre[2]).abs() < rounding);
             }
+        }
+
+        #[test]
+        fn fixed_axes_are_perpendicular_units(axis in axis()) {
+            let (z, x) = turned_from_space(axis);
+            let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            prop_assert!(z == axis || z == axis.map(|c| -c));
+            prop_assert!(z[2] >= 0.0 && x[0] >= 0.0);
+            prop_assert!((dot(x, x) - dot(z, z)).abs() < 1e-14 && dot(x, z).abs() < 1e-15, "{x:?} {z:?}");
+            prop_assert_eq!(turned_from_space(axis.map(|c| -c)), (z, x));
         }
 
         #[test]

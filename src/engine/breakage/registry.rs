@@ -56,6 +56,11 @@ macro_rules! criteria {
                 match self { $(Criterion::$criterion(c) => of(c),)* }
             }
 
+            /// [`FailureCriterion::weighs_radius`]
+            pub fn weighs_radius(&self) -> bool {
+                match self { $(Criterion::$criterion(c) => c.weighs_radius(),)* }
+            }
+
             /// [`FailureCriterion::POWER`]
             pub fn power(&self) -> u32 {
                 fn of<C: FailureCriterion>(_: &C) -> u32 { C::POWER }

@@ -16,7 +16,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 const MAX_REDRAWS: u32 = 4096;
 
 /// What happens to a draw below the smallest admitted ratio, `min_ratio`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Truncation {
     /// It is drawn again. With `min_ratio` 0 and `var` 1 the mean becomes 1.288, the coefficient of variation 0.616.
     Redraw,
@@ -25,6 +25,16 @@ pub enum Truncation {
     /// It is drawn again, and so is a draw above 2 − `min_ratio`: a normal distribution keeps its mean. With `min_ratio` 0 and `var` 1 the coefficient of
     /// variation becomes 0.540.
     Symmetric,
+    /// It is drawn again, and what is drawn at last is divided by the mean of such draws: the mean stays the stated one, whatever is cut off. (A shift would
+    /// keep the mean as well, but with `min_ratio` 0 it would make negative strengths.) `min_ratio` counts before the division. With `min_ratio` 0 and `var` 1
+    /// the coefficient of variation is 0.616, as with `Redraw`.
+    MeanPreserving {
+        /// Mean of the draws that are not below `min_ratio`, -, as [`StrengthModel::preserving_mean`] finds it.
+        mean: f64,
+    },
+    /// It becomes as far above `min_ratio` as it was below, with `min_ratio` 0 its absolute value. With `min_ratio` 0 and `var` 1 the mean becomes 1.167, the
+    /// coefficient of variation 0.685.
+    Absolute,
 }
 
 /// How the strengths of grains of one size are distributed.
@@ -80,13 +90,15 @@ impl StrengthModel {
                 Distribution::Weibull => self.weibull_scale() * portable::pow(-portable::ln(positive_unit(&mut rng)), 1.0 / self.m),
             };
             if ratio >= self.min_ratio && ratio <= self.max_ratio() {
-                return ratio;
+                return ratio / self.divisor();
             }
-            if self.truncation == Truncation::Clamp {
-                break;
+            match self.truncation {
+                Truncation::Clamp => break,
+                Truncation::Absolute => return 2.0 * self.min_ratio - ratio,
+                Truncation::Redraw | Truncation::Symmetric | Truncation::MeanPreserving { .. } => {}
             }
         }
-        self.min_ratio
+        self.min_ratio / self.divisor()
     }
 
     /// Scale of Weibull's distribution with the mean 1: 1/Γ(1 + 1/m). The share 1/e of all grains is stronger.
@@ -98,7 +110,36 @@ impl StrengthModel {
     pub fn max_ratio(&self) -> f64 {
         match self.truncation {
             Truncation::Symmetric => 2.0 - self.min_ratio,
-            Truncation::Redraw | Truncation::Clamp => f64::INFINITY,
+            Truncation::Redraw | Truncation::Clamp | Truncation::MeanPreserving { .. } | Truncation::Absolute => f64::INFINITY,
+        }
+    }
+
+    /// Smallest ratio that a grain can have, -.
+    pub fn least_ratio(&self) -> f64 {
+        self.min_ratio / self.divisor()
+    }
+
+    /// The same with the truncation [`Truncation::MeanPreserving`].
+    pub fn preserving_mean(self) -> Self {
+        let mean = if self.var > 0.0 { self.mean_above(self.min_ratio) } else { 1.0 };
+        Self { truncation: Truncation::MeanPreserving { mean }, ..self }
+    }
+
+    /// The `min_ratio` with which [`StrengthModel::least_ratio`] is `least`, below 1. With [`Truncation::MeanPreserving`] the mean of the draws grows with what is
+    /// cut off, but less than that, so that the iteration converges.
+    pub fn min_ratio_for(&self, least: f64) -> f64 {
+        let again = |min_ratio: f64| least * Self { min_ratio, ..*self }.preserving_mean().divisor();
+        match self.truncation {
+            Truncation::MeanPreserving { .. } => (0..30).fold(least, |min_ratio, _| again(min_ratio)),
+            _ => least,
+        }
+    }
+
+    /// What admitted draws are divided by, -.
+    pub(super) fn divisor(&self) -> f64 {
+        match self.truncation {
+            Truncation::MeanPreserving { mean } => mean,
+            _ => 1.0,
         }
     }
 }
@@ -138,8 +179,16 @@ mod tests {
             (0.48, Truncation::Redraw, 1.022, 0.446, 0.0),
             (1.0, Truncation::Clamp, 1.0833, 0.8004, 0.1587),
             (1.0, Truncation::Symmetric, 1.0, 0.5396, 0.0),
+            // folded normal: mean var √(2/π) exp(−1/(2 var²)) + 1 − 2 Φ(−1/var), mean square 1 + var²
+            (1.0, Truncation::Absolute, 1.1666, 0.6852, 0.0),
+            (0.48, Truncation::Absolute, 1.0065, 0.4632, 0.0),
         ] {
             let found = statistics(model(var, truncation));
+            if truncation == Truncation::Redraw {
+                // scaled to the stated mean, of the same variation
+                let scaled = statistics(model(var, truncation).preserving_mean());
+                assert!((scaled.0 - 1.0).abs() < 0.009 && (scaled.1 - found.1).abs() < 1e-9, "{scaled:?}");
+            }
             assert!((found.0 - mean).abs() < 0.011, "{found:?}");
             assert!((found.1 - spread).abs() < 0.006, "{found:?}");
             assert!((found.2 - zeros).abs() < 0.006, "{found:?}");
@@ -155,6 +204,47 @@ mod tests {
         let ratios: Vec<f64> = (0..400).map(|i| law.ratio(3, lineage_root(i))).collect();
         assert!(ratios.iter().all(|r| (0.7..=1.3).contains(r)));
         assert!(ratios.iter().any(|r| *r > 1.25) && ratios.iter().any(|r| *r < 0.75));
+    }
+
+    /// The mean is the stated one whatever is cut off, and of both distributions. The mean of a normal distribution above a is 1 + var φ(a)/Q(a): for var 0.5 and
+    /// ratios above 1 it is 1 + 0.5·√(2/π).
+    #[test]
+    fn a_scaled_truncation_keeps_the_mean() {
+        for min_ratio in [0.0, 0.9] {
+            let normal = StrengthModel { min_ratio, ..model(0.7, Truncation::Redraw) };
+            let weibull = StrengthModel { distribution: Distribution::Weibull, m: 3.0, var: weibull_variation(3.0), ..normal };
+            for law in [normal, weibull] {
+                let scaled = law.preserving_mean();
+                let [(mean, spread, _), again] = [scaled, law].map(statistics);
+                assert!((mean - 1.0).abs() < 0.009, "{scaled:?}: {mean}");
+                assert!((spread - again.1).abs() < 1e-9 && (again.0 - scaled.divisor()).abs() < 0.009, "{scaled:?}: {again:?}");
+                assert!((scaled.least_ratio() * scaled.divisor() - min_ratio).abs() < 1e-15 && law.least_ratio() == min_ratio);
+            }
+        }
+        let asked = model(1.0, Truncation::Redraw).preserving_mean();
+        let given = StrengthModel { min_ratio: asked.min_ratio_for(0.4), ..asked }.preserving_mean();
+        assert!((given.least_ratio() - 0.4).abs() < 1e-9 && given.min_ratio > 0.5, "{given:?}");
+        assert_eq!(model(1.0, Truncation::Redraw).min_ratio_for(0.4), 0.4);
+        let half = StrengthModel { min_ratio: 1.0, ..model(0.5, Truncation::Redraw) }.preserving_mean();
+        assert!((half.divisor() - 1.0 - 0.5 * (2.0 / std::f64::consts::PI).sqrt()).abs() < 1e-9, "{half:?}");
+        assert_eq!(model(0.0, Truncation::Redraw).preserving_mean().draw(5, 1, 2e-3), 300e6);
+    }
+
+    /// Draws below `min_ratio` are mirrored there; the others are those of any other truncation.
+    #[test]
+    fn an_absolute_truncation_mirrors_what_is_below() {
+        let [absolute, clamp] =
+            [Truncation::Absolute, Truncation::Clamp].map(|t| StrengthModel { min_ratio: 0.25, ..model(1.0, t) });
+        let whole = StrengthModel { min_ratio: -9.0, ..absolute };
+        let mut mirrored = 0;
+        for i in 0..2000 {
+            let [x, c, draw] = [absolute, clamp, whole].map(|law| law.ratio(3, lineage_root(i)));
+            assert!((x - 0.25 - (draw - 0.25).abs()).abs() < 1e-14);
+            assert_eq!(x == c, draw >= 0.25);
+            mirrored += u32::from(draw < 0.25);
+        }
+        // Φ(−0.75) = 0.2266; standard error 0.0094
+        assert!((f64::from(mirrored) / 2000.0 - 0.2266).abs() < 0.03, "{mirrored}");
     }
 
     /// Mean 1, the variation of the closed form, and 1/e of the draws above the scale.
@@ -200,6 +290,9 @@ mod tests {
 
     #[test]
     fn a_floor_that_no_draw_reaches_still_ends() {
+        // the mean of no draws is not a number to divide by
+        let scaled = StrengthModel { min_ratio: 1e6, ..model(1.0, Truncation::Redraw) }.preserving_mean();
+        assert_eq!(scaled.draw(1, 1, 2e-3), 300e6);
         let law = StrengthModel { min_ratio: 1e6, ..model(1.0, Truncation::Redraw) };
         assert!((law.draw(1, 1, 2e-3) / (300e6 * 1e6) - 1.0).abs() < 1e-12);
         assert!(model(f64::NAN, Truncation::Redraw).draw(1, 1, 2e-3).is_finite());

@@ -69,6 +69,8 @@ pub struct Rules {
     pub dt: f64,
     /// What happens to the tangential force when the normal force falls.
     pub unloading: TangentialUnloading,
+    /// Whether weighted loads go with R* of the contact ([`crate::breakage::criterion::FailureCriterion::weighs_radius`]).
+    pub weighs_radius: bool,
     /// Contacts per parallel task.
     pub task: usize,
     /// The instruction set in use.
@@ -177,7 +179,7 @@ pub fn touching<R: Real, L: Law, const LEDGER: bool, const EXTRA: bool>(
         taken = L::dissipated(largest, m.r_eff, pair) - L::dissipated(before, m.r_eff, pair);
     }
     let touch = ContactForce { tangential: t, normal_force, normal: n, overlap: m.overlap };
-    let weight = pair.e_eff / m.r_eff;
+    let weight = if rules.weighs_radius { pair.e_eff / m.r_eff } else { pair.e_eff };
     ContactHistory {
         touch,
         spring: old.spring.map(|_| spring),
@@ -232,7 +234,8 @@ mod tests {
         let none = [0.0; 3];
         let viscous = viscous_coefficient(0.3);
         let pair = Pair::of(&Coefficients { normal: 4.4e7, tangential: 1e8, viscous, yield_overlap: 0.0 }, 0.3, 0.0, 0.0);
-        let rules = Rules { dt: 1e-5, unloading: TangentialUnloading::Keep, task: 1, arch: pulp::Arch::Scalar };
+        let rules =
+            Rules { dt: 1e-5, unloading: TangentialUnloading::Keep, weighs_radius: true, task: 1, arch: pulp::Arch::Scalar };
         let mut touch = ContactForce::default();
         for slip in [0.3, 3.0, 1e-7] {
             let motion = RelativeMotion { centres: [slip, 0.0, 0.0], turning: none, mean_spin: none, spin_difference: none };

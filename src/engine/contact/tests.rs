@@ -36,7 +36,7 @@ fn materials(law: ContactLaw) -> Vec<Material> {
 }
 
 fn rules(unloading: TangentialUnloading, arch: pulp::Arch) -> Rules {
-    Rules { dt: DT, unloading, task: 16, arch }
+    Rules { dt: DT, unloading, weighs_radius: true, task: 16, arch }
 }
 
 const ALL: Kept = Kept { work: true, rolling: true, spring: true, load: true, largest: true };

@@ -39,7 +39,7 @@ pub(super) struct PointContactScene<'a> {
 impl PointContacts {
     /// Computes the force of every candidate at this instant. In parallel over candidates; each task writes only its own.
     pub(super) fn evaluate(&mut self, scene: &PointContactScene<'_>) {
-        let rules = Rules { dt: scene.dt, unloading: scene.unloading, task: TASK, arch: arch() };
+        let rules = Rules { dt: scene.dt, unloading: scene.unloading, weighs_radius: true, task: TASK, arch: arch() };
         let PointContacts { candidates, account, .. } = self;
         let Some(account) = account else {
             return with_law!(scene.table.law, L => {

@@ -5,6 +5,7 @@
 
 use super::birth::Obstacles;
 use crate::breakage::criterion::Judges;
+use crate::breakage::pattern::{Azimuth, turned_from_space};
 use crate::breakage::{Birth, CrushModel};
 use crate::check::{self, Checked};
 use crate::contact::pair::PairTable;
@@ -284,12 +285,15 @@ fn break_one(
     neighbours.detach(m, &state.grains, &mut pools);
 
     let centre = event.position;
-    let perpendicular = random_perpendicular(crush.seed, mother.lineage, verdict.axis);
+    let (axis, perpendicular) = match crush.azimuth {
+        Azimuth::Random => (verdict.axis, random_perpendicular(crush.seed, mother.lineage, verdict.axis)),
+        Azimuth::Fixed => turned_from_space(verdict.axis),
+    };
     let mut kept = 0.0;
     let mut daughters_kinetic = 0.0;
     let mut born = Vec::with_capacity(crush.pattern.count());
     // daughters are placed in the sphere of the broken grain, or in its free part; their sizes are those for its final size, enlarged if all mass is kept
-    let in_sphere = |radius: f64| crush.pattern.daughters(centre, radius, verdict.axis, perpendicular);
+    let in_sphere = |radius: f64| crush.pattern.daughters(centre, radius, axis, perpendicular);
     let mut sphere = mother.pos[3];
     if matches!(crush.birth, Birth::Gradual { .. })
         && in_sphere(sphere).any(|(at, radius)| obstacles.bury(at, radius, &state.walls))

@@ -405,7 +405,8 @@ pub fn contacts(physics: &Physics, state: &mut State, work: &mut Workspace) {
     if state.dt == 0.0 {
         state.dt = stability::first_step(physics, state);
     }
-    let rules = Rules { dt: state.dt, unloading: physics.contact.unloading, task: work.task, arch: work.arch };
+    let weighs_radius = physics.crush.as_ref().is_none_or(|c| c.criterion.weighs_radius());
+    let rules = Rules { dt: state.dt, unloading: physics.contact.unloading, weighs_radius, task: work.task, arch: work.arch };
     let small = small(state, work);
     let task = work.task;
     let State { grains, walls, pairs, wall_pairs, .. } = state;

@@ -131,7 +131,7 @@ impl BlockScene<'_> {
 impl Blocks {
     /// Computes the forces of this instant: of contacts with points (`points`), or of all others. In parallel over contacts; each task writes only its own.
     pub fn evaluate(&mut self, scene: &BlockScene<'_>, points: bool) {
-        let rules = Rules { dt: scene.dt, unloading: scene.unloading, task: TASK, arch: pulp::Arch::Scalar };
+        let rules = Rules { dt: scene.dt, unloading: scene.unloading, weighs_radius: true, task: TASK, arch: pulp::Arch::Scalar };
         let Blocks { blocks, candidates, .. } = self;
         let poses: Vec<Pose> = blocks.iter().map(|b| b.pose(scene.ahead[0])).collect();
         let spins: Vec<[f64; 3]> = blocks.iter().map(Block::spin).collect();

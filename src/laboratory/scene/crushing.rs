@@ -3,12 +3,12 @@
 use super::material::Named;
 use super::view::View;
 use crate::model::{GrainSpec, Rig, Subject};
-use engine::breakage::criterion::Judges;
 use engine::breakage::criterion::limit_strength::limit_strength;
 use engine::breakage::criterion::size_factor;
+use engine::breakage::criterion::{HertzArea, Judges};
 use engine::breakage::crushing_stress::Quoted;
 use engine::breakage::lost_mass::Fines;
-use engine::breakage::pattern::Pattern;
+use engine::breakage::pattern::{Azimuth, Pattern};
 use engine::breakage::strength::{Distribution, StrengthModel, Truncation, weibull_variation};
 use engine::breakage::{Birth, Criterion, CrushModel};
 use toml::{Table, Value};
@@ -95,8 +95,9 @@ impl View<'_> {
             "can be \"points\" in an oedometer or a mixture only",
         );
         let interval = self.whole("crushing.interval").unwrap_or(1);
-        let crush =
-            CrushModel { criterion, strength, seed: self.whole("seed.strength")?, pattern, d_limit, birth, keeps_mass, interval };
+        let azimuth = if self.text("crushing.azimuth") == "fixed" { Azimuth::Fixed } else { Azimuth::Random };
+        let seed = self.whole("seed.strength")?;
+        let crush = CrushModel { criterion, strength, seed, pattern, azimuth, d_limit, birth, keeps_mass, interval };
         Some((Some(crush), fines))
     }
 
@@ -173,6 +174,7 @@ impl View<'_> {
         let asked = Criterion::WORDS.iter().position(|other| *other == word).map_or(&[][..], |k| Criterion::PARAMETERS[k]);
         let criterion = Criterion::named(word, &self.parameters(of, asked, &why))?;
         self.judges(criterion);
+        let criterion = self.area_radius(criterion);
         let (distribution, var) = self.spread(of, &table)?;
         let shape = StrengthModel {
             sigma_lim0: f64::NAN,
@@ -183,10 +185,13 @@ impl View<'_> {
             truncation: match self.text(&of.key("strength.truncation")) {
                 "clamp" => Truncation::Clamp,
                 "symmetric" => Truncation::Symmetric,
+                "absolute" => Truncation::Absolute,
                 _ => Truncation::Redraw,
             },
             min_ratio: self.si(&of.key("strength.min_ratio")),
         };
+        let scaled = self.text(&of.key("strength.truncation")) == "mean_preserving";
+        let shape = if scaled { shape.preserving_mean() } else { shape };
         let sigma_lim0 = self.sigma_lim0(of, &table, criterion, &shape)?;
         Some((criterion, StrengthModel { sigma_lim0, ..shape }))
     }
@@ -200,6 +205,22 @@ impl View<'_> {
             "crushing.criterion",
             "must be \"fixed_angle\" or \"hertz_area\" beside material points: what points bear on a grain is not in its mean stress",
         );
+    }
+
+    /// The criterion with the radius that `crushing.area_radius` says. Refuses a grain's own radius where the criterion has no Hertzian area.
+    fn area_radius(&self, criterion: Criterion) -> Criterion {
+        let own_radius = self.text("crushing.area_radius") == "own";
+        match criterion {
+            Criterion::HertzArea(_) => Criterion::HertzArea(HertzArea { own_radius }),
+            _ => {
+                self.check(
+                    !own_radius,
+                    "crushing.area_radius",
+                    "can be \"own\" with crushing.criterion = \"hertz_area\" only: other criteria have no Hertzian area",
+                );
+                criterion
+            }
+        }
     }
 
     /// Distribution of strengths and its coefficient of variation, -; `None`, with the reason noted, where a normal distribution

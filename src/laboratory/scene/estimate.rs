@@ -182,9 +182,10 @@ fn weak_from_the_start(model: &Model, crush: &CrushModel, specimen: &model::Spec
     let ratio = if crush.criterion.power() == 3 { share.cbrt() } else { share };
     let weak = crush.strength.share_weaker(ratio);
     (weak > TOO_WEAK).then(|| {
+        let enough = crush.strength.min_ratio_for(ratio);
         format!(
             "{:.1} % of the grains are drawn weaker than the prepared specimen's own stress of {} kPa (below {ratio:.2} of the mean at their size): they break at the first \
-             step of loading, far above their limit; raise material.strength.min_ratio to {ratio:.2} or more, or lower var",
+             step of loading, far above their limit; raise material.strength.min_ratio to {enough:.2} or more, or lower var",
             100.0 * weak,
             1e-3 * specimen.isotropic_stress
         )

@@ -523,7 +523,19 @@ const OWN: &[Key] = &[
         Absent,
         "older name of `criterion`: \"fixed_angle\", or \"hertz\" for \"hertz_area\"",
     ),
+    grains(
+        "crushing.area_radius",
+        Choice(&["pair", "own"]),
+        Is("\"pair\""),
+        "criterion hertz_area: the radius r' of the contact area (eq. 9). pair: the reduced radius of both bodies (eq. 10); own: that of the grain that is judged, as between platens (eq. 17)",
+    ),
     grains("crushing.pattern", Integer { low: 2, high: 68 }, Is("14"), "daughters of a broken grain: 2, 5, 14, 26, 38, 50 or 68"),
+    grains(
+        "crushing.azimuth",
+        Choice(&["random", "fixed"]),
+        Is("\"random\""),
+        "how the pattern of the daughters is turned about the force that broke the grain. random: by an angle keyed by lineage; fixed: as two rotations about the axes y and x of space turn it to the force (the paper's appendix), so that its x' points towards +x",
+    ),
     grains("crushing.d_limit_over_d50", Number(POSITIVE), Absent, "comminution limit, instead of the material's"),
     grains(
         "crushing.birth",
@@ -838,11 +850,16 @@ const OWN: &[Key] = &[
     ),
     every(
         "material.strength.truncation",
-        Choice(&["redraw", "clamp", "symmetric"]),
+        Choice(&["redraw", "clamp", "symmetric", "mean_preserving", "absolute"]),
         Is("\"redraw\""),
-        "what is done with a draw below `min_ratio`. redraw: it is drawn again; clamp: it is set to `min_ratio`; symmetric: it is drawn again, and so is a draw that is as far above the mean",
+        "what is done with a draw below `min_ratio`. redraw: it is drawn again; clamp: it is set to `min_ratio`; symmetric: it is drawn again, and so is a draw that is as far above the mean; mean_preserving: it is drawn again, and all are divided by the mean of what is left, so that the mean stays; absolute: it becomes as far above `min_ratio` as it was below, where that is 0 its absolute value",
     ),
-    every("material.strength.min_ratio", Number(RATIO), Is("0.0"), "smallest strength over the mean at its size"),
+    every(
+        "material.strength.min_ratio",
+        Number(RATIO),
+        Is("0.0"),
+        "smallest strength over the mean at its size; with truncation = \"mean_preserving\" before the division by the mean",
+    ),
     every(
         "material.strength.fixed_angle.sigma_lim0_MPa",
         Number(POSITIVE),

@@ -102,6 +102,8 @@ const SETTLED: &[(&str, &str)] = &[
     ("tangential force on unloading", "contact.unloading"),
     ("rotation of grains", "contact.rotation"),
     ("daughters of a broken grain", "crushing.pattern"),
+    ("azimuth of the pattern", "crushing.azimuth"),
+    ("radius of the area of a Hertzian contact", "crushing.area_radius"),
     ("how daughters begin", "crushing.birth"),
     ("steps between judgements", "crushing.interval"),
     ("mass that daughters do not hold", "crushing.lost_mass"),
@@ -112,7 +114,6 @@ const SETTLED: &[(&str, &str)] = &[
 /// Matters that the program settles, for specimens and free scenes of grains.
 const FIXED: &[(&str, &str)] = &[
     ("when grains are judged", "in loading, on the forces of the step; all that exceed break, in id order"),
-    ("azimuth of the pattern", "random, keyed by lineage"),
     ("logarithm and increment of eq. 18", "natural, one increment per step; lower platen fixed, upper moves"),
     ("oedometer stresses", "mean platen force over area; radial force over current height"),
     ("volumes", "grains without subtracting overlaps; specimen from current walls"),

@@ -69,6 +69,11 @@ pub trait FailureCriterion: Copy {
     /// The criterion with the values of [`FailureCriterion::PARAMETERS`].
     fn of(values: &Values) -> Self;
 
+    /// Whether [`FailureCriterion::load_weight`] depends on R* of the contact: (E'/R*)² where it does and E'² where it does not, if the load is weighted at all.
+    fn weighs_radius(&self) -> bool {
+        true
+    }
+
     /// Threshold of a grain with the strength `sigma_lim`, Pa, and the diameter `d`, m: for criteria on contacts that of the normal force, N, times its weight;
     /// otherwise that of the equivalent stress, Pa.
     fn threshold(&self, sigma_lim: f64, d: f64) -> f64;

@@ -145,6 +145,9 @@ fn lacking(settings: &Settings, points: &Points, coarse: &CoarseGrains<'_>) -> V
         let word = physics.crush.as_ref().map_or("", |c| c.criterion.word());
         lacks("crushing.criterion", word.into(), instead);
     }
+    if physics.crush.as_ref().is_some_and(|c| !c.criterion.weighs_radius()) {
+        lacks("crushing.area_radius", "own".into(), "use pair");
+    }
     if physics.contact.unloading == TangentialUnloading::Rescale {
         lacks("contact.unloading", "rescale".into(), "use keep");
     }
