@@ -23,6 +23,10 @@ fn column(out: &Path, name: &str) -> Vec<f64> {
     reader.records().map(|r| r.expect("row")[at].parse().unwrap_or(f64::NAN)).collect()
 }
 
+fn read_summary(out: &Path) -> serde_json::Value {
+    serde_json::from_str(&fs::read_to_string(out.join("summary.json")).expect("summary")).expect("json")
+}
+
 /// In an oedometer e follows from the height alone, 1 + e = (1 + e0)(1 - ε_a), however many grains break.
 #[test]
 fn void_ratio_is_that_of_all_dry_mass_and_a_run_ends_below_the_least() {
@@ -51,8 +55,7 @@ fn void_ratio_is_that_of_all_dry_mass_and_a_run_ends_below_the_least() {
     let said = run(&scene, &out, &[&crushing[..], &[sets[0].as_str(), sets[1].as_str()]].concat());
     assert_eq!(said.matches("below records.least_void_ratio").count(), 1, "{said}");
     assert_eq!(column(&out, "void_ratio"), e[..=first], "the same records up to there");
-    let summary: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(out.join("summary.json")).expect("summary")).expect("json");
+    let summary = read_summary(&out);
     near(
         "stress of the first record below",
         summary["below_least_void_ratio"]["sigma_v_kPa"].as_f64().expect("kPa"),
@@ -89,5 +92,28 @@ fn a_run_stops_itself_where_solids_fill_more_than_the_whole_volume() {
     let gsd = fs::read_to_string(out.join("gsd.csv")).expect("gradations");
     assert!(gsd.lines().count() > 20, "a gradation at the start and at the stop");
 
-    run(&scene, &folder.path().join("on"), &[&weak[..], &["records.stop_without_voids=false"]].concat());
+    // a run that goes on says in its summary where that was
+    let on = folder.path().join("on");
+    run(&scene, &on, &[&weak[..], &["records.stop_without_voids=false"]].concat());
+    let (e, sigma) = (column(&on, "void_ratio_star"), column(&on, "sigma_v_kPa"));
+    let first = e.iter().position(|e| *e < 0.0).expect("a record without voids");
+    let summary = read_summary(&on);
+    let said = &summary["without_voids"];
+    for (key, expected) in [
+        ("last_with_voids_kPa", sigma[first - 1]),
+        ("sigma_v_kPa", sigma[first]),
+        ("porosity_star", column(&on, "porosity_star")[first]),
+        ("axial_strain", column(&on, "axial_strain")[first]),
+    ] {
+        close(key, said[key].as_f64().expect("a number"), expected, 1e-6);
+    }
+    let warned = summary["warnings"].as_array().expect("warnings").iter().filter_map(|w| w.as_str());
+    let last = format!("last above 0 at {:.0} kPa", sigma[first - 1]);
+    assert_eq!(warned.filter(|w| w.contains("mass restored") && w.contains(&last)).count(), 1, "{}", summary["warnings"]);
+
+    // stronger grains keep their voids, and nothing is said
+    let strong = folder.path().join("strong");
+    run(&scene, &strong, &["crushing.enabled=true", "material.grain.internal_porosity=0", "records.snapshots=false"]);
+    assert!(column(&strong, "void_ratio_star").iter().all(|e| *e > 0.0));
+    assert!(read_summary(&strong)["without_voids"].is_null());
 }

@@ -54,6 +54,8 @@ pub struct Recorder {
     pub at_end: AtEnd,
     /// The first record with a void ratio below `records.least_void_ratio`.
     pub below_least: Option<BelowLeast>,
+    /// The first record with a `void_ratio_star` below 0.
+    pub without_voids: Option<WithoutVoids>,
 }
 
 /// Values of the last record for the summary; each is the column of the same name of the history.
@@ -96,6 +98,33 @@ impl BelowLeast {
              fines than would fit into the voids; the curve has no meaning from there on",
             self.void_ratio,
             self.sigma_v * 1e-3
+        )
+    }
+}
+
+/// The first record with a `void_ratio_star` below 0: all dry mass, the pores inside the grains excluded, would fill more than the whole volume.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WithoutVoids {
+    /// Vertical stress of the record before, the last one at which there were voids, Pa.
+    pub last_with_voids: f64,
+    /// Vertical stress, Pa.
+    pub sigma_v: f64,
+    /// Axial strain, compression positive.
+    pub axial_strain: f64,
+    /// Porosity with all dry mass as solids and the pores inside the grains as voids.
+    pub porosity_star: f64,
+}
+
+impl WithoutVoids {
+    /// The warning for the reader of the results.
+    pub fn in_words(&self) -> String {
+        format!(
+            "the porosity with the mass restored that breakages have lost is below 0 from {:.0} kPa on ({:.4} at an axial strain of {:.4}; last above 0 at {:.0} kPa): \
+             more solids than space, which no specimen can have. Volume, strain and what goes with them mean nothing beyond; mass lost by breakages bears no stress here",
+            self.sigma_v * 1e-3,
+            self.porosity_star,
+            self.axial_strain,
+            self.last_with_voids * 1e-3
         )
     }
 }
@@ -164,6 +193,11 @@ impl Recorder {
             .map_err(|e| Error::Failed { step: state.step, what: e.to_string() })?;
         let mm = |x: f64| x * 1e3;
         let axial_strain = 1.0 - size.height / moment.start_height;
+        if self.without_voids.is_none() && star(porosity) < 0.0 {
+            // the stress of the record before
+            let last_with_voids = self.row_stress;
+            self.without_voids = Some(WithoutVoids { last_with_voids, sigma_v: v, axial_strain, porosity_star: star(porosity) });
+        }
         let [hardin_br, einav_br, einav_beyond] = gradations::breakage(indices.as_ref());
 
         self.max_stress = self.max_stress.max(v);

@@ -5,7 +5,7 @@ use super::{Activity, Outcome, Progress, files};
 use crate::error::Result;
 use crate::model::{Model, Rig};
 use crate::record::checkpoint;
-use crate::record::cylinder::{BelowLeast, Recorder};
+use crate::record::cylinder::{BelowLeast, Recorder, WithoutVoids};
 use crate::rig::preparation::range::void_ratio;
 use crate::scene::Level;
 use crate::scene::estimate::predicted_seconds;
@@ -65,6 +65,9 @@ fn summary(model: &Model, progress: &Progress, work: &Workspace) -> Value {
         put("einav_beyond", json!(end.einav_beyond));
         put("least_void_ratio", json!(model.records.least_void_ratio));
         put("below_least_void_ratio", below_least(recorder.below_least));
+        if let Some(without) = recorder.without_voids {
+            put("without_voids", without_voids(without));
+        }
         if let (Some(_), true) = (recorder.below_least, model.records.end_below_least) {
             put("ended_early", json!("void ratio below records.least_void_ratio"));
         }
@@ -141,6 +144,7 @@ fn warnings(recorder: &Recorder, growth: f64, accuracy: Option<&Level>) -> Vec<S
             recorder.deepest
         ));
     }
+    warnings.extend(recorder.without_voids.map(|w| w.in_words()));
     if growth > GROWN {
         warnings.push(format!(
             "daughters that grew did {growth:.1} times the work of the walls: stresses and the void ratio beyond yield are theirs too; crushing.lost_mass = \"points\" \
@@ -156,6 +160,16 @@ fn below_least(below: Option<BelowLeast>) -> Value {
         Value::Null,
         |b| json!({"sigma_v_kPa": b.sigma_v * 1e-3, "axial_strain": b.axial_strain, "void_ratio": b.void_ratio}),
     )
+}
+
+/// The record at which `void_ratio_star` first fell below 0. A run in which it never did has no such entry.
+fn without_voids(w: WithoutVoids) -> Value {
+    json!({
+        "last_with_voids_kPa": w.last_with_voids * 1e-3,
+        "sigma_v_kPa": w.sigma_v * 1e-3,
+        "axial_strain": w.axial_strain,
+        "porosity_star": w.porosity_star,
+    })
 }
 
 /// Mean and coefficient of variation of strength over mean strength of the same size, of the grains at the start.
