@@ -41,7 +41,7 @@ pub struct InternalVariables {
     /// Accumulated plastic strain, -: the integral of sqrt(2/3 de_p:de_p), with volumetric and deviatoric plastic strain increments de_p. In Modified Cam-clay, whose
     /// hardening follows volume alone: the plastic compression of volume, which falls where the soil dilates ([`ConstitutiveLaw::PLASTIC_FALLS`]).
     pub plastic: f64,
-    /// Opening of the gap in soil that was pulled apart: the volume strain since the soil no longer follows it ([`gap`]), -, not negative.
+    /// Opening of the gap in soil that was pulled apart: the volume strain since the soil no longer follows it, -, not negative.
     pub gap: f64,
 }
 
