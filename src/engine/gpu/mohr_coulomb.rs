@@ -106,7 +106,7 @@ fn correction(law: &Law32, pyramid: &Pyramid, [a, b, c]: [f32; 3], mean: f32, ex
     // sum of the multipliers of both planes; their difference is what closes the gap
     let sum = (2.0 * excess - gap * (1.0 - sign * sine)) / (own + across);
     if mean - swell * sum > pyramid.apex {
-        return ([a, b, c].map(|s| (pyramid.apex - mean) - s), (mean - pyramid.apex) / law.bulk);
+        return ([a, b, c].map(|s| (pyramid.apex - mean) - s), ((mean - pyramid.apex) / law.bulk).max(0.0));
     }
     if extension {
         let both = (other + smallest) * sum;

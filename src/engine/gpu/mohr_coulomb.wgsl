@@ -112,7 +112,7 @@ fn correction(id: u32, pyramid: Pyramid, s: vec3<f32>, mean: f32, excess: f32) -
     let across = 2.0 * g * (1.0 + sign * (sine + flow) - sine * flow * 0.33333333) + 2.0 * swell * sine;
     let sum = (2.0 * excess - gap * (1.0 - sign * sine)) / (own + across);
     if mean - swell * sum > pyramid.apex {
-        return vec4<f32>(vec3<f32>(pyramid.apex - mean) - s, (mean - pyramid.apex) / laws[id].bulk);
+        return vec4<f32>(vec3<f32>(pyramid.apex - mean) - s, max((mean - pyramid.apex) / laws[id].bulk, 0.0));
     }
     if extension {
         let both = (other + smallest) * sum;

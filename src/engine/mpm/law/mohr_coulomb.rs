@@ -212,10 +212,10 @@ impl MohrCoulomb {
                 stress[k] += value * (d[i] * d[j]);
             }
         }
-        // all stresses are equal at the apex alone
-        let at_apex = after[0] == after[2];
-        let opened = if at_apex { (tensor::trace(&trial) - 3.0 * after[0]) / (3.0 * self.parameters.elastic.bulk) } else { 0.0 };
-        (stress, InternalVariables { plastic, gap: internal.gap + opened })
+        // of stresses that return all are equal at the apex alone
+        let at_apex = after[0] == after[2] && after != before;
+        let over = if at_apex { (tensor::trace(&trial) - 3.0 * after[0]).max(0.0) } else { 0.0 };
+        (stress, InternalVariables { plastic, gap: internal.gap + over / (3.0 * self.parameters.elastic.bulk) })
     }
 
     /// Return to a pyramid that changes with the plastic strain: principal stresses, Pa, and the new plastic strain e, which is `start` and the size of the return to the pyramid
