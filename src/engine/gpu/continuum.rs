@@ -31,7 +31,7 @@ const MOST: u64 = 1000;
 /// How long the device shall work on one submission, s: a driver of a display ends one that takes two seconds.
 const LONG: f64 = 0.2;
 /// Number of the layout of a saved state: another one cannot be read.
-const LAYOUT: u32 = 3;
+const LAYOUT: u32 = 4;
 /// Fault of a point that a loading plate has passed.
 const PASSED: u32 = 5;
 /// Largest number of submissions that wait on the device.

@@ -97,8 +97,8 @@ fn of_pass(pass: &str, e: &Extent, near: u64) -> StepWork {
         "find_starts" => [cells * 3 * WORD, 0],
         // place, order; counts twice
         "scatter" => [points * (PLANE + WORD) + cells * 2 * WORD, 0],
-        // place, rest, law, four of stress, work; five of them again; two of faces, twice; speed
-        "strain" => [points * (13 + 4 * pressed) * PLANE + cells * PLANE, points * STRAIN],
+        // place, rest, law, four of stress, gap, work; five of them again; two of faces, twice; speed
+        "strain" => [points * (14 + 4 * pressed) * PLANE + cells * PLANE, points * STRAIN],
         // place; force; sums of workgroups; of points near a plate rest, faces, radius
         "plate_forces" => [points * 2 * PLANE + of_groups + at_plates * 4 * PLANE, (points * plates + at_plates) * TOUCH],
         // sums of workgroups; impulses of walls, twice
