@@ -8,7 +8,7 @@
 use super::{ConstitutiveLaw, InternalVariables, Sym, tensor};
 
 /// Mean tension over bulk modulus up to which a stress is none: rounding in single precision.
-pub const NO_TENSION: f64 = 1e-7;
+const NO_TENSION: f64 = 1e-7;
 
 /// [`ConstitutiveLaw::update`] of soil with a gap: it opens or closes without stress, and the part of the increment after it has closed acts on the soil. Soil with
 /// tension that is stretched goes on at its apex.
