@@ -18,7 +18,7 @@ use crate::contact::sweep::{difference, r_eff};
 use crate::dem::physics::Physics;
 use crate::grains::{Grains, sphere_volume};
 use crate::math::vector::dot;
-use crate::neighbours::Neighbours;
+use crate::neighbours::{Entry, Neighbours};
 use rayon::prelude::*;
 
 /// max(2 k_n, 7 k_t) of a contact, N/m: its part in the bound above.
@@ -48,10 +48,22 @@ impl Overlap<'_> {
 }
 
 /// Calls `visit` with every overlap of grain `i` at the present positions, in the order of the partners' identities, walls last.
-pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a PairTable, mut visit: impl FnMut(Overlap<'a>)) {
+pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a PairTable, visit: impl FnMut(Overlap<'a>)) {
+    overlaps_with(i, neighbours.around(i, &state.pairs), state, neighbours, table, visit);
+}
+
+/// As [`overlaps`], with these other grains: all that may overlap with it.
+fn overlaps_with<'a>(
+    i: usize,
+    others: impl Iterator<Item = (Entry, usize)>,
+    state: &State,
+    neighbours: &Neighbours,
+    table: &'a PairTable,
+    mut visit: impl FnMut(Overlap<'a>),
+) {
     let g = &state.grains;
     let p = g.pos[i];
-    for (e, j) in neighbours.around(i, &state.pairs) {
+    for (e, j) in others {
         let q = g.pos[j];
         let d = difference(p, q);
         let depth = p[3] + q[3] - dot(d, d).sqrt();
@@ -80,9 +92,22 @@ pub fn overlaps<'a>(i: usize, state: &State, neighbours: &Neighbours, table: &'a
 }
 
 /// Σ max(2 k_n, 7 k_t) over the contacts of grain `i` at the present positions, N/m, softening contacts of broken neighbours included.
+/// Contact forces must have been computed at these positions, so that all overlaps are listed as contacts: these are a quarter of a grain's neighbours.
 fn stiffness(i: usize, physics: &Physics, state: &State, neighbours: &Neighbours, table: &PairTable) -> f64 {
+    stiffness_with(i, neighbours.touching(i, &state.pairs), physics, state, neighbours, table)
+}
+
+/// As [`stiffness`], with these other grains: all that may overlap with it.
+fn stiffness_with(
+    i: usize,
+    others: impl Iterator<Item = (Entry, usize)>,
+    physics: &Physics,
+    state: &State,
+    neighbours: &Neighbours,
+    table: &PairTable,
+) -> f64 {
     let mut sum = 0.0;
-    overlaps(i, state, neighbours, table, |o| sum += effective_stiffness(&o.elastic(physics.contact.law)));
+    overlaps_with(i, others, state, neighbours, table, |o| sum += effective_stiffness(&o.elastic(physics.contact.law)));
     sum + 2.0 * state.aftermath.stiffness(i)
 }
 
@@ -107,10 +132,10 @@ fn scaled_inertia(k: f64, damping: f64, dt: f64, safety: f64) -> f64 {
 /// Factor by which inertia, or the square of a frequency, is taken larger than needed, so that stiffnesses may grow until the next look.
 const MARGIN: f64 = 1.2;
 
-/// New inertial mass of grain `i`, kg, if the present one is too small or more than 2.4 times what is needed; else `None`.
-fn new_inertia(i: usize, physics: &Physics, state: &State, neighbours: &Neighbours, table: &PairTable) -> Option<f64> {
-    let floor = stiffness_at_rest(i, physics, &state.grains, state.reference_stress, table);
-    let needed = stiffness(i, physics, state, neighbours, table).max(floor);
+/// New inertial mass of grain `i`, kg, whose contacts have the sum of stiffnesses `stiffness`, N/m, if the present mass is too small or more than 2.4 times
+/// what is needed; else `None`.
+fn new_inertia(i: usize, stiffness: f64, physics: &Physics, state: &State, table: &PairTable) -> Option<f64> {
+    let needed = stiffness.max(stiffness_at_rest(i, physics, &state.grains, state.reference_stress, table));
     let inertia = scaled_inertia(needed, state.damping, state.dt, physics.stepping.safety);
     let present = state.grains.inertia(i);
     (present < inertia || present > 2.0 * MARGIN * inertia).then_some(MARGIN * inertia)
@@ -194,12 +219,9 @@ fn rescale(physics: &Physics, state: &mut State, work: &mut Workspace) {
     let Workspace { neighbours, table, scratch, .. } = work;
     scratch.inertia.resize(state.grains.len(), None);
     let frozen: &State = state;
-    scratch
-        .inertia
-        .par_iter_mut()
-        .with_min_len(256)
-        .enumerate()
-        .for_each(|(i, new)| *new = new_inertia(i, physics, frozen, neighbours, table));
+    scratch.inertia.par_iter_mut().with_min_len(256).enumerate().for_each(|(i, new)| {
+        *new = new_inertia(i, stiffness(i, physics, frozen, neighbours, table), physics, frozen, table);
+    });
     scratch.changed.clear();
     for (i, new) in scratch.inertia.iter().enumerate() {
         if new.is_some() {
@@ -224,7 +246,8 @@ pub fn follow_fast_contacts(physics: &Physics, state: &mut State, work: &mut Wor
     scratch.restless.clear();
     scratch.restless.extend(state.aftermath.restless());
     for &i in &scratch.restless {
-        if let Some(inertia) = new_inertia(i, physics, state, neighbours, table)
+        let needed = stiffness(i, physics, state, neighbours, table);
+        if let Some(inertia) = new_inertia(i, needed, physics, state, table)
             && inertia > state.grains.inertia(i)
         {
             set_inertia(state, i, inertia);
@@ -266,7 +289,9 @@ pub fn newborn_inertia(i: usize, physics: &Physics, state: &mut State, neighbour
     if physics.stepping.inertia_scaling
         && let Some(inertia) = {
             state.grains.vel[i][3] = f64::INFINITY;
-            new_inertia(i, physics, state, neighbours, table)
+            // its contacts have no forces yet
+            let needed = stiffness_with(i, neighbours.around(i, &state.pairs), physics, state, neighbours, table);
+            new_inertia(i, needed, physics, state, table)
         }
     {
         state.grains.set_inertia(i, inertia);

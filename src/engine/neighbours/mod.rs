@@ -18,7 +18,8 @@ use crate::boundary::WallShape;
 use crate::contact::pairs::{FREE, Pairs};
 use crate::grains::Grains;
 use crate::math::real::{Four, Plain};
-use adjacency::{Adjacency, Entry};
+use adjacency::Adjacency;
+pub(crate) use adjacency::Entry;
 use grid::CellGrid;
 use near::Near;
 
@@ -234,6 +235,14 @@ impl Neighbours {
     pub fn around<'a>(&'a self, i: usize, pairs: &'a Pairs) -> impl Iterator<Item = (Entry, usize)> + 'a {
         self.around.of(i).map(move |e| {
             let [a, b] = if e.link.is_apart() { self.near.ends(e.slot()) } else { pairs.ends[e.slot()] };
+            (e, if a as usize == i { b } else { a } as usize)
+        })
+    }
+
+    /// The contacts of grain `i` with other grains, in the order of their identities, each with the index of the other one.
+    pub fn touching<'a>(&'a self, i: usize, pairs: &'a Pairs) -> impl Iterator<Item = (Entry, usize)> + 'a {
+        self.contacts.of(i).filter(|e| !e.is_wall()).map(move |e| {
+            let [a, b] = pairs.ends[e.slot()];
             (e, if a as usize == i { b } else { a } as usize)
         })
     }
