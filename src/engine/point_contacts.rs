@@ -75,13 +75,16 @@ impl Age {
 pub struct GhostFace {
     /// Unit normal from the body to the point.
     pub normal: [f64; 3],
-    /// Distance of the face from the centre of the point, less the ghost radius, m.
+    /// Distance of the face from the centre of the point, less the ghost radius, m; at most [`GhostFace::FURTHEST`].
     pub beyond: f64,
     /// Velocity of the face, m/s.
     pub velocity: [f64; 3],
 }
 
 impl GhostFace {
+    /// How far the face may be beyond the ghost, cells. Material between the two that has expanded by as much is torn: the face comes away from the body.
+    pub const FURTHEST: f64 = 1.0;
+
     /// The face of a point at the first touch.
     pub fn at_first_touch(normal: [f64; 3], transport_velocity: [f64; 3]) -> GhostFace {
         GhostFace { normal, beyond: 0.0, velocity: transport_velocity }
@@ -95,9 +98,10 @@ impl GhostFace {
 
     /// Moves the face with the nodes by a step of the continuum of `dt` seconds, which has just been made. `point`: index of the point.
     pub fn follow(&mut self, continuum: &Continuum, point: usize, [radius, overlap]: [f64; 2], dt: f64) {
-        let offset = self.offset(radius, overlap, continuum.settings().cell);
-        self.velocity = continuum.velocity_beside(point, offset);
-        self.beyond += dt * dot(less(continuum.points().transport_velocity[point], self.velocity), self.normal);
+        let cell = continuum.settings().cell;
+        self.velocity = continuum.velocity_beside(point, self.offset(radius, overlap, cell));
+        let way = dt * dot(less(continuum.points().transport_velocity[point], self.velocity), self.normal);
+        self.beyond = (self.beyond + way).min(Self::FURTHEST * cell);
     }
 
     /// Pushes point `point` for the next step, at the face, or at its centre where there is none. `touch`: ghost radius and overlap, m.

@@ -12,7 +12,7 @@ use crate::material::{InterfaceFriction, Material};
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::mpm::law::{Elastic, Law};
 use crate::mpm::{Continuum, Dimension, GridWall, Point, Points, Settings, ShapeFunctions, Transfer};
-use crate::point_contacts::PointContactTable;
+use crate::point_contacts::{GhostFace, PointContactTable};
 use crate::rigid::{Block, Blocks};
 use crate::shape::{Cuboid, Shape};
 
@@ -165,6 +165,22 @@ fn both_ends_of_a_contact_are_pressed_at_one_place() {
         let on_point = cross(plus(at, contact.offset(0.125)), scaled(force, -1.0));
         near3(plus(cross(centre, force), torque), scaled(on_point, -1.0));
     }
+}
+
+/// A face whose point moves away from the body for long stays within a cell of the ghost: from then on the distance from the body opens the contact.
+#[test]
+fn a_face_is_torn_off_at_a_cell() {
+    let (x, cell) = ([0.13, 0.0, 0.0], settings().cell);
+    let mut continuum = continuum(&[point(x, [1.0, 0.0, 0.0]), point(less(x, [0.5 * cell, 0.0, 0.0]), [-1.0, 0.0, 0.0])]);
+    continuum.step(1e-6).expect("a step");
+    let mut face = GhostFace::at_first_touch([1.0, 0.0, 0.0], [0.0; 3]);
+    let mut grown = Vec::new();
+    for _ in 0..10_000 {
+        face.follow(&continuum, 0, [A, 0.0], 1e-3 * cell);
+        grown.push(face.beyond / cell);
+    }
+    assert!(grown[0] > 1e-4 && grown[0] < 1e-2 && grown.is_sorted(), "{}", grown[0]);
+    near(grown[9999], GhostFace::FURTHEST);
 }
 
 /// Presses many points around a grain, one by one as deep as the next: each has Hertz's force, whether it is computed alone or with others side by side.

@@ -575,8 +575,7 @@ fn step_bound(@builtin(local_invocation_index) thread: u32) {
     mix_.grain_rate = (1.0 + coupling.damping) * MARGIN * bounds.x;
     mix_.grain_rate_points = bounds.y;
     let over = coupling.crushing != 0u && atomicLoad(&mix_.broken) != NONE;
-    let beyond = bitcast<f32>(atomicLoad(&mix_.furthest)) > FURTHEST;
-    if over || beyond || atomicLoad(&mix_.lost) != NONE || atomicLoad(&mix_.crowded) != NONE || atomicLoad(&status.fault) != NO_FAULT {
+    if over || atomicLoad(&mix_.lost) != NONE || atomicLoad(&mix_.crowded) != NONE || atomicLoad(&status.fault) != NO_FAULT {
         status.stop = 1u;
     }
     mix_.contacts_known = 0u;

@@ -1,7 +1,7 @@
 // Faces of points: where grains and walls press on the points. Each contact has one; it moves with the nodes, and the force of the contact acts there. Twins (f64):
 // GhostFace in point_contacts.rs, coupling/evaluate.rs, coupling/reactions.rs, velocity_beside in mpm/step.rs.
 
-// How far a face may be beyond the ghost of its point, cells; the grid for the search is made for it. Past it the run ends with an error.
+// GhostFace::FURTHEST, how far a face may be beyond the ghost of its point, cells; the grid for the search is made for it.
 const FURTHEST: f32 = 1.0;
 
 // Where the force of a contact acts, cells from the centre of the point: GhostFace::offset. `normal`: from the body to the point; `radius`: ghost radius, m; `beyond`:
@@ -105,7 +105,10 @@ fn follow_faces(i: u32, o: vec3<f32>, base: vec3<i32>) {
         let beyond = vec2<f32>(bitcast<f32>(rows[row_at(C_FACE, s, r)].w), bitcast<f32>(rows[row_at(C_PLACE, s, r)].w));
         let v = gathered(SPEED, base, o + face_place(normal, overlap, radius, beyond.x)).xyz;
         let way = batch.dt * params.inverse_cell * dot(bitcast<vec3<f32>>(transport[i].xyz) - v, normal);
-        let next = grown(beyond, way);
+        var next = grown(beyond, way);
+        if next.x >= FURTHEST {
+            next = vec2<f32>(FURTHEST, 0.0);
+        }
         rows[row_at(C_FACE, s, r)] = bitcast<vec4<u32>>(vec4<f32>(v, next.x));
         rows[row_at(C_PLACE, s, r)].w = bitcast<u32>(next.y);
         let most = bitcast<u32>(max(next.x, 0.0));

@@ -28,15 +28,15 @@ use crate::dem::physics::Physics;
 use crate::dem::stability::rayleigh;
 use crate::error::{Error, Result};
 use crate::mpm::{Continuum as Cpu, LoadingPlate};
-use crate::point_contacts::{ContactRates, PointContactTable};
+use crate::point_contacts::{ContactRates, GhostFace, PointContactTable};
 use serde::{Deserialize, Serialize};
 use wgpu::BufferUsages as Usage;
 use words::{ContactWords, PointContactWords};
 
 /// Width of the skin, cells: by how much further than contacts the lists of candidates reach.
 pub const SKIN: f64 = 0.25;
-/// How far the face of a point may be beyond its ghost, cells. A face between them acts at most half a cell from its point.
-pub const FURTHEST: f32 = 1.0;
+/// [`GhostFace::FURTHEST`].
+pub const FURTHEST: f32 = GhostFace::FURTHEST as f32;
 /// Lengths in overlaps are below this many quanta ([`support::split`]), so that their squares can be summed exactly in 32-bit integers.
 const WHOLE: f64 = 1000.0;
 
@@ -350,13 +350,6 @@ impl Bodies {
             let what =
                 format!("a grain has more than {} grains close to it, for which the GPU has no room: use the processor", PARTNERS);
             return Err(Error::Device(Box::new(unstable(self.mix.crowded, what)?)));
-        }
-        let furthest = f32::from_bits(self.mix.furthest);
-        if furthest > FURTHEST {
-            let what = format!(
-                "the face of a point is {furthest:.2} cells beyond its ghost, and the GPU looks for grains up to {FURTHEST} there: use smaller cells, or the processor"
-            );
-            return Err(Error::Device(Box::new(Error::Unstable { step, what, grain: None })));
         }
         Ok(())
     }
