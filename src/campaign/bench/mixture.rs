@@ -3,6 +3,7 @@
 
 use super::pool;
 use laboratory::error::{Error, Result};
+use laboratory::model::continuum::MpmTest;
 use laboratory::model::{Model, Rig};
 use laboratory::rig::continuum::{Engine, State};
 use std::time::Instant;
@@ -36,25 +37,90 @@ impl MixtureSpeed {
 /// # Errors
 /// A model that is no mixture of points and grains, or a step that fails.
 pub fn mixture_speed(model: &Model, threads: usize, [warm_up, steps]: [u64; 2], repeats: usize) -> Result<MixtureSpeed> {
-    let refused = |what: &str| Err(Error::input("bench mixture", "kind", None, what));
-    let Rig::Continuum(rig) = &model.rig else { return refused("must be \"mixture\"") };
-    if rig.growth.is_some() {
-        return refused("must be a mixture without growth of its grains");
-    }
+    let rig = benched(model)?;
     pool(threads)?.install(|| {
         let mut state = State::start(model, rig)?;
         let mut engine = Engine::of_grains(&mut state, model, rig);
-        let run = |state: &mut State, engine: &mut Engine, n: u64| -> Result<f64> {
-            let (since, first) = (Instant::now(), state.continuum.steps());
-            while state.continuum.steps() < first + n {
-                state.advance(model, rig, engine, |_, _| Ok(1.0))?;
-            }
-            Ok(1e3 * since.elapsed().as_secs_f64() / (state.continuum.steps() - first) as f64)
-        };
-        run(&mut state, &mut engine, warm_up)?;
-        let blocks = (0..repeats).map(|_| run(&mut state, &mut engine, steps)).collect::<Result<Vec<f64>>>()?;
-        let Some(mixture) = &state.mixture else { return refused("must be a mixture with grains") };
+        let mut run = |n| milliseconds(&mut state, (model, rig), &mut engine, n);
+        run(warm_up)?;
+        let blocks = (0..repeats).map(|_| run(steps)).collect::<Result<Vec<f64>>>()?;
+        let Some(mixture) = &state.mixture else { return Err(refused("must be a mixture with grains")) };
         let (points, grains) = (state.continuum.points().len(), mixture.grains.grains.len());
         Ok(MixtureSpeed { points, grains, contacts: mixture.touching().points, threads, blocks })
     })
+}
+
+/// Measured speed of a continuum or mixture on the graphics device.
+#[cfg(feature = "gpu")]
+#[derive(Clone, Debug)]
+pub struct MixtureGpuSpeed {
+    /// Name of the graphics adapter.
+    pub adapter: String,
+    /// Number of points.
+    pub points: usize,
+    /// Number of grains.
+    pub grains: usize,
+    /// Milliseconds for a step, in each block.
+    pub blocks: Vec<f64>,
+    /// What each pass takes in a step of `steps` further ones, by the device's clock, ms, in their order; or why that is not known.
+    pub passes: std::result::Result<Vec<(&'static str, f64)>, String>,
+}
+
+#[cfg(feature = "gpu")]
+impl MixtureGpuSpeed {
+    /// Median milliseconds.
+    pub fn median(&self) -> f64 {
+        median(&self.blocks)
+    }
+}
+
+/// Steps a continuum or a mixture on the graphics device: `repeats` blocks of `steps` steps after `warm_up`, and `steps` more in which each pass
+/// is timed.
+///
+/// # Errors
+/// No adapter, a model that the device does not take, or a step that fails.
+#[cfg(feature = "gpu")]
+pub fn mixture_gpu_speed(model: &Model, [warm_up, steps]: [u64; 2], repeats: usize) -> Result<MixtureGpuSpeed> {
+    let rig = benched(model)?;
+    let mut state = State::start(model, rig)?;
+    let mut engine = Engine::on_device(&mut state, model, rig)?;
+    let mut run = |engine: &mut Engine, n| milliseconds(&mut state, (model, rig), engine, n);
+    run(&mut engine, warm_up)?;
+    let blocks = (0..repeats).map(|_| run(&mut engine, steps)).collect::<Result<Vec<f64>>>()?;
+    let Engine::Gpu(device) = &mut engine else { return Err(refused("must be computed on the device")) };
+    let adapter = device.adapter().name.clone();
+    let passes = match device.time_passes() {
+        Err(why) => Err(why.to_string()),
+        Ok(()) => {
+            let first = state.continuum.steps();
+            milliseconds(&mut state, (model, rig), &mut engine, steps)?;
+            let done = (state.continuum.steps() - first) as f64;
+            let Engine::Gpu(device) = &engine else { return Err(refused("must be computed on the device")) };
+            Ok(device.pass_times().iter().map(|p| (p.pass, 1e3 * p.seconds / done)).collect())
+        }
+    };
+    let grains = state.mixture.as_ref().map_or(0, |mixture| mixture.grains.grains.len());
+    Ok(MixtureGpuSpeed { adapter, points: state.continuum.points().len(), grains, blocks, passes })
+}
+
+/// The rig of a model that can be benched.
+fn benched(model: &Model) -> Result<&MpmTest> {
+    let Rig::Continuum(rig) = &model.rig else { return Err(refused("must be \"mixture\"")) };
+    if rig.growth.is_some() {
+        return Err(refused("must be a mixture without growth of its grains"));
+    }
+    Ok(rig)
+}
+
+fn refused(what: &str) -> Error {
+    Error::input("bench mixture", "kind", None, what)
+}
+
+/// Milliseconds for a step, with all contacts and the steps of the grains, over at least `n` steps.
+fn milliseconds(state: &mut State, (model, rig): (&Model, &MpmTest), engine: &mut Engine, n: u64) -> Result<f64> {
+    let (since, first) = (Instant::now(), state.continuum.steps());
+    while state.continuum.steps() < first + n {
+        state.advance(model, rig, engine, |_, _| Ok(1.0))?;
+    }
+    Ok(1e3 * since.elapsed().as_secs_f64() / (state.continuum.steps() - first) as f64)
 }

@@ -16,6 +16,8 @@ mod speed;
 
 pub use burst::{Burst, burst};
 pub use machine::{Demand, Machine};
+#[cfg(feature = "gpu")]
+pub use mixture::{MixtureGpuSpeed, mixture_gpu_speed};
 pub use mixture::{MixtureSpeed, mixture_speed};
 pub use mpm::{MpmSpeed, mpm_case, mpm_speed};
 #[cfg(feature = "gpu")]

@@ -3,6 +3,7 @@
 use super::blocks::Blocks;
 use super::bounds::CROWD;
 use super::buffers::Buffers;
+use super::clock::{Clock, PassTime};
 use super::device::{Adapter, Device, refused};
 use super::grains::{self, Bodies, CoarseGrains};
 use super::layout::{self, BatchState, Law32, Params, Status};
@@ -60,6 +61,8 @@ pub struct DeviceContinuum {
     released: f64,
     /// Steps in one submission, from the time that the last ones took.
     at_once: u64,
+    /// Times the passes, where somebody asked for it.
+    clock: Option<Clock>,
 }
 
 /// The state as the device holds it, so that a run that is resumed from it continues with the same bits.
@@ -230,8 +233,9 @@ impl DeviceContinuum {
             bodies,
             released: 0.0,
             at_once: FIRST,
+            clock: None,
         };
-        gpu.submit(&gpu.extent().prepare(), 1);
+        gpu.submit(&gpu.extent().prepare(), 1)?;
         gpu.read_results()?;
         Ok(gpu)
     }
@@ -268,7 +272,7 @@ impl DeviceContinuum {
         }
         let extent = self.extent();
         let step = extent.step();
-        self.submit(&extent.begin(), 1);
+        self.submit(&extent.begin(), 1)?;
         let rates = self.bodies.as_ref().map_or(1, |b| u64::from(b.coupling.rates));
         let mut flying = VecDeque::new();
         let mut since = Instant::now();
@@ -276,7 +280,7 @@ impl DeviceContinuum {
         while left > 0 {
             let now = left.min((self.at_once / rates).max(1));
             left -= now;
-            flying.push_back((self.submit(&step, now), now * rates));
+            flying.push_back((self.submit(&step, now)?, now * rates));
             if flying.len() > AHEAD {
                 let (oldest, steps) = flying.pop_front().expect("one");
                 self.device.wait(Some(oldest), self.steps_done())?;
@@ -285,7 +289,7 @@ impl DeviceContinuum {
                 self.at_once = ((LONG / each) as u64).clamp(1, 2 * self.at_once).min(MOST);
             }
         }
-        self.submit(&extent.survey(), 1);
+        self.submit(&extent.survey(), 1)?;
         self.read_results()?;
         self.released = match &self.bodies {
             Some(bodies) => bodies.take_released(&self.device, self.steps_done())?,
@@ -511,11 +515,30 @@ impl DeviceContinuum {
         Extent { points, blocks, size, walls: walls.map(|wall| wall[0]), plates: self.plates.len() as u32, grains }
     }
 
+    /// From now on times the passes, which makes steps slower.
+    ///
+    /// # Errors
+    /// The adapter has no timestamps.
+    pub fn time_passes(&mut self) -> Result<()> {
+        self.clock = Some(Clock::new(&self.device)?);
+        Ok(())
+    }
+
+    /// What the passes have taken since [`Self::time_passes`] was called, in the order in which they first came.
+    pub fn pass_times(&self) -> &[PassTime] {
+        self.clock.as_ref().map_or(&[], |clock| &clock.taken)
+    }
+
     /// Submits `times` times these dispatches to the device.
-    fn submit(&self, dispatches: &[Dispatch], times: u64) -> wgpu::SubmissionIndex {
+    fn submit(&mut self, dispatches: &[Dispatch], times: u64) -> Result<wgpu::SubmissionIndex> {
+        let step = self.steps_done();
+        if let Some(clock) = &mut self.clock {
+            (0..times).try_for_each(|_| clock.run(&self.device, &self.passes, dispatches, step))?;
+            return Ok(self.device.queue.submit([]));
+        }
         let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.passes.encode(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), dispatches, times);
-        self.device.queue.submit([encoder.finish()])
+        Ok(self.device.queue.submit([encoder.finish()]))
     }
 
     /// Waits for the device and reads the results of the batch: status, loading plates, and grains. A fault of a point becomes an error.

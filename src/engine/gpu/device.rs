@@ -86,6 +86,8 @@ pub struct Device {
     pub queue: wgpu::Queue,
     pub adapter: Adapter,
     complaints: Complaints,
+    /// The buffer through which the last bytes were read: memory that both sides reach is slow to get.
+    staging: Arc<Mutex<Option<wgpu::Buffer>>>,
 }
 
 impl Device {
@@ -106,7 +108,13 @@ impl Device {
                 return Err(refused("adapter", name, format!("has {has} {what}, {needs} are needed: use the processor")));
             }
         }
-        let descriptor = wgpu::DeviceDescriptor { label: Some("comminute"), required_limits: limits, ..Default::default() };
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("comminute"),
+            // to time passes, where it can
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_limits: limits,
+            ..Default::default()
+        };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|e| refused("adapter", name, format!("cannot be used: {e}; use the processor")))?;
         let complaints = Complaints::default();
@@ -117,7 +125,7 @@ impl Device {
             }
         });
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| other.note(format!("the graphics device failed: {e}"))));
-        Ok(Device { device, queue, adapter: known, complaints })
+        Ok(Device { device, queue, adapter: known, complaints, staging: Arc::default() })
     }
 
     /// Checks that nothing has gone wrong on the device since it was opened.
@@ -170,10 +178,18 @@ impl Device {
     /// The device is lost.
     pub fn read_parts(&self, parts: &[(&wgpu::Buffer, u64, u64)], step: u64) -> Result<Vec<u8>> {
         let size = parts.iter().map(|(.., size)| size).sum();
+        if size == 0 {
+            self.wait(None, step)?;
+            return Ok(Vec::new());
+        }
         let lost =
             |what: &str| failed(step, format!("the graphics device cannot be read: {what}; the state of the last record is kept"));
         let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
-        let staging = self.allocate(size, || self.empty("staging", size, usage))?;
+        let mut kept = self.staging.lock().unwrap_or_else(PoisonError::into_inner);
+        let staging = match kept.take().filter(|buffer| buffer.size() >= size) {
+            Some(buffer) => buffer,
+            None => self.allocate(size, || self.empty("staging", size, usage))?,
+        };
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut at = 0;
         for (buffer, first, size) in parts {
@@ -182,7 +198,7 @@ impl Device {
         }
         self.queue.submit([encoder.finish()]);
         let (sender, receiver) = std::sync::mpsc::channel();
-        staging.map_async(wgpu::MapMode::Read, .., move |result| {
+        staging.map_async(wgpu::MapMode::Read, ..size, move |result| {
             let _ = sender.send(result);
         });
         self.wait(None, step)?;
@@ -191,8 +207,10 @@ impl Device {
             Ok(Err(e)) => return Err(lost(&e.to_string())),
             Err(e) => return Err(lost(&e.to_string())),
         }
-        let bytes = staging.get_mapped_range(..).map_err(|e| lost(&e.to_string()))?.to_vec();
+        let bytes = staging.get_mapped_range(..size).map_err(|e| lost(&e.to_string()))?.to_vec();
+        staging.unmap();
         self.healthy(step)?;
+        *kept = Some(staging);
         Ok(bytes)
     }
 

@@ -24,6 +24,7 @@ mod bounds;
 mod buffers;
 #[cfg(test)]
 mod cam_clay;
+mod clock;
 mod continuum;
 mod device;
 mod exact;
@@ -45,6 +46,7 @@ mod support;
 pub mod tests;
 mod work;
 
+pub use clock::PassTime;
 pub use continuum::{DeviceContinuum, Means, Saved};
 pub use device::{Adapter, available};
 pub use grains::CoarseGrains;

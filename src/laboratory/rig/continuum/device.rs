@@ -40,6 +40,19 @@ impl Device {
         Ok(self.gpu.save()?)
     }
 
+    /// As [`gpu::DeviceContinuum::time_passes`].
+    ///
+    /// # Errors
+    /// The adapter has no timestamps.
+    pub fn time_passes(&mut self) -> Result<()> {
+        Ok(self.gpu.time_passes()?)
+    }
+
+    /// As [`gpu::DeviceContinuum::pass_times`].
+    pub fn pass_times(&self) -> &[gpu::PassTime] {
+        self.gpu.pass_times()
+    }
+
     /// The graphics adapter.
     pub fn adapter(&self) -> &Adapter {
         self.gpu.adapter()

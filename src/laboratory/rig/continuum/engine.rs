@@ -33,6 +33,15 @@ impl Engine {
         }
     }
 
+    /// The engine of a graphics device for this state.
+    ///
+    /// # Errors
+    /// No graphics adapter, too little memory, or a scene that the device cannot compute.
+    #[cfg(feature = "gpu")]
+    pub fn on_device(state: &mut State, model: &Model, rig: &MpmTest) -> Result<Engine> {
+        Ok(Engine::Gpu(Box::new(Device::new(state, model, rig, None)?)))
+    }
+
     /// Computes the forces of all contacts, those on the loading plates among them, and adds this instant to the means of the
     /// records.
     pub(super) fn compute_forces(&mut self, state: &mut State, model: &Model, rig: &MpmTest) -> Result<()> {

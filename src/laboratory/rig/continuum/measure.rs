@@ -131,9 +131,9 @@ pub struct FromCrushing {
 }
 
 impl Moment {
-    /// Share of all energy given that was dissipated, -; negative: energy came from nothing.
+    /// Share of all energy given that was dissipated, -; negative: energy came from nothing. 0 as long as none was given.
     pub fn dissipated_share(&self) -> f64 {
-        self.dissipated / self.scale.max(f64::MIN_POSITIVE)
+        if self.scale > 0.0 { self.dissipated / self.scale } else { 0.0 }
     }
 
     /// Deviatoric stress q = σ1 − σ3, Pa: axial less lateral stress.
