@@ -1,8 +1,7 @@
 //! `comminute verify`
 
-use comminute::bench::pool;
 use comminute::error::{Error, Result};
-use comminute::verify::{self, TABLE};
+use comminute::verify::{self, Plan, TABLE};
 use std::path::PathBuf;
 
 /// Run cases with closed forms at several resolutions: error, time, figures
@@ -10,7 +9,7 @@ use std::path::PathBuf;
 /// Writes verification.csv (a row for each error), verification.md (tables) and two figures a case: error against resolution and against time.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples, from the repository root:\n  comminute verify\n  comminute verify --only bar,disk --levels 2 --out runs/try"
+    after_help = "Examples, from the repository root:\n  comminute verify\n  comminute verify --only bar,disk --levels 2 --out runs/try\n  comminute verify --only crater_cells --backend gpu --out runs/craters"
 )]
 pub struct Args {
     /// Only these cases, by name; some take longer and are run only when named
@@ -29,9 +28,17 @@ pub struct Args {
     #[arg(long, value_name = "DIR", default_value = "runs/verification")]
     out: PathBuf,
 
-    /// Threads; times depend on it, errors do not
+    /// Threads of each run; times depend on it, errors do not
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::threads())]
     threads: u16,
+
+    /// Ways of a case at a time; times depend on it, errors do not
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::threads())]
+    jobs: u16,
+
+    /// Backend of the cases that are scenes
+    #[arg(long, value_enum, default_value = "cpu")]
+    backend: super::Backend,
 
     /// Overwrite what the folder holds
     #[arg(long)]
@@ -68,7 +75,16 @@ pub fn call(args: &Args) -> Result<()> {
         return Err(Error::Exists { path: args.out.clone() });
     }
     let threads = usize::from(args.threads);
-    let pool = pool(threads)?;
+    let plan = Plan {
+        levels: args.levels.into(),
+        scenes: &args.scenes,
+        out: &args.out,
+        keep: args.keep,
+        backend: args.backend.into(),
+        jobs: args.jobs.into(),
+        threads,
+    };
+    cases.iter().try_for_each(|case| case.runs_on(plan.backend))?;
     let mut done = Vec::new();
     for case in cases {
         let told = |way: &str, cells: u32| {
@@ -76,10 +92,9 @@ pub fn call(args: &Args) -> Result<()> {
                 eprintln!("{}: {way}, {cells} {}", case.name, case.across);
             }
         };
-        let rows = pool.install(|| case.measure(args.levels.into(), &args.scenes, &args.out, args.keep, told))?;
-        done.push((case, rows));
+        done.push((case, case.measure(&plan, told)?));
     }
-    let files = verify::write(&done, threads, &args.out)?;
+    let files = verify::write(&done, &plan)?;
     if !args.quiet {
         super::list_files(&files);
     }

@@ -15,6 +15,7 @@ pub const CASE: Case = Case {
     resolutions: &[12, 25, 50, 100],
     ways: &["B-splines, FLIP", "GIMP, FLIP", "B-splines, APIC"],
     quantities: &["period", "energy"],
+    scene: false,
     run,
     graphs: None,
 };

@@ -23,6 +23,7 @@ pub const SPACE: Case = Case {
         "plane-strain cone, APIC, a = 2",
     ],
     quantities: &["run-out", "energy lost in transfer"],
+    scene: true,
     run: in_space,
     graphs: Some(|rows| graphs(&SPACE, rows, &[("Lube et al. 2004", lube)])),
 };
@@ -34,6 +35,7 @@ pub const PLANE: Case = Case {
     resolutions: &[10, 15, 20, 40],
     ways: &["FLIP, a = 0.6", "FLIP, a = 1", "FLIP, a = 2", "APIC, a = 0.6", "APIC, a = 1", "APIC, a = 2"],
     quantities: &["run-out", "energy lost in transfer"],
+    scene: true,
     run: in_plane,
     graphs: Some(|rows| graphs(&PLANE, rows, &[("Lube et al. 2005", channel), ("Lajeunesse et al. 2005", beads)])),
 };

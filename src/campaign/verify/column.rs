@@ -14,6 +14,7 @@ pub const CASE: Case = Case {
     resolutions: &[5, 10, 20, 40],
     ways: &["B-splines", "GIMP"],
     quantities: &["stress", "settlement"],
+    scene: false,
     run,
     graphs: None,
 };

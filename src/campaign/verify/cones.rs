@@ -11,6 +11,7 @@ pub const CASE: Case = Case {
     resolutions: &[2, 3, 4, 6],
     ways: &["outer cone", "inner cone", "plane-strain cone"],
     quantities: &["strength"],
+    scene: true,
     run,
     graphs: None,
 };

@@ -12,6 +12,7 @@ pub const CASE: Case = Case {
     resolutions: &[3, 6],
     ways: contact_slide::WAYS,
     quantities: contact_slide::QUANTITIES,
+    scene: true,
     run: |task| slide_on_points(task, task.way, &[]),
     graphs: None,
 };
@@ -23,6 +24,7 @@ pub const SUPERQUADRIC: Case = Case {
     resolutions: &[3, 6],
     ways: contact_slide::FRICTIONS,
     quantities: contact_slide::SLIDES,
+    scene: true,
     run: |task| {
         let sets = ["block[0].shape=\"superquadric\"", "block[0].blockiness=[20.0, 20.0]"];
         slide_on_points(task, task.way + contact_slide::AT_REST, &sets)

@@ -12,6 +12,7 @@ pub const CASE: Case = Case {
     resolutions: &[3, 6, 10],
     ways: WAYS,
     quantities: QUANTITIES,
+    scene: true,
     run,
     graphs: None,
 };

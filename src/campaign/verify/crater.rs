@@ -37,6 +37,7 @@ pub const CASE: Case = Case {
     resolutions: &[2, 3, 4],
     ways: DROPS,
     quantities: &["depth"],
+    scene: true,
     run: |task| fall(task, SCENE, &drop(task.way), &[]),
     graphs: Some(|rows| graphs("crater", "plane-strain cone", rows)),
 };
@@ -88,6 +89,17 @@ pub const NUMERICS: Case = Case {
         fall(task, SCENE, &drop(8), &own)
     },
     graphs: None,
+    ..CASE
+};
+/// The case that shows how the depth of one drop depends on the cell. From eight cells on (1.6 million points) it wants a
+/// graphics device.
+pub const CELLS: Case = Case {
+    name: "crater_cells",
+    about: "A ball of 20 mm falls from 200 mm into dry sand with μ 0.3, with cells to an eighth of its radius (as crater)",
+    resolutions: &[2, 3, 4, 6, 8],
+    ways: &["plane-strain cone"],
+    run: |task| fall(task, SCENE, &drop(8), &[]),
+    graphs: Some(|rows| vec![convergence(rows)]),
     ..CASE
 };
 /// Densities of ball and sand, kg/m³, and gravity, m/s².
@@ -169,6 +181,21 @@ fn exponents(cases: &[(Drop, f64)]) -> Option<[f64; 3]> {
     let decomposed = a.svd(true, true);
     let x = (decomposed.rank(1e-9) == 4).then(|| decomposed.solve(&b, 0.0).ok())??;
     Some([x[1], x[2], x[3]])
+}
+
+/// Depth over that of the law against the cell over the ball's radius.
+fn convergence(rows: &[Row]) -> Graph {
+    let points: Vec<(f64, f64)> = rows.iter().map(|r| (1.0 / f64::from(r.cells), 1.0 + r.found.errors[0])).collect();
+    let drawn = |look, label| Drawn { label, name: "depth".into(), tone: Tone::Kind(0), look, points: points.clone() };
+    let series = vec![drawn(Look::Line(0), None), drawn(Look::Symbols(0), None)];
+    Graph {
+        name: "crater_cells_depth".into(),
+        title: vec!["a ball of 20 mm falls from 200 mm into dry sand".into(), "μ 0.3, plane-strain cone".into()],
+        legend_title: None,
+        x: Quantity::linear("cell over radius of the ball (–)", "cell_over_radius", &[0.0]),
+        y: Quantity::linear("depth over that of eq. 62 (–)", "depth_over_law", &[1.0]),
+        series,
+    }
 }
 
 /// Two graphs: depth at the finest resolution against the depth of the law; depth over that of the

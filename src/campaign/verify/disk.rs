@@ -16,6 +16,7 @@ pub const CASE: Case = Case {
     resolutions: &[5, 8, 12, 20],
     ways: &["APIC", "FLIP", "FLIP, 1 % PIC", "PIC"],
     quantities: &["angular momentum", "stress"],
+    scene: false,
     run,
     graphs: None,
 };

@@ -12,6 +12,7 @@ pub const CASE: Case = Case {
     resolutions: &[4, 6, 10, 16],
     ways: &["FLIP", "FLIP, 1 % PIC", "APIC"],
     quantities: &["velocity of the grain", "velocity of the points", "energy"],
+    scene: true,
     run: |task| {
         let transfer = ["flip_pic", "flip_pic", "apic"][task.way];
         let pic = if task.way == 1 { 0.01 } else { 0.0 };
@@ -36,6 +37,7 @@ pub const REFINED: Case = Case {
         "0.1 GPa, 4 points",
     ],
     quantities: &["velocity of the grain", "velocity of the points", "energy", "momentum"],
+    scene: true,
     run: |task| {
         let (per_edge, soft) = (2 + task.way % 3, task.way >= 3);
         let (young, duration) = if soft { (100.0, 0.006) } else { (1000.0, 0.002) };

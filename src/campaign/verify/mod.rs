@@ -27,10 +27,15 @@ pub mod wave;
 
 pub use report::{TABLE, write};
 
+use crate::bench::pool;
 use laboratory::error::{Error, Result};
+use laboratory::run::Backend;
 use plot::Graph;
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// A computation whose result is known.
@@ -49,6 +54,8 @@ pub struct Case {
     pub ways: &'static [&'static str],
     /// The quantity of each error.
     pub quantities: &'static [&'static str],
+    /// Whether its runs are scenes, which a graphics device computes too.
+    scene: bool,
     run: fn(&Task) -> Result<Found>,
     /// Figures for this case alone, besides those of all cases.
     graphs: Option<Graphs>,
@@ -69,6 +76,10 @@ pub struct Task<'a> {
     pub out: PathBuf,
     /// Whether a run that is finished in the folder is read instead of made again.
     keep: bool,
+    /// Backend of the runs that are scenes.
+    backend: Backend,
+    /// Whether no other run shares the process, whose processor time is then that of the run.
+    alone: bool,
     /// Time of the run, s, if the case measures it; `None`: the wall time counts.
     seconds: Cell<Option<f64>>,
 }
@@ -125,8 +136,16 @@ pub const CASES: [Case; 15] = [
 ];
 
 /// Cases that take longer, and are run when they are named.
-pub const STUDIES: [Case; 7] =
-    [impact::REFINED, crater::CASE, crater::OUTER, crater::MOHR_COULOMB, crater::NUMERICS, collapse::MOHR_COULOMB, rates::CASE];
+pub const STUDIES: [Case; 8] = [
+    impact::REFINED,
+    crater::CASE,
+    crater::OUTER,
+    crater::MOHR_COULOMB,
+    crater::NUMERICS,
+    crater::CELLS,
+    collapse::MOHR_COULOMB,
+    rates::CASE,
+];
 
 static USUAL: [Case; CASES.len()] = CASES;
 static LONG: [Case; STUDIES.len()] = STUDIES;
@@ -153,33 +172,78 @@ pub fn chosen(names: &[String]) -> Result<Vec<&'static Case>> {
     names.iter().map(find).collect()
 }
 
+/// What to run of a case, where, and with what.
+pub struct Plan<'a> {
+    /// The first so many resolutions of each case.
+    pub levels: usize,
+    /// Folder with the scenes of the cases.
+    pub scenes: &'a Path,
+    /// Folder for everything; cases that are scenes leave their records in `runs` there.
+    pub out: &'a Path,
+    /// Whether finished runs found there are read instead of made again.
+    pub keep: bool,
+    /// Backend of the runs that are scenes; other cases know the CPU only.
+    pub backend: Backend,
+    /// Ways at a time.
+    pub jobs: usize,
+    /// Threads of each way.
+    pub threads: usize,
+}
+
 impl Case {
-    /// Runs every way at the first `levels` resolutions; `told` is called with way and resolution
-    /// before each run. Cases that are scenes leave their records in `out/runs`; with `keep`,
-    /// finished runs found there are read instead of made again.
+    /// Refuses a graphics device for a case that does not run scenes.
     ///
     /// # Errors
-    /// Any error of a run.
-    pub fn measure(
-        &self,
-        levels: usize,
-        scenes: &Path,
-        out: &Path,
-        keep: bool,
-        mut told: impl FnMut(&str, u32),
-    ) -> Result<Vec<Row>> {
-        let mut rows = Vec::new();
-        for way in 0..self.ways.len() {
-            for &cells in self.resolutions.iter().take(levels) {
-                told(self.ways[way], cells);
-                let out = out.join("runs").join(format!("{}-{}-{cells}", self.name, way + 1));
-                let begun = Instant::now();
-                let task = Task { way, cells, scenes, out, keep, seconds: Cell::new(None) };
-                let found = (self.run)(&task)?;
-                let seconds = task.seconds.get().unwrap_or_else(|| begun.elapsed().as_secs_f64());
-                rows.push(Row { way, cells, found, seconds });
-            }
+    /// Such a case with a backend other than the CPU.
+    pub fn runs_on(&self, backend: Backend) -> Result<()> {
+        if self.scene || backend == Backend::Cpu {
+            return Ok(());
         }
-        Ok(rows)
+        let scenes: Vec<&str> = all().filter(|c| c.scene).map(|c| c.name).collect();
+        let message = format!("the case {} is no scene and runs on the CPU only; scenes are {}", self.name, scenes.join(", "));
+        Err(Error::input("--backend", "", Some(backend.name().into()), message))
+    }
+
+    /// Runs every way of the case at the resolutions of the plan, `plan.jobs` ways at a time and the runs of each in
+    /// order; `told` is called with way and resolution before each run.
+    ///
+    /// # Errors
+    /// Any error of a run: that of the first way that has one.
+    pub fn measure(&self, plan: &Plan, told: impl Fn(&str, u32) + Sync) -> Result<Vec<Row>> {
+        let pools = (0..plan.jobs.min(self.ways.len())).map(|_| pool(plan.threads)).collect::<Result<Vec<_>>>()?;
+        let done = Mutex::new(BTreeMap::new());
+        let (next, into, told) = (&AtomicUsize::new(0), &done, &told);
+        std::thread::scope(|scope| {
+            for pool in pools {
+                scope.spawn(move || {
+                    loop {
+                        let way = next.fetch_add(1, Ordering::Relaxed);
+                        if way >= self.ways.len() {
+                            break;
+                        }
+                        let rows = pool.install(|| self.measure_way(way, plan, told));
+                        into.lock().expect("no thread panics with it").insert(way, rows);
+                    }
+                });
+            }
+        });
+        let rows: Vec<Vec<Row>> = done.into_inner().expect("no thread panicked").into_values().collect::<Result<_>>()?;
+        Ok(rows.concat())
+    }
+
+    /// The runs of one way, from coarse to fine.
+    fn measure_way(&self, way: usize, plan: &Plan, told: impl Fn(&str, u32)) -> Result<Vec<Row>> {
+        let run = |&cells: &u32| {
+            told(self.ways[way], cells);
+            let out = plan.out.join("runs").join(format!("{}-{}-{cells}", self.name, way + 1));
+            let begun = Instant::now();
+            let seconds = Cell::new(None);
+            let Plan { scenes, keep, backend, jobs, .. } = *plan;
+            let task = Task { way, cells, scenes, out, keep, backend, alone: jobs == 1, seconds };
+            let found = (self.run)(&task)?;
+            let seconds = task.seconds.get().unwrap_or_else(|| begun.elapsed().as_secs_f64());
+            Ok(Row { way, cells, found, seconds })
+        };
+        self.resolutions.iter().take(plan.levels).map(run).collect()
     }
 }

@@ -11,6 +11,7 @@ pub const CASE: Case = Case {
     resolutions: &[3, 6, 12, 24],
     ways: &["plane strain", "space"],
     quantities: &["modulus", "k0"],
+    scene: true,
     run,
     graphs: None,
 };

@@ -15,6 +15,7 @@ pub const CASE: Case = Case {
     resolutions: &[3, 5, 10, 20],
     ways: &["B-splines", "GIMP"],
     quantities: &["strain rate", "speed"],
+    scene: false,
     run,
     graphs: None,
 };

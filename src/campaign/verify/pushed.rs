@@ -11,6 +11,7 @@ pub const CASE: Case = Case {
     resolutions: &[15, 30, 60, 120],
     ways: &["plane strain", "space"],
     quantities: &["reaction, mean", "reaction, largest", "ripple"],
+    scene: true,
     run,
     graphs: None,
 };

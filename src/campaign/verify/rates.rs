@@ -13,6 +13,7 @@ pub const CASE: Case = Case {
     resolutions: &[1, 2, 4, 8, 16, 32, 64],
     ways: &["ball of 5 GPa, sand of 2 MPa", "rocks of 50 GPa, soil of 3 MPa", "grain of 1 GPa, ball of points of 1 GPa"],
     quantities: &["velocity", "way", "energy"],
+    scene: true,
     run,
     graphs: Some(|rows| vec![saving(rows)]),
 };

@@ -1,11 +1,12 @@
 //! The results of verification as a table, a page and figures: error against resolution and against
 //! time.
 
-use super::{Case, Row};
+use super::{Case, Plan, Row};
 use laboratory::error::{Error, Result};
+use laboratory::run::Backend;
 use plot::{Drawn, Graph, Look, Quantity, Tone, significant};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use table::number;
 
 /// The table of all runs, in the folder that is written.
@@ -19,16 +20,17 @@ const ROUNDING: f64 = 1e-6;
 /// first quantity is drawn.
 const FEW: usize = 5;
 
-/// Writes the table, the page, and for each case two figures and its own ones into `out`; returns
+/// Writes the table, the page, and for each case two figures and its own ones into `plan.out`; returns
 /// the files.
 ///
 /// # Errors
 /// Files that cannot be written.
-pub fn write(done: &[(&Case, Vec<Row>)], threads: usize, out: &Path) -> Result<Vec<PathBuf>> {
+pub fn write(done: &[(&Case, Vec<Row>)], plan: &Plan) -> Result<Vec<PathBuf>> {
+    let out = plan.out;
     std::fs::create_dir_all(out).map_err(Error::write(out))?;
     let mut files = vec![out.join(TABLE), out.join(PAGE)];
     std::fs::write(&files[0], table(done)).map_err(Error::write(&files[0]))?;
-    std::fs::write(&files[1], page(done, threads)).map_err(Error::write(&files[1]))?;
+    std::fs::write(&files[1], page(done, plan)).map_err(Error::write(&files[1]))?;
     for (case, rows) in done {
         let own = case.graphs.map(|graphs| graphs(rows)).unwrap_or_default();
         for graph in graphs(case, rows).into_iter().chain(own) {
@@ -74,10 +76,16 @@ fn order(rows: &[&Row], quantity: usize) -> Option<f64> {
     (error(a) > 1e-9 && order.is_finite()).then_some(order)
 }
 
-fn page(done: &[(&Case, Vec<Row>)], threads: usize) -> String {
-    let threads = if threads == 1 { "one thread".into() } else { format!("{threads} threads") };
+fn page(done: &[(&Case, Vec<Row>)], plan: &Plan) -> String {
+    let threads = if plan.threads == 1 { "one thread".into() } else { format!("{} threads", plan.threads) };
+    let beside = if plan.jobs > 1 { format!(", {} ways at a time", plan.jobs) } else { String::new() };
+    let times = match plan.backend {
+        Backend::Cpu if plan.jobs > 1 => format!("Times are of {threads}{beside}, by the clock."),
+        Backend::Cpu => format!("Times are of {threads}, as measured; those of scenes on one thread are the processor's."),
+        backend => format!("Times are those by the clock, with --backend {}{beside}.", backend.name()),
+    };
     let mut text = format!(
-        "# Closed forms of the continuum\n\nMade by `comminute verify`. Errors are relative; the order is that of the last two resolutions. Times are of {threads}, as measured; those of scenes on one thread are the processor's.\n"
+        "# Closed forms of the continuum\n\nMade by `comminute verify`. Errors are relative; the order is that of the last two resolutions. {times}\n"
     );
     for (case, rows) in done {
         let _ = writeln!(text, "\n## {}\n\n{}.\n\nExact: {}.\n", case.name, case.about, case.exact);

@@ -29,6 +29,7 @@ pub fn run(task: &Task, name: &str, sets: &[String]) -> Result<Run> {
         Found::Finished(summary) | Found::Undrawn(summary) => Outcome { summary, out: task.out.clone(), draw: false },
         Found::Unfinished => run::resume(&task.out, ResumeOptions { threads, quiet: true, ..ResumeOptions::default() })?,
         _ => run::run(RunRequest {
+            backend: run::choose(task.backend, &model)?,
             model,
             scene_resolved: scene::resolved(&scene),
             out: task.out.clone(),
@@ -38,12 +39,12 @@ pub fn run(task: &Task, name: &str, sets: &[String]) -> Result<Run> {
             quiet: true,
             json: false,
             stop_after: None,
-            backend: run::Chosen::default(),
         })?,
     };
     // on one thread: processor time, which does not depend on other work of the machine
     let seconds = |key: &str| outcome.summary[key].as_f64();
-    let spent = if threads == Some(1) { seconds("user_seconds") } else { None };
+    let alone = task.alone && threads == Some(1) && outcome.summary["backend"] == "cpu";
+    let spent = if alone { seconds("user_seconds") } else { None };
     task.seconds.set(spent.or(seconds("wall_seconds")));
     Ok(Run { out: outcome.out, summary: outcome.summary })
 }

@@ -11,6 +11,7 @@ pub const CASE: Case = Case {
     resolutions: &[2, 4, 8, 16],
     ways: &["μ = 0.1", "μ = 0.3", "μ = 0.5", "μ = 0.5, 1 % PIC"],
     quantities: &["velocity", "distance"],
+    scene: true,
     run,
     graphs: None,
 };

@@ -14,6 +14,7 @@ pub const CASE: Case = Case {
     resolutions: &[2, 4, 8, 16, 32],
     ways: &["B-splines, FLIP", "GIMP, FLIP", "B-splines, APIC"],
     quantities: &["speed", "momentum"],
+    scene: false,
     run,
     graphs: None,
 };
