@@ -138,6 +138,17 @@ mod tests {
         scene::fits(&scene, &outline, Some(free)).map_or_else(|e| e.to_string(), |()| String::new())
     }
 
+    /// Points make room for coarse grains also where an outline makes only some of them: 441 790 are made for a run.
+    #[test]
+    fn an_outline_knows_how_many_points_there_will_be() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/mixture/triaxial_20_ratio_10.toml");
+        let outline = scene::outline(&scene::load(path, &[]).expect("a scene")).expect("a model");
+        let crate::model::Rig::Continuum(rig) = &outline.rig else { panic!("a mixture") };
+        assert!(rig.left_out[0] > 0, "the outline is not one");
+        let points = rig.counts()[0] as f64;
+        assert!((points / 441_790.0 - 1.0).abs() < 0.01, "{points}");
+    }
+
     #[test]
     fn what_does_not_fit_is_told_with_what_would() {
         let (scene, gigabyte) = ("mpm/oedometer.toml", 1_000_000_000);

@@ -80,6 +80,14 @@ impl View<'_> {
         };
         rig.growth = growth;
         rig.left_out[1] = unplaced;
+        if let (Some(specimen), None) = (rig.specimen(), &rig.growth) {
+            // points that an outline leaves out make room for the grains as well
+            let placed: f64 = grains.iter().map(|g| sphere_volume(g.radius)).sum();
+            let all = placed * (1.0 + unplaced as f64 / grains.len().max(1) as f64);
+            let room = specimen.fullness() * specimen.size.iter().product::<f64>();
+            let taken = if room > 0.0 { (all / room).min(1.0) } else { 0.0 };
+            rig.left_out[0] = (rig.left_out[0] as f64 * (1.0 - taken)).round() as usize;
+        }
         let fines = self.fines_as_points(materials, &rig, &grains)?;
         let faces = match self.text("contact.on_points") {
             "face" => true,
