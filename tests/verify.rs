@@ -1,6 +1,7 @@
 //! `comminute verify` as a user types it.
 
 use assert_cmd::Command;
+use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use std::collections::HashMap;
 use std::path::Path;
@@ -52,7 +53,7 @@ fn cases_that_are_scenes_find_their_closed_forms() {
 fn ghost_contacts_find_their_closed_forms() {
     let folder = tempfile::tempdir().expect("folder");
     let out = folder.path();
-    verify(out, &["--only", "impact", "--levels", "3", "--threads", "2"]).assert().success();
+    verify(out, &["--only", "impact", "--levels", "3", "--jobs", "2"]).assert().success();
     let found = errors(out);
     let error = |cells: u32, quantity: &str| found[&("impact".into(), "FLIP".into(), cells, quantity.into())].abs();
     assert!(error(10, "velocity of the grain") < 0.01 && error(10, "energy") < 0.01, "{found:?}");
@@ -71,6 +72,10 @@ fn what_is_no_case_is_refused() {
         .assert()
         .code(2)
         .stderr(contains("no case is called \"beam\"; there are bar, wave"));
+    verify(folder.path(), &["--only", "cones,bar", "--backend", "gpu"])
+        .assert()
+        .code(2)
+        .stderr(contains("the case bar is no scene").and(contains("scenes are slide, oedometer")));
     verify(folder.path(), &["--scenes", "nowhere"]).assert().code(2).stderr(contains("nowhere is no folder"));
     verify(folder.path(), &["--list", "--only", "disk"]).assert().success().stdout(contains("spins freely"));
 }

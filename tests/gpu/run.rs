@@ -273,6 +273,42 @@ fn bench_says_what_a_step_takes() {
     }
 }
 
+/// The time of a mixture's step by the device's clock is that of its passes.
+#[test]
+fn bench_tells_what_each_pass_takes() {
+    if !adapter("bench_tells_what_each_pass_takes") {
+        return;
+    }
+    let mut command = comminute("bench");
+    command.args("mixture tests/gpu/mixture.toml --steps 2 --warm-up 1 --repeats 1 --gpu --json --quiet".split(' '));
+    let told = command.assert().success();
+    let told: serde_json::Value = serde_json::from_slice(&told.get_output().stdout).expect("JSON");
+    let passes = told["pass_ms_per_step"].as_object().expect("an adapter with timestamps");
+    for pass in ["press_nodes", "strain", "grain_forces", "plate_forces"] {
+        assert!(passes[pass].as_f64().is_some_and(|ms| ms > 0.0), "{pass}: {passes:?}");
+    }
+}
+
+/// A case of verification has on the device the error that it has on the processor.
+#[test]
+fn verification_runs_on_the_device() {
+    if !adapter("verification_runs_on_the_device") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("folder");
+    let [here, there] = ["cpu", "gpu"].map(|backend| {
+        let out = folder.path().join(backend);
+        let mut command = comminute("verify");
+        command.args(["--only", "cones", "--levels", "1", "--quiet", "--backend", backend, "--out"]).arg(&out);
+        command.assert().success();
+        let table = std::fs::read_to_string(out.join("verification.csv")).expect("a table");
+        let error = |row: &str| row.rsplit(',').next().and_then(|last| last.parse::<f64>().ok());
+        table.lines().skip(1).map(|row| error(row).expect("an error")).collect::<Vec<_>>()
+    });
+    assert_eq!(here.len(), 3);
+    assert!(here.iter().zip(&there).all(|(a, b)| (a - b).abs() < 1e-4), "{here:?} and {there:?}");
+}
+
 /// Without a driver `gpu` is an error and `auto` the processor, with the reason.
 #[test]
 #[cfg(target_os = "linux")]

@@ -87,18 +87,14 @@ pub fn mixture_gpu_speed(model: &Model, [warm_up, steps]: [u64; 2], repeats: usi
     let mut run = |engine: &mut Engine, n| milliseconds(&mut state, (model, rig), engine, n);
     run(&mut engine, warm_up)?;
     let blocks = (0..repeats).map(|_| run(&mut engine, steps)).collect::<Result<Vec<f64>>>()?;
-    let Engine::Gpu(device) = &mut engine else { return Err(refused("must be computed on the device")) };
-    let adapter = device.adapter().name.clone();
-    let passes = match device.time_passes() {
-        Err(why) => Err(why.to_string()),
-        Ok(()) => {
-            let first = state.continuum.steps();
-            milliseconds(&mut state, (model, rig), &mut engine, steps)?;
-            let done = (state.continuum.steps() - first) as f64;
-            let Engine::Gpu(device) = &engine else { return Err(refused("must be computed on the device")) };
-            Ok(device.pass_times().iter().map(|p| (p.pass, 1e3 * p.seconds / done)).collect())
-        }
-    };
+    let timed = engine.time_passes().map_err(|why| why.to_string());
+    let first = state.continuum.steps();
+    if timed.is_ok() {
+        milliseconds(&mut state, (model, rig), &mut engine, steps)?;
+    }
+    let done = (state.continuum.steps() - first) as f64;
+    let passes = timed.map(|()| engine.pass_times().iter().map(|p| (p.pass, 1e3 * p.seconds / done)).collect());
+    let adapter = engine::gpu::available().map_or_else(String::new, |a| a.name);
     let grains = state.mixture.as_ref().map_or(0, |mixture| mixture.grains.grains.len());
     Ok(MixtureGpuSpeed { adapter, points: state.continuum.points().len(), grains, blocks, passes })
 }

@@ -208,7 +208,7 @@ impl Case {
     /// order; `told` is called with way and resolution before each run.
     ///
     /// # Errors
-    /// Any error of a run: that of the first way that has one.
+    /// Any error of a run: that of the first way that has one. No way begins after it.
     pub fn measure(&self, plan: &Plan, told: impl Fn(&str, u32) + Sync) -> Result<Vec<Row>> {
         let pools = (0..plan.jobs.min(self.ways.len())).map(|_| pool(plan.threads)).collect::<Result<Vec<_>>>()?;
         let done = Mutex::new(BTreeMap::new());
@@ -222,6 +222,10 @@ impl Case {
                             break;
                         }
                         let rows = pool.install(|| self.measure_way(way, plan, told));
+                        if rows.is_err() {
+                            // no further way begins
+                            next.store(self.ways.len(), Ordering::Relaxed);
+                        }
                         into.lock().expect("no thread panics with it").insert(way, rows);
                     }
                 });

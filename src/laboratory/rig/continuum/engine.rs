@@ -42,6 +42,21 @@ impl Engine {
         Ok(Engine::Gpu(Box::new(Device::new(state, model, rig, None)?)))
     }
 
+    /// The device's clock for passes ([`::engine::gpu::DeviceContinuum::time_passes`]); on the CPU there are none.
+    ///
+    /// # Errors
+    /// An adapter without timestamps.
+    #[cfg(feature = "gpu")]
+    pub fn time_passes(&mut self) -> Result<()> {
+        if let Engine::Gpu(device) = self { device.time_passes() } else { Ok(()) }
+    }
+
+    /// What passes have taken since then.
+    #[cfg(feature = "gpu")]
+    pub fn pass_times(&self) -> &[::engine::gpu::PassTime] {
+        if let Engine::Gpu(device) = self { device.pass_times() } else { &[] }
+    }
+
     /// Computes the forces of all contacts, those on the loading plates among them, and adds this instant to the means of the
     /// records.
     pub(super) fn compute_forces(&mut self, state: &mut State, model: &Model, rig: &MpmTest) -> Result<()> {
