@@ -234,17 +234,14 @@ impl Neighbours {
     /// All grains with which grain `i` makes a listed pair, in the order of identities: entry and index of the other grain.
     pub fn around<'a>(&'a self, i: usize, pairs: &'a Pairs) -> impl Iterator<Item = (Entry, usize)> + 'a {
         self.around.of(i).map(move |e| {
-            let [a, b] = if e.link.is_apart() { self.near.ends(e.slot()) } else { pairs.ends[e.slot()] };
-            (e, if a as usize == i { b } else { a } as usize)
+            let ends = if e.link.is_apart() { self.near.ends(e.slot()) } else { pairs.ends[e.slot()] };
+            (e, other_end(ends, i))
         })
     }
 
     /// The contacts of grain `i` with other grains, in the order of their identities, each with the index of the other one.
     pub fn touching<'a>(&'a self, i: usize, pairs: &'a Pairs) -> impl Iterator<Item = (Entry, usize)> + 'a {
-        self.contacts.of(i).filter(|e| !e.is_wall()).map(move |e| {
-            let [a, b] = pairs.ends[e.slot()];
-            (e, if a as usize == i { b } else { a } as usize)
-        })
+        self.contacts.of(i).filter(|e| !e.is_wall()).map(move |e| (e, other_end(pairs.ends[e.slot()], i)))
     }
 
     /// Marks the listed pairs that have begun to touch; `task` pairs make one parallel task. Only positions (`pos`: centre and radius, m) are read, so this
@@ -391,4 +388,10 @@ pub fn flagged(flags: &[u8], mut each: impl FnMut(u32, u8)) {
     for (k, &f) in rest.iter().enumerate().filter(|(_, f)| **f != 0) {
         each((8 * chunks.len() + k) as u32, f);
     }
+}
+
+/// The other one of two grains, of which one is `i`.
+#[inline]
+fn other_end([a, b]: [u32; 2], i: usize) -> usize {
+    if a as usize == i { b as usize } else { a as usize }
 }
