@@ -64,6 +64,8 @@ fn device(model: &comminute::model::Model, blocks: &Blocks) -> Result<()> {
     let row = bench::mixture_gpu_speed(model, [blocks.warm_up, blocks.steps], blocks.repeats.into())?;
     if !blocks.quiet {
         eprintln!("{}: {} points, {} grains, {:.3} ms a step", row.adapter, row.points, row.grains, row.median());
+        let [copied, measured] = row.row();
+        eprintln!("a row of the history: {copied:.1} ms to copy the state back, {measured:.1} ms to measure it");
         match &row.passes {
             Ok(passes) => {
                 eprintln!("{:<22} {:>8}", "pass, by its clock", "ms/step");
@@ -76,7 +78,7 @@ fn device(model: &comminute::model::Model, blocks: &Blocks) -> Result<()> {
     if blocks.json {
         let passes = row.passes.as_ref().ok().map(|passes| passes.iter().copied().collect::<std::collections::BTreeMap<_, _>>());
         let row = json!({ "adapter": row.adapter, "points": row.points, "grains": row.grains, "ms_per_step": row.median(), "blocks": row.blocks,
-            "pass_ms_per_step": passes });
+            "row_ms": row.row(), "pass_ms_per_step": passes });
         super::print(&format!("{row:#}"))?;
     }
     Ok(())

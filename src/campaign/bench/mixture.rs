@@ -62,6 +62,8 @@ pub struct MixtureGpuSpeed {
     pub grains: usize,
     /// Milliseconds for a step, in each block.
     pub blocks: Vec<f64>,
+    /// Milliseconds for a row of the history, after each block: to copy points and grains back, and to measure them.
+    pub rows: Vec<[f64; 2]>,
     /// What each pass takes in a step of `steps` further ones, by the device's clock, ms, in their order; or why that is not known.
     pub passes: std::result::Result<Vec<(&'static str, f64)>, String>,
 }
@@ -72,10 +74,15 @@ impl MixtureGpuSpeed {
     pub fn median(&self) -> f64 {
         median(&self.blocks)
     }
+
+    /// Median milliseconds for a row: to copy, and to measure.
+    pub fn row(&self) -> [f64; 2] {
+        [0, 1].map(|k| median(&self.rows.iter().map(|row| row[k]).collect::<Vec<f64>>()))
+    }
 }
 
-/// Steps a continuum or a mixture on the graphics device: `repeats` blocks of `steps` steps after `warm_up`, and `steps` more in which each pass
-/// is timed.
+/// Steps a continuum or a mixture on the graphics device: `repeats` blocks of `steps` steps after `warm_up`, each with a row of the history after it, and `steps`
+/// more in which each pass is timed.
 ///
 /// # Errors
 /// No adapter, a model that the device does not take, or a step that fails.
@@ -84,9 +91,16 @@ pub fn mixture_gpu_speed(model: &Model, [warm_up, steps]: [u64; 2], repeats: usi
     let rig = benched(model)?;
     let mut state = State::start(model, rig)?;
     let mut engine = Engine::on_device(&mut state, model, rig)?;
-    let mut run = |engine: &mut Engine, n| milliseconds(&mut state, (model, rig), engine, n);
-    run(&mut engine, warm_up)?;
-    let blocks = (0..repeats).map(|_| run(&mut engine, steps)).collect::<Result<Vec<f64>>>()?;
+    milliseconds(&mut state, (model, rig), &mut engine, warm_up)?;
+    let (mut blocks, mut rows) = (Vec::new(), Vec::new());
+    for _ in 0..repeats {
+        blocks.push(milliseconds(&mut state, (model, rig), &mut engine, steps)?);
+        let since = Instant::now();
+        engine.read_back(&mut state, model)?;
+        let copied = since.elapsed();
+        std::hint::black_box(state.moment(rig));
+        rows.push([copied, since.elapsed() - copied].map(|time| 1e3 * time.as_secs_f64()));
+    }
     let timed = engine.time_passes().map_err(|why| why.to_string());
     let first = state.continuum.steps();
     if timed.is_ok() {
@@ -96,7 +110,7 @@ pub fn mixture_gpu_speed(model: &Model, [warm_up, steps]: [u64; 2], repeats: usi
     let passes = timed.map(|()| engine.pass_times().iter().map(|p| (p.pass, 1e3 * p.seconds / done)).collect());
     let adapter = engine::gpu::available().map_or_else(String::new, |a| a.name);
     let grains = state.mixture.as_ref().map_or(0, |mixture| mixture.grains.grains.len());
-    Ok(MixtureGpuSpeed { adapter, points: state.continuum.points().len(), grains, blocks, passes })
+    Ok(MixtureGpuSpeed { adapter, points: state.continuum.points().len(), grains, blocks, rows, passes })
 }
 
 /// The rig of a model that can be benched.

@@ -304,16 +304,18 @@ impl DeviceContinuum {
     /// # Errors
     /// `cpu` has other points; the device is lost. `cpu` is then unchanged.
     pub fn read_back(&self, cpu: &mut mpm::Continuum) -> Result<()> {
-        let bytes = self.words()?;
-        let planes: &[[u32; 4]] = bytemuck::cast_slice(&bytes);
         let there = cpu.points().by_id();
         let same = |(&(id, _), &i): (&(u32, u32), &u32)| id == cpu.points().id[i as usize];
         if there.len() != self.by_id.len() || !self.by_id.iter().zip(&there).all(same) {
             return Err(refused("points", there.len(), "are not those that were copied to the device"));
         }
+        let mut from = vec![0; there.len()];
+        for ((_, i), to) in self.by_id.iter().zip(&there) {
+            from[*to as usize] = *i;
+        }
         let points = cpu.points_mut();
-        let point = |(&(_, i), &to): (&(u32, u32), &u32)| state::to_point(&self.settings, planes, i as usize, points, to as usize);
-        let work: f64 = self.by_id.iter().zip(&there).map(point).sum();
+        let works = self.with_words(|bytes| state::to_points(&self.settings, bytemuck::cast_slice(bytes), &from, points))?;
+        let work: f64 = there.iter().map(|to| works[*to as usize]).sum();
         cpu.set_counters(self.steps_done(), self.before.1 + work, self.wall_force());
         Ok(())
     }
@@ -323,20 +325,15 @@ impl DeviceContinuum {
     /// # Errors
     /// The device is lost.
     pub fn save(&self) -> Result<Saved> {
-        let bytes = self.words()?;
+        let state = self.with_words(bytemuck::pod_collect_to_vec)?;
         let plates: &[u32] = bytemuck::cast_slice(&self.batch.plates);
         let grains = self.bodies.as_ref().map(|b| b.save(&self.device, self.steps_done())).transpose()?;
-        Ok(Saved {
-            layout: LAYOUT,
-            state: bytemuck::pod_collect_to_vec(&bytes),
-            plates: plates.to_vec(),
-            work: self.before.1.to_bits(),
-            grains,
-        })
+        Ok(Saved { layout: LAYOUT, state, plates: plates.to_vec(), work: self.before.1.to_bits(), grains })
     }
 
-    fn words(&self) -> Result<Vec<u8>> {
-        self.device.read(&[(&self.buffers.state, self.sizes.state)], self.steps_done())
+    /// What `take` makes of the planes of the points.
+    fn with_words<T>(&self, take: impl FnOnce(&[u8]) -> T) -> Result<T> {
+        self.device.with_parts(&[(&self.buffers.state, 0, self.sizes.state)], self.steps_done(), take)
     }
 
     /// Number of steps since the start of the run, those on the processor included.

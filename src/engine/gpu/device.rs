@@ -169,18 +169,19 @@ impl Device {
     /// The device is lost.
     pub fn read(&self, parts: &[(&wgpu::Buffer, u64)], step: u64) -> Result<Vec<u8>> {
         let from_start: Vec<_> = parts.iter().map(|(buffer, size)| (*buffer, 0, *size)).collect();
-        self.read_parts(&from_start, step)
+        self.with_parts(&from_start, step, <[u8]>::to_vec)
     }
 
-    /// As [`Self::read`], each part from a byte of its buffer on: buffer, first byte, number of bytes.
+    /// As [`Self::read`], each part from a byte of its buffer on (buffer, first byte, number of bytes), and without a copy of its own: gives what `take` makes of
+    /// the bytes, which begin at a multiple of 16 in memory.
     ///
     /// # Errors
     /// The device is lost.
-    pub fn read_parts(&self, parts: &[(&wgpu::Buffer, u64, u64)], step: u64) -> Result<Vec<u8>> {
+    pub fn with_parts<T>(&self, parts: &[(&wgpu::Buffer, u64, u64)], step: u64, take: impl FnOnce(&[u8]) -> T) -> Result<T> {
         let size = parts.iter().map(|(.., size)| size).sum();
         if size == 0 {
             self.wait(None, step)?;
-            return Ok(Vec::new());
+            return Ok(take(&[]));
         }
         let lost =
             |what: &str| failed(step, format!("the graphics device cannot be read: {what}; the state of the last record is kept"));
@@ -192,7 +193,7 @@ impl Device {
         };
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut at = 0;
-        for (buffer, first, size) in parts {
+        for (buffer, first, size) in parts.iter().filter(|(.., size)| *size > 0) {
             encoder.copy_buffer_to_buffer(buffer, *first, &staging, at, *size);
             at += size;
         }
@@ -207,11 +208,11 @@ impl Device {
             Ok(Err(e)) => return Err(lost(&e.to_string())),
             Err(e) => return Err(lost(&e.to_string())),
         }
-        let bytes = staging.get_mapped_range(..size).map_err(|e| lost(&e.to_string()))?.to_vec();
+        let taken = take(&staging.get_mapped_range(..size).map_err(|e| lost(&e.to_string()))?);
         staging.unmap();
         self.healthy(step)?;
         *kept = Some(staging);
-        Ok(bytes)
+        Ok(taken)
     }
 
     /// Waits for a submission, or, with `None`, for all of them.

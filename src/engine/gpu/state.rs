@@ -3,6 +3,7 @@
 use super::exact::{UNITS, place, placed, split};
 use crate::mpm::law::InternalVariables;
 use crate::mpm::{Face, Points, Settings};
+use rayon::prelude::*;
 
 /// Number of planes; what they hold, in which order, is said in `nodes.wgsl`.
 const PLANES: usize = 10;
@@ -83,28 +84,73 @@ pub fn by_id(planes: &[[u32; 4]], points: usize) -> Vec<(u32, u32)> {
     all
 }
 
-/// Writes the state of the point with the index `i` on the device into the point `to` of `points`; returns its stress work since the state was copied to the
-/// device, J. Mass, law and initial values of the point are not written.
-pub fn to_point(settings: &Settings, planes: &[[u32; 4]], i: usize, points: &mut Points, to: usize) -> f64 {
-    let n = points.len();
-    let word = |plane: usize| planes[plane * n + i];
-    let number = |plane: usize, k: usize| f32::from_bits(word(plane)[k]);
-    let both = |high: usize, low: usize, k: usize| f64::from(number(high, k)) + f64::from(number(low, k));
-    for (a, cell) in cell_place(word(0)[3]).into_iter().enumerate() {
-        let x = placed(cell as i32 - 1, word(0)[a] as i32, number(1, a));
-        points.position[to][a] = settings.lower[a] + settings.cell * x;
-        points.velocity[to][a] = both(2, 3, a);
-        points.stress[to][a] = both(4, 6, a);
-        points.stress[to][3 + a] = both(5, 7, a);
+/// Writes the state of the points on the device into `points`; `from[i]` is the index on the device of the point `i`. Returns for each point its stress work since
+/// the state was copied to the device, J. Masses, laws and initial values are not written.
+pub fn to_points(settings: &Settings, planes: &[[u32; 4]], from: &[u32], points: &mut Points) -> Vec<f64> {
+    let n = from.len();
+    let has_faces = planes.len() > PLANES * n;
+    points.faces.resize(if has_faces { n } else { points.faces.len() }, Face::default());
+    let Points { position, velocity, stress, memory, faces, initial_volume, .. } = points;
+    if has_faces {
+        (faces.par_iter_mut(), from).into_par_iter().for_each(|(face, i)| *face = WordsOfPoint::of(planes, n, *i).face(settings));
     }
-    points.position[to][3] = points.initial_volume[to] * (1.0 + both(4, 6, 3));
-    points.memory[to] = InternalVariables { plastic: both(5, 7, 3), gap: f64::from(number(9, 0)) + f64::from(number(9, 1)) };
-    if planes.len() > PLANES * n {
-        points.faces.resize(n, Face::default());
-        for a in 0..3 {
-            let beside = settings.cell * both(PLANES, PLANES + 1, a);
-            (points.faces[to][0][a], points.faces[to][1][a]) = (beside, points.position[to][a] + beside);
-        }
+    (position.par_iter_mut(), velocity, stress, memory, initial_volume, from)
+        .into_par_iter()
+        .map(|(position, velocity, stress, memory, initial_volume, i)| {
+            let words = WordsOfPoint::of(planes, n, *i);
+            let [x, y, z] = words.position(settings);
+            *position = [x, y, z, *initial_volume * (1.0 + words.both(4, 6, 3))];
+            for a in 0..3 {
+                velocity[a] = words.both(2, 3, a);
+                stress[a] = words.both(4, 6, a);
+                stress[3 + a] = words.both(5, 7, a);
+            }
+            *memory = InternalVariables { plastic: words.both(5, 7, 3), gap: words.sum(9) };
+            words.sum(8)
+        })
+        .collect()
+}
+
+/// The words of one point of the planes of all.
+#[derive(Clone, Copy)]
+struct WordsOfPoint<'a> {
+    planes: &'a [[u32; 4]],
+    points: usize,
+    index: usize,
+}
+
+impl WordsOfPoint<'_> {
+    fn of(planes: &[[u32; 4]], points: usize, index: u32) -> WordsOfPoint<'_> {
+        WordsOfPoint { planes, points, index: index as usize }
     }
-    f64::from(number(8, 0)) + f64::from(number(8, 1))
+
+    fn word(self, plane: usize) -> [u32; 4] {
+        self.planes[plane * self.points + self.index]
+    }
+
+    fn number(self, plane: usize, k: usize) -> f64 {
+        f64::from(f32::from_bits(self.word(plane)[k]))
+    }
+
+    /// A number that is split into two planes.
+    fn both(self, high: usize, low: usize, k: usize) -> f64 {
+        self.number(high, k) + self.number(low, k)
+    }
+
+    /// A number that is split into the first two words of a plane.
+    fn sum(self, plane: usize) -> f64 {
+        self.number(plane, 0) + self.number(plane, 1)
+    }
+
+    fn position(self, settings: &Settings) -> [f64; 3] {
+        let (units, rest) = (self.word(0), self.word(1));
+        let cells = cell_place(units[3]);
+        [0, 1, 2].map(|a| settings.lower[a] + settings.cell * placed(cells[a] as i32 - 1, units[a] as i32, f32::from_bits(rest[a])))
+    }
+
+    fn face(self, settings: &Settings) -> Face {
+        let at = self.position(settings);
+        let beside = [0, 1, 2].map(|a| settings.cell * self.both(PLANES, PLANES + 1, a));
+        [beside, [0, 1, 2].map(|a| at[a] + beside[a])]
+    }
 }

@@ -298,10 +298,12 @@ impl Progress {
     /// One [`State::advance`], with the records that are due. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, out: &Path) -> Result<bool> {
         let Progress { state, recorder, history, blocks, account, crushed, snapshots, first_step, .. } = self;
+        let mut recorded = false;
         let advanced = state.advance(model, rig, engine, |state, engine| {
             watch::slow_points(model, state, *first_step)?;
             let due = recorder.due(rig, state);
             if due.row {
+                recorded = true;
                 engine.read_back(state, model)?;
                 let mut row = recorder.row(rig, state);
                 row.extend(crushed.columns(model, state)?);
@@ -326,8 +328,9 @@ impl Progress {
         crushed.breakages(out, state)?;
         advanced?;
         let done = state.phase == Phase::Done;
-        let steps = state.continuum.steps();
-        if done || steps.is_multiple_of(LOOK) {
+        // a device's points are known where they have been copied for a row
+        let known = if engine.is_device() { recorded } else { state.continuum.steps().is_multiple_of(LOOK) };
+        if done || known {
             self.watch(model)?;
             watch::kinetic_of_points(rig, &self.state)?;
         }

@@ -354,52 +354,49 @@ impl Bodies {
         Ok(())
     }
 
-    fn read(&self, device: &Device, step: u64) -> Result<(Words, Mix)> {
-        let (b, s) = (&self.buffers, &self.sizes);
-        let parts = [
-            (&b.grains, s.grains),
-            (&b.slots, s.slots),
-            (&b.rows, s.rows),
-            (&b.transport, s.transport),
-            (&b.mix, size_of::<Mix>() as u64),
-        ];
-        let bytes = device.read(&parts, step)?;
-        let mut rest = &bytes[..];
-        let mut next = |size: u64| {
-            let (own, others) = rest.split_at(size as usize);
-            rest = others;
-            own
-        };
-        let fours = |bytes: &[u8]| bytemuck::pod_collect_to_vec::<u8, [u32; 4]>(bytes);
-        let [grains, slots, rows, mut transport] = [s.grains, s.slots, s.rows, s.transport].map(|size| fours(next(size)));
-        let mix: Mix = bytemuck::pod_read_unaligned(next(size_of::<Mix>() as u64));
+    /// Copies grains, contacts and transport velocities from the device; of the rows only those in use.
+    fn read(&self, device: &Device, step: u64) -> Result<Words> {
+        let (b, s, used) = (&self.buffers, &self.sizes, self.rows_in_use());
+        let of_rows = self.parts_of_rows(0..self.row.planes * self.row.places);
+        let mut parts = vec![(&b.grains, 0, s.grains), (&b.slots, 0, s.slots), (&b.transport, 0, s.transport)];
+        let sizes = [s.grains, s.slots, s.transport].map(|size| size as usize / 16);
+        parts.extend(of_rows);
         let n = self.coupling.grains as usize;
-        // threads took rows in no order
-        for words in &mut transport {
-            words[3] = 0;
-        }
-        let words = Words {
-            grains: grains[..layout::GRAIN * n].to_vec(),
-            slots: words::collect(&slots, [layout::CONTACT, SLOTS, n], n, words::touches),
-            rows: self.contacts_of_points(&rows, mix.rows, words::is_kept),
-            transport,
-        };
-        Ok((words, mix))
+        device.with_parts(&parts, step, |bytes| {
+            let mut rest: &[[u32; 4]] = bytemuck::cast_slice(bytes);
+            let [grains, slots, transport] = sizes.map(|size| rest.split_off(..size).unwrap_or_default());
+            let (of_contacts, owners) = rest.split_at(rest.len() - used);
+            Words {
+                grains: grains[..layout::GRAIN * n].to_vec(),
+                slots: words::collect(slots, [layout::CONTACT, SLOTS, n], words::touches),
+                rows: self.contacts_of_points(of_contacts, owners, words::is_kept),
+                // threads took rows in no order
+                transport: transport.iter().map(|[x, y, z, _]| [*x, *y, *z, 0]).collect(),
+            }
+        })
     }
 
-    /// The contacts of points that are to be kept, by point, then by body, of the words of all rows, `used` of which are in use.
+    /// Number of rows in use.
+    fn rows_in_use(&self) -> usize {
+        self.mix.rows.min(self.coupling.rows) as usize
+    }
+
+    /// Parts of the buffer of rows, as [`Device::with_parts`] takes them: these arrays, each with a word for each row, and the owners; of each the rows in use.
+    fn parts_of_rows(&self, arrays: std::ops::Range<usize>) -> impl Iterator<Item = (&wgpu::Buffer, u64, u64)> {
+        let (room, size) = (16 * u64::from(self.coupling.rows), 16 * self.rows_in_use() as u64);
+        arrays.chain([self.row.planes * self.row.places + layout::NODES]).map(move |k| (&self.buffers.rows, k as u64 * room, size))
+    }
+
+    /// The contacts of points that are to be kept, by point, then by body, of the words of the rows in use and their owners.
     fn contacts_of_points(
         &self,
         rows: &[[u32; 4]],
-        used: u32,
+        owners: &[[u32; 4]],
         keeps: impl Fn(&PointContactWords) -> bool,
     ) -> Vec<PointContactWords> {
-        let room = self.coupling.rows as usize;
-        let mut of_points =
-            words::collect(rows, [self.row.planes, self.row.places, room], used.min(self.coupling.rows) as usize, keeps);
-        let owners = self.owners();
+        let mut of_points = words::collect(rows, [self.row.planes, self.row.places, owners.len()], keeps);
         for words in &mut of_points {
-            words[0] = rows[owners + words[0] as usize][0];
+            words[0] = owners[words[0] as usize][0];
         }
         // rows are in the order in which threads took them
         of_points.sort_unstable_by_key(|words| (words[0], words[4]));
@@ -411,7 +408,7 @@ impl Bodies {
     /// # Errors
     /// The device is lost.
     pub fn save(&self, device: &Device, step: u64) -> Result<SavedGrains> {
-        let (words, mut mix) = self.read(device, step)?;
+        let (words, mut mix) = (self.read(device, step)?, self.mix);
         let rows_in_use = mix.rows;
         // these are determined anew when the run is resumed
         (mix.rows, mix.travelled, mix.fastest_point, mix.fastest_grain, mix.point_speed) = (0, 0.0, 0, 0, 0.0);
@@ -441,7 +438,7 @@ impl Bodies {
         point: &[u32],
         dt: f64,
     ) -> Result<()> {
-        let (words, mix) = self.read(device, step)?;
+        let (words, mix) = (self.read(device, step)?, &self.mix);
         let viscous = physics.contact.law.is_viscous();
         let settings = cpu.settings().clone();
         for (k, i) in mixture.grains.grains.by_id().into_iter().enumerate() {
@@ -484,10 +481,9 @@ impl Bodies {
     /// # Errors
     /// The device is lost.
     pub fn pushes(&self, device: &Device, step: u64) -> Result<Vec<words::Push>> {
-        let bytes = device.read(&[(&self.buffers.rows, self.sizes.rows)], step)?;
-        let rows: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
-        let used = self.mix.rows.min(self.coupling.rows) as usize;
-        let mut all = words::pushes(&rows, self.owners(), self.coupling.rows as usize, used);
+        let first = self.row.planes * self.row.places;
+        let parts: Vec<_> = self.parts_of_rows(first..first + layout::NODES).collect();
+        let mut all = device.with_parts(&parts, step, |bytes| words::pushes(bytemuck::cast_slice(bytes), self.rows_in_use()))?;
         // rows are in the order in which threads took them
         all.sort_by_key(|push| push.point);
         let share = 1.0 / f64::from(self.coupling.rates);
@@ -495,11 +491,6 @@ impl Bodies {
             push.force = push.force.map(|f| share * f);
         }
         Ok(all)
-    }
-
-    /// Index in the rows of the first one's owner: the point, whether anything has pressed on it, and the energy that its contacts have gained.
-    fn owners(&self) -> usize {
-        (self.row.planes * self.row.places + layout::NODES) * self.coupling.rows as usize
     }
 
     /// Energy that contacts of points have gained as their overlaps without force shrank, J, since the last call.
@@ -510,10 +501,8 @@ impl Bodies {
         if !self.row.has_fines() {
             return Ok(0.0);
         }
-        let used = self.mix.rows.min(self.coupling.rows) as usize;
-        let (at, size) = (16 * self.owners() as u64, 16 * used as u64);
-        let bytes = device.read_parts(&[(&self.buffers.rows, at, size)], step)?;
-        let mut owners: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        let of_owners: Vec<_> = self.parts_of_rows(0..0).collect();
+        let mut owners: Vec<[u32; 4]> = device.with_parts(&of_owners, step, |bytes| bytemuck::cast_slice(bytes).to_vec())?;
         let mut gains: Vec<(u32, f64)> = owners
             .iter()
             .map(|[point, _, high, low]| (*point, both([*high, *low].map(f32::from_bits))))
@@ -525,7 +514,7 @@ impl Bodies {
         for [_, _, high, low] in &mut owners {
             (*high, *low) = (0, 0);
         }
-        device.queue.write_buffer(&self.buffers.rows, at, bytemuck::cast_slice(&owners));
+        device.queue.write_buffer(&self.buffers.rows, of_owners[0].1, bytemuck::cast_slice(&owners));
         // rows are in the order in which threads took them
         gains.sort_unstable_by_key(|(point, _)| *point);
         Ok(gains.iter().map(|(_, x)| x).sum())

@@ -42,14 +42,12 @@ pub struct Push {
     pub force: [f64; 3],
 }
 
-/// The forces on the nodes of the points in the first `used` rows, of the words of all `room` rows, whose owners begin at `owners`; by row, then by node.
-pub fn pushes(rows: &[[u32; 4]], owners: usize, room: usize, used: usize) -> Vec<Push> {
-    let owner = |r: usize| rows[owners + r];
-    let push = |r: usize, k: usize| Push {
-        point: owner(r)[0],
-        node: [k % 3, k / 3 % 3, k / 9],
-        force: three(&rows[owners - (NODES - k) * room + r], 0),
-    };
+/// The forces on the nodes of the points in `used` rows, by row, then by node, of the words of these rows: for each node of a point a word for each row, then the
+/// owners.
+pub fn pushes(rows: &[[u32; 4]], used: usize) -> Vec<Push> {
+    let owner = |r: usize| rows[NODES * used + r];
+    let push =
+        |r: usize, k: usize| Push { point: owner(r)[0], node: [k % 3, k / 3 % 3, k / 9], force: three(&rows[k * used + r], 0) };
     (0..used)
         .filter(|r| owner(*r)[1] != 0)
         .flat_map(|r| (0..NODES).map(move |k| (r, k)))
@@ -199,15 +197,14 @@ pub fn spread<const WORDS: usize>(
     all
 }
 
-/// The contacts of the first `used` owners that are to be kept, in the order of owners, then of places; the inverse of [`spread`].
+/// The contacts that are to be kept, in the order of owners, then of places; the inverse of [`spread`].
 pub fn collect<const WORDS: usize>(
     all: &[[u32; 4]],
     [planes, room, owners]: [usize; 3],
-    used: usize,
     keeps: impl Fn(&[u32; WORDS]) -> bool,
 ) -> Vec<[u32; WORDS]> {
     let mut kept = Vec::new();
-    for owner in 0..used {
+    for owner in 0..owners {
         for s in 0..room {
             let entry = |plane: usize| all[(plane * room + s) * owners + owner];
             // the slots of walls that a grain has never touched have no body
@@ -319,7 +316,7 @@ mod tests {
         let all = spread(&given, [CONTACT, SLOTS, 3], slot);
         let places: Vec<usize> = (0..SLOTS).filter(|s| all[s * 3][3] != NONE).collect();
         assert_eq!(places, [0, 1, PARTNERS + 3]);
-        assert_eq!(collect(&all, [CONTACT, SLOTS, 3], 3, touches), given);
+        assert_eq!(collect(&all, [CONTACT, SLOTS, 3], touches), given);
         for (words, x) in given.iter().zip([1.0, 2.0, 3.0, 1.0]) {
             let (there, here) = (contact(words, false), contact_of(x));
             for a in 0..3 {
@@ -345,7 +342,7 @@ mod tests {
         ];
         let words: Vec<PointContactWords> = (0..).zip(&given).map(|(k, c)| point_contact_words(0, k, c, cell)).collect();
         let sizes = [WITH_FINES, PLACES, 1];
-        let back = collect(&spread(&words, sizes, |_, next| next), sizes, 1, is_kept);
+        let back = collect(&spread(&words, sizes, |_, next| next), sizes, is_kept);
         assert_eq!(back, words[..3]);
         let held = point_contact(&back[2], false, cell);
         assert!((held.reference / given[2].reference - 1.0).abs() < 1e-13 && held.face.is_none() && held.touch.overlap == 0.0);

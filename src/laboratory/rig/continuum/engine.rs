@@ -42,6 +42,11 @@ impl Engine {
         Ok(Engine::Gpu(Box::new(Device::new(state, model, rig, None)?)))
     }
 
+    /// Whether a graphics device makes the steps; the state then has the points and grains of the last [`Self::read_back`].
+    pub fn is_device(&self) -> bool {
+        !matches!(self, Engine::Cpu | Engine::Mixture(_))
+    }
+
     /// The device's clock for passes ([`::engine::gpu::DeviceContinuum::time_passes`]); on the CPU there are none.
     ///
     /// # Errors
