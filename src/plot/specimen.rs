@@ -54,6 +54,10 @@ impl Specimen {
         let Some(table) = Table::read_if_there(path)? else {
             return Ok(None);
         };
+        // of a mixture, with the fines that became points
+        if table.note("coarse_grains").is_some() {
+            return Ok(None);
+        }
         let column = |name: &str| table.numbers(name);
         let (x, y, z, r) = (column("x_m")?, column("y_m")?, column("z_m")?, column("r_m")?);
         let generation = if table.has("generation") { column("generation")? } else { vec![0.0; x.len()] };

@@ -67,6 +67,46 @@ fn a_grown_specimen_is_in_balance_with_points_or_grains() {
     same_files(&out("points"), &out("parts"));
 }
 
+/// A run keeps its grown specimen, and another one that begins with it makes the same test to the byte, on whatever materials between points and grains; it is
+/// continued with the same specimen only. A specimen of other grains, or of another kind of scene, is refused before anything is written.
+#[test]
+fn a_run_begins_with_the_specimen_of_another() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = |name: &str| folder.path().join(name);
+    run("mixture/twin_points", &out("grows"), &SMALL, &[]).assert().success();
+    let file = out("grows").join("specimen.csv");
+    let given = ["--specimen", file.to_str().expect("a path")];
+    run("mixture/twin_points", &out("given"), &SMALL, &given).assert().success();
+    for name in ["history.csv", "points_start.csv", "points_final.csv", "grains_final.csv", "specimen.csv"] {
+        let [a, b] = ["grows", "given"].map(|run| std::fs::read(out(run).join(name)).expect(name));
+        assert!(a == b, "{name}");
+    }
+    assert!(number(&summary(&out("grows")), "growth_steps") > 4200.0 && number(&summary(&out("given")), "growth_steps") == 0.0);
+    let smooth = [&SMALL[..], &["materials.fines.continuum.interface_friction=0.05"]].concat();
+    run("mixture/twin_points", &out("smooth"), &smooth, &[&given[..], &["--stop-after", "40"]].concat()).assert().code(130);
+    run("mixture/twin_points", &out("smooth"), &smooth, &[&given[..], &["--continue"]].concat()).assert().success();
+    // fewer coarse grains, larger fines, an edited file, the specimen of a mixture in an oedometer of grains, and a scene that places its grains
+    let refused = |scene: &str, sets: &[&str], file: &Path, says: &str| {
+        let given = ["--specimen", file.to_str().expect("a path")];
+        run(scene, &out("refused"), sets, &given).assert().code(2).stderr(contains(says));
+        assert!(!out("refused").exists());
+    };
+    let with = |set| [&SMALL[..], &[set]].concat();
+    refused("mixture/twin_points", &with("coarse.mass_fraction=0.4"), &file, "the coarse grains have a volume of");
+    refused(
+        "mixture/twin_points",
+        &with("growth.fines_diameter_mm=[4.0, 4.2]"),
+        &file,
+        "the fine grains of the scene have radii of",
+    );
+    let edited = out("edited.csv");
+    std::fs::write(&edited, std::fs::read_to_string(&file).expect("file").replacen("# coarse_grains = ", "# coarse_grains = 1", 1))
+        .expect("written");
+    refused("mixture/twin_points", &SMALL, &edited, "does not fit the file");
+    refused("petroleum_coke/h-c-2", &[], &file, "cylinder_radius_m: missing");
+    refused("mixture/triaxial_small", &[], &file, "has no meaning without growth.fines_diameter_mm");
+}
+
 /// Grains alone at constant volume: the lateral stress falls, and their contacts bear all of p.
 #[test]
 fn grains_alone_are_sheared_at_constant_volume() {

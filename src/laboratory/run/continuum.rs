@@ -153,10 +153,13 @@ fn grow(
         }
     }
     beside.clock.read(progress);
-    let Some(specimen) = progress.growing.take() else { return Ok(None) };
-    let grown = specimen.grown();
+    if let Some(specimen) = progress.growing.take() {
+        progress.grown = Some(specimen.grown());
+    }
+    let Some(grown) = &progress.grown else { return Ok(None) };
+    let of = [growth.coarse.unwrap_or(growth.fines), growth.fines].map(|fraction| fraction.material);
+    specimen::write_grown(&out.join(files::SPECIMEN), grown, of, &model.physics.materials)?;
     let own = grown.rig(model, rig, growth);
-    progress.grown = Some(grown);
     progress.state = State::start(model, &own)?;
     *engine = progress.used.engine(&mut progress.state, model, &own)?;
     Ok(Some(own))
@@ -180,12 +183,20 @@ impl Clock {
     }
 }
 
-/// Runs from the start to the end of the test.
+/// Runs from the start to the end of the test; with `grown` from this specimen, where else one would grow.
 ///
 /// # Errors
 /// Any error of growth, steps or files; records and checkpoint are kept.
-pub fn run(model: &Model, rig: &MpmTest, mut begun: Begun, out: &Path, quiet: bool, stop_after: Option<u64>) -> Result<Outcome> {
-    if let Some(growth) = &rig.growth {
+pub fn run(
+    model: &Model,
+    rig: &MpmTest,
+    (mut begun, grown): (Begun, Option<Grown>),
+    out: &Path,
+    quiet: bool,
+    stop_after: Option<u64>,
+) -> Result<Outcome> {
+    begun.progress.grown = grown;
+    if let (Some(growth), None) = (&rig.growth, &begun.progress.grown) {
         begun.progress.growing = Some(Box::new(Growing::start(model, rig, growth)?));
     }
     prepared(model, rig, begun, out, quiet, stop_after)

@@ -93,8 +93,14 @@ fn same_specimen(file: &Path, own: &Path, model: &Model) -> Result<bool> {
     if !own.exists() {
         return Ok(true);
     }
-    let (a, b) = (specimen::read(file, &model.physics.materials)?.0, specimen::read(own, &model.physics.materials)?.0);
-    Ok(a.pos == b.pos)
+    let materials = &model.physics.materials;
+    let places = |path: &Path| {
+        Ok::<_, Error>(match model.rig.growth() {
+            Some(growth) => specimen::read_grown(path, growth, materials)?.grains,
+            None => specimen::read(path, materials)?.0.pos,
+        })
+    };
+    Ok(places(file)? == places(own)?)
 }
 
 /// The lock on a run's folder. It ends when it is dropped or when the process ends, in whatever way.

@@ -216,7 +216,12 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
         Rig::Continuum(rig) => Some(continuum::begin(&model, rig, backend)?),
         _ => None,
     };
-    let given = specimen.map(|path| specimen::read(&path, &model.physics.materials)).transpose()?;
+    let materials = &model.physics.materials;
+    let (given, grown) = match (model.rig.growth(), specimen) {
+        (_, None) => (None, None),
+        (Some(growth), Some(path)) => (None, Some(specimen::read_grown(&path, growth, materials)?)),
+        (None, Some(path)) => (Some(specimen::read(&path, materials)?), None),
+    };
     if given.is_none() {
         settle(&mut model, threads)?;
     }
@@ -228,7 +233,7 @@ pub fn run(request: RunRequest) -> Result<Outcome> {
             return grain_crushing::run(&model, rig, &out, quiet);
         }
         if let (Rig::Continuum(rig), Some(begun)) = (&model.rig, begun) {
-            return continuum::run(&model, rig, begun, &out, quiet, stop_after);
+            return continuum::run(&model, rig, (begun, grown), &out, quiet, stop_after);
         }
         let (activity, state) = match (&model.rig, model.rig.specimen(), given) {
             (_, Some(_), Some((grains, walls))) => {

@@ -53,7 +53,7 @@ impl View<'_> {
         point_materials: &[u8],
         specimen: Option<&MpmSpecimen>,
     ) -> Option<Option<Growth>> {
-        let (key, others) = ("growth.fines_diameter_mm", ["growth.friction"]);
+        let (key, others) = ("growth.fines_diameter_mm", ["growth.friction", "specimen.file"]);
         if !self.has(key) {
             for other in others {
                 self.check(!self.has(other), other, format!("has no meaning without {key}"));

@@ -85,6 +85,10 @@ const fn listed(path: &'static str, shape: Shape, default: Default, what: &'stat
     Key { of: Of::Listed, ..both(path, shape, default, what) }
 }
 
+const fn prepared(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
+    Key { of: Of::Prepared, ..both(path, shape, default, what) }
+}
+
 const fn mixture(path: &'static str, shape: Shape, default: Default, what: &'static str) -> Key {
     Key { of: Of::Mixture, ..both(path, shape, default, what) }
 }
@@ -452,7 +456,12 @@ const OWN: &[Key] = &[
         Is("1.0"),
         "scale N of eqs 13-15: sizes, d0 and the comminution limit are multiplied by it, gradations divided",
     ),
-    cylinder("specimen.file", Text, Absent, "a prepared specimen (specimen.csv of a run) to begin with; option --specimen"),
+    prepared(
+        "specimen.file",
+        Text,
+        Absent,
+        "a prepared specimen (specimen.csv of a run; of a mixture one that has grown) to begin with; option --specimen",
+    ),
     cylinder("specimen.grains", Integer { low: 1, high: 100_000_000 }, Absent, "grains at the start; or dry_mass_g"),
     cylinder(
         "specimen.dry_mass_g",

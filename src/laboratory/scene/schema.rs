@@ -33,6 +33,8 @@ pub enum Of {
     Listed,
     /// Free scenes of grains, continua, and both.
     Free,
+    /// Scenes whose specimen can be read from a file.
+    Prepared,
 }
 
 /// The kinds of scenes: the word for each in files, and what a message calls it.
@@ -80,6 +82,7 @@ impl Of {
             (Of::Listed, kind) => matches!(kind, Of::Assembly | Of::Mixture),
             (Of::Free, kind) => matches!(kind, Of::Assembly | Of::Continuum | Of::Mixture),
             (Of::Cylinder, kind) => matches!(kind, Of::Oedometer | Of::Triaxial | Of::Isotropic),
+            (Of::Prepared, kind) => kind == Of::Mixture || Of::Cylinder.fits(kind),
             (Of::Compression, kind) => matches!(kind, Of::Oedometer | Of::Isotropic),
             (own, kind) => own == kind,
         }

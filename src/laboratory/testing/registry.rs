@@ -5,6 +5,7 @@ use super::oedometer::Loading;
 use super::triaxial::Shearing;
 use super::{Instant, SpecimenTest};
 use crate::error::Error;
+use crate::model::continuum::Growth;
 use crate::model::{Model, Rig, Specimen, Subject};
 use crate::record::cylinder::{Due, Moment, Recorder};
 use crate::scene::material::Named;
@@ -136,6 +137,11 @@ macro_rules! specimen_tests {
             /// The cylindrical specimen of grains; `None` for tests that have none.
             pub fn specimen(&self) -> Option<&Specimen> {
                 if let Subject::Specimen(specimen) = self.subject() { Some(specimen) } else { None }
+            }
+
+            /// How the specimen of a mixture grows; `None` for all others.
+            pub fn growth(&self) -> Option<&Growth> {
+                if let Rig::Continuum(rig) = self { rig.growth.as_ref() } else { None }
             }
 
             /// As [`Rig::specimen`], to be changed.
