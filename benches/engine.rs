@@ -24,7 +24,7 @@ fn packing() -> Packing {
 
 /// A state after some steps.
 fn ready(model: &Model, packing: &Packing) -> (State, Workspace) {
-    let (mut state, mut work) = bench::start(model, packing);
+    let (mut state, mut work) = bench::start(model, packing, false);
     for _ in 0..500 {
         let Ok(()) = dem::step(&model.physics, &mut state, &mut work, |_, _| Ok::<(), Infallible>(()));
     }

@@ -270,6 +270,25 @@ fn a_run_stops_at_the_overlap_that_the_scene_states() {
 }
 
 #[test]
+fn the_bench_measures_what_features_cost() {
+    let folder = tempfile::tempdir().expect("folder");
+    let few = ["bench", "features", "--grains", "500", "--steps", "2", "--repeats", "2", "--warm-up", "1", "--json", "--cache"];
+    let cache = folder.path().display().to_string();
+    let output = comminute(&[&few[..], &[cache.as_str()]].concat()).success().get_output().stdout.clone();
+    let json: serde_json::Value = serde_json::from_slice(&output).expect("json");
+    let rows = json["rows"].as_array().expect("rows");
+    let bytes = |name: &str| {
+        let of_it = rows.iter().find(|row| row["feature"].as_str().is_some_and(|f| f.contains(name)));
+        of_it.and_then(|row| row["bytes_per_grain"].as_f64()).unwrap_or_else(|| panic!("no {name} in {json:#}"))
+    };
+    // what a scene does not use takes no memory
+    let plain = bytes("nothing more");
+    assert!(["local damping", "gravity", "fixed_angle"].iter().all(|name| (bytes(name) / plain - 1.0).abs() < 0.01), "{json:#}");
+    assert!(["rolling", "account", "hertz_viscous"].iter().all(|name| bytes(name) > 1.05 * plain), "{json:#}");
+    refused(&["bench", "features", "--grains", "7"], "7 is not in 500..=2000000");
+}
+
+#[test]
 fn the_bench_measures_material_points() {
     let few = ["bench", "mpm", "--points", "64", "--threads", "1,2", "--steps", "2", "--repeats", "1", "--warm-up", "0", "--json"];
     comminute(&few).success().stdout(contains("\"point_steps_per_second\"")).stderr(contains("M point-steps/s"));

@@ -25,7 +25,7 @@ pub struct Args {
     cases: Vec<Case>,
 
     /// Grains of each packing (wide: 100000 at least)
-    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [5000, 50_000], value_parser = clap::value_parser!(u32).range(200..=2_000_000))]
+    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [5000, 50_000], value_parser = clap::value_parser!(u32).range(500..=2_000_000))]
     grains: Vec<u32>,
 
     /// Numbers of threads; one, and all that this machine has, if not given
@@ -76,6 +76,8 @@ enum What {
     Mpm(super::bench_mpm::Args),
     /// Measure a mixture of grains and points
     Mixture(super::bench_mixture::Args),
+    /// Measure what each feature of grains costs
+    Features(super::bench_features::Args),
 }
 
 /// Options of the benches of points and of mixtures.
@@ -156,6 +158,7 @@ pub fn call(args: &Args) -> Result<()> {
     match &args.what {
         Some(What::Mpm(args)) => return super::bench_mpm::call(args),
         Some(What::Mixture(args)) => return super::bench_mixture::call(args),
+        Some(What::Features(args)) => return super::bench_features::call(args),
         None => {}
     }
     let threads: Vec<usize> = some_threads(&args.threads);

@@ -1,6 +1,7 @@
 //! The command line: a file for each verb.
 
 mod bench;
+mod bench_features;
 mod bench_mixture;
 mod bench_mpm;
 mod calibrate;

@@ -6,6 +6,7 @@
 //! `laboratory::run` and, if asked to, by the step of the engine.
 
 mod burst;
+mod features;
 mod machine;
 mod mixture;
 mod mpm;
@@ -15,6 +16,7 @@ mod packing;
 mod speed;
 
 pub use burst::{Burst, burst};
+pub use features::{FeatureCost, feature_costs};
 pub use machine::{Demand, Machine};
 #[cfg(feature = "gpu")]
 pub use mixture::{MixtureGpuSpeed, mixture_gpu_speed};
@@ -87,7 +89,7 @@ impl Case {
     /// Fewest grains that make a specimen; in the wide case some thirty of them are large.
     pub fn least(self) -> usize {
         match self {
-            Case::Uniform => 200,
+            Case::Uniform => 500,
             Case::Wide => 100_000,
         }
     }
@@ -283,15 +285,15 @@ fn rig(case: Case, grains: usize) -> Compression {
 
 /// State from which steps are measured: the packing at rest, walls of the grains' own material
 /// without friction (as the other codes have them), a moving top wall, and grains sorted in memory
-/// by their place.
-pub fn start(model: &Model, packing: &Packing) -> (State, Workspace) {
+/// by their place. `energy`: whether contacts keep account of their work.
+pub fn start(model: &Model, packing: &Packing, energy: bool) -> (State, Workspace) {
     let size = packing.walls;
     let mut around: Vec<Wall> = walls(&rig(packing.case, packing.grains.len()).specimen, size.radius, size.bottom, size.height);
     for wall in &mut around {
         wall.material = Some(0);
     }
     around[TOP].speed = PLATEN_SPEED;
-    let mut state = State::new(&model.physics, packing.grains.clone(), around, false);
+    let mut state = State::new(&model.physics, packing.grains.clone(), around, energy);
     let mut work = Workspace::new(&model.physics, &mut state);
     reorder(&mut state, &mut work);
     (state, work)

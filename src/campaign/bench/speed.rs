@@ -105,7 +105,7 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool> {
 
 fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Result<(Speed, State)> {
     let before = load_average();
-    let (mut state, mut work) = start(model, packing);
+    let (mut state, mut work) = start(model, packing, false);
     let n = state.grains.len() as f64;
     run(model, &mut state, &mut work, plan.warm_up);
     let (mut searches, mut blocks, mut cpu_blocks) = (0, Vec::new(), Vec::new());
@@ -166,7 +166,7 @@ fn timed(model: &Model, packing: &Packing, machine: &Machine, plan: &Plan) -> Re
 }
 
 /// Does `steps` steps; returns the number of searches for neighbours in them.
-fn run(model: &Model, state: &mut State, work: &mut Workspace, steps: u64) -> u64 {
+pub(super) fn run(model: &Model, state: &mut State, work: &mut Workspace, steps: u64) -> u64 {
     let (mut searches, mut last) = (0, work.neighbours.searches);
     for _ in 0..steps {
         let Ok(()) = dem::step(&model.physics, state, work, |_, _| Ok::<(), Infallible>(()));
