@@ -173,7 +173,7 @@ impl Device {
     }
 
     /// As [`Self::read`], each part from a byte of its buffer on (buffer, first byte, number of bytes), and without a copy of its own: gives what `take` makes of
-    /// the bytes, which begin at a multiple of 16 in memory.
+    /// the bytes, which begin at a multiple of eight in memory.
     ///
     /// # Errors
     /// The device is lost.

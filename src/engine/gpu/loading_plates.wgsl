@@ -65,9 +65,10 @@ fn cube_root(x: f32) -> f32 {
     return y - (y * y * y - x) / (3.0 * y * y);
 }
 
-// Half the edge of the cube with the initial volume of a point, cells.
+// Half the edge of the cube with the initial volume of a point, cells. With the bits that a face keeps at the first touch (keep): a run that is resumed computes the forces
+// of that instant anew, with the face, and a product that is fused with the difference to it would leave its rounding error there.
 fn half_edge(i: u32) -> f32 {
-    return 0.5 * cube_root(number(REST, i).w) * params.inverse_cell;
+    return keep(vec4<f32>(0.5 * cube_root(number(REST, i).w) * params.inverse_cell)).x;
 }
 
 // Sums of three numbers, the maximum of the fourth.
@@ -146,7 +147,8 @@ fn touch_of_shell(plate: LoadingPlate, i: u32, arm: vec3<f32>, arm_low: vec3<f32
     if !any(pressed) {
         return Touch(of_point, of_point, vec3<f32>(normal, 0.0), vec3<f32>(normal, 0.0), false);
     }
-    let by = select(vec2<f32>(0.0), (arm.xy + normal * half_edge(i)) + arm_low.xy, pressed) * f32(1u << plate.split);
+    let back = keep(vec4<f32>(normal * half_edge(i), 0.0, 0.0)).xy;
+    let by = select(vec2<f32>(0.0), (arm.xy + back) + arm_low.xy, pressed) * f32(1u << plate.split);
     let there = at + by;
     let ghost = -there / max(length(there), 1e-37);
     return Touch(overlap_with_shell(x, y, inner, by) * quantum, of_point, vec3<f32>(ghost, 0.0), vec3<f32>(normal, 0.0), true);
