@@ -56,17 +56,24 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u16))]
     breakages: u16,
 
+    #[command(flatten)]
+    packings: Packings,
+}
+
+/// Options of the benches of grains: where packings are, and what is told.
+#[derive(Debug, clap::Args)]
+pub(super) struct Packings {
     /// Folder of the packings
     #[arg(long, value_name = "DIR", default_value = "runs/bench")]
-    cache: PathBuf,
+    pub cache: PathBuf,
 
     /// No progress and no table
     #[arg(long)]
-    quiet: bool,
+    pub quiet: bool,
 
     /// Print as JSON to standard output
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 /// Benches other than that of grains.
@@ -169,17 +176,17 @@ pub fn call(args: &Args) -> Result<()> {
             return Err(Error::input("bench", "--grains", Some(few.to_string()), message));
         }
     }
-    let mut told = Told::new(args.quiet);
+    let mut told = Told::new(args.packings.quiet);
     let machines: Vec<Machine> = threads.iter().map(|&n| Ok(bench::pool(n)?.install(Machine::measure))).collect::<Result<_>>()?;
     let mut packings = Vec::new();
     for &case in &args.cases {
         for &grains in &args.grains {
-            let packing = bench::packing(case, grains as usize, &args.cache, |text| told.now_and_then(text))?;
+            let packing = bench::packing(case, grains as usize, &args.packings.cache, |text| told.now_and_then(text))?;
             packings.push(packing);
             told.clear();
         }
     }
-    if !args.quiet {
+    if !args.packings.quiet {
         head(&machines, &packings);
     }
     let mut rows: Vec<Row> = Vec::new();
@@ -187,17 +194,17 @@ pub fn call(args: &Args) -> Result<()> {
         for &law in &args.law {
             for machine in &machines {
                 let row = measured(args, packing, law, machine, &plan)?;
-                if !args.quiet {
+                if !args.packings.quiet {
                     line(&row);
                 }
                 rows.push(row);
             }
         }
     }
-    if !args.quiet {
+    if !args.packings.quiet {
         foot(&rows);
     }
-    if args.json {
+    if args.packings.json {
         super::print(&format!("{:#}", as_json(args, &machines, &packings, &rows)))?;
     }
     same_bits(&rows)

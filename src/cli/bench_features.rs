@@ -1,10 +1,9 @@
 //! `comminute bench features`: what each feature of grains costs on this machine.
 
-use super::bench::processor;
+use super::bench::{Packings, processor};
 use comminute::bench::{self, Case, FeatureCost};
 use comminute::error::Result;
 use serde_json::{Value, json};
-use std::path::PathBuf;
 
 /// Measure what each feature of grains costs
 #[derive(Debug, clap::Args)]
@@ -30,31 +29,22 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 200)]
     warm_up: u64,
 
-    /// Folder of the packings
-    #[arg(long, value_name = "DIR", default_value = "runs/bench")]
-    cache: PathBuf,
-
-    /// No table
-    #[arg(long)]
-    quiet: bool,
-
-    /// Print as JSON to standard output
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    packings: Packings,
 }
 
 pub fn call(args: &Args) -> Result<()> {
-    let packing = bench::packing(Case::Uniform, args.grains as usize, &args.cache, |_| {})?;
-    if !args.quiet {
+    let packing = bench::packing(Case::Uniform, args.grains as usize, &args.packings.cache, |_| {})?;
+    if !args.packings.quiet {
         eprintln!("{}; load {}", processor(), bench::load_average().map_or("unknown".into(), |l| format!("{l:.2}")));
         eprintln!("{:<48} {:>8} {:>17} {:>8} {:>9}", "with", "time", "quartiles", "B/grain", "touching");
     }
     let costs = bench::feature_costs(&packing, bench::SKIN, [args.warm_up, args.steps], args.repeats.into(), |cost| {
-        if !args.quiet {
+        if !args.packings.quiet {
             line(cost);
         }
     })?;
-    if args.json {
+    if args.packings.json {
         let simd = comminute::math::real::name(comminute::math::real::arch());
         let rows: Vec<Value> = costs.iter().map(as_json).collect();
         super::print(&format!("{:#}", json!({ "processor": processor(), "simd": simd, "grains": args.grains, "rows": rows })))?;

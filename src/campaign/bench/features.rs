@@ -1,7 +1,7 @@
 //! What the features of grains cost: time and memory of a step with a feature over those of the same step without it.
 
 use super::speed::run;
-use super::{Case, Packing, STRESS, breakable, model, pool, start};
+use super::{Packing, STRESS, breakable, model, pool, start};
 use engine::breakage::Criterion;
 use engine::contact::{ContactLaw, TangentialUnloading};
 use engine::dem::{State, Workspace, observables};
@@ -59,7 +59,7 @@ pub fn feature_costs(
     let plain = model(packing.case, packing.grains.len(), ContactLaw::Hertz, skin);
     let mut all = Vec::new();
     pool(1)?.install(|| {
-        for feature in features(packing.case, &plain)? {
+        for feature in features(packing, &plain)? {
             let cost = cost(&plain, &feature, packing, [warm_up, steps], repeats)?;
             each(&cost);
             all.push(cost);
@@ -111,14 +111,12 @@ fn begun(model: &Model, packing: &Packing, energy: bool) -> (State, Workspace) {
 }
 
 /// The features, in the order of the table.
-fn features(case: Case, plain: &Model) -> Result<Vec<Feature>> {
+fn features(packing: &Packing, plain: &Model) -> Result<Vec<Feature>> {
     let with = |name: &str, change: &dyn Fn(&mut Model)| {
         let mut model = plain.clone();
         change(&mut model);
         Feature { name: name.into(), model, energy: false }
     };
-    let Model { rig, .. } = plain;
-    let grains = rig.specimen().map_or(0, |s| s.grains);
     let mut all = vec![
         with("nothing more (how far two equal runs are apart)", &|_| {}),
         with("grains that do not turn", &|m| m.physics.contact.turning = false),
@@ -139,7 +137,7 @@ fn features(case: Case, plain: &Model) -> Result<Vec<Feature>> {
     for law in [ContactLaw::HertzViscous, ContactLaw::Linear] {
         all.push(Feature {
             name: format!("contact law {}", law.word()),
-            model: model(case, grains, law, plain.physics.stepping.skin),
+            model: model(packing.case, packing.grains.len(), law, plain.physics.stepping.skin),
             energy: false,
         });
     }
