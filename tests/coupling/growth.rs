@@ -67,8 +67,8 @@ fn a_grown_specimen_is_in_balance_with_points_or_grains() {
     same_files(&out("points"), &out("parts"));
 }
 
-/// A run keeps its grown specimen, and another one that begins with it makes the same test to the byte, on whatever materials between points and grains; it is
-/// continued with the same specimen only. A specimen of other grains, or of another kind of scene, is refused before anything is written.
+/// A run keeps its grown specimen, and another one that begins with it makes the same test to the byte; friction between points and grains may be another one, and
+/// such a run is continued. A specimen of other grains, under another stress, or of another kind of scene is refused before anything is written.
 #[test]
 fn a_run_begins_with_the_specimen_of_another() {
     let folder = tempfile::tempdir().expect("folder");
@@ -85,7 +85,7 @@ fn a_run_begins_with_the_specimen_of_another() {
     let smooth = [&SMALL[..], &["materials.fines.continuum.interface_friction=0.05"]].concat();
     run("mixture/twin_points", &out("smooth"), &smooth, &[&given[..], &["--stop-after", "40"]].concat()).assert().code(130);
     run("mixture/twin_points", &out("smooth"), &smooth, &[&given[..], &["--continue"]].concat()).assert().success();
-    // fewer coarse grains, larger fines, an edited file, the specimen of a mixture in an oedometer of grains, and a scene that places its grains
+    // more coarse grains, larger fines, a higher stress, an edited file, the specimen of a mixture in an oedometer of grains, and a scene that places its grains
     let refused = |scene: &str, sets: &[&str], file: &Path, says: &str| {
         let given = ["--specimen", file.to_str().expect("a path")];
         run(scene, &out("refused"), sets, &given).assert().code(2).stderr(contains(says));
@@ -99,6 +99,7 @@ fn a_run_begins_with_the_specimen_of_another() {
         &file,
         "the fine grains of the scene have radii of",
     );
+    refused("mixture/twin_points", &with("test.cell_pressure_kPa=100"), &file, "the specimen of the scene bears 100");
     let edited = out("edited.csv");
     std::fs::write(&edited, std::fs::read_to_string(&file).expect("file").replacen("# coarse_grains = ", "# coarse_grains = 1", 1))
         .expect("written");

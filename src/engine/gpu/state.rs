@@ -91,10 +91,7 @@ pub fn to_points(settings: &Settings, planes: &[[u32; 4]], from: &[u32], points:
     let has_faces = planes.len() > PLANES * n;
     points.faces.resize(if has_faces { n } else { points.faces.len() }, Face::default());
     let Points { position, velocity, stress, memory, faces, initial_volume, .. } = points;
-    if has_faces {
-        (faces.par_iter_mut(), from).into_par_iter().for_each(|(face, i)| *face = WordsOfPoint::of(planes, n, *i).face(settings));
-    }
-    (position.par_iter_mut(), velocity, stress, memory, initial_volume, from)
+    let works = (position.par_iter_mut(), velocity, stress, memory, initial_volume, from)
         .into_par_iter()
         .map(|(position, velocity, stress, memory, initial_volume, i)| {
             let words = WordsOfPoint::of(planes, n, *i);
@@ -108,7 +105,13 @@ pub fn to_points(settings: &Settings, planes: &[[u32; 4]], from: &[u32], points:
             *memory = InternalVariables { plastic: words.both(5, 7, 3), gap: words.sum(9) };
             words.sum(8)
         })
-        .collect()
+        .collect();
+    if has_faces {
+        (faces.par_iter_mut(), position, from)
+            .into_par_iter()
+            .for_each(|(face, position, i)| *face = WordsOfPoint::of(planes, n, *i).face(settings, position));
+    }
+    works
 }
 
 /// The words of one point of the planes of all.
@@ -148,8 +151,8 @@ impl WordsOfPoint<'_> {
         [0, 1, 2].map(|a| settings.lower[a] + settings.cell * placed(cells[a] as i32 - 1, units[a] as i32, f32::from_bits(rest[a])))
     }
 
-    fn face(self, settings: &Settings) -> Face {
-        let at = self.position(settings);
+    /// Places of the pressed faces, from the point and in space; `at`: the point's position.
+    fn face(self, settings: &Settings, at: &[f64; 4]) -> Face {
         let beside = [0, 1, 2].map(|a| settings.cell * self.both(PLANES, PLANES + 1, a));
         [beside, [0, 1, 2].map(|a| at[a] + beside[a])]
     }

@@ -23,25 +23,27 @@ pub fn write(path: &Path, grains: &Grains, materials: &[Material], walls: Option
     save(path, grains, materials, &walls.map_or(String::new(), notes), false)
 }
 
-/// Writes a grown specimen of a mixture: its grains, the coarse ones first, and the box around them. `of`: materials of the coarse grains and of the fines, by their
-/// indices in `materials`.
+/// Writes a specimen of a mixture that has grown as `growth` says: its grains, the coarse ones first, the box around them, and the stress that it bears.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_grown(path: &Path, grown: &Grown, of: [u8; 2], materials: &[Material]) -> Result<()> {
+pub fn write_grown(path: &Path, grown: &Grown, growth: &Growth, materials: &[Material]) -> Result<()> {
+    let of = [growth.coarse.unwrap_or(growth.fines), growth.fines].map(|fraction| fraction.material);
     let mut grains = Grains::default();
     for (k, [x, y, z, r]) in grown.grains.iter().enumerate() {
         grains.add([*x, *y, *z], *r, of[usize::from(k >= grown.coarse)], materials);
     }
     let [[x, y, z], [a, b, c]] = [grown.lower, grown.size];
-    let notes = format!("{LOWER}{x:?}, {y:?}, {z:?}\n{SIZE}{a:?}, {b:?}, {c:?}\n{COARSE}{}\n", grown.coarse);
+    let notes =
+        format!("{LOWER}{x:?}, {y:?}, {z:?}\n{SIZE}{a:?}, {b:?}, {c:?}\n{COARSE}{}\n{STRESS}{:?}\n", grown.coarse, growth.stress);
     save(path, &grains, materials, &notes, false)
 }
 
-/// Beginnings of the lines that say which box is around a grown specimen, and how many of its grains are coarse.
+/// Beginnings of the lines that say which box is around a grown specimen, how many of its grains are coarse, and which stress it bears.
 const LOWER: &str = "# lower_m = ";
 const SIZE: &str = "# size_m = ";
 const COARSE: &str = "# coarse_grains = ";
+const STRESS: &str = "# stress_Pa = ";
 
 /// The lines that say which cylinder is around a specimen.
 fn notes(w: CylinderSpace) -> String {
@@ -135,11 +137,16 @@ pub fn read(path: &Path, materials: &[Material]) -> Result<(Grains, CylinderSpac
 /// Reads a grown specimen of a mixture ([`write_grown`]) for a scene whose specimen grows as `growth` says: from the same bits as the run that grew it.
 ///
 /// # Errors
-/// Those of [`read`]; grains of other materials, sizes or shares than the scene's.
+/// Those of [`read`]; another stress, or grains of other materials, sizes or shares than the scene's.
 pub fn read_grown(path: &Path, growth: &Growth, materials: &[Material]) -> Result<Grown> {
     let file = Sheet { path, text: read_text_up_to(path, LONGEST)? };
     let needed = "the specimen of a mixture that has grown begins with `# lower_m = …`";
     let (lower, size, [coarse]) = (file.note(LOWER, needed)?, file.note(SIZE, needed)?, file.note(COARSE, needed)?);
+    let [stress] = file.note(STRESS, needed)?;
+    if (stress / growth.stress - 1.0).abs() > 1e-9 {
+        let message = format!("the specimen of the scene bears {:.6} kPa before its test", 1e-3 * growth.stress);
+        return Err(file.wrong("stress_Pa", Some(stress.to_string()), &message));
+    }
     let grains = file.grains(materials)?;
     let grown = Grown { lower, size, grains: grains.pos.clone(), coarse: coarse as usize, steps: 0 };
     grown.check().map_err(|what| file.wrong("", None, &what))?;

@@ -157,8 +157,7 @@ fn grow(
         progress.grown = Some(specimen.grown());
     }
     let Some(grown) = &progress.grown else { return Ok(None) };
-    let of = [growth.coarse.unwrap_or(growth.fines), growth.fines].map(|fraction| fraction.material);
-    specimen::write_grown(&out.join(files::SPECIMEN), grown, of, &model.physics.materials)?;
+    specimen::write_grown(&out.join(files::SPECIMEN), grown, growth, &model.physics.materials)?;
     let own = grown.rig(model, rig, growth);
     progress.state = State::start(model, &own)?;
     *engine = progress.used.engine(&mut progress.state, model, &own)?;
