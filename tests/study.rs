@@ -66,11 +66,11 @@ fn a_study_tells_what_a_choice_costs() {
     assert!(String::from_utf8_lossy(&again.stderr).contains("8 of 8 runs done, 8 of them before"));
 }
 
-/// A factorial has effects and interactions, in a table and a figure.
+/// A factorial has effects and interactions, in a table and a figure. The scene that lends the specimens is that of the reference here, and nothing to choose.
 #[test]
 fn a_factorial_has_effects() {
     let dir = folder(
-        "title = \"Four\"\nscene = \"crushes.toml\"\nset = [\"loading.max_stress_kPa=20\", \"loading.programme=eq18\"]\nseeds = \"1,2\"\ndesign = \"full\"\nmeasures = [\"k0\"]\n\
+        "title = \"Four\"\nscene = \"crushes.toml\"\nset = [\"loading.max_stress_kPa=20\", \"loading.programme=eq18\", \"loading.rate=0.1\"]\nseeds = \"1,2\"\ndesign = \"full\"\nsame_specimens = true\nmeasures = [\"k0\"]\n\
          [[factor]]\nname = \"rate\"\nkey = \"loading.rate\"\nvalues = [0.1, 0.2]\n\
          [[factor]]\nname = \"damping\"\nkey = \"damping.local\"\nvalues = [0.05, 0.5]\n",
     );
@@ -79,11 +79,13 @@ fn a_factorial_has_effects() {
     let names: Vec<&str> = effects.iter().map(|r| r[0].as_str()).collect();
     assert_eq!(names, ["rate: 0.1 → 0.2", "damping: 0.05 → 0.5", "rate: 0.1 → 0.2 × damping: 0.05 → 0.5"]);
     assert!(dir.path().join("report/effects_k0.svg").is_file());
+    let page = fs::read_to_string(dir.path().join("report/README.md")).expect("page");
+    assert!(page.contains("| the scene (that of the reference) | 2 |") && !page.contains("hoose the scene"), "{page}");
     // the effect of a factor is the mean of its two differences, and the interaction their difference
     let table = rows(&dir.path().join("report/study.csv"));
     let k = |row: usize| table[row][3].parse::<f64>().expect("number");
     let effect = |row: usize| effects[row][3].parse::<f64>().expect("number");
-    let [a, b, c, d] = [0, 1, 2, 3].map(k);
+    let [a, b, c, d] = [0, 2, 3, 4].map(k);
     assert!(effect(0) != 0.0 && effect(1) != 0.0);
     assert!((effect(0) - 0.5 * (c + d - a - b)).abs() < 1e-8 && (effect(2) - (d - c - b + a)).abs() < 1e-8);
 }

@@ -84,3 +84,13 @@ pub fn array(file: &[u8], name: &str) -> Vec<[u8; 8]> {
     let count = u64::from_le_bytes(file[start..start + 8].try_into().expect("8 bytes")) as usize;
     file[start + 8..start + 8 + count].as_chunks::<8>().0.to_vec()
 }
+
+/// In a specimen between walls at the sides all solids stay, also what breakages lose: 1 + e goes with the height, 1 - axial strain. (A platen lies at the
+/// faces of points, less their overlap, which is 10⁻⁴ of the height here and nothing in the first row.)
+pub fn keeps_its_solids(out: &Path) {
+    let rows = columns(out, ["void_ratio", "axial_strain"]);
+    let size = |r: &[f64; 2]| (1.0 + r[0]) / (1.0 - r[1]);
+    for row in &rows {
+        assert!((size(row) / size(&rows[0]) - 1.0).abs() < 3e-4, "{row:?} after {:?}", rows[0]);
+    }
+}

@@ -1,7 +1,7 @@
 //! Fines from crushing that become points.
 
 use crate::common::model;
-use crate::common::typed::{columns, comminute, numbers, run, same_files, summary};
+use crate::common::typed::{columns, comminute, keeps_its_solids, numbers, run, same_files, summary};
 use comminute::model::{Model, Rig};
 use comminute::rig::continuum::{Coupled, Engine, State};
 
@@ -171,6 +171,7 @@ fn fines_enter_an_oedometer_and_resume_to_the_byte() {
     let (first, last) = (rows[0], rows[rows.len() - 1]);
     assert!(rows.iter().all(|r| (r[4] / first[4] - 1.0).abs() < 1e-12), "{rows:?}");
     assert!(last[0] == 1.0 && last[1] > 10.0 && last[2] > 0.0 && last[3] > 0.0, "{last:?}");
+    keeps_its_solids(&whole);
     let s = summary(&whole);
     // just before the breakage and just after it; what a run had written since its checkpoint when it was killed goes
     let at = numbers(&whole.join("breakage.csv"), ["step"])[0][0] as u64;

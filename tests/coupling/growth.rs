@@ -45,7 +45,7 @@ fn a_grown_specimen_is_in_balance_with_points_or_grains() {
         assert!((last[1] / 50.0 - 1.0).abs() < 0.02 && last[0] > 51.0, "{name}: {last:?}");
         rows[0]
     });
-    let [a, b] = ["points", "grains"].map(|name| first(&out(name), "void_ratio_overall"));
+    let [a, b] = ["points", "grains"].map(|name| first(&out(name), "void_ratio"));
     assert!((a / b - 1.0).abs() < 1e-9, "as they have grown: {a} {b}");
     let fines = rows_of(&out("points").join("points_start.csv"));
     assert!(fines > 1000 && points[2] + fines as f64 == grains[2], "{fines}, {points:?}, {grains:?}");

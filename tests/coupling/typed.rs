@@ -1,6 +1,6 @@
 //! Mixtures as a user types them.
 
-use crate::common::typed::{array, columns, comminute, final_grains, number, numbers, run, same_files, summary};
+use crate::common::typed::{array, columns, comminute, final_grains, keeps_its_solids, number, numbers, run, same_files, summary};
 use predicates::prelude::{PredicateBooleanExt, predicate::str::contains};
 use std::path::Path;
 
@@ -94,6 +94,7 @@ fn a_grain_breaks_inside_a_continuum() {
     run("mixture/oedometer_crushing", &out, &sets, &[]).assert().success();
     let rows =
         columns(&out, ["crush_events", "grains", "coarse_mass_kg", "sigma_v_kPa", "q_skeleton_kPa", "q_kPa", "axial_strain"]);
+    keeps_its_solids(&out);
     let (first, last) = (rows[0], rows[rows.len() - 1]);
     let [events, grains, mass, ..] = last;
     assert_eq!((events, grains), (1.0, 16.0), "{last:?}");

@@ -4,9 +4,11 @@ use super::compare::{Difference, Sample, Verdict};
 use super::effects::{self, Effect};
 use super::measure::{Measure, RunData};
 use super::plan::{Design, Plan, Setting};
+use crate::Job;
 use crate::reproduce::cell;
 use laboratory::error::{Error, Result};
 use laboratory::run::Found;
+use laboratory::scene::resolved;
 use plot::{Drawn, Graph, Look, Quantity, Tone, significant};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -30,6 +32,8 @@ struct Judged {
 struct Row {
     setting: Setting,
     done: usize,
+    /// Whether it is the scene of the reference, as that of which a study takes its specimens may be: nothing to choose.
+    is_reference: bool,
     /// Mean time of a run ([`RunData::seconds`]).
     seconds: Option<f64>,
 }
@@ -40,9 +44,14 @@ struct Row {
 /// No run of the reference is done; a measure without tolerance where seeds give none; files that cannot be read or written.
 pub fn write(plan: &Plan, out: &Path, dir: &Path) -> Result<Vec<PathBuf>> {
     let (mut rows, mut runs) = (Vec::new(), Vec::new());
+    let mut reference: Option<Vec<String>> = None;
     for setting in plan.settings() {
         let mut seeds = Vec::new();
-        for job in plan.jobs(&setting, out)? {
+        let jobs = plan.jobs(&setting, out)?;
+        let own = jobs.first().map(scene_without_specimen).transpose()?;
+        let is_reference = own.is_some() && reference == own;
+        reference = reference.or(own);
+        for job in jobs {
             // the run that was to lend its specimen may have failed
             let lacks = job.specimen.as_ref().is_some_and(|file| !file.is_file());
             seeds.push(match if lacks { Found::Nothing } else { job.found()? } {
@@ -52,7 +61,7 @@ pub fn write(plan: &Plan, out: &Path, dir: &Path) -> Result<Vec<PathBuf>> {
         }
         let times: Vec<f64> = seeds.iter().flatten().filter_map(RunData::seconds).collect();
         let seconds = (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64);
-        rows.push(Row { setting, done: seeds.iter().flatten().count(), seconds });
+        rows.push(Row { setting, done: seeds.iter().flatten().count(), is_reference, seconds });
         runs.push(seeds);
     }
     if rows[0].done == 0 {
@@ -91,6 +100,12 @@ pub fn write(plan: &Plan, out: &Path, dir: &Path) -> Result<Vec<PathBuf>> {
     std::fs::write(&files[0], page(plan, &rows, &judged, &drawn)).map_err(Error::write(&files[0]))?;
     files.extend(drawn);
     Ok(files)
+}
+
+/// Every key of the scene of a job with everything that it changes, but for the specimen that it begins with and where values are from.
+fn scene_without_specimen(job: &Job) -> Result<Vec<String>> {
+    let (scene, _) = Job { specimen: None, ..job.clone() }.load()?;
+    Ok(resolved(&scene).lines().filter(|line| !line.starts_with("source")).map(str::to_string).collect())
 }
 
 /// Compares all settings by all measures that the reference has.
@@ -161,7 +176,10 @@ fn strongest(effects: &[Effect]) -> Vec<&Effect> {
 /// Error against time of one measure.
 fn graph(plan: &Plan, rows: &[Row], of: &Judged) -> Option<Graph> {
     let reference = rows[0].seconds?;
-    let point = |k: usize| Some((rows[k].seconds? / reference, of.differences[k]?.mean.abs().max(LEAST * of.tolerance)));
+    let point = |k: usize| {
+        let difference = of.differences[k].filter(|_| !rows[k].is_reference)?;
+        Some((rows[k].seconds? / reference, difference.mean.abs().max(LEAST * of.tolerance)))
+    };
     let all: Vec<(f64, f64)> = (1..rows.len()).filter_map(point).collect();
     let (low, high) = all.iter().fold((1.0_f64, 1.0_f64), |(low, high), (x, _)| (low.min(*x), high.max(*x)));
     if all.is_empty() {
@@ -227,6 +245,9 @@ fn page(plan: &Plan, rows: &[Row], judged: &[Judged], drawn: &[PathBuf]) -> Stri
         let _ = writeln!(text, "{}\n", plan.question.trim());
     }
     let seeds = rows[0].done;
+    if rows.iter().any(|row| row.done < seeds) {
+        text += "Some runs failed or are not done: settings with fewer runs than the reference are compared by the seeds that they have, effects by the seeds that all settings have.\n\n";
+    }
     let _ = writeln!(
         text,
         "Reference: {} ({seeds} runs). Differences from it are taken seed by seed; ± is half the interval of 95 % of their mean. *Within* the tolerance is a setting whose whole interval is, *outside* one whose \
@@ -243,13 +264,14 @@ fn page(plan: &Plan, rows: &[Row], judged: &[Judged], drawn: &[PathBuf]) -> Stri
         let time = row.seconds.map_or("–".into(), |s| significant(s, 3));
         let ratio = row.seconds.zip(rows[0].seconds).map_or("–".into(), |(s, r)| significant(s / r, 2));
         let cells = judged.iter().map(|of| match of.differences[k] {
-            _ if k == 0 => String::new(),
+            _ if k == 0 || row.is_reference => String::new(),
             Some(d) => format!("{} *{}*", shown(d), d.verdict(of.tolerance).word()),
             None => "–".into(),
         });
+        let same = if row.is_reference { " (that of the reference)" } else { "" };
         let _ = writeln!(
             text,
-            "| {} | {} | {time} | {ratio} | {} |",
+            "| {}{same} | {} | {time} | {ratio} | {} |",
             cell(&row.setting.name),
             row.done,
             cells.collect::<Vec<_>>().join(" | ")
@@ -289,7 +311,7 @@ fn plain(label: &str) -> String {
 fn recommendation(rows: &[Row], judged: &[Judged]) -> String {
     let verdicts = |k: usize| judged.iter().map(move |of| of.differences[k].map(|d| d.verdict(of.tolerance)));
     let fastest = |fits: &dyn Fn(usize) -> bool| {
-        let timed = (1..rows.len()).filter(|k| fits(*k)).filter_map(|k| Some((k, rows[k].seconds?)));
+        let timed = (1..rows.len()).filter(|k| !rows[*k].is_reference && fits(*k)).filter_map(|k| Some((k, rows[k].seconds?)));
         timed.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
     };
     let time = |k: usize| {
@@ -309,7 +331,9 @@ fn recommendation(rows: &[Row], judged: &[Judged]) -> String {
             rows[k].setting.name,
             time(k)
         ),
-        (None, None) if rows[1..].iter().all(|row| row.done == 0) => "No run of another setting is done.".into(),
+        (None, None) if rows[1..].iter().all(|row| row.done == 0 || row.is_reference) => {
+            "No run of another setting is done.".into()
+        }
         (None, None) => "Every setting that is done is outside of a tolerance: stay with the reference.".into(),
     }
 }

@@ -339,7 +339,7 @@ fn coarse(g: &GrainMeasures) -> Row {
     let mut row: Row = vec![
         ("grains", (g.count as u64).into()),
         ("crush_events", g.crush_events.into()),
-        ("void_ratio_overall", g.void_ratio.into()),
+        ("void_ratio_points", g.void_ratio_points.into()),
         ("coarse_mass_kg", g.mass.into()),
         ("coarse_kinetic_J", g.kinetic.into()),
         ("coordination_number", (2.0 * g.touching.grains as f64 / g.count.max(1) as f64).into()),

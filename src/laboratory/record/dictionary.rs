@@ -208,7 +208,11 @@ const CONTINUUM_HISTORY: &[Column] = &[
     column("q_kPa", "kPa", "test: deviatoric stress"),
     column("p_kPa", "kPa", "test: mean stress"),
     column("platen_difference", "-", "test: largest difference of two opposite sides over their mean; small is quasi-static"),
-    column("void_ratio", "-", "pores over solids by the volumes of the points, gaps left out"),
+    column(
+        "void_ratio",
+        "-",
+        "pores over solids: of a mixture all of it, grains, points and what breakages have lost besides; else by the volumes of the points, gaps left out",
+    ),
     column("porosity", "-", "void_ratio / (1 + void_ratio)"),
     column(
         "plastic_strain_mean",
@@ -236,7 +240,7 @@ const CONTINUUM_HISTORY: &[Column] = &[
     column("momentum_z_kg_m_s", "kg m/s", "momentum along z"),
     column("grains", "-", "mixture: grains now"),
     column("crush_events", "-", "mixture: breakages so far"),
-    column("void_ratio_overall", "-", "mixture: pores over all solids, grains and points"),
+    column("void_ratio_points", "-", "mixture: pores over solids by the volumes of the points, gaps left out"),
     column("coarse_mass_kg", "kg", "mixture: mass of the grains"),
     column("coarse_kinetic_J", "J", "mixture: kinetic energy of the grains"),
     column("coordination_number", "-", "mixture: twice the contacts between grains over the grains"),

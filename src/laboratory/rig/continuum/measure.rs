@@ -68,7 +68,7 @@ pub struct Moment {
     pub totals: Totals,
     /// Mean stress of the points along z, weighted by volume (in plane strain the stress out of the plane).
     pub along_z: f64,
-    /// Volume of pores over volume of solids, by the volumes of the points, -.
+    /// Volume of pores over volume of solids, -: of a mixture all of it ([`GrainMeasures::void_ratio`]), else by the volumes of the points.
     pub void_ratio: f64,
     /// Mean and largest accumulated plastic strain of the points.
     pub plastic: [f64; 2],
@@ -104,9 +104,11 @@ pub struct GrainMeasures {
     pub volume: f64,
     /// Mass of the grains, kg.
     pub mass: f64,
-    /// Void ratio with all solids, grains and points, -: of the space between the loading plates, in a free scene of the volume
-    /// of points and grains.
+    /// Void ratio with all solids, grains, points and what breakages have lost besides, -: of the space between the loading plates, in a
+    /// free scene of the volume of points and grains.
     pub void_ratio: f64,
+    /// Volume of pores over volume of solids by the volumes of the points, -; not a number without points.
+    pub void_ratio_points: f64,
     /// Breakages so far.
     pub crush_events: u64,
     /// Steps of grains and of the continuum in one cycle.
@@ -235,9 +237,13 @@ impl State {
         let on_grains: f64 = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work).sum();
         let plate_work = self.plates.iter().map(|plate| plate.work).sum::<f64>() + on_grains;
         let (fallen, stored) = (potential - now[1], now[2] - stored);
+        let by_points = if points.is_empty() { f64::NAN } else { totals.volume / solid - 1.0 };
         let grains = self.mixture.as_ref().map(|m| {
             let g = &m.grains.grains;
             let (mass, volume) = g.mass_and_volume();
+            // lost in breakages, and not in points since
+            let lost = m.grains.lost.iter().map(|l| l.0).sum::<f64>() - m.fines.as_ref().map_or(0.0, |f| f.entered.mass);
+            let lost_volume = if mass > 0.0 { lost * volume / mass } else { 0.0 };
             let box_volume = match rig.specimen() {
                 Some(s) => s.fullness() * self.extents_now(rig).iter().product::<f64>(),
                 None => totals.volume + volume,
@@ -250,7 +256,8 @@ impl State {
                 count: g.len(),
                 volume,
                 mass,
-                void_ratio: box_volume / (solid + volume) - 1.0,
+                void_ratio: box_volume / (solid + volume + lost_volume) - 1.0,
+                void_ratio_points: by_points,
                 crush_events: m.grains.crush_events,
                 rates: [m.cycle.rates.grains, m.cycle.rates.continuum],
                 fines: m.fines.as_ref().map(|f| FromCrushing {
@@ -265,10 +272,9 @@ impl State {
         let released = grains.and_then(|g| g.fines).map_or(0.0, |f| f.released);
         let given = plate_work + fallen + kinetic + released;
         let volume = totals.volume.max(f64::MIN_POSITIVE);
-        let overall = grains.map_or(0.0, |g| g.void_ratio);
         Moment {
             grains,
-            void_ratio: if points.is_empty() { overall } else { totals.volume / solid - 1.0 },
+            void_ratio: grains.map_or(by_points, |g| g.void_ratio),
             plastic: [plastic / volume, most],
             along_z: along_z / volume,
             stress_work: c.stress_work(),
