@@ -179,7 +179,7 @@ impl Recorder {
         let porosity = 1.0 - (sums.volume + lost_volume) / size.volume();
         let grains = 1.0 - sums.volume / size.volume();
         // n* = 1 − (1 − n)(1 − n_int), eq. (20)
-        let star = |n: f64| 1.0 - (1.0 - n) * (1.0 - internal);
+        let star = 1.0 - (1.0 - porosity) * (1.0 - internal);
         let void_ratio = |n: f64| n / (1.0 - n);
         let rate = state.walls[TOP].speed.abs() / size.height;
         let inertial = rate * inertial_time(state, v.max(f64::MIN_POSITIVE));
@@ -193,10 +193,10 @@ impl Recorder {
             .map_err(|e| Error::Failed { step: state.step, what: e.to_string() })?;
         let mm = |x: f64| x * 1e3;
         let axial_strain = 1.0 - size.height / moment.start_height;
-        if self.without_voids.is_none() && star(porosity) < 0.0 {
+        if self.without_voids.is_none() && star < 0.0 {
             // the stress of the record before
             let last_with_voids = self.row_stress;
-            self.without_voids = Some(WithoutVoids { last_with_voids, sigma_v: v, axial_strain, porosity_star: star(porosity) });
+            self.without_voids = Some(WithoutVoids { last_with_voids, sigma_v: v, axial_strain, porosity_star: star });
         }
         let [hardin_br, einav_br, einav_beyond] = gradations::breakage(indices.as_ref());
 
@@ -214,7 +214,7 @@ impl Recorder {
             porosity,
             void_ratio: void_ratio(porosity),
             void_ratio_grains: void_ratio(grains),
-            void_ratio_star: void_ratio(star(porosity)),
+            void_ratio_star: void_ratio(star),
             axial_strain,
             hardin_br,
             einav_br,
@@ -241,8 +241,8 @@ impl Recorder {
             ("void_ratio", void_ratio(porosity).into()),
             ("porosity_grains", grains.into()),
             ("void_ratio_grains", void_ratio(grains).into()),
-            ("porosity_star", star(porosity).into()),
-            ("void_ratio_star", void_ratio(star(porosity)).into()),
+            ("porosity_star", star.into()),
+            ("void_ratio_star", void_ratio(star).into()),
             ("platen_difference", s.platen_difference().into()),
             ("coordination_number", sums.coordination(n).into()),
             ("coordination_number_no_rattlers", sums.mechanical_coordination(n).into()),

@@ -568,7 +568,10 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
     if let Some(error) = r.account_error {
         put("account_error", json!(error));
     }
-    put("predicted_seconds", json!(crate::scene::estimate::predicted_seconds(model, false)));
+    // the prediction is that of the processor
+    if progress.used.adapter.is_none() {
+        put("predicted_seconds", json!(crate::scene::estimate::predicted_seconds(model, false)));
+    }
     put("wall_seconds", json!(progress.seconds));
     put("user_seconds", json!(progress.user_seconds));
     put("point_steps_per_second", json!(steps as f64 * points as f64 / progress.seconds.max(1e-9)));

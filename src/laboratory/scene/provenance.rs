@@ -135,18 +135,25 @@ const FIXED_OF_CONTINUA: &[(&str, &str)] = &[
     ("where a platen's force acts", "on the point's face, half its edge beyond it (Li et al. 2023 spread it from the point)"),
     ("stresses of a test", "sum of the platens' forces over the area between the other platens; means since the row before"),
     ("extent of a specimen", "between its platens, less how far ghosts reach out of the material at the start"),
-    ("void ratio", "from the points' volumes; solids stay"),
+    ("void ratio", "from the points' volumes, of a mixture from all solids in the specimen; solids stay"),
     ("plastic strain", "integral of sqrt(2/3 ep:ep)"),
 ];
 
 /// Every decision that holds for a scene: first those of its keys, then those of the program.
 pub fn decisions(scene: &Scene) -> Vec<Decision> {
     let view = View::of(&scene.layer);
-    let settled =
-        SETTLED.iter().filter_map(|(matter, key)| view.get(key).map(|value| Decision { matter, key, value: value.clone() }));
+    let is = |key: &str, value: &str| view.get(key).and_then(Value::as_str) == Some(value);
+    let breaks = view.get("crushing.enabled").and_then(Value::as_bool) != Some(false);
+    // what a scene has by default and does not use
+    let matters = |key: &str| match key {
+        "crushing.area_radius" => breaks && is("crushing.criterion", "hertz_area"),
+        _ => breaks || !(key.starts_with("crushing.") || key.contains(".strength.") || key.contains(".fines.")),
+    };
+    let settled = SETTLED.iter().filter(|(_, key)| matters(key));
+    let settled = settled.filter_map(|(matter, key)| view.get(key).map(|value| Decision { matter, key, value: value.clone() }));
     let fixed = match view.text("kind") {
         "platen" => FIXED_OF_PLATENS,
-        "continuum" => FIXED_OF_CONTINUA,
+        "continuum" | "mixture" => FIXED_OF_CONTINUA,
         _ => FIXED,
     };
     let fixed = fixed.iter().map(|(matter, value)| Decision { matter, key: "", value: Value::String((*value).into()) });
