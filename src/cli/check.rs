@@ -157,9 +157,9 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
             let (dense, loose) = (r.void_ratio_densest, r.void_ratio_loosest);
             writeln!(text, "  void ratio      {:.3} is asked for; {dense:.3} to {loose:.3} can be made ({how})", s.void_ratio)?;
         }
-        writeln!(text, "  loading steps   {:.0} or more (the programme without waiting)", e.steps)?;
+        writeln!(text, "  loading steps   {:.0} by the programme alone, {:.0} with waiting (estimate)", e.steps, e.steps_expected)?;
     } else {
-        writeln!(text, "  steps           {:.0} (estimate)", e.steps)?;
+        writeln!(text, "  steps           {:.0} (estimate)", e.steps_expected)?;
     }
     match e.time_step {
         Some(dt) => writeln!(text, "  time step       {dt:.3e} s (estimate): {}", e.time_step_limit)?,
@@ -208,7 +208,7 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
         writeln!(text, "  block {k:<9} {block}")?;
     }
     writeln!(text, "  grid            {x} × {y} × {z} cells; memory only where material is")?;
-    writeln!(text, "  steps           {:.0} (estimate)", e.steps)?;
+    writeln!(text, "  steps           {:.0} (estimate)", e.steps_expected)?;
     if let Some(dt) = e.time_step {
         writeln!(text, "  time step       {dt:.3e} s (estimate): {}", e.time_step_limit)?;
     }

@@ -159,6 +159,7 @@ pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
         time_step: Some(dt),
         time_step_limit: if model.physics.stepping.dt.is_some() { "stepping.dt_s".into() } else { why.into() },
         steps,
+        steps_expected: steps * touching * broken.steps,
         warnings,
     }
 }

@@ -46,8 +46,10 @@ pub struct Estimate {
     pub crushing_stress: Option<super::crushing_estimate::CrushingStress>,
     /// What bounds the time step, in words.
     pub time_step_limit: String,
-    /// Steps of the test.
+    /// Steps of the test; of a compression those of its programme alone.
     pub steps: f64,
+    /// Steps of the test with those in which a programme is expected to wait.
+    pub steps_expected: f64,
     /// What the user should know before the run is started.
     pub warnings: Vec<String>,
 }
@@ -110,7 +112,7 @@ fn without_strength(model: &Model) -> Estimate {
         Rig::GrainCrushing(p) => most_steps(p) * grains as f64,
         _ => 0.0,
     };
-    let expected = super::duration::duration(model, grains, steps, &stages);
+    let expected = super::duration::duration(model, grains, steps, &stages, time_step);
     let mut estimate = Estimate {
         grains,
         grains_final: expected.grains,
@@ -125,6 +127,7 @@ fn without_strength(model: &Model) -> Estimate {
         time_step,
         time_step_limit,
         steps,
+        steps_expected: expected.steps,
         warnings: Vec::new(),
     };
     if let Some(s) = model.rig.specimen() {
