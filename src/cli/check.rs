@@ -157,7 +157,15 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
             let (dense, loose) = (r.void_ratio_densest, r.void_ratio_loosest);
             writeln!(text, "  void ratio      {:.3} is asked for; {dense:.3} to {loose:.3} can be made ({how})", s.void_ratio)?;
         }
-        writeln!(text, "  loading steps   {:.0} by the programme alone, {:.0} with waiting (estimate)", e.steps, e.steps_expected)?;
+        if e.steps_expected > e.steps {
+            writeln!(
+                text,
+                "  loading steps   {:.0} by the programme alone, {:.0} with waiting (estimate)",
+                e.steps, e.steps_expected
+            )?;
+        } else {
+            writeln!(text, "  loading steps   {:.0} or more (the programme without waiting)", e.steps)?;
+        }
     } else {
         writeln!(text, "  steps           {:.0} (estimate)", e.steps_expected)?;
     }

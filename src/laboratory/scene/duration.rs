@@ -125,7 +125,7 @@ fn points(specimen: &Specimen, fines: &Embedding, crush: &CrushModel) -> f64 {
 
 /// Steps of stage `k`, which its programme would make in `programme` steps by itself: under stress control the platen is not faster than the largest inertial number I,
 /// and waits after breakages: sqrt(programme² + w²) with w = SLOWER ∫ t/I d(ε + WAITS b), t the time scale of rearrangement. `broken`: breakages a grain at a stress, Pa.
-/// Of 60 runs of coke and silica sand with programmes and caps of their own, 0.5 to 1.5 times the steps; a quarter to a third where silica sand turns.
+/// Of 55 runs of coke and silica sand with programmes and caps of their own 0.45 to 1.55 times the steps; a quarter to a third of those of silica sand that turns.
 fn with_waiting(model: &Model, o: &Compression, k: usize, programme: f64, dt: Option<f64>, broken: &impl Fn(f64) -> f64) -> f64 {
     let from = o.specimen.isotropic_stress;
     let (to, before) = (o.loading.stages[k], o.loading.before(k).max(from));
