@@ -34,6 +34,37 @@ fn scene_with(folder: &TempDir, from: &str, to: &str) -> String {
     path.display().to_string()
 }
 
+/// The machine is measured where somebody asks for it, and stays known; a run's summary has what was expected beside what came out.
+#[test]
+fn what_is_expected_follows_the_machine_and_stands_in_the_summary() {
+    let folder = folder();
+    let call = |args: &[&str]| {
+        let mut command = Command::cargo_bin("comminute").expect("the binary");
+        command.current_dir(env!("CARGO_MANIFEST_DIR")).env("COMMINUTE_CACHE", folder.path().join("cache")).args(args);
+        command.assert().success().get_output().clone()
+    };
+    let pace = |args: &[&str]| {
+        let output = call(&[&["check", COKE, "--json"], args].concat());
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("json");
+        json["estimate"]["pace"].clone()
+    };
+    assert!(pace(&[]).is_null(), "nobody asked for it");
+    let measured = pace(&["--measure"]);
+    assert!(["grain_step_s", "point_step_s"].iter().all(|key| measured[key].as_f64().is_some_and(|t| t > 0.0)), "{measured}");
+    assert_eq!(pace(&[]), measured);
+    let told = String::from_utf8(call(&["check", COKE]).stderr).expect("text");
+    assert!(told.contains("on one thread of this machine"), "{told}");
+    let out = folder.path().join("run");
+    call(&["run", "experiments/free/hertz_impact.toml", "--quiet", "--out", &out.display().to_string()]);
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("summary.json")).expect("summary")).expect("json");
+    assert_eq!(summary["predicted_steps"].as_f64(), summary["steps"].as_f64());
+    for key in ["predicted_seconds", "predicted_memory_MB"] {
+        assert!(summary[key].as_f64().is_some_and(|x| x > 0.0), "{key}: {summary}");
+    }
+    assert!(cfg!(not(unix)) || summary["peak_memory_MB"].as_f64().is_some_and(|mb| mb > 1.0), "{summary}");
+}
+
 #[test]
 fn check_says_what_the_run_would_be() {
     comminute(&["check", COKE])

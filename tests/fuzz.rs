@@ -256,7 +256,7 @@ impl Fixture {
 fn check(text: &str, folder: &Path, sets: &[String]) -> Result<()> {
     let scene = scene::from_text(text, folder, sets)?;
     let model = scene::outline(&scene)?;
-    let estimate = scene::estimate(&model);
+    let estimate = scene::estimate(&model, None);
     let reach = scene::reach(&model);
     let _ =
         (reach.and_then(|r| scene::doubt(&model, &r)), scene::assumptions(&scene), scene::decisions(&scene), scene.calibrated());

@@ -76,7 +76,7 @@ fn table_3_is_what_the_coke_scenes_say() {
     ];
     for (name, grains, height, linear) in table {
         let m = model(&format!("petroleum_coke/{name}.toml"), &[]);
-        let e = scene::estimate(&m);
+        let e = scene::estimate(&m, None);
         let s = e.specimen.expect("an oedometer");
         assert_eq!(e.grains, grains);
         assert!((s.height_mm / height - 1.0).abs() < 2e-3, "{name}: {}", s.height_mm);

@@ -91,7 +91,7 @@ pub fn run(jobs: &[Job], options: &Options) -> Result<Vec<Outcome>> {
             _ => {}
         }
         scene::fits(&scene, &model, free)?;
-        needs.push(1e6 * scene::estimate(&model).memory_mb);
+        needs.push(1e6 * scene::estimate(&model, None).memory_mb);
     }
     let program = match &options.program {
         Some(program) => program.clone(),

@@ -3,6 +3,7 @@
 use comminute::bench::{self, Burst, Case, Machine, Packing, Plan, Speed};
 use comminute::contact::ContactLaw;
 use comminute::error::{Error, Result};
+use comminute::machine::processor;
 use serde_json::{Value, json};
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -391,13 +392,6 @@ fn row_as_json(row: &Row) -> Value {
             "step_longer_by_microseconds": 1e6 * b.extra,
         })),
     })
-}
-
-/// Name of the processor (Linux).
-pub(super) fn processor() -> String {
-    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = text.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(':'));
-    name.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())
 }
 
 /// Progress messages: one line that is overwritten on a terminal, a line every 15 s elsewhere.

@@ -1,8 +1,9 @@
 //! `comminute bench features`: what each feature of grains costs on this machine.
 
-use super::bench::{Packings, processor};
+use super::bench::Packings;
 use comminute::bench::{self, Case, FeatureCost};
 use comminute::error::Result;
+use comminute::machine::processor;
 use serde_json::{Value, json};
 
 /// Measure what each feature of grains costs

@@ -1,9 +1,10 @@
 //! `comminute bench mixture`: the speed of a mixture on this machine.
 
 use super::Overrides;
-use super::bench::{Blocks, processor, some_threads};
+use super::bench::{Blocks, some_threads};
 use comminute::bench::{self, MixtureSpeed};
 use comminute::error::Result;
+use comminute::machine::processor;
 use comminute::scene;
 use serde_json::{Value, json};
 use std::path::PathBuf;

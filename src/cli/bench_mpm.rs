@@ -1,8 +1,9 @@
 //! `comminute bench mpm`: the speed of the material point method on this machine.
 
-use super::bench::{Blocks, processor, some_threads};
+use super::bench::{Blocks, some_threads};
 use comminute::bench::{self, MpmSpeed};
 use comminute::error::{Error, Result};
+use comminute::machine::processor;
 use comminute::mpm::Transfer;
 use serde_json::{Value, json};
 

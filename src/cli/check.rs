@@ -2,10 +2,12 @@
 
 use super::{Overrides, print};
 use comminute::error::{Error, Result};
+use comminute::machine::Pace;
 use comminute::model::{Model, Rig};
 use comminute::scene::{self, Estimate, Scene};
 use serde_json::json;
 use std::fmt::Write;
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
 /// Validate a scene and say what the run would be
@@ -30,6 +32,10 @@ pub struct Args {
     /// Measure the range of void ratios that can be made of these grains, by making the loosest and the densest specimen (seconds to minutes); it is kept in the user's cache
     #[arg(long, conflicts_with_all = ["keys", "columns"])]
     range: bool,
+
+    /// Measure how fast this machine is (a second), anew if that is known, for the time that is expected; it is kept in the user's cache
+    #[arg(long, conflicts_with_all = ["keys", "columns"])]
+    measure: bool,
 
     /// Only say what is wrong
     #[arg(long)]
@@ -59,7 +65,7 @@ pub fn call(args: &Args) -> Result<()> {
         scene::within_reach(&scene, &model, reach)?;
         reach.settle(&mut model);
     }
-    let mut estimate = scene::estimate(&model);
+    let mut estimate = scene::estimate(&model, pace(args)?);
     let made = reach.as_ref().filter(|_| !scene::is_given_its_specimen(&scene));
     estimate.warnings.extend(made.and_then(|r| scene::doubt(&model, r)));
     estimate.void_ratio_range = reach;
@@ -77,6 +83,19 @@ pub fn call(args: &Args) -> Result<()> {
         eprint!("{}", as_text(&scene, &model, &estimate));
     }
     Ok(())
+}
+
+/// How fast this machine is: as was measured once, else measured now, where the option or a person at a terminal asks; `None` where it
+/// is not known.
+fn pace(args: &Args) -> Result<Option<Pace>> {
+    let known = Pace::known();
+    let asks = known.is_none() && !args.quiet && std::io::stderr().is_terminal();
+    if !(args.measure || asks) {
+        return Ok(known);
+    }
+    let pace = comminute::bench::yardstick()?;
+    pace.keep();
+    Ok(Some(pace))
 }
 
 fn as_json(scene: &Scene, model: &Model, estimate: &Estimate) -> String {
@@ -173,7 +192,7 @@ fn facts(text: &mut String, scene: &Scene, model: &Model, e: &Estimate) -> std::
         Some(dt) => writeln!(text, "  time step       {dt:.3e} s (estimate): {}", e.time_step_limit)?,
         None => writeln!(text, "  time step       {}", e.time_step_limit)?,
     }
-    writeln!(text, "  time            {} on one thread (estimate)", comminute::run::human(e.seconds))?;
+    writeln!(text, "  time            {}", time(e))?;
     writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
     writeln!(text, "  files           {}", files(&e.output))?;
     writeln!(text, "  seeds           packing {}, strength {}", model.seeds.packing, model.seeds.strength)?;
@@ -190,6 +209,13 @@ fn crushing_stress(text: &mut String, e: &Estimate) -> std::fmt::Result {
         // four digits
         format!("{:.3e}", s.mean_mpa).parse::<f64>().unwrap_or(s.mean_mpa)
     )
+}
+
+/// The time of a run in one line.
+fn time(e: &Estimate) -> String {
+    let of =
+        if e.pace.is_some() { "of this machine (estimate)" } else { "(estimate for a fast machine; --measure measures this one)" };
+    format!("{} on one thread {of}", comminute::run::human(e.seconds))
 }
 
 /// The files of a run in one line.
@@ -225,7 +251,7 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
         let both: Vec<String> = both.iter().filter_map(|(i, of)| i.map(|i| format!("{i:.1e} of the {of}"))).collect();
         writeln!(text, "  inertial number {} at the start; quasi-static loading keeps below 0.001", both.join(", "))?;
     }
-    writeln!(text, "  time            {} on one thread (estimate)", comminute::run::human(e.seconds))?;
+    writeln!(text, "  time            {}", time(e))?;
     writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
     writeln!(text, "  files           {}", files(&e.output))?;
     match (c.device_mb, c.device_step) {

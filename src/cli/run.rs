@@ -85,7 +85,7 @@ pub fn call(mut args: Args) -> Result<()> {
     }
     free(&out, args.force)?;
     let outline = scene::outline(&scene)?;
-    let estimate = scene::estimate(&outline);
+    let estimate = scene::estimate(&outline, None);
     scene::enough_disk(&outline, &estimate, &out)?;
     drop(outline);
     let backend = choose(args.backend.map_or_else(Backend::default, Into::into), &model)?;

@@ -3,6 +3,7 @@
 
 #![deny(missing_docs)]
 
+mod cache;
 pub mod error;
 pub mod gradation;
 pub mod interrupt;

@@ -1,4 +1,8 @@
-//! What the machine has left: memory and disk.
+//! The machine: what it is, what it has left of memory and disk, and how fast it is.
+
+mod pace;
+
+pub use pace::Pace;
 
 use std::path::Path;
 
@@ -29,9 +33,31 @@ fn free_here(path: &Path) -> Option<u64> {
     (disk.blocks_available() as u64).checked_mul(disk.fragment_size() as u64)
 }
 
+/// The most memory that this process has had at any time, bytes; `None` where the system does not say.
+#[cfg(unix)]
+pub fn peak_memory() -> Option<f64> {
+    use nix::sys::resource::{UsageWho, getrusage};
+    // Linux counts in kB, macOS in bytes
+    let unit = if cfg!(target_os = "macos") { 1.0 } else { 1024.0 };
+    getrusage(UsageWho::RUSAGE_SELF).ok().map(|used| unit * used.max_rss() as f64)
+}
+
+/// The most memory that this process has had at any time, bytes; `None` where the system does not say.
+#[cfg(not(unix))]
+pub fn peak_memory() -> Option<f64> {
+    None
+}
+
 #[cfg(not(unix))]
 fn free_here(_: &Path) -> Option<u64> {
     None
+}
+
+/// Name of the processor where the system says it (Linux), else its architecture.
+pub fn processor() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = text.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(':'));
+    name.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())
 }
 
 /// A size in bytes as text with three digits: `9.60 GB`, `6.1 MB`.

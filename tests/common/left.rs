@@ -1,12 +1,13 @@
-//! What runs leave, without what depends on the machine: files that can be compared byte by byte.
+//! What runs leave, without what depends on the machine or on estimates: files that can be compared byte by byte.
 #![allow(dead_code)] // each test binary uses its part
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Entries of tables and summaries that say how long something took and on what.
-pub const OF_THE_MACHINE: [&str; 7] = ["second", "minutes", "bytes_", "threads", "host", "simd", "version"];
+/// Entries of tables and summaries that say how long something took or was expected to take, and on what.
+pub const OF_THE_MACHINE: [&str; 9] =
+    ["second", "predicted_", "peak_memory", "minutes", "bytes_", "threads", "host", "simd", "version"];
 
 /// Whether a name is one of these.
 fn of_the_machine(name: &str) -> bool {

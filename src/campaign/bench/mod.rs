@@ -14,6 +14,7 @@ mod mpm;
 mod mpm_gpu;
 mod packing;
 mod speed;
+mod yardstick;
 
 pub use burst::{Burst, burst};
 pub use features::{FeatureCost, feature_costs};
@@ -26,6 +27,7 @@ pub use mpm::{MpmSpeed, mpm_case, mpm_speed};
 pub use mpm_gpu::{GpuSpeed, mpm_gpu_speed};
 pub use packing::{Packing, packing};
 pub use speed::{Plan, Speed, load_average, measure, pool};
+pub use yardstick::yardstick;
 
 use engine::boundary::Wall;
 use engine::breakage::Criterion;

@@ -2,6 +2,7 @@
 //! registers hold numbers (lanes).
 
 use super::account::OfContact;
+use super::candidates::{TASK, note};
 use super::{Body, PointContact, PointContacts};
 use crate::boundary::Wall;
 use crate::contact::TangentialUnloading;
@@ -20,9 +21,6 @@ use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 
-/// Candidates of one parallel task.
-pub(super) const TASK: usize = 512;
-
 /// Grains, walls and points from which contact forces are computed. Where one side is between two of its steps, its positions are extrapolated in
 /// time with its present velocities.
 pub(super) struct PointContactScene<'a> {
@@ -40,18 +38,22 @@ impl PointContacts {
     /// Computes the force of every candidate at this instant. In parallel over candidates; each task writes only its own.
     pub(super) fn evaluate(&mut self, scene: &PointContactScene<'_>) {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, weighs_radius: true, task: TASK, arch: arch() };
-        let PointContacts { candidates, account, .. } = self;
+        let PointContacts { candidates: list, account, .. } = self;
+        let (candidates, history) = list.parts();
         let Some(account) = account else {
             return with_law!(scene.table.law, L => {
-                candidates.par_chunks_mut(TASK).for_each(|part| {
+                candidates.par_chunks_mut(TASK).zip(history.par_chunks_mut(TASK)).for_each(|(part, history)| {
                     rules.arch.dispatch(PointContactSweep::<L, false> { scene, rules: &rules, part, work: &mut [], law: PhantomData });
+                    note(part, history);
                 });
             });
         };
         let works = account.begin(candidates.len());
         with_law!(scene.table.law, L => {
-            candidates.par_chunks_mut(TASK).zip(works.par_chunks_mut(TASK)).for_each(|(part, work)| {
+            let parts = candidates.par_chunks_mut(TASK).zip(history.par_chunks_mut(TASK)).zip(works.par_chunks_mut(TASK));
+            parts.for_each(|((part, history), work)| {
                 rules.arch.dispatch(PointContactSweep::<L, true> { scene, rules: &rules, part, work, law: PhantomData });
+                note(part, history);
             });
         });
         account.end(candidates, scene.grains, scene.continuum);

@@ -77,13 +77,7 @@ impl Mixture {
             walls: of(&self.grains.wall_pairs, &|[i, k]| [place[i as usize], k], &|[i, k]| {
                 (g.radius(i), *table.wall(k, g.material[i]))
             }),
-            points: self
-                .point_contacts
-                .candidates
-                .iter()
-                .filter(|c| c.touch.overlap > 0.0 || c.face.is_some() || c.reference > 0.0)
-                .map(of_point)
-                .collect(),
+            points: self.point_contacts.candidates.with_history().map(of_point).collect(),
         }
     }
 
@@ -154,7 +148,7 @@ impl Mixture {
         };
         let mut candidates: Vec<PointContact> = contacts.points.iter().map(of_point).collect();
         candidates.sort_unstable_by_key(|g| (g.body, g.point));
-        self.point_contacts.candidates = candidates;
+        self.point_contacts.candidates = candidates.into();
         // makes a search and a look at the grains' time step due
         self.point_contacts.forget();
         self.grains.births = true;

@@ -12,6 +12,7 @@
 //! the nodes at its face. With FLIP both differ from the velocity stored at the point, which does not move the contact.
 
 mod account;
+mod candidates;
 mod embedded;
 mod evaluate;
 #[cfg(feature = "gpu")]
@@ -25,6 +26,7 @@ mod search;
 mod tests;
 
 pub use account::{ContactAccount, GrainWorks};
+pub use candidates::Candidates;
 pub use embedded::{Embedded, Embedding};
 pub use fines::{Account, FinesAsPoints, Rule};
 pub use measure::{Shares, Touching};
@@ -77,7 +79,7 @@ pub struct PointContact {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PointContacts {
     /// Points near grains and walls, touching or not, sorted by body and then by the identity of the point.
-    pub candidates: Vec<PointContact>,
+    pub candidates: Candidates,
     /// Age of the list.
     age: Age,
     /// Points that come from breakages, if there are some.
@@ -126,7 +128,7 @@ impl PointContacts {
         ids.sort_unstable();
         // points that are no more leave the list with the next search
         let stands = self.age.may_stand([grains.len(), points.len()]);
-        for c in &self.candidates {
+        for c in self.candidates.iter() {
             match c.body {
                 Body::Grain(id) => below("a point touches grain", id, grains.next_id as usize)?,
                 Body::Wall(k) => below("a point touches wall", k, walls)?,
@@ -160,7 +162,7 @@ impl PointContacts {
     /// Memory in use, bytes.
     pub fn bytes(&self) -> usize {
         self.account.as_ref().map_or(0, |account| account.bytes())
-            + self.candidates.capacity() * size_of::<PointContact>()
+            + self.candidates.bytes()
             + self.index.iter().map(|i| 4 * i.capacity()).sum::<usize>()
     }
 }

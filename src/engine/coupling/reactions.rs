@@ -1,13 +1,12 @@
 //! Adds the forces of point contacts to grains and points; energy of the contacts and their bound on the time step.
 
-use super::evaluate::{PointContactScene, TASK};
+use super::evaluate::PointContactScene;
 use super::{Body, PointContact, PointContacts};
 use crate::contact::pairs::ContactForce;
 use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, scaled};
 use crate::mpm::Continuum;
 use crate::point_contacts::{ContactRates, GhostFace};
-use rayon::prelude::*;
 
 impl PointContact {
     /// Elastic energy of the contact, J: `energy_factor` times normal force times overlap, and the energy of the tangential spring.
@@ -44,7 +43,7 @@ impl PointContacts {
                 face.follow(continuum, place, own, dt);
             }
         };
-        self.candidates.par_iter_mut().with_min_len(TASK).for_each(of_points);
+        self.candidates.change_each(of_points);
     }
 
     /// Adds `of_grains` times force and torque of each contact to `external_forces` (force, N, and torque, N m, by index of the grain), and `of_points`
@@ -79,7 +78,10 @@ impl PointContacts {
     /// energy that contacts gain by it, J.
     pub(super) fn release(&mut self, scene: &PointContactScene<'_>, strain: f64) -> f64 {
         let mut energy = 0.0;
-        for contact in self.candidates.iter_mut().filter(|g| g.reference > 0.0 && g.reference < f64::INFINITY) {
+        self.candidates.change(|contact| {
+            if contact.reference == 0.0 || contact.reference == f64::INFINITY {
+                return;
+            }
             let [body, point] = contact.place.map(|p| p as usize);
             let of_body = match contact.body {
                 Body::Grain(_) => [0, 1, 2].map(|a| scene.grains.vel[body][a]),
@@ -91,13 +93,13 @@ impl PointContacts {
             let released = contact.reference * (slid / strain).min(1.0);
             contact.reference -= released;
             energy += contact.touch.normal_force * released;
-        }
+        });
         energy
     }
 
     /// Contacts that touch, in the order of the list.
     pub fn touching(&self) -> impl Iterator<Item = &PointContact> {
-        self.candidates.iter().filter(|g| g.touch.overlap > 0.0)
+        self.candidates.touching()
     }
 
     /// Contacts of points with grains that touch, in the order of the list: index of the grain, index of the point, ghost radius, m, and contact force.

@@ -1,5 +1,6 @@
 //! Search for candidates: points near the surface of a grain or wall.
 
+use super::candidates::{Candidates, Side};
 use super::{Body, PointContact, PointContacts};
 use crate::boundary::Wall;
 use crate::contact::pairs::ContactForce;
@@ -21,7 +22,7 @@ impl PointContacts {
 
     /// Removes all candidates and contacts.
     pub(super) fn clear(&mut self) {
-        self.candidates.clear();
+        self.candidates = Candidates::default();
     }
 
     /// Makes the list of candidates anew: all points that are nearer to a surface than the largest distance of a face plus `skin`, m. Contacts keep their
@@ -30,7 +31,7 @@ impl PointContacts {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
         // a face may lie further from its point than the ghost radius
-        let beyond = self.candidates.iter().filter_map(|g| g.face).map(|face| face.beyond).fold(0.0, f64::max);
+        let beyond = self.candidates.with_history().filter_map(|g| g.face).map(|face| face.beyond).fold(0.0, f64::max);
         let reach = ghost_radius(dimension, most) + beyond + skin;
         let mut found: Vec<PointContact> = Vec::new();
         let mut add = |body: Body, place: u32, i: usize| {
@@ -70,7 +71,7 @@ impl PointContacts {
             }
         }
         found.sort_unstable_by_key(|g| (g.body, g.point));
-        let known = self.candidates.iter().filter(|g| g.touch.overlap > 0.0 || g.face.is_some() || g.reference > 0.0);
+        let known = self.candidates.with_history();
         let keep = |old: &PointContact, new: &mut PointContact| {
             (new.touch, new.spring, new.reference, new.face) = (old.touch, old.spring, old.reference, old.face);
         };
@@ -82,17 +83,22 @@ impl PointContacts {
             }
             (born.grains, born.points) = (grains.next_id, points.next_id);
         }
-        self.candidates = found;
+        self.candidates = found.into();
+        self.candidates.note_located(Side::Grains, &grains.id);
+        self.candidates.note_located(Side::Points, &points.id);
     }
 
     /// Brings the indices of grains and points up to date, whose arrays may have been sorted. Candidates of grains that have broken are removed.
     fn locate(&mut self, grains: &Grains, continuum: &Continuum) {
         self.locate_points(continuum);
+        if self.candidates.are_located(Side::Grains, &grains.id) {
+            return;
+        }
         let [by_grain, _] = &mut self.index;
         let moved = |g: &PointContact| matches!(g.body, Body::Grain(id) if grains.id.get(g.place[0] as usize) != Some(&id));
         if self.candidates.iter().any(moved) {
             by_id(by_grain, &grains.id, grains.next_id);
-            for g in &mut self.candidates {
+            for g in self.candidates.iter_mut() {
                 if let Body::Grain(id) = g.body {
                     g.place[0] = by_grain[id as usize];
                 }
@@ -100,18 +106,23 @@ impl PointContacts {
             // grains that have broken; their daughters are found by the next search
             self.candidates.retain(|g| g.place[0] != NOWHERE);
         }
+        self.candidates.note_located(Side::Grains, &grains.id);
     }
 
     /// Brings the indices of points up to date. Candidates of points that have been taken out are removed.
     pub(super) fn locate_points(&mut self, continuum: &Continuum) {
         let points = continuum.points();
+        if self.candidates.are_located(Side::Points, &points.id) {
+            return;
+        }
         let [_, by_point] = &mut self.index;
         if self.candidates.iter().any(|g| points.id.get(g.place[1] as usize) != Some(&g.point)) {
             by_id(by_point, &points.id, points.next_id);
-            for g in &mut self.candidates {
+            for g in self.candidates.iter_mut() {
                 g.place[1] = by_point[g.point as usize];
             }
             self.candidates.retain(|g| g.place[1] != NOWHERE);
         }
+        self.candidates.note_located(Side::Points, &points.id);
     }
 }

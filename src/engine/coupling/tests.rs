@@ -703,7 +703,7 @@ fn a_mixture_of_another_scene_is_refused() {
         &|m| m.cycle.rates = Rates { grains: 0, continuum: 1 },
         &|m| m.cycle.time = -1.0,
         &|m| m.bound_ratio = -1.0,
-        &|m| m.point_contacts.candidates = [m.point_contacts.candidates[0]; 2].into(),
+        &|m| m.point_contacts.candidates = vec![m.point_contacts.candidates[0]; 2].into(),
         &|m| m.point_contacts.candidates[0].body = Body::Grain(1),
         &|m| m.point_contacts.candidates[0].reference = -1.0,
         &|m| m.point_contacts.candidates[0].radius = 0.0,

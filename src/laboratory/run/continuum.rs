@@ -570,7 +570,9 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
     }
     // the prediction is that of the processor
     if progress.used.adapter.is_none() {
-        put("predicted_seconds", json!(crate::scene::estimate::predicted_seconds(model, false)));
+        for (key, value) in crate::scene::estimate::predicted(model, false) {
+            put(key, json!(value));
+        }
     }
     put("wall_seconds", json!(progress.seconds));
     put("user_seconds", json!(progress.user_seconds));

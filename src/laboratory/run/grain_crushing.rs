@@ -8,6 +8,7 @@ use crate::interrupt::stop_asked;
 use crate::model::{GrainCrushing, Model};
 use crate::record::grain_crushing as records;
 use crate::rig::grain_crushing::{Test, pair, press};
+use crate::scene::estimate::predicted;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -25,6 +26,7 @@ pub fn run(model: &Model, rig: &GrainCrushing, out: &Path, quiet: bool) -> Resul
     let wall_seconds = started.elapsed().as_secs_f64();
     records::write(out, model, rig, &tests)?;
     let mut summary = summary(model, rig, &tests);
+    predicted(model, false).into_iter().for_each(|(key, value)| summary[key] = json!(value));
     summary["wall_seconds"] = json!(wall_seconds);
     summary["threads"] = json!(rayon::current_num_threads());
     summary["version"] = json!(env!("CARGO_PKG_VERSION"));

@@ -8,7 +8,7 @@ use crate::record::checkpoint;
 use crate::record::cylinder::{BelowLeast, Recorder, WithoutVoids};
 use crate::rig::preparation::range::void_ratio;
 use crate::scene::Level;
-use crate::scene::estimate::predicted_seconds;
+use crate::scene::estimate::predicted;
 use engine::breakage::lost_mass::excluded_grains;
 use engine::dem::Workspace;
 use serde_json::{Map, Value, json};
@@ -109,7 +109,9 @@ fn summary(model: &Model, progress: &Progress, work: &Workspace) -> Value {
     let lost: f64 = state.lost.iter().map(|l| l.0).sum();
     put("mass_lost_kg", json!(lost));
     // clocks, host and versions
-    put("predicted_seconds", json!(predicted_seconds(model, progress.preparation_steps == 0)));
+    for (key, value) in predicted(model, progress.preparation_steps == 0) {
+        put(key, json!(value));
+    }
     put("wall_seconds", json!(progress.seconds));
     put("loading_seconds", json!(progress.loading_seconds));
     put("particle_steps_per_second", json!(progress.grain_steps as f64 / progress.loading_seconds.max(1e-9)));

@@ -1,15 +1,17 @@
 //! Estimates size, time step and duration of a run of a continuum or mixture before it is started.
 
-use super::duration::{GRAIN_AMONG_POINTS, POINT, START, growth};
+use super::duration::{Costs, growth};
 use super::estimate::{Estimate, inertial_warning, share};
 use super::memory;
 use crate::error::Result;
+use crate::machine::Pace;
 use crate::model::Model;
 use crate::model::continuum::{Fraction, Growth, MpmSpecimen, MpmTest, Test};
 use crate::model::inertial::{self, InertialNumbers};
 use crate::rig::continuum::{State, contact_rate};
 use engine::dem::physics::Physics;
 use engine::dem::physics::Stepping;
+use engine::dem::stability;
 use engine::grains::sphere_volume;
 use engine::material::effective_modulus;
 use engine::mpm::law::Law;
@@ -84,8 +86,9 @@ fn on_device(_: &Model, _: &MpmTest) -> Result<(f64, DeviceStep)> {
     Err(crate::error::Error::input("gpu", "", None, "this program was built without the feature gpu"))
 }
 
-/// Estimates the run of a continuum or mixture.
-pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
+/// Estimates the run of a continuum or mixture on a machine of this pace.
+pub fn estimate(model: &Model, rig: &MpmTest, pace: Option<Pace>) -> Estimate {
+    let costs = Costs::new(model, pace);
     let d = if rig.settings.dimension == Dimension::Space { 3 } else { 2 };
     let [points, grains] = rig.counts();
     let law = &rig.laws[usize::from(rig.points.law[0])];
@@ -126,14 +129,19 @@ pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
     }
     let touching = if why == TOUCHING { 1.0 } else { touching_later(rig) };
     let broken = broken(model, rig);
-    let cycle = (points as f64 + broken.points) * POINT + (grains as f64 + broken.grains) * GRAIN_AMONG_POINTS;
-    let seconds = START + growing(rig) + steps * touching * broken.steps * cycle;
+    let [points_on, grains_on] = [points as f64 + broken.points, grains as f64 + broken.grains];
+    let cycle = match points {
+        0 => costs.grains(grains_on),
+        _ => points_on * costs.point + grains_on * costs.grain_among_points,
+    };
+    let preparation = growing(rig, costs);
+    let seconds = costs.start + costs.figures + preparation + steps * touching * broken.steps * cycle;
     let device = model.spheres_only().and_then(|()| on_device(model, rig));
     Estimate {
         grains,
         grains_final: 0.0,
         seconds,
-        preparation_seconds: growing(rig),
+        preparation_seconds: preparation,
         // twice the mean over the test
         memory_mb: 1e-6 * memory::needed(model, [2.0 * broken.grains, 2.0 * broken.points]),
         output: super::output::output(
@@ -160,6 +168,7 @@ pub fn estimate(model: &Model, rig: &MpmTest) -> Estimate {
         time_step_limit: if model.physics.stepping.dt.is_some() { "stepping.dt_s".into() } else { why.into() },
         steps,
         steps_expected: steps * touching * broken.steps,
+        pace,
         warnings,
     }
 }
@@ -185,11 +194,16 @@ fn too_fast(rig: &MpmTest, s: &MpmSpecimen, warnings: &mut Vec<String>) {
 }
 
 /// Largest step of a grown specimen without points, s: two contacts of its smallest grain bear the stress `stress`, Pa, on its
-/// section.
+/// section; not more than the free step of its grains.
 fn fines_step(model: &Model, rig: &MpmTest, stress: f64) -> f64 {
-    let Some(Fraction { material, radii: [r, _], .. }) = rig.growth.map(|g| g.fines) else { return f64::INFINITY };
+    let Some(growth) = rig.growth else { return f64::INFINITY };
+    let Fraction { material, radii: [r, _], .. } = growth.fines;
+    let all = [Some(growth.fines), growth.coarse].into_iter().flatten();
+    // the safety of steps is not counted in it
+    let free = stability::rayleigh_of(&model.physics, all.map(|f| (2.0 * f.radii[0], f.material))) / model.physics.stepping.safety;
     let material = &model.physics.materials[usize::from(material)];
-    2.0 / (2.0 * share(model.physics.contact.law, material, r, stress * PI * r * r) / (material.density * sphere_volume(r))).sqrt()
+    let stiffness = 2.0 * share(model.physics.contact.law, material, r, stress * PI * r * r);
+    free.min(2.0 / (stiffness / (material.density * sphere_volume(r))).sqrt())
 }
 
 /// Factor on the number of steps for rigid bodies that touch points only later in the run.
@@ -240,8 +254,8 @@ fn broken(model: &Model, rig: &MpmTest) -> Broken {
 }
 
 /// Time in which a specimen grows, on one thread, s.
-fn growing(rig: &MpmTest) -> f64 {
-    rig.growth.map_or(0.0, |g| PRESSED * g.steps as f64 * g.counts().iter().sum::<usize>() as f64 * GRAIN_AMONG_POINTS)
+fn growing(rig: &MpmTest, costs: Costs) -> f64 {
+    rig.growth.map_or(0.0, |g| PRESSED * g.steps as f64 * costs.grains(g.counts().iter().sum::<usize>() as f64))
 }
 
 /// Time of a compression wave through a cell, s, the speed of the points added to that of the wave: the largest step at the
@@ -255,7 +269,7 @@ pub fn wave_step(rig: &MpmTest) -> f64 {
 }
 
 /// Largest step by the contacts between points and grains, s: from the contacts at the start; for a specimen that has to grow,
-/// from one contact of a point with a grain under the largest stress, counted twice for the grain's other contacts.
+/// from one contact of a point with a grain under the largest stress, counted four times for the grain's other contacts.
 fn coupled_bound(model: &Model, rig: &MpmTest) -> Option<f64> {
     rig.coarse.as_ref()?;
     let Some(growth) = &rig.growth else {
@@ -270,7 +284,7 @@ fn coupled_bound(model: &Model, rig: &MpmTest) -> Option<f64> {
     let stress = largest_stress(rig, specimen, &rig.laws[usize::from(specimen.law)]);
     let inertia = rig.points_inertia * rig.points.velocity.first()?[3];
     let rate = contact_rate(rig.settings.dimension, &s, inertia, stress);
-    (rate > 0.0).then(|| (2.0 / rate).sqrt())
+    (rate > 0.0).then(|| (1.0 / rate).sqrt())
 }
 
 fn speed(rig: &MpmTest, i: usize) -> f64 {

@@ -1,10 +1,11 @@
-//! How long a run takes on one thread: the steps it is expected to make, times what a step of a grain and of a point takes. Meant
-//! to be within a factor of two; what a run waits for, and how many grains break, is known only when it has been made.
-//!
-//! All times are of one thread of a virtual Xeon of 2.5 GHz with AVX-512.
+//! How long a run takes on one thread: the steps it is expected to make, times what a step of a grain and of a point takes, which
+//! follows the machine's [`Pace`]. Meant to be within a factor of two; what a run waits for, and how many grains break, is known only
+//! when it has been made.
 
 use super::crushing::rigid_platens;
 use super::estimate::{median, rearrangement};
+use crate::machine::Pace;
+use crate::model::continuum::{MpmTest, Test};
 use crate::model::{Compression, Model, Rig, Specimen, Subject};
 use crate::packing;
 use engine::boundary::Drive;
@@ -13,22 +14,91 @@ use engine::breakage::criterion::size_factor;
 use engine::coupling::Embedding;
 use engine::grains::sphere_volume;
 use engine::math::random::lineage_root;
+use engine::mpm::Dimension;
 
-/// Start of the program, and the figures of a small run, s.
-pub const START: f64 = 0.25;
-/// Time of a step without grains, s.
-const STEP: f64 = 0.3e-6;
-/// Time of a step for one grain with its contacts, s. Falling boxes of 12 to 250 grains and tests of 700 to 19 000 took 50 to 80
-/// ns.
-const GRAIN: f64 = 60e-9;
-/// Time of a step for one point, s; measured 0.15 to 0.5 µs.
-pub const POINT: f64 = 1.0 / 3e6;
-/// Time of a step for one grain that points touch, s; measured 0.08 to 0.5 µs.
-pub const GRAIN_AMONG_POINTS: f64 = 1.0 / 5e6;
+/// What parts of a run take on one thread, s: those of the yardstick times what such parts took beside it.
+#[derive(Clone, Copy, Debug)]
+pub struct Costs {
+    /// Start of the program.
+    pub start: f64,
+    /// The figures.
+    pub figures: f64,
+    /// A step by itself.
+    step: f64,
+    /// A step of a grain with its contacts, of up to [`FEW`] grains.
+    grain: f64,
+    /// A step of a point.
+    pub point: f64,
+    /// A step of a grain that points touch: measured 2 to 8 times that of a grain among grains, 40 times that of fragments smaller than
+    /// points.
+    pub grain_among_points: f64,
+    /// A step in the test of a single grain between platens.
+    platen: f64,
+}
+
+/// Grains whose steps all take the same time; that of more grows with their number to the power [`SLOWER_BY`], as they leave the
+/// caches: 38, 68 and 125 ns with 5000, 50 000 and 500 000 grains on a quiet machine.
+const FEW: f64 = 4000.0;
+const SLOWER_BY: f64 = 0.25;
+
+/// A step of a point over that of the yardstick: 1.1 to 1.4 in columns and boxes.
+const POINT: f64 = 1.1;
+/// What a step of a point takes more that a platen may touch, over the yardstick's: cubes of 16 and of 40 points along an edge took 0.7 and
+/// 0.3 more for each of all their points.
+const AT_PLATEN: f64 = 2.0;
+/// A step of a point in plane strain, with 9 nodes about it, over that of one in space, with 27.
+const PLANE: f64 = 0.5;
+/// A step of a point among coarse grains over that of one in a soil of its own.
+const MIXED: f64 = 1.2;
+
+/// What a step of a point takes, over that of the yardstick.
+fn point(rig: &MpmTest) -> f64 {
+    let [points, grains] = rig.counts();
+    let platens = match rig.test {
+        Test::Free { .. } => 0.0,
+        Test::Oedometer(_) => 2.0,
+        Test::Triaxial { .. } => 6.0,
+    };
+    let touched = platens / (points as f64).cbrt().max(1.0);
+    let plane = if rig.settings.dimension == Dimension::PlaneStrain { PLANE } else { 1.0 };
+    plane * (POINT + AT_PLATEN * touched.min(1.0)) * if grains > 0 { MIXED } else { 1.0 }
+}
+
+impl Costs {
+    /// Of a run of `model` on a machine of this pace, on a fast one where it is not known.
+    pub fn new(model: &Model, pace: Option<Pace>) -> Costs {
+        let pace = pace.unwrap_or(Pace::FAST);
+        // features by `comminute bench features`; a grain took 1.2 to 2 times the yardstick's, the more the more contacts it has
+        let without_ledger = if model.records.energy { 1.0 } else { 0.8 };
+        let rolling = if model.physics.contact.rolling { 1.6 } else { 1.0 };
+        let viscous = if model.physics.contact.law.is_viscous() { 1.2 } else { 1.0 };
+        let figures = match model.rig.subject() {
+            Subject::GrainCrushing(_) => 4e6,
+            Subject::Assembly(_) => 7e6,
+            Subject::Continuum(rig) if rig.counts()[1] > 0 => 3e7,
+            Subject::Continuum(_) => 1.2e7,
+            Subject::Specimen(_) => 2e7,
+        };
+        let point = if let Subject::Continuum(rig) = model.rig.subject() { point(rig) } else { POINT };
+        Costs {
+            start: 1e6 * pace.grain,
+            figures: if model.records.figures { figures * pace.grain } else { 0.0 },
+            step: 5.0 * pace.grain,
+            grain: 1.7 * without_ledger * rolling * viscous * pace.grain,
+            point: point * pace.point,
+            grain_among_points: 20.0 * pace.grain,
+            platen: 4.0 * pace.grain,
+        }
+    }
+
+    /// A step of `n` grains, s.
+    pub fn grains(&self, n: f64) -> f64 {
+        self.step + n * self.grain * (n / FEW).max(1.0).powf(SLOWER_BY)
+    }
+}
+
 /// Share of the mass lost in breakages that has become points: the rest waits for room. Measured 0.48 to 0.49.
 const ENTERED: f64 = 0.5;
-/// Time of a step in the test of a single grain between platens, s.
-const PLATEN: f64 = 0.2e-6;
 
 /// Steps of the whole preparation over those in which radii grow: on the way from loose to dense (measured 3 to 8).
 const PREPARED_ON_PATH: f64 = 4.0;
@@ -42,6 +112,10 @@ const LEAST_STRAIN: f64 = 0.06;
 const MORE_STRAIN: f64 = 0.25;
 /// What a breakage a grain adds in strain, for as long as platens wait after breakages.
 const WAITS: f64 = 0.55;
+/// Strain of unloading and of reloading, for each e-fold of the stress: measured 0.0055 under isotropic stress.
+const SWELLING: f64 = 0.0055;
+/// The same under isotropic stress over that, where platens and the wall around them wait for each other: 1.7 to 2.3 of three runs.
+const ALL_SIDES: f64 = 1.9;
 /// Steps over those in which a platen would go this way at the largest inertial number.
 const SLOWER: f64 = 1.35;
 /// Axial strain of an oedometer at its largest stress: measured 0.04 to 0.45.
@@ -77,39 +151,41 @@ pub struct Duration {
 
 /// Estimates the duration of a run of `grains` grains with `steps` steps of its test; `stages` are the steps of each stage of a
 /// compression by its programme alone, `dt` the time step, s, where it is known.
-pub fn duration(model: &Model, grains: usize, steps: f64, stages: &[f64], dt: Option<f64>) -> Duration {
+pub fn duration(model: &Model, grains: usize, steps: f64, stages: &[f64], dt: Option<f64>, pace: Option<Pace>) -> Duration {
     let n = grains as f64;
+    let costs = Costs::new(model, pace);
+    let start = costs.start + costs.figures;
     if let Rig::GrainCrushing(_) = model.rig {
-        return Duration { seconds: START + steps * PLATEN, preparation: 0.0, steps, grains: n, points: 0.0 };
+        return Duration { seconds: start + steps * costs.platen, preparation: 0.0, steps, grains: n, points: 0.0 };
     }
     let sizes = model.physics.crush.as_ref().and_then(|crush| Some((crush, sizes(model)?)));
     let [mean, last] = sizes.as_ref().map_or([1.0, 1.0], |(crush, sizes)| growth(model, crush, sizes, stress(model)));
     let broken = |stress: f64| sizes.as_ref().map_or(0.0, |(crush, sizes)| breakages(model, crush, sizes, stress));
-    let of = |steps: f64, n: f64| steps * (STEP + n * GRAIN);
+    let of = |steps: f64, n: f64| steps * costs.grains(n);
     let points = match (&model.rig, &model.physics.crush) {
         (Rig::Oedometer(o), Some(crush)) => o.fines.as_ref().map_or(0.0, |fines| points(&o.specimen, fines, crush)),
         _ => 0.0,
     };
     // fines, and grains among them, once something has broken
     let among = |steps: f64, n: f64, born: f64| {
-        if points * born > 0.0 { steps * (points * born * POINT + n * GRAIN_AMONG_POINTS) } else { 0.0 }
+        if points * born > 0.0 { steps * (points * born * costs.point + n * costs.grain_among_points) } else { 0.0 }
     };
     let all = |steps: f64, n: f64| of(steps, n) + among(steps, n, n - grains as f64);
     let preparation = model.rig.specimen().map_or(0.0, |s| of(preparation_steps(s), n));
     let (mut steps_of_test, mut test) = (steps, of(steps, n * mean));
-    if let Rig::Oedometer(o) = &model.rig {
+    if let Some(o) = model.rig.compression() {
         let largest = o.loading.stages.iter().copied().fold(0.0, f64::max);
         // grains break on the way to the largest stress, and are there afterwards
         let peak = o.loading.stages.iter().position(|s| *s == largest).unwrap_or(0);
         (steps_of_test, test) = (0.0, 0.0);
         for (k, &programme) in stages.iter().enumerate() {
-            let steps = if k > peak { programme } else { with_waiting(model, o, k, programme, dt, &broken) };
+            let steps = with_waiting(model, o, k, programme, dt, &broken);
             steps_of_test += steps;
             test += all(steps, if k > peak { n * last } else { n * mean });
         }
     }
     Duration {
-        seconds: START + preparation + test,
+        seconds: start + preparation + test,
         preparation,
         steps: steps_of_test,
         grains: n * last,
@@ -123,29 +199,32 @@ fn points(specimen: &Specimen, fines: &Embedding, crush: &CrushModel) -> f64 {
     lost / fines.solid() / (crush.pattern.count() - 1) as f64
 }
 
-/// Steps of stage `k`, which its programme would make in `programme` steps by itself: under stress control the platen is not faster than the largest inertial number I,
-/// and waits after breakages: sqrt(programme² + w²) with w = SLOWER ∫ t/I d(ε + WAITS b), t the time scale of rearrangement. `broken`: breakages a grain at a stress, Pa.
-/// Of 55 runs of coke and silica sand with programmes and caps of their own 0.45 to 1.55 times the steps; a quarter to a third of those of silica sand that turns.
+/// Steps of stage `k`, which its programme would make in `programme` steps by itself: under stress control a platen is not faster than the largest inertial number I,
+/// and waits after breakages: sqrt(programme² + w²) with w = SLOWER ∫ t/I dε, t the time scale of rearrangement. Beyond the largest stress so far ε is the strain of first
+/// loading, and WAITS b more for b breakages a grain (`broken`, at a stress, Pa); below it that of swelling. Of 55 runs of coke and silica sand with programmes and caps of
+/// their own 0.45 to 1.55 times the steps; a quarter to a third of those of silica sand that turns.
 fn with_waiting(model: &Model, o: &Compression, k: usize, programme: f64, dt: Option<f64>, broken: &impl Fn(f64) -> f64) -> f64 {
-    let from = o.specimen.isotropic_stress;
-    let (to, before) = (o.loading.stages[k], o.loading.before(k).max(from));
-    if o.loading.strain_controlled.is_some() || to <= before {
+    if o.loading.strain_controlled.is_some() {
         return programme;
     }
-    let whole = (to / from).ln();
-    let way = |stress: f64| {
+    let isotropic = o.specimen.isotropic_stress;
+    let (to, before) = (o.loading.stages[k], o.loading.before(k).max(isotropic));
+    let from = if k == 0 { isotropic } else { o.loading.stages[k - 1] };
+    let largest = o.loading.stages.iter().copied().fold(before, f64::max);
+    let swelling = |stress: f64| SWELLING * (stress / isotropic).ln();
+    let first = |stress: f64| {
         let b = broken(stress);
-        LEAST_STRAIN * (stress / from).ln() / whole + MORE_STRAIN * b.powf(0.8) + WAITS * b
+        LEAST_STRAIN * (stress / isotropic).ln() / (largest / isotropic).ln() + MORE_STRAIN * b.powf(0.8) + WAITS * b
     };
-    let at = |j: u32| before * (to / before).powf(f64::from(j) / f64::from(STRESSES));
-    let mut last = way(before);
-    let mut waits = 0.0;
-    for j in 0..STRESSES {
-        let next = way(at(j + 1));
-        waits += (next - last) * rearrangement(model, &o.specimen, (at(j) * at(j + 1)).sqrt());
-        last = next;
-    }
-    programme.hypot(SLOWER * waits / o.loading.max_inertial_number / dt.unwrap_or(1.0))
+    let held = |strain: &dyn Fn(f64) -> f64, from: f64, to: f64| {
+        let at = |j: u32| from * (to / from).powf(f64::from(j) / f64::from(STRESSES));
+        let part =
+            |j: u32| (strain(at(j + 1)) - strain(at(j))).abs() * rearrangement(model, &o.specimen, (at(j) * at(j + 1)).sqrt());
+        (0..STRESSES).map(part).sum::<f64>()
+    };
+    let waits = held(&swelling, from, to.min(before)) + held(&first, before, to.max(before));
+    let all_sides = if o.all_sides { ALL_SIDES } else { 1.0 };
+    all_sides * programme.hypot(SLOWER * waits / o.loading.max_inertial_number / dt.unwrap_or(1.0))
 }
 
 fn preparation_steps(s: &Specimen) -> f64 {
@@ -241,18 +320,26 @@ fn with_daughters(crush: &CrushModel, broken: &impl Fn(f64) -> f64, d: f64, gene
 
 #[cfg(test)]
 mod tests {
+    use crate::machine::Pace;
+    use crate::model::Model;
     use crate::scene;
 
     /// What a scene of the repository is expected to take, with these values replaced.
     fn estimate(scene: &str, sets: &[&str]) -> scene::Estimate {
+        scene::estimate(&model(scene, sets), None)
+    }
+
+    fn model(scene: &str, sets: &[&str]) -> Model {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments").join(scene);
         let sets: Vec<String> = sets.iter().map(|s| (*s).into()).collect();
         let scene = scene::load(path, &sets).expect("a scene");
-        scene::estimate(&scene::model(&scene).expect("a model"))
+        scene::model(&scene).expect("a model")
     }
 
+    /// The same without start and figures, s.
     fn seconds(scene: &str, sets: &[&str]) -> f64 {
-        estimate(scene, sets).seconds - super::START
+        let costs = super::Costs::new(&model(scene, sets), None);
+        estimate(scene, sets).seconds - costs.start - costs.figures
     }
 
     #[test]
@@ -279,6 +366,17 @@ mod tests {
         let continuum = "mpm/oedometer.toml";
         let [slow, fast] = ["0.0001", "0.0002"].map(|rate| seconds(continuum, &[&format!("test.strain_per_wave={rate}")]));
         assert!((slow / fast - 2.0).abs() < 0.01, "{slow} {fast}");
+    }
+
+    /// On a machine half as fast everything takes twice as long.
+    #[test]
+    fn time_follows_the_pace() {
+        let (fast, slow) = (Pace::FAST, Pace { grain: 2.0 * Pace::FAST.grain, point: 2.0 * Pace::FAST.point });
+        for scene in ["petroleum_coke/h-c-2.toml", "mpm/oedometer.toml", "mixture/coke_in_fines.toml", "platen/silica.toml"] {
+            let model = model(scene, &[]);
+            let [fast, slow] = [fast, slow].map(|pace| scene::estimate(&model, Some(pace)).seconds);
+            assert!((slow / fast - 2.0).abs() < 1e-9, "{scene}: {fast} {slow}");
+        }
     }
 
     /// Grains that break are more, and take longer.

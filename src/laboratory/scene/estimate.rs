@@ -2,8 +2,9 @@
 //! for a person to judge.
 
 use super::crushing::extremes;
-use super::duration::strained_steps;
+use super::duration::{Costs, strained_steps};
 use super::specimen::height;
+use crate::machine::{Pace, peak_memory};
 use crate::model::{self, Assembly, Compression, Model, Rig, Subject, Triaxial};
 use crate::rig::grain_crushing::most_steps;
 use engine::boundary::Drive;
@@ -50,6 +51,8 @@ pub struct Estimate {
     pub steps: f64,
     /// Steps of the test with those in which a programme is expected to wait.
     pub steps_expected: f64,
+    /// Pace of the machine that the times follow; `None`: that of a fast one.
+    pub pace: Option<Pace>,
     /// What the user should know before the run is started.
     pub warnings: Vec<String>,
 }
@@ -71,29 +74,38 @@ pub struct SpecimenEstimate {
     pub height_over_largest: f64,
 }
 
-/// Estimates the run of `model`.
-pub fn estimate(model: &Model) -> Estimate {
-    let mut estimate = without_strength(model);
+/// Estimates the run of `model` on a machine of this pace, on a fast one where it is not known.
+pub fn estimate(model: &Model, pace: Option<Pace>) -> Estimate {
+    let mut estimate = without_strength(model, pace);
     estimate.crushing_stress = super::crushing_estimate::crushing_stress(model);
     estimate.warnings.extend(estimate.crushing_stress.as_ref().and_then(|s| s.warning()));
     estimate.warnings.extend(super::breakable::none_breaks(model));
     estimate
 }
 
-/// Time that the run of `model` is expected to take on one thread, s. `prepared`: it begins with a specimen that is made already.
-pub fn predicted_seconds(model: &Model, prepared: bool) -> f64 {
-    let estimate = without_strength(model);
-    estimate.seconds - if prepared { estimate.preparation_seconds } else { 0.0 }
+/// What `check` says of the run of `model`, for its summary, with the most memory that this process has taken: steps, time on one thread of
+/// this machine without the figures, s, and memory, MB. `prepared`: the run begins with a specimen that is made already.
+pub fn predicted(model: &Model, prepared: bool) -> Vec<(&'static str, f64)> {
+    let pace = Pace::known();
+    let estimate = without_strength(model, pace);
+    let without = Costs::new(model, pace).figures + if prepared { estimate.preparation_seconds } else { 0.0 };
+    let mut all = vec![
+        ("predicted_steps", estimate.steps_expected),
+        ("predicted_seconds", estimate.seconds - without),
+        ("predicted_memory_MB", estimate.memory_mb),
+    ];
+    all.extend(peak_memory().map(|bytes| ("peak_memory_MB", 1e-6 * bytes)));
+    all
 }
 
 /// The estimate without the crushing strength of single grains.
-fn without_strength(model: &Model) -> Estimate {
+fn without_strength(model: &Model, pace: Option<Pace>) -> Estimate {
     let (smallest, largest) = extremes(&model.rig);
     let grains = match model.rig.subject() {
         Subject::Specimen(specimen) => specimen.grains,
         Subject::Assembly(a) => a.grains.len(),
         Subject::GrainCrushing(p) => p.diameters.len(),
-        Subject::Continuum(rig) => return super::continuum_estimate::estimate(model, rig),
+        Subject::Continuum(rig) => return super::continuum_estimate::estimate(model, rig, pace),
     };
     let finest = match &model.physics.crush {
         Some(c) if c.d_limit < largest => smallest.min(c.pattern.smallest() * c.d_limit),
@@ -112,7 +124,7 @@ fn without_strength(model: &Model) -> Estimate {
         Rig::GrainCrushing(p) => most_steps(p) * grains as f64,
         _ => 0.0,
     };
-    let expected = super::duration::duration(model, grains, steps, &stages, time_step);
+    let expected = super::duration::duration(model, grains, steps, &stages, time_step, pace);
     let mut estimate = Estimate {
         grains,
         grains_final: expected.grains,
@@ -128,6 +140,7 @@ fn without_strength(model: &Model) -> Estimate {
         time_step_limit,
         steps,
         steps_expected: expected.steps,
+        pace,
         warnings: Vec::new(),
     };
     if let Some(s) = model.rig.specimen() {

@@ -14,8 +14,10 @@ pub const OF_MEMORY: &str = "of memory;";
 
 /// The program itself with its threads, bytes; measured 11 to 14 MB.
 const PROGRAM: f64 = 14e6;
-/// Drawing the figures at the end, with a view of the specimen, bytes; measured 60 to 110 MB with two threads.
-const FIGURES: f64 = 115e6;
+/// Drawing the figures at the end, bytes: with a view of the specimen, measured 60 to 115 MB, and with sections through grains and points,
+/// 230 to 275 MB.
+const FIGURES: f64 = 85e6;
+const SECTIONS: f64 = 240e6;
 /// The same for platen tests, which have no such view; measured 32 MB.
 const PLATEN_FIGURES: f64 = 45e6;
 /// A grain with its contacts and neighbours while a checkpoint is written, bytes; measured 2200 to 2500, and 720 before grains touch.
@@ -36,6 +38,7 @@ pub fn needed(model: &Model, more: [f64; 2]) -> f64 {
     let drawn = match model.rig {
         _ if !model.records.figures => 0.0,
         Rig::GrainCrushing(_) => PLATEN_FIGURES,
+        Rig::Continuum(ref rig) if rig.counts()[1] > 0 => SECTIONS,
         _ => FIGURES,
     };
     // figures are drawn when all else is gone

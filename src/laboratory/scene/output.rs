@@ -123,7 +123,7 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/").to_string() + name;
         let sets: Vec<String> = sets.iter().map(|s| (*s).into()).collect();
         let model = scene::outline(&scene::load(path, &sets).expect("a scene")).expect("a model");
-        let estimate = scene::estimate(&model);
+        let estimate = scene::estimate(&model, None);
         (model, estimate)
     }
 

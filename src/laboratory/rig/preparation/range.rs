@@ -3,14 +3,13 @@
 
 use super::path::{Path, Wish};
 use super::porosity;
+use crate::cache;
 use crate::error::Error;
 use crate::interrupt::stop_asked;
 use crate::model::{Model, Specimen};
-use crate::record::specimen::checksum;
 use engine::check::{Checked, ensure};
 use engine::dem::Workspace;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
 
 /// Porosities of the loosest and the densest specimen of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,16 +26,8 @@ const SEED: u64 = 1;
 /// Version of the way. A change of [`super::path`] that changes its ends must raise this number; files of other versions are not
 /// read.
 const WAY: u32 = 3;
-/// Beginning of the names of files in the cache.
-const PREFIX: &str = "range-";
-
-/// The content of a file in the cache.
-#[derive(Serialize, Deserialize)]
-struct Kept {
-    /// Everything that the range depends on ([`depends_on`]): tells two scenes apart whose file names are equal by chance.
-    of: String,
-    range: Range,
-}
+/// Kind of its files in the cache.
+const KIND: &str = "range";
 
 impl Range {
     /// Checks a range from a checkpoint.
@@ -70,11 +61,8 @@ pub fn void_ratio(porosity: f64) -> f64 {
 
 /// The range of the specimen from the cache; `None` where it has not been measured.
 pub fn known(model: &Model, rig: &Specimen) -> Option<Range> {
-    let of = depends_on(model, rig);
-    let text = std::fs::read_to_string(file(&of)?).ok()?;
-    let kept: Kept = serde_json::from_str(&text).ok()?;
-    let sound = 0.0 < kept.range.densest && kept.range.densest <= kept.range.loosest && kept.range.loosest < 1.0;
-    (sound && kept.of == of).then_some(kept.range)
+    let range: Range = cache::read(KIND, &depends_on(model, rig))?;
+    range.check().is_ok().then_some(range)
 }
 
 /// Measures the range of the specimen by making the loosest and the densest, and writes the range into the cache.
@@ -85,11 +73,7 @@ pub fn measure(model: &Model, rig: &Specimen) -> Result<Range, Error> {
     let mut model = model.clone();
     model.seeds.packing = SEED;
     let range = Range { loosest: end(&model, rig, Wish::Loosest)?, densest: end(&model, rig, Wish::Densest)? };
-    let of = depends_on(&model, rig);
-    if let Some(path) = file(&of) {
-        // without a cache that can be written, the next run measures again
-        let _ = keep(&path, &Kept { of, range });
-    }
+    cache::keep(KIND, &depends_on(&model, rig), range);
     Ok(range)
 }
 
@@ -141,26 +125,4 @@ fn depends_on(model: &Model, rig: &Specimen) -> String {
         model.physics.stepping,
         model.physics.gravity,
     )
-}
-
-/// File of the range in the cache: in the folder of the environment variable `COMMINUTE_CACHE`, or in `comminute` below the
-/// user's folder for caches; `None` where there is no such folder.
-fn file(of: &str) -> Option<PathBuf> {
-    let of_system = || {
-        let own = |key: &str| std::env::var_os(key).filter(|v| !v.is_empty()).map(PathBuf::from);
-        let base = own("XDG_CACHE_HOME").or_else(|| own("LOCALAPPDATA")).or_else(|| own("HOME").map(|home| home.join(".cache")));
-        base.map(|base| base.join("comminute"))
-    };
-    let folder = std::env::var_os("COMMINUTE_CACHE").map(PathBuf::from).or_else(of_system)?;
-    Some(folder.join(format!("{PREFIX}{:016x}.json", checksum(of))))
-}
-
-/// Writes a file of the cache. It gets its name when it is complete, so a process that is killed leaves no broken file.
-fn keep(path: &std::path::Path, kept: &Kept) -> std::io::Result<()> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder)?;
-    }
-    let unfinished = path.with_extension(format!("{}.tmp", std::process::id()));
-    std::fs::write(&unfinished, serde_json::to_string_pretty(kept)?)?;
-    std::fs::rename(&unfinished, path)
 }
