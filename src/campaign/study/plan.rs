@@ -141,6 +141,12 @@ impl Setting {
 }
 
 impl Factor {
+    /// Whether its levels are numbers, which have an order and values between them.
+    pub fn is_numeric(&self) -> bool {
+        let number = |value: &toml::Value| value.is_float() || value.is_integer();
+        self.key.is_some() && self.values.iter().all(number)
+    }
+
     /// The levels: those written out, or the values of the key.
     fn all(&self) -> Vec<Level> {
         let Some(key) = &self.key else { return self.levels.clone() };

@@ -210,7 +210,8 @@ fn graph(plan: &Plan, rows: &[Row], of: &Judged) -> Option<Graph> {
         for (f, factor) in plan.factors.iter().enumerate() {
             let points: Vec<(f64, f64)> =
                 (1..rows.len()).filter(|k| rows[*k].setting.levels[f].is_some()).filter_map(point).collect();
-            if points.len() > 1 {
+            // between words there is nothing
+            if points.len() > 1 && factor.is_numeric() {
                 series.push(Drawn { label: None, look: Look::Line(0), ..symbols(Some(factor.name.clone()), f, points.clone()) });
             }
             series.push(symbols(Some(factor.name.clone()), f, points));
