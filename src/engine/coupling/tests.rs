@@ -471,6 +471,32 @@ fn lists_hold_all_pairs_and_follow_memory() {
     assert!(scene.contacts.candidates.is_empty());
 }
 
+/// Passes that skip candidates without a history find those that a look at each finds: as contacts form and end, and when somebody has given one a history.
+#[test]
+fn no_candidate_with_a_history_is_skipped() {
+    let physics = physics(ContactLaw::Hertz);
+    let row: Vec<Point> = (0..12).map(|k| point([0.04 * f64::from(k), 0.0, 0.0], [0.0; 3])).collect();
+    let mut scene = Scene::new(physics.clone(), grain([0.0, 0.0, 0.11], [0.0; 3], [0.0; 3], &physics), vec![], continuum(&row));
+    let both = |scene: &Scene| {
+        let skipping: Vec<u32> = scene.contacts.candidates.with_history().map(|c| c.point).collect();
+        let all: Vec<u32> = scene.contacts.candidates.iter().filter(|c| c.has_history()).map(|c| c.point).collect();
+        assert_eq!(skipping, all);
+        all
+    };
+    let mut seen = Vec::new();
+    for step in 0..10 {
+        scene.grains.pos[0][0] = 0.05 * f64::from(step);
+        scene.contacts.update(&scene.grains, &scene.walls, &scene.continuum, 0.05);
+        scene.evaluate(1e-6, [0.0; 2]);
+        seen.push(both(&scene));
+    }
+    assert!(seen.iter().all(|found| !found.is_empty() && found.len() < 12), "{seen:?}");
+    assert!(seen[0].contains(&0) && !seen[9].contains(&0), "contacts ended: {seen:?}");
+    let silent = scene.contacts.candidates.iter().position(|c| !c.has_history()).expect("one that does not touch");
+    scene.contacts.candidates[silent].reference = 1e-3;
+    assert!(both(&scene).contains(&scene.contacts.candidates[silent].point));
+}
+
 /// Chooses the longest cycle: squares of frequencies add up, and the faster side makes as many steps as the slower one needs.
 #[test]
 fn the_longest_cycle_is_that_of_the_slower_side() {
