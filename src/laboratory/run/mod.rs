@@ -12,6 +12,7 @@ mod watch;
 
 use crate::error::{Error, Result};
 use crate::interrupt::{listen, stop_asked};
+use crate::machine::peak_memory;
 use crate::model::{Model, Rig};
 use crate::record::{checkpoint, specimen};
 use crate::rig::assembly;
@@ -113,8 +114,9 @@ impl Outcome {
     fn undrawn(mut summary: serde_json::Value, out: &Path, model: &Model) -> Result<Outcome> {
         let draw = model.records.figures;
         summary["figure_seconds"] = if draw { serde_json::Value::Null } else { serde_json::json!(0.0) };
-        files::save_summary(out, &summary)?;
-        Ok(Outcome { summary, out: out.into(), draw })
+        let mut outcome = Outcome { summary, out: out.into(), draw };
+        outcome.save()?;
+        Ok(outcome)
     }
 
     /// Records that the figures have been drawn in `seconds`, s: sets `draw` to false and writes `summary.json` anew.
@@ -124,6 +126,14 @@ impl Outcome {
     pub fn drawn(&mut self, seconds: f64) -> Result<()> {
         self.draw = false;
         self.summary["figure_seconds"] = serde_json::json!(seconds);
+        self.save()
+    }
+
+    /// Writes `summary.json` with the most memory that the run has taken so far.
+    fn save(&mut self) -> Result<()> {
+        if let Some(bytes) = peak_memory() {
+            self.summary["peak_memory_MB"] = serde_json::json!(1e-6 * bytes);
+        }
         files::save_summary(&self.out, &self.summary)
     }
 }

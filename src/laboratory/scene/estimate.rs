@@ -4,7 +4,7 @@
 use super::crushing::extremes;
 use super::duration::{Costs, strained_steps};
 use super::specimen::height;
-use crate::machine::{Pace, peak_memory};
+use crate::machine::Pace;
 use crate::model::{self, Assembly, Compression, Model, Rig, Subject, Triaxial};
 use crate::rig::grain_crushing::most_steps;
 use engine::boundary::Drive;
@@ -83,19 +83,17 @@ pub fn estimate(model: &Model, pace: Option<Pace>) -> Estimate {
     estimate
 }
 
-/// What `check` says of the run of `model`, for its summary, with the most memory that this process has taken: steps, time on one thread of
-/// this machine without the figures, s, and memory, MB. `prepared`: the run begins with a specimen that is made already.
-pub fn predicted(model: &Model, prepared: bool) -> Vec<(&'static str, f64)> {
+/// What `check` says of the run of `model`, for its summary: steps, time on one thread of this machine without the figures, s, and memory,
+/// MB. `prepared`: the run begins with a specimen that is made already.
+pub fn predicted(model: &Model, prepared: bool) -> [(&'static str, f64); 3] {
     let pace = Pace::known();
     let estimate = without_strength(model, pace);
     let without = Costs::new(model, pace).figures + if prepared { estimate.preparation_seconds } else { 0.0 };
-    let mut all = vec![
+    [
         ("predicted_steps", estimate.steps_expected),
         ("predicted_seconds", estimate.seconds - without),
         ("predicted_memory_MB", estimate.memory_mb),
-    ];
-    all.extend(peak_memory().map(|bytes| ("peak_memory_MB", 1e-6 * bytes)));
-    all
+    ]
 }
 
 /// The estimate without the crushing strength of single grains.
