@@ -142,6 +142,7 @@ pub fn estimate(model: &Model, rig: &MpmTest, pace: Option<Pace>) -> Estimate {
         grains_final: 0.0,
         seconds,
         preparation_seconds: preparation,
+        figure_seconds: costs.figures,
         // twice the mean over the test
         memory_mb: 1e-6 * memory::needed(model, [2.0 * broken.grains, 2.0 * broken.points]),
         output: super::output::output(

@@ -29,7 +29,7 @@ pub struct Costs {
     grain: f64,
     /// A step of a point.
     pub point: f64,
-    /// A step of a grain that points touch: measured 2 to 8 times that of a grain among grains, 40 times that of fragments smaller than
+    /// A step of a grain that points touch: measured 2 to 8 times a step of a grain among grains, and 40 times for fragments smaller than
     /// points.
     pub grain_among_points: f64,
     /// A step in the test of a single grain between platens.
@@ -114,7 +114,8 @@ const MORE_STRAIN: f64 = 0.25;
 const WAITS: f64 = 0.55;
 /// Strain of unloading and of reloading, for each e-fold of the stress: measured 0.0055 under isotropic stress.
 const SWELLING: f64 = 0.0055;
-/// The same under isotropic stress over that, where platens and the wall around them wait for each other: 1.7 to 2.3 of three runs.
+/// Steps of an isotropic compression over those of an oedometer whose platen goes as far: platens and the wall around them wait for each
+/// other. Measured 1.7 to 2.3 in three runs.
 const ALL_SIDES: f64 = 1.9;
 /// Steps over those in which a platen would go this way at the largest inertial number.
 const SLOWER: f64 = 1.35;
@@ -141,6 +142,8 @@ pub struct Duration {
     pub seconds: f64,
     /// Time of the preparation on one thread, s.
     pub preparation: f64,
+    /// Time of the figures on one thread, s.
+    pub figures: f64,
     /// Steps of the test, with those in which a programme waits.
     pub steps: f64,
     /// Grains at the end.
@@ -154,9 +157,10 @@ pub struct Duration {
 pub fn duration(model: &Model, grains: usize, steps: f64, stages: &[f64], dt: Option<f64>, pace: Option<Pace>) -> Duration {
     let n = grains as f64;
     let costs = Costs::new(model, pace);
-    let start = costs.start + costs.figures;
+    let figures = costs.figures;
+    let start = costs.start + figures;
     if let Rig::GrainCrushing(_) = model.rig {
-        return Duration { seconds: start + steps * costs.platen, preparation: 0.0, steps, grains: n, points: 0.0 };
+        return Duration { seconds: start + steps * costs.platen, figures, steps, grains: n, ..Duration::default() };
     }
     let sizes = model.physics.crush.as_ref().and_then(|crush| Some((crush, sizes(model)?)));
     let [mean, last] = sizes.as_ref().map_or([1.0, 1.0], |(crush, sizes)| growth(model, crush, sizes, stress(model)));
@@ -187,6 +191,7 @@ pub fn duration(model: &Model, grains: usize, steps: f64, stages: &[f64], dt: Op
     Duration {
         seconds: start + preparation + test,
         preparation,
+        figures,
         steps: steps_of_test,
         grains: n * last,
         points: points * n * (last - 1.0),
@@ -338,8 +343,8 @@ mod tests {
 
     /// The same without start and figures, s.
     fn seconds(scene: &str, sets: &[&str]) -> f64 {
-        let costs = super::Costs::new(&model(scene, sets), None);
-        estimate(scene, sets).seconds - costs.start - costs.figures
+        let (costs, e) = (super::Costs::new(&model(scene, sets), None), estimate(scene, sets));
+        e.seconds - costs.start - e.figure_seconds
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! for a person to judge.
 
 use super::crushing::extremes;
-use super::duration::{Costs, strained_steps};
+use super::duration::strained_steps;
 use super::specimen::height;
 use crate::machine::Pace;
 use crate::model::{self, Assembly, Compression, Model, Rig, Subject, Triaxial};
@@ -26,6 +26,8 @@ pub struct Estimate {
     pub seconds: f64,
     /// Time of the preparation on one thread, s.
     pub preparation_seconds: f64,
+    /// Time of the figures on one thread, s.
+    pub figure_seconds: f64,
     /// Memory, MB.
     #[serde(rename = "memory_MB")]
     pub memory_mb: f64,
@@ -86,9 +88,8 @@ pub fn estimate(model: &Model, pace: Option<Pace>) -> Estimate {
 /// What `check` says of the run of `model`, for its summary: steps, time on one thread of this machine without the figures, s, and memory,
 /// MB. `prepared`: the run begins with a specimen that is made already.
 pub fn predicted(model: &Model, prepared: bool) -> [(&'static str, f64); 3] {
-    let pace = Pace::known();
-    let estimate = without_strength(model, pace);
-    let without = Costs::new(model, pace).figures + if prepared { estimate.preparation_seconds } else { 0.0 };
+    let estimate = without_strength(model, Pace::known());
+    let without = estimate.figure_seconds + if prepared { estimate.preparation_seconds } else { 0.0 };
     [
         ("predicted_steps", estimate.steps_expected),
         ("predicted_seconds", estimate.seconds - without),
@@ -128,6 +129,7 @@ fn without_strength(model: &Model, pace: Option<Pace>) -> Estimate {
         grains_final: expected.grains,
         seconds: expected.seconds,
         preparation_seconds: expected.preparation,
+        figure_seconds: expected.figures,
         memory_mb: 1e-6 * super::memory::needed(model, [expected.grains - grains as f64, expected.points]),
         output: super::output::output(model, steps, grains as f64, expected.grains),
         specimen: None,
