@@ -414,7 +414,8 @@ impl Mixture {
             fines.released += self.point_contacts.release(&scene, fines.rule.release_strain);
         }
         if let Some(blocks) = &mut self.blocks {
-            let way = dt * (point.max(grain).max(wall) + blocks.fastest());
+            let fastest = blocks.fastest();
+            let way = dt * (point.max(grain).max(wall).max(fastest) + fastest);
             blocks.update(grains, &self.grains.walls, continuum, way)?;
             blocks.evaluate(&rigid_scene(&self.grains, parts, dt, ahead), true);
         }

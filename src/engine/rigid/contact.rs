@@ -1,9 +1,10 @@
 //! Forces of all contacts of rigid bodies, and their addition to bodies, grains, points and walls.
 
+use super::pair::{Meeting, Outline, Overlap, Site, meeting};
 use super::{Block, Blocks, Pose};
 use crate::boundary::Wall;
 use crate::contact::force::{self, ContactGeometry, ContactHistory, RelativeMotion, Rules};
-use crate::contact::law::Law;
+use crate::contact::law::{Elastic, Law};
 use crate::contact::pair::{Pair, PairTable};
 use crate::contact::pairs::ContactForce;
 use crate::contact::registry::with_law;
@@ -32,6 +33,13 @@ pub enum Other {
         /// Spot of the body that touches the wall ([`crate::shape::Solid::spot`]).
         spot: u32,
     },
+    /// Another body, of higher index.
+    Block {
+        /// Its index.
+        block: u32,
+        /// Which parts of the two touch.
+        site: Site,
+    },
 }
 
 /// A rigid body and something that it touches or may touch soon.
@@ -55,6 +63,10 @@ pub struct BlockContact {
     stiffness: [f64; 2],
     /// Inverse mass of the other side, 1/kg; 0 for a wall.
     inverse_mass: f64,
+    /// Share of `touch` and of `stiffness` that acts: less than 1 only where an edge of another body touches beside its end.
+    share: f64,
+    /// What else acts there, on the body of the contact and against the other: force, N, and torque about its centre of mass, N m.
+    beside: [[f64; 3]; 2],
     /// Where the body presses on a point; `None` until they first touch, and again once they have parted.
     pub(super) face: Option<GhostFace>,
 }
@@ -73,16 +85,29 @@ impl BlockContact {
             arm: none,
             stiffness: [0.0; 2],
             inverse_mass: 0.0,
+            share: 1.0,
+            beside: [none; 2],
             face: None,
         }
     }
 
     /// All its numbers.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
-        let single = [self.radius, self.inverse_mass];
+        let single = [self.radius, self.inverse_mass, self.share];
         let face = self.face.iter().flat_map(GhostFace::numbers);
-        let vectors = self.spring.into_iter().chain(self.arm).chain(self.stiffness).chain(single).chain(face);
+        let beside = self.beside.into_iter().flatten();
+        let vectors = self.spring.into_iter().chain(self.arm).chain(self.stiffness).chain(single).chain(beside).chain(face);
         self.touch.first().into_iter().chain(self.touch.second()).chain(vectors)
+    }
+
+    /// Force of the contact on the body, N.
+    pub fn force(&self) -> [f64; 3] {
+        plus(scaled(self.touch.force(), self.share), self.beside[0])
+    }
+
+    /// Torque of the contact on the body about its centre of mass, N m.
+    fn torque(&self) -> [f64; 3] {
+        plus(cross(self.arm, scaled(self.touch.force(), self.share)), self.beside[1])
     }
 
     fn is_of_point(&self) -> bool {
@@ -93,7 +118,9 @@ impl BlockContact {
     pub(super) fn energy(&self, energy_factor: f64) -> f64 {
         let t = if self.spring == [0.0; 3] { self.touch.tangential } else { self.spring };
         let k_t = self.stiffness[1];
-        energy_factor * self.touch.normal_force * self.touch.overlap + if k_t > 0.0 { 0.5 * dot(t, t) / k_t } else { 0.0 }
+        let stored =
+            energy_factor * self.touch.normal_force * self.touch.overlap + if k_t > 0.0 { 0.5 * dot(t, t) / k_t } else { 0.0 };
+        self.share * stored
     }
 }
 
@@ -132,14 +159,12 @@ impl Blocks {
     /// Computes the forces of this instant: of contacts with points (`points`), or of all others. In parallel over contacts; each task writes only its own.
     pub fn evaluate(&mut self, scene: &BlockScene<'_>, points: bool) {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, weighs_radius: true, task: TASK, arch: pulp::Arch::Scalar };
-        let Blocks { blocks, candidates, .. } = self;
-        let poses: Vec<Pose> = blocks.iter().map(|b| b.pose(scene.ahead[0])).collect();
-        let spins: Vec<[f64; 3]> = blocks.iter().map(Block::spin).collect();
+        self.outline();
+        let Blocks { blocks, outlines, candidates, .. } = self;
+        let bodies = posed(blocks, outlines, scene.ahead[0]);
         with_law!(scene.law, L => {
             candidates.par_iter_mut().with_min_len(TASK).filter(|c| c.is_of_point() == points).for_each(|contact| {
-                let k = contact.block as usize;
-                let body = PosedBlock { block: &blocks[k], pose: &poses[k], spin: spins[k] };
-                touch::<L>(scene, &rules, &body, contact);
+                touch::<L>(scene, &rules, &bodies, contact);
             });
         });
     }
@@ -163,14 +188,14 @@ impl Blocks {
     /// tangent stiffness, to the face of the point.
     pub fn apply_point_reactions(&mut self, of_blocks: f64, continuum: &mut Continuum, [of_points, stiff]: [f64; 2]) {
         for c in self.candidates.iter().filter(|c| c.is_of_point() && c.touch.overlap > 0.0) {
-            let (force, [k_n, k_t]) = (c.touch.force(), c.stiffness);
+            let (force, [k_n, k_t]) = (c.force(), c.stiffness);
             let (push, stiffness) = (force.map(|f| -(of_points * f)), stiff * k_n.max(k_t));
             GhostFace::push(c.face, [c.radius, c.touch.overlap], continuum, c.place as usize, push, stiffness);
             add_force_and_torque(&mut self.applied[c.block as usize], c, of_blocks);
         }
     }
 
-    /// Adds the forces of contacts with grains and walls to bodies and to `external_forces` (force, N, and torque, N m, by index of the grain), and their
+    /// Adds the forces of contacts with grains, walls and other bodies to bodies and to `external_forces` (force, N, and torque, N m, by index of the grain), and their
     /// stiffness and work over `dt` seconds to the walls.
     pub fn apply_grain_and_wall_reactions(
         &mut self,
@@ -198,6 +223,14 @@ impl Blocks {
                     wall_forces[wall as usize] += c.touch.normal_force;
                     walls[wall as usize].stiffness += c.stiffness[0];
                 }
+                Other::Block { block, .. } => {
+                    // equal and opposite, about the centre of the second
+                    let (second, force) = (block as usize, c.force());
+                    let between = less(self.blocks[c.block as usize].centre, self.blocks[second].centre);
+                    let torque = plus(c.torque(), cross(between, force));
+                    let applied = &mut self.applied[second];
+                    *applied = [less(applied[0], force), less(applied[1], torque)];
+                }
                 Other::Point(_) => {}
             }
         }
@@ -216,14 +249,19 @@ impl Blocks {
         let mut most = ContactRates::default();
         let touching = || self.candidates.iter().filter(|c| c.touch.overlap > 0.0);
         for c in touching() {
-            let (block, [k_n, k_t], i) = (&self.blocks[c.block as usize], c.stiffness, c.place as usize);
+            let ([k_n, k_t], i) = (c.stiffness.map(|k| c.share * k), c.place as usize);
             let k = k_n.max(k_t);
-            // at most k (1/m + r²/I)
-            let least = block.moments.into_iter().fold(f64::INFINITY, f64::min);
-            let sum = &mut of_blocks[c.block as usize];
-            *sum += k * (1.0 / block.mass + dot(c.arm, c.arm) / least);
-            most.grains = most.grains.max(*sum);
+            let mut add = |body: u32, arm: [f64; 3]| {
+                let sum = &mut of_blocks[body as usize];
+                *sum += k * self.blocks[body as usize].most_yield(arm);
+                most.grains = most.grains.max(*sum);
+            };
+            add(c.block, c.arm);
             match c.other {
+                Other::Block { block, .. } => {
+                    let at = plus(self.blocks[c.block as usize].centre, c.arm);
+                    add(block, less(at, self.blocks[block as usize].centre));
+                }
                 Other::Point(_) => {
                     of_points[i] += k * c.inverse_mass;
                     most.points = most.points.max(of_points[i]);
@@ -240,7 +278,7 @@ impl Blocks {
             match c.other {
                 Other::Point(_) => of_points[c.place as usize] = 0.0,
                 Other::Grain(_) => of_grains[c.place as usize] = 0.0,
-                Other::Wall { .. } => {}
+                Other::Wall { .. } | Other::Block { .. } => {}
             }
         }
         most
@@ -249,16 +287,28 @@ impl Blocks {
 
 /// Adds `share` times the force of a contact, and its torque about the body's centre of mass.
 fn add_force_and_torque(applied: &mut [[f64; 3]; 2], c: &BlockContact, share: f64) {
-    let force = scaled(c.touch.force(), share);
-    applied[0] = plus(applied[0], force);
-    applied[1] = plus(applied[1], cross(c.arm, force));
+    applied[0] = plus(applied[0], scaled(c.force(), share));
+    applied[1] = plus(applied[1], scaled(c.torque(), share));
 }
 
 /// A body with its present position, orientation and angular velocity.
-struct PosedBlock<'a> {
-    block: &'a Block,
-    pose: &'a Pose,
-    spin: [f64; 3],
+pub(super) struct PosedBlock<'a> {
+    pub block: &'a Block,
+    pub pose: Pose,
+    pub spin: [f64; 3],
+    /// What other bodies touch of it.
+    pub outline: Option<&'a Outline>,
+}
+
+/// All bodies, `ahead` seconds from now.
+pub(super) fn posed<'a>(blocks: &'a [Block], outlines: &'a [Option<Outline>], ahead: f64) -> Vec<PosedBlock<'a>> {
+    let pose = |(block, outline): (&'a Block, &'a Option<Outline>)| PosedBlock {
+        block,
+        pose: block.pose(ahead),
+        spin: block.spin(),
+        outline: outline.as_ref(),
+    };
+    blocks.iter().zip(outlines).map(pose).collect()
 }
 
 /// The other side of a contact that touches, as the contact law needs it.
@@ -278,12 +328,14 @@ struct Across {
     /// Inverse mass of the other side, 1/kg.
     inverse_mass: f64,
     pair: Pair,
+    /// Of two edges: the overlaps of the ends of each with the other.
+    ends: Option<[Overlap; 4]>,
 }
 
 impl PosedBlock<'_> {
     /// Contact with a sphere, if they overlap: unit normal out of the body, overlap, m, and the middle of the overlap.
     fn meets(&self, centre: [f64; 3], radius: f64) -> Option<([f64; 3], f64, [f64; 3])> {
-        let (solid, local) = (self.block.solid(), self.pose.inwards(less(centre, self.pose.centre)));
+        let (solid, local) = (self.block.solid(), self.pose.within(centre));
         if solid.clearance(local) >= radius {
             return None;
         }
@@ -295,14 +347,14 @@ impl PosedBlock<'_> {
 
     /// Inverse of the effective mass of the body, 1/kg, for an impulse along `normal` at the end of `arm`.
     fn inverse_mass(&self, arm: [f64; 3], normal: [f64; 3]) -> f64 {
-        let turn = self.pose.inwards(cross(arm, normal));
-        (0..3).fold(1.0 / self.block.mass, |sum, a| sum + turn[a] * turn[a] / self.block.moments[a])
+        let ((mass, moments), turn) = (self.block.yields(), self.pose.inwards(cross(arm, normal)));
+        (0..3).fold(mass, |sum, a| sum + turn[a] * turn[a] * moments[a])
     }
 }
 
 /// The other side of contact `c`, if they touch.
-fn across(scene: &BlockScene<'_>, body: &PosedBlock<'_>, c: &BlockContact) -> Option<Across> {
-    let i = c.place as usize;
+fn across(scene: &BlockScene<'_>, bodies: &[PosedBlock<'_>], c: &BlockContact) -> Option<Across> {
+    let (body, i) = (&bodies[c.block as usize], c.place as usize);
     Some(match c.other {
         Other::Point(_) => {
             let points = scene.continuum.points();
@@ -311,7 +363,7 @@ fn across(scene: &BlockScene<'_>, body: &PosedBlock<'_>, c: &BlockContact) -> Op
             let (normal, overlap, at) = body.meets(centre, c.radius + beyond)?;
             let pair = scene.point_table.at_plastic_strain(points.law[i], body.block.material, points.memory[i].plastic);
             let inverse_mass = 1.0 / points.velocity[i][3];
-            Across { normal, overlap, r_eff: c.radius, at, velocity, spin: [0.0; 3], inverse_mass, pair }
+            Across { normal, overlap, r_eff: c.radius, at, velocity, spin: [0.0; 3], inverse_mass, pair, ends: None }
         }
         Other::Grain(_) => {
             let g = scene.grains;
@@ -320,11 +372,11 @@ fn across(scene: &BlockScene<'_>, body: &PosedBlock<'_>, c: &BlockContact) -> Op
             let spin = [p, q, r];
             let velocity = plus([u, v, w], cross(spin, less(at, [x, y, z])));
             let pair = *scene.table.grains(body.block.material, g.material[i]);
-            Across { normal, overlap, r_eff: radius, at, velocity, spin, inverse_mass, pair }
+            Across { normal, overlap, r_eff: radius, at, velocity, spin, inverse_mass, pair, ends: None }
         }
         Other::Wall { wall: k, spot } => {
             let (wall, k) = (&scene.walls[k as usize], k as usize);
-            let (towards, gap, spot) = spot_at(wall, body.block, body.pose, spot as usize);
+            let (towards, gap, spot) = spot_at(wall, body.block, &body.pose, spot as usize);
             if gap >= 0.0 {
                 return None;
             }
@@ -333,7 +385,20 @@ fn across(scene: &BlockScene<'_>, body: &PosedBlock<'_>, c: &BlockContact) -> Op
             let at = less(spot, scaled(towards, -gap));
             let pair = *scene.table.wall(k, body.block.material);
             let r_eff = body.block.radius;
-            Across { normal: towards, overlap: -gap, r_eff, at, velocity, spin: [0.0; 3], inverse_mass: 0.0, pair }
+            Across { normal: towards, overlap: -gap, r_eff, at, velocity, spin: [0.0; 3], inverse_mass: 0.0, pair, ends: None }
+        }
+        Other::Block { block, site } => {
+            let other = &bodies[block as usize];
+            let Meeting { overlap: Overlap { normal, depth: overlap, at }, ends } = meeting(body, other, site)?;
+            if overlap <= 0.0 {
+                return None;
+            }
+            let arm = less(at, other.pose.centre);
+            let velocity = plus(other.block.velocity, cross(other.spin, arm));
+            let inverse_mass = other.inverse_mass(arm, normal);
+            let pair = *scene.table.grains(body.block.material, other.block.material);
+            let [r, s] = [body.block.radius, other.block.radius];
+            Across { normal, overlap, r_eff: r * s / (r + s), at, velocity, spin: other.spin, inverse_mass, pair, ends }
         }
     })
 }
@@ -348,10 +413,11 @@ pub(super) fn spot_at(wall: &Wall, block: &Block, pose: &Pose, spot: usize) -> (
 }
 
 /// Computes the force of contact `c` and stores it there.
-fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, body: &PosedBlock<'_>, c: &mut BlockContact) {
+fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>], c: &mut BlockContact) {
+    let body = &bodies[c.block as usize];
     let spring = L::VISCOUS.then_some(c.spring);
     let old = ContactHistory { touch: c.touch, spring, rolling: None, load: None, largest: None, work: None };
-    let Some(o) = across(scene, body, c) else {
+    let Some(o) = across(scene, bodies, c) else {
         if c.touch.overlap > 0.0 {
             (c.touch, c.spring, c.stiffness) = (ContactForce::default(), [0.0; 3], [0.0; 2]);
         }
@@ -380,4 +446,31 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, body: &PosedBlock<'_>, c
     let e = L::elastic(o.overlap, o.overlap, o.r_eff, &o.pair);
     (c.touch, c.spring) = (new.touch, new.spring.unwrap_or_default());
     (c.arm, c.stiffness, c.inverse_mass) = (arm, [e.k_n, e.k_t], o.inverse_mass);
+    if let Some(ends) = o.ends {
+        let elastic = |overlap: f64| L::elastic(overlap, overlap, o.r_eff, &o.pair);
+        (c.share, c.beside) = beside_ends(&o, &ends, elastic, body.pose.centre);
+    }
+}
+
+/// Of two edges that touch beside ends of theirs: the share Π (1 − φ_i) of their contact that acts, φ_i = Φ(δ_i)/Φ(δ), and what the energy U = Φ(δ) Π (1 − φ_i)
+/// gives besides, as force, N, on the first body and torque about its `centre`, N m (`pair.rs`):
+///
+/// −∇U = F(δ) [Π (1 − φ_j) + Σ φ_i Π_{j≠i} (1 − φ_j)] − Σ F(δ_i) Π_{j≠i} (1 − φ_j), each force along its own normal, at its own place.
+fn beside_ends(o: &Across, ends: &[Overlap; 4], elastic: impl Fn(f64) -> Elastic, centre: [f64; 3]) -> (f64, [[f64; 3]; 2]) {
+    let whole = elastic(o.overlap);
+    let of = ends.map(|end| (end.depth > 0.0).then(|| elastic(end.depth)));
+    let left: [f64; 4] = std::array::from_fn(|i| 1.0 - of[i].map_or(0.0, |e| (e.energy / whole.energy).min(1.0)));
+    let mut sum = [[0.0; 3]; 2];
+    let mut add = |force: f64, normal: [f64; 3], at: [f64; 3]| {
+        // a force on the first body acts against the normal out of it
+        let push = scaled(normal, -force);
+        sum = [plus(sum[0], push), plus(sum[1], cross(less(at, centre), push))];
+    };
+    for (i, end) in ends.iter().enumerate() {
+        let Some(e) = of[i] else { continue };
+        let others = (0..4).filter(|&j| j != i).map(|j| left[j]).product::<f64>();
+        add((1.0 - left[i]) * others * whole.force, o.normal, o.at);
+        add(-(others * e.force), end.normal, end.at);
+    }
+    (left.into_iter().product(), sum)
 }

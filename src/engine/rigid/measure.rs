@@ -1,8 +1,11 @@
 //! Measures of rigid bodies for records: energies, momentum, forces.
 
+use super::contact::PosedBlock;
+use super::pair::{Outline, meeting, sites};
 use super::{Block, Blocks, Other};
 use crate::dem::physics::Physics;
 use crate::math::vector::{dot, plus, scaled};
+use crate::shape::Hull;
 
 impl Block {
     /// One line that describes the body for a reader: shape, material, extents as it is rotated, mass.
@@ -18,6 +21,23 @@ impl Block {
         let turned = if [w, x, y, z] == [1.0, 0.0, 0.0, 0.0] { "" } else { " as it is turned" };
         let (kind, material) = (self.shape.name(), &physics.materials[usize::from(self.material)].name);
         format!("{kind} of {material}, {dx} × {dy} × {dz} mm{turned}, {:.6} kg", self.mass)
+    }
+}
+
+impl Block {
+    /// Deepest overlap with another body, m; negative if they are apart, infinite if it is deeper than the edges of both are round. 0 for superquadrics, whose contacts
+    /// with bodies are not computed.
+    pub fn overlap(&self, other: &Block) -> f64 {
+        let [a, b] = [self, other].map(|b| Outline::of(&b.shape));
+        let posed = |block, outline| PosedBlock { block, pose: block.pose(0.0), spin: [0.0; 3], outline };
+        let (first, second) = (posed(self, a.as_ref()), posed(other, b.as_ref()));
+        let (Some(a), Some(b)) = (&a, &b) else { return 0.0 };
+        let corners = |of: &Outline, body: &PosedBlock<'_>| of.hull.corners.iter().map(|c| body.pose.place(*c)).collect::<Vec<_>>();
+        if Hull::cut(&corners(a, &first), &corners(b, &second)) {
+            return f64::INFINITY;
+        }
+        let overlap = |site| meeting(&first, &second, site).map_or(f64::NEG_INFINITY, |m| m.overlap.depth);
+        sites(&first, &second, 0.0).into_iter().map(overlap).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
@@ -39,16 +59,19 @@ impl Blocks {
         sums
     }
 
-    /// Force, N, of points, of grains and of walls on body `block`.
-    pub fn forces(&self, block: usize) -> [[f64; 3]; 3] {
-        let mut sums = [[0.0; 3]; 3];
-        for c in self.touching().filter(|c| c.block as usize == block) {
-            let k = match c.other {
-                Other::Point(_) => 0,
-                Other::Grain(_) => 1,
-                Other::Wall { .. } => 2,
+    /// Force, N, of points, of grains, of walls and of other bodies on body `block`.
+    pub fn forces(&self, block: usize) -> [[f64; 3]; 4] {
+        let mut sums = [[0.0; 3]; 4];
+        for c in self.touching() {
+            let (k, sign) = match c.other {
+                Other::Block { block: second, .. } if second as usize == block => (3, -1.0),
+                _ if c.block as usize != block => continue,
+                Other::Point(_) => (0, 1.0),
+                Other::Grain(_) => (1, 1.0),
+                Other::Wall { .. } => (2, 1.0),
+                Other::Block { .. } => (3, 1.0),
             };
-            sums[k] = plus(sums[k], c.touch.force());
+            sums[k] = plus(sums[k], scaled(c.force(), sign));
         }
         sums
     }

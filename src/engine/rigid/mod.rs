@@ -5,17 +5,20 @@
 //! the radius of the sphere, as on walls.
 //!
 //! A wall touches *spots* of a body: its corners, or the one point of a superquadric that is nearest to the wall. Each spot is a contact of its own
-//! with R* of the sphere that has the body's volume. Contacts between bodies are not computed; bodies that come close to each other are an error.
+//! with R* of the sphere that has the body's volume. Two bodies touch at corners and at edges that cross (`pair.rs`), each a contact with R* of two such spheres.
+//! A superquadric has no corners; one that comes close to another body is an error.
 //!
 //! A face that lies on many points has many contacts. They are stored here and not with those of the grains, so scenes without such bodies pay nothing.
 
 mod contact;
 mod measure;
 pub mod motion;
+mod pair;
 mod search;
 
 pub use contact::{BlockContact, BlockScene, Other};
 pub use motion::Pose;
+pub use pair::Site;
 
 use crate::check::{self, Checked, below, ensure};
 use crate::dem::State;
@@ -23,6 +26,7 @@ use crate::dem::physics::Physics;
 use crate::mpm::Continuum;
 use crate::point_contacts::Age;
 use crate::shape::{Shape, Solid};
+use pair::Outline;
 use serde::{Deserialize, Serialize};
 
 /// A rigid body and its state. Velocity and angular momentum are those of the last half step (leapfrog).
@@ -46,6 +50,8 @@ pub struct Block {
     pub velocity: [f64; 3],
     /// Angular momentum about the centre of mass, in the axes of space, kg m²/s.
     pub momentum: [f64; 3],
+    /// Whether it keeps its velocity and angular momentum whatever presses on it.
+    pub driven: bool,
 }
 
 impl Block {
@@ -62,6 +68,7 @@ impl Block {
             turn: [1.0, 0.0, 0.0, 0.0],
             velocity: [0.0; 3],
             momentum: [0.0; 3],
+            driven: false,
         }
     }
 
@@ -70,7 +77,7 @@ impl Block {
     /// # Errors
     /// What is wrong, in words.
     fn check(&self, made: &Block) -> Checked {
-        let size = |b: &Block| (b.material, b.mass, b.moments, b.radius);
+        let size = |b: &Block| (b.material, b.mass, b.moments, b.radius, b.driven);
         ensure(self.shape == made.shape && size(self) == size(made), || "a rigid body is not that of the scene".into())?;
         check::numbers("motions of rigid bodies", self.centre.iter().chain(&self.velocity).chain(&self.momentum))?;
         let square: f64 = self.turn.iter().map(|x| x * x).sum();
@@ -88,7 +95,7 @@ impl Block {
 pub struct Blocks {
     /// The bodies.
     pub blocks: Vec<Block>,
-    /// Points, grains and walls near the bodies, touching or not, sorted by body, then points, grains and spots on walls.
+    /// Points, grains, walls and other bodies near the bodies, touching or not, sorted by body, then points, grains, spots on walls and bodies of higher index.
     pub candidates: Vec<BlockContact>,
     /// Age of the list.
     age: Age,
@@ -96,6 +103,9 @@ pub struct Blocks {
     on_walls: Vec<f64>,
     /// Force, N, and torque about the centre of mass, N m, on each body, added since its last step.
     applied: Vec<[[f64; 3]; 2]>,
+    /// What other bodies touch of each body; made when it is first needed.
+    #[serde(skip)]
+    outlines: Vec<Option<Outline>>,
     /// Buffers: index by identity, of grains and of points.
     #[serde(skip)]
     index: [Vec<u32>; 2],
@@ -133,10 +143,22 @@ impl Blocks {
                     below("a rigid body touches wall", wall, state.walls.len())?;
                     below("spot of a rigid body", spot, self.blocks[c.block as usize].solid().spots())?;
                 }
+                // a site that there is not has no force
+                Other::Block { block, .. } => {
+                    below("a rigid body touches body", block, n)?;
+                    ensure(block > c.block, || "a contact of two rigid bodies does not begin at the first of them".into())?;
+                }
             }
             check::numbers("contacts of rigid bodies", c.numbers())?;
         }
         Ok(())
+    }
+
+    /// Makes what other bodies touch of each body, if that is not known yet.
+    fn outline(&mut self) {
+        if self.outlines.len() != self.blocks.len() {
+            self.outlines = self.blocks.iter().map(|b| Outline::of(&b.shape)).collect();
+        }
     }
 
     /// Upper bound on the speed of any part of any body, m/s.
@@ -163,7 +185,7 @@ impl Blocks {
                 let against = |a: usize| if v[a] == 0.0 { 0.0 } else { f[a].abs().copysign(-v[a]) };
                 std::array::from_fn(|a| f[a] + physics.damping * against(a))
             };
-            if physics.damping > 0.0 {
+            if physics.damping > 0.0 && !block.driven {
                 force = damped(force, block.velocity);
                 torque = damped(torque, block.spin());
             }

@@ -6,7 +6,7 @@
 //! proportion to the square of the step and does not drift.
 
 use super::Block;
-use crate::math::vector::{cross, dot, plus, scaled};
+use crate::math::vector::{cross, dot, less, plus, scaled};
 
 /// Position and orientation of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +18,16 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// Position in space of a place in the frame of the body.
+    pub fn place(&self, at: [f64; 3]) -> [f64; 3] {
+        plus(self.centre, self.outwards(at))
+    }
+
+    /// Place in the frame of the body of a position in space.
+    pub fn within(&self, at: [f64; 3]) -> [f64; 3] {
+        self.inwards(less(at, self.centre))
+    }
+
     /// Components of a vector in the axes of the body, from those in the axes of space.
     pub fn inwards(&self, v: [f64; 3]) -> [f64; 3] {
         self.axes.map(|axis| dot(axis, v))
@@ -103,10 +113,26 @@ impl Block {
         0.5 * (self.mass * dot(self.velocity, self.velocity) + dot(self.spin(), self.momentum))
     }
 
-    /// One step: changes velocity and angular momentum by a force, N, and a torque, N m, over `kick` seconds, then moves the body for `dt` seconds.
+    /// Inverse mass, 1/kg, and inverse moments of inertia, 1/(kg m²), with which it yields to forces: none if it is driven.
+    pub fn yields(&self) -> (f64, [f64; 3]) {
+        if self.driven { (0.0, [0.0; 3]) } else { (1.0 / self.mass, self.moments.map(|moment| 1.0 / moment)) }
+    }
+
+    /// Upper bound on how fast the end of `arm` gives way to a force, 1/kg: 1/m + r²/I with the least moment.
+    pub fn most_yield(&self, arm: [f64; 3]) -> f64 {
+        if self.driven {
+            return 0.0;
+        }
+        let least = self.moments.into_iter().fold(f64::INFINITY, f64::min);
+        1.0 / self.mass + dot(arm, arm) / least
+    }
+
+    /// One step: changes velocity and angular momentum (but of a driven body) by a force, N, and a torque, N m, over `kick` seconds, then moves the body for `dt` seconds.
     pub fn advance(&mut self, [force, torque]: [[f64; 3]; 2], kick: f64, dt: f64) {
-        self.velocity = plus(self.velocity, scaled(force, kick / self.mass));
-        self.momentum = plus(self.momentum, scaled(torque, kick));
+        if !self.driven {
+            self.velocity = plus(self.velocity, scaled(force, kick / self.mass));
+            self.momentum = plus(self.momentum, scaled(torque, kick));
+        }
         self.centre = plus(self.centre, scaled(self.velocity, dt));
         self.turn = self.orientation_after(dt);
     }

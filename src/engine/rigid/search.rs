@@ -1,10 +1,12 @@
-//! Search for candidates: points, grains and walls near rigid bodies.
+//! Search for candidates: points, grains, walls and other bodies near rigid bodies.
 
-use super::contact::spot_at;
+use super::contact::{posed, spot_at};
+use super::pair::{DEEPEST, sites};
 use super::{BlockContact, Blocks, Other};
 use crate::boundary::Wall;
 use crate::error::{Error, Result};
 use crate::grains::Grains;
+use crate::math::vector::{dot, less};
 use crate::mpm::Continuum;
 use crate::mpm::loading_plate::ghost_radius;
 use crate::point_contacts::{NOWHERE, by_id, remember};
@@ -14,36 +16,57 @@ impl Blocks {
     /// else may have come closer since the last call, m.
     ///
     /// # Errors
-    /// Two bodies whose bounding spheres overlap.
+    /// A superquadric near another body; bodies that are deep in each other.
     pub fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64) -> Result<()> {
         let alive = [grains.len(), continuum.points().len()];
         match self.age.due(way, alive, continuum.settings().cell) {
             Some(skin) => {
-                self.apart(continuum)?;
-                self.search(grains, walls, continuum, skin);
+                self.outline();
+                self.search(grains, walls, continuum, skin)?;
             }
             None => self.locate(grains, continuum),
         }
-        Ok(())
+        self.passable(continuum)
     }
 
-    /// Checks that no two bodies can touch, as contacts between bodies are not computed.
-    fn apart(&self, continuum: &Continuum) -> Result<()> {
-        for (j, b) in self.blocks.iter().enumerate() {
-            for (i, a) in self.blocks[..j].iter().enumerate() {
-                let square: f64 = (0..3).map(|k| (a.centre[k] - b.centre[k]) * (a.centre[k] - b.centre[k])).sum();
-                if square.sqrt() < a.solid().reach() + b.solid().reach() {
-                    let what =
-                        format!("blocks {i} and {j} come within reach of each other; contacts between blocks are not computed");
-                    return Err(Error::Failed { step: continuum.steps(), what });
+    /// Pairs of bodies whose spheres of reach are nearer than `skin`, m; the lower index first. Bodies are sorted by where they begin along x.
+    fn near(&self, skin: f64) -> Vec<[usize; 2]> {
+        let ends = |k: usize| [-1.0, 1.0].map(|side| self.blocks[k].centre[0] + side * self.blocks[k].solid().reach());
+        let mut order: Vec<usize> = (0..self.blocks.len()).collect();
+        order.sort_by(|&i, &j| ends(i)[0].total_cmp(&ends(j)[0]));
+        let mut pairs = Vec::new();
+        for (n, &i) in order.iter().enumerate() {
+            let end = ends(i)[1] + skin;
+            for &j in order[n + 1..].iter().take_while(|&&j| ends(j)[0] < end) {
+                let [a, b] = [&self.blocks[i], &self.blocks[j]];
+                let away = less(a.centre, b.centre);
+                if dot(away, away).sqrt() < a.solid().reach() + b.solid().reach() + skin {
+                    pairs.push([i.min(j), i.max(j)]);
                 }
             }
         }
-        Ok(())
+        pairs
+    }
+
+    /// Checks that no body is so deep in another that the direction of their force would be lost, and that no pair is near whose contacts are not computed.
+    fn passable(&self, continuum: &Continuum) -> Result<()> {
+        let (step, radius) = (continuum.steps(), |k: u32| self.outlines[k as usize].as_ref().map_or(0.0, |o| o.hull.rounding));
+        let deep = |c: &&BlockContact| match c.other {
+            Other::Block { block, .. } => c.touch.overlap > DEEPEST * (radius(c.block) + radius(block)),
+            _ => false,
+        };
+        let Some(c) = self.candidates.iter().find(deep) else { return Ok(()) };
+        let Other::Block { block, .. } = c.other else { return Ok(()) };
+        let what = format!(
+            "blocks {} and {block} overlap by {:.4} mm, {DEEPEST} of the radii of their edges: give them a larger rounding_mm or stiffer materials, or lower stepping.safety",
+            c.block,
+            1e3 * c.touch.overlap
+        );
+        Err(Error::Unstable { step, what, grain: None })
     }
 
     /// Makes the list of candidates anew: everything with a gap to a body below `skin`, m. Contacts keep their history.
-    fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) {
+    fn search(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, skin: f64) -> Result<()> {
         let (points, dimension) = (continuum.points(), continuum.settings().dimension);
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
         // a face may lie further from its point than the ghost radius
@@ -75,11 +98,24 @@ impl Blocks {
                 }
             }
         }
+        let bodies = posed(&self.blocks, &self.outlines, 0.0);
+        for [i, j] in self.near(skin) {
+            let (first, second) = (&bodies[i], &bodies[j]);
+            if first.outline.is_none() || second.outline.is_none() {
+                let what = format!(
+                    "blocks {i} and {j} come within reach of each other; contacts of superquadrics with other blocks are not computed"
+                );
+                return Err(Error::Failed { step: continuum.steps(), what });
+            }
+            let other = |site| Other::Block { block: j as u32, site };
+            found.extend(sites(first, second, skin).into_iter().map(|site| BlockContact::new(i as u32, other(site), 0, 0.0)));
+        }
         let key = |c: &BlockContact| (c.block, c.other);
         found.sort_unstable_by_key(key);
         let known = self.candidates.iter().filter(|c| c.touch.overlap > 0.0 || c.face.is_some());
         remember(known, &mut found, key, |old, new| (new.touch, new.spring, new.face) = (old.touch, old.spring, old.face));
         self.candidates = found;
+        Ok(())
     }
 
     /// Brings the indices of grains and points up to date, whose arrays may have been sorted.

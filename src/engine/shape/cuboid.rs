@@ -1,5 +1,6 @@
 //! A box with sharp edges.
 
+use super::hull::Hull;
 use super::{Bulk, Mesh, Nearest, Solid};
 use crate::math::vector::dot;
 use serde::{Deserialize, Serialize};
@@ -9,6 +10,28 @@ use serde::{Deserialize, Serialize};
 pub struct Cuboid {
     /// Half of the edges along x, y, z, m.
     pub half: [f64; 3],
+}
+
+/// Radius of the edges against other bodies, over the least half edge.
+const ROUNDED: f64 = 0.05;
+
+impl Cuboid {
+    /// The box as other bodies touch it: its edges are rounded with a twentieth of the least half edge, because beside a sharp edge the nearest face, and so the
+    /// direction of the force, changes suddenly with the overlap. Its faces stay where they are.
+    pub fn rounded(&self) -> Hull {
+        let rounding = ROUNDED * self.half.into_iter().fold(f64::INFINITY, f64::min);
+        let inner = Cuboid { half: self.half.map(|h| h - rounding) };
+        let corners = (0..8).map(|k| inner.spot(k, [0.0; 3])).collect();
+        // corner k lies at the high end of axis a where bit a of k is 1
+        let side = |axis: usize, high: u32| {
+            let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
+            let first = high << axis;
+            let [a, b, c, d] = [first, first | u, first | u | v, first | v];
+            if high == 1 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] }
+        };
+        let triangles: Vec<[u32; 3]> = (0..3).flat_map(|axis| [0, 1].map(|high| side(axis, high))).flatten().collect();
+        Hull::of(corners, &triangles, rounding)
+    }
 }
 
 impl Solid for Cuboid {

@@ -5,16 +5,19 @@
 //! + − × ÷ √ or with functions made of these (`crate::math::portable`), so that they have the same bits on every machine.
 
 mod cuboid;
+mod hull;
 mod mesh;
 mod polyhedron;
 mod superquadric;
 
 pub use cuboid::Cuboid;
+pub use hull::{Hull, HullFace};
 pub use mesh::Mesh;
 pub use polyhedron::{Placed, Polyhedron};
 pub use superquadric::Superquadric;
 
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// The surface of a shape, as seen from a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,6 +86,16 @@ impl Shape {
             Shape::Box(s) => s,
             Shape::Superquadric(s) => s,
             Shape::Polyhedron(s) => s,
+        }
+    }
+
+    /// The shape as other bodies touch it: a hull of corners with rounded edges; `None` for a superquadric, which has no corners. Edges of a box are rounded
+    /// as [`Cuboid::rounded`] says.
+    pub fn rounded_hull(&self) -> Option<Cow<'_, Hull>> {
+        match self {
+            Shape::Box(s) => Some(Cow::Owned(s.rounded())),
+            Shape::Polyhedron(s) => Some(Cow::Borrowed(s.rounded_hull())),
+            Shape::Superquadric(_) => None,
         }
     }
 

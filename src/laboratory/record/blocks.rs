@@ -34,10 +34,11 @@ pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> 
             ("wy_rad_s", q.into()),
             ("wz_rad_s", r.into()),
         ];
-        const NAMES: [[&str; 3]; 3] = [
+        const NAMES: [[&str; 3]; 4] = [
             ["points_x_N", "points_y_N", "points_z_N"],
             ["grains_x_N", "grains_y_N", "grains_z_N"],
             ["walls_x_N", "walls_y_N", "walls_z_N"],
+            ["blocks_x_N", "blocks_y_N", "blocks_z_N"],
         ];
         for (names, force) in NAMES.into_iter().zip(blocks.forces(k)) {
             row.extend(names.into_iter().zip(force.map(Into::into)));

@@ -459,6 +459,9 @@ const BLOCKS: &[Column] = &[
     column("walls_x_N", "N", "force of the walls on it"),
     column("walls_y_N", "N", "the same"),
     column("walls_z_N", "N", "the same"),
+    column("blocks_x_N", "N", "force of other rigid bodies on it"),
+    column("blocks_y_N", "N", "the same"),
+    column("blocks_z_N", "N", "the same"),
     column("kinetic_J", "J", "its kinetic energy"),
 ];
 

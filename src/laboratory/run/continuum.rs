@@ -432,6 +432,8 @@ fn instant(
     let loaded = walls(state);
     let bodies = state.continuum.points().position.iter().map(|p| [p[0], p[1], p[2], 0.0]);
     let bodies = bodies.chain(state.mixture.iter().flat_map(|m| m.grains.grains.pos.iter().copied()));
+    let blocks = state.blocks().into_iter().flat_map(|theirs| &theirs.blocks);
+    let bodies = bodies.chain(blocks.map(|b| [b.centre[0], b.centre[1], b.centre[2], b.solid().reach()]));
     files::write_walls(out, step, bodies, &loaded, facts, snapshots)
 }
 

@@ -14,6 +14,8 @@ use toml::{Table, Value};
 /// Fewest and most numbers of a polyhedron's points: four points, and a thousand.
 const FOUR_POINTS: usize = 12;
 const MOST_NUMBERS: usize = 3000;
+/// Overlap of two bodies at the start, over the sum of the radii of their edges, up to which they may stand in each other.
+const LAPPED: f64 = 0.5;
 /// Depth, over the radius of the sphere of its volume, to which a body may stand in a wall at the start.
 const DEEP: f64 = 0.01;
 
@@ -86,6 +88,7 @@ impl View<'_> {
         let mut block = Block::new(shape, materials[usize::from(material)].density, material);
         (block.centre, block.turn, block.velocity) = (vector(table, "position_mm")?, turn, vector(table, "velocity_m_s")?);
         block.set_spin(spin);
+        block.driven = table.get("driven").and_then(Value::as_bool).unwrap_or(false);
         Some(block)
     }
 
@@ -138,14 +141,38 @@ impl View<'_> {
                 );
             }
             for (j, other) in coarse.blocks[..i].iter().enumerate() {
-                let apart = (0..3).map(|a| (block.centre[a] - other.centre[a]).powi(2)).sum::<f64>().sqrt();
-                let reach = solid.reach() + other.solid().reach();
-                self.check(
-                    apart > reach,
-                    &key,
-                    format!("must be further from block {j}: contacts between blocks are not computed, and they may touch when their centres are within {} mm; the centres are {} mm apart", mm(reach), mm(apart)),
-                );
+                if let Some(message) = crowds(block, j, other) {
+                    self.refuse(&key, message);
+                }
             }
         }
     }
+}
+
+/// Why a block may not stand where it does beside block `j`, if so.
+fn crowds(block: &Block, j: usize, other: &Block) -> Option<String> {
+    let mm = |x: f64| format!("{:.4}", 1e3 * x);
+    let apart = (0..3).map(|a| (block.centre[a] - other.centre[a]).powi(2)).sum::<f64>().sqrt();
+    let reach = block.solid().reach() + other.solid().reach();
+    if apart > reach {
+        return None;
+    }
+    let (Some(a), Some(b)) = (block.shape.rounded_hull(), other.shape.rounded_hull()) else {
+        return Some(format!(
+            "must be further from block {j}: contacts of superquadrics with other blocks are not computed, and they may touch when their centres are within {} mm; the centres are {} mm apart",
+            mm(reach),
+            mm(apart)
+        ));
+    };
+    let radii = a.rounding + b.rounding;
+    if radii == 0.0 {
+        return Some(format!(
+            "must be further from block {j}, or one of the two needs rounding_mm: without it the direction of their force is not known where sharp edges meet"
+        ));
+    }
+    let overlap = block.overlap(other);
+    (overlap > LAPPED * radii).then(|| {
+        let deep = if overlap.is_finite() { format!("by {} mm, ", mm(overlap)) } else { String::new() };
+        format!("must be further from block {j}: they overlap {deep}more than {LAPPED} of the radii of their edges, {} mm, and would be thrown apart", mm(radii))
+    })
 }

@@ -91,14 +91,14 @@ pub fn estimate(model: &Model, rig: &MpmTest, pace: Option<Pace>) -> Estimate {
     let costs = Costs::new(model, pace);
     let d = if rig.settings.dimension == Dimension::Space { 3 } else { 2 };
     let [points, grains] = rig.counts();
-    let law = &rig.laws[usize::from(rig.points.law[0])];
     let waves = wave_step(rig);
+    let law = |s: &MpmSpecimen| &rig.laws[usize::from(s.law)];
     let (bound, why) = match rig.specimen() {
         None => (waves, "a compression wave through a cell"),
-        Some(s) if points == 0 => (fines_step(model, rig, largest_stress(rig, s, law)), "contacts of the smallest grains"),
+        Some(s) if points == 0 => (fines_step(model, rig, largest_stress(rig, s, law(s))), "contacts of the smallest grains"),
         Some(s) => {
             let inertia = rig.points_inertia * rig.points.velocity[0][3];
-            let rate = contact_rate(rig.settings.dimension, s, inertia, largest_stress(rig, s, law));
+            let rate = contact_rate(rig.settings.dimension, s, inertia, largest_stress(rig, s, law(s)));
             let why = if rate > 4.0 / (waves * waves) { "the platens' contacts" } else { "a compression wave through a cell" };
             (with_plates(waves, rate, rig.settings.transfer), why)
         }
@@ -130,8 +130,9 @@ pub fn estimate(model: &Model, rig: &MpmTest, pace: Option<Pace>) -> Estimate {
     let touching = if why == TOUCHING { 1.0 } else { touching_later(rig) };
     let broken = broken(model, rig);
     let [points_on, grains_on] = [points as f64 + broken.points, grains as f64 + broken.grains];
+    let bodies = rig.coarse.as_ref().map_or(0, |c| c.blocks.len());
     let cycle = match points {
-        0 => costs.grains(grains_on),
+        0 => costs.grains(grains_on) + bodies as f64 * costs.body,
         _ => points_on * costs.point + grains_on * costs.grain_among_points,
     };
     let preparation = growing(rig, costs);

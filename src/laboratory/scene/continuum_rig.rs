@@ -64,12 +64,15 @@ impl View<'_> {
         let dimension = if self.flag("grid.plane_strain") { Dimension::PlaneStrain } else { Dimension::Space };
         self.meaningless(rig, dimension);
         self.inertia_is_left_out(rig);
-        let settings = match rig {
-            "free" => self.settings(dimension, self.asked_grid(dimension)?),
-            _ => self.settings(dimension, self.own_grid(dimension, rig)?),
-        }?;
         let pressure = if rig == "triaxial" { self.number("test.cell_pressure_kPa").unwrap_or(0.0) } else { 0.0 };
-        let (mut points, left_out, axis) = self.bodies(named, &settings, per, pressure)?;
+        let (settings, (mut points, left_out, axis)) = if self.is_without_points() {
+            (self.settings(dimension, self.no_cell()?, self.no_grid()?)?, (Points::default(), 0, [0.0; 3]))
+        } else {
+            let grid = if rig == "free" { self.asked_grid(dimension) } else { self.own_grid(dimension, rig) };
+            let settings = self.settings(dimension, self.cell()?, grid?)?;
+            let made = self.bodies(named, &settings, per, pressure)?;
+            (settings, made)
+        };
         let test = self.test(rig, named, &laws, &settings, per, pressure)?;
         shape(&mut points, &settings, &test)?;
         let rig = MpmTest {
@@ -142,12 +145,47 @@ impl View<'_> {
         self.check(self.text("growth.fines") != "grains", key, "must be 1 with growth.fines = \"grains\": there are no points");
     }
 
-    fn settings(&self, dimension: Dimension, (lower, cells, walls): Grid) -> Option<Settings> {
+    /// Whether the scene is one of rigid bodies and grains alone: a free mixture without a [[body]].
+    pub fn is_without_points(&self) -> bool {
+        self.text("test.rig") == "free" && self.list("body").is_empty() && !self.list("block").is_empty()
+    }
+
+    /// The length in place of a cell where there are no points, m: the least extent of a listed body. Lists of neighbours are kept for ways of some tenths of it.
+    fn no_cell(&self) -> Option<f64> {
+        let grains = self.list("grain").into_iter().filter_map(|t| Some(2.0 * number(t, "radius_m")?));
+        let blocks = self.list("block").into_iter().filter_map(|t| {
+            let size = vector(t, "size_mm").map(|size| size.into_iter().fold(f64::INFINITY, f64::min));
+            size.or_else(|| {
+                let numbers: Vec<f64> = t.get("points_mm")?.as_array()?.iter().filter_map(toml::Value::as_float).collect();
+                let (points, _) = numbers.as_chunks::<3>();
+                let extent = |a: usize| {
+                    let along = || points.iter().map(|p| 1e-3 * p[a]);
+                    along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+                };
+                Some((0..3).map(extent).fold(f64::INFINITY, f64::min))
+            })
+        });
+        let least = grains.chain(blocks).fold(f64::INFINITY, f64::min);
+        (least > 0.0 && least.is_finite()).then_some(least)
+    }
+
+    /// The grid where there are no points: one cell that nothing is in.
+    fn no_grid(&self) -> Option<Grid> {
+        let sizes = ["cell_mm", "min_mm", "max_mm", "fines_diameter_mm", "grains_per_point"].map(|key| format!("grid.{key}"));
+        let sides = SIDES.map(|side| format!("grid.{side}"));
+        let given = sizes.iter().filter(|key| self.has(key)).chain(sides.iter().filter(|key| self.text(key) != "open"));
+        given.for_each(|key| self.refuse(key, "has no meaning without a [[body]] of points"));
+        let (steps, duration) = (self.whole("steps"), self.number("duration_s"));
+        self.check(steps.is_some() != duration.is_some(), "duration_s", "must be given, or `steps`, one of them");
+        (steps.is_some() != duration.is_some()).then_some(([0.0; 3], [1; 3], [GridWall::Open; 6]))
+    }
+
+    fn settings(&self, dimension: Dimension, cell: f64, (lower, cells, walls): Grid) -> Option<Settings> {
         let gimp = self.text("grid.shape_functions") == "gimp";
         let per = self.whole("grid.points_per_edge")? as f64;
         Some(Settings {
             dimension,
-            cell: self.cell()?,
+            cell,
             lower,
             cells,
             walls,

@@ -288,7 +288,7 @@ const OWN: &[Key] = &[
         "block.shape",
         Choice(&["box", "superquadric", "polyhedron"]),
         Required,
-        "a rigid body: a box with sharp edges, a superquadric (Li et al. 2023, eq. 39), or the convex hull of points with a sphere swept over it",
+        "a rigid body: a box (sharp edges; against other blocks rounded by a twentieth of its least half edge), a superquadric (Li et al. 2023, eq. 39), or the convex hull of points with a sphere swept over it",
     ),
     mixture(
         "block.size_mm",
@@ -303,7 +303,12 @@ const OWN: &[Key] = &[
         "superquadric: n1 (towards its z) and n2 (around that); 2 and 2 an ellipsoid, 20 and 20 nearly a box",
     ),
     mixture("block.points_mm", Numbers(ANY, None), Absent, "polyhedron: x, y, z of each point, one after the other"),
-    mixture("block.rounding_mm", Number(NOT_NEGATIVE), Absent, "polyhedron: radius of the sphere swept over it; 0 if not written"),
+    mixture(
+        "block.rounding_mm",
+        Number(NOT_NEGATIVE),
+        Absent,
+        "polyhedron: radius of the sphere swept over it, with which other blocks touch it; 0 if not written",
+    ),
     mixture("block.position_mm", VECTOR, Required, "centre of mass"),
     mixture("block.axis", VECTOR, Is("[0, 0, 1]"), "axis of the rotation by `angle_deg` that the block has at the start"),
     mixture(
@@ -314,6 +319,12 @@ const OWN: &[Key] = &[
     ),
     mixture("block.velocity_m_s", VECTOR, Is("[0, 0, 0]"), "velocity"),
     mixture("block.spin_rad_s", VECTOR, Is("[0, 0, 0]"), "angular velocity"),
+    mixture(
+        "block.driven",
+        Flag,
+        Is("false"),
+        "true: it keeps its velocity and spin whatever presses on it; with both zero it stands fixed",
+    ),
     mixture("block.material", Text, Absent, "name of one of `materials`; needed when there are several"),
     continuum(
         "body.shape",

@@ -36,7 +36,7 @@ impl View<'_> {
             .filter(|(_, n)| self.has(&n.key("continuum")))
             .map(|(i, n)| (Named { name: n.name.clone(), at: n.at.clone() }, i as u8))
             .unzip();
-        if fines.is_empty() {
+        if fines.is_empty() && !self.is_without_points() {
             self.refuse("materials", "must have one with [continuum], for the points");
             return None;
         }

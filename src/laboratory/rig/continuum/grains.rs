@@ -8,7 +8,7 @@ use crate::rig::assembly;
 use ::engine::boundary::Wall;
 use ::engine::boundary::{Drive, WallShape, WallSpec};
 use ::engine::coupling::{Allowed, Cycle, Mixture, Parts, Rates};
-use ::engine::dem::Workspace;
+use ::engine::dem::{Workspace, stability};
 #[cfg(feature = "gpu")]
 use ::engine::gpu;
 use ::engine::mpm::{Continuum, LoadingPlate};
@@ -64,6 +64,17 @@ pub fn mixture(model: &Model, rig: &MpmTest, coarse: &CoarseGrains, continuum: &
 /// In a quasi-static test a cycle may end at this share of the largest step of the slower side, if this saves a step of the
 /// faster side.
 const NEARLY: f64 = 0.8;
+
+/// Largest step of rigid bodies without points, s, before anything touches them: that of spheres of their volumes. Beside points waves through a cell bound the
+/// step.
+pub fn free_step(model: &Model, rig: &MpmTest) -> f64 {
+    match &rig.coarse {
+        Some(coarse) if rig.points.is_empty() && !coarse.blocks.is_empty() => {
+            stability::rayleigh_of(&model.physics, coarse.blocks.iter().map(|b| (2.0 * b.radius, b.material)))
+        }
+        _ => f64::INFINITY,
+    }
+}
 
 /// Contact parameters of points with grains and walls.
 fn point_table(model: &Model, rig: &MpmTest, mixture: &Mixture) -> PointContactTable {
@@ -224,7 +235,7 @@ impl State {
         let (grains, contacts) = engine.bounds(mixture, &self.continuum, &self.plates, model.physics.stepping.slow);
         let rates = rig.coarse.as_ref().and_then(|c| c.rates);
         let mut allowed = Allowed {
-            grains,
+            grains: grains.min(free_step(model, rig)),
             continuum: safety * continuum,
             contacts,
             safety,

@@ -1,0 +1,109 @@
+//! Convex hulls of corners, enlarged by a sphere: the geometry of rounded polyhedra, and of boxes where they touch other bodies.
+
+use super::Nearest;
+use crate::math::vector::{cross, dot, less, scaled};
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::{PointQueryWithLocation, intersection_test};
+use parry3d_f64::shape::{ConvexPolyhedron, Triangle, TrianglePointLocation};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A convex hull with a sphere swept over it (Minkowski sum).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hull {
+    /// Corners of the hull, m.
+    pub corners: Vec<[f64; 3]>,
+    /// Triangles of the hull.
+    pub faces: Vec<HullFace>,
+    /// Radius of the sphere, m.
+    pub rounding: f64,
+    /// Distance of the furthest point of the rounded hull from the origin, m.
+    pub reach: f64,
+}
+
+/// A triangle of the hull.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HullFace {
+    /// Indices of its corners.
+    pub corners: [u32; 3],
+    /// Outward unit normal.
+    pub normal: [f64; 3],
+    /// Distance of its plane from the origin along the normal, m.
+    pub offset: f64,
+}
+
+/// Normals that differ by less than this belong to one flat face.
+pub(super) const FLAT: f64 = 1e-9;
+
+impl Hull {
+    /// A hull of these corners and triangles.
+    pub fn of(corners: Vec<[f64; 3]>, triangles: &[[u32; 3]], rounding: f64) -> Hull {
+        let faces = triangles.iter().map(|&t| {
+            let [p, q, r] = t.map(|k| corners[k as usize]);
+            let n = cross(less(q, p), less(r, p));
+            let normal = scaled(n, 1.0 / dot(n, n).sqrt());
+            HullFace { corners: t, normal, offset: dot(normal, p) }
+        });
+        let reach = corners.iter().map(|p| dot(*p, *p).sqrt()).fold(0.0, f64::max) + rounding;
+        Hull { faces: faces.collect(), corners, rounding, reach }
+    }
+
+    /// The ends of each edge, lower index first, in their order, with the normals of its two faces. Lines between triangles of one flat face are left out.
+    pub fn edges(&self) -> Vec<([u32; 2], [[f64; 3]; 2])> {
+        let mut sides: BTreeMap<[u32; 2], Vec<[f64; 3]>> = BTreeMap::new();
+        for face in &self.faces {
+            for k in 0..3 {
+                let (i, j) = (face.corners[k], face.corners[(k + 1) % 3]);
+                sides.entry([i.min(j), i.max(j)]).or_default().push(face.normal);
+            }
+        }
+        let sharp = |(ends, normals): ([u32; 2], Vec<[f64; 3]>)| {
+            let &[m, n] = normals.as_slice() else { return None };
+            let apart = less(m, n);
+            (dot(apart, apart) >= FLAT * FLAT).then_some((ends, [m, n]))
+        };
+        sides.into_iter().filter_map(sharp).collect()
+    }
+
+    /// Whether the hulls of two sets of corners in space cut each other.
+    pub fn cut(first: &[[f64; 3]], second: &[[f64; 3]]) -> bool {
+        let solid = |corners: &[[f64; 3]]| {
+            let corners: Vec<Vector> = corners.iter().map(|&p| Vector::from(p)).collect();
+            ConvexPolyhedron::from_convex_hull(&corners)
+        };
+        let (Some(a), Some(b)) = (solid(first), solid(second)) else { return false };
+        intersection_test(&Pose::IDENTITY, &a, &Pose::IDENTITY, &b).is_ok_and(|found| found.intersecting)
+    }
+
+    /// The nearest point on the triangles in front of which the position lies. Parry's projection on a triangle uses + − × ÷ only.
+    pub fn nearest(&self, at: [f64; 3]) -> Nearest {
+        let (point, mut least) = (Vector::from(at), f64::INFINITY);
+        let (mut deepest, mut found) = (f64::NEG_INFINITY, [0.0; 3]);
+        for face in &self.faces {
+            let before = dot(face.normal, at) - face.offset;
+            if before <= 0.0 {
+                // for a position inside of all faces: the nearest face
+                if least == f64::INFINITY && before > deepest {
+                    (deepest, found) = (before, face.normal);
+                }
+                continue;
+            }
+            if before * before >= least {
+                continue;
+            }
+            let [a, b, c] = face.corners.map(|k| Vector::from(self.corners[k as usize]));
+            let (projection, place) = Triangle::new(a, b, c).project_local_point_and_get_location(point, false);
+            let on_face = matches!(place, TrianglePointLocation::OnFace(..));
+            let out = if on_face { scaled(face.normal, before) } else { less(at, projection.point.into()) };
+            let square = dot(out, out);
+            if square < least {
+                (least, found) = (square, out);
+            }
+        }
+        if least == f64::INFINITY {
+            return Nearest { distance: deepest - self.rounding, normal: found };
+        }
+        let distance = least.sqrt();
+        Nearest { distance: distance - self.rounding, normal: scaled(found, 1.0 / distance) }
+    }
+}

@@ -1,0 +1,8 @@
+//! Rigid bodies among themselves, without points: momenta, energy, and what statics says of stacks, slopes and arches. Each test states its error.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod meeting;
+mod scene;
+mod statics;
+mod typed;

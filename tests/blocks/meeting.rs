@@ -1,0 +1,86 @@
+//! Impacts of two bodies.
+
+use crate::scene::{SMOOTH, Scene, cuboid};
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A rock of eight corners in space as TOML.
+fn rock(random: &mut ChaCha8Rng, at: [f64; 3], more: &str) -> String {
+    let mut points = Vec::new();
+    for k in 0..8 {
+        for a in 0..3 {
+            let side = if k >> a & 1 == 1 { 1.0 } else { -1.0 };
+            points.push(side * random.random_range(20.0..40.0));
+        }
+    }
+    format!("[[block]]\nshape = \"polyhedron\"\npoints_mm = {points:?}\nrounding_mm = 4.0\nposition_mm = {at:?}\n{more}\n")
+}
+
+/// Two rocks hit each other, turned and aside at random: with corners, edges and faces. Momentum and angular momentum stay to rounding; energy comes back, as
+/// forces between corners, edges and faces change without a jump.
+#[test]
+fn rocks_that_meet_keep_momenta_and_energy() {
+    let mut changes = Vec::new();
+    for seed in 0..40 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut one = |x: f64| random.random_range(-x..x);
+        let turn = [one(1.0), one(1.0), one(1.0), one(180.0)];
+        let (second, aside, spin) =
+            ([one(1.0), one(1.0), one(1.0), one(180.0)], [one(25.0), one(25.0)], [one(9.0), one(9.0), one(9.0)]);
+        let more = |[x, y, z, angle]: [f64; 4], rest: &str| format!("axis = [{x:?}, {y:?}, {z:?}]\nangle_deg = {angle:?}\n{rest}");
+        let bodies = rock(&mut random, [0.0; 3], &more(turn, &format!("spin_rad_s = {spin:?}")))
+            + &rock(&mut random, [160.0, aside[0], aside[1]], &more(second, "velocity_m_s = [-2.0, 0.0, 0.0]"));
+        let mut scene = Scene::new(&SMOOTH, [0.0; 3], &bodies);
+        let before = (scene.momenta(), scene.energy());
+        let mut touched = false;
+        for _ in 0..150 {
+            scene.run(5e-4).unwrap_or_else(|e| panic!("{seed}: {e}"));
+            touched |= scene.block(1).velocity[0] > -1.99;
+        }
+        let after = (scene.momenta(), scene.energy());
+        for (one, other) in before.0.as_flattened().iter().zip(after.0.as_flattened()) {
+            assert!((one - other).abs() < 1e-12, "{seed}: {before:?} {after:?}");
+        }
+        if touched {
+            changes.push((after.1 / before.1 - 1.0, seed));
+        }
+    }
+    changes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    println!("{changes:?}");
+    assert!(changes.len() > 30);
+}
+
+/// The same for two boxes with edges as they come.
+#[test]
+fn boxes_that_meet_keep_momenta_and_energy() {
+    let mut changes = Vec::new();
+    for seed in 0..40 {
+        let mut random = ChaCha8Rng::seed_from_u64(100 + seed);
+        let mut one = |x: f64| random.random_range(-x..x);
+        let turn = |[x, y, z, angle]: [f64; 4]| format!("axis = [{x:?}, {y:?}, {z:?}]\nangle_deg = {angle:?}\n");
+        let bodies = cuboid([60.0, 70.0, 80.0], [0.0; 3], &turn([one(1.0), one(1.0), one(1.0), one(180.0)]))
+            + &cuboid(
+                [90.0, 50.0, 60.0],
+                [150.0, one(25.0), one(25.0)],
+                &(turn([one(1.0), one(1.0), one(1.0), one(180.0)]) + "velocity_m_s = [-0.5, 0.0, 0.0]"),
+            );
+        let mut scene = Scene::new(&SMOOTH, [0.0; 3], &bodies);
+        let before = (scene.momenta(), scene.energy());
+        let mut touched = false;
+        for _ in 0..150 {
+            scene.run(2e-3).unwrap_or_else(|e| panic!("{seed}: {e}"));
+            touched |= scene.block(1).velocity[0] > -0.499;
+        }
+        let after = (scene.momenta(), scene.energy());
+        for (one, other) in before.0.as_flattened().iter().zip(after.0.as_flattened()) {
+            assert!((one - other).abs() < 1e-12, "{seed}: {before:?} {after:?}");
+        }
+        if touched {
+            changes.push((after.1 / before.1 - 1.0, seed));
+        }
+    }
+    changes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    println!("{changes:?}");
+    assert!(changes.len() > 30);
+}

@@ -1,0 +1,1 @@
+//! Stacks, slopes and arches: what stands and what falls.

@@ -1,0 +1,1 @@
+//! Rigid bodies as a user types them.
