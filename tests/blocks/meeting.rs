@@ -17,6 +17,13 @@ fn rock(random: &mut ChaCha8Rng, at: [f64; 3], more: &str) -> String {
     format!("[[block]]\nshape = \"polyhedron\"\npoints_mm = {points:?}\nrounding_mm = 4.0\nposition_mm = {at:?}\n{more}\n")
 }
 
+/// Energies came back: each by the leapfrog's error, 2.2e-4 at most, 4e-5 in the mean.
+fn come_back(changes: &[(f64, u64)]) {
+    assert!(changes.len() > 30);
+    let mean = changes.iter().map(|(change, _)| change).sum::<f64>() / changes.len() as f64;
+    assert!(mean.abs() < 6e-5 && changes.iter().all(|(change, _)| change.abs() < 3e-4), "mean {mean:e}: {changes:?}");
+}
+
 /// Two rocks hit each other, turned and aside at random: with corners, edges and faces. Momentum and angular momentum stay to rounding; energy comes back, as
 /// forces between corners, edges and faces change without a jump.
 #[test]
@@ -46,9 +53,7 @@ fn rocks_that_meet_keep_momenta_and_energy() {
             changes.push((after.1 / before.1 - 1.0, seed));
         }
     }
-    changes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    println!("{changes:?}");
-    assert!(changes.len() > 30);
+    come_back(&changes);
 }
 
 /// The same for two boxes with edges as they come.
@@ -80,7 +85,5 @@ fn boxes_that_meet_keep_momenta_and_energy() {
             changes.push((after.1 / before.1 - 1.0, seed));
         }
     }
-    changes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    println!("{changes:?}");
-    assert!(changes.len() > 30);
+    come_back(&changes);
 }

@@ -1,1 +1,142 @@
 //! Rigid bodies as a user types them.
+
+use crate::common::typed::{comminute, number, summary};
+use predicates::str::contains;
+use std::path::Path;
+
+/// Three rocks and a box that fall on each other; the box is the lid.
+const ROCKS: &str = r#"
+kind = "mixture"
+duration_s = 0.3
+gravity_m_s2 = [0.0, 0.0, -9.81]
+[[wall]]
+kind = "box"
+min_m = [0.0, 0.0, 0.0]
+max_m = [0.1, 0.1, 0.4]
+[[grain]]
+position_m = [0.08, 0.02, 0.02]
+radius_m = 0.015
+[[block]]
+shape = "polyhedron"
+points_mm = [-18.0, -12.0, -10.0, 16.0, -14.0, -12.0, 20.0, 10.0, -8.0, -14.0, 15.0, -11.0, -12.0, -10.0, 12.0, 13.0, -11.0, 9.0, 11.0, 9.0, 14.0]
+rounding_mm = 2.0
+position_mm = [35.0, 35.0, 30.0]
+[[block]]
+shape = "polyhedron"
+points_mm = [-18.0, -12.0, -10.0, 16.0, -14.0, -12.0, 20.0, 10.0, -8.0, -14.0, 15.0, -11.0, -12.0, -10.0, 12.0, 13.0, -11.0, 9.0, 11.0, 9.0, 14.0]
+rounding_mm = 2.0
+position_mm = [55.0, 55.0, 75.0]
+axis = [1.0, 1.0, 0.0]
+angle_deg = 35.0
+velocity_m_s = [0.0, 0.0, -1.0]
+[[block]]
+shape = "box"
+size_mm = [80.0, 60.0, 20.0]
+position_mm = [50.0, 50.0, 115.0]
+axis = [0.0, 1.0, 0.2]
+angle_deg = 12.0
+velocity_m_s = [0.0, 0.0, -1.0]
+[material]
+name = "rock"
+grain.density_kg_m3 = 2600.0
+elastic.E_GPa = 0.5
+elastic.nu = 0.2
+contact.friction = 0.6
+contact.restitution = 0.4
+[contact]
+law = "hertz_viscous"
+[records]
+rows = 20
+figures = false
+"#;
+
+fn scene(folder: &Path, text: &str) -> String {
+    let path = folder.join("rocks.toml");
+    std::fs::write(&path, text).expect("written");
+    path.to_string_lossy().into_owned()
+}
+
+/// A scene without points needs no grid; its records tell what bodies press on each other, and a run that was stopped goes on to the same bytes on two threads.
+#[test]
+fn rocks_fall_on_each_other_and_resume_to_the_byte() {
+    let folder = tempfile::tempdir().expect("folder");
+    let file = scene(folder.path(), ROCKS);
+    let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
+    let run = |out: &Path, more: &[&str]| {
+        let mut command = comminute("run");
+        command.arg(&file).args(["--quiet", "--threads", "1", "--out"]).arg(out).args(more);
+        command.assert()
+    };
+    run(&whole, &[]).success();
+    let s = summary(&whole);
+    assert_eq!((s["blocks"].as_u64(), s["points"].as_u64(), s["grains"].as_u64()), (Some(3), Some(0), Some(1)), "{s}");
+    run(&parts, &["--stop-after", &(number(&s, "steps") as u64 / 2).to_string()]).code(130);
+    comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
+    let bytes = |out: &Path, name: &str| std::fs::read(out.join(name)).expect("a file");
+    for name in ["blocks.csv", "history.csv", "grains_final.csv"] {
+        assert!(bytes(&whole, name) == bytes(&parts, name), "{name}");
+    }
+    let mut reader = csv::Reader::from_path(whole.join("blocks.csv")).expect("blocks");
+    let header = reader.headers().expect("header").clone();
+    let column = |name: &str| header.iter().position(|h| h == name).expect("column");
+    let rows: Vec<csv::StringRecord> = reader.records().map(|r| r.expect("row")).collect();
+    let of = |row: &csv::StringRecord, name: &str| row[column(name)].parse::<f64>().expect("number");
+    // forces between bodies add up to nothing at any time
+    let mut pressed = 0;
+    for at in rows.chunks(3) {
+        for name in ["blocks_x_N", "blocks_y_N", "blocks_z_N"] {
+            let forces: Vec<f64> = at.iter().map(|row| of(row, name)).collect();
+            assert!(forces.iter().sum::<f64>().abs() < 1e-8 * (1.0 + forces[0].abs()), "{name}: {forces:?}");
+            pressed += usize::from(forces.iter().any(|f| *f != 0.0));
+        }
+    }
+    assert!(pressed > 3 && rows.iter().all(|row| of(row, "z_m") > 0.009), "{pressed}");
+}
+
+#[test]
+fn bodies_that_cannot_stand_together_are_refused() {
+    let folder = tempfile::tempdir().expect("folder");
+    for (from, to, says) in [
+        (
+            "position_mm = [55.0, 55.0, 75.0]",
+            "position_mm = [40.0, 40.0, 35.0]",
+            "must be further from block 0: they overlap more than 0.5 of the radii of their edges",
+        ),
+        ("position_mm = [50.0, 50.0, 115.0]", "position_mm = [55.0, 55.0, 75.0]", "must be further from block 1"),
+        ("[[wall]]", "grid.cell_mm = 8.0\n[[wall]]", "grid.cell_mm = 8: has no meaning without a [[body]] of points"),
+        ("[[wall]]", "grid.z_low = \"stick\"\n[[wall]]", "grid.z_low = \"stick\": has no meaning without a [[body]] of points"),
+        (
+            "shape = \"box\"\n",
+            "shape = \"superquadric\"\nblockiness = [4.0, 4.0]\n",
+            "contacts of superquadrics with other blocks are not computed",
+        ),
+        ("rounding_mm = 2.0\nposition_mm = [35.0, 35.0, 30.0]", "position_mm = [36.0, 36.0, 30.0]", ""),
+    ] {
+        let text = ROCKS.replacen(from, to, 1);
+        assert_ne!(text, ROCKS, "{from}");
+        let command = comminute("check").arg(scene(folder.path(), &text)).assert();
+        if says.is_empty() {
+            command.success();
+        } else {
+            command.code(2).stderr(contains(says));
+        }
+    }
+    // without any round edge the direction of the force is not known
+    let sharp =
+        ROCKS.replace("rounding_mm = 2.0", "").replace("position_mm = [55.0, 55.0, 75.0]", "position_mm = [45.0, 45.0, 60.0]");
+    comminute("check").arg(scene(folder.path(), &sharp)).assert().code(2).stderr(contains("one of the two needs rounding_mm"));
+}
+
+/// What is pressed deeper than its edges are round ends the run with the reason, and keeps its records.
+#[test]
+fn bodies_deep_in_each_other_end_the_run() {
+    let folder = tempfile::tempdir().expect("folder");
+    let text = ROCKS.replace("E_GPa = 0.5", "E_GPa = 0.0005").replace("rounding_mm = 2.0", "rounding_mm = 0.5");
+    let out = folder.path().join("out");
+    let mut command = comminute("run");
+    command.arg(scene(folder.path(), &text)).args(["--quiet", "--out"]).arg(&out);
+    let failed = command.assert().failure();
+    let told = String::from_utf8_lossy(&failed.get_output().stderr).to_string();
+    assert!(told.contains("of the radii of their edges"), "{told}");
+    assert!(out.join("blocks.csv").exists());
+}

@@ -245,7 +245,7 @@ fn bodies_that_cannot_be_are_refused() {
     }
     let mut command = comminute("check");
     command.args(["experiments/mixture/rocks_drop.toml", "--set", "block[1].position_mm=[80.0, 50.0, 75.0]"]);
-    command.assert().code(2).stderr(predicates::str::contains("contacts between blocks are not computed"));
+    command.assert().code(2).stderr(predicates::str::contains("contacts of superquadrics with other blocks are not computed"));
     let told = comminute("check").args(["experiments/mixture/rocks_drop.toml"]).assert().success();
     let told = String::from_utf8_lossy(&told.get_output().stderr).to_string();
     assert!(told.contains("block 0         polyhedron of Li coarse") && told.contains("block 1         superquadric"), "{told}");

@@ -156,10 +156,9 @@ impl BlockScene<'_> {
 }
 
 impl Blocks {
-    /// Computes the forces of this instant: of contacts with points (`points`), or of all others. In parallel over contacts; each task writes only its own.
+    /// Computes the forces of this instant, after [`Self::update`]: of contacts with points (`points`), or of all others. In parallel over contacts; each task writes only its own.
     pub fn evaluate(&mut self, scene: &BlockScene<'_>, points: bool) {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, weighs_radius: true, task: TASK, arch: pulp::Arch::Scalar };
-        self.outline();
         let Blocks { blocks, outlines, candidates, .. } = self;
         let bodies = posed(blocks, outlines, scene.ahead[0]);
         with_law!(scene.law, L => {

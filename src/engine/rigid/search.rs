@@ -19,11 +19,9 @@ impl Blocks {
     /// A superquadric near another body; bodies that are deep in each other.
     pub fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64) -> Result<()> {
         let alive = [grains.len(), continuum.points().len()];
+        self.outline();
         match self.age.due(way, alive, continuum.settings().cell) {
-            Some(skin) => {
-                self.outline();
-                self.search(grains, walls, continuum, skin)?;
-            }
+            Some(skin) => self.search(grains, walls, continuum, skin)?,
             None => self.locate(grains, continuum),
         }
         self.passable(continuum)
