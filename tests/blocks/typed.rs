@@ -46,7 +46,7 @@ contact.restitution = 0.4
 [contact]
 law = "hertz_viscous"
 [records]
-rows = 20
+rows = 200
 figures = false
 "#;
 
