@@ -145,6 +145,8 @@ contact_laws! { ($)
     HertzViscousNoTension = "hertz_viscous_no_tension", "hertz_viscous without tension: the normal force ends where it would turn tensile, so that the friction of a sliding contact is mu times the normal impulse at any restitution", gpu: Err("use hertz_viscous");
     /// Elastic–perfectly plastic with a restitution that falls with the speed: Thornton 1997.
     ElastoPlastic = "elasto_plastic", "Hertz-Mindlin until the contact yields, then plastic (Thornton 1997): the restitution falls with the speed of impact", gpu: Err("use hertz");
+    /// Linear spring and dashpot with stiffnesses as given: Jiang et al. 2020 eq. (43).
+    Spring = "spring", "spring and dashpot with stiffnesses as given, whatever the size of the grains; in plane strain per metre of depth", gpu: Err("use linear");
 }
 
 impl PartialEq for ContactLaw {

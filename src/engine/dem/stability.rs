@@ -163,9 +163,15 @@ pub fn rayleigh(physics: &Physics, g: &Grains) -> f64 {
 pub fn rayleigh_of(physics: &Physics, grains: impl IntoIterator<Item = (f64, u8)>) -> f64 {
     let of = |(d, material): (f64, u8)| {
         let r = 0.5 * d;
-        free_step(physics, material, physics.materials[usize::from(material)].density * sphere_volume(r), r, r)
+        (physics.materials[usize::from(material)].density * sphere_volume(r), r, material)
     };
-    let least = grains.into_iter().map(of).fold(f64::INFINITY, f64::min);
+    free_of(physics, grains.into_iter().map(of))
+}
+
+/// As [`rayleigh`], for bodies given by mass, kg, radius, m, and material.
+pub fn free_of(physics: &Physics, bodies: impl IntoIterator<Item = (f64, f64, u8)>) -> f64 {
+    let of = |(mass, r, material)| free_step(physics, material, mass, r, r);
+    let least = bodies.into_iter().map(of).fold(f64::INFINITY, f64::min);
     if least.is_finite() { physics.stepping.rayleigh() * resolved(physics) * least } else { 1.0 }
 }
 

@@ -246,6 +246,9 @@ impl Blocks {
         of_points.resize(points, 0.0);
         of_grains.resize(grains.len(), 0.0);
         let mut most = ContactRates::default();
+        if self.first_touch > 0.0 && self.candidates.iter().any(BlockContact::is_of_point) {
+            most.points = self.first_touch;
+        }
         let touching = || self.candidates.iter().filter(|c| c.touch.overlap > 0.0);
         for c in touching() {
             let ([k_n, k_t], i) = (c.stiffness.map(|k| c.share * k), c.place as usize);

@@ -32,7 +32,8 @@ impl Block {
         let posed = |block, outline| PosedBlock { block, pose: block.pose(0.0), spin: [0.0; 3], outline };
         let (first, second) = (posed(self, a.as_ref()), posed(other, b.as_ref()));
         let (Some(a), Some(b)) = (&a, &b) else { return 0.0 };
-        let corners = |of: &Outline, body: &PosedBlock<'_>| of.hull.corners.iter().map(|c| body.pose.place(*c)).collect::<Vec<_>>();
+        let corners =
+            |of: &Outline, body: &PosedBlock<'_>| of.body.corners().iter().map(|c| body.pose.place(*c)).collect::<Vec<_>>();
         if Hull::cut(&corners(a, &first), &corners(b, &second)) {
             return f64::INFINITY;
         }

@@ -61,7 +61,7 @@ impl Block {
         Block {
             mass: density * bulk.volume,
             moments: bulk.moments.map(|moment| density * moment),
-            radius: bulk.radius(),
+            radius: shape.radius(),
             shape,
             material,
             centre: [0.0; 3],
@@ -97,6 +97,10 @@ pub struct Blocks {
     pub blocks: Vec<Block>,
     /// Points, grains, walls and other bodies near the bodies, touching or not, sorted by body, then points, grains, spots on walls and bodies of higher index.
     pub candidates: Vec<BlockContact>,
+    /// Radius with which points touch bodies, m; `None`: that of their ghosts.
+    point_radius: Option<f64>,
+    /// Square of the angular frequency, 1/s², that the first touch of a point has, by a contact law whose stiffness does not begin at zero.
+    first_touch: f64,
     /// Age of the list.
     age: Age,
     /// Normal force of the bodies on each wall in the last step, N.
@@ -120,6 +124,12 @@ impl Blocks {
         Blocks { applied: vec![[[0.0; 3]; 2]; blocks.len()], blocks, ..Blocks::default() }
     }
 
+    /// Lets points touch the bodies with this radius, m (Jiang et al. 2020, eqs 44, 45); `None`: with that of their ghosts. `first_touch`: square of the angular
+    /// frequency, 1/s², at the first touch of the lightest point; 0 for Hertzian laws. The bound on the step needs it before they touch.
+    pub fn with_points(self, point_radius: Option<f64>, first_touch: f64) -> Blocks {
+        Blocks { point_radius, first_touch, ..self }
+    }
+
     /// Checks bodies and contacts that come from outside against grains, walls and points of their run; `made` are the bodies as the same run made them.
     ///
     /// # Errors
@@ -129,6 +139,9 @@ impl Blocks {
         check::lengths("rigid bodies", n, [self.blocks.len(), self.applied.len()])?;
         self.blocks.iter().zip(&made.blocks).try_for_each(|(block, made)| block.check(made))?;
         self.age.check()?;
+        ensure(self.point_radius == made.point_radius, || {
+            "points touch rigid bodies with another radius than in the scene".into()
+        })?;
         let walls = if self.on_walls.is_empty() { 0 } else { state.walls.len() };
         check::lengths("walls at rigid bodies", walls, [self.on_walls.len()])?;
         check::numbers("forces on rigid bodies", self.on_walls.iter().chain(self.applied.as_flattened().as_flattened()))?;

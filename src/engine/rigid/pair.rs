@@ -1,6 +1,6 @@
 //! Where two rigid bodies touch: corners of one on the surface of the other, and edges that cross.
 //!
-//! Both bodies are hulls of corners with a sphere swept over them ([`crate::shape::Hull`]), so to any side two of them overlap by R − d, with R the sum of the radii of
+//! Both bodies are hulls of corners with a sphere swept over them, or polygons with a disc ([`crate::shape::Rounded`]), so to any side two of them overlap by R − d, with R the sum of the radii of
 //! the spheres and d the distance of the hulls within. Each corner of one body is compared with the nearest point of the other's hull, and each edge with each edge
 //! of the other, as Jiang et al. 2020 do with corners and edges in the plane (eqs 38 to 40). A face that lies on a face touches at the corners of the area that
 //! they share, which carries moments; that area's corners are corners of the two faces or crossings of their edges.
@@ -11,7 +11,7 @@
 
 use super::contact::PosedBlock;
 use crate::math::vector::{cross, dot, less, plus, scaled};
-use crate::shape::{Hull, Shape};
+use crate::shape::{Rounded, Shape};
 use serde::{Deserialize, Serialize};
 
 /// A part of each of two bodies that may touch. Numbers are those of corners and edges of their hulls.
@@ -28,8 +28,8 @@ pub enum Site {
 /// What other bodies touch of a body, in its frame.
 #[derive(Clone, Debug)]
 pub(super) struct Outline {
-    /// Corners, faces and radius of the edges.
-    pub hull: Hull,
+    /// Corners, surface and radius of the edges.
+    pub body: Rounded,
     /// Ends of the edges.
     pub edges: Vec<[[f64; 3]; 2]>,
 }
@@ -37,9 +37,9 @@ pub(super) struct Outline {
 impl Outline {
     /// The outline of a shape; `None` for one without corners.
     pub fn of(shape: &Shape) -> Option<Outline> {
-        let hull = shape.rounded_hull()?.into_owned();
-        let edges = hull.edges().iter().map(|(ends, _)| ends.map(|k| hull.corners[k as usize])).collect();
-        Some(Outline { hull, edges })
+        let body = shape.rounded()?;
+        let edges = body.edges();
+        Some(Outline { body, edges })
     }
 }
 
@@ -73,15 +73,15 @@ pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Sit
     let (a, b) = (first.outline?, second.outline?);
     match site {
         Site::CornerOfFirst(k) => {
-            let (corner, radius) = (first.pose.place(*a.hull.corners.get(k as usize)?), a.hull.rounding);
-            let nearest = b.hull.nearest(second.pose.within(corner));
+            let (corner, radius) = (first.pose.place(*a.body.corners().get(k as usize)?), a.body.rounding());
+            let nearest = b.body.nearest(second.pose.within(corner));
             let (normal, depth) = (second.pose.outwards(nearest.normal).map(|x| -x), radius - nearest.distance);
             let overlap = Overlap { normal, depth, at: plus(corner, scaled(normal, radius - 0.5 * depth)) };
             Some(Meeting { overlap, ends: None })
         }
         Site::CornerOfSecond(k) => {
-            let (corner, radius) = (second.pose.place(*b.hull.corners.get(k as usize)?), b.hull.rounding);
-            let nearest = a.hull.nearest(first.pose.within(corner));
+            let (corner, radius) = (second.pose.place(*b.body.corners().get(k as usize)?), b.body.rounding());
+            let nearest = a.body.nearest(first.pose.within(corner));
             let (normal, depth) = (first.pose.outwards(nearest.normal), radius - nearest.distance);
             let overlap = Overlap { normal, depth, at: less(corner, scaled(normal, radius - 0.5 * depth)) };
             Some(Meeting { overlap, ends: None })
@@ -94,7 +94,7 @@ pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Sit
             let across = cross(less(p[1], p[0]), less(q[1], q[0]));
             let side = 1.0_f64.copysign(dot(across, less(second.pose.centre, first.pose.centre)));
             let across = scaled(across, side / dot(across, across).sqrt());
-            let radii = [a.hull.rounding, b.hull.rounding];
+            let radii = [a.body.rounding(), b.body.rounding()];
             let between = |x, y| spheres([x, y], radii, across);
             let ends = [
                 between(p[0], nearest_on(q, p[0])),
@@ -150,18 +150,18 @@ pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) 
     };
     let mut found = Vec::new();
     let corners = |body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline, site: &dyn Fn(u16) -> Site| {
-        let (far, gap) = (of.hull.rounding + on.hull.reach + skin, of.hull.rounding + skin);
+        let (far, gap) = (of.body.rounding() + on.body.reach() + skin, of.body.rounding() + skin);
         let near = |(_, corner): &(usize, [f64; 3])| {
-            near(*corner, other, far) && on.hull.nearest(other.pose.within(*corner)).distance < gap
+            near(*corner, other, far) && on.body.nearest(other.pose.within(*corner)).distance < gap
         };
-        let corners = of.hull.corners.iter().map(|c| body.pose.place(*c)).enumerate();
+        let corners = of.body.corners().iter().map(|c| body.pose.place(*c)).enumerate();
         corners.filter(near).map(|(k, _)| site(k as u16)).collect::<Vec<_>>()
     };
     found.extend(corners(first, a, second, b, &Site::CornerOfFirst));
     found.extend(corners(second, b, first, a, &Site::CornerOfSecond));
-    let radii = a.hull.rounding + b.hull.rounding + skin;
+    let radii = a.body.rounding() + b.body.rounding() + skin;
     let edges = |body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline| {
-        let far = of.hull.rounding + on.hull.reach + skin;
+        let far = of.body.rounding() + on.body.reach() + skin;
         let placed = of.edges.iter().map(|ends| ends.map(|x| body.pose.place(x))).enumerate();
         placed.filter(|(_, ends)| from_edge(other.pose.centre, *ends) < far).collect::<Vec<_>>()
     };

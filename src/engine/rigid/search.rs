@@ -48,7 +48,7 @@ impl Blocks {
 
     /// Checks that no body is so deep in another that the direction of their force would be lost, and that no pair is near whose contacts are not computed.
     fn passable(&self, continuum: &Continuum) -> Result<()> {
-        let (step, radius) = (continuum.steps(), |k: u32| self.outlines[k as usize].as_ref().map_or(0.0, |o| o.hull.rounding));
+        let (step, radius) = (continuum.steps(), |k: u32| self.outlines[k as usize].as_ref().map_or(0.0, |o| o.body.rounding()));
         let deep = |c: &&BlockContact| match c.other {
             Other::Block { block, .. } => c.touch.overlap > DEEPEST * (radius(c.block) + radius(block)),
             _ => false,
@@ -69,7 +69,8 @@ impl Blocks {
         let most = (0..points.len()).map(|i| points.solid(i)).fold(0.0, f64::max);
         // a face may lie further from its point than the ghost radius
         let beyond = self.candidates.iter().filter_map(|c| c.face).map(|face| face.beyond).fold(0.0, f64::max);
-        let widest = ghost_radius(dimension, most) + beyond + skin;
+        let radius_of = |solid: f64| self.point_radius.unwrap_or_else(|| ghost_radius(dimension, solid));
+        let widest = radius_of(most) + beyond + skin;
         let mut found: Vec<BlockContact> = Vec::new();
         for (k, block) in self.blocks.iter().enumerate() {
             let (solid, pose, block_index) = (block.solid(), block.pose(0.0), k as u32);
@@ -80,7 +81,7 @@ impl Blocks {
             let far = solid.reach() + widest;
             let corners = [-far, far].map(|by| std::array::from_fn(|a| pose.centre[a] + by));
             continuum.visit(corners, |i| {
-                let radius = ghost_radius(dimension, points.solid(i));
+                let radius = radius_of(points.solid(i));
                 if within(&points.position[i], radius + beyond + skin) {
                     found.push(BlockContact::new(block_index, Other::Point(points.id[i]), i as u32, radius));
                 }

@@ -7,17 +7,20 @@
 mod cuboid;
 mod hull;
 mod mesh;
+mod polygon;
 mod polyhedron;
+mod ring;
 mod superquadric;
 
 pub use cuboid::Cuboid;
 pub use hull::{Hull, HullFace};
 pub use mesh::Mesh;
+pub use polygon::Polygon;
 pub use polyhedron::{Placed, Polyhedron};
+pub use ring::Ring;
 pub use superquadric::Superquadric;
 
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 
 /// The surface of a shape, as seen from a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +80,59 @@ pub enum Shape {
     Superquadric(Superquadric),
     /// A rounded convex polyhedron.
     Polyhedron(Polyhedron),
+    /// A rounded convex polygon of plane strain.
+    Polygon(Polygon),
+}
+
+/// A shape as other bodies touch it: corners, and a sphere or disc swept over all between them.
+#[derive(Clone, Debug)]
+pub enum Rounded {
+    /// In space.
+    Hull(Hull),
+    /// In the plane.
+    Ring(Ring),
+}
+
+impl Rounded {
+    /// Its corners, m.
+    pub fn corners(&self) -> &[[f64; 3]] {
+        match self {
+            Rounded::Hull(hull) => &hull.corners,
+            Rounded::Ring(ring) => &ring.corners,
+        }
+    }
+
+    /// Radius of its edges, m.
+    pub fn rounding(&self) -> f64 {
+        match self {
+            Rounded::Hull(hull) => hull.rounding,
+            Rounded::Ring(ring) => ring.rounding,
+        }
+    }
+
+    /// Distance of its furthest point from the origin, m.
+    pub fn reach(&self) -> f64 {
+        match self {
+            Rounded::Hull(hull) => hull.reach,
+            Rounded::Ring(ring) => ring.reach,
+        }
+    }
+
+    /// The surface nearest to a position.
+    pub fn nearest(&self, at: [f64; 3]) -> Nearest {
+        match self {
+            Rounded::Hull(hull) => hull.nearest(at),
+            Rounded::Ring(ring) => ring.nearest(at),
+        }
+    }
+
+    /// Ends of its edges that can cross edges of others; in the plane there are none.
+    pub fn edges(&self) -> Vec<[[f64; 3]; 2]> {
+        match self {
+            Rounded::Hull(hull) => hull.edges().iter().map(|(ends, _)| ends.map(|k| hull.corners[k as usize])).collect(),
+            Rounded::Ring(_) => Vec::new(),
+        }
+    }
 }
 
 impl Shape {
@@ -86,16 +142,25 @@ impl Shape {
             Shape::Box(s) => s,
             Shape::Superquadric(s) => s,
             Shape::Polyhedron(s) => s,
+            Shape::Polygon(s) => s,
         }
     }
 
-    /// The shape as other bodies touch it: a hull of corners with rounded edges; `None` for a superquadric, which has no corners. Edges of a box are rounded
-    /// as [`Cuboid::rounded`] says.
-    pub fn rounded_hull(&self) -> Option<Cow<'_, Hull>> {
+    /// The shape as other bodies touch it; `None` for a superquadric, which has no corners. Edges of a box are rounded as [`Cuboid::rounded`] says.
+    pub fn rounded(&self) -> Option<Rounded> {
         match self {
-            Shape::Box(s) => Some(Cow::Owned(s.rounded())),
-            Shape::Polyhedron(s) => Some(Cow::Borrowed(s.rounded_hull())),
+            Shape::Box(s) => Some(Rounded::Hull(s.rounded())),
+            Shape::Polyhedron(s) => Some(Rounded::Hull(s.rounded_hull().clone())),
+            Shape::Polygon(s) => Some(Rounded::Ring(s.rounded_ring().clone())),
             Shape::Superquadric(_) => None,
+        }
+    }
+
+    /// Radius of the sphere of the same volume, m; of a polygon that of the disc of the same area.
+    pub fn radius(&self) -> f64 {
+        match self {
+            Shape::Polygon(s) => s.radius(),
+            _ => self.solid().bulk().radius(),
         }
     }
 
@@ -105,6 +170,7 @@ impl Shape {
             Shape::Box(_) => "box",
             Shape::Superquadric(_) => "superquadric",
             Shape::Polyhedron(_) => "polyhedron",
+            Shape::Polygon(_) => "polygon",
         }
     }
 }

@@ -58,6 +58,8 @@ pub struct CoarseGrains {
     pub fines: Option<Rule>,
     /// Whether contacts act on the faces of points, else on their centres ([`engine::point_contacts::PointContactTable::faces`]).
     pub faces: bool,
+    /// Radius with which points touch rigid bodies that are no spheres, m; `None`: that of their ghosts.
+    pub point_radius: Option<f64>,
 }
 
 /// A specimen grown by volume expansion (Li et al. 2023, section 4.1).

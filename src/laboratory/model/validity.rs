@@ -53,7 +53,7 @@ fn sizes(materials: &[Material], rig: &MpmTest) -> Option<Sizes> {
         return None;
     }
     let count = rig.points.len();
-    let ghosts = (0..count).map(|i| 2.0 * ghost_radius(Dimension::Space, rig.points.solid(i)));
+    let ghosts = (0..count).map(|i| 2.0 * ghost_radius(rig.settings.dimension, rig.points.solid(i)));
     let (sum, largest) = ghosts.fold((0.0, 0.0_f64), |(sum, most), d| (sum + d, most.max(d)));
     // an outline leaves out some of both, by numbers of their own
     let [more_points, more_grains] = rig.left_out.map(|n| n as f64);

@@ -8,7 +8,7 @@ use engine::boundary::Wall;
 use engine::material::Material;
 use engine::rigid::Block;
 use engine::rigid::motion::{about, product, quaternion};
-use engine::shape::{Cuboid, Polyhedron, Shape, Superquadric};
+use engine::shape::{Cuboid, Polygon, Polyhedron, Shape, Superquadric};
 use toml::{Table, Value};
 
 /// Fewest and most numbers of a polyhedron's points: four points, and a thousand.
@@ -46,10 +46,15 @@ impl View<'_> {
             "superquadric" => &["size_mm", "blockiness"],
             _ => &["points_mm"],
         };
-        let mut good = true;
+        let flat = self.flag("grid.plane_strain");
+        let mut good = (kind == "polygon") == flat;
+        if !good {
+            let message = if flat { "must be \"polygon\" in plane strain" } else { "\"polygon\" needs grid.plane_strain = true" };
+            self.refuse(&at("shape"), message);
+        }
         for name in ["size_mm", "blockiness", "points_mm", "rounding_mm"] {
             let (wanted, given) = (needed.contains(&name), table.contains_key(name));
-            let free = name == "rounding_mm" && kind == "polyhedron";
+            let free = name == "rounding_mm" && matches!(kind, "polyhedron" | "polygon");
             if wanted && !given {
                 self.refuse(&at(name), format!("is missing: shape = \"{kind}\" needs it"));
             } else if given && !wanted && !free {
@@ -74,6 +79,7 @@ impl View<'_> {
                 let blockiness = self.numbers(&at("blockiness")).try_into().ok()?;
                 Shape::Superquadric(Superquadric { half: half()?, blockiness })
             }
+            "polygon" => Shape::Polygon(self.polygon(i, number(table, "rounding_mm").unwrap_or(0.0))?),
             _ => {
                 let (polyhedron, axes) = self.polyhedron(i, number(table, "rounding_mm").unwrap_or(0.0))?;
                 turn = product(turn, quaternion(axes));
@@ -85,11 +91,37 @@ impl View<'_> {
             self.refuse(&at("spin_rad_s"), "must be [0, 0, 0] where contact.rotation = \"fixed\"");
             return None;
         }
+        if flat {
+            self.check(axis[0] == 0.0 && axis[1] == 0.0, &at("axis"), "must be [0, 0, 1] in plane strain");
+            for (name, out) in [("position_mm", 2), ("velocity_m_s", 2), ("spin_rad_s", 0), ("spin_rad_s", 1)] {
+                let inside = vector(table, name).is_none_or(|v| v[out] == 0.0);
+                self.check(inside, &at(name), format!("must have 0 along {} in plane strain", ["x", "y", "z"][out]));
+            }
+        }
         let mut block = Block::new(shape, materials[usize::from(material)].density, material);
         (block.centre, block.turn, block.velocity) = (vector(table, "position_mm")?, turn, vector(table, "velocity_m_s")?);
         block.set_spin(spin);
         block.driven = table.get("driven").and_then(Value::as_bool).unwrap_or(false);
         Some(block)
+    }
+
+    /// A polygon about its centre of mass.
+    fn polygon(&self, i: usize, rounding: f64) -> Option<Polygon> {
+        let key = format!("block[{i}].points_mm");
+        let numbers = self.numbers(&key);
+        let (corners, rest) = numbers.as_chunks::<2>();
+        if !rest.is_empty() || corners.is_empty() || numbers.len() > MOST_NUMBERS {
+            let message = format!("must be x, y of each corner, one after the other; there are {} numbers", numbers.len());
+            self.refuse(&key, message);
+            return None;
+        }
+        match Polygon::of(corners, rounding) {
+            Ok((polygon, _)) => Some(polygon),
+            Err(message) => {
+                self.refuse(&key, message);
+                None
+            }
+        }
     }
 
     /// A polyhedron, and its principal axes in the frame of its points.
@@ -157,14 +189,14 @@ fn crowds(block: &Block, j: usize, other: &Block) -> Option<String> {
     if apart > reach {
         return None;
     }
-    let (Some(a), Some(b)) = (block.shape.rounded_hull(), other.shape.rounded_hull()) else {
+    let (Some(a), Some(b)) = (block.shape.rounded(), other.shape.rounded()) else {
         return Some(format!(
             "must be further from block {j}: contacts of superquadrics with other blocks are not computed, and they may touch when their centres are within {} mm; the centres are {} mm apart",
             mm(reach),
             mm(apart)
         ));
     };
-    let radii = a.rounding + b.rounding;
+    let radii = a.rounding() + b.rounding();
     if radii == 0.0 {
         return Some(format!(
             "must be further from block {j}, or one of the two needs rounding_mm: without it the direction of their force is not known where sharp edges meet"

@@ -157,12 +157,13 @@ impl View<'_> {
             let size = vector(t, "size_mm").map(|size| size.into_iter().fold(f64::INFINITY, f64::min));
             size.or_else(|| {
                 let numbers: Vec<f64> = t.get("points_mm")?.as_array()?.iter().filter_map(toml::Value::as_float).collect();
-                let (points, _) = numbers.as_chunks::<3>();
+                let axes = if self.flag("grid.plane_strain") { 2 } else { 3 };
                 let extent = |a: usize| {
-                    let along = || points.iter().map(|p| 1e-3 * p[a]);
+                    let along = || numbers.iter().skip(a).step_by(axes).map(|x| 1e-3 * x);
                     along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
                 };
-                Some((0..3).map(extent).fold(f64::INFINITY, f64::min))
+                let least = (0..axes).map(extent).fold(f64::INFINITY, f64::min);
+                Some(least + 2.0 * number(t, "rounding_mm").unwrap_or(0.0))
             })
         });
         let least = grains.chain(blocks).fold(f64::INFINITY, f64::min);

@@ -6,6 +6,7 @@ use crate::model::GrainSpec;
 use crate::model::continuum::{CoarseGrains, Fraction, MpmSpecimen, MpmTest};
 use crate::model::validity::refusal;
 use crate::packing::dispersed;
+use engine::contact::ContactLaw;
 use engine::coupling::{Rates, Rule};
 use engine::grains::sphere_volume;
 use engine::material::Material;
@@ -24,8 +25,7 @@ const DEEP: f64 = 0.01;
 impl View<'_> {
     /// The continuum with its grains; `None`, with the reasons noted, where the scene is refused.
     pub fn mixture(&self, named: &[Named], materials: &[Material]) -> Option<MpmTest> {
-        let solid = !self.flag("grid.plane_strain");
-        self.check(solid, "grid.plane_strain", "must be false in a mixture: its grains are spheres");
+        self.plane_of_blocks();
         let unscaled = !self.flag("stepping.inertia_scaling");
         self.check(unscaled, "stepping.inertia_scaling", "must be false in a mixture: a continuum moves in time");
         let plain = self.si("specimen.scale") == 1.0;
@@ -94,7 +94,13 @@ impl View<'_> {
             "centre" => false,
             _ => test,
         };
-        let coarse = CoarseGrains { grains, blocks, walls, point_materials, rates, fines, faces };
+        let point_radius = self.number("contact.point_radius_mm");
+        self.check(
+            point_radius.is_none() || !(blocks.is_empty() || self.is_without_points()),
+            "contact.point_radius_mm",
+            "has no meaning without both points and a [[block]]",
+        );
+        let coarse = CoarseGrains { grains, blocks, walls, point_materials, rates, fines, faces, point_radius };
         self.blocks_have_room(&rig, &coarse);
         self.grains_have_room(&rig, &coarse.grains);
         rig.coarse = Some(coarse);
@@ -102,6 +108,27 @@ impl View<'_> {
             self.refuse("grid.cell_mm", why);
         }
         Some(rig)
+    }
+
+    /// Refuses a mixture in plane strain that has more in it than polygons and points.
+    fn plane_of_blocks(&self) {
+        if !self.flag("grid.plane_strain") {
+            return;
+        }
+        let key = "grid.plane_strain";
+        let free = self.text("test.rig") == "free";
+        self.check(free, key, "must be false in a test of a mixture: its grains are spheres");
+        self.check(
+            self.list("grain").is_empty(),
+            key,
+            "must be false beside [[grain]], a sphere: a disc is a [[block]] with shape = \"polygon\" and one corner",
+        );
+        let spring = self.law() == ContactLaw::Spring;
+        self.check(
+            spring,
+            "contact.law",
+            "must be \"spring\" in plane strain, where forces count per metre of depth: the other laws are those of spheres",
+        );
     }
 
     /// Refuses listed grains that stand through a side of the specimen, where its platens begin.

@@ -20,21 +20,22 @@ pub struct HertzViscous;
 #[derive(Clone, Copy)]
 pub struct HertzViscousNoTension;
 
-const RESTITUTION: &[Parameter] = &[Parameter {
+/// The restitution of laws with dashpots.
+pub(super) const RESTITUTION: Parameter = Parameter {
     key: "contact.restitution",
     range: Range::above(0.0, 1.0),
     default: Some("1.0"),
-    meaning: "restitution of the laws hertz_viscous and hertz_viscous_no_tension",
-}];
+    meaning: "restitution of the laws hertz_viscous, hertz_viscous_no_tension and spring",
+};
 
-/// Geometric mean of the restitutions of two materials.
-fn restitution(first: &Values, second: Option<&Values>) -> f64 {
+/// Geometric mean of the restitutions of two materials, which are their first values.
+pub(super) fn restitution(first: &Values, second: Option<&Values>) -> f64 {
     (first[0] * second.unwrap_or(first)[0]).sqrt()
 }
 
 impl Law for HertzViscous {
     const VISCOUS: bool = true;
-    const PARAMETERS: &'static [Parameter] = RESTITUTION;
+    const PARAMETERS: &'static [Parameter] = &[RESTITUTION];
 
     fn coefficients(moduli: Moduli, first: &Values, second: Option<&Values>) -> Coefficients {
         let viscous = viscous_coefficient(restitution(first, second));
@@ -58,7 +59,7 @@ impl Law for HertzViscous {
 impl Law for HertzViscousNoTension {
     const VISCOUS: bool = true;
     const TENSION: bool = false;
-    const PARAMETERS: &'static [Parameter] = RESTITUTION;
+    const PARAMETERS: &'static [Parameter] = &[RESTITUTION];
 
     fn coefficients(moduli: Moduli, first: &Values, second: Option<&Values>) -> Coefficients {
         let viscous = viscous_coefficient_without_tension(restitution(first, second));
@@ -110,9 +111,13 @@ fn restitution_without_tension(zeta: f64) -> f64 {
 
 /// Viscous coefficient c = 2 √(5/6) β that gives the coefficient of restitution `restitution`, in (0, 1], to a force that may become tensile.
 pub fn viscous_coefficient(restitution: f64) -> f64 {
+    2.0 * (5.0f64 / 6.0).sqrt() * damping_ratio(restitution)
+}
+
+/// Damping ratio β = −ln e / √(π² + ln² e) of a linear oscillator of which half a period leaves the share e of the speed.
+pub(super) fn damping_ratio(restitution: f64) -> f64 {
     let l = restitution.ln();
-    let beta = -l / (std::f64::consts::PI.powi(2) + l * l).sqrt();
-    2.0 * (5.0f64 / 6.0).sqrt() * beta
+    -l / (std::f64::consts::PI.powi(2) + l * l).sqrt()
 }
 
 #[cfg(test)]

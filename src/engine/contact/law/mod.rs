@@ -16,11 +16,13 @@ mod elasto_plastic;
 mod hertz;
 mod hertz_viscous;
 mod linear;
+mod spring;
 
 pub use elasto_plastic::ElastoPlastic;
 pub use hertz::Hertz;
 pub use hertz_viscous::{HertzViscous, HertzViscousNoTension, viscous_coefficient, viscous_coefficient_without_tension};
 pub use linear::{Linear, LinearInherited};
+pub use spring::Spring;
 
 pub use super::pair::{Coefficients, Moduli, Pair};
 use crate::material::Material;

@@ -11,6 +11,7 @@ use ::engine::coupling::{Allowed, Cycle, Mixture, Parts, Rates};
 use ::engine::dem::{Workspace, stability};
 #[cfg(feature = "gpu")]
 use ::engine::gpu;
+use ::engine::mpm::loading_plate::ghost_radius;
 use ::engine::mpm::{Continuum, LoadingPlate};
 #[cfg(feature = "gpu")]
 use ::engine::mpm::{Points, Settings};
@@ -56,9 +57,24 @@ pub fn mixture(model: &Model, rig: &MpmTest, coarse: &CoarseGrains, continuum: &
     };
     let mut mixture = Mixture::new(&model.physics, assembly::start(model, &scene), continuum, coarse.fines);
     if !coarse.blocks.is_empty() {
-        mixture.blocks = Some(Box::new(Blocks::new(coarse.blocks.clone())));
+        let blocks = Blocks::new(coarse.blocks.clone()).with_points(coarse.point_radius, first_touch(model, rig, coarse));
+        mixture.blocks = Some(Box::new(blocks));
     }
     mixture
+}
+
+/// Square of the angular frequency, 1/s², of the lightest point at its first touch of a rigid body, by a law whose stiffness does not begin at zero.
+fn first_touch(model: &Model, rig: &MpmTest, coarse: &CoarseGrains) -> f64 {
+    if model.physics.contact.law.is_hertzian() {
+        return 0.0;
+    }
+    let p = &rig.points;
+    let radius = |i| coarse.point_radius.unwrap_or_else(|| ghost_radius(rig.settings.dimension, p.solid(i)));
+    let free = |i: usize| {
+        let material = &model.physics.materials[usize::from(coarse.point_materials[usize::from(p.law[i])])];
+        (model.physics.contact.law.table().free_step)(material, p.velocity[i][3], radius(i), radius(i))
+    };
+    (0..p.len()).map(free).fold(f64::INFINITY, f64::min).powi(-2)
 }
 
 /// In a quasi-static test a cycle may end at this share of the largest step of the slower side, if this saves a step of the
@@ -70,7 +86,7 @@ const NEARLY: f64 = 0.8;
 pub fn free_step(model: &Model, rig: &MpmTest) -> f64 {
     match &rig.coarse {
         Some(coarse) if rig.points.is_empty() && !coarse.blocks.is_empty() => {
-            stability::rayleigh_of(&model.physics, coarse.blocks.iter().map(|b| (2.0 * b.radius, b.material)))
+            stability::free_of(&model.physics, coarse.blocks.iter().map(|b| (b.mass, b.radius, b.material)))
         }
         _ => f64::INFINITY,
     }
