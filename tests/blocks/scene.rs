@@ -28,7 +28,12 @@ impl Scene {
             "kind = \"mixture\"\nduration_s = 1000.0\ngravity_m_s2 = {gravity:?}\n{bodies}\n[contact]\nlaw = \"{law}\"\n[material]\n{}",
             stuff.toml()
         );
-        let model = model(&text, &[]);
+        Scene::of(&text)
+    }
+
+    /// A whole scene as TOML.
+    pub fn of(text: &str) -> Scene {
+        let model = model(text, &[]);
         let Rig::Continuum(rig) = &model.rig else { panic!("a mixture") };
         let rig = (**rig).clone();
         let mut state = State::start(&model, &rig).unwrap_or_else(|e| panic!("{e}"));
@@ -63,7 +68,8 @@ impl Scene {
 
     /// Kinetic, potential and elastic energy, J.
     pub fn energy(&self) -> f64 {
-        self.all().energies(self.model.physics.gravity, 0.4).iter().sum()
+        let factor = if self.model.physics.contact.law.is_hertzian() { 0.4 } else { 0.5 };
+        self.all().energies(self.model.physics.gravity, factor).iter().sum()
     }
 }
 

@@ -157,8 +157,14 @@ pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) 
         let corners = of.body.corners().iter().map(|c| body.pose.place(*c)).enumerate();
         corners.filter(near).map(|(k, _)| site(k as u16)).collect::<Vec<_>>()
     };
-    found.extend(corners(first, a, second, b, &Site::CornerOfFirst));
-    found.extend(corners(second, b, first, a, &Site::CornerOfSecond));
+    // a disc has one corner, its centre, whose distance from the other surface is all there is to know
+    let [one, other] = [a, b].map(|outline| outline.body.corners().len() == 1);
+    if one || !other {
+        found.extend(corners(first, a, second, b, &Site::CornerOfFirst));
+    }
+    if !one {
+        found.extend(corners(second, b, first, a, &Site::CornerOfSecond));
+    }
     let radii = a.body.rounding() + b.body.rounding() + skin;
     let edges = |body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline| {
         let far = of.body.rounding() + on.body.reach() + skin;
