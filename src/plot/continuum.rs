@@ -126,6 +126,10 @@ fn against_time(name: &str, run: &Run, y: Axis, lines: Vec<(&str, Vec<f64>)>) ->
 
 fn run_out(run: &Run) -> Result<Option<Plot>> {
     let (Some(front), Some(height)) = (run.column("front_mm")?, run.column("height_mm")?) else { return Ok(None) };
+    // without points there is neither
+    if front.iter().chain(&height).all(|x| *x == 0.0 || !x.is_finite()) {
+        return Ok(None);
+    }
     let y = Axis::linear("distance of the front, height (mm)", "length_mm").including(&[0.0]);
     against_time("run_out", run, y, vec![("front", front), ("height", height)])
 }

@@ -8,6 +8,7 @@ mod account;
 mod assembly;
 mod axis;
 mod balls;
+mod bodies;
 mod calibration;
 mod canvas;
 mod colour;
@@ -87,6 +88,7 @@ fn draw_records(dir: &Path, out: &Path) -> Result<Vec<PathBuf>> {
     files.extend(specimen::draw(&run, &Colouring::Generation, out)?);
     files.extend(continuum::draw_points(&run, out)?);
     files.extend(section::draw(&run, out)?);
+    files.extend(bodies::draw(&run, out)?);
     files.extend(force_chains::draw(&run, out)?);
     if files.is_empty() {
         let why = "nothing to draw: no records in history.csv, gsd.csv, platen.csv, tracks.csv, specimen.csv or grains_final.csv";

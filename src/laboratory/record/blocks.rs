@@ -2,14 +2,30 @@
 //! their surfaces.
 
 use super::vtk::{self, Fact, Field, VtkError};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use engine::math::vector::{dot, plus};
 use engine::rigid::Blocks;
+use std::fmt::Write as _;
 use std::path::Path;
 use table::Row;
 
 /// Table with place, motion and forces of each body.
 pub const TRACKS: &str = "blocks.csv";
+
+/// Table with the surface of each body, in its own axes.
+pub const SURFACES: &str = "block_surfaces.csv";
+
+/// Writes [`SURFACES`]: three rows for each triangle.
+pub fn write_outlines(path: &Path, blocks: &Blocks) -> Result<()> {
+    let mut text = String::from("block,x_m,y_m,z_m\n");
+    for (k, block) in blocks.blocks.iter().enumerate() {
+        let mesh = block.solid().surface();
+        for corner in mesh.triangles.iter().flatten() {
+            let _ = writeln!(text, "{k},{}", mesh.corners[*corner as usize].map(table::number).join(","));
+        }
+    }
+    table::write(path, text).map_err(Error::write(path))
+}
 
 /// A row of [`TRACKS`] for each body at step `step` and time `time`, s.
 pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> {

@@ -44,6 +44,7 @@ pub const SHEETS: &[Sheet] = &[
     Sheet { files: "contacts_*.csv", of: "oedometer, triaxial, isotropic, assembly, mixture", columns: CONTACTS },
     Sheet { files: "tracks.csv", of: "assembly", columns: TRACKS },
     Sheet { files: "blocks.csv", of: "mixture", columns: BLOCKS },
+    Sheet { files: "block_surfaces.csv", of: "mixture", columns: BLOCK_SURFACES },
     Sheet { files: "account.csv", of: "continuum, mixture", columns: ACCOUNT },
     Sheet { files: "specimen.csv, grains_start.csv", of: "oedometer, triaxial, isotropic, assembly, mixture", columns: SPECIMEN },
     Sheet { files: "grains_final.csv", of: "oedometer, triaxial, isotropic, assembly, mixture", columns: GRAINS_FINAL },
@@ -463,6 +464,13 @@ const BLOCKS: &[Column] = &[
     column("blocks_y_N", "N", "the same"),
     column("blocks_z_N", "N", "the same"),
     column("kinetic_J", "J", "its kinetic energy"),
+];
+
+const BLOCK_SURFACES: &[Column] = &[
+    column("block", "-", "number of the rigid body, from 0; three rows are the corners of a triangle of its surface"),
+    column("x_m", "m", "corner, from its centre of mass along its own axes"),
+    column("y_m", "m", "the same"),
+    column("z_m", "m", "the same"),
 ];
 
 const SPECIMEN: &[Column] = &[

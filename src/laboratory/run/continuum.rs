@@ -209,6 +209,9 @@ fn prepared(model: &Model, rig: &MpmTest, mut begun: Begun, out: &Path, quiet: b
     if let Some(mixture) = &begun.progress.state.mixture {
         specimen::write(&out.join(GRAINS_START), &mixture.grains.grains, &model.physics.materials, None)?;
     }
+    if let Some(theirs) = begun.progress.state.blocks() {
+        blocks::write_outlines(&out.join(blocks::SURFACES), theirs)?;
+    }
     make_test(model, rig, out, begun, quiet, stop_after)
 }
 
@@ -428,6 +431,7 @@ fn instant(
     }
     if let Some(theirs) = state.blocks() {
         blocks::write_surfaces(&dir.join(format!("blocks_{step:08}.vtp")), facts, step, theirs)?;
+        vtk::write_collection(&out.join(files::BLOCKS), &files::listed(snapshots, "blocks_")).map_err(failed)?;
     }
     let loaded = walls(state);
     let bodies = state.continuum.points().position.iter().map(|p| [p[0], p[1], p[2], 0.0]);

@@ -41,12 +41,14 @@ pub const COLLECTION: &str = "snapshots.pvd";
 pub const WALLS: &str = "walls.pvd";
 /// ParaView list of the snapshots of the grains in a continuum.
 pub const GRAINS: &str = "grains.pvd";
+/// ParaView list of the snapshots of rigid bodies that are no spheres.
+pub const BLOCKS: &str = "blocks.pvd";
 /// ParaView list of the snapshots of points that breakages have left among grains.
 pub const FINES: &str = "fines.pvd";
 /// The only file of a run that failed before its test began: the reason, and the scene. The next run may use such a folder.
 pub const FAILED: &str = "failed.scene.toml";
 /// The files that a run leaves, besides its scene, snapshots and figures. Overwriting a run removes these and nothing else.
-const OURS: [&str; 25] = [
+const OURS: [&str; 27] = [
     FAILED,
     SPECIMEN,
     SUMMARY,
@@ -68,6 +70,8 @@ const OURS: [&str; 25] = [
     crate::record::continuum::START,
     crate::record::continuum::END,
     crate::record::blocks::TRACKS,
+    crate::record::blocks::SURFACES,
+    BLOCKS,
     crate::record::account::ACCOUNT,
     checkpoint::FILE,
     checkpoint::PREVIOUS,

@@ -1,0 +1,150 @@
+//! Rigid bodies that are no spheres, at the start and at the end of a run: their surfaces seen from obliquely above, or in plane strain from the front.
+
+use super::axis::significant;
+use super::canvas::{Canvas, WIDTH};
+use super::colour::{self, BLACK, Colour, INK, WHITE, mix};
+use super::error::{FigureError, Result};
+use super::plot::fit;
+use super::run::Run;
+use super::specimen::{MARGIN, SIZE, scale_bar};
+use super::table::Table;
+use super::text::{Anchor, Line};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+const GUTTER: f64 = 72.0;
+const TALLEST: f64 = 900.0;
+/// Sine and cosine of the angles by which the view is turned about the vertical, and looks down.
+const TURNED: [f64; 2] = [0.5, 0.866_025_403_784_438_6];
+const DOWN: [f64; 2] = [0.342_020_143_325_668_7, 0.939_692_620_785_908_4];
+/// Direction to the light in the axes of the page: to the right, up, towards the reader.
+const LIGHT: [f64; 3] = [-0.45, 0.65, 0.61];
+
+/// A triangle as it is seen: corners to the right and up, m, depth towards the reader, brightness from −1 to 1, and its body.
+struct Facet {
+    corners: [[f64; 2]; 3],
+    depth: f64,
+    light: f64,
+    body: usize,
+}
+
+/// Draws `out/bodies.{svg,png,csv}` of a run with rigid bodies that are no spheres; nothing without them.
+pub fn draw(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
+    let read = |file: &str| Table::read_if_there(&run.dir.join(file));
+    let (Some(surfaces), Some(tracks)) = (read("block_surfaces.csv")?, read("blocks.csv")?) else { return Ok(Vec::new()) };
+    let columns = |t: &Table, names: &[&str]| names.iter().map(|name| t.numbers(name)).collect::<Result<Vec<_>>>();
+    let (own, bodies) = (columns(&surfaces, &["x_m", "y_m", "z_m"])?, surfaces.numbers("block")?);
+    let (poses, of) = (columns(&tracks, &["x_m", "y_m", "z_m", "q_w", "q_x", "q_y", "q_z"])?, tracks.numbers("block")?);
+    let count = bodies.iter().fold(0.0_f64, |most, b| most.max(*b)) as usize + 1;
+    let sound = poses.iter().flatten().chain(own.iter().flatten()).all(|x| x.is_finite());
+    if surfaces.len() < 3 || tracks.len() < count || !sound || of[..count].iter().enumerate().any(|(k, b)| *b as usize != k) {
+        return Ok(Vec::new());
+    }
+    let flat = own[2].iter().chain(&poses[2]).all(|z| *z == 0.0);
+    let view = |first: usize| -> Vec<Facet> {
+        let placed = |row: usize| {
+            let pose: Vec<f64> = poses.iter().map(|column| column[first + bodies[row] as usize]).collect();
+            let turned = turn([pose[3], pose[4], pose[5], pose[6]], [own[0][row], own[1][row], own[2][row]]);
+            seen([turned[0] + pose[0], turned[1] + pose[1], turned[2] + pose[2]], flat)
+        };
+        let facets = (0..surfaces.len() / 3).map(|k| {
+            let [p, q, r] = [0, 1, 2].map(|c| placed(3 * k + c));
+            let normal = cross(less(q, p), less(r, p));
+            let length = dot(normal, normal).sqrt();
+            let light = if length > 0.0 && !flat { dot(normal, LIGHT) / length } else { 0.0 };
+            let facet =
+                Facet { corners: [p, q, r].map(|c| [c[0], c[1]]), depth: p[2] + q[2] + r[2], light, body: bodies[3 * k] as usize };
+            (facet, flat || normal[2] > 0.0)
+        });
+        let mut facets: Vec<Facet> = facets.filter(|(_, faces)| *faces).map(|(facet, _)| facet).collect();
+        facets.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+        facets
+    };
+    let views = [("start", view(0)), ("end", view(tracks.len() - count))];
+    let (canvas, csv) = picture(run, &views, flat);
+    table::folder(out).map_err(|e| FigureError::io(out, e))?;
+    let mut files = canvas.write(out, "bodies")?.to_vec();
+    let path = out.join("bodies.csv");
+    let table = format!("panel,block,right_1_m,up_1_m,right_2_m,up_2_m,right_3_m,up_3_m\n{csv}");
+    table::write(&path, table).map_err(|e| FigureError::io(&path, e))?;
+    files.push(path);
+    Ok(files)
+}
+
+fn picture(run: &Run, views: &[(&str, Vec<Facet>); 2], flat: bool) -> (Canvas, String) {
+    let corners = || views.iter().flat_map(|(_, facets)| facets).flat_map(|f| f.corners);
+    let [left, right, low, high] = corners()
+        .fold([f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY], |b, [x, y]| {
+            [b[0].min(x), b[1].max(x), b[2].min(y), b[3].max(y)]
+        });
+    let room = (WIDTH - 2.0 * MARGIN - GUTTER) / 2.0;
+    let (wide, tall) = ((right - left).max(f64::MIN_POSITIVE), (high - low).max(f64::MIN_POSITIVE));
+    let scale = (room / wide).min(TALLEST / tall);
+    let foot = 150.0 + tall * scale;
+    let mut canvas = Canvas::new((foot + 120.0).round());
+    let mut text = |at, text: String, room: f64| {
+        let size = fit(&text, SIZE, room);
+        canvas.text(Line { at, text, size, colour: INK, anchor: Anchor::Middle, upwards: false });
+    };
+    let from = if flat { "rigid bodies" } else { "rigid bodies from obliquely above" };
+    text((WIDTH / 2.0, 44.0), format!("{} · {from}", run.label()), WIDTH - 2.0 * MARGIN);
+    let time = run.column("time_s").ok().flatten().and_then(|all| all.last().copied()).filter(|t| t.is_finite());
+    let centre = |k: usize| MARGIN + room / 2.0 + (room + GUTTER) * k as f64;
+    for (k, (name, _)) in views.iter().enumerate() {
+        let caption = match time.filter(|_| *name == "end") {
+            Some(time) => format!("end: t = {} s", significant(time, 3)),
+            None => (*name).into(),
+        };
+        text((centre(k), 110.0), caption, room);
+    }
+    let mut csv = String::new();
+    for (k, (name, facets)) in views.iter().enumerate() {
+        let start = centre(k) - 0.5 * wide * scale;
+        for f in facets {
+            let points: Vec<_> = f.corners.iter().map(|[x, y]| (start + (x - left) * scale, foot - (y - low) * scale)).collect();
+            let tone = shade(colour::kind(f.body), f.light);
+            canvas.area(points.clone(), tone, 1.0);
+            // closes the hair between neighbours
+            canvas.line(&[points[0], points[1], points[2], points[0]], tone, 0.6, &[]);
+            let [a, b, c] = f.corners;
+            let _ = writeln!(csv, "{name},{},{:.6},{:.6},{:.6},{:.6},{:.6},{:.6}", f.body, a[0], a[1], b[0], b[1], c[0], c[1]);
+        }
+    }
+    scale_bar(&mut canvas, wide, scale, foot + 58.0);
+    (canvas, csv)
+}
+
+/// A colour in the light: darker where it falls from behind.
+fn shade(colour: Colour, light: f64) -> Colour {
+    if light < 0.0 { mix(colour, BLACK, -0.7 * light) } else { mix(colour, WHITE, 0.55 * light) }
+}
+
+/// A position as the reader sees it: to the right, up, and towards the reader.
+fn seen([x, y, z]: [f64; 3], flat: bool) -> [f64; 3] {
+    if flat {
+        return [x, y, 0.0];
+    }
+    let ([s, c], [down, level]) = (TURNED, DOWN);
+    let (right, away) = (c * x + s * y, c * y - s * x);
+    [right, level * z + down * away, down * z - level * away]
+}
+
+/// A vector turned by a unit quaternion (w, x, y, z).
+fn turn([w, x, y, z]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
+    let u = [x, y, z];
+    let t = cross(u, v).map(|c| 2.0 * c);
+    let along = cross(u, t);
+    [v[0] + w * t[0] + along[0], v[1] + w * t[1] + along[1], v[2] + w * t[2] + along[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn less(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
