@@ -140,3 +140,60 @@ fn bodies_deep_in_each_other_end_the_run() {
     assert!(told.contains("of the radii of their edges"), "{told}");
     assert!(out.join("blocks.csv").exists());
 }
+
+/// A pentagon falls on a rod that is held.
+const PLANE: &str = r#"
+kind = "mixture"
+duration_s = 0.1
+gravity_m_s2 = [0.0, -9.81, 0.0]
+grid.plane_strain = true
+[[block]]
+shape = "polygon"
+points_mm = [-100.0, 0.0, 100.0, 0.0]
+rounding_mm = 10.0
+position_mm = [0.0, 0.0, 0.0]
+driven = true
+[[block]]
+shape = "polygon"
+points_mm = [0.0, 0.0, 40.0, 0.0, 50.0, 30.0, 20.0, 50.0, -10.0, 30.0]
+rounding_mm = 4.0
+position_mm = [0.0, 50.0, 0.0]
+[contact]
+law = "spring"
+[material]
+name = "stone"
+grain.density_kg_m3 = 2500.0
+elastic.E_GPa = 1.0
+elastic.nu = 0.2
+contact.friction = 0.5
+spring.k_n_N_m = 1e8
+spring.k_t_N_m = 5e7
+[records]
+figures = false
+"#;
+
+#[test]
+fn what_cannot_be_in_the_plane_is_refused() {
+    let folder = tempfile::tempdir().expect("folder");
+    comminute("check").arg(scene(folder.path(), PLANE)).assert().success();
+    for (from, to, says) in [
+        ("law = \"spring\"", "law = \"hertz\"", "must be \"spring\" in plane strain"),
+        ("grid.plane_strain = true", "", "\"polygon\" needs grid.plane_strain = true"),
+        ("20.0, 50.0, -10.0, 30.0]", "20.0, 20.0, -10.0, 30.0]", "must be the corners of a convex outline: 4 of 5 are"),
+        ("-10.0, 30.0]", "-10.0]", "must be x, y of each corner, one after the other; there are 9 numbers"),
+        ("rounding_mm = 10.0", "", "have no area: give rounding_mm"),
+        ("[0.0, 50.0, 0.0]", "[0.0, 50.0, 5.0]", "must have 0 along z in plane strain"),
+        ("[0.0, 50.0, 0.0]", "[0.0, 25.0, 0.0]", "must be further from block 0"),
+        (
+            "[contact]",
+            "[[grain]]\nposition_m = [0.0, 0.5, 0.0]\nradius_m = 0.01\n[contact]",
+            "a disc is a [[block]] with shape = \"polygon\" and one corner",
+        ),
+        ("law = \"spring\"", "law = \"spring\"\npoint_radius_mm = 2.0", "has no meaning without both points and a [[block]]"),
+        ("spring.k_n_N_m = 1e8", "", "spring.k_n_N_m: is missing"),
+    ] {
+        let text = PLANE.replacen(from, to, 1);
+        assert_ne!(text, PLANE, "{from}");
+        comminute("check").arg(scene(folder.path(), &text)).assert().code(2).stderr(contains(says));
+    }
+}

@@ -22,6 +22,7 @@ mod pushed;
 mod rates;
 mod report;
 mod scene;
+mod silo;
 mod slide;
 pub mod wave;
 
@@ -136,7 +137,7 @@ pub const CASES: [Case; 15] = [
 ];
 
 /// Cases that take longer, and are run when they are named.
-pub const STUDIES: [Case; 8] = [
+pub const STUDIES: [Case; 9] = [
     impact::REFINED,
     crater::CASE,
     crater::OUTER,
@@ -145,6 +146,7 @@ pub const STUDIES: [Case; 8] = [
     crater::CELLS,
     collapse::MOHR_COULOMB,
     rates::CASE,
+    silo::CASE,
 ];
 
 static USUAL: [Case; CASES.len()] = CASES;

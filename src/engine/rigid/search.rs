@@ -38,6 +38,10 @@ impl Blocks {
             for &j in order[n + 1..].iter().take_while(|&&j| ends(j)[0] < end) {
                 let [a, b] = [&self.blocks[i], &self.blocks[j]];
                 let away = less(a.centre, b.centre);
+                // what they press on each other would move neither
+                if a.driven && b.driven {
+                    continue;
+                }
                 if dot(away, away).sqrt() < a.solid().reach() + b.solid().reach() + skin {
                     pairs.push([i.min(j), i.max(j)]);
                 }

@@ -186,7 +186,7 @@ fn crowds(block: &Block, j: usize, other: &Block) -> Option<String> {
     let mm = |x: f64| format!("{:.4}", 1e3 * x);
     let apart = (0..3).map(|a| (block.centre[a] - other.centre[a]).powi(2)).sum::<f64>().sqrt();
     let reach = block.solid().reach() + other.solid().reach();
-    if apart > reach {
+    if apart > reach || (block.driven && other.driven) {
         return None;
     }
     let (Some(a), Some(b)) = (block.shape.rounded(), other.shape.rounded()) else {
