@@ -20,7 +20,7 @@ const DOWN: [f64; 2] = [0.342_020_143_325_668_7, 0.939_692_620_785_908_4];
 /// Direction to the light in the axes of the page: to the right, up, towards the reader.
 const LIGHT: [f64; 3] = [-0.45, 0.65, 0.61];
 
-/// A triangle as it is seen: corners to the right and up, m, depth towards the reader, brightness from −1 to 1, and its body.
+/// A triangle as it is seen: corners to the right and up, m, how far it is towards the reader at least, m, brightness from −1 to 1, and its body.
 struct Facet {
     corners: [[f64; 2]; 3],
     depth: f64,
@@ -52,13 +52,23 @@ pub fn draw(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
             let normal = cross(less(q, p), less(r, p));
             let length = dot(normal, normal).sqrt();
             let light = if length > 0.0 && !flat { dot(normal, LIGHT) / length } else { 0.0 };
-            let facet =
-                Facet { corners: [p, q, r].map(|c| [c[0], c[1]]), depth: p[2] + q[2] + r[2], light, body: bodies[3 * k] as usize };
+            let facet = Facet {
+                corners: [p, q, r].map(|c| [c[0], c[1]]),
+                depth: p[2].min(q[2]).min(r[2]),
+                light,
+                body: bodies[3 * k] as usize,
+            };
             (facet, flat || normal[2] > 0.0)
         });
-        let mut facets: Vec<Facet> = facets.filter(|(_, faces)| *faces).map(|(facet, _)| facet).collect();
-        facets.sort_by(|a, b| a.depth.total_cmp(&b.depth));
-        facets
+        // convex bodies one after the other, as far as each reaches away from the reader: what lies on a floor comes after it
+        let facets: Vec<(Facet, bool)> = facets.collect();
+        let mut furthest = vec![f64::INFINITY; count];
+        for (facet, _) in &facets {
+            furthest[facet.body] = furthest[facet.body].min(facet.depth);
+        }
+        let mut seen: Vec<Facet> = facets.into_iter().filter(|(_, faces)| *faces).map(|(facet, _)| facet).collect();
+        seen.sort_by(|a, b| furthest[a.body].total_cmp(&furthest[b.body]));
+        seen
     };
     let views = [("start", view(0)), ("end", view(tracks.len() - count))];
     let (canvas, csv) = picture(run, &views, flat);
@@ -110,7 +120,7 @@ fn picture(run: &Run, views: &[(&str, Vec<Facet>); 2], flat: bool) -> (Canvas, S
             let _ = writeln!(csv, "{name},{},{:.6},{:.6},{:.6},{:.6},{:.6},{:.6}", f.body, a[0], a[1], b[0], b[1], c[0], c[1]);
         }
     }
-    scale_bar(&mut canvas, wide, scale, foot + 58.0);
+    scale_bar(&mut canvas, room / scale, scale, foot + 58.0);
     (canvas, csv)
 }
 

@@ -31,7 +31,7 @@ pub struct Placed {
 /// Number of times that arcs are halved for volume and inertia; once more gives an estimate of the error, which is removed.
 const FINE: u32 = 3;
 /// Number of times that arcs are halved for pictures.
-const SHOWN: u32 = 2;
+const SHOWN: u32 = 1;
 
 impl Polyhedron {
     /// The convex hull of `points`, m, enlarged by a sphere of radius `rounding`, m.
