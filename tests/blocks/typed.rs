@@ -127,6 +127,33 @@ fn bodies_that_cannot_stand_together_are_refused() {
     comminute("check").arg(scene(folder.path(), &sharp)).assert().code(2).stderr(contains("one of the two needs rounding_mm"));
 }
 
+/// A floor that is held, on a wall and in it, has forces that are numbers.
+#[test]
+fn a_held_body_on_a_wall_has_numbers() {
+    let folder = tempfile::tempdir().expect("folder");
+    let text = [
+        ("[35.0, 35.0, 30.0]", "[35.0, 35.0, 60.0]"),
+        ("[55.0, 55.0, 75.0]", "[55.0, 55.0, 120.0]"),
+        ("[0.08, 0.02, 0.02]", "[0.08, 0.02, 0.2]"),
+        (
+            "[50.0, 50.0, 115.0]\naxis = [0.0, 1.0, 0.2]\nangle_deg = 12.0\nvelocity_m_s = [0.0, 0.0, -1.0]",
+            "[50.0, 50.0, 9.99]\ndriven = true",
+        ),
+        ("duration_s = 0.3", "duration_s = 0.01"),
+    ]
+    .into_iter()
+    .fold(ROCKS.to_string(), |text, (from, to)| text.replace(from, to));
+    let out = folder.path().join("out");
+    comminute("run").arg(scene(folder.path(), &text)).args(["--quiet", "--out"]).arg(&out).assert().success();
+    let mut reader = csv::Reader::from_path(out.join("blocks.csv")).expect("blocks");
+    let walls = reader.headers().expect("header").iter().position(|h| h == "walls_z_N").expect("column");
+    let last = reader.records().map(|r| r.expect("row")).filter(|r| &r[2] == "2").last().expect("a row");
+    assert!(
+        last.iter().all(|x| x.parse::<f64>().is_ok_and(f64::is_finite)) && last[walls].parse::<f64>().expect("number") > 0.0,
+        "{last:?}"
+    );
+}
+
 /// What is pressed deeper than its edges are round ends the run with the reason, and keeps its records.
 #[test]
 fn bodies_deep_in_each_other_end_the_run() {

@@ -116,6 +116,25 @@ fn a_round_superquadric_meets_a_wall_as_a_grain_does() {
     assert!(block(&m).centre[2] > r && block(&m).velocity[0] < 0.45, "{:?}", block(&m));
 }
 
+/// A new list of candidates changes nothing of the contacts that touch: their forces may be added once more before they are computed.
+#[test]
+fn a_new_list_keeps_contacts_whole() {
+    let ball = Ball { at: [1.5, 1.5, 1.5], radius: 0.05, ..Ball::default() };
+    let text = format!(
+        "gravity_m_s2 = [0.0, 0.0, -9.81]\n{}\n[[wall]]\nkind = \"plane\"\npoint_m = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nfriction = 0.3\n",
+        free_scene(&[ball])
+    );
+    let mut body = Block::new(Shape::Box(Cuboid { half: [0.05; 3] }), STUFF.density, 0);
+    (body.centre, body.velocity) = ([0.4, 0.4, 0.05], [0.2, 0.0, -0.1]);
+    let mut m = with(meeting(&text, nothing()), vec![body]);
+    m.go(5e-6, ONE, 10);
+    let blocks = m.mixture.blocks.as_mut().expect("bodies");
+    let before = format!("{:?}", blocks.touching().collect::<Vec<_>>());
+    assert_eq!(blocks.touching().count(), 4);
+    blocks.update(&m.mixture.grains.grains, &m.mixture.grains.walls, &m.continuum, 1e3).expect("a list");
+    assert_eq!(before, format!("{:?}", blocks.touching().collect::<Vec<_>>()));
+}
+
 /// The ball of Li et al., as a superquadric, on a ball of points.
 fn ball_of_points() -> Meeting {
     let r = radius();

@@ -60,13 +60,13 @@ pub struct BlockContact {
     /// Vector from the body's centre of mass to the contact point, m.
     pub(super) arm: [f64; 3],
     /// Tangent stiffnesses when forces were last computed: normal and tangential, N/m.
-    stiffness: [f64; 2],
+    pub(super) stiffness: [f64; 2],
     /// Inverse mass of the other side, 1/kg; 0 for a wall.
-    inverse_mass: f64,
+    pub(super) inverse_mass: f64,
     /// Share of `touch` and of `stiffness` that acts: less than 1 only where an edge of another body touches beside its end.
-    share: f64,
+    pub(super) share: f64,
     /// What else acts there, on the body of the contact and against the other: force, N, and torque about its centre of mass, N m.
-    beside: [[f64; 3]; 2],
+    pub(super) beside: [[f64; 3]; 2],
     /// Where the body presses on a point; `None` until they first touch, and again once they have parted.
     pub(super) face: Option<GhostFace>,
 }
@@ -442,7 +442,9 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>
     // velocities at the contact point are known, so the part that the law adds for the rotation about the centres must vanish
     let turning = scaled(mean_spin, o.overlap);
     let motion = RelativeMotion { centres: less(here, o.velocity), turning, mean_spin, spin_difference: less(body.spin, o.spin) };
-    let m_eff = if L::VISCOUS { 1.0 / (body.inverse_mass(arm, o.normal) + o.inverse_mass) } else { 0.0 };
+    let yields = body.inverse_mass(arm, o.normal) + o.inverse_mass;
+    // a driven body on a wall: neither gives way
+    let m_eff = if L::VISCOUS && yields > 0.0 { 1.0 / yields } else { 0.0 };
     let geometry = ContactGeometry { normal: o.normal, overlap: o.overlap, r_eff: o.r_eff, m_eff, motion };
     let new = force::touching::<f64, L, false, true>(&geometry, &o.pair, rules, &old);
     let e = L::elastic(o.overlap, o.overlap, o.r_eff, &o.pair);

@@ -38,11 +38,8 @@ impl Blocks {
             for &j in order[n + 1..].iter().take_while(|&&j| ends(j)[0] < end) {
                 let [a, b] = [&self.blocks[i], &self.blocks[j]];
                 let away = less(a.centre, b.centre);
-                // what they press on each other would move neither
-                if a.driven && b.driven {
-                    continue;
-                }
-                if dot(away, away).sqrt() < a.solid().reach() + b.solid().reach() + skin {
+                // what driven bodies press on each other moves neither
+                if !(a.driven && b.driven) && dot(away, away).sqrt() < a.solid().reach() + b.solid().reach() + skin {
                     pairs.push([i.min(j), i.max(j)]);
                 }
             }
@@ -50,7 +47,7 @@ impl Blocks {
         pairs
     }
 
-    /// Checks that no body is so deep in another that the direction of their force would be lost, and that no pair is near whose contacts are not computed.
+    /// Checks that no body is so deep in another that the direction of their force would be lost.
     fn passable(&self, continuum: &Continuum) -> Result<()> {
         let (step, radius) = (continuum.steps(), |k: u32| self.outlines[k as usize].as_ref().map_or(0.0, |o| o.body.rounding()));
         let deep = |c: &&BlockContact| match c.other {
@@ -116,7 +113,8 @@ impl Blocks {
         let key = |c: &BlockContact| (c.block, c.other);
         found.sort_unstable_by_key(key);
         let known = self.candidates.iter().filter(|c| c.touch.overlap > 0.0 || c.face.is_some());
-        remember(known, &mut found, key, |old, new| (new.touch, new.spring, new.face) = (old.touch, old.spring, old.face));
+        // reactions may be added again before forces are computed: all but the other side's place and size stays
+        remember(known, &mut found, key, |old, new| *new = BlockContact { place: new.place, radius: new.radius, ..*old });
         self.candidates = found;
         Ok(())
     }

@@ -2,8 +2,10 @@
 
 use super::ring::{Ring, convex_ring};
 use super::{Bulk, Mesh, Nearest, Solid};
+use crate::math::portable::sin;
 use crate::math::vector::{less, plus, scaled};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A rounded convex polygon. Volume and moments count per metre of depth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,7 +45,7 @@ impl Polygon {
 
     /// Radius of the disc of the same area, m.
     pub fn radius(&self) -> f64 {
-        (self.bulk.volume / std::f64::consts::PI).sqrt()
+        (self.bulk.volume / PI).sqrt()
     }
 }
 
@@ -76,7 +78,11 @@ impl Solid for Polygon {
         // a fan from the middle to points all around, each on its corner's arc
         let around = ARC * (self.ring.corners.len() as u32).max(4);
         let rim = |k: u32| {
-            let (sine, cosine) = (std::f64::consts::TAU * f64::from(k) / f64::from(around)).sin_cos();
+            // a quarter after the other
+            let quarter = around / 4;
+            let angle = FRAC_PI_2 * f64::from(k % quarter) / f64::from(quarter);
+            let (s, c) = (sin(angle), sin(FRAC_PI_2 - angle));
+            let (sine, cosine) = [(s, c), (c, -s), (-s, -c), (-c, s)][(k / quarter % 4) as usize];
             let furthest = |a: &[f64; 3]| a[0] * cosine + a[1] * sine;
             let corner = self.ring.corners.iter().max_by(|a, b| furthest(a).total_cmp(&furthest(b))).copied().unwrap_or_default();
             plus(corner, [self.ring.rounding * cosine, self.ring.rounding * sine, 0.0])
