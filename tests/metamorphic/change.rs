@@ -19,6 +19,7 @@ pub const FORCE: Unit = [1, -2, 1];
 pub const STRESS: Unit = [-1, -2, 1];
 pub const ENERGY: Unit = [2, -2, 1];
 pub const MOMENTUM: Unit = [1, -1, 1];
+pub const STIFFNESS: Unit = [0, -2, 1];
 pub const NONE: Unit = [0; 3];
 
 /// A change of frame, a rotation with or without a mirror, and of units.
@@ -98,7 +99,12 @@ impl Change {
     pub fn material(&self, m: &Material, parameters: &[comminute::parameter::Parameter]) -> Material {
         let mut contact = m.contact;
         for (value, parameter) in contact.iter_mut().zip(parameters) {
-            *value = self.scalar(*value, if parameter.key.ends_with("_MPa") { STRESS } else { NONE });
+            let unit = match parameter.key {
+                key if key.ends_with("_MPa") => STRESS,
+                key if key.ends_with("_N_m") => STIFFNESS,
+                _ => NONE,
+            };
+            *value = self.scalar(*value, unit);
         }
         Material { density: self.scalar(m.density, DENSITY), young: self.scalar(m.young, STRESS), contact, ..m.clone() }
     }
