@@ -47,7 +47,7 @@ fn values(parameters: &[Parameter], stiffness: f64) -> [f64; 4] {
         Some("linear.alpha_s") => 0.4,
         // that of Hertz's law at an overlap of some thousandths of grains of centimetres
         Some("spring.k_n_N_m") => 1e-3 * stiffness,
-        Some("spring.k_t_N_m") => 5e-4 * 1e-3 * stiffness,
+        Some("spring.k_t_N_m") => 5e-4 * stiffness,
         Some(other) => panic!("a value for {other}"),
         None => 0.0,
     })

@@ -81,7 +81,7 @@ fn inertia(hull: &Hull) -> (f64, [f64; 3], Matrix3<f64>) {
 }
 
 /// The rounded surface as triangles; arcs are halved `fine` times.
-fn triangles(hull: &Hull, fine: u32) -> Mesh {
+pub(super) fn triangles(hull: &Hull, fine: u32) -> Mesh {
     let mut mesh = Mesh::default();
     let corner = |k: u32| hull.corners[k as usize];
     let out = |p: [f64; 3], n: [f64; 3]| plus(p, scaled(n, hull.rounding));
