@@ -167,7 +167,11 @@ pub fn estimate(model: &Model, rig: &MpmTest, pace: Option<Pace>) -> Estimate {
         }),
         crushing_stress: None,
         time_step: Some(dt),
-        time_step_limit: if model.physics.stepping.dt.is_some() { "stepping.dt_s".into() } else { why.into() },
+        time_step_limit: match why {
+            _ if model.physics.stepping.dt.is_some() => "stepping.dt_s".into(),
+            TOUCHING if points == 0 => "contacts of bodies and grains".into(),
+            _ => why.into(),
+        },
         steps,
         steps_expected: steps * touching * broken.steps,
         pace,
