@@ -24,66 +24,54 @@ fn come_back(changes: &[(f64, u64)]) {
     assert!(mean.abs() < 6e-5 && changes.iter().all(|(change, _)| change.abs() < 3e-4), "mean {mean:e}: {changes:?}");
 }
 
+/// Runs two bodies past each other in 150 stretches of `stretch` seconds, and checks their momenta. By what share of itself the energy has changed, if they met: then the
+/// second has lost some of its `speed` along −x, m/s.
+fn hit(seed: u64, bodies: &str, stretch: f64, speed: f64) -> Option<(f64, u64)> {
+    let mut scene = Scene::new(&SMOOTH, [0.0; 3], bodies);
+    let before = (scene.momenta(), scene.energy());
+    let mut touched = false;
+    for _ in 0..150 {
+        scene.run(stretch).unwrap_or_else(|e| panic!("{seed}: {e}"));
+        touched |= scene.block(1).velocity[0] > -0.998 * speed;
+    }
+    let after = (scene.momenta(), scene.energy());
+    for (one, other) in before.0.as_flattened().iter().zip(after.0.as_flattened()) {
+        assert!((one - other).abs() < 1e-12, "{seed}: {before:?} {after:?}");
+    }
+    touched.then_some((after.1 / before.1 - 1.0, seed))
+}
+
+/// A turn at random as TOML.
+fn turned(random: &mut ChaCha8Rng) -> String {
+    let mut one = |x: f64| random.random_range(-x..x);
+    format!("axis = [{:?}, {:?}, {:?}]\nangle_deg = {:?}\n", one(1.0), one(1.0), one(1.0), one(180.0))
+}
+
 /// Two rocks hit each other, turned and aside at random: with corners, edges and faces. Momentum and angular momentum stay to rounding; energy comes back, as
 /// forces between corners, edges and faces change without a jump.
 #[test]
 fn rocks_that_meet_keep_momenta_and_energy() {
-    let mut changes = Vec::new();
-    for seed in 0..40 {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut one = |x: f64| random.random_range(-x..x);
-        let turn = [one(1.0), one(1.0), one(1.0), one(180.0)];
-        let (second, aside, spin) =
-            ([one(1.0), one(1.0), one(1.0), one(180.0)], [one(25.0), one(25.0)], [one(9.0), one(9.0), one(9.0)]);
-        let more = |[x, y, z, angle]: [f64; 4], rest: &str| format!("axis = [{x:?}, {y:?}, {z:?}]\nangle_deg = {angle:?}\n{rest}");
-        let bodies = rock(&mut random, [0.0; 3], &more(turn, &format!("spin_rad_s = {spin:?}")))
-            + &rock(&mut random, [160.0, aside[0], aside[1]], &more(second, "velocity_m_s = [-2.0, 0.0, 0.0]"));
-        let mut scene = Scene::new(&SMOOTH, [0.0; 3], &bodies);
-        let before = (scene.momenta(), scene.energy());
-        let mut touched = false;
-        for _ in 0..150 {
-            scene.run(5e-4).unwrap_or_else(|e| panic!("{seed}: {e}"));
-            touched |= scene.block(1).velocity[0] > -1.99;
-        }
-        let after = (scene.momenta(), scene.energy());
-        for (one, other) in before.0.as_flattened().iter().zip(after.0.as_flattened()) {
-            assert!((one - other).abs() < 1e-12, "{seed}: {before:?} {after:?}");
-        }
-        if touched {
-            changes.push((after.1 / before.1 - 1.0, seed));
-        }
-    }
-    come_back(&changes);
+    let rocks = |seed| {
+        let random = &mut ChaCha8Rng::seed_from_u64(seed);
+        let spin: [f64; 3] = std::array::from_fn(|_| random.random_range(-9.0..9.0));
+        let aside: [f64; 2] = std::array::from_fn(|_| random.random_range(-25.0..25.0));
+        let [first, second] = [turned(random), turned(random)];
+        let bodies = rock(random, [0.0; 3], &(first + &format!("spin_rad_s = {spin:?}")))
+            + &rock(random, [160.0, aside[0], aside[1]], &(second + "velocity_m_s = [-2.0, 0.0, 0.0]"));
+        hit(seed, &bodies, 5e-4, 2.0)
+    };
+    come_back(&(0..40).filter_map(rocks).collect::<Vec<_>>());
 }
 
 /// The same for two boxes with edges as they come.
 #[test]
 fn boxes_that_meet_keep_momenta_and_energy() {
-    let mut changes = Vec::new();
-    for seed in 0..40 {
-        let mut random = ChaCha8Rng::seed_from_u64(100 + seed);
-        let mut one = |x: f64| random.random_range(-x..x);
-        let turn = |[x, y, z, angle]: [f64; 4]| format!("axis = [{x:?}, {y:?}, {z:?}]\nangle_deg = {angle:?}\n");
-        let bodies = cuboid([60.0, 70.0, 80.0], [0.0; 3], &turn([one(1.0), one(1.0), one(1.0), one(180.0)]))
-            + &cuboid(
-                [90.0, 50.0, 60.0],
-                [150.0, one(25.0), one(25.0)],
-                &(turn([one(1.0), one(1.0), one(1.0), one(180.0)]) + "velocity_m_s = [-0.5, 0.0, 0.0]"),
-            );
-        let mut scene = Scene::new(&SMOOTH, [0.0; 3], &bodies);
-        let before = (scene.momenta(), scene.energy());
-        let mut touched = false;
-        for _ in 0..150 {
-            scene.run(2e-3).unwrap_or_else(|e| panic!("{seed}: {e}"));
-            touched |= scene.block(1).velocity[0] > -0.499;
-        }
-        let after = (scene.momenta(), scene.energy());
-        for (one, other) in before.0.as_flattened().iter().zip(after.0.as_flattened()) {
-            assert!((one - other).abs() < 1e-12, "{seed}: {before:?} {after:?}");
-        }
-        if touched {
-            changes.push((after.1 / before.1 - 1.0, seed));
-        }
-    }
-    come_back(&changes);
+    let boxes = |seed| {
+        let random = &mut ChaCha8Rng::seed_from_u64(100 + seed);
+        let aside: [f64; 2] = std::array::from_fn(|_| random.random_range(-25.0..25.0));
+        let bodies = cuboid([60.0, 70.0, 80.0], [0.0; 3], &turned(random))
+            + &cuboid([90.0, 50.0, 60.0], [150.0, aside[0], aside[1]], &(turned(random) + "velocity_m_s = [-0.5, 0.0, 0.0]"));
+        hit(seed, &bodies, 2e-3, 0.5)
+    };
+    come_back(&(0..40).filter_map(boxes).collect::<Vec<_>>());
 }

@@ -93,6 +93,13 @@ fn rocks_fall_on_each_other_and_resume_to_the_byte() {
     assert!(pressed > 3 && rows.iter().all(|row| of(row, "z_m") > 0.009), "{pressed}");
 }
 
+/// Checks that `text` with `to` for the first `from` is refused with a message that has `says` in it.
+fn refused(folder: &Path, text: &str, from: &str, to: &str, says: &str) {
+    let changed = text.replacen(from, to, 1);
+    assert_ne!(changed, text, "{from}");
+    comminute("check").arg(scene(folder, &changed)).assert().code(2).stderr(contains(says));
+}
+
 #[test]
 fn bodies_that_cannot_stand_together_are_refused() {
     let folder = tempfile::tempdir().expect("folder");
@@ -110,17 +117,12 @@ fn bodies_that_cannot_stand_together_are_refused() {
             "shape = \"superquadric\"\nblockiness = [4.0, 4.0]\n",
             "contacts of superquadrics with other blocks are not computed",
         ),
-        ("rounding_mm = 2.0\nposition_mm = [35.0, 35.0, 30.0]", "position_mm = [36.0, 36.0, 30.0]", ""),
     ] {
-        let text = ROCKS.replacen(from, to, 1);
-        assert_ne!(text, ROCKS, "{from}");
-        let command = comminute("check").arg(scene(folder.path(), &text)).assert();
-        if says.is_empty() {
-            command.success();
-        } else {
-            command.code(2).stderr(contains(says));
-        }
+        refused(folder.path(), ROCKS, from, to, says);
     }
+    // one of two may be sharp
+    let one = ROCKS.replacen("rounding_mm = 2.0", "", 1);
+    comminute("check").arg(scene(folder.path(), &one)).assert().success();
     // without any round edge the direction of the force is not known
     let sharp =
         ROCKS.replace("rounding_mm = 2.0", "").replace("position_mm = [55.0, 55.0, 75.0]", "position_mm = [45.0, 45.0, 60.0]");
@@ -219,8 +221,6 @@ fn what_cannot_be_in_the_plane_is_refused() {
         ("law = \"spring\"", "law = \"spring\"\npoint_radius_mm = 2.0", "has no meaning without both points and a [[block]]"),
         ("spring.k_n_N_m = 1e8", "", "spring.k_n_N_m: is missing"),
     ] {
-        let text = PLANE.replacen(from, to, 1);
-        assert_ne!(text, PLANE, "{from}");
-        comminute("check").arg(scene(folder.path(), &text)).assert().code(2).stderr(contains(says));
+        refused(folder.path(), PLANE, from, to, says);
     }
 }
