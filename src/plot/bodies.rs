@@ -9,6 +9,9 @@ use super::run::Run;
 use super::specimen::{MARGIN, SIZE, scale_bar};
 use super::table::Table;
 use super::text::{Anchor, Line};
+use engine::math::vector::{cross, dot, less};
+use engine::rigid::Pose;
+use engine::rigid::motion::axes;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -43,9 +46,9 @@ pub fn draw(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
     let flat = own[2].iter().chain(&poses[2]).all(|z| *z == 0.0);
     let view = |first: usize| -> Vec<Facet> {
         let placed = |row: usize| {
-            let pose: Vec<f64> = poses.iter().map(|column| column[first + bodies[row] as usize]).collect();
-            let turned = turn([pose[3], pose[4], pose[5], pose[6]], [own[0][row], own[1][row], own[2][row]]);
-            seen([turned[0] + pose[0], turned[1] + pose[1], turned[2] + pose[2]], flat)
+            let of: [f64; 7] = std::array::from_fn(|c| poses[c][first + bodies[row] as usize]);
+            let pose = Pose { centre: [of[0], of[1], of[2]], axes: axes([of[3], of[4], of[5], of[6]]) };
+            seen(pose.place([own[0][row], own[1][row], own[2][row]]), flat)
         };
         let facets = (0..surfaces.len() / 3).map(|k| {
             let [p, q, r] = [0, 1, 2].map(|c| placed(3 * k + c));
@@ -137,24 +140,4 @@ fn seen([x, y, z]: [f64; 3], flat: bool) -> [f64; 3] {
     let ([s, c], [down, level]) = (TURNED, DOWN);
     let (right, away) = (c * x + s * y, c * y - s * x);
     [right, level * z + down * away, down * z - level * away]
-}
-
-/// A vector turned by a unit quaternion (w, x, y, z).
-fn turn([w, x, y, z]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
-    let u = [x, y, z];
-    let t = cross(u, v).map(|c| 2.0 * c);
-    let along = cross(u, t);
-    [v[0] + w * t[0] + along[0], v[1] + w * t[1] + along[1], v[2] + w * t[2] + along[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn less(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -304,13 +304,7 @@ pub(super) struct PosedBlock<'a> {
 
 /// All bodies, `ahead` seconds from now.
 pub(super) fn posed<'a>(blocks: &'a [Block], outlines: &'a [Option<Outline>], ahead: f64) -> Vec<PosedBlock<'a>> {
-    let pose = |(block, outline): (&'a Block, &'a Option<Outline>)| PosedBlock {
-        block,
-        pose: block.pose(ahead),
-        spin: block.spin(),
-        outline: outline.as_ref(),
-    };
-    blocks.iter().zip(outlines).map(pose).collect()
+    blocks.iter().zip(outlines).map(|(block, outline)| PosedBlock::new(block, outline.as_ref(), ahead)).collect()
 }
 
 /// The other side of a contact that touches, as the contact law needs it.
@@ -334,7 +328,12 @@ struct Across {
     ends: Option<[Overlap; 4]>,
 }
 
-impl PosedBlock<'_> {
+impl<'a> PosedBlock<'a> {
+    /// The body `ahead` seconds from now.
+    pub fn new(block: &'a Block, outline: Option<&'a Outline>, ahead: f64) -> PosedBlock<'a> {
+        PosedBlock { block, pose: block.pose(ahead), spin: block.spin(), outline }
+    }
+
     /// Contact with a sphere, if they overlap: unit normal out of the body, overlap, m, and the middle of the overlap.
     fn meets(&self, centre: [f64; 3], radius: f64) -> Option<([f64; 3], f64, [f64; 3])> {
         let (solid, local) = (self.block.solid(), self.pose.within(centre));

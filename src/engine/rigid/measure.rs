@@ -29,8 +29,7 @@ impl Block {
     /// with bodies are not computed.
     pub fn overlap(&self, other: &Block) -> f64 {
         let [a, b] = [self, other].map(|b| Outline::of(&b.shape));
-        let posed = |block, outline| PosedBlock { block, pose: block.pose(0.0), spin: [0.0; 3], outline };
-        let (first, second) = (posed(self, a.as_ref()), posed(other, b.as_ref()));
+        let (first, second) = (PosedBlock::new(self, a.as_ref(), 0.0), PosedBlock::new(other, b.as_ref(), 0.0));
         let (Some(a), Some(b)) = (&a, &b) else { return 0.0 };
         let corners =
             |of: &Outline, body: &PosedBlock<'_>| of.body.corners().iter().map(|c| body.pose.place(*c)).collect::<Vec<_>>();

@@ -139,9 +139,8 @@ impl Blocks {
         check::lengths("rigid bodies", n, [self.blocks.len(), self.applied.len()])?;
         self.blocks.iter().zip(&made.blocks).try_for_each(|(block, made)| block.check(made))?;
         self.age.check()?;
-        ensure(self.point_radius == made.point_radius, || {
-            "points touch rigid bodies with another radius than in the scene".into()
-        })?;
+        let with_points = |b: &Blocks| (b.point_radius, b.first_touch);
+        ensure(with_points(self) == with_points(made), || "points touch rigid bodies in another way than in the scene".into())?;
         let walls = if self.on_walls.is_empty() { 0 } else { state.walls.len() };
         check::lengths("walls at rigid bodies", walls, [self.on_walls.len()])?;
         check::numbers("forces on rigid bodies", self.on_walls.iter().chain(self.applied.as_flattened().as_flattened()))?;
