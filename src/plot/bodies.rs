@@ -1,9 +1,11 @@
-//! Rigid bodies that are no spheres, at the start and at the end of a run: their surfaces seen from obliquely above, or in plane strain from the front.
+//! Rigid bodies that are no spheres, at the start and at the end of a run: their surfaces seen from obliquely above, or in plane strain from the front with the
+//! material points behind them.
 
 use super::axis::significant;
 use super::canvas::{Canvas, WIDTH};
 use super::colour::{self, BLACK, Colour, INK, WHITE, mix};
 use super::error::{FigureError, Result};
+use super::flow::Flow;
 use super::plot::fit;
 use super::run::Run;
 use super::specimen::{MARGIN, SIZE, scale_bar};
@@ -16,7 +18,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 const GUTTER: f64 = 72.0;
+const HAIR: f64 = 0.8;
 const TALLEST: f64 = 900.0;
+/// Width over height beyond which the start stands above the end, not beside it.
+const LONG: f64 = 1.4;
 /// Sine and cosine of the angles by which the view is turned about the vertical, and looks down.
 const TURNED: [f64; 2] = [0.5, 0.866_025_403_784_438_6];
 const DOWN: [f64; 2] = [0.342_020_143_325_668_7, 0.939_692_620_785_908_4];
@@ -74,7 +79,9 @@ pub fn draw(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
         seen
     };
     let views = [("start", view(0)), ("end", view(tracks.len() - count))];
-    let (canvas, csv) = picture(run, &views, flat);
+    let points = if flat { [read("points_start.csv")?, read("points_final.csv")?] } else { [None, None] };
+    let flows = points.iter().map(|t| Flow::read(t.as_ref())).collect::<Result<Vec<_>>>()?;
+    let (canvas, csv) = picture(run, &views, &flows, flat);
     table::folder(out).map_err(|e| FigureError::io(out, e))?;
     let mut files = canvas.write(out, "bodies")?.to_vec();
     let path = out.join("bodies.csv");
@@ -84,16 +91,19 @@ pub fn draw(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-fn picture(run: &Run, views: &[(&str, Vec<Facet>); 2], flat: bool) -> (Canvas, String) {
-    let corners = || views.iter().flat_map(|(_, facets)| facets).flat_map(|f| f.corners);
-    let [left, right, low, high] = corners()
+fn picture(run: &Run, views: &[(&str, Vec<Facet>); 2], flows: &[Flow], flat: bool) -> (Canvas, String) {
+    let corners = views.iter().flat_map(|(_, facets)| facets).flat_map(|f| f.corners);
+    let [left, right, low, high] = corners
+        .chain(flows.iter().flat_map(Flow::bounds))
         .fold([f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY], |b, [x, y]| {
             [b[0].min(x), b[1].max(x), b[2].min(y), b[3].max(y)]
         });
-    let room = (WIDTH - 2.0 * MARGIN - GUTTER) / 2.0;
     let (wide, tall) = ((right - left).max(f64::MIN_POSITIVE), (high - low).max(f64::MIN_POSITIVE));
+    let long = wide > LONG * tall;
+    let room = if long { WIDTH - 2.0 * MARGIN } else { (WIDTH - 2.0 * MARGIN - GUTTER) / 2.0 };
     let scale = (room / wide).min(TALLEST / tall);
-    let foot = 150.0 + tall * scale;
+    let panel = |k: usize| if long { (150.0 + tall * scale) * (k + 1) as f64 } else { 150.0 + tall * scale };
+    let foot = panel(1);
     let mut canvas = Canvas::new((foot + 120.0).round());
     let mut text = |at, text: String, room: f64| {
         let size = fit(&text, SIZE, room);
@@ -102,28 +112,40 @@ fn picture(run: &Run, views: &[(&str, Vec<Facet>); 2], flat: bool) -> (Canvas, S
     let from = if flat { "rigid bodies" } else { "rigid bodies from obliquely above" };
     text((WIDTH / 2.0, 44.0), format!("{} · {from}", run.label()), WIDTH - 2.0 * MARGIN);
     let time = run.column("time_s").ok().flatten().and_then(|all| all.last().copied()).filter(|t| t.is_finite());
-    let centre = |k: usize| MARGIN + room / 2.0 + (room + GUTTER) * k as f64;
+    let centre = |k: usize| if long { WIDTH / 2.0 } else { MARGIN + room / 2.0 + (room + GUTTER) * k as f64 };
     for (k, (name, _)) in views.iter().enumerate() {
         let caption = match time.filter(|_| *name == "end") {
             Some(time) => format!("end: t = {} s", significant(time, 3)),
             None => (*name).into(),
         };
-        text((centre(k), 110.0), caption, room);
+        text((centre(k), panel(k) - tall * scale - 40.0), caption, room);
     }
     let mut csv = String::new();
+    let tones = Flow::tones(flows);
     for (k, (name, facets)) in views.iter().enumerate() {
         let start = centre(k) - 0.5 * wide * scale;
+        let place = |[x, y]: [f64; 2]| (start + (x - left) * scale, panel(k) - (y - low) * scale);
+        if let (Some(flow), Some(tones)) = (flows.get(k), &tones) {
+            for ([x, y], width, tone) in flow.runs(tones) {
+                // a hair higher, so that no line of light stands between two rows
+                let ((a, b), (c, d)) = (place([x, y]), place([x + width, y + flow.edge]));
+                canvas.rect((a, b), (c + HAIR, d - HAIR), tones.palette[tone], 1.0);
+            }
+        }
         for f in facets {
-            let points: Vec<_> = f.corners.iter().map(|[x, y]| (start + (x - left) * scale, foot - (y - low) * scale)).collect();
+            let points = f.corners.map(place).to_vec();
             let tone = shade(colour::kind(f.body), f.light);
             canvas.area(points.clone(), tone, 1.0);
             // closes the hair between neighbours
-            canvas.line(&[points[0], points[1], points[2], points[0]], tone, 0.6, &[]);
+            canvas.line(&[points[0], points[1], points[2], points[0]], tone, HAIR, &[]);
             let [a, b, c] = f.corners;
             let _ = writeln!(csv, "{name},{},{:.6},{:.6},{:.6},{:.6},{:.6},{:.6}", f.body, a[0], a[1], b[0], b[1], c[0], c[1]);
         }
     }
     scale_bar(&mut canvas, room / scale, scale, foot + 58.0);
+    if let Some(tones) = tones {
+        tones.legend(&mut canvas, foot + 58.0);
+    }
     (canvas, csv)
 }
 

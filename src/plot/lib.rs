@@ -18,6 +18,7 @@ mod data;
 mod effects;
 mod energy;
 mod error;
+mod flow;
 mod force_chains;
 mod gradation;
 mod grain_crushing;
@@ -46,6 +47,7 @@ pub use point_test::{draw as draw_point_test, files as point_test_files};
 pub use posterior::{FittedLine, Input as PosteriorInput, draw_convergence, draw_corner, draw_fitted, draw_sensitivity};
 pub use runs_table::write as write_runs;
 pub use specimen::Colouring;
+pub use table::Table;
 
 use data::Measured;
 use group::Group;
@@ -146,6 +148,11 @@ pub fn read_columns<const N: usize>(path: &Path, columns: [&str; N]) -> Result<[
 /// Draws the section through the mixture of a run at its start and end into `out`; nothing without both points and grains.
 pub fn draw_section(dir: &Path, out: &Path) -> Result<Vec<PathBuf>> {
     section::draw(&Run::read(dir)?, out)
+}
+
+/// Draws the rigid bodies of a run that are no spheres, at its start and end, into `out`; nothing without such bodies.
+pub fn draw_bodies(dir: &Path, out: &Path) -> Result<Vec<PathBuf>> {
+    bodies::draw(&Run::read(dir)?, out)
 }
 
 /// Draws the view of a run's specimen with grains coloured by `colouring` into `out`.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 /// A CSV file with its cells as text; numbers are read by column name.
 #[derive(Clone, Debug)]
 pub struct Table {
+    /// The file.
     pub path: PathBuf,
     headers: Vec<String>,
     rows: Vec<(u64, Vec<String>)>,
@@ -50,14 +51,18 @@ impl Table {
         if path.is_file() { Self::read(path).map(Some) } else { Ok(None) }
     }
 
+    /// Number of rows.
+    #[allow(clippy::len_without_is_empty)]
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
+    /// Names of the columns.
     pub fn headers(&self) -> &[String] {
         &self.headers
     }
 
+    /// Whether there is a column of this name.
     pub fn has(&self, column: &str) -> bool {
         self.headers.iter().any(|h| h == column)
     }

@@ -1,6 +1,6 @@
 //! The paper's figures, drawn from the runs that are done.
 
-use super::plan::{Content, Figure, StrengthSet};
+use super::plan::{Content, Figure, Plan, StrengthSet};
 use super::results::Done;
 use engine::breakage::criterion::{FailureCriterion, FixedAngle, HertzArea, size_factor};
 use engine::material::effective_modulus;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// Records that cannot be read and files that cannot be written.
-pub fn draw(figure: &Figure, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> {
+pub fn draw(figure: &Figure, plan: &Plan, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> {
     let folders = |ids: &[String]| -> Vec<PathBuf> {
         let of = |id: &String| done.iter().find(|d| d.id == *id).map(Done::folders).unwrap_or_default();
         ids.iter().flat_map(of).collect()
@@ -36,6 +36,8 @@ pub fn draw(figure: &Figure, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> 
         }
         Content::Specimen { runs } => of_each(runs, &|run, out| plot::draw_specimen(run, &Colouring::Generation, out)),
         Content::Section { runs } => of_each(runs, &plot::draw_section),
+        Content::Bodies { runs } => of_each(runs, &plot::draw_bodies),
+        Content::Graph(chart) => chart.draw(&figure.name, plan, done, dir),
         Content::Cost { runs } => cost(runs, done, dir),
         Content::LimitForce { diameter_mm, m, sets } => Ok(limit_force(*diameter_mm, m, sets).draw(dir)?),
     }

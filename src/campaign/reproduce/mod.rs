@@ -3,7 +3,9 @@
 
 mod comparison;
 mod figures;
+mod graph;
 mod plan;
+mod reading;
 mod report;
 mod results;
 
@@ -26,7 +28,7 @@ pub fn write(plan: &Plan, done: &[Done], dir: &Path) -> Result<Vec<PathBuf>> {
     let (mut files, compared) = plan.compare.comparison().compare(plan, done, dir)?;
     let mut drawn = Vec::new();
     for figure in &plan.figures {
-        drawn.push(figures::draw(figure, done, &dir.join(&figure.name))?);
+        drawn.push(figures::draw(figure, plan, done, &dir.join(&figure.name))?);
     }
     files.push(report::write(plan, &compared, &drawn, dir)?);
     files.extend(drawn.into_iter().flatten());

@@ -2,6 +2,8 @@
 //! and figures.
 
 use super::comparison::Compare;
+use super::graph::Chart;
+use super::reading::{Expression, Rows, Take};
 use crate::{Job, Vary, parse_seeds};
 use laboratory::error::{Error, Result};
 use serde::Deserialize;
@@ -27,6 +29,12 @@ pub struct Plan {
     /// What the paper says of triaxial tests, each beside what the runs show.
     #[serde(default, rename = "statement")]
     pub statements: Vec<Statement>,
+    /// Numbers that the paper states, or that the figures need, each read from a run.
+    #[serde(default, rename = "number")]
+    pub numbers: Vec<Number>,
+    /// Power laws through numbers of a series.
+    #[serde(default, rename = "fit")]
+    pub fits: Vec<Fit>,
     /// The runs.
     #[serde(default, rename = "run")]
     pub runs: Vec<Run>,
@@ -119,6 +127,49 @@ pub enum Order {
     Equal,
 }
 
+/// A number that a run shows.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Number {
+    /// What it is, and where the paper states it.
+    pub what: String,
+    /// The paper's.
+    pub paper: Option<f64>,
+    /// Unit of both.
+    #[serde(default)]
+    pub unit: String,
+    /// Name of a run of the plan.
+    pub run: String,
+    /// The rows that it is read from.
+    #[serde(default)]
+    pub from: Rows,
+    /// Expression of their columns.
+    pub value: Expression,
+    /// Which of the values of all rows it is.
+    #[serde(default)]
+    pub take: Take,
+    /// Series to which it belongs, for figures and fits.
+    pub series: Option<String>,
+    /// Abscissa in the series.
+    pub at: Option<f64>,
+}
+
+/// A power law y = c u^n through the numbers of a series.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fit {
+    /// What it is.
+    pub what: String,
+    /// The series.
+    pub series: String,
+    /// u, an expression of the abscissa x.
+    pub base: Expression,
+    /// The paper's n.
+    pub exponent: Option<f64>,
+    /// The paper's c.
+    pub factor: Option<f64>,
+}
+
 /// A row of a published table.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -174,6 +225,13 @@ pub enum Content {
         /// Names of runs of the plan.
         runs: Vec<String>,
     },
+    /// Rigid bodies that are no spheres, at the start and at the end of runs, in plane strain with the points.
+    Bodies {
+        /// Names of runs of the plan.
+        runs: Vec<String>,
+    },
+    /// A graph of columns of the runs' tables, of numbers of the plan, and of laws.
+    Graph(Chart),
     /// Run time against initial grains, crush events and final grains; all runs of the table if none are named.
     Cost {
         /// Names of runs of the plan.
@@ -263,6 +321,7 @@ impl Plan {
             errors.extend(run.numbers().err());
         }
         errors.extend(self.check_tests(path));
+        errors.extend(self.check_numbers(path));
         for figure in &self.figures {
             let wrong = |value: &str, message: &str| {
                 Error::input(path.display(), format!("figure {}", figure.name), Some(value.to_string()), message)
@@ -271,10 +330,11 @@ impl Plan {
                 errors.push(wrong(&figure.name, "must be the name of a folder"));
             }
             match &figure.draw {
-                Content::Curves { runs, .. } | Content::Specimen { runs } | Content::Section { runs } | Content::Cost { runs } => {
+                Content::Curves { runs, .. } | Content::Specimen { runs } | Content::Section { runs } | Content::Bodies { runs } | Content::Cost { runs } => {
                     let unknown = runs.iter().filter(|id| self.run(id).is_none());
                     errors.extend(unknown.map(|id| wrong(id, "is no run of the plan")));
                 }
+                Content::Graph(chart) => errors.extend(chart.faults(self).into_iter().map(|(of, message)| wrong(&of, &message))),
                 Content::LimitForce { sets, .. } => {
                     let open = |s: &&StrengthSet| s.theta0_rad.is_some() == s.moduli().is_some();
                     let message = "needs either theta0_rad, or E_GPa, nu, platen_E_GPa and platen_nu";
@@ -303,6 +363,38 @@ impl Plan {
             errors.extend(counted.map(|run| wrong("run.published", &run.id, "needs compare = \"crushing\"")));
         }
         errors
+    }
+
+    /// Mistakes in the numbers and power laws.
+    fn check_numbers(&self, path: &Path) -> Vec<Error> {
+        let wrong = |key: String, value: &str, message: &str| Error::input(path.display(), key, Some(value.to_string()), message);
+        let mut errors = Vec::new();
+        for (i, number) in self.numbers.iter().enumerate() {
+            if self.run(&number.run).is_none() {
+                errors.push(wrong(format!("number[{i}].run"), &number.run, "is no run of the plan"));
+            }
+            if !is_folder_name(&number.from.table) {
+                errors.push(wrong(format!("number[{i}].from.table"), &number.from.table, "must be the name of a file of a run"));
+            }
+        }
+        if self.compare != Compare::Numbers {
+            let first = self.numbers.first().map(|n| ("number", &n.what)).or(self.fits.first().map(|f| ("fit", &f.what)));
+            errors.extend(first.map(|(key, what)| wrong(key.into(), what, "needs compare = \"numbers\"")));
+        }
+        for (i, fit) in self.fits.iter().enumerate() {
+            if let Err(message) = fit.base.along("x", std::iter::empty()) {
+                errors.push(wrong(format!("fit[{i}].base"), &fit.what, &message));
+            }
+            if !self.has_series(&fit.series) {
+                errors.push(wrong(format!("fit[{i}].series"), &fit.series, "is no series of the plan's numbers"));
+            }
+        }
+        errors
+    }
+
+    /// Whether a number belongs to this series.
+    pub fn has_series(&self, name: &str) -> bool {
+        self.numbers.iter().any(|n| n.series.as_deref() == Some(name))
     }
 
     /// The run named `id`.

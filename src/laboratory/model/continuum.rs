@@ -39,6 +39,24 @@ pub struct MpmTest {
     pub rows: u32,
     /// Snapshots over the test, besides the first.
     pub frames: u32,
+    /// The plane behind which the mass is recorded, if there is one.
+    pub gate: Option<Gate>,
+}
+
+/// A plane through which material passes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gate {
+    /// A point of it, m.
+    pub at: [f64; 3],
+    /// Vector of any length across it; what has passed is beyond the plane to this side.
+    pub direction: [f64; 3],
+}
+
+impl Gate {
+    /// Whether a position is beyond the plane.
+    pub fn has_passed(&self, position: [f64; 3]) -> bool {
+        (0..3).map(|a| self.direction[a] * (position[a] - self.at[a])).sum::<f64>() > 0.0
+    }
 }
 
 /// The grains of a mixture, and how they touch its points.

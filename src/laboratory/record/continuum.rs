@@ -123,6 +123,7 @@ impl Recorder {
                 let [front, height] = state.reach(rig);
                 self.reach = [self.reach[0].or(Some([front, height])), Some([front, height])];
                 row.extend([("front_mm", (1e3 * front).into()), ("height_mm", (1e3 * height).into())]);
+                row.extend(rig.gate.map(|gate| ("passed_kg", state.passed(&gate).into())));
             }
             Test::Oedometer(_) => row.extend([
                 ("axial_strain", m.axial_strain.into()),

@@ -197,6 +197,7 @@ const CONTINUUM_HISTORY: &[Column] = &[
     column("dt_s", "s", "time step"),
     column("front_mm", "mm", "free scene: how far the material reaches along x"),
     column("height_mm", "mm", "free scene: how high it reaches"),
+    column("passed_kg", "kg", "mass whose centres are beyond the plane of records.gate_mm: of points, grains and rigid bodies"),
     column("axial_strain", "-", "test: axial strain since the start of loading, compression positive"),
     column("volumetric_strain", "-", "triaxial: loss of volume between the platens over that at the start, compression positive"),
     column("sigma_v_kPa", "kPa", "oedometer: vertical stress on the platens, a mean since the row before"),

@@ -4,7 +4,7 @@ use super::bodies::{number, vector};
 use super::continuum_estimate::wave_step;
 use super::material::Named;
 use super::view::View;
-use crate::model::continuum::{Drainage, MpmSpecimen, MpmTest, Test};
+use crate::model::continuum::{Drainage, Gate, MpmSpecimen, MpmTest, Test};
 use crate::model::{Model, Rig, Seeds};
 use engine::breakage::lost_mass::Fines;
 use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
@@ -89,6 +89,7 @@ impl View<'_> {
             above_bound: self.flag("stepping.above_bound"),
             rows: self.whole("records.rows")? as u32,
             frames: self.whole("records.frames")? as u32,
+            gate: self.gate(rig)?,
         };
         let bound = wave_step(&rig);
         self.check(
@@ -97,6 +98,21 @@ impl View<'_> {
             format!("must be at most {bound:.4e} s, the time a compression wave takes through a cell, or \"auto\""),
         );
         Some(rig)
+    }
+
+    /// The plane behind which mass is recorded, if the scene asks for one; `None`, with the reason noted, where it is refused.
+    fn gate(&self, rig: &str) -> Option<Option<Gate>> {
+        let keys = ["records.gate_mm", "records.gate_direction"];
+        if !keys.iter().any(|key| self.has(key)) {
+            return Some(None);
+        }
+        let [at, direction] = keys.map(|key| <[f64; 3]>::try_from(self.numbers(key)).ok());
+        for (key, value) in keys.into_iter().zip([at, direction]) {
+            self.check(value.is_some(), key, format!("is missing: {} go together", keys.join(" and ")));
+            self.check(rig == "free", key, format!("has no meaning with test.rig = \"{rig}\""));
+        }
+        self.check(direction != Some([0.0; 3]), keys[1], "must not be zero");
+        Some(Some(Gate { at: at?, direction: direction? }))
     }
 
     /// Keys that this test does not look at.

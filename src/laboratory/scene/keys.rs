@@ -830,6 +830,13 @@ const OWN: &[Key] = &[
     ),
     continuum("records.rows", Integer { low: 1, high: 100_000 }, Is("200"), "rows of history over the run"),
     continuum("records.frames", Integer { low: 1, high: 10_000 }, Is("5"), "snapshots over the run, besides the first"),
+    continuum(
+        "records.gate_mm",
+        VECTOR,
+        Absent,
+        "free scene: a point of the plane whose passage is recorded: the column `passed_kg` has the mass of points, grains and rigid bodies whose centres are beyond it",
+    ),
+    continuum("records.gate_direction", VECTOR, Absent, "vector across that plane, of any length, to the side beyond"),
     states("records.snapshots", Flag, Is("true"), "whether ParaView snapshots are written"),
     both(
         "records.contacts",

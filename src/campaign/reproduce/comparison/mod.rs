@@ -2,6 +2,7 @@
 
 mod counts;
 mod crushing;
+mod numbers;
 mod plastic_zone;
 mod runs;
 mod triaxial;
@@ -33,6 +34,8 @@ pub enum Compare {
     Crushing,
     /// Strengths, volumes and times of triaxial tests.
     Triaxial,
+    /// Single numbers.
+    Numbers,
 }
 
 impl Compare {
@@ -41,6 +44,7 @@ impl Compare {
         match self {
             Compare::Crushing => &crushing::Crushing,
             Compare::Triaxial => &triaxial::Triaxial,
+            Compare::Numbers => &numbers::Numbers,
         }
     }
 }

@@ -3,6 +3,7 @@
 //! instant.
 
 use super::{MpmTest, Phase, State, dimensions};
+use crate::model::continuum::Gate;
 use ::engine::check::{self, Checked};
 use ::engine::coupling::{Shares, Touching};
 use ::engine::mpm::Totals;
@@ -316,5 +317,25 @@ impl State {
             let square: f64 = (0..d - 1).map(|a| (p[a] - axis[a]) * (p[a] - axis[a])).sum();
             [square.sqrt().max(far), (p[d - 1] - lower[d - 1]).max(high)]
         })
+    }
+
+    /// Mass of points, grains and rigid bodies beyond a plane, kg, in the order of their ids.
+    pub fn passed(&self, gate: &Gate) -> f64 {
+        let mass = |centre: [f64; 3], mass: f64| if gate.has_passed(centre) { mass } else { 0.0 };
+        let points = self.continuum.points();
+        let of_points = points.by_id().into_iter().map(|i| i as usize).map(|i| {
+            let [x, y, z, _] = points.position[i];
+            mass([x, y, z], points.velocity[i][3])
+        });
+        let of_others = self.mixture.iter().map(|mixture| {
+            let g = &mixture.grains.grains;
+            let grains = g.by_id().into_iter().map(|i| i as usize).map(|i| {
+                let [x, y, z, _] = g.pos[i];
+                mass([x, y, z], g.mass[i])
+            });
+            let blocks = mixture.blocks.iter().flat_map(|b| &b.blocks).map(|b| mass(b.centre, b.mass));
+            grains.chain(blocks).sum::<f64>()
+        });
+        of_points.sum::<f64>() + of_others.sum::<f64>()
     }
 }
