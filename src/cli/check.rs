@@ -10,6 +10,9 @@ use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 
+/// Rigid bodies that are described one by one.
+const LISTED: usize = 12;
+
 /// Validate a scene and say what the run would be
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example, from the repository root:\n  comminute check experiments/petroleum_coke/h-c-2.toml")]
@@ -238,8 +241,11 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
         writeln!(text, "  grains          {}{grows}", e.grains)?;
     }
     crushing_stress(text, e)?;
-    for (k, block) in c.blocks.iter().enumerate() {
+    for (k, block) in c.blocks.iter().enumerate().take(LISTED) {
         writeln!(text, "  block {k:<9} {block}")?;
+    }
+    if c.blocks.len() > LISTED {
+        writeln!(text, "  blocks          {} more of them", c.blocks.len() - LISTED)?;
     }
     writeln!(text, "  grid            {x} × {y} × {z} cells; memory only where material is")?;
     writeln!(text, "  steps           {:.0} (estimate)", e.steps_expected)?;

@@ -85,8 +85,7 @@ mod tests {
         let flow = Flow { edge: 1.0, points };
         let tones = Flow::tones(std::slice::from_ref(&flow)).expect("tones");
         let top = TONES - 1;
-        let expected =
-            [([0.0, 0.0], 2.0, top), ([2.0, 0.0], 1.0, 0), ([0.0, 1.0], 1.0, top), ([4.0, 1.0], 1.0, top)];
+        let expected = [([0.0, 0.0], 2.0, top), ([2.0, 0.0], 1.0, 0), ([0.0, 1.0], 1.0, top), ([4.0, 1.0], 1.0, top)];
         assert_eq!(flow.runs(&tones), expected);
         assert!(Flow::tones(&[Flow::default()]).is_none());
     }

@@ -5,5 +5,6 @@ mod common;
 mod meeting;
 mod plane;
 mod scene;
+mod specimen;
 mod statics;
 mod typed;

@@ -50,7 +50,8 @@ rows = 200
 figures = false
 "#;
 
-fn scene(folder: &Path, text: &str) -> String {
+/// Writes a scene into a folder; its path.
+pub fn scene(folder: &Path, text: &str) -> String {
     let path = folder.join("rocks.toml");
     std::fs::write(&path, text).expect("written");
     path.to_string_lossy().into_owned()
@@ -94,7 +95,7 @@ fn rocks_fall_on_each_other_and_resume_to_the_byte() {
 }
 
 /// Checks that `text` with `to` for the first `from` is refused with a message that has `says` in it.
-fn refused(folder: &Path, text: &str, from: &str, to: &str, says: &str) {
+pub fn refused(folder: &Path, text: &str, from: &str, to: &str, says: &str) {
     let changed = text.replacen(from, to, 1);
     assert_ne!(changed, text, "{from}");
     comminute("check").arg(scene(folder, &changed)).assert().code(2).stderr(contains(says));

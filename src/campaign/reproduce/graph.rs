@@ -142,7 +142,8 @@ impl Chart {
             for number in plan.numbers.iter().filter(|n| n.series.as_ref() == Some(name)) {
                 points.extend(number.at.zip(number.found(done)?.map(|s| s.mean)));
             }
-            let (label, name, tone, look) = (Some(label.clone()), name.clone(), Tone::Kind(self.curves.len() + k), Look::Symbols(k));
+            let (label, name, tone, look) =
+                (Some(label.clone()), name.clone(), Tone::Kind(self.curves.len() + k), Look::Symbols(k));
             series.push(Drawn { label, name, tone, look, points });
         }
         if series.iter().all(|s| s.points.is_empty()) {
@@ -152,7 +153,13 @@ impl Chart {
             let [from, to] = law.between;
             let places = (0..=STEPS).map(|k| from + (to - from) * f64::from(k) / f64::from(STEPS));
             let points = law.value.along("x", places).unwrap_or_default();
-            series.push(Drawn { label: Some(law.label.clone()), name: law.label.clone(), tone: Tone::Ink, look: Look::Line(0), points });
+            series.push(Drawn {
+                label: Some(law.label.clone()),
+                name: law.label.clone(),
+                tone: Tone::Ink,
+                look: Look::Line(0),
+                points,
+            });
         }
         for (k, published) in self.published.iter().enumerate() {
             series.push(Drawn {

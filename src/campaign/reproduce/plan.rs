@@ -330,7 +330,11 @@ impl Plan {
                 errors.push(wrong(&figure.name, "must be the name of a folder"));
             }
             match &figure.draw {
-                Content::Curves { runs, .. } | Content::Specimen { runs } | Content::Section { runs } | Content::Bodies { runs } | Content::Cost { runs } => {
+                Content::Curves { runs, .. }
+                | Content::Specimen { runs }
+                | Content::Section { runs }
+                | Content::Bodies { runs }
+                | Content::Cost { runs } => {
                     let unknown = runs.iter().filter(|id| self.run(id).is_none());
                     errors.extend(unknown.map(|id| wrong(id, "is no run of the plan")));
                 }

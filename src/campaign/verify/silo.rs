@@ -34,7 +34,8 @@ fn run(task: &Task) -> Result<Found> {
     let sets = [format!("block[0].position_mm=[{:?}, -5.875, 0.0]", -at), format!("block[1].position_mm=[{at:?}, -5.875, 0.0]")];
     let run = scene::run(task, "silo", &sets)?;
     let (points, steps) = run.size()?;
-    let rows: Vec<(f64, f64)> = run.column("history.csv", "time_s")?.into_iter().zip(run.column("history.csv", "passed_kg")?).collect();
+    let rows: Vec<(f64, f64)> =
+        run.column("history.csv", "time_s")?.into_iter().zip(run.column("history.csv", "passed_kg")?).collect();
     let discharge = rate(&rows).ok_or_else(|| Error::Failed { step: steps, what: "the silo's history is too short".into() })?;
     Ok(Found { points, steps, errors: vec![discharge / law(neck) - 1.0, discharge] })
 }

@@ -11,12 +11,14 @@
 //! A face that lies on many points has many contacts. They are stored here and not with those of the grains, so scenes without such bodies pay nothing.
 
 mod contact;
+mod laps;
 mod measure;
 pub mod motion;
 mod pair;
 mod search;
 
 pub use contact::{BlockContact, BlockScene, Other};
+pub use laps::Lap;
 pub use motion::Pose;
 pub use pair::Site;
 

@@ -137,6 +137,15 @@ impl Block {
         self.turn = self.orientation_after(dt);
     }
 
+    /// Moves the body by a way, m, and turns it about its centre of mass by a rotation vector, rad, of less than a turn.
+    pub fn shift(&mut self, way: [f64; 3], turn: [f64; 3]) {
+        self.centre = plus(self.centre, way);
+        let angle = dot(turn, turn).sqrt();
+        if angle > 0.0 {
+            self.turn = unit(product(about(turn, angle.min(std::f64::consts::PI)), self.turn));
+        }
+    }
+
     /// Orientation after `dt` seconds of free rotation.
     fn orientation_after(&self, dt: f64) -> [f64; 4] {
         if self.momentum == [0.0; 3] {

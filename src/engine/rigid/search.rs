@@ -28,7 +28,7 @@ impl Blocks {
     }
 
     /// Pairs of bodies whose spheres of reach are nearer than `skin`, m; the lower index first. Bodies are sorted by where they begin along x.
-    fn near(&self, skin: f64) -> Vec<[usize; 2]> {
+    pub(super) fn near(&self, skin: f64) -> Vec<[usize; 2]> {
         let ends = |k: usize| [-1.0, 1.0].map(|side| self.blocks[k].centre[0] + side * self.blocks[k].solid().reach());
         let mut order: Vec<usize> = (0..self.blocks.len()).collect();
         order.sort_by(|&i, &j| ends(i)[0].total_cmp(&ends(j)[0]));

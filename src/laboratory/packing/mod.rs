@@ -1,4 +1,7 @@
-//! Random sizes and first places of grains. Preparation ([`crate::rig::preparation`]) makes specimens from them.
+//! Random sizes and first places of grains, from which preparation ([`crate::rig::preparation`]) makes specimens; random shapes of rigid bodies and their packings.
+
+pub mod blocks;
+pub mod shapes;
 
 use crate::gradation::stratified_diameters;
 use crate::model::Specimen;

@@ -23,19 +23,22 @@ impl View<'_> {
     /// The rigid bodies that the scene lists, as they start.
     pub fn blocks(&self, named: &[Named], materials: &[Material]) -> Option<Vec<Block>> {
         let tables = self.list("block");
-        if tables.is_empty() {
+        if !self.has_blocks() {
             return Some(Vec::new());
         }
         let free = self.text("test.rig") == "free";
-        self.check(free, "block", "has no meaning in a test: rigid bodies that are no spheres are for test.rig = \"free\"");
+        let key = if tables.is_empty() { "block_set" } else { "block" };
+        self.check(free, key, "has no meaning in a test: rigid bodies that are no spheres are for test.rig = \"free\"");
         let whole = !self.flag("crushing.enabled");
         self.check(
             whole,
             "crushing.enabled",
-            "must be false beside [[block]]: only spheres break, and forces of blocks on spheres do not count for breakage",
+            "must be false beside [[block]] and [[block_set]]: only spheres break, and forces of blocks on spheres do not count for breakage",
         );
         let blocks: Vec<Option<Block>> = tables.iter().enumerate().map(|(i, t)| self.block(i, t, named, materials)).collect();
-        blocks.into_iter().collect()
+        let mut blocks: Vec<Block> = blocks.into_iter().collect::<Option<_>>()?;
+        blocks.extend(self.block_sets(named, materials)?);
+        Some(blocks)
     }
 
     fn block(&self, i: usize, table: &Table, named: &[Named], materials: &[Material]) -> Option<Block> {

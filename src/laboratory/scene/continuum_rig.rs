@@ -23,7 +23,7 @@ const CELLS: f64 = 2.0;
 impl View<'_> {
     /// Everything, or `None` with the reasons noted.
     pub fn continuum_model(&self, named: &[Named]) -> Option<Model> {
-        let rig = self.continuum_rig(named, |_, _, _| Some(()))?;
+        let rig = self.continuum_rig(named, f64::NAN, |_, _, _| Some(()))?;
         let (settings, dt) = (&rig.settings, self.number("stepping.dt_s"));
         let records = self.records()?;
         let materials = named.iter().map(|n| plain(self.text(&n.key("name")), self.si(&n.key("grain.density_kg_m3")))).collect();
@@ -51,10 +51,12 @@ impl View<'_> {
         })
     }
 
-    /// Points and what is done with them. `shape` may change the points once they are known, with the test.
+    /// Points and what is done with them. `smallest`: size of the smallest grain or rigid body, m, in place of a cell where there are no points: lists of
+    /// neighbours are kept for ways of some tenths of it. `shape` may change the points once they are known, with the test.
     pub fn continuum_rig(
         &self,
         named: &[Named],
+        smallest: f64,
         shape: impl FnOnce(&mut Points, &Settings, &Test) -> Option<()>,
     ) -> Option<MpmTest> {
         let laws: Vec<Option<Law>> = named.iter().map(|n| self.continuum(n)).collect();
@@ -66,7 +68,7 @@ impl View<'_> {
         self.inertia_is_left_out(rig);
         let pressure = if rig == "triaxial" { self.number("test.cell_pressure_kPa").unwrap_or(0.0) } else { 0.0 };
         let (settings, (mut points, left_out, axis)) = if self.is_without_points() {
-            (self.settings(dimension, self.no_cell()?, self.no_grid()?)?, (Points::default(), 0, [0.0; 3]))
+            (self.settings(dimension, smallest, self.no_grid()?)?, (Points::default(), 0, [0.0; 3]))
         } else {
             let grid = if rig == "free" { self.asked_grid(dimension) } else { self.own_grid(dimension, rig) };
             let settings = self.settings(dimension, self.cell()?, grid?)?;
@@ -163,27 +165,12 @@ impl View<'_> {
 
     /// Whether the scene is one of rigid bodies and grains alone: a free mixture without a [[body]].
     pub fn is_without_points(&self) -> bool {
-        self.text("test.rig") == "free" && self.list("body").is_empty() && !self.list("block").is_empty()
+        self.text("test.rig") == "free" && self.list("body").is_empty() && self.has_blocks()
     }
 
-    /// The length in place of a cell where there are no points, m: the least extent of a listed body. Lists of neighbours are kept for ways of some tenths of it.
-    fn no_cell(&self) -> Option<f64> {
-        let grains = self.list("grain").into_iter().filter_map(|t| Some(2.0 * number(t, "radius_m")?));
-        let blocks = self.list("block").into_iter().filter_map(|t| {
-            let size = vector(t, "size_mm").map(|size| size.into_iter().fold(f64::INFINITY, f64::min));
-            size.or_else(|| {
-                let numbers: Vec<f64> = t.get("points_mm")?.as_array()?.iter().filter_map(toml::Value::as_float).collect();
-                let axes = if self.flag("grid.plane_strain") { 2 } else { 3 };
-                let extent = |a: usize| {
-                    let along = || numbers.iter().skip(a).step_by(axes).map(|x| 1e-3 * x);
-                    along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-                };
-                let least = (0..axes).map(extent).fold(f64::INFINITY, f64::min);
-                Some(least + 2.0 * number(t, "rounding_mm").unwrap_or(0.0))
-            })
-        });
-        let least = grains.chain(blocks).fold(f64::INFINITY, f64::min);
-        (least > 0.0 && least.is_finite()).then_some(least)
+    /// Whether the scene has rigid bodies that are no spheres.
+    pub fn has_blocks(&self) -> bool {
+        !(self.list("block").is_empty() && self.list("block_set").is_empty())
     }
 
     /// The grid where there are no points: one cell that nothing is in.

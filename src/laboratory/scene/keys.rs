@@ -117,7 +117,7 @@ const OPTIONAL_TABLES: &[&str] = &[
 ];
 
 /// Names of the tables that are written as lists, one entry each (`[[grain]]`).
-pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate", "body", "block"];
+pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate", "body", "block", "block_set"];
 
 /// Pairs of keys of one table that exclude each other: where a file or an override sets one of a pair, the other one is removed
 /// from what it is laid over (the base of a file, the file under an override). Both stay where one file sets both; what uses them
@@ -331,6 +331,41 @@ const OWN: &[Key] = &[
         "true: it keeps its velocity and spin whatever presses on it; with both zero it stands fixed",
     ),
     mixture("block.material", Text, Absent, "name of one of `materials`; needed when there are several"),
+    mixture(
+        "block_set.shape",
+        Choice(&["polyhedron", "polygon"]),
+        Required,
+        "random rigid bodies that fill a box: rounded convex polyhedra, or in plane strain polygons, whose corners lie on an ellipsoid or ellipse. They are packed by geometry alone, as in a box that shrinks around them, and points in them are left out",
+    ),
+    mixture("block_set.count", Integer { low: 1, high: 5000 }, Required, "number of bodies"),
+    mixture(
+        "block_set.diameter_mm",
+        Numbers(POSITIVE, Some(2)),
+        Required,
+        "least and largest diameter of the sphere of the same volume, or of the disc of the same area; drawn with equal probability between both",
+    ),
+    mixture(
+        "block_set.corners",
+        Numbers(Range::closed(3.0, 100.0), Some(2)),
+        Required,
+        "least and largest number of corners: from 3 on of polygons, from 4 on of polyhedra",
+    ),
+    mixture(
+        "block_set.elongation",
+        Numbers(Range::closed(1.0, 10.0), Some(2)),
+        Is("[1.0, 1.0]"),
+        "least and largest ratio of the longest to the intermediate axis of the ellipsoid, or of the axes of the ellipse",
+    ),
+    mixture(
+        "block_set.flatness",
+        Numbers(Range::closed(1.0, 10.0), Some(2)),
+        Is("[1.0, 1.0]"),
+        "polyhedra: least and largest ratio of the intermediate to the shortest axis",
+    ),
+    mixture("block_set.rounding", Number(Range::closed(0.005, 0.4)), Is("0.05"), "radius of the edges over the diameter"),
+    mixture("block_set.min_mm", VECTOR, Required, "lower corner of the box"),
+    mixture("block_set.max_mm", VECTOR, Required, "upper corner of the box"),
+    mixture("block_set.material", Text, Absent, "name of one of `materials`; needed when there are several"),
     continuum(
         "body.shape",
         Choice(&["box", "cylinder", "sphere", "points"]),

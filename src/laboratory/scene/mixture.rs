@@ -1,5 +1,6 @@
 //! Makes the model of a mixture from its keys: the continuum, and the grains in it.
 
+use super::block_sets::make_room;
 use super::material::Named;
 use super::view::View;
 use crate::model::GrainSpec;
@@ -46,7 +47,13 @@ impl View<'_> {
         let blocks = self.blocks(named, materials)?;
         let mut growth = None;
         let mut unplaced = 0;
-        let mut rig = self.continuum_rig(&fines, |points, settings, test| {
+        let sizes = grains.iter().map(|g| 2.0 * g.radius).chain(blocks.iter().map(|b| 2.0 * b.radius));
+        let smallest = sizes.fold(f64::INFINITY, f64::min);
+        let point_radius = self.number("contact.point_radius_mm");
+        let mut rig = self.continuum_rig(&fines, smallest, |points, settings, test| {
+            let radius =
+                |points: &Points, i: usize| point_radius.unwrap_or_else(|| ghost_radius(settings.dimension, points.solid(i)));
+            make_room(points, &blocks[self.list("block").len()..], radius);
             growth = self.growth(named, materials, &point_materials, test.specimen())?;
             // the points and grains of a specimen that grows only serve to estimate the run
             if growth.is_some() {
@@ -94,7 +101,6 @@ impl View<'_> {
             "centre" => false,
             _ => test,
         };
-        let point_radius = self.number("contact.point_radius_mm");
         self.check(
             point_radius.is_none() || !(blocks.is_empty() || self.is_without_points()),
             "contact.point_radius_mm",

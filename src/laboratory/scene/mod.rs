@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod assembly;
+mod block_sets;
 mod blocks;
 mod bodies;
 mod breakable;

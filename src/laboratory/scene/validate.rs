@@ -11,7 +11,8 @@ use toml::{Table, Value};
 /// Mistakes that are told; of the others it is only said that there are some.
 pub const TOLD: usize = 50;
 /// Most entries of each list of tables.
-const ENTRIES: [(&str, usize); 5] = [("grain", 150_000), ("wall", 1000), ("body", 1000), ("block", 1000), ("calibrate", 100)];
+const ENTRIES: [(&str, usize); 6] =
+    [("block_set", 20), ("grain", 150_000), ("wall", 1000), ("body", 1000), ("block", 1000), ("calibrate", 100)];
 
 /// Checks the merged table of a scene and fills in its defaults.
 ///

@@ -52,14 +52,16 @@ impl Number {
 fn write(found: &[Found<'_>], path: &Path) -> Result<PathBuf> {
     let failed = |e: csv::Error| Error::Write { path: path.into(), source: e.into() };
     let mut file = csv::Writer::from_path(path).map_err(failed)?;
-    file.write_record(["number", "unit", "run", "series", "at", "paper", "here", "sd", "least", "most", "seeds"]).map_err(failed)?;
+    file.write_record(["number", "unit", "run", "series", "at", "paper", "here", "sd", "least", "most", "seeds"])
+        .map_err(failed)?;
     for (n, here) in found {
         let maybe = |x: Option<f64>| x.filter(|x| x.is_finite()).map_or(String::new(), number);
         let of = |part: fn(&Spread) -> f64| maybe(here.as_ref().map(part));
         let seeds = here.map_or(0, |s| s.of).to_string();
         let [mean, sd, least, most] = [of(|s| s.mean), of(|s| s.sd), of(|s| s.least), of(|s| s.most)];
         let series = n.series.clone().unwrap_or_default();
-        let row = [n.what.clone(), n.unit.clone(), n.run.clone(), series, maybe(n.at), maybe(n.paper), mean, sd, least, most, seeds];
+        let row =
+            [n.what.clone(), n.unit.clone(), n.run.clone(), series, maybe(n.at), maybe(n.paper), mean, sd, least, most, seeds];
         file.write_record(row).map_err(failed)?;
     }
     file.flush().map_err(Error::write(path))?;
@@ -77,7 +79,8 @@ fn text(found: &[Found<'_>]) -> String {
             Some(s) if s.of == 1 => with_unit(few(s.mean)),
             Some(s) => with_unit(format!("{} ({} to {})", few(s.mean), few(s.least), few(s.most))),
         };
-        let ratio = n.paper.zip(*here).filter(|(paper, _)| *paper != 0.0).map_or("–".into(), |(paper, s)| significant(s.mean / paper, 3));
+        let ratio =
+            n.paper.zip(*here).filter(|(paper, _)| *paper != 0.0).map_or("–".into(), |(paper, s)| significant(s.mean / paper, 3));
         let paper = n.paper.map_or("–".into(), |x| with_unit(few(x)));
         let _ = writeln!(out, "| {} | {paper} | {shown} | {ratio} |", cell(&n.what));
     }
