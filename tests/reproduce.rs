@@ -222,7 +222,11 @@ fn what_is_said_of_triaxial_tests_needs_its_comparison() {
     );
     refused("\"1:5-20\"]", "\"1:5-30\"]", &["statement[0].runs = 1:5-30: is no run of the plan"]);
     refused("of = \"peak\"", "of = \"height\"", &["unknown variant `height`, expected one of `peak`"]);
-    refused("compare = \"triaxial\"", "compare = \"shear\"", &["unknown variant `shear`, expected `crushing` or `triaxial`"]);
+    refused(
+        "compare = \"triaxial\"",
+        "compare = \"shear\"",
+        &["unknown variant `shear`, expected one of `crushing`, `triaxial`, `numbers`"],
+    );
 }
 
 /// The plan of Li et al. 2023 names valid scenes, and its points are as many as Tables 2 and 4 have where the specimens are lattices.
@@ -238,6 +242,105 @@ fn the_plan_of_the_mixtures_holds_their_tables() {
         let published = run.published_test.expect("published");
         if let (0.0, Some(points)) = (published.coarse_percent, published.points) {
             assert_eq!(rig.counts()[0] as f64, points, "{}", run.id);
+        }
+    }
+}
+
+/// A plan of two impacts of discs of the same mass, whose numbers and graph come from the runs' tables.
+fn numbers() -> TempDir {
+    let dir = tempfile::tempdir().expect("folder");
+    let disc = |x: f64, v: f64| {
+        format!(
+            "[[block]]\nshape = \"polygon\"\npoints_mm = [0.0, 0.0]\nrounding_mm = 10.0\nposition_mm = [{x:?}, 0.0, 0.0]\nvelocity_m_s = [{v:?}, 0.0, 0.0]\n"
+        )
+    };
+    let scene = format!(
+        "kind = \"mixture\"\nduration_s = 0.05\ngrid.plane_strain = true\nstepping.safety = 0.05\n{}{}[contact]\nlaw = \"spring\"\n\
+         [material]\nname = \"disc\"\ngrain.density_kg_m3 = 2000.0\nelastic.E_GPa = 1.0\nelastic.nu = 0.2\ncontact.friction = 0.0\n\
+         spring.k_n_N_m = 1e6\nspring.k_t_N_m = 1e6\n[records]\nrows = 100\nsnapshots = false\nfigures = false\n",
+        disc(0.0, 1.0),
+        disc(21.0, 0.0)
+    );
+    fs::write(dir.path().join("discs.toml"), scene).expect("scene");
+    let second = "from = { table = \"blocks.csv\", rows = { block = 1 } }\n";
+    let plan = format!(
+        "title = \"A paper\"\nsource = \"A journal.\"\ncompare = \"numbers\"\n\
+        [[run]]\nid = \"slow\"\nscene = \"discs.toml\"\nseeds = \"none\"\n\
+        [[run]]\nid = \"fast\"\nscene = \"discs.toml\"\nseeds = \"none\"\nset = [\"block[0].velocity_m_s=[2.0, 0.0, 0.0]\"]\n\
+        [[run]]\nid = \"faster\"\nscene = \"discs.toml\"\nseeds = \"none\"\nset = [\"block[0].velocity_m_s=[4.0, 0.0, 0.0]\"]\n\
+        [[number]]\nwhat = \"speed | after\"\nrun = \"slow\"\nvalue = \"100*vx_m_s\"\nunit = \"cm/s\"\npaper = 80.0\n{second}series = \"speed\"\nat = 1.0\n\
+        [[number]]\nwhat = \"the same fast\"\nrun = \"fast\"\nvalue = \"100*vx_m_s\"\nunit = \"cm/s\"\n{second}series = \"speed\"\nat = 2.0\n\
+        [[number]]\nwhat = \"the same faster\"\nrun = \"faster\"\nvalue = \"100*vx_m_s\"\nunit = \"cm/s\"\n{second}series = \"speed\"\nat = 4.0\n\
+        [[number]]\nwhat = \"time of the impact\"\nrun = \"slow\"\nvalue = \"vx_m_s - 0.5\"\ntake = \"time_above_zero\"\nunit = \"s\"\n{second}\
+        [[fit]]\nwhat = \"speed over speed before\"\nseries = \"speed\"\nbase = \"x\"\nexponent = 1.0\nfactor = 100\n\
+        [[figure]]\nname = \"fig1\"\ntitle = \"Fig. 1\"\npaper = \"Speeds.\"\nhere = \"Speeds.\"\n[figure.draw]\nof = \"graph\"\n\
+        x = {{ label = \"time (s)\", column = \"time_s\" }}\ny = {{ label = \"speed (m/s)\", column = \"speed_m_s\" }}\n\
+        curves = [{{ label = \"slow\", run = \"slow\", from = {{ table = \"blocks.csv\", rows = {{ block = 1 }} }}, x = \"time_s\", y = \"vx_m_s\" }}]\n\
+        laws = [{{ label = \"all of it\", value = \"1 + 0*x\", between = [0.0, 0.05] }}]\npublished = [{{ label = \"paper\", points = [[0.05, 0.8]] }}]\n\
+        [[figure]]\nname = \"fig2\"\ntitle = \"Fig. 2\"\npaper = \"Discs.\"\n[figure.draw]\nof = \"bodies\"\nruns = [\"slow\"]\n"
+    );
+    fs::write(dir.path().join("plan.toml"), plan).expect("plan");
+    dir
+}
+
+/// Numbers are expressions of the columns of chosen rows; each stands beside the paper's, and a power law goes through those of a series.
+#[test]
+fn numbers_of_runs_stand_beside_those_of_the_paper() {
+    let dir = numbers();
+    call(&dir, &["plan.toml", "--out", "out"], 0);
+    let table = text(&dir, "out/report/comparison.csv");
+    let here = column(&table, "here");
+    // an elastic impact of equal masses hands over the whole speed; the gap of 1 mm takes a millisecond
+    assert!((here[0] / 100.0 - 1.0).abs() < 0.01 && (here[1] / 200.0 - 1.0).abs() < 0.01, "{here:?}");
+    assert!((0.001..0.02).contains(&here[3]), "{here:?}");
+    assert!(table.lines().nth(1).is_some_and(|line| line.contains(",80,")), "{table}");
+    let report = text(&dir, "out/report/README.md");
+    assert!(
+        report.contains("| speed \\| after | 80 cm/s | 99.") || report.contains("| speed \\| after | 80 cm/s | 100"),
+        "{report}"
+    );
+    assert!(report.contains("| speed over speed before | 1 | 1 | 100 |"), "{report}");
+    let graph = text(&dir, "out/report/fig1/fig1.csv");
+    assert!(graph.contains("slow") && graph.contains("all of it") && graph.contains("paper"), "{graph}");
+    assert!(dir.path().join("out/report/fig2/slow/bodies.svg").exists());
+}
+
+#[test]
+fn numbers_that_cannot_be_read_are_told_before_anything_runs() {
+    let dir = numbers();
+    let plan = text(&dir, "plan.toml");
+    for (from, to, says) in [
+        ("compare = \"numbers\"\n", "", "number = speed | after: needs compare = \"numbers\""),
+        ("run = \"slow\"\nvalue", "run = \"slower\"\nvalue", "number[0].run = slower: is no run of the plan"),
+        ("value = \"100*vx_m_s\"", "value = \"100*\"", "`100*` is no expression"),
+        (
+            "table = \"blocks.csv\"",
+            "table = \"../blocks.csv\"",
+            "number[0].from.table = ../blocks.csv: must be the name of a file of a run",
+        ),
+        ("series = \"speed\"\nbase", "series = \"spin\"\nbase", "fit[0].series = spin: is no series of the plan's numbers"),
+        ("base = \"x\"", "base = \"x + y\"", "`y` is not known"),
+        ("take = \"time_above_zero\"", "take = \"best\"", "unknown variant `best`"),
+        ("run = \"slow\", from", "run = \"slower\", from", "figure fig1 = slower: is no run of the plan"),
+    ] {
+        let changed = plan.replacen(from, to, 1);
+        assert_ne!(changed, plan, "{from}");
+        fs::write(dir.path().join("plan.toml"), changed).expect("plan");
+        let told = said(&call(&dir, &["plan.toml"], 2));
+        assert!(told.contains(says), "{says}: {told}");
+    }
+    // a column that no table has is told when the report is written, by its name
+    fs::write(dir.path().join("plan.toml"), plan.replacen("100*vx_m_s", "100*v_m_s", 1)).expect("plan");
+    assert!(said(&call(&dir, &["plan.toml", "--out", "out"], 2)).contains("no column `v_m_s`"));
+}
+
+/// The plan of Jiang et al. 2020 names valid scenes.
+#[test]
+fn the_plan_of_the_blocks_names_valid_scenes() {
+    let plan = comminute::reproduce::Plan::read(&format!("{ROOT}/experiments/jiang2020.toml")).expect("plan");
+    for run in &plan.runs {
+        for job in plan.jobs(run, std::path::Path::new("out")).expect("jobs") {
+            job.load().unwrap_or_else(|e| panic!("{}: {e}", run.id));
         }
     }
 }

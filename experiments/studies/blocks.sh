@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# The runs and figures of figures/blocks: towers, arches and rocks of rigid bodies, discs that hit each other in plane strain, a silo (Jiang et al. 2020), and a box
+# The runs and figures of figures/blocks: towers, arches and rocks of rigid bodies, a silo (Jiang et al. 2020), and a box
 # that rests on another for 10⁷ steps. Five minutes on two slow cores. From the repository root: experiments/studies/blocks.sh [FOLDER]
 set -eu
 out=${1:-runs/blocks}
 program=${COMMINUTE:-target/release/comminute}
 mkdir -p figures/blocks
 
-for scene in tower arch_stands arch_falls rocks disc_on_disc_soft disc_on_disc_hard; do
+for scene in tower arch_stands arch_falls rocks; do
     "$program" run experiments/blocks/$scene.toml --continue --quiet --out "$out/$scene"
 done
 for scene in tower arch_stands arch_falls; do

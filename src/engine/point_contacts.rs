@@ -23,7 +23,7 @@ pub const NOWHERE: u32 = u32::MAX;
 /// Age of a list of candidates: tells when the list has to be made again. Listed pairs that do not touch change no bit of a result.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Age {
-    /// Skin of the present list, m.
+    /// Skin of the present list, m; 0 before the first search.
     skin: f64,
     /// Distance by which a body and a point may have come closer since the search, m.
     travelled: f64,
@@ -38,7 +38,7 @@ impl Age {
     pub fn due(&mut self, way: f64, alive: [usize; 2], cell: f64) -> Option<f64> {
         self.travelled += way;
         // a breakage changes the number of grains: the first daughter takes the index of the broken grain, the others are added
-        if self.searched == alive && self.travelled <= TRUST * self.skin {
+        if self.skin > 0.0 && self.searched == alive && self.travelled <= TRUST * self.skin {
             return None;
         }
         let [least, most] = SKIN.map(|cells| cells * cell);
