@@ -18,8 +18,8 @@ pub fn write(plan: &Plan, compared: &str, drawn: &[Vec<PathBuf>], dir: &Path) ->
     text += "\nThe same numbers with spread: [comparison.csv](comparison.csv); every run: [runs.csv](runs.csv). Each figure has the CSV of what it shows beside it.\n";
     for (figure, files) in plan.figures.iter().zip(drawn) {
         let _ = write!(text, "\n## {}\n\n| in the paper | here |\n|---|---|\n", figure.title);
-        // a section is made of so many coloured places that as lines it would take megabytes
-        let kind = if matches!(figure.draw, Content::Section { .. }) { "png" } else { "svg" };
+        // sections and points among bodies are so many coloured places that as lines they would take megabytes
+        let kind = if matches!(figure.draw, Content::Section { .. } | Content::Bodies { .. }) { "png" } else { "svg" };
         let images: Vec<&PathBuf> = files.iter().filter(|f| f.extension().is_some_and(|e| e == kind)).collect();
         let first = if images.is_empty() { "its runs are not done".into() } else { figure.here.clone() };
         let _ = writeln!(text, "| {} | {} |", cell(&figure.paper), cell(&first));
