@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod meeting;
+mod mesh;
 mod plane;
 mod scene;
 mod specimen;

@@ -1,6 +1,7 @@
 //! Scenes of rigid bodies alone, step by step.
 
 use crate::common::{Stuff, model};
+use comminute::grains::Grains;
 use comminute::math::vector::{cross, plus, scaled};
 use comminute::model::continuum::MpmTest;
 use comminute::model::{Model, Rig};
@@ -52,6 +53,10 @@ impl Scene {
 
     pub fn all(&self) -> &Blocks {
         self.state.blocks().expect("bodies")
+    }
+
+    pub fn grains(&self) -> &Grains {
+        &self.state.mixture.as_ref().expect("a mixture").grains.grains
     }
 
     pub fn block(&self, k: usize) -> &Block {

@@ -1,6 +1,6 @@
 //! Forces of all contacts of rigid bodies, and their addition to bodies, grains, points and walls.
 
-use super::pair::{Meeting, Outline, Overlap, Site, meeting};
+use super::pair::{Meeting, Outline, Overlap, Site, corner_on_sheet, meeting};
 use super::{Block, Blocks, Pose};
 use crate::boundary::Wall;
 use crate::contact::force::{self, ContactGeometry, ContactHistory, RelativeMotion, Rules};
@@ -13,6 +13,7 @@ use crate::grains::Grains;
 use crate::math::vector::{cross, dot, less, plus, scaled};
 use crate::mpm::Continuum;
 use crate::point_contacts::{ContactRates, GhostFace, PointContactTable};
+use crate::shape::{Meet, Nearest};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -49,6 +50,8 @@ pub struct BlockContact {
     pub block: u32,
     /// The other side.
     pub other: Other,
+    /// Facet of the sheet on which the sphere or corner lies; 0 where no sheet takes part.
+    pub facet: u32,
     /// Present index of the point or grain.
     pub(super) place: u32,
     /// Ghost radius of the point, or radius of the grain, m; 0 for a wall.
@@ -63,7 +66,7 @@ pub struct BlockContact {
     pub(super) stiffness: [f64; 2],
     /// Inverse mass of the other side, 1/kg; 0 for a wall.
     pub(super) inverse_mass: f64,
-    /// Share of `touch` and of `stiffness` that acts: less than 1 only where an edge of another body touches beside its end.
+    /// Share of `touch` and of `stiffness` that acts: less than 1 only where an edge of another body touches beside its end, or a sphere beside the border of a facet.
     pub(super) share: f64,
     /// What else acts there, on the body of the contact and against the other: force, N, and torque about its centre of mass, N m.
     pub(super) beside: [[f64; 3]; 2],
@@ -73,11 +76,12 @@ pub struct BlockContact {
 
 impl BlockContact {
     /// A candidate without a force and without history.
-    pub(super) fn new(block: u32, other: Other, place: u32, radius: f64) -> BlockContact {
+    pub(super) fn new(block: u32, other: Other, facet: u32, place: u32, radius: f64) -> BlockContact {
         let (touch, none) = (ContactForce::default(), [0.0; 3]);
         BlockContact {
             block,
             other,
+            facet,
             place,
             radius,
             touch,
@@ -89,6 +93,11 @@ impl BlockContact {
             beside: [none; 2],
             face: None,
         }
+    }
+
+    /// What tells it from other contacts, and by which they are sorted.
+    pub(super) fn key(&self) -> (u32, Other, u32) {
+        (self.block, self.other, self.facet)
     }
 
     /// All its numbers.
@@ -161,6 +170,10 @@ impl Blocks {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, weighs_radius: true, task: TASK, arch: pulp::Arch::Scalar };
         let Blocks { blocks, outlines, candidates, .. } = self;
         let bodies = posed(blocks, outlines, scene.ahead[0]);
+        if bodies.iter().any(|body| body.block.solid().sheet().is_some()) {
+            let groups = candidates.par_chunk_by_mut(|a, b| (a.block, a.other) == (b.block, b.other));
+            groups.filter(|group| group[0].is_of_point() == points).for_each(|group| pass_on(scene, &bodies, group));
+        }
         with_law!(scene.law, L => {
             candidates.par_iter_mut().with_min_len(TASK).filter(|c| c.is_of_point() == points).for_each(|contact| {
                 touch::<L>(scene, &rules, &bodies, contact);
@@ -211,8 +224,9 @@ impl Blocks {
             match c.other {
                 Other::Grain(_) => {
                     let i = c.place as usize;
-                    let arm = grains.radius(i) - 0.5 * c.touch.overlap;
-                    let (force, torque) = (c.touch.force(), scaled(cross(c.touch.normal, c.touch.tangential), arm));
+                    let arm = c.share * (grains.radius(i) - 0.5 * c.touch.overlap);
+                    // what acts beside goes through the centre of the grain
+                    let (force, torque) = (c.force(), scaled(cross(c.touch.normal, c.touch.tangential), arm));
                     for a in 0..3 {
                         external_forces[i][0][a] -= force[a];
                         external_forces[i][1][a] += torque[a];
@@ -324,8 +338,25 @@ struct Across {
     /// Inverse mass of the other side, 1/kg.
     inverse_mass: f64,
     pair: Pair,
-    /// Of two edges: the overlaps of the ends of each with the other.
+    /// Of two edges: the overlaps of the ends of each with the other. On a sheet: those with the borders of the facet beside which it counts less.
     ends: Option<[Overlap; 4]>,
+    /// The facets beyond those borders.
+    borders: Vec<u32>,
+}
+
+/// How a sphere meets a body.
+struct Met {
+    /// Their overlap; the normal points out of the body.
+    on: Overlap,
+    /// Borders beside which it counts less, with the facet beyond each.
+    borders: Vec<(u32, Overlap)>,
+}
+
+/// Borders of a facet as the ends of [`Across`], and the facets beyond them.
+fn ends_at(borders: &[(u32, Overlap)]) -> (Option<[Overlap; 4]>, Vec<u32>) {
+    let apart = Overlap { normal: [0.0; 3], depth: f64::NEG_INFINITY, at: [0.0; 3] };
+    let ends = (!borders.is_empty()).then(|| std::array::from_fn(|k| borders.get(k).map_or(apart, |border| border.1)));
+    (ends, borders.iter().map(|border| border.0).collect())
 }
 
 impl<'a> PosedBlock<'a> {
@@ -334,16 +365,16 @@ impl<'a> PosedBlock<'a> {
         PosedBlock { block, pose: block.pose(ahead), spin: block.spin(), outline }
     }
 
-    /// Contact with a sphere, if they overlap: unit normal out of the body, overlap, m, and the middle of the overlap.
-    fn meets(&self, centre: [f64; 3], radius: f64) -> Option<([f64; 3], f64, [f64; 3])> {
-        let (solid, local) = (self.block.solid(), self.pose.within(centre));
-        if solid.clearance(local) >= radius {
-            return None;
-        }
-        let nearest = solid.nearest(local);
-        let (normal, overlap) = (self.pose.outwards(nearest.normal), radius - nearest.distance);
-        let at = less(centre, scaled(normal, radius - 0.5 * overlap));
-        (overlap > 0.0).then_some((normal, overlap, at))
+    /// Contact of facet `facet` with a sphere, if they overlap.
+    fn meets(&self, facet: u32, centre: [f64; 3], radius: f64) -> Option<Met> {
+        let Meet { nearest, borders } = self.block.solid().meet(facet, self.pose.within(centre), radius)?;
+        let overlap = |nearest: &Nearest| {
+            let (normal, depth) = (self.pose.outwards(nearest.normal), radius - nearest.distance);
+            Overlap { normal, depth, at: less(centre, scaled(normal, radius - 0.5 * depth)) }
+        };
+        let on = overlap(&nearest);
+        let borders = borders.iter().map(|(other, border)| (*other, overlap(border))).collect();
+        (on.depth > 0.0).then_some(Met { on, borders })
     }
 
     /// Inverse of the effective mass of the body, 1/kg, for an impulse along `normal` at the end of `arm`.
@@ -361,19 +392,21 @@ fn across(scene: &BlockScene<'_>, bodies: &[PosedBlock<'_>], c: &BlockContact) -
             let points = scene.continuum.points();
             let (centre, transport) = (scene.point_at(i), points.transport_velocity[i]);
             let (beyond, velocity) = c.face.map_or((0.0, transport), |face| (face.beyond, face.velocity));
-            let (normal, overlap, at) = body.meets(centre, c.radius + beyond)?;
+            let Met { on: Overlap { normal, depth: overlap, at }, borders } = body.meets(c.facet, centre, c.radius + beyond)?;
+            let (ends, borders) = ends_at(&borders);
             let pair = scene.point_table.at_plastic_strain(points.law[i], body.block.material, points.memory[i].plastic);
             let inverse_mass = 1.0 / points.velocity[i][3];
-            Across { normal, overlap, r_eff: c.radius, at, velocity, spin: [0.0; 3], inverse_mass, pair, ends: None }
+            Across { normal, overlap, r_eff: c.radius, at, velocity, spin: [0.0; 3], inverse_mass, pair, ends, borders }
         }
         Other::Grain(_) => {
             let g = scene.grains;
             let ([x, y, z, radius], [u, v, w, inverse_mass], [p, q, r, _]) = (g.pos[i], g.vel[i], g.spin[i]);
-            let (normal, overlap, at) = body.meets([x, y, z], radius)?;
+            let Met { on: Overlap { normal, depth: overlap, at }, borders } = body.meets(c.facet, [x, y, z], radius)?;
+            let (ends, borders) = ends_at(&borders);
             let spin = [p, q, r];
             let velocity = plus([u, v, w], cross(spin, less(at, [x, y, z])));
             let pair = *scene.table.grains(body.block.material, g.material[i]);
-            Across { normal, overlap, r_eff: radius, at, velocity, spin, inverse_mass, pair, ends: None }
+            Across { normal, overlap, r_eff: radius, at, velocity, spin, inverse_mass, pair, ends, borders }
         }
         Other::Wall { wall: k, spot } => {
             let (wall, k) = (&scene.walls[k as usize], k as usize);
@@ -385,21 +418,28 @@ fn across(scene: &BlockScene<'_>, bodies: &[PosedBlock<'_>], c: &BlockContact) -
             let velocity = scaled(towards, -wall.speed);
             let at = less(spot, scaled(towards, -gap));
             let pair = *scene.table.wall(k, body.block.material);
-            let r_eff = body.block.radius;
-            Across { normal: towards, overlap: -gap, r_eff, at, velocity, spin: [0.0; 3], inverse_mass: 0.0, pair, ends: None }
+            let (r_eff, overlap, normal) = (body.block.radius, -gap, towards);
+            let (spin, inverse_mass, borders) = ([0.0; 3], 0.0, Vec::new());
+            Across { normal, overlap, r_eff, at, velocity, spin, inverse_mass, pair, ends: None, borders }
         }
         Other::Block { block, site } => {
             let other = &bodies[block as usize];
-            let Meeting { overlap: Overlap { normal, depth: overlap, at }, ends } = meeting(body, other, site)?;
+            let Meeting { overlap: Overlap { normal, depth: overlap, at }, ends, borders } = meeting(body, other, site, c.facet)?;
             if overlap <= 0.0 {
                 return None;
             }
+            let (beside, borders) = ends_at(&borders);
+            let ends = ends.or(beside);
             let arm = less(at, other.pose.centre);
             let velocity = plus(other.block.velocity, cross(other.spin, arm));
             let inverse_mass = other.inverse_mass(arm, normal);
             let pair = *scene.table.grains(body.block.material, other.block.material);
-            let [r, s] = [body.block.radius, other.block.radius];
-            Across { normal, overlap, r_eff: r * s / (r + s), at, velocity, spin: other.spin, inverse_mass, pair, ends }
+            let r_eff = match [body.block.radius, other.block.radius] {
+                // a sheet is as a plane
+                [r, s] if r.is_infinite() || s.is_infinite() => r.min(s),
+                [r, s] => r * s / (r + s),
+            };
+            Across { normal, overlap, r_eff, at, velocity, spin: other.spin, inverse_mass, pair, ends, borders }
         }
     })
 }
@@ -422,7 +462,7 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>
         if c.touch.overlap > 0.0 {
             (c.touch, c.spring, c.stiffness) = (ContactForce::default(), [0.0; 3], [0.0; 2]);
         }
-        if c.face.is_some() && body.meets(scene.point_at(c.place as usize), c.radius).is_none() {
+        if c.face.is_some() && body.meets(c.facet, scene.point_at(c.place as usize), c.radius).is_none() {
             c.face = None;
         }
         return;
@@ -449,13 +489,61 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>
     let e = L::elastic(o.overlap, o.overlap, o.r_eff, &o.pair);
     (c.touch, c.spring) = (new.touch, new.spring.unwrap_or_default());
     (c.arm, c.stiffness, c.inverse_mass) = (arm, [e.k_n, e.k_t], o.inverse_mass);
-    if let Some(ends) = o.ends {
-        let elastic = |overlap: f64| L::elastic(overlap, overlap, o.r_eff, &o.pair);
-        (c.share, c.beside) = beside_ends(&o, &ends, elastic, body.pose.centre);
+    (c.share, c.beside) = match &o.ends {
+        Some(ends) => beside_ends(&o, ends, |overlap| L::elastic(overlap, overlap, o.r_eff, &o.pair), body.pose.centre),
+        None => (1.0, [[0.0; 3]; 2]),
+    };
+}
+
+/// Hands on histories among the contacts of one sphere or corner with the facets of one sheet: a contact that begins beside another one takes over what that has. It is
+/// moved where the sphere has passed over the border between their facets, and copied where it touches both and their common border is in reach. What slides over
+/// a curved sheet so keeps its friction.
+fn pass_on(scene: &BlockScene<'_>, bodies: &[PosedBlock<'_>], group: &mut [BlockContact]) {
+    let touched: Vec<bool> = group.iter().map(|c| c.touch.overlap > 0.0).collect();
+    if group.len() < 2 || !touched.contains(&true) {
+        return;
+    }
+    let now: Vec<Option<Across>> = group.iter().map(|c| across(scene, bodies, c)).collect();
+    let mut handed = vec![false; group.len()];
+    for new in 0..group.len() {
+        let Some(begins) = now[new].as_ref().filter(|_| !touched[new]) else { continue };
+        let beside = |old: usize| match now[old] {
+            Some(_) => begins.borders.contains(&group[old].facet),
+            None => !handed[old] && has_passed(scene, bodies, &group[old], group[new].facet),
+        };
+        let Some(old) = (0..group.len()).find(|&old| touched[old] && beside(old)) else { continue };
+        let BlockContact { touch, spring, face, .. } = group[old];
+        (group[new].touch, group[new].spring, group[new].face) = (touch, spring, face);
+        if now[old].is_none() {
+            handed[old] = true;
+            group[old].face = None;
+        }
     }
 }
 
-/// Of two edges that touch beside ends of theirs: the share Π (1 − φ_i) of their contact that acts, φ_i = Φ(δ_i)/Φ(δ), and what the energy U = Φ(δ) Π (1 − φ_i)
+/// Whether the sphere or corner of contact `c` has passed from its facet to facet `to`.
+fn has_passed(scene: &BlockScene<'_>, bodies: &[PosedBlock<'_>], c: &BlockContact, to: u32) -> bool {
+    let body = &bodies[c.block as usize];
+    // a contact may end some way beyond its reach
+    let passes = |on: &PosedBlock<'_>, at: [f64; 3], radius: f64| on.block.solid().passes(c.facet, to, at, 2.0 * radius);
+    match c.other {
+        Other::Point(_) => {
+            let radius = c.radius + c.face.map_or(0.0, |face| face.beyond);
+            passes(body, body.pose.within(scene.point_at(c.place as usize)), radius)
+        }
+        Other::Grain(_) => {
+            let [x, y, z, radius] = scene.grains.pos[c.place as usize];
+            passes(body, body.pose.within([x, y, z]), radius)
+        }
+        Other::Block { block, site } => {
+            let on_sheet = corner_on_sheet(body, &bodies[block as usize], site);
+            on_sheet.is_some_and(|(on, at, radius)| passes(on, at, radius))
+        }
+        Other::Wall { .. } => false,
+    }
+}
+
+/// Of two edges that touch beside ends of theirs, or of a sphere on a facet beside its borders: the share Π (1 − φ_i) of their contact that acts, φ_i = Φ(δ_i)/Φ(δ), and what the energy U = Φ(δ) Π (1 − φ_i)
 /// gives besides, as force, N, on the first body and torque about its `centre`, N m (`pair.rs`):
 ///
 /// −∇U = F(δ) [Π (1 − φ_j) + Σ φ_i Π_{j≠i} (1 − φ_j)] − Σ F(δ_i) Π_{j≠i} (1 − φ_j), each force along its own normal, at its own place.

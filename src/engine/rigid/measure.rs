@@ -5,10 +5,10 @@ use super::pair::{Outline, meeting, sites};
 use super::{Block, Blocks, Other};
 use crate::dem::physics::Physics;
 use crate::math::vector::{dot, plus, scaled};
-use crate::shape::Hull;
+use crate::shape::{Hull, Sheet, Solid};
 
 impl Block {
-    /// One line that describes the body for a reader: shape, material, extents as it is rotated, mass.
+    /// One line that describes the body for a reader: shape, material, extents as it is rotated, mass; of a sheet its triangles and facets.
     pub fn in_words(&self, physics: &Physics) -> String {
         let [w, x, y, z] = self.turn;
         let pose = self.pose(0.0);
@@ -20,12 +20,19 @@ impl Block {
         let [dx, dy, dz] = std::array::from_fn(|a| format!("{:.4}", 1e3 * (high[a] - low[a])));
         let turned = if [w, x, y, z] == [1.0, 0.0, 0.0, 0.0] { "" } else { " as it is turned" };
         let (kind, material) = (self.shape.name(), &physics.materials[usize::from(self.material)].name);
+        if let Some(sheet) = self.solid().sheet() {
+            let (triangles, facets) = (sheet.triangles(), sheet.facets());
+            let form = if sheet.is_closed() { "closed" } else { "open" };
+            return format!(
+                "{kind} of {material}, {triangles} triangles in {facets} facets, {form}, {dx} × {dy} × {dz} mm{turned}"
+            );
+        }
         format!("{kind} of {material}, {dx} × {dy} × {dz} mm{turned}, {:.6} kg", self.mass)
     }
 }
 
 impl Block {
-    /// Deepest overlap with another body, m; negative if they are apart, infinite if it is deeper than the edges of both are round. 0 for superquadrics, whose contacts
+    /// Deepest overlap with another body, m; negative if they are apart, infinite if it is deeper than the edges of both are round or a sheet cuts the other. 0 for superquadrics, whose contacts
     /// with bodies are not computed.
     pub fn overlap(&self, other: &Block) -> f64 {
         let [a, b] = [self, other].map(|b| Outline::of(&b.shape));
@@ -33,12 +40,26 @@ impl Block {
         let (Some(a), Some(b)) = (&a, &b) else { return 0.0 };
         let corners =
             |of: &Outline, body: &PosedBlock<'_>| of.body.corners().iter().map(|c| body.pose.place(*c)).collect::<Vec<_>>();
-        if Hull::cut(&corners(a, &first), &corners(b, &second)) {
+        let cut = match (a.body.sheet(), b.body.sheet()) {
+            (None, None) => Hull::cut(&corners(a, &first), &corners(b, &second)),
+            (Some(sheet), None) => cuts(sheet, &first, &corners(b, &second)),
+            (None, Some(sheet)) => cuts(sheet, &second, &corners(a, &first)),
+            (Some(_), Some(_)) => false,
+        };
+        if cut {
             return f64::INFINITY;
         }
-        let overlap = |site| meeting(&first, &second, site).map_or(f64::NEG_INFINITY, |m| m.overlap.depth);
+        let overlap = |(site, facet)| meeting(&first, &second, site, facet).map_or(f64::NEG_INFINITY, |m| m.overlap.depth);
         sites(&first, &second, 0.0).into_iter().map(overlap).fold(f64::NEG_INFINITY, f64::max)
     }
+}
+
+/// Whether a sheet cuts the hull of these corners in space.
+fn cuts(sheet: &Sheet, body: &PosedBlock<'_>, corners: &[[f64; 3]]) -> bool {
+    let corners: Vec<[f64; 3]> = corners.iter().map(|c| body.pose.within(*c)).collect();
+    let Some(first) = corners.first() else { return false };
+    let half = corners.iter().flat_map(|c| (0..3).map(|a| (c[a] - first[a]).abs())).fold(0.0, f64::max);
+    Hull::cut_by(&corners, &sheet.triangles_near(*first, half))
 }
 
 impl Blocks {

@@ -8,6 +8,9 @@
 //! with R* of the sphere that has the body's volume. Two bodies touch at corners and at edges that cross (`pair.rs`), each a contact with R* of two such spheres.
 //! A superquadric has no corners; one that comes close to another body is an error.
 //!
+//! A sheet of triangles ([`crate::shape::Sheet`]) is a driven body without mass. What touches it has a contact with each facet, and on its way from facet to facet the contact
+//! that begins takes over the history of the one that ends.
+//!
 //! A face that lies on many points has many contacts. They are stored here and not with those of the grains, so scenes without such bodies pay nothing.
 
 mod contact;
@@ -57,12 +60,14 @@ pub struct Block {
 }
 
 impl Block {
-    /// A body at rest at the origin, not rotated, of density `density`, kg/m³.
+    /// A body at rest at the origin, not rotated, of density `density`, kg/m³. A sheet has no mass; its moments are 1 kg m², so that its angular momentum is its
+    /// angular velocity and its spin stays as it is whatever its direction.
     pub fn new(shape: Shape, density: f64, material: u8) -> Block {
         let bulk = shape.solid().bulk();
+        let sheet = shape.solid().sheet().is_some();
         Block {
             mass: density * bulk.volume,
-            moments: bulk.moments.map(|moment| density * moment),
+            moments: if sheet { [1.0; 3] } else { bulk.moments.map(|moment| density * moment) },
             radius: shape.radius(),
             shape,
             material,
@@ -146,10 +151,13 @@ impl Blocks {
         let walls = if self.on_walls.is_empty() { 0 } else { state.walls.len() };
         check::lengths("walls at rigid bodies", walls, [self.on_walls.len()])?;
         check::numbers("forces on rigid bodies", self.on_walls.iter().chain(self.applied.as_flattened().as_flattened()))?;
-        let sorted = self.candidates.windows(2).all(|w| (w[0].block, w[0].other) < (w[1].block, w[1].other));
+        let sorted = self.candidates.windows(2).all(|w| w[0].key() < w[1].key());
         ensure(sorted, || "contacts of rigid bodies are not in their order".into())?;
         for c in &self.candidates {
             below("rigid body", c.block, n)?;
+            if matches!(c.other, Other::Point(_) | Other::Grain(_)) {
+                below("facet of a rigid body", c.facet, self.blocks[c.block as usize].solid().facets())?;
+            }
             match c.other {
                 Other::Point(id) => below("a rigid body touches point", id, continuum.points().next_id as usize)?,
                 Other::Grain(id) => below("a rigid body touches grain", id, state.grains.next_id as usize)?,

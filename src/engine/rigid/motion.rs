@@ -108,8 +108,11 @@ impl Block {
         self.momentum = pose.outwards(std::array::from_fn(|a| w[a] * self.moments[a]));
     }
 
-    /// Kinetic energy, J.
+    /// Kinetic energy, J; none of a sheet, which has no mass.
     pub fn kinetic(&self) -> f64 {
+        if self.solid().sheet().is_some() {
+            return 0.0;
+        }
         0.5 * (self.mass * dot(self.velocity, self.velocity) + dot(self.spin(), self.momentum))
     }
 

@@ -8,21 +8,24 @@
 //! Beside the end of an edge its corner touches at nearly the same place as the edge does. There the energy of the two edges is U = Φ(δ) Π (1 − Φ(δ_i)/Φ(δ)), with the
 //! energy Φ of the contact law at an overlap, the overlap δ of the edges and δ_i of each of their four ends with the other edge. So what corner and edge bear
 //! together is that of the one place where the bodies are nearest; forces follow from U, have no jumps and conserve energy.
+//!
+//! A sheet of triangles ([`crate::shape::Sheet`]) is no hull: corners of the other body lie on its facets, and its own corners and edges act only where it sticks out,
+//! not on the side to which it bends.
 
 use super::contact::PosedBlock;
 use crate::math::vector::{cross, dot, less, plus, scaled};
-use crate::shape::{Rounded, Shape};
+use crate::shape::{Meet, Nearest, Rounded, Shape};
 use serde::{Deserialize, Serialize};
 
 /// A part of each of two bodies that may touch. Numbers are those of corners and edges of their hulls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Site {
     /// A corner of the first body and the surface of the second.
-    CornerOfFirst(u16),
+    CornerOfFirst(u32),
     /// The surface of the first body and a corner of the second.
-    CornerOfSecond(u16),
+    CornerOfSecond(u32),
     /// An edge of each.
-    Edges([u16; 2]),
+    Edges([u32; 2]),
 }
 
 /// What other bodies touch of a body, in its frame.
@@ -55,12 +58,14 @@ pub(super) struct Overlap {
 }
 
 /// How two bodies meet at a site.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Meeting {
     /// Their overlap.
     pub overlap: Overlap,
     /// Of two edges: the overlaps of the ends of each with the other.
     pub ends: Option<[Overlap; 4]>,
+    /// Of a corner on a sheet: the borders beside which it counts less, with the number of the facet beyond each.
+    pub borders: Vec<(u32, Overlap)>,
 }
 
 /// Deepest overlap over the sum of the radii of the edges: the hulls within must not come so near that their order is lost.
@@ -68,23 +73,34 @@ pub(super) const DEEPEST: f64 = 0.9;
 /// Squares of the sine of the angle between edges below which they count as parallel.
 const PARALLEL: f64 = 1e-12;
 
-/// The two bodies at `site`, with a gap of any size; `None` where edges are nearest beyond one of their ends, where a corner touches instead.
-pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Site) -> Option<Meeting> {
+/// The two bodies at `site`, with a gap of any size; `None` where edges are nearest beyond one of their ends, where a corner touches instead, and where a sheet does not
+/// act. `facet`: that of a sheet on which a corner lies.
+pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Site, facet: u32) -> Option<Meeting> {
     let (a, b) = (first.outline?, second.outline?);
     match site {
         Site::CornerOfFirst(k) => {
             let (corner, radius) = (first.pose.place(*a.body.corners().get(k as usize)?), a.body.rounding());
-            let nearest = b.body.nearest(second.pose.within(corner));
-            let (normal, depth) = (second.pose.outwards(nearest.normal).map(|x| -x), radius - nearest.distance);
-            let overlap = Overlap { normal, depth, at: plus(corner, scaled(normal, radius - 0.5 * depth)) };
-            Some(Meeting { overlap, ends: None })
+            let Meet { nearest, borders } = b.body.meet(facet, second.pose.within(corner), radius)?;
+            let overlap = |nearest: &Nearest| {
+                let (normal, depth) = (second.pose.outwards(nearest.normal).map(|x| -x), radius - nearest.distance);
+                Overlap { normal, depth, at: plus(corner, scaled(normal, radius - 0.5 * depth)) }
+            };
+            let on = overlap(&nearest);
+            let borders = borders.iter().map(|(other, border)| (*other, overlap(border))).collect();
+            let acts = a.body.corner_acts(k as usize, first.pose.inwards(on.normal));
+            acts.then_some(Meeting { overlap: on, ends: None, borders })
         }
         Site::CornerOfSecond(k) => {
             let (corner, radius) = (second.pose.place(*b.body.corners().get(k as usize)?), b.body.rounding());
-            let nearest = a.body.nearest(first.pose.within(corner));
-            let (normal, depth) = (first.pose.outwards(nearest.normal), radius - nearest.distance);
-            let overlap = Overlap { normal, depth, at: less(corner, scaled(normal, radius - 0.5 * depth)) };
-            Some(Meeting { overlap, ends: None })
+            let Meet { nearest, borders } = a.body.meet(facet, first.pose.within(corner), radius)?;
+            let overlap = |nearest: &Nearest| {
+                let (normal, depth) = (first.pose.outwards(nearest.normal), radius - nearest.distance);
+                Overlap { normal, depth, at: less(corner, scaled(normal, radius - 0.5 * depth)) }
+            };
+            let on = overlap(&nearest);
+            let borders = borders.iter().map(|(other, border)| (*other, overlap(border))).collect();
+            let acts = b.body.corner_acts(k as usize, second.pose.inwards(on.normal.map(|x| -x)));
+            acts.then_some(Meeting { overlap: on, ends: None, borders })
         }
         Site::Edges([i, j]) => {
             let p = a.edges.get(i as usize)?.map(|x| first.pose.place(x));
@@ -102,7 +118,10 @@ pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Sit
                 between(nearest_on(p, q[0]), q[0]),
                 between(nearest_on(p, q[1]), q[1]),
             ];
-            Some(Meeting { overlap: between(on_first, on_second), ends: Some(ends) })
+            let overlap = between(on_first, on_second);
+            let towards = [first.pose.inwards(overlap.normal), second.pose.inwards(overlap.normal.map(|x| -x))];
+            let acts = a.body.edge_acts(i as usize, towards[0]) && b.body.edge_acts(j as usize, towards[1]);
+            acts.then_some(Meeting { overlap, ends: Some(ends), borders: Vec::new() })
         }
     }
 }
@@ -141,41 +160,69 @@ fn from_edge(at: [f64; 3], edge: [[f64; 3]; 2]) -> f64 {
     dot(away, away).sqrt()
 }
 
-/// The sites at which two bodies are nearer than `skin`, m, or may come so while they move by less than that.
-pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) -> Vec<Site> {
+/// The middle of the corner that lies on a sheet at `site`, in the frame of the sheet, and its radius, m, with the sheet; `None` at other sites.
+pub(super) fn corner_on_sheet<'a>(
+    first: &'a PosedBlock<'_>,
+    second: &'a PosedBlock<'_>,
+    site: Site,
+) -> Option<(&'a PosedBlock<'a>, [f64; 3], f64)> {
+    let (k, of, on) = match site {
+        Site::CornerOfFirst(k) => (k, first, second),
+        Site::CornerOfSecond(k) => (k, second, first),
+        Site::Edges(_) => return None,
+    };
+    let body = &of.outline?.body;
+    let corner = *body.corners().get(k as usize)?;
+    on.outline?.body.sheet()?;
+    Some((on, on.pose.within(of.pose.place(corner)), body.rounding()))
+}
+
+/// The sites at which two bodies are nearer than `skin`, m, or may come so while they move by less than that, each with the facet of the surface there.
+pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) -> Vec<(Site, u32)> {
     let (Some(a), Some(b)) = (first.outline, second.outline) else { return Vec::new() };
     let near = |x: [f64; 3], body: &PosedBlock<'_>, far: f64| {
         let away = less(x, body.pose.centre);
         dot(away, away) < far * far
     };
     let mut found = Vec::new();
-    let corners = |body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline, site: &dyn Fn(u16) -> Site| {
-        let (far, gap) = (of.body.rounding() + on.body.reach() + skin, of.body.rounding() + skin);
-        let near = |(_, corner): &(usize, [f64; 3])| {
-            near(*corner, other, far) && on.body.nearest(other.pose.within(*corner)).distance < gap
-        };
-        let corners = of.body.corners().iter().map(|c| body.pose.place(*c)).enumerate();
-        corners.filter(near).map(|(k, _)| site(k as u16)).collect::<Vec<_>>()
+    // of a sheet only what is near the other body
+    let sharp = |body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline| -> [Vec<u32>; 2] {
+        match of.body.sheet() {
+            Some(sheet) => sheet.sharp_near(body.pose.within(other.pose.centre), of.body.rounding() + on.body.reach() + skin),
+            None => [of.body.corners().len(), of.edges.len()].map(|n| (0..n as u32).collect()),
+        }
     };
+    let [of_first, of_second] = [sharp(first, a, second, b), sharp(second, b, first, a)];
+    let corners =
+        |list: &[u32], body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline, site: &dyn Fn(u32) -> Site| {
+            let (far, gap) = (of.body.rounding() + on.body.reach() + skin, of.body.rounding() + skin);
+            let at = |k: u32| {
+                let corner = body.pose.place(of.body.corners()[k as usize]);
+                let facets =
+                    if near(corner, other, far) { on.body.facets_near(other.pose.within(corner), gap) } else { Vec::new() };
+                facets.into_iter().map(move |facet| (k, facet))
+            };
+            list.iter().flat_map(|k| at(*k)).map(|(k, facet)| (site(k), facet)).collect::<Vec<_>>()
+        };
     // a disc has one corner, its centre, whose distance from the other surface is all there is to know
-    let [one, other] = [a, b].map(|outline| outline.body.corners().len() == 1);
+    let [one, other] = [a, b].map(|outline| outline.body.is_disc());
     if one || !other {
-        found.extend(corners(first, a, second, b, &Site::CornerOfFirst));
+        found.extend(corners(&of_first[0], first, a, second, b, &Site::CornerOfFirst));
     }
     if !one {
-        found.extend(corners(second, b, first, a, &Site::CornerOfSecond));
+        found.extend(corners(&of_second[0], second, b, first, a, &Site::CornerOfSecond));
     }
     let radii = a.body.rounding() + b.body.rounding() + skin;
-    let edges = |body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline| {
+    let edges = |list: &[u32], body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline| {
         let far = of.body.rounding() + on.body.reach() + skin;
-        let placed = of.edges.iter().map(|ends| ends.map(|x| body.pose.place(x))).enumerate();
+        let placed = list.iter().map(|k| (*k, of.edges[*k as usize].map(|x| body.pose.place(x))));
         placed.filter(|(_, ends)| from_edge(other.pose.centre, *ends) < far).collect::<Vec<_>>()
     };
-    let of_second = edges(second, b, first, a);
-    for (i, p) in edges(first, a, second, b) {
-        for (j, q) in &of_second {
+    let second_edges = edges(&of_second[1], second, b, first, a);
+    for (i, p) in edges(&of_first[1], first, a, second, b) {
+        for (j, q) in &second_edges {
             if between(p, *q) < radii {
-                found.push(Site::Edges([i as u16, *j as u16]));
+                found.push((Site::Edges([i, *j]), 0));
             }
         }
     }

@@ -47,21 +47,42 @@ impl Blocks {
         pairs
     }
 
-    /// Checks that no body is so deep in another that the direction of their force would be lost.
+    /// Checks that no body is so deep in another that the direction of their force would be lost, and that nothing is about to pass through a sheet.
     fn passable(&self, continuum: &Continuum) -> Result<()> {
         let (step, radius) = (continuum.steps(), |k: u32| self.outlines[k as usize].as_ref().map_or(0.0, |o| o.body.rounding()));
-        let deep = |c: &&BlockContact| match c.other {
-            Other::Block { block, .. } => c.touch.overlap > DEEPEST * (radius(c.block) + radius(block)),
-            _ => false,
+        let sheet = |c: &BlockContact| self.blocks[c.block as usize].solid().sheet().map(|sheet| sheet.rounding());
+        // largest overlap
+        let most = |c: &BlockContact| match c.other {
+            Other::Block { block, .. } => DEEPEST * (radius(c.block) + radius(block)),
+            Other::Grain(_) | Other::Point(_) => {
+                let reach = c.radius + c.face.map_or(0.0, |face| face.beyond);
+                sheet(c).map_or(f64::INFINITY, |rounding| DEEPEST * (reach + rounding))
+            }
+            Other::Wall { .. } => f64::INFINITY,
         };
-        let Some(c) = self.candidates.iter().find(deep) else { return Ok(()) };
-        let Other::Block { block, .. } = c.other else { return Ok(()) };
-        let what = format!(
-            "blocks {} and {block} overlap by {:.4} mm, {DEEPEST} of the radii of their edges: give them a larger rounding_mm or stiffer materials, or lower stepping.safety",
-            c.block,
-            1e3 * c.touch.overlap
-        );
-        Err(Error::Unstable { step, what, grain: None })
+        let Some(c) = self.candidates.iter().find(|c| c.touch.overlap > most(c)) else { return Ok(()) };
+        let (by, cure) = (format!("{:.4} mm", 1e3 * c.touch.overlap), "stiffer materials, or lower stepping.safety");
+        let through = |what: &str, id: u32| {
+            format!(
+                "{what} {id} overlaps by {by}, {DEEPEST} of its radius, with the sheet of block {}, and would pass through it: give the mesh a larger rounding_mm or {cure}",
+                c.block
+            )
+        };
+        let (what, grain) = match c.other {
+            Other::Block { block, .. } => {
+                let of = c.block;
+                (
+                    format!(
+                        "blocks {of} and {block} overlap by {by}, {DEEPEST} of the radii of their edges: give them a larger rounding_mm or {cure}"
+                    ),
+                    None,
+                )
+            }
+            Other::Grain(id) => (through("grain", id), Some(u64::from(id))),
+            Other::Point(id) => (through("point", id), None),
+            Other::Wall { .. } => return Ok(()),
+        };
+        Err(Error::Unstable { step, what, grain })
     }
 
     /// Makes the list of candidates anew: everything with a gap to a body below `skin`, m. Contacts keep their history.
@@ -75,26 +96,24 @@ impl Blocks {
         let mut found: Vec<BlockContact> = Vec::new();
         for (k, block) in self.blocks.iter().enumerate() {
             let (solid, pose, block_index) = (block.solid(), block.pose(0.0), k as u32);
-            let within = |p: &[f64; 4], far: f64| {
+            let mut facets = Vec::new();
+            let mut near = |p: &[f64; 4], far: f64, found: &mut Vec<BlockContact>, other: Other, place: usize, radius: f64| {
                 let local = pose.inwards(std::array::from_fn(|a| p[a] - pose.centre[a]));
-                solid.clearance(local) < far && solid.nearest(local).distance < far
+                solid.facets_near(local, far, &mut facets);
+                found.extend(facets.drain(..).map(|facet| BlockContact::new(block_index, other, facet, place as u32, radius)));
             };
             let far = solid.reach() + widest;
             let corners = [-far, far].map(|by| std::array::from_fn(|a| pose.centre[a] + by));
             continuum.visit(corners, |i| {
                 let radius = radius_of(points.solid(i));
-                if within(&points.position[i], radius + beyond + skin) {
-                    found.push(BlockContact::new(block_index, Other::Point(points.id[i]), i as u32, radius));
-                }
+                near(&points.position[i], radius + beyond + skin, &mut found, Other::Point(points.id[i]), i, radius);
             });
             for (i, p) in grains.pos.iter().enumerate() {
-                if within(p, p[3] + skin) {
-                    found.push(BlockContact::new(block_index, Other::Grain(grains.id[i]), i as u32, p[3]));
-                }
+                near(p, p[3] + skin, &mut found, Other::Grain(grains.id[i]), i, p[3]);
             }
             for (w, wall) in walls.iter().enumerate() {
                 for spot in (0..solid.spots()).filter(|&spot| spot_at(wall, block, &pose, spot).1 < skin) {
-                    found.push(BlockContact::new(block_index, Other::Wall { wall: w as u32, spot: spot as u32 }, 0, 0.0));
+                    found.push(BlockContact::new(block_index, Other::Wall { wall: w as u32, spot: spot as u32 }, 0, 0, 0.0));
                 }
             }
         }
@@ -108,9 +127,10 @@ impl Blocks {
                 return Err(Error::Failed { step: continuum.steps(), what });
             }
             let other = |site| Other::Block { block: j as u32, site };
-            found.extend(sites(first, second, skin).into_iter().map(|site| BlockContact::new(i as u32, other(site), 0, 0.0)));
+            let sites = sites(first, second, skin).into_iter();
+            found.extend(sites.map(|(site, facet)| BlockContact::new(i as u32, other(site), facet, 0, 0.0)));
         }
-        let key = |c: &BlockContact| (c.block, c.other);
+        let key = BlockContact::key;
         found.sort_unstable_by_key(key);
         let known = self.candidates.iter().filter(|c| c.touch.overlap > 0.0 || c.face.is_some());
         // reactions may be added again before forces are computed: all but the other side's place and size stays

@@ -35,6 +35,12 @@ pub struct HullFace {
 /// Normals that differ by less than this belong to one flat face.
 pub(super) const FLAT: f64 = 1e-9;
 
+/// The hull of a set of corners, if it has a volume.
+fn solid(corners: &[[f64; 3]]) -> Option<ConvexPolyhedron> {
+    let corners: Vec<Vector> = corners.iter().map(|&p| Vector::from(p)).collect();
+    ConvexPolyhedron::from_convex_hull(&corners)
+}
+
 impl Hull {
     /// A hull of these corners and triangles.
     pub fn of(corners: Vec<[f64; 3]>, triangles: &[[u32; 3]], rounding: f64) -> Hull {
@@ -67,12 +73,18 @@ impl Hull {
 
     /// Whether the hulls of two sets of corners in space cut each other.
     pub fn cut(first: &[[f64; 3]], second: &[[f64; 3]]) -> bool {
-        let solid = |corners: &[[f64; 3]]| {
-            let corners: Vec<Vector> = corners.iter().map(|&p| Vector::from(p)).collect();
-            ConvexPolyhedron::from_convex_hull(&corners)
-        };
         let (Some(a), Some(b)) = (solid(first), solid(second)) else { return false };
         intersection_test(&Pose::IDENTITY, &a, &Pose::IDENTITY, &b).is_ok_and(|found| found.intersecting)
+    }
+
+    /// Whether any of these triangles cuts the hull of a set of corners in space.
+    pub fn cut_by(corners: &[[f64; 3]], triangles: &[[[f64; 3]; 3]]) -> bool {
+        let Some(solid) = solid(corners) else { return false };
+        triangles.iter().any(|t| {
+            let [a, b, c] = t.map(Vector::from);
+            let triangle = Triangle::new(a, b, c);
+            intersection_test(&Pose::IDENTITY, &solid, &Pose::IDENTITY, &triangle).is_ok_and(|found| found.intersecting)
+        })
     }
 
     /// The nearest point on the triangles in front of which the position lies. Parry's projection on a triangle uses + − × ÷ only.

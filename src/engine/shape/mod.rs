@@ -10,6 +10,7 @@ mod mesh;
 mod polygon;
 mod polyhedron;
 mod ring;
+mod sheet;
 mod superquadric;
 
 pub use cuboid::Cuboid;
@@ -18,6 +19,7 @@ pub use mesh::Mesh;
 pub use polygon::Polygon;
 pub use polyhedron::{Placed, Polyhedron};
 pub use ring::Ring;
+pub use sheet::{MOST_TRIANGLES, Sheet, welded};
 pub use superquadric::Superquadric;
 
 use serde::{Deserialize, Serialize};
@@ -29,6 +31,16 @@ pub struct Nearest {
     pub distance: f64,
     /// Outward unit normal at the nearest point of the surface; that point is the position minus `distance` times the normal.
     pub normal: [f64; 3],
+}
+
+/// Where a sphere meets a facet of a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Meet {
+    /// The facet as seen from the middle of the sphere.
+    pub nearest: Nearest,
+    /// Borders with facets that are nearer to it, as far as they are in reach, with the number of each such facet: beside them the contact counts less
+    /// ([`sheet`]). At most four; none of convex surfaces.
+    pub borders: Vec<(u32, Nearest)>,
 }
 
 /// Volume and moments of inertia of a shape.
@@ -69,6 +81,34 @@ pub trait Solid {
 
     /// The surface as triangles, for pictures.
     fn surface(&self) -> Mesh;
+
+    /// The shape as a sheet without an inside, if it is one.
+    fn sheet(&self) -> Option<&Sheet> {
+        None
+    }
+
+    /// Number of facets: parts of the surface each of which can touch a sphere by itself. A convex surface is one.
+    fn facets(&self) -> usize {
+        1
+    }
+
+    /// Adds the numbers of the facets that are nearer to a position than `within`, m, to `found`, in their order.
+    fn facets_near(&self, at: [f64; 3], within: f64, found: &mut Vec<u32>) {
+        if self.clearance(at) < within && self.nearest(at).distance < within {
+            found.push(0);
+        }
+    }
+
+    /// Where a sphere at a position meets facet `facet`; `None` where another facet is nearer at that place, and where none can be nearer than `within`, m.
+    fn meet(&self, facet: u32, at: [f64; 3], within: f64) -> Option<Meet> {
+        let reached = facet == 0 && self.clearance(at) < within;
+        reached.then(|| Meet { nearest: self.nearest(at), borders: Vec::new() })
+    }
+
+    /// Whether what touched facet `from`, nearer than `within`, m, has passed over a border to facet `to`.
+    fn passes(&self, _from: u32, _to: u32, _at: [f64; 3], _within: f64) -> bool {
+        false
+    }
 }
 
 /// A shape of one of the known kinds.
@@ -82,6 +122,8 @@ pub enum Shape {
     Polyhedron(Polyhedron),
     /// A rounded convex polygon of plane strain.
     Polygon(Polygon),
+    /// A sheet of triangles.
+    Mesh(Sheet),
 }
 
 /// A shape as other bodies touch it: corners, and a sphere or disc swept over all between them.
@@ -91,6 +133,8 @@ pub enum Rounded {
     Hull(Hull),
     /// In the plane.
     Ring(Ring),
+    /// A sheet, with its corners.
+    Sheet(Sheet, Vec<[f64; 3]>),
 }
 
 impl Rounded {
@@ -99,6 +143,7 @@ impl Rounded {
         match self {
             Rounded::Hull(hull) => &hull.corners,
             Rounded::Ring(ring) => &ring.corners,
+            Rounded::Sheet(_, corners) => corners,
         }
     }
 
@@ -107,6 +152,7 @@ impl Rounded {
         match self {
             Rounded::Hull(hull) => hull.rounding,
             Rounded::Ring(ring) => ring.rounding,
+            Rounded::Sheet(sheet, _) => sheet.rounding(),
         }
     }
 
@@ -115,15 +161,52 @@ impl Rounded {
         match self {
             Rounded::Hull(hull) => hull.reach,
             Rounded::Ring(ring) => ring.reach,
+            Rounded::Sheet(sheet, _) => sheet.reach(),
         }
     }
 
-    /// The surface nearest to a position.
-    pub fn nearest(&self, at: [f64; 3]) -> Nearest {
-        match self {
+    /// Where a sphere at a position meets facet `facet` ([`Solid::meet`]); of a convex surface the nearest point, however far.
+    pub fn meet(&self, facet: u32, at: [f64; 3], within: f64) -> Option<Meet> {
+        let nearest = match self {
             Rounded::Hull(hull) => hull.nearest(at),
             Rounded::Ring(ring) => ring.nearest(at),
-        }
+            Rounded::Sheet(sheet, _) => return sheet.meet(facet, at, within),
+        };
+        Some(Meet { nearest, borders: Vec::new() })
+    }
+
+    /// Numbers of the facets that are nearer to a position than `within`, m.
+    pub fn facets_near(&self, at: [f64; 3], within: f64) -> Vec<u32> {
+        let near = match self {
+            Rounded::Hull(hull) => hull.nearest(at).distance < within,
+            Rounded::Ring(ring) => ring.nearest(at).distance < within,
+            Rounded::Sheet(sheet, _) => {
+                let mut found = Vec::new();
+                sheet.facets_near(at, within, &mut found);
+                return found;
+            }
+        };
+        if near { vec![0] } else { Vec::new() }
+    }
+
+    /// The shape as a sheet, if it is one.
+    pub fn sheet(&self) -> Option<&Sheet> {
+        if let Rounded::Sheet(sheet, _) = self { Some(sheet) } else { None }
+    }
+
+    /// Whether corner `k` acts on a body in the direction `towards`, unit vector; of a convex shape it does.
+    pub fn corner_acts(&self, k: usize, towards: [f64; 3]) -> bool {
+        self.sheet().is_none_or(|sheet| sheet.corner_acts(k, towards))
+    }
+
+    /// As [`Self::corner_acts`], for edge `k`.
+    pub fn edge_acts(&self, k: usize, towards: [f64; 3]) -> bool {
+        self.sheet().is_none_or(|sheet| sheet.edge_acts(k, towards))
+    }
+
+    /// Whether it is a disc: one corner in the plane.
+    pub fn is_disc(&self) -> bool {
+        matches!(self, Rounded::Ring(ring) if ring.corners.len() == 1)
     }
 
     /// Ends of its edges that can cross edges of others; in the plane there are none.
@@ -131,6 +214,7 @@ impl Rounded {
         match self {
             Rounded::Hull(hull) => hull.edges().iter().map(|(ends, _)| ends.map(|k| hull.corners[k as usize])).collect(),
             Rounded::Ring(_) => Vec::new(),
+            Rounded::Sheet(sheet, _) => sheet.edges(),
         }
     }
 }
@@ -143,6 +227,7 @@ impl Shape {
             Shape::Superquadric(s) => s,
             Shape::Polyhedron(s) => s,
             Shape::Polygon(s) => s,
+            Shape::Mesh(s) => s,
         }
     }
 
@@ -152,14 +237,16 @@ impl Shape {
             Shape::Box(s) => Some(Rounded::Hull(s.rounded())),
             Shape::Polyhedron(s) => Some(Rounded::Hull(s.rounded_hull().clone())),
             Shape::Polygon(s) => Some(Rounded::Ring(s.rounded_ring().clone())),
+            Shape::Mesh(s) => Some(Rounded::Sheet(s.clone(), s.corners())),
             Shape::Superquadric(_) => None,
         }
     }
 
-    /// Radius of the sphere of the same volume, m; of a polygon that of the disc of the same area.
+    /// Radius of the sphere of the same volume, m; of a polygon that of the disc of the same area; infinite for a sheet, which to others is a plane.
     pub fn radius(&self) -> f64 {
         match self {
             Shape::Polygon(s) => s.radius(),
+            Shape::Mesh(_) => f64::INFINITY,
             _ => self.solid().bulk().radius(),
         }
     }
@@ -171,6 +258,7 @@ impl Shape {
             Shape::Superquadric(_) => "superquadric",
             Shape::Polyhedron(_) => "polyhedron",
             Shape::Polygon(_) => "polygon",
+            Shape::Mesh(_) => "mesh",
         }
     }
 }

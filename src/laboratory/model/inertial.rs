@@ -51,7 +51,7 @@ pub fn at_the_start(model: &Model, rig: &MpmTest, rate: f64, pressure: f64) -> O
         None => {
             let grains = rig.coarse.iter().flat_map(|c| &c.grains);
             let grains = grains.map(|g| [2.0 * g.radius, density(g.material) * sphere_volume(g.radius)]);
-            let blocks = rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| [2.0 * b.radius, b.mass]);
+            let blocks = rig.coarse.iter().flat_map(|c| &c.blocks).filter(|b| b.mass > 0.0).map(|b| [2.0 * b.radius, b.mass]);
             (size_of_points(rig)?, size(grains.chain(blocks)))
         }
     };

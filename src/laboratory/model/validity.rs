@@ -46,8 +46,8 @@ fn sizes(materials: &[Material], rig: &MpmTest) -> Option<Sizes> {
         let (least, ghosts) = (2.0 * coarse.radii[0], [growth.fines.mean_diameter(), 2.0 * growth.fines.radii[1]]);
         return Some(Sizes { mean: coarse.mean_diameter(), least, ghosts, content: mass / (mass + fine) });
     }
-    // a rigid body that is no sphere counts by the sphere of its volume
-    let blocks = rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.radius);
+    // a rigid body that is no sphere counts by the sphere of its volume, a sheet has none
+    let blocks = rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.radius).filter(|r| r.is_finite());
     let radii: Vec<f64> = grains.iter().map(|g| g.radius).chain(blocks).collect();
     if radii.is_empty() || rig.points.is_empty() {
         return None;

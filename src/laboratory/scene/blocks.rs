@@ -6,9 +6,10 @@ use super::view::View;
 use crate::model::continuum::{CoarseGrains, MpmTest, Test};
 use engine::boundary::Wall;
 use engine::material::Material;
+use engine::mpm::loading_plate::ghost_radius;
 use engine::rigid::Block;
 use engine::rigid::motion::{about, product, quaternion};
-use engine::shape::{Cuboid, Polygon, Polyhedron, Shape, Superquadric};
+use engine::shape::{Cuboid, Polygon, Polyhedron, Shape, Sheet, Solid, Superquadric};
 use toml::{Table, Value};
 
 /// Fewest and most numbers of a polyhedron's points: four points, and a thousand.
@@ -16,8 +17,11 @@ const FOUR_POINTS: usize = 12;
 const MOST_NUMBERS: usize = 3000;
 /// Overlap of two bodies at the start, over the sum of the radii of their edges, up to which they may stand in each other.
 const LAPPED: f64 = 0.5;
-/// Depth, over the radius of the sphere of its volume, to which a body may stand in a wall at the start.
+/// Depth, over the radius of the sphere of its volume, to which a body may stand in a wall at the start; over its own radius that to which a grain may stand in a mesh.
 const DEEP: f64 = 0.01;
+/// Overlap of a point with a mesh at the start, over the radius with which it touches, up to which it may stand there: points at the face of a body overlap by a fifth with what
+/// it lies on.
+const POINT_DEEP: f64 = 0.5;
 
 impl View<'_> {
     /// The rigid bodies that the scene lists, as they start.
@@ -47,6 +51,7 @@ impl View<'_> {
         let needed: &[&str] = match kind {
             "box" => &["size_mm"],
             "superquadric" => &["size_mm", "blockiness"],
+            "mesh" => &["vertices_mm", "triangles"],
             _ => &["points_mm"],
         };
         let flat = self.flag("grid.plane_strain");
@@ -55,11 +60,12 @@ impl View<'_> {
             let message = if flat { "must be \"polygon\" in plane strain" } else { "\"polygon\" needs grid.plane_strain = true" };
             self.refuse(&at("shape"), message);
         }
-        for name in ["size_mm", "blockiness", "points_mm", "rounding_mm"] {
+        for name in ["size_mm", "blockiness", "points_mm", "rounding_mm", "mesh_file", "mesh_unit_mm", "vertices_mm", "triangles"] {
             let (wanted, given) = (needed.contains(&name), table.contains_key(name));
-            let free = name == "rounding_mm" && matches!(kind, "polyhedron" | "polygon");
+            let free = name == "rounding_mm" && matches!(kind, "polyhedron" | "polygon" | "mesh");
             if wanted && !given {
-                self.refuse(&at(name), format!("is missing: shape = \"{kind}\" needs it"));
+                let or = if kind == "mesh" { " (or mesh_file)" } else { "" };
+                self.refuse(&at(name), format!("is missing: shape = \"{kind}\" needs it{or}"));
             } else if given && !wanted && !free {
                 self.refuse(&at(name), format!("has no meaning with shape = \"{kind}\""));
             }
@@ -83,6 +89,7 @@ impl View<'_> {
                 Shape::Superquadric(Superquadric { half: half()?, blockiness })
             }
             "polygon" => Shape::Polygon(self.polygon(i, number(table, "rounding_mm").unwrap_or(0.0))?),
+            "mesh" => Shape::Mesh(self.mesh(i, number(table, "rounding_mm").unwrap_or(0.0))?),
             _ => {
                 let (polyhedron, axes) = self.polyhedron(i, number(table, "rounding_mm").unwrap_or(0.0))?;
                 turn = product(turn, quaternion(axes));
@@ -127,6 +134,33 @@ impl View<'_> {
         }
     }
 
+    /// A sheet of triangles in the frame of its file.
+    fn mesh(&self, i: usize, rounding: f64) -> Option<Sheet> {
+        let key = |name: &str| format!("block[{i}].{name}");
+        let driven = self.flag(&key("driven"));
+        self.check(driven, &key("driven"), "must be true: a mesh has no mass");
+        let numbers = self.numbers(&key("vertices_mm"));
+        let list = self.get(&key("triangles")).and_then(Value::as_array).into_iter().flatten();
+        let corners: Vec<u32> = list.filter_map(Value::as_integer).filter_map(|k| u32::try_from(k).ok()).collect();
+        let ((vertices, of_vertices), (triangles, of_triangles)) = (numbers.as_chunks::<3>(), corners.as_chunks::<3>());
+        for (name, left, count) in
+            [("vertices_mm", of_vertices.len(), numbers.len()), ("triangles", of_triangles.len(), corners.len())]
+        {
+            let message = format!("must be three numbers of each, one after the other; there are {count} numbers");
+            self.check(left == 0, &key(name), message);
+        }
+        if !(driven && of_vertices.is_empty() && of_triangles.is_empty()) {
+            return None;
+        }
+        match Sheet::of(vertices, triangles, rounding) {
+            Ok(sheet) => Some(sheet),
+            Err(message) => {
+                self.refuse(&key("triangles"), message);
+                None
+            }
+        }
+    }
+
     /// A polyhedron, and its principal axes in the frame of its points.
     fn polyhedron(&self, i: usize, rounding: f64) -> Option<(Polyhedron, [[f64; 3]; 3])> {
         let key = format!("block[{i}].points_mm");
@@ -157,6 +191,15 @@ impl View<'_> {
         let mm = |x: f64| format!("{:.4}", 1e3 * x);
         for (i, block) in coarse.blocks.iter().enumerate() {
             let (key, solid, pose) = (format!("block[{i}].position_mm"), block.solid(), block.pose(0.0));
+            if let Some(sheet) = solid.sheet() {
+                self.sheet_has_room(&key, sheet, block, rig, coarse);
+                for (j, other) in coarse.blocks[..i].iter().enumerate() {
+                    if let Some(message) = crowds(block, j, other) {
+                        self.refuse(&key, message);
+                    }
+                }
+                continue;
+            }
             let holds = |p: [f64; 3]| {
                 let local = pose.inwards(std::array::from_fn(|a| p[a] - pose.centre[a]));
                 solid.clearance(local) < 0.0 && solid.nearest(local).distance < 0.0
@@ -181,6 +224,35 @@ impl View<'_> {
                 }
             }
         }
+    }
+}
+
+impl View<'_> {
+    /// Refuses a sheet through grains or points.
+    fn sheet_has_room(&self, key: &str, sheet: &Sheet, block: &Block, rig: &MpmTest, coarse: &CoarseGrains) {
+        let pose = block.pose(0.0);
+        // depth of a sphere in the sheet over its radius
+        let depth = |p: [f64; 3], radius: f64| {
+            let local = pose.within(p);
+            if sheet.clearance(local) < radius { 1.0 - sheet.nearest(local).distance / radius } else { 0.0 }
+        };
+        let deep = coarse.grains.iter().enumerate().map(|(k, g)| (k, depth(g.position, g.radius)));
+        if let Some((k, share)) = deep.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share > DEEP) {
+            let message = format!(
+                "must not put the mesh through grains: grain {k} overlaps it by {share:.3} of its radius, where {DEEP} is allowed"
+            );
+            self.refuse(key, message);
+        }
+        let all = if self.leaves_out(20, rig.points.len()) { 0 } else { rig.points.len() };
+        let radius = |k: usize| coarse.point_radius.unwrap_or_else(|| ghost_radius(rig.settings.dimension, rig.points.solid(k)));
+        let cut = |k: &usize| {
+            let [x, y, z, _] = rig.points.position[*k];
+            depth([x, y, z], radius(*k)) > POINT_DEEP
+        };
+        let inside = (0..all).filter(cut).count();
+        let message =
+            format!("must not put the mesh through points: it cuts {inside} of them by more than {POINT_DEEP} of their radius");
+        self.check(inside == 0, key, message);
     }
 }
 

@@ -12,7 +12,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
 
 use Default::{Absent, ByKind, Is, Required};
-use Shape::{Choice, Flag, IndicesOr, Integer, Name, Number, NumberOr, Numbers, Points, Text};
+use Shape::{Choice, Flag, Indices, IndicesOr, Integer, Name, Number, NumberOr, Numbers, Points, Text};
 
 const ANY: Range = Range::ANY;
 const POSITIVE: Range = Range::POSITIVE;
@@ -286,9 +286,9 @@ const OWN: &[Key] = &[
     listed("wall.material", Text, Is("\"rigid\""), "\"rigid\" (a mirrored grain) or one of `materials`"),
     mixture(
         "block.shape",
-        Choice(&["box", "superquadric", "polyhedron", "polygon"]),
+        Choice(&["box", "superquadric", "polyhedron", "polygon", "mesh"]),
         Required,
-        "a rigid body: a box (sharp edges; against other blocks rounded by a twentieth of its least half edge), a superquadric (Li et al. 2023, eq. 39), the convex hull of points with a sphere swept over it, or in plane strain a convex polygon with a disc swept over it",
+        "a rigid body: a box (sharp edges; against other blocks rounded by a twentieth of its least half edge), a superquadric (Li et al. 2023, eq. 39), the convex hull of points with a sphere swept over it, in plane strain a convex polygon with a disc swept over it, or a sheet of triangles that is driven",
     ),
     mixture(
         "block.size_mm",
@@ -312,9 +312,28 @@ const OWN: &[Key] = &[
         "block.rounding_mm",
         Number(NOT_NEGATIVE),
         Absent,
-        "polyhedron and polygon: radius of the sphere or disc swept over it, with which other blocks touch it; 0 if not written",
+        "polyhedron, polygon and mesh: radius of the sphere or disc swept over it, with which other blocks touch it; 0 if not written",
     ),
-    mixture("block.position_mm", VECTOR, Required, "centre of mass"),
+    mixture(
+        "block.mesh_file",
+        Text,
+        Absent,
+        "mesh: a file of triangles, STL (text or binary) or OBJ; it acts on both sides, open or closed",
+    ),
+    mixture(
+        "block.mesh_unit_mm",
+        Number(POSITIVE),
+        Absent,
+        "mesh: length of the file's unit, which no such file says: 1 where it is in mm, 1000 where it is in m; needed with `mesh_file`",
+    ),
+    mixture("block.vertices_mm", Numbers(ANY, None), Absent, "mesh: x, y, z of each vertex, one after the other; or `mesh_file`"),
+    mixture(
+        "block.triangles",
+        Indices,
+        Absent,
+        "mesh: the three vertices, from 0, of each triangle, one after the other; or `mesh_file`",
+    ),
+    mixture("block.position_mm", VECTOR, Required, "centre of mass; of a mesh where the origin of its file lies"),
     mixture("block.axis", VECTOR, Is("[0, 0, 1]"), "axis of the rotation by `angle_deg` that the block has at the start"),
     mixture(
         "block.angle_deg",
@@ -328,7 +347,7 @@ const OWN: &[Key] = &[
         "block.driven",
         Flag,
         Is("false"),
-        "true: it keeps its velocity and spin whatever presses on it; with both zero it stands fixed",
+        "true: it keeps its velocity and spin whatever presses on it; with both zero it stands fixed; needed for a mesh, which has no mass",
     ),
     mixture("block.material", Text, Absent, "name of one of `materials`; needed when there are several"),
     mixture(

@@ -23,6 +23,7 @@ mod keys;
 mod layers;
 pub(crate) mod material;
 mod memory;
+mod mesh_file;
 mod mixture;
 mod output;
 mod overrides;
@@ -139,6 +140,7 @@ fn complete(path: &Path, mut layer: Layer, sets: &[String]) -> Result<Scene> {
     accuracy::fill(&mut layer);
     import::grains(&mut layer)?;
     point_cloud::points(&mut layer)?;
+    mesh_file::meshes(&mut layer)?;
     validate::validate(&mut layer)?;
     material::fill_d50(&mut layer.table);
     crushing::fill(&mut layer.table);

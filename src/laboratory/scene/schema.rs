@@ -113,6 +113,8 @@ pub enum Shape {
     Numbers(Range, Option<usize>),
     /// A list of pairs of numbers.
     Points,
+    /// A list of whole numbers from 0.
+    Indices,
     /// A list of whole numbers from 0, or this word.
     IndicesOr(&'static str),
 }
@@ -222,6 +224,7 @@ impl Shape {
             (Shape::Choice(words), v) => Err(choice(words, &v)),
             (Shape::Numbers(range, count), v) => numbers(v, range, *count),
             (Shape::Points, v) => points(v),
+            (Shape::Indices, v) => indices(v).ok_or("must be a list of whole numbers from 0".into()),
             (Shape::IndicesOr(word), Value::String(s)) if s == *word => Ok(Value::String(s)),
             (Shape::IndicesOr(word), v) => indices(v).ok_or(format!("must be a list of grain numbers from 0, or \"{word}\"")),
         }
@@ -241,6 +244,7 @@ impl Shape {
             Shape::Numbers(_, Some(n)) => format!("list of {n} numbers"),
             Shape::Numbers(r, None) => ranged("list of numbers", r).trim_end().into(),
             Shape::Points => "list of [number, number]".into(),
+            Shape::Indices => "list of whole numbers from 0".into(),
             Shape::IndicesOr(word) => format!("list of grain numbers, or \"{word}\""),
         }
     }
