@@ -62,7 +62,7 @@ pub(super) struct Overlap {
 pub(super) struct Meeting {
     /// Their overlap.
     pub overlap: Overlap,
-    /// Of two edges: the overlaps of the ends of each with the other.
+    /// Of two edges that overlap: the overlaps of the ends of each with the other.
     pub ends: Option<[Overlap; 4]>,
     /// Of a corner on a sheet: the borders beside which it counts less, with the number of the facet beyond each.
     pub borders: Vec<(u32, Overlap)>,
@@ -112,16 +112,19 @@ pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Sit
             let across = scaled(across, side / dot(across, across).sqrt());
             let radii = [a.body.rounding(), b.body.rounding()];
             let between = |x, y| spheres([x, y], radii, across);
-            let ends = [
-                between(p[0], nearest_on(q, p[0])),
-                between(p[1], nearest_on(q, p[1])),
-                between(nearest_on(p, q[0]), q[0]),
-                between(nearest_on(p, q[1]), q[1]),
-            ];
             let overlap = between(on_first, on_second);
             let towards = [first.pose.inwards(overlap.normal), second.pose.inwards(overlap.normal.map(|x| -x))];
             let acts = a.body.edge_acts(i as usize, towards[0]) && b.body.edge_acts(j as usize, towards[1]);
-            acts.then_some(Meeting { overlap, ends: Some(ends), borders: Vec::new() })
+            // of edges that are apart nobody asks
+            let ends = || {
+                [
+                    between(p[0], nearest_on(q, p[0])),
+                    between(p[1], nearest_on(q, p[1])),
+                    between(nearest_on(p, q[0]), q[0]),
+                    between(nearest_on(p, q[1]), q[1]),
+                ]
+            };
+            acts.then(|| Meeting { overlap, ends: (overlap.depth > 0.0).then(ends), borders: Vec::new() })
         }
     }
 }
@@ -177,6 +180,38 @@ pub(super) fn corner_on_sheet<'a>(
     Some((on, on.pose.within(of.pose.place(corner)), body.rounding()))
 }
 
+/// What can be near the other body, by its place along the line between the centres: of the first body what is beyond `first`, of the second what is before `second`.
+struct Facing {
+    along: [f64; 3],
+    first: f64,
+    second: f64,
+}
+
+impl Facing {
+    /// Of two bodies whose hulls within count as near up to the distance `radii`, m. A sheet lies all around.
+    fn of(first: &PosedBlock<'_>, second: &PosedBlock<'_>, [a, b]: [&Outline; 2], radii: f64) -> Facing {
+        let along = less(second.pose.centre, first.pose.centre);
+        let length = dot(along, along).sqrt();
+        if length == 0.0 || a.body.sheet().is_some() || b.body.sheet().is_some() {
+            return Facing { along: [0.0; 3], first: f64::NEG_INFINITY, second: f64::INFINITY };
+        }
+        let along = scaled(along, 1.0 / length);
+        let places = |body: &PosedBlock<'_>, of: &Outline| -> [f64; 2] {
+            let all = of.body.corners().iter().map(|corner| dot(along, body.pose.place(*corner)));
+            all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+        };
+        let ([_, end], [begin, _]) = (places(first, a), places(second, b));
+        // a hair for rounding
+        let room = radii + 1e-9 * length;
+        Facing { along, first: begin - room, second: end + room }
+    }
+
+    /// Whether any of these places of the first body, or of the second, can be near the other.
+    fn takes(&self, of_first: bool, places: &[[f64; 3]]) -> bool {
+        places.iter().map(|p| dot(self.along, *p)).any(|x| if of_first { x >= self.first } else { x <= self.second })
+    }
+}
+
 /// The sites at which two bodies are nearer than `skin`, m, or may come so while they move by less than that, each with the facet of the surface there.
 pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) -> Vec<(Site, u32)> {
     let (Some(a), Some(b)) = (first.outline, second.outline) else { return Vec::new() };
@@ -192,14 +227,16 @@ pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) 
             None => [of.body.corners().len(), of.edges.len()].map(|n| (0..n as u32).collect()),
         }
     };
+    let radii = a.body.rounding() + b.body.rounding() + skin;
+    let facing = Facing::of(first, second, [a, b], radii);
     let [of_first, of_second] = [sharp(first, a, second, b), sharp(second, b, first, a)];
     let corners =
         |list: &[u32], body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline, site: &dyn Fn(u32) -> Site| {
             let (far, gap) = (of.body.rounding() + on.body.reach() + skin, of.body.rounding() + skin);
             let at = |k: u32| {
                 let corner = body.pose.place(of.body.corners()[k as usize]);
-                let facets =
-                    if near(corner, other, far) { on.body.facets_near(other.pose.within(corner), gap) } else { Vec::new() };
+                let can = facing.takes(std::ptr::eq(of, a), &[corner]) && near(corner, other, far);
+                let facets = if can { on.body.facets_near(other.pose.within(corner), gap) } else { Vec::new() };
                 facets.into_iter().map(move |facet| (k, facet))
             };
             list.iter().flat_map(|k| at(*k)).map(|(k, facet)| (site(k), facet)).collect::<Vec<_>>()
@@ -212,11 +249,11 @@ pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) 
     if !one {
         found.extend(corners(&of_second[0], second, b, first, a, &Site::CornerOfSecond));
     }
-    let radii = a.body.rounding() + b.body.rounding() + skin;
     let edges = |list: &[u32], body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline| {
         let far = of.body.rounding() + on.body.reach() + skin;
         let placed = list.iter().map(|k| (*k, of.edges[*k as usize].map(|x| body.pose.place(x))));
-        placed.filter(|(_, ends)| from_edge(other.pose.centre, *ends) < far).collect::<Vec<_>>()
+        let can = |ends: &[[f64; 3]; 2]| facing.takes(std::ptr::eq(of, a), ends) && from_edge(other.pose.centre, *ends) < far;
+        placed.filter(|(_, ends)| can(ends)).collect::<Vec<_>>()
     };
     let second_edges = edges(&of_second[1], second, b, first, a);
     for (i, p) in edges(&of_first[1], first, a, second, b) {

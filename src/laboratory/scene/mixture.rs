@@ -48,7 +48,8 @@ impl View<'_> {
         let mut growth = None;
         let mut unplaced = 0;
         let sizes = grains.iter().map(|g| 2.0 * g.radius).chain(blocks.iter().map(|b| 2.0 * b.radius));
-        let smallest = sizes.fold(f64::INFINITY, f64::min);
+        // a mesh by itself has no size
+        let smallest = Some(sizes.fold(f64::INFINITY, f64::min)).filter(|size| size.is_finite()).unwrap_or(1.0);
         let point_radius = self.number("contact.point_radius_mm");
         let mut rig = self.continuum_rig(&fines, smallest, |points, settings, test| {
             let radius =
