@@ -39,7 +39,7 @@ pub struct Meet {
     /// The facet as seen from the middle of the sphere.
     pub nearest: Nearest,
     /// Borders with facets that are nearer to it, as far as they are in reach, with the number of each such facet: beside them the contact counts less
-    /// ([`sheet`]). At most four; none of convex surfaces.
+    /// ([`Sheet`]). At most four; none of convex surfaces.
     pub borders: Vec<(u32, Nearest)>,
 }
 
