@@ -198,17 +198,22 @@ fn a_ball_rolls_to_and_fro_in_a_pipe() {
 }
 
 /// A rotating pipe slides under a ball, outside on its top and inside at its bottom, over facet after facet: the friction stays at its limit all the time, and does not begin anew on
-/// a new facet.
+/// a new facet, where it would fall to nothing.
 #[test]
 fn friction_goes_on_from_facet_to_facet() {
-    for (z, friction) in [(0.1101, 0.2), (-0.0899, 0.2)] {
-        let stuff = crate::common::Stuff { friction, young: 1e8, ..ROUGH };
-        let text = mesh(&pipe(300, 100.0, 50.0, 1), "spin_rad_s = [0.0, 10.0, 0.0]") + &ball([0.0003, 0.0, z], 0.01, [0.0; 3]);
+    let friction = 0.2;
+    // no dashpots, which take the friction to its limit at once, and steps whose slip is less than its spring can take
+    let fine = "stepping.dt_s = 1e-6\n";
+    for z in [0.110005, -0.089995] {
+        let stuff = crate::common::Stuff { friction, young: 1e7, ..SMOOTH };
+        let text = fine.to_string()
+            + &mesh(&pipe(1500, 100.0, 50.0, 1), "spin_rad_s = [0.0, 3.0, 0.0]")
+            + &ball([0.0003, 0.0, z], 0.01, [0.0; 3]);
         let mut scene = Scene::new(&stuff, [0.0, 0.0, -9.81], &text);
         // let it come down and the friction begin
-        scene.run(0.02).expect("a run");
+        scene.run(0.01).expect("a run");
         let (mut least, mut most, mut facets) = (f64::INFINITY, 0.0_f64, std::collections::BTreeSet::new());
-        let end = scene.state.time + 0.02;
+        let end = scene.state.time + 0.01;
         while scene.state.time < end {
             // a step
             scene.run(1e-12).expect("a run");
@@ -217,13 +222,15 @@ fn friction_goes_on_from_facet_to_facet() {
             let [x, _, z, _] = scene.grains().pos[0];
             let out = [x, z].map(|p| p / f64::hypot(x, z));
             let (across, along) = (force[0] * out[0] + force[2] * out[1], force[2] * out[0] - force[0] * out[1]);
-            if across != 0.0 {
+            let across = if z > 0.0 { across } else { -across };
+            // while it goes off its dashpot may pull, without friction
+            if across < 0.0 {
                 (least, most) = (least.min((along / across).abs()), most.max((along / across).abs()));
             }
         }
         println!("at {z}: friction {least} to {most} over {} facets", facets.len());
-        // the normals of neighbours differ by 0.02
-        assert!(facets.len() > 5 && least > friction - 0.03 && most < friction + 0.03, "{least} to {most}");
+        // the normals of neighbours differ by 0.004
+        assert!(facets.len() > 5 && least > friction - 0.01 && most < friction + 0.01, "{least} to {most}");
     }
 }
 
@@ -311,7 +318,7 @@ fn a_ball_in_a_fine_bowl_keeps_its_energy() {
         );
         assert!(p[2] > 0.009, "{p:?}");
         assert!(most > 1, "never two facets");
-        assert!(worst < 1e-2, "{worst:e}");
+        assert!(worst < 2e-2, "{worst:e}");
     }
 }
 

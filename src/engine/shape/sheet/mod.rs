@@ -254,12 +254,12 @@ impl Sheet {
         let Topology { beyond, around, facet: of, .. } = &self.0.topology;
         let mut found: Vec<(u32, usize, Foot)> = Vec::new();
         self.visit_facet(facet, at, within, |t| {
-            for k in 0..3 {
+            for (k, beside) in beyond[t].into_iter().enumerate() {
                 let side = of_side(&self.0.vertices, self.0.triangles[t], k, at);
                 let vertex = self.0.triangles[t][k];
                 let out = less(at, self.0.vertices[vertex as usize]);
                 let corner = Foot { square: dot(out, out), out, place: Place::Vertex(vertex) };
-                let across = [beyond[t][k]].into_iter().filter(|other| *other != NONE && side.square < within * within);
+                let across = Some(beside).into_iter().filter(|other| *other != NONE && side.square < within * within);
                 let about = around[vertex as usize].iter().copied().filter(|_| corner.square < within * within);
                 let others = across.map(|other| (other, side)).chain(about.map(|other| (other, corner)));
                 let others = others.map(|(other, foot)| (of[other as usize], t, foot));

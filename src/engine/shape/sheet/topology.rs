@@ -129,9 +129,9 @@ impl Topology {
             facet[seed] = facets;
             let mut open = vec![seed];
             while let Some(t) = open.pop() {
-                for k in 0..3 {
-                    let other = beyond[t][k] as usize;
-                    if beyond[t][k] == NONE || facet[other] != NONE || !flat(t, k) {
+                for (k, beside) in beyond[t].into_iter().enumerate() {
+                    let other = beside as usize;
+                    if beside == NONE || facet[other] != NONE || !flat(t, k) {
                         continue;
                     }
                     let n = normals[other];
