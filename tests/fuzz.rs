@@ -393,6 +393,18 @@ fn targets() -> Vec<Target> {
             let scene = std::fs::read_to_string(at.parent().expect("a folder").join("with_points.toml")).expect("a scene");
             check(&scene, f.folder.path(), &[])
         }),
+        target(
+            "mesh",
+            1500,
+            own("mesh"),
+            &["solid", "facet", "endfacet", "endsolid", "vertex", "v", "f", "f -1 -2 -3"],
+            |f, at, bytes| {
+                let ending = if bytes.starts_with(b"solid") || bytes.contains(&0) { "stl" } else { "obj" };
+                let name = f.file(&format!("mesh.{ending}"), bytes).display().to_string();
+                let scene = std::fs::read_to_string(at.parent().expect("a folder").join("with_mesh.toml")).expect("a scene");
+                check(&scene.replace("mesh.stl", &name), f.folder.path(), &[])
+            },
+        ),
         target("specimen", 1500, own("specimen"), &COLUMNS, |f, _, bytes| {
             record::specimen::read(&f.file("specimen.csv", bytes), &f.materials).map(|_| ())
         }),

@@ -4,6 +4,7 @@
 mod common;
 mod meeting;
 mod mesh;
+mod mesh_typed;
 mod plane;
 mod scene;
 mod specimen;

@@ -163,12 +163,13 @@ fn pipe(sides: u32, radius: f64, half: f64, slices: u32) -> Triangles {
     all
 }
 
-/// A ball rolls to and fro in a pipe, over its many sides, as a pendulum of the length 7/5 (R − r): the springs of its friction go with it from facet to facet, so it
-/// keeps its energy. It loses it where a contact on a new facet begins without history.
+/// A ball rolls to and fro in a pipe, over its many sides, as a pendulum of the length 7/5 (R − r). Its friction goes with it from facet to facet: where contacts on a new facet
+/// begin without history it loses twice as much, and where two facets are not shared at their border most of the swing. The sharper the sides are against the overlap,
+/// the more it bounces.
 #[test]
 fn a_ball_rolls_to_and_fro_in_a_pipe() {
     let (radius, g) = (0.1, 9.81);
-    for (sides, young) in [(60, 1e7), (200, 1e7), (600, 1e7), (600, 1e9), (1500, 1e7), (1500, 1e9)] {
+    for (sides, young, least) in [(200, 1e7, 0.18), (1500, 1e7, 0.02), (1500, 1e9, 0.003)] {
         let stuff = crate::common::Stuff { friction: 0.9, young, ..SMOOTH };
         let (r, start) = (0.01, 0.3_f64);
         let length = radius - r;
@@ -190,16 +191,46 @@ fn a_ball_rolls_to_and_fro_in_a_pipe() {
         let period = 2.0 * PI * (1.4 * length / g).sqrt() * (1.0 + start * start / 16.0);
         let found = through[4] - through[2];
         let lost = (before - energy(&scene)) / swing;
-        println!(
-            "{sides} sides: period {found} for {period}: {:e}, lost {lost:e} of the swing; {most} contacts",
-            found / period - 1.0
-        );
-        assert!(most <= 2);
-        if young > 0.0 {
-            continue;
+        println!("{sides} sides, {young:e} Pa: period {:e} of itself away, lost {lost:e} of the swing", found / period - 1.0);
+        assert!(most == 2 && (found / period - 1.0).abs() < 2e-3, "{found} s for {period} s");
+        assert!(lost.abs() < least, "{lost}");
+    }
+}
+
+/// A rotating pipe slides under a ball, outside on its top and inside at its bottom, over facet after facet: the friction stays at its limit all the time, and does not begin anew on
+/// a new facet, where it would fall to nothing.
+#[test]
+fn friction_goes_on_from_facet_to_facet() {
+    let friction = 0.2;
+    // no dashpots, which take the friction to its limit at once, and steps whose slip is less than its spring can take
+    let fine = "stepping.dt_s = 1e-6\n";
+    for z in [0.110005, -0.089995] {
+        let stuff = crate::common::Stuff { friction, young: 1e7, ..SMOOTH };
+        let text = fine.to_string()
+            + &mesh(&pipe(1500, 100.0, 50.0, 1), "spin_rad_s = [0.0, 3.0, 0.0]")
+            + &ball([0.0003, 0.0, z], 0.01, [0.0; 3]);
+        let mut scene = Scene::new(&stuff, [0.0, 0.0, -9.81], &text);
+        // let it come down and the friction begin
+        scene.run(0.01).expect("a run");
+        let (mut least, mut most, mut facets) = (f64::INFINITY, 0.0_f64, std::collections::BTreeSet::new());
+        let end = scene.state.time + 0.01;
+        while scene.state.time < end {
+            // a step
+            scene.run(1e-12).expect("a run");
+            facets.extend(touching(&scene).iter().map(|c| c.facet));
+            let force = scene.all().forces(0)[1];
+            let [x, _, z, _] = scene.grains().pos[0];
+            let out = [x, z].map(|p| p / f64::hypot(x, z));
+            let (across, along) = (force[0] * out[0] + force[2] * out[1], force[2] * out[0] - force[0] * out[1]);
+            let across = if z > 0.0 { across } else { -across };
+            // while it goes off its dashpot may pull, without friction
+            if across < 0.0 {
+                (least, most) = (least.min((along / across).abs()), most.max((along / across).abs()));
+            }
         }
-        assert!((found / period - 1.0).abs() < 0.02, "{found} s for {period} s");
-        assert!(lost.abs() < 0.02, "{lost}");
+        println!("at {z}: friction {least} to {most} over {} facets", facets.len());
+        // the normals of neighbours differ by 0.004
+        assert!(facets.len() > 5 && least > friction - 0.01 && most < friction + 0.01, "{least} to {most}");
     }
 }
 
@@ -257,34 +288,8 @@ fn a_ball_bounces_on_face_edge_and_corner() {
     }
 }
 
-/// A ball rolls down the outside of a fine pipe, over edge after edge, and has what it has lost in height as energy of motion and of rotation.
-#[test]
-fn a_ball_rolls_down_the_outside_of_a_pipe() {
-    for (sides, young) in [(60, 1e8), (200, 1e7), (200, 1e8), (200, 1e9), (600, 1e8)] {
-        let stuff = crate::common::Stuff { friction: 0.9, young, ..SMOOTH };
-        let at = [0.02, 0.0, f64::sqrt(0.11 * 0.11 - 0.02 * 0.02)];
-        let text = mesh(&pipe(sides, 100.0, 50.0, 3), "") + &ball(at, 0.01, [0.0; 3]);
-        let mut scene = Scene::new(&stuff, [0.0, 0.0, -9.81], &text);
-        let before = energy(&scene);
-        let mut most = 0;
-        for _ in 0..300 {
-            scene.run(1e-3).expect("a run");
-            most = most.max(touching(&scene).len());
-        }
-        let g = scene.grains();
-        let ([u, _, w, _], [_, q, ..], [x, _, z, _]) = (g.vel[0], g.spin[0], g.pos[0]);
-        let speed = f64::hypot(u, w);
-        let fell = g.mass[0] * 9.81 * (at[2] - z);
-        println!(
-            "outside {sides} {young:e}: lost {:e}, slip {:e}, at {x} {z}, {most} contacts",
-            (before - energy(&scene)) / fell,
-            1.0 - q * 0.01 / speed
-        );
-    }
-}
-
 /// A ball without friction slides to and fro in a bowl of many triangles, over its inner edges and vertices, and keeps its energy: the energy of neighbouring
-/// facets is shared where both are touched.
+/// facets is shared where both are touched. With 24 × 24 squares it would lose 9 % without that, with 48 × 48 gain six times what it has.
 #[test]
 fn a_ball_in_a_fine_bowl_keeps_its_energy() {
     let bowl = |n: u32| {
@@ -293,15 +298,15 @@ fn a_ball_in_a_fine_bowl_keeps_its_energy() {
             [x, y, z]
         })
     };
-    for (n, young) in [(24, 1e7), (96, 1e7), (24, 1e8), (96, 1e8)] {
-        let stuff = crate::common::Stuff { friction: 0.0, young, ..SMOOTH };
+    for n in [24, 48] {
+        let stuff = crate::common::Stuff { friction: 0.0, young: 1e7, ..SMOOTH };
         let (start, r) = (0.3_f64, 0.01);
         let at = [(0.0995 - r) * start.sin(), 0.003, 0.1 - (0.0995 - r) * start.cos()];
         let mut scene = Scene::new(&stuff, [0.0, 0.0, -9.81], &(mesh(&bowl(n), "") + &ball(at, r, [0.0, 0.1, 0.0])));
         let total = |scene: &Scene| energy(scene) + scene.all().energies(scene.model.physics.gravity, 0.4)[2];
         let (before, swing) = (total(&scene), scene.grains().mass[0] * 9.81 * 0.09 * (1.0 - start.cos()));
         let (mut worst, mut most) = (0.0_f64, 0);
-        for _ in 0..2000 {
+        for _ in 0..1000 {
             scene.run(1e-3).expect("a run");
             worst = worst.max(((total(&scene) - before) / swing).abs());
             most = most.max(touching(&scene).len());
@@ -312,11 +317,8 @@ fn a_ball_in_a_fine_bowl_keeps_its_energy() {
             (total(&scene) - before) / swing
         );
         assert!(p[2] > 0.009, "{p:?}");
-        if worst < 1e3 {
-            continue;
-        }
-        assert!(most > 2, "never two facets");
-        assert!(worst < 5e-3, "{worst:e}");
+        assert!(most > 1, "never two facets");
+        assert!(worst < 2e-2, "{worst:e}");
     }
 }
 

@@ -5,7 +5,7 @@
 //! are the local minima of distance over the sheet. On an edge that sticks out there is one, in an inner corner of three walls there are three.
 //!
 //! In a shallow inner edge a sphere touches two facets at nearly the same place. There the energy of the further one is Φ(δ) − Φ(δ_e), with the energy Φ of the contact law
-//! at an overlap, the facet's overlap δ and the overlap δ_e of the edge between: forces begin and end without a jump, and together the two bear what one sheet without
+//! at an overlap, the facet's overlap δ and the overlap δ_e of the edge (or only vertex) between: forces begin and end without a jump, and together the two bear what one sheet without
 //! an edge would. So a facet is met with the *borders* beside which that is so ([`Meet::borders`]).
 //!
 //! A sheet has no inside, no volume and no mass.
@@ -16,7 +16,7 @@ mod topology;
 pub use topology::welded;
 
 use super::{Bulk, Meet, Mesh, Nearest, Solid};
-use crate::math::vector::{dot, scaled};
+use crate::math::vector::{dot, less, scaled};
 use foot::{Foot, Place, of_side, of_triangle};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
@@ -29,6 +29,8 @@ use topology::{NONE, Topology};
 pub const MOST_TRIANGLES: usize = 100_000;
 /// Cosine of the angle to the side to which the sheet bends within which its edges and corners act on no other body: there facets do.
 const BENT: f64 = 0.7;
+/// Most triangles of a facet that are all looked at, rather than those in a box that the tree finds.
+const FEW: usize = 16;
 /// Most borders that a contact is shared over.
 pub(super) const BORDERS: usize = 4;
 
@@ -59,7 +61,7 @@ struct Parts {
 
 impl std::fmt::Debug for Parts {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} triangles, {} facets, rounding {} m", self.triangles.len(), self.topology.facets, self.rounding)
+        write!(f, "{} triangles, {} facets, rounding {} m", self.triangles.len(), self.topology.members.len(), self.rounding)
     }
 }
 
@@ -132,6 +134,11 @@ impl Sheet {
         self.0.triangles.len()
     }
 
+    /// Lowest and highest coordinates, m, without the rounding.
+    pub fn bounds(&self) -> [[f64; 3]; 2] {
+        self.0.bounds
+    }
+
     /// Whether it has no border.
     pub fn is_closed(&self) -> bool {
         self.0.topology.closed
@@ -191,18 +198,34 @@ impl Sheet {
         of_triangle(&self.0.vertices, self.0.triangles[t], self.0.topology.normals[t], at)
     }
 
-    /// The nearest point on the triangles that `take` takes, nearer than `within`, m, and its triangle.
-    fn nearest_of(&self, at: [f64; 3], within: f64, take: impl Fn(usize) -> bool) -> Option<(Foot, usize)> {
-        let mut best: Option<(Foot, usize)> = None;
-        self.visit(at, within, |t| {
-            if take(t) {
-                let foot = self.foot(t, at);
-                // of equally near ones the lowest, whatever the order of the tree
-                if best.is_none_or(|(least, of)| (foot.square, t) < (least.square, of)) {
-                    best = Some((foot, t));
+    /// As [`Self::visit`], for the triangles of one facet only; of a small facet all of them.
+    fn visit_facet(&self, facet: u32, at: [f64; 3], half: f64, mut each: impl FnMut(usize)) {
+        let Topology { members, facet: of, .. } = &self.0.topology;
+        match members.get(facet as usize) {
+            Some(few) if few.len() <= FEW => few.iter().for_each(|t| each(*t as usize)),
+            Some(_) => self.visit(at, half, |t| {
+                if of[t] == facet {
+                    each(t);
                 }
+            }),
+            None => {}
+        }
+    }
+
+    /// The nearest point on facet `facet`, or on all, nearer than `within`, m, and its triangle.
+    fn nearest_on(&self, facet: Option<u32>, at: [f64; 3], within: f64) -> Option<(Foot, usize)> {
+        let mut best: Option<(Foot, usize)> = None;
+        let compare = |t: usize| {
+            let foot = self.foot(t, at);
+            // of equally near ones the lowest, whatever the order of the tree
+            if best.is_none_or(|(least, of)| (foot.square, t) < (least.square, of)) {
+                best = Some((foot, t));
             }
-        });
+        };
+        match facet {
+            Some(facet) => self.visit_facet(facet, at, within, compare),
+            None => self.visit(at, within, compare),
+        }
         best.filter(|(foot, _)| foot.square < within * within)
     }
 
@@ -225,20 +248,22 @@ impl Sheet {
         Nearest { distance: distance - self.0.rounding, normal }
     }
 
-    /// Borders of facet `facet`, whose nearest point is at `best` (square of the distance), with facets that are nearer, as far as they are nearer than `within`, m.
+    /// Borders, sides or vertices, of facet `facet`, whose nearest point is at `best` (square of the distance), with facets that are nearer: the nearest place of each, as far
+    /// as it is nearer than `within`, m.
     fn borders(&self, facet: u32, best: f64, at: [f64; 3], within: f64) -> Vec<(u32, Nearest)> {
-        let Topology { beyond, facet: of, .. } = &self.0.topology;
+        let Topology { beyond, around, facet: of, .. } = &self.0.topology;
         let mut found: Vec<(u32, usize, Foot)> = Vec::new();
-        self.visit(at, within, |t| {
-            for k in (0..3).filter(|_| of[t] == facet) {
-                let other = beyond[t][k];
-                if other == NONE || of[other as usize] == facet {
-                    continue;
-                }
-                let foot = of_side(&self.0.vertices, self.0.triangles[t], k, at);
-                if foot.square < within * within {
-                    found.push((of[other as usize], t, foot));
-                }
+        self.visit_facet(facet, at, within, |t| {
+            for (k, beside) in beyond[t].into_iter().enumerate() {
+                let side = of_side(&self.0.vertices, self.0.triangles[t], k, at);
+                let vertex = self.0.triangles[t][k];
+                let out = less(at, self.0.vertices[vertex as usize]);
+                let corner = Foot { square: dot(out, out), out, place: Place::Vertex(vertex) };
+                let across = Some(beside).into_iter().filter(|other| *other != NONE && side.square < within * within);
+                let about = around[vertex as usize].iter().copied().filter(|_| corner.square < within * within);
+                let others = across.map(|other| (other, side)).chain(about.map(|other| (other, corner)));
+                let others = others.map(|(other, foot)| (of[other as usize], t, foot));
+                found.extend(others.filter(|(other, ..)| *other != facet));
             }
         });
         found.sort_unstable_by(|a, b| {
@@ -246,7 +271,7 @@ impl Sheet {
         });
         found.dedup_by_key(|(other, ..)| *other);
         let nearer = |other: u32| {
-            let theirs = self.nearest_of(at, within, |t| of[t] == other);
+            let theirs = self.nearest_on(Some(other), at, within);
             theirs.is_some_and(|(foot, _)| (foot.square, other) < (best, facet))
         };
         let mut borders: Vec<(u32, Nearest)> =
@@ -264,7 +289,7 @@ impl Solid for Sheet {
         let mut within = self.clearance(at).max(0.0) + 1e-3 * self.0.reach;
         // the box of all vertices is found within a few doublings, if the position is one
         for _ in 0..128 {
-            if let Some((foot, t)) = self.nearest_of(at, within, |_| true) {
+            if let Some((foot, t)) = self.nearest_on(None, at, within) {
                 return self.seen(&foot, t);
             }
             within *= 2.0;
@@ -304,7 +329,7 @@ impl Solid for Sheet {
     }
 
     fn facets(&self) -> usize {
-        self.0.topology.facets as usize
+        self.0.topology.members.len()
     }
 
     fn facets_near(&self, at: [f64; 3], within: f64, found: &mut Vec<u32>) {
@@ -326,20 +351,17 @@ impl Solid for Sheet {
             return None;
         }
         let (of, far) = (&self.0.topology.facet, within + self.0.rounding);
-        let (foot, t) = self.nearest_of(at, far, |t| of[t] == facet)?;
+        let (foot, t) = self.nearest_on(Some(facet), at, far)?;
         let behind = self.others_at(&foot, t).any(|other| (self.foot(other, at).square, of[other]) < (foot.square, facet));
         (!behind).then(|| Meet { nearest: self.seen(&foot, t), borders: self.borders(facet, foot.square, at, far) })
     }
 
     fn passes(&self, from: u32, to: u32, at: [f64; 3], within: f64) -> bool {
         let of = &self.0.topology.facet;
-        let found = self.nearest_of(at, within + self.0.rounding, |t| of[t] == from);
+        let found = self.nearest_on(Some(from), at, within + self.0.rounding);
         found.is_some_and(|(foot, t)| self.others_at(&foot, t).any(|other| of[other] == to))
     }
 }
 
-/// Distance of a place from the sheet without its rounding, m, by all triangles; for tests.
 #[cfg(test)]
-pub(super) fn by_all(sheet: &Sheet, at: [f64; 3]) -> f64 {
-    (0..sheet.triangles()).map(|t| sheet.foot(t, at).square).fold(f64::INFINITY, f64::min).sqrt()
-}
+mod tests;

@@ -40,8 +40,8 @@ pub(super) struct Topology {
     pub beyond: Vec<[u32; 3]>,
     /// The facet of each triangle.
     pub facet: Vec<u32>,
-    /// Number of facets.
-    pub facets: u32,
+    /// The triangles of each facet, in their order.
+    pub members: Vec<Vec<u32>>,
     /// The triangles at each vertex.
     pub around: Vec<Vec<u32>>,
     /// Edges.
@@ -129,9 +129,9 @@ impl Topology {
             facet[seed] = facets;
             let mut open = vec![seed];
             while let Some(t) = open.pop() {
-                for k in 0..3 {
-                    let other = beyond[t][k] as usize;
-                    if beyond[t][k] == NONE || facet[other] != NONE || !flat(t, k) {
+                for (k, beside) in beyond[t].into_iter().enumerate() {
+                    let other = beside as usize;
+                    if beside == NONE || facet[other] != NONE || !flat(t, k) {
                         continue;
                     }
                     let n = normals[other];
@@ -143,6 +143,8 @@ impl Topology {
             }
             facets += 1;
         }
+        let mut members = vec![Vec::new(); facets as usize];
+        facet.iter().enumerate().for_each(|(t, f)| members[*f as usize].push(t as u32));
         let mut around = vec![Vec::new(); vertices.len()];
         for (t, triangle) in triangles.iter().enumerate() {
             triangle.iter().for_each(|k| around[*k as usize].push(t as u32));
@@ -150,7 +152,7 @@ impl Topology {
         let (edges, edge_of) = edges(vertices, triangles, &beyond, &facet, &into);
         let (corners, corner_of) = self::corners(vertices, &edges);
         let closed = beyond.as_flattened().iter().all(|t| *t != NONE);
-        Ok(Topology { normals, beyond, facet, facets, around, edges, edge_of, corners, corner_of, closed })
+        Ok(Topology { normals, beyond, facet, members, around, edges, edge_of, corners, corner_of, closed })
     }
 }
 
