@@ -203,7 +203,11 @@ fn what_new_writes_is_valid_and_runs_and_the_dictionary_has_every_column() {
         ("mixture", "mixture/scene.toml", &["test.axial_strain=0.001", "crushing.lost_mass=points", "records.account=true"]),
         ("continuum", "continuum/scene.toml", &["test.axial_strain=0.001", "test.drainage=constant_volume"]),
         ("continuum", "experiments/mpm/oedometer.toml", &["test.axial_strain=0.001"]),
-        ("continuum", "experiments/mpm/column_collapse_2d.toml", &["duration_s=0.002"]),
+        (
+            "continuum",
+            "experiments/mpm/column_collapse_2d.toml",
+            &["duration_s=0.002", "records.gate_mm=[0.1, 0.0, 0.0]", "records.gate_direction=[1.0, 0.0, 0.0]"],
+        ),
     ];
     for (k, (kind, scene, sets)) in more.into_iter().enumerate() {
         let out = folder.path().join(k.to_string());
