@@ -378,7 +378,7 @@ impl<'a> PosedBlock<'a> {
     }
 
     /// Inverse of the effective mass of the body, 1/kg, for an impulse along `normal` at the end of `arm`.
-    fn inverse_mass(&self, arm: [f64; 3], normal: [f64; 3]) -> f64 {
+    pub fn inverse_mass(&self, arm: [f64; 3], normal: [f64; 3]) -> f64 {
         let ((mass, moments), turn) = (self.block.yields(), self.pose.inwards(cross(arm, normal)));
         (0..3).fold(mass, |sum, a| sum + turn[a] * turn[a] * moments[a])
     }

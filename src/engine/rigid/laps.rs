@@ -1,8 +1,8 @@
 //! Where bodies overlap, as geometry alone: for placing them.
 
-use super::contact::posed;
+use super::Blocks;
+use super::contact::{PosedBlock, posed};
 use super::pair::{meeting, sites};
-use super::{Block, Blocks};
 use crate::math::vector::{cross, dot, less, plus, scaled};
 
 /// A place where a body is too near to another one, or to the side of a box.
@@ -65,17 +65,16 @@ impl Blocks {
     /// proportion to how easily they give way.
     pub fn part(&mut self, laps: &[Lap]) {
         let mut moved = vec![[[0.0; 3]; 2]; self.blocks.len()];
-        let yields = |block: &Block, arm: [f64; 3], normal: [f64; 3]| {
-            let ((mass, moments), turn) = (block.yields(), block.pose(0.0).inwards(cross(arm, normal)));
-            (0..3).fold(mass, |sum, a| sum + turn[a] * turn[a] * moments[a])
-        };
-        let arm = |block: &Block, lap: &Lap| less(lap.at, block.centre);
+        let bodies: Vec<PosedBlock<'_>> = self.blocks.iter().map(|block| PosedBlock::new(block, None, 0.0)).collect();
         // how far the place of a lap has moved along its normal
         let along = |moved: &[[f64; 3]; 2], arm: [f64; 3], normal: [f64; 3]| dot(normal, plus(moved[0], cross(moved[1], arm)));
         let ways: Vec<_> = laps
             .iter()
             .map(|lap| {
-                let of = |k: usize| (k, arm(&self.blocks[k], lap), yields(&self.blocks[k], arm(&self.blocks[k], lap), lap.normal));
+                let of = |k: usize| {
+                    let arm = less(lap.at, bodies[k].pose.centre);
+                    (k, arm, bodies[k].inverse_mass(arm, lap.normal))
+                };
                 (of(lap.block), lap.other.map(of))
             })
             .collect();
@@ -92,8 +91,8 @@ impl Blocks {
                 for (side, sign) in sides {
                     let Some((k, arm, _)) = side else { continue };
                     let push = scaled(lap.normal, sign * depth / sum);
-                    let block = &self.blocks[k];
-                    let ((mass, moments), pose) = (block.yields(), block.pose(0.0));
+                    let PosedBlock { block, pose, .. } = &bodies[k];
+                    let (mass, moments) = block.yields();
                     let torque = pose.inwards(cross(arm, push));
                     let turn = pose.outwards(std::array::from_fn(|a| torque[a] * moments[a]));
                     moved[k] = [plus(moved[k][0], scaled(push, mass)), plus(moved[k][1], turn)];
@@ -108,6 +107,7 @@ impl Blocks {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Block;
     use super::*;
     use crate::shape::{Cuboid, Polygon, Shape};
 
