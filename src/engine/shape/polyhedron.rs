@@ -2,8 +2,8 @@
 
 use super::hull::Hull;
 use super::{Bulk, Mesh, Nearest, Solid};
+use crate::math::eigen::principal;
 use crate::math::vector::{cross, dot, less, plus, scaled};
-use nalgebra::{Matrix3, SymmetricEigen};
 use parry3d_f64::math::Vector;
 use parry3d_f64::transformation::try_convex_hull;
 use serde::{Deserialize, Serialize};
@@ -47,11 +47,10 @@ impl Polyhedron {
         if volume.is_nan() || volume <= 1e-9 * size {
             return Err("have no convex hull with a volume".into());
         }
-        let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(inertia);
-        let column = |k: usize| -> [f64; 3] { std::array::from_fn(|a| eigenvectors[(a, k)]) };
-        let axes = [column(0), column(1), cross(column(0), column(1))];
+        let (moments, [first, second, _]) = principal(inertia);
+        let axes = [first, second, cross(first, second)];
         let turned = |p: &[f64; 3]| axes.map(|axis| dot(axis, less(*p, centre)));
-        let bulk = Bulk { volume, moments: std::array::from_fn(|k| eigenvalues[k]) };
+        let bulk = Bulk { volume, moments };
         let hull = Hull::of(hull.corners.iter().map(turned).collect(), &triangles, rounding);
         Ok(Placed { polyhedron: Polyhedron { hull, bulk }, centre, axes })
     }
@@ -62,14 +61,10 @@ impl Polyhedron {
     }
 }
 
-/// Volume, m³, centre, m, and tensor of inertia about it for a density of 1, m⁵. Flat parts are exact. Round parts are approximated by triangles, with an
+/// Volume, m³, centre, m, and tensor of inertia about it for a density of 1, `[xx, yy, zz, xy, yz, zx]`, m⁵. Flat parts are exact. Round parts are approximated by triangles, with an
 /// error in proportion to the square of their size, which is removed by extrapolation from two sizes.
-fn inertia(hull: &Hull) -> (f64, [f64; 3], Matrix3<f64>) {
-    let of = |fine: u32| {
-        let (volume, centre, inertia) = triangles(hull, fine).inertia();
-        let columns: [[f64; 3]; 3] = inertia.to_cols_array_2d();
-        (volume, <[f64; 3]>::from(centre), Matrix3::from(columns))
-    };
+fn inertia(hull: &Hull) -> (f64, [f64; 3], [f64; 6]) {
+    let of = |fine: u32| triangles(hull, fine).inertia();
     let coarse = of(FINE);
     if hull.rounding == 0.0 {
         return coarse;
@@ -77,7 +72,7 @@ fn inertia(hull: &Hull) -> (f64, [f64; 3], Matrix3<f64>) {
     let fine = of(FINE + 1);
     let beyond = |fine: f64, coarse: f64| fine + (fine - coarse) / 3.0;
     let centre = std::array::from_fn(|a| beyond(fine.1[a], coarse.1[a]));
-    (beyond(fine.0, coarse.0), centre, fine.2 + (fine.2 - coarse.2) / 3.0)
+    (beyond(fine.0, coarse.0), centre, std::array::from_fn(|k| beyond(fine.2[k], coarse.2[k])))
 }
 
 /// The rounded surface as triangles; arcs are halved `fine` times.
