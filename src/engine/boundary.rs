@@ -53,6 +53,8 @@ pub enum Drive {
         area: f64,
         /// Share of the difference between target and reaction that is removed in one step.
         gain: f64,
+        /// Largest speed, m/s; `None`: that of the rig.
+        fastest: Option<f64>,
     },
 }
 
@@ -149,11 +151,16 @@ impl Wall {
 
     /// Distance by which the wall has moved along its normal since it had the shape `reference`, m.
     pub fn moved_since(&self, reference: &WallShape) -> f64 {
+        self.way_since(reference).abs()
+    }
+
+    /// Way of the wall along its normal since it had the shape `reference`, m, positive towards the grains.
+    pub fn way_since(&self, reference: &WallShape) -> f64 {
         match (self.shape, reference) {
             (WallShape::Plane { point, normal }, WallShape::Plane { point: q, .. }) => {
-                ((point[0] - q[0]) * normal[0] + (point[1] - q[1]) * normal[1] + (point[2] - q[2]) * normal[2]).abs()
+                (point[0] - q[0]) * normal[0] + (point[1] - q[1]) * normal[1] + (point[2] - q[2]) * normal[2]
             }
-            (WallShape::Cylinder { radius, .. }, WallShape::Cylinder { radius: r, .. }) => (radius - r).abs(),
+            (WallShape::Cylinder { radius, .. }, WallShape::Cylinder { radius: r, .. }) => r - radius,
             _ => f64::INFINITY,
         }
     }

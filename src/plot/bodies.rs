@@ -43,20 +43,32 @@ pub fn draw(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
     let columns = |t: &Table, names: &[&str]| names.iter().map(|name| t.numbers(name)).collect::<Result<Vec<_>>>();
     let (own, bodies) = (columns(&surfaces, &["x_m", "y_m", "z_m"])?, surfaces.numbers("block")?);
     let (poses, of) = (columns(&tracks, &["x_m", "y_m", "z_m", "q_w", "q_x", "q_y", "q_z"])?, tracks.numbers("block")?);
-    let count = bodies.iter().fold(0.0_f64, |most, b| most.max(*b)) as usize + 1;
-    let sound = poses.iter().flatten().chain(own.iter().flatten()).all(|x| x.is_finite());
-    if surfaces.len() < 3 || tracks.len() < count || !sound || of[..count].iter().enumerate().any(|(k, b)| *b as usize != k) {
+    // where bodies break, a piece has its number and its generation
+    let generation = |t: &Table| if t.has("generation") { t.numbers("generation") } else { Ok(vec![0.0; t.len()]) };
+    let (born, at) = (generation(&surfaces)?, generation(&tracks)?);
+    let sound = poses.iter().flatten().chain(own.iter().flatten()).chain(&bodies).chain(&of).all(|x| x.is_finite());
+    // rows of one instant: as many as the numbers rise
+    let first = of.windows(2).take_while(|w| w[1] > w[0]).count() + 1;
+    let last = of.windows(2).rev().take_while(|w| w[1] > w[0]).count() + 1;
+    if surfaces.len() < 3 || tracks.len() == 0 || !sound {
         return Ok(Vec::new());
     }
+    let count = first.max(last);
     let flat = own[2].iter().chain(&poses[2]).all(|z| *z == 0.0);
-    let view = |first: usize| -> Vec<Facet> {
-        let placed = |row: usize| {
-            let of: [f64; 7] = std::array::from_fn(|c| poses[c][first + bodies[row] as usize]);
+    let view = |rows: std::ops::Range<usize>| -> Vec<Facet> {
+        // the row of a body's place, if it has this surface then
+        let place_of = |row: usize| {
+            let body = bodies[row] as usize;
+            Some(rows.start + body).filter(|k| rows.contains(k) && of[*k] == bodies[row] && at[*k] == born[row])
+        };
+        let placed = |k: usize, row: usize| {
+            let of: [f64; 7] = std::array::from_fn(|c| poses[c][k]);
             let pose = Pose { centre: [of[0], of[1], of[2]], axes: axes([of[3], of[4], of[5], of[6]]) };
             seen(pose.place([own[0][row], own[1][row], own[2][row]]), flat)
         };
-        let facets = (0..surfaces.len() / 3).map(|k| {
-            let [p, q, r] = [0, 1, 2].map(|c| placed(3 * k + c));
+        let facets = (0..surfaces.len() / 3).filter_map(|k| {
+            let place = place_of(3 * k)?;
+            let [p, q, r] = [0, 1, 2].map(|c| placed(place, 3 * k + c));
             let normal = cross(less(q, p), less(r, p));
             let length = dot(normal, normal).sqrt();
             let light = if length > 0.0 && !flat { dot(normal, LIGHT) / length } else { 0.0 };
@@ -66,7 +78,7 @@ pub fn draw(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
                 light,
                 body: bodies[3 * k] as usize,
             };
-            (facet, flat || normal[2] > 0.0)
+            Some((facet, flat || normal[2] > 0.0))
         });
         // convex bodies one after the other, as far as each reaches away from the reader: what lies on a floor comes after it
         let facets: Vec<(Facet, bool)> = facets.collect();
@@ -78,7 +90,7 @@ pub fn draw(run: &Run, out: &Path) -> Result<Vec<PathBuf>> {
         seen.sort_by(|a, b| furthest[a.body].total_cmp(&furthest[b.body]));
         seen
     };
-    let views = [("start", view(0)), ("end", view(tracks.len() - count))];
+    let views = [("start", view(0..first)), ("end", view(tracks.len() - last..tracks.len()))];
     let points = if flat { [read("points_start.csv")?, read("points_final.csv")?] } else { [None, None] };
     let flows = points.iter().map(|t| Flow::read(t.as_ref())).collect::<Result<Vec<_>>>()?;
     let (canvas, csv) = picture(run, &views, &flows, flat);

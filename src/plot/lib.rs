@@ -37,6 +37,7 @@ mod survival;
 mod table;
 mod text;
 mod triaxial;
+mod walls;
 
 pub use axis::significant;
 pub use calibration::{Drawn, Graph, Look, Quantity, Tone};
@@ -184,6 +185,7 @@ fn plots(input: &Input) -> Result<Vec<Plot>> {
     plots.extend(grain_crushing::plots(input)?);
     plots.extend(continuum::plots(input)?);
     plots.extend(account::plot(input)?);
+    plots.extend(walls::plots(input)?);
     Ok(plots)
 }
 

@@ -1,5 +1,6 @@
 //! Rigid bodies among themselves, without points: momenta, energy, and what statics says of stacks, slopes and arches. Each test states its error.
 
+mod breaking;
 #[path = "../common/mod.rs"]
 mod common;
 mod meeting;

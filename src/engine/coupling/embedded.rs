@@ -74,6 +74,9 @@ pub struct Embedded {
     /// Buffer: sum of the stiffnesses of each point's contacts, N/m.
     #[serde(skip)]
     contact_stiffness: Vec<f64>,
+    /// Buffer: force, N, and stiffness, N/m, on each wall.
+    #[serde(skip)]
+    on_walls: Vec<[f64; 2]>,
 }
 
 impl Embedded {
@@ -122,6 +125,7 @@ impl Embedded {
             work: 0.0,
             table: None,
             contact_stiffness: Vec::new(),
+            on_walls: Vec::new(),
         })
     }
 
@@ -187,13 +191,11 @@ impl Embedded {
 
     /// Adds the forces of points to the walls' reactions and work, which have been those of grains so far.
     fn press(&mut self, state: &mut State) {
-        let Embedded { point_contacts, pressed, work, .. } = self;
-        for (k, (wall, before)) in state.walls.iter_mut().zip(pressed.iter_mut()).enumerate() {
-            let (mut now, mut stiffness) = (0.0, 0.0);
-            for contact in point_contacts.touching().filter(|g| g.body == Body::Wall(k as u32)) {
-                now += contact.touch.normal_force;
-                stiffness += contact.stiffness[0];
-            }
+        let Embedded { point_contacts, pressed, on_walls, work, .. } = self;
+        on_walls.clear();
+        on_walls.resize(state.walls.len(), [0.0; 2]);
+        point_contacts.add_wall_forces(on_walls);
+        for ((wall, before), &mut [now, stiffness]) in state.walls.iter_mut().zip(pressed.iter_mut()).zip(on_walls) {
             // trapezium rule: the last reaction, with points, has been counted by the grains' step as if grains alone had pressed
             let way = wall.speed * state.dt;
             wall.work += 0.5 * now * way;

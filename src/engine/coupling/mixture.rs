@@ -7,6 +7,7 @@
 //! κ. With κ = 1 both sides get the forces of one instant.
 
 use super::{FinesAsPoints, PointContacts, Rule, account};
+use crate::boundary::Drive;
 use crate::check::{self, Checked, ensure};
 use crate::coupling::evaluate::PointContactScene;
 use crate::dem;
@@ -124,6 +125,9 @@ pub struct Mixture {
     /// Buffers of zeros for sums over points and over grains.
     #[serde(skip)]
     sums: [Vec<f64>; 2],
+    /// Buffer: force, N, and stiffness, N/m, on each wall.
+    #[serde(skip)]
+    on_walls: Vec<[f64; 2]>,
 }
 
 /// What a cycle needs besides the mixture.
@@ -161,6 +165,7 @@ impl Mixture {
             bound_ratio: 1.0,
             isolated_bound: None,
             sums: Default::default(),
+            on_walls: Vec::new(),
         }
     }
 
@@ -209,6 +214,7 @@ impl Mixture {
         let since = self.last / f64::from(self.cycle.rates.continuum);
         self.find(parts, since, [0.0; 2])?;
         self.evaluate_bodies(parts);
+        self.press_walls();
         Ok(())
     }
 
@@ -277,6 +283,7 @@ impl Mixture {
             }
             self.find(parts, self.last, [0.0, time - left])?;
             self.evaluate_bodies(parts);
+            self.press_walls();
             let dt = left / f64::from(steps);
             self.apply_reactions(parts, 1.0, [dt / time, 0.0]);
             self.move_grains(parts, dt);
@@ -323,9 +330,14 @@ impl Mixture {
         }
         (self.grains.dt, self.last) = (dt, dt);
         if let Some(blocks) = &mut self.blocks {
-            let State { grains, walls, fresh, .. } = &mut self.grains;
-            blocks.apply_grain_and_wall_reactions(grains, &mut parts.work.external_forces, walls, dt);
+            let State { grains, fresh, step, .. } = &self.grains;
+            blocks.apply_grain_and_wall_reactions(grains, &mut parts.work.external_forces);
+            let crush = parts.physics.crush.as_ref().filter(|crush| step.is_multiple_of(crush.interval.max(1)));
+            let failing = crush.map_or(Vec::new(), |crush| blocks.failing(crush, &parts.work.table));
             blocks.advance(parts.physics, *fresh, dt);
+            if let Some(crush) = crush.filter(|_| !failing.is_empty()) {
+                blocks.break_bodies(crush, &failing, *step, self.energy_factor);
+            }
         }
         let kick = if self.grains.fresh { 0.5 * dt } else { dt };
         if let Some(account) = &mut self.point_contacts.account {
@@ -375,6 +387,36 @@ impl Mixture {
     fn evaluate_bodies(&mut self, parts: &Parts<'_>) {
         let Some(blocks) = &mut self.blocks else { return };
         blocks.evaluate(&rigid_scene(&self.grains, parts, self.last, [0.0; 2]), false);
+    }
+
+    /// Adds the forces of points and rigid bodies to the walls' reactions, stiffnesses and work, which have been those of grains so far. Where no wall moves nobody asks.
+    fn press_walls(&mut self) {
+        if !self.has_moving_walls() {
+            return;
+        }
+        let sums = &mut self.on_walls;
+        sums.clear();
+        sums.resize(self.grains.walls.len(), [0.0; 2]);
+        self.point_contacts.add_wall_forces(sums);
+        if let Some(blocks) = &self.blocks {
+            blocks.add_wall_forces(sums);
+        }
+        for (wall, &mut [force, stiffness]) in self.grains.walls.iter_mut().zip(sums) {
+            // trapezium rule: the last reaction, of all, has been counted by the grains' step as if grains alone had pressed
+            wall.work += 0.5 * force * wall.speed * self.last;
+            wall.reaction += force;
+            wall.stiffness += stiffness;
+        }
+    }
+
+    /// Breakages of grains and of rigid bodies so far.
+    pub fn crush_events(&self) -> u64 {
+        self.grains.crush_events + self.blocks.as_ref().and_then(|b| b.breaking()).map_or(0, |b| b.events)
+    }
+
+    /// Whether a wall of the grains moves or is under servo. Then the walls' reactions count grains, points and rigid bodies, else grains alone.
+    pub fn has_moving_walls(&self) -> bool {
+        self.grains.walls.iter().any(|wall| wall.drive != Drive::Fixed)
     }
 
     /// Takes over a new bound on the grains' step. [`dem::compute_forces`] writes it into the grains' time step, which then differs from the last step.

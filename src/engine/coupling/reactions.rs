@@ -118,6 +118,16 @@ impl PointContacts {
         self.touching().filter(|g| g.body == Body::Wall(k as u32)).map(|g| g.touch.normal_force).sum()
     }
 
+    /// Adds the normal forces of the points on the walls, N, and the stiffnesses of these contacts, N/m, to `sums`, one for each wall.
+    pub fn add_wall_forces(&self, sums: &mut [[f64; 2]]) {
+        for contact in self.touching() {
+            if let Body::Wall(k) = contact.body {
+                let [force, stiffness] = &mut sums[k as usize];
+                (*force, *stiffness) = (*force + contact.touch.normal_force, *stiffness + contact.stiffness[0]);
+            }
+        }
+    }
+
     /// Largest sums of stiffness over mass of a point and of a grain over the present contacts. `sums` are buffers of zeros, and are left as such.
     pub(super) fn rates(&self, grains: &Grains, sums: &mut [Vec<f64>; 2], points: usize) -> ContactRates {
         let mut most = ContactRates::default();

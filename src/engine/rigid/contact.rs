@@ -72,6 +72,25 @@ pub struct BlockContact {
     pub(super) beside: [[f64; 3]; 2],
     /// Where the body presses on a point; `None` until they first touch, and again once they have parted.
     pub(super) face: Option<GhostFace>,
+    /// Overlap, m, without a force: that with which a piece of a broken body was born, less where the two have moved apart since. Infinite until it is first known.
+    pub(super) reference: f64,
+}
+
+impl Other {
+    /// The other side without the place where they touch, as a pair of numbers.
+    pub(super) fn partner(&self) -> (u8, u32) {
+        match *self {
+            Other::Point(id) => (0, id),
+            Other::Grain(id) => (1, id),
+            Other::Wall { wall, .. } => (2, wall),
+            Other::Block { block, .. } => (3, block),
+        }
+    }
+
+    /// The other body, if it is one.
+    pub(super) fn partner_body(&self) -> Option<u32> {
+        if let Other::Block { block, .. } = *self { Some(block) } else { None }
+    }
 }
 
 impl BlockContact {
@@ -92,6 +111,7 @@ impl BlockContact {
             share: 1.0,
             beside: [none; 2],
             face: None,
+            reference: 0.0,
         }
     }
 
@@ -102,7 +122,7 @@ impl BlockContact {
 
     /// All its numbers.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
-        let single = [self.radius, self.inverse_mass, self.share];
+        let single = [self.radius, self.inverse_mass, self.share, self.reference];
         let face = self.face.iter().flat_map(GhostFace::numbers);
         let beside = self.beside.into_iter().flatten();
         let vectors = self.spring.into_iter().chain(self.arm).chain(self.stiffness).chain(single).chain(beside).chain(face);
@@ -119,7 +139,7 @@ impl BlockContact {
         plus(cross(self.arm, scaled(self.touch.force(), self.share)), self.beside[1])
     }
 
-    fn is_of_point(&self) -> bool {
+    pub(super) fn is_of_point(&self) -> bool {
         matches!(self.other, Other::Point(_))
     }
 
@@ -207,18 +227,9 @@ impl Blocks {
         }
     }
 
-    /// Adds the forces of contacts with grains, walls and other bodies to bodies and to `external_forces` (force, N, and torque, N m, by index of the grain), and their
-    /// stiffness and work over `dt` seconds to the walls.
-    pub fn apply_grain_and_wall_reactions(
-        &mut self,
-        grains: &Grains,
-        external_forces: &mut Vec<[[f64; 4]; 2]>,
-        walls: &mut [Wall],
-        dt: f64,
-    ) {
+    /// Adds the forces of contacts with grains, walls and other bodies to bodies and to `external_forces` (force, N, and torque, N m, by index of the grain).
+    pub fn apply_grain_and_wall_reactions(&mut self, grains: &Grains, external_forces: &mut Vec<[[f64; 4]; 2]>) {
         external_forces.resize(grains.len(), [[0.0; 4]; 2]);
-        self.on_walls.resize(walls.len(), 0.0);
-        let mut wall_forces = vec![0.0; walls.len()];
         for c in self.candidates.iter().filter(|c| !c.is_of_point() && c.touch.overlap > 0.0) {
             add_force_and_torque(&mut self.applied[c.block as usize], c, 1.0);
             match c.other {
@@ -232,10 +243,6 @@ impl Blocks {
                         external_forces[i][1][a] += torque[a];
                     }
                 }
-                Other::Wall { wall, .. } => {
-                    wall_forces[wall as usize] += c.touch.normal_force;
-                    walls[wall as usize].stiffness += c.stiffness[0];
-                }
                 Other::Block { block, .. } => {
                     // equal and opposite, about the centre of the second
                     let (second, force) = (block as usize, c.force());
@@ -244,12 +251,18 @@ impl Blocks {
                     let applied = &mut self.applied[second];
                     *applied = [less(applied[0], force), less(applied[1], torque)];
                 }
-                Other::Point(_) => {}
+                Other::Point(_) | Other::Wall { .. } => {}
             }
         }
-        for ((wall, now), last) in walls.iter_mut().zip(wall_forces).zip(&mut self.on_walls) {
-            wall.work += 0.5 * (*last + now) * wall.speed * dt;
-            *last = now;
+    }
+
+    /// Adds the normal forces of the bodies on the walls, N, and the stiffnesses of these contacts, N/m, to `sums`, one for each wall.
+    pub fn add_wall_forces(&self, sums: &mut [[f64; 2]]) {
+        for c in self.touching() {
+            if let Other::Wall { wall, .. } = c.other {
+                let [force, stiffness] = &mut sums[wall as usize];
+                (*force, *stiffness) = (*force + c.touch.normal_force, *stiffness + c.stiffness[0]);
+            }
         }
     }
 
@@ -434,14 +447,30 @@ fn across(scene: &BlockScene<'_>, bodies: &[PosedBlock<'_>], c: &BlockContact) -
             let velocity = plus(other.block.velocity, cross(other.spin, arm));
             let inverse_mass = other.inverse_mass(arm, normal);
             let pair = *scene.table.grains(body.block.material, other.block.material);
-            let r_eff = match [body.block.radius, other.block.radius] {
-                // a sheet is as a plane
-                [r, s] if r.is_infinite() || s.is_infinite() => r.min(s),
-                [r, s] => r * s / (r + s),
-            };
+            let r_eff = reduced(body.block.radius, other.block.radius);
             Across { normal, overlap, r_eff, at, velocity, spin: other.spin, inverse_mass, pair, ends, borders }
         }
     })
+}
+
+/// R* of two bodies, m, by the radii of the spheres of their volumes. A sheet, whose radius is infinite, is as a plane.
+pub(super) fn reduced(r: f64, s: f64) -> f64 {
+    if r.is_infinite() || s.is_infinite() { r.min(s) } else { r * s / (r + s) }
+}
+
+impl Across {
+    /// The contact less the overlap with which it was born, which is set to the present one where that is smaller; `None`: nothing is left.
+    fn less_born(mut self, reference: &mut f64) -> Option<Across> {
+        if *reference == 0.0 {
+            return Some(self);
+        }
+        *reference = reference.min(self.overlap);
+        self.overlap -= *reference;
+        for end in self.ends.iter_mut().flatten() {
+            end.depth -= *reference;
+        }
+        (self.overlap > 0.0).then_some(self)
+    }
 }
 
 /// Of spot `spot` of a body: unit normal towards the wall, gap to the wall, m, and position of the spot, m.
@@ -458,7 +487,11 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>
     let body = &bodies[c.block as usize];
     let spring = L::VISCOUS.then_some(c.spring);
     let old = ContactHistory { touch: c.touch, spring, rolling: None, load: None, largest: None, work: None };
-    let Some(o) = across(scene, bodies, c) else {
+    let met = across(scene, bodies, c);
+    if met.is_none() {
+        c.reference = 0.0;
+    }
+    let Some(o) = met.and_then(|o| o.less_born(&mut c.reference)) else {
         if c.touch.overlap > 0.0 {
             (c.touch, c.spring, c.stiffness) = (ContactForce::default(), [0.0; 3], [0.0; 2]);
         }
@@ -512,8 +545,8 @@ fn pass_on(scene: &BlockScene<'_>, bodies: &[PosedBlock<'_>], group: &mut [Block
             None => !handed[old] && has_passed(scene, bodies, &group[old], group[new].facet),
         };
         let Some(old) = (0..group.len()).find(|&old| touched[old] && beside(old)) else { continue };
-        let BlockContact { touch, spring, face, .. } = group[old];
-        (group[new].touch, group[new].spring, group[new].face) = (touch, spring, face);
+        let BlockContact { touch, spring, face, reference, .. } = group[old];
+        (group[new].touch, group[new].spring, group[new].face, group[new].reference) = (touch, spring, face, reference);
         if now[old].is_none() {
             handed[old] = true;
             group[old].face = None;

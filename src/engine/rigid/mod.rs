@@ -11,8 +11,11 @@
 //! A sheet of triangles ([`crate::shape::Sheet`]) is a driven body without mass. What touches it has a contact with each facet, and on its way from facet to facet the contact
 //! that begins takes over the history of the one that ends.
 //!
+//! Bodies may break in two (`breaking.rs`).
+//!
 //! A face that lies on many points has many contacts. They are stored here and not with those of the grains, so scenes without such bodies pay nothing.
 
+mod breaking;
 mod contact;
 mod laps;
 mod measure;
@@ -20,6 +23,7 @@ pub mod motion;
 mod pair;
 mod search;
 
+pub use breaking::{Breakage, Breaking, Fate, LEAST, MOST_LOST};
 pub use contact::{BlockContact, BlockScene, Other};
 pub use laps::Lap;
 pub use motion::Pose;
@@ -86,6 +90,20 @@ impl Block {
     fn check(&self, made: &Block) -> Checked {
         let size = |b: &Block| (b.material, b.mass, b.moments, b.radius, b.driven);
         ensure(self.shape == made.shape && size(self) == size(made), || "a rigid body is not that of the scene".into())?;
+        self.check_motion()
+    }
+
+    /// Checks a piece of a body, of less than the mass `most`, kg, which is what it is made of.
+    fn check_piece(&self, most: f64) -> Checked {
+        let bulk = self.solid().bulk();
+        check::positive("masses of pieces", self.moments.into_iter().chain([self.mass, self.radius, bulk.volume]))?;
+        let shaped = self.shape.is_sound() && self.radius == self.shape.radius();
+        ensure(shaped && self.mass < most && !self.driven, || "a piece of a rigid body is none".into())?;
+        self.check_motion()
+    }
+
+    /// Checks place and motion.
+    fn check_motion(&self) -> Checked {
         check::numbers("motions of rigid bodies", self.centre.iter().chain(&self.velocity).chain(&self.momentum))?;
         let square: f64 = self.turn.iter().map(|x| x * x).sum();
         ensure((square - 1.0).abs() < 1e-6, || format!("a rigid body is turned by no turn: {:?}", self.turn))
@@ -110,8 +128,8 @@ pub struct Blocks {
     first_touch: f64,
     /// Age of the list.
     age: Age,
-    /// Normal force of the bodies on each wall in the last step, N.
-    on_walls: Vec<f64>,
+    /// How the bodies break; `None`: they do not.
+    breaking: Option<Box<Breaking>>,
     /// Force, N, and torque about the centre of mass, N m, on each body, added since its last step.
     applied: Vec<[[f64; 3]; 2]>,
     /// What other bodies touch of each body; made when it is first needed.
@@ -142,15 +160,29 @@ impl Blocks {
     /// # Errors
     /// What is wrong, in words.
     pub fn check(&self, made: &Blocks, state: &State, continuum: &Continuum) -> Checked {
-        let n = made.blocks.len();
-        check::lengths("rigid bodies", n, [self.blocks.len(), self.applied.len()])?;
-        self.blocks.iter().zip(&made.blocks).try_for_each(|(block, made)| block.check(made))?;
+        let n = self.blocks.len();
+        match (&self.breaking, &made.breaking) {
+            (None, None) => {
+                check::lengths("rigid bodies", made.blocks.len(), [n, self.applied.len()])?;
+                self.blocks.iter().zip(&made.blocks).try_for_each(|(block, made)| block.check(made))?;
+            }
+            (Some(breaking), Some(_)) => {
+                check::lengths("forces on rigid bodies", n, [self.applied.len()])?;
+                breaking.check(n, made.blocks.len())?;
+                let fates = breaking.bodies.iter().map(|fate| fate.generation);
+                let by_generation = |((block, made), generation): ((&Block, Option<&Block>), u8)| match made {
+                    Some(made) if generation == 0 => block.check(made),
+                    _ => block.check_piece(made.map_or(f64::INFINITY, |made| made.mass)),
+                };
+                let started = made.blocks.iter().map(Some).chain(std::iter::repeat(None));
+                self.blocks.iter().zip(started).zip(fates).try_for_each(by_generation)?;
+            }
+            _ => return Err("rigid bodies break which do not in the scene, or do not which do".into()),
+        }
         self.age.check()?;
         let with_points = |b: &Blocks| (b.point_radius, b.first_touch);
         ensure(with_points(self) == with_points(made), || "points touch rigid bodies in another way than in the scene".into())?;
-        let walls = if self.on_walls.is_empty() { 0 } else { state.walls.len() };
-        check::lengths("walls at rigid bodies", walls, [self.on_walls.len()])?;
-        check::numbers("forces on rigid bodies", self.on_walls.iter().chain(self.applied.as_flattened().as_flattened()))?;
+        check::numbers("forces on rigid bodies", self.applied.as_flattened().as_flattened())?;
         let sorted = self.candidates.windows(2).all(|w| w[0].key() < w[1].key());
         ensure(sorted, || "contacts of rigid bodies are not in their order".into())?;
         for c in &self.candidates {

@@ -60,8 +60,11 @@ impl Blocks {
             }
             Other::Wall { .. } => f64::INFINITY,
         };
-        let Some(c) = self.candidates.iter().find(|c| c.touch.overlap > most(c)) else { return Ok(()) };
-        let (by, cure) = (format!("{:.4} mm", 1e3 * c.touch.overlap), "stiffer materials, or lower stepping.safety");
+        let Some(c) = self.candidates.iter().find(|c| c.reference.is_finite() && c.touch.overlap + c.reference > most(c)) else {
+            return Ok(());
+        };
+        let (by, cure) =
+            (format!("{:.4} mm", 1e3 * (c.touch.overlap + c.reference)), "stiffer materials, or lower stepping.safety");
         let through = |what: &str, id: u32| {
             format!(
                 "{what} {id} overlaps by {by}, {DEEPEST} of its radius, with the sheet of block {}, and would pass through it: give the mesh a larger rounding_mm or {cure}",
@@ -132,7 +135,13 @@ impl Blocks {
         }
         let key = BlockContact::key;
         found.sort_unstable_by_key(key);
-        let known = self.candidates.iter().filter(|c| c.touch.overlap > 0.0 || c.face.is_some());
+        if let Some(breaking) = &mut self.breaking {
+            let newborn = std::mem::take(&mut breaking.newborn);
+            let is_new =
+                |c: &BlockContact| newborn.contains(&c.block) || c.other.partner_body().is_some_and(|k| newborn.contains(&k));
+            found.iter_mut().filter(|c| is_new(c)).for_each(|c| c.reference = f64::INFINITY);
+        }
+        let known = self.candidates.iter().filter(|c| c.touch.overlap > 0.0 || c.face.is_some() || c.reference > 0.0);
         // reactions may be added again before forces are computed: all but the other side's place and size stays
         remember(known, &mut found, key, |old, new| *new = BlockContact { place: new.place, radius: new.radius, ..*old });
         self.candidates = found;

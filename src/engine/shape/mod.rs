@@ -5,15 +5,18 @@
 //! + − × ÷ √ or with functions made of these (`crate::math::portable`), so that they have the same bits on every machine.
 
 mod cuboid;
+mod cut;
 mod hull;
 mod mesh;
 mod polygon;
 mod polyhedron;
 mod ring;
 mod sheet;
+mod sieve;
 mod superquadric;
 
 pub use cuboid::Cuboid;
+pub use cut::Piece;
 pub use hull::{Hull, HullFace};
 pub use mesh::Mesh;
 pub use polygon::Polygon;

@@ -2,10 +2,9 @@
 //! their surfaces.
 
 use super::vtk::{self, Fact, Field, VtkError};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use engine::math::vector::{dot, plus};
 use engine::rigid::Blocks;
-use std::fmt::Write as _;
 use std::path::Path;
 use table::Row;
 
@@ -15,26 +14,32 @@ pub const TRACKS: &str = "blocks.csv";
 /// Table with the surface of each body, in its own axes.
 pub const SURFACES: &str = "block_surfaces.csv";
 
-/// Writes [`SURFACES`]: three rows for each triangle.
-pub fn write_outlines(path: &Path, blocks: &Blocks) -> Result<()> {
-    let mut text = String::from("block,x_m,y_m,z_m\n");
-    for (k, block) in blocks.blocks.iter().enumerate() {
-        let mesh = block.solid().surface();
-        for corner in mesh.triangles.iter().flatten() {
-            let _ = writeln!(text, "{k},{}", mesh.corners[*corner as usize].map(table::number).join(","));
-        }
-    }
-    table::write(path, text).map_err(Error::write(path))
+/// Rows of [`SURFACES`] for a body: three for each triangle. Where bodies break, with its generation: a piece keeps the number of the body, but not its surface.
+pub fn surface(blocks: &Blocks, k: usize) -> Vec<Row> {
+    let mesh = blocks.blocks[k].solid().surface();
+    let generation = generation(blocks, k);
+    let row = |corner: &u32| -> Row {
+        let [x, y, z] = mesh.corners[*corner as usize];
+        let mut row: Row = vec![("block", k.into())];
+        row.extend(generation.map(|g| ("generation", g.into())));
+        row.extend([("x_m", x.into()), ("y_m", y.into()), ("z_m", z.into())]);
+        row
+    };
+    mesh.triangles.iter().flatten().map(row).collect()
+}
+
+/// Number of breakages between a body and the body of the start; `None` where bodies do not break.
+fn generation(blocks: &Blocks, k: usize) -> Option<u64> {
+    blocks.breaking().map(|breaking| u64::from(breaking.bodies[k].generation))
 }
 
 /// A row of [`TRACKS`] for each body at step `step` and time `time`, s.
 pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> {
     blocks.blocks.iter().enumerate().map(move |(k, b)| {
         let ([x, y, z], [u, v, w], [p, q, r], [a, i, j, l]) = (b.centre, b.velocity, b.spin(), b.turn);
-        let mut row: Row = vec![
-            ("step", step.into()),
-            ("time_s", time.into()),
-            ("block", k.into()),
+        let mut row: Row = vec![("step", step.into()), ("time_s", time.into()), ("block", k.into())];
+        row.extend(generation(blocks, k).map(|g| ("generation", g.into())));
+        row.extend([
             ("mass_kg", b.mass.into()),
             ("x_m", x.into()),
             ("y_m", y.into()),
@@ -49,7 +54,7 @@ pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> 
             ("wx_rad_s", p.into()),
             ("wy_rad_s", q.into()),
             ("wz_rad_s", r.into()),
-        ];
+        ]);
         const NAMES: [[&str; 3]; 4] = [
             ["points_x_N", "points_y_N", "points_z_N"],
             ["grains_x_N", "grains_y_N", "grains_z_N"],
@@ -67,15 +72,22 @@ pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> 
 /// Writes the surfaces of all bodies as a ParaView snapshot, with `facts` noted in it.
 pub fn write_surfaces(path: &Path, facts: &[Fact], step: u64, blocks: &Blocks) -> Result<()> {
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());
-    let names = [("block", 1), ("velocity_m_s", 3), ("spin_rad_s", 3), ("speed_m_s", 1), ("material", 1)];
-    let mut values: [Vec<f64>; 5] = Default::default();
+    let names = [("block", 1), ("generation", 1), ("velocity_m_s", 3), ("spin_rad_s", 3), ("speed_m_s", 1), ("material", 1)];
+    let mut values: [Vec<f64>; 6] = Default::default();
     for (k, block) in blocks.blocks.iter().enumerate() {
         let (pose, mesh, first) = (block.pose(0.0), block.solid().surface(), corners.len() as u32);
         corners.extend(mesh.corners.iter().map(|p| plus(pose.centre, pose.outwards(*p))));
         let speed = dot(block.velocity, block.velocity).sqrt();
         for t in &mesh.triangles {
             triangles.push(t.map(|k| first + k));
-            let of: [&[f64]; 5] = [&[k as f64], &block.velocity, &block.spin(), &[speed], &[f64::from(block.material)]];
+            let of: [&[f64]; 6] = [
+                &[k as f64],
+                &[generation(blocks, k).unwrap_or(0) as f64],
+                &block.velocity,
+                &block.spin(),
+                &[speed],
+                &[f64::from(block.material)],
+            ];
             values.iter_mut().zip(of).for_each(|(all, of)| all.extend(of));
         }
     }

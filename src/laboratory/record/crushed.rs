@@ -3,6 +3,8 @@
 //! in them.
 
 use super::ancestors::Ancestors;
+use super::block_breakages::{self, BLOCK_BREAKAGE};
+use super::blocks;
 use super::breakages::{self, Breakages};
 use super::gradations::{self, At, gradation};
 use crate::error::{Error, Result};
@@ -12,7 +14,9 @@ use crate::model::continuum::MpmTest;
 use crate::rig::continuum::State;
 use engine::breakage::lost_mass::excluded_grains;
 use engine::check::{Checked, lengths};
+use engine::coupling::Mixture;
 use engine::grains::Grains;
+use engine::rigid::{Blocks, Breaking, MOST_LOST};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -28,6 +32,7 @@ pub const BREAKAGE: &str = "breakage.csv";
 pub struct Crushed {
     gsd: Table,
     breakage: Table,
+    block_breakage: Table,
     broken: Breakages,
     ancestors: Ancestors,
     /// Largest number of contacts between grains and of grains with walls at a row. Only such contacts break grains.
@@ -44,6 +49,7 @@ impl Default for Crushed {
         Crushed {
             gsd: Table::new(GSD),
             breakage: Table::new(BREAKAGE),
+            block_breakage: Table::new(BLOCK_BREAKAGE),
             broken: Breakages::default(),
             ancestors: Ancestors::default(),
             contacts: 0,
@@ -61,6 +67,7 @@ impl Crushed {
     pub fn check(&self, model: &Model, state: &State, out: &Path) -> Checked {
         self.gsd.check(out, GSD)?;
         self.breakage.check(out, BREAKAGE)?;
+        self.block_breakage.check(out, BLOCK_BREAKAGE)?;
         let Some(mixture) = &state.mixture else { return lengths("breakages", 0, [self.broken.len()]) };
         let events = mixture.grains.crush_events as usize;
         lengths("breakages", events, [self.broken.len()])?;
@@ -70,10 +77,17 @@ impl Crushed {
         self.ancestors.check(model, &mixture.grains, first.ok_or("more grains have broken than there were")?)
     }
 
-    /// Notes the gradation before loading, if grains can break.
+    /// Notes the gradation before loading, if grains or rigid bodies can break.
     pub fn open(&mut self, model: &Model, rig: &MpmTest) {
-        let coarse = rig.coarse.as_ref().filter(|c| model.physics.crush.is_some() && !c.grains.is_empty());
-        self.initial = coarse.map(|c| gradations::of_listed(model, &c.grains));
+        let Some((crush, coarse)) = model.physics.crush.as_ref().zip(rig.coarse.as_ref()) else { return };
+        self.initial = match (coarse.grains.is_empty(), coarse.blocks.is_empty()) {
+            (false, _) => Some(gradations::of_listed(model, &coarse.grains)),
+            (true, false) => {
+                let blocks = Blocks::new(coarse.blocks.clone()).with_breakage(crush);
+                Some(gradations::of_blocks(model, &blocks))
+            }
+            (true, true) => None,
+        };
     }
 
     /// The columns of breakage for a row of the history; none where no grain can break.
@@ -82,12 +96,15 @@ impl Crushed {
     /// [`Error::Failed`]: the gradation is coarser than at the start, so mass was lost or added.
     pub fn columns(&mut self, model: &Model, state: &State) -> Result<Row> {
         let (Some(initial), Some(mixture)) = (&self.initial, &state.mixture) else { return Ok(Row::new()) };
-        let indices = Indices::between(initial, &gradation(model, &mixture.grains))
+        let indices = Indices::between(initial, &present(model, mixture))
             .map_err(|e| Error::Failed { step: state.continuum.steps(), what: e.to_string() })?;
         self.indices = gradations::breakage(indices.as_ref());
         let touching = mixture.touching();
         self.contacts = self.contacts.max(touching.grains + touching.walls);
-        let mut row: Row = vec![("mass_lost_kg", lost(state).into())];
+        let mut row: Row = match breaking(mixture) {
+            Some((blocks, _)) => vec![("blocks", blocks.blocks.len().into())],
+            None => vec![("mass_lost_kg", lost(state).into())],
+        };
         row.extend(gradations::columns(indices.as_ref()));
         Ok(row)
     }
@@ -98,18 +115,18 @@ impl Crushed {
     /// A file that cannot be written.
     pub fn gradation(&mut self, out: &Path, model: &Model, state: &State, at: &At) -> Result<()> {
         let (Some(initial), Some(mixture)) = (&self.initial, &state.mixture) else { return Ok(()) };
-        for mut row in gradations::rows(model, &gradation(model, &mixture.grains), at, initial) {
+        for mut row in gradations::rows(model, &present(model, mixture), at, initial) {
             row.push(("time_s", state.time.into()));
             self.gsd.push(out, &row)?;
         }
         Ok(())
     }
 
-    /// Writes the rows of `breakage.csv` for the breakages since the last call.
+    /// Writes the rows of `breakage.csv` and of `block_breakage.csv` for the breakages since the last call, and those of the pieces' surfaces.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn breakages(&mut self, out: &Path, state: &mut State) -> Result<()> {
+    pub fn breakages(&mut self, out: &Path, state: &mut State, surfaces: &mut Table) -> Result<()> {
         for broken in std::mem::take(&mut state.broken) {
             // the platens move at a given speed: there is no target of the stress
             self.broken.add(&broken.event, false);
@@ -117,6 +134,18 @@ impl Crushed {
             let mut row = breakages::row(&broken.event, broken.step, broken.axial);
             row.push(("time_s", broken.time.into()));
             self.breakage.push(out, &row)?;
+        }
+        let time = state.time;
+        let Some(theirs) = state.mixture.as_mut().and_then(|m| m.blocks.as_mut()) else { return Ok(()) };
+        let broken = theirs.take_breakages();
+        for b in &broken {
+            self.block_breakage.push(out, &block_breakages::row(b, time))?;
+        }
+        let mut pieces: Vec<u32> = broken.iter().flat_map(|b| b.pieces).collect();
+        pieces.sort_unstable();
+        pieces.dedup();
+        for k in pieces {
+            blocks::surface(theirs, k as usize).iter().try_for_each(|row| surfaces.push(out, row))?;
         }
         Ok(())
     }
@@ -132,6 +161,7 @@ impl Crushed {
     /// A file that cannot be written.
     pub fn sync(&mut self, out: &Path) -> Result<()> {
         self.gsd.sync(out)?;
+        self.block_breakage.sync(out)?;
         Ok(self.breakage.sync(out)?)
     }
 
@@ -141,6 +171,7 @@ impl Crushed {
     /// A file that lacks rows which the checkpoint knows.
     pub fn reopen(&mut self, out: &Path) -> Result<()> {
         self.gsd.reopen(out, GSD)?;
+        self.block_breakage.reopen(out, BLOCK_BREAKAGE)?;
         Ok(self.breakage.reopen(out, BREAKAGE)?)
     }
 
@@ -149,21 +180,34 @@ impl Crushed {
         let mut s = Map::new();
         let (Some(crush), Some(initial), Some(mixture)) = (&model.physics.crush, &self.initial, &state.mixture) else { return s };
         let mut put = |key: &str, value: Value| s.insert(key.into(), value);
-        let excluded = excluded_grains(mixture.grains.crush_events, &crush.pattern);
-        put("excluded_grains", json!(excluded.paper));
-        put("excluded_grains_smallest", json!(excluded.smallest));
+        if let Some((_, breaking)) = breaking(mixture) {
+            put("blocks_not_cut", json!(breaking.held));
+        } else {
+            let excluded = excluded_grains(mixture.grains.crush_events, &crush.pattern);
+            put("excluded_grains", json!(excluded.paper));
+            put("excluded_grains_smallest", json!(excluded.smallest));
+        }
         put("d50_mm", json!(initial.diameter_at(0.5).map(|d| 1e3 * d)));
         let [hardin, einav, beyond] = self.indices;
         put("hardin_br", json!(hardin));
         put("einav_br", json!(einav));
         put("einav_beyond", json!(beyond));
-        put("mass_lost_kg", json!(lost(state)));
-        put("breakages", self.broken.summary());
-        put("warnings", json!(self.warnings()));
+        if breaking(mixture).is_none() {
+            put("mass_lost_kg", json!(lost(state)));
+            put("breakages", self.broken.summary());
+        }
+        put("warnings", json!(self.warnings(mixture)));
         s
     }
 
-    fn warnings(&self) -> Vec<String> {
+    fn warnings(&self, mixture: &Mixture) -> Vec<String> {
+        if let Some((_, breaking)) = breaking(mixture) {
+            let held = breaking.held;
+            let warning = format!(
+                "{held} rigid bodies over their limit could not be cut: their edges are too round, and a piece would have no hull or more than {MOST_LOST} of the volume would be lost; they break no more"
+            );
+            return if held > 0 { vec![warning] } else { Vec::new() };
+        }
         let mut warnings = self.broken.warnings();
         if self.contacts == 0 {
             warnings.push(
@@ -172,6 +216,20 @@ impl Crushed {
             );
         }
         warnings
+    }
+}
+
+/// The rigid bodies of a mixture and how they break; `None`: none does.
+fn breaking(mixture: &Mixture) -> Option<(&Blocks, &Breaking)> {
+    let blocks = mixture.blocks.as_deref()?;
+    Some((blocks, blocks.breaking()?))
+}
+
+/// The present gradation, of grains or of rigid bodies.
+fn present(model: &Model, mixture: &Mixture) -> Gradation {
+    match breaking(mixture) {
+        Some((blocks, _)) => gradations::of_blocks(model, blocks),
+        None => gradation(model, &mixture.grains),
     }
 }
 

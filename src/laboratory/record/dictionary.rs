@@ -45,6 +45,8 @@ pub const SHEETS: &[Sheet] = &[
     Sheet { files: "tracks.csv", of: "assembly", columns: TRACKS },
     Sheet { files: "blocks.csv", of: "mixture", columns: BLOCKS },
     Sheet { files: "block_surfaces.csv", of: "mixture", columns: BLOCK_SURFACES },
+    Sheet { files: "block_breakage.csv", of: "mixture", columns: BLOCK_BREAKAGE },
+    Sheet { files: "walls.csv", of: "mixture", columns: WALLS },
     Sheet { files: "account.csv", of: "continuum, mixture", columns: ACCOUNT },
     Sheet { files: "specimen.csv, grains_start.csv", of: "oedometer, triaxial, isotropic, assembly, mixture", columns: SPECIMEN },
     Sheet { files: "grains_final.csv", of: "oedometer, triaxial, isotropic, assembly, mixture", columns: GRAINS_FINAL },
@@ -269,6 +271,7 @@ const CONTINUUM_HISTORY: &[Column] = &[
     column("total_mass_kg", "kg", "the same: mass of all there is"),
     column("released_J", "J", "the same: energy from overlaps that were let go"),
     column("lowest_grain_mm", "mm", "mixture, free scene: lowest point of a grain"),
+    column("blocks", "-", "mixture whose rigid bodies break: their number"),
     column(
         "mass_lost_kg",
         "kg",
@@ -277,7 +280,7 @@ const CONTINUUM_HISTORY: &[Column] = &[
     column(
         "d10_mm",
         "mm",
-        "the same: size below which 10 % of the mass of the grains and of what they have lost (eq. 12) is, points of the scene not counted",
+        "the same: size below which 10 % of the mass of the grains and of what they have lost (eq. 12) is, points of the scene not counted; of rigid bodies the edge of the square hole through which they pass",
     ),
     column("d30_mm", "mm", "the same for 30 %"),
     column("d50_mm", "mm", "the same for 50 %: the median"),
@@ -438,6 +441,7 @@ const BLOCKS: &[Column] = &[
     column("step", "-", "steps of the continuum since the start"),
     column("time_s", "s", "time"),
     column("block", "-", "number of the rigid body, from 0"),
+    column("generation", "-", "where bodies break: breakages between it and the body of the start"),
     column("mass_kg", "kg", "its mass"),
     column("x_m", "m", "its centre"),
     column("y_m", "m", "the same"),
@@ -469,9 +473,47 @@ const BLOCKS: &[Column] = &[
 
 const BLOCK_SURFACES: &[Column] = &[
     column("block", "-", "number of the rigid body, from 0; three rows are the corners of a triangle of its surface"),
+    column("generation", "-", "where bodies break: breakages between it and the body of the start"),
     column("x_m", "m", "corner, from its centre of mass along its own axes"),
     column("y_m", "m", "the same"),
     column("z_m", "m", "the same"),
+];
+
+const BLOCK_BREAKAGE: &[Column] = &[
+    column("event", "-", "number of the breakage, from 1"),
+    column("step", "-", "step of the bodies in which it happened"),
+    column("time_s", "s", "time at the end of the cycle"),
+    column("block", "-", "number of the rigid body, which the larger piece keeps"),
+    column("piece", "-", "number of the smaller piece"),
+    column("generation", "-", "breakages between the body and that of the start"),
+    column("age_steps", "-", "steps since its birth"),
+    column("diameter_mm", "mm", "diameter of the sphere of its volume, in plane strain of the disc of its area"),
+    column("force_N", "N", "largest normal force of a partner, all places at which the two touch together"),
+    column("limit_force_N", "N", "normal force at which it breaks"),
+    column("utilisation", "-", "force over limit force"),
+    column("area_mm2", "mm2", "area over which the force makes the stress that is compared with the strength"),
+    column("strength_MPa", "MPa", "its limit strength"),
+    column("x_mm", "mm", "its centre"),
+    column("y_mm", "mm", "the same"),
+    column("z_mm", "mm", "the same"),
+    column("normal_x", "-", "unit normal of the cut"),
+    column("normal_y", "-", "the same"),
+    column("normal_z", "-", "the same"),
+    column("block_mass_g", "g", "mass of the larger piece"),
+    column("piece_mass_g", "g", "mass of the smaller piece"),
+    column("lost_volume_mm3", "mm3", "volume that the round edges at the cut leave to neither; the mass is theirs"),
+    column("stored_J", "J", "elastic energy of the contacts that end with the body"),
+    column("lost_kinetic_J", "J", "kinetic energy before less that after"),
+];
+
+const WALLS: &[Column] = &[
+    column("step", "-", "steps of the continuum since the start"),
+    column("time_s", "s", "time"),
+    column("wall", "-", "number of the wall, from 0; a box is six: x low, x high, y low, …"),
+    column("displacement_mm", "mm", "way along its normal since the start, positive towards the grains"),
+    column("speed_m_s", "m/s", "the same: speed"),
+    column("force_N", "N", "normal force of grains, points and rigid bodies on it, compression positive"),
+    column("work_J", "J", "work of the wall on them since the start"),
 ];
 
 const SPECIMEN: &[Column] = &[

@@ -4,6 +4,7 @@ use crate::gradation::{Gradation, Indices, sieve_sizes};
 use crate::model::{GrainSpec, Model};
 use engine::dem::State;
 use engine::grains::{Grains, sphere_volume};
+use engine::rigid::Blocks;
 use table::Row;
 
 /// Number of sizes at which a gradation is written.
@@ -38,6 +39,14 @@ pub fn columns(indices: Option<&Indices>) -> Row {
         ("einav_br", einav.into()),
         ("einav_beyond", beyond.into()),
     ]
+}
+
+/// The gradation of rigid bodies that break, by the square sieve that each passes; they lose no mass.
+pub fn of_blocks(model: &Model, blocks: &Blocks) -> Gradation {
+    let bodies = blocks.blocks.iter().zip(blocks.breaking().into_iter().flat_map(|b| &b.bodies));
+    // a sheet has no mass
+    let sizes = bodies.filter(|(block, _)| block.mass > 0.0).map(|(block, fate)| (fate.sieve, block.mass));
+    Gradation::new(sizes, std::iter::empty(), model.fines, model.scale)
 }
 
 /// The gradation of a specimen before loading.

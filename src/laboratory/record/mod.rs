@@ -4,6 +4,7 @@
 pub(crate) mod account;
 pub(crate) mod ancestors;
 pub(crate) mod assembly;
+pub(crate) mod block_breakages;
 pub(crate) mod blocks;
 pub(crate) mod breakages;
 pub(crate) mod checkpoint;
@@ -17,4 +18,5 @@ pub(crate) mod grain_crushing;
 pub(crate) mod quasi_static;
 pub mod specimen;
 pub(crate) mod vtk;
+pub(crate) mod wall_rows;
 pub(crate) mod walls;

@@ -90,12 +90,12 @@ fn drive(model: &Model, state: &mut State, work: &Workspace) {
         let speed = match w.drive {
             Drive::Fixed => 0.0,
             Drive::Velocity(v) => v,
-            Drive::Stress { stress, area, gain } => {
+            Drive::Stress { stress, area, gain, fastest } => {
                 let area = match w.shape {
                     WallShape::Plane { .. } => area,
                     WallShape::Cylinder { radius, .. } => engine::boundary::shell_area(radius, extent_z(state)),
                 };
-                servo_speed(stress * area, w.reaction, w.stiffness, gain, state.dt, limit)
+                servo_speed(stress * area, w.reaction, w.stiffness, gain, state.dt, fastest.map_or(limit, |v| limit.min(v)))
             }
         };
         state.walls[k].speed = speed;

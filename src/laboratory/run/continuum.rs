@@ -15,7 +15,7 @@ use crate::record::continuum::{END, GRAINS_START, Recorder, START};
 use crate::record::crushed::Crushed;
 use crate::record::vtk::{self, Fact};
 use crate::record::walls::Loaded;
-use crate::record::{account, blocks, checkpoint, contacts, specimen};
+use crate::record::{account, blocks, checkpoint, contacts, specimen, wall_rows};
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
 use engine::boundary::WallShape;
 use engine::check::{self, Checked};
@@ -40,6 +40,10 @@ struct Progress {
     history: Table,
     /// Tracks of rigid bodies; a run without rigid bodies has no such file.
     blocks: Table,
+    /// Surfaces of rigid bodies, with those of the pieces of bodies that have broken.
+    surfaces: Table,
+    /// Places of the walls and forces on them, where one of them moves.
+    walls: Table,
     /// Rows of the energy account; a run that keeps none has no such file.
     account: Table,
     /// Tables of breakages and gradations.
@@ -72,6 +76,7 @@ pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
     let mut state = State::start(model, rig)?;
     let engine = if rig.growth.is_some() { Engine::Cpu } else { used.engine(&mut state, model, rig)? };
     let (history, blocks, account) = (Table::new(files::HISTORY), Table::new(blocks::TRACKS), Table::new(account::ACCOUNT));
+    let (surfaces, walls) = (Table::new(blocks::SURFACES), Table::new(wall_rows::WALL_ROWS));
     let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
     let (growing, grown, [seconds, user_seconds, first_step]) = (None, None, [0.0; 3]);
     let progress = Progress {
@@ -82,6 +87,8 @@ pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
         recorder,
         history,
         blocks,
+        surfaces,
+        walls,
         account,
         crushed,
         snapshots,
@@ -209,8 +216,10 @@ fn prepared(model: &Model, rig: &MpmTest, mut begun: Begun, out: &Path, quiet: b
     if let Some(mixture) = &begun.progress.state.mixture {
         specimen::write(&out.join(GRAINS_START), &mixture.grains.grains, &model.physics.materials, None)?;
     }
-    if let Some(theirs) = begun.progress.state.blocks() {
-        blocks::write_outlines(&out.join(blocks::SURFACES), theirs)?;
+    let Progress { state, surfaces, .. } = &mut begun.progress;
+    if let Some(theirs) = state.blocks() {
+        let rows = (0..theirs.blocks.len()).flat_map(|k| blocks::surface(theirs, k));
+        rows.into_iter().try_for_each(|row| surfaces.push(out, &row))?;
     }
     make_test(model, rig, out, begun, quiet, stop_after)
 }
@@ -223,6 +232,8 @@ pub fn take_up(model: &Model, rig: &MpmTest, out: &Path, backend: Option<Backend
     let mut progress: Progress = super::taken_up(out, |progress: &Progress| progress.check(model, rig, out))?;
     progress.history.reopen(out, files::HISTORY)?;
     progress.blocks.reopen(out, blocks::TRACKS)?;
+    progress.surfaces.reopen(out, blocks::SURFACES)?;
+    progress.walls.reopen(out, wall_rows::WALL_ROWS)?;
     progress.account.reopen(out, account::ACCOUNT)?;
     progress.crushed.reopen(out)?;
     let same = if progress.used.gpu() { Backend::Gpu } else { Backend::Cpu };
@@ -303,6 +314,8 @@ impl Progress {
         self.crushed.check(model, &self.state, out)?;
         self.history.check(out, files::HISTORY)?;
         self.blocks.check(out, blocks::TRACKS)?;
+        self.surfaces.check(out, blocks::SURFACES)?;
+        self.walls.check(out, wall_rows::WALL_ROWS)?;
         self.account.check(out, account::ACCOUNT)?;
         self.used.check()?;
         check::not_negative("seconds", [self.seconds, self.user_seconds])
@@ -310,7 +323,7 @@ impl Progress {
 
     /// One [`State::advance`], with the records that are due. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, out: &Path) -> Result<bool> {
-        let Progress { state, recorder, history, blocks, account, crushed, snapshots, first_step, .. } = self;
+        let Progress { state, recorder, history, blocks, surfaces, walls, account, crushed, snapshots, first_step, .. } = self;
         let mut recorded = false;
         let advanced = state.advance(model, rig, engine, |state, engine| {
             watch::slow_points(model, state, *first_step)?;
@@ -330,6 +343,12 @@ impl Progress {
                 if let Some(theirs) = state.blocks() {
                     blocks::rows(theirs, state.continuum.steps(), state.time).try_for_each(|row| blocks.push(out, &row))?;
                 }
+                if let Some((mixture, coarse)) =
+                    state.mixture.as_ref().zip(rig.coarse.as_ref()).filter(|_| rig.specimen().is_none())
+                {
+                    let rows = wall_rows::rows(mixture, &coarse.walls, state.continuum.steps(), state.time);
+                    rows.iter().try_for_each(|row| walls.push(out, row))?;
+                }
             }
             if due.frame {
                 crushed.gradation(out, model, state, &recorder.at(rig, state))?;
@@ -338,7 +357,7 @@ impl Progress {
             Ok(recorder.next(rig, state))
         });
         // breakages before an error are recorded as well
-        crushed.breakages(out, state)?;
+        crushed.breakages(out, state, surfaces)?;
         advanced?;
         let done = state.phase == Phase::Done;
         // a device's points are known where they have been copied for a row
@@ -363,6 +382,8 @@ impl Progress {
 
     fn sync(&mut self, out: &Path) -> Result<()> {
         self.blocks.sync(out)?;
+        self.surfaces.sync(out)?;
+        self.walls.sync(out)?;
         self.account.sync(out)?;
         self.crushed.sync(out)?;
         Ok(self.history.sync(out)?)
@@ -545,7 +566,7 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
             put("block_contacts", json!(blocks.touching().count()));
         }
         if model.physics.crush.is_some() {
-            put("crush_events", json!(mixture.grains.crush_events));
+            put("crush_events", json!(mixture.crush_events()));
             for (key, value) in progress.crushed.summary(model, state) {
                 put(&key, value);
             }

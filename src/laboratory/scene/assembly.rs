@@ -180,6 +180,10 @@ impl View<'_> {
             self.refuse(&at(name), "has no meaning for a box: write the moving side as a plane");
             return None;
         }
+        if stress.is_none() && table.contains_key("max_velocity_m_s") {
+            self.refuse(&at("max_velocity_m_s"), "has no meaning without stress_kPa");
+            return None;
+        }
         if stress.is_none() && area.is_some() {
             self.refuse(&at("area_m2"), "has no meaning without stress_kPa");
             return None;
@@ -200,7 +204,7 @@ impl View<'_> {
                     self.refuse(&at("area_m2"), "has no meaning for a cylinder: its own is used");
                     return None;
                 }
-                Some(Drive::Stress { stress, area: area.unwrap_or(0.0), gain })
+                Some(Drive::Stress { stress, area: area.unwrap_or(0.0), gain, fastest: number(table, "max_velocity_m_s") })
             }
         }
     }

@@ -33,16 +33,32 @@ impl View<'_> {
         let free = self.text("test.rig") == "free";
         let key = if tables.is_empty() { "block_set" } else { "block" };
         self.check(free, key, "has no meaning in a test: rigid bodies that are no spheres are for test.rig = \"free\"");
-        let whole = !self.flag("crushing.enabled");
-        self.check(
-            whole,
-            "crushing.enabled",
-            "must be false beside [[block]] and [[block_set]]: only spheres break, and forces of blocks on spheres do not count for breakage",
-        );
         let blocks: Vec<Option<Block>> = tables.iter().enumerate().map(|(i, t)| self.block(i, t, named, materials)).collect();
         let mut blocks: Vec<Block> = blocks.into_iter().collect::<Option<_>>()?;
         blocks.extend(self.block_sets(named, materials)?);
+        if self.flag("crushing.enabled") {
+            self.blocks_can_break(&blocks);
+        }
         Some(blocks)
+    }
+
+    /// Refuses crushing where a body cannot be cut, and spheres beside bodies that break.
+    fn blocks_can_break(&self, blocks: &[Block]) {
+        let alone = self.list("grain").is_empty();
+        let key = "crushing.enabled";
+        let message = "must be false where [[grain]] stands beside [[block]] or [[block_set]]: forces of blocks on spheres do not count for their breakage";
+        self.check(alone, key, message);
+        let whole =
+            |b: &&Block| !b.driven && b.shape.cut([1.0, 0.0, 0.0], 0.0).is_none() && b.shape.cut([0.0, 1.0, 0.0], 0.0).is_none();
+        if let Some((k, b)) = blocks.iter().enumerate().find(|(_, b)| whole(b)) {
+            let why = if b.shape.rounded().is_some() {
+                "its edges are too round to leave a hull on both sides of a cut"
+            } else {
+                "it has no corners"
+            };
+            let message = format!("must be false: block {k}, a {}, cannot be cut, for {why}", b.shape.name());
+            self.refuse(key, message);
+        }
     }
 
     fn block(&self, i: usize, table: &Table, named: &[Named], materials: &[Material]) -> Option<Block> {

@@ -31,7 +31,7 @@ fn unloaded(crush: &CrushModel, rig: &MpmTest) -> Option<String> {
     let coarse = rig.coarse.as_ref()?;
     let breakable = || coarse.grains.iter().enumerate().filter(|(_, g)| 2.0 * g.radius > crush.d_limit);
     let loaded = match &rig.test {
-        Test::Free { .. } => coarse.grains.len() > 1 || !coarse.walls.is_empty(),
+        Test::Free { .. } => coarse.grains.len() + coarse.blocks.len() > 1 || !coarse.walls.is_empty(),
         Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => breakable().any(|(i, g)| {
             let mut others = coarse.grains.iter().enumerate().filter(|(j, _)| *j != i);
             at_a_platen(s, g) || others.any(|(_, h)| touch_at_end(s, g, h))

@@ -11,6 +11,7 @@ use engine::breakage::lost_mass::Fines;
 use engine::breakage::pattern::{Azimuth, Pattern};
 use engine::breakage::strength::{Distribution, StrengthModel, Truncation, weibull_variation};
 use engine::breakage::{Birth, Criterion, CrushModel};
+use engine::rigid::Block;
 use toml::{Table, Value};
 
 /// Fills in the defaults that depend on the kind of scene, on whether grains break, or on another key: `contact.unloading`,
@@ -48,9 +49,10 @@ impl View<'_> {
             return Some((None, fines));
         }
         let pattern = self.pattern();
-        // a test ends where its grain breaks, so sizes of daughters and of lost mass are not needed
-        let single = matches!(rig, Rig::GrainCrushing(_));
-        let d_limit = if single && !self.has(&of.key("comminution")) { Some(0.0) } else { self.d_limit(of) };
+        // a test ends where its grain breaks, and rigid bodies lose no mass, so sizes of daughters and of lost mass are not needed
+        let test = matches!(rig, Rig::GrainCrushing(_));
+        let single = test || self.has_blocks();
+        let d_limit = if test && !self.has(&of.key("comminution")) { Some(0.0) } else { self.d_limit(of) };
         let strength = self.strength(of);
         let (pattern, d_limit, (criterion, strength)) = (pattern?, d_limit?, strength?);
         if !single && !self.has(&of.key("fines")) {
@@ -199,7 +201,7 @@ impl View<'_> {
     /// Refuses criteria that judge the mean stress of a grain where the scene has material points: the mean stress is the sum over
     /// contacts with grains and walls only.
     fn judges(&self, criterion: Criterion) {
-        let points = self.text("kind") == "mixture" || self.text("crushing.lost_mass") == "points";
+        let points = self.text("kind") == "mixture" && !self.is_without_points() || self.text("crushing.lost_mass") == "points";
         self.check(
             criterion.judges() == Judges::Contacts || !points,
             "crushing.criterion",
@@ -320,12 +322,15 @@ pub fn grain_materials(rig: &Rig) -> Option<Vec<u8>> {
                 let all = growth.coarse.into_iter().chain((!growth.as_points).then_some(growth.fines));
                 all.map(|fraction| fraction.material).collect()
             }
-            None => of(&rig.coarse.as_ref()?.grains),
+            None => {
+                let coarse = rig.coarse.as_ref()?;
+                of(&coarse.grains).into_iter().chain(loose(&coarse.blocks).map(|b| b.material)).collect()
+            }
         },
     })
 }
 
-/// Smallest and largest diameter of the grains at the start of a run, m; infinity and 0 where there are no grains.
+/// Smallest and largest diameter of the grains at the start of a run, m, and of rigid bodies those of the spheres of their volumes; infinity and 0 where there are none.
 pub fn extremes(rig: &Rig) -> (f64, f64) {
     match rig.subject() {
         Subject::Specimen(specimen) => {
@@ -337,9 +342,16 @@ pub fn extremes(rig: &Rig) -> (f64, f64) {
         Subject::Continuum(rig) => {
             let grown = rig.growth.iter().flat_map(|g| g.coarse.into_iter().chain((!g.as_points).then_some(g.fines)));
             let grown = grown.flat_map(|fraction| fraction.radii);
-            span(rig.coarse.iter().flat_map(|c| &c.grains).map(|g| g.radius).chain(grown).map(|r| 2.0 * r))
+            let listed = rig.coarse.iter().flat_map(|c| &c.grains).map(|g| g.radius);
+            let blocks = rig.coarse.iter().flat_map(|c| loose(&c.blocks)).map(|b| b.radius);
+            span(listed.chain(blocks).chain(grown).map(|r| 2.0 * r))
         }
     }
+}
+
+/// The rigid bodies that are not driven: those that can break.
+pub(super) fn loose(blocks: &[Block]) -> impl Iterator<Item = &Block> {
+    blocks.iter().filter(|b| !b.driven)
 }
 
 /// Smallest and largest of the sizes; infinity and 0 where there are none.

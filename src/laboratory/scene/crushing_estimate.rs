@@ -1,6 +1,6 @@
 //! The crushing strength F/d² of a single grain of the scene between platens, as laboratories state it.
 
-use super::crushing::{grain_materials, rigid_platens};
+use super::crushing::{grain_materials, loose, rigid_platens};
 use super::estimate::median;
 use crate::model::{Model, Rig, Subject};
 use engine::breakage::crushing_stress::Quoted;
@@ -56,7 +56,10 @@ fn middle_size(rig: &Rig) -> Option<f64> {
                 let [low, high] = growth.coarse.unwrap_or(growth.fines).radii;
                 return Some(low + high);
             }
-            None => rig.coarse.as_ref()?.grains.iter().map(|g| 2.0 * g.radius).collect(),
+            None => {
+                let coarse = rig.coarse.as_ref()?;
+                coarse.grains.iter().map(|g| g.radius).chain(loose(&coarse.blocks).map(|b| b.radius)).map(|r| 2.0 * r).collect()
+            }
         },
     };
     by_mass(listed)

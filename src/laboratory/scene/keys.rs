@@ -282,6 +282,12 @@ const OWN: &[Key] = &[
     listed("wall.velocity_m_s", Number(ANY), Absent, "plane, cylinder: velocity into the grains"),
     listed("wall.stress_kPa", Number(NOT_NEGATIVE), Absent, "plane, cylinder: normal stress held by a servo"),
     listed("wall.area_m2", Number(POSITIVE), Absent, "plane with a stress: area it acts on"),
+    listed(
+        "wall.max_velocity_m_s",
+        Number(POSITIVE),
+        Absent,
+        "wall with a stress: largest speed; else in a mixture the stress over the root of Young's modulus times density, the speed at which a plane wave of that stress moves a material, and in an assembly a thousandth of the largest radius per step",
+    ),
     listed("wall.gain", Number(Range::above(0.0, 1.0)), Is("0.2"), "wall with a stress: share of the imbalance removed per step"),
     listed("wall.material", Text, Is("\"rigid\""), "\"rigid\" (a mirrored grain) or one of `materials`"),
     mixture(

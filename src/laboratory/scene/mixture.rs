@@ -7,6 +7,7 @@ use crate::model::GrainSpec;
 use crate::model::continuum::{CoarseGrains, Fraction, MpmSpecimen, MpmTest};
 use crate::model::validity::refusal;
 use crate::packing::dispersed;
+use engine::boundary::{Drive, WallSpec};
 use engine::contact::ContactLaw;
 use engine::coupling::{Rates, Rule};
 use engine::grains::sphere_volume;
@@ -76,6 +77,7 @@ impl View<'_> {
             Some(())
         })?;
         self.check(!test || walls.is_empty(), "wall", "has no meaning in a test, which sets its own");
+        self.walls_hold(&walls, materials);
         let asked = |key: &str| self.whole(key).map(|n| n as u32);
         let rates = match (asked("stepping.grain_steps"), asked("stepping.continuum_steps")) {
             (None, None) if self.number("stepping.dt_s").is_none() => None,
@@ -115,6 +117,21 @@ impl View<'_> {
             self.refuse("grid.cell_mm", why);
         }
         Some(rig)
+    }
+
+    /// Refuses walls under servo that a mixture cannot have: a cylinder, whose area would have to be that of its content, and a wall whose largest speed does not follow from the materials.
+    fn walls_hold(&self, walls: &[WallSpec], materials: &[Material]) {
+        let tables = self.list("wall");
+        let holds = walls.iter().any(|w| matches!(w.drive, Drive::Stress { fastest: None, .. }));
+        let stiff = materials.iter().any(|m| m.young > 0.0);
+        for (i, wall) in tables.iter().enumerate().filter(|(_, wall)| wall.contains_key("stress_kPa")) {
+            let plane = wall.get("kind").and_then(toml::Value::as_str) == Some("plane");
+            self.check(plane, &format!("wall[{i}].stress_kPa"), "must stand at a plane in a mixture");
+            if holds && !stiff && !wall.contains_key("max_velocity_m_s") {
+                let message = "is missing: no material has a Young's modulus from which it would follow";
+                self.refuse(&format!("wall[{i}].max_velocity_m_s"), message);
+            }
+        }
     }
 
     /// Refuses a mixture in plane strain that has more in it than polygons and points.

@@ -5,8 +5,7 @@ use crate::error::{Error, Result};
 use crate::model::continuum::{CoarseGrains, MpmSpecimen, Test};
 use crate::model::{Assembly, Model};
 use crate::rig::assembly;
-use ::engine::boundary::Wall;
-use ::engine::boundary::{Drive, WallShape, WallSpec};
+use ::engine::boundary::{Drive, Wall, WallShape, WallSpec, servo_speed};
 use ::engine::coupling::{Allowed, Cycle, Mixture, Parts, Rates};
 use ::engine::dem::{Workspace, stability};
 #[cfg(feature = "gpu")]
@@ -16,7 +15,7 @@ use ::engine::mpm::{Continuum, LoadingPlate};
 #[cfg(feature = "gpu")]
 use ::engine::mpm::{Points, Settings};
 use ::engine::point_contacts::PointContactTable;
-use ::engine::rigid::Blocks;
+use ::engine::rigid::{Block, Blocks};
 
 /// A fixed rigid plane without friction.
 fn smooth(point: [f64; 3], normal: [f64; 3]) -> WallSpec {
@@ -58,7 +57,10 @@ pub fn mixture(model: &Model, rig: &MpmTest, coarse: &CoarseGrains, continuum: &
     let mut mixture = Mixture::new(&model.physics, assembly::start(model, &scene), continuum, coarse.fines);
     if !coarse.blocks.is_empty() {
         let blocks = Blocks::new(coarse.blocks.clone()).with_points(coarse.point_radius, first_touch(model, rig, coarse));
-        mixture.blocks = Some(Box::new(blocks));
+        mixture.blocks = Some(Box::new(match &model.physics.crush {
+            Some(crush) => blocks.with_breakage(crush),
+            None => blocks,
+        }));
     }
     mixture
 }
@@ -83,14 +85,24 @@ const NEARLY: f64 = 0.8;
 
 /// Largest step of rigid bodies without points, s, before anything touches them: that of spheres of their volumes. Beside points waves through a cell bound the
 /// step.
-pub fn free_step(model: &Model, rig: &MpmTest) -> f64 {
-    match &rig.coarse {
-        Some(coarse) if rig.points.is_empty() && !coarse.blocks.is_empty() => {
-            // a sheet has no mass
-            let bodies = coarse.blocks.iter().filter(|b| b.mass > 0.0);
-            stability::free_of(&model.physics, bodies.map(|b| (b.mass, b.radius, b.material)))
+pub fn free_step(model: &Model, rig: &MpmTest, blocks: &[Block]) -> f64 {
+    if blocks.is_empty() || !rig.points.is_empty() {
+        return f64::INFINITY;
+    }
+    // a sheet has no mass
+    let bodies = blocks.iter().filter(|b| b.mass > 0.0);
+    stability::free_of(&model.physics, bodies.map(|b| (b.mass, b.radius, b.material)))
+}
+
+/// Sets the speeds of the walls of a free scene that hold a stress, for the next `dt` seconds. Faster than a plane wave of that stress would move the material, stress over
+/// √(E ρ), none goes, unless the scene says how fast it may.
+fn hold(model: &Model, walls: &mut [Wall], dt: f64) {
+    for wall in walls {
+        if let Drive::Stress { stress, area, gain, fastest } = wall.drive {
+            let impedance = model.physics.materials.iter().map(|m| (m.young * m.density).sqrt()).fold(0.0, f64::max);
+            let limit = fastest.unwrap_or(stress / impedance);
+            wall.speed = servo_speed(stress * area, wall.reaction, wall.stiffness, gain, dt, limit);
         }
-        _ => f64::INFINITY,
     }
 }
 
@@ -158,6 +170,9 @@ impl Coupled {
         // the last walls are the loading plates
         for (plate, wall) in plates.iter().rev().zip(mixture.grains.walls.iter_mut().rev()) {
             wall.speed = plate.speed;
+        }
+        if plates.is_empty() {
+            hold(model, &mut mixture.grains.walls, mixture.cycle.time);
         }
         let (cycle, step) = (mixture.cycle, continuum.steps());
         let done = mixture
@@ -229,6 +244,10 @@ impl State {
         }
         gpu::takes(&rig.laws)?;
         let Some(mixture) = self.mixture.as_deref() else { return Ok(what(&rig.settings, &rig.points, &self.plates, None)?) };
+        if let Some(k) = mixture.grains.walls.iter().position(|wall| matches!(wall.drive, Drive::Stress { .. })) {
+            let message = "a wall that holds a stress is not available on the GPU: use the processor";
+            return Err(Error::input("gpu", format!("wall[{k}].stress_kPa"), None, message).on_device());
+        }
         if rig.growth.is_some_and(|growth| !growth.as_points) {
             let message = "grains alone are not available on the GPU: use points, or the processor";
             return Err(Error::input("gpu", "growth.fines", Some("grains".into()), message).on_device());
@@ -253,7 +272,7 @@ impl State {
         let (grains, contacts) = engine.bounds(mixture, &self.continuum, &self.plates, model.physics.stepping.slow);
         let rates = rig.coarse.as_ref().and_then(|c| c.rates);
         let mut allowed = Allowed {
-            grains: grains.min(free_step(model, rig)),
+            grains: grains.min(free_step(model, rig, mixture.blocks.as_ref().map_or(&[], |blocks| &blocks.blocks))),
             continuum: safety * continuum,
             contacts,
             safety,

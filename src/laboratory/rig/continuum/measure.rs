@@ -259,7 +259,7 @@ impl State {
                 mass,
                 void_ratio: box_volume / (solid + volume + lost_volume) - 1.0,
                 void_ratio_points: by_points,
-                crush_events: m.grains.crush_events,
+                crush_events: m.crush_events(),
                 rates: [m.cycle.rates.grains, m.cycle.rates.continuum],
                 fines: m.fines.as_ref().map(|f| FromCrushing {
                     points: f.points,

@@ -1,0 +1,531 @@
+//! Breakage of rigid bodies that are no spheres.
+//!
+//! A body is judged by the criteria of grains ([`crate::breakage::criterion`]). All places at which it touches one partner (a wall, a grain, another body) count as one contact: a face that lies
+//! on a face touches at its corners, and the sum of their normal forces is what the criterion judges. Its strength follows from the diameter of the sphere of its
+//! volume (in plane strain of the disc of its area), with size hardening and spread as for grains. Contacts with points do not break it, as they do not break grains.
+//!
+//! It breaks in two along a plane ([`crate::shape::Piece`]) that goes through its two largest contacts and its centre of mass. Where these three are nearly on a line, as between two
+//! platens, the plane contains that line and the cut crosses the body's longest axis. In plane strain the line through the two contacts is the cut. A cut that would
+//! chip off less than [`LEAST`] of the volume goes through the centre of mass instead.
+//!
+//! The two pieces have all of the mass, the momentum and the angular momentum of the body. The larger one keeps the body's number. What the round edges at the cut
+//! leave to neither ([`Breakage::lost_volume`]) makes the pieces denser by as much; a cut that would lose more than [`MOST_LOST`] of the volume is not made. The contacts of the body end with it. Those
+//! of the pieces begin without force however deep they are born ([`super::BlockContact::reference`]), so that no energy is made.
+
+use super::pair::Outline;
+use super::{Block, Blocks, Other, motion};
+use crate::breakage::CrushModel;
+use crate::breakage::criterion::{Judges, MeanStress};
+use crate::check::{self, Checked, ensure};
+use crate::contact::pair::PairTable;
+use crate::math::random::{lineage_child, lineage_root};
+use crate::math::vector::{cross, dot, less, plus, scaled};
+use crate::shape::{Piece, Shape};
+use serde::{Deserialize, Serialize};
+
+/// Smallest share of a body's volume that a piece may have where the cut does not go through the centre of mass.
+pub const LEAST: f64 = 0.1;
+/// Largest share of a body's volume that a breakage may lose at the new edges.
+pub const MOST_LOST: f64 = 0.1;
+/// Sine of the angle between the arms of the two largest contacts below which they count as on a line with the centre.
+const ON_A_LINE: f64 = 0.1;
+
+/// How the bodies of a run break: what a restart needs.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Breaking {
+    /// Of each body, by its index.
+    pub bodies: Vec<Fate>,
+    /// Breakages so far.
+    pub events: u64,
+    /// Bodies that were over their limit and could not be cut.
+    pub held: u64,
+    /// Bodies whose contacts begin without force at the next search.
+    pub(super) newborn: Vec<u32>,
+    /// Breakages since the caller last took them out.
+    #[serde(skip)]
+    pub broken: Vec<Breakage>,
+    /// Buffer: what bears on each body.
+    #[serde(skip)]
+    borne: Vec<Borne>,
+}
+
+/// Strength and descent of one body.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fate {
+    /// Limit strength, Pa.
+    pub strength: f64,
+    /// Load at which it breaks ([`crate::breakage::criterion::FailureCriterion::threshold`]); infinite where it does not break.
+    threshold: f64,
+    /// Key of its random numbers.
+    lineage: u64,
+    /// Number of breakages between it and the body of the start.
+    pub generation: u8,
+    /// Step of the grains in which it was born.
+    born: u64,
+    /// Edge of the square hole through which it passes ([`Shape::sieve`]), m.
+    pub sieve: f64,
+}
+
+/// One breakage of a body, as it is recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Breakage {
+    /// Number of the breakage, from 1.
+    pub event: u64,
+    /// Step of the grains.
+    pub step: u64,
+    /// Number of the body, which the larger piece keeps, and of the smaller piece.
+    pub pieces: [u32; 2],
+    /// Generation of the body that broke.
+    pub generation: u8,
+    /// Steps since its birth.
+    pub age: u64,
+    /// Diameter of the sphere of its volume, m.
+    pub diameter: f64,
+    /// Decisive normal force, N.
+    pub force: f64,
+    /// Normal force at which it fails, N.
+    pub limit_force: f64,
+    /// Area, m², over which the decisive force makes the stress that is compared with the strength.
+    pub area: f64,
+    /// Limit strength, Pa.
+    pub strength: f64,
+    /// Its centre of mass, m.
+    pub position: [f64; 3],
+    /// Unit normal of the cut.
+    pub normal: [f64; 3],
+    /// Masses of the two pieces, kg.
+    pub masses: [f64; 2],
+    /// Volume that the round edges at the cut leave to neither, m³.
+    pub lost_volume: f64,
+    /// Elastic energy of its contacts, J, which ends with it.
+    pub stored: f64,
+    /// Kinetic energy before less that after, J.
+    pub lost_kinetic: f64,
+}
+
+/// What one partner of a body presses on it.
+#[derive(Clone, Copy, Debug)]
+struct Push {
+    /// Normal force, N.
+    force: f64,
+    /// The same with the criterion's weight.
+    load: f64,
+    /// Where it acts, in the frame of the body, m.
+    at: [f64; 3],
+    /// R* of the contact, m, and its E', Pa.
+    stiff: [f64; 2],
+}
+
+/// What bears on a body.
+#[derive(Clone, Copy, Debug, Default)]
+struct Borne {
+    /// The two largest pushes, the largest first.
+    largest: [Option<Push>; 2],
+    /// Sum over contacts of −force × arm, N m: its mean stress times its volume.
+    moment: [f64; 6],
+}
+
+impl Borne {
+    fn add(&mut self, push: Push) {
+        let above = |other: Option<Push>| other.is_none_or(|other| push.load > other.load);
+        if above(self.largest[0]) {
+            self.largest = [Some(push), self.largest[0]];
+        } else if above(self.largest[1]) {
+            self.largest[1] = Some(push);
+        }
+    }
+}
+
+/// A body over its limit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Verdict {
+    block: usize,
+    at: [Option<[f64; 3]>; 2],
+    force: f64,
+    limit_force: f64,
+    area: f64,
+}
+
+impl Fate {
+    /// Of a body of this descent; `generation`: of the body, `born`: step.
+    fn of(crush: &CrushModel, block: &Block, lineage: u64, generation: u8, born: u64) -> Fate {
+        let d = 2.0 * block.radius;
+        let breaks = !block.driven && d > crush.d_limit;
+        let strength = if breaks { crush.strength.draw(crush.seed, lineage, d) } else { 0.0 };
+        let threshold = if breaks { crush.criterion.threshold(strength, d) } else { f64::INFINITY };
+        Fate { strength, threshold, lineage, generation, born, sieve: block.shape.sieve() }
+    }
+}
+
+impl Breaking {
+    /// Of bodies that have just been placed.
+    pub(super) fn of(crush: &CrushModel, blocks: &[Block]) -> Breaking {
+        let fate = |(k, block)| Fate::of(crush, block, lineage_root(k as u32), 0, 0);
+        Breaking { bodies: blocks.iter().enumerate().map(fate).collect(), ..Breaking::default() }
+    }
+
+    /// Checks what a checkpoint says of so many bodies, of which there were `first` at the start.
+    pub(super) fn check(&self, bodies: usize, first: usize) -> Checked {
+        check::lengths("strengths of rigid bodies", bodies, [self.bodies.len()])?;
+        check::counters("breakages of rigid bodies", &[self.events, self.held])?;
+        ensure(bodies as u64 == first as u64 + self.events, || {
+            format!("{first} rigid bodies and {} breakages do not make {bodies}", self.events)
+        })?;
+        self.newborn.iter().try_for_each(|&k| check::below("new rigid body", k, bodies))?;
+        check::not_negative("strengths of rigid bodies", self.bodies.iter().map(|fate| fate.strength))?;
+        ensure(self.bodies.iter().all(|fate| fate.sieve > 0.0), || "a rigid body passes no sieve".into())?;
+        let threshold = |fate: &Fate| fate.threshold > 0.0;
+        ensure(self.bodies.iter().all(threshold), || "a rigid body breaks under no load".into())
+    }
+}
+
+impl Blocks {
+    /// Lets the bodies break.
+    pub fn with_breakage(self, crush: &CrushModel) -> Blocks {
+        Blocks { breaking: Some(Box::new(Breaking::of(crush, &self.blocks))), ..self }
+    }
+
+    /// How the bodies break; `None`: they do not.
+    pub fn breaking(&self) -> Option<&Breaking> {
+        self.breaking.as_deref()
+    }
+
+    /// Takes out the breakages since the last call.
+    pub fn take_breakages(&mut self) -> Vec<Breakage> {
+        self.breaking.as_mut().map_or(Vec::new(), |breaking| std::mem::take(&mut breaking.broken))
+    }
+
+    /// The bodies that are over their limit under the present forces, in their order.
+    pub(crate) fn failing(&mut self, crush: &CrushModel, table: &PairTable) -> Vec<Verdict> {
+        let Some(mut breaking) = self.breaking.take() else { return Vec::new() };
+        self.sum_loads(crush, table, &mut breaking.borne);
+        let over = |(k, (borne, fate)): (usize, (&Borne, &Fate))| self.judge(crush, k, borne, fate);
+        let verdicts = breaking.borne.iter().zip(&breaking.bodies).enumerate().filter_map(over).collect();
+        self.breaking = Some(breaking);
+        verdicts
+    }
+
+    /// Sums what bears on each body: the contacts with one partner follow each other in the list.
+    fn sum_loads(&self, crush: &CrushModel, table: &PairTable, borne: &mut Vec<Borne>) {
+        borne.clear();
+        borne.resize(self.blocks.len(), Borne::default());
+        let same = |a: &super::BlockContact, b: &super::BlockContact| a.block == b.block && a.other.partner() == b.other.partner();
+        let stress = crush.criterion.judges() == Judges::MeanStress;
+        for contacts in self.candidates.chunk_by(same) {
+            if contacts[0].is_of_point() {
+                continue;
+            }
+            let (mut normal, mut weight, mut place) = ([0.0; 3], 0.0, [0.0; 3]);
+            let (first, other) = (contacts[0].block, contacts[0].other);
+            for c in contacts.iter().filter(|c| c.touch.overlap > 0.0) {
+                let f = c.share * c.touch.normal_force;
+                normal = plus(normal, less(scaled(c.touch.normal, f), c.beside[0]));
+                (weight, place) = (weight + f, plus(place, scaled(c.arm, f)));
+                if stress {
+                    add_moment(&mut borne[first as usize].moment, c.force(), c.arm);
+                    if let Other::Block { block, .. } = other {
+                        let arm = plus(c.arm, less(self.blocks[first as usize].centre, self.blocks[block as usize].centre));
+                        add_moment(&mut borne[block as usize].moment, scaled(c.force(), -1.0), arm);
+                    }
+                }
+            }
+            if weight <= 0.0 {
+                continue;
+            }
+            let (block, force) = (&self.blocks[first as usize], dot(normal, normal).sqrt());
+            let at = plus(block.centre, scaled(place, 1.0 / weight));
+            let (r, e_eff) = match other {
+                Other::Wall { wall, .. } => (f64::INFINITY, table.wall(wall as usize, block.material).e_eff),
+                Other::Grain(_) => (contacts[0].radius, table.grains(block.material, block.material).e_eff),
+                Other::Block { block: second, .. } => {
+                    let second = &self.blocks[second as usize];
+                    (second.radius, table.grains(block.material, second.material).e_eff)
+                }
+                Other::Point(_) => continue,
+            };
+            let r_eff = super::contact::reduced(block.radius, r);
+            let load = force * crush.criterion.load_weight(r_eff, e_eff);
+            let push = |on: &Block| Push { force, load, at: on.pose(0.0).within(at), stiff: [r_eff, e_eff] };
+            borne[first as usize].add(push(block));
+            if let Other::Block { block, .. } = other {
+                borne[block as usize].add(push(&self.blocks[block as usize]));
+            }
+        }
+    }
+
+    /// Whether body `k` is over its limit.
+    fn judge(&self, crush: &CrushModel, k: usize, borne: &Borne, fate: &Fate) -> Option<Verdict> {
+        let first = borne.largest[0].filter(|_| fate.threshold.is_finite())?;
+        let (block, [r_eff, e_eff]) = (&self.blocks[k], first.stiff);
+        let d = 2.0 * block.radius;
+        let (load, limit_force, area) = match crush.criterion.judges() {
+            Judges::Contacts => {
+                let limit = crush.criterion.limit_force(fate.strength, d, r_eff, e_eff);
+                (first.load, limit, crush.criterion.area(first.force, d, r_eff, e_eff))
+            }
+            Judges::MeanStress => {
+                let volume = block.solid().bulk().volume;
+                let stress = crush.criterion.equivalent_stress(&MeanStress(borne.moment.map(|m| m / volume)));
+                // the force at which it would fail if all of its forces grew alike
+                (stress, first.force * fate.threshold / stress, first.force / stress)
+            }
+        };
+        let at = borne.largest.map(|push| push.map(|push| push.at));
+        (load > fate.threshold).then_some(Verdict { block: k, at, force: first.force, limit_force, area })
+    }
+
+    /// Breaks the bodies `failing`, which have moved since they were judged, in step `step` of the grains. `energy_factor`: elastic energy of a contact over normal force
+    /// times overlap.
+    pub(crate) fn break_bodies(&mut self, crush: &CrushModel, failing: &[Verdict], step: u64, energy_factor: f64) {
+        let Some(mut breaking) = self.breaking.take() else { return };
+        for verdict in failing {
+            match self.divide(crush, &mut breaking, verdict, step, energy_factor) {
+                Some(event) => breaking.broken.push(event),
+                None => {
+                    breaking.held += 1;
+                    breaking.bodies[verdict.block].threshold = f64::INFINITY;
+                }
+            }
+        }
+        self.breaking = Some(breaking);
+    }
+
+    /// Replaces a body by its two pieces; `None`, with nothing changed, where it cannot be cut.
+    fn divide(
+        &mut self,
+        crush: &CrushModel,
+        breaking: &mut Breaking,
+        verdict: &Verdict,
+        step: u64,
+        energy_factor: f64,
+    ) -> Option<Breakage> {
+        let k = verdict.block;
+        let Cut { mut pieces, normal, lost } = cut(&self.blocks[k], verdict.at)?;
+        let body = self.blocks[k].clone();
+        let volumes = |pieces: &[Piece; 2]| [0, 1].map(|i| pieces[i].shape.solid().bulk().volume);
+        if volumes(&pieces)[0] < volumes(&pieces)[1] {
+            pieces.swap(0, 1);
+        }
+        let made = divided(&body, &pieces);
+        let fate = breaking.bodies[k];
+        let touches = |c: &super::BlockContact| c.block as usize == k || c.other.partner_body() == Some(k as u32);
+        let stored = self.touching().filter(|c| touches(c)).map(|c| c.energy(energy_factor)).sum();
+        self.candidates.retain(|c| !touches(c));
+        self.age.forget();
+        let (new, generation) = (self.blocks.len() as u32, fate.generation.saturating_add(1));
+        let event = Breakage {
+            event: breaking.events + 1,
+            step,
+            pieces: [k as u32, new],
+            generation: fate.generation,
+            age: step - fate.born,
+            diameter: 2.0 * body.radius,
+            force: verdict.force,
+            limit_force: verdict.limit_force,
+            area: verdict.area,
+            strength: fate.strength,
+            position: body.centre,
+            normal: body.pose(0.0).outwards(normal),
+            masses: [0, 1].map(|i| made[i].mass),
+            lost_volume: lost,
+            stored,
+            lost_kinetic: body.kinetic() - made.iter().map(Block::kinetic).sum::<f64>(),
+        };
+        let of = |i: usize| Fate::of(crush, &made[i], lineage_child(fate.lineage, i as u32), generation, step);
+        breaking.bodies[k] = of(0);
+        breaking.bodies.push(of(1));
+        breaking.newborn.extend([k as u32, new]);
+        breaking.events += 1;
+        let [larger, smaller] = made;
+        let outline = |block: &Block| Outline::of(&block.shape);
+        if self.outlines.len() == self.blocks.len() {
+            self.outlines[k] = outline(&larger);
+            self.outlines.push(outline(&smaller));
+        }
+        self.blocks[k] = larger;
+        self.blocks.push(smaller);
+        self.applied[k] = [[0.0; 3]; 2];
+        self.applied.push([[0.0; 3]; 2]);
+        Some(event)
+    }
+}
+
+/// Adds −(f a + a f)/2 of a force f, N, at the end of an arm a, m, to a moment xx, yy, zz, xy, yz, zx, N m.
+fn add_moment(moment: &mut [f64; 6], f: [f64; 3], arm: [f64; 3]) {
+    for (k, (a, b)) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].into_iter().enumerate() {
+        moment[k] -= 0.5 * (f[a] * arm[b] + f[b] * arm[a]);
+    }
+}
+
+/// A cut of a body that can be made.
+struct Cut {
+    pieces: [Piece; 2],
+    /// Unit normal of the plane, in the frame of the body.
+    normal: [f64; 3],
+    /// Volume that is left to neither piece, m³.
+    lost: f64,
+}
+
+/// The cut of a body through its largest contacts `at`, in its frame; where that cannot be made, through its centre of mass in the same direction, and then across
+/// its longest axis.
+fn cut(body: &Block, at: [Option<[f64; 3]>; 2]) -> Option<Cut> {
+    let volume = body.solid().bulk().volume;
+    let of = |normal: [f64; 3], offset: f64, least: f64| {
+        let pieces = body.shape.cut(normal, offset)?;
+        let volumes = [0, 1].map(|i| pieces[i].shape.solid().bulk().volume);
+        let lost = volume - volumes[0] - volumes[1];
+        let whole = volumes.iter().all(|v| *v >= least * volume) && lost <= MOST_LOST * volume;
+        whole.then_some(Cut { pieces, normal, lost })
+    };
+    let (normal, offset) = plane(body, at);
+    of(normal, offset, LEAST).or_else(|| of(normal, 0.0, 0.0)).or_else(|| of(longest(body, [0.0; 3]), 0.0, 0.0))
+}
+
+/// Unit normal and offset, m, of the plane through two contacts and the centre of mass, in the frame of the body.
+fn plane(body: &Block, [first, second]: [Option<[f64; 3]>; 2]) -> ([f64; 3], f64) {
+    let p = first.unwrap_or_default();
+    let q = second.unwrap_or_else(|| scaled(p, -1.0));
+    if matches!(body.shape, Shape::Polygon(_)) {
+        let [x, y, _] = less(q, p);
+        let length = (x * x + y * y).sqrt();
+        let normal = if length > 0.0 { [-y / length, x / length, 0.0] } else { longest(body, [0.0; 3]) };
+        return (normal, dot(normal, p));
+    }
+    let across = cross(p, q);
+    let (sine, sizes) = (dot(across, across).sqrt(), (dot(p, p) * dot(q, q)).sqrt());
+    if sine > ON_A_LINE * sizes {
+        return (scaled(across, 1.0 / sine), 0.0);
+    }
+    let normal = longest(body, less(q, p));
+    (normal, 0.5 * dot(normal, plus(p, q)))
+}
+
+/// Unit vector across a direction (of any length; zero: across nothing), as far as possible along the axis of the least moment of inertia, along which a body is longest; in the
+/// plane along the longest distance from the centre.
+fn longest(body: &Block, along: [f64; 3]) -> [f64; 3] {
+    let square = dot(along, along);
+    let across = |axis: [f64; 3]| less(axis, scaled(along, if square > 0.0 { dot(axis, along) / square } else { 0.0 }));
+    let mut axes: Vec<[f64; 3]> = match &body.shape {
+        Shape::Polygon(polygon) => {
+            let far = |p: &&[f64; 3]| dot(**p, **p);
+            polygon.rounded_ring().corners.iter().max_by(|p, q| far(p).total_cmp(&far(q))).into_iter().copied().collect()
+        }
+        _ => {
+            let mut order = [0, 1, 2];
+            order.sort_by(|&a, &b| body.moments[a].total_cmp(&body.moments[b]));
+            order.map(|a| std::array::from_fn(|b| f64::from(u8::from(a == b)))).to_vec()
+        }
+    };
+    axes.push([1.0, 0.0, 0.0]);
+    let size = |v: [f64; 3]| dot(v, v).sqrt();
+    // an axis that is nearly along it says little
+    let found = axes.into_iter().map(|axis| (size(across(axis)) / size(axis), across(axis))).find(|(share, _)| *share > 0.5);
+    let (_, normal) = found.unwrap_or((1.0, [0.0, 1.0, 0.0]));
+    scaled(normal, 1.0 / size(normal))
+}
+
+/// The two pieces as bodies: with all of the mass, momentum and angular momentum of `body`, and its velocity field but for what exactness takes.
+fn divided(body: &Block, pieces: &[Piece; 2]) -> [Block; 2] {
+    let (pose, spin) = (body.pose(0.0), body.spin());
+    let bulks = [0, 1].map(|i| pieces[i].shape.solid().bulk());
+    let second = body.mass * (bulks[1].volume / (bulks[0].volume + bulks[1].volume));
+    let masses = [body.mass - second, second];
+    let mut made = [0, 1].map(|i| {
+        let Piece { shape, centre, axes } = &pieces[i];
+        let density = masses[i] / bulks[i].volume;
+        let turn = motion::product(body.turn, motion::quaternion(*axes));
+        let mut block = Block::new(shape.clone(), density, body.material);
+        (block.mass, block.centre, block.turn) = (masses[i], pose.place(*centre), turn);
+        block.velocity = plus(body.velocity, cross(spin, less(block.centre, body.centre)));
+        block.set_spin(spin);
+        block
+    });
+    // the centre of mass of the pieces is not quite that of the body, and some of the moment of inertia is gone
+    let sum = made.iter().fold([0.0; 3], |sum, b| plus(sum, scaled(b.velocity, b.mass)));
+    let missing = scaled(less(scaled(body.velocity, body.mass), sum), 1.0 / body.mass);
+    made.iter_mut().for_each(|b| b.velocity = plus(b.velocity, missing));
+    let about = |b: &Block| plus(b.momentum, cross(less(b.centre, body.centre), scaled(b.velocity, b.mass)));
+    let turning = made.iter().fold([0.0; 3], |sum, b| plus(sum, about(b)));
+    let missing = less(body.momentum, turning);
+    for b in &mut made {
+        b.momentum = plus(b.momentum, scaled(missing, b.mass / body.mass));
+    }
+    made
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::{Cuboid, Polyhedron};
+
+    /// A rock of unequal axes that turns and flies.
+    fn rock() -> Block {
+        let corners: Vec<[f64; 3]> = (0..8)
+            .map(|k: u32| {
+                let [x, y, z]: [f64; 3] = std::array::from_fn(|a| if k >> a & 1 == 1 { 1.0 } else { -1.0 });
+                [1.3 * x + 0.2 * y, 1.0 * y - 0.1 * z * x, 0.7 * z + 0.1 * x]
+            })
+            .collect();
+        let placed = Polyhedron::hull(&corners, 0.05).unwrap();
+        let mut block = Block::new(Shape::Polyhedron(placed.polyhedron), 2600.0, 0);
+        block.turn = motion::about([1.0, -2.0, 0.5], 1.1);
+        (block.centre, block.velocity) = ([3.0, -1.0, 2.0], [4.0, 5.0, -6.0]);
+        block.set_spin([10.0, -7.0, 3.0]);
+        block
+    }
+
+    /// Mass, momentum and angular momentum about the origin are those of the body, in any cut, to rounding; pieces lie beside each other and inside of the body.
+    #[test]
+    fn pieces_have_all_that_the_body_had() {
+        let body = rock();
+        let about = |b: &Block| plus(b.momentum, cross(b.centre, scaled(b.velocity, b.mass)));
+        for at in [
+            [Some([1.2, 0.1, 0.2]), Some([-0.3, 0.9, -0.1])],
+            [Some([0.0, 0.1, 0.7]), Some([0.05, 0.05, -0.7])],
+            [Some([1.2, 0.1, 0.2]), None],
+            // beside each other near an edge: that plane would chip
+            [Some([1.3, 0.9, 0.0]), Some([1.25, 1.0, 0.1])],
+        ] {
+            let Cut { pieces, normal, lost } = cut(&body, at).unwrap();
+            let made = divided(&body, &pieces);
+            let volumes = [0, 1].map(|k| pieces[k].shape.solid().bulk().volume);
+            let whole = body.solid().bulk().volume;
+            assert!(lost > 0.0 && lost < 0.02 * whole && volumes.iter().all(|v| *v > LEAST * whole), "{lost} {volumes:?}");
+            assert!((dot(normal, normal) - 1.0).abs() < 1e-12);
+            assert_eq!(made[0].mass + made[1].mass, body.mass);
+            let sum = made.iter().fold([[0.0; 3]; 2], |[p, l], b| [plus(p, scaled(b.velocity, b.mass)), plus(l, about(b))]);
+            let was = [scaled(body.velocity, body.mass), about(&body)];
+            for (now, was) in sum.into_iter().zip(was) {
+                let off = less(now, was);
+                assert!(dot(off, off).sqrt() < 1e-12 * dot(was, was).sqrt(), "{now:?} {was:?}");
+            }
+            // the field of velocities hardly changes
+            let kinetic = made.iter().map(Block::kinetic).sum::<f64>();
+            assert!((kinetic / body.kinetic() - 1.0).abs() < 1e-2, "{kinetic} {}", body.kinetic());
+            assert!(made[0].overlap(&made[1]) < 1e-12, "{}", made[0].overlap(&made[1]));
+            for piece in &made {
+                let pose = piece.pose(0.0);
+                let solid = piece.solid();
+                for k in 0..solid.spots() {
+                    let corner = body.pose(0.0).within(pose.place(solid.spot(k, [0.0; 3])));
+                    assert!(body.solid().nearest(corner).distance < -0.05 + 1e-9, "{corner:?}");
+                }
+            }
+        }
+    }
+
+    /// Between two platens a column breaks across the longer of its two other sides, and a body with three arms breaks in the plane of two contacts and its centre.
+    #[test]
+    fn the_cut_goes_through_the_contacts() {
+        let brick = Block::new(Shape::Box(Cuboid { half: [0.3, 0.5, 1.0] }), 1.0, 0);
+        let (normal, offset) = plane(&brick, [Some([0.0, 0.0, 1.0]), Some([0.0, 0.0, -1.0])]);
+        assert_eq!((normal, offset), ([0.0, 1.0, 0.0], 0.0));
+        let (normal, offset) = plane(&brick, [Some([0.0, 0.2, 1.0]), Some([0.0, 0.2, -1.0])]);
+        assert!(normal[0].abs() > 1.0 - 1e-12 && offset == 0.0, "{normal:?}");
+        let (normal, _) = plane(&brick, [Some([0.3, 0.0, 0.0]), Some([0.0, 0.5, 0.0])]);
+        assert_eq!(normal, [0.0, 0.0, 1.0]);
+        // one contact, as in a fall: across the body from there
+        let (normal, offset) = plane(&brick, [Some([0.3, 0.0, 0.0]), None]);
+        assert_eq!((normal, offset), ([0.0, 0.0, 1.0], 0.0));
+    }
+}

@@ -1,0 +1,157 @@
+//! Cuts a rounded convex body in two along a plane.
+//!
+//! The hull within each piece ends by the radius of the edges before the plane, so that the rounded pieces touch each other in the plane and lie inside of the
+//! body: they overlap neither each other nor what the body did not overlap. At the new edges the round of both leaves a little of the body's volume to neither, (2 − π/2) r² for
+//! a metre of the cut's outline where it meets the faces at right angles.
+
+use super::ring::convex_ring;
+use super::{Polygon, Polyhedron, Rounded, Shape};
+use crate::math::vector::{dot, less, plus, scaled};
+
+/// A piece of a body, with the place of its own frame in that of the body: x = centre + Σ axes`[k]` x'_k.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    /// Its shape.
+    pub shape: Shape,
+    /// Its centre of mass, m.
+    pub centre: [f64; 3],
+    /// Its principal axes, unit vectors.
+    pub axes: [[f64; 3]; 3],
+}
+
+/// Corners nearer to each other than this share of the body's reach are one.
+const ONE: f64 = 1e-6;
+/// Normals that differ by less than this belong to one flat face.
+const FLAT: f64 = 1e-6;
+
+impl Shape {
+    /// The two pieces on the sides of the plane n·x = `offset`, m, in the frame of the body, the one on the side of the unit vector `normal` last. `None`: the plane
+    /// leaves no hull with a volume on one of its sides, or the body is none that can be cut (a superquadric, a mesh, a disc).
+    pub fn cut(&self, normal: [f64; 3], offset: f64) -> Option<[Piece; 2]> {
+        let rounded = self.rounded()?;
+        let side = |sign: f64| rounded.beyond(scaled(normal, -sign), -sign * offset);
+        Some([side(1.0)?, side(-1.0)?])
+    }
+}
+
+impl Shape {
+    /// Whether a shape that comes from outside is one that can be made: numbers, corners that there are, a volume.
+    pub(crate) fn is_sound(&self) -> bool {
+        let Some(rounded) = self.rounded() else { return false };
+        let bulk = self.solid().bulk();
+        let numbers = rounded.corners().iter().flatten().chain(&bulk.moments);
+        let faces = match &rounded {
+            Rounded::Hull(hull) => {
+                let fits = |face: &super::HullFace| face.corners.iter().all(|&k| (k as usize) < hull.corners.len());
+                hull.corners.len() > 3
+                    && hull.faces.iter().all(|f| fits(f) && f.normal.iter().chain([&f.offset]).all(|x| x.is_finite()))
+            }
+            Rounded::Ring(ring) => ring.corners.len() > 2,
+            Rounded::Sheet(..) => false,
+        };
+        faces && numbers.copied().all(f64::is_finite) && bulk.volume > 0.0 && rounded.rounding() >= 0.0 && rounded.reach() > 0.0
+    }
+}
+
+impl Rounded {
+    /// The piece of which every point x has n·x ≥ `offset`, m, with n = `normal`.
+    fn beyond(&self, normal: [f64; 3], offset: f64) -> Option<Piece> {
+        match self {
+            Rounded::Hull(hull) => {
+                // a line between triangles that are flat but for rounding would put a corner into the middle of a face
+                let sharp = |[m, n]: [[f64; 3]; 2]| dot(less(m, n), less(m, n)) > FLAT * FLAT;
+                let edges = hull.edges().into_iter().filter(|(_, normals)| sharp(*normals)).map(|(ends, _)| ends);
+                let corners = kept(&hull.corners, edges, normal, offset + hull.rounding, ONE * hull.reach);
+                let placed = Polyhedron::hull(&corners, hull.rounding).ok()?;
+                Some(Piece { shape: Shape::Polyhedron(placed.polyhedron), centre: placed.centre, axes: placed.axes })
+            }
+            Rounded::Ring(ring) => {
+                let n = ring.corners.len() as u32;
+                let sides = (0..n).map(|k| [k, (k + 1) % n]);
+                let corners = kept(&ring.corners, sides, normal, offset + ring.rounding, ONE * ring.reach);
+                let corners = convex_ring(&corners.iter().map(|&[x, y, _]| [x, y]).collect::<Vec<_>>());
+                if corners.len() < 3 {
+                    return None;
+                }
+                let (polygon, [x, y]) = Polygon::of(&corners, ring.rounding).ok()?;
+                let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+                Some(Piece { shape: Shape::Polygon(polygon), centre: [x, y, 0.0], axes })
+            }
+            Rounded::Sheet(..) => None,
+        }
+    }
+}
+
+/// The corners of a convex body with n·x ≥ `offset`, and where its edges cross the plane there; of those nearer to each other than `one` the first.
+fn kept(corners: &[[f64; 3]], edges: impl Iterator<Item = [u32; 2]>, normal: [f64; 3], offset: f64, one: f64) -> Vec<[f64; 3]> {
+    let over = |p: [f64; 3]| dot(normal, p) - offset;
+    let mut kept: Vec<[f64; 3]> = Vec::new();
+    let mut keep = |p: [f64; 3]| {
+        let apart = |q: &[f64; 3]| {
+            let d = less(p, *q);
+            dot(d, d) > one * one
+        };
+        if kept.iter().all(apart) {
+            kept.push(p);
+        }
+    };
+    corners.iter().filter(|p| over(**p) >= 0.0).for_each(|p| keep(*p));
+    for ends in edges {
+        let [p, q] = ends.map(|k| corners[k as usize]);
+        let [a, b] = [over(p), over(q)];
+        if (a < 0.0) != (b < 0.0) {
+            keep(plus(p, scaled(less(q, p), a / (a - b))));
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half a box: its closed-form volume and centre, and the distance of both pieces is nothing.
+    #[test]
+    fn pieces_fill_the_body_and_do_not_overlap() {
+        let (half, r) = (0.5, 0.01);
+        let corners: Vec<[f64; 3]> =
+            (0..8).map(|k: u32| std::array::from_fn(|a| if k >> a & 1 == 1 { half } else { -half })).collect();
+        let body = Polyhedron::hull(&corners, r).unwrap();
+        // the axes of a cube are any: cut across one of its own faces' normals
+        let normal = body.axes.map(|axis| axis[0]);
+        let shape = Shape::Polyhedron(body.polyhedron);
+        for offset in [0.0, 0.2] {
+            let [low, high] = shape.cut(normal, offset).unwrap();
+            let volume = |p: &Piece| p.shape.solid().bulk().volume;
+            // all three pairs of faces are flat but for the edges: of each cut's outline 4 metres (2 − π/2) r² per metre go, a little less at the corners
+            let lost = shape.solid().bulk().volume - volume(&low) - volume(&high);
+            let edges = (2.0 - std::f64::consts::FRAC_PI_2) * r * r * 4.0 * (1.0 + 2.0 * r);
+            assert!(lost > 0.0 && lost < edges && lost > 0.95 * edges, "{lost} {edges}");
+            let far = |p: &Piece, n: [f64; 3]| {
+                let local = p.axes.map(|axis| dot(axis, n));
+                let solid = p.shape.solid();
+                let most = (0..solid.spots()).map(|k| dot(solid.spot(k, local), local)).fold(f64::NEG_INFINITY, f64::max);
+                most + dot(p.centre, n)
+            };
+            assert!((far(&low, normal) - offset).abs() < 1e-12 && (far(&high, scaled(normal, -1.0)) + offset).abs() < 1e-12);
+            assert_eq!([&low, &high].map(|p| p.shape.solid().spots()), [8, 8]);
+            let axes = low.axes;
+            assert!((0..3).all(|k| (dot(axes[k], axes[k]) - 1.0).abs() < 1e-12 && dot(axes[k], axes[(k + 1) % 3]).abs() < 1e-12));
+        }
+        // beside the body there is nothing to cut, and at its skin no hull is left
+        assert_eq!(shape.cut(normal, 0.7), None);
+        assert_eq!(shape.cut(normal, 0.5), None);
+    }
+
+    /// A polygon in two: areas and centres of mass of rectangles.
+    #[test]
+    fn a_polygon_is_cut_into_polygons() {
+        let (square, _) = Polygon::of(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]], 1e-3).unwrap();
+        let [left, right] = Shape::Polygon(square).cut([1.0, 0.0, 0.0], 0.25).unwrap();
+        assert!((left.centre[0] - (-0.375)).abs() < 2e-3 && (right.centre[0] - 0.625).abs() < 2e-3);
+        let areas = [&left, &right].map(|p| p.shape.solid().bulk().volume);
+        assert!((areas[0] - 1.25).abs() < 6e-3 && (areas[1] - 0.75).abs() < 6e-3, "{areas:?}");
+        let disc = Shape::Polygon(Polygon::of(&[[0.0, 0.0]], 1.0).unwrap().0);
+        assert_eq!(disc.cut([1.0, 0.0, 0.0], 0.0), None);
+    }
+}
