@@ -58,6 +58,7 @@ runs! { "cpu":
     mixture_blocks: "tests/golden/blocks.toml", &[];
     blocks: "experiments/blocks/rocks.toml", &["duration_s=0.06"];
     blocks_in_plane: "experiments/jiang2020/disc_soft.toml", &["duration_s=0.014"];
+    blocks_that_break: "experiments/blocks/crushed_cube.toml", &[];
     mixture_crushing: "experiments/mixture/oedometer_crushing.toml", &["test.axial_strain=0.01"];
     mixture_grown_with_fines: "experiments/mixture/coke_in_fines.toml", &["test.axial_strain=0.03"];
 }

@@ -35,6 +35,9 @@ pub struct HullFace {
 /// Normals that differ by less than this belong to one flat face.
 pub(super) const FLAT: f64 = 1e-9;
 
+/// Positions less than this share of the reach in front of a face lie on it.
+const ON_FACE: f64 = 1e-13;
+
 /// The hull of a set of corners, if it has a volume.
 fn solid(corners: &[[f64; 3]]) -> Option<ConvexPolyhedron> {
     let corners: Vec<Vector> = corners.iter().map(|&p| Vector::from(p)).collect();
@@ -93,7 +96,8 @@ impl Hull {
         let (mut deepest, mut found) = (f64::NEG_INFINITY, [0.0; 3]);
         for face in &self.faces {
             let before = dot(face.normal, at) - face.offset;
-            if before <= 0.0 {
+            // two triangles of one flat face may not agree which side a position in their plane is on
+            if before <= ON_FACE * self.reach {
                 // for a position inside of all faces: the nearest face
                 if least == f64::INFINITY && before > deepest {
                     (deepest, found) = (before, face.normal);

@@ -242,6 +242,17 @@ fn moments_belong_to_their_axes() {
     }
 }
 
+/// A corner of the hull within is inside by the rounding, also where the two triangles of a flat face do not agree on which side it is. One once lay a metre outside.
+#[test]
+fn corners_lie_inside_by_the_rounding() {
+    let skew = |[x, y, z]: [f64; 3]| [1.3 * x + 0.2 * y, y - 0.1 * z * x, 0.7 * z + 0.1 * x];
+    let points: Vec<[f64; 3]> = corners([1.0; 3]).into_iter().map(skew).collect();
+    let rock = Polyhedron::hull(&points, 0.05).expect("a hull").polyhedron;
+    for corner in &rock.rounded_hull().corners {
+        assert!((rock.nearest(*corner).distance + 0.05).abs() < 1e-12, "{corner:?}: {:?}", rock.nearest(*corner));
+    }
+}
+
 /// A rounded polyhedron is its inner one, nearer by the radius.
 #[test]
 fn rounding_moves_the_surface_out() {

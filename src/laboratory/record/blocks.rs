@@ -71,27 +71,27 @@ pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> 
 
 /// Writes the surfaces of all bodies as a ParaView snapshot, with `facts` noted in it.
 pub fn write_surfaces(path: &Path, facts: &[Fact], step: u64, blocks: &Blocks) -> Result<()> {
-    let (mut corners, mut triangles) = (Vec::new(), Vec::new());
-    let names = [("block", 1), ("generation", 1), ("velocity_m_s", 3), ("spin_rad_s", 3), ("speed_m_s", 1), ("material", 1)];
-    let mut values: [Vec<f64>; 6] = Default::default();
-    for (k, block) in blocks.blocks.iter().enumerate() {
+    let (mut corners, mut triangles, mut counts) = (Vec::new(), Vec::new(), Vec::new());
+    for block in &blocks.blocks {
         let (pose, mesh, first) = (block.pose(0.0), block.solid().surface(), corners.len() as u32);
         corners.extend(mesh.corners.iter().map(|p| plus(pose.centre, pose.outwards(*p))));
-        let speed = dot(block.velocity, block.velocity).sqrt();
-        for t in &mesh.triangles {
-            triangles.push(t.map(|k| first + k));
-            let of: [&[f64]; 6] = [
-                &[k as f64],
-                &[generation(blocks, k).unwrap_or(0) as f64],
-                &block.velocity,
-                &block.spin(),
-                &[speed],
-                &[f64::from(block.material)],
-            ];
-            values.iter_mut().zip(of).for_each(|(all, of)| all.extend(of));
-        }
+        triangles.extend(mesh.triangles.iter().map(|t| t.map(|k| first + k)));
+        counts.push(mesh.triangles.len());
     }
-    let field = |((name, components), values)| Field { name, components, values };
-    let fields: Vec<Field> = names.into_iter().zip(values).map(field).collect();
+    let mut fields: Vec<Field> = Vec::new();
+    let mut add = |name: &'static str, of: &dyn Fn(usize) -> Vec<f64>| {
+        let each = (0..blocks.blocks.len()).map(of);
+        let components = each.clone().next().map_or(1, |first| first.len());
+        let values = each.zip(&counts).flat_map(|(of, triangles)| of.repeat(*triangles)).collect();
+        fields.push(Field { name, components, values });
+    };
+    add("block", &|k| vec![k as f64]);
+    if blocks.breaking().is_some() {
+        add("generation", &|k| generation(blocks, k).map(|g| g as f64).into_iter().collect());
+    }
+    add("velocity_m_s", &|k| blocks.blocks[k].velocity.to_vec());
+    add("spin_rad_s", &|k| blocks.blocks[k].spin().to_vec());
+    add("speed_m_s", &|k| vec![dot(blocks.blocks[k].velocity, blocks.blocks[k].velocity).sqrt()]);
+    add("material", &|k| vec![f64::from(blocks.blocks[k].material)]);
     vtk::write_surfaces(path, facts, &corners, &triangles, &fields).map_err(VtkError::at(step))
 }
