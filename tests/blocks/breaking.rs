@@ -132,10 +132,13 @@ position_mm = [0.0, 10.001, 0.0]"#;
         .replace("contact.friction = 0.4", "contact.friction = 0.4\nspring = { k_n_N_m = 1e9, k_t_N_m = 5e8 }")
         .replace("[records]", "[grid]\nplane_strain = true\n[contact]\nlaw = \"spring\"\n[records]");
     let folder = tempfile::tempdir().expect("folder");
-    let out = run(folder.path(), "run", &text, &["--set", "duration_s=0.002"]);
+    let out = run(folder.path(), "run", &text, &["--set", "duration_s=0.004"]);
     let broken = columns(&out, "block_breakage.csv", ["normal_x", "normal_y", "block_mass_g", "piece_mass_g", "diameter_mm"]);
     let [x, y, one, other, d] = broken[0];
     assert!(x.abs() > 1.0 - 1e-9 && y.abs() < 1e-9 && (one / other - 1.0).abs() < 1e-9, "{broken:?}");
+    let [force, limit] = columns(&out, "block_breakage.csv", ["force_N", "limit_force_N"])[0];
+    let exact = 50e6 * 20e-3 * 0.13_f64.sin();
+    assert!((limit / exact - 1.0).abs() < 1e-6 && force < 1.1 * limit, "{force} {limit} {exact}");
     // the disc of the area 20² − (4 − π) 1² mm²
     let area = 400.0 - (4.0 - std::f64::consts::PI);
     assert!((d / (4.0 * area / std::f64::consts::PI).sqrt() - 1.0).abs() < 1e-9, "{d}");

@@ -87,6 +87,11 @@ macro_rules! criteria {
                 match self { $(Criterion::$criterion(c) => c.limit_force(sigma_lim, d, r_eff, e_eff),)* }
             }
 
+            /// [`FailureCriterion::plane_area`]
+            pub fn plane_area(&self, d: f64) -> Option<f64> {
+                match self { $(Criterion::$criterion(c) => c.plane_area(d),)* }
+            }
+
             /// [`FailureCriterion::area`]
             pub fn area(&self, force: f64, d: f64, r_eff: f64, e_eff: f64) -> f64 {
                 match self { $(Criterion::$criterion(c) => c.area(force, d, r_eff, e_eff),)* }

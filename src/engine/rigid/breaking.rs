@@ -152,7 +152,11 @@ impl Fate {
         let d = 2.0 * block.radius;
         let breaks = !block.driven && d > crush.d_limit;
         let strength = if breaks { crush.strength.draw(crush.seed, lineage, d) } else { 0.0 };
-        let threshold = if breaks { crush.criterion.threshold(strength, d) } else { f64::INFINITY };
+        let threshold = match plane_area(crush, block) {
+            _ if !breaks => f64::INFINITY,
+            Some(area) => strength * area,
+            None => crush.criterion.threshold(strength, d),
+        };
         Fate { strength, threshold, lineage, generation, born, sieve: block.shape.sieve() }
     }
 }
@@ -259,10 +263,13 @@ impl Blocks {
         let (block, [r_eff, e_eff]) = (&self.blocks[k], first.stiff);
         let d = 2.0 * block.radius;
         let (load, limit_force, area) = match crush.criterion.judges() {
-            Judges::Contacts => {
-                let limit = crush.criterion.limit_force(fate.strength, d, r_eff, e_eff);
-                (first.load, limit, crush.criterion.area(first.force, d, r_eff, e_eff))
-            }
+            Judges::Contacts => match plane_area(crush, block) {
+                Some(area) => (first.load, fate.threshold, area),
+                None => {
+                    let limit = crush.criterion.limit_force(fate.strength, d, r_eff, e_eff);
+                    (first.load, limit, crush.criterion.area(first.force, d, r_eff, e_eff))
+                }
+            },
             Judges::MeanStress => {
                 let volume = block.solid().bulk().volume;
                 let stress = crush.criterion.equivalent_stress(&MeanStress(borne.moment.map(|m| m / volume)));
@@ -348,6 +355,11 @@ impl Blocks {
         self.applied.push([[0.0; 3]; 2]);
         Some(event)
     }
+}
+
+/// In plane strain the area per metre of depth over which the force of a contact makes the stress.
+fn plane_area(crush: &CrushModel, block: &Block) -> Option<f64> {
+    matches!(block.shape, Shape::Polygon(_)).then(|| crush.criterion.plane_area(2.0 * block.radius)).flatten()
 }
 
 /// Adds −(f a + a f)/2 of a force f, N, at the end of an arm a, m, to a moment xx, yy, zz, xy, yz, zx, N m.

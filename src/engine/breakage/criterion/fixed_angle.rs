@@ -42,6 +42,11 @@ impl FailureCriterion for FixedAngle {
         let sine = portable::sin(self.theta0);
         FRAC_PI_4 * d * d * (sine * sine)
     }
+
+    /// A strip of the width d sin θ0: the contact area that is seen under the same angle.
+    fn plane_area(&self, d: f64) -> Option<f64> {
+        Some(d * portable::sin(self.theta0))
+    }
 }
 
 #[cfg(test)]

@@ -94,6 +94,12 @@ pub trait FailureCriterion: Copy {
 
     /// Area, m², over which the force `force`, N, of a contact makes the stress that is compared with the strength.
     fn area(&self, force: f64, d: f64, r_eff: f64, e_eff: f64) -> f64;
+
+    /// The same in plane strain, where forces count per metre of depth, for a body whose disc of the same area has the diameter `d`, m; `None` where the criterion judges no contacts
+    /// of such bodies.
+    fn plane_area(&self, _d: f64) -> Option<f64> {
+        None
+    }
 }
 
 /// Size hardening (d / d0)^(-3/m), - (Ciantia et al. 2015, eqs 7, 15). `d0_scaled` is the reference diameter times the scale N, m.
