@@ -325,7 +325,7 @@ impl Blocks {
             step,
             pieces: [k as u32, new],
             generation: fate.generation,
-            age: step - fate.born,
+            age: step.saturating_sub(fate.born),
             diameter: 2.0 * body.radius,
             force: verdict.force,
             limit_force: verdict.limit_force,
