@@ -1,0 +1,258 @@
+//! What convex parts cover more than once, which a sum over parts counts too often.
+//!
+//! Inclusion and exclusion: the sum over all sets of two parts or more of ± the moments of what they have in common, + for even numbers. What parts have in common is a box around
+//! it cut by the half-spaces of all of them. Flat parts are exact. A round part is the half-spaces of tangents at normals that are halved so many times; the error, in proportion to the
+//! square of their angle, is removed by extrapolation from two finenesses. So the error is in what is covered twice, and there in what is round.
+
+use super::moments::Moments;
+use super::part::{Convex, Part};
+use crate::math::vector::{cross, dot, less, plus, scaled};
+use crate::shape::hull::Hull;
+use crate::shape::polyhedron::halfway;
+use crate::shape::ring::{Ring, convex_ring};
+
+/// Times that angles between normals are halved, in space and in the plane; once more gives the error.
+const FINE: [u32; 2] = [2, 7];
+/// Most sets of parts with something in common.
+const MOST: usize = 4000;
+/// Over the size of a body: what is thinner is nothing.
+const THIN: f64 = 1e-12;
+
+/// Half-space: unit normal out of it, and distance of its border from the origin along that, m.
+type Half = ([f64; 3], f64);
+
+/// What the parts cover more than once, each time but the first.
+///
+/// # Errors
+/// Too many sets of parts have something in common.
+pub(super) fn covered(parts: &[Part]) -> Result<Moments, String> {
+    let flat = parts.iter().any(Part::is_flat);
+    let fine = FINE[usize::from(flat)];
+    let of = |fine: u32| {
+        let halves: Vec<[Vec<Half>; 2]> = parts.iter().map(|part| halves(part, fine)).collect();
+        sum(parts, &halves, flat)
+    };
+    let coarse = of(fine)?;
+    if coarse.volume == 0.0 || parts.iter().all(|part| part.rounding() == 0.0) {
+        return Ok(coarse);
+    }
+    Ok(Moments::beyond(&coarse, &of(fine + 1)?))
+}
+
+/// The sum over all sets.
+fn sum(parts: &[Part], halves: &[[Vec<Half>; 2]], flat: bool) -> Result<Moments, String> {
+    let bounds: Vec<_> = parts.iter().map(Part::bounds).collect();
+    let mut all = Moments::default();
+    let mut count = 0;
+    // sets that have something in common: their parts, and the box around it
+    let mut open: Vec<(Vec<usize>, [[f64; 3]; 2])> = (0..parts.len()).map(|k| (vec![k], bounds[k])).collect();
+    while let Some((set, [low, high])) = open.pop() {
+        for next in set.last().map_or(0, |last| last + 1)..parts.len() {
+            let [from, to] = bounds[next];
+            let both = [std::array::from_fn(|a| low[a].max(from[a])), std::array::from_fn(|a| high[a].min(to[a]))];
+            let mut wider = set.clone();
+            wider.push(next);
+            let Some(moments) = common(both, wider.iter().map(|k| &halves[*k]), flat) else { continue };
+            count += 1;
+            if count > MOST {
+                return Err(format!("have more than {MOST} sets of parts with something in common: too many lie over each other"));
+            }
+            all = all.plus(&moments, if wider.len() % 2 == 0 { 1.0 } else { -1.0 });
+            open.push((wider, both));
+        }
+    }
+    Ok(all)
+}
+
+/// Moments of what lies in a box and in all half-spaces; `None` if there is nothing.
+fn common<'a>([low, high]: [[f64; 3]; 2], halves: impl Iterator<Item = &'a [Vec<Half>; 2]>, flat: bool) -> Option<Moments> {
+    let middle: [f64; 3] = std::array::from_fn(|a| 0.5 * (low[a] + high[a]));
+    let half: [f64; 3] = std::array::from_fn(|a| 0.5 * (high[a] - low[a]));
+    let size = half.into_iter().fold(0.0, f64::max);
+    let axes = if flat { 2 } else { 3 };
+    if half[..axes].iter().any(|h| *h <= THIN * size) {
+        return None;
+    }
+    let hair = THIN * size;
+    // about the middle; flat faces first, so that little is left when round ones come
+    let sets: Vec<&[Vec<Half>; 2]> = halves.collect();
+    let planes = (0..2).flat_map(|k| sets.iter().flat_map(move |of| &of[k]));
+    let mut planes = planes.map(|(normal, offset)| (*normal, offset - dot(*normal, middle)));
+    let found = if flat {
+        let mut ring = vec![[-half[0], -half[1], 0.0], [half[0], -half[1], 0.0], [half[0], half[1], 0.0], [-half[0], half[1], 0.0]];
+        planes.all(|plane| cut_ring(&mut ring, plane, hair)).then(|| {
+            let sides = (0..ring.len()).map(|k| [ring[k], ring[(k + 1) % ring.len()]]);
+            sides.fold(Moments::default(), |sum, side| sum.plus(&Moments::of_triangle(side), 1.0))
+        })
+    } else {
+        let mut faces = cuboid(half);
+        planes.all(|plane| cut(&mut faces, plane, hair)).then(|| {
+            let triangles = faces.iter().flat_map(|face| face.windows(2).skip(1).map(|w| [face[0], w[0], w[1]]));
+            triangles.fold(Moments::default(), |sum, triangle| sum.plus(&Moments::of_tetrahedron(triangle), 1.0))
+        })
+    };
+    found.filter(|moments| moments.volume > 0.0).map(|moments| moments.moved(middle))
+}
+
+/// The faces of a box about the origin, counter-clockwise from outside.
+fn cuboid(half: [f64; 3]) -> Vec<Vec<[f64; 3]>> {
+    let hull: [(usize, f64); 6] = [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0), (2, -1.0), (2, 1.0)];
+    let face = |(axis, side): (usize, f64)| {
+        let mut round = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        if side < 0.0 {
+            round.reverse();
+        }
+        let place = |[u, v]: [f64; 2]| {
+            let mut p = [0.0; 3];
+            p[axis] = side * half[axis];
+            p[(axis + 1) % 3] = u * half[(axis + 1) % 3];
+            p[(axis + 2) % 3] = v * half[(axis + 2) % 3];
+            p
+        };
+        round.map(place).to_vec()
+    };
+    hull.map(face).to_vec()
+}
+
+/// Cuts a convex polygon by a half-space and adds the places on its border to `border`.
+fn cut_face(face: &[[f64; 3]], (normal, offset): Half, hair: f64, border: &mut Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+    let before = |p: [f64; 3]| dot(normal, p) - offset;
+    let mut left = Vec::with_capacity(face.len() + 1);
+    for (k, p) in face.iter().enumerate() {
+        let q = face[(k + 1) % face.len()];
+        let (here, there) = (before(*p), before(q));
+        if here <= hair {
+            left.push(*p);
+            if here >= -hair {
+                border.push(*p);
+            }
+        }
+        if (here < -hair && there > hair) || (here > hair && there < -hair) {
+            let place = plus(*p, scaled(less(q, *p), here / (here - there)));
+            left.push(place);
+            border.push(place);
+        }
+    }
+    if left.len() < 3 { Vec::new() } else { left }
+}
+
+/// Cuts a polygon of the plane by a half-space; whether anything is left.
+fn cut_ring(ring: &mut Vec<[f64; 3]>, half: Half, hair: f64) -> bool {
+    if ring.iter().any(|p| dot(half.0, *p) - half.1 > hair) {
+        *ring = cut_face(ring, half, hair, &mut Vec::new());
+    }
+    !ring.is_empty()
+}
+
+/// Cuts a convex polyhedron by a half-space; whether anything is left.
+fn cut(faces: &mut Vec<Vec<[f64; 3]>>, half: Half, hair: f64) -> bool {
+    let (normal, offset) = half;
+    let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
+    for p in faces.iter().flatten() {
+        let before = dot(normal, *p) - offset;
+        (lowest, highest) = (lowest.min(before), highest.max(before));
+    }
+    if highest <= hair {
+        return true;
+    }
+    if lowest >= -hair {
+        return false;
+    }
+    let mut border = Vec::new();
+    *faces = faces.iter().map(|face| cut_face(face, half, hair, &mut border)).filter(|face| !face.is_empty()).collect();
+    // the new face: the hull of the places on the border
+    let least = (0..3).fold(0, |least, a| if normal[a].abs() < normal[least].abs() { a } else { least });
+    let mut axis = [0.0; 3];
+    axis[least] = 1.0;
+    let u = cross(axis, normal);
+    let u = scaled(u, 1.0 / dot(u, u).sqrt());
+    let v = cross(normal, u);
+    let flat: Vec<[f64; 2]> = border.iter().map(|p| [dot(u, *p), dot(v, *p)]).collect();
+    let ring = convex_ring(&flat);
+    if ring.len() > 2 {
+        faces.push(ring.into_iter().map(|[x, y]| plus(scaled(normal, offset), plus(scaled(u, x), scaled(v, y)))).collect());
+    }
+    true
+}
+
+/// The half-spaces of the flat faces of a part, and those of tangents where it is round, at normals that are halved `fine` times.
+fn halves(part: &Part, fine: u32) -> [Vec<Half>; 2] {
+    match &part.surface {
+        Convex::Hull(hull) => of_hull(hull, fine),
+        Convex::Ring(ring) => of_ring(ring, fine),
+    }
+}
+
+fn of_hull(hull: &Hull, fine: u32) -> [Vec<Half>; 2] {
+    let r = hull.rounding;
+    let flat = hull.faces.iter().map(|face| (face.normal, face.offset + r)).collect();
+    let mut round = Vec::new();
+    if r == 0.0 {
+        return [flat, round];
+    }
+    let corner = |k: u32| hull.corners[k as usize];
+    let mut around: Vec<Vec<[[f64; 3]; 2]>> = vec![Vec::new(); hull.corners.len()];
+    for ([i, j], [m, n]) in hull.edges() {
+        arc(m, n, fine, &mut |normal| round.push((normal, dot(normal, corner(i)) + r)));
+        [i, j].iter().for_each(|k| around[*k as usize].push([m, n]));
+    }
+    for (k, arcs) in around.iter().enumerate() {
+        let sum = arcs.iter().flatten().fold([0.0; 3], |sum, n| plus(sum, *n));
+        let length = dot(sum, sum).sqrt();
+        if length > 0.0 {
+            let middle = scaled(sum, 1.0 / length);
+            let mut add = |normal: [f64; 3]| round.push((normal, dot(normal, corner(k as u32)) + r));
+            add(middle);
+            arcs.iter().for_each(|[m, n]| cap([middle, *m, *n], fine, &mut add));
+        }
+    }
+    [flat, round]
+}
+
+/// Normals between two, halved `fine` times.
+fn arc(m: [f64; 3], n: [f64; 3], fine: u32, add: &mut impl FnMut([f64; 3])) {
+    if fine > 0 {
+        let middle = halfway(m, n);
+        arc(m, middle, fine - 1, add);
+        add(middle);
+        arc(middle, n, fine - 1, add);
+    }
+}
+
+/// Normals on the sides of a triangle of the sphere and in it.
+fn cap([l, m, n]: [[f64; 3]; 3], fine: u32, add: &mut impl FnMut([f64; 3])) {
+    if fine > 0 {
+        let [a, b, c] = [halfway(m, n), halfway(n, l), halfway(l, m)];
+        [a, b, c].into_iter().for_each(&mut *add);
+        for corners in [[l, c, b], [c, m, a], [b, a, n], [a, b, c]] {
+            cap(corners, fine - 1, add);
+        }
+    }
+}
+
+fn of_ring(ring: &Ring, fine: u32) -> [Vec<Half>; 2] {
+    let (n, r) = (ring.corners.len(), ring.rounding);
+    let sides: Vec<([f64; 3], [f64; 3])> = ring.sides().map(|([p, _], normal)| (p, normal)).collect();
+    let flat = sides.iter().map(|(p, normal)| (*normal, dot(*normal, *p) + r)).collect();
+    let mut round = Vec::new();
+    if r == 0.0 {
+        return [flat, round];
+    }
+    for (k, corner) in ring.corners.iter().enumerate() {
+        let mut add = |normal: [f64; 3]| round.push((normal, dot(normal, *corner) + r));
+        let quarters: Vec<[f64; 3]> = match n {
+            1 => vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]],
+            // a half turn
+            2 => {
+                let [m, o] = [sides[(k + 1) % 2].1, sides[k].1];
+                vec![m, [-m[1], m[0], 0.0], o]
+            }
+            _ => vec![sides[(k + n - 1) % n].1, sides[k].1],
+        };
+        for w in quarters.windows(2) {
+            add(w[0]);
+            arc(w[0], w[1], fine, &mut add);
+        }
+    }
+    [flat, round]
+}
