@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod compound;
+mod compound_typed;
 mod meeting;
 mod mesh;
 mod mesh_typed;

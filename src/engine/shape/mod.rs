@@ -127,7 +127,7 @@ pub enum Shape {
     /// A sheet of triangles.
     Mesh(Sheet),
     /// A union of convex parts.
-    Compound(Compound),
+    Compound(Box<Compound>),
 }
 
 /// A shape as other bodies touch it: corners, and a sphere or disc swept over all between them.
@@ -296,7 +296,7 @@ impl Shape {
             Shape::Polyhedron(s) => s,
             Shape::Polygon(s) => s,
             Shape::Mesh(s) => s,
-            Shape::Compound(s) => s,
+            Shape::Compound(s) => s.as_ref(),
         }
     }
 

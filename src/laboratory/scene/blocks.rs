@@ -100,7 +100,7 @@ impl View<'_> {
             "compound" => {
                 let placed = self.compound(i)?;
                 turn = product(turn, quaternion(placed.axes));
-                Shape::Compound(placed.compound)
+                Shape::Compound(Box::new(placed.compound))
             }
             _ => {
                 let (polyhedron, axes) = self.polyhedron(i, number(table, "rounding_mm").unwrap_or(0.0))?;

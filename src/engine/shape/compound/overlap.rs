@@ -47,8 +47,8 @@ fn sum(parts: &[Part], halves: &[[Vec<Half>; 2]], flat: bool) -> Result<Moments,
     // sets that have something in common: their parts, and the box around it
     let mut open: Vec<(Vec<usize>, [[f64; 3]; 2])> = (0..parts.len()).map(|k| (vec![k], bounds[k])).collect();
     while let Some((set, [low, high])) = open.pop() {
-        for next in set.last().map_or(0, |last| last + 1)..parts.len() {
-            let [from, to] = bounds[next];
+        let first = set.last().map_or(0, |last| last + 1);
+        for (next, [from, to]) in bounds.iter().enumerate().skip(first) {
             let both = [std::array::from_fn(|a| low[a].max(from[a])), std::array::from_fn(|a| high[a].min(to[a]))];
             let mut wider = set.clone();
             wider.push(next);

@@ -299,5 +299,7 @@ fn a_snowman_has_two_radii() {
     assert_eq!(union.roundings(), [0.015, 0.02]);
     let top = man.compound.spot(1, [0.0, 1.0, 0.0]);
     assert!((top[1] + man.centre[1] - 0.045).abs() < 1e-15, "{top:?}");
-    assert!((Shape::Compound(man.compound.clone()).radius().powi(2) * PI / man.compound.bulk().volume - 1.0).abs() < 1e-12);
+    assert!(
+        (Shape::Compound(Box::new(man.compound.clone())).radius().powi(2) * PI / man.compound.bulk().volume - 1.0).abs() < 1e-12
+    );
 }
