@@ -62,7 +62,8 @@ fn a_ball_rolls_over_flush_joints_as_on_one_box() {
     let on_parts = run(compound(&parts, middle, "driven = true"));
     let on_box = run(cuboid([650.0, 350.0, 100.0], middle, "driven = true"));
     assert_eq!(on_parts.0, on_box.0, "steps");
-    let apart = on_parts.1.iter().zip(&on_box.1).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    // spins are 60 rad/s
+    let apart = on_parts.1.iter().zip(&on_box.1).map(|(a, b)| (a - b).abs() / b.abs().max(1.0)).fold(0.0, f64::max);
     println!("apart by {apart:e}, x {}", on_parts.1[on_parts.1.len() - 9]);
     assert!(apart < 1e-12 && on_parts.1[on_parts.1.len() - 9] > 0.3, "{apart:e}");
 }
@@ -248,19 +249,20 @@ fn spring(k: f64, restitution: f64, friction: f64) -> String {
     )
 }
 
-/// Polygons that are not convex, of polygons that share a side, rods and discs, hit each other in the plane.
+/// Polygons that are not convex (Jiang et al. 2020), of polygons that overlap or share a side, rods and discs, hit each other in the plane.
 #[test]
 fn outlines_that_are_not_convex_keep_momenta_and_energy() {
     let polygon =
         |points: &[f64], r: f64| format!("[[block.part]]\nshape = \"polygon\"\npoints_mm = {points:?}\nrounding_mm = {r:?}\n");
     let shapes = [
-        // an arrow head, a V of two rods, three discs
+        // a hexagram of two triangles (Fig. 3), an arrow head, a V of two rods, three discs
+        vec![polygon(&[-35.0, -20.0, 35.0, -20.0, 0.0, 40.0], 3.0), polygon(&[-35.0, 20.0, 0.0, -40.0, 35.0, 20.0], 3.0)],
         vec![polygon(&[0.0, 0.0, 60.0, -30.0, 20.0, 0.0], 4.0), polygon(&[0.0, 0.0, 20.0, 0.0, 60.0, 30.0], 4.0)],
         vec![polygon(&[0.0, 0.0, 50.0, 30.0], 7.0), polygon(&[0.0, 0.0, -40.0, 40.0], 7.0)],
         vec![polygon(&[0.0, 0.0], 20.0), polygon(&[30.0, 0.0], 15.0), polygon(&[10.0, 30.0], 18.0)],
     ];
     let mut changes = Vec::new();
-    for (k, (first, second)) in (0..3).flat_map(|i| (i..3).map(move |j| (i, j))).enumerate() {
+    for (k, (first, second)) in (0..4).flat_map(|i| (i..4).map(move |j| (i, j))).enumerate() {
         for seed in 0..5 {
             let mut random = ChaCha8Rng::seed_from_u64(500 + 17 * k as u64 + seed);
             let mut one = |x: f64| random.random_range(-x..x);
@@ -274,7 +276,7 @@ fn outlines_that_are_not_convex_keep_momenta_and_energy() {
             };
             let bodies = block(first, [0.0; 2], 0.0) + &block(second, [130.0, 3.0 * seed as f64 - 6.0], -1.5);
             let mut scene = Scene::of(&format!(
-                "kind = \"mixture\"\nduration_s = 9.0\ngrid.plane_strain = true\nstepping.safety = 0.1\n{bodies}\n{}",
+                "kind = \"mixture\"\nduration_s = 9.0\ngrid.plane_strain = true\nstepping.dt_s = 4e-6\n{bodies}\n{}",
                 spring(3e8, 1.0, 0.0)
             ));
             let before = (scene.momenta(), scene.energy());
@@ -292,7 +294,8 @@ fn outlines_that_are_not_convex_keep_momenta_and_energy() {
     }
     let mean = changes.iter().sum::<f64>() / changes.len() as f64;
     println!("mean {mean:e}, most {:e}", changes.iter().map(|c: &f64| c.abs()).fold(0.0, f64::max));
-    assert!(mean.abs() < 1e-3 && changes.iter().all(|change| change.abs() < 6e-3), "mean {mean:e}: {changes:?}");
+    // with a step that does not change when they touch: a quarter of that with half the step
+    assert!(mean.abs() < 1e-4 && changes.iter().all(|change| change.abs() < 1e-3), "mean {mean:e}: {changes:?}");
 }
 
 /// An elastic square rests in a trough of three rods that share their ends, and presses with its weight.

@@ -13,11 +13,18 @@ impl View<'_> {
     /// The compound of block `i`, about its centre of mass; `None`, with the reasons noted, where it is refused.
     pub fn compound(&self, i: usize) -> Option<PlacedCompound> {
         let key = format!("block[{i}].part");
+        let list = self.get(&key)?;
+        if let Some((_, placed)) = self.compounds.borrow().iter().find(|(parts, _)| *parts == list) {
+            return Some(placed.clone());
+        }
         let tables = self.list(&key);
         let pieces: Vec<Option<Piece>> = tables.iter().enumerate().map(|(k, t)| self.piece(&format!("{key}[{k}]"), t)).collect();
         let pieces: Vec<Piece> = pieces.into_iter().collect::<Option<_>>()?;
         match Compound::of(&pieces) {
-            Ok(placed) => Some(placed),
+            Ok(placed) => {
+                self.compounds.borrow_mut().push((list, placed.clone()));
+                Some(placed)
+            }
             Err(message) => {
                 self.refuse(&key, message);
                 None

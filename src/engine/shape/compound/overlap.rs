@@ -39,59 +39,114 @@ pub(super) fn covered(parts: &[Part]) -> Result<Moments, String> {
     Ok(Moments::beyond(&coarse, &of(fine + 1)?))
 }
 
+/// What is left of a box that is cut by half-spaces.
+#[derive(Clone)]
+struct Region {
+    /// Its faces, counter-clockwise from outside; in the plane the one outline, counter-clockwise.
+    faces: Vec<Vec<[f64; 3]>>,
+    /// Lowest and highest coordinates.
+    bounds: [[f64; 3]; 2],
+    flat: bool,
+    /// What is thinner is nothing, m.
+    hair: f64,
+}
+
 /// The sum over all sets.
 fn sum(parts: &[Part], halves: &[[Vec<Half>; 2]], flat: bool) -> Result<Moments, String> {
-    let bounds: Vec<_> = parts.iter().map(Part::bounds).collect();
     let mut all = Moments::default();
     let mut count = 0;
-    // sets that have something in common: their parts, and the box around it
-    let mut open: Vec<(Vec<usize>, [[f64; 3]; 2])> = (0..parts.len()).map(|k| (vec![k], bounds[k])).collect();
-    while let Some((set, [low, high])) = open.pop() {
-        let first = set.last().map_or(0, |last| last + 1);
-        for (next, [from, to]) in bounds.iter().enumerate().skip(first) {
-            let both = [std::array::from_fn(|a| low[a].max(from[a])), std::array::from_fn(|a| high[a].min(to[a]))];
-            let mut wider = set.clone();
-            wider.push(next);
-            let Some(moments) = common(both, wider.iter().map(|k| &halves[*k]), flat) else { continue };
+    // sets that have something in common: how many parts, the last of them, and what it is; of one part a box around it
+    let bounds: Vec<_> = parts.iter().map(Part::bounds).collect();
+    let mut open: Vec<(usize, usize, Region)> = (0..parts.len()).map(|k| (1, k, Region::cuboid(bounds[k], flat))).collect();
+    while let Some((many, last, region)) = open.pop() {
+        for next in last + 1..parts.len() {
+            let Some(shared) = region.shared(bounds[next]) else { continue };
+            let both = if many == 1 {
+                // flat faces first, so that little is left when round ones come
+                let of = [&halves[last], &halves[next]];
+                Region::cuboid(shared, flat).cut(of.iter().flat_map(|of| &of[0]).chain(of.iter().flat_map(|of| &of[1])))
+            } else {
+                region.clone().cut(halves[next].iter().flatten())
+            };
+            let Some(both) = both else { continue };
             count += 1;
             if count > MOST {
                 return Err(format!("have more than {MOST} sets of parts with something in common: too many lie over each other"));
             }
-            all = all.plus(&moments, if wider.len() % 2 == 0 { 1.0 } else { -1.0 });
-            open.push((wider, both));
+            all = all.plus(&both.moments(), if many % 2 == 1 { 1.0 } else { -1.0 });
+            open.push((many + 1, next, both));
         }
     }
     Ok(all)
 }
 
-/// Moments of what lies in a box and in all half-spaces; `None` if there is nothing.
-fn common<'a>([low, high]: [[f64; 3]; 2], halves: impl Iterator<Item = &'a [Vec<Half>; 2]>, flat: bool) -> Option<Moments> {
-    let middle: [f64; 3] = std::array::from_fn(|a| 0.5 * (low[a] + high[a]));
-    let half: [f64; 3] = std::array::from_fn(|a| 0.5 * (high[a] - low[a]));
-    let size = half.into_iter().fold(0.0, f64::max);
-    let axes = if flat { 2 } else { 3 };
-    if half[..axes].iter().any(|h| *h <= THIN * size) {
-        return None;
+impl Region {
+    /// A box.
+    fn cuboid([low, high]: [[f64; 3]; 2], flat: bool) -> Region {
+        let half: [f64; 3] = std::array::from_fn(|a| 0.5 * (high[a] - low[a]));
+        let middle: [f64; 3] = std::array::from_fn(|a| 0.5 * (low[a] + high[a]));
+        let faces = if flat {
+            let place = |[u, v]: [f64; 2]| [u * half[0], v * half[1], 0.0];
+            vec![[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(place).to_vec()]
+        } else {
+            cuboid(half)
+        };
+        let faces = faces.into_iter().map(|face| face.into_iter().map(|p| plus(p, middle)).collect()).collect();
+        let size = half.into_iter().fold(0.0, f64::max);
+        Region { faces, bounds: [low, high], flat, hair: THIN * size }
     }
-    let hair = THIN * size;
-    // about the middle; flat faces first, so that little is left when round ones come
-    let sets: Vec<&[Vec<Half>; 2]> = halves.collect();
-    let planes = (0..2).flat_map(|k| sets.iter().flat_map(move |of| &of[k]));
-    let mut planes = planes.map(|(normal, offset)| (*normal, offset - dot(*normal, middle)));
-    let found = if flat {
-        let mut ring = vec![[-half[0], -half[1], 0.0], [half[0], -half[1], 0.0], [half[0], half[1], 0.0], [-half[0], half[1], 0.0]];
-        planes.all(|plane| cut_ring(&mut ring, plane, hair)).then(|| {
-            let sides = (0..ring.len()).map(|k| [ring[k], ring[(k + 1) % ring.len()]]);
-            sides.fold(Moments::default(), |sum, side| sum.plus(&Moments::of_triangle(side), 1.0))
-        })
-    } else {
-        let mut faces = cuboid(half);
-        planes.all(|plane| cut(&mut faces, plane, hair)).then(|| {
-            let triangles = faces.iter().flat_map(|face| face.windows(2).skip(1).map(|w| [face[0], w[0], w[1]]));
-            triangles.fold(Moments::default(), |sum, triangle| sum.plus(&Moments::of_tetrahedron(triangle), 1.0))
-        })
-    };
-    found.filter(|moments| moments.volume > 0.0).map(|moments| moments.moved(middle))
+
+    /// What these bounds and its own have in common; `None` if it is no more than a hair thick.
+    fn shared(&self, [from, to]: [[f64; 3]; 2]) -> Option<[[f64; 3]; 2]> {
+        let [low, high] = self.bounds;
+        let shared: [[f64; 3]; 2] = [std::array::from_fn(|a| low[a].max(from[a])), std::array::from_fn(|a| high[a].min(to[a]))];
+        let axes = if self.flat { 2 } else { 3 };
+        (0..axes).all(|a| shared[1][a] - shared[0][a] > self.hair).then_some(shared)
+    }
+
+    /// What is left of it in half-spaces; `None` if nothing is.
+    fn cut<'a>(mut self, halves: impl Iterator<Item = &'a Half>) -> Option<Region> {
+        for (normal, offset) in halves {
+            let [low, high] = self.bounds;
+            let furthest: f64 = (0..3).map(|a| (normal[a] * low[a]).max(normal[a] * high[a])).sum();
+            if furthest <= offset + self.hair {
+                continue;
+            }
+            let left = if self.flat {
+                cut_ring(&mut self.faces[0], (*normal, *offset), self.hair)
+            } else {
+                cut(&mut self.faces, (*normal, *offset), self.hair)
+            };
+            if !left {
+                return None;
+            }
+            let all = || self.faces.iter().flatten();
+            self.bounds = [
+                std::array::from_fn(|a| all().fold(f64::INFINITY, |low, p| p[a].min(low))),
+                std::array::from_fn(|a| all().fold(f64::NEG_INFINITY, |high, p| p[a].max(high))),
+            ];
+        }
+        (self.moments().volume > 0.0).then_some(self)
+    }
+
+    /// Its volume and moments.
+    fn moments(&self) -> Moments {
+        let [low, high] = self.bounds;
+        // from its middle, so that nothing large is taken away
+        let middle: [f64; 3] = std::array::from_fn(|a| if self.flat && a == 2 { 0.0 } else { 0.5 * (low[a] + high[a]) });
+        let faces = self.faces.iter().map(|face| face.iter().map(|p| less(*p, middle)).collect::<Vec<_>>());
+        let mut all = Moments::default();
+        for face in faces {
+            if self.flat {
+                let sides = (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]);
+                all = sides.fold(all, |sum, side| sum.plus(&Moments::of_triangle(side), 1.0));
+            } else {
+                let triangles = face.windows(2).skip(1).map(|w| [face[0], w[0], w[1]]);
+                all = triangles.fold(all, |sum, triangle| sum.plus(&Moments::of_tetrahedron(triangle), 1.0));
+            }
+        }
+        all.moved(middle)
+    }
 }
 
 /// The faces of a box about the origin, counter-clockwise from outside.
@@ -159,7 +214,13 @@ fn cut(faces: &mut Vec<Vec<[f64; 3]>>, half: Half, hair: f64) -> bool {
         return false;
     }
     let mut border = Vec::new();
-    *faces = faces.iter().map(|face| cut_face(face, half, hair, &mut border)).filter(|face| !face.is_empty()).collect();
+    faces.retain_mut(|face| {
+        // most faces stay as they are
+        if face.iter().any(|p| dot(normal, *p) - offset >= -hair) {
+            *face = cut_face(face, half, hair, &mut border);
+        }
+        !face.is_empty()
+    });
     // the new face: the hull of the places on the border
     let least = (0..3).fold(0, |least, a| if normal[a].abs() < normal[least].abs() { a } else { least });
     let mut axis = [0.0; 3];
@@ -206,6 +267,9 @@ fn of_hull(hull: &Hull, fine: u32) -> [Vec<Half>; 2] {
             arcs.iter().for_each(|[m, n]| cap([middle, *m, *n], fine, &mut add));
         }
     }
+    // each once: those along an edge are also those at its corners
+    round.sort_by(|a, b| (0..3).fold(std::cmp::Ordering::Equal, |order, k| order.then(a.0[k].total_cmp(&b.0[k]))));
+    round.dedup_by_key(|half| half.0);
     [flat, round]
 }
 
