@@ -2,6 +2,7 @@
 
 use crate::common::Stuff;
 use crate::meeting::{come_back, hit, turned};
+use crate::mesh::{grid, mesh};
 use crate::scene::{FLOOR, ROUGH, SMOOTH, Scene, cuboid};
 use comminute::math::vector::{dot, less, scaled};
 use comminute::rigid::{BlockContact, Other};
@@ -139,6 +140,57 @@ fn a_bridge_stands_on_its_feet() {
     assert!((on_floor / (b.mass * 9.81) - 1.0).abs() < 1e-4 && b.kinetic() < 1e-10, "{on_floor}");
     let outer: Vec<f64> = touch.iter().map(|c| c.force()[2] / on_floor).collect();
     assert!(outer.iter().all(|share| (share - 0.125).abs() < 0.01), "{outer:?}");
+}
+
+/// The same on a mesh of irregular triangles, turned by 30 degrees.
+#[test]
+fn a_bridge_stands_on_a_mesh() {
+    let bridge = [
+        [[-100.0, -30.0, 60.0], [100.0, 30.0, 100.0]],
+        [[-100.0, -30.0, 0.0], [-70.0, 30.0, 60.0]],
+        [[70.0, -30.0, 0.0], [100.0, 30.0, 60.0]],
+    ];
+    let floor = mesh(&grid([13, 11], [-200.0, -200.0], [200.0, 200.0], |[x, y]| [x, y, 0.0]), "");
+    let text = floor + &standing(&bridge, "angle_deg = 30.0");
+    let mut scene = Scene::new(&ROUGH, [0.0, 0.0, -9.81], &text);
+    scene.run(0.5).expect("a run");
+    let (b, force, touch) = (scene.block(1), scene.all().forces(1)[3], touching(&scene));
+    assert_eq!(touch.len(), 8, "{touch:?}");
+    assert!((force[2] / (b.mass * 9.81) - 1.0).abs() < 1e-4 && b.kinetic() < 1e-10, "{force:?}");
+    assert!(touch.iter().all(|c| (c.force()[2].abs() / force[2] - 0.125).abs() < 0.01), "{touch:?}");
+}
+
+/// Balls are thrown at a free U, many between its legs: momentum and angular momentum of both stay to rounding, energy comes back.
+#[test]
+fn balls_thrown_at_a_compound_keep_momenta_and_energy() {
+    let mut changes = Vec::new();
+    for seed in 0..30 {
+        let random = &mut ChaCha8Rng::seed_from_u64(seed);
+        let aside: [f64; 2] = std::array::from_fn(|_| random.random_range(-0.04..0.04));
+        let body = letter_u([0.0; 3], &format!("axis = [1.0, {:?}, 0.3]\nangle_deg = 20.0", aside[0]), seed % 2 == 0);
+        let speed = 0.5;
+        let text = body + &ball([aside[0], 0.4 * aside[1], 0.09], 0.012, [0.0, 0.0, -speed]);
+        let mut scene = Scene::new(&SMOOTH, [0.0; 3], &text);
+        let all = |scene: &Scene| {
+            let ([p, l], g) = (scene.momenta(), scene.grains());
+            let ([x, y, z, _], [u, v, w, _], m) = (g.pos[0], g.vel[0], g.mass[0]);
+            let own = scaled([u, v, w], m);
+            let energy = scene.energy() + 0.5 * dot(own, [u, v, w]);
+            let about = comminute::math::vector::cross([x, y, z], own);
+            ([std::array::from_fn(|a| p[a] + own[a]), std::array::from_fn(|a| l[a] + about[a])], energy)
+        };
+        let before: ([[f64; 3]; 2], f64) = all(&scene);
+        scene.run(0.35).unwrap_or_else(|e| panic!("{seed}: {e}"));
+        let after = all(&scene);
+        for (one, other) in before.0.as_flattened().iter().zip(after.0.as_flattened()) {
+            assert!((one - other).abs() < 1e-12, "{seed}: {before:?} {after:?}");
+        }
+        if (scene.grains().vel[0][2] + speed).abs() > 1e-3 * speed {
+            changes.push((after.1 / before.1 - 1.0, seed));
+        }
+    }
+    println!("{} met: {changes:?}", changes.len());
+    assert!(changes.len() > 20 && changes.iter().all(|(change, _)| change.abs() < 3e-4), "{changes:?}");
 }
 
 /// A free compound of three parts tumbles: its angular momentum stays to the bit, its energy swings by the leapfrog's error only.
