@@ -121,6 +121,46 @@ fn a_ball_in_an_inner_corner_rests_on_two_contacts() {
     assert!((0..3).all(|a| (force[a] / weight - gravity[a]).abs() < 1e-4), "{force:?}");
 }
 
+/// A ball without friction slides to and fro over the shallow inner edge between two plates that rise by a hundredth to both sides and overlap below. Where it touches both,
+/// what they have in common counts once: its energy stays.
+#[test]
+fn a_ball_slides_over_a_shallow_inner_edge_without_loss() {
+    let stuff = Stuff { young: 0.1e9, ..SMOOTH };
+    let angle = 0.01_f64.to_degrees();
+    let plate = |side: f64| {
+        // its upper side goes through the origin, by 20 mm beyond it
+        let (sine, cosine) = (0.01 * side).sin_cos();
+        let at = [80.0 * side * cosine + 20.0 * sine, 0.0, 80.0 * side * sine - 20.0 * cosine].map(|x: f64| x);
+        let turn = -side * angle;
+        format!(
+            "[[block.part]]\nshape = \"box\"\nsize_mm = [200.0, 100.0, 40.0]\nposition_mm = {at:?}\naxis = [0.0, 1.0, 0.0]\nangle_deg = {turn:?}\n"
+        )
+    };
+    let hollow = compound(&[plate(-1.0), plate(1.0)], [0.0; 3], "driven = true");
+    // where the edge lies under the centre of mass
+    let alone = format!("kind = \"mixture\"\nduration_s = 1.0\n{hollow}[contact]\nlaw = \"hertz\"\n[material]\n{}", stuff.toml());
+    let edge = 1e-3 * inside(&alone, [0.0, 0.0, 1.0]);
+    let text = hollow + &ball([-0.05, 0.0, edge + 0.01 + 0.05 * 0.01 + 1e-6], 0.01, [0.0; 3]);
+    let mut scene = Scene::new(&stuff, [0.0, 0.0, -9.81], &text);
+    let energy = |scene: &Scene| {
+        let g = scene.grains();
+        let ([x, _, z, _], [u, v, w, _], m) = (g.pos[0], g.vel[0], g.mass[0]);
+        (0.5 * m * (u * u + v * v + w * w) + m * 9.81 * z + scene.energy() - scene.all().energies([0.0; 3], 0.4)[0], x)
+    };
+    let swing = scene.grains().mass[0] * 9.81 * 0.05 * 0.01;
+    let (start, mut most, mut sides, mut both) = (energy(&scene).0, 0.0_f64, [0.0_f64; 2], 0);
+    for _ in 0..1500 {
+        scene.run(0.001).expect("a run");
+        let (now, x) = energy(&scene);
+        most = most.max((now - start).abs() / swing);
+        sides = [sides[0].min(x), sides[1].max(x)];
+        both += usize::from(touching(&scene).len() == 2);
+    }
+    println!("energy within {most:e} of the swing, from {sides:?} m, on both plates {both} times");
+    // some of its motion is a hop after the edge
+    assert!(most < 0.002 && sides[1] > 0.03 && both > 0, "{most:e} {sides:?} {both}");
+}
+
 /// A bridge of three boxes stands on the four outer corners of its two feet, each with a quarter of its weight; buried corners do not press.
 #[test]
 fn a_bridge_stands_on_its_feet() {

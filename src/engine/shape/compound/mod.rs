@@ -24,6 +24,9 @@ use std::f64::consts::PI;
 /// Most parts of a compound.
 pub const MOST_PARTS: usize = 100;
 
+/// Most corners of all parts of a compound.
+const MOST_CORNERS: usize = 3000;
+
 /// Where a part stands in the frame in which a compound is written: x = origin + Σ axes`[k]` x'_k.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
@@ -135,12 +138,16 @@ impl Compound {
     /// The union of these parts, all in space or all in the plane.
     ///
     /// # Errors
-    /// Fewer than two parts, too many, parts that do not hang together, too many that lie over each other; the text says which.
+    /// Fewer than two parts, too many, too many corners, parts that do not hang together, too many that lie over each other; the text says which.
     pub fn of(pieces: &[Piece]) -> Result<PlacedCompound, String> {
         if pieces.len() < 2 || pieces.len() > MOST_PARTS {
             return Err(format!("must be 2 to {MOST_PARTS} parts; there are {}", pieces.len()));
         }
         let parts: Vec<Part> = pieces.iter().map(|piece| piece.part.clone()).collect();
+        let corners: usize = parts.iter().map(|part| part.corners().len()).sum();
+        if corners > MOST_CORNERS {
+            return Err(format!("have {corners} corners, where a compound may have {MOST_CORNERS}"));
+        }
         let flat = parts[0].is_flat();
         if parts.iter().any(|part| part.is_flat() != flat) {
             return Err("must all be in space or all in the plane".into());

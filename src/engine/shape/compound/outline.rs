@@ -212,26 +212,22 @@ pub(super) fn edges(parts: &[Part], corners: &[Corner], hair: f64) -> Vec<Edge> 
 }
 
 /// The edges, with those in one piece that go on straight where one ends and there is no corner.
-fn joined(mut edges: Vec<Edge>, hair: f64) -> Vec<Edge> {
-    let mut k = 0;
-    while k < edges.len() {
-        let next =
-            (0..edges.len()).filter(|other| *other != k).find_map(|other| Some((other, join(&edges[k], &edges[other], hair)?)));
-        match next {
-            Some((other, whole)) => {
-                edges[k] = whole;
-                edges.remove(other);
-                k -= usize::from(other < k);
-            }
-            None => k += 1,
+fn joined(edges: Vec<Edge>, hair: f64) -> Vec<Edge> {
+    let (mut whole, mut open): (Vec<Edge>, Vec<Edge>) = edges.into_iter().partition(|edge| edge.corners == [true; 2]);
+    while !open.is_empty() {
+        let mut edge = open.remove(0);
+        while let Some((k, longer)) = open.iter().enumerate().find_map(|(k, other)| Some((k, join(&edge, other, hair)?))) {
+            open.remove(k);
+            edge = longer;
         }
+        whole.push(edge);
     }
-    edges
+    whole
 }
 
 /// Two edges as one, where one goes on straight from an end of the other at which there is no corner.
 fn join(first: &Edge, second: &Edge, hair: f64) -> Option<Edge> {
-    if (first.radius - second.radius).abs() > hair || first.corners == [true; 2] || second.corners == [true; 2] {
+    if (first.radius - second.radius).abs() > hair {
         return None;
     }
     for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {

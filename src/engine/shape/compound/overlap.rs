@@ -1,8 +1,8 @@
 //! What convex parts cover more than once, which a sum over parts counts too often.
 //!
 //! Inclusion and exclusion: the sum over all sets of two parts or more of ± the moments of what they have in common, + for even numbers. What parts have in common is a box around
-//! it cut by the half-spaces of all of them. Flat parts are exact. A round part is the half-spaces of tangents at normals that are halved so many times; the error, in proportion to the
-//! square of their angle, is removed by extrapolation from two finenesses. So the error is in what is covered twice, and there in what is round.
+//! it cut by the half-spaces of all of them. Flat parts are exact. A round part is the half-spaces of tangents at normals between which angles are halved until they are small; the error, in
+//! proportion to their square, is removed by extrapolation from two finenesses. So the error is in what is covered twice, and there in what is round.
 
 use super::moments::Moments;
 use super::part::{Convex, Part};
@@ -11,8 +11,8 @@ use crate::shape::hull::Hull;
 use crate::shape::polyhedron::halfway;
 use crate::shape::ring::{Ring, convex_ring};
 
-/// Times that angles between normals are halved, in space and in the plane; once more gives the error.
-const FINE: [u32; 2] = [2, 7];
+/// Cosine of the angle to which those between normals are halved, in space a quarter of a right angle and in the plane a 128th; once more gives the error.
+const SMALL: [f64; 2] = [0.923_8, 0.999_924];
 /// Most sets of parts with something in common.
 const MOST: usize = 4000;
 /// Over the size of a body: what is thinner is nothing.
@@ -27,16 +27,15 @@ type Half = ([f64; 3], f64);
 /// Too many sets of parts have something in common.
 pub(super) fn covered(parts: &[Part]) -> Result<Moments, String> {
     let flat = parts.iter().any(Part::is_flat);
-    let fine = FINE[usize::from(flat)];
-    let of = |fine: u32| {
-        let halves: Vec<[Vec<Half>; 2]> = parts.iter().map(|part| halves(part, fine)).collect();
+    let of = |more: u32| {
+        let halves: Vec<[Vec<Half>; 2]> = parts.iter().map(|part| halves(part, more)).collect();
         sum(parts, &halves, flat)
     };
-    let coarse = of(fine)?;
+    let coarse = of(0)?;
     if coarse.volume == 0.0 || parts.iter().all(|part| part.rounding() == 0.0) {
         return Ok(coarse);
     }
-    Ok(Moments::beyond(&coarse, &of(fine + 1)?))
+    Ok(Moments::beyond(&coarse, &of(1)?))
 }
 
 /// What is left of a box that is cut by half-spaces.
@@ -236,15 +235,26 @@ fn cut(faces: &mut Vec<Vec<[f64; 3]>>, half: Half, hair: f64) -> bool {
     true
 }
 
-/// The half-spaces of the flat faces of a part, and those of tangents where it is round, at normals that are halved `fine` times.
-fn halves(part: &Part, fine: u32) -> [Vec<Half>; 2] {
+/// The half-spaces of the flat faces of a part, and those of tangents where it is round, at normals between which angles are halved `more` times after they are small.
+fn halves(part: &Part, more: u32) -> [Vec<Half>; 2] {
     match &part.surface {
-        Convex::Hull(hull) => of_hull(hull, fine),
-        Convex::Ring(ring) => of_ring(ring, fine),
+        Convex::Hull(hull) => of_hull(hull, more),
+        Convex::Ring(ring) => of_ring(ring, more),
     }
 }
 
-fn of_hull(hull: &Hull, fine: u32) -> [Vec<Half>; 2] {
+/// Times that the angle between two normals is halved until it is small.
+fn halvings(m: [f64; 3], n: [f64; 3], small: f64) -> u32 {
+    let mut cosine = dot(m, n);
+    let mut count = 0;
+    while cosine < small && count < 16 {
+        cosine = (0.5 * (1.0 + cosine)).max(0.0).sqrt();
+        count += 1;
+    }
+    count
+}
+
+fn of_hull(hull: &Hull, more: u32) -> [Vec<Half>; 2] {
     let r = hull.rounding;
     let flat = hull.faces.iter().map(|face| (face.normal, face.offset + r)).collect();
     let mut round = Vec::new();
@@ -254,7 +264,7 @@ fn of_hull(hull: &Hull, fine: u32) -> [Vec<Half>; 2] {
     let corner = |k: u32| hull.corners[k as usize];
     let mut around: Vec<Vec<[[f64; 3]; 2]>> = vec![Vec::new(); hull.corners.len()];
     for ([i, j], [m, n]) in hull.edges() {
-        arc(m, n, fine, &mut |normal| round.push((normal, dot(normal, corner(i)) + r)));
+        arc(m, n, halvings(m, n, SMALL[0]) + more, &mut |normal| round.push((normal, dot(normal, corner(i)) + r)));
         [i, j].iter().for_each(|k| around[*k as usize].push([m, n]));
     }
     for (k, arcs) in around.iter().enumerate() {
@@ -264,7 +274,11 @@ fn of_hull(hull: &Hull, fine: u32) -> [Vec<Half>; 2] {
             let middle = scaled(sum, 1.0 / length);
             let mut add = |normal: [f64; 3]| round.push((normal, dot(normal, corner(k as u32)) + r));
             add(middle);
-            arcs.iter().for_each(|[m, n]| cap([middle, *m, *n], fine, &mut add));
+            for &[m, n] in arcs {
+                let longest =
+                    [(m, n), (n, middle), (middle, m)].map(|(p, q)| halvings(p, q, SMALL[0])).into_iter().fold(0, u32::max);
+                cap([middle, m, n], longest + more, &mut add);
+            }
         }
     }
     // each once: those along an edge are also those at its corners
@@ -294,7 +308,7 @@ fn cap([l, m, n]: [[f64; 3]; 3], fine: u32, add: &mut impl FnMut([f64; 3])) {
     }
 }
 
-fn of_ring(ring: &Ring, fine: u32) -> [Vec<Half>; 2] {
+fn of_ring(ring: &Ring, more: u32) -> [Vec<Half>; 2] {
     let (n, r) = (ring.corners.len(), ring.rounding);
     let sides: Vec<([f64; 3], [f64; 3])> = ring.sides().map(|([p, _], normal)| (p, normal)).collect();
     let flat = sides.iter().map(|(p, normal)| (*normal, dot(*normal, *p) + r)).collect();
@@ -315,7 +329,7 @@ fn of_ring(ring: &Ring, fine: u32) -> [Vec<Half>; 2] {
         };
         for w in quarters.windows(2) {
             add(w[0]);
-            arc(w[0], w[1], fine, &mut add);
+            arc(w[0], w[1], halvings(w[0], w[1], SMALL[1]) + more, &mut add);
         }
     }
     [flat, round]
