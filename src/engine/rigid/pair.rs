@@ -10,7 +10,8 @@
 //! together is that of the one place where the bodies are nearest; forces follow from U, have no jumps and conserve energy.
 //!
 //! A sheet of triangles ([`crate::shape::Sheet`]) is no hull: corners of the other body lie on its facets, and its own corners and edges act only where it sticks out,
-//! not on the side to which it bends. Corners lie on the parts of a compound ([`crate::shape::Compound`]) as on facets; its own are those that stick out of all its parts.
+//! not on the side to which it bends. Corners lie on the parts of a compound ([`crate::shape::Compound`]) as on facets; its own are those that stick out of all its parts. Where its
+//! edges end in an inner corner of a flat side no corner takes over: what passes there leaves both edges without a jump.
 
 use super::contact::PosedBlock;
 use crate::math::vector::{cross, dot, less, plus, scaled};
@@ -120,15 +121,13 @@ pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Sit
             let overlap = between(on_first, on_second);
             let towards = [first.pose.inwards(overlap.normal), second.pose.inwards(overlap.normal.map(|x| -x))];
             let acts = a.body.edge_acts(i as usize, towards[0]) && b.body.edge_acts(j as usize, towards[1]);
-            // of edges that are apart nobody asks; an end that is no corner goes on in another part of its body
-            let corners = [a.body.ends_are_corners(i as usize), b.body.ends_are_corners(j as usize)];
-            let of = |corner: bool, x, y| if corner { between(x, y) } else { Overlap::NONE };
+            // of edges that are apart nobody asks
             let ends = || {
                 [
-                    of(corners[0][0], p[0], nearest_on(q, p[0])),
-                    of(corners[0][1], p[1], nearest_on(q, p[1])),
-                    of(corners[1][0], nearest_on(p, q[0]), q[0]),
-                    of(corners[1][1], nearest_on(p, q[1]), q[1]),
+                    between(p[0], nearest_on(q, p[0])),
+                    between(p[1], nearest_on(q, p[1])),
+                    between(nearest_on(p, q[0]), q[0]),
+                    between(nearest_on(p, q[1]), q[1]),
                 ]
             };
             acts.then(|| Meeting { overlap, ends: (overlap.depth > 0.0).then(ends), borders: Vec::new() })

@@ -179,11 +179,6 @@ impl Rounded {
         if let Rounded::Union(union) = self { union.edge_radius(k) } else { self.rounding() }
     }
 
-    /// Whether there is a corner at each end of edge `k`; else it goes into another part of the body.
-    pub fn ends_are_corners(&self, k: usize) -> [bool; 2] {
-        if let Rounded::Union(union) = self { union.ends_are_corners(k) } else { [true; 2] }
-    }
-
     /// Distance of its furthest point from the origin, m.
     pub fn reach(&self) -> f64 {
         match self {

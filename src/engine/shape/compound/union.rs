@@ -36,8 +36,6 @@ pub struct Union {
     edges: Vec<[[f64; 3]; 2]>,
     /// Radius of each edge, m.
     round: Vec<f64>,
-    /// Whether each end of each edge is a corner.
-    pointed: Vec<[bool; 2]>,
     /// Distance of the furthest point from the origin, m.
     pub reach: f64,
     /// Distance below which places are one, m.
@@ -58,7 +56,6 @@ impl Union {
             discs: corners.iter().map(|c| c.disc).collect(),
             corners: corners.into_iter().map(|c| c.at).collect(),
             round: edges.iter().map(|e| e.radius).collect(),
-            pointed: edges.iter().map(|e| e.corners).collect(),
             edges: edges.into_iter().map(|e| e.ends).collect(),
             reach,
             hair,
@@ -94,11 +91,6 @@ impl Union {
     /// Radius of edge `k`, m.
     pub fn edge_radius(&self, k: usize) -> f64 {
         self.round.get(k).copied().unwrap_or(0.0)
-    }
-
-    /// Whether there is a corner at each end of edge `k`.
-    pub fn ends_are_corners(&self, k: usize) -> [bool; 2] {
-        self.pointed.get(k).copied().unwrap_or([true; 2])
     }
 
     /// Surface nearest to a position; inside, of the part in which it is deepest.
