@@ -3,6 +3,8 @@
 mod breaking;
 #[path = "../common/mod.rs"]
 mod common;
+mod compound;
+mod compound_typed;
 mod meeting;
 mod mesh;
 mod mesh_typed;

@@ -19,7 +19,7 @@ fn rock(random: &mut ChaCha8Rng, at: [f64; 3], more: &str) -> String {
 }
 
 /// Energies came back: each by the leapfrog's error, 2.2e-4 at most, 4e-5 in the mean.
-fn come_back(changes: &[(f64, u64)]) {
+pub fn come_back(changes: &[(f64, u64)]) {
     assert!(changes.len() > 30);
     let mean = changes.iter().map(|(change, _)| change).sum::<f64>() / changes.len() as f64;
     assert!(mean.abs() < 6e-5 && changes.iter().all(|(change, _)| change.abs() < 3e-4), "mean {mean:e}: {changes:?}");
@@ -27,7 +27,7 @@ fn come_back(changes: &[(f64, u64)]) {
 
 /// Runs two bodies past each other in 150 stretches of `stretch` seconds, and checks their momenta. By what share of itself the energy has changed, if they met: then the
 /// second has lost some of its `speed` along −x, m/s.
-fn hit(seed: u64, bodies: &str, stretch: f64, speed: f64) -> Option<(f64, u64)> {
+pub fn hit(seed: u64, bodies: &str, stretch: f64, speed: f64) -> Option<(f64, u64)> {
     let mut scene = Scene::new(&SMOOTH, [0.0; 3], bodies);
     let before = (scene.momenta(), scene.energy());
     let mut touched = false;
@@ -43,7 +43,7 @@ fn hit(seed: u64, bodies: &str, stretch: f64, speed: f64) -> Option<(f64, u64)> 
 }
 
 /// A turn at random as TOML.
-fn turned(random: &mut ChaCha8Rng) -> String {
+pub fn turned(random: &mut ChaCha8Rng) -> String {
     let mut one = |x: f64| random.random_range(-x..x);
     format!("axis = [{:?}, {:?}, {:?}]\nangle_deg = {:?}\n", one(1.0), one(1.0), one(1.0), one(180.0))
 }

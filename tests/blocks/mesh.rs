@@ -7,10 +7,10 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 
 /// Vertices, mm, and triangles.
-type Triangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+pub type Triangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
 /// A mesh as TOML.
-fn mesh((vertices, triangles): &Triangles, more: &str) -> String {
+pub fn mesh((vertices, triangles): &Triangles, more: &str) -> String {
     let (vertices, triangles) = (vertices.as_flattened(), triangles.as_flattened());
     let at = if more.contains("position_mm") { "" } else { "position_mm = [0.0, 0.0, 0.0]\n" };
     format!("[[block]]\nshape = \"mesh\"\nvertices_mm = {vertices:?}\ntriangles = {triangles:?}\ndriven = true\n{at}{more}\n")
@@ -22,7 +22,7 @@ fn ball(at: [f64; 3], radius: f64, velocity: [f64; 3]) -> String {
 }
 
 /// `n` × `m` squares of irregular triangles over a rectangle from `low` to `high`, each vertex placed by `place`.
-fn grid([n, m]: [u32; 2], low: [f64; 2], high: [f64; 2], place: impl Fn([f64; 2]) -> [f64; 3]) -> Triangles {
+pub fn grid([n, m]: [u32; 2], low: [f64; 2], high: [f64; 2], place: impl Fn([f64; 2]) -> [f64; 3]) -> Triangles {
     let random = &mut ChaCha8Rng::seed_from_u64(3);
     let mut vertices = Vec::new();
     for (j, i) in (0..=m).flat_map(|j| (0..=n).map(move |i| (j, i))) {

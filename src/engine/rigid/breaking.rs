@@ -4,7 +4,7 @@
 //! on a face touches at its corners, and the sum of their normal forces is what the criterion judges. Its strength follows from the diameter of the sphere of its
 //! volume (in plane strain of the disc of its area), with size hardening and spread as for grains. Contacts with points do not break it, as they do not break grains.
 //!
-//! It breaks in two along a plane ([`crate::shape::Piece`]) that goes through its two largest contacts and its centre of mass. Where these three are nearly on a line, as between two
+//! It breaks in two along a plane ([`crate::shape::Fragment`]) that goes through its two largest contacts and its centre of mass. Where these three are nearly on a line, as between two
 //! platens, the plane contains that line and the cut crosses the body's longest axis. In plane strain the line through the two contacts is the cut. A cut that would
 //! chip off less than [`LEAST`] of the volume goes through the centre of mass instead.
 //!
@@ -20,7 +20,7 @@ use crate::check::{self, Checked, ensure};
 use crate::contact::pair::PairTable;
 use crate::math::random::{lineage_child, lineage_root};
 use crate::math::vector::{cross, dot, less, plus, scaled};
-use crate::shape::{Piece, Shape};
+use crate::shape::{Fragment, Shape};
 use serde::{Deserialize, Serialize};
 
 /// Smallest share of a body's volume that a piece may have where the cut does not go through the centre of mass.
@@ -309,7 +309,7 @@ impl Blocks {
         let k = verdict.block;
         let Cut { mut pieces, normal, lost } = cut(&self.blocks[k], verdict.at)?;
         let body = self.blocks[k].clone();
-        let volumes = |pieces: &[Piece; 2]| [0, 1].map(|i| pieces[i].shape.solid().bulk().volume);
+        let volumes = |pieces: &[Fragment; 2]| [0, 1].map(|i| pieces[i].shape.solid().bulk().volume);
         if volumes(&pieces)[0] < volumes(&pieces)[1] {
             pieces.swap(0, 1);
         }
@@ -371,7 +371,7 @@ fn add_moment(moment: &mut [f64; 6], f: [f64; 3], arm: [f64; 3]) {
 
 /// A cut of a body that can be made.
 struct Cut {
-    pieces: [Piece; 2],
+    pieces: [Fragment; 2],
     /// Unit normal of the plane, in the frame of the body.
     normal: [f64; 3],
     /// Volume that is left to neither piece, m³.
@@ -437,13 +437,13 @@ fn longest(body: &Block, along: [f64; 3]) -> [f64; 3] {
 }
 
 /// The two pieces as bodies: with all of the mass, momentum and angular momentum of `body`, and its velocity field but for what exactness takes.
-fn divided(body: &Block, pieces: &[Piece; 2]) -> [Block; 2] {
+fn divided(body: &Block, pieces: &[Fragment; 2]) -> [Block; 2] {
     let (pose, spin) = (body.pose(0.0), body.spin());
     let bulks = [0, 1].map(|i| pieces[i].shape.solid().bulk());
     let second = body.mass * (bulks[1].volume / (bulks[0].volume + bulks[1].volume));
     let masses = [body.mass - second, second];
     let mut made = [0, 1].map(|i| {
-        let Piece { shape, centre, axes } = &pieces[i];
+        let Fragment { shape, centre, axes } = &pieces[i];
         let density = masses[i] / bulks[i].volume;
         let turn = motion::product(body.turn, motion::quaternion(*axes));
         let mut block = Block::new(shape.clone(), density, body.material);

@@ -1,6 +1,6 @@
 //! Forces of all contacts of rigid bodies, and their addition to bodies, grains, points and walls.
 
-use super::pair::{Meeting, Outline, Overlap, Site, corner_on_sheet, meeting};
+use super::pair::{Meeting, Outline, Overlap, Site, corner_on_facets, meeting};
 use super::{Block, Blocks, Pose};
 use crate::boundary::Wall;
 use crate::contact::force::{self, ContactGeometry, ContactHistory, RelativeMotion, Rules};
@@ -50,7 +50,7 @@ pub struct BlockContact {
     pub block: u32,
     /// The other side.
     pub other: Other,
-    /// Facet of the sheet on which the sphere or corner lies; 0 where no sheet takes part.
+    /// Facet of the sheet, or part of the compound, on which the sphere or corner lies; 0 where neither takes part.
     pub facet: u32,
     /// Present index of the point or grain.
     pub(super) place: u32,
@@ -190,7 +190,7 @@ impl Blocks {
         let rules = Rules { dt: scene.dt, unloading: scene.unloading, weighs_radius: true, task: TASK, arch: pulp::Arch::Scalar };
         let Blocks { blocks, outlines, candidates, .. } = self;
         let bodies = posed(blocks, outlines, scene.ahead[0]);
-        if bodies.iter().any(|body| body.block.solid().sheet().is_some()) {
+        if bodies.iter().any(|body| body.block.solid().facets() > 1) {
             let groups = candidates.par_chunk_by_mut(|a, b| (a.block, a.other) == (b.block, b.other));
             groups.filter(|group| group[0].is_of_point() == points).for_each(|group| pass_on(scene, &bodies, group));
         }
@@ -367,8 +367,7 @@ struct Met {
 
 /// Borders of a facet as the ends of [`Across`], and the facets beyond them.
 fn ends_at(borders: &[(u32, Overlap)]) -> (Option<[Overlap; 4]>, Vec<u32>) {
-    let apart = Overlap { normal: [0.0; 3], depth: f64::NEG_INFINITY, at: [0.0; 3] };
-    let ends = (!borders.is_empty()).then(|| std::array::from_fn(|k| borders.get(k).map_or(apart, |border| border.1)));
+    let ends = (!borders.is_empty()).then(|| std::array::from_fn(|k| borders.get(k).map_or(Overlap::NONE, |border| border.1)));
     (ends, borders.iter().map(|border| border.0).collect())
 }
 
@@ -528,7 +527,7 @@ fn touch<L: Law>(scene: &BlockScene<'_>, rules: &Rules, bodies: &[PosedBlock<'_>
     };
 }
 
-/// Hands on histories among the contacts of one sphere or corner with the facets of one sheet: a contact that begins beside another one takes over what that has. It is
+/// Hands on histories among the contacts of one sphere or corner with the facets of one sheet, or the parts of one compound: a contact that begins beside another one takes over what that has. It is
 /// moved where the sphere has passed over the border between their facets, and copied where it touches both and their common border is in reach. What slides over
 /// a curved sheet so keeps its friction.
 fn pass_on(scene: &BlockScene<'_>, bodies: &[PosedBlock<'_>], group: &mut [BlockContact]) {
@@ -569,8 +568,9 @@ fn has_passed(scene: &BlockScene<'_>, bodies: &[PosedBlock<'_>], c: &BlockContac
             passes(body, body.pose.within([x, y, z]), radius)
         }
         Other::Block { block, site } => {
-            let on_sheet = corner_on_sheet(body, &bodies[block as usize], site);
-            on_sheet.is_some_and(|(on, at, radius)| passes(on, at, radius))
+            let corner = corner_on_facets(body, &bodies[block as usize], site);
+            let passes = |on: &Outline, at, radius: f64| on.body.passes(c.facet, to, at, 2.0 * radius);
+            corner.is_some_and(|(on, at, radius)| on.outline.is_some_and(|outline| passes(outline, at, radius)))
         }
         Other::Wall { .. } => false,
     }

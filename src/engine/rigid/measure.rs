@@ -5,7 +5,7 @@ use super::pair::{Outline, meeting, sites};
 use super::{Block, Blocks, Other};
 use crate::dem::physics::Physics;
 use crate::math::vector::{dot, plus, scaled};
-use crate::shape::{Hull, Sheet, Solid};
+use crate::shape::{Hull, Part, Shape, Sheet, Solid};
 
 impl Block {
     /// One line that describes the body for a reader: shape, material, extents as it is rotated, mass; of a sheet its triangles and facets.
@@ -27,12 +27,14 @@ impl Block {
                 "{kind} of {material}, {triangles} triangles in {facets} facets, {form}, {dx} × {dy} × {dz} mm{turned}"
             );
         }
-        format!("{kind} of {material}, {dx} × {dy} × {dz} mm{turned}, {:.6} kg", self.mass)
+        let parts =
+            if let Shape::Compound(compound) = &self.shape { format!(" of {} parts", compound.parts()) } else { String::new() };
+        format!("{kind} of {material}{parts}, {dx} × {dy} × {dz} mm{turned}, {:.6} kg", self.mass)
     }
 }
 
 impl Block {
-    /// Deepest overlap with another body, m; negative if they are apart, infinite if it is deeper than the edges of both are round or a sheet cuts the other. 0 for superquadrics, whose contacts
+    /// Deepest overlap with another body, m; negative if they are apart, infinite if it is deeper than the edges of both are round (of compounds part by part) or a sheet cuts the other. 0 for superquadrics, whose contacts
     /// with bodies are not computed.
     pub fn overlap(&self, other: &Block) -> f64 {
         let [a, b] = [self, other].map(|b| Outline::of(&b.shape));
@@ -41,7 +43,10 @@ impl Block {
         let corners =
             |of: &Outline, body: &PosedBlock<'_>| of.body.corners().iter().map(|c| body.pose.place(*c)).collect::<Vec<_>>();
         let cut = match (a.body.sheet(), b.body.sheet()) {
-            (None, None) => Hull::cut(&corners(a, &first), &corners(b, &second)),
+            (None, None) => {
+                let [a, b] = [(a, &first), (b, &second)].map(|(of, body)| placed(&of.body.parts(), body));
+                a.iter().any(|p| b.iter().any(|q| p.cuts(q)))
+            }
             (Some(sheet), None) => cuts(sheet, &first, &corners(b, &second)),
             (None, Some(sheet)) => cuts(sheet, &second, &corners(a, &first)),
             (Some(_), Some(_)) => false,
@@ -52,6 +57,11 @@ impl Block {
         let overlap = |(site, facet)| meeting(&first, &second, site, facet).map_or(f64::NEG_INFINITY, |m| m.overlap.depth);
         sites(&first, &second, 0.0).into_iter().map(overlap).fold(f64::NEG_INFINITY, f64::max)
     }
+}
+
+/// Convex parts of a body, in space.
+fn placed(parts: &[Part], body: &PosedBlock<'_>) -> Vec<Part> {
+    parts.iter().map(|part| part.moved(|p| body.pose.place(p))).collect()
 }
 
 /// Whether a sheet cuts the hull of these corners in space.

@@ -10,7 +10,8 @@
 //! together is that of the one place where the bodies are nearest; forces follow from U, have no jumps and conserve energy.
 //!
 //! A sheet of triangles ([`crate::shape::Sheet`]) is no hull: corners of the other body lie on its facets, and its own corners and edges act only where it sticks out,
-//! not on the side to which it bends.
+//! not on the side to which it bends. Corners lie on the parts of a compound ([`crate::shape::Compound`]) as on facets; its own are those that stick out of all its parts. Where its
+//! edges end in an inner corner of a flat side no corner takes over: what passes there leaves both edges without a jump.
 
 use super::contact::PosedBlock;
 use crate::math::vector::{cross, dot, less, plus, scaled};
@@ -57,6 +58,11 @@ pub(super) struct Overlap {
     pub at: [f64; 3],
 }
 
+impl Overlap {
+    /// No overlap anywhere.
+    pub const NONE: Overlap = Overlap { normal: [0.0; 3], depth: f64::NEG_INFINITY, at: [0.0; 3] };
+}
+
 /// How two bodies meet at a site.
 #[derive(Clone, Debug)]
 pub(super) struct Meeting {
@@ -64,7 +70,7 @@ pub(super) struct Meeting {
     pub overlap: Overlap,
     /// Of two edges that overlap: the overlaps of the ends of each with the other.
     pub ends: Option<[Overlap; 4]>,
-    /// Of a corner on a sheet: the borders beside which it counts less, with the number of the facet beyond each.
+    /// Of a corner on a sheet or a compound: the borders beside which it counts less, with the number of the facet beyond each.
     pub borders: Vec<(u32, Overlap)>,
 }
 
@@ -79,7 +85,7 @@ pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Sit
     let (a, b) = (first.outline?, second.outline?);
     match site {
         Site::CornerOfFirst(k) => {
-            let (corner, radius) = (first.pose.place(*a.body.corners().get(k as usize)?), a.body.rounding());
+            let (corner, radius) = (first.pose.place(*a.body.corners().get(k as usize)?), a.body.corner_radius(k as usize));
             let Meet { nearest, borders } = b.body.meet(facet, second.pose.within(corner), radius)?;
             let overlap = |nearest: &Nearest| {
                 let (normal, depth) = (second.pose.outwards(nearest.normal).map(|x| -x), radius - nearest.distance);
@@ -91,7 +97,7 @@ pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Sit
             acts.then_some(Meeting { overlap: on, ends: None, borders })
         }
         Site::CornerOfSecond(k) => {
-            let (corner, radius) = (second.pose.place(*b.body.corners().get(k as usize)?), b.body.rounding());
+            let (corner, radius) = (second.pose.place(*b.body.corners().get(k as usize)?), b.body.corner_radius(k as usize));
             let Meet { nearest, borders } = a.body.meet(facet, first.pose.within(corner), radius)?;
             let overlap = |nearest: &Nearest| {
                 let (normal, depth) = (first.pose.outwards(nearest.normal), radius - nearest.distance);
@@ -110,7 +116,7 @@ pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Sit
             let across = cross(less(p[1], p[0]), less(q[1], q[0]));
             let side = 1.0_f64.copysign(dot(across, less(second.pose.centre, first.pose.centre)));
             let across = scaled(across, side / dot(across, across).sqrt());
-            let radii = [a.body.rounding(), b.body.rounding()];
+            let radii = [a.body.edge_radius(i as usize), b.body.edge_radius(j as usize)];
             let between = |x, y| spheres([x, y], radii, across);
             let overlap = between(on_first, on_second);
             let towards = [first.pose.inwards(overlap.normal), second.pose.inwards(overlap.normal.map(|x| -x))];
@@ -163,8 +169,8 @@ fn from_edge(at: [f64; 3], edge: [[f64; 3]; 2]) -> f64 {
     dot(away, away).sqrt()
 }
 
-/// The middle of the corner that lies on a sheet at `site`, in the frame of the sheet, and its radius, m, with the sheet; `None` at other sites.
-pub(super) fn corner_on_sheet<'a>(
+/// The middle of the corner that lies on a surface of facets at `site`, in the frame of its body, and its radius, m, with that body; `None` at other sites.
+pub(super) fn corner_on_facets<'a>(
     first: &'a PosedBlock<'_>,
     second: &'a PosedBlock<'_>,
     site: Site,
@@ -176,8 +182,7 @@ pub(super) fn corner_on_sheet<'a>(
     };
     let body = &of.outline?.body;
     let corner = *body.corners().get(k as usize)?;
-    on.outline?.body.sheet()?;
-    Some((on, on.pose.within(of.pose.place(corner)), body.rounding()))
+    (on.block.solid().facets() > 1).then(|| (on, on.pose.within(of.pose.place(corner)), body.corner_radius(k as usize)))
 }
 
 /// What can be near the other body, by its place along the line between the centres: of the first body what is beyond `first`, of the second what is before `second`.
@@ -223,34 +228,33 @@ pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) 
     // of a sheet only what is near the other body
     let sharp = |body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline| -> [Vec<u32>; 2] {
         match of.body.sheet() {
-            Some(sheet) => sheet.sharp_near(body.pose.within(other.pose.centre), of.body.rounding() + on.body.reach() + skin),
+            Some(sheet) => sheet.sharp_near(body.pose.within(other.pose.centre), of.body.widest() + on.body.reach() + skin),
             None => [of.body.corners().len(), of.edges.len()].map(|n| (0..n as u32).collect()),
         }
     };
-    let radii = a.body.rounding() + b.body.rounding() + skin;
+    let radii = a.body.widest() + b.body.widest() + skin;
     let facing = Facing::of(first, second, [a, b], radii);
     let [of_first, of_second] = [sharp(first, a, second, b), sharp(second, b, first, a)];
     let corners =
         |list: &[u32], body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline, site: &dyn Fn(u32) -> Site| {
-            let (far, gap) = (of.body.rounding() + on.body.reach() + skin, of.body.rounding() + skin);
             let at = |k: u32| {
+                let radius = of.body.corner_radius(k as usize);
+                let (far, gap) = (radius + on.body.reach() + skin, radius + skin);
                 let corner = body.pose.place(of.body.corners()[k as usize]);
-                let can = facing.takes(std::ptr::eq(of, a), &[corner]) && near(corner, other, far);
+                let of_first = std::ptr::eq(of, a);
+                let can = facing.takes(of_first, &[corner]) && near(corner, other, far);
                 let facets = if can { on.body.facets_near(other.pose.within(corner), gap) } else { Vec::new() };
-                facets.into_iter().map(move |facet| (k, facet))
+                // the middle of a disc on the other surface is all there is to know of it, and of two discs the first is asked
+                let disc = of_first && of.body.corner_is_disc(k as usize);
+                let known = move |facet: &u32| disc || !on.body.facet_is_disc(*facet);
+                facets.into_iter().filter(known).map(move |facet| (k, facet))
             };
             list.iter().flat_map(|k| at(*k)).map(|(k, facet)| (site(k), facet)).collect::<Vec<_>>()
         };
-    // a disc has one corner, its centre, whose distance from the other surface is all there is to know
-    let [one, other] = [a, b].map(|outline| outline.body.is_disc());
-    if one || !other {
-        found.extend(corners(&of_first[0], first, a, second, b, &Site::CornerOfFirst));
-    }
-    if !one {
-        found.extend(corners(&of_second[0], second, b, first, a, &Site::CornerOfSecond));
-    }
+    found.extend(corners(&of_first[0], first, a, second, b, &Site::CornerOfFirst));
+    found.extend(corners(&of_second[0], second, b, first, a, &Site::CornerOfSecond));
     let edges = |list: &[u32], body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline| {
-        let far = of.body.rounding() + on.body.reach() + skin;
+        let far = of.body.widest() + on.body.reach() + skin;
         let placed = list.iter().map(|k| (*k, of.edges[*k as usize].map(|x| body.pose.place(x))));
         let can = |ends: &[[f64; 3]; 2]| facing.takes(std::ptr::eq(of, a), ends) && from_edge(other.pose.centre, *ends) < far;
         placed.filter(|(_, ends)| can(ends)).collect::<Vec<_>>()

@@ -19,10 +19,20 @@ impl Cuboid {
     /// The box as other bodies touch it: its edges are rounded with a twentieth of the least half edge, because beside a sharp edge the nearest face, and so the
     /// direction of the force, changes suddenly with the overlap. Its faces stay where they are.
     pub fn rounded(&self) -> Hull {
-        let rounding = ROUNDED * self.half.into_iter().fold(f64::INFINITY, f64::min);
-        let inner = Cuboid { half: self.half.map(|h| h - rounding) };
-        let corners = (0..8).map(|k| inner.spot(k, [0.0; 3])).collect();
+        let rounding = self.rounding();
+        let high = self.half.map(|h| h - rounding);
+        Cuboid::hull([high.map(|h| -h), high], rounding)
+    }
+
+    /// Radius of its edges against other bodies, m.
+    pub(super) fn rounding(&self) -> f64 {
+        ROUNDED * self.half.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The hull of a box between two corners, m, with a sphere swept over it.
+    pub(super) fn hull([low, high]: [[f64; 3]; 2], rounding: f64) -> Hull {
         // corner k lies at the high end of axis a where bit a of k is 1
+        let corners = (0..8).map(|k| std::array::from_fn(|a| if k >> a & 1 == 1 { high[a] } else { low[a] })).collect();
         let side = |axis: usize, high: u32| {
             let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
             let first = high << axis;

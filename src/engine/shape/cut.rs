@@ -10,7 +10,7 @@ use crate::math::vector::{dot, less, plus, scaled};
 
 /// A piece of a body, with the place of its own frame in that of the body: x = centre + Σ axes`[k]` x'_k.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+pub struct Fragment {
     /// Its shape.
     pub shape: Shape,
     /// Its centre of mass, m.
@@ -26,8 +26,8 @@ const FLAT: f64 = 1e-6;
 
 impl Shape {
     /// The two pieces on the sides of the plane n·x = `offset`, m, in the frame of the body, the one on the side of the unit vector `normal` last. `None`: the plane
-    /// leaves no hull with a volume on one of its sides, or the body is none that can be cut (a superquadric, a mesh, a disc).
-    pub fn cut(&self, normal: [f64; 3], offset: f64) -> Option<[Piece; 2]> {
+    /// leaves no hull with a volume on one of its sides, or the body is none that can be cut (a superquadric, a mesh, a compound, a disc).
+    pub fn cut(&self, normal: [f64; 3], offset: f64) -> Option<[Fragment; 2]> {
         let rounded = self.rounded()?;
         let side = |sign: f64| rounded.beyond(scaled(normal, -sign), -sign * offset);
         Some([side(1.0)?, side(-1.0)?])
@@ -47,7 +47,7 @@ impl Shape {
                     && hull.faces.iter().all(|f| fits(f) && f.normal.iter().chain([&f.offset]).all(|x| x.is_finite()))
             }
             Rounded::Ring(ring) => ring.corners.len() > 2,
-            Rounded::Sheet(..) => false,
+            Rounded::Sheet(..) | Rounded::Union(_) => false,
         };
         faces && numbers.copied().all(f64::is_finite) && bulk.volume > 0.0 && rounded.rounding() >= 0.0 && rounded.reach() > 0.0
     }
@@ -55,7 +55,7 @@ impl Shape {
 
 impl Rounded {
     /// The piece of which every point x has n·x ≥ `offset`, m, with n = `normal`.
-    fn beyond(&self, normal: [f64; 3], offset: f64) -> Option<Piece> {
+    fn beyond(&self, normal: [f64; 3], offset: f64) -> Option<Fragment> {
         match self {
             Rounded::Hull(hull) => {
                 // a line between triangles that are flat but for rounding would put a corner into the middle of a face
@@ -63,7 +63,7 @@ impl Rounded {
                 let edges = hull.edges().into_iter().filter(|(_, normals)| sharp(*normals)).map(|(ends, _)| ends);
                 let corners = kept(&hull.corners, edges, normal, offset + hull.rounding, ONE * hull.reach);
                 let placed = Polyhedron::hull(&corners, hull.rounding).ok()?;
-                Some(Piece { shape: Shape::Polyhedron(placed.polyhedron), centre: placed.centre, axes: placed.axes })
+                Some(Fragment { shape: Shape::Polyhedron(placed.polyhedron), centre: placed.centre, axes: placed.axes })
             }
             Rounded::Ring(ring) => {
                 let n = ring.corners.len() as u32;
@@ -75,9 +75,9 @@ impl Rounded {
                 }
                 let (polygon, [x, y]) = Polygon::of(&corners, ring.rounding).ok()?;
                 let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-                Some(Piece { shape: Shape::Polygon(polygon), centre: [x, y, 0.0], axes })
+                Some(Fragment { shape: Shape::Polygon(polygon), centre: [x, y, 0.0], axes })
             }
-            Rounded::Sheet(..) => None,
+            Rounded::Sheet(..) | Rounded::Union(_) => None,
         }
     }
 }
@@ -122,12 +122,12 @@ mod tests {
         let shape = Shape::Polyhedron(body.polyhedron);
         for offset in [0.0, 0.2] {
             let [low, high] = shape.cut(normal, offset).unwrap();
-            let volume = |p: &Piece| p.shape.solid().bulk().volume;
+            let volume = |p: &Fragment| p.shape.solid().bulk().volume;
             // all three pairs of faces are flat but for the edges: of each cut's outline 4 metres (2 − π/2) r² per metre go, a little less at the corners
             let lost = shape.solid().bulk().volume - volume(&low) - volume(&high);
             let edges = (2.0 - std::f64::consts::FRAC_PI_2) * r * r * 4.0 * (1.0 + 2.0 * r);
             assert!(lost > 0.0 && lost < edges && lost > 0.95 * edges, "{lost} {edges}");
-            let far = |p: &Piece, n: [f64; 3]| {
+            let far = |p: &Fragment, n: [f64; 3]| {
                 let local = p.axes.map(|axis| dot(axis, n));
                 let solid = p.shape.solid();
                 let most = (0..solid.spots()).map(|k| dot(solid.spot(k, local), local)).fold(f64::NEG_INFINITY, f64::max);

@@ -3,7 +3,7 @@
 use super::Nearest;
 use crate::math::vector::{cross, dot, less, scaled};
 use parry3d_f64::math::{Pose, Vector};
-use parry3d_f64::query::{PointQueryWithLocation, intersection_test};
+use parry3d_f64::query::{PointQueryWithLocation, distance, intersection_test};
 use parry3d_f64::shape::{ConvexPolyhedron, Triangle, TrianglePointLocation};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -78,6 +78,12 @@ impl Hull {
     pub fn cut(first: &[[f64; 3]], second: &[[f64; 3]]) -> bool {
         let (Some(a), Some(b)) = (solid(first), solid(second)) else { return false };
         intersection_test(&Pose::IDENTITY, &a, &Pose::IDENTITY, &b).is_ok_and(|found| found.intersecting)
+    }
+
+    /// Distance of the hulls of two sets of corners in space, m; 0 where they overlap, infinite where one has no volume.
+    pub fn gap(first: &[[f64; 3]], second: &[[f64; 3]]) -> f64 {
+        let (Some(a), Some(b)) = (solid(first), solid(second)) else { return f64::INFINITY };
+        distance(&Pose::IDENTITY, &a, &Pose::IDENTITY, &b).map_or(f64::INFINITY, |found| found.distance)
     }
 
     /// Whether any of these triangles cuts the hull of a set of corners in space.

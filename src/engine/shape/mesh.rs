@@ -1,10 +1,8 @@
 //! Surfaces made of triangles, and their volume and inertia.
 
 use super::Bulk;
-use crate::math::vector::{cross, dot, less, plus, scaled};
-
-/// Indices of the components xx, yy, zz, xy, yz, zx of a tensor.
-const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]];
+use super::moments::Moments;
+use crate::math::vector::{cross, dot, less, plus};
 
 /// A closed surface made of triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,28 +45,17 @@ impl Mesh {
         self.triangles.push(if looks { [k, k + 1, k + 2] } else { [k, k + 2, k + 1] });
     }
 
-    /// Volume, m³, centre of the volume, m, and tensor of inertia about it for a density of 1, `[xx, yy, zz, xy, yz, zx]`, m⁵: the sum over the tetrahedra that the triangles make
-    /// with a point. Of one with the corners 0, a, b, c and the volume V is ∫ x x dV = V/20 (a a + b b + c c + s s) with s = a + b + c.
+    /// Volume, m³, centre of the volume, m, and tensor of inertia about it for a density of 1, `[xx, yy, zz, xy, yz, zx]`, m⁵.
     pub fn inertia(&self) -> (f64, [f64; 3], [f64; 6]) {
         let from = |origin: [f64; 3]| {
-            let (mut volume, mut first, mut second) = (0.0, [0.0; 3], [0.0; 6]);
-            for t in &self.triangles {
-                let [a, b, c] = t.map(|k| less(self.corners[k as usize], origin));
-                let (v, s) = (dot(a, cross(b, c)) / 6.0, plus(a, plus(b, c)));
-                volume += v;
-                first = plus(first, scaled(s, 0.25 * v));
-                for (sum, [i, j]) in second.iter_mut().zip(PAIRS) {
-                    *sum += 0.05 * v * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + s[i] * s[j]);
-                }
-            }
-            (volume, first, second)
+            let of = |t: &[u32; 3]| Moments::of_tetrahedron(t.map(|k| less(self.corners[k as usize], origin)));
+            self.triangles.iter().fold(Moments::default(), |sum, t| sum.plus(&of(t), 1.0))
         };
         // about the centre itself, so that no large parts cancel
         let origin = self.corners.first().copied().unwrap_or_default();
-        let (volume, first, _) = from(origin);
-        let centre = plus(origin, scaled(first, 1.0 / volume));
-        let (volume, _, [xx, yy, zz, xy, yz, zx]) = from(centre);
-        (volume, centre, [yy + zz, zz + xx, xx + yy, -xy, -yz, -zx])
+        let centre = plus(origin, from(origin).centre());
+        let about = from(centre);
+        (about.volume, centre, about.inertia())
     }
 
     /// Volume and moments of inertia of a surface whose centre is the origin and whose principal axes are x, y, z.

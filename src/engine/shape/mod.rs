@@ -4,10 +4,12 @@
 //! the surface is needed, and by walls, for which the [spots](Solid::spot) of the body that can touch a plane are needed. Results are computed with
 //! + − × ÷ √ or with functions made of these (`crate::math::portable`), so that they have the same bits on every machine.
 
+mod compound;
 mod cuboid;
 mod cut;
 mod hull;
 mod mesh;
+mod moments;
 mod polygon;
 mod polyhedron;
 mod ring;
@@ -15,8 +17,9 @@ mod sheet;
 mod sieve;
 mod superquadric;
 
+pub use compound::{Compound, Convex, Frame, MOST_PARTS, Part, Piece, PlacedCompound, Union};
 pub use cuboid::Cuboid;
-pub use cut::Piece;
+pub use cut::Fragment;
 pub use hull::{Hull, HullFace};
 pub use mesh::Mesh;
 pub use polygon::Polygon;
@@ -127,6 +130,8 @@ pub enum Shape {
     Polygon(Polygon),
     /// A sheet of triangles.
     Mesh(Sheet),
+    /// A union of convex parts.
+    Compound(Box<Compound>),
 }
 
 /// A shape as other bodies touch it: corners, and a sphere or disc swept over all between them.
@@ -138,6 +143,8 @@ pub enum Rounded {
     Ring(Ring),
     /// A sheet, with its corners.
     Sheet(Sheet, Vec<[f64; 3]>),
+    /// Several hulls or rings.
+    Union(Union),
 }
 
 impl Rounded {
@@ -147,16 +154,33 @@ impl Rounded {
             Rounded::Hull(hull) => &hull.corners,
             Rounded::Ring(ring) => &ring.corners,
             Rounded::Sheet(_, corners) => corners,
+            Rounded::Union(union) => &union.corners,
         }
     }
 
-    /// Radius of its edges, m.
+    /// Radius of its edges, m; of several the least.
     pub fn rounding(&self) -> f64 {
         match self {
             Rounded::Hull(hull) => hull.rounding,
             Rounded::Ring(ring) => ring.rounding,
             Rounded::Sheet(sheet, _) => sheet.rounding(),
+            Rounded::Union(union) => union.roundings()[0],
         }
+    }
+
+    /// Largest radius of its edges, m.
+    pub fn widest(&self) -> f64 {
+        if let Rounded::Union(union) = self { union.roundings()[1] } else { self.rounding() }
+    }
+
+    /// Radius at corner `k`, m.
+    pub fn corner_radius(&self, k: usize) -> f64 {
+        if let Rounded::Union(union) = self { union.corner_radius(k) } else { self.rounding() }
+    }
+
+    /// Radius of edge `k`, m.
+    pub fn edge_radius(&self, k: usize) -> f64 {
+        if let Rounded::Union(union) = self { union.edge_radius(k) } else { self.rounding() }
     }
 
     /// Distance of its furthest point from the origin, m.
@@ -165,6 +189,7 @@ impl Rounded {
             Rounded::Hull(hull) => hull.reach,
             Rounded::Ring(ring) => ring.reach,
             Rounded::Sheet(sheet, _) => sheet.reach(),
+            Rounded::Union(union) => union.reach,
         }
     }
 
@@ -174,6 +199,7 @@ impl Rounded {
             Rounded::Hull(hull) => hull.nearest(at),
             Rounded::Ring(ring) => ring.nearest(at),
             Rounded::Sheet(sheet, _) => return sheet.meet(facet, at, within),
+            Rounded::Union(union) => return union.meet(facet, at, within),
         };
         Some(Meet { nearest, borders: Vec::new() })
     }
@@ -186,6 +212,11 @@ impl Rounded {
             Rounded::Sheet(sheet, _) => {
                 let mut found = Vec::new();
                 sheet.facets_near(at, within, &mut found);
+                return found;
+            }
+            Rounded::Union(union) => {
+                let mut found = Vec::new();
+                union.facets_near(at, within, &mut found);
                 return found;
             }
         };
@@ -207,9 +238,41 @@ impl Rounded {
         self.sheet().is_none_or(|sheet| sheet.edge_acts(k, towards))
     }
 
-    /// Whether it is a disc: one corner in the plane.
-    pub fn is_disc(&self) -> bool {
-        matches!(self, Rounded::Ring(ring) if ring.corners.len() == 1)
+    /// Whether what touched facet `from`, nearer than `within`, m, has passed over to facet `to` ([`Solid::passes`]).
+    pub fn passes(&self, from: u32, to: u32, at: [f64; 3], within: f64) -> bool {
+        match self {
+            Rounded::Sheet(sheet, _) => sheet.passes(from, to, at, within),
+            Rounded::Union(union) => union.passes(from, to, at, within),
+            Rounded::Hull(_) | Rounded::Ring(_) => false,
+        }
+    }
+
+    /// Whether corner `k` is the middle of a disc, which has one corner in the plane.
+    pub fn corner_is_disc(&self, k: usize) -> bool {
+        match self {
+            Rounded::Ring(ring) => ring.corners.len() == 1,
+            Rounded::Union(union) => union.is_disc(k),
+            Rounded::Hull(_) | Rounded::Sheet(..) => false,
+        }
+    }
+
+    /// Whether facet `facet` is a disc.
+    pub fn facet_is_disc(&self, facet: u32) -> bool {
+        match self {
+            Rounded::Ring(ring) => ring.corners.len() == 1,
+            Rounded::Union(union) => union.facet_is_disc(facet),
+            Rounded::Hull(_) | Rounded::Sheet(..) => false,
+        }
+    }
+
+    /// Its convex parts, without what is round; none of a sheet.
+    pub fn parts(&self) -> Vec<Part> {
+        match self {
+            Rounded::Hull(hull) => vec![Part::of(Convex::Hull(hull.clone()))],
+            Rounded::Ring(ring) => vec![Part::of(Convex::Ring(ring.clone()))],
+            Rounded::Union(union) => union.parts.clone(),
+            Rounded::Sheet(..) => Vec::new(),
+        }
     }
 
     /// Ends of its edges that can cross edges of others; in the plane there are none.
@@ -218,6 +281,7 @@ impl Rounded {
             Rounded::Hull(hull) => hull.edges().iter().map(|(ends, _)| ends.map(|k| hull.corners[k as usize])).collect(),
             Rounded::Ring(_) => Vec::new(),
             Rounded::Sheet(sheet, _) => sheet.edges(),
+            Rounded::Union(union) => union.edges(),
         }
     }
 }
@@ -231,6 +295,7 @@ impl Shape {
             Shape::Polyhedron(s) => s,
             Shape::Polygon(s) => s,
             Shape::Mesh(s) => s,
+            Shape::Compound(s) => s.as_ref(),
         }
     }
 
@@ -241,6 +306,7 @@ impl Shape {
             Shape::Polyhedron(s) => Some(Rounded::Hull(s.rounded_hull().clone())),
             Shape::Polygon(s) => Some(Rounded::Ring(s.rounded_ring().clone())),
             Shape::Mesh(s) => Some(Rounded::Sheet(s.clone(), s.corners())),
+            Shape::Compound(s) => Some(Rounded::Union(s.rounded_union().clone())),
             Shape::Superquadric(_) => None,
         }
     }
@@ -250,6 +316,7 @@ impl Shape {
         match self {
             Shape::Polygon(s) => s.radius(),
             Shape::Mesh(_) => f64::INFINITY,
+            Shape::Compound(s) => s.radius(),
             _ => self.solid().bulk().radius(),
         }
     }
@@ -262,6 +329,7 @@ impl Shape {
             Shape::Polyhedron(_) => "polyhedron",
             Shape::Polygon(_) => "polygon",
             Shape::Mesh(_) => "mesh",
+            Shape::Compound(_) => "compound",
         }
     }
 }

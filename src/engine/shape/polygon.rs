@@ -75,25 +75,30 @@ impl Solid for Polygon {
     }
 
     fn surface(&self) -> Mesh {
-        // a fan from the middle to points all around, each on its corner's arc
-        let around = ARC * (self.ring.corners.len() as u32).max(4);
-        let rim = |k: u32| {
-            // a quarter after the other
-            let quarter = around / 4;
-            let angle = FRAC_PI_2 * f64::from(k % quarter) / f64::from(quarter);
-            let (s, c) = (sin(angle), sin(FRAC_PI_2 - angle));
-            let (sine, cosine) = [(s, c), (c, -s), (-s, -c), (-c, s)][(k / quarter % 4) as usize];
-            let furthest = |a: &[f64; 3]| a[0] * cosine + a[1] * sine;
-            let corner = self.ring.corners.iter().max_by(|a, b| furthest(a).total_cmp(&furthest(b))).copied().unwrap_or_default();
-            plus(corner, [self.ring.rounding * cosine, self.ring.rounding * sine, 0.0])
-        };
-        let mut mesh = Mesh::default();
-        for k in 0..around {
-            let [p, q] = [rim(k), rim(k + 1)];
-            if less(p, q) != [0.0; 3] {
-                mesh.add([[0.0; 3], p, q], [0.0, 0.0, 1.0]);
-            }
-        }
-        mesh
+        fan(&self.ring, [0.0; 3])
     }
+}
+
+/// A rounded polygon as triangles, for pictures: a fan from `middle`, a place in it.
+pub(super) fn fan(ring: &Ring, middle: [f64; 3]) -> Mesh {
+    // a fan from the middle to points all around, each on its corner's arc
+    let around = ARC * (ring.corners.len() as u32).max(4);
+    let rim = |k: u32| {
+        // a quarter after the other
+        let quarter = around / 4;
+        let angle = FRAC_PI_2 * f64::from(k % quarter) / f64::from(quarter);
+        let (s, c) = (sin(angle), sin(FRAC_PI_2 - angle));
+        let (sine, cosine) = [(s, c), (c, -s), (-s, -c), (-c, s)][(k / quarter % 4) as usize];
+        let furthest = |a: &[f64; 3]| a[0] * cosine + a[1] * sine;
+        let corner = ring.corners.iter().max_by(|a, b| furthest(a).total_cmp(&furthest(b))).copied().unwrap_or_default();
+        plus(corner, [ring.rounding * cosine, ring.rounding * sine, 0.0])
+    };
+    let mut mesh = Mesh::default();
+    for k in 0..around {
+        let [p, q] = [rim(k), rim(k + 1)];
+        if less(p, q) != [0.0; 3] {
+            mesh.add([middle, p, q], [0.0, 0.0, 1.0]);
+        }
+    }
+    mesh
 }

@@ -31,7 +31,7 @@ pub struct Placed {
 /// Number of times that arcs are halved for volume and inertia; once more gives an estimate of the error, which is removed.
 const FINE: u32 = 3;
 /// Number of times that arcs are halved for pictures.
-const SHOWN: u32 = 1;
+pub(super) const SHOWN: u32 = 1;
 
 impl Polyhedron {
     /// The convex hull of `points`, m, enlarged by a sphere of radius `rounding`, m.
@@ -113,7 +113,7 @@ pub(super) fn triangles(hull: &Hull, fine: u32) -> Mesh {
 }
 
 /// Unit vector halfway between two unit vectors.
-fn halfway(m: [f64; 3], n: [f64; 3]) -> [f64; 3] {
+pub(super) fn halfway(m: [f64; 3], n: [f64; 3]) -> [f64; 3] {
     let sum = plus(m, n);
     scaled(sum, 1.0 / dot(sum, sum).sqrt())
 }

@@ -44,7 +44,7 @@ impl Ring {
     }
 
     /// The sides: both ends and the outward unit normal. A disc has none, a rod two.
-    fn sides(&self) -> impl Iterator<Item = ([[f64; 3]; 2], [f64; 3])> {
+    pub(super) fn sides(&self) -> impl Iterator<Item = ([[f64; 3]; 2], [f64; 3])> {
         let n = self.corners.len();
         let all = if n > 1 { n } else { 0 };
         (0..all).map(move |k| {
@@ -53,6 +53,14 @@ impl Ring {
             let length = dot(along, along).sqrt();
             ([p, q], [along[1] / length, -along[0] / length, 0.0])
         })
+    }
+
+    /// Whether sides of two rings, without what is round, cross each other.
+    pub fn cross(first: &Ring, second: &Ring) -> bool {
+        // on which side of p q a place lies
+        let side = |[p, q]: [[f64; 3]; 2], at: [f64; 3]| (q[0] - p[0]) * (at[1] - p[1]) - (q[1] - p[1]) * (at[0] - p[0]);
+        let parts = |line: [[f64; 3]; 2], [a, b]: [[f64; 3]; 2]| side(line, a) * side(line, b) < 0.0;
+        first.sides().any(|(p, _)| second.sides().any(|(q, _)| parts(p, q) && parts(q, p)))
     }
 
     /// Surface nearest to a position, whose z does not count.

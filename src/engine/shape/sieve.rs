@@ -10,7 +10,7 @@ const TURNS: u32 = 90;
 
 impl Shape {
     /// Edge, m, of the smallest square hole through which the body passes, on its way along one of its edges, along the normal of one of its faces or along one of its
-    /// principal axes; the hole is turned in steps of a degree. In plane strain the smallest slot, which is its least width. A superquadric passes along its principal axes. A sheet passes nothing: infinite.
+    /// principal axes; the hole is turned in steps of a degree. In plane strain the smallest slot, which is its least width. A superquadric and a compound pass along their principal axes. A sheet passes nothing: infinite.
     pub fn sieve(&self) -> f64 {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let solid = self.solid();
@@ -33,7 +33,7 @@ impl Shape {
                 (0..ring.corners.len()).map(across).fold(f64::INFINITY, f64::min) + 2.0 * ring.rounding
             }
             Some(Rounded::Sheet(..)) => f64::INFINITY,
-            None => {
+            Some(Rounded::Union(_)) | None => {
                 let mut extents = axes.map(|axis| extent(solid, axis));
                 extents.sort_by(f64::total_cmp);
                 extents[1]

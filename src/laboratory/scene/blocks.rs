@@ -51,10 +51,10 @@ impl View<'_> {
         let whole =
             |b: &&Block| !b.driven && b.shape.cut([1.0, 0.0, 0.0], 0.0).is_none() && b.shape.cut([0.0, 1.0, 0.0], 0.0).is_none();
         if let Some((k, b)) = blocks.iter().enumerate().find(|(_, b)| whole(b)) {
-            let why = if b.shape.rounded().is_some() {
-                "its edges are too round to leave a hull on both sides of a cut"
-            } else {
-                "it has no corners"
+            let why = match b.shape {
+                Shape::Compound(_) => "its parts hold together",
+                Shape::Superquadric(_) => "it has no corners",
+                _ => "its edges are too round to leave a hull on both sides of a cut",
             };
             let message = format!("must be false: block {k}, a {}, cannot be cut, for {why}", b.shape.name());
             self.refuse(key, message);
@@ -68,15 +68,22 @@ impl View<'_> {
             "box" => &["size_mm"],
             "superquadric" => &["size_mm", "blockiness"],
             "mesh" => &["vertices_mm", "triangles"],
+            "compound" => &["part"],
             _ => &["points_mm"],
         };
         let flat = self.flag("grid.plane_strain");
-        let mut good = (kind == "polygon") == flat;
+        let mut good = kind == "compound" || (kind == "polygon") == flat;
         if !good {
-            let message = if flat { "must be \"polygon\" in plane strain" } else { "\"polygon\" needs grid.plane_strain = true" };
+            let message = if flat {
+                "must be \"polygon\" in plane strain, or \"compound\""
+            } else {
+                "\"polygon\" needs grid.plane_strain = true"
+            };
             self.refuse(&at("shape"), message);
         }
-        for name in ["size_mm", "blockiness", "points_mm", "rounding_mm", "mesh_file", "mesh_unit_mm", "vertices_mm", "triangles"] {
+        for name in
+            ["size_mm", "blockiness", "points_mm", "rounding_mm", "mesh_file", "mesh_unit_mm", "vertices_mm", "triangles", "part"]
+        {
             let (wanted, given) = (needed.contains(&name), table.contains_key(name));
             let free = name == "rounding_mm" && matches!(kind, "polyhedron" | "polygon" | "mesh");
             if wanted && !given {
@@ -106,6 +113,11 @@ impl View<'_> {
             }
             "polygon" => Shape::Polygon(self.polygon(i, number(table, "rounding_mm").unwrap_or(0.0))?),
             "mesh" => Shape::Mesh(self.mesh(i, number(table, "rounding_mm").unwrap_or(0.0))?),
+            "compound" => {
+                let placed = self.compound(i)?;
+                turn = product(turn, quaternion(placed.axes));
+                Shape::Compound(Box::new(placed.compound))
+            }
             _ => {
                 let (polyhedron, axes) = self.polyhedron(i, number(table, "rounding_mm").unwrap_or(0.0))?;
                 turn = product(turn, quaternion(axes));

@@ -117,7 +117,7 @@ const OPTIONAL_TABLES: &[&str] = &[
 ];
 
 /// Names of the tables that are written as lists, one entry each (`[[grain]]`).
-pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate", "body", "block", "block_set"];
+pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate", "body", "block", "block.part", "block_set"];
 
 /// Pairs of keys of one table that exclude each other: where a file or an override sets one of a pair, the other one is removed
 /// from what it is laid over (the base of a file, the file under an override). Both stay where one file sets both; what uses them
@@ -292,9 +292,9 @@ const OWN: &[Key] = &[
     listed("wall.material", Text, Is("\"rigid\""), "\"rigid\" (a mirrored grain) or one of `materials`"),
     mixture(
         "block.shape",
-        Choice(&["box", "superquadric", "polyhedron", "polygon", "mesh"]),
+        Choice(&["box", "superquadric", "polyhedron", "polygon", "mesh", "compound"]),
         Required,
-        "a rigid body: a box (sharp edges; against other blocks rounded by a twentieth of its least half edge), a superquadric (Li et al. 2023, eq. 39), the convex hull of points with a sphere swept over it, in plane strain a convex polygon with a disc swept over it, or a sheet of triangles that is driven",
+        "a rigid body: a box (sharp edges; against other blocks rounded by a twentieth of its least half edge), a superquadric (Li et al. 2023, eq. 39), the convex hull of points with a sphere swept over it, in plane strain a convex polygon with a disc swept over it, a sheet of triangles that is driven, or a compound: a body that need not be convex, the union of the convex parts that [[block.part]] lists",
     ),
     mixture(
         "block.size_mm",
@@ -356,6 +356,38 @@ const OWN: &[Key] = &[
         "true: it keeps its velocity and spin whatever presses on it; with both zero it stands fixed; needed for a mesh, which has no mass",
     ),
     mixture("block.material", Text, Absent, "name of one of `materials`; needed when there are several"),
+    mixture(
+        "block.part.shape",
+        Choice(&["box", "polyhedron", "polygon"]),
+        Required,
+        "a convex part of the compound before it, as the block of that shape is; superquadrics and meshes cannot be parts. Parts may overlap, and must hang together; what they cover twice counts once",
+    ),
+    mixture("block.part.size_mm", Numbers(POSITIVE, Some(3)), Absent, "box: its edges, about the origin of the part"),
+    mixture(
+        "block.part.points_mm",
+        Numbers(ANY, None),
+        Absent,
+        "polyhedron: x, y, z of each point; polygon: x, y of each corner, one corner for a disc, two for a rod; in the frame of the part. Hulls that have a face in common join without a groove",
+    ),
+    mixture(
+        "block.part.rounding_mm",
+        Number(NOT_NEGATIVE),
+        Absent,
+        "polyhedron and polygon: radius of the sphere or disc swept over it; 0 if not written. Against other blocks boxes of a compound are rounded by a twentieth of the least half edge of all of them",
+    ),
+    mixture(
+        "block.part.position_mm",
+        VECTOR,
+        Is("[0, 0, 0]"),
+        "where the origin of the part lies in the frame of the compound; the block's own position_mm is that of the centre of mass of the whole",
+    ),
+    mixture("block.part.axis", VECTOR, Is("[0, 0, 1]"), "axis through the origin of the part of the rotation by `angle_deg`"),
+    mixture(
+        "block.part.angle_deg",
+        Number(Range::closed(-180.0, 180.0)),
+        Is("0.0"),
+        "angle by which the part is rotated about `axis` in the frame of the compound",
+    ),
     mixture(
         "block_set.shape",
         Choice(&["polyhedron", "polygon"]),

@@ -8,6 +8,7 @@ mod blocks;
 mod bodies;
 mod breakable;
 mod calibrate;
+mod compounds;
 mod continuum;
 mod continuum_estimate;
 mod continuum_rig;

@@ -11,8 +11,15 @@ use toml::{Table, Value};
 /// Mistakes that are told; of the others it is only said that there are some.
 pub const TOLD: usize = 50;
 /// Most entries of each list of tables.
-const ENTRIES: [(&str, usize); 6] =
-    [("block_set", 20), ("grain", 150_000), ("wall", 1000), ("body", 1000), ("block", 1000), ("calibrate", 100)];
+const ENTRIES: [(&str, usize); 7] = [
+    ("block_set", 20),
+    ("grain", 150_000),
+    ("wall", 1000),
+    ("body", 1000),
+    ("block", 1000),
+    ("block.part", engine::shape::MOST_PARTS),
+    ("calibrate", 100),
+];
 
 /// Checks the merged table of a scene and fills in its defaults.
 ///
@@ -92,7 +99,7 @@ impl Walk<'_> {
         }
         // where the kind of scene is unknown, only `kind` itself is reported as missing
         self.fill(table, at, path);
-        // tables of lists hold no tables
+        // what tables of lists hold are lists
         if LIST_TABLES.contains(&path) {
             return;
         }
@@ -164,7 +171,7 @@ impl Walk<'_> {
     /// Checks the list of tables at `key`.
     fn list(&mut self, value: Value, key: &str, path: &str) -> Value {
         let Value::Array(mut entries) = value else {
-            let message = format!("must be a list of tables, written [[{key}]]");
+            let message = format!("must be a list of tables, written [[{path}]]");
             self.refuse(key, Some(&value), message);
             return value;
         };

@@ -10,6 +10,7 @@ use engine::contact::{ContactLaw, ContactModel, TangentialUnloading};
 use engine::dem::physics::Physics;
 use engine::dem::physics::Stepping;
 use engine::material::Material;
+use engine::shape::PlacedCompound;
 use std::cell::{Cell, RefCell};
 use toml::{Table, Value};
 
@@ -18,6 +19,8 @@ use toml::{Table, Value};
 pub struct View<'a> {
     layer: &'a Layer,
     errors: RefCell<Vec<Error>>,
+    /// Compounds that have been made, by their parts: many bodies of a scene are alike.
+    pub compounds: RefCell<Vec<(&'a Value, PlacedCompound)>>,
     /// Whether of many points and grains only some are made ([`super::outline`]).
     pub outlined: bool,
     /// Whether the outline lacks anything that the model has.
@@ -27,7 +30,8 @@ pub struct View<'a> {
 impl<'a> View<'a> {
     /// A view of the scene `layer`, without errors.
     pub fn of(layer: &'a Layer) -> Self {
-        View { layer, errors: RefCell::new(Vec::new()), outlined: false, incomplete: Cell::new(false) }
+        let (errors, compounds) = (RefCell::new(Vec::new()), RefCell::new(Vec::new()));
+        View { layer, errors, compounds, outlined: false, incomplete: Cell::new(false) }
     }
 
     /// A view that makes the outline of a model ([`super::outline`]).

@@ -7,7 +7,7 @@ use crate::math::vector::{cross, dot, less, plus, scaled};
 
 /// Where on a triangle its nearest point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(in crate::shape) enum Place {
     /// Between its sides.
     Face,
     /// On side `k`, from corner `k` of the triangle to the next, between its ends.
@@ -18,7 +18,7 @@ pub(super) enum Place {
 
 /// The nearest point of a triangle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Foot {
+pub(in crate::shape) struct Foot {
     /// Square of its distance, m².
     pub square: f64,
     /// From it to the position, m.
@@ -45,7 +45,7 @@ pub(super) fn of_side(vertices: &[[f64; 3]], triangle: [u32; 3], k: usize, at: [
 }
 
 /// The nearest point of a triangle with the unit normal `normal`. It lies in the face only if that is nearer than all sides.
-pub(super) fn of_triangle(vertices: &[[f64; 3]], triangle: [u32; 3], normal: [f64; 3], at: [f64; 3]) -> Foot {
+pub(in crate::shape) fn of_triangle(vertices: &[[f64; 3]], triangle: [u32; 3], normal: [f64; 3], at: [f64; 3]) -> Foot {
     let mut best = of_side(vertices, triangle, 0, at);
     for k in [1, 2] {
         let foot = of_side(vertices, triangle, k, at);

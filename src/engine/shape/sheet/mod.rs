@@ -10,7 +10,7 @@
 //!
 //! A sheet has no inside, no volume and no mass.
 
-mod foot;
+pub(super) mod foot;
 mod topology;
 
 pub use topology::welded;
