@@ -1,8 +1,8 @@
 //! Breakage of rigid bodies that are no spheres.
 //!
-//! A body is judged by the criteria of grains ([`crate::breakage::criterion`]). All places at which it touches one partner (a wall, a grain, another body) count as one contact: a face that lies
+//! A body is judged by the criteria of grains ([`crate::breakage::criterion`]). All places at which it touches one partner (a wall, another body) count as one contact: a face that lies
 //! on a face touches at its corners, and the sum of their normal forces is what the criterion judges. Its strength follows from the diameter of the sphere of its
-//! volume (in plane strain of the disc of its area), with size hardening and spread as for grains. Contacts with points do not break it, as they do not break grains.
+//! volume (in plane strain of the disc of its area), with size hardening and spread as for grains. Contacts with points and grains do not break it.
 //!
 //! It breaks in two along a plane ([`crate::shape::Fragment`]) that goes through its two largest contacts and its centre of mass. Where these three are nearly on a line, as between two
 //! platens, the plane contains that line and the cut crosses the body's longest axis. In plane strain the line through the two contacts is the cut. A cut that would
@@ -216,7 +216,7 @@ impl Blocks {
         let same = |a: &super::BlockContact, b: &super::BlockContact| a.block == b.block && a.other.partner() == b.other.partner();
         let stress = crush.criterion.judges() == Judges::MeanStress;
         for contacts in self.candidates.chunk_by(same) {
-            if contacts[0].is_of_point() {
+            if matches!(contacts[0].other, Other::Point(_) | Other::Grain(_)) {
                 continue;
             }
             let (mut normal, mut weight, mut place) = ([0.0; 3], 0.0, [0.0; 3]);
@@ -240,12 +240,11 @@ impl Blocks {
             let at = plus(block.centre, scaled(place, 1.0 / weight));
             let (r, e_eff) = match other {
                 Other::Wall { wall, .. } => (f64::INFINITY, table.wall(wall as usize, block.material).e_eff),
-                Other::Grain(_) => (contacts[0].radius, table.grains(block.material, block.material).e_eff),
                 Other::Block { block: second, .. } => {
                     let second = &self.blocks[second as usize];
                     (second.radius, table.grains(block.material, second.material).e_eff)
                 }
-                Other::Point(_) => continue,
+                Other::Point(_) | Other::Grain(_) => continue,
             };
             let r_eff = super::contact::reduced(block.radius, r);
             let load = force * crush.criterion.load_weight(r_eff, e_eff);

@@ -79,15 +79,14 @@ impl Crushed {
 
     /// Notes the gradation before loading, if grains or rigid bodies can break.
     pub fn open(&mut self, model: &Model, rig: &MpmTest) {
-        let Some((crush, coarse)) = model.physics.crush.as_ref().zip(rig.coarse.as_ref()) else { return };
-        self.initial = match (coarse.grains.is_empty(), coarse.blocks.is_empty()) {
+        let coarse = rig.coarse.as_ref().filter(|_| model.physics.crush.is_some());
+        self.initial = coarse.and_then(|coarse| match (coarse.grains.is_empty(), coarse.blocks.is_empty()) {
             (false, _) => Some(gradations::of_listed(model, &coarse.grains)),
             (true, false) => {
-                let blocks = Blocks::new(coarse.blocks.clone()).with_breakage(crush);
-                Some(gradations::of_blocks(model, &blocks))
+                Some(gradations::of_bodies(model, coarse.blocks.iter().map(|block| (block.shape.sieve(), block.mass))))
             }
             (true, true) => None,
-        };
+        });
     }
 
     /// The columns of breakage for a row of the history; none where no grain can break.
@@ -228,7 +227,10 @@ fn breaking(mixture: &Mixture) -> Option<(&Blocks, &Breaking)> {
 /// The present gradation, of grains or of rigid bodies.
 fn present(model: &Model, mixture: &Mixture) -> Gradation {
     match breaking(mixture) {
-        Some((blocks, _)) => gradations::of_blocks(model, blocks),
+        Some((blocks, breaking)) => {
+            let bodies = blocks.blocks.iter().zip(&breaking.bodies);
+            gradations::of_bodies(model, bodies.map(|(block, fate)| (fate.sieve, block.mass)))
+        }
         None => gradation(model, &mixture.grains),
     }
 }

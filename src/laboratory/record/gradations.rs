@@ -4,7 +4,6 @@ use crate::gradation::{Gradation, Indices, sieve_sizes};
 use crate::model::{GrainSpec, Model};
 use engine::dem::State;
 use engine::grains::{Grains, sphere_volume};
-use engine::rigid::Blocks;
 use table::Row;
 
 /// Number of sizes at which a gradation is written.
@@ -41,12 +40,9 @@ pub fn columns(indices: Option<&Indices>) -> Row {
     ]
 }
 
-/// The gradation of rigid bodies that break, by the square sieve that each passes; they lose no mass.
-pub fn of_blocks(model: &Model, blocks: &Blocks) -> Gradation {
-    let bodies = blocks.blocks.iter().zip(blocks.breaking().into_iter().flat_map(|b| &b.bodies));
-    // a sheet has no mass
-    let sizes = bodies.filter(|(block, _)| block.mass > 0.0).map(|(block, fate)| (fate.sieve, block.mass));
-    Gradation::new(sizes, std::iter::empty(), model.fines, model.scale)
+/// The gradation of rigid bodies, given by the square sieve that each passes, m, and its mass, kg; they lose none. A sheet has no mass.
+pub fn of_bodies(model: &Model, bodies: impl Iterator<Item = (f64, f64)>) -> Gradation {
+    Gradation::new(bodies.filter(|(_, mass)| *mass > 0.0), std::iter::empty(), model.fines, model.scale)
 }
 
 /// The gradation of a specimen before loading.

@@ -70,7 +70,7 @@ impl View<'_> {
                 pattern.smallest()
             ),
         );
-        let weakest = if single { smallest } else { d_limit };
+        let weakest = if test { smallest } else { d_limit };
         let firm = [weakest, largest.max(weakest)].iter().all(|d| {
             let s = strength.sigma_lim0 * size_factor(*d, strength.d0, strength.m);
             s.is_finite() && s > 0.0 && s < 1e18
