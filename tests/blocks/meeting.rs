@@ -18,11 +18,12 @@ fn rock(random: &mut ChaCha8Rng, at: [f64; 3], more: &str) -> String {
     format!("[[block]]\nshape = \"polyhedron\"\npoints_mm = {points:?}\nrounding_mm = 4.0\nposition_mm = {at:?}\n{more}\n")
 }
 
-/// Energies came back: each by the leapfrog's error, 2.2e-4 at most, 4e-5 in the mean.
+/// Energies came back: each by the leapfrog's error, 1.1e-4 at most, 3e-5 in the mean.
 pub fn come_back(changes: &[(f64, u64)]) {
     assert!(changes.len() > 30);
     let mean = changes.iter().map(|(change, _)| change).sum::<f64>() / changes.len() as f64;
-    assert!(mean.abs() < 6e-5 && changes.iter().all(|(change, _)| change.abs() < 3e-4), "mean {mean:e}: {changes:?}");
+    println!("mean {mean:e} most {:e}", changes.iter().map(|c| c.0.abs()).fold(0.0, f64::max));
+    assert!(mean.abs() < 4e-5 && changes.iter().all(|(change, _)| change.abs() < 1.5e-4), "mean {mean:e}: {changes:?}");
 }
 
 /// Runs two bodies past each other in 150 stretches of `stretch` seconds, and checks their momenta. By what share of itself the energy has changed, if they met: then the
@@ -64,17 +65,20 @@ fn rocks_that_meet_keep_momenta_and_energy() {
     come_back(&(0..40).filter_map(rocks).collect::<Vec<_>>());
 }
 
-/// The same for two boxes with edges as they come.
+/// The same for two boxes with edges as they come, also with steps that become twenty times shorter at first touch.
 #[test]
 fn boxes_that_meet_keep_momenta_and_energy() {
-    let boxes = |seed| {
+    let boxes = |seed, safety: f64| {
         let random = &mut ChaCha8Rng::seed_from_u64(100 + seed);
         let aside: [f64; 2] = std::array::from_fn(|_| random.random_range(-25.0..25.0));
-        let bodies = cuboid([60.0, 70.0, 80.0], [0.0; 3], &turned(random))
+        let bodies = format!("stepping.safety = {safety:?}\n")
+            + &cuboid([60.0, 70.0, 80.0], [0.0; 3], &turned(random))
             + &cuboid([90.0, 50.0, 60.0], [150.0, aside[0], aside[1]], &(turned(random) + "velocity_m_s = [-0.5, 0.0, 0.0]"));
         hit(seed, &bodies, 2e-3, 0.5)
     };
-    come_back(&(0..40).filter_map(boxes).collect::<Vec<_>>());
+    for safety in [0.8, 0.05] {
+        come_back(&(0..40).filter_map(|seed| boxes(seed, safety)).collect::<Vec<_>>());
+    }
 }
 
 /// Two boxes that overlap when they begin at rest, with nothing else in the scene, push each other apart: what was stored moves them.

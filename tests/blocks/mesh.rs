@@ -164,14 +164,16 @@ fn pipe(sides: u32, radius: f64, half: f64, slices: u32) -> Triangles {
 }
 
 /// A ball rolls to and fro in a pipe, over its many sides, as a pendulum of the length 7/5 (R − r). Its friction goes with it from facet to facet: where contacts on a new facet
-/// begin without history it loses twice as much, and where two facets are not shared at their border most of the swing. The sharper the sides are against the overlap,
-/// the more it bounces.
+/// begin without history it loses twice as much, and where two facets are not shared at their border most of the swing. Where the sides are sharp against the overlap it bounces, and what it loses then
+/// is chance (1500 sides, 1 GPa: 0.2 to 15 % for starts that differ by a hundredth), so these pipes are fine enough that it stays on them.
 #[test]
 fn a_ball_rolls_to_and_fro_in_a_pipe() {
     let (radius, g) = (0.1, 9.81);
-    for (sides, young, least) in [(200, 1e7, 0.18), (1500, 1e7, 0.02), (1500, 1e9, 0.003)] {
+    for (sides, young, start, least) in
+        [(1500, 1e7, 0.3_f64, 0.02), (1500, 1e7, 0.31, 0.02), (6000, 1e9, 0.3, 0.004), (6000, 1e9, 0.31, 0.004)]
+    {
         let stuff = crate::common::Stuff { friction: 0.9, young, ..SMOOTH };
-        let (r, start) = (0.01, 0.3_f64);
+        let r = 0.01;
         let length = radius - r;
         let at = [length * start.sin(), 0.0, -length * start.cos()];
         let text = mesh(&pipe(sides, 1e3 * radius, 50.0, 3), "") + &ball(at, r, [0.0; 3]);

@@ -37,7 +37,7 @@ fn polygons_that_meet_keep_momenta_and_energy() {
             let bodies =
                 block(first, [0.0; 2], one(180.0), 0.0, one(9.0)) + &block(second, [120.0, one(15.0)], one(180.0), -1.5, one(9.0));
             let mut scene = Scene::of(&format!(
-                "kind = \"mixture\"\nduration_s = 9.0\ngrid.plane_strain = true\nstepping.safety = 0.1\n{bodies}\n{}",
+                "kind = \"mixture\"\nduration_s = 9.0\ngrid.plane_strain = true\n{bodies}\n{}",
                 spring(3e8, 1.0, 0.0)
             ));
             let before = (scene.momenta(), scene.energy());
@@ -54,7 +54,7 @@ fn polygons_that_meet_keep_momenta_and_energy() {
         }
     }
     let mean = changes.iter().sum::<f64>() / changes.len() as f64;
-    assert!(mean.abs() < 1e-3 && changes.iter().all(|change| change.abs() < 6e-3), "mean {mean:e}: {changes:?}");
+    assert!(mean.abs() < 5e-4 && changes.iter().all(|change| change.abs() < 3e-3), "mean {mean:e}: {changes:?}");
 }
 
 /// An elastic square of 51 × 51 points that weighs 25 N on a fixed rod (Jiang et al. 2020, section 5.2 and Figs 11 to 14): its lowest points bear 25/51 = 0.4902 N each, and

@@ -320,26 +320,37 @@ impl Mixture {
         }
     }
 
+    /// Time over which the forces of this instant change the velocities of grains and rigid bodies before a step of `dt` seconds, s. Velocities stand at the middles of steps: from
+    /// middle to middle it is half of both. Points take the forces of their contacts over the new step alone, and so does what they push, or momentum would be made.
+    fn kick(&self, continuum: &Continuum, dt: f64) -> f64 {
+        match (self.grains.fresh, continuum.points().is_empty()) {
+            (true, _) => 0.5 * dt,
+            (false, true) => 0.5 * (self.last + dt),
+            (false, false) => dt,
+        }
+    }
+
     /// One step of the grains and rigid bodies with the forces added so far.
     fn move_grains(&mut self, parts: &mut Parts<'_>, dt: f64) {
+        let kick = self.kick(parts.continuum, dt);
         if self.point_contacts.account.is_some() && dt != self.last && !self.grains.fresh {
             let power = self.power_on_grains(parts.physics.gravity);
             if let Some(account) = &mut self.point_contacts.account {
-                account.step_change += 0.5 * (self.last - dt) * power;
+                account.step_change += (0.5 * (self.last + dt) - kick) * power;
             }
         }
         (self.grains.dt, self.last) = (dt, dt);
+        parts.work.kick = Some(kick);
         if let Some(blocks) = &mut self.blocks {
-            let State { grains, fresh, step, .. } = &self.grains;
+            let State { grains, step, .. } = &self.grains;
             blocks.apply_grain_and_wall_reactions(grains, &mut parts.work.external_forces);
             let crush = parts.physics.crush.as_ref().filter(|crush| step.is_multiple_of(crush.interval.max(1)));
             let failing = crush.map_or(Vec::new(), |crush| blocks.failing(crush, &parts.work.table));
-            blocks.advance(parts.physics, *fresh, dt);
+            blocks.advance(parts.physics, kick, dt);
             if let Some(crush) = crush.filter(|_| !failing.is_empty()) {
                 blocks.break_bodies(crush, &failing, *step, self.energy_factor);
             }
         }
-        let kick = if self.grains.fresh { 0.5 * dt } else { dt };
         if let Some(account) = &mut self.point_contacts.account {
             account.before_grains(&parts.work.external_forces, &self.grains.grains, kick);
         }

@@ -161,7 +161,7 @@ struct Input<'a> {
     turning: f64,
     /// Time over which positions change, s.
     dt: f64,
-    /// Time over which velocities change, s: half of `dt` in the first step.
+    /// Time over which velocities change, s: from the middle of the last step to that of this one.
     kick: f64,
     /// Force, N, and torque, N m, on each grain besides those of contacts; empty if there are none.
     external_forces: &'a [[[f64; 4]; 2]],
@@ -178,6 +178,7 @@ pub(super) fn judged(physics: &Physics, state: &State, by: Judges) -> bool {
 
 /// Compares all grains with their breakage thresholds, accelerates and moves them, and writes a flag for each.
 pub fn advance(physics: &Physics, state: &mut State, work: &mut Workspace) {
+    let kick = work.kick.take().unwrap_or(if state.fresh { 0.5 * state.dt } else { state.dt });
     let Workspace { neighbours, flags, external_forces, task, arch, .. } = work;
     let (task, arch) = (*task / 4, *arch);
     let ledger = state.pairs.kept().work;
@@ -193,7 +194,7 @@ pub fn advance(physics: &Physics, state: &mut State, work: &mut Workspace) {
         damping: state.damping,
         turning: if physics.contact.turning { 2.5 } else { 0.0 },
         dt: state.dt,
-        kick: if state.fresh { 0.5 * state.dt } else { state.dt },
+        kick,
         external_forces,
         task,
         arch,

@@ -99,6 +99,8 @@ pub struct Workspace {
     scratch: stability::InertiaBuffers,
     /// Force, N, and torque, N m, on each grain from points, rigid bodies and softening contacts, for the coming step; empty if there are none.
     pub external_forces: Vec<[[f64; 4]; 2]>,
+    /// Time over which forces change velocities in the coming step, s; `None`: that of the step, or half of it in the first.
+    pub kick: Option<f64>,
     /// Breakages of the last step.
     pub breakages: Vec<Breakage>,
     /// [`State::friction`] for which `table` was made.
@@ -130,6 +132,7 @@ impl Workspace {
             flags: vec![0; state.grains.len()],
             scratch: stability::InertiaBuffers::default(),
             external_forces: Vec::new(),
+            kick: None,
             breakages: Vec::new(),
             table_friction: state.friction,
             births_since_reorder: 0,

@@ -225,10 +225,9 @@ impl Blocks {
         self.blocks.iter().map(of).fold(0.0, f64::max)
     }
 
-    /// Moves all bodies by one step of `dt` seconds with the forces added since the last step, gravity and local damping. `fresh`: velocities are those of
-    /// the full step, so that they first change by half a step.
-    pub fn advance(&mut self, physics: &Physics, fresh: bool, dt: f64) {
-        let kick = if fresh { 0.5 * dt } else { dt };
+    /// Moves all bodies by one step of `dt` seconds with the forces added since the last step, gravity and local damping. `kick`: time over which
+    /// forces change velocities first, s.
+    pub fn advance(&mut self, physics: &Physics, kick: f64, dt: f64) {
         for (block, applied) in self.blocks.iter_mut().zip(&mut self.applied) {
             let [mut force, mut torque] = std::mem::take(applied);
             for (f, g) in force.iter_mut().zip(physics.gravity) {
