@@ -16,6 +16,8 @@ const MOST: f32 = 40.0;
 struct Trial {
     /// ln(2 p/p_c), with the preconsolidation pressure p_c of before.
     critical: f32,
+    /// As `CamClay::stretch`.
+    stretch: f32,
     /// q/(M p_c).
     ratio: f32,
     /// M² v with the specific volume of the end.
@@ -64,9 +66,8 @@ fn shear_modulus(law: &Law32, p: f32, v: f32) -> f32 {
 }
 
 /// As `CamClay::returned`; `found` there is the last state here.
-fn returned(law: &Law32, trial: &Trial) -> Returned {
-    let stretch = 1.0 / (1.0 + law.clay.ratio);
-    let critical = trial.critical;
+fn returned(trial: &Trial) -> Returned {
+    let Trial { critical, stretch, .. } = *trial;
     let (mut inside, mut outside) = (0.0, critical.min(LN_2));
     let mut z = outside;
     // E and 1 + E, which is small at low pressures
@@ -122,9 +123,10 @@ pub fn cam_clay(law: &Law32, before: &Sym32, strain: &Sym32, plastic: f32) -> St
     // the elastic change of ln p, from that of the specific volume, which is not below 1
     let asked = ((-v * trace).min(v - 1.0) / c.swelling_slope).clamp(-MOST, MOST);
     let least = LN_LEAST - height;
-    let rise = asked.max(least);
     // what is pulled further apart opens
-    let followed = if asked < least { -least * c.swelling_slope / v } else { trace };
+    let mut opens = asked < least;
+    let mut rise = if opens { least } else { asked };
+    let mut followed = if opens { -least * c.swelling_slope / v } else { trace };
     let shear = shear_modulus(law, p, v);
     let elastic = deviator(strain).map(|e| 2.0 * shear * e);
     let own = deviator(before);
@@ -137,15 +139,25 @@ pub fn cam_clay(law: &Law32, before: &Sym32, strain: &Sym32, plastic: f32) -> St
     let ratio = q2.sqrt() / (c.slope * p_c);
     let high = (p + p * less_one(rise)) / p_c;
     if ratio * ratio > high * (1.0 - high) {
-        let trial = Trial {
+        let trial = |rise: f32, followed: f32, stretch: f32| Trial {
             critical: (height - hardening + LN_2) + rise,
+            stretch,
             ratio,
             elastic: c.slope * c.slope * (v + v * followed).max(1.0),
             plastic: 6.0 * shear * c.swelling_slope * c.ratio / p_c,
         };
-        end = returned(law, &trial);
+        let stretch = 1.0 / (1.0 + c.ratio);
+        end = returned(&trial(rise, followed, if opens { 1.0 } else { stretch }));
+        if opens {
+            followed -= c.swelling_slope * c.ratio * end.growth / v;
+            if followed >= trace {
+                (opens, rise, followed) = (false, asked, trace);
+                end = returned(&trial(rise, followed, stretch));
+            }
+        }
     }
-    let pressure = p * less_one((rise - c.ratio * end.growth).max(least)) + (p - mean);
+    let lifted = if opens { least } else { (rise - c.ratio * end.growth).max(least) };
+    let pressure = p * less_one(lifted) + (p - mean);
     let stress = std::array::from_fn(|k| elastic[k] + (deviator[k] * end.less - if k < 3 { pressure } else { 0.0 }));
     Step { stress, plastic: end.growth / c.per_plastic, gap: trace - followed }
 }

@@ -16,6 +16,8 @@ struct ClayTrial {
     // over the preconsolidation pressure: ln(2p) of the trial state, and q/M
     critical: f32,
     ratio: f32,
+    // of ln p_c over the fall of ln(p/p_c) in the return
+    stretch: f32,
     // M² v and 6 G (λ − κ)/p_c
     elastic: f32,
     plastic: f32,
@@ -65,8 +67,8 @@ fn clay_moduli_at(id: u32, normal: vec3<f32>, plastic: f32) -> Moduli {
     return clay_moduli(id, p, clay_volume(id, logarithm(p / c.preconsolidation), plastic));
 }
 
-fn clay_returned(id: u32, trial: ClayTrial) -> ClayReturn {
-    let stretch = 1.0 / (1.0 + laws[id].clay.ratio);
+fn clay_returned(trial: ClayTrial) -> ClayReturn {
+    let stretch = trial.stretch;
     let critical = trial.critical;
     var inside = 0.0;
     var outside = min(critical, LN_2);
@@ -128,8 +130,9 @@ fn cam_clay(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     let trace = strain.normal.x + strain.normal.y + strain.normal.z;
     let asked = clamp(min(-v * trace, v - 1.0) / c.swelling_slope, -MOST, MOST);
     let least = LN_LEAST - height;
-    let rise = max(asked, least);
-    let followed = select(trace, -least * c.swelling_slope / v, asked < least);
+    var opens = asked < least;
+    var rise = max(asked, least);
+    var followed = select(trace, -least * c.swelling_slope / v, opens);
     let shear = clay_moduli(id, p, v).shear;
     let d = before.normal - before.normal.yzx;
     let by = strain.normal - strain.normal.yzx;
@@ -142,11 +145,23 @@ fn cam_clay(id: u32, before: Sym, strain: Sym, plastic: f32) -> Step {
     let ratio = sqrt(q2) / (c.slope * p_c);
     let high = (p + p * less_one(rise)) / p_c;
     if ratio * ratio > high * (1.0 - high) {
-        let critical = (height - hardening + LN_2) + rise;
+        let base = height - hardening + LN_2;
         let hard = 6.0 * shear * c.swelling_slope * c.ratio / p_c;
-        end = clay_returned(id, ClayTrial(critical, ratio, c.slope * c.slope * max(v + v * followed, 1.0), hard));
+        let square = c.slope * c.slope;
+        let stretch = 1.0 / (1.0 + c.ratio);
+        end = clay_returned(ClayTrial(base + rise, ratio, select(stretch, 1.0, opens), square * max(v + v * followed, 1.0), hard));
+        if opens {
+            followed -= c.swelling_slope * c.ratio * end.growth / v;
+            if followed >= trace {
+                opens = false;
+                rise = asked;
+                followed = trace;
+                end = clay_returned(ClayTrial(base + rise, ratio, stretch, square * max(v + v * followed, 1.0), hard));
+            }
+        }
     }
-    let pressure = p * less_one(max(rise - c.ratio * end.growth, least)) + (p - mean);
+    let lifted = select(max(rise - c.ratio * end.growth, least), least, opens);
+    let pressure = p * less_one(lifted) + (p - mean);
     return Step(
         Sym(elastic.normal + (deviator.normal * end.less - vec3<f32>(pressure)), elastic.shear + deviator.shear * end.less),
         end.growth / c.per_plastic,

@@ -65,7 +65,7 @@ fn size(s: &Sym) -> f64 {
 }
 
 /// States that the laws can reach, at any plastic strain, and increments of 1e-8 to 5 %; of clays, whose pressure goes with the exponential of the volume, to 1 %, on both
-/// sides of the critical state, a quarter of them at constant volume.
+/// sides of the critical state, a quarter of them at constant volume, and to 10 % where they are pulled apart.
 fn cases(per_law: usize) -> Vec<Case> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut cases = Vec::new();
@@ -89,7 +89,14 @@ fn cases(per_law: usize) -> Vec<Case> {
                 // not yet under pressure
                 (stress, memory) = ([0.0; 6], InternalVariables::default());
             }
-            let size = 10f64.powf(rng.random_range(-8.0..if clay { -2.0 } else { -1.3 }));
+            let mut size = 10f64.powf(rng.random_range(-8.0..if clay { -2.0 } else { -1.3 }));
+            if clay && n % 16 == 3 {
+                // pulled apart to the smallest pressure and sheared as much, with and without a gap in the end
+                let pressure = 10f64.powf(rng.random_range(2.5..3.5));
+                (stress, memory) = ([-pressure, -pressure, -pressure, 0.0, 0.0, 0.0], InternalVariables::default());
+                (0..3).for_each(|i| strain[i] = strain[i].abs());
+                size = 10f64.powf(rng.random_range(-2.0..-1.0));
+            }
             strain = strain.map(|e| size * e);
             if clay && n % 4 == 0 {
                 strain[2] = -(strain[0] + strain[1]);
@@ -359,7 +366,9 @@ fn a_wrong_word_in_a_law_is_found() {
         ("q2 = 1.5 * product", "q2 = 1.4 * product", "cam_clay"),
         ("1.0 - 0.5 * larger * sqrt", "1.0 - 0.51 * larger * sqrt", "cam_clay"),
         ("gone = g * x / sum", "gone = g * x / flow", "cam_clay"),
-        ("least)) + (p - mean)", "least))", "cam_clay"),
+        ("less_one(lifted) + (p - mean)", "less_one(lifted)", "cam_clay"),
+        ("followed -= c.swelling_slope", "followed += c.swelling_slope", "cam_clay"),
+        ("rise = asked;", "rise = least;", "cam_clay"),
         ("(mean - pyramid.apex) / laws[id].bulk", "mean / laws[id].bulk", "mohr_coulomb"),
         ("-end.end.di1 / (3.0", "-end.end.di1 / (2.0", "drucker_prager"),
         ("trace - followed,", "0.0,", "cam_clay"),

@@ -22,8 +22,9 @@
 //! The internal variable `plastic` is the plastic compression of volume over the volume at v_c0, (λ − κ)/v_c0 ln(p_c/p_c0): p_c follows from it. It is negative after
 //! dilation.
 //!
-//! Dissipation is Δ p p_c, so never negative. The mean pressure stays above a thousandth of p_c0 ([`CamClay::floor`]): what is pulled further apart has that pressure before
-//! the return, and a gap ([`super::gap`]). v is not below 1.
+//! Dissipation is Δ p p_c, so never negative. The mean pressure stays above a thousandth of p_c0 ([`CamClay::floor`]). What is pulled further apart has that pressure, in the return
+//! as well, and what remains of the volume after its plastic dilation is a gap ([`super::gap`]); where nothing remains, dilation keeps the pressure above the smallest, and there is no
+//! gap. v is not below 1.
 
 use super::{Clay, Cone, ConstitutiveLaw, Elastic, InternalVariables, Parameters, Shear, Sym, YieldParameters, tensor};
 use crate::math::portable::{exp, ln, sin};
@@ -106,23 +107,32 @@ impl ConstitutiveLaw for CamClay {
         let kappa = self.clay.swelling_slope;
         let before = self.pressure(&stress);
         let v = self.volume(before, internal.plastic);
-        let mut v_end = (v * (1.0 + tensor::trace(&dstrain))).max(1.0);
-        let mut p = before * exp(((v - v_end) / kappa).clamp(-MOST, MOST));
-        if p < self.floor() {
-            p = self.floor();
-            let followed = v + kappa * ln(before / p);
-            internal.gap += (v_end - followed) / v;
-            v_end = followed;
-        }
+        let asked = (v * (1.0 + tensor::trace(&dstrain))).max(1.0);
+        let free = before * exp(((v - asked) / kappa).clamp(-MOST, MOST));
+        let opens = free < self.floor();
+        let (p, v_end) = if opens { (self.floor(), v + kappa * ln(before / self.floor())) } else { (free, asked) };
         let shear = self.moduli(before, v).shear;
         let (s, e) = (tensor::deviator(&stress), tensor::deviator(&dstrain));
         let deviator: Sym = std::array::from_fn(|k| s[k] + 2.0 * shear * e[k]);
         let q2 = 3.0 * tensor::j2(&deviator);
         let p_c = self.preconsolidation(internal.plastic);
         if q2 <= self.slope * self.slope * (p * (p_c - p)) {
+            internal.gap += (asked - v_end) / v;
             return (with_pressure(&deviator, 1.0, p), internal);
         }
-        self.plastic_correction(&deviator, Trial { p, p_c, q: q2.sqrt(), shear, v: v_end }, internal)
+        let trial = Trial { p, p_c, q: q2.sqrt(), shear, v: v_end };
+        let mut end = self.returned(trial, if opens { 1.0 } else { self.stretch() });
+        if opens {
+            let followed = v_end - (self.clay.virgin_slope - kappa) * end.growth;
+            if followed < asked {
+                internal.gap += (asked - followed) / v;
+            } else {
+                end = self.returned(Trial { p: free, v: asked, ..trial }, self.stretch());
+            }
+        }
+        internal.plastic += end.growth / self.per_plastic;
+        let share = if trial.q > 0.0 { end.q / trial.q } else { 0.0 };
+        (with_pressure(&deviator, share, end.p), internal)
     }
 
     fn shear_strength(&self, _: f64) -> Option<[f64; 2]> {
@@ -224,20 +234,17 @@ impl CamClay {
         Elastic { bulk, shear }
     }
 
-    /// Stress and internal variables for a trial state outside of the ellipse.
-    #[inline(never)]
-    fn plastic_correction(&self, deviator: &Sym, trial: Trial, internal: InternalVariables) -> (Sym, InternalVariables) {
-        let Returned { p, q, growth } = self.returned(trial);
-        let share = if trial.q > 0.0 { q / trial.q } else { 0.0 };
-        (with_pressure(deviator, share, p), InternalVariables { plastic: internal.plastic + growth / self.per_plastic, ..internal })
+    /// Growth of ln p_c in a return at constant volume over the fall of ln(p/p_c), -; in one at constant pressure that is 1.
+    fn stretch(&self) -> f64 {
+        1.0 / (1.0 + self.ratio)
     }
 
-    /// Return of a trial state to the ellipse.
-    fn returned(&self, trial: Trial) -> Returned {
+    /// Return of a trial state to the ellipse, at its volume or at its pressure ([`Self::stretch`]).
+    #[inline(never)]
+    fn returned(&self, trial: Trial, stretch: f64) -> Returned {
         const ROUNDS: u32 = 100;
         const CLOSE: f64 = 1e-14;
         let Trial { p, p_c, q, shear, v } = trial;
-        let stretch = 1.0 / (1.0 + self.ratio);
         let critical = ln(p / p_c) + LN_2;
         // the unknown z = ln(1 + E)
         let growth = |z: f64| (critical - z) * stretch;
