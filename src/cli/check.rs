@@ -234,7 +234,7 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
     let grows = if c.grows { " (estimate: the specimen grows)" } else { "" };
     if c.grows {
         writeln!(text, "  points          {}{grows}", c.points)?;
-    } else {
+    } else if c.points > 0 {
         writeln!(text, "  points          {} ({} per cell)", c.points, c.points_per_cell)?;
     }
     if e.grains > 0 {
@@ -247,7 +247,9 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
     if c.blocks.len() > LISTED {
         writeln!(text, "  blocks          {} more of them", c.blocks.len() - LISTED)?;
     }
-    writeln!(text, "  grid            {x} × {y} × {z} cells; memory only where material is")?;
+    if c.points > 0 {
+        writeln!(text, "  grid            {x} × {y} × {z} cells; memory only where material is")?;
+    }
     writeln!(text, "  steps           {:.0} (estimate)", e.steps_expected)?;
     if let Some(dt) = e.time_step {
         writeln!(text, "  time step       {dt:.3e} s (estimate): {}", e.time_step_limit)?;
@@ -257,7 +259,8 @@ fn continuum(text: &mut String, scene: &Scene, c: &scene::Points, e: &Estimate) 
         let both: Vec<String> = both.iter().filter_map(|(i, of)| i.map(|i| format!("{i:.1e} of the {of}"))).collect();
         writeln!(text, "  inertial number {} at the start; quasi-static loading keeps below 0.001", both.join(", "))?;
     }
-    writeln!(text, "  time            {}", time(e))?;
+    let breakages = if c.without_breakages { ", as if nothing broke" } else { "" };
+    writeln!(text, "  time            {}{breakages}", time(e))?;
     writeln!(text, "  memory          {:.0} MB (estimate)", e.memory_mb.ceil())?;
     writeln!(text, "  files           {}", files(&e.output))?;
     match (c.device_mb, c.device_step) {

@@ -151,6 +151,52 @@ fn a_set_of_polyhedra_settles() {
     assert!(fastest < 1e-6, "{fastest}");
 }
 
+/// A library of outlines as image analysis gives them: bodies are their hulls, and a resolved scene needs no other file.
+#[test]
+fn bodies_have_the_outlines_of_a_file() {
+    let folder = tempfile::tempdir().expect("folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    write("grains.csv", "# in pixels\noutline,x,y\na,10,10\na,90,12\na,50,80\nb,0,0\nb,40,0\nb,40,40\nb,20,20\nb,0,40\n");
+    let text = PENTAGONS.replace("corners = [5, 5]\nelongation = [1.0, 1.5]", "outlines_csv = \"grains.csv\"");
+    let file = scene(folder.path(), &text);
+    let out = folder.path().join("out");
+    let run = |file: &std::path::Path, out: &std::path::Path| {
+        comminute("run")
+            .arg(file)
+            .args(["--quiet", "--threads", "1", "--set", "duration_s=0.002", "--out"])
+            .arg(out)
+            .assert()
+            .success();
+        std::fs::read_to_string(out.join("blocks.csv")).expect("blocks")
+    };
+    let first = run(file.as_ref(), &out);
+    let again = run(&out.join("scene.resolved.toml"), &folder.path().join("again"));
+    assert!(first == again, "the resolved scene is another one");
+    for (csv, says) in [
+        ("outline,x,y\na,0,0\na,1,0\na,0,nan\n", "grains.csv line 4: y = nan: must be a finite number"),
+        ("outline,x\na,0\n", "has no column y"),
+        ("outline,x,y,size\na,0,0,1\n", "size: unknown column"),
+        ("outline,x,y\na,0,0\nb,1,0\na,0,1\n", "comes again after another one"),
+        ("outline,x,y\na,0,0\na,1,0\na,0,1\nb,0,0\nb,1,1\nb,2,2\n", "outline 1 of 2, of 3 points, has no area"),
+        ("outline,x,y,z\na,0,0,0\na,1,0,0\na,0,1,1\n", "has corners out of the plane"),
+        ("outline,x,y\n", "holds no outlines"),
+    ] {
+        write("grains.csv", csv);
+        comminute("check").arg(&file).assert().code(2).stderr(contains(says));
+    }
+    write("grains.csv", "outline,x,y\na,0,0\na,1,0\na,0,1\n");
+    let refuse = |from: &str, to: &str, says: &str| refused(folder.path(), &text, from, to, says);
+    refuse("count = 14", "count = 14\ncorners = [5, 6]", "block_set[0].corners = [5.0, 6.0]: has no meaning beside outlines");
+    refuse("outlines_csv = \"grains.csv\"", "", "block_set[0].corners: is missing: give the least and largest number of corners");
+    refuse("outlines_csv = \"grains.csv\"", "outlines_csv = \"none.csv\"", "none.csv");
+    refuse("grains.csv\"", "grains.csv\"\noutline_corners = [3]", "must not stand beside");
+    refuse(
+        "outlines_csv = \"grains.csv\"",
+        "outline_corners = [3]\noutline_points = [0.0, 0.0, 0.0, 1.0]",
+        "in all a third of the 4 numbers",
+    );
+}
+
 #[test]
 fn sets_that_cannot_be_are_refused_by_their_key() {
     let folder = tempfile::tempdir().expect("folder");

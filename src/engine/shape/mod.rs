@@ -24,7 +24,7 @@ pub use hull::{Hull, HullFace};
 pub use mesh::Mesh;
 pub use polygon::Polygon;
 pub use polyhedron::{Placed, Polyhedron};
-pub use ring::Ring;
+pub use ring::{Ring, convex_ring};
 pub use sheet::{MOST_TRIANGLES, Sheet, welded};
 pub use superquadric::Superquadric;
 

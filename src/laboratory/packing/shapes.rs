@@ -2,26 +2,38 @@
 
 use engine::math::portable::sin;
 use engine::math::vector::{dot, less};
-use engine::shape::{Polygon, Polyhedron, Shape};
+use engine::shape::{Polygon, Polyhedron, Shape, convex_ring};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// What the shapes of a set of bodies are drawn from; each pair has the least and the largest value.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Shapes {
     /// Whether they are polygons of plane strain.
     pub flat: bool,
     /// Diameter of the disc of the same area, or of the sphere of the same volume, m.
     pub diameter: [f64; 2],
-    /// Number of corners.
-    pub corners: [u32; 2],
-    /// Longest over intermediate axis of the ellipsoid, or longer over shorter axis of the ellipse.
-    pub elongation: [f64; 2],
-    /// Intermediate over shortest axis of the ellipsoid.
-    pub flatness: [f64; 2],
+    /// Their corners, before they have a size.
+    pub form: Form,
     /// Radius of the edges over the diameter.
     pub rounding: f64,
+}
+
+/// What the corners of shapes are drawn from; each pair has the least and the largest value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Form {
+    /// Corners on an ellipsoid or ellipse.
+    Random {
+        /// Number of corners.
+        corners: [u32; 2],
+        /// Longest over intermediate axis of the ellipsoid, or longer over shorter axis of the ellipse.
+        elongation: [f64; 2],
+        /// Intermediate over shortest axis of the ellipsoid.
+        flatness: [f64; 2],
+    },
+    /// One of these outlines, with equal probability: the hull of its points, in any unit.
+    Listed(Vec<Vec<[f64; 3]>>),
 }
 
 /// Part of the mean angle between two corners by which each is at most away from its place among corners at equal angles.
@@ -35,14 +47,19 @@ impl Shapes {
     /// Draws a shape.
     ///
     /// # Errors
-    /// A rounding so large that nothing is left within it.
+    /// A rounding so large that nothing is left within it; an outline without area or volume.
     pub fn draw(&self, rng: &mut ChaCha8Rng) -> Result<Shape, String> {
         let mut between = |[low, high]: [f64; 2]| low + (high - low) * rng.random::<f64>();
-        let (diameter, elongation, flatness) = (between(self.diameter), between(self.elongation), between(self.flatness));
-        let corners = rng.random_range(self.corners[0]..=self.corners[1]);
-        let unit = if self.flat { ring(corners, rng) } else { shell(corners, rng) };
-        let axes = [elongation, 1.0, 1.0 / flatness];
-        let points: Vec<[f64; 3]> = unit.iter().map(|p| std::array::from_fn(|a| axes[a] * p[a])).collect();
+        let diameter = between(self.diameter);
+        let points = match &self.form {
+            Form::Random { corners, elongation, flatness } => {
+                let axes = [between(*elongation), 1.0, 1.0 / between(*flatness)];
+                let corners = rng.random_range(corners[0]..=corners[1]);
+                let unit = if self.flat { ring(corners, rng) } else { shell(corners, rng) };
+                unit.iter().map(|p| std::array::from_fn(|a| axes[a] * p[a])).collect()
+            }
+            Form::Listed(outlines) => self.unit(&outlines[rng.random_range(0..outlines.len())])?,
+        };
         let mut size = 0.5 * diameter;
         let mut shape = self.of(&points, size, diameter)?;
         for _ in 0..ROUNDS {
@@ -54,12 +71,28 @@ impl Shapes {
         Ok(shape)
     }
 
+    /// The points of an outline about their middle, in the unit of the radius of the sphere or disc of its volume or area.
+    fn unit(&self, outline: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, String> {
+        let middle: [f64; 3] = std::array::from_fn(|a| {
+            let (low, high) = outline.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[a]), h.max(p[a])));
+            0.5 * (low + high)
+        });
+        let about: Vec<[f64; 3]> = outline.iter().map(|p| less(*p, middle)).collect();
+        let most = about.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        if most == 0.0 {
+            return Err("have no size: all points are one".into());
+        }
+        let near: Vec<[f64; 3]> = about.iter().map(|p| p.map(|x| x / most)).collect();
+        let sharp = Shapes { rounding: 0.0, ..self.clone() }.of(&near, 1.0, 1.0)?;
+        Ok(near.iter().map(|p| p.map(|x| x / sharp.radius())).collect())
+    }
+
     fn of(&self, points: &[[f64; 3]], size: f64, diameter: f64) -> Result<Shape, String> {
         let rounding = self.rounding * diameter;
         let points = points.iter().map(|p| p.map(|x| size * x));
         if self.flat {
             let corners: Vec<[f64; 2]> = points.map(|[x, y, _]| [x, y]).collect();
-            Ok(Shape::Polygon(Polygon::of(&corners, rounding)?.0))
+            Ok(Shape::Polygon(Polygon::of(&convex_ring(&corners), rounding)?.0))
         } else {
             Ok(Shape::Polyhedron(Polyhedron::hull(&points.collect::<Vec<_>>(), rounding)?.polyhedron))
         }
@@ -134,12 +167,11 @@ mod tests {
     #[test]
     fn shapes_have_the_size_corners_and_rounding_that_were_asked_for() {
         for flat in [true, false] {
+            let corners = if flat { [3, 7] } else { [6, 20] };
             let shapes = Shapes {
                 flat,
                 diameter: [0.01, 0.03],
-                corners: if flat { [3, 7] } else { [6, 20] },
-                elongation: [1.0, 2.0],
-                flatness: [1.0, 1.5],
+                form: Form::Random { corners, elongation: [1.0, 2.0], flatness: [1.0, 1.5] },
                 rounding: 0.05,
             };
             let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -149,12 +181,38 @@ mod tests {
                 let (diameter, rounded) = (2.0 * shape.radius(), shape.rounded().expect("corners"));
                 assert!((0.0099..=0.0301).contains(&diameter), "{diameter}");
                 assert!((rounded.rounding() / diameter / 0.05 - 1.0).abs() < 0.01, "{} of {diameter}", rounded.rounding());
-                let [least, most] = shapes.corners.map(|n| n as usize);
+                let [least, most] = corners.map(|n| n as usize);
                 assert!((least..=most).contains(&rounded.corners().len()));
                 seen = [seen[0].min(diameter), seen[1].max(diameter)];
             }
             assert!(seen[0] < 0.012 && seen[1] > 0.028, "{seen:?}");
         }
+    }
+
+    /// Outlines of any size and place come out in the size that is drawn, with the corners of their hulls, and each as often as the others.
+    #[test]
+    fn listed_outlines_are_drawn_in_the_size_that_was_asked_for() {
+        let square: Vec<[f64; 3]> = [[10.0, 10.0], [30.0, 10.0], [30.0, 30.0], [10.0, 30.0]].map(|[x, y]| [x, y, 0.0]).into();
+        // an L, whose hull has five corners
+        let ell: Vec<[f64; 3]> =
+            [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]].map(|[x, y]| [x, y, 0.0]).into();
+        let cube: Vec<[f64; 3]> = (0..8).map(|k| std::array::from_fn(|a| f64::from(k >> a & 1))).collect();
+        let tetrahedron = vec![[0.0; 3], [1e3, 0.0, 0.0], [0.0, 1e3, 0.0], [0.0, 0.0, 1e3]];
+        for (flat, outlines, counts) in [(true, vec![square, ell], [4, 5]), (false, vec![cube, tetrahedron], [8, 4])] {
+            let shapes = Shapes { flat, diameter: [0.02, 0.02], form: Form::Listed(outlines), rounding: 0.05 };
+            let mut rng = ChaCha8Rng::seed_from_u64(5);
+            let mut seen = [0; 2];
+            for _ in 0..200 {
+                let shape = shapes.draw(&mut rng).expect("a shape");
+                let rounded = shape.rounded().expect("corners");
+                assert!((2.0 * shape.radius() / 0.02 - 1.0).abs() < 0.01 && (rounded.rounding() - 1e-3).abs() < 1e-12);
+                seen[counts.iter().position(|n| *n == rounded.corners().len()).expect("an outline")] += 1;
+            }
+            assert!(seen.iter().all(|n| *n > 70), "{seen:?}");
+        }
+        let line =
+            Shapes { flat: true, diameter: [1.0; 2], form: Form::Listed(vec![vec![[0.0; 3], [1.0, 0.0, 0.0]]]), rounding: 0.1 };
+        assert!(line.draw(&mut ChaCha8Rng::seed_from_u64(1)).is_err());
     }
 
     #[test]

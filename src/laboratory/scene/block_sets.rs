@@ -4,10 +4,11 @@ use super::bodies::{number, vector};
 use super::material::Named;
 use super::view::View;
 use crate::packing::blocks::pack;
-use crate::packing::shapes::Shapes;
+use crate::packing::shapes::{Form, Shapes};
 use engine::material::Material;
 use engine::mpm::Points;
 use engine::rigid::Block;
+use engine::shape::{Polyhedron, convex_ring};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use toml::{Table, Value};
@@ -36,29 +37,35 @@ impl View<'_> {
             self.check(low <= high, &at(name), "must be the least, then the largest");
             (low <= high).then_some([low, high])
         };
-        let (diameter, corners, elongation, flatness) =
-            (range("diameter_mm"), range("corners"), range("elongation"), range("flatness"));
-        let (diameter, corners, elongation, flatness) = (diameter?, corners?, elongation?, flatness?);
-        let fewest = if flat { 3.0 } else { 4.0 };
-        self.check(
-            corners.iter().all(|n| n.fract() == 0.0 && *n >= fewest),
-            &at("corners"),
-            format!("must be whole numbers from {fewest} on for shape = \"{kind}\""),
-        );
+        let (diameter, elongation, flatness) = (range("diameter_mm")?, range("elongation")?, range("flatness")?);
+        let form = if table.contains_key("outline_points") || table.contains_key("outline_corners") {
+            for (key, unused) in [
+                ("corners", !table.contains_key("corners")),
+                ("elongation", elongation == [1.0; 2]),
+                ("flatness", flatness == [1.0; 2]),
+            ] {
+                self.check(unused, &at(key), "has no meaning beside outlines, which have corners and shapes of their own");
+            }
+            Form::Listed(self.outlines(&at, flat)?)
+        } else if table.contains_key("corners") {
+            let (corners, fewest) = (range("corners")?, if flat { 3.0 } else { 4.0 });
+            self.check(
+                corners.iter().all(|n| n.fract() == 0.0 && *n >= fewest),
+                &at("corners"),
+                format!("must be whole numbers from {fewest} on for shape = \"{kind}\""),
+            );
+            Form::Random { corners: corners.map(|n| n as u32), elongation, flatness }
+        } else {
+            self.refuse(&at("corners"), "is missing: give the least and largest number of corners, or outlines_csv = \"….csv\"");
+            return None;
+        };
         let (low, high) = (vector(table, "min_mm")?, vector(table, "max_mm")?);
         let axes = if flat { 2 } else { 3 };
         if (0..axes).any(|a| high[a] <= low[a]) {
             self.refuse(&at("max_mm"), "must be above min_mm along every axis");
             return None;
         }
-        let shapes = Shapes {
-            flat,
-            diameter,
-            corners: corners.map(|n| n as u32),
-            elongation,
-            flatness,
-            rounding: number(table, "rounding")?,
-        };
+        let shapes = Shapes { flat, diameter, form, rounding: number(table, "rounding")? };
         let count = table.get("count").and_then(Value::as_integer)?;
         // sets are independent of each other
         let mut rng = ChaCha8Rng::seed_from_u64(self.whole("seed.packing")?);
@@ -93,6 +100,47 @@ impl View<'_> {
                 None
             }
         }
+    }
+}
+
+impl View<'_> {
+    /// The outlines of a set, each with a hull that has an area or a volume; `None`, with the reason noted, where they are refused.
+    fn outlines(&self, at: &impl Fn(&str) -> String, flat: bool) -> Option<Vec<Vec<[f64; 3]>>> {
+        let (counts, numbers) = (self.numbers(&at("outline_corners")), self.numbers(&at("outline_points")));
+        let whole = counts.iter().all(|n| n.fract() == 0.0);
+        if !whole || 3.0 * counts.iter().sum::<f64>() != numbers.len() as f64 || counts.is_empty() {
+            let message = format!(
+                "must be the numbers of points of the outlines, in all a third of the {} numbers in outline_points",
+                numbers.len()
+            );
+            self.refuse(&at("outline_corners"), message);
+            return None;
+        }
+        let mut points = numbers.as_chunks::<3>().0.iter().copied();
+        let outlines: Vec<Vec<[f64; 3]>> = counts.iter().map(|&n| points.by_ref().take(n as usize).collect()).collect();
+        for (k, outline) in outlines.iter().enumerate() {
+            let wrong = if flat {
+                let (level, hull) = (
+                    outline.iter().all(|p| p[2] == 0.0),
+                    convex_ring(&outline.iter().map(|&[x, y, _]| [x, y]).collect::<Vec<_>>()),
+                );
+                if !level {
+                    Some("has corners out of the plane".to_string())
+                } else {
+                    (hull.len() < 3).then(|| "has no area".into())
+                }
+            } else {
+                Polyhedron::hull(outline, 0.0).err().map(|_| "has no volume".into())
+            };
+            if let Some(wrong) = wrong {
+                self.refuse(
+                    &at("outline_points"),
+                    format!("must be of bodies: outline {k} of {}, of {} points, {wrong}", outlines.len(), outline.len()),
+                );
+                return None;
+            }
+        }
+        Some(outlines)
     }
 }
 

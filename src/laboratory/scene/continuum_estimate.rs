@@ -42,6 +42,8 @@ pub struct Points {
     pub points: usize,
     /// True: the specimen grows first, and the numbers of points and grains are estimates.
     pub grows: bool,
+    /// True: grains or blocks may break, and how many will is not known before the run; times are those as if none did.
+    pub without_breakages: bool,
     /// Cells of the grid along x, y and z.
     pub cells: [u32; 3],
     /// Points in a cell at the start.
@@ -157,6 +159,7 @@ pub fn estimate(model: &Model, rig: &MpmTest, pace: Option<Pace>) -> Estimate {
         continuum: Some(Points {
             points,
             grows: rig.growth.is_some(),
+            without_breakages: model.physics.crush.is_some() && rig.specimen().is_none(),
             cells: rig.settings.cells,
             points_per_cell: rig.per_edge.pow(d as u32),
             blocks: rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.in_words(&model.physics)).collect(),

@@ -404,8 +404,26 @@ const OWN: &[Key] = &[
     mixture(
         "block_set.corners",
         Numbers(Range::closed(3.0, 100.0), Some(2)),
-        Required,
-        "least and largest number of corners: from 3 on of polygons, from 4 on of polyhedra",
+        Absent,
+        "least and largest number of corners, from 3 on of polygons, from 4 on of polyhedra; or `outlines_csv`",
+    ),
+    mixture(
+        "block_set.outlines_csv",
+        Text,
+        Absent,
+        "a file of outlines, outline,x,y (in space outline,x,y,z), of which each body takes one with equal probability, in the size that is drawn for it: their convex hulls, in any unit. Rows with the same name are one outline",
+    ),
+    mixture(
+        "block_set.outline_corners",
+        Numbers(Range::closed(1.0, 1e6), None),
+        Absent,
+        "number of points of each outline; or `outlines_csv`",
+    ),
+    mixture(
+        "block_set.outline_points",
+        Numbers(ANY, None),
+        Absent,
+        "x, y, z of the points of all outlines, one after the other; or `outlines_csv`",
     ),
     mixture(
         "block_set.elongation",

@@ -26,6 +26,7 @@ pub(crate) mod material;
 mod memory;
 mod mesh_file;
 mod mixture;
+mod outline_file;
 mod output;
 mod overrides;
 mod point_cloud;
@@ -142,6 +143,7 @@ fn complete(path: &Path, mut layer: Layer, sets: &[String]) -> Result<Scene> {
     import::grains(&mut layer)?;
     point_cloud::points(&mut layer)?;
     mesh_file::meshes(&mut layer)?;
+    outline_file::outlines(&mut layer)?;
     validate::validate(&mut layer)?;
     material::fill_d50(&mut layer.table);
     crushing::fill(&mut layer.table);

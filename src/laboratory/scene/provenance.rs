@@ -129,14 +129,25 @@ const FIXED_OF_PLATENS: &[(&str, &str)] = &[
     ("platens without a material", "rigid: a grain meets its mirror image"),
 ];
 
-/// Matters that the program settles, for continua.
-const FIXED_OF_CONTINUA: &[(&str, &str)] = &[
+/// Matters that the program settles, for tests of continua and mixtures.
+const FIXED_OF_TESTS: &[(&str, &str)] = &[
     ("platens", "rigid and smooth; a point meets them with its ghost radius (Li et al. 2023, eq. 22) and Hertz's force"),
     ("where a platen's force acts", "on the point's face, half its edge beyond it (Li et al. 2023 spread it from the point)"),
     ("stresses of a test", "sum of the platens' forces over the area between the other platens; means since the row before"),
     ("extent of a specimen", "between its platens, less how far ghosts reach out of the material at the start"),
+];
+
+/// Matters that the program settles, for material points.
+const FIXED_OF_POINTS: &[(&str, &str)] = &[
     ("void ratio", "from the points' volumes, of a mixture from all solids in the specimen; solids stay"),
     ("plastic strain", "integral of sqrt(2/3 ep:ep)"),
+];
+
+/// Matters that the program settles, for rigid bodies that break.
+const FIXED_OF_BREAKING: &[(&str, &str)] = &[
+    ("when blocks are judged", "on the forces of the step; all places of one partner count as one contact"),
+    ("how a block breaks", "in two, along the plane through its two largest contacts and its centre of mass"),
+    ("size of a block", "diameter of the sphere of its volume; its gradation by the square sieve it passes"),
 ];
 
 /// Every decision that holds for a scene: first those of its keys, then those of the program.
@@ -144,18 +155,32 @@ pub fn decisions(scene: &Scene) -> Vec<Decision> {
     let view = View::of(&scene.layer);
     let is = |key: &str, value: &str| view.get(key).and_then(Value::as_str) == Some(value);
     let breaks = view.get("crushing.enabled").and_then(Value::as_bool) != Some(false);
+    let of_points = matches!(view.text("kind"), "continuum" | "mixture");
+    let (free, without_points) = (of_points && is("test.rig", "free"), of_points && view.is_without_points());
+    // beside spheres blocks do not break
+    let only_blocks = of_points && view.has_blocks() && view.list("grain").is_empty();
     // what a scene has by default and does not use
     let matters = |key: &str| match key {
         "crushing.area_radius" => breaks && is("crushing.criterion", "hertz_area"),
+        "crushing.pattern" | "crushing.azimuth" | "crushing.birth" | "crushing.lost_mass" => breaks && !only_blocks,
+        _ if free && key.starts_with("test.") => false,
+        "stepping.points_inertia" => !free,
+        _ if without_points && key.starts_with("grid.") => false,
         _ => breaks || !(key.starts_with("crushing.") || key.contains(".strength.") || key.contains(".fines.")),
     };
     let settled = SETTLED.iter().filter(|(_, key)| matters(key));
     let settled = settled.filter_map(|(matter, key)| view.get(key).map(|value| Decision { matter, key, value: value.clone() }));
+    let none: &[_] = &[];
     let fixed = match view.text("kind") {
-        "platen" => FIXED_OF_PLATENS,
-        "continuum" | "mixture" => FIXED_OF_CONTINUA,
-        _ => FIXED,
+        "platen" => [FIXED_OF_PLATENS, none, none],
+        "continuum" | "mixture" => [
+            if free { none } else { FIXED_OF_TESTS },
+            if without_points { none } else { FIXED_OF_POINTS },
+            if breaks && only_blocks { FIXED_OF_BREAKING } else { none },
+        ],
+        _ => [FIXED, none, none],
     };
-    let fixed = fixed.iter().map(|(matter, value)| Decision { matter, key: "", value: Value::String((*value).into()) });
+    let fixed =
+        fixed.into_iter().flatten().map(|(matter, value)| Decision { matter, key: "", value: Value::String((*value).into()) });
     settled.chain(fixed).collect()
 }
