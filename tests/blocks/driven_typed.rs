@@ -121,6 +121,29 @@ fn driven_and_joined_blocks_resume_to_the_byte() {
     assert!((history.last().expect("a row")[0] / number(&s, "driven_work_J") - 1.0).abs() < 1e-6, "{history:?}");
 }
 
+/// A run that takes the folder of another one removes the tables that it does not write: of joints, walls and breakages.
+#[test]
+fn a_folder_that_is_used_again_keeps_no_table_of_the_run_before() {
+    let folder = tempfile::tempdir().expect("folder");
+    let out = folder.path().join("out");
+    let first = SCENE.replace("duration_s = 0.2", "duration_s = 0.002");
+    let run = |text: &str, more: &[&str]| {
+        comminute("run").arg(scene(folder.path(), text)).args(["--quiet", "--out"]).arg(&out).args(more).assert().success();
+    };
+    run(&first, &[]);
+    let stale = ["joints.csv", "walls.csv", "block_breakage.csv"].map(|name| out.join(name));
+    assert!(stale[0].exists());
+    // as runs with a moving wall and with breakages leave them
+    stale[1..].iter().for_each(|path| std::fs::write(path, "step\n").expect("written"));
+    let [joints, rest] = ["[[joint]]", "[material]"].map(|word| first.find(word).expect("a table"));
+    let without = format!("{}{}", &first[..joints], &first[rest..])
+        .replace("position_mm = [0.0, 0.0, 30.0]", "position_mm = [0.0, 0.0, 30.5]");
+    run(&without.replace("position_mm = [0.0, 0.0, 70.0]", "position_mm = [0.0, 0.0, 71.0]"), &["--force"]);
+    for path in stale {
+        assert!(!path.exists(), "{}", path.display());
+    }
+}
+
 /// A path from a file is the path in the scene, to the byte.
 #[test]
 fn a_path_may_stand_in_a_file() {
