@@ -167,7 +167,7 @@ impl View<'_> {
     fn mesh(&self, i: usize, rounding: f64) -> Option<Sheet> {
         let key = |name: &str| format!("block[{i}].{name}");
         let driven = self.flag(&key("driven")) || self.follows_a_path(i);
-        self.check(driven, &key("driven"), "must be true (or there must be a path): a mesh has no mass");
+        self.check(driven, &key("driven"), "must be true: a mesh has no mass, so it is driven or follows a path");
         let numbers = self.numbers(&key("vertices_mm"));
         let list = self.get(&key("triangles")).and_then(Value::as_array).into_iter().flatten();
         let corners: Vec<u32> = list.filter_map(Value::as_integer).filter_map(|k| u32::try_from(k).ok()).collect();
