@@ -414,7 +414,7 @@ mod tests {
                 "{sum:?} {turn:?}"
             );
             let size = dot(applied[1][0], applied[1][0]).sqrt();
-            for k in 0..2 {
+            for (k, of) in applied.iter().enumerate() {
                 for a in 0..6 {
                     let step = 1e-6;
                     let energy = |by: f64| {
@@ -424,7 +424,7 @@ mod tests {
                         stored(&mut moved)
                     };
                     let slope = (energy(step) - energy(-step)) / (2.0 * step);
-                    let force = applied[k].as_flattened()[a];
+                    let force = of.as_flattened()[a];
                     assert!((force + slope).abs() < 1e-6 * size, "{kind:?} {k} {a}: {force} {slope}");
                 }
             }

@@ -398,6 +398,17 @@ mod tests {
     }
 
     #[test]
+    fn words_are_those_of_the_list() {
+        let shape = Shape::Words(&["x", "rotation"]);
+        let given = parse_literal("[\"rotation\", \"x\"]").unwrap();
+        assert_eq!(shape.accept(given.clone()), Ok(given));
+        for bad in ["[\"tilt\"]", "[1]", "\"x\""] {
+            let message = shape.accept(parse_literal(bad).unwrap()).unwrap_err();
+            assert!(message.contains("a list of some of \"x\", \"rotation\""), "{message}");
+        }
+    }
+
+    #[test]
     fn a_literal_is_one_value() {
         assert_eq!(parse_literal("1\nb = 2"), None);
         assert_eq!(parse_literal("2000"), Some(Value::Integer(2000)));
