@@ -5,6 +5,8 @@ mod breaking;
 mod common;
 mod compound;
 mod compound_typed;
+mod driven;
+mod driven_typed;
 mod meeting;
 mod mesh;
 mod mesh_typed;

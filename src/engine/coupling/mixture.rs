@@ -342,11 +342,11 @@ impl Mixture {
         (self.grains.dt, self.last) = (dt, dt);
         parts.work.kick = Some(kick);
         if let Some(blocks) = &mut self.blocks {
-            let State { grains, step, .. } = &self.grains;
+            let State { grains, step, time, .. } = &self.grains;
             blocks.apply_grain_and_wall_reactions(grains, &mut parts.work.external_forces);
             let crush = parts.physics.crush.as_ref().filter(|crush| step.is_multiple_of(crush.interval.max(1)));
             let failing = crush.map_or(Vec::new(), |crush| blocks.failing(crush, &parts.work.table));
-            blocks.advance(parts.physics, kick, dt);
+            blocks.advance(parts.physics, *time, kick, dt);
             if let Some(crush) = crush.filter(|_| !failing.is_empty()) {
                 blocks.break_bodies(crush, &failing, *step, self.energy_factor);
             }
@@ -398,6 +398,7 @@ impl Mixture {
     fn evaluate_bodies(&mut self, parts: &Parts<'_>) {
         let Some(blocks) = &mut self.blocks else { return };
         blocks.evaluate(&rigid_scene(&self.grains, parts, self.last, [0.0; 2]), false);
+        blocks.pull(self.grains.time);
     }
 
     /// Adds the forces of points and rigid bodies to the walls' reactions, stiffnesses and work, which have been those of grains so far. Where no wall moves nobody asks.

@@ -269,10 +269,12 @@ impl Blocks {
     /// Largest sums of stiffness over mass of a point, and of a body or grain, over the present contacts of bodies. `points`: number of points.
     pub fn rates(&mut self, grains: &Grains, points: usize) -> ContactRates {
         let mut of_blocks = vec![0.0; self.blocks.len()];
+        self.add_joint_rates(&mut of_blocks);
+        let by_joints = of_blocks.iter().copied().fold(0.0, f64::max);
         let [of_points, of_grains] = &mut self.sums;
         of_points.resize(points, 0.0);
         of_grains.resize(grains.len(), 0.0);
-        let mut most = ContactRates::default();
+        let mut most = ContactRates { grains: by_joints, ..ContactRates::default() };
         if self.first_touch > 0.0 && self.candidates.iter().any(BlockContact::is_of_point) {
             most.points = self.first_touch;
         }

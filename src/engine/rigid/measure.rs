@@ -78,7 +78,7 @@ impl Blocks {
         self.blocks.iter().fold((0.0, [0.0; 3]), |(mass, sum), b| (mass + b.mass, plus(sum, scaled(b.velocity, b.mass))))
     }
 
-    /// Kinetic energy, potential energy in gravity, and elastic energy of the contacts of all bodies, J. `energy_factor`: elastic energy of a contact over
+    /// Kinetic energy, potential energy in gravity, and elastic energy of the contacts and joints of all bodies, J. `energy_factor`: elastic energy of a contact over
     /// normal force times overlap.
     pub fn energies(&self, gravity: [f64; 3], energy_factor: f64) -> [f64; 3] {
         let mut sums = [0.0; 3];
@@ -87,6 +87,9 @@ impl Blocks {
             sums[1] -= b.mass * dot(gravity, b.centre);
         }
         sums[2] = self.touching().map(|c| c.energy(energy_factor)).sum();
+        if self.drives().is_some() {
+            sums[2] += self.stored_in_joints();
+        }
         sums
     }
 

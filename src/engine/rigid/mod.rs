@@ -11,12 +11,14 @@
 //! A sheet of triangles ([`crate::shape::Sheet`]) is a driven body without mass. What touches it has a contact with each facet, and on its way from facet to facet the contact
 //! that begins takes over the history of the one that ends.
 //!
-//! Bodies may break in two (`breaking.rs`).
+//! Bodies may break in two (`breaking.rs`), be moved, pushed and held from outside (`drive.rs`), and be joined to each other and to the world (`joint.rs`).
 //!
 //! A face that lies on many points has many contacts. They are stored here and not with those of the grains, so scenes without such bodies pay nothing.
 
 mod breaking;
 mod contact;
+mod drive;
+mod joint;
 mod laps;
 mod measure;
 pub mod motion;
@@ -25,6 +27,8 @@ mod search;
 
 pub use breaking::{Breakage, Breaking, Fate, LEAST, MOST_LOST};
 pub use contact::{BlockContact, BlockScene, Other};
+pub use drive::{Drive, Drives, Path, Programme, Push};
+pub use joint::{Bond, Cement, Joint, Kind, Pull};
 pub use laps::Lap;
 pub use motion::Pose;
 pub use pair::Site;
@@ -32,6 +36,7 @@ pub use pair::Site;
 use crate::check::{self, Checked, below, ensure};
 use crate::dem::State;
 use crate::dem::physics::Physics;
+use crate::math::vector::plus;
 use crate::mpm::Continuum;
 use crate::point_contacts::Age;
 use crate::shape::{Shape, Solid};
@@ -130,6 +135,8 @@ pub struct Blocks {
     age: Age,
     /// How the bodies break; `None`: they do not.
     breaking: Option<Box<Breaking>>,
+    /// What drives, pushes, holds and joins the bodies from outside; `None`: nothing does.
+    drives: Option<Box<Drives>>,
     /// Force, N, and torque about the centre of mass, N m, on each body, added since its last step.
     applied: Vec<[[f64; 3]; 2]>,
     /// What other bodies touch of each body; made when it is first needed.
@@ -179,6 +186,11 @@ impl Blocks {
             }
             _ => return Err("rigid bodies break which do not in the scene, or do not which do".into()),
         }
+        match (&self.drives, &made.drives) {
+            (Some(drives), Some(made)) => drives.check(made)?,
+            (None, None) => {}
+            _ => return Err("rigid bodies are driven or joined which are not in the scene, or are not which are".into()),
+        }
         self.age.check()?;
         let with_points = |b: &Blocks| (b.point_radius, b.first_touch);
         ensure(with_points(self) == with_points(made), || "points touch rigid bodies in another way than in the scene".into())?;
@@ -225,11 +237,18 @@ impl Blocks {
         self.blocks.iter().map(of).fold(0.0, f64::max)
     }
 
-    /// Moves all bodies by one step of `dt` seconds with the forces added since the last step, gravity and local damping. `kick`: time over which
-    /// forces change velocities first, s.
-    pub fn advance(&mut self, physics: &Physics, kick: f64, dt: f64) {
+    /// Moves all bodies by one step of `dt` seconds with the forces added since the last step, gravity and local damping. `time`: at the beginning of the
+    /// step, s; `kick`: time over which forces change velocities first, s.
+    pub fn advance(&mut self, physics: &Physics, time: f64, kick: f64, dt: f64) {
+        self.add_joints();
+        let mut drives = self.drives.as_mut().map(|drives| drives.bodies.iter_mut());
         for (block, applied) in self.blocks.iter_mut().zip(&mut self.applied) {
             let [mut force, mut torque] = std::mem::take(applied);
+            let drive = drives.as_mut().and_then(Iterator::next);
+            if let Some(drive) = &drive {
+                let [push, turn] = drive.programme.push.at(time);
+                (force, torque) = (plus(force, push), plus(torque, turn));
+            }
             for (f, g) in force.iter_mut().zip(physics.gravity) {
                 *f += block.mass * g;
             }
@@ -245,8 +264,12 @@ impl Blocks {
             if !physics.contact.turning {
                 torque = [0.0; 3];
             }
-            block.advance([force, torque], kick, dt);
+            match drive {
+                Some(drive) => drive.advance(block, [force, torque], time, kick, dt),
+                None => block.advance([force, torque], kick, dt),
+            }
         }
+        self.add_viscous_work(kick);
     }
 
     /// Memory in use, bytes.

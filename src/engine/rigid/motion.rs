@@ -136,6 +136,11 @@ impl Block {
             self.velocity = plus(self.velocity, scaled(force, kick / self.mass));
             self.momentum = plus(self.momentum, scaled(torque, kick));
         }
+        self.drift(dt);
+    }
+
+    /// Moves the body for `dt` seconds, free of forces.
+    pub(super) fn drift(&mut self, dt: f64) {
         self.centre = plus(self.centre, scaled(self.velocity, dt));
         self.turn = self.orientation_after(dt);
     }

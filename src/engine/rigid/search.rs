@@ -27,17 +27,21 @@ impl Blocks {
         self.passable(continuum)
     }
 
-    /// Pairs of bodies whose spheres of reach are nearer than `skin`, m; the lower index first. Bodies are sorted by where they begin along x.
+    /// Pairs of bodies whose spheres of reach are nearer than `skin`, m, and that no joint holds; the lower index first. Bodies are sorted by where they begin along x.
     pub(super) fn near(&self, skin: f64) -> Vec<[usize; 2]> {
         let ends = |k: usize| [-1.0, 1.0].map(|side| self.blocks[k].centre[0] + side * self.blocks[k].solid().reach());
         let mut order: Vec<usize> = (0..self.blocks.len()).collect();
         order.sort_by(|&i, &j| ends(i)[0].total_cmp(&ends(j)[0]));
+        let joined = self.drives.as_ref().map_or(Vec::new(), |drives| drives.joined());
         let mut pairs = Vec::new();
         for (n, &i) in order.iter().enumerate() {
             let end = ends(i)[1] + skin;
             for &j in order[n + 1..].iter().take_while(|&&j| ends(j)[0] < end) {
                 let [a, b] = [&self.blocks[i], &self.blocks[j]];
                 let away = less(a.centre, b.centre);
+                if !joined.is_empty() && joined.binary_search(&[i.min(j) as u32, i.max(j) as u32]).is_ok() {
+                    continue;
+                }
                 // what driven bodies press on each other moves neither
                 if !(a.driven && b.driven) && dot(away, away).sqrt() < a.solid().reach() + b.solid().reach() + skin {
                     pairs.push([i.min(j), i.max(j)]);
@@ -142,6 +146,11 @@ impl Blocks {
             found.iter_mut().filter(|c| is_new(c)).for_each(|c| c.reference = f64::INFINITY);
         }
         let known = self.candidates.iter().filter(|c| c.touch.overlap > 0.0 || c.face.is_some() || c.reference > 0.0);
+        if let Some(drives) = &mut self.drives {
+            let parted = std::mem::take(&mut drives.parted);
+            let is_new = |c: &BlockContact| c.other.partner_body().is_some_and(|k| parted.contains(&[c.block, k]));
+            found.iter_mut().filter(|c| is_new(c)).for_each(|c| c.reference = f64::INFINITY);
+        }
         // reactions may be added again before forces are computed: all but the other side's place and size stays
         remember(known, &mut found, key, |old, new| *new = BlockContact { place: new.place, radius: new.radius, ..*old });
         self.candidates = found;

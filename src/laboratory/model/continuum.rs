@@ -4,7 +4,7 @@ use super::{GrainSpec, WallSpec};
 use engine::coupling::{Rates, Rule};
 use engine::mpm::law::Law;
 use engine::mpm::{Points, Settings};
-use engine::rigid::Block;
+use engine::rigid::{Block, Joint, Programme};
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4};
 
 /// A continuum of material points on a background grid, the grains in it, and the test.
@@ -66,6 +66,10 @@ pub struct CoarseGrains {
     pub grains: Vec<GrainSpec>,
     /// The rigid bodies that are no spheres, at the start.
     pub blocks: Vec<Block>,
+    /// What is done to each of these bodies from outside.
+    pub programmes: Vec<Programme>,
+    /// The joints between them.
+    pub joints: Vec<Joint>,
     /// The walls of a free scene; grains and points touch them.
     pub walls: Vec<WallSpec>,
     /// For each law of the continuum, in its order: the material whose contact parameters its points have.

@@ -33,8 +33,8 @@ fn generation(blocks: &Blocks, k: usize) -> Option<u64> {
     blocks.breaking().map(|breaking| u64::from(breaking.bodies[k].generation))
 }
 
-/// A row of [`TRACKS`] for each body at step `step` and time `time`, s.
-pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> {
+/// A row of [`TRACKS`] for each body at step `step` and time `time`, s, under `gravity`, m/s².
+pub fn rows(blocks: &Blocks, gravity: [f64; 3], step: u64, time: f64) -> impl Iterator<Item = Row> {
     blocks.blocks.iter().enumerate().map(move |(k, b)| {
         let ([x, y, z], [u, v, w], [p, q, r], [a, i, j, l]) = (b.centre, b.velocity, b.spin(), b.turn);
         let mut row: Row = vec![("step", step.into()), ("time_s", time.into()), ("block", k.into())];
@@ -63,6 +63,15 @@ pub fn rows(blocks: &Blocks, step: u64, time: f64) -> impl Iterator<Item = Row> 
         ];
         for (names, force) in NAMES.into_iter().zip(blocks.forces(k)) {
             row.extend(names.into_iter().zip(force.map(Into::into)));
+        }
+        if let Some(drives) = blocks.drives() {
+            let work = blocks.drive(k).map_or(0.0, |drive| drive.of_push + drive.of_hold);
+            if !drives.joints.is_empty() {
+                row.extend(["joints_x_N", "joints_y_N", "joints_z_N"].into_iter().zip(blocks.joint_force(k).map(Into::into)));
+            }
+            let outer = blocks.outer_force(k, gravity, time);
+            row.extend(["outer_x_N", "outer_y_N", "outer_z_N"].into_iter().zip(outer.map(Into::into)));
+            row.push(("outer_work_J", work.into()));
         }
         row.push(("kinetic_J", b.kinetic().into()));
         row

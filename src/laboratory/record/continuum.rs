@@ -158,6 +158,9 @@ impl Recorder {
             ("stress_work_J", m.stress_work.into()),
             ("platen_work_J", m.plate_work.into()),
             ("contact_J", m.stored.into()),
+        ]);
+        row.extend(m.driven_work.map(|work| ("driven_work_J", work.into())));
+        row.extend([
             ("dissipated_J", m.dissipated.into()),
             ("dissipated_share", m.dissipated_share().into()),
             ("momentum_x_kg_m_s", px.into()),

@@ -44,6 +44,7 @@ pub const SHEETS: &[Sheet] = &[
     Sheet { files: "contacts_*.csv", of: "oedometer, triaxial, isotropic, assembly, mixture", columns: CONTACTS },
     Sheet { files: "tracks.csv", of: "assembly", columns: TRACKS },
     Sheet { files: "blocks.csv", of: "mixture", columns: BLOCKS },
+    Sheet { files: "joints.csv", of: "mixture", columns: JOINTS },
     Sheet { files: "block_surfaces.csv", of: "mixture", columns: BLOCK_SURFACES },
     Sheet { files: "block_breakage.csv", of: "mixture", columns: BLOCK_BREAKAGE },
     Sheet { files: "walls.csv", of: "mixture", columns: WALLS },
@@ -233,6 +234,11 @@ const CONTINUUM_HISTORY: &[Column] = &[
     column("stress_work_J", "J", "work of the stresses in the points"),
     column("platen_work_J", "J", "work that the platens have done"),
     column("contact_J", "J", "energy in the platens' contacts since the start"),
+    column(
+        "driven_work_J",
+        "J",
+        "mixture with rigid bodies that are driven, pushed, held or joined: work of all that drives, holds and pushes bodies",
+    ),
     column(
         "dissipated_J",
         "J",
@@ -468,7 +474,41 @@ const BLOCKS: &[Column] = &[
     column("blocks_x_N", "N", "force of other rigid bodies on it"),
     column("blocks_y_N", "N", "the same"),
     column("blocks_z_N", "N", "the same"),
+    column("joints_x_N", "N", "where bodies are joined: force of joints on it"),
+    column("joints_y_N", "N", "the same"),
+    column("joints_z_N", "N", "the same"),
+    column(
+        "outer_x_N",
+        "N",
+        "where bodies are driven, pushed, held or joined: force of what pushes it; where it is driven or held, of what does so, the opposite of all other forces, without what changes its velocity",
+    ),
+    column("outer_y_N", "N", "the same"),
+    column("outer_z_N", "N", "the same"),
+    column("outer_work_J", "J", "work of all that pushes, drives or holds it"),
     column("kinetic_J", "J", "its kinetic energy"),
+];
+
+const JOINTS: &[Column] = &[
+    column("step", "-", "steps of the continuum since the start"),
+    column("time_s", "s", "time"),
+    column("joint", "-", "number of the joint, from 0"),
+    column("first", "-", "number of the first body"),
+    column("second", "-", "number of the second body; -1 for the world"),
+    column("fx_N", "N", "force on the second where the joint sits; the first has the opposite"),
+    column("fy_N", "N", "the same"),
+    column("fz_N", "N", "the same"),
+    column("mx_N_m", "N m", "torque on the second besides that of this force; the first has the opposite"),
+    column("my_N_m", "N m", "the same"),
+    column("mz_N_m", "N m", "the same"),
+    column("tension_N", "N", "elastic force along the axis, tension positive"),
+    column("shear_N", "N", "elastic force across the axis"),
+    column("bending_N_m", "N m", "elastic moment of bending"),
+    column("twist_N_m", "N m", "elastic moment of twist"),
+    column("utilisation", "-", "larger of the stresses in tension and shear over their strengths; glue breaks at 1"),
+    column("broken_at_s", "s", "time at which it broke; -1 while it holds"),
+    column("elastic_J", "J", "elastic energy"),
+    column("viscous_J", "J", "work that its damping has taken"),
+    column("released_J", "J", "elastic energy that went with it when it broke"),
 ];
 
 const BLOCK_SURFACES: &[Column] = &[

@@ -15,6 +15,7 @@ pub(crate) mod cylinder;
 pub mod dictionary;
 pub(crate) mod gradations;
 pub(crate) mod grain_crushing;
+pub(crate) mod joints;
 pub(crate) mod quasi_static;
 pub mod specimen;
 pub(crate) mod vtk;

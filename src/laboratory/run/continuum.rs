@@ -15,7 +15,7 @@ use crate::record::continuum::{END, GRAINS_START, Recorder, START};
 use crate::record::crushed::Crushed;
 use crate::record::vtk::{self, Fact};
 use crate::record::walls::Loaded;
-use crate::record::{account, blocks, checkpoint, contacts, specimen, wall_rows};
+use crate::record::{account, blocks, checkpoint, contacts, joints, specimen, wall_rows};
 use crate::rig::continuum::{Engine, Growing, Grown, Phase, State, growing};
 use engine::boundary::WallShape;
 use engine::check::{self, Checked};
@@ -42,6 +42,8 @@ struct Progress {
     blocks: Table,
     /// Surfaces of rigid bodies, with those of the pieces of bodies that have broken.
     surfaces: Table,
+    /// What joints of rigid bodies bear; a run without joints has no such file.
+    joints: Table,
     /// Places of the walls and forces on them, where one of them moves.
     walls: Table,
     /// Rows of the energy account; a run that keeps none has no such file.
@@ -76,7 +78,8 @@ pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
     let mut state = State::start(model, rig)?;
     let engine = if rig.growth.is_some() { Engine::Cpu } else { used.engine(&mut state, model, rig)? };
     let (history, blocks, account) = (Table::new(files::HISTORY), Table::new(blocks::TRACKS), Table::new(account::ACCOUNT));
-    let (surfaces, walls) = (Table::new(blocks::SURFACES), Table::new(wall_rows::WALL_ROWS));
+    let (surfaces, joints) = (Table::new(blocks::SURFACES), Table::new(joints::JOINTS));
+    let walls = Table::new(wall_rows::WALL_ROWS);
     let (recorder, crushed, snapshots) = (Recorder::default(), Crushed::default(), Vec::new());
     let (growing, grown, [seconds, user_seconds, first_step]) = (None, None, [0.0; 3]);
     let progress = Progress {
@@ -88,6 +91,7 @@ pub fn begin(model: &Model, rig: &MpmTest, chosen: Chosen) -> Result<Begun> {
         history,
         blocks,
         surfaces,
+        joints,
         walls,
         account,
         crushed,
@@ -233,6 +237,7 @@ pub fn take_up(model: &Model, rig: &MpmTest, out: &Path, backend: Option<Backend
     progress.history.reopen(out, files::HISTORY)?;
     progress.blocks.reopen(out, blocks::TRACKS)?;
     progress.surfaces.reopen(out, blocks::SURFACES)?;
+    progress.joints.reopen(out, joints::JOINTS)?;
     progress.walls.reopen(out, wall_rows::WALL_ROWS)?;
     progress.account.reopen(out, account::ACCOUNT)?;
     progress.crushed.reopen(out)?;
@@ -315,6 +320,7 @@ impl Progress {
         self.history.check(out, files::HISTORY)?;
         self.blocks.check(out, blocks::TRACKS)?;
         self.surfaces.check(out, blocks::SURFACES)?;
+        self.joints.check(out, joints::JOINTS)?;
         self.walls.check(out, wall_rows::WALL_ROWS)?;
         self.account.check(out, account::ACCOUNT)?;
         self.used.check()?;
@@ -323,7 +329,8 @@ impl Progress {
 
     /// One [`State::advance`], with the records that are due. True when the run is done.
     fn advance(&mut self, model: &Model, rig: &MpmTest, engine: &mut Engine, out: &Path) -> Result<bool> {
-        let Progress { state, recorder, history, blocks, surfaces, walls, account, crushed, snapshots, first_step, .. } = self;
+        let Progress { state, recorder, history, blocks, surfaces, joints, walls, account, crushed, snapshots, first_step, .. } =
+            self;
         let mut recorded = false;
         let advanced = state.advance(model, rig, engine, |state, engine| {
             watch::slow_points(model, state, *first_step)?;
@@ -341,7 +348,10 @@ impl Progress {
                 }
                 watch::continuum(rig, state, recorder)?;
                 if let Some(theirs) = state.blocks() {
-                    blocks::rows(theirs, state.continuum.steps(), state.time).try_for_each(|row| blocks.push(out, &row))?;
+                    let (step, time) = (state.continuum.steps(), state.time);
+                    let mut tracks = blocks::rows(theirs, model.physics.gravity, step, time);
+                    tracks.try_for_each(|row| blocks.push(out, &row))?;
+                    joints::rows(theirs, step, time).iter().try_for_each(|row| joints.push(out, row))?;
                 }
                 if let Some((mixture, coarse)) =
                     state.mixture.as_ref().zip(rig.coarse.as_ref()).filter(|_| rig.specimen().is_none())
@@ -383,6 +393,7 @@ impl Progress {
     fn sync(&mut self, out: &Path) -> Result<()> {
         self.blocks.sync(out)?;
         self.surfaces.sync(out)?;
+        self.joints.sync(out)?;
         self.walls.sync(out)?;
         self.account.sync(out)?;
         self.crushed.sync(out)?;
@@ -564,6 +575,13 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
         if let Some(blocks) = &mixture.blocks {
             put("blocks", json!(blocks.blocks.len()));
             put("block_contacts", json!(blocks.touching().count()));
+            if let Some(drives) = blocks.drives() {
+                if !drives.joints.is_empty() {
+                    put("joints", json!(drives.joints.len()));
+                    put("joints_broken", json!(drives.joints.iter().filter(|joint| joint.broken.is_some()).count()));
+                }
+                put("driven_work_J", json!(blocks.given()));
+            }
         }
         if model.physics.crush.is_some() {
             put("crush_events", json!(mixture.crush_events()));

@@ -48,7 +48,7 @@ pub const FINES: &str = "fines.pvd";
 /// The only file of a run that failed before its test began: the reason, and the scene. The next run may use such a folder.
 pub const FAILED: &str = "failed.scene.toml";
 /// The files that a run leaves, besides its scene, snapshots and figures. Overwriting a run removes these and nothing else.
-const OURS: [&str; 27] = [
+const OURS: [&str; 30] = [
     FAILED,
     SPECIMEN,
     SUMMARY,
@@ -71,6 +71,9 @@ const OURS: [&str; 27] = [
     crate::record::continuum::END,
     crate::record::blocks::TRACKS,
     crate::record::blocks::SURFACES,
+    crate::record::joints::JOINTS,
+    crate::record::wall_rows::WALL_ROWS,
+    crate::record::block_breakages::BLOCK_BREAKAGE,
     BLOCKS,
     crate::record::account::ACCOUNT,
     checkpoint::FILE,

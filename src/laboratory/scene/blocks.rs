@@ -1,6 +1,7 @@
 //! Makes [`Block`]s from the rigid bodies of a mixture that are no spheres.
 
 use super::bodies::{number, vector};
+use super::driven::joined;
 use super::material::Named;
 use super::view::View;
 use crate::model::continuum::{CoarseGrains, MpmTest, Test};
@@ -165,8 +166,8 @@ impl View<'_> {
     /// A sheet of triangles in the frame of its file.
     fn mesh(&self, i: usize, rounding: f64) -> Option<Sheet> {
         let key = |name: &str| format!("block[{i}].{name}");
-        let driven = self.flag(&key("driven"));
-        self.check(driven, &key("driven"), "must be true: a mesh has no mass");
+        let driven = self.flag(&key("driven")) || self.follows_a_path(i);
+        self.check(driven, &key("driven"), "must be true: a mesh has no mass, so it is driven or follows a path");
         let numbers = self.numbers(&key("vertices_mm"));
         let list = self.get(&key("triangles")).and_then(Value::as_array).into_iter().flatten();
         let corners: Vec<u32> = list.filter_map(Value::as_integer).filter_map(|k| u32::try_from(k).ok()).collect();
@@ -219,9 +220,10 @@ impl View<'_> {
         let mm = |x: f64| format!("{:.4}", 1e3 * x);
         for (i, block) in coarse.blocks.iter().enumerate() {
             let (key, solid, pose) = (format!("block[{i}].position_mm"), block.solid(), block.pose(0.0));
+            let apart = |other: &(usize, &Block)| !joined(&coarse.joints, i, other.0);
             if let Some(sheet) = solid.sheet() {
                 self.sheet_has_room(&key, sheet, block, rig, coarse);
-                for (j, other) in coarse.blocks[..i].iter().enumerate() {
+                for (j, other) in coarse.blocks[..i].iter().enumerate().filter(apart) {
                     if let Some(message) = crowds(block, j, other) {
                         self.refuse(&key, message);
                     }
@@ -246,7 +248,7 @@ impl View<'_> {
                     format!("must not put the block through a wall: it reaches {} mm behind wall {k}", mm(deepest)),
                 );
             }
-            for (j, other) in coarse.blocks[..i].iter().enumerate() {
+            for (j, other) in coarse.blocks[..i].iter().enumerate().filter(apart) {
                 if let Some(message) = crowds(block, j, other) {
                     self.refuse(&key, message);
                 }

@@ -6,7 +6,7 @@ use super::memory;
 use crate::error::Result;
 use crate::machine::Pace;
 use crate::model::Model;
-use crate::model::continuum::{Fraction, Growth, MpmSpecimen, MpmTest, Test};
+use crate::model::continuum::{CoarseGrains, Fraction, Growth, MpmSpecimen, MpmTest, Test};
 use crate::model::inertial::{self, InertialNumbers};
 use crate::rig::continuum::{State, contact_rate};
 use engine::dem::physics::Physics;
@@ -162,7 +162,7 @@ pub fn estimate(model: &Model, rig: &MpmTest, pace: Option<Pace>) -> Estimate {
             without_breakages: model.physics.crush.is_some() && rig.specimen().is_none(),
             cells: rig.settings.cells,
             points_per_cell: rig.per_edge.pow(d as u32),
-            blocks: rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.in_words(&model.physics)).collect(),
+            blocks: rig.coarse.iter().flat_map(|c| (0..c.blocks.len()).map(|k| block_in_words(model, c, k))).collect(),
             inertial_numbers: inertial.map(|i| [Some(i.points), i.coarse]),
             device_mb: device.as_ref().ok().map(|(mb, _)| *mb),
             device_step: device.as_ref().ok().map(|(_, step)| *step),
@@ -308,4 +308,19 @@ fn largest_stress(rig: &MpmTest, s: &MpmSpecimen, law: &Law) -> f64 {
         (Test::Triaxial { cell_pressure, .. }, None) => cell_pressure + law.young() * s.axial_strain,
         _ => s.stress + law.under(s.stress).oedometric() * s.axial_strain,
     }
+}
+
+/// A line that describes body `k` for a reader, with what is done to it from outside and what joins it.
+fn block_in_words(model: &Model, coarse: &CoarseGrains, k: usize) -> String {
+    let joints = coarse.joints.iter().filter_map(|joint| {
+        let ends = (joint.bond.first as usize, joint.bond.second.map(|second| second as usize));
+        match ends {
+            (first, None) if first == k => Some(format!(", {} to the world", joint.bond.kind.name())),
+            (first, Some(second)) if first == k => Some(format!(", {} to block {second}", joint.bond.kind.name())),
+            (first, Some(second)) if second == k => Some(format!(", {} to block {first}", joint.bond.kind.name())),
+            _ => None,
+        }
+    });
+    let done = coarse.programmes[k].in_words();
+    [coarse.blocks[k].in_words(&model.physics), done].into_iter().chain(joints).collect()
 }

@@ -90,7 +90,7 @@ fn resolve(mut table: Table, path: &Path, at: &str, below: &mut Vec<PathBuf>) ->
     if let Some(Value::String(name)) = table.get_mut("grains_csv") {
         *name = beside(path, name).display().to_string();
     }
-    for (list, key) in [("body", "points_csv"), ("block", "mesh_file"), ("block_set", "outlines_csv")] {
+    for (list, key) in [("body", "points_csv"), ("block", "mesh_file"), ("block", "path_csv"), ("block_set", "outlines_csv")] {
         for entry in table.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten() {
             if let Some(Value::String(name)) = entry.get_mut(key) {
                 *name = beside(path, name).display().to_string();

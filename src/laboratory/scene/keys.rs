@@ -12,7 +12,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
 
 use Default::{Absent, ByKind, Is, Required};
-use Shape::{Choice, Flag, Indices, IndicesOr, Integer, Name, Number, NumberOr, Numbers, Points, Text};
+use Shape::{Choice, Flag, Indices, IndicesOr, Integer, Name, Number, NumberOr, Numbers, Points, Text, Words};
 
 const ANY: Range = Range::ANY;
 const POSITIVE: Range = Range::POSITIVE;
@@ -117,7 +117,7 @@ const OPTIONAL_TABLES: &[&str] = &[
 ];
 
 /// Names of the tables that are written as lists, one entry each (`[[grain]]`).
-pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate", "body", "block", "block.part", "block_set"];
+pub const LIST_TABLES: &[&str] = &["grain", "wall", "calibrate", "body", "block", "block.part", "block_set", "joint"];
 
 /// Pairs of keys of one table that exclude each other: where a file or an override sets one of a pair, the other one is removed
 /// from what it is laid over (the base of a file, the file under an override). Both stay where one file sets both; what uses them
@@ -355,6 +355,56 @@ const OWN: &[Key] = &[
         Is("false"),
         "true: it keeps its velocity and spin whatever presses on it; with both zero it stands fixed; needed for a mesh, which has no mass",
     ),
+    mixture(
+        "block.path_s",
+        Numbers(NOT_NEGATIVE, None),
+        Absent,
+        "times of the rows of a path that the block follows whatever presses on it, each later than the one before; between two rows it moves on a straight line at one speed, before the first and after the last it stands",
+    ),
+    mixture(
+        "block.path_mm",
+        Numbers(ANY, None),
+        Absent,
+        "path: x, y, z of the centre of mass at each time, one after the other; it begins at position_mm",
+    ),
+    mixture(
+        "block.path_deg",
+        Numbers(ANY, None),
+        Absent,
+        "path: angle at each time by which the block is turned about `path_axis` from how it stands at the start, more than a turn if need be; it begins with 0",
+    ),
+    mixture("block.path_axis", VECTOR, Absent, "path: axis of `path_deg` through the centre of mass; [0, 0, 1] if not written"),
+    mixture(
+        "block.path_csv",
+        Text,
+        Absent,
+        "path: a CSV file instead, with columns time_s, x_mm, y_mm, z_mm (or x_m, y_m, z_m) and, if it turns, angle_deg",
+    ),
+    mixture(
+        "block.force_N",
+        VECTOR,
+        Absent,
+        "force on the centre of mass, besides gravity and contacts; in plane strain per metre of depth",
+    ),
+    mixture("block.torque_N_m", VECTOR, Absent, "torque on the block, besides that of its contacts"),
+    mixture(
+        "block.stress_kPa",
+        VECTOR,
+        Absent,
+        "box that is not rotated at the start: stresses whose forces on its sides across x, y and z act on its centre of mass, each in the direction of its sign, besides force_N",
+    ),
+    mixture(
+        "block.ramp_s",
+        Number(NOT_NEGATIVE),
+        Absent,
+        "time in which force_N, torque_N_m and stress_kPa grow linearly from zero; 0 if not written",
+    ),
+    mixture(
+        "block.held",
+        Words(&["x", "y", "z", "rotation"]),
+        Absent,
+        "directions in which the block keeps the velocity that it starts with whatever acts on it, and \"rotation\", with which it keeps its spin: a footing that may not tilt is held in \"x\", \"y\" and \"rotation\"",
+    ),
     mixture("block.material", Text, Absent, "name of one of `materials`; needed when there are several"),
     mixture(
         "block.part.shape",
@@ -387,6 +437,57 @@ const OWN: &[Key] = &[
         Number(Range::closed(-180.0, 180.0)),
         Is("0.0"),
         "angle by which the part is rotated about `axis` in the frame of the compound",
+    ),
+    mixture(
+        "joint.kind",
+        Choice(&["glue", "hinge", "ball"]),
+        Required,
+        "an elastic joint between two blocks, or a block and the world: glue holds every turn, a hinge leaves that about its axis free, a ball joint all. Blocks that a joint holds do not touch each other; those whose glue has broken do",
+    ),
+    mixture(
+        "joint.blocks",
+        Indices,
+        Required,
+        "the two [[block]]s that are joined, by their numbers from 0; one number: that block and the world",
+    ),
+    mixture("joint.position_mm", VECTOR, Required, "where the joint sits at the start"),
+    mixture(
+        "joint.axis",
+        VECTOR,
+        Absent,
+        "glue: direction across the glued face; hinge: axis about which it turns (in plane strain [0, 0, 1])",
+    ),
+    mixture(
+        "joint.radius_mm",
+        Number(POSITIVE),
+        Required,
+        "radius of the disc of cement, or of the pin; in plane strain half width of the strip",
+    ),
+    mixture(
+        "joint.thickness_mm",
+        Number(POSITIVE),
+        Required,
+        "thickness t of the cement: it resists with E A/t, G A/t, E I/t and G J/t (Potyondy & Cundall 2004), a pin with E A/t in every direction",
+    ),
+    mixture("joint.E_MPa", Number(POSITIVE), Required, "Young's modulus of the cement"),
+    mixture("joint.nu", Number(Range::below(0.0, 0.5)), Is("0.25"), "Poisson's ratio of the cement"),
+    mixture(
+        "joint.damping",
+        Number(Range::closed(0.0, 1.0)),
+        Is("0.0"),
+        "damping of the joint over critical damping of its own vibrations",
+    ),
+    mixture(
+        "joint.tension_MPa",
+        Number(POSITIVE),
+        Absent,
+        "glue: stress N/A + M R/I at which it breaks for good; never if not written",
+    ),
+    mixture(
+        "joint.shear_MPa",
+        Number(POSITIVE),
+        Absent,
+        "glue: stress V/A + T R/J at which it breaks for good (in plane strain V/A); never if not written",
     ),
     mixture(
         "block_set.shape",

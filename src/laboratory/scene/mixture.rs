@@ -45,7 +45,11 @@ impl View<'_> {
         let test = self.text("test.rig") != "free";
         let mut grains = if self.list("grain").is_empty() { Vec::new() } else { self.grains(named)? };
         let walls = self.walls(named, &grains);
-        let blocks = self.blocks(named, materials)?;
+        let mut blocks = self.blocks(named, materials)?;
+        let programmes = self.programmes(&mut blocks)?;
+        let joints = self.joints(&blocks)?;
+        let free = self.text("test.rig") == "free";
+        self.check(free || joints.is_empty(), "joint", "has no meaning in a test: joints are for test.rig = \"free\"");
         let mut growth = None;
         let mut unplaced = 0;
         let sizes = grains.iter().map(|g| 2.0 * g.radius).chain(blocks.iter().map(|b| 2.0 * b.radius));
@@ -109,7 +113,7 @@ impl View<'_> {
             "contact.point_radius_mm",
             "has no meaning without both points and a [[block]]",
         );
-        let coarse = CoarseGrains { grains, blocks, walls, point_materials, rates, fines, faces, point_radius };
+        let coarse = CoarseGrains { grains, blocks, programmes, joints, walls, point_materials, rates, fines, faces, point_radius };
         self.blocks_have_room(&rig, &coarse);
         self.grains_have_room(&rig, &coarse.grains);
         rig.coarse = Some(coarse);

@@ -14,6 +14,7 @@ mod continuum_estimate;
 mod continuum_rig;
 mod crushing;
 mod crushing_estimate;
+mod driven;
 mod duration;
 pub(crate) mod estimate;
 mod files;
@@ -144,6 +145,7 @@ fn complete(path: &Path, mut layer: Layer, sets: &[String]) -> Result<Scene> {
     point_cloud::points(&mut layer)?;
     mesh_file::meshes(&mut layer)?;
     outline_file::outlines(&mut layer)?;
+    driven::paths(&mut layer)?;
     validate::validate(&mut layer)?;
     material::fill_d50(&mut layer.table);
     crushing::fill(&mut layer.table);

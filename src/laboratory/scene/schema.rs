@@ -117,6 +117,8 @@ pub enum Shape {
     Indices,
     /// A list of whole numbers from 0, or this word.
     IndicesOr(&'static str),
+    /// A list of some of these words.
+    Words(&'static [&'static str]),
 }
 
 /// What stands in for a key that is not written.
@@ -226,6 +228,7 @@ impl Shape {
             (Shape::Points, v) => points(v),
             (Shape::Indices, v) => indices(v).ok_or("must be a list of whole numbers from 0".into()),
             (Shape::IndicesOr(word), Value::String(s)) if s == *word => Ok(Value::String(s)),
+            (Shape::Words(words), v) => listed(words, v),
             (Shape::IndicesOr(word), v) => indices(v).ok_or(format!("must be a list of grain numbers from 0, or \"{word}\"")),
         }
     }
@@ -245,6 +248,7 @@ impl Shape {
             Shape::Numbers(r, None) => ranged("list of numbers", r).trim_end().into(),
             Shape::Points => "list of [number, number]".into(),
             Shape::Indices => "list of whole numbers from 0".into(),
+            Shape::Words(words) => format!("list of {}", words.join(", ")),
             Shape::IndicesOr(word) => format!("list of grain numbers, or \"{word}\""),
         }
     }
@@ -324,6 +328,15 @@ fn indices(value: Value) -> Option<Value> {
     list.iter().all(whole).then_some(Value::Array(list))
 }
 
+fn listed(words: &[&str], value: Value) -> Result<Value, String> {
+    let wanted = || format!("must be a list of some of \"{}\"", words.join("\", \""));
+    let Value::Array(list) = value else { return Err(wanted()) };
+    match list.iter().find(|word| !word.as_str().is_some_and(|word| words.contains(&word))) {
+        Some(_) => Err(wanted()),
+        None => Ok(Value::Array(list)),
+    }
+}
+
 fn names_a_folder(s: &str) -> bool {
     let plain = |c: char| c.is_alphanumeric() || "-_.+".contains(c);
     !s.is_empty() && s.len() <= 100 && !s.starts_with('.') && s.chars().all(plain)
@@ -382,6 +395,17 @@ mod tests {
         assert!(message.unwrap_err().contains("entry 3"));
         let message = Shape::Points.accept(parse_literal("[[1, 2], [3]]").unwrap());
         assert!(message.unwrap_err().contains("entry 2"));
+    }
+
+    #[test]
+    fn words_are_those_of_the_list() {
+        let shape = Shape::Words(&["x", "rotation"]);
+        let given = parse_literal("[\"rotation\", \"x\"]").unwrap();
+        assert_eq!(shape.accept(given.clone()), Ok(given));
+        for bad in ["[\"tilt\"]", "[1]", "\"x\""] {
+            let message = shape.accept(parse_literal(bad).unwrap()).unwrap_err();
+            assert!(message.contains("a list of some of \"x\", \"rotation\""), "{message}");
+        }
     }
 
     #[test]

@@ -11,8 +11,9 @@ use toml::{Table, Value};
 /// Mistakes that are told; of the others it is only said that there are some.
 pub const TOLD: usize = 50;
 /// Most entries of each list of tables.
-const ENTRIES: [(&str, usize); 7] = [
+const ENTRIES: [(&str, usize); 8] = [
     ("block_set", 20),
+    ("joint", 3000),
     ("grain", 150_000),
     ("wall", 1000),
     ("body", 1000),

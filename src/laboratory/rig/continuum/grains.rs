@@ -56,7 +56,9 @@ pub fn mixture(model: &Model, rig: &MpmTest, coarse: &CoarseGrains, continuum: &
     };
     let mut mixture = Mixture::new(&model.physics, assembly::start(model, &scene), continuum, coarse.fines);
     if !coarse.blocks.is_empty() {
-        let blocks = Blocks::new(coarse.blocks.clone()).with_points(coarse.point_radius, first_touch(model, rig, coarse));
+        let blocks = Blocks::new(coarse.blocks.clone())
+            .with_points(coarse.point_radius, first_touch(model, rig, coarse))
+            .with_drives(coarse.programmes.clone(), coarse.joints.clone());
         mixture.blocks = Some(Box::new(match &model.physics.crush {
             Some(crush) => blocks.with_breakage(crush),
             None => blocks,

@@ -77,6 +77,8 @@ pub struct Moment {
     pub stress_work: f64,
     /// Work of loading plates and walls.
     pub plate_work: f64,
+    /// Work of what drives, holds and pushes rigid bodies; `None`: nothing does, or only holds some where they are.
+    pub driven_work: Option<f64>,
     /// Change since the start of the elastic energy in the contacts of loading plates and grains.
     pub stored: f64,
     /// Energy given by loading plates, gravity, motion at the start and released overlaps, less the present kinetic energy,
@@ -271,7 +273,9 @@ impl State {
             }
         });
         let released = grains.and_then(|g| g.fines).map_or(0.0, |f| f.released);
-        let given = plate_work + fallen + kinetic + released;
+        let driven_work = self.driven_work();
+        let driven = driven_work.unwrap_or(0.0);
+        let given = plate_work + fallen + kinetic + released + driven;
         let volume = totals.volume.max(f64::MIN_POSITIVE);
         Moment {
             grains,
@@ -280,12 +284,18 @@ impl State {
             along_z: along_z / volume,
             stress_work: c.stress_work(),
             plate_work,
+            driven_work,
             stored,
             dissipated: given - now[0] - c.stress_work() - stored,
-            scale: plate_work.abs() + fallen.abs() + kinetic + released + c.stress_work().abs(),
+            scale: plate_work.abs() + fallen.abs() + kinetic + released + c.stress_work().abs() + driven.abs(),
             totals,
             ..Moment::default()
         }
+    }
+
+    /// Work of what drives, holds and pushes rigid bodies, J.
+    fn driven_work(&self) -> Option<f64> {
+        self.mixture.as_ref()?.blocks.as_ref()?.given()
     }
 
     /// Kinetic energy of points and grains, the largest that it can be, and the sum of the magnitudes from which that follows, J. It can be all energy that
@@ -304,7 +314,16 @@ impl State {
         let walls = self.mixture.iter().flat_map(|m| &m.grains.walls).map(|w| w.work);
         let ledger = self.mixture.iter().map(|m| &m.grains.ledger).flat_map(|l| [l.growth, l.inertia, l.release]);
         let released = self.mixture.iter().filter_map(|m| m.fines.as_ref()).map(|f| f.released);
-        let given = self.plates.iter().map(|p| p.work).chain(walls).chain(ledger).chain(released).map(|w| w.max(0.0)).sum::<f64>();
+        let given = self
+            .plates
+            .iter()
+            .map(|p| p.work)
+            .chain(walls)
+            .chain(ledger)
+            .chain(released)
+            .chain(self.driven_work())
+            .map(|w| w.max(0.0))
+            .sum::<f64>();
         let fallen = potential - totals.potential - coarse[1];
         let own = kinetic + stored.max(0.0) + elastic + given;
         Some([totals.kinetic + coarse[0], own + fallen, own + fallen.abs()])
