@@ -100,7 +100,7 @@ fn push_apart(all: &mut Blocks, inside: [[f64; 3]; 2], axes: usize, rounds: u32,
 
 #[cfg(test)]
 mod tests {
-    use super::super::shapes::Shapes;
+    use super::super::shapes::{Form, Shapes};
     use super::*;
     use rand::SeedableRng;
 
@@ -109,9 +109,7 @@ mod tests {
         let shapes = Shapes {
             flat,
             diameter: [0.8, 1.2],
-            corners: if flat { [5, 5] } else { [10, 14] },
-            elongation: [1.0, 1.3],
-            flatness: [1.0, 1.2],
+            form: Form::Random { corners: if flat { [5, 5] } else { [10, 14] }, elongation: [1.0, 1.3], flatness: [1.0, 1.2] },
             rounding: 0.05,
         };
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
