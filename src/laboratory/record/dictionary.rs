@@ -750,12 +750,18 @@ mod tests {
         for sheet in SHEETS {
             for (i, c) in sheet.columns.iter().enumerate() {
                 assert!(sheet.columns[..i].iter().all(|other| other.name != c.name), "{} of {}", c.name, sheet.files);
-                for (suffix, unit) in
-                    [("_kPa", "kPa"), ("_MPa", "MPa"), ("_mm", "mm"), ("_J", "J"), ("_N", "N"), ("_kg", "kg"), ("_m", "m")]
-                {
-                    if c.name.ends_with(suffix) {
-                        assert_eq!(c.unit, unit, "{} of {}", c.name, sheet.files);
-                    }
+                let units = [
+                    ("_kPa", "kPa"),
+                    ("_MPa", "MPa"),
+                    ("_mm", "mm"),
+                    ("_J", "J"),
+                    ("_N", "N"),
+                    ("_kg", "kg"),
+                    ("_N_m", "N m"),
+                    ("_m", "m"),
+                ];
+                if let Some((_, unit)) = units.iter().find(|(suffix, _)| c.name.ends_with(suffix)) {
+                    assert_eq!(c.unit, *unit, "{} of {}", c.name, sheet.files);
                 }
             }
         }

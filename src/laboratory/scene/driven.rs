@@ -1,8 +1,8 @@
 //! What is done to rigid bodies from outside: keys of `[[block]]` that move, push and hold a body, and `[[joint]]`, which joins two of them or one to the world.
 
 use super::bodies::{number, vector};
-use super::files::{bounded_columns, read_text};
 use super::layers::Layer;
+use super::number_file::Format;
 use super::view::View;
 use crate::error::{Error, Result};
 use engine::math::vector::{dot, scaled};
@@ -238,15 +238,17 @@ pub fn joined(joints: &[Joint], i: usize, j: usize) -> bool {
     joints.iter().map(pair).any(|ends| ends == (i, Some(j)) || ends == (j, Some(i)))
 }
 
+/// Most rows of a path in a file: as many as a scene can list.
+const MOST: usize = super::files::MOST_VALUES / 5;
 /// Columns of a path, the key that each becomes with its place there, and what takes it into the unit of that key.
 const COLUMNS: [(&str, usize, f64); 8] = [
     ("time_s", 0, 1.0),
-    ("x_m", 1, 1e3),
-    ("y_m", 2, 1e3),
-    ("z_m", 3, 1e3),
     ("x_mm", 1, 1.0),
     ("y_mm", 2, 1.0),
     ("z_mm", 3, 1.0),
+    ("x_m", 1, 1e3),
+    ("y_m", 2, 1e3),
+    ("z_m", 3, 1e3),
     ("angle_deg", 4, 1.0),
 ];
 
@@ -277,43 +279,9 @@ pub fn paths(layer: &mut Layer) -> Result<()> {
 
 /// Times, s, places, mm, one after the other, and angles, degrees, of the file `path`; no angles where it has none.
 fn read(path: &FilePath) -> Result<[Vec<f64>; 3]> {
-    let text = read_text(path)?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-    let wrong = |key: &str, message: String| Error::input(path.display(), key, None, message);
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let broken = |e: csv::Error| wrong("", e.to_string());
-    let header = reader.headers().map_err(broken)?;
-    bounded_columns(path, header.len())?;
-    let header: Vec<String> = header.iter().map(String::from).collect();
-    let mut places: [Option<(usize, f64)>; 5] = [None; 5];
-    for (column, name) in header.iter().enumerate() {
-        let Some((_, what, times)) = COLUMNS.iter().find(|c| c.0 == name) else {
-            let message = "unknown column; there must be time_s, x_mm, y_mm, z_mm (or _m), and may be angle_deg";
-            return Err(wrong(name, message.into()));
-        };
-        if places[*what].replace((column, *times)).is_some() {
-            return Err(wrong(name, "this quantity has two columns".into()));
-        }
-    }
-    if let Some(missing) = (0..4).find(|&a| places[a].is_none()) {
-        return Err(wrong("", format!("has no column {}", ["time_s", "x_mm", "y_mm", "z_mm"][missing])));
-    }
-    let mut lists: [Vec<f64>; 3] = Default::default();
-    for record in reader.records() {
-        let record = record.map_err(broken)?;
-        for (what, place) in places.iter().enumerate() {
-            let Some((column, times)) = *place else { continue };
-            let cell = record.get(column).unwrap_or("");
-            let Some(value) = cell.parse::<f64>().ok().filter(|x| x.is_finite()) else {
-                let line = record.position().map_or(0, csv::Position::line);
-                let place = format!("{} line {line}", path.display());
-                return Err(Error::input(place, header[column].as_str(), Some(cell.into()), "must be a finite number"));
-            };
-            lists[[0, 1, 1, 1, 2][what]].push(value * times);
-        }
-    }
-    if lists[0].is_empty() {
-        return Err(wrong("", "holds no rows below its header".into()));
-    }
-    Ok(lists)
+    let words = "time_s, x_mm, y_mm, z_mm (or _m), and may be angle_deg";
+    let table = Format::<5> { columns: &COLUMNS, needed: 4, positive: 5, label: "", rows: "rows", words, most: MOST }.read(path)?;
+    let of = |what: usize| table.rows.iter().map(|row| row.numbers[what]).collect();
+    let places = table.rows.iter().flat_map(|row| [row.numbers[1], row.numbers[2], row.numbers[3]]).collect();
+    Ok([of(0), places, if table.has[4] { of(4) } else { Vec::new() }])
 }

@@ -27,6 +27,7 @@ pub(crate) mod material;
 mod memory;
 mod mesh_file;
 mod mixture;
+mod number_file;
 mod outline_file;
 mod output;
 mod overrides;

@@ -1,7 +1,7 @@
 //! Material points from a CSV file: `x_m,y_m,z_m` (or `_mm`) and an optional `volume_m3` (or `_mm3`); lines that begin with `#` are comments.
 
-use super::files::{bounded_columns, read_text};
 use super::layers::Layer;
+use super::number_file::Format;
 use crate::error::{Error, Result};
 use std::path::Path;
 use toml::Value;
@@ -45,52 +45,12 @@ fn list(values: Vec<f64>) -> Value {
     Value::Array(values.into_iter().map(Value::Float).collect())
 }
 
+/// Positions, m, one after the other, and volumes, m³; no volumes where the file has none.
 fn read(path: &Path) -> Result<(Vec<f64>, Vec<f64>)> {
-    let text = read_text(path)?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-    let wrong = |key: &str, value: Option<String>, message: String| Error::input(path.display(), key, value, message);
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let broken = |e: csv::Error| wrong("", None, e.to_string());
-    let header = reader.headers().map_err(broken)?;
-    bounded_columns(path, header.len())?;
-    let header: Vec<String> = header.iter().map(String::from).collect();
-    let mut places: [Option<(usize, f64)>; 4] = [None; 4];
-    for (column, name) in header.iter().enumerate() {
-        let Some((_, what, si)) = COLUMNS.iter().find(|c| c.0 == name) else {
-            return Err(wrong(
-                name,
-                None,
-                "unknown column; there must be x_m, y_m, z_m (or _mm), and may be volume_m3 (or _mm3)".into(),
-            ));
-        };
-        if places[*what].replace((column, *si)).is_some() {
-            return Err(wrong(name, None, "this quantity has two columns".into()));
-        }
-    }
-    if let Some(missing) = (0..3).find(|&a| places[a].is_none()) {
-        return Err(wrong("", None, format!("has no column {}_m (or _mm)", ["x", "y", "z"][missing])));
-    }
-    let (mut positions, mut volumes) = (Vec::new(), Vec::new());
-    for record in reader.records() {
-        let record = record.map_err(broken)?;
-        if positions.len() == 3 * MOST {
-            return Err(wrong("", None, format!("must hold at most {MOST} points")));
-        }
-        for (what, place) in places.iter().enumerate() {
-            let Some((column, si)) = *place else { continue };
-            let cell = record.get(column).unwrap_or("");
-            let value = cell.parse::<f64>().ok().filter(|x| x.is_finite() && (what < 3 || *x > 0.0));
-            let Some(value) = value else {
-                let line = record.position().map_or(0, csv::Position::line);
-                let allowed = if what < 3 { "must be a finite number" } else { "must be a number > 0" };
-                let place = format!("{} line {line}", path.display());
-                return Err(Error::input(place, header[column].as_str(), Some(cell.into()), allowed));
-            };
-            if what < 3 { positions.push(value * si) } else { volumes.push(value * si) }
-        }
-    }
-    if positions.is_empty() {
-        return Err(wrong("", None, "holds no points below its header".into()));
-    }
+    let words = "x_m, y_m, z_m (or _mm), and may be volume_m3 (or _mm3)";
+    let table =
+        Format::<4> { columns: &COLUMNS, needed: 3, positive: 3, label: "", rows: "points", words, most: MOST }.read(path)?;
+    let positions = table.rows.iter().flat_map(|row| [row.numbers[0], row.numbers[1], row.numbers[2]]).collect();
+    let volumes = if table.has[3] { table.rows.iter().map(|row| row.numbers[3]).collect() } else { Vec::new() };
     Ok((positions, volumes))
 }
