@@ -71,6 +71,7 @@ fn rocks_fall_on_each_other_and_resume_to_the_byte() {
     run(&whole, &[]).success();
     let s = summary(&whole);
     assert_eq!((s["blocks"].as_u64(), s["points"].as_u64(), s["grains"].as_u64()), (Some(3), Some(0), Some(1)), "{s}");
+    assert!(["bytes_per_point", "point_steps_per_second"].iter().all(|key| s.get(key).is_none()), "{s}");
     run(&parts, &["--stop-after", &(number(&s, "steps") as u64 / 2).to_string()]).code(130);
     comminute("resume").arg(&parts).args(["--threads", "2", "--quiet"]).assert().success();
     let bytes = |out: &Path, name: &str| std::fs::read(out.join(name)).expect("a file");

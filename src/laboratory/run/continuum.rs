@@ -621,8 +621,10 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
     }
     put("wall_seconds", json!(progress.seconds));
     put("user_seconds", json!(progress.user_seconds));
-    put("point_steps_per_second", json!(steps as f64 * points as f64 / progress.seconds.max(1e-9)));
-    put("bytes_per_point", json!(engine.bytes(state) as f64 / points.max(1) as f64));
+    if points > 0 {
+        put("point_steps_per_second", json!(steps as f64 * points as f64 / progress.seconds.max(1e-9)));
+        put("bytes_per_point", json!(engine.bytes(state) as f64 / points as f64));
+    }
     put("backend", json!(progress.used.names.join(", then ")));
     if let Some(why) = &progress.used.why {
         put("backend_reason", json!(why));
