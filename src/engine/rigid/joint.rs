@@ -106,6 +106,17 @@ pub struct Bond {
     strength: [f64; 2],
 }
 
+impl Bond {
+    /// What it joins body `body` to: another one, or the world (`Some(None)`); `None` if the body is not at its ends.
+    pub fn partner(&self, body: u32) -> Option<Option<u32>> {
+        match (self.first == body, self.second == Some(body)) {
+            (true, _) => Some(self.second),
+            (false, true) => Some(Some(self.first)),
+            (false, false) => None,
+        }
+    }
+}
+
 /// What a joint does at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pull {

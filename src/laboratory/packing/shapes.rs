@@ -32,8 +32,49 @@ pub enum Form {
         /// Intermediate over shortest axis of the ellipsoid.
         flatness: [f64; 2],
     },
-    /// One of these outlines, with equal probability: the hull of its points, in any unit.
+    /// One of these outlines, with equal probability: the hull of its points, about their middle, in the unit of the radius of the sphere or disc of its volume or area.
     Listed(Vec<Vec<[f64; 3]>>),
+}
+
+impl Form {
+    /// Outlines in any unit, at any place. `flat`: in plane strain.
+    ///
+    /// # Errors
+    /// An outline that is no body: its number, and what is wrong with it.
+    pub fn listed(outlines: &[Vec<[f64; 3]>], flat: bool) -> Result<Form, (usize, &'static str)> {
+        let units = outlines.iter().enumerate().map(|(k, outline)| unit(outline, flat).map_err(|wrong| (k, wrong)));
+        Ok(Form::Listed(units.collect::<Result<_, _>>()?))
+    }
+}
+
+/// The points of an outline as in [`Form::Listed`].
+fn unit(outline: &[[f64; 3]], flat: bool) -> Result<Vec<[f64; 3]>, &'static str> {
+    if flat && outline.iter().any(|p| p[2] != 0.0) {
+        return Err("has corners out of the plane");
+    }
+    let middle: [f64; 3] = std::array::from_fn(|a| {
+        let (low, high) = outline.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[a]), h.max(p[a])));
+        0.5 * (low + high)
+    });
+    let about: Vec<[f64; 3]> = outline.iter().map(|p| less(*p, middle)).collect();
+    let most = about.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let nothing = if flat { "has no area" } else { "has no volume" };
+    if most == 0.0 {
+        return Err(nothing);
+    }
+    let near: Vec<[f64; 3]> = about.iter().map(|p| p.map(|x| x / most)).collect();
+    let radius = rounded(&near, 0.0, flat).map_err(|_| nothing)?.radius();
+    Ok(near.iter().map(|p| p.map(|x| x / radius)).collect())
+}
+
+/// The hull of points, m, with a sphere or disc of a radius, m, swept over it.
+fn rounded(points: &[[f64; 3]], rounding: f64, flat: bool) -> Result<Shape, String> {
+    if flat {
+        let corners: Vec<[f64; 2]> = points.iter().map(|&[x, y, _]| [x, y]).collect();
+        Ok(Shape::Polygon(Polygon::of(&convex_ring(&corners), rounding)?.0))
+    } else {
+        Ok(Shape::Polyhedron(Polyhedron::hull(points, rounding)?.polyhedron))
+    }
 }
 
 /// Part of the mean angle between two corners by which each is at most away from its place among corners at equal angles.
@@ -47,7 +88,7 @@ impl Shapes {
     /// Draws a shape.
     ///
     /// # Errors
-    /// A rounding so large that nothing is left within it; an outline without area or volume.
+    /// A rounding so large that nothing is left within it.
     pub fn draw(&self, rng: &mut ChaCha8Rng) -> Result<Shape, String> {
         let mut between = |[low, high]: [f64; 2]| low + (high - low) * rng.random::<f64>();
         let diameter = between(self.diameter);
@@ -58,7 +99,7 @@ impl Shapes {
                 let unit = if self.flat { ring(corners, rng) } else { shell(corners, rng) };
                 unit.iter().map(|p| std::array::from_fn(|a| axes[a] * p[a])).collect()
             }
-            Form::Listed(outlines) => self.unit(&outlines[rng.random_range(0..outlines.len())])?,
+            Form::Listed(outlines) => outlines[rng.random_range(0..outlines.len())].clone(),
         };
         let mut size = 0.5 * diameter;
         let mut shape = self.of(&points, size, diameter)?;
@@ -71,31 +112,9 @@ impl Shapes {
         Ok(shape)
     }
 
-    /// The points of an outline about their middle, in the unit of the radius of the sphere or disc of its volume or area.
-    fn unit(&self, outline: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, String> {
-        let middle: [f64; 3] = std::array::from_fn(|a| {
-            let (low, high) = outline.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[a]), h.max(p[a])));
-            0.5 * (low + high)
-        });
-        let about: Vec<[f64; 3]> = outline.iter().map(|p| less(*p, middle)).collect();
-        let most = about.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
-        if most == 0.0 {
-            return Err("have no size: all points are one".into());
-        }
-        let near: Vec<[f64; 3]> = about.iter().map(|p| p.map(|x| x / most)).collect();
-        let sharp = Shapes { rounding: 0.0, ..self.clone() }.of(&near, 1.0, 1.0)?;
-        Ok(near.iter().map(|p| p.map(|x| x / sharp.radius())).collect())
-    }
-
     fn of(&self, points: &[[f64; 3]], size: f64, diameter: f64) -> Result<Shape, String> {
-        let rounding = self.rounding * diameter;
-        let points = points.iter().map(|p| p.map(|x| size * x));
-        if self.flat {
-            let corners: Vec<[f64; 2]> = points.map(|[x, y, _]| [x, y]).collect();
-            Ok(Shape::Polygon(Polygon::of(&convex_ring(&corners), rounding)?.0))
-        } else {
-            Ok(Shape::Polyhedron(Polyhedron::hull(&points.collect::<Vec<_>>(), rounding)?.polyhedron))
-        }
+        let points: Vec<[f64; 3]> = points.iter().map(|p| p.map(|x| size * x)).collect();
+        rounded(&points, self.rounding * diameter, self.flat)
     }
 }
 
@@ -199,7 +218,8 @@ mod tests {
         let cube: Vec<[f64; 3]> = (0..8).map(|k| std::array::from_fn(|a| f64::from(k >> a & 1))).collect();
         let tetrahedron = vec![[0.0; 3], [1e3, 0.0, 0.0], [0.0, 1e3, 0.0], [0.0, 0.0, 1e3]];
         for (flat, outlines, counts) in [(true, vec![square, ell], [4, 5]), (false, vec![cube, tetrahedron], [8, 4])] {
-            let shapes = Shapes { flat, diameter: [0.02, 0.02], form: Form::Listed(outlines), rounding: 0.05 };
+            let form = Form::listed(&outlines, flat).expect("bodies");
+            let shapes = Shapes { flat, diameter: [0.02, 0.02], form, rounding: 0.05 };
             let mut rng = ChaCha8Rng::seed_from_u64(5);
             let mut seen = [0; 2];
             for _ in 0..200 {
@@ -210,9 +230,9 @@ mod tests {
             }
             assert!(seen.iter().all(|n| *n > 70), "{seen:?}");
         }
-        let line =
-            Shapes { flat: true, diameter: [1.0; 2], form: Form::Listed(vec![vec![[0.0; 3], [1.0, 0.0, 0.0]]]), rounding: 0.1 };
-        assert!(line.draw(&mut ChaCha8Rng::seed_from_u64(1)).is_err());
+        let line = vec![[0.0; 3], [1.0, 0.0, 0.0]];
+        assert_eq!(Form::listed(&[line], true), Err((0, "has no area")));
+        assert_eq!(Form::listed(&[vec![[2.0; 3]; 5]], false), Err((0, "has no volume")));
     }
 
     #[test]

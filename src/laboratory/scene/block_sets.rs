@@ -8,7 +8,6 @@ use crate::packing::shapes::{Form, Shapes};
 use engine::material::Material;
 use engine::mpm::Points;
 use engine::rigid::Block;
-use engine::shape::{Polyhedron, convex_ring};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use toml::{Table, Value};
@@ -46,7 +45,7 @@ impl View<'_> {
             ] {
                 self.check(unused, &at(key), "has no meaning beside outlines, which have corners and shapes of their own");
             }
-            Form::Listed(self.outlines(&at, flat)?)
+            self.outlines(&at, flat)?
         } else if table.contains_key("corners") {
             let (corners, fewest) = (range("corners")?, if flat { 3.0 } else { 4.0 });
             self.check(
@@ -101,11 +100,9 @@ impl View<'_> {
             }
         }
     }
-}
 
-impl View<'_> {
-    /// The outlines of a set, each with a hull that has an area or a volume; `None`, with the reason noted, where they are refused.
-    fn outlines(&self, at: &impl Fn(&str) -> String, flat: bool) -> Option<Vec<Vec<[f64; 3]>>> {
+    /// The outlines of a set; `None`, with the reason noted, where they are refused.
+    fn outlines(&self, at: &impl Fn(&str) -> String, flat: bool) -> Option<Form> {
         let (counts, numbers) = (self.numbers(&at("outline_corners")), self.numbers(&at("outline_points")));
         let whole = counts.iter().all(|n| n.fract() == 0.0);
         if !whole || 3.0 * counts.iter().sum::<f64>() != numbers.len() as f64 || counts.is_empty() {
@@ -118,29 +115,11 @@ impl View<'_> {
         }
         let mut points = numbers.as_chunks::<3>().0.iter().copied();
         let outlines: Vec<Vec<[f64; 3]>> = counts.iter().map(|&n| points.by_ref().take(n as usize).collect()).collect();
-        for (k, outline) in outlines.iter().enumerate() {
-            let wrong = if flat {
-                let (level, hull) = (
-                    outline.iter().all(|p| p[2] == 0.0),
-                    convex_ring(&outline.iter().map(|&[x, y, _]| [x, y]).collect::<Vec<_>>()),
-                );
-                if !level {
-                    Some("has corners out of the plane".to_string())
-                } else {
-                    (hull.len() < 3).then(|| "has no area".into())
-                }
-            } else {
-                Polyhedron::hull(outline, 0.0).err().map(|_| "has no volume".into())
-            };
-            if let Some(wrong) = wrong {
-                self.refuse(
-                    &at("outline_points"),
-                    format!("must be of bodies: outline {k} of {}, of {} points, {wrong}", outlines.len(), outline.len()),
-                );
-                return None;
-            }
-        }
-        Some(outlines)
+        let refuse = |(k, wrong): (usize, &str)| {
+            let message = format!("must be of bodies: outline {k} of {}, of {} points, {wrong}", outlines.len(), outlines[k].len());
+            self.refuse(&at("outline_points"), message);
+        };
+        Form::listed(&outlines, flat).map_err(refuse).ok()
     }
 }
 

@@ -313,13 +313,8 @@ fn largest_stress(rig: &MpmTest, s: &MpmSpecimen, law: &Law) -> f64 {
 /// A line that describes body `k` for a reader, with what is done to it from outside and what joins it.
 fn block_in_words(model: &Model, coarse: &CoarseGrains, k: usize) -> String {
     let joints = coarse.joints.iter().filter_map(|joint| {
-        let ends = (joint.bond.first as usize, joint.bond.second.map(|second| second as usize));
-        match ends {
-            (first, None) if first == k => Some(format!(", {} to the world", joint.bond.kind.name())),
-            (first, Some(second)) if first == k => Some(format!(", {} to block {second}", joint.bond.kind.name())),
-            (first, Some(second)) if second == k => Some(format!(", {} to block {first}", joint.bond.kind.name())),
-            _ => None,
-        }
+        let to = joint.bond.partner(k as u32)?.map_or("the world".to_string(), |other| format!("block {other}"));
+        Some(format!(", {} to {to}", joint.bond.kind.name()))
     });
     let done = coarse.programmes[k].in_words();
     [coarse.blocks[k].in_words(&model.physics), done].into_iter().chain(joints).collect()

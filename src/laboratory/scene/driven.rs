@@ -234,8 +234,7 @@ impl View<'_> {
 
 /// Whether a joint holds bodies `i` and `j` together, which then do not touch.
 pub fn joined(joints: &[Joint], i: usize, j: usize) -> bool {
-    let pair = |joint: &Joint| (joint.bond.first as usize, joint.bond.second.map(|k| k as usize));
-    joints.iter().map(pair).any(|ends| ends == (i, Some(j)) || ends == (j, Some(i)))
+    joints.iter().any(|joint| joint.bond.partner(i as u32) == Some(Some(j as u32)))
 }
 
 /// Most rows of a path in a file: as many as a scene can list.

@@ -170,17 +170,15 @@ pub fn decisions(scene: &Scene) -> Vec<Decision> {
     };
     let settled = SETTLED.iter().filter(|(_, key)| matters(key));
     let settled = settled.filter_map(|(matter, key)| view.get(key).map(|value| Decision { matter, key, value: value.clone() }));
-    let none: &[_] = &[];
-    let fixed = match view.text("kind") {
-        "platen" => [FIXED_OF_PLATENS, none, none],
-        "continuum" | "mixture" => [
-            if free { none } else { FIXED_OF_TESTS },
-            if without_points { none } else { FIXED_OF_POINTS },
-            if breaks && only_blocks { FIXED_OF_BREAKING } else { none },
-        ],
-        _ => [FIXED, none, none],
-    };
-    let fixed =
-        fixed.into_iter().flatten().map(|(matter, value)| Decision { matter, key: "", value: Value::String((*value).into()) });
+    let platens = view.text("kind") == "platen";
+    let fixed = [
+        (platens, FIXED_OF_PLATENS),
+        (of_points && !free, FIXED_OF_TESTS),
+        (of_points && !without_points, FIXED_OF_POINTS),
+        (breaks && only_blocks, FIXED_OF_BREAKING),
+        (!platens && !of_points, FIXED),
+    ];
+    let fixed = fixed.into_iter().filter(|(used, _)| *used).flat_map(|(_, matters)| matters);
+    let fixed = fixed.map(|(matter, value)| Decision { matter, key: "", value: Value::String((*value).into()) });
     settled.chain(fixed).collect()
 }
