@@ -56,6 +56,8 @@ pub enum Drive {
         /// Largest speed, m/s; `None`: that of the rig.
         fastest: Option<f64>,
     },
+    /// As the programme of a test says, which sets its speed.
+    Programme,
 }
 
 /// A wall and its state.

@@ -11,6 +11,7 @@ mod meeting;
 mod mesh;
 mod mesh_typed;
 mod plane;
+mod platens;
 mod scene;
 mod specimen;
 mod statics;

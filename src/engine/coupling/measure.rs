@@ -35,7 +35,7 @@ impl Shares {
     }
 }
 
-/// Numbers of contacts, and fabric.
+/// Numbers of contacts, and fabric. Rigid bodies that are no spheres count as grains; two bodies that touch at several places are one contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touching {
     /// Number of contacts between grains.
@@ -44,12 +44,12 @@ pub struct Touching {
     pub walls: u64,
     /// Number of contacts of points with grains and walls.
     pub points: u64,
-    /// Fabric tensor of the contacts between grains: xx, yy, zz, xy, yz, zx; zeros without contacts.
+    /// Fabric tensor of the contacts between grains: xx, yy, zz, xy, yz, zx; zeros without contacts. Of two bodies each place where they touch counts.
     pub fabric: [f64; 6],
 }
 
 impl Mixture {
-    /// Parts of the mean stress of `volume`, m³, which holds all points and grains.
+    /// Parts of the mean stress of `volume`, m³, which holds all points, grains and rigid bodies.
     pub fn shares(&self, continuum: &Continuum, volume: f64) -> Shares {
         let (g, points, mut shares) = (&self.grains.grains, continuum.points(), Shares::default());
         for i in points.by_id().into_iter().map(|i| i as usize) {
@@ -77,6 +77,11 @@ impl Mixture {
             let offset = contact.offset(continuum.settings().cell);
             add(&mut shares.interface, contact.force(), std::array::from_fn(|a| q[a] + offset[a] - p[a]));
         }
+        if let Some(blocks) = &self.blocks {
+            blocks.branches(g, continuum, |of_point, force, branch| {
+                add(if of_point { &mut shares.interface } else { &mut shares.skeleton }, force, branch);
+            });
+        }
         shares
     }
 
@@ -87,12 +92,19 @@ impl Mixture {
         let between = pairs.touching(|[i, j]| [id(i), id(j)]);
         let mut fabric = Fabric::default();
         between.iter().for_each(|&s| fabric.add(pairs.touch[s].normal));
-        Touching {
+        let mut touching = Touching {
             grains: fabric.contacts,
             walls: self.grains.wall_pairs.touching(|[i, k]| [k, id(i)]).len() as u64,
             points: self.point_contacts.touching().count() as u64,
-            fabric: fabric.tensor(),
+            fabric: [0.0; 6],
+        };
+        if let Some(blocks) = &self.blocks {
+            let [grains, walls, points] = blocks.partners(|normal| fabric.add(normal));
+            touching.grains += grains;
+            touching.walls += walls;
+            touching.points += points;
         }
+        Touching { fabric: fabric.tensor(), ..touching }
     }
 
     /// Kinetic energy of grains and rigid bodies, their potential energy in gravity, and the elastic energy of their contacts, those with points included,

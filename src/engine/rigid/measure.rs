@@ -4,7 +4,9 @@ use super::contact::PosedBlock;
 use super::pair::{Outline, meeting, sites};
 use super::{Block, Blocks, Other};
 use crate::dem::physics::Physics;
-use crate::math::vector::{dot, plus, scaled};
+use crate::grains::Grains;
+use crate::math::vector::{dot, less, plus, scaled};
+use crate::mpm::Continuum;
 use crate::shape::{Hull, Part, Shape, Sheet, Solid};
 
 impl Block {
@@ -108,5 +110,64 @@ impl Blocks {
             sums[k] = plus(sums[k], scaled(c.force(), sign));
         }
         sums
+    }
+
+    /// Calls `add` for each contact that touches with whether its other side is a point, the force on the body, N, and the vector from the body's centre to that of the other side, m: to
+    /// where a wall is touched, and to where the force acts on a point. Their dyadic products make the Love–Weber stress of the contacts.
+    pub fn branches(&self, grains: &Grains, continuum: &Continuum, mut add: impl FnMut(bool, [f64; 3], [f64; 3])) {
+        let first = |[x, y, z, _]: [f64; 4]| [x, y, z];
+        for c in self.touching() {
+            let centre = self.blocks[c.block as usize].centre;
+            let branch = match c.other {
+                Other::Block { block, .. } => less(self.blocks[block as usize].centre, centre),
+                Other::Grain(_) => less(first(grains.pos[c.place as usize]), centre),
+                Other::Wall { .. } => c.arm,
+                Other::Point(_) => {
+                    let at = first(continuum.points().position[c.place as usize]);
+                    let face = c.face.map_or([0.0; 3], |f| f.offset(c.radius, c.touch.overlap, continuum.settings().cell));
+                    less(plus(at, face), centre)
+                }
+            };
+            add(c.is_of_point(), c.force(), branch);
+        }
+    }
+
+    /// Numbers of grains and bodies, of walls, and of points that touch a body, each pair counted once however many places it touches at. `normal` is called for each place where grains and bodies touch, with
+    /// its unit normal.
+    pub fn partners(&self, mut normal: impl FnMut([f64; 3])) -> [u64; 3] {
+        let (mut counts, mut last) = ([0; 3], None);
+        for c in self.touching() {
+            let kind = match c.other {
+                Other::Block { .. } | Other::Grain(_) => 0,
+                Other::Wall { .. } => 1,
+                Other::Point(_) => 2,
+            };
+            if kind == 0 {
+                normal(c.touch.normal);
+            }
+            let pair = Some((c.block, c.other.partner()));
+            // the list is sorted by both bodies
+            counts[kind] += u64::from(pair != last);
+            last = pair;
+        }
+        counts
+    }
+
+    /// Mean resultant of the contacts of a body over the mean force of a contact, -; small is near equilibrium. 0 without contacts. What drives and pushes bodies does not count.
+    pub fn unbalanced_ratio(&self) -> f64 {
+        let mut resultants = vec![[0.0; 3]; self.blocks.len()];
+        let (mut sum, mut count) = (0.0, 0.0);
+        for c in self.touching() {
+            let force = c.force();
+            let own = &mut resultants[c.block as usize];
+            *own = plus(*own, force);
+            if let Other::Block { block, .. } = c.other {
+                let other = &mut resultants[block as usize];
+                *other = less(*other, force);
+            }
+            (sum, count) = (sum + dot(force, force).sqrt(), count + 1.0);
+        }
+        let mean: f64 = resultants.iter().map(|f| dot(*f, *f).sqrt()).sum::<f64>() / self.blocks.len().max(1) as f64;
+        if sum > 0.0 { mean / (sum / count) } else { 0.0 }
     }
 }

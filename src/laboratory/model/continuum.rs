@@ -84,6 +84,13 @@ pub struct CoarseGrains {
     pub point_radius: Option<f64>,
 }
 
+impl CoarseGrains {
+    /// Volume of the rigid bodies that have a mass, m³ (m² in plane strain); breakages keep it as they keep the mass.
+    pub fn solid_of_blocks(&self) -> f64 {
+        self.blocks.iter().filter(|b| b.mass > 0.0).map(|b| b.solid().bulk().volume).sum()
+    }
+}
+
 /// A specimen grown by volume expansion (Li et al. 2023, section 4.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
@@ -198,9 +205,31 @@ pub struct MpmSpecimen {
     pub strain_per_wave: f64,
     /// Share of the difference between force and target that a platen under servo removes in one step.
     pub gain: f64,
+    /// How rigid bodies without points are prepared, where the specimen is made of them.
+    pub bed: Option<Bed>,
+}
+
+/// A specimen of rigid bodies without points, which are packed without contact: platens press them until they are at rest under a stress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bed {
+    /// The stress, Pa: the cell pressure, or in an oedometer that of the top platen.
+    pub stress: f64,
+    /// Friction coefficient between bodies until they bear it; `None`: that of the materials.
+    pub friction: Option<f64>,
+    /// Mean diameter of the spheres of the bodies' volumes, weighted by volume, m.
+    pub diameter: f64,
+    /// Estimate of the oedometric modulus under this stress, Pa: that of a cubic lattice of equal spheres. With it [`MpmSpecimen::strain_per_wave`] gives the speed of the test.
+    pub modulus: f64,
 }
 
 impl MpmSpecimen {
+    /// Inertial number of rigid bodies alone at the strain rate `rate`, 1/s, and the mean stress `pressure`, Pa: rate times d √(ρ/p) with the density ρ of the bodies (Li et al. 2023, eq. 42). `None` for
+    /// points.
+    pub fn inertial_number(&self, rate: f64, pressure: f64) -> Option<f64> {
+        let solid = self.density / (1.0 - self.porosity);
+        Some(rate * self.bed?.diameter * (solid / pressure).sqrt())
+    }
+
     /// Volume of the specimen over that of the box around it: 1, or π/4 for a cylinder.
     pub fn fullness(&self) -> f64 {
         if self.round { FRAC_PI_4 } else { 1.0 }
@@ -231,6 +260,19 @@ impl MpmTest {
         self.test.specimen()
     }
 
+    /// Oedometric modulus of a specimen at the start, Pa, by which waves run through it.
+    pub fn oedometric(&self, specimen: &MpmSpecimen) -> f64 {
+        match specimen.bed {
+            Some(bed) => bed.modulus,
+            None => self.laws[usize::from(specimen.law)].under(specimen.stress).oedometric(),
+        }
+    }
+
+    /// Whether the specimen comes to rest under a stress before it is loaded.
+    pub fn settles(&self) -> bool {
+        matches!(self.test, Test::Triaxial { .. }) || self.specimen().is_some_and(|s| s.bed.is_some())
+    }
+
     /// The points at the start with the inertia that they move with.
     pub fn moving_points(&self) -> Points {
         let mut points = self.points.clone();
@@ -251,6 +293,14 @@ impl MpmTest {
 }
 
 impl Test {
+    /// The specimen; `None` in a free scene.
+    pub fn specimen_mut(&mut self) -> Option<&mut MpmSpecimen> {
+        match self {
+            Test::Free { .. } => None,
+            Test::Oedometer(specimen) | Test::Triaxial { specimen, .. } => Some(specimen),
+        }
+    }
+
     /// The specimen; `None` in a free scene.
     pub fn specimen(&self) -> Option<&MpmSpecimen> {
         match self {

@@ -58,7 +58,8 @@ fn sizes(materials: &[Material], rig: &MpmTest) -> Option<Sizes> {
     // an outline leaves out some of both, by numbers of their own
     let [more_points, more_grains] = rig.left_out.map(|n| n as f64);
     let mass: f64 = grains.iter().map(|g| density(g.material) * sphere_volume(g.radius)).sum();
-    let mass = mass * (1.0 + more_grains / grains.len().max(1) as f64);
+    let of_blocks: f64 = rig.coarse.iter().flat_map(|c| &c.blocks).map(|b| b.mass).sum();
+    let mass = mass * (1.0 + more_grains / grains.len().max(1) as f64) + of_blocks;
     let fine = rig.points.velocity.iter().map(|v| v[3]).sum::<f64>() * (1.0 + more_points / count as f64);
     Some(Sizes {
         mean: 2.0 * radii.iter().sum::<f64>() / radii.len() as f64,

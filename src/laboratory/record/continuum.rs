@@ -42,7 +42,7 @@ pub struct Recorder {
     residual: [f64; 2],
     /// Largest difference of opposite sides, and largest kinetic energy over stress work, of the rows that count.
     pub worst: [f64; 2],
-    /// Largest inertial numbers of points and of coarse grains of the rows that count; kept where points have another inertia than that of their mass.
+    /// Largest inertial numbers of points and of coarse grains of the rows that count; kept where points have another inertia than that of their mass, and for rigid bodies without points.
     pub inertial: [f64; 2],
     /// Error of the energy account in the last row; `None`: the run keeps none.
     pub account_error: Option<f64>,
@@ -168,14 +168,20 @@ impl Recorder {
             ("momentum_z_kg_m_s", pz.into()),
         ]);
         if let Some(g) = &m.grains {
-            row.extend(coarse(g));
+            row.extend(coarse(g, rig.settings.dimension == Dimension::PlaneStrain));
             if rig.specimen().is_none() {
                 row.push(("lowest_grain_mm", (1e3 * g.lowest).into()));
             }
         }
         self.remember(rig, state.phase, &m);
-        if rig.points_inertia != 1.0 && self.under_way(rig, state.phase) {
-            self.note_inertia(rig, state, m.p(rig.settings.dimension == Dimension::PlaneStrain));
+        if self.under_way(rig, state.phase) {
+            let p = m.p(rig.settings.dimension == Dimension::PlaneStrain);
+            if let Some(number) = rig.specimen().and_then(|s| s.inertial_number(state.strain_rate(rig), p)) {
+                self.inertial[1] = if number.is_finite() { self.inertial[1].max(number) } else { self.inertial[1] };
+            }
+            if rig.points_inertia != 1.0 {
+                self.note_inertia(rig, state, p);
+            }
         }
         row
     }
@@ -336,17 +342,21 @@ fn write_fields(path: &Path, facts: &[Fact], step: u64, order: &[u32], position:
 }
 
 /// Columns of the grains in a continuum.
-fn coarse(g: &GrainMeasures) -> Row {
-    let q = |s: [f64; 3]| 1e-3 * (s[2] - 0.5 * (s[0] + s[1]));
-    let p = |s: [f64; 3]| 1e-3 * (s[0] + s[1] + s[2]) / 3.0;
+/// Columns of the grains and rigid bodies; `plane`: in plane strain, whose axial direction is y.
+fn coarse(g: &GrainMeasures, plane: bool) -> Row {
+    let q = |s: [f64; 3]| 1e-3 * if plane { s[1] - s[0] } else { s[2] - 0.5 * (s[0] + s[1]) };
+    // nothing but points has a stress across the plane
+    let across = |s: [f64; 3]| if plane && g.void_ratio_points.is_nan() { 0.5 * (s[0] + s[1]) } else { s[2] };
+    let p = |s: [f64; 3]| 1e-3 * (s[0] + s[1] + across(s)) / 3.0;
+    let (axis, axial) = if plane { (1, "sigma_yy_of_contacts_kPa") } else { (2, "sigma_zz_of_contacts_kPa") };
     let [xx, yy, zz, xy, yz, zx] = g.touching.fabric;
     let mut row: Row = vec![
         ("grains", (g.count as u64).into()),
         ("crush_events", g.crush_events.into()),
         ("void_ratio_points", g.void_ratio_points.into()),
-        ("coarse_mass_kg", g.mass.into()),
+        ("coarse_mass_kg", (g.mass + g.body_mass).into()),
         ("coarse_kinetic_J", g.kinetic.into()),
-        ("coordination_number", (2.0 * g.touching.grains as f64 / g.count.max(1) as f64).into()),
+        ("coordination_number", (2.0 * g.touching.grains as f64 / (g.count + g.bodies).max(1) as f64).into()),
         ("platen_contacts", g.touching.walls.into()),
         ("point_contacts", g.touching.points.into()),
         ("fabric_xx", xx.into()),
@@ -361,7 +371,7 @@ fn coarse(g: &GrainMeasures) -> Row {
         ("p_matrix_kPa", p(g.shares.matrix).into()),
         ("p_skeleton_kPa", p(g.shares.skeleton).into()),
         ("p_interface_kPa", p(g.shares.interface).into()),
-        ("sigma_zz_of_contacts_kPa", (1e-3 * g.shares.total(2)).into()),
+        (axial, (1e-3 * g.shares.total(axis)).into()),
         ("grain_steps", u64::from(g.rates[0]).into()),
         ("continuum_steps", u64::from(g.rates[1]).into()),
     ];

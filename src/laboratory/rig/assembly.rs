@@ -88,7 +88,7 @@ fn drive(model: &Model, state: &mut State, work: &Workspace) {
     for k in 0..state.walls.len() {
         let w = &state.walls[k];
         let speed = match w.drive {
-            Drive::Fixed => 0.0,
+            Drive::Fixed | Drive::Programme => 0.0,
             Drive::Velocity(v) => v,
             Drive::Stress { stress, area, gain, fastest } => {
                 let area = match w.shape {

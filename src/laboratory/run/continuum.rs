@@ -9,7 +9,7 @@ use super::{LOOK, Outcome, files, multiplies, watch};
 use crate::error::{Error, Result};
 use crate::interrupt::stop_asked;
 use crate::model::Model;
-use crate::model::continuum::{MpmTest, Test};
+use crate::model::continuum::{MpmSpecimen, MpmTest, Test};
 use crate::record::continuum as records;
 use crate::record::continuum::{END, GRAINS_START, Recorder, START};
 use crate::record::crushed::Crushed;
@@ -492,11 +492,16 @@ fn walls(state: &State) -> Vec<Loaded> {
 
 /// Share of the test that is done, and a line about it for the progress bar.
 fn describe(rig: &MpmTest, state: &State) -> (f64, String) {
-    let (share, points) = (state.share(rig), state.continuum.points().len());
+    let share = state.share(rig);
+    let of = match (state.continuum.points().len(), state.blocks()) {
+        (0, Some(blocks)) => format!("{} bodies", blocks.blocks.len()),
+        (points, _) => format!("{points} points"),
+    };
     let line = match &rig.test {
-        _ if state.phase == Phase::Settle => format!("settling at the cell pressure, {points} points"),
-        Test::Free { .. } => format!("t = {:.4e} s, {points} points", state.time),
-        Test::Oedometer(_) | Test::Triaxial { .. } => format!("ε_a {:.3} %, {points} points", 100.0 * state.axial_strain(rig)),
+        Test::Oedometer(_) if state.phase == Phase::Settle => format!("settling at the seating stress, {of}"),
+        _ if state.phase == Phase::Settle => format!("settling at the cell pressure, {of}"),
+        Test::Free { .. } => format!("t = {:.4e} s, {of}", state.time),
+        Test::Oedometer(_) | Test::Triaxial { .. } => format!("ε_a {:.3} %, {of}", 100.0 * state.axial_strain(rig)),
     };
     (share, line)
 }
@@ -539,24 +544,35 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
             put("k0_final", json!(r.lateral / r.last[1]));
             // an elastic specimen follows σ = M ln(1/(1 − ε)), since the law integrates strain rates
             let true_strain = (1.0 / (1.0 - r.last[0])).ln();
-            put("oedometric_modulus_MPa", json!(1e-6 * (r.last[1] - specimen.stress) / true_strain));
-            put("oedometric_modulus_of_the_law_MPa", json!(1e-6 * law(rig).elastic().oedometric()));
+            let start = specimen.bed.map_or(specimen.stress, |bed| bed.stress);
+            put("oedometric_modulus_MPa", json!(1e-6 * (r.last[1] - start) / true_strain));
+            if let Some(law) = law(rig, specimen) {
+                put("oedometric_modulus_of_the_law_MPa", json!(1e-6 * law.elastic().oedometric()));
+            }
+            if let Some(bed) = specimen.bed {
+                put("seating_kPa", json!(1e-3 * bed.stress));
+            }
         }
-        Test::Triaxial { cell_pressure, .. } => {
+        Test::Triaxial { specimen, cell_pressure, .. } => {
             put("test", json!("triaxial"));
             put("cell_pressure_kPa", json!(1e-3 * cell_pressure));
             put("peak_stress_ratio", json!(r.peak[0]));
             put("peak_axial_strain", json!(r.peak[1]));
             put("peak_q_kPa", json!(1e-3 * r.peak[2]));
             put("residual_stress_ratio", json!(r.residual_ratio()));
-            if let Some([peak, last]) = closed_forms(rig, *cell_pressure) {
+            if let Some([peak, last]) = law(rig, specimen).and_then(|law| closed_forms(rig, law, *cell_pressure)) {
                 put("peak_stress_ratio_of_the_law", json!(peak));
                 put("residual_stress_ratio_of_the_law", json!(last));
             }
         }
     }
     if rig.specimen().is_some() {
-        let mut held = json!({"largest_platen_difference": r.worst[0], "largest_kinetic_over_stress_work": r.worst[1]});
+        let mut held = json!({"largest_platen_difference": r.worst[0]});
+        if rig.specimen().is_some_and(|s| s.bed.is_some()) {
+            held["largest_inertial_number"] = json!(r.inertial[1]);
+        } else {
+            held["largest_kinetic_over_stress_work"] = json!(r.worst[1]);
+        }
         if rig.points_inertia != 1.0 {
             let [points, coarse] = r.inertial;
             held["largest_inertial_number"] = json!(points.max(coarse));
@@ -571,7 +587,8 @@ fn summary(model: &Model, rig: &MpmTest, progress: &Progress, engine: &Engine) -
         let mass = rig.real_mass(inertia, state.continuum.totals().mass);
         put("seed", json!({ "packing": model.seeds.packing, "strength": model.seeds.strength }));
         put("grains", json!(mixture.grains.grains.len()));
-        put("coarse_mass_fraction", json!(coarse / mass));
+        let of_blocks = mixture.blocks.as_ref().map_or(0.0, |blocks| blocks.mass_and_momentum().0);
+        put("coarse_mass_fraction", json!((coarse + of_blocks) / mass));
         if let Some(blocks) = &mixture.blocks {
             put("blocks", json!(blocks.blocks.len()));
             put("block_contacts", json!(blocks.touching().count()));
@@ -650,14 +667,14 @@ fn user_seconds() -> f64 {
     f64::NAN
 }
 
-fn law(rig: &MpmTest) -> &Law {
-    &rig.laws[usize::from(rig.specimen().map_or_else(|| rig.points.law[0], |s| s.law))]
+/// Law of the points of a specimen; `None`: it is made of rigid bodies.
+fn law<'a>(rig: &'a MpmTest, specimen: &MpmSpecimen) -> Option<&'a Law> {
+    rig.laws.get(usize::from(specimen.law))
 }
 
 /// σ1/σ3 in triaxial compression at cell pressure `cell`, Pa, with the largest strength of the law and with its residual
 /// strength. `None` for an elastic law and for grains without points.
-fn closed_forms(rig: &MpmTest, cell: f64) -> Option<[f64; 2]> {
-    let law = law(rig);
+fn closed_forms(rig: &MpmTest, law: &Law, cell: f64) -> Option<[f64; 2]> {
     if rig.points.is_empty() {
         return None;
     }

@@ -4,12 +4,13 @@ use super::bodies::{number, vector};
 use super::driven::joined;
 use super::material::Named;
 use super::view::View;
-use crate::model::continuum::{CoarseGrains, MpmTest, Test};
+use crate::model::continuum::{CoarseGrains, MpmTest};
+use crate::rig::continuum::platens;
 use engine::boundary::Wall;
 use engine::material::Material;
 use engine::mpm::loading_plate::ghost_radius;
-use engine::rigid::Block;
 use engine::rigid::motion::{about, product, quaternion};
+use engine::rigid::{Block, Programme};
 use engine::shape::{Cuboid, Polygon, Polyhedron, Shape, Sheet, Solid, Superquadric};
 use toml::{Table, Value};
 
@@ -31,9 +32,6 @@ impl View<'_> {
         if !self.has_blocks() {
             return Some(Vec::new());
         }
-        let free = self.text("test.rig") == "free";
-        let key = if tables.is_empty() { "block_set" } else { "block" };
-        self.check(free, key, "has no meaning in a test: rigid bodies that are no spheres are for test.rig = \"free\"");
         let blocks: Vec<Option<Block>> = tables.iter().enumerate().map(|(i, t)| self.block(i, t, named, materials)).collect();
         let mut blocks: Vec<Block> = blocks.into_iter().collect::<Option<_>>()?;
         blocks.extend(self.block_sets(named, materials)?);
@@ -41,6 +39,16 @@ impl View<'_> {
             self.blocks_can_break(&blocks);
         }
         Some(blocks)
+    }
+
+    /// Refuses bodies of a test that something else than its platens moves or holds.
+    pub fn blocks_are_left_alone(&self, blocks: &[Block], programmes: &[Programme]) {
+        for (k, (block, programme)) in blocks.iter().zip(programmes).enumerate() {
+            let message = "must be a free body in a test: what is driven, pushed or held, and a mesh, is for test.rig = \"free\"";
+            self.check(!block.driven && programme.is_none(), &format!("block[{k}]"), message);
+            let still = block.velocity == [0.0; 3] && block.momentum == [0.0; 3];
+            self.check(still, &format!("block[{k}]"), "must be at rest at the start of a test");
+        }
     }
 
     /// Refuses crushing where a body cannot be cut, and spheres beside bodies that break.
@@ -214,9 +222,13 @@ impl View<'_> {
 
     /// Refuses bodies that overlap at the start with points, grains, walls or each other.
     pub fn blocks_have_room(&self, rig: &MpmTest, coarse: &CoarseGrains) {
-        if coarse.blocks.is_empty() || !matches!(rig.test, Test::Free { .. }) {
+        if coarse.blocks.is_empty() {
             return;
         }
+        let specimen = rig.specimen();
+        let sides = specimen.map_or_else(|| coarse.walls.clone(), |s| platens(s, rig.settings.dimension));
+        let walls: Vec<Wall> = sides.iter().map(Wall::new).collect();
+        let called = if specimen.is_some() { "side" } else { "wall" };
         let mm = |x: f64| format!("{:.4}", 1e3 * x);
         for (i, block) in coarse.blocks.iter().enumerate() {
             let (key, solid, pose) = (format!("block[{i}].position_mm"), block.solid(), block.pose(0.0));
@@ -240,12 +252,12 @@ impl View<'_> {
             if let Some(k) = coarse.grains.iter().position(|g| holds(g.position)) {
                 self.refuse(&key, format!("must not put the block over grains: the centre of grain {k} lies in it"));
             }
-            for (k, wall) in coarse.walls.iter().map(Wall::new).enumerate() {
-                let deepest = block.deepest(&wall);
+            for (k, wall) in walls.iter().enumerate() {
+                let deepest = block.deepest(wall);
                 self.check(
                     deepest < DEEP * block.radius,
                     &key,
-                    format!("must not put the block through a wall: it reaches {} mm behind wall {k}", mm(deepest)),
+                    format!("must not put the block through a {called}: it reaches {} mm behind {called} {k}", mm(deepest)),
                 );
             }
             for (j, other) in coarse.blocks[..i].iter().enumerate().filter(apart) {

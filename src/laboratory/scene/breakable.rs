@@ -32,10 +32,14 @@ fn unloaded(crush: &CrushModel, rig: &MpmTest) -> Option<String> {
     let breakable = || coarse.grains.iter().enumerate().filter(|(_, g)| 2.0 * g.radius > crush.d_limit);
     let loaded = match &rig.test {
         Test::Free { .. } => coarse.grains.len() + coarse.blocks.len() > 1 || !coarse.walls.is_empty(),
-        Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => breakable().any(|(i, g)| {
-            let mut others = coarse.grains.iter().enumerate().filter(|(j, _)| *j != i);
-            at_a_platen(s, g) || others.any(|(_, h)| touch_at_end(s, g, h))
-        }),
+        // platens press rigid bodies without points together
+        Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => {
+            s.bed.is_some()
+                || breakable().any(|(i, g)| {
+                    let mut others = coarse.grains.iter().enumerate().filter(|(j, _)| *j != i);
+                    at_a_platen(s, g) || others.any(|(_, h)| touch_at_end(s, g, h))
+                })
+        }
     };
     let why = "contacts with points break no grain, so probably no grain breaks";
     (!loaded).then(|| match rig.test {

@@ -29,6 +29,8 @@ const BLOCKS: f64 = 3.0;
 /// points need smaller steps. Measured 6.5 with 1.1 breakages a grain, and 1.5 to 2.1 with one breakage in the middle of the
 /// test.
 const LIGHT: f64 = 5.0;
+/// Axial strain with the speed of the test that takes as long as rigid bodies that are packed without contact need to come to rest under their first stress.
+const CLOSING: f64 = 0.05;
 /// Stress on the grains over the stress in the points alone under the same strain: grains are stiffer and touch each other.
 /// Measured 4.5 with 60 % of the mass in grains.
 const STIFFER: f64 = 3.0;
@@ -97,6 +99,7 @@ pub fn estimate(model: &Model, rig: &MpmTest, pace: Option<Pace>) -> Estimate {
     let law = |s: &MpmSpecimen| &rig.laws[usize::from(s.law)];
     let (bound, why) = match rig.specimen() {
         None => (waves, "a compression wave through a cell"),
+        Some(s) if s.bed.is_some() => (f64::INFINITY, TOUCHING),
         Some(s) if points == 0 => (fines_step(model, rig, largest_stress(rig, s, law(s))), "contacts of the smallest grains"),
         Some(s) => {
             let inertia = rig.points_inertia * rig.points.velocity[0][3];
@@ -113,11 +116,18 @@ pub fn estimate(model: &Model, rig: &MpmTest, pace: Option<Pace>) -> Estimate {
     let steps = match &rig.test {
         Test::Free { duration: Some(t), .. } => (t / dt).ceil(),
         Test::Free { steps, .. } => steps.unwrap_or(0) as f64,
-        Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => (s.axial_strain / rate(rig, s) / dt).ceil(),
+        Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } => {
+            let before = if s.bed.is_some() { CLOSING } else { 0.0 };
+            ((before + s.axial_strain) / rate(rig, s) / dt).ceil()
+        }
     };
     let mut warnings = crate::model::validity::warnings(&model.physics, rig);
-    if let Some(s) = rig.specimen() {
+    if let Some(s) = rig.specimen().filter(|s| s.bed.is_none()) {
         too_fast(rig, s, &mut warnings);
+    }
+    if let Some((s, bed)) = rig.specimen().and_then(|s| Some((s, s.bed?))) {
+        let number = s.inertial_number(rate(rig, s), bed.stress).unwrap_or(0.0);
+        inertial_warning("inertial number of the bodies under their first stress", number, &mut warnings);
     }
     let inertial = rig.specimen().and_then(|s| inertial::at_the_start(model, rig, rate(rig, s), s.stress));
     if let Some(InertialNumbers { points, coarse }) = inertial {
@@ -184,6 +194,10 @@ pub fn estimate(model: &Model, rig: &MpmTest, pace: Option<Pace>) -> Estimate {
 
 /// Axial strain rate, 1/s.
 fn rate(rig: &MpmTest, s: &MpmSpecimen) -> f64 {
+    if let Some(bed) = s.bed {
+        let height = s.size[if rig.settings.dimension == Dimension::Space { 2 } else { 1 }];
+        return s.strain_per_wave / height * (bed.modulus / s.density).sqrt();
+    }
     let (d, law) = (if rig.settings.dimension == Dimension::Space { 3 } else { 2 }, &rig.laws[usize::from(rig.points.law[0])]);
     s.strain_per_wave / (s.size[d - 1] / (law.under(s.stress).oedometric() / rig.points.density(0)).sqrt())
 }
@@ -241,7 +255,7 @@ fn broken(model: &Model, rig: &MpmTest) -> Broken {
             let (count, d) = (coarse.count() as f64, coarse.mean_diameter());
             (count, d, count * sphere_volume(0.5 * d))
         }
-        (None, Some(coarse)) => {
+        (None, Some(coarse)) if specimen.bed.is_none() => {
             let Some(middle) = coarse.grains.get(coarse.grains.len() / 2) else { return none };
             let (made, volume) = (coarse.grains.len() as f64, coarse.grains.iter().map(|g| sphere_volume(g.radius)).sum::<f64>());
             let count = made + rig.left_out[1] as f64;

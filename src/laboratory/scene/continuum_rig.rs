@@ -163,9 +163,9 @@ impl View<'_> {
         self.check(self.text("growth.fines") != "grains", key, "must be 1 with growth.fines = \"grains\": there are no points");
     }
 
-    /// Whether the scene is one of rigid bodies and grains alone: a free mixture without a [[body]].
+    /// Whether the scene is one of rigid bodies and grains alone: a mixture without a [[body]].
     pub fn is_without_points(&self) -> bool {
-        self.text("test.rig") == "free" && self.list("body").is_empty() && self.has_blocks()
+        self.list("body").is_empty() && self.has_blocks()
     }
 
     /// Whether the scene has rigid bodies that are no spheres.
@@ -179,9 +179,13 @@ impl View<'_> {
         let sides = SIDES.map(|side| format!("grid.{side}"));
         let given = sizes.iter().filter(|key| self.has(key)).chain(sides.iter().filter(|key| self.text(key) != "open"));
         given.for_each(|key| self.refuse(key, "has no meaning without a [[body]] of points"));
+        let grid = ([0.0; 3], [1; 3], [GridWall::Open; 6]);
+        if self.text("test.rig") != "free" {
+            return Some(grid);
+        }
         let (steps, duration) = (self.whole("steps"), self.number("duration_s"));
         self.check(steps.is_some() != duration.is_some(), "duration_s", "must be given, or `steps`, one of them");
-        (steps.is_some() != duration.is_some()).then_some(([0.0; 3], [1; 3], [GridWall::Open; 6]))
+        (steps.is_some() != duration.is_some()).then_some(grid)
     }
 
     fn settings(&self, dimension: Dimension, cell: f64, (lower, cells, walls): Grid) -> Option<Settings> {
@@ -367,6 +371,21 @@ impl View<'_> {
         };
         let weightless = settings.gravity == [0.0; 3];
         self.check(weightless, "gravity_m_s2", format!("must be [0, 0, 0] with test.rig = \"{rig}\""));
+        if rig == "triaxial" && pressure == 0.0 {
+            self.refuse("test.cell_pressure_kPa", "is missing: test.rig = \"triaxial\" needs it");
+            return None;
+        }
+        let of = |specimen: MpmSpecimen| {
+            if rig == "oedometer" {
+                return Test::Oedometer(specimen);
+            }
+            let drained = self.text("test.drainage") != "constant_volume";
+            let drainage = if drained { Drainage::Drained } else { Drainage::ConstantVolume };
+            Test::Triaxial { specimen, cell_pressure: pressure, drainage }
+        };
+        if self.is_without_points() {
+            return Some(of(self.bed(settings.dimension, axial_strain)?));
+        }
         let ([lower, size], round) = self.only_box(settings.dimension, rig)?;
         let body = self.list("body")[0];
         let still = vector(body, "velocity_m_s")? == [0.0; 3];
@@ -387,16 +406,9 @@ impl View<'_> {
             axial_strain,
             strain_per_wave: self.si("test.strain_per_wave"),
             gain: self.si("test.servo_gain"),
+            bed: None,
         };
-        if rig == "oedometer" {
-            return Some(Test::Oedometer(specimen));
-        }
-        if pressure == 0.0 {
-            self.refuse("test.cell_pressure_kPa", "is missing: test.rig = \"triaxial\" needs it");
-            return None;
-        }
-        let drainage = if self.text("test.drainage") == "constant_volume" { Drainage::ConstantVolume } else { Drainage::Drained };
-        Some(Test::Triaxial { specimen, cell_pressure: pressure, drainage })
+        Some(of(specimen))
     }
 
     /// E* of a grain on a rigid platen, Pa.

@@ -55,8 +55,10 @@ impl View<'_> {
     ) -> Option<Option<Growth>> {
         let (key, others) = ("growth.fines_diameter_mm", ["growth.friction", "specimen.file"]);
         if !self.has(key) {
+            // bodies without points are pressed to rest as well
+            let bed = specimen.is_some_and(|s| s.bed.is_some());
             for other in others {
-                self.check(!self.has(other), other, format!("has no meaning without {key}"));
+                self.check(!self.has(other) || bed && other == others[0], other, format!("has no meaning without {key}"));
             }
             self.check(self.text("growth.fines") == "points", "growth.fines", format!("must be \"points\" without {key}"));
             return Some(None);
@@ -66,6 +68,7 @@ impl View<'_> {
             return None;
         };
         self.check(self.list("grain").is_empty(), key, "has no meaning beside listed grains");
+        self.check(!self.has_blocks(), key, "has no meaning beside [[block]] and [[block_set]]: spheres would grow into them");
         self.check(!specimen.round, key, "must be left out where body[0].shape = \"cylinder\": only boxes grow");
         if specimen.stress <= 0.0 {
             self.refuse(key, "needs a stress to press the specimen with: body.stress_kPa, or the cell pressure");

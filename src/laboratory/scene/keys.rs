@@ -645,6 +645,12 @@ const OWN: &[Key] = &[
         "share of the imbalance that a platen removes per step",
     ),
     mixture(
+        "test.seating_kPa",
+        Number(POSITIVE),
+        Absent,
+        "oedometer of rigid bodies without points: stress of the top platen under which they come to rest before they are loaded",
+    ),
+    mixture(
         "coarse.mass_fraction",
         Number(Range::closed(0.0, 1.0)),
         Absent,
@@ -673,7 +679,7 @@ const OWN: &[Key] = &[
         "growth.friction",
         Number(FRICTION),
         Absent,
-        "friction between grains until the walls bear the stress; the materials' if not written",
+        "friction between grains, or between rigid bodies without points, until the walls bear the stress; the materials' if not written",
     ),
     mixture("growth.steps", COUNT, Is("4000"), "steps of growth"),
     mixture("growth.max_steps", COUNT, Is("100000"), "steps after which growth and pressing give up"),

@@ -15,6 +15,8 @@ use engine::material::Material;
 use engine::mpm::loading_plate::ghost_radius;
 use engine::mpm::{Dimension, Points};
 
+/// Keys that make spheres in a specimen.
+const SPHERES: [&str; 2] = ["coarse.mass_fraction", "growth.fines_diameter_mm"];
 /// Gap between coarse grains, and between them and platens, when they are placed at random, over the distance of two points.
 const ROOM: f64 = 0.5;
 /// Coarse grains that an outline places ([`super::outline`]).
@@ -49,6 +51,9 @@ impl View<'_> {
         let programmes = self.programmes(&mut blocks)?;
         let joints = self.joints(&blocks)?;
         self.check(!test || joints.is_empty(), "joint", "has no meaning in a test: joints are for test.rig = \"free\"");
+        if test {
+            self.blocks_are_left_alone(&blocks, &programmes);
+        }
         let mut growth = None;
         let mut unplaced = 0;
         let sizes = grains.iter().map(|g| 2.0 * g.radius).chain(blocks.iter().map(|b| 2.0 * b.radius));
@@ -58,7 +63,9 @@ impl View<'_> {
         let mut rig = self.continuum_rig(&fines, smallest, |points, settings, test| {
             let radius =
                 |points: &Points, i: usize| point_radius.unwrap_or_else(|| ghost_radius(settings.dimension, points.solid(i)));
-            make_room(points, &blocks[self.list("block").len()..], radius);
+            // points make room for those that a set has placed, in a test for all
+            let placed = if test.specimen().is_some() { 0 } else { self.list("block").len() };
+            make_room(points, &blocks[placed..], radius);
             growth = self.growth(named, materials, &point_materials, test.specimen())?;
             // the points and grains of a specimen that grows only serve to estimate the run
             if growth.is_some() {
@@ -66,6 +73,9 @@ impl View<'_> {
             }
             if let Some(specimen) = test.specimen() {
                 self.grains_inside(&grains, specimen);
+                if specimen.bed.is_some() {
+                    return Some(());
+                }
                 let density = materials[usize::from(point_materials[usize::from(points.law[0])])].density;
                 let (placed, others) = self.coarse(named, materials, specimen, density, points.len())?;
                 grains.extend(placed);
@@ -93,6 +103,10 @@ impl View<'_> {
         };
         rig.growth = growth;
         rig.left_out[1] = unplaced;
+        let dimension = rig.settings.dimension;
+        if let Some(specimen) = rig.test.specimen_mut() {
+            self.bodies_fill(specimen, dimension, &blocks, materials)?;
+        }
         if let (Some(specimen), None) = (rig.specimen(), &rig.growth) {
             // points that an outline leaves out make room for the grains as well
             let placed: f64 = grains.iter().map(|g| sphere_volume(g.radius)).sum();
@@ -143,13 +157,18 @@ impl View<'_> {
             return;
         }
         let key = "grid.plane_strain";
-        let free = self.text("test.rig") == "free";
-        self.check(free, key, "must be false in a test of a mixture: its grains are spheres");
-        self.check(
-            self.list("grain").is_empty(),
-            key,
-            "must be false beside [[grain]], a sphere: a disc is a [[block]] with shape = \"polygon\" and one corner",
-        );
+        for spheres in ["grain", "coarse", "growth"] {
+            let there = if spheres == "grain" {
+                !self.list(spheres).is_empty()
+            } else {
+                SPHERES.iter().any(|k| k.starts_with(spheres) && self.has(k))
+            };
+            self.check(
+                !there,
+                key,
+                format!("must be false beside [{spheres}], which makes spheres: a disc is a [[block]] with shape = \"polygon\" and one corner"),
+            );
+        }
         let spring = self.law() == ContactLaw::Spring;
         self.check(
             spring,
@@ -234,6 +253,8 @@ impl View<'_> {
         points: usize,
     ) -> Option<(Vec<GrainSpec>, usize)> {
         let Some((material, radii, share)) = self.coarse_grains(named)? else { return Some((Vec::new(), 0)) };
+        let message = "has no meaning beside [[block]] and [[block_set]]: spheres are placed without looking at them";
+        self.check(!self.has_blocks(), "coarse.mass_fraction", message);
         // of the box: coarse volume V with ρ_c V / (ρ_c V + ρ_f (1 − n) (box − V)) = share
         let (coarse, fine) = (materials[usize::from(material)].density, (1.0 - specimen.porosity) * fine_density);
         let volume = specimen.fullness() * specimen.size.iter().product::<f64>();

@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod assembly;
+mod bed;
 mod block_sets;
 mod blocks;
 mod bodies;

@@ -137,6 +137,18 @@ const FIXED_OF_TESTS: &[(&str, &str)] = &[
     ("extent of a specimen", "between its platens, less how far ghosts reach out of the material at the start"),
 ];
 
+/// Matters that the program settles, for tests of rigid bodies without points.
+const FIXED_OF_BEDS: &[(&str, &str)] = &[
+    ("platens", "rigid and smooth planes at the sides of the box in which the bodies were packed"),
+    ("stresses of a test", "forces on the platens over the area between the other platens; means since the row before"),
+    ("wave time, for the speed", "by the modulus of a cubic lattice of equal spheres under the first stress, and the bulk density"),
+    (
+        "rest before the test",
+        "sides within 0.5 % of the stress, mean resultant on a body below 0.01 of the mean force of a contact",
+    ),
+    ("void ratio", "from the volume of the bodies at the start, which breakages keep"),
+];
+
 /// Matters that the program settles, for material points.
 const FIXED_OF_POINTS: &[(&str, &str)] = &[
     ("void ratio", "from the points' volumes, of a mixture from all solids in the specimen; solids stay"),
@@ -164,7 +176,8 @@ pub fn decisions(scene: &Scene) -> Vec<Decision> {
         "crushing.area_radius" => breaks && is("crushing.criterion", "hertz_area"),
         "crushing.pattern" | "crushing.azimuth" | "crushing.birth" | "crushing.lost_mass" => breaks && !only_blocks,
         _ if free && key.starts_with("test.") => false,
-        "stepping.points_inertia" => !free,
+        "stepping.points_inertia" => !free && !without_points,
+        "test.contact_modulus_MPa" => !without_points,
         _ if without_points && key.starts_with("grid.") => false,
         _ => breaks || !(key.starts_with("crushing.") || key.contains(".strength.") || key.contains(".fines.")),
     };
@@ -173,7 +186,8 @@ pub fn decisions(scene: &Scene) -> Vec<Decision> {
     let platens = view.text("kind") == "platen";
     let fixed = [
         (platens, FIXED_OF_PLATENS),
-        (of_points && !free, FIXED_OF_TESTS),
+        (of_points && !free && !without_points, FIXED_OF_TESTS),
+        (!free && without_points, FIXED_OF_BEDS),
         (of_points && !without_points, FIXED_OF_POINTS),
         (breaks && only_blocks, FIXED_OF_BREAKING),
         (!platens && !of_points, FIXED),

@@ -1,6 +1,6 @@
 //! The grains of a mixture under test: their walls, and the cycles of grains and points on the CPU.
 
-use super::{Broken, Engine, MpmTest, State};
+use super::{Broken, Engine, MpmTest, State, dimensions};
 use crate::error::{Error, Result};
 use crate::model::continuum::{CoarseGrains, MpmSpecimen, Test};
 use crate::model::{Assembly, Model};
@@ -11,7 +11,7 @@ use ::engine::dem::{Workspace, stability};
 #[cfg(feature = "gpu")]
 use ::engine::gpu;
 use ::engine::mpm::loading_plate::ghost_radius;
-use ::engine::mpm::{Continuum, LoadingPlate};
+use ::engine::mpm::{Continuum, Dimension, LoadingPlate};
 #[cfg(feature = "gpu")]
 use ::engine::mpm::{Points, Settings};
 use ::engine::point_contacts::PointContactTable;
@@ -31,6 +31,17 @@ pub(super) fn side(s: &MpmSpecimen, k: usize) -> WallSpec {
     smooth(point, normal)
 }
 
+/// The sides of a specimen at the start, as walls without friction: four, six, or of a cylinder its bottom, top and shell.
+pub fn platens(s: &MpmSpecimen, dimension: Dimension) -> Vec<WallSpec> {
+    if s.round {
+        let ([x, y, _], radius) = (s.base(), 0.5 * s.size[0]);
+        let shell = WallSpec { shape: WallShape::Cylinder { centre: [x, y], radius }, ..side(s, 4) };
+        return vec![side(s, 4), side(s, 5), shell];
+    }
+    let sides = if dimension == Dimension::Space { 6 } else { 4 };
+    (0..sides).map(|k| side(s, k)).collect()
+}
+
 /// The grains of the scene with the walls of its test: the listed walls of a free scene; else fixed sides and loading plates in
 /// the order x low, x high, y low, …, so that the loading plates are the last walls.
 pub fn mixture(model: &Model, rig: &MpmTest, coarse: &CoarseGrains, continuum: &mut Continuum, plates: &[LoadingPlate]) -> Mixture {
@@ -42,7 +53,7 @@ pub fn mixture(model: &Model, rig: &MpmTest, coarse: &CoarseGrains, continuum: &
     let walls = match &rig.test {
         Test::Free { .. } => coarse.walls.clone(),
         Test::Oedometer(s) if s.round => std::iter::once(side(s, 4)).chain(plates.iter().map(of)).collect(),
-        Test::Oedometer(s) => (0..5).map(|k| side(s, k)).chain(plates.iter().map(of)).collect(),
+        Test::Oedometer(s) => (0..2 * dimensions(rig) - 1).map(|k| side(s, k)).chain(plates.iter().map(of)).collect(),
         Test::Triaxial { .. } => plates.iter().map(of).collect(),
     };
     let scene = Assembly {
@@ -63,6 +74,8 @@ pub fn mixture(model: &Model, rig: &MpmTest, coarse: &CoarseGrains, continuum: &
             Some(crush) => blocks.with_breakage(crush),
             None => blocks,
         }));
+        // what bodies press with counts where a wall moves
+        mixture.grains.walls.iter_mut().rev().zip(plates).for_each(|(wall, _)| wall.drive = Drive::Programme);
     }
     mixture
 }

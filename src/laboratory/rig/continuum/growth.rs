@@ -283,7 +283,7 @@ impl Grown {
         };
         let density = model.physics.materials[usize::from(growth.fines.material)].density;
         let mut rig = rig.clone();
-        if let Test::Oedometer(s) | Test::Triaxial { specimen: s, .. } = &mut rig.test {
+        if let Some(s) = rig.test.specimen_mut() {
             *s = MpmSpecimen {
                 lower: self.lower,
                 size: self.size,

@@ -103,12 +103,16 @@ pub struct GrainMeasures {
     pub lowest: f64,
     /// Number of grains.
     pub count: usize,
+    /// Number of rigid bodies that are no spheres.
+    pub bodies: usize,
+    /// Their mass, kg.
+    pub body_mass: f64,
     /// Volume of the grains, m³.
     pub volume: f64,
     /// Mass of the grains, kg.
     pub mass: f64,
-    /// Void ratio with all solids, grains, points and what breakages have lost besides, -: of the space between the loading plates, in a
-    /// free scene of the volume of points and grains.
+    /// Void ratio with all solids, grains, rigid bodies, points and what breakages have lost besides, -: of the space between the loading plates, in a
+    /// free scene of the volume of points, grains and bodies.
     pub void_ratio: f64,
     /// Volume of pores over volume of solids by the volumes of the points, -; not a number without points.
     pub void_ratio_points: f64,
@@ -146,8 +150,12 @@ impl Moment {
         self.axial - self.lateral
     }
 
-    /// Mean stress (σ1 + 2 σ3)/3, Pa; in plane strain (`plane`) with the stress along z as the third one.
+    /// Mean stress (σ1 + 2 σ3)/3, Pa; in plane strain (`plane`) with the stress along z as the third one, and without points, where nothing has a stress across the plane,
+    /// (σ1 + σ3)/2.
     pub fn p(&self, plane: bool) -> f64 {
+        if plane && self.totals.mass == 0.0 {
+            return 0.5 * (self.axial + self.lateral);
+        }
         (self.axial + self.lateral + if plane { self.along_z } else { self.lateral }) / 3.0
     }
 }
@@ -247,9 +255,13 @@ impl State {
             // lost in breakages, and not in points since
             let lost = m.grains.lost.iter().map(|l| l.0).sum::<f64>() - m.fines.as_ref().map_or(0.0, |f| f.entered.mass);
             let lost_volume = if mass > 0.0 { lost * volume / mass } else { 0.0 };
+            // pieces keep the mass of their body, and so its volume of solids
+            let bodies = m.blocks.as_ref().map_or(0, |b| b.blocks.len());
+            let body_mass = m.blocks.as_ref().map_or(0.0, |b| b.mass_and_momentum().0);
+            let of_bodies: f64 = rig.coarse.as_ref().map_or(0.0, |c| c.solid_of_blocks());
             let box_volume = match rig.specimen() {
                 Some(s) => s.fullness() * self.extents_now(rig).iter().product::<f64>(),
-                None => totals.volume + volume,
+                None => totals.volume + volume + of_bodies,
             };
             GrainMeasures {
                 shares: m.shares(c, box_volume),
@@ -257,9 +269,11 @@ impl State {
                 kinetic: coarse[0],
                 lowest: g.pos.iter().map(|p| p[2] - p[3]).fold(f64::INFINITY, f64::min),
                 count: g.len(),
+                bodies,
+                body_mass,
                 volume,
                 mass,
-                void_ratio: box_volume / (solid + volume + lost_volume) - 1.0,
+                void_ratio: box_volume / (solid + volume + lost_volume + of_bodies) - 1.0,
                 void_ratio_points: by_points,
                 crush_events: m.crush_events(),
                 rates: [m.cycle.rates.grains, m.cycle.rates.continuum],

@@ -15,6 +15,7 @@ pub(crate) use account::{EnergyAccount, TERMS};
 pub(crate) use device::Device;
 pub use engine::Engine;
 pub use grains::Coupled;
+pub(crate) use grains::platens;
 pub(crate) use growth::{Growing, Grown, growing};
 pub(crate) use measure::{GrainMeasures, Moment};
 
@@ -33,7 +34,7 @@ const LOOK: u64 = 64;
 /// The phase of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// Triaxial test: the cell pressure rises to its value, and the specimen comes to rest.
+    /// Triaxial test: the cell pressure rises to its value, and the specimen comes to rest. Oedometer of rigid bodies: the top platen presses them to rest.
     Settle,
     /// The axial loading plates move; in a free scene the points.
     Load,
@@ -114,7 +115,7 @@ impl State {
         let mut state = State {
             mixture: None,
             plates,
-            phase: if matches!(rig.test, Test::Triaxial { .. }) { Phase::Settle } else { Phase::Load },
+            phase: if rig.settles() { Phase::Settle } else { Phase::Load },
             continuum,
             time: 0.0,
             phase_time: 0.0,
@@ -134,6 +135,9 @@ impl State {
         if let Some(coarse) = &rig.coarse {
             state.mixture = Some(Box::new(grains::mixture(model, rig, coarse, &mut state.continuum, &state.plates)));
         }
+        if let (Some(mixture), Some(bed)) = (&mut state.mixture, rig.specimen().and_then(|s| s.bed)) {
+            mixture.grains.friction = bed.friction;
+        }
         if model.records.account {
             state.open_account(rig)?;
         }
@@ -141,7 +145,7 @@ impl State {
         state.continuum.clear_external_forces();
         state.extents = state.extents_now(rig);
         if let Some(specimen) = rig.specimen() {
-            let speed = (rig.laws[usize::from(specimen.law)].under(specimen.stress).oedometric() / specimen.density).sqrt();
+            let speed = (rig.oedometric(specimen) / specimen.density).sqrt();
             let wave = specimen.size[dimensions(rig) - 1] / speed;
             // a rate that does not change with the inertia; what has to wait for waves waits for the slower ones
             state.rate = specimen.strain_per_wave / wave;
@@ -167,7 +171,7 @@ impl State {
         check::lengths("platens", made.plates.len(), [self.plates.len(), self.drift.len()])?;
         self.plates.iter().zip(&made.plates).try_for_each(|(plate, made)| plate.check(made))?;
         check::numbers("speeds of platens", &self.drift)?;
-        let settles = self.phase != Phase::Settle || matches!(rig.test, Test::Triaxial { .. });
+        let settles = self.phase != Phase::Settle || rig.settles();
         let same = self.wave == made.wave && self.rate == made.rate;
         ensure(settles && same, || "phase or speed of the test are not those of the scene".into())?;
         check::not_negative("times", [self.time, self.phase_time])?;
@@ -254,10 +258,7 @@ impl State {
                 }
                 Ok(())
             }
-            Test::Oedometer(specimen) => {
-                self.compress(rig, specimen);
-                Ok(())
-            }
+            Test::Oedometer(specimen) => self.compress(rig, specimen),
             Test::Triaxial { specimen, cell_pressure, drainage } => self.shear(rig, specimen, *cell_pressure, *drainage),
         }
     }

@@ -15,6 +15,8 @@ const DRIFT: f64 = 4.0;
 const RAMP: f64 = 5.0;
 /// Largest difference of the stress on a side from the cell pressure, over the cell pressure, at rest.
 const AT_REST: f64 = 0.005;
+/// Mean resultant on a rigid body over the mean force of a contact at rest.
+const UNBALANCED: f64 = 0.01;
 /// Wave times after which rest is first looked for.
 const REST: f64 = 5.0;
 /// Wave times after which a specimen that does not come to rest is given up.
@@ -186,17 +188,80 @@ impl State {
         PlateDrive::Speed(Ramp { value, slope: part * (end / rise), end: part * end })
     }
 
-    /// Sets the motion for an oedometer: the top loading plate comes down. A shell moves inwards by the growth of its contacts'
+    /// Sets the motion for an oedometer: the top loading plate comes down, in [`Phase::Settle`] under servo. A shell moves inwards by the growth of its contacts'
     /// overlap, so that the material keeps its width.
-    pub(super) fn compress(&mut self, rig: &MpmTest, s: &MpmSpecimen) {
-        if self.axial_strain(rig) >= s.axial_strain {
+    ///
+    /// # Errors
+    /// Rigid bodies that do not come to rest.
+    pub(super) fn compress(&mut self, rig: &MpmTest, s: &MpmSpecimen) -> Result<()> {
+        let axial = match s.bed.filter(|_| self.phase == Phase::Settle) {
+            Some(bed) => {
+                let target = self.settle(rig, s, bed.stress)?;
+                // at rest it begins to come down at once
+                if self.phase == Phase::Settle { self.servo(s, target) } else { self.axial(rig, 1.0) }
+            }
+            None => self.axial(rig, 1.0),
+        };
+        if self.phase == Phase::Load && self.axial_strain(rig) >= s.axial_strain {
             self.phase = Phase::Done;
         }
         let wider = self.extents_now(rig)[0] - self.extents[0];
-        let (axial, keeps) = (self.axial(rig, 1.0), PlateDrive::Speed(Ramp::constant(0.5 * wider / (DRIFT * self.wave))));
+        let keeps = PlateDrive::Speed(Ramp::constant(0.5 * wider / (DRIFT * self.wave)));
         for (drive, plate) in self.drives.iter_mut().zip(&self.plates) {
             *drive = if plate.radius.is_some() { keeps } else { axial };
         }
+        Ok(())
+    }
+
+    /// Motion of a loading plate that holds `target`, Pa.
+    fn servo(&self, s: &MpmSpecimen, target: Ramp) -> PlateDrive {
+        PlateDrive::Stress { target, gain: s.gain, reach: 0.5 * LATERAL * self.rate, memory: DRIFT * self.wave }
+    }
+
+    /// The stress to be held while the specimen settles: it rises to `stress`, Pa. Where the loading plates bear it and nothing moves any more, loading begins; where the friction of
+    /// the preparation holds, that of the materials takes its place first.
+    ///
+    /// # Errors
+    /// A specimen that does not come to rest.
+    fn settle(&mut self, rig: &MpmTest, s: &MpmSpecimen, stress: f64) -> Result<Ramp> {
+        let d = dimensions(rig);
+        let rise = (stress - s.stress).abs() / (rig.oedometric(s) * self.rate);
+        let target = match self.phase {
+            Phase::Settle if self.phase_time < rise => {
+                let slope = (stress - s.stress) / rise;
+                Ramp { value: s.stress + slope * self.phase_time, slope, end: stress }
+            }
+            _ => Ramp::constant(stress),
+        };
+        if self.phase != Phase::Settle || self.phase_time <= rise + REST * self.wave {
+            return Ok(target);
+        }
+        let all = self.sides(rig);
+        let sides = if matches!(rig.test, Test::Oedometer(_)) { &all[2 * d - 2..2 * d] } else { &all[..2 * d] };
+        let unbalanced = self.blocks().filter(|_| s.bed.is_some()).map_or(0.0, |blocks| blocks.unbalanced_ratio());
+        if sides.iter().all(|side| (side / stress - 1.0).abs() < AT_REST) && unbalanced < UNBALANCED {
+            let prepared = self.mixture.as_mut().and_then(|m| m.grains.friction.take()).is_some();
+            if prepared {
+                self.phase_time = rise;
+            } else {
+                (self.phase, self.phase_time, self.extents) = (Phase::Load, 0.0, self.extents_now(rig));
+            }
+        } else if self.phase_time > rise + PATIENCE * self.wave {
+            let stresses: Vec<String> = sides.iter().map(|s| format!("{:.2}", 1e-3 * s)).collect();
+            let of_bodies = if s.bed.is_some() {
+                format!(", and the mean resultant on a body is {unbalanced:.4} of a contact's force, where {UNBALANCED} is rest")
+            } else {
+                String::new()
+            };
+            let what = format!(
+                "the specimen did not come to rest at {} of {:.2} kPa: its sides bear {} kPa{of_bodies}; raise damping.local",
+                if matches!(rig.test, Test::Oedometer(_)) { "the seating stress" } else { "the cell pressure" },
+                1e-3 * stress,
+                stresses.join(", ")
+            );
+            return Err(Error::Stalled { step: self.continuum.steps(), what });
+        }
+        Ok(target)
     }
 
     /// Sets the motion for a triaxial test. In [`Phase::Settle`] all loading plates hold the cell pressure, which rises to its
@@ -206,32 +271,11 @@ impl State {
     /// A specimen that does not come to rest at the cell pressure.
     pub(super) fn shear(&mut self, rig: &MpmTest, s: &MpmSpecimen, cell: f64, drainage: Drainage) -> Result<()> {
         let (d, extents) = (dimensions(rig), self.extents_now(rig));
-        let modulus = rig.laws[usize::from(s.law)].under(s.stress).oedometric();
-        let rise = (cell - s.stress).abs() / (modulus * self.rate);
-        let target = match self.phase {
-            Phase::Settle if self.phase_time < rise => {
-                Ramp { value: s.stress + (cell - s.stress) * (self.phase_time / rise), slope: (cell - s.stress) / rise, end: cell }
-            }
-            _ => Ramp::constant(cell),
-        };
-        if self.phase == Phase::Settle && self.phase_time > rise + REST * self.wave {
-            let sides = self.sides(rig);
-            if sides[..2 * d].iter().all(|side| (side / cell - 1.0).abs() < AT_REST) {
-                (self.phase, self.phase_time, self.extents) = (Phase::Load, 0.0, extents);
-            } else if self.phase_time > rise + PATIENCE * self.wave {
-                let stresses: Vec<String> = sides[..2 * d].iter().map(|s| format!("{:.2}", 1e-3 * s)).collect();
-                let what = format!(
-                    "the specimen did not come to rest at the cell pressure of {:.2} kPa: its sides bear {} kPa; raise damping.local",
-                    1e-3 * cell,
-                    stresses.join(", ")
-                );
-                return Err(Error::Stalled { step: self.continuum.steps(), what });
-            }
-        }
+        let target = self.settle(rig, s, cell)?;
         if self.phase == Phase::Load && self.axial_strain(rig) >= s.axial_strain {
             self.phase = Phase::Done;
         }
-        let servo = PlateDrive::Stress { target, gain: s.gain, reach: 0.5 * LATERAL * self.rate, memory: DRIFT * self.wave };
+        let servo = self.servo(s, target);
         let axial = if self.phase == Phase::Settle { servo } else { self.axial(rig, 0.5) };
         let keeps = self.phase != Phase::Settle && drainage == Drainage::ConstantVolume;
         for k in 0..self.drives.len() {
