@@ -14,4 +14,5 @@ mod plane;
 mod scene;
 mod specimen;
 mod statics;
+mod superquadrics;
 mod typed;
