@@ -15,4 +15,5 @@ mod platens;
 mod scene;
 mod specimen;
 mod statics;
+mod superquadrics;
 mod typed;

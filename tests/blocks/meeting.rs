@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// A rock of eight corners in space as TOML.
-fn rock(random: &mut ChaCha8Rng, at: [f64; 3], more: &str) -> String {
+pub fn rock(random: &mut ChaCha8Rng, at: [f64; 3], more: &str) -> String {
     let mut points = Vec::new();
     for k in 0..8 {
         for a in 0..3 {

@@ -214,7 +214,7 @@ fn what_is_no_sheet_is_refused() {
         (
             "shape = \"box\"\nsize_mm = [20.0, 24.0, 18.0]",
             "shape = \"superquadric\"\nblockiness = [4.0, 4.0]\nsize_mm = [20.0, 24.0, 18.0]",
-            "contacts of superquadrics with other blocks are not computed",
+            "contacts of superquadrics with meshes and compounds are not computed",
         ),
         ("[grid]\n", "[grid]\nplane_strain = true\n", "must be \"polygon\" in plane strain"),
     ] {

@@ -269,8 +269,8 @@ fn bodies_that_cannot_be_are_refused() {
         command.assert().code(2).stderr(predicates::str::contains(says));
     }
     let mut command = comminute("check");
-    command.args(["experiments/mixture/rocks_drop.toml", "--set", "block[1].position_mm=[80.0, 50.0, 75.0]"]);
-    command.assert().code(2).stderr(predicates::str::contains("contacts of superquadrics with other blocks are not computed"));
+    command.args(["experiments/mixture/rocks_drop.toml", "--set", "block[1].position_mm=[62.0, 48.0, 74.0]"]);
+    command.assert().code(2).stderr(predicates::str::contains("must be further from block 0: they overlap"));
     let told = comminute("check").args(["experiments/mixture/rocks_drop.toml"]).assert().success();
     let told = String::from_utf8_lossy(&told.get_output().stderr).to_string();
     assert!(told.contains("block 0         polyhedron of Li coarse") && told.contains("block 1         superquadric"), "{told}");

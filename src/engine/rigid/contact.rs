@@ -332,8 +332,8 @@ pub(super) struct PosedBlock<'a> {
 }
 
 /// All bodies, `ahead` seconds from now.
-pub(super) fn posed<'a>(blocks: &'a [Block], outlines: &'a [Option<Outline>], ahead: f64) -> Vec<PosedBlock<'a>> {
-    blocks.iter().zip(outlines).map(|(block, outline)| PosedBlock::new(block, outline.as_ref(), ahead)).collect()
+pub(super) fn posed<'a>(blocks: &'a [Block], outlines: &'a [Outline], ahead: f64) -> Vec<PosedBlock<'a>> {
+    blocks.iter().zip(outlines).map(|(block, outline)| PosedBlock::new(block, Some(outline), ahead)).collect()
 }
 
 /// The other side of a contact that touches, as the contact law needs it.
@@ -438,7 +438,9 @@ fn across(scene: &BlockScene<'_>, bodies: &[PosedBlock<'_>], c: &BlockContact) -
         }
         Other::Block { block, site } => {
             let other = &bodies[block as usize];
-            let Meeting { overlap: Overlap { normal, depth: overlap, at }, ends, borders } = meeting(body, other, site, c.facet)?;
+            let was = (c.touch.overlap > 0.0).then_some(c.touch.normal);
+            let Meeting { overlap: Overlap { normal, depth: overlap, at }, ends, borders } =
+                meeting(body, other, (site, c.facet), was, 0.0)?;
             if overlap <= 0.0 {
                 return None;
             }

@@ -30,8 +30,8 @@ impl Blocks {
         let bodies = posed(&self.blocks, &self.outlines, 0.0);
         let mut laps = Vec::new();
         for [i, j] in self.near(gap) {
-            for (site, facet) in sites(&bodies[i], &bodies[j], gap) {
-                let Some(overlap) = meeting(&bodies[i], &bodies[j], site, facet).map(|m| m.overlap) else { continue };
+            for site in sites(&bodies[i], &bodies[j], gap) {
+                let Some(overlap) = meeting(&bodies[i], &bodies[j], site, None, gap).map(|m| m.overlap) else { continue };
                 let depth = overlap.depth + gap;
                 if depth > 0.0 {
                     laps.push(Lap { block: i, other: Some(j), normal: overlap.normal, depth, at: overlap.at });

@@ -36,28 +36,37 @@ impl Block {
 }
 
 impl Block {
-    /// Deepest overlap with another body, m; negative if they are apart, infinite if it is deeper than the edges of both are round (of compounds part by part) or a sheet cuts the other. 0 for superquadrics, whose contacts
-    /// with bodies are not computed.
+    /// Whether contacts with another body are known: a superquadric touches neither meshes nor compounds.
+    pub fn touches(&self, other: &Block) -> bool {
+        Outline::of(&self.shape).touches(&Outline::of(&other.shape))
+    }
+
+    /// Deepest overlap with another body, m; negative if they are apart, infinite if it is deeper than the edges of both are round (of compounds part by part) or a sheet cuts the other. 0 for superquadrics with meshes and compounds, whose
+    /// contacts are not computed.
     pub fn overlap(&self, other: &Block) -> f64 {
         let [a, b] = [self, other].map(|b| Outline::of(&b.shape));
-        let (first, second) = (PosedBlock::new(self, a.as_ref(), 0.0), PosedBlock::new(other, b.as_ref(), 0.0));
-        let (Some(a), Some(b)) = (&a, &b) else { return 0.0 };
+        let (first, second) = (PosedBlock::new(self, Some(&a), 0.0), PosedBlock::new(other, Some(&b), 0.0));
+        if !a.touches(&b) {
+            return 0.0;
+        }
         let corners =
             |of: &Outline, body: &PosedBlock<'_>| of.body.corners().iter().map(|c| body.pose.place(*c)).collect::<Vec<_>>();
         let cut = match (a.body.sheet(), b.body.sheet()) {
             (None, None) => {
-                let [a, b] = [(a, &first), (b, &second)].map(|(of, body)| placed(&of.body.parts(), body));
+                let [a, b] = [(&a, &first), (&b, &second)].map(|(of, body)| placed(&of.body.parts(), body));
                 a.iter().any(|p| b.iter().any(|q| p.cuts(q)))
             }
-            (Some(sheet), None) => cuts(sheet, &first, &corners(b, &second)),
-            (None, Some(sheet)) => cuts(sheet, &second, &corners(a, &first)),
+            (Some(sheet), None) => cuts(sheet, &first, &corners(&b, &second)),
+            (None, Some(sheet)) => cuts(sheet, &second, &corners(&a, &first)),
             (Some(_), Some(_)) => false,
         };
         if cut {
             return f64::INFINITY;
         }
-        let overlap = |(site, facet)| meeting(&first, &second, site, facet).map_or(f64::NEG_INFINITY, |m| m.overlap.depth);
-        sites(&first, &second, 0.0).into_iter().map(overlap).fold(f64::NEG_INFINITY, f64::max)
+        let overlap = |site| meeting(&first, &second, site, None, 0.0).map_or(f64::NEG_INFINITY, |m| m.overlap.depth);
+        let deepest = sites(&first, &second, 0.0).into_iter().map(overlap).fold(f64::NEG_INFINITY, f64::max);
+        let smooth = a.body.is_smooth() || b.body.is_smooth();
+        if smooth && deepest >= a.body.rounding() + b.body.rounding() { f64::INFINITY } else { deepest }
     }
 }
 

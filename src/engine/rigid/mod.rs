@@ -6,7 +6,7 @@
 //!
 //! A wall touches *spots* of a body: its corners, or the one point of a superquadric that is nearest to the wall. Each spot is a contact of its own
 //! with R* of the sphere that has the body's volume. Two bodies touch at corners and at edges that cross (`pair.rs`), each a contact with R* of two such spheres.
-//! A superquadric has no corners; one that comes close to another body is an error.
+//! A superquadric has no corners: it touches another convex body where both are nearest. One that comes close to a mesh or a compound is an error.
 //!
 //! A sheet of triangles ([`crate::shape::Sheet`]) is a driven body without mass. What touches it has a contact with each facet, and on its way from facet to facet the contact
 //! that begins takes over the history of the one that ends.
@@ -141,7 +141,7 @@ pub struct Blocks {
     applied: Vec<[[f64; 3]; 2]>,
     /// What other bodies touch of each body; made when it is first needed.
     #[serde(skip)]
-    outlines: Vec<Option<Outline>>,
+    outlines: Vec<Outline>,
     /// Buffers: index by identity, of grains and of points.
     #[serde(skip)]
     index: [Vec<u32>; 2],

@@ -15,7 +15,7 @@
 
 use super::contact::PosedBlock;
 use crate::math::vector::{cross, dot, less, plus, scaled};
-use crate::shape::{Meet, Nearest, Rounded, Shape};
+use crate::shape::{Meet, Nearest, PlacedSmooth, Rounded, Shape, Tangent, apart, tangent};
 use serde::{Deserialize, Serialize};
 
 /// A part of each of two bodies that may touch. Numbers are those of corners and edges of their hulls.
@@ -27,6 +27,8 @@ pub enum Site {
     CornerOfSecond(u32),
     /// An edge of each.
     Edges([u32; 2]),
+    /// The nearest points of the two, of which one is a superquadric.
+    Nearest,
 }
 
 /// What other bodies touch of a body, in its frame.
@@ -39,11 +41,17 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// The outline of a shape; `None` for one without corners.
-    pub fn of(shape: &Shape) -> Option<Outline> {
-        let body = shape.rounded()?;
+    /// The outline of a shape.
+    pub fn of(shape: &Shape) -> Outline {
+        let body = shape.rounded();
         let edges = body.edges();
-        Some(Outline { body, edges })
+        Outline { body, edges }
+    }
+
+    /// Whether contacts of the two are known: a superquadric touches convex bodies in space only.
+    pub fn touches(&self, other: &Outline) -> bool {
+        let convex = |of: &Outline| of.body.core([1.0, 0.0, 0.0]).is_some();
+        (!self.body.is_smooth() || convex(other)) && (!other.body.is_smooth() || convex(self))
     }
 }
 
@@ -79,14 +87,25 @@ pub(super) const DEEPEST: f64 = 0.9;
 /// Squares of the sine of the angle between edges below which they count as parallel.
 const PARALLEL: f64 = 1e-12;
 
-/// The two bodies at `site`, with a gap of any size; `None` where edges are nearest beyond one of their ends, where a corner touches instead, and where a sheet does not
-/// act. `facet`: that of a sheet on which a corner lies.
-pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Site, facet: u32) -> Option<Meeting> {
+/// The two bodies at `site`; `None` where a gap is larger than `gap`, m (not all of those are left out), edges are nearest beyond one of their ends, where a corner touches instead, and where a sheet does not
+/// act. `facet`: that of a sheet on which a corner lies; `was`: the normal of a moment ago, if they touched there.
+pub(super) fn meeting(
+    first: &PosedBlock<'_>,
+    second: &PosedBlock<'_>,
+    (site, facet): (Site, u32),
+    was: Option<[f64; 3]>,
+    gap: f64,
+) -> Option<Meeting> {
     let (a, b) = (first.outline?, second.outline?);
     match site {
+        Site::Nearest if a.body.is_smooth() || b.body.is_smooth() => {
+            let overlap = nearest(first, second, [a, b], was, gap)?;
+            Some(Meeting { overlap, ends: None, borders: Vec::new() })
+        }
+        Site::Nearest => None,
         Site::CornerOfFirst(k) => {
             let (corner, radius) = (first.pose.place(*a.body.corners().get(k as usize)?), a.body.corner_radius(k as usize));
-            let Meet { nearest, borders } = b.body.meet(facet, second.pose.within(corner), radius)?;
+            let Meet { nearest, borders } = b.body.meet(facet, second.pose.within(corner), radius + gap)?;
             let overlap = |nearest: &Nearest| {
                 let (normal, depth) = (second.pose.outwards(nearest.normal).map(|x| -x), radius - nearest.distance);
                 Overlap { normal, depth, at: plus(corner, scaled(normal, radius - 0.5 * depth)) }
@@ -98,7 +117,7 @@ pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Sit
         }
         Site::CornerOfSecond(k) => {
             let (corner, radius) = (second.pose.place(*b.body.corners().get(k as usize)?), b.body.corner_radius(k as usize));
-            let Meet { nearest, borders } = a.body.meet(facet, first.pose.within(corner), radius)?;
+            let Meet { nearest, borders } = a.body.meet(facet, first.pose.within(corner), radius + gap)?;
             let overlap = |nearest: &Nearest| {
                 let (normal, depth) = (first.pose.outwards(nearest.normal), radius - nearest.distance);
                 Overlap { normal, depth, at: less(corner, scaled(normal, radius - 0.5 * depth)) }
@@ -133,6 +152,54 @@ pub(super) fn meeting(first: &PosedBlock<'_>, second: &PosedBlock<'_>, site: Sit
             acts.then(|| Meeting { overlap, ends: (overlap.depth > 0.0).then(ends), borders: Vec::new() })
         }
     }
+}
+
+/// Share of the square of the distance of two cores within which Newton's method is given a start.
+const ROUGH: f64 = 1e-2;
+
+/// The overlap of two convex bodies, one of them a superquadric, where they are nearest, if it is no gap of more than `gap`, m. `was`: the normal of a moment ago, if they touched. Cores that cut each other overlap by
+/// both radii, along the line between the centres.
+fn nearest(
+    first: &PosedBlock<'_>,
+    second: &PosedBlock<'_>,
+    [a, b]: [&Outline; 2],
+    was: Option<[f64; 3]>,
+    gap: f64,
+) -> Option<Overlap> {
+    let [r, s] = [a.body.rounding(), b.body.rounding()];
+    let away = less(second.pose.centre, first.pose.centre);
+    let both = match (&a.body, &b.body) {
+        (Rounded::Smooth(p), Rounded::Smooth(q)) => Some((
+            PlacedSmooth { smooth: p, centre: [0.0; 3], axes: first.pose.axes },
+            PlacedSmooth { smooth: q, centre: away, axes: second.pose.axes },
+        )),
+        _ => None,
+    };
+    let by_newton = |start: [f64; 3]| {
+        let (p, q) = both?;
+        let Tangent { normal, depth, at } = tangent(p, q, start)?;
+        Some(Overlap { normal, depth, at: plus(first.pose.centre, at) })
+    };
+    if let Some(found) = was.and_then(by_newton) {
+        return Some(found);
+    }
+    let length = dot(away, away).sqrt();
+    let start = was.unwrap_or_else(|| if length > 0.0 { scaled(away, 1.0 / length) } else { [1.0, 0.0, 0.0] });
+    // places from the centre of the first
+    let core = |of: &Outline, body: &PosedBlock<'_>, towards: [f64; 3]| {
+        body.pose.outwards(of.body.core(body.pose.inwards(towards)).unwrap_or_default())
+    };
+    let cores = |rough: f64| apart(|n| core(a, first, n), |n| plus(away, core(b, second, n)), start, [r + s + gap, rough]);
+    if both.is_some() {
+        let about = cores(ROUGH)?;
+        if let Some(found) = by_newton(about.normal) {
+            return Some(found);
+        }
+    }
+    let found = cores(0.0)?;
+    let depth = r + s - found.distance;
+    let on_first = plus(first.pose.centre, found.on_first);
+    Some(Overlap { normal: found.normal, depth, at: plus(on_first, scaled(found.normal, r - 0.5 * depth)) })
 }
 
 /// The overlap of two spheres at these centres, m; `across`: the normal if they are at one place.
@@ -178,7 +245,7 @@ pub(super) fn corner_on_facets<'a>(
     let (k, of, on) = match site {
         Site::CornerOfFirst(k) => (k, first, second),
         Site::CornerOfSecond(k) => (k, second, first),
-        Site::Edges(_) => return None,
+        Site::Edges(_) | Site::Nearest => return None,
     };
     let body = &of.outline?.body;
     let corner = *body.corners().get(k as usize)?;
@@ -224,6 +291,11 @@ pub(super) fn sites(first: &PosedBlock<'_>, second: &PosedBlock<'_>, skin: f64) 
         let away = less(x, body.pose.centre);
         dot(away, away) < far * far
     };
+    if a.body.is_smooth() || b.body.is_smooth() {
+        let far = a.body.reach() + b.body.reach() + skin;
+        let found = near(second.pose.centre, first, far).then(|| nearest(first, second, [a, b], None, skin)).flatten();
+        return found.map(|_| (Site::Nearest, 0)).into_iter().collect();
+    }
     let mut found = Vec::new();
     // of a sheet only what is near the other body
     let sharp = |body: &PosedBlock<'_>, of: &Outline, other: &PosedBlock<'_>, on: &Outline| -> [Vec<u32>; 2] {

@@ -16,7 +16,7 @@ impl Blocks {
     /// else may have come closer since the last call, m.
     ///
     /// # Errors
-    /// A superquadric near another body; bodies that are deep in each other.
+    /// A superquadric near a mesh or a compound; bodies that are deep in each other.
     pub fn update(&mut self, grains: &Grains, walls: &[Wall], continuum: &Continuum, way: f64) -> Result<()> {
         let alive = [grains.len(), continuum.points().len()];
         self.outline();
@@ -53,7 +53,7 @@ impl Blocks {
 
     /// Checks that no body is so deep in another that the direction of their force would be lost, and that nothing is about to pass through a sheet.
     fn passable(&self, continuum: &Continuum) -> Result<()> {
-        let (step, radius) = (continuum.steps(), |k: u32| self.outlines[k as usize].as_ref().map_or(0.0, |o| o.body.rounding()));
+        let (step, radius) = (continuum.steps(), |k: u32| self.outlines[k as usize].body.rounding());
         let sheet = |c: &BlockContact| self.blocks[c.block as usize].solid().sheet().map(|sheet| sheet.rounding());
         // largest overlap
         let most = |c: &BlockContact| match c.other {
@@ -127,9 +127,9 @@ impl Blocks {
         let bodies = posed(&self.blocks, &self.outlines, 0.0);
         for [i, j] in self.near(skin) {
             let (first, second) = (&bodies[i], &bodies[j]);
-            if first.outline.is_none() || second.outline.is_none() {
+            if !self.outlines[i].touches(&self.outlines[j]) {
                 let what = format!(
-                    "blocks {i} and {j} come within reach of each other; contacts of superquadrics with other blocks are not computed"
+                    "blocks {i} and {j} come within reach of each other; contacts of superquadrics with meshes and compounds are not computed"
                 );
                 return Err(Error::Failed { step: continuum.steps(), what });
             }

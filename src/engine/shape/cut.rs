@@ -28,7 +28,7 @@ impl Shape {
     /// The two pieces on the sides of the plane n·x = `offset`, m, in the frame of the body, the one on the side of the unit vector `normal` last. `None`: the plane
     /// leaves no hull with a volume on one of its sides, or the body is none that can be cut (a superquadric, a mesh, a compound, a disc).
     pub fn cut(&self, normal: [f64; 3], offset: f64) -> Option<[Fragment; 2]> {
-        let rounded = self.rounded()?;
+        let rounded = self.rounded();
         let side = |sign: f64| rounded.beyond(scaled(normal, -sign), -sign * offset);
         Some([side(1.0)?, side(-1.0)?])
     }
@@ -37,7 +37,7 @@ impl Shape {
 impl Shape {
     /// Whether a shape that comes from outside is one that can be made: numbers, corners that there are, a volume.
     pub(crate) fn is_sound(&self) -> bool {
-        let Some(rounded) = self.rounded() else { return false };
+        let rounded = self.rounded();
         let bulk = self.solid().bulk();
         let numbers = rounded.corners().iter().flatten().chain(&bulk.moments);
         let faces = match &rounded {
@@ -47,7 +47,7 @@ impl Shape {
                     && hull.faces.iter().all(|f| fits(f) && f.normal.iter().chain([&f.offset]).all(|x| x.is_finite()))
             }
             Rounded::Ring(ring) => ring.corners.len() > 2,
-            Rounded::Sheet(..) | Rounded::Union(_) => false,
+            Rounded::Sheet(..) | Rounded::Union(_) | Rounded::Smooth(_) => false,
         };
         faces && numbers.copied().all(f64::is_finite) && bulk.volume > 0.0 && rounded.rounding() >= 0.0 && rounded.reach() > 0.0
     }
@@ -77,7 +77,7 @@ impl Rounded {
                 let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
                 Some(Fragment { shape: Shape::Polygon(polygon), centre: [x, y, 0.0], axes })
             }
-            Rounded::Sheet(..) | Rounded::Union(_) => None,
+            Rounded::Sheet(..) | Rounded::Union(_) | Rounded::Smooth(_) => None,
         }
     }
 }

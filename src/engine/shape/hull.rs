@@ -57,6 +57,18 @@ impl Hull {
         Hull { faces: faces.collect(), corners, rounding, reach }
     }
 
+    /// The corner that is furthest along a direction; of several the first.
+    pub fn furthest(&self, towards: [f64; 3]) -> [f64; 3] {
+        let mut best = (f64::NEG_INFINITY, [0.0; 3]);
+        for corner in &self.corners {
+            let along = dot(*corner, towards);
+            if along > best.0 {
+                best = (along, *corner);
+            }
+        }
+        best.1
+    }
+
     /// The ends of each edge, lower index first, in their order, with the normals of its two faces. Lines between triangles of one flat face are left out.
     pub fn edges(&self) -> Vec<([u32; 2], [[f64; 3]; 2])> {
         let mut sides: BTreeMap<[u32; 2], Vec<[f64; 3]>> = BTreeMap::new();
@@ -94,6 +106,12 @@ impl Hull {
             let triangle = Triangle::new(a, b, c);
             intersection_test(&Pose::IDENTITY, &solid, &Pose::IDENTITY, &triangle).is_ok_and(|found| found.intersecting)
         })
+    }
+
+    /// Whether a position is certainly further from the rounded surface than `within`, m: it is so from the plane of a face. Rounding does not matter.
+    pub fn is_beyond(&self, at: [f64; 3], within: f64) -> bool {
+        let far = (within + self.rounding) * (1.0 + 1e-9);
+        self.faces.iter().any(|face| dot(face.normal, at) - face.offset > far)
     }
 
     /// The nearest point on the triangles in front of which the position lies. Parry's projection on a triangle uses + − × ÷ only.

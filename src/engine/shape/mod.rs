@@ -4,6 +4,7 @@
 //! the surface is needed, and by walls, for which the [spots](Solid::spot) of the body that can touch a plane are needed. Results are computed with
 //! + − × ÷ √ or with functions made of these (`crate::math::portable`), so that they have the same bits on every machine.
 
+mod apart;
 mod compound;
 mod cuboid;
 mod cut;
@@ -15,8 +16,11 @@ mod polyhedron;
 mod ring;
 mod sheet;
 mod sieve;
+mod smooth;
 mod superquadric;
+mod tangent;
 
+pub use apart::{Apart, apart};
 pub use compound::{Compound, Convex, Frame, MOST_PARTS, Part, Piece, PlacedCompound, Union};
 pub use cuboid::Cuboid;
 pub use cut::Fragment;
@@ -26,7 +30,9 @@ pub use polygon::Polygon;
 pub use polyhedron::{Placed, Polyhedron};
 pub use ring::{Ring, convex_ring};
 pub use sheet::{MOST_TRIANGLES, Sheet, welded};
+pub use smooth::Smooth;
 pub use superquadric::Superquadric;
+pub use tangent::{PlacedSmooth, Tangent, tangent};
 
 use serde::{Deserialize, Serialize};
 
@@ -145,6 +151,8 @@ pub enum Rounded {
     Sheet(Sheet, Vec<[f64; 3]>),
     /// Several hulls or rings.
     Union(Union),
+    /// A superquadric, which has no corners.
+    Smooth(Smooth),
 }
 
 impl Rounded {
@@ -155,6 +163,7 @@ impl Rounded {
             Rounded::Ring(ring) => &ring.corners,
             Rounded::Sheet(_, corners) => corners,
             Rounded::Union(union) => &union.corners,
+            Rounded::Smooth(_) => &[],
         }
     }
 
@@ -165,6 +174,7 @@ impl Rounded {
             Rounded::Ring(ring) => ring.rounding,
             Rounded::Sheet(sheet, _) => sheet.rounding(),
             Rounded::Union(union) => union.roundings()[0],
+            Rounded::Smooth(smooth) => smooth.rounding,
         }
     }
 
@@ -190,16 +200,19 @@ impl Rounded {
             Rounded::Ring(ring) => ring.reach,
             Rounded::Sheet(sheet, _) => sheet.reach(),
             Rounded::Union(union) => union.reach,
+            Rounded::Smooth(smooth) => smooth.reach,
         }
     }
 
-    /// Where a sphere at a position meets facet `facet` ([`Solid::meet`]); of a convex surface the nearest point, however far.
+    /// Where a sphere at a position meets facet `facet` ([`Solid::meet`]); of a convex surface the nearest point, `None` only where that is further than `within`, m.
     pub fn meet(&self, facet: u32, at: [f64; 3], within: f64) -> Option<Meet> {
         let nearest = match self {
+            Rounded::Hull(hull) if hull.is_beyond(at, within) => return None,
             Rounded::Hull(hull) => hull.nearest(at),
             Rounded::Ring(ring) => ring.nearest(at),
             Rounded::Sheet(sheet, _) => return sheet.meet(facet, at, within),
             Rounded::Union(union) => return union.meet(facet, at, within),
+            Rounded::Smooth(_) => return None,
         };
         Some(Meet { nearest, borders: Vec::new() })
     }
@@ -207,7 +220,7 @@ impl Rounded {
     /// Numbers of the facets that are nearer to a position than `within`, m.
     pub fn facets_near(&self, at: [f64; 3], within: f64) -> Vec<u32> {
         let near = match self {
-            Rounded::Hull(hull) => hull.nearest(at).distance < within,
+            Rounded::Hull(hull) => !hull.is_beyond(at, within) && hull.nearest(at).distance < within,
             Rounded::Ring(ring) => ring.nearest(at).distance < within,
             Rounded::Sheet(sheet, _) => {
                 let mut found = Vec::new();
@@ -219,8 +232,23 @@ impl Rounded {
                 union.facets_near(at, within, &mut found);
                 return found;
             }
+            Rounded::Smooth(_) => false,
         };
         if near { vec![0] } else { Vec::new() }
+    }
+
+    /// Whether it is a superquadric.
+    pub fn is_smooth(&self) -> bool {
+        matches!(self, Rounded::Smooth(_))
+    }
+
+    /// Point that is furthest along the unit vector `towards` of what the sphere is swept over; `None` of a body that is not convex or lies in the plane.
+    pub fn core(&self, towards: [f64; 3]) -> Option<[f64; 3]> {
+        match self {
+            Rounded::Smooth(smooth) => Some(smooth.core(towards)),
+            Rounded::Hull(hull) => Some(hull.furthest(towards)),
+            Rounded::Ring(_) | Rounded::Sheet(..) | Rounded::Union(_) => None,
+        }
     }
 
     /// The shape as a sheet, if it is one.
@@ -243,7 +271,7 @@ impl Rounded {
         match self {
             Rounded::Sheet(sheet, _) => sheet.passes(from, to, at, within),
             Rounded::Union(union) => union.passes(from, to, at, within),
-            Rounded::Hull(_) | Rounded::Ring(_) => false,
+            Rounded::Hull(_) | Rounded::Ring(_) | Rounded::Smooth(_) => false,
         }
     }
 
@@ -252,7 +280,7 @@ impl Rounded {
         match self {
             Rounded::Ring(ring) => ring.corners.len() == 1,
             Rounded::Union(union) => union.is_disc(k),
-            Rounded::Hull(_) | Rounded::Sheet(..) => false,
+            Rounded::Hull(_) | Rounded::Sheet(..) | Rounded::Smooth(_) => false,
         }
     }
 
@@ -261,17 +289,17 @@ impl Rounded {
         match self {
             Rounded::Ring(ring) => ring.corners.len() == 1,
             Rounded::Union(union) => union.facet_is_disc(facet),
-            Rounded::Hull(_) | Rounded::Sheet(..) => false,
+            Rounded::Hull(_) | Rounded::Sheet(..) | Rounded::Smooth(_) => false,
         }
     }
 
-    /// Its convex parts, without what is round; none of a sheet.
+    /// Its convex parts with corners, without what is round; none of a sheet and of a superquadric.
     pub fn parts(&self) -> Vec<Part> {
         match self {
             Rounded::Hull(hull) => vec![Part::of(Convex::Hull(hull.clone()))],
             Rounded::Ring(ring) => vec![Part::of(Convex::Ring(ring.clone()))],
             Rounded::Union(union) => union.parts.clone(),
-            Rounded::Sheet(..) => Vec::new(),
+            Rounded::Sheet(..) | Rounded::Smooth(_) => Vec::new(),
         }
     }
 
@@ -279,7 +307,7 @@ impl Rounded {
     pub fn edges(&self) -> Vec<[[f64; 3]; 2]> {
         match self {
             Rounded::Hull(hull) => hull.edges().iter().map(|(ends, _)| ends.map(|k| hull.corners[k as usize])).collect(),
-            Rounded::Ring(_) => Vec::new(),
+            Rounded::Ring(_) | Rounded::Smooth(_) => Vec::new(),
             Rounded::Sheet(sheet, _) => sheet.edges(),
             Rounded::Union(union) => union.edges(),
         }
@@ -299,15 +327,15 @@ impl Shape {
         }
     }
 
-    /// The shape as other bodies touch it; `None` for a superquadric, which has no corners. Edges of a box are rounded as [`Cuboid::rounded`] says.
-    pub fn rounded(&self) -> Option<Rounded> {
+    /// The shape as other bodies touch it. Edges of a box are rounded as [`Cuboid::rounded`] says.
+    pub fn rounded(&self) -> Rounded {
         match self {
-            Shape::Box(s) => Some(Rounded::Hull(s.rounded())),
-            Shape::Polyhedron(s) => Some(Rounded::Hull(s.rounded_hull().clone())),
-            Shape::Polygon(s) => Some(Rounded::Ring(s.rounded_ring().clone())),
-            Shape::Mesh(s) => Some(Rounded::Sheet(s.clone(), s.corners())),
-            Shape::Compound(s) => Some(Rounded::Union(s.rounded_union().clone())),
-            Shape::Superquadric(_) => None,
+            Shape::Box(s) => Rounded::Hull(s.rounded()),
+            Shape::Polyhedron(s) => Rounded::Hull(s.rounded_hull().clone()),
+            Shape::Polygon(s) => Rounded::Ring(s.rounded_ring().clone()),
+            Shape::Mesh(s) => Rounded::Sheet(s.clone(), s.corners()),
+            Shape::Compound(s) => Rounded::Union(s.rounded_union().clone()),
+            Shape::Superquadric(s) => Rounded::Smooth(Smooth::of(*s)),
         }
     }
 

@@ -15,7 +15,7 @@ impl Shape {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let solid = self.solid();
         match self.rounded() {
-            Some(Rounded::Hull(hull)) => {
+            Rounded::Hull(hull) => {
                 let edges = hull.edges().into_iter().map(|(ends, _)| {
                     let [p, q] = ends.map(|k| hull.corners[k as usize]);
                     less(p, q)
@@ -24,7 +24,7 @@ impl Shape {
                 let holes = edges.chain(faces).chain(axes).map(|along| hole(&hull.corners, along));
                 holes.fold(f64::INFINITY, f64::min) + 2.0 * hull.rounding
             }
-            Some(Rounded::Ring(ring)) => {
+            Rounded::Ring(ring) => {
                 let across = |k: usize| {
                     let [x, y, _] = less(ring.corners[(k + 1) % ring.corners.len()], ring.corners[k]);
                     let length = (x * x + y * y).sqrt();
@@ -32,8 +32,8 @@ impl Shape {
                 };
                 (0..ring.corners.len()).map(across).fold(f64::INFINITY, f64::min) + 2.0 * ring.rounding
             }
-            Some(Rounded::Sheet(..)) => f64::INFINITY,
-            Some(Rounded::Union(_)) | None => {
+            Rounded::Sheet(..) => f64::INFINITY,
+            Rounded::Union(_) | Rounded::Smooth(_) => {
                 let mut extents = axes.map(|axis| extent(solid, axis));
                 extents.sort_by(f64::total_cmp);
                 extents[1]

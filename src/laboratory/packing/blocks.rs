@@ -34,7 +34,7 @@ pub fn pack(blocks: Vec<Block>, [low, high]: [[f64; 3]; 2], flat: bool, rng: &mu
     let widest = reaches.iter().fold(0.0_f64, |a, b| a.max(*b));
     let start = (filled / (LOOSE * volume)).powf(1.0 / axes as f64).max(2.5 * widest / least).max(1.0);
     let mut all = scatter(blocks, &reaches, box_times(start), axes, rng).ok_or(f64::INFINITY)?;
-    let edge = all.blocks.iter().filter_map(|b| b.shape.rounded()).map(|r| r.rounding()).fold(f64::INFINITY, f64::min);
+    let edge = all.blocks.iter().map(|b| b.shape.rounded().rounding()).fold(f64::INFINITY, f64::min);
     // equal factors, so that no side goes further in a step than bodies may overlap
     let longest = size[..axes].iter().fold(0.0_f64, |a, b| a.max(*b));
     let steps = (start.ln() * 0.5 * longest * start / (WAY * edge)).ceil().max(1.0);

@@ -197,7 +197,7 @@ mod tests {
             let mut seen = [f64::INFINITY, 0.0];
             for _ in 0..40 {
                 let shape = shapes.draw(&mut rng).expect("a shape");
-                let (diameter, rounded) = (2.0 * shape.radius(), shape.rounded().expect("corners"));
+                let (diameter, rounded) = (2.0 * shape.radius(), shape.rounded());
                 assert!((0.0099..=0.0301).contains(&diameter), "{diameter}");
                 assert!((rounded.rounding() / diameter / 0.05 - 1.0).abs() < 0.01, "{} of {diameter}", rounded.rounding());
                 let [least, most] = corners.map(|n| n as usize);
@@ -224,7 +224,7 @@ mod tests {
             let mut seen = [0; 2];
             for _ in 0..200 {
                 let shape = shapes.draw(&mut rng).expect("a shape");
-                let rounded = shape.rounded().expect("corners");
+                let rounded = shape.rounded();
                 assert!((2.0 * shape.radius() / 0.02 - 1.0).abs() < 0.01 && (rounded.rounding() - 1e-3).abs() < 1e-12);
                 seen[counts.iter().position(|n| *n == rounded.corners().len()).expect("an outline")] += 1;
             }
