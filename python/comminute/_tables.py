@@ -56,8 +56,15 @@ def _pandas(*, required: bool) -> Any:
 
 
 def _frame(path: Path, pandas: Any) -> Any:
+    # from 3.1 on every number is read to the last bit, and saying so is deprecated
+    exact = {} if _version(pandas) >= (3, 1) else {"float_precision": "round_trip"}
     # only an empty cell is missing: `None` and `NA` are names that a material may have
-    return pandas.read_csv(path, comment="#", float_precision="round_trip", keep_default_na=False, na_values=[""])
+    return pandas.read_csv(path, comment="#", keep_default_na=False, na_values=[""], **exact)
+
+
+def _version(package: Any) -> tuple[int, int]:
+    major, minor = str(package.__version__).split(".")[:2]
+    return int(major), int(minor)
 
 
 def _array(path: Path) -> Table:
