@@ -85,6 +85,7 @@
 //! | [`campaign`], [`reproduce`], [`study`] | many runs; a paper's runs beside what was published; what a choice costs |
 //! | [`verify`], [`mod@bench`], [`point_test`] | closed forms, speed, a law at one material point |
 //! | [`figure`], [`table`] | figures from records; tables |
+//! | [`host`], [`interrupt`] | how a program that makes runs inside itself stops them and is told their progress; Ctrl-C |
 //!
 //! Whole runs install a handler for Ctrl-C ([`interrupt`]) and use a thread pool of their own ([`in_pool`](run::in_pool));
 //! stepping does neither. Results do not depend on threads, to the bit.
@@ -97,7 +98,7 @@ pub use engine::gpu;
 pub use engine::{
     boundary, breakage, contact, coupling, dem, grains, material, math, mpm, neighbours, parameter, point_contacts, rigid, shape,
 };
-pub use laboratory::{error, gradation, interrupt, machine, model, packing, record, rig, run, scene, testing};
+pub use laboratory::{error, gradation, host, interrupt, machine, model, packing, record, rig, run, scene, testing};
 pub use plot as figure;
 pub use table;
 

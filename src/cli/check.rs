@@ -1,11 +1,10 @@
 //! `comminute check SCENE`
 
 use super::{Overrides, print};
-use comminute::error::{Error, Result};
+use comminute::error::Result;
 use comminute::machine::Pace;
 use comminute::model::{Model, Rig};
-use comminute::scene::{self, Estimate, Scene};
-use serde_json::json;
+use comminute::scene::{self, Checked, Estimate, Scene};
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -58,30 +57,9 @@ pub fn call(args: &Args) -> Result<()> {
         _ => return print(scene::key_reference().trim_end()),
     };
     let scene = args.overrides.load(path)?;
-    let mut model = scene::outline(&scene)?;
-    let reach = if args.range { scene::measured_reach(&model)? } else { scene::sure_reach(&scene, &model, false) };
-    if args.range && reach.is_none() {
-        let what = "has to be \"auto\", of an oedometer or a triaxial test, for a range to be measured";
-        return Err(Error::input(path.display(), "preparation.growth_friction", None, what));
-    }
-    if let Some(reach) = &reach {
-        scene::within_reach(&scene, &model, reach)?;
-        reach.settle(&mut model);
-    }
-    let mut estimate = scene::estimate(&model, pace(args)?);
-    let made = reach.as_ref().filter(|_| !scene::is_given_its_specimen(&scene));
-    estimate.warnings.extend(made.and_then(|r| scene::doubt(&model, r)));
-    estimate.void_ratio_range = reach;
-    if scene::is_given_its_specimen(&scene) {
-        estimate.seconds -= std::mem::take(&mut estimate.preparation_seconds);
-    }
-    let out = scene.default_out();
-    let free = comminute::machine::free_memory();
-    let short = scene::fits(&scene, &model, free).err().map(|e| e.to_string()).or_else(|| scene::crowded(&estimate, free));
-    let disk = comminute::machine::free_disk(&out).and_then(|free| scene::lacking(&model, &estimate, free as f64));
-    estimate.warnings.extend(short.into_iter().chain(disk));
+    let Checked { model, estimate } = scene::check(&scene, args.range, || pace(args))?;
     if args.json {
-        print(&as_json(&scene, &model, &estimate))?;
+        print(&format!("{:#}", scene::in_json(&scene, &model, &estimate)))?;
     } else if !args.quiet {
         eprint!("{}", as_text(&scene, &model, &estimate));
     }
@@ -99,22 +77,6 @@ fn pace(args: &Args) -> Result<Option<Pace>> {
     let pace = comminute::bench::yardstick()?;
     pace.keep();
     Ok(Some(pace))
-}
-
-fn as_json(scene: &Scene, model: &Model, estimate: &Estimate) -> String {
-    let object = json!({
-        "scene": model.name,
-        "description": scene.description(),
-        "out": scene.default_out(),
-        "materials": model.physics.materials.iter().map(|m| &m.name).collect::<Vec<_>>(),
-        "crushing": model.physics.crush.is_some(),
-        "seed": model.seeds,
-        "estimate": estimate,
-        "assumed": scene::assumptions(scene),
-        "decisions": scene::decisions(scene),
-        "accuracy": model.accuracy.map(|level| json!({ "level": level.word, "promise": level.promise, "sets": scene::set_by_accuracy(scene) })),
-    });
-    format!("{object:#}")
 }
 
 fn as_text(scene: &Scene, model: &Model, estimate: &Estimate) -> String {

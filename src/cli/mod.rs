@@ -200,12 +200,7 @@ pub fn print(text: &str) -> Result<()> {
 /// Draws the figures of a run if the scene asks for them, and prints its results, its warnings and
 /// its folder.
 pub fn close(mut outcome: comminute::run::Outcome, quiet: bool, json: bool) -> Result<()> {
-    let mut figures = Vec::new();
-    if outcome.draw {
-        let started = std::time::Instant::now();
-        figures = comminute::figure::draw_run(&outcome.out)?;
-        outcome.drawn(started.elapsed().as_secs_f64())?;
-    }
+    let figures = comminute::figure::complete(&mut outcome)?;
     if json {
         let text = serde_json::to_string_pretty(&outcome.summary).unwrap_or_default();
         print(&text)?;

@@ -1,11 +1,9 @@
 //! `comminute run SCENE`
 
 use super::Overrides;
-use comminute::error::{Error, Result};
-use comminute::rig::preparation::range::void_ratio;
-use comminute::run::{Backend, Found, Outcome, ResumeOptions, RunRequest, choose, in_pool, look, occupied, resume, run, settle};
-use comminute::scene;
-use std::path::{Path, PathBuf};
+use comminute::error::Result;
+use comminute::run::{SceneOptions, Word, run_scene};
+use std::path::PathBuf;
 
 /// Run a scene and draw its figures
 #[derive(Debug, clap::Args)]
@@ -62,86 +60,19 @@ pub fn call(mut args: Args) -> Result<()> {
         args.overrides.sets.push(format!("specimen.file={:?}", specimen.display().to_string()));
     }
     let scene = args.overrides.load(&args.scene)?;
-    let mut model = scene::model(&scene)?;
-    let out = args.out.unwrap_or_else(|| scene.default_out());
-    if args.left {
-        let found = look(&out, &scene, &model)?;
-        let options = ResumeOptions {
-            threads: args.threads.map(usize::from),
-            quiet: args.quiet,
-            json: args.json,
-            stop_after: args.stop_after,
-            backend: args.backend.map(Into::into),
-        };
-        match found {
-            Found::Finished(summary) => return super::close(Outcome { summary, out, draw: false }, args.quiet, args.json),
-            Found::Undrawn(summary) => return super::close(Outcome { summary, out, draw: true }, args.quiet, args.json),
-            Found::Unfinished => return super::close(resume(&out, options)?, args.quiet, args.json),
-            Found::Busy => return Err(Error::Busy { path: out }),
-            Found::Other(what) if !args.force => return Err(Error::Other { path: out, what }),
-            Found::Broken | Found::Other(_) => args.force = true,
-            Found::Nothing => {}
-        }
-    }
-    free(&out, args.force)?;
-    let outline = scene::outline(&scene)?;
-    let estimate = scene::estimate(&outline, None);
-    scene::enough_disk(&outline, &estimate, &out)?;
-    drop(outline);
-    let backend = choose(args.backend.map_or_else(Backend::default, Into::into), &model)?;
-    if !args.quiet {
-        if let Some(why) = &backend.why {
-            eprintln!("backend {}: {why}", backend.name());
-        }
-        let crowded = scene::crowded(&estimate, comminute::machine::free_memory());
-        for warning in estimate.warnings.iter().chain(&crowded) {
-            eprintln!("warning: {warning}");
-        }
-    }
-    let threads = args.threads.map(usize::from);
-    if !args.quiet && !scene::is_given_its_specimen(&scene) {
-        scene::reach(&model).and_then(|reach| scene::doubt(&model, &reach)).iter().for_each(|doubt| eprintln!("{doubt}"));
-    }
-    let reach = in_pool(threads, || Ok(scene::sure_reach(&scene, &model, true)))?;
-    if let (Some(reach), None) = (reach, scene.specimen()) {
-        scene::within_reach(&scene, &model, &reach)?;
-        reach.settle(&mut model);
-        let density = model.rig.specimen().and_then(|rig| rig.relative_density);
-        if let (Some(density), false) = (density, args.quiet) {
-            let measuring = if reach.measured { "" } else { " (measured now, once for these grains)" };
-            eprintln!("relative density {density}: a share of the range of void ratios{measuring}");
-        }
-        if let (Some(range), false) = (settle(&mut model, threads)?, args.quiet) {
-            let n = model.rig.specimen().map_or(f64::NAN, |rig| rig.porosity);
-            let [e, dense, loose] = [n, range.densest, range.loosest].map(void_ratio);
-            eprintln!("void ratio {e:.3}, between {dense:.3} and {loose:.3} (measured)");
-        }
-    }
-    let outcome = run(RunRequest {
-        model,
-        scene_resolved: scene::resolved(&scene),
-        out,
+    let options = SceneOptions {
+        out: args.out,
+        threads: args.threads.map(usize::from),
+        backend: args.backend.map(Into::into),
         force: args.force,
-        threads,
-        specimen: scene.specimen(),
+        left: args.left,
+        stop_after: args.stop_after,
         quiet: args.quiet,
         json: args.json,
-        stop_after: args.stop_after,
-        backend,
+    };
+    let outcome = run_scene(&scene, options, &mut |word| match word {
+        Word::Note(note) => eprintln!("{note}"),
+        Word::Warning(warning) => eprintln!("warning: {warning}"),
     })?;
     super::close(outcome, args.quiet, args.json)
-}
-
-/// Refuses a folder that holds anything but the message of a run that failed, unless `force`.
-fn free(out: &Path, force: bool) -> Result<()> {
-    if out.is_file() {
-        let message = "is a file; --out needs a folder";
-        return Err(Error::input(out.display(), "", None, message));
-    }
-    match std::fs::read_dir(out) {
-        Ok(_) if occupied(out) && !force => Err(Error::Exists { path: out.into() }),
-        Ok(_) => Ok(()),
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        Err(source) => Err(Error::Read { path: out.into(), source }),
-    }
 }

@@ -1,5 +1,6 @@
 //! A user's wish to stop the program: Ctrl-C and SIGTERM set a flag that the loops of runs read.
 
+use crate::host;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -7,9 +8,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Installs a handler for Ctrl-C and SIGTERM that sets the flag of [`stop_asked`]. A handler that the program has installed
-/// before stays; the flag is then never set.
+/// before stays; the flag is then never set. Within a [`host`], which answers signals by itself, no handler is installed.
 pub fn listen() {
     static ONCE: Once = Once::new();
+    if host::current().is_some() {
+        return;
+    }
     // an error means that the program has a handler of its own
     ONCE.call_once(|| {
         let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
@@ -29,7 +33,7 @@ pub fn outlive_size_limit() {
     }
 }
 
-/// Whether Ctrl-C or SIGTERM has arrived since [`listen`]. A run then writes its checkpoint and stops at the next step.
+/// Whether Ctrl-C or SIGTERM has arrived since [`listen`], or the [`host`] of this thread has asked to stop. A run then writes its checkpoint and stops at the next step.
 pub fn stop_asked() -> bool {
-    STOP.load(Ordering::Relaxed)
+    STOP.load(Ordering::Relaxed) || host::asks_to_stop()
 }

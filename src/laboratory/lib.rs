@@ -6,6 +6,7 @@
 mod cache;
 pub mod error;
 pub mod gradation;
+pub mod host;
 pub mod interrupt;
 pub mod machine;
 pub mod model;

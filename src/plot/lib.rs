@@ -52,7 +52,7 @@ pub use table::Table;
 
 use data::Measured;
 use group::Group;
-use laboratory::run::{DRAWING, DRAWN, FIGURES};
+use laboratory::run::{DRAWING, DRAWN, FIGURES, Outcome};
 use plot::Plot;
 use run::Run;
 use std::path::{Path, PathBuf};
@@ -80,6 +80,21 @@ pub fn draw_run(dir: &Path) -> Result<Vec<PathBuf>> {
         std::fs::rename(from, to).map_err(|e| FigureError::io(to, e))?;
     }
     std::fs::remove_dir(&drawing).map_err(|e| FigureError::io(&drawing, e))?;
+    Ok(files)
+}
+
+/// Draws the figures of a run that has just ended, if its scene asks for them, and returns the files written; the summary then says how long
+/// that took.
+///
+/// # Errors
+/// As of [`draw_run`]; a summary that cannot be written.
+pub fn complete(outcome: &mut Outcome) -> laboratory::error::Result<Vec<PathBuf>> {
+    if !outcome.draw {
+        return Ok(Vec::new());
+    }
+    let started = std::time::Instant::now();
+    let files = draw_run(&outcome.out)?;
+    outcome.drawn(started.elapsed().as_secs_f64())?;
     Ok(files)
 }
 

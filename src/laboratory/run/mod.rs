@@ -6,11 +6,13 @@ mod continuum;
 mod files;
 mod folder;
 mod grain_crushing;
+mod of_scene;
 mod progress_bar;
 mod summary;
 mod watch;
 
 use crate::error::{Error, Result};
+use crate::host;
 use crate::interrupt::{listen, stop_asked};
 use crate::machine::peak_memory;
 use crate::model::{Model, Rig};
@@ -28,6 +30,7 @@ use engine::grains::Grains;
 use files::Files;
 pub use files::{DRAWING, DRAWN, FIGURES, occupied};
 pub use folder::{Found, Lock, is_at, lock, look};
+pub use of_scene::{SceneOptions, Word, run_scene};
 use progress_bar::Bar;
 pub use progress_bar::human;
 use serde::{Deserialize, Serialize};
@@ -330,7 +333,7 @@ pub fn resume(dir: &Path, options: ResumeOptions) -> Result<Outcome> {
 fn taken_up<T: serde::de::DeserializeOwned>(dir: &Path, check: impl Fn(&T) -> Checked) -> Result<T> {
     let (progress, why) = checkpoint::load(dir, check)?;
     if let Some(why) = why {
-        eprintln!("warning: {why}; the run goes on from the checkpoint before it");
+        host::warn(&format!("{why}; the run goes on from the checkpoint before it"));
     }
     Ok(progress)
 }
@@ -349,7 +352,7 @@ fn never_halfway(stop_after: Option<u64>) -> Result<()> {
 pub const MOST_THREADS: usize = 1024;
 
 /// Runs `job` inside a thread pool of its own with `threads` threads (`None`: one for each core), and makes Ctrl-C a wish to stop
-/// ([`listen`]). The thread that runs `job` is one of the pool's.
+/// ([`listen`]). The thread that runs `job` is one of the pool's, and all of them belong to the [`host`] of the calling one.
 ///
 /// # Errors
 /// More than [`MOST_THREADS`] threads, or threads that cannot be started; the errors of `job`.
@@ -357,8 +360,10 @@ pub fn in_pool<T: Send>(threads: Option<usize>, job: impl FnOnce() -> Result<T> 
     if let Some(many) = threads.filter(|n| *n > MOST_THREADS) {
         return Err(Error::input("run", "threads", Some(many.to_string()), format!("must be at most {MOST_THREADS}")));
     }
+    let host = host::current();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
+        .start_handler(move |_| drop(host::enter(host.clone())))
         .build()
         .map_err(|e| Error::Failed { step: 0, what: format!("cannot start threads: {e}") })?;
     listen();

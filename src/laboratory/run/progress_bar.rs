@@ -1,9 +1,11 @@
-//! Progress on standard error while a run goes on: a bar on a terminal, else a line every 15 seconds.
+//! Progress while a run goes on: on standard error, as a bar on a terminal, else a line every 15 seconds; or to the host of the run.
 
 use super::{Activity, Progress};
+use crate::host::{self, Host};
 use crate::model::{Model, Rig};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Seconds between plain lines when standard error is no terminal, and before the first sign of life.
@@ -12,8 +14,10 @@ const FIRST: Duration = Duration::from_secs(2);
 const REDRAW: Duration = Duration::from_millis(150);
 
 pub struct Bar {
-    /// `None` when quiet.
+    /// `None` when quiet, or where a host is told.
     bar: Option<ProgressBar>,
+    /// The host of the run, which is told instead.
+    host: Option<Arc<Host>>,
     terminal: bool,
     begun: Instant,
     last: Instant,
@@ -23,7 +27,8 @@ pub struct Bar {
 impl Bar {
     pub fn new(quiet: bool) -> Bar {
         let terminal = std::io::stderr().is_terminal();
-        let bar = (!quiet).then(|| {
+        let host = host::current();
+        let bar = (!quiet && host.is_none()).then(|| {
             let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::hidden());
             bar.set_style(
                 ProgressStyle::with_template("{bar:24} {percent:>3}% {msg}").unwrap_or_else(|_| ProgressStyle::default_bar()),
@@ -31,7 +36,7 @@ impl Bar {
             bar
         });
         let now = Instant::now();
-        Bar { bar, terminal, begun: now, last: now, last_steps: 0 }
+        Bar { bar, host, terminal, begun: now, last: now, last_steps: 0 }
     }
 
     pub fn show(&mut self, model: &Model, p: &Progress) {
@@ -75,13 +80,20 @@ impl Bar {
 
     /// Whether something is to be shown now.
     fn due(&self) -> bool {
+        if self.host.is_some() {
+            return self.last.elapsed() >= REDRAW;
+        }
         let pause = if self.terminal { REDRAW } else { PLAIN };
         self.bar.is_some() && self.last.elapsed() >= pause && self.begun.elapsed() >= FIRST
     }
 
     fn draw(&mut self, share: f64, line: String) {
-        let Some(bar) = &self.bar else { return };
         self.last = Instant::now();
+        if let Some(host) = &self.host {
+            host.show(share, line);
+            return;
+        }
+        let Some(bar) = &self.bar else { return };
         if self.terminal {
             bar.set_draw_target(ProgressDrawTarget::stderr());
             bar.set_position((share * 1000.0) as u64);
@@ -93,6 +105,9 @@ impl Bar {
 
     /// A warning while the run goes on; nothing when quiet.
     pub fn warn(&self, text: &str) {
+        if let Some(host) = &self.host {
+            host.warn(text.into());
+        }
         if let Some(bar) = &self.bar {
             bar.suspend(|| eprintln!("warning: {text}"));
         }

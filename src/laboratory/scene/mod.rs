@@ -9,6 +9,7 @@ mod blocks;
 mod bodies;
 mod breakable;
 mod calibrate;
+mod check;
 mod compounds;
 mod continuum;
 mod continuum_estimate;
@@ -45,6 +46,7 @@ mod write;
 
 pub use accuracy::{Level, Promise, set_by_accuracy};
 pub use calibrate::{Calibrated, Prior};
+pub use check::{Checked, check, in_json};
 pub use continuum::{ContinuumMaterial, continuum};
 pub use continuum_estimate::Points;
 pub(crate) use continuum_estimate::wave_step;
@@ -106,6 +108,12 @@ impl Scene {
     /// The prepared specimen that the scene begins with, if it names one.
     pub fn specimen(&self) -> Option<PathBuf> {
         self.layer.table.get("specimen")?.get("file")?.as_str().map(PathBuf::from)
+    }
+
+    /// The value at a dotted key, as in `loading.max_stress_kPa` or `wall[0].friction`, in the unit of the key; every default is there.
+    /// `None` where the scene has no such value.
+    pub fn get(&self, key: &str) -> Option<&Value> {
+        view::View::of(&self.layer).get(key)
     }
 
     fn text(&self, key: &str) -> &str {
