@@ -9,6 +9,8 @@ use ::engine::mpm::{Continuum, Dimension, PlateDrive, Ramp, area, face_share};
 /// Largest lateral strain rate of loading plates under servo over the axial strain rate. A wave time below is the time of a
 /// compression wave through the height of the specimen.
 const LATERAL: f64 = 4.0;
+/// Largest inertial number with which loading plates close on rigid bodies that settle, by the stress that they will bear.
+const CLOSING: f64 = 0.01;
 /// Wave times over which the mean speed of a lateral loading plate is taken.
 const DRIFT: f64 = 4.0;
 /// Wave times in which the axial loading plates take up their speed.
@@ -213,9 +215,11 @@ impl State {
         Ok(())
     }
 
-    /// Motion of a loading plate that holds `target`, Pa.
+    /// Motion of a loading plate that holds `target`, Pa. Rigid bodies that are packed without contact have a long way to go while they settle; their inertial number sets its speed.
     fn servo(&self, s: &MpmSpecimen, target: Ramp) -> PlateDrive {
-        PlateDrive::Stress { target, gain: s.gain, reach: 0.5 * LATERAL * self.rate, memory: DRIFT * self.wave }
+        let at_unit_rate = s.bed.filter(|_| self.phase == Phase::Settle).and_then(|bed| s.inertial_number(1.0, bed.stress));
+        let fastest = at_unit_rate.map_or(LATERAL * self.rate, |number| CLOSING / number);
+        PlateDrive::Stress { target, gain: s.gain, reach: 0.5 * fastest, memory: DRIFT * self.wave }
     }
 
     /// The stress to be held while the specimen settles: it rises to `stress`, Pa. Where the loading plates bear it and nothing moves any more, loading begins; where the friction of
