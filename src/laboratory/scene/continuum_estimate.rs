@@ -29,7 +29,7 @@ const BLOCKS: f64 = 3.0;
 /// points need smaller steps. Measured 6.5 with 1.1 breakages a grain, and 1.5 to 2.1 with one breakage in the middle of the
 /// test.
 const LIGHT: f64 = 5.0;
-/// Time in which rigid bodies that are packed without contact come to rest under their first stress, in times of a wave through the specimen; measured CLOSINGS.
+/// Time in which rigid bodies that are packed without contact come to rest under their first stress, in times of a wave through the specimen.
 const CLOSING: f64 = 100.0;
 /// Stress on the grains over the stress in the points alone under the same strain: grains are stiffer and touch each other.
 /// Measured 4.5 with 60 % of the mass in grains.

@@ -36,6 +36,11 @@ fn radius(rig: &MpmTest, s: &MpmSpecimen) -> f64 {
     ghost_radius(rig.settings.dimension, (1.0 - s.porosity) * volume)
 }
 
+/// Strain rate, 1/s, with which loading plates close on rigid bodies that settle; `None` for points.
+fn closing(s: &MpmSpecimen) -> Option<f64> {
+    Some(CLOSING / s.inertial_number(1.0, s.bed?.stress)?)
+}
+
 /// Mean overlap δ of a loading plate's contacts, m, from their force F and their elastic energy 2/5 F δ (Hertz).
 fn mean_overlap(p: &LoadingPlate) -> f64 {
     if p.reaction > 0.0 { p.stored / (0.4 * p.reaction) } else { 0.0 }
@@ -217,8 +222,8 @@ impl State {
 
     /// Motion of a loading plate that holds `target`, Pa. Rigid bodies that are packed without contact have a long way to go while they settle; their inertial number sets its speed.
     fn servo(&self, s: &MpmSpecimen, target: Ramp) -> PlateDrive {
-        let at_unit_rate = s.bed.filter(|_| self.phase == Phase::Settle).and_then(|bed| s.inertial_number(1.0, bed.stress));
-        let fastest = at_unit_rate.map_or(LATERAL * self.rate, |number| CLOSING / number);
+        let settling = self.phase == Phase::Settle;
+        let fastest = closing(s).filter(|_| settling).unwrap_or(LATERAL * self.rate);
         PlateDrive::Stress { target, gain: s.gain, reach: 0.5 * fastest, memory: DRIFT * self.wave }
     }
 
@@ -250,7 +255,7 @@ impl State {
             } else {
                 (self.phase, self.phase_time, self.extents) = (Phase::Load, 0.0, self.extents_now(rig));
             }
-        } else if self.phase_time > rise + PATIENCE * self.wave {
+        } else if self.phase_time > rise + PATIENCE * self.wave + closing(s).map_or(0.0, |rate| 1.0 / rate) {
             let stresses: Vec<String> = sides.iter().map(|s| format!("{:.2}", 1e-3 * s)).collect();
             let of_bodies = if s.bed.is_some() {
                 format!(", and the mean resultant on a body is {unbalanced:.4} of a contact's force, where {UNBALANCED} is rest")
