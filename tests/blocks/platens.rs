@@ -142,6 +142,23 @@ fn rocks_in_a_triaxial_test_bear_what_their_contacts_do() {
     assert!(dense < loose - 0.02, "{dense} {loose}");
 }
 
+/// Contacts of Hertz's law know no length: a test of bodies of twice the size takes twice the time and gives the same stresses and strains.
+#[test]
+fn a_test_of_twice_the_size_gives_the_same_stresses() {
+    let folder = tempfile::tempdir().expect("folder");
+    let short = TRIAXIAL.replace("axial_strain = 0.05", "axial_strain = 0.02");
+    let large = short.replace("[20.0, 26.0]", "[40.0, 52.0]").replace("[70.0, 70.0, 90.0]", "[140.0, 140.0, 180.0]");
+    let names = ["axial_strain", "sigma_1_kPa", "sigma_3_kPa", "void_ratio", "coordination_number"];
+    let [small, large] =
+        [("small", &short), ("large", &large)].map(|(name, text)| run(folder.path(), text, name, &["--threads", "1"]));
+    let [a, b] = [&small, &large].map(|out| columns(out, names));
+    assert_eq!(a.len(), b.len());
+    let off = a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| (x - y).abs() / (1.0 + x.abs())).fold(0.0, f64::max);
+    assert!(off < 1e-6, "{off}");
+    let [t, twice] = [&small, &large].map(|out| number(&summary(out), "time_s"));
+    assert!((twice / t - 2.0).abs() < 1e-9, "{t} {twice}");
+}
+
 #[test]
 fn pentagons_in_a_biaxial_test_bear_what_their_contacts_do() {
     let folder = tempfile::tempdir().expect("folder");

@@ -195,7 +195,7 @@ fn grains_that_cannot_break_are_told() {
 #[test]
 fn mixtures_that_cannot_be_are_refused() {
     for (set, says) in [
-        ("grid.plane_strain=true", "its grains are spheres"),
+        ("grid.plane_strain=true", "must be false beside [coarse], which makes spheres"),
         ("coarse.mass_fraction=0.9", "cannot be placed at random"),
         ("coarse.material=gravel", "is no material of the scene"),
         ("stepping.inertia_scaling=true", "a continuum moves in time"),
