@@ -197,12 +197,22 @@ fn what_new_writes_is_valid_and_runs_and_the_dictionary_has_every_column() {
     );
     columns.look(&points, "oedometer");
     // what no template has: platens, rigid bodies, broken and joined ones, fines from crushing, undrained, one-dimensional and free continua
-    let more: [(&str, &str, &[&str]); 8] = [
+    let more: [(&str, &str, &[&str]); 9] = [
         ("platen", "experiments/platen/silica.toml", &["batch.grains=3", "batch.diameters_mm=[2.0]"]),
         ("mixture", "experiments/mixture/sliding_box.toml", &["duration_s=0.002"]),
         ("mixture", "experiments/blocks/crushed_cube.toml", &[]),
         ("mixture", "experiments/blocks/glued_wall.toml", &["duration_s=0.001"]),
         ("mixture", "mixture/scene.toml", &["test.axial_strain=0.001", "crushing.lost_mass=points", "records.account=true"]),
+        (
+            "mixture",
+            "experiments/blocks/biaxial.toml",
+            &[
+                "test.axial_strain=0.0005",
+                "test.strain_per_wave=0.002",
+                "block_set[0].count=12",
+                "block_set[0].max_mm=[35.0, 40.0, 0.0]",
+            ],
+        ),
         ("continuum", "continuum/scene.toml", &["test.axial_strain=0.001", "test.drainage=constant_volume"]),
         ("continuum", "experiments/mpm/oedometer.toml", &["test.axial_strain=0.001"]),
         (
