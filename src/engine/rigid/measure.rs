@@ -104,21 +104,31 @@ impl Blocks {
         sums
     }
 
-    /// Force, N, of points, of grains, of walls and of other bodies on body `block`.
-    pub fn forces(&self, block: usize) -> [[f64; 3]; 4] {
-        let mut sums = [[0.0; 3]; 4];
+    /// Force, N, of points, of grains, of walls and of other bodies on each body.
+    pub fn all_forces(&self) -> Vec<[[f64; 3]; 4]> {
+        let mut sums = vec![[[0.0; 3]; 4]; self.blocks.len()];
+        let mut add = |body: u32, kind: usize, force| {
+            let sum = &mut sums[body as usize][kind];
+            *sum = plus(*sum, force);
+        };
         for c in self.touching() {
-            let (k, sign) = match c.other {
-                Other::Block { block: second, .. } if second as usize == block => (3, -1.0),
-                _ if c.block as usize != block => continue,
-                Other::Point(_) => (0, 1.0),
-                Other::Grain(_) => (1, 1.0),
-                Other::Wall { .. } => (2, 1.0),
-                Other::Block { .. } => (3, 1.0),
-            };
-            sums[k] = plus(sums[k], scaled(c.force(), sign));
+            let force = c.force();
+            match c.other {
+                Other::Point(_) => add(c.block, 0, force),
+                Other::Grain(_) => add(c.block, 1, force),
+                Other::Wall { .. } => add(c.block, 2, force),
+                Other::Block { block, .. } => {
+                    add(c.block, 3, force);
+                    add(block, 3, scaled(force, -1.0));
+                }
+            }
         }
         sums
+    }
+
+    /// Force, N, of points, of grains, of walls and of other bodies on body `block`; for many bodies [`Self::all_forces`].
+    pub fn forces(&self, block: usize) -> [[f64; 3]; 4] {
+        self.all_forces()[block]
     }
 
     /// Calls `add` for each contact that touches with whether its other side is a point, the force on the body, N, and the vector from the body's centre to that of the other side, m: to

@@ -66,6 +66,8 @@ pub struct CoarseGrains {
     pub grains: Vec<GrainSpec>,
     /// The rigid bodies that are no spheres, at the start.
     pub blocks: Vec<Block>,
+    /// Volume of those that have a mass, m³ (m² in plane strain); breakages keep it as they keep the mass.
+    pub block_volume: f64,
     /// What is done to each of these bodies from outside.
     pub programmes: Vec<Programme>,
     /// The joints between them.
@@ -82,13 +84,6 @@ pub struct CoarseGrains {
     pub faces: bool,
     /// Radius with which points touch rigid bodies that are no spheres, m; `None`: that of their ghosts.
     pub point_radius: Option<f64>,
-}
-
-impl CoarseGrains {
-    /// Volume of the rigid bodies that have a mass, m³ (m² in plane strain); breakages keep it as they keep the mass.
-    pub fn solid_of_blocks(&self) -> f64 {
-        self.blocks.iter().filter(|b| b.mass > 0.0).map(|b| b.solid().bulk().volume).sum()
-    }
 }
 
 /// A specimen grown by volume expansion (Li et al. 2023, section 4.1).

@@ -35,6 +35,7 @@ fn generation(blocks: &Blocks, k: usize) -> Option<u64> {
 
 /// A row of [`TRACKS`] for each body at step `step` and time `time`, s, under `gravity`, m/s².
 pub fn rows(blocks: &Blocks, gravity: [f64; 3], step: u64, time: f64) -> impl Iterator<Item = Row> {
+    let forces = blocks.all_forces();
     blocks.blocks.iter().enumerate().map(move |(k, b)| {
         let ([x, y, z], [u, v, w], [p, q, r], [a, i, j, l]) = (b.centre, b.velocity, b.spin(), b.turn);
         let mut row: Row = vec![("step", step.into()), ("time_s", time.into()), ("block", k.into())];
@@ -61,7 +62,7 @@ pub fn rows(blocks: &Blocks, gravity: [f64; 3], step: u64, time: f64) -> impl It
             ["walls_x_N", "walls_y_N", "walls_z_N"],
             ["blocks_x_N", "blocks_y_N", "blocks_z_N"],
         ];
-        for (names, force) in NAMES.into_iter().zip(blocks.forces(k)) {
+        for (names, force) in NAMES.into_iter().zip(forces[k]) {
             row.extend(names.into_iter().zip(force.map(Into::into)));
         }
         if let Some(drives) = blocks.drives() {

@@ -126,7 +126,20 @@ impl View<'_> {
             "contact.point_radius_mm",
             "has no meaning without both points and a [[block]]",
         );
-        let coarse = CoarseGrains { grains, blocks, programmes, joints, walls, point_materials, rates, fines, faces, point_radius };
+        let block_volume = blocks.iter().filter(|b| b.mass > 0.0).map(|b| b.solid().bulk().volume).sum();
+        let coarse = CoarseGrains {
+            grains,
+            blocks,
+            block_volume,
+            programmes,
+            joints,
+            walls,
+            point_materials,
+            rates,
+            fines,
+            faces,
+            point_radius,
+        };
         self.blocks_have_room(&rig, &coarse);
         self.grains_have_room(&rig, &coarse.grains);
         rig.coarse = Some(coarse);

@@ -258,7 +258,7 @@ impl State {
             // pieces keep the mass of their body, and so its volume of solids
             let bodies = m.blocks.as_ref().map_or(0, |b| b.blocks.len());
             let body_mass = m.blocks.as_ref().map_or(0.0, |b| b.mass_and_momentum().0);
-            let of_bodies: f64 = rig.coarse.as_ref().map_or(0.0, |c| c.solid_of_blocks());
+            let of_bodies = rig.coarse.as_ref().map_or(0.0, |c| c.block_volume);
             let box_volume = match rig.specimen() {
                 Some(s) => s.fullness() * self.extents_now(rig).iter().product::<f64>(),
                 None => totals.volume + volume + of_bodies,
