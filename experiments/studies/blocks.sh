@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The runs and figures of figures/blocks: towers, arches and rocks of rigid bodies, a silo (Jiang et al. 2020), and a box
-# that rests on another for 10⁷ steps, rocks that break, and bodies between platens. A quarter of an hour on two slow cores. From the repository root: experiments/studies/blocks.sh [FOLDER]
+# that rests on another for 10⁷ steps, rocks that break, and bodies between platens. Forty minutes on two slow cores, half of them for the oedometer. From the repository root: experiments/studies/blocks.sh [FOLDER]
 set -eu
 out=${1:-runs/blocks}
 program=${COMMINUTE:-target/release/comminute}

@@ -170,7 +170,7 @@ pub fn estimate(model: &Model, rig: &MpmTest, pace: Option<Pace>) -> Estimate {
         continuum: Some(Points {
             points,
             grows: rig.growth.is_some(),
-            without_breakages: model.physics.crush.is_some() && rig.specimen().is_none(),
+            without_breakages: model.physics.crush.is_some() && rig.specimen().is_none_or(|s| s.bed.is_some()),
             cells: rig.settings.cells,
             points_per_cell: rig.per_edge.pow(d as u32),
             blocks: rig.coarse.iter().flat_map(|c| (0..c.blocks.len()).map(|k| block_in_words(model, c, k))).collect(),
