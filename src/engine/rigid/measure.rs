@@ -174,19 +174,10 @@ impl Blocks {
 
     /// Mean resultant of the contacts of a body over the mean force of a contact, -; small is near equilibrium. 0 without contacts. What drives and pushes bodies does not count.
     pub fn unbalanced_ratio(&self) -> f64 {
-        let mut resultants = vec![[0.0; 3]; self.blocks.len()];
-        let (mut sum, mut count) = (0.0, 0.0);
-        for c in self.touching() {
-            let force = c.force();
-            let own = &mut resultants[c.block as usize];
-            *own = plus(*own, force);
-            if let Other::Block { block, .. } = c.other {
-                let other = &mut resultants[block as usize];
-                *other = less(*other, force);
-            }
-            (sum, count) = (sum + dot(force, force).sqrt(), count + 1.0);
-        }
-        let mean: f64 = resultants.iter().map(|f| dot(*f, *f).sqrt()).sum::<f64>() / self.blocks.len().max(1) as f64;
+        let length = |f: [f64; 3]| dot(f, f).sqrt();
+        let resultants = self.all_forces().into_iter().map(|parts| length(parts.into_iter().fold([0.0; 3], plus)));
+        let mean = resultants.sum::<f64>() / self.blocks.len().max(1) as f64;
+        let (sum, count) = self.touching().fold((0.0, 0.0), |(sum, count), c| (sum + length(c.force()), count + 1.0));
         if sum > 0.0 { mean / (sum / count) } else { 0.0 }
     }
 }

@@ -174,21 +174,18 @@ impl Recorder {
             }
         }
         self.remember(rig, state.phase, &m);
-        if self.under_way(rig, state.phase) {
-            let p = m.p(rig.settings.dimension == Dimension::PlaneStrain);
-            if let Some(number) = rig.specimen().and_then(|s| s.inertial_number(state.strain_rate(rig), p)) {
-                self.inertial[1] = if number.is_finite() { self.inertial[1].max(number) } else { self.inertial[1] };
-            }
-            if rig.points_inertia != 1.0 {
-                self.note_inertia(rig, state, p);
-            }
+        let bed = rig.specimen().is_some_and(|s| s.bed.is_some());
+        if (bed || rig.points_inertia != 1.0) && self.under_way(rig, state.phase) {
+            self.note_inertia(rig, state, m.p(rig.settings.dimension == Dimension::PlaneStrain));
         }
         row
     }
 
     /// Keeps the largest inertial numbers; `p` is the mean stress, Pa.
     fn note_inertia(&mut self, rig: &MpmTest, state: &State, p: f64) {
-        let coarse = state.mixture.as_ref().and_then(|m| {
+        let of_bed = rig.specimen().and_then(|s| s.inertial_number(1.0, 1.0));
+        let coarse = of_bed.or_else(|| {
+            let m = state.mixture.as_ref()?;
             let g = &m.grains.grains;
             let grains = g.by_id().into_iter().map(|i| i as usize).map(|i| [2.0 * g.radius(i), g.mass[i]]);
             let blocks = m.blocks.iter().flat_map(|b| &b.blocks).map(|b| [2.0 * b.radius, b.mass]);

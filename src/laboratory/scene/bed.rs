@@ -79,7 +79,7 @@ impl View<'_> {
         let Some(bed) = &mut specimen.bed else { return Some(()) };
         let room: f64 = specimen.size.iter().product();
         let sums = blocks.iter().fold([0.0; 3], |[mass, volume, weighted], b| {
-            let v = b.solid().bulk().volume;
+            let v = solid_volume(b, materials);
             [mass + b.mass, volume + v, weighted + v * 2.0 * b.radius]
         });
         let [mass, volume, weighted] = sums;
@@ -90,6 +90,11 @@ impl View<'_> {
         bed.modulus = lattice_modulus(self.law(), material, bed.diameter, bed.stress, dimension);
         Some(())
     }
+}
+
+/// Volume of a body that has a mass, m³ (m² in plane strain); 0 of a mesh.
+pub fn solid_volume(block: &Block, materials: &[Material]) -> f64 {
+    block.mass / materials[usize::from(block.material)].density
 }
 
 /// Key of the stress under which bodies come to rest in an oedometer.

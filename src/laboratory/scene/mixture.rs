@@ -1,5 +1,6 @@
 //! Makes the model of a mixture from its keys: the continuum, and the grains in it.
 
+use super::bed::solid_volume;
 use super::block_sets::make_room;
 use super::material::Named;
 use super::view::View;
@@ -126,7 +127,7 @@ impl View<'_> {
             "contact.point_radius_mm",
             "has no meaning without both points and a [[block]]",
         );
-        let block_volume = blocks.iter().filter(|b| b.mass > 0.0).map(|b| b.solid().bulk().volume).sum();
+        let block_volume = blocks.iter().map(|b| solid_volume(b, materials)).sum();
         let coarse = CoarseGrains {
             grains,
             blocks,
